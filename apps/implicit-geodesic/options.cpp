@@ -1,0 +1,157 @@
+#include "options.h"
+
+#include <igeo/version.h>
+#include <CLI/CLI.hpp>
+
+#include <iostream>
+
+namespace {
+
+const char* const kExamples = R"(
+Examples:
+  implicit-geodesic --sdf data/trefoil.vdb --seed 1.5,0,0
+      distances along the surface, in trefoil_geodesic.vdb
+  implicit-geodesic --sdf data/sphere.vdb --seed 0.5,0.5,0.9 --target 0.5,0.5,0.1 --paths path.json
+      the geodesic between two points; its length is printed and in path.json
+  implicit-geodesic --sdf data/torus.vdb --seeds seeds.csv --max-distance 0.2 -o near.vdb --json -
+      distances up to 0.2 from the nearest of many seeds; the report goes to stdout
+
+Exit codes: 0 done, 1 failed, 2 wrong usage, 3 unusable input or output,
+4 done but a target is unreached, 130 interrupted.)";
+
+void addOptions(CLI::App& app, Options& o) {
+    app.add_option("--sdf", o.sdf,
+                   "Level set to walk on: a .vdb file, its grid if it holds several; - reads stdin")
+        ->type_name("FILE[:GRID]")
+        ->required()
+        ->group("Surface");
+
+    auto* band =
+        app.add_option("--band", o.band,
+                       "Half-width h of the band |psi| < h, world units; at least sqrt(3) "
+                       "voxels, less than the smallest radius of curvature [from curvature]")
+            ->type_name("H")
+            ->check(CLI::PositiveNumber)
+            ->group("Band");
+    app.add_option("--band-voxels", o.bandVoxels, "The same in voxels")
+        ->type_name("N")
+        ->check(CLI::PositiveNumber)
+        ->excludes(band)
+        ->group("Band");
+
+    const char* seeds = "Seeds and targets";
+    app.add_option("--seed", o.seeds, "Where the distance is 0; repeat for several")
+        ->type_name("X,Y,Z")
+        ->take_all()
+        ->group(seeds);
+    app.add_option("--seeds", o.seedFile,
+                   "Seeds from a .json or .csv file: x,y,z and, if given, a start distance")
+        ->type_name("FILE")
+        ->group(seeds);
+    app.add_option("--target", o.targets, "Where a geodesic to the nearest seed starts; repeatable")
+        ->type_name("X,Y,Z")
+        ->take_all()
+        ->group(seeds);
+    app.add_option("--targets", o.targetFile, "Targets from a .json or .csv file")
+        ->type_name("FILE")
+        ->group(seeds);
+    app.add_option_function<std::string>(
+           "--space", [&o](const std::string& s) { o.indexSpace = s == "index"; },
+           "Space of seeds and targets: world or index [world]")
+        ->type_name("SPACE")
+        ->check(CLI::IsMember({"world", "index"}))
+        ->group(seeds);
+    app.add_option("--snap", o.snap,
+                   "How far a seed or target may be from the surface, world units [the half-width "
+                   "of the level set]")
+        ->type_name("D")
+        ->check(CLI::NonNegativeNumber)
+        ->group(seeds);
+    app.add_flag("--stop-at-targets", o.stopAtTargets, "Stop once all targets are reached")
+        ->group(seeds);
+    app.add_option("--max-distance", o.maxDistance, "Stop beyond this distance, world units")
+        ->type_name("D")
+        ->check(CLI::PositiveNumber)
+        ->group(seeds);
+
+    app.add_option("--scheme", o.scheme, "How to solve: godunov (Memoli & Sapiro 2001) [godunov]")
+        ->type_name("NAME")
+        ->check(CLI::IsMember({"godunov"}))
+        ->group("Scheme");
+    app.add_option("--order", o.order, "Order of godunov's differences, 1 or 2 [2]")
+        ->type_name("N")
+        ->check(CLI::Range(1, 2))
+        ->group("Scheme");
+
+    const char* results = "Results";
+    app.add_option("-o,--output", o.output,
+                   "Distances as a VDB file; - writes to stdout [<sdf>_geodesic.vdb, here]")
+        ->type_name("FILE.vdb")
+        ->group(results);
+    app.add_option("--with", o.with,
+                   "More grids in the output: surface (psi, first), gradient (of the distance)")
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"surface", "gradient"}))
+        ->group(results);
+    app.add_option("--name", o.name, "Name of the distance grid [<psi>_geodesic]")
+        ->type_name("GRID")
+        ->group(results);
+    app.add_option("--paths", o.paths,
+                   "Geodesics from all targets as polylines: .json (docs/geodesics.schema.json) or "
+                   ".obj; - writes JSON to stdout")
+        ->type_name("FILE")
+        ->group(results);
+    app.add_option("--json", o.json,
+                   "Report: parameters, counts, snap distances, timings; - writes to stdout")
+        ->type_name("FILE")
+        ->group(results);
+
+    app.add_option("--threads", o.threads, "Threads; 0 uses all cores [0]")
+        ->type_name("N")
+        ->check(CLI::Range(0, 4096))
+        ->group("Run");
+    app.add_option("--progress", o.progress,
+                   "Progress on stderr: auto (if it is a terminal), always, never [auto]")
+        ->type_name("WHEN")
+        ->check(CLI::IsMember({"auto", "always", "never"}))
+        ->group("Run");
+    app.add_flag("-q,--quiet", o.quiet, "Print errors only")->group("Run");
+    app.add_flag("-v,--verbose", o.verbose, "Print what was found and how long it took")
+        ->group("Run");
+}
+
+/// OpenVDB's tools spell their options with one dash: -help and -version work here as well.
+std::vector<std::string> argumentsOf(int argc, char** argv) {
+    std::vector<std::string> args(argv + 1, argv + argc);
+    for (std::string& a : args)
+        if (a == "-help" || a == "-version") a = "-" + a;
+    std::reverse(args.begin(), args.end());  // CLI11 takes them last first
+    return args;
+}
+
+}  // namespace
+
+ParseResult parseOptions(int argc, char** argv, Options& options) {
+    CLI::App app{
+        "How far is it, and which way, along a surface that is held as a signed-distance volume.\n"
+        "Lengths are in world units of the volume's transform; defaults are in brackets.",
+        "implicit-geodesic"};
+    app.set_help_flag("-h,--help", "Print this help")->group("Run");
+    app.set_version_flag("--version", std::string("implicit-geodesic ") + igeo::kVersion)
+        ->group("Run");
+    app.get_formatter()->column_width(28);
+    app.footer(kExamples);
+    addOptions(app, options);
+    try {
+        app.parse(argumentsOf(argc, argv));
+    } catch (const CLI::Success& e) {
+        app.exit(e);
+        return ParseResult::Done;
+    } catch (const CLI::ParseError& e) {
+        std::cerr << "implicit-geodesic: error: " << e.what() << "\n"
+                  << "  see implicit-geodesic --help\n";
+        return ParseResult::Usage;
+    }
+    return ParseResult::Run;
+}

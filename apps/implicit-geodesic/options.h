@@ -1,0 +1,39 @@
+/// The command line, as asked for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+struct Options {
+    std::string sdf;  ///< FILE[:GRID]
+
+    double band = 0;        ///< world units; 0: default
+    double bandVoxels = 0;  ///< voxels; 0: default
+
+    std::vector<std::string> seeds, targets;  ///< "x,y,z"
+    std::string seedFile, targetFile;
+    bool indexSpace = false;
+    double snap = -1;  ///< world units; < 0: the narrow band
+    bool stopAtTargets = false;
+    double maxDistance = 0;  ///< world units times weight; 0: none
+
+    std::string scheme = "godunov";
+    int order = 2;
+
+    std::string output;  ///< empty: <input>_geodesic.vdb in the current folder
+    std::vector<std::string> with;
+    std::string name;  ///< of the distance grid; empty: <psi>_geodesic
+    std::string paths, json;
+
+    int threads = 0;  ///< 0: all cores
+    std::string progress = "auto";
+    bool quiet = false, verbose = false;
+};
+
+enum class ParseResult {
+    Run,   ///< options are set
+    Done,  ///< help or version was asked for and printed
+    Usage  ///< the command line is wrong, and stderr says how
+};
+
+ParseResult parseOptions(int argc, char** argv, Options& options);

@@ -1,0 +1,324 @@
+#include "run.h"
+
+#include <igeo/atomic_file.h>
+#include <igeo/band_width.h>
+#include <igeo/error.h>
+#include <igeo/field_grids.h>
+#include <igeo/godunov.h>
+#include <igeo/level_set.h>
+#include <igeo/level_set_band.h>
+#include <igeo/parallel.h>
+#include <igeo/point_file.h>
+#include <igeo/report.h>
+#include <igeo/surface_point.h>
+#include <igeo/trace.h>
+#include <igeo/vdb_io.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+
+namespace fs = std::filesystem;
+using igeo::Error;
+
+namespace {
+
+std::string text(const char* pattern, double a, double b = 0, double c = 0) {
+    char buffer[256];
+    std::snprintf(buffer, sizeof buffer, pattern, a, b, c);
+    return buffer;
+}
+
+std::string text(const igeo::Vec3d& p) { return text("%.9g,%.9g,%.9g", p.x, p.y, p.z); }
+
+[[noreturn]] void usageError(const std::string& what, const std::string& remedy) {
+    throw Error(Error::Kind::InvalidArgument, what, remedy);
+}
+
+bool endsWith(const std::string& s, const std::string& end) {
+    return s.size() >= end.size() && s.compare(s.size() - end.size(), end.size(), end) == 0;
+}
+
+/// The current job: what the stages hand on, and what they cost.
+class Job {
+public:
+    Job(const Options& options, Console& console, ConsoleProgress& progress)
+        : options_(options), console_(console), progress_(progress) {}
+    int run();
+
+private:
+    void checkOutputs();
+    void readSurface();
+    void makeBand();
+    void placePoints();
+    void march();
+    void trace();
+    void writeResults();
+    int summarise();
+
+    std::vector<igeo::SurfacePoint> place(const std::vector<std::string>& given,
+                                          const std::string& file, const char* what);
+    /// Ends a stage: its name, and the time since the last one ended.
+    void finished(const char* stage);
+    std::string outputName() const;
+
+    const Options& options_;
+    Console& console_;
+    ConsoleProgress& progress_;
+    std::chrono::steady_clock::time_point stageStart_ = std::chrono::steady_clock::now();
+
+    igeo::GridSource source_;
+    igeo::LevelSet surface_;
+    igeo::Band band_;
+    std::vector<igeo::SurfacePoint> seeds_, targets_;
+    igeo::Field field_;
+    std::vector<igeo::Vec3f> gradient_;
+    igeo::RunReport report_;
+};
+
+void Job::finished(const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - stageStart_).count();
+    stageStart_ = now;
+    report_.seconds.emplace_back(stage, seconds);
+    progress_.clear();
+    console_.detail(std::string(stage) + text(": %.3f s", seconds));
+}
+
+std::string Job::outputName() const {
+    if (!options_.output.empty()) return options_.output;
+    const std::string stem =
+        source_.file == "-" ? surface_.name : fs::path(source_.file).stem().string();
+    return stem + "_geodesic.vdb";
+}
+
+/// Finds out before the work, not after it, that its results have nowhere to go.
+void Job::checkOutputs() {
+    source_ = igeo::parseGridSource(options_.sdf);
+    std::vector<std::pair<const char*, std::string>> outputs;
+    if (source_.file != "-" || !options_.output.empty()) outputs.push_back({"-o", outputName()});
+    if (!options_.paths.empty()) outputs.push_back({"--paths", options_.paths});
+    if (!options_.json.empty()) outputs.push_back({"--json", options_.json});
+
+    std::vector<std::string> taken;
+    for (const auto& [option, file] : outputs) {
+        const std::string named = std::string(option) + " " + file;
+        std::error_code ignored;
+        const std::string whole = file == "-" ? file : fs::weakly_canonical(file, ignored).string();
+        if (source_.file != "-" && file != "-" && fs::equivalent(file, source_.file, ignored))
+            usageError(named + " would overwrite the input '" + source_.file + "'",
+                       "choose another name with -o");
+        const bool device = fs::exists(file, ignored) && !fs::is_regular_file(file, ignored) &&
+                            !fs::is_directory(file, ignored);
+        if (!device && std::find(taken.begin(), taken.end(), whole) != taken.end())
+            usageError(named + ": two results cannot go to one place", "give each its own name");
+        taken.push_back(whole);
+        if (file == "-" || device) continue;
+        const fs::path folder =
+            fs::path(file).parent_path().empty() ? "." : fs::path(file).parent_path();
+        if (!fs::is_directory(folder, ignored))
+            usageError(named + ": there is no folder '" + folder.string() + "'",
+                       "create it first, or write elsewhere");
+        if (fs::is_directory(file, ignored))
+            usageError(named + ": that is a folder", "add a file name");
+        const bool exists = fs::exists(file, ignored);
+        if (::access(folder.c_str(), W_OK) != 0 || (exists && ::access(file.c_str(), W_OK) != 0))
+            usageError(named + ": no permission to write there", "write elsewhere");
+    }
+    if (!options_.paths.empty() && options_.paths != "-" && !endsWith(options_.paths, ".json") &&
+        !endsWith(options_.paths, ".obj"))
+        usageError("--paths " + options_.paths + ": the ending is neither .json nor .obj",
+                   "name the file with one of them");
+}
+
+void Job::readSurface() {
+    igeo::LoadedGrid loaded = igeo::readLevelSetGrid(source_);
+    finished("read");
+    surface_ = igeo::checkLevelSet(std::move(loaded), progress_);
+    report_.file = source_.file;
+    report_.grid = surface_.name;
+    report_.activeVoxels = surface_.stats.activeVoxels;
+    report_.halfWidth = surface_.stats.halfWidth;
+    report_.largestCurvature = surface_.stats.largestCurvature;
+    const auto& st = surface_.stats;
+    console_.detail("surface: " + surface_.name + text(", dx %.6g", surface_.transform.dx) +
+                    text(", half-width %.4g voxels, radius of curvature at least %.4g voxels",
+                         st.halfWidth, 1 / st.largestCurvature));
+    finished("check");
+}
+
+void Job::makeBand() {
+    const auto& st = surface_.stats;
+    const double dx = surface_.transform.dx;
+    const igeo::BandBounds bounds = igeo::bandBounds(st.largestCurvature, st.reach, st.halfWidth);
+    report_.bandLower = bounds.lower;
+    report_.bandUpper = bounds.upper;
+    double h = igeo::defaultBandWidth(options_.order, st.largestCurvature, bounds);
+    if (options_.band > 0) h = igeo::requireBandWidth(options_.band / dx, bounds, dx);
+    if (options_.bandVoxels > 0) h = igeo::requireBandWidth(options_.bandVoxels, bounds, dx);
+    if (!bounds.resolved)
+        surface_.warnings.push_back(
+            "in places the surface bends or folds within " + text("%.2g voxels", bounds.lower) +
+            ": M&S (14) cannot be met there, and a finer level set would be more accurate");
+    igeo::widen(surface_, h);
+    band_ = igeo::bandFromLevelSet(surface_, h, progress_);
+    console_.detail(
+        text("band: h = %.6g (%.4g voxels), %.0f nodes", h * dx, h, double(band_.size())));
+    finished("band");
+}
+
+std::vector<igeo::SurfacePoint> Job::place(const std::vector<std::string>& given,
+                                           const std::string& file, const char* what) {
+    std::vector<igeo::AskedPoint> asked;
+    for (const std::string& s : given) asked.push_back(igeo::parsePoint(s));
+    if (!file.empty())
+        for (const igeo::AskedPoint& p : igeo::readPoints(file)) asked.push_back(p);
+
+    const igeo::Similarity& t = band_.transform;
+    std::vector<igeo::SurfacePoint> points;
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+        const igeo::Vec3d pIndex =
+            options_.indexSpace ? asked[k].position : t.indexFromWorld(asked[k].position);
+        igeo::SurfacePoint p = igeo::nearestSurfacePoint(band_, pIndex);
+        p.start = asked[k].start / t.dx;
+        if (p.snapDistance * t.dx > report_.snap * (1 + 1e-6))
+            usageError(std::string(what) + " " + std::to_string(k) + " (" +
+                           text(asked[k].position) + ") is " +
+                           text("%.6g from the surface, %.6g is allowed", p.snapDistance * t.dx,
+                                report_.snap),
+                       "the nearest point of the surface is " + text(t.worldFromIndex(p.pIndex)) +
+                           " (world); move it there or raise --snap");
+        console_.detail(std::string(what) + " " + std::to_string(k) + ": " +
+                        text(t.worldFromIndex(p.pIndex)) +
+                        text(", moved %.3g", p.snapDistance * t.dx));
+        points.push_back(p);
+    }
+    return points;
+}
+
+void Job::placePoints() {
+    report_.snap = options_.snap >= 0 ? options_.snap : report_.halfWidth * band_.transform.dx;
+    seeds_ = place(options_.seeds, options_.seedFile, "seed");
+    targets_ = place(options_.targets, options_.targetFile, "target");
+    finished("snap");
+}
+
+void Job::march() {
+    igeo::GodunovOptions godunov;
+    godunov.order = options_.order;
+    if (options_.maxDistance > 0) {
+        report_.maxDistance = options_.maxDistance;
+        godunov.maxDistance = options_.maxDistance / band_.transform.dx;
+    }
+    if (options_.stopAtTargets) godunov.stopAt = targets_;
+    field_ = igeo::marchGodunov(band_, igeo::Metric{}, seeds_, godunov, progress_);
+    finished("march");
+}
+
+void Job::trace() {
+    const bool wantsGradient =
+        std::count(options_.with.begin(), options_.with.end(), "gradient") > 0;
+    if (targets_.empty() && !wantsGradient) return;
+    gradient_ = igeo::surfaceGradient(band_, field_);
+    report_.paths = igeo::tracePaths(band_, field_, gradient_, targets_, {}, progress_);
+    finished("trace");
+}
+
+void Job::writeResults() {
+    const std::string output = outputName();
+    const auto& transform = surface_.psi->transform();
+    const std::string base =
+        options_.name.empty() ? surface_.psi->getName() + "_geodesic" : options_.name;
+    auto asked = [&](const char* what) {
+        return std::count(options_.with.begin(), options_.with.end(), what) > 0;
+    };
+
+    openvdb::GridCPtrVec grids;
+    if (asked("surface")) grids.push_back(surface_.psi);
+    auto distance = igeo::distanceGrid(band_, field_, transform, base);
+    const double dx = band_.transform.dx;
+    distance->insertMeta("geodesic_scheme", openvdb::StringMetadata(field_.scheme));
+    distance->insertMeta("geodesic_band", openvdb::FloatMetadata(float(band_.h * dx)));
+    distance->insertMeta("geodesic_seed_count", openvdb::Int32Metadata(int(seeds_.size())));
+    distance->insertMeta("geodesic_max", openvdb::FloatMetadata(float(field_.maxDistance * dx)));
+    distance->insertMeta("geodesic_unreached",
+                         openvdb::Int64Metadata(std::int64_t(band_.size() - field_.reached)));
+    distance->insertMeta("geodesic_weight", openvdb::StringMetadata("1"));
+    grids.push_back(distance);
+    if (asked("gradient"))
+        grids.push_back(
+            igeo::gradientGrid(band_, field_, gradient_, transform, base + "_gradient"));
+    progress_.throwIfCancelled();
+    igeo::writeVdb(output, grids);
+    report_.outputs.emplace_back("distance", output);
+
+    auto write = [&](const std::string& file, const std::string& content) {
+        if (file == "-")
+            std::cout << content << std::flush;
+        else
+            igeo::writeFile(file, content);
+        if (!std::cout) igeo::AtomicFile::throwWriteError("standard output", errno);
+    };
+    if (!options_.paths.empty()) {
+        const bool obj = endsWith(options_.paths, ".obj");
+        write(options_.paths, obj ? igeo::geodesicsObj(report_.paths, band_)
+                                  : igeo::geodesicsJson(report_, band_, field_));
+        report_.outputs.emplace_back("paths", options_.paths);
+    }
+    finished("write");
+
+    for (const std::string& w : surface_.warnings) report_.warnings.push_back(w);
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    report_.peakMemory = std::uint64_t(usage.ru_maxrss) * 1024;
+    report_.threads = igeo::ThreadLimit::current();
+    if (!options_.json.empty()) write(options_.json, igeo::reportJson(report_, band_, field_));
+}
+
+int Job::summarise() {
+    const double dx = band_.transform.dx;
+    for (const std::string& w : surface_.warnings) console_.warning(w);
+    int code = kDone;
+    for (std::size_t k = 0; k < report_.paths.size(); ++k) {
+        const igeo::Path& p = report_.paths[k];
+        const std::string name = "target " + std::to_string(k);
+        if (p.status == igeo::PathStatus::Reached) {
+            console_.info(
+                name + text(": distance %.6g, geodesic %.6g long", p.distance * dx, p.length * dx));
+            continue;
+        }
+        code = kUnreached;
+        console_.warning(name + " is " + igeo::toString(p.status) + ": " +
+                         (p.status == igeo::PathStatus::Stalled
+                              ? "no way down from the target was found"
+                          : field_.stoppedEarly ? "it lies beyond the distance marched"
+                                                : "no path on the surface joins it to a seed"));
+    }
+    console_.info(text("distances up to %.6g on %.0f of %.0f band voxels in ",
+                       field_.maxDistance * dx, double(field_.reached), double(band_.size())) +
+                  outputName());
+    return code;
+}
+
+int Job::run() {
+    if (options_.seeds.empty() && options_.seedFile.empty())
+        usageError("no seed is given", "add --seed x,y,z or --seeds FILE");
+    checkOutputs();
+    readSurface();
+    makeBand();
+    placePoints();
+    march();
+    trace();
+    writeResults();
+    return summarise();
+}
+
+}  // namespace
+
+int run(const Options& options, Console& console, ConsoleProgress& progress) {
+    return Job(options, console, progress).run();
+}

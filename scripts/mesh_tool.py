@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""Small jobs on triangle meshes for scripts/quickstart.sh.
+
+  mesh_tool.py to-obj MODEL FILE.obj     MODEL: an .off file, or index.js of the npm package bunny
+  mesh_tool.py farthest FILE.obj X,Y,Z   prints the vertex farthest in a direction as x,y,z
+  mesh_tool.py camera FILE.obj X,Y,Z     prints a place in that direction from which to see it all
+"""
+import json
+import math
+import os
+import re
+import sys
+
+
+def read_off(path):
+    """Vertices and faces of an ASCII .off file."""
+    with open(path) as file:
+        words = " ".join(line.split("#")[0] for line in file).split()
+    if words[0] != "OFF":
+        raise ValueError(f"{path}: not an OFF file")
+    vertex_count, face_count = int(words[1]), int(words[2])
+    at = 4
+    vertices = [words[at + 3 * i : at + 3 * i + 3] for i in range(vertex_count)]
+    at += 3 * vertex_count
+    faces = []
+    for _ in range(face_count):
+        size = int(words[at])
+        faces.append([int(word) for word in words[at + 1 : at + 1 + size]])
+        at += 1 + size
+    return vertices, faces
+
+
+def read_js(path):
+    """Vertices and faces of a script that assigns `positions` and `cells`."""
+    with open(path) as file:
+        text = file.read()
+
+    def array(name):
+        found = re.search(name + r"\s*=\s*(\[\[.*?\]\])", text, re.DOTALL)
+        if not found:
+            raise ValueError(f"{path}: no array '{name}'")
+        return json.loads(found.group(1))
+
+    return array("positions"), array("cells")
+
+
+def to_obj(model, obj):
+    vertices, faces = read_off(model) if model.endswith(".off") else read_js(model)
+    with open(obj + ".part", "w") as file:
+        for vertex in vertices:
+            file.write("v {} {} {}\n".format(*vertex))
+        for face in faces:
+            file.write("f " + " ".join(str(index + 1) for index in face) + "\n")
+    os.replace(obj + ".part", obj)
+
+
+def read_obj_vertices(obj):
+    with open(obj) as file:
+        vertices = [line.split()[1:4] for line in file if line.startswith("v ")]
+    if not vertices:
+        raise ValueError(f"{obj}: no vertices")
+    return [[float(word) for word in vertex] for vertex in vertices]
+
+
+def read_point(text):
+    return [float(word) for word in text.split(",")]
+
+
+def show_point(point):
+    print(",".join(f"{x:.9g}" for x in point))
+
+
+def farthest(obj, direction):
+    direction = read_point(direction)
+    show_point(
+        max(read_obj_vertices(obj), key=lambda p: sum(a * b for a, b in zip(direction, p)))
+    )
+
+
+def camera(obj, direction):
+    direction = read_point(direction)
+    ranges = [(min(axis), max(axis)) for axis in zip(*read_obj_vertices(obj))]
+    distance = 1.5 * math.dist(*zip(*ranges)) / math.hypot(*direction)
+    show_point((low + high) / 2 + distance * x for (low, high), x in zip(ranges, direction))
+
+
+def main(args):
+    jobs = {"to-obj": to_obj, "farthest": farthest, "camera": camera}
+    if len(args) != 3 or args[0] not in jobs:
+        sys.exit(__doc__)
+    try:
+        jobs[args[0]](*args[1:])
+    except (OSError, ValueError, IndexError) as error:
+        sys.exit(f"mesh_tool.py: error: {error}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

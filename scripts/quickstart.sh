@@ -1,0 +1,118 @@
+#!/usr/bin/env bash
+# From a fresh clone to geodesics on the Stanford bunny:
+#   bash scripts/quickstart.sh               the bunny, from npm or from Debian's package of CGAL
+#   bash scripts/quickstart.sh model.obj     a closed mesh of your own (obj, ply, stl)
+# Set SEED and TARGET (x,y,z) to choose the points, BUNNY=npm or BUNNY=debian to choose the source.
+# Everything made goes to out/; run again, it only does what is missing.
+set -euo pipefail
+callerDir=$PWD
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+say() { echo "quickstart: $*" >&2; }
+
+# The bunny of the npm package `bunny`: 1839 vertices, closed, 36 kB to download.
+bunnyFromNpm() {
+    command -v npm >/dev/null || return 1
+    mkdir -p out/npm
+    npm_config_cache=$PWD/out/npm/cache npm_config_update_notifier=false \
+        npm pack --silent bunny@1.0.1 --pack-destination out/npm >/dev/null 2>&1 || return 1
+    tar -xzf out/npm/bunny-1.0.1.tgz -C out/npm || return 1
+    python3 scripts/mesh_tool.py to-obj out/npm/package/index.js out/bunny.obj
+}
+
+# The bunny among the sample meshes of CGAL: 37706 vertices, closed, 24 MB to download.
+bunnyFromDebian() {
+    local archive=usr/share/doc/libcgal-dev/data.tar.gz mesh=data/meshes/bunny00.off
+    mkdir -p out/cgal
+    (cd out/cgal && apt-get -qq -o APT::Sandbox::User=root download libcgal-demo >/dev/null 2>&1) ||
+        return 1
+    dpkg-deb -x out/cgal/libcgal-demo_*.deb out/cgal || return 1
+    tar -xzf "out/cgal/$archive" -C out/cgal "$mesh" || return 1
+    python3 scripts/mesh_tool.py to-obj "out/cgal/$mesh" out/bunny.obj
+}
+
+getBunny() {
+    [ -s out/bunny.obj ] && return
+    case ${BUNNY:-any} in
+        npm) bunnyFromNpm ;;
+        debian) bunnyFromDebian ;;
+        any) bunnyFromNpm || bunnyFromDebian ;;
+        *) say "error: BUNNY=$BUNNY should be npm or debian"; exit 2 ;;
+    esac
+}
+
+# levelSet NAME: out/NAME.obj -> out/NAME.vdb, 256 voxels along the longest side
+levelSet() {
+    [ "out/$1.vdb" -nt "out/$1.obj" ] && return
+    vdb_tool -quiet -read "out/$1.obj" -mesh2ls dim=256 width=3 name=psi -write "out/$1.part.vdb"
+    mv "out/$1.part.vdb" "out/$1.vdb"
+}
+
+# extreme X,Y,Z: the mesh's vertex farthest in that direction
+extreme() { python3 scripts/mesh_tool.py farthest "out/$name.obj" "$1"; }
+
+if [ $# -gt 1 ]; then
+    say "usage: bash scripts/quickstart.sh [model.obj|.ply|.stl]"
+    exit 2
+fi
+mesh=${1:-}
+if [ -n "$mesh" ]; then
+    case $mesh in /*) ;; *) mesh=$callerDir/$mesh ;; esac
+    [ -r "$mesh" ] || { say "error: cannot read $mesh"; exit 3; }
+fi
+
+bash scripts/setup.sh
+bash scripts/build.sh release
+[ -f data/trefoil.vdb ] || bash scripts/make_data.sh
+mkdir -p out
+
+if [ -n "$mesh" ]; then
+    name=$(basename "${mesh%.*}")
+    if [ ! "out/$name.obj" -nt "$mesh" ]; then
+        say "reading $mesh"
+        vdb_tool -quiet -read "$mesh" -write "out/$name.obj"
+    fi
+elif getBunny; then
+    name=bunny
+else
+    say "no bunny: neither the npm registry nor the Debian archive answered; taking data/trefoil.vdb"
+    name=trefoil
+fi
+
+if [ "$name" = trefoil ] && [ -z "$mesh" ]; then
+    # Where the knot is farthest from its axis: 0.3 * 3 + 0.12 from the origin.
+    surface=data/trefoil.vdb
+    seed=0,-1.02,0
+    targets=(0.883346,0.51,0 -0.883346,0.51,0)
+    camera=0,-2,3
+else
+    levelSet "$name"
+    surface=out/$name.vdb
+    # On the bunny, which looks along -x with y upwards: tip of an ear; tail, nose, toes.
+    seed=$(extreme 0,1,0)
+    targets=("$(extreme 1,0,0)" "$(extreme -1,0,0)" "$(extreme -1,-2,1)")
+    camera=$(python3 scripts/mesh_tool.py camera "out/$name.obj" -0.5,0.3,1)
+fi
+seed=${SEED:-$seed}
+[ -z "${TARGET:-}" ] || targets=("$TARGET")
+
+targetOptions=()
+for target in "${targets[@]}"; do targetOptions+=(--target "$target"); done
+command=(build/release/bin/implicit-geodesic --sdf "$surface" --seed "$seed" "${targetOptions[@]}"
+    -o "out/${name}_geodesic.vdb" --with surface --paths "out/${name}_paths.json"
+    --json "out/${name}_report.json")
+say "${command[*]}"
+"${command[@]}"
+
+cat >&2 <<END
+
+The distance from $seed on $surface, and the shortest paths to it:
+  out/${name}_geodesic.vdb   grids psi and psi_geodesic
+  out/${name}_paths.json     the paths, vertex by vertex
+  out/${name}_report.json    what was computed, and with which parameters
+To look at them:
+  vdb_view out/${name}_geodesic.vdb
+  vdb_print -l out/${name}_geodesic.vdb
+  vdb_render out/${name}_geodesic.vdb out/${name}.png -name psi \\
+      -translate $camera -shader diffuse -res 960x720
+END

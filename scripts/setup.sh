@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# Installs what the build and the tests need, from Debian's own packages.
+#
+# usage: scripts/setup.sh [--dev]
+#   --dev   also what scripts/check.sh needs: clang, clang-format, clang-tidy, valgrind
+#
+# Uses sudo unless root. Does and prints nothing when everything is there.
+
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+packages=(
+    g++ cmake ninja-build ccache
+    libopenvdb-dev libtbb-dev
+    libboost-iostreams-dev zlib1g-dev  # FindOpenVDB.cmake asks for them, libopenvdb-dev does not
+    nlohmann-json3-dev libcli11-dev catch2
+    libopenvdb-tools                   # vdb_print, for the tests
+    python3 python3-jsonschema         # the tests check reports against their schema
+    ca-certificates
+)
+dev_packages=(clang clang-format clang-tidy libclang-rt-dev valgrind)
+
+case ${1:-} in
+    "") ;;
+    --dev) packages+=("${dev_packages[@]}") ;;
+    -h | --help) sed -n '2,/^$/s/^# \{0,1\}//p' "$0"; exit ;;
+    *) echo "setup.sh: unknown option $1 (see --help)" >&2; exit 2 ;;
+esac
+
+if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
+    # The libraries are CMake's to look for: it names each one it misses.
+    missing=()
+    for tool in c++ cmake ninja python3; do
+        command -v "$tool" >/dev/null || missing+=("$tool")
+    done
+    [[ ${#missing[@]} -gt 0 ]] || exit 0
+    {
+        echo "setup.sh: not a Debian system, and these tools are missing: ${missing[*]}"
+        echo "Please install what these Debian packages hold: ${packages[*]}"
+    } >&2
+    exit 1
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+    status=$(dpkg-query -W -f='${db:Status-Status}\n' "$package" 2>/dev/null || true)
+    grep -qx installed <<<"$status" || missing+=("$package")
+done
+[[ ${#missing[@]} -gt 0 ]] || exit 0
+
+as_root=()
+if [[ $EUID -ne 0 ]]; then
+    if ! command -v sudo >/dev/null; then
+        {
+            echo "setup.sh: missing packages, and neither root nor sudo to install them. As root, run:"
+            echo "apt-get install --no-install-recommends ${missing[*]}"
+        } >&2
+        exit 1
+    fi
+    as_root=(sudo)
+fi
+
+echo "Installing ${missing[*]}"
+"${as_root[@]}" apt-get update -q
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -q -y --no-install-recommends "${missing[@]}"

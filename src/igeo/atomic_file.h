@@ -1,0 +1,42 @@
+/// Outputs that appear whole or not at all.
+#pragma once
+
+#include <fstream>
+#include <string>
+
+namespace igeo {
+
+/// A file that is written under a temporary name in its final folder and renamed when complete.
+/// What stood under the final name before survives any failure. Links are followed; devices and
+/// pipes are written directly.
+class AtomicFile {
+public:
+    /// @throws Error  Io when the folder is missing or not writable
+    explicit AtomicFile(const std::string& path);
+    ~AtomicFile();  ///< removes the temporary file unless committed
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    std::fstream& stream() { return stream_; }
+
+    /// Flushes to disk and renames.
+    /// @throws Error  Io, for instance when the disk is full; the final name is then untouched
+    void commit();
+
+    /// The Io error for a failed write to `path`, with the system's reason.
+    [[noreturn]] static void throwWriteError(const std::string& path, int systemError);
+
+    /// Removes the temporary files of all AtomicFiles alive: for a program about to exit at once.
+    static void discardAll() noexcept;
+
+private:
+    std::string path_;       ///< as the caller named it
+    std::string finalPath_;  ///< links resolved
+    std::string temporary_;  ///< empty when writing directly or committed
+    std::fstream stream_;
+};
+
+/// Writes a whole text file atomically.
+void writeFile(const std::string& path, const std::string& content);
+
+}  // namespace igeo

@@ -1,0 +1,37 @@
+/// How wide the band may be, and how wide it is best.
+#pragma once
+
+#include <string>
+
+namespace igeo {
+
+/// M&S (14) in voxels: sqrt(3) <= h < min(1 / M_S, W).
+struct BandBounds {
+    double lower;     ///< sqrt(3): every corner of every cell that S passes lies in the band
+    double upper;     ///< h stays below it; never less than `lower`
+    std::string why;  ///< what sets `upper`, for messages
+    bool resolved;    ///< false: S bends or folds within sqrt(3) voxels, so (14) cannot be met
+};
+
+/// @param largestCurvature M_S, per voxel (LevelSetStats::largestCurvature); 0: flat
+/// @param reach            W, voxels (LevelSetStats::reach)
+/// @param halfWidth        how far psi is known, voxels: W cannot be seen beyond it
+BandBounds bandBounds(double largestCurvature, double reach, double halfWidth);
+
+/// The half-width, voxels, at which `godunov` errs least: max(sqrt(3), (R/dx)^e), R = 1/M_S, held
+/// within the bounds.
+///
+/// Narrower, and fronts miss upwind neighbours at the edge of the band (distances too long); wider,
+/// and paths take short cuts through it (too short, by order h times curvature). At order 1 both
+/// errors are large and cancel best for e = 0.3; at order 2 the first is small and e = 0.12 is best
+/// (docs/method.md has the trials).
+/// @param order of godunov, 1 or 2
+double defaultBandWidth(int order, double largestCurvature, const BandBounds& bounds);
+
+/// Returns `h` if M&S (14) holds.
+/// @param h  asked for, voxels
+/// @param dx voxel size, for the message
+/// @throws Error  InvalidArgument that states the allowed range in world units and voxels
+double requireBandWidth(double h, const BandBounds& bounds, double dx);
+
+}  // namespace igeo

@@ -1,0 +1,55 @@
+/// The local solve of the Godunov scheme, alone: no grid, no states.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace igeo {
+
+/// One axis of the upwind difference: the one-sided derivative at the unknown T is
+/// coefficient * (T - base), and it counts only where T > value.
+struct UpwindTerm {
+    double value;        ///< m_j of M&S (13): the smaller neighbour along the axis
+    double base;         ///< m_j at order 1; (4 m_j - m'_j) / 3 at order 2, m'_j one voxel further
+    double coefficient;  ///< 1 at order 1, 3/2 at order 2
+};
+
+inline UpwindTerm firstOrderTerm(double m) { return {m, m, 1.0}; }
+
+/// Second-order one-sided difference (3 T - 4 m + mm) / 2, for mm <= m: both upwind of T.
+inline UpwindTerm secondOrderTerm(double m, double mm) { return {m, m + (m - mm) / 3, 1.5}; }
+
+/// Solves sum_j max(coefficient_j (T - base_j), 0)^2 = cost^2 for T over the first `n` terms:
+/// M&S (13) in voxel units, P = cost. Terms at or above T drop out, largest first, so the result
+/// depends only on smaller values (causality).
+/// @param terms reordered by value
+/// @param n     1 to 3 terms
+/// @return T > every value used
+inline double godunovSolve(std::array<UpwindTerm, 3>& terms, int n, double cost) {
+    auto order = [&](int i, int j) {
+        if (terms[std::size_t(j)].value < terms[std::size_t(i)].value)
+            std::swap(terms[std::size_t(i)], terms[std::size_t(j)]);
+    };
+    if (n > 1) order(0, 1);
+    if (n > 2) order(1, 2), order(0, 1);
+
+    // Relative to the smallest base, so that far from the seed no digits are lost in the squares.
+    const double origin = terms[0].base;
+    double a = 0, b = 0, c = -cost * cost, t = 0;
+    for (int j = 0; j < n; ++j) {
+        const UpwindTerm& term = terms[std::size_t(j)];
+        if (j > 0 && origin + t <= term.value) break;
+        const double w = term.coefficient * term.coefficient, r = term.base - origin;
+        const double aj = a + w, bj = b + w * r, cj = c + w * r * r;
+        const double discriminant = bj * bj - aj * cj;
+        if (discriminant < 0) break;
+        const double tj = (bj + std::sqrt(discriminant)) / aj;
+        // At order 2 a base lies above its value: a term may be upwind and yet find no root above.
+        if (j > 0 && origin + tj <= term.value) break;
+        a = aj, b = bj, c = cj, t = tj;
+    }
+    return origin + t;
+}
+
+}  // namespace igeo

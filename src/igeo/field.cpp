@@ -1,0 +1,83 @@
+#include <igeo/field.h>
+
+#include <igeo/parallel.h>
+
+namespace igeo {
+
+void Field::summarise() {
+    reached = 0;
+    maxDistance = 0;
+    for (const double d : distance)
+        if (d < kInfinity) {
+            ++reached;
+            maxDistance = std::max(maxDistance, d);
+        }
+}
+
+namespace {
+
+/// Difference along one axis over reached neighbours; 0 where neither side is reached.
+double axisDifference(const Band& band, const std::vector<double>& d, NodeIndex i, int axis) {
+    Ijk step{};
+    step[axis] = 1;
+    const NodeIndex lo = band.neighbour(i, -step.x, -step.y, -step.z);
+    const NodeIndex hi = band.neighbour(i, step.x, step.y, step.z);
+    const bool hasLo = lo != kNoNode && d[lo] < kInfinity;
+    const bool hasHi = hi != kNoNode && d[hi] < kInfinity;
+    if (hasLo && hasHi) {
+        // A front meets itself between two neighbours that both lie below d[i]: there the central
+        // difference cancels, and either side is a way down.
+        if (d[lo] < d[i] && d[hi] < d[i]) return d[lo] <= d[hi] ? d[i] - d[lo] : d[hi] - d[i];
+        return (d[hi] - d[lo]) / 2;
+    }
+    if (hasLo) return d[i] - d[lo];
+    if (hasHi) return d[hi] - d[i];
+    return 0;
+}
+
+}  // namespace
+
+std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field) {
+    std::vector<Vec3f> gradient(band.size());
+    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const auto i = NodeIndex(k);
+            if (!(field.distance[i] < kInfinity)) continue;
+            const Vec3d g{axisDifference(band, field.distance, i, 0),
+                          axisDifference(band, field.distance, i, 1),
+                          axisDifference(band, field.distance, i, 2)};
+            gradient[i] = Vec3f(tangential(g, Vec3d(band.normal[i])));
+        }
+    });
+    return gradient;
+}
+
+const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, double d) {
+    const SurfacePoint* nearest = nullptr;
+    double least = field.startRadius;
+    for (const SurfacePoint& s : field.seeds) {
+        const double r = length(pIndex - s.pIndex);
+        // The distance tells a seed on this sheet from one on a sheet close by.
+        if (r < least && d - s.start < 1.5 * field.startRadius * s.weight) least = r, nearest = &s;
+    }
+    return nearest;
+}
+
+double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex) {
+    const BandCell cell = cellAt(band, pIndex);
+    double sum = 0, weight = 0, nearest = kInfinity;
+    for (std::size_t k = 0; k < 8; ++k) {
+        if (cell.node[k] == kNoNode) continue;
+        const double d = field.distance[cell.node[k]];
+        if (!(d < kInfinity)) continue;
+        nearest = std::min(nearest, d);
+        sum += cell.weight[k] * d;
+        weight += cell.weight[k];
+    }
+    const double d = weight > 0 ? sum / weight : nearest;
+    if (const SurfacePoint* s = seedAround(field, pIndex, d))
+        return s->start + s->weight * length(pIndex - s->pIndex);
+    return d;
+}
+
+}  // namespace igeo

@@ -1,0 +1,41 @@
+/// The distance a march leaves on the band, and how it is read at points of the surface.
+#pragma once
+
+#include <igeo/band.h>
+#include <igeo/surface_point.h>
+#include <igeo/types.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// Distances in voxels times weight; multiply by band.transform.dx for world units.
+struct Field {
+    std::vector<double> distance;     ///< per band node; +inf: not reached, or beyond an early stop
+    std::vector<SurfacePoint> seeds;  ///< where it starts
+    std::string scheme;               ///< what computed it, e.g. "godunov, order 2"
+    double startRadius = 0;           ///< within it, distances around seeds are exact; voxels
+    std::size_t reached = 0;          ///< nodes with a finite distance
+    double maxDistance = 0;           ///< the largest finite distance
+    bool stoppedEarly = false;        ///< a limit ended the march: +inf need not mean unconnected
+
+    /// Counts `reached` and `maxDistance` from `distance`.
+    void summarise();
+};
+
+/// Gradient of the distance along S per node: M&S 4.1, grad d - (grad d . n) n, by differences of
+/// reached neighbours (central where both sides are reached, one-sided otherwise). Its length is
+/// the weight up to the scheme's error; zero where nothing is known. Voxel units, in parallel.
+std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field);
+
+/// The seed whose start disc holds a point of S where the distance is `d`, or nullptr.
+const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, double d);
+
+/// d at a point of S: trilinear over the reached corners of its cell, +inf if there are none;
+/// within a start disc the straight distance to its seed, as trilinear interpolation blunts the
+/// cone there.
+double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex);
+
+}  // namespace igeo

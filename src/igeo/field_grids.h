@@ -1,0 +1,29 @@
+/// From the band back to volumes.
+#pragma once
+
+#include <igeo/band.h>
+#include <igeo/field.h>
+#include <openvdb/openvdb.h>
+
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// Distances as a grid in world units times weight.
+///
+/// Active exactly at the nodes with a finite distance; everything else is inactive and holds the
+/// largest distance, as does the background, so that sublevel sets stay closed. Class unknown.
+/// @param transform the level set's own, so that both grids line up bit by bit
+openvdb::FloatGrid::Ptr distanceGrid(const Band& band, const Field& field,
+                                     const openvdb::math::Transform& transform,
+                                     const std::string& name);
+
+/// Gradients along S (surfaceGradient) as covariant vectors in world space, weight per unit length;
+/// active where the distance is known.
+openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
+                                     const std::vector<Vec3f>& gradient,
+                                     const openvdb::math::Transform& transform,
+                                     const std::string& name);
+
+}  // namespace igeo

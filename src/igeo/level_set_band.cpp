@@ -1,0 +1,84 @@
+#include <igeo/level_set_band.h>
+
+#include <igeo/error.h>
+#include <igeo/leaf_block.h>
+#include <igeo/parallel.h>
+
+namespace igeo {
+
+namespace {
+
+using Leaf = LeafBlock::Leaf;
+
+/// Leaves of the band: those of the level set that hold a voxel with |psi| < h, in tree order.
+std::vector<BandLeaf> bandLeaves(const std::vector<const Leaf*>& source, double hWorld,
+                                 std::vector<const Leaf*>& kept) {
+    std::vector<BandLeaf> all(source.size());
+    parallelFor(source.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            const openvdb::Coord o = source[l]->origin();
+            all[l].origin = {o.x(), o.y(), o.z()};
+            for (auto it = source[l]->cbeginValueOn(); it; ++it)
+                if (std::abs(*it) < hWorld)
+                    all[l].mask[it.pos() >> 6] |= std::uint64_t(1) << (it.pos() & 63);
+        }
+    });
+    std::vector<BandLeaf> leaves;
+    for (std::size_t l = 0; l < all.size(); ++l) {
+        std::uint64_t any = 0;
+        for (const std::uint64_t word : all[l].mask) any |= word;
+        if (!any) continue;
+        leaves.push_back(all[l]);
+        kept.push_back(source[l]);
+    }
+    return leaves;
+}
+
+}  // namespace
+
+Band bandFromLevelSet(const LevelSet& levelSet, double h, Progress& progress) {
+    if (!(h > 0) || h > levelSet.stats.halfWidth + 1e-3)
+        throw Error(Error::Kind::InvalidArgument,
+                    "a band of " + std::to_string(h) + " voxels does not fit a level set that is " +
+                        std::to_string(levelSet.stats.halfWidth) + " voxels wide on each side",
+                    "widen the level set first");
+    std::vector<const Leaf*> source, kept;
+    levelSet.psi->constTree().getNodes(source);
+
+    Band band;
+    band.transform = levelSet.transform;
+    band.h = h;
+    const double dx = band.transform.dx;
+    band.leaves = bandLeaves(source, h * dx, kept);
+    band.buildTopology();
+
+    std::vector<std::vector<NodeIndex>> kinks(kept.size());
+    parallelFor(kept.size(), 32, [&](std::size_t begin, std::size_t end) {
+        if (progress.cancelled()) return;
+        LeafBlock block;
+        const LeafBlock::Accessor psi(levelSet.psi->constTree());
+        for (std::size_t l = begin; l < end; ++l) {
+            block.gather(psi, kept[l]->origin(), dx);
+            const BandLeaf& leaf = band.leaves[l];
+            for (std::size_t k = 0; k < leaf.nodeCount(); ++k) {
+                const std::size_t i = leaf.firstNode + k;
+                const int o = band.offset[i], x = o >> 6, y = o >> 3 & 7, z = o & 7;
+                const PsiDifferences d(block, x, y, z);
+                const Vec3d n = normalized(psiGradient(d));
+                if (!d.smooth()) kinks[l].push_back(NodeIndex(i));
+                const double value = block.at(x, y, z);
+                band.psi[i] = float(value);
+                band.normal[i] = Vec3f(n);
+                band.foot[i] = Vec3f(-value * n);
+            }
+        }
+    });
+    progress.throwIfCancelled();
+    parallelFor(kinks.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l)
+            for (const NodeIndex i : kinks[l]) band.markFacing(i);
+    });
+    return band;
+}
+
+}  // namespace igeo

@@ -1,0 +1,17 @@
+/// Fills a Band from a level set.
+#pragma once
+
+#include <igeo/band.h>
+#include <igeo/level_set.h>
+#include <igeo/progress.h>
+
+namespace igeo {
+
+/// Numbers the active voxels with |psi| < h and computes each one's foot point x - psi n and normal
+/// n = grad psi / |grad psi| (psiGradient in leaf_block.h: second order where psi is smooth).
+/// @param h half the band's thickness, voxels; at most the level set's half-width
+/// @throws Error  InvalidArgument where h is wider than the level set, BadInput for too many voxels
+/// Time O(active voxels), in parallel; 35 bytes per node.
+Band bandFromLevelSet(const LevelSet& levelSet, double h, Progress& progress = Progress::none());
+
+}  // namespace igeo

@@ -1,0 +1,32 @@
+#include <igeo/parallel.h>
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace igeo {
+
+void parallelFor(std::size_t n, std::size_t grain,
+                 const std::function<void(std::size_t, std::size_t)>& body) {
+    if (n == 0) return;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
+                      [&](const tbb::blocked_range<std::size_t>& r) { body(r.begin(), r.end()); });
+}
+
+struct ThreadLimit::Impl {
+    explicit Impl(std::size_t n) : control(tbb::global_control::max_allowed_parallelism, n) {}
+    tbb::global_control control;
+};
+
+ThreadLimit::ThreadLimit(int threads)
+    : impl_(threads > 0 ? std::make_unique<Impl>(std::size_t(threads)) : nullptr) {}
+
+ThreadLimit::~ThreadLimit() = default;
+
+int ThreadLimit::current() {
+    return int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+}  // namespace igeo

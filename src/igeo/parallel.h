@@ -1,0 +1,34 @@
+/// Threads, kept behind two names so that TBB is compiled once.
+///
+/// Every parallel loop of the library writes to slots of its own and combines them in order, so
+/// results do not depend on the number of threads.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace igeo {
+
+/// Calls body(begin, end) for disjoint ranges that cover [0, n), in parallel. Ranges hold at least
+/// `grain` items but for the last; exceptions from `body` reach the caller.
+void parallelFor(std::size_t n, std::size_t grain,
+                 const std::function<void(std::size_t, std::size_t)>& body);
+
+/// Limits the threads of the process while it lives; for programs, never used inside the library.
+class ThreadLimit {
+public:
+    explicit ThreadLimit(int threads);  ///< 0: as many as there are cores
+    ~ThreadLimit();
+    ThreadLimit(const ThreadLimit&) = delete;
+    ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+    /// Threads that parallel loops use now.
+    static int current();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace igeo

@@ -1,0 +1,31 @@
+/// How long work reports how far it is, and learns that it should stop.
+#pragma once
+
+#include <igeo/error.h>
+
+namespace igeo {
+
+/// Receives progress; the default does nothing and never cancels. Calls may come from any thread.
+class Progress {
+public:
+    virtual ~Progress() = default;
+
+    /// `fraction` of the stage `name` is done, in [0, 1].
+    virtual void update(const char* name, double fraction) {
+        (void)name;
+        (void)fraction;
+    }
+    virtual bool cancelled() const { return false; }
+
+    void throwIfCancelled() const {
+        if (cancelled()) throw Error(Error::Kind::Cancelled, "interrupted");
+    }
+
+    /// For callers that want neither.
+    static Progress& none() {
+        static Progress instance;
+        return instance;
+    }
+};
+
+}  // namespace igeo

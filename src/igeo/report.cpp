@@ -1,0 +1,137 @@
+#include <igeo/report.h>
+
+#include <igeo/version.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace igeo {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+json triple(const Vec3d& v) { return {v.x, v.y, v.z}; }
+
+/// JSON has no infinity: what is not known is null.
+json finiteOrNull(double v) { return std::isfinite(v) ? json(v) : json(nullptr); }
+
+json pointJson(const Band& band, const SurfacePoint& p) {
+    const Similarity& t = band.transform;
+    return {{"asked", triple(t.worldFromIndex(p.askedIndex))},
+            {"position", triple(t.worldFromIndex(p.pIndex))},
+            {"snapDistance", p.snapDistance * t.dx}};
+}
+
+json seedJson(const Band& band, const SurfacePoint& p, std::size_t index) {
+    json j = {{"index", index}};
+    j.update(pointJson(band, p));
+    j["start"] = p.start * band.transform.dx;
+    return j;
+}
+
+json header(const char* type) {
+    return {{"schema", 1},
+            {"type", type},
+            {"creator", std::string("implicit-geodesic ") + kVersion},
+            {"units", "lengths and distances in world units of the surface's transform"},
+            {"space", "world"}};
+}
+
+json surfaceJson(const RunReport& r, const Band& band) {
+    return {{"file", r.file}, {"grid", r.grid}, {"voxelSize", band.transform.dx}};
+}
+
+json parametersJson(const RunReport& r, const Band& band, const Field& field) {
+    const double dx = band.transform.dx;
+    return {{"scheme", field.scheme}, {"band", band.h * dx},
+            {"bandVoxels", band.h},   {"startRadius", field.startRadius * dx},
+            {"snap", r.snap},         {"maxDistance", finiteOrNull(r.maxDistance)}};
+}
+
+json pathJson(const Path& path, const Band& band, const Field& field) {
+    const double dx = band.transform.dx;
+    json j;
+    j["status"] = toString(path.status);
+    j["target"] = pointJson(band, path.target);
+    const bool reached = path.status == PathStatus::Reached;
+    j["seed"] = reached ? seedJson(band, field.seeds[path.seed], path.seed) : json(nullptr);
+    j["length"] = path.vertices.empty() ? json(nullptr) : json(path.length * dx);
+    j["distance"] = finiteOrNull(path.distance * dx);
+    json positions = json::array(), arcLengths = json::array(), distances = json::array();
+    for (const PathVertex& v : path.vertices) {
+        positions.push_back(triple(band.transform.worldFromIndex(v.pIndex)));
+        arcLengths.push_back(v.arcLength * dx);
+        distances.push_back(v.distance * dx);
+    }
+    j["vertices"] = {{"position", positions}, {"arcLength", arcLengths}, {"distance", distances}};
+    return j;
+}
+
+}  // namespace
+
+std::string geodesicsJson(const RunReport& r, const Band& band, const Field& field) {
+    json j = header("geodesics");
+    j["surface"] = surfaceJson(r, band);
+    j["parameters"] = parametersJson(r, band, field);
+    j["paths"] = json::array();
+    for (const Path& path : r.paths) j["paths"].push_back(pathJson(path, band, field));
+    return j.dump() + "\n";
+}
+
+std::string reportJson(const RunReport& r, const Band& band, const Field& field) {
+    const double dx = band.transform.dx;
+    json j = header("report");
+    j["surface"] = surfaceJson(r, band);
+    j["surface"]["activeVoxels"] = r.activeVoxels;
+    j["surface"]["halfWidthVoxels"] = r.halfWidth;
+    j["surface"]["largestCurvature"] = r.largestCurvature / dx;
+    j["parameters"] = parametersJson(r, band, field);
+    j["parameters"]["bandBoundsVoxels"] = {r.bandLower, r.bandUpper};
+    j["parameters"]["threads"] = r.threads;
+    j["band"] = {
+        {"nodes", band.size()}, {"leaves", band.leaves.size()}, {"bytes", band.memUsage()}};
+    j["distance"] = {{"reached", field.reached},
+                     {"unreached", band.size() - field.reached},
+                     {"max", field.maxDistance * dx},
+                     {"stoppedEarly", field.stoppedEarly}};
+    j["seeds"] = json::array();
+    for (std::size_t k = 0; k < field.seeds.size(); ++k)
+        j["seeds"].push_back(seedJson(band, field.seeds[k], k));
+    j["targets"] = json::array();
+    for (const Path& path : r.paths) {
+        json t = pathJson(path, band, field);
+        t.erase("vertices");
+        j["targets"].push_back(t);
+    }
+    j["seconds"] = json::object();
+    for (const auto& [stage, seconds] : r.seconds) j["seconds"][stage] = seconds;
+    j["peakMemoryBytes"] = r.peakMemory;
+    j["outputs"] = json::object();
+    for (const auto& [kind, file] : r.outputs) j["outputs"][kind] = file;
+    j["warnings"] = r.warnings;
+    return j.dump(2) + "\n";
+}
+
+std::string geodesicsObj(const std::vector<Path>& paths, const Band& band) {
+    std::string text = "# geodesics, world units; from each target to its seed\n";
+    std::array<char, 128> line{};
+    std::size_t first = 1;
+    for (std::size_t k = 0; k < paths.size(); ++k) {
+        const auto& vertices = paths[k].vertices;
+        if (vertices.size() < 2) continue;
+        text += "o geodesic_" + std::to_string(k) + "\n";
+        for (const PathVertex& v : vertices) {
+            const Vec3d p = band.transform.worldFromIndex(v.pIndex);
+            std::snprintf(line.data(), line.size(), "v %.17g %.17g %.17g\n", p.x, p.y, p.z);
+            text += line.data();
+        }
+        text += "l";
+        for (std::size_t i = 0; i < vertices.size(); ++i) text += " " + std::to_string(first + i);
+        text += "\n";
+        first += vertices.size();
+    }
+    return text;
+}
+
+}  // namespace igeo

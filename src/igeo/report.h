@@ -1,0 +1,40 @@
+/// Results as text: geodesics and the account of a run. World units throughout.
+#pragma once
+
+#include <igeo/field.h>
+#include <igeo/trace.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace igeo {
+
+/// What a run was asked to do, what it found and what it cost.
+struct RunReport {
+    std::string file, grid;  ///< the surface
+    std::uint64_t activeVoxels = 0;
+    double halfWidth = 0;                 ///< of the level set as read, voxels
+    double largestCurvature = 0;          ///< per voxel, see LevelSetStats
+    double bandLower = 0, bandUpper = 0;  ///< bounds of M&S (14), voxels
+    double snap = 0;                      ///< how far a point may be from the surface, world units
+    double maxDistance = kInfinity;       ///< limit asked for, world units
+    int threads = 1;
+    std::vector<Path> paths;                                   ///< one per target
+    std::vector<std::pair<std::string, double>> seconds;       ///< wall time per stage, in order
+    std::uint64_t peakMemory = 0;                              ///< bytes
+    std::vector<std::pair<std::string, std::string>> outputs;  ///< kind, file
+    std::vector<std::string> warnings;
+};
+
+/// docs/geodesics.schema.json.
+std::string geodesicsJson(const RunReport& report, const Band& band, const Field& field);
+
+/// docs/report.schema.json.
+std::string reportJson(const RunReport& report, const Band& band, const Field& field);
+
+/// Paths as Wavefront OBJ polylines, one object per path.
+std::string geodesicsObj(const std::vector<Path>& paths, const Band& band);
+
+}  // namespace igeo

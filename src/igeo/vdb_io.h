@@ -1,0 +1,44 @@
+/// VDB files in and out: which grid to take, and how to write one so that it is never half there.
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// A grid in a file: FILE[:GRID]. The file "-" is standard input.
+struct GridSource {
+    std::string file;
+    std::string grid;  ///< empty: the only level set
+};
+
+/// Splits FILE[:GRID] at the last colon; a file whose whole name exists wins.
+GridSource parseGridSource(const std::string& text);
+
+/// A level set as read, before any check of its values.
+struct LoadedGrid {
+    openvdb::FloatGrid::Ptr grid;
+    std::string file;  ///< as named, for messages
+    std::string name;  ///< unique in the file: the second of two grids `psi` is `psi[1]`
+    bool isLevelSetClass = false;  ///< the file says so
+};
+
+/// Reads one scalar grid: the one named, else the only one of class level set, else the only float
+/// or double grid of class unknown. Float, double (rounded to float) and half floats; any file
+/// format that OpenVDB reads.
+/// @throws Error  Io when the file cannot be opened; BadInput when it is not a VDB file, is cut
+/// off,
+///         holds no such grid, none that fits or several (the message lists them), or when the grid
+///         is a fog volume or no scalar
+LoadedGrid readLevelSetGrid(const GridSource& source);
+
+/// Writes grids in their order, Blosc-compressed, to a file (atomically) or to "-", standard
+/// output.
+///
+/// The same grids give the same bytes: the file's UUID is made from its content.
+/// @throws Error  Io; an existing file is then untouched
+void writeVdb(const std::string& file, const openvdb::GridCPtrVec& grids);
+
+}  // namespace igeo

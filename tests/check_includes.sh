@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# Holds the arrows of docs/architecture.md: who may include what. Lists every include that breaks
+# them and fails if there is one.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+# The rooms of src/igeo from the ground up, one per line. A file (.h and .cpp alike) includes igeo
+# headers of its own room and of those above it in this list.
+rooms='
+types error parallel progress version
+eikonal heap atomic_file
+band metric
+vdb_io level_set leaf_block band_width
+level_set_band surface_point
+field
+godunov
+trace
+field_grids report point_file
+'
+
+# Files that do without OpenVDB, and so without the igeo headers that need it.
+no_openvdb='
+types error parallel progress version eikonal heap
+band metric field band_width surface_point godunov trace point_file
+'
+
+# Headers that cost seconds per file: the prefix, where the rule holds, and the files excepted.
+# Tests may use TBB and JSON directly.
+guarded='
+CLI/       src apps tests  apps/implicit-geodesic/options.cpp
+nlohmann/  src apps        src/igeo/report.cpp src/igeo/point_file.cpp
+tbb/       src apps        src/igeo/parallel.h src/igeo/parallel.cpp
+'
+
+mapfile -t files < <(find src apps tests -name '*.h' -o -name '*.cpp' | LC_ALL=C sort)
+
+awk -v rooms="$rooms" -v no_openvdb="$no_openvdb" -v guarded="$guarded" '
+function fail(what) { print FILENAME ":" FNR ": " what; failed = 1 }
+
+BEGIN {
+    n = split(rooms, line, "\n")
+    for (i = 1; i <= n; ++i) {
+        m = split(line[i], word, " ")
+        for (j = 1; j <= m; ++j) room[word[j]] = i
+    }
+    n = split(no_openvdb, word, " ")
+    for (i = 1; i <= n; ++i) free_of_openvdb[word[i]] = 1
+    n = split(guarded, line, "\n")
+    for (i = 1; i <= n; ++i) {
+        m = split(line[i], word, " ")
+        if (m == 0) continue
+        prefixes[++count] = word[1]
+        for (j = 2; j <= m; ++j) {
+            if (word[j] ~ /\//) excepted[word[1], word[j]] = 1
+            else holds[word[1], word[j]] = 1
+        }
+    }
+}
+
+FNR == 1 {
+    in_library = FILENAME ~ /^src\/igeo\//
+    top = FILENAME; sub(/\/.*/, "", top)
+    stem = FILENAME; sub(/.*\//, "", stem); sub(/\.[a-z]+$/, "", stem)
+    if (in_library && !(stem in room))
+        fail("src/igeo/" stem " has no room in the table of tests/check_includes.sh")
+}
+
+/^[ \t]*#[ \t]*pragma[ \t]+once/ { has_pragma[FILENAME] = 1 }
+
+/^[ \t]*#[ \t]*include[ \t]*[<"]/ {
+    header = $0
+    sub(/^[ \t]*#[ \t]*include[ \t]*[<"]/, "", header); sub(/[>"].*/, "", header)
+    sub(/^oneapi\/tbb/, "tbb", header)
+
+    for (i = 1; i <= count; ++i) {
+        prefix = prefixes[i]
+        if (index(header, prefix) == 1 && (prefix, top) in holds &&
+            !((prefix, FILENAME) in excepted))
+            fail("<" prefix "...> does not belong here")
+    }
+    if (top == "src" && header ~ /(^|\/)(\.\.|apps|tests|support|implicit-geodesic)\//)
+        fail("the library includes neither apps nor tests: " header)
+    if (top == "apps" && header ~ /(^|\/)(tests|support)\//)
+        fail("the program does not include tests: " header)
+    if (!in_library || !(stem in room)) next
+
+    if (header ~ /^openvdb\// && stem in free_of_openvdb)
+        fail(stem " does without OpenVDB")
+    if (header ~ /^igeo\// || header !~ /\// && header ~ /\.h$/ && /"/) {
+        other = header; sub(/^igeo\//, "", other); sub(/\.h$/, "", other)
+        if (!(other in room))
+            fail("igeo/" other ".h has no room in the table of tests/check_includes.sh")
+        else if (room[other] > room[stem])
+            fail(stem " (room " room[stem] - 1 ") includes " other " (room " room[other] - 1 ")")
+        else if (stem in free_of_openvdb && !(other in free_of_openvdb))
+            fail(stem " does without OpenVDB, igeo/" other ".h does not")
+    }
+}
+
+END {
+    for (i = 1; i < ARGC; ++i)
+        if (ARGV[i] ~ /\.h$/ && !(ARGV[i] in has_pragma)) {
+            print ARGV[i] ": no #pragma once"
+            failed = 1
+        }
+    exit failed
+}' "${files[@]}"

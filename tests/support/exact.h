@@ -1,0 +1,27 @@
+// Geodesic distances known in closed form; torus_geodesics.h has those of the torus.
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+namespace igeo::test {
+
+/// Great-circle distance between the directions of p and q from `center`; accurate to rounding
+/// for all angles, 0 and pi included.
+double geodesicOnSphere(const openvdb::Vec3d& center, double radius, const openvdb::Vec3d& p,
+                        const openvdb::Vec3d& q);
+
+/// Distance on the side of an endless cylinder about the z axis through `center` (unrolled). On a
+/// capped one this is the distance while no way over an end is shorter.
+double geodesicOnCylinder(const openvdb::Vec3d& center, double radius, const openvdb::Vec3d& p,
+                          const openvdb::Vec3d& q);
+
+/// Distance between two points on the surface of a sharp box; exact for all pairs.
+///
+/// A shortest path on a convex polyhedron crosses no face twice and is straight once the faces it
+/// crosses are laid into one plane. The result is the minimum over all sequences of distinct faces
+/// from p's face to q's whose unfolded straight segment stays inside them.
+/// @param p, q  on the surface within 1e-9 of the box's size
+double geodesicOnBox(const openvdb::Vec3d& center, const openvdb::Vec3d& halfSize,
+                     const openvdb::Vec3d& p, const openvdb::Vec3d& q);
+
+}  // namespace igeo::test
