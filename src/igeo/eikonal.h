@@ -34,19 +34,20 @@ inline double godunovSolve(std::array<UpwindTerm, 3>& terms, int n, double cost)
     if (n > 1) order(0, 1);
     if (n > 2) order(1, 2), order(0, 1);
 
-    // Relative to the smallest base, so that far from the seed no digits are lost in the squares.
+    // Relative to the first base, so that far from the seed no digits are lost in the squares.
     const double origin = terms[0].base;
-    double a = 0, b = 0, c = -cost * cost, t = 0;
-    for (int j = 0; j < n; ++j) {
+    double t = cost / terms[0].coefficient;  // T - origin from the first term alone
+    double a = terms[0].coefficient * terms[0].coefficient, b = 0, c = -cost * cost;
+    for (int j = 1; j < n; ++j) {
         const UpwindTerm& term = terms[std::size_t(j)];
-        if (j > 0 && origin + t <= term.value) break;
+        if (origin + t <= term.value) break;
         const double w = term.coefficient * term.coefficient, r = term.base - origin;
         const double aj = a + w, bj = b + w * r, cj = c + w * r * r;
         const double discriminant = bj * bj - aj * cj;
         if (discriminant < 0) break;
         const double tj = (bj + std::sqrt(discriminant)) / aj;
         // At order 2 a base lies above its value: a term may be upwind and yet find no root above.
-        if (j > 0 && origin + tj <= term.value) break;
+        if (origin + tj <= term.value) break;
         a = aj, b = bj, c = cj, t = tj;
     }
     return origin + t;

@@ -3,21 +3,50 @@
 #include <igeo/eikonal.h>
 #include <igeo/error.h>
 #include <igeo/heap.h>
+#include <igeo/parallel.h>
 
 namespace igeo {
 
 namespace {
 
-/// States of a voxel (M&S section 3: Far Away, NarrowBand, Alive).
-enum class State : std::uint8_t { Far, Trial, Accepted };
+/// The face neighbours of every node at sides -x, +x, -y, +y, -z, +z. Nodes without one, or with one
+/// on a facing sheet (Band::linked), have node n there, which never holds a distance: so the solve
+/// asks no questions.
+class FaceNeighbours {
+public:
+    using Six = std::array<NodeIndex, 6>;
 
+    explicit FaceNeighbours(const Band& band) : table_(band.size() + 1) {
+        const auto none = NodeIndex(band.size());
+        table_.back().fill(none);
+        parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k)
+                for (int side = 0; side < 6; ++side) {
+                    const auto i = NodeIndex(k);
+                    Ijk step{};
+                    step[side / 2] = side % 2 ? 1 : -1;
+                    const NodeIndex j = band.neighbour(i, step.x, step.y, step.z);
+                    table_[k][std::size_t(side)] = j != kNoNode && band.linked(i, j) ? j : none;
+                }
+        });
+    }
+    const Six& operator[](NodeIndex i) const { return table_[i]; }
+
+private:
+    std::vector<Six> table_;
+};
+
+/// Far, Trial and Accepted (M&S section 3: Far Away, NarrowBand, Alive) by values alone: a node is
+/// Accepted where `accepted_` is finite, else Trial where `trial_` is finite, else Far.
 class Godunov {
 public:
     Godunov(const Band& band, const Metric& metric, const GodunovOptions& options)
-        : band_(band), metric_(metric), options_(options) {
-        distance_.assign(band.size(), kInfinity);
-        state_.assign(band.size(), State::Far);
-    }
+        : band_(band),
+          metric_(metric),
+          options_(options),
+          neighbours_(band),
+          accepted_(band.size() + 1, kInfinity),
+          trial_(band.size() + 1, kInfinity) {}
 
     void start(SurfacePoint seed) {
         seed.weight = metric_.at(seed.node);
@@ -26,14 +55,13 @@ public:
         seeds_.push_back(seed);
     }
 
+    template <int Order>
     void march(Progress& progress);
 
     Field take() {
         Field field;
-        field.distance = std::move(distance_);
-        // Trial values are upper bounds, not distances.
-        for (std::size_t i = 0; i < field.distance.size(); ++i)
-            if (state_[i] != State::Accepted) field.distance[i] = kInfinity;
+        accepted_.resize(band_.size());
+        field.distance = std::move(accepted_);
         field.stoppedEarly = !heap_.empty();
         field.seeds = std::move(seeds_);
         field.startRadius = options_.startRadius;
@@ -44,59 +72,46 @@ public:
 
 private:
     void lower(NodeIndex i, double value) {
-        if (!(value < distance_[i])) return;
-        distance_[i] = value;
-        state_[i] = State::Trial;
+        if (!(value < trial_[i])) return;
+        trial_[i] = value;
         heap_.push(value, i);
     }
 
-    /// Whether the value at j may be used at its neighbour i.
-    bool upwind(NodeIndex j, NodeIndex i) const {
-        return j != kNoNode && state_[j] == State::Accepted && band_.linked(i, j);
-    }
-
     /// Solves M&S (13) at node i from its Accepted neighbours.
+    template <int Order>
     double solve(NodeIndex i) const;
 
-    /// How far the march must go on after the last target's cell is known, so that gradients there
-    /// see both sides.
+    /// Marks the nodes whose distance the early stop waits for.
     void watchTargets();
 
     const Band& band_;
     const Metric& metric_;
     const GodunovOptions& options_;
+    const FaceNeighbours neighbours_;
     std::vector<SurfacePoint> seeds_;
-    std::vector<double> distance_;
-    std::vector<State> state_;
+    std::vector<double> accepted_, trial_;
     std::vector<bool> awaited_;
     std::size_t awaitedCount_ = 0;
     MarchHeap heap_;
 };
 
+template <int Order>
 double Godunov::solve(NodeIndex i) const {
+    const FaceNeighbours::Six& near = neighbours_[i];
     std::array<UpwindTerm, 3> terms;
     int n = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        int sx = axis == 0, sy = axis == 1, sz = axis == 2;
-        const NodeIndex lo = band_.neighbour(i, -sx, -sy, -sz);
-        const NodeIndex hi = band_.neighbour(i, sx, sy, sz);
-        const double dLo = upwind(lo, i) ? distance_[lo] : kInfinity;
-        const double dHi = upwind(hi, i) ? distance_[hi] : kInfinity;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const NodeIndex lo = near[2 * axis], hi = near[2 * axis + 1];
+        const double dLo = accepted_[lo], dHi = accepted_[hi];
         const double m = std::min(dLo, dHi);
         if (m == kInfinity) continue;
-        auto& term = terms[std::size_t(n++)];
+        UpwindTerm& term = terms[std::size_t(n++)];
         term = firstOrderTerm(m);
-        if (options_.order == 1) continue;
-        // Equal sides give equal terms at order 1 only: take the smaller second difference base.
+        if (Order == 1) continue;
+        // With equal sides the smaller second value decides, so that the axis has no direction.
         double mm = kInfinity;
-        if (dLo == m) {
-            const NodeIndex far = band_.neighbour(i, -2 * sx, -2 * sy, -2 * sz);
-            if (upwind(far, lo)) mm = distance_[far];
-        }
-        if (dHi == m) {
-            const NodeIndex far = band_.neighbour(i, 2 * sx, 2 * sy, 2 * sz);
-            if (upwind(far, hi)) mm = std::min(mm, distance_[far]);
-        }
+        if (dLo == m) mm = accepted_[neighbours_[lo][2 * axis]];
+        if (dHi == m) mm = std::min(mm, accepted_[neighbours_[hi][2 * axis + 1]]);
         if (mm <= m) term = secondOrderTerm(m, mm);
     }
     return godunovSolve(terms, n, metric_.at(i));
@@ -112,29 +127,23 @@ void Godunov::watchTargets() {
     }
 }
 
+template <int Order>
 void Godunov::march(Progress& progress) {
     watchTargets();
     const bool waits = awaitedCount_ > 0;
     std::size_t done = 0;
     while (!heap_.empty()) {
-        const MarchHeap::Entry next = heap_.top();
-        if (next.value > options_.maxDistance) return;
-        heap_.pop();
-        const NodeIndex i = next.node;
-        if (state_[i] == State::Accepted) continue;
-        state_[i] = State::Accepted;
+        if (trial_[heap_.top()] > options_.maxDistance) return;
+        const NodeIndex i = heap_.pop();
+        if (accepted_[i] < kInfinity) continue;
+        accepted_[i] = trial_[i];
         if (waits && awaited_[i] && --awaitedCount_ == 0) return;
         if ((++done & 0x3fff) == 0) {
             progress.throwIfCancelled();
             progress.update("march", double(done) / double(band_.size()));
         }
-        for (int side = -1; side <= 1; side += 2)
-            for (int axis = 0; axis < 3; ++axis) {
-                const NodeIndex j =
-                    band_.neighbour(i, side * (axis == 0), side * (axis == 1), side * (axis == 2));
-                if (j != kNoNode && state_[j] != State::Accepted && band_.linked(i, j))
-                    lower(j, solve(j));
-            }
+        for (const NodeIndex j : neighbours_[i])
+            if (j != band_.size() && accepted_[j] == kInfinity) lower(j, solve<Order>(j));
     }
 }
 
@@ -165,7 +174,8 @@ Field marchGodunov(const Band& band, const Metric& metric, const std::vector<Sur
     check(band, metric, seeds, options);
     Godunov march(band, metric, options);
     for (const SurfacePoint& seed : seeds) march.start(seed);
-    march.march(progress);
+    if (options.order == 1) march.march<1>(progress);
+    else march.march<2>(progress);
     return march.take();
 }
 

@@ -1,0 +1,138 @@
+/// Stage times of the library on spheres, as JSON on stdout.
+///
+///     igeo_bench march [--n N] [--scheme godunov] [--order 1] [--half-width W] [--runs 3]
+///     [--threads 1] igeo_bench sweep [--n N]      godunov beside openvdb::tools::maskSdf, same
+///     band, one thread
+///
+/// Times are the least of the runs. Run it on a quiet machine and compare ratios.
+#include <igeo/band_width.h>
+#include <igeo/godunov.h>
+#include <igeo/level_set_band.h>
+#include <igeo/parallel.h>
+#include <openvdb/tools/FastSweeping.h>
+#include <support/errors.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <string>
+
+namespace igeo::test {
+namespace {
+
+const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
+constexpr double kRadius = 0.4;
+
+double seconds(int runs, const std::function<void()>& work) {
+    double least = kInfinity;
+    for (int k = 0; k < runs; ++k) {
+        const auto start = std::chrono::steady_clock::now();
+        work();
+        const std::chrono::duration<double> d = std::chrono::steady_clock::now() - start;
+        least = std::min(least, d.count());
+    }
+    return least;
+}
+
+struct Arguments {
+    std::map<std::string, std::string> values;
+    double number(const std::string& name, double otherwise) const {
+        const auto it = values.find(name);
+        return it == values.end() ? otherwise : std::stod(it->second);
+    }
+};
+
+struct Sphere {
+    LevelSet levelSet;
+    Band band;
+    SurfacePoint seed;
+
+    Sphere(int n, double h, double halfWidth)
+        : levelSet(checkedLevelSet(makeLevelSet(sphere(kCenter, kRadius), 1.0 / n, halfWidth))),
+          band(bandFromLevelSet(levelSet, h)),
+          seed(pointOn(band, kCenter + kRadius * genericDirection())) {}
+};
+
+void benchMarch(const Arguments& args) {
+    const int n = int(args.number("n", 200)), runs = int(args.number("runs", 3));
+    const double h = args.number("half-width", 1.7320508);
+    const Sphere s(n, h, std::max(3.0, h));
+    const ThreadLimit limit(int(args.number("threads", 1)));
+    GodunovOptions options;
+    options.order = int(args.number("order", 2));
+    const double nodes = double(s.band.size());
+    const double band = seconds(runs, [&] { bandFromLevelSet(s.levelSet, h); });
+    const double march = seconds(runs, [&] { marchGodunov(s.band, {}, {s.seed}, options); });
+    std::printf(
+        "{\"bench\": \"march\", \"n\": %d, \"nodes\": %.0f, \"scheme\": \"godunov\", "
+        "\"order\": %d, \"threads\": %d, \"bandSeconds\": %.6f, \"marchSeconds\": %.6f, "
+        "\"bandNsPerNode\": %.1f, \"marchNsPerNode\": %.1f, \"bandBytesPerNode\": %.1f}\n",
+        n, nodes, options.order, ThreadLimit::current(), band, march, 1e9 * band / nodes,
+        1e9 * march / nodes, double(s.band.memUsage()) / nodes);
+}
+
+/// godunov order 1 and maskSdf solve the same equations on the same voxels: a small sphere of exact
+/// distances around the seed, the band as mask. maskSdf repeats its sweeps until its largest
+/// difference from the march is below `tolerance`.
+void benchSweep(const Arguments& args) {
+    const int n = int(args.number("n", 200));
+    const double h = args.number("half-width", 1.7320508), tolerance = 1e-3;
+    const Sphere s(n, h, std::max(3.0, h));
+    const ThreadLimit limit(1);
+    GodunovOptions options;
+    options.order = 1;
+    Field field;
+    const double march = seconds(3, [&] { field = marchGodunov(s.band, {}, {s.seed}, options); });
+
+    auto transform = s.levelSet.psi->transform().copy();
+    openvdb::FloatGrid start(float(field.startRadius / n));
+    openvdb::BoolGrid mask(false);
+    start.setTransform(transform), mask.setTransform(transform);
+    auto startAccessor = start.getAccessor();
+    auto maskAccessor = mask.getAccessor();
+    for (std::size_t i = 0; i < s.band.size(); ++i) {
+        const Ijk v = s.band.ijk(NodeIndex(i));
+        const openvdb::Coord c(v.x, v.y, v.z);
+        maskAccessor.setValueOn(c, true);
+        const double r = length(Vec3d(v) - s.seed.pIndex);
+        // maskSdf extends from a zero crossing: distances less the radius of a ball that holds it.
+        if (r <= field.startRadius) startAccessor.setValueOn(c, float((r - 1.5) / n));
+    }
+    for (int iterations = 1; iterations <= 64; iterations *= 2) {
+        openvdb::FloatGrid::Ptr swept;
+        const double sweep =
+            seconds(1, [&] { swept = openvdb::tools::maskSdf(start, mask, false, iterations); });
+        const auto accessor = swept->getConstAccessor();
+        double worst = 0;
+        for (std::size_t i = 0; i < s.band.size(); ++i) {
+            const Ijk v = s.band.ijk(NodeIndex(i));
+            const double d = accessor.getValue({v.x, v.y, v.z}) * n + 1.5;
+            worst = std::max(worst, std::abs(d - field.distance[i]));
+        }
+        std::printf(
+            "{\"bench\": \"sweep\", \"n\": %d, \"nodes\": %zu, \"iterations\": %d, "
+            "\"marchSeconds\": %.6f, \"sweepSeconds\": %.6f, \"ratio\": %.2f, "
+            "\"largestDifferenceVoxels\": %.6f}\n",
+            n, s.band.size(), iterations, march, sweep, sweep / march, worst);
+        if (worst < tolerance * field.maxDistance) break;
+    }
+}
+
+}  // namespace
+}  // namespace igeo::test
+
+int main(int argc, char** argv) {
+    using namespace igeo::test;
+    Arguments args;
+    for (int k = 2; k + 1 < argc; k += 2) args.values[std::string(argv[k]).substr(2)] = argv[k + 1];
+    const std::string what = argc > 1 ? argv[1] : "";
+    if (what == "march") return benchMarch(args), 0;
+    if (what == "sweep") return benchSweep(args), 0;
+    std::fprintf(stderr,
+                 "usage: igeo_bench march|sweep [--n N] [--order 1|2] [--half-width W] "
+                 "[--runs R] [--threads T]\n");
+    return 2;
+}
