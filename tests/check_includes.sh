@@ -8,20 +8,21 @@ cd "$(dirname "$0")/.."
 # headers of its own room and of those above it in this list.
 rooms='
 types error parallel progress version
-eikonal heap atomic_file
+eikonal heap jet_update atomic_file
+tangent_frame
 band metric
 vdb_io level_set leaf_block band_width
 level_set_band surface_point
 field
-godunov
+godunov jet
 trace
 field_grids report point_file
 '
 
 # Files that do without OpenVDB, and so without the igeo headers that need it.
 no_openvdb='
-types error parallel progress version eikonal heap
-band metric field band_width surface_point godunov trace point_file
+types error parallel progress version eikonal heap jet_update tangent_frame
+band metric field band_width surface_point godunov jet trace point_file
 '
 
 # Headers that cost seconds per file: the prefix, where the rule holds, and the files excepted.

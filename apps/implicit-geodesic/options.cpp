@@ -3,21 +3,35 @@
 #include <igeo/version.h>
 #include <CLI/CLI.hpp>
 
+#include <cmath>
+#include <cstdlib>
 #include <iostream>
 
 namespace {
 
 const char* const kExamples = R"(
-Examples:
-  implicit-geodesic --sdf data/trefoil.vdb --seed 1.5,0,0
-      distances along the surface, in trefoil_geodesic.vdb
-  implicit-geodesic --sdf data/sphere.vdb --seed 0.5,0.5,0.9 --target 0.5,0.5,0.1 --paths path.json
-      the geodesic between two points; its length is printed and in path.json
-  implicit-geodesic --sdf data/torus.vdb --seeds seeds.csv --max-distance 0.2 -o near.vdb --json -
-      distances up to 0.2 from the nearest of many seeds; the report goes to stdout
-
 Exit codes: 0 done, 1 failed, 2 wrong usage, 3 unusable input or output,
-4 done but a target is unreached, 130 interrupted.)";
+4 done but a target is unreached, 130 interrupted.
+
+Examples:
+  implicit-geodesic --sdf data/trefoil.vdb --seed 0,-0.42,0
+      distances along the surface, in trefoil_geodesic.vdb
+  implicit-geodesic --sdf data/sphere.vdb --seed 0,0,1 --target 0.6,0,-0.8 --paths path.json
+      the geodesic between two points; its length is printed and in path.json
+  implicit-geodesic --sdf data/torus.vdb --seeds data/torus_seeds.csv --max-distance 0.2 -o near.vdb --json -
+      distances up to 0.2 from the nearest of several seeds; the report goes to stdout)";
+
+/// CLI11's own checks let "nan" pass.
+CLI::Validator number(bool mayBeZero) {
+    const char* wanted = mayBeZero ? " is no number of at least 0" : " is no number above 0";
+    auto check = [=](std::string& text) {
+        char* end = nullptr;
+        const double v = std::strtod(text.c_str(), &end);
+        const bool good = end != text.c_str() && *end == '\0' && std::isfinite(v);
+        return good && (v > 0 || (mayBeZero && v == 0)) ? std::string() : text + wanted;
+    };
+    return {check, ""};
+}
 
 void addOptions(CLI::App& app, Options& o) {
     app.add_option("--sdf", o.sdf,
@@ -31,18 +45,18 @@ void addOptions(CLI::App& app, Options& o) {
                        "Half-width h of the band |psi| < h, world units; at least sqrt(3) "
                        "voxels, less than the smallest radius of curvature [from curvature]")
             ->type_name("H")
-            ->check(CLI::PositiveNumber)
+            ->check(number(/*mayBeZero=*/false))
             ->group("Band");
     app.add_option("--band-voxels", o.bandVoxels, "The same in voxels")
         ->type_name("N")
-        ->check(CLI::PositiveNumber)
+        ->check(number(/*mayBeZero=*/false))
         ->excludes(band)
         ->group("Band");
 
     const char* seeds = "Seeds and targets";
     app.add_option("--seed", o.seeds, "Where the distance is 0; repeat for several")
         ->type_name("X,Y,Z")
-        ->take_all()
+        ->allow_extra_args(false)
         ->group(seeds);
     app.add_option("--seeds", o.seedFile,
                    "Seeds from a .json or .csv file: x,y,z and, if given, a start distance")
@@ -50,7 +64,7 @@ void addOptions(CLI::App& app, Options& o) {
         ->group(seeds);
     app.add_option("--target", o.targets, "Where a geodesic to the nearest seed starts; repeatable")
         ->type_name("X,Y,Z")
-        ->take_all()
+        ->allow_extra_args(false)
         ->group(seeds);
     app.add_option("--targets", o.targetFile, "Targets from a .json or .csv file")
         ->type_name("FILE")
@@ -65,18 +79,19 @@ void addOptions(CLI::App& app, Options& o) {
                    "How far a seed or target may be from the surface, world units [the half-width "
                    "of the level set]")
         ->type_name("D")
-        ->check(CLI::NonNegativeNumber)
+        ->check(number(/*mayBeZero=*/true))
         ->group(seeds);
     app.add_flag("--stop-at-targets", o.stopAtTargets, "Stop once all targets are reached")
         ->group(seeds);
     app.add_option("--max-distance", o.maxDistance, "Stop beyond this distance, world units")
         ->type_name("D")
-        ->check(CLI::PositiveNumber)
+        ->check(number(/*mayBeZero=*/false))
         ->group(seeds);
 
-    app.add_option("--scheme", o.scheme, "How to solve: godunov (Memoli & Sapiro 2001) [godunov]")
+    app.add_option("--scheme", o.scheme, "How to solve: jet (value and gradient on foot points) or godunov (Memoli & "
+                   "Sapiro 2001) [jet]")
         ->type_name("NAME")
-        ->check(CLI::IsMember({"godunov"}))
+        ->check(CLI::IsMember({"jet", "godunov"}))
         ->group("Scheme");
     app.add_option("--order", o.order, "Order of godunov's differences, 1 or 2 [2]")
         ->type_name("N")
@@ -92,6 +107,7 @@ void addOptions(CLI::App& app, Options& o) {
                    "More grids in the output: surface (psi, first), gradient (of the distance)")
         ->type_name("LIST")
         ->delimiter(',')
+        ->allow_extra_args(false)
         ->check(CLI::IsMember({"surface", "gradient"}))
         ->group(results);
     app.add_option("--name", o.name, "Name of the distance grid [<psi>_geodesic]")

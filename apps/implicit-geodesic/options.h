@@ -17,7 +17,7 @@ struct Options {
     bool stopAtTargets = false;
     double maxDistance = 0;  ///< world units times weight; 0: none
 
-    std::string scheme = "godunov";
+    std::string scheme = "jet";
     int order = 2;
 
     std::string output;  ///< empty: <input>_geodesic.vdb in the current folder

@@ -5,6 +5,7 @@
 #include <igeo/error.h>
 #include <igeo/field_grids.h>
 #include <igeo/godunov.h>
+#include <igeo/jet.h>
 #include <igeo/level_set.h>
 #include <igeo/level_set_band.h>
 #include <igeo/parallel.h>
@@ -108,10 +109,12 @@ void Job::checkOutputs() {
     for (const auto& [option, file] : outputs) {
         const std::string named = std::string(option) + " " + file;
         std::error_code ignored;
-        const std::string whole = file == "-" ? file : fs::weakly_canonical(file, ignored).string();
-        if (source_.file != "-" && file != "-" && fs::equivalent(file, source_.file, ignored))
-            usageError(named + " would overwrite the input '" + source_.file + "'",
-                       "choose another name with -o");
+        const std::string whole =
+            file == "-" ? file : fs::weakly_canonical(fs::absolute(file), ignored).string();
+        for (const std::string& input : {source_.file, options_.seedFile, options_.targetFile})
+            if (input != "-" && file != "-" && fs::equivalent(file, input, ignored))
+                usageError(named + " would overwrite the input '" + input + "'",
+                           std::string("give ") + option + " another name");
         const bool device = fs::exists(file, ignored) && !fs::is_regular_file(file, ignored) &&
                             !fs::is_directory(file, ignored);
         if (!device && std::find(taken.begin(), taken.end(), whole) != taken.end())
@@ -157,7 +160,10 @@ void Job::makeBand() {
     const igeo::BandBounds bounds = igeo::bandBounds(st.largestCurvature, st.reach, st.halfWidth);
     report_.bandLower = bounds.lower;
     report_.bandUpper = bounds.upper;
-    double h = igeo::defaultBandWidth(options_.order, st.largestCurvature, bounds);
+    // jet works on foot points, for which the narrowest band is enough.
+    double h = options_.scheme == "jet"
+                   ? bounds.lower
+                   : igeo::defaultBandWidth(options_.order, st.largestCurvature, bounds);
     if (options_.band > 0) h = igeo::requireBandWidth(options_.band / dx, bounds, dx);
     if (options_.bandVoxels > 0) h = igeo::requireBandWidth(options_.bandVoxels, bounds, dx);
     if (!bounds.resolved)
@@ -174,7 +180,13 @@ void Job::makeBand() {
 std::vector<igeo::SurfacePoint> Job::place(const std::vector<std::string>& given,
                                            const std::string& file, const char* what) {
     std::vector<igeo::AskedPoint> asked;
-    for (const std::string& s : given) asked.push_back(igeo::parsePoint(s));
+    for (const std::string& s : given) {
+        try {
+            asked.push_back(igeo::parsePoint(s));
+        } catch (const Error& e) {
+            throw Error(e.kind(), std::string("--") + what + ": " + e.what(), e.remedy());
+        }
+    }
     if (!file.empty())
         for (const igeo::AskedPoint& p : igeo::readPoints(file)) asked.push_back(p);
 
@@ -208,14 +220,24 @@ void Job::placePoints() {
 }
 
 void Job::march() {
-    igeo::GodunovOptions godunov;
-    godunov.order = options_.order;
+    double maxDistance = igeo::kInfinity;
     if (options_.maxDistance > 0) {
         report_.maxDistance = options_.maxDistance;
-        godunov.maxDistance = options_.maxDistance / band_.transform.dx;
+        maxDistance = options_.maxDistance / band_.transform.dx;
     }
-    if (options_.stopAtTargets) godunov.stopAt = targets_;
-    field_ = igeo::marchGodunov(band_, igeo::Metric{}, seeds_, godunov, progress_);
+    const auto stopAt = options_.stopAtTargets ? targets_ : std::vector<igeo::SurfacePoint>{};
+    if (options_.scheme == "jet") {
+        igeo::JetOptions jet;
+        jet.maxDistance = maxDistance;
+        jet.stopAt = stopAt;
+        field_ = igeo::marchJet(band_, seeds_, jet, progress_);
+    } else {
+        igeo::GodunovOptions godunov;
+        godunov.order = options_.order;
+        godunov.maxDistance = maxDistance;
+        godunov.stopAt = stopAt;
+        field_ = igeo::marchGodunov(band_, igeo::Metric{}, seeds_, godunov, progress_);
+    }
     finished("march");
 }
 

@@ -28,6 +28,15 @@ std::set<std::string>& registry() {
 
 bool exists(const std::string& path, struct stat& info) { return ::stat(path.c_str(), &info) == 0; }
 
+/// Follows links, also one to a file that does not exist yet.
+std::string resolve(fs::path path) {
+    std::error_code ignored;
+    constexpr int kMostLinks = 40;  // as Linux
+    for (int k = 0; k < kMostLinks && fs::is_symlink(path, ignored); ++k)
+        path = path.parent_path() / fs::read_symlink(path, ignored);
+    return path.string();
+}
+
 std::string folderOf(const std::string& path) {
     const fs::path folder = fs::path(path).parent_path();
     return folder.empty() ? "." : folder.string();
@@ -40,17 +49,16 @@ void AtomicFile::throwWriteError(const std::string& path, int systemError) {
     std::string remedy = "check that the folder '" + folder + "' exists and is writable";
     if (systemError == ENOSPC || systemError == EDQUOT || systemError == EFBIG)
         remedy = "free some space or write to another disk; nothing was changed";
+    if (systemError == EPIPE || systemError == EBADF)
+        remedy = "the program that was to read it has gone; write to a file instead";
     const std::string why = systemError ? std::strerror(systemError) : "write failed";
     throw Error(Error::Kind::Io, "cannot write '" + path + "': " + why, remedy);
 }
 
-AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(path) {
+AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(resolve(path)) {
     struct stat info {};
     if (exists(path, info)) {
         if (S_ISDIR(info.st_mode)) throwWriteError(path, EISDIR);
-        std::error_code ignored;
-        const fs::path resolved = fs::canonical(path, ignored);
-        if (!resolved.empty()) finalPath_ = resolved.string();
         if (!S_ISREG(info.st_mode)) {
             stream_.open(path, std::ios::out | std::ios::binary);
             if (!stream_) throwWriteError(path, errno);
@@ -80,6 +88,8 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(path) 
 
 AtomicFile::~AtomicFile() {
     if (temporary_.empty()) return;
+    // On a full disk closing fails as well: it must not throw here.
+    stream_.exceptions(std::ios::goodbit);
     stream_.close();
     std::lock_guard<std::mutex> lock(registryMutex());
     ::unlink(temporary_.c_str());
@@ -118,7 +128,8 @@ void AtomicFile::discardAll() noexcept {
 void writeFile(const std::string& path, const std::string& content) {
     AtomicFile file(path);
     errno = 0;
-    file.stream().write(content.data(), std::streamsize(content.size()));
+    if (!file.stream().write(content.data(), std::streamsize(content.size())))
+        AtomicFile::throwWriteError(path, errno);
     file.commit();
 }
 

@@ -16,21 +16,29 @@ using LeafIndex = std::uint32_t;
 constexpr LeafIndex kNoLeaf = std::numeric_limits<LeafIndex>::max();
 
 /// 8^3 voxels of the band, laid out as OpenVDB's leaves: voxel (x, y, z) of the leaf has offset
-/// 64 x + 8 y + z, so mask word x holds the slice at x.
+/// 64 x + 8 y + z, so mask word x holds the slice at x and its byte y the row at (x, y).
 struct BandLeaf {
-    Ijk origin;                             ///< smallest voxel, a multiple of 8
-    NodeIndex firstNode = 0;                ///< number of the leaf's first node
-    std::array<std::uint64_t, 8> mask{};    ///< which voxels are in the band
-    std::array<std::uint16_t, 8> before{};  ///< nodes of the leaf in the slices before slice x
-    std::array<LeafIndex, 27> neighbour{};  ///< leaf at step (dx,dy,dz): 9(dx+1)+3(dy+1)+dz+1
+    Ijk origin;                              ///< smallest voxel, a multiple of 8
+    NodeIndex firstNode = 0;                 ///< number of the leaf's first node
+    NodeIndex nodeCount = 0;                 ///< nodes of the leaf
+    std::array<std::uint64_t, 8> mask{};     ///< which voxels are in the band
+    std::array<std::uint16_t, 64> before{};  ///< nodes of the leaf before the row at 8 x + y
+    std::array<LeafIndex, 27> neighbour{};   ///< leaf at step (dx,dy,dz): 9(dx+1)+3(dy+1)+dz+1
 
+    /// The row at 8 x + y: bit z for voxel z.
+    unsigned row(unsigned xy) const { return unsigned(mask[xy >> 3] >> (8 * (xy & 7))) & 0xff; }
     /// The node at an offset of this leaf, or kNoNode.
     NodeIndex node(unsigned offset) const {
-        const std::uint64_t word = mask[offset >> 6], bit = std::uint64_t(1) << (offset & 63);
-        if (!(word & bit)) return kNoNode;
-        return firstNode + before[offset >> 6] + NodeIndex(__builtin_popcountll(word & (bit - 1)));
+        const unsigned bits = row(offset >> 3), z = offset & 7;
+        if (!(bits >> z & 1)) return kNoNode;
+        return firstNode + before[offset >> 3] + bitCount(bits & ((1u << z) - 1));
     }
-    std::size_t nodeCount() const { return before[7] + std::size_t(__builtin_popcountll(mask[7])); }
+    /// Bits set in a byte. By hand: the instruction for it is not in every x86-64.
+    static unsigned bitCount(unsigned byte) {
+        byte -= byte >> 1 & 0x55;
+        byte = (byte & 0x33) + (byte >> 2 & 0x33);
+        return (byte + (byte >> 4)) & 0xf;
+    }
 };
 
 /// The band in flat arrays. Nodes are numbered leaf by leaf, by offset within the leaf, so the
@@ -80,6 +88,10 @@ struct Band {
         if (l == kNoLeaf) return kNoNode;
         return leaves[l].node(unsigned((ijk.x & 7) << 6 | (ijk.y & 7) << 3 | (ijk.z & 7)));
     }
+    /// All nodes within one voxel of node i in every axis: at 9 (dx + 1) + 3 (dy + 1) + dz + 1,
+    /// kNoNode where there is none. Faster than 26 calls of neighbour().
+    void neighbourhood(NodeIndex i, std::array<NodeIndex, 27>& nodes) const;
+
     /// Whether a front may pass between neighbours i and j: not if their normals oppose, for then
     /// they belong to two sheets that face each other.
     bool linked(NodeIndex i, NodeIndex j) const {

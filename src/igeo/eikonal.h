@@ -8,27 +8,27 @@
 namespace igeo {
 
 /// One axis of the upwind difference: the one-sided derivative at the unknown T is
-/// coefficient * (T - base), and it counts only where T > value.
+/// coefficient * (T - base), and it counts only where it is positive.
 struct UpwindTerm {
-    double value;        ///< m_j of M&S (13): the smaller neighbour along the axis
-    double base;         ///< m_j at order 1; (4 m_j - m'_j) / 3 at order 2, m'_j one voxel further
+    double base;         ///< m_j of M&S (13), the smaller neighbour along the axis, at order 1;
+                         ///< (4 m_j - m'_j) / 3 at order 2, m'_j one voxel further: at least m_j
     double coefficient;  ///< 1 at order 1, 3/2 at order 2
 };
 
-inline UpwindTerm firstOrderTerm(double m) { return {m, m, 1.0}; }
+inline UpwindTerm firstOrderTerm(double m) { return {m, 1.0}; }
 
 /// Second-order one-sided difference (3 T - 4 m + mm) / 2, for mm <= m: both upwind of T.
-inline UpwindTerm secondOrderTerm(double m, double mm) { return {m, m + (m - mm) / 3, 1.5}; }
+inline UpwindTerm secondOrderTerm(double m, double mm) { return {m + (m - mm) / 3, 1.5}; }
 
 /// Solves sum_j max(coefficient_j (T - base_j), 0)^2 = cost^2 for T over the first `n` terms:
-/// M&S (13) in voxel units, P = cost. Terms at or above T drop out, largest first, so the result
+/// M&S (13) in voxel units, P = cost. Terms whose base is not below T drop out, so the result
 /// depends only on smaller values (causality).
-/// @param terms reordered by value
+/// @param terms reordered by base
 /// @param n     1 to 3 terms
-/// @return T > every value used
+/// @return T > every value used; the root is unique, as the left side never falls with T
 inline double godunovSolve(std::array<UpwindTerm, 3>& terms, int n, double cost) {
     auto order = [&](int i, int j) {
-        if (terms[std::size_t(j)].value < terms[std::size_t(i)].value)
+        if (terms[std::size_t(j)].base < terms[std::size_t(i)].base)
             std::swap(terms[std::size_t(i)], terms[std::size_t(j)]);
     };
     if (n > 1) order(0, 1);
@@ -39,16 +39,12 @@ inline double godunovSolve(std::array<UpwindTerm, 3>& terms, int n, double cost)
     double t = cost / terms[0].coefficient;  // T - origin from the first term alone
     double a = terms[0].coefficient * terms[0].coefficient, b = 0, c = -cost * cost;
     for (int j = 1; j < n; ++j) {
-        const UpwindTerm& term = terms[std::size_t(j)];
-        if (origin + t <= term.value) break;
-        const double w = term.coefficient * term.coefficient, r = term.base - origin;
-        const double aj = a + w, bj = b + w * r, cj = c + w * r * r;
-        const double discriminant = bj * bj - aj * cj;
-        if (discriminant < 0) break;
-        const double tj = (bj + std::sqrt(discriminant)) / aj;
-        // At order 2 a base lies above its value: a term may be upwind and yet find no root above.
-        if (origin + tj <= term.value) break;
-        a = aj, b = bj, c = cj, t = tj;
+        const double r = terms[std::size_t(j)].base - origin;
+        if (t <= r) break;
+        const double w = terms[std::size_t(j)].coefficient * terms[std::size_t(j)].coefficient;
+        a += w, b += w * r, c += w * r * r;
+        // Not negative but for rounding: at T = base_j the terms before do not reach cost^2.
+        t = (b + std::sqrt(std::max(b * b - a * c, 0.0))) / a;
     }
     return origin + t;
 }

@@ -1,6 +1,7 @@
 #include <igeo/field.h>
 
 #include <igeo/parallel.h>
+#include <igeo/tangent_frame.h>
 
 namespace igeo {
 
@@ -38,6 +39,7 @@ double axisDifference(const Band& band, const std::vector<double>& d, NodeIndex 
 }  // namespace
 
 std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field) {
+    if (!field.gradient.empty()) return field.gradient;
     std::vector<Vec3f> gradient(band.size());
     parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
@@ -63,8 +65,10 @@ const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, double d
     return nearest;
 }
 
-double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex) {
-    const BandCell cell = cellAt(band, pIndex);
+namespace {
+
+/// Trilinear over the reached corners: values belong to the voxels.
+double sampleVoxels(const BandCell& cell, const Field& field) {
     double sum = 0, weight = 0, nearest = kInfinity;
     for (std::size_t k = 0; k < 8; ++k) {
         if (cell.node[k] == kNoNode) continue;
@@ -74,7 +78,36 @@ double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex)
         sum += cell.weight[k] * d;
         weight += cell.weight[k];
     }
-    const double d = weight > 0 ? sum / weight : nearest;
+    return weight > 0 ? sum / weight : nearest;
+}
+
+double sampleJets(const Band& band, const BandCell& cell, const Field& field, const Vec3d& p) {
+    Vec3d n{};
+    for (std::size_t k = 0; k < 8; ++k)
+        if (cell.node[k] != kNoNode) n += cell.weight[k] * Vec3d(band.normal[cell.node[k]]);
+    const TangentFrame frame(normalized(n));
+    JetNeighbours all;
+    std::array<double, 26> weight{};
+    for (std::size_t k = 0; k < 8; ++k) {
+        const NodeIndex j = cell.node[k];
+        if (j == kNoNode || !(field.distance[j] < kInfinity)) continue;
+        const Vec3d nj(band.normal[j]);
+        const double cosine = dot(frame.normal(), nj);
+        if (cosine < double(Band::kOtherSheet)) continue;
+        // A corner at p itself must not leave the sum empty.
+        weight[std::size_t(all.count)] = cell.weight[k] + 1e-6;
+        all.add(frame.neighbour(p - band.footPoint(j), nj, cosine, Vec3d(field.gradient[j]),
+                                field.distance[j]));
+    }
+    return blendJets(all, weight).u;
+}
+
+}  // namespace
+
+double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex) {
+    const BandCell cell = cellAt(band, pIndex);
+    const double d =
+        field.gradient.empty() ? sampleVoxels(cell, field) : sampleJets(band, cell, field, pIndex);
     if (const SurfacePoint* s = seedAround(field, pIndex, d))
         return s->start + s->weight * length(pIndex - s->pIndex);
     return d;

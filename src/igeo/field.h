@@ -13,13 +13,16 @@ namespace igeo {
 
 /// Distances in voxels times weight; multiply by band.transform.dx for world units.
 struct Field {
-    std::vector<double> distance;     ///< per band node; +inf: not reached, or beyond an early stop
-    std::vector<SurfacePoint> seeds;  ///< where it starts
-    std::string scheme;               ///< what computed it, e.g. "godunov, order 2"
-    double startRadius = 0;           ///< within it, distances around seeds are exact; voxels
-    std::size_t reached = 0;          ///< nodes with a finite distance
-    double maxDistance = 0;           ///< the largest finite distance
-    bool stoppedEarly = false;        ///< a limit ended the march: +inf need not mean unconnected
+    std::vector<double> distance;  ///< per band node; +inf: not reached, or beyond an early stop
+    std::vector<Vec3f> gradient;   ///< per band node, along S; only from schemes that march it
+    std::vector<std::uint32_t> label;  ///< per band node: the seed it is nearest to; empty for one
+    std::size_t guarded = 0;           ///< nodes that a guard solved (jet)
+    std::vector<SurfacePoint> seeds;   ///< where it starts
+    std::string scheme;                ///< what computed it, e.g. "godunov, order 2"
+    double startRadius = 0;            ///< within it, distances around seeds are exact; voxels
+    std::size_t reached = 0;           ///< nodes with a finite distance
+    double maxDistance = 0;            ///< the largest finite distance
+    bool stoppedEarly = false;         ///< a limit ended the march: +inf need not mean unconnected
 
     /// Counts `reached` and `maxDistance` from `distance`.
     void summarise();

@@ -9,9 +9,9 @@ namespace igeo {
 
 namespace {
 
-/// The face neighbours of every node at sides -x, +x, -y, +y, -z, +z. Nodes without one, or with one
-/// on a facing sheet (Band::linked), have node n there, which never holds a distance: so the solve
-/// asks no questions.
+/// The face neighbours of every node at sides -x, +x, -y, +y, -z, +z. Nodes without one, or with
+/// one on a facing sheet (Band::linked), have node n there, which never holds a distance: so the
+/// solve asks no questions.
 class FaceNeighbours {
 public:
     using Six = std::array<NodeIndex, 6>;
@@ -40,18 +40,24 @@ private:
 /// Accepted where `accepted_` is finite, else Trial where `trial_` is finite, else Far.
 class Godunov {
 public:
-    Godunov(const Band& band, const Metric& metric, const GodunovOptions& options)
+    /// @param leastStart of all seeds: keys count from there, as they have float's digits only
+    Godunov(const Band& band, const Metric& metric, const GodunovOptions& options,
+            double leastStart)
         : band_(band),
           metric_(metric),
           options_(options),
+          leastStart_(leastStart),
           neighbours_(band),
           accepted_(band.size() + 1, kInfinity),
-          trial_(band.size() + 1, kInfinity) {}
+          trial_(band.size() + 1, kInfinity),
+          started_(band.size()) {}
 
     void start(SurfacePoint seed) {
         seed.weight = metric_.at(seed.node);
-        for (const NodeIndex i : nodesAround(band_, seed, options_.startRadius))
+        for (const NodeIndex i : nodesAround(band_, seed, options_.startRadius)) {
             lower(i, seed.start + seed.weight * length(Vec3d(band_.ijk(i)) - seed.pIndex));
+            started_[i] = true;
+        }
         seeds_.push_back(seed);
     }
 
@@ -74,7 +80,18 @@ private:
     void lower(NodeIndex i, double value) {
         if (!(value < trial_[i])) return;
         trial_[i] = value;
-        heap_.push(value, i);
+        heap_.push(value - leastStart_, i);
+    }
+
+    /// Whether the start value at node j stands. A difference over two voxels across the seed would
+    /// undercut it; one over one voxel never does, as distances from a point are convex. If it
+    /// does all the same, the front of another seed has come, and j is a node like others from
+    /// then on.
+    bool keepsStart(NodeIndex j) {
+        constexpr double kRounding = 1e-6;  // voxels
+        if (!started_[j]) return false;
+        started_[j] = solve<1>(j) >= trial_[j] - kRounding * metric_.at(j);
+        return started_[j];
     }
 
     /// Solves M&S (13) at node i from its Accepted neighbours.
@@ -87,9 +104,11 @@ private:
     const Band& band_;
     const Metric& metric_;
     const GodunovOptions& options_;
+    const double leastStart_;
     const FaceNeighbours neighbours_;
     std::vector<SurfacePoint> seeds_;
     std::vector<double> accepted_, trial_;
+    std::vector<bool> started_;  ///< in a start disc
     std::vector<bool> awaited_;
     std::size_t awaitedCount_ = 0;
     MarchHeap heap_;
@@ -143,7 +162,8 @@ void Godunov::march(Progress& progress) {
             progress.update("march", double(done) / double(band_.size()));
         }
         for (const NodeIndex j : neighbours_[i])
-            if (j != band_.size() && accepted_[j] == kInfinity) lower(j, solve<Order>(j));
+            if (j != band_.size() && accepted_[j] == kInfinity && !keepsStart(j))
+                lower(j, solve<Order>(j));
     }
 }
 
@@ -172,10 +192,14 @@ void check(const Band& band, const Metric& metric, const std::vector<SurfacePoin
 Field marchGodunov(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
                    const GodunovOptions& options, Progress& progress) {
     check(band, metric, seeds, options);
-    Godunov march(band, metric, options);
+    double leastStart = kInfinity;
+    for (const SurfacePoint& seed : seeds) leastStart = std::min(leastStart, seed.start);
+    Godunov march(band, metric, options, leastStart);
     for (const SurfacePoint& seed : seeds) march.start(seed);
-    if (options.order == 1) march.march<1>(progress);
-    else march.march<2>(progress);
+    if (options.order == 1)
+        march.march<1>(progress);
+    else
+        march.march<2>(progress);
     return march.take();
 }
 

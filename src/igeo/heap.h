@@ -9,13 +9,13 @@
 
 namespace igeo {
 
-/// A 4-ary min-heap of nodes, without decrease-key: push a node again with its smaller value and drop
-/// the older entry when it comes out (its node is Accepted by then).
+/// A 4-ary min-heap of nodes, without decrease-key: push a node again with its smaller value and
+/// drop the older entry when it comes out (its node is Accepted by then).
 ///
-/// An entry is one 64-bit number: the value rounded to float, whose bits sort as the values do (they
-/// are not negative), above the node number. So one comparison orders values and ties, and the order
-/// does not depend on the heap's history. Values within a rounding of each other (6e-8) may come out
-/// in the order of their nodes.
+/// An entry is one 64-bit number: the value rounded to float, whose bits sort as the values do
+/// (they are not negative), above the node number. So one comparison orders values and ties, and
+/// the order does not depend on the heap's history. Values within a rounding of each other (6e-8)
+/// may come out in the order of their nodes.
 class MarchHeap {
 public:
     bool empty() const { return entries_.empty(); }

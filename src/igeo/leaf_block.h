@@ -68,35 +68,32 @@ struct PsiDifferences {
     }
 };
 
-/// grad psi by the differences whose length is nearest 1.
+/// grad psi by the differences that belong to one face.
 ///
-/// Central differences are of second order, but at a crease or a medial axis they mix two faces
-/// (|grad psi| < 1); there each axis takes the side that makes the gradient's length come out best.
-/// Missing neighbours leave the other side; an axis with neither gives 0.
-inline Vec3d psiGradient(const PsiDifferences& d) {
+/// Central differences are of second order. Around a crease |psi| is convex on the side where its
+/// level sets are round (they turn fast, but they do not break: the direction of the central
+/// difference holds), and has a concave kink on the other, the medial axis. There a central
+/// difference mixes two faces (|grad psi| < 1), and each axis takes the side that makes the length
+/// come out best. Missing neighbours leave the other side; an axis with neither gives 0.
+inline Vec3d psiGradient(const PsiDifferences& d, double psi) {
     const Vec3d central = d.central();
     if (d.smooth()) return central;
 
+    constexpr double kKink = 0.1;  // change of |grad psi| from one voxel to the next
+    std::array<std::array<double, 3>, 3> options;
+    for (int a = 0; a < 3; ++a) {
+        const double bend = (d.forward[a] - d.backward[a]) * (psi < 0 ? -1 : 1);
+        const double none = std::numeric_limits<double>::quiet_NaN();
+        options[std::size_t(a)] = {central[a], d.backward[a], d.forward[a]};
+        if (bend > -kKink) options[std::size_t(a)] = {central[a], none, none};
+        if (std::isnan(d.backward[a]) && std::isnan(d.forward[a]))
+            options[std::size_t(a)] = {0, none, none};
+    }
     Vec3d best{};
     double bestMisfit = kInfinity;
-    for (int choice = 0; choice < 27; ++choice) {
-        // Central first on every axis: it wins ties.
-        const std::array<int, 3> pick{choice / 9, choice / 3 % 3, choice % 3};
-        Vec3d g{};
-        bool valid = true;
-        for (int a = 0; a < 3; ++a) {
-            const double options[3] = {central[a], d.backward[a], d.forward[a]};
-            double v = options[pick[std::size_t(a)]];
-            if (std::isnan(v)) {
-                const bool none = std::isnan(d.backward[a]) && std::isnan(d.forward[a]);
-                if (none && pick[std::size_t(a)] == 0)
-                    v = 0;
-                else
-                    valid = false;
-            }
-            g[a] = v;
-        }
-        if (!valid) continue;
+    for (std::size_t choice = 0; choice < 27; ++choice) {
+        // Central first on every axis: it wins ties. NaN never wins.
+        const Vec3d g{options[0][choice / 9], options[1][choice / 3 % 3], options[2][choice % 3]};
         const double misfit = std::abs(length(g) - 1);
         if (misfit < bestMisfit) bestMisfit = misfit, best = g;
     }

@@ -244,6 +244,15 @@ Similarity similarityOf(const openvdb::math::Transform& transform, const std::st
     constexpr double kTolerance = 1e-5;
     if (!(s.dx > 0) || !std::isfinite(s.dx))
         throw Error(Kind::BadInput, "the voxel size is not a positive number" + at, remedy);
+    // Shear first: it makes the sizes differ as well.
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double cosine = dot(normalized(s.axis[a]), normalized(s.axis[(a + 1) % 3]));
+        if (std::abs(cosine) > kTolerance)
+            throw Error(Kind::BadInput,
+                        "the transform shears: index axes meet at " +
+                            format("%.4g degrees, not 90", std::acos(cosine) * 57.29577951) + at,
+                        remedy);
+    }
     for (const double v : size)
         if (std::abs(v / s.dx - 1) > kTolerance)
             throw Error(Kind::BadInput,
@@ -253,14 +262,6 @@ Similarity similarityOf(const openvdb::math::Transform& transform, const std::st
     for (auto& axis : s.axis) axis *= 1 / s.dx;
     // Exactly dx where the map says so: cbrt(dx^3) may be off in the last bit.
     if (size[0] == size[1] && size[1] == size[2]) s.dx = size[0];
-    for (std::size_t a = 0; a < 3; ++a)
-        if (std::abs(dot(s.axis[a], s.axis[(a + 1) % 3])) > kTolerance)
-            throw Error(Kind::BadInput,
-                        "the transform shears: index axes meet at " +
-                            format("%.4g degrees, not 90",
-                                   std::acos(dot(s.axis[a], s.axis[(a + 1) % 3])) * 57.29577951) +
-                            at,
-                        remedy);
     return s;
 }
 
@@ -366,7 +367,9 @@ void widen(LevelSet& s, double halfWidth) {
     // 3 dx / dx is 2.9999998 for some dx.
     constexpr double kRounding = 1e-4;
     if (halfWidth <= s.stats.halfWidth + kRounding) return;
-    const int layers = int(std::ceil(halfWidth - s.stats.halfWidth - kRounding));
+    // Layers grow through faces: along a space diagonal three of them gain sqrt(3) voxels.
+    const double missing = halfWidth - s.stats.halfWidth - kRounding;
+    const int layers = int(std::ceil(std::sqrt(3.0) * missing));
     s.warnings.push_back(
         format("the level set is %.4g voxels wide on each side and the band needs "
                "%.4g: widened by fast sweeping (first order there)",

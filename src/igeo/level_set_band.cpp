@@ -60,13 +60,13 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, Progress& progress) {
         for (std::size_t l = begin; l < end; ++l) {
             block.gather(psi, kept[l]->origin(), dx);
             const BandLeaf& leaf = band.leaves[l];
-            for (std::size_t k = 0; k < leaf.nodeCount(); ++k) {
+            for (std::size_t k = 0; k < leaf.nodeCount; ++k) {
                 const std::size_t i = leaf.firstNode + k;
                 const int o = band.offset[i], x = o >> 6, y = o >> 3 & 7, z = o & 7;
                 const PsiDifferences d(block, x, y, z);
-                const Vec3d n = normalized(psiGradient(d));
-                if (!d.smooth()) kinks[l].push_back(NodeIndex(i));
                 const double value = block.at(x, y, z);
+                const Vec3d n = normalized(psiGradient(d, value));
+                if (!d.smooth()) kinks[l].push_back(NodeIndex(i));
                 band.psi[i] = float(value);
                 band.normal[i] = Vec3f(n);
                 band.foot[i] = Vec3f(-value * n);

@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -32,18 +33,31 @@ std::vector<double> numbers(const std::string& text) {
     return out;
 }
 
+/// A first line in which no field begins like a number names the columns.
+bool isHeader(const std::string& line) {
+    std::stringstream parts(line);
+    for (std::string part; std::getline(parts, part, ',');) {
+        char* end = nullptr;
+        std::strtod(part.c_str(), &end);
+        if (end != part.c_str()) return false;
+    }
+    return true;
+}
+
 std::vector<AskedPoint> pointsFromText(std::istream& in, const std::string& file) {
     std::vector<AskedPoint> points;
     std::size_t lineNumber = 0;
     bool mayBeHeader = true;
     for (std::string line; std::getline(in, line);) {
         ++lineNumber;
+        // Spreadsheets begin UTF-8 files with a byte order mark.
+        if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
         if (const auto hash = line.find('#'); hash != std::string::npos) line.erase(hash);
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         const std::vector<double> v = numbers(line);
         if (v.size() == 3 || v.size() == 4)
             points.push_back({{v[0], v[1], v[2]}, v.size() == 4 ? v[3] : 0.0});
-        else if (!mayBeHeader)
+        else if (!mayBeHeader || !isHeader(line))
             throw Error(Kind::BadInput,
                         file + ", line " + std::to_string(lineNumber) + ": '" + line +
                             "' is not x,y,z or x,y,z,start",
@@ -53,6 +67,7 @@ std::vector<AskedPoint> pointsFromText(std::istream& in, const std::string& file
     return points;
 }
 
+/// @throws std::invalid_argument
 Vec3d positionFrom(const json& j) {
     if (!j.is_array() || j.size() != 3) throw std::invalid_argument("a position is [x, y, z]");
     Vec3d p;
@@ -60,6 +75,18 @@ Vec3d positionFrom(const json& j) {
         if (!j[std::size_t(a)].is_number()) throw std::invalid_argument("coordinates are numbers");
         p[a] = j[std::size_t(a)].get<double>();
         if (!std::isfinite(p[a])) throw std::invalid_argument("coordinates are finite");
+    }
+    return p;
+}
+
+/// @throws std::invalid_argument
+AskedPoint pointFrom(const json& j) {
+    if (!j.is_object()) return {positionFrom(j), 0};
+    if (!j.contains("position")) throw std::invalid_argument("there is no \"position\"");
+    AskedPoint p{positionFrom(j["position"]), 0};
+    if (j.contains("start")) {
+        if (!j["start"].is_number()) throw std::invalid_argument("\"start\" is a number");
+        p.start = j["start"].get<double>();
     }
     return p;
 }
@@ -73,11 +100,8 @@ std::vector<AskedPoint> pointsFromJson(std::istream& in, const std::string& file
     std::vector<AskedPoint> points;
     for (const json& j : all) {
         try {
-            AskedPoint p;
-            p.position = positionFrom(j.is_object() ? j.at("position") : j);
-            if (j.is_object() && j.contains("start")) p.start = j.at("start").get<double>();
-            points.push_back(p);
-        } catch (const std::exception& e) {
+            points.push_back(pointFrom(j));
+        } catch (const std::invalid_argument& e) {
             throw Error(Kind::BadInput,
                         file + ", entry " + std::to_string(points.size()) + ": " + e.what(),
                         remedy);
@@ -106,6 +130,9 @@ std::vector<AskedPoint> readPoints(const std::string& file) {
     if (!in)
         throw Error(Kind::Io, "cannot read '" + file + "': " + std::strerror(errno),
                     "check the name and the permissions");
+    if (std::filesystem::is_directory(file))
+        throw Error(Kind::Io, "cannot read '" + file + "': it is a folder",
+                    "give a .json or .csv file");
     auto points = endsWith(file, ".json") ? pointsFromJson(in, file) : pointsFromText(in, file);
     if (points.empty())
         throw Error(Kind::BadInput, file + " holds no points",

@@ -11,6 +11,11 @@ namespace {
 
 using json = nlohmann::ordered_json;
 
+/// File and grid names may be no UTF-8; JSON is.
+std::string dump(const json& j, int indent) {
+    return j.dump(indent, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
 json triple(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 /// JSON has no infinity: what is not known is null.
@@ -76,7 +81,7 @@ std::string geodesicsJson(const RunReport& r, const Band& band, const Field& fie
     j["parameters"] = parametersJson(r, band, field);
     j["paths"] = json::array();
     for (const Path& path : r.paths) j["paths"].push_back(pathJson(path, band, field));
-    return j.dump() + "\n";
+    return dump(j, -1);
 }
 
 std::string reportJson(const RunReport& r, const Band& band, const Field& field) {
@@ -110,7 +115,7 @@ std::string reportJson(const RunReport& r, const Band& band, const Field& field)
     j["outputs"] = json::object();
     for (const auto& [kind, file] : r.outputs) j["outputs"][kind] = file;
     j["warnings"] = r.warnings;
-    return j.dump(2) + "\n";
+    return dump(j, 2);
 }
 
 std::string geodesicsObj(const std::vector<Path>& paths, const Band& band) {

@@ -30,7 +30,8 @@ Nearest nearestAmongAll(const Band& band, const Vec3d& p) {
     });
     Nearest best;
     for (const Nearest& s : slots)
-        if (s.squared < best.squared) best = s;
+        // At 1e154 voxels and more all squares are infinite: any node will do.
+        if (s.squared < best.squared || best.node == kNoNode) best = s;
     return best;
 }
 
@@ -63,7 +64,9 @@ SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
     // From the point itself where it is near: that keeps its tangential position.
     Vec3d p = pIndex;
     const Vec3d foot = s.pIndex;
-    if (projectToSurface(band, p) && length(p - pIndex) <= std::sqrt(best.squared) + 1e-3)
+    // Points further out lie outside the band, and perhaps outside the range of Ijk.
+    const bool near = best.squared < 1e6;
+    if (near && projectToSurface(band, p) && length(p - pIndex) <= std::sqrt(best.squared) + 1e-3)
         s.pIndex = p;
     else if (p = foot; projectToSurface(band, p) && length(p - foot) < 1)
         s.pIndex = p;

@@ -5,6 +5,7 @@
 #include <igeo/version.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/File.h>
+#include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/Stream.h>
 
 #include <cerrno>
@@ -21,6 +22,11 @@ using Kind = Error::Kind;
 using openvdb::GridBase;
 
 std::string quoted(const std::string& s) { return "'" + s + "'"; }
+
+/// The file for messages, as the object of a sentence.
+std::string nameOf(const GridSource& source) {
+    return source.file == "-" ? "standard input" : "file " + quoted(source.file);
+}
 
 /// One grid of a file, as far as its metadata tells.
 struct Candidate {
@@ -49,7 +55,7 @@ std::string describeAll(const std::vector<Candidate>& all) {
 
 /// The grid asked for, or the only one that can be meant.
 const Candidate& choose(const std::vector<Candidate>& all, const GridSource& source) {
-    const std::string where = "file " + quoted(source.file);
+    const std::string where = nameOf(source);
     if (all.empty())
         throw Error(Kind::BadInput, where + " holds no grids", "give a file with a level set");
     if (!source.grid.empty()) {
@@ -81,7 +87,7 @@ const Candidate& choose(const std::vector<Candidate>& all, const GridSource& sou
 
 const Candidate& chooseChecked(const std::vector<Candidate>& all, const GridSource& source) {
     const Candidate& c = choose(all, source);
-    const std::string where = " (file " + quoted(source.file) + ")";
+    const std::string where = " (" + nameOf(source) + ")";
     if (!c.isScalar)
         throw Error(Kind::BadInput,
                     "grid " + quoted(c.name) + " holds " + c.grid->valueType() +
@@ -98,7 +104,7 @@ const Candidate& chooseChecked(const std::vector<Candidate>& all, const GridSour
 
 LoadedGrid load(const GridSource& source, const Candidate& chosen, GridBase::Ptr full) {
     LoadedGrid out;
-    out.file = source.file;
+    out.file = source.file == "-" ? "standard input" : source.file;
     out.name = chosen.name;
     out.isLevelSetClass = chosen.isLevelSet;
     if (auto doubles = openvdb::gridPtrCast<openvdb::DoubleGrid>(full)) {
@@ -110,8 +116,14 @@ LoadedGrid load(const GridSource& source, const Candidate& chosen, GridBase::Ptr
     return out;
 }
 
-LoadedGrid readFromStdin(const GridSource& source) {
-    openvdb::io::Stream stream(std::cin, /*delayLoad=*/false);
+/// A stream has no directory: all its grids are read. `in` must throw at its end, or OpenVDB would
+/// take garbage for what is missing.
+LoadedGrid readFromStream(const GridSource& source, std::istream& in) {
+    if (in.peek() == std::istream::traits_type::eof())
+        throw Error(Kind::BadInput, nameOf(source) + " is empty",
+                    "check the program that was to write it");
+    in.exceptions(std::ios::failbit | std::ios::badbit);
+    openvdb::io::Stream stream(in, /*delayLoad=*/false);
     std::vector<Candidate> all;
     std::map<std::string, int> seen;
     const auto grids = stream.getGrids();
@@ -123,7 +135,42 @@ LoadedGrid readFromStdin(const GridSource& source) {
     return load(source, chosen, (*grids)[std::size_t(&chosen - all.data())]);
 }
 
+/// What a file says about itself before its grids.
+struct Directory : openvdb::io::Archive {
+    bool hasOffsets = false;   ///< false: the file was written to a stream
+    std::int64_t gridEnd = 0;  ///< where the last grid ends, if the file has offsets
+
+    explicit Directory(std::istream& in) {
+        in.exceptions(std::ios::failbit | std::ios::badbit);
+        readHeader(in);
+        setFormatVersion(in);
+        setLibraryVersion(in);
+        hasOffsets = inputHasGridOffsets();
+        if (!hasOffsets) return;
+        openvdb::MetaMap().readMeta(in);
+        for (std::int32_t n = readGridCount(in); n > 0; --n) {
+            openvdb::io::GridDescriptor grid;
+            grid.read(in);
+            gridEnd = std::max(gridEnd, grid.getEndPos());
+            in.seekg(grid.getEndPos());
+        }
+    }
+};
+
 LoadedGrid readFromFile(const GridSource& source) {
+    std::ifstream in(source.file, std::ios::binary);
+    const Directory directory(in);
+    if (!directory.hasOffsets) {
+        in.seekg(0);
+        return readFromStream(source, in);
+    }
+    // OpenVDB reads garbage beyond the end, and notices only some of it.
+    const auto size = std::int64_t(std::filesystem::file_size(source.file));
+    if (size < directory.gridEnd)
+        throw Error(Kind::BadInput,
+                    "file " + quoted(source.file) + " is cut off: it has " + std::to_string(size) +
+                        " bytes, its grids end at " + std::to_string(directory.gridEnd),
+                    "copy or write it again");
     openvdb::io::File file(source.file);
     file.open(/*delayLoad=*/false);
     std::vector<Candidate> all;
@@ -215,15 +262,20 @@ LoadedGrid readLevelSetGrid(const GridSource& source) {
     openvdb::initialize();
     if (source.file != "-") requireReadable(source.file);
     try {
-        return source.file == "-" ? readFromStdin(source) : readFromFile(source);
+        return source.file == "-" ? readFromStream(source, std::cin) : readFromFile(source);
     } catch (const Error&) {
         throw;
+    } catch (const std::ios_base::failure&) {
+        throw Error(Kind::BadInput, nameOf(source) + " is cut off", "copy or write it again");
+    } catch (const std::bad_alloc&) {
+        throw Error(Kind::BadInput, "cannot read a grid from " + nameOf(source) + ": out of memory",
+                    "the grid is too large for this machine, or the file is damaged");
     } catch (const std::exception& e) {
         // OpenVDB's exceptions begin with their class name.
         std::string why = e.what();
         if (const auto colon = why.find(": "); colon != std::string::npos) why.erase(0, colon + 2);
-        throw Error(Kind::BadInput, "cannot read a grid from " + quoted(source.file) + ": " + why,
-                    "the file may be cut off, damaged or of a newer format; write it again");
+        throw Error(Kind::BadInput, "cannot read a grid from " + nameOf(source) + ": " + why,
+                    "the file may be damaged or of a newer format; write it again");
     }
 }
 

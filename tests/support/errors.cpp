@@ -18,7 +18,10 @@ Errors errorsOnSurface(const Band& band, const Field& field, const ExactDistance
     parallelFor(count, 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const Vec3d foot = band.footPoint(near[k * stride]);
-            computed[k] = band.transform.dx * sampleDistance(band, field, foot);
+            // A jet's value is that of the foot point; a voxel's has to be interpolated there.
+            computed[k] = band.transform.dx * (field.gradient.empty()
+                                                   ? sampleDistance(band, field, foot)
+                                                   : field.distance[near[k * stride]]);
             expected[k] = exact(worldOf(band, foot));
         }
     });

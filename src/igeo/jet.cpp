@@ -1,0 +1,316 @@
+#include <igeo/jet.h>
+
+#include <igeo/error.h>
+#include <igeo/jet_update.h>
+#include <igeo/parallel.h>
+#include <igeo/tangent_frame.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+
+namespace igeo {
+
+namespace {
+
+/// The step to entry k of Band::neighbourhood.
+Ijk stepOf(std::size_t k) {
+    return {std::int32_t(k / 9) - 1, std::int32_t(k / 3 % 3) - 1, std::int32_t(k % 3) - 1};
+}
+
+/// The march goes over the voxels whose cube S may pass, |psi| < sqrt(3)/2: they hold every foot
+/// point and are connected through faces wherever S is. The other nodes of the band take the jets
+/// of these.
+constexpr float kCore = 0.8660254f;
+
+/// Buckets are counted from the smallest start value; this one is beyond all.
+constexpr std::uint32_t kNoBucket = std::numeric_limits<std::uint32_t>::max();
+
+class JetMarch {
+public:
+    JetMarch(const Band& band, const std::vector<SurfacePoint>& seeds, const JetOptions& options)
+        : band_(band),
+          options_(options),
+          seeds_(seeds),
+          u_(band.size(), kInfinity),
+          g_(band.size()),
+          bucket_(band.size(), kNoBucket) {
+        if (seeds.size() > 1) label_.assign(band.size(), 0);
+        first_ = kInfinity;
+        for (const SurfacePoint& s : seeds) first_ = std::min(first_, s.start);
+        for (std::size_t k = 0; k < seeds.size(); ++k) startDisc(k);
+    }
+
+    void march(Progress& progress);
+    /// Gives the nodes outside the core the jets of the core around their foot points.
+    void extend();
+
+    Field take() {
+        Field field;
+        for (double& u : u_)
+            if (u > options_.maxDistance) u = kInfinity;
+        field.distance = std::move(u_);
+        field.gradient = std::move(g_);
+        field.label = std::move(label_);
+        field.seeds = std::move(seeds_);
+        field.scheme = "jet";
+        field.startRadius = options_.startRadius;
+        field.stoppedEarly = !queue_.empty();
+        field.guarded = guarded_;
+        field.summarise();
+        return field;
+    }
+
+private:
+    struct Solved {
+        NodeIndex node;
+        std::uint32_t label = 0;
+        double u = kInfinity;
+        Vec3f g;
+        bool guarded = false;
+    };
+    struct Queued {
+        std::uint32_t bucket;
+        NodeIndex node;
+    };
+
+    std::uint32_t bucketOf(double u) const {
+        return std::uint32_t(std::max(0.0, (u - first_) / options_.bucketWidth));
+    }
+    bool core(NodeIndex i) const { return std::abs(band_.psi[i]) < kCore; }
+    std::uint32_t labelOf(NodeIndex i) const { return label_.empty() ? 0 : label_[i]; }
+
+    void startDisc(std::size_t seed);
+    void watchTargets();
+    /// The neighbours of node i with a jet, in its tangent plane; `nodes` says which they are.
+    JetNeighbours gather(NodeIndex i, const TangentFrame& frame,
+                         std::array<NodeIndex, 26>& nodes) const;
+    Solved solve(NodeIndex i) const;
+    /// The jet at a node outside the core, from the core's jets at the corners around its foot
+    /// point.
+    Solved extendTo(NodeIndex i) const;
+    /// Start discs are exact, unless the front of another seed was there before.
+    const Solved& preferDisc(const Solved& s) const;
+    /// Puts the neighbours of an accepted node into the bucket where its jet says they belong.
+    void key(NodeIndex j, std::uint32_t current, std::vector<Queued>& out);
+    void process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes);
+
+    const Band& band_;
+    const JetOptions& options_;
+    std::vector<SurfacePoint> seeds_;
+    double first_;
+    std::vector<double> u_;  ///< +inf until accepted
+    std::vector<Vec3f> g_;
+    std::vector<std::uint32_t> label_;
+    std::vector<std::uint32_t> bucket_;  ///< the bucket a node waits in; 0 once it is accepted
+    std::map<std::uint32_t, std::vector<NodeIndex>> queue_;
+    std::map<NodeIndex, Solved> discs_;  ///< jets around the seeds
+    std::vector<bool> awaited_;
+    std::size_t awaitedCount_ = 0, accepted_ = 0, guarded_ = 0;
+};
+
+void JetMarch::startDisc(std::size_t k) {
+    const SurfacePoint& seed = seeds_[k];
+    const PsiSample psi = samplePsi(band_, seed.pIndex);
+    const Vec3d n = psi.valid ? normalized(psi.gradient) : Vec3d(band_.normal[seed.node]);
+    for (const NodeIndex i : nodesAround(band_, seed, options_.startRadius + band_.h)) {
+        const Vec3d ni(band_.normal[i]), chord = band_.footPoint(i) - seed.pIndex;
+        const double c = igeo::length(chord), cosine = igeo::dot(ni, n);
+        // Beyond a crease chords say nothing: there the march begins next to the seed.
+        if (c > options_.startRadius || cosine < 0.8) continue;
+        const Vec3d way = TangentFrame(ni).way(chord, n, cosine);
+        const double u = igeo::length(way);
+        Solved s{i, std::uint32_t(k), seed.start + u, Vec3f(), false};
+        if (u > 1e-6) s.g = Vec3f((1 / u) * way);
+        const auto [at, isNew] = discs_.try_emplace(i, s);
+        if (!isNew && s.u < at->second.u) at->second = s;
+        const std::uint32_t b = bucketOf(s.u);
+        if (core(i) && b < bucket_[i]) bucket_[i] = b, queue_[b].push_back(i);
+    }
+}
+
+JetNeighbours JetMarch::gather(NodeIndex i, const TangentFrame& frame,
+                               std::array<NodeIndex, 26>& nodes) const {
+    JetNeighbours all;
+    const Vec3d ni(band_.normal[i]), fi(band_.foot[i]);
+    std::array<NodeIndex, 27> around;
+    band_.neighbourhood(i, around);
+    for (std::size_t k = 0; k < 27; ++k) {
+        const NodeIndex j = around[k];
+        if (j == kNoNode || !(u_[j] < kInfinity)) continue;
+        const Vec3d nj(band_.normal[j]);
+        const double cosine = igeo::dot(ni, nj);
+        if (cosine < double(Band::kOtherSheet)) continue;
+        if (cosine < 0.9) all.smooth = false;
+        const Vec3d chord = fi - Vec3d(band_.foot[j]) - Vec3d(stepOf(k));
+        nodes[std::size_t(all.count)] = j;
+        all.add(frame.neighbour(chord, nj, cosine, Vec3d(g_[j]), u_[j]));
+    }
+    return all;
+}
+
+JetMarch::Solved JetMarch::solve(NodeIndex i) const {
+    Solved s;
+    s.node = i;
+    const TangentFrame frame(Vec3d(band_.normal[i]));
+    std::array<NodeIndex, 26> nodes;
+    const JetNeighbours all = gather(i, frame, nodes);
+    const Jet jet = jetUpdate(all);
+    if (jet.from >= 0) {
+        s.u = jet.u;
+        s.g = Vec3f(frame.lift(jet.g));
+        s.guarded = jet.guarded;
+        s.label = labelOf(nodes[std::size_t(jet.from)]);
+    }
+    return preferDisc(s);
+}
+
+const JetMarch::Solved& JetMarch::preferDisc(const Solved& s) const {
+    const auto disc = discs_.find(s.node);
+    if (disc == discs_.end() || (s.u < disc->second.u && s.label != disc->second.label)) return s;
+    return disc->second;
+}
+
+void JetMarch::key(NodeIndex j, std::uint32_t current, std::vector<Queued>& out) {
+    const Vec3d fj(band_.foot[j]), g(g_[j]);
+    for (int side = 0; side < 6; ++side) {
+        Ijk step{};
+        step[side / 2] = side % 2 ? 1 : -1;
+        const NodeIndex i = band_.neighbour(j, step.x, step.y, step.z);
+        if (i == kNoNode || !core(i)) continue;
+        auto& waits = reinterpret_cast<std::atomic<std::uint32_t>&>(bucket_[i]);
+        std::uint32_t seen = waits.load(std::memory_order_relaxed);
+        if (seen <= current + 1 || !band_.linked(i, j)) continue;
+        // As carry() in jet_update.h, by chords: good enough to know the bucket.
+        const Vec3d chord = Vec3d(band_.foot[i]) - fj + Vec3d(step);
+        const double along = igeo::dot(g, chord), c2 = igeo::dot(chord, chord);
+        const double r = u_[j] - first_ + std::max(along, 0.0);
+        const double carried =
+            along > 0 ? std::sqrt(r * r + std::max(c2 - along * along, 0.0)) : r + std::sqrt(c2);
+        const std::uint32_t b =
+            std::max(current + 1, std::uint32_t(carried / options_.bucketWidth));
+        while (b < seen && !waits.compare_exchange_weak(seen, b, std::memory_order_relaxed)) {
+        }
+        if (b < seen) out.push_back({b, i});
+    }
+}
+
+void JetMarch::process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes) {
+    constexpr std::size_t kChunk = 128;
+    const std::size_t chunks = (nodes.size() + kChunk - 1) / kChunk;
+    std::vector<std::vector<Solved>> solved(chunks);
+    std::vector<std::vector<Queued>> queued(chunks);
+    parallelFor(chunks, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c)
+            for (std::size_t k = c * kChunk; k < std::min(nodes.size(), (c + 1) * kChunk); ++k)
+                if (bucket_[nodes[k]] == bucket) solved[c].push_back(solve(nodes[k]));
+    });
+    // Accepted together: what is solved beyond its bucket waits for the one it belongs to.
+    for (auto& part : solved) {
+        std::size_t kept = 0;
+        for (const Solved& s : part) {
+            if (bucket_[s.node] != bucket) continue;  // queued twice
+            const std::uint32_t b = bucketOf(s.u);
+            if (b > bucket) {
+                bucket_[s.node] = b;
+                queue_[b].push_back(s.node);
+                continue;
+            }
+            u_[s.node] = s.u;
+            g_[s.node] = s.g;
+            if (!label_.empty()) label_[s.node] = s.label;
+            bucket_[s.node] = 0;
+            guarded_ += s.guarded;
+            if (!awaited_.empty() && awaited_[s.node]) --awaitedCount_;
+            part[kept++] = s;
+        }
+        part.resize(kept);
+        accepted_ += kept;
+    }
+    parallelFor(chunks, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c)
+            for (const Solved& s : solved[c]) key(s.node, bucket, queued[c]);
+    });
+    for (const auto& part : queued)
+        for (const Queued& q : part) queue_[q.bucket].push_back(q.node);
+}
+
+JetMarch::Solved JetMarch::extendTo(NodeIndex i) const {
+    const Vec3d ni(band_.normal[i]), fi(band_.foot[i]);
+    const TangentFrame frame(ni);
+    const Ijk base = floorToIjk(fi);
+    const Vec3d t = fi - Vec3d(base);
+    JetNeighbours all;
+    std::array<double, 26> weight{};
+    Solved s;
+    s.node = i;
+    for (int k = 0; k < 8; ++k) {
+        const Ijk corner{k >> 2, k >> 1 & 1, k & 1}, step = base + corner;
+        const NodeIndex j = band_.neighbour(i, step.x, step.y, step.z);
+        if (j == kNoNode || !core(j) || !(u_[j] < kInfinity)) continue;
+        const Vec3d nj(band_.normal[j]);
+        const double cosine = igeo::dot(ni, nj);
+        if (cosine < double(Band::kOtherSheet)) continue;
+        const Vec3d chord = fi - Vec3d(band_.foot[j]) - Vec3d(step);
+        weight[std::size_t(all.count)] =
+            (corner.x ? t.x : 1 - t.x) * (corner.y ? t.y : 1 - t.y) * (corner.z ? t.z : 1 - t.z) +
+            1e-6;
+        all.add(frame.neighbour(chord, nj, cosine, Vec3d(g_[j]), u_[j]));
+        s.label = labelOf(j);
+    }
+    const Jet jet = blendJets(all, weight);
+    s.u = jet.u;
+    s.g = Vec3f(frame.lift(jet.g));
+    return preferDisc(s);
+}
+
+void JetMarch::extend() {
+    parallelFor(band_.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            if (core(NodeIndex(k))) continue;
+            const Solved s = extendTo(NodeIndex(k));
+            u_[k] = s.u;
+            g_[k] = s.g;
+            if (!label_.empty()) label_[k] = s.label;
+        }
+    });
+}
+
+void JetMarch::watchTargets() {
+    if (options_.stopAt.empty()) return;
+    awaited_.assign(band_.size(), false);
+    for (const SurfacePoint& p : options_.stopAt)
+        for (const NodeIndex i : nodesAround(band_, p, 3.0))
+            if (core(i) && !awaited_[i]) awaited_[i] = true, ++awaitedCount_;
+}
+
+void JetMarch::march(Progress& progress) {
+    watchTargets();
+    const bool waits = awaitedCount_ > 0;
+    while (!queue_.empty() && !(waits && awaitedCount_ == 0)) {
+        const auto first = queue_.begin();
+        const std::uint32_t bucket = first->first;
+        if (first_ + bucket * options_.bucketWidth > options_.maxDistance) return;
+        const std::vector<NodeIndex> nodes = std::move(first->second);
+        queue_.erase(first);
+        process(bucket, nodes);
+        progress.throwIfCancelled();
+        progress.update("march", double(accepted_) / double(band_.size()));
+    }
+}
+
+}  // namespace
+
+Field marchJet(const Band& band, const std::vector<SurfacePoint>& seeds, const JetOptions& options,
+               Progress& progress) {
+    using Kind = Error::Kind;
+    if (seeds.empty()) throw Error(Kind::InvalidArgument, "a march needs at least one seed");
+    if (!(options.maxDistance > 0))
+        throw Error(Kind::InvalidArgument, "the largest distance must be positive");
+    JetMarch march(band, seeds, options);
+    march.march(progress);
+    march.extend();
+    return march.take();
+}
+
+}  // namespace igeo

@@ -1,0 +1,34 @@
+/// Scheme `jet`: marching value and gradient on the foot points of the band.
+#pragma once
+
+#include <igeo/band.h>
+#include <igeo/field.h>
+#include <igeo/progress.h>
+#include <igeo/surface_point.h>
+
+#include <vector>
+
+namespace igeo {
+
+struct JetOptions {
+    double startRadius = 3.5;        ///< arc-corrected chords within this radius of a seed, voxels
+    double bucketWidth = 0.5;        ///< of a voxel: nodes solved and accepted together
+    double maxDistance = kInfinity;  ///< stop beyond this distance, voxels times weight
+    std::vector<SurfacePoint> stopAt;  ///< stop when d is known around all of these; empty: do not
+};
+
+/// Marches the jet of the distance (value and gradient along S) outward from `seeds`.
+///
+/// Every band node stands for its foot point y_i on S, so the band needs no room for paths
+/// (h = sqrt(3) voxels is enough) and no neighbour is outside. Nodes go through buckets of equal
+/// width in the distance; all nodes of a bucket are solved (jet_update.h) from nodes of earlier
+/// buckets only and accepted together. So the work is linear in the number of nodes, every bucket
+/// is a parallel loop, and the result has the same bits for any number of threads.
+/// @param band  any h >= 1.25 voxels
+/// @param seeds at least one; a seed may start at a distance > 0
+/// @return second order in dx where S is smooth; first order at creases. Field::gradient is set.
+/// @throws Error  InvalidArgument for options out of range, Cancelled through `progress`
+Field marchJet(const Band& band, const std::vector<SurfacePoint>& seeds,
+               const JetOptions& options = {}, Progress& progress = Progress::none());
+
+}  // namespace igeo

@@ -1,0 +1,104 @@
+// Command lines that make no sense.
+#include <support/catch.h>
+
+#include <filesystem>
+
+#include "program.h"
+
+using namespace igeo::test;
+
+namespace {
+
+const int kUsage = 2;
+
+struct Sphere : Desk {
+    Sphere() { make("in.vdb", "sphere --voxel-size 0.1"); }
+};
+
+struct BadLine {
+    std::string line;  ///< behind "--sdf in.vdb --seed 0,0,1 -o out.vdb "
+    std::vector<std::string> says;
+};
+
+}  // namespace
+
+TEST_CASE("a wrong option is refused by its name, with the values allowed") {
+    const BadLine bad = GENERATE(
+        BadLine{"--colour", {"--colour", "--help"}}, BadLine{"other.vdb", {"other.vdb", "--help"}},
+        BadLine{"--max-distance", {"--max-distance", "missing"}},
+        BadLine{"--order 3", {"--order", "3", "1 to 2"}}, BadLine{"--order two", {"--order"}},
+        BadLine{"--threads -1", {"--threads", "-1", "0 to 4096"}},
+        BadLine{"--threads all", {"--threads", "all"}},
+        BadLine{"--scheme dijkstra", {"--scheme", "dijkstra", "jet", "godunov"}},
+        BadLine{"--space local", {"--space", "local", "world", "index"}},
+        BadLine{"--with colour", {"--with", "colour", "surface", "gradient"}},
+        BadLine{"--progress sometimes", {"--progress", "auto", "always", "never"}},
+        BadLine{"--band -0.2", {"--band", "-0.2", "above 0"}},
+        BadLine{"--band nan", {"--band", "nan", "above 0"}},
+        BadLine{"--band-voxels 0", {"--band-voxels", "0", "above 0"}},
+        BadLine{"--max-distance inf", {"--max-distance", "inf", "above 0"}},
+        BadLine{"--snap -1", {"--snap", "-1", "at least 0"}},
+        BadLine{"--band 0.2 --band-voxels 2", {"--band", "--band-voxels", "excludes"}});
+    const Sphere desk;
+    requireRefused(desk, "--sdf in.vdb --seed 0,0,1 -o out.vdb " + bad.line, kUsage, bad.says);
+}
+
+TEST_CASE("a run without a surface is refused") {
+    const Desk desk;
+    requireRefused(desk, "", kUsage, {"--sdf", "--help"});
+    requireRefused(desk, "--seed 0,0,1", kUsage, {"--sdf", "--help"});
+}
+
+TEST_CASE("a band outside the bounds is refused with the bounds") {
+    // sqrt(3) voxels of 0.1 below; above, the radius of curvature, about 1 (some percent off).
+    const std::string band =
+        GENERATE("--band 0.15", "--band-voxels 1.5", "--band 1.5", "--band-voxels 15");
+    const Sphere desk;
+    requireRefused(
+        desk, "--sdf in.vdb --seed 0,0,1 -o out.vdb " + band, kUsage,
+        {"outside the bounds", "at least 0.173205 (sqrt(3) voxels)", "curvature", "--band"});
+}
+
+TEST_CASE("an output that has nowhere to go is refused before any work") {
+    const Sphere desk;
+    std::filesystem::create_directory(desk / "folder");
+    const std::string run = "--sdf in.vdb --seed 0,0,1 ";
+    requireRefused(desk, run + "-o none/out.vdb", kUsage, {"-o none/out.vdb", "no folder 'none'"});
+    requireRefused(desk, run + "-o folder", kUsage, {"-o folder", "that is a folder"});
+    requireRefused(desk, run + "-o out.vdb --json none/out.json", kUsage,
+                   {"--json none/out.json", "no folder 'none'"});
+    for (const std::string paths : {"out.ply", "out", "out.vdb"})
+        requireRefused(desk, run + "-o o.vdb --target 1,0,0 --paths " + paths, kUsage,
+                       {"--paths " + paths, ".json", ".obj"});
+}
+
+TEST_CASE("an output never replaces an input") {
+    const Sphere desk;
+    writeBytes(desk / "points.json", "[[1, 0, 0]]");
+    std::filesystem::create_symlink("in.vdb", desk / "link.vdb");
+    std::filesystem::create_hard_link(desk / "in.vdb", desk / "hard.vdb");
+    std::filesystem::create_directory(desk / "folder");
+    const std::string run = "--sdf in.vdb --seed 0,0,1 ";
+    for (const std::string out :
+         {"in.vdb", "./in.vdb", "folder/../in.vdb", "link.vdb", "hard.vdb"}) {
+        requireRefused(desk, run + "-o " + out, kUsage, {"-o " + out, "overwrite", "'in.vdb'"});
+        requireRefused(desk, run + "-o out.vdb --json " + out, kUsage,
+                       {"--json " + out, "overwrite", "'in.vdb'", "another name"});
+    }
+    requireRefused(desk, "--sdf link.vdb --seed 0,0,1 -o in.vdb", kUsage, {"-o in.vdb"});
+    requireRefused(desk, run + "-o out.vdb --targets points.json --paths points.json", kUsage,
+                   {"--paths points.json", "overwrite", "'points.json'"});
+    requireRefused(desk, run + "-o out.vdb --seeds points.json --json points.json", kUsage,
+                   {"--json points.json", "overwrite", "'points.json'"});
+}
+
+TEST_CASE("two outputs never go to one place") {
+    const Sphere desk;
+    writeBytes(desk / "existing", "");
+    std::filesystem::create_symlink("existing", desk / "link");
+    const std::string run = "--sdf in.vdb --seed 0,0,1 ";
+    const std::string outputs =
+        GENERATE("-o out.json --json out.json", "-o out.json --json ./out.json",
+                 "-o existing --json link", "-o - --json -", "--json - --paths -");
+    requireRefused(desk, run + outputs, kUsage, {"one place", "its own name"});
+}

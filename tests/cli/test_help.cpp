@@ -1,0 +1,68 @@
+// Help and version, and that the examples in the help do what they say.
+#include <support/catch.h>
+
+#include <filesystem>
+
+#include "program.h"
+
+using namespace igeo::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Command lines under "Examples:".
+std::vector<std::string> examples(const std::string& help) {
+    std::vector<std::string> found;
+    for (const std::string& line : lines(help.substr(help.find("\nExamples:"))))
+        if (line.rfind("  implicit-geodesic ", 0) == 0) found.push_back(line.substr(20));
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("help and version go to stdout, in the spelling of any tool") {
+    const Desk desk;
+    const Result help = desk.run("--help"), version = desk.run("--version");
+    CHECK(help.exitCode == 0);
+    CHECK(help.err.empty());
+    CHECK(version.exitCode == 0);
+    CHECK(version.err.empty());
+    CHECK_THAT(version.out, Catch::Matches("implicit-geodesic [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+    CHECK(desk.run("-h").out == help.out);
+    CHECK(desk.run("-help").out == help.out);
+    CHECK(desk.run("-version").out == version.out);
+    CHECK(desk.run("--sdf missing.vdb --help").out == help.out);
+    CHECK(desk.files().empty());
+}
+
+TEST_CASE("every option that takes a length says its unit, and the help ends with examples") {
+    const Desk desk;
+    const std::string help = desk.run("--help").out;
+    for (const std::string option : {"--band ", "--snap ", "--max-distance "}) {
+        const auto at = help.find("  " + option);
+        REQUIRE(at != std::string::npos);
+        CHECK_THAT(help.substr(at, help.find("\n  --", at + 1) - at),
+                   Catch::Contains("world units"));
+    }
+    CHECK(examples(help).size() >= 2);
+    const auto all = lines(help);
+    CHECK(all.back().rfind("      ", 0) == 0);  // what the last example does
+}
+
+TEST_CASE("the examples of the help run as they are") {
+    const Desk desk;
+    fs::copy(IGEO_SOURCE_DIR "/data", desk / "data", fs::copy_options::recursive);
+    const auto inputs = desk.files().size();
+    const auto commands = examples(desk.run("--help").out);
+    REQUIRE(commands.size() == 3);
+    for (const std::string& line : commands) {
+        const Result result = desk.run(line);
+        INFO(line << "\n" << result.err);
+        CHECK(result.exitCode == 0);
+        CHECK_FALSE(result.err.empty());
+    }
+    CHECK(desk.files().size() == inputs + 4);
+    for (const char* name :
+         {"trefoil_geodesic.vdb", "sphere_geodesic.vdb", "path.json", "near.vdb"})
+        CHECK(fs::exists(desk / name));
+}

@@ -1,0 +1,172 @@
+// JSON outputs: valid by their schemas, and consistent in what they say.
+#include <support/catch.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+using namespace igeo::test;
+using nlohmann::json;
+
+namespace {
+
+const std::string kSchemas = IGEO_SOURCE_DIR "/docs/";
+
+/// Runs validate_json.py.
+Result validate(const std::string& schema, const std::string& document) {
+    Command command;
+    command.program = "/usr/bin/python3";
+    command.args = {IGEO_SOURCE_DIR "/tests/cli/validate_json.py", schema, document};
+    return run(command);
+}
+
+void requireValid(const Desk& desk, const std::string& schema, const std::string& document) {
+    const Result result = validate(kSchemas + schema, desk / document);
+    if (result.exitCode == 77 || result.exitCode == 127) {
+        WARN("skipped: needs /usr/bin/python3 with jsonschema (Debian: python3-jsonschema)");
+        return;
+    }
+    INFO(document << "\n" << result.out << result.err);
+    CHECK(result.exitCode == 0);
+}
+
+double between(const json& a, const json& b) {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) sum += std::pow(a[k].get<double>() - b[k].get<double>(), 2);
+    return std::sqrt(sum);
+}
+
+/// What holds for every path that reached its seed.
+void requireConsistent(const json& path, double dx) {
+    const auto& position = path["vertices"]["position"];
+    const auto arc = path["vertices"]["arcLength"].get<std::vector<double>>();
+    const auto d = path["vertices"]["distance"].get<std::vector<double>>();
+    REQUIRE(path["status"] == "reached");
+    REQUIRE(arc.size() >= 2);
+    REQUIRE(position.size() == arc.size());
+    REQUIRE(d.size() == arc.size());
+    CHECK(arc.front() == 0);
+    CHECK(arc.back() == path["length"].get<double>());
+    CHECK(d.front() == path["distance"].get<double>());
+    CHECK(position.front() == path["target"]["position"]);
+    CHECK(position.back() == path["seed"]["position"]);
+    CHECK(d.back() == Approx(path["seed"]["start"].get<double>()).margin(1e-12));
+    for (std::size_t k = 1; k < arc.size(); ++k) {
+        INFO("vertex " << k << " of " << arc.size());
+        // Chords, summed; rounding of world coordinates is far below 1e-9.
+        CHECK(arc[k] - arc[k - 1] == Approx(between(position[k - 1], position[k])).margin(1e-9));
+        CHECK(arc[k] > arc[k - 1]);
+        // d falls along a path, but each value is a trilinear mean of nodes whose d is off by an
+        // error that varies from node to node by up to some percent of dx.
+        CHECK(d[k] < d[k - 1] + 0.05 * dx);
+    }
+    for (const char* end : {"target", "seed"})
+        CHECK(path[end]["snapDistance"].get<double>() ==
+              Approx(between(path[end]["asked"], path[end]["position"])).margin(1e-9));
+}
+
+}  // namespace
+
+TEST_CASE("reports and paths are valid by their schemas") {
+    const std::string options =
+        GENERATE("", "--target 0.7,0,0.5", "--target 0.7,0,0.5 --target -1.2,0,0 --with gradient",
+                 "--target 0.2,0,0 --max-distance 0.3",
+                 "--target 0.7,0,0.5 --stop-at-targets --scheme godunov");
+    const Desk desk;
+    desk.make("in.vdb", "two-spheres --grid-class unknown");  // with a warning
+    const Result result = desk.run(
+        "--sdf in.vdb --seed 1.2,0,0 -q --json report.json -o out.vdb "
+        "--paths paths.json " +
+        options);
+    INFO(options << "\n" << result.err);
+    REQUIRE((result.exitCode == 0 || result.exitCode == 4));
+    requireValid(desk, "report.schema.json", "report.json");
+    requireValid(desk, "geodesics.schema.json", "paths.json");
+    // Only NaN and infinity would be words of their own.
+    for (const char* name : {"report.json", "paths.json"})
+        REQUIRE_FALSE(json::parse(readBytes(desk / name), nullptr, false).is_discarded());
+}
+
+TEST_CASE("the schemas refuse what does not belong") {
+    const Desk desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.1");
+    requireDone(desk, "--sdf in.vdb --seed 0,0,1 -q --target 1,0,0 -o out.vdb --paths p.json");
+    if (validate(kSchemas + "geodesics.schema.json", desk / "p.json").exitCode != 0) return;
+    const json good = json::parse(readBytes(desk / "p.json"));
+    const auto exitCodeOf = [&](const json& changed) {
+        writeBytes(desk / "changed.json", changed.dump());
+        return validate(kSchemas + "geodesics.schema.json", desk / "changed.json").exitCode;
+    };
+    CHECK(exitCodeOf(good) == 0);
+    json more = good, less = good, wrong = good;
+    more["paths"][0]["colour"] = "red";
+    less["paths"][0].erase("distance");
+    wrong["paths"][0]["status"] = "lost";
+    CHECK(exitCodeOf(more) == 1);
+    CHECK(exitCodeOf(less) == 1);
+    CHECK(exitCodeOf(wrong) == 1);
+}
+
+TEST_CASE("a path runs from its target to its seed, downhill, on the surface") {
+    const std::string shape = GENERATE("sphere", "torus", "trefoil --voxel-size 0.03");
+    const Desk desk;
+    desk.make("in.vdb", shape);
+    const std::string seed = shape == "torus"    ? "1.4,0,0"
+                             : shape == "sphere" ? "0,0,1"
+                                                 : "0,-.42,0";
+    requireDone(desk, "--sdf in.vdb --seed " + seed +
+                          " --target 0.2,0.95,0.3 --target -0.4,0.9,0.2 --target 0.6,-0.8,0.1 "
+                          "--snap 2 -q -o out.vdb --paths p.json --json r.json");
+    const json paths = json::parse(readBytes(desk / "p.json"));
+    const json report = json::parse(readBytes(desk / "r.json"));
+    const double dx = paths["surface"]["voxelSize"];
+    REQUIRE(paths["paths"].size() == 3);
+    for (const json& path : paths["paths"]) requireConsistent(path, dx);
+    // The report says the same about the targets.
+    for (std::size_t k = 0; k < 3; ++k) {
+        json path = paths["paths"][k];
+        path.erase("vertices");
+        CHECK(path == report["targets"][k]);
+    }
+    CHECK(paths["surface"]["file"] == "in.vdb");
+    CHECK(report["distance"]["reached"].get<int>() + report["distance"]["unreached"].get<int>() ==
+          report["band"]["nodes"].get<int>());
+}
+
+TEST_CASE("a target without a distance has a path without vertices") {
+    const Desk desk;
+    desk.make("in.vdb", "two-spheres");
+    CHECK(desk.run("--sdf in.vdb --seed 1.2,0,0 --target -1.2,0,0 -q -o o.vdb --paths p.json")
+              .exitCode == 4);
+    const json path = json::parse(readBytes(desk / "p.json"))["paths"][0];
+    CHECK(path["status"] == "unreachable");
+    CHECK(path["distance"].is_null());
+    CHECK(path["length"].is_null());
+    CHECK(path["seed"].is_null());
+    CHECK(path["vertices"]["position"].empty());
+}
+
+TEST_CASE("OBJ paths have the vertices of the JSON, bit by bit") {
+    const Desk desk;
+    desk.make("in.vdb", "sphere");
+    const std::string base = "--sdf in.vdb --seed 0,0,1 --target 1,0,0 --target 0,0.6,-0.8 -q ";
+    requireDone(desk, base + "-o out.vdb --paths p.json");
+    requireDone(desk, base + "-o out.vdb --paths p.obj");
+    std::vector<std::vector<double>> inObj, inJson;
+    std::size_t objects = 0, ends = 0;
+    for (const std::string& line : lines(readBytes(desk / "p.obj"))) {
+        const auto words = split(line);
+        objects += words[0] == "o";
+        if (words[0] == "l") ends += words.size() - 1;
+        if (words[0] == "v")
+            inObj.push_back({std::stod(words[1]), std::stod(words[2]), std::stod(words[3])});
+    }
+    const json document = json::parse(readBytes(desk / "p.json"));
+    for (const json& path : document["paths"])
+        for (const json& p : path["vertices"]["position"])
+            inJson.push_back(p.get<std::vector<double>>());
+    CHECK(objects == 2);
+    CHECK(ends == inObj.size());
+    CHECK(inObj == inJson);
+}

@@ -1,0 +1,93 @@
+// Ctrl-C, kill, and a reader of stdout that goes away.
+#include <support/catch.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+
+#include "program.h"
+
+using namespace igeo::test;
+
+namespace {
+
+/// A torus with enough voxels for a run of seconds, and how long that run takes here.
+struct LongRun : Desk {
+    LongRun() {
+        make("in.vdb", "torus --voxel-size 0.005");
+        const Result whole = run(kLine);
+        REQUIRE(whole.exitCode == 0);
+        seconds = whole.seconds;
+        std::filesystem::remove(*this / "out.vdb");
+        std::filesystem::remove(*this / "out.obj");
+        // What a run that does nothing takes says how busy the machine is: 0.02 s on an idle one.
+        startSeconds = run("--version").seconds;
+    }
+    static constexpr const char* kLine =
+        "--sdf in.vdb --seed 1.4,0,0 --target -1.4,0,0 -o out.vdb --paths out.obj -q";
+    double seconds = 0, startSeconds = 0;
+};
+
+}  // namespace
+
+TEST_CASE("Ctrl-C and kill end a run at once and leave nothing behind") {
+    const int signal = GENERATE(SIGINT, SIGTERM);
+    const LongRun desk;
+    const auto before = desk.files();
+    for (const double part : {0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 0.95}) {
+        Command command = desk.command(LongRun::kLine);
+        command.signal = signal;
+        command.signalDelay = std::max(part * desk.seconds, 5 * desk.startSeconds);
+        const Result result = run(command);
+        INFO("signal " << signal << " after " << command.signalDelay << " s of " << desk.seconds
+                       << ", ended " << result.secondsAfterSignal << " s later\n"
+                       << result.err);
+        // Close to its end the run may be done before the signal arrives.
+        if (part > 0.6 && result.exitCode == 0) {
+            for (const char* name : {"out.vdb", "out.obj"}) std::filesystem::remove(desk / name);
+            continue;
+        }
+        CHECK(result.signal == 0);
+        CHECK(result.exitCode == 128 + signal);
+        // 0.2 s, and what starting and scheduling cost on a machine that does other things as well.
+        CHECK(result.secondsAfterSignal < 0.2 + std::max(0.2, 5 * desk.startSeconds));
+        CHECK(result.out.empty());
+        const auto told = lines(result.err);
+        REQUIRE(!told.empty());
+        CHECK(told.front().rfind("implicit-geodesic: error: interrupted", 0) == 0);
+        CHECK(told.size() <= 2);
+        const auto after = desk.files();
+        CHECK(after.size() == before.size());
+        CHECK(after.count("in.vdb") == 1);
+    }
+}
+
+TEST_CASE("an interrupted run keeps the output of an earlier one") {
+    const LongRun desk;
+    writeBytes(desk / "out.vdb", "written by an earlier run");
+    Command command = desk.command(LongRun::kLine);
+    command.signal = SIGINT;
+    command.signalDelay = 0.5 * desk.seconds;
+    const Result result = run(command);
+    CHECK(result.exitCode == 130);
+    CHECK(readBytes(desk / "out.vdb") == "written by an earlier run");
+    CHECK(desk.files().size() == 2);
+}
+
+TEST_CASE("a reader of stdout that has gone is an error, not a death") {
+    const Desk desk;
+    desk.make("in.vdb", "sphere");
+    const std::string output = GENERATE("-o -", "-o out.vdb --json -");
+    Command command = desk.command("");
+    command.program = "sh";
+    command.args = {"-c", "{ \"$@\"; echo $? >code; } | true", "sh", IGEO_PROGRAM};
+    for (const auto& word : split("--sdf in.vdb --seed 0,0,1 -q " + output))
+        command.args.push_back(word);
+    const Result result = run(command);
+    INFO(result.err);
+    CHECK(readBytes(desk / "code") == "3\n");
+    const auto told = lines(result.err);
+    REQUIRE(told.size() == 2);
+    CHECK_THAT(told[0], Catch::Contains("standard output") && Catch::Contains("Broken pipe"));
+    CHECK_THAT(told[1], Catch::StartsWith("  "));
+}

@@ -1,0 +1,134 @@
+// Where results and messages go when all is well.
+#include <support/catch.h>
+
+#include <filesystem>
+
+#include "program.h"
+#include "vdb_files.h"
+
+using namespace igeo::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Sphere : Desk {
+    Sphere() { make("in.vdb", "sphere --voxel-size 0.1"); }
+};
+
+}  // namespace
+
+TEST_CASE("without -o the result is named after the input, in the current folder") {
+    const Desk desk;
+    fs::create_directory(desk / "models");
+    desk.make("models/two.vdb", "bad two-level-sets");
+    const Result result = requireDone(desk, "--sdf models/two.vdb:psi_b --seed 1,0,0");
+    CHECK(lines(result.err).size() == 1);
+    CHECK_THAT(result.err, Catch::Contains("two_geodesic.vdb"));
+    CHECK(desk.files().size() == 3);
+    CHECK(readVdb(desk / "two_geodesic.vdb").grids.at(0)->getName() == "psi_b_geodesic");
+}
+
+TEST_CASE("stdin can be the surface, as a file or as a pipe") {
+    const Sphere desk;
+    requireDone(desk, "--sdf in.vdb --seed 0,0,1 -o expected.vdb");
+    const std::string expected = readBytes(desk / "expected.vdb");
+    Command command = desk.command("--sdf - --seed 0,0,1 -q");
+    const bool asPipe = GENERATE(false, true);
+    if (asPipe)
+        command.stdinBytes = readBytes(desk / "in.vdb");
+    else
+        command.stdinFile = desk / "in.vdb";
+    const Result result = run(command);
+    INFO(result.err);
+    REQUIRE(result.exitCode == 0);
+    // Named after the grid: stdin has no name.
+    CHECK((readBytes(desk / "psi_geodesic.vdb") == expected));
+}
+
+TEST_CASE("stdout can be the VDB, the report or the paths, and then holds nothing else") {
+    const Sphere desk;
+    const std::string base = "--sdf in.vdb --seed 0,0,1 --target 1,0,0 -v ";
+    SECTION("VDB") {
+        const Result result = desk.run(base + "-o -");
+        REQUIRE(result.exitCode == 0);
+        CHECK(desk.files().size() == 1);
+        const auto piped = readVdbBytes(result.out).get<openvdb::FloatGrid>("psi_geodesic");
+        requireDone(desk, base + "-o out.vdb");
+        const auto filed = readDistance(desk / "out.vdb");
+        CHECK(piped->activeVoxelCount() == filed->activeVoxelCount());
+        CHECK(piped->tree().hasSameTopology(filed->tree()));
+        CHECK(largestDifference(*piped, *filed) == 0);
+        CHECK(readVdbBytes(result.out).metadata["creator"]->str() ==
+              readVdb(desk / "out.vdb").metadata["creator"]->str());
+    }
+    SECTION("report") {
+        const Result result = desk.run(base + "-o out.vdb --json -");
+        REQUIRE(result.exitCode == 0);
+        CHECK(result.out.front() == '{');
+        CHECK(result.out.substr(result.out.size() - 2) == "}\n");
+    }
+    SECTION("paths") {
+        requireDone(desk, base + "-o out.vdb --paths out.json");
+        const Result result = desk.run(base + "-o out.vdb --paths -");
+        REQUIRE(result.exitCode == 0);
+        CHECK(result.out == readBytes(desk / "out.json"));
+    }
+}
+
+TEST_CASE("messages: none with -q, one line per result without, the stages with -v") {
+    const Sphere desk;
+    const std::string base = "--sdf in.vdb --seed 0,0,1 --target 1,0,0 -o out.vdb ";
+    CHECK(requireDone(desk, base + "-q").err.empty());
+
+    const auto normal = lines(requireDone(desk, base).err);
+    REQUIRE(normal.size() == 2);
+    CHECK_THAT(normal[0], Catch::StartsWith("implicit-geodesic: target 0: distance "));
+    CHECK_THAT(normal[1], Catch::StartsWith("implicit-geodesic: distances up to ") &&
+                              Catch::Contains("out.vdb"));
+
+    const std::string verbose = requireDone(desk, base + "-v").err;
+    for (const std::string stage : {"read", "check", "band", "snap", "march", "trace", "write"})
+        CHECK_THAT(verbose, Catch::Contains("\nimplicit-geodesic: " + stage + ": ") ||
+                                Catch::StartsWith("implicit-geodesic: " + stage + ": "));
+    for (const std::string& line : lines(verbose))
+        CHECK_THAT(line, Catch::StartsWith("implicit-geodesic: "));
+    CHECK_THAT(verbose, Catch::Contains("half-width 3 voxels") && Catch::Contains("nodes"));
+}
+
+TEST_CASE("stderr that is no terminal gets neither colours nor progress") {
+    const Desk desk;
+    desk.make("in.vdb", "torus --voxel-size 0.02");
+    const Result result = requireDone(desk, "--sdf in.vdb --seed 1.4,0,0 -o out.vdb");
+    CHECK(result.err.find('\033') == std::string::npos);
+    CHECK(result.err.find('\r') == std::string::npos);
+    CHECK(lines(result.err).size() == 1);
+}
+
+TEST_CASE("a target on another piece is reported with exit code 4, all else is written") {
+    const Desk desk;
+    desk.make("in.vdb", "two-spheres");
+    const Result result = desk.run(
+        "--sdf in.vdb --seed 1.2,0,0 --target -1.2,0,0 --target 0.7,0,0.5 -o out.vdb "
+        "--paths out.json --json report.json");
+    INFO(result.err);
+    CHECK(result.exitCode == 4);
+    const auto told = lines(result.err);
+    REQUIRE(told.size() == 3);
+    CHECK_THAT(told[0], Catch::StartsWith("implicit-geodesic: warning: target 0") &&
+                            Catch::Contains("no path on the surface"));
+    CHECK_THAT(told[1], Catch::StartsWith("implicit-geodesic: target 1: distance "));
+    CHECK_THAT(told[2], Catch::Contains("out.vdb"));
+    CHECK(desk.files().size() == 4);
+    // A quarter of a circle of radius 0.5, within a voxel of 0.05.
+    const auto at = told[1].find("distance ");
+    CHECK(std::stod(told[1].substr(at + 9)) == Approx(0.25 * M_PI).margin(0.05));
+}
+
+TEST_CASE("a target that a limit left out is reported as such") {
+    const Sphere desk;
+    const Result result = desk.run(
+        "--sdf in.vdb --seed 0,0,1 --target 0,0,-1 --max-distance 1 -o out.vdb --paths out.json");
+    CHECK(result.exitCode == 4);
+    CHECK_THAT(result.err, Catch::Contains("target 0") && Catch::Contains("beyond the distance"));
+    CHECK(desk.files().size() == 3);
+}

@@ -1,0 +1,174 @@
+// Distances do not depend on where the surface lies, how it is turned and how large its units are.
+#include <support/catch.h>
+#include <support/march_cases.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace igeo::test {
+namespace {
+
+constexpr double kH = 2.5;
+
+const auto kSame = [](const Ijk& v) { return v; };
+
+/// Turns by 90 degrees and reflections: signed permutations of the axes, 48 in all.
+struct Turn {
+    std::array<int, 3> axis{0, 1, 2}, sign{1, 1, 1};
+
+    template <typename T>
+    Vec3<T> operator()(const Vec3<T>& v) const {
+        Vec3<T> r;
+        for (int a = 0; a < 3; ++a) r[a] = T(sign[std::size_t(a)]) * v[axis[std::size_t(a)]];
+        return r;
+    }
+};
+
+std::vector<Turn> allTurns() {
+    std::vector<Turn> turns;
+    std::array<int, 3> axis{0, 1, 2};
+    do
+        for (int signs = 0; signs < 8; ++signs)
+            turns.push_back({axis, {signs & 1 ? -1 : 1, signs & 2 ? -1 : 1, signs & 4 ? -1 : 1}});
+    while (std::next_permutation(axis.begin(), axis.end()));
+    return turns;
+}
+
+/// A seed with coordinates in multiples of 2^-20 voxels: shifted without rounding.
+SurfacePoint dyadicSeed(const Band& band, const Vec3d& p) {
+    SurfacePoint seed = nearestSurfacePoint(band, p);
+    for (int a = 0; a < 3; ++a)
+        seed.pIndex[a] = std::round(std::ldexp(seed.pIndex[a], 20)) / (1 << 20);
+    return seed;
+}
+
+SurfacePoint shifted(SurfacePoint seed, const Band& from, const Band& to, const Ijk& by) {
+    seed.pIndex += Vec3d(by);
+    seed.node = to.nodeAt(from.ijk(seed.node) + by);
+    return seed;
+}
+
+/// The same voxels and values, in units `factor` times as large.
+openvdb::FloatGrid::Ptr scaled(const openvdb::FloatGrid& grid, double factor) {
+    auto result = grid.deepCopy();
+    for (auto it = result->beginValueAll(); it; ++it) it.setValue(float(*it * factor));
+    result->setTransform(
+        openvdb::math::Transform::createLinearTransform(grid.voxelSize().x() * factor));
+    return result;
+}
+
+}  // namespace
+
+TEST_CASE("turns by 90 degrees and reflections leave distances") {
+    // The scheme has no preferred axis; sums run in another order, so values differ by roundings.
+    // The march may accept nodes in another order where they differ by less than the 6e-8 of its
+    // keys, which moves values by that much; 1e-5 leaves room for its building up.
+    const auto grid = torusGrid();
+    const std::vector<Vec3d> points = torusPoints();
+    for (const int order : {1, 2}) {
+        const Band band = bandOf(grid, kH);
+        const Field field = march(band, {points[0], points[1]}, order);
+        for (const Turn& turn : allTurns()) {
+            const Band turned = bandOf(mapVoxels(*grid, turn), kH);
+            REQUIRE(turned.size() == band.size());
+            const Field other = march(turned, {turn(points[0]), turn(points[1])}, order);
+            INFO("order " << order << ", axes " << turn.axis[0] << turn.axis[1] << turn.axis[2]
+                          << ", signs " << turn.sign[0] << " " << turn.sign[1] << " "
+                          << turn.sign[2]);
+            CHECK(worstDifference(band, field, turned, other, turn) <= 1e-5);
+        }
+    }
+}
+
+TEST_CASE("turns leave the default band and its distances") {
+    const auto grid = torusGrid();
+    const Turn turn{{1, 2, 0}, {1, -1, 1}};
+    for (const int order : {1, 2}) {
+        const Band band = bandOf(grid, 0, order), turned = bandOf(mapVoxels(*grid, turn), 0, order);
+        CHECK(turned.h == band.h);
+        const Vec3d seed = torusPoints()[2];
+        CHECK(worstDifference(band, march(band, {seed}, order), turned,
+                              march(turned, {turn(seed)}, order), turn) <= 1e-5);
+    }
+}
+
+TEST_CASE("units scaled by a power of two scale distances bitwise") {
+    // Divisions by dx are exact, so not a bit of the computation in voxels changes.
+    const auto grid = torusGrid();
+    const Band band = bandOf(grid, kH);
+    for (const int order : {1, 2}) {
+        const Field field = march(band, torusPoints(), order);
+        for (const double factor : {0x1p-10, 0.25, 2.0, 0x1p30}) {
+            const Band other = bandOf(scaled(*grid, factor), kH);
+            CHECK(other.transform.dx == factor);
+            CHECK(worstDifference(band, field, other, march(other, torusPoints(), order), kSame) ==
+                  0);
+        }
+    }
+}
+
+TEST_CASE("units scaled by any factor leave distances in voxels") {
+    // psi / dx changes by a float rounding or two, 1.2e-7 of 4 voxels, and seeds move by as much.
+    const auto grid = torusGrid();
+    const Band band = bandOf(grid, kH);
+    for (const int order : {1, 2}) {
+        const Field field = march(band, torusPoints(), order);
+        for (const double factor : {0.01, 0.3, 7.7, 1e6}) {
+            const Band other = bandOf(scaled(*grid, factor), kH);
+            CHECK(worstDifference(band, field, other, march(other, torusPoints(), order), kSame) <=
+                  1e-6);
+        }
+    }
+}
+
+TEST_CASE("a moved or turned transform leaves distances bitwise") {
+    const auto grid = torusGrid();
+    const Band band = bandOf(grid, kH);
+    for (const int order : {1, 2}) {
+        const Field field = march(band, torusPoints(), order);
+        for (const auto& transform : {rotatedTransform(1, {0, 0, 1}, 0, {1e6, -3.7, 0.123}),
+                                      rotatedTransform(1, {1, 2, 3}, 30, {5, -7, 11}),
+                                      rotatedTransform(1, {-1, 0.2, 0.1}, 179, {0, 0, 1e-3})}) {
+            auto moved = grid->deepCopy();
+            moved->setTransform(transform);
+            const Band other = bandOf(moved, kH);
+            CHECK(worstDifference(band, field, other, march(other, torusPoints(), order), kSame) ==
+                  0);
+        }
+    }
+}
+
+TEST_CASE("index coordinates shifted by leaves leave distances bitwise") {
+    const auto grid = torusGrid();
+    const Band band = bandOf(grid, kH);
+    for (const int order : {1, 2}) {
+        const SurfacePoint seed = dyadicSeed(band, torusPoints()[0]);
+        const Field field = marchFrom(band, {seed}, order);
+        for (const Ijk& by : {Ijk{8, -16, 24}, Ijk{-4096, 4088, 1 << 20}}) {
+            const auto shift = [&](const Ijk& v) { return v + by; };
+            const Band other = bandOf(mapVoxels(*grid, shift), kH);
+            const Field moved = marchFrom(other, {shifted(seed, band, other, by)}, order);
+            CHECK(worstDifference(band, field, other, moved, shift) == 0);
+        }
+    }
+}
+
+TEST_CASE("index coordinates shifted by any amount leave distances") {
+    // Nodes are numbered differently, and the march accepts nodes whose keys tie (6e-8) by number.
+    const auto grid = torusGrid();
+    const Band band = bandOf(grid, kH);
+    for (const int order : {1, 2}) {
+        const SurfacePoint seed = dyadicSeed(band, torusPoints()[0]);
+        const Field field = marchFrom(band, {seed}, order);
+        for (const Ijk& by : {Ijk{1, 0, 0}, Ijk{3, 5, -6}, Ijk{-1234567, 89, 7}}) {
+            const auto shift = [&](const Ijk& v) { return v + by; };
+            const Band other = bandOf(mapVoxels(*grid, shift), kH);
+            const Field moved = marchFrom(other, {shifted(seed, band, other, by)}, order);
+            CHECK(worstDifference(band, field, other, moved, shift) <= 1e-5);
+        }
+    }
+}
+
+}  // namespace igeo::test

@@ -1,0 +1,86 @@
+#include "march_cases.h"
+
+#include <igeo/band_width.h>
+#include <support/errors.h>
+#include <support/shapes.h>
+
+#include <cmath>
+
+namespace igeo::test {
+namespace {
+
+const openvdb::Vec3d kCenter(3.137, -5.291, 1.413);
+constexpr double kMajor = 14, kMinor = 6;
+
+}  // namespace
+
+openvdb::FloatGrid::Ptr torusGrid() { return makeLevelSet(torus(kCenter, kMajor, kMinor), 1, 4); }
+
+std::vector<Vec3d> torusPoints() {
+    std::vector<Vec3d> points;
+    for (const auto& [u, v] : {std::pair<double, double>{0.3, 0.7}, {2.9, -1.1}, {-1.7, 2.4}}) {
+        const double d = kMajor + kMinor * std::cos(v);
+        points.push_back({kCenter.x() + d * std::cos(u), kCenter.y() + d * std::sin(u),
+                          kCenter.z() + kMinor * std::sin(v)});
+    }
+    return points;
+}
+
+Band bandOf(const openvdb::FloatGrid::Ptr& grid, double h, int order) {
+    LevelSet surface = checkedLevelSet(grid);
+    const LevelSetStats& st = surface.stats;
+    if (h == 0)
+        h = defaultBandWidth(order, st.largestCurvature,
+                             bandBounds(st.largestCurvature, st.reach, st.halfWidth));
+    return bandFromLevelSet(surface, h);
+}
+
+Field march(const Band& band, const std::vector<Vec3d>& seeds, int order) {
+    std::vector<SurfacePoint> points;
+    for (const Vec3d& s : seeds) points.push_back(nearestSurfacePoint(band, s));
+    return marchFrom(band, points, order);
+}
+
+Field marchFrom(const Band& band, const std::vector<SurfacePoint>& seeds, int order) {
+    GodunovOptions options;
+    options.order = order;
+    return marchGodunov(band, {}, seeds, options);
+}
+
+openvdb::FloatGrid::Ptr mapVoxels(const openvdb::FloatGrid& grid,
+                                  const std::function<Ijk(const Ijk&)>& map) {
+    auto mapped = openvdb::FloatGrid::create(grid.background());
+    mapped->setTransform(grid.transform().copy());
+    mapped->setGridClass(grid.getGridClass());
+    mapped->setName(grid.getName());
+    for (auto it = grid.cbeginValueOn(); it; ++it) {
+        const Ijk v = map({it.getCoord().x(), it.getCoord().y(), it.getCoord().z()});
+        mapped->tree().setValueOn({v.x, v.y, v.z}, *it);
+    }
+    return mapped;
+}
+
+double worstDifference(const Band& bandA, const Field& a, const Band& bandB, const Field& b,
+                       const std::function<Ijk(const Ijk&)>& map, double scale) {
+    if (a.reached != b.reached) return kInfinity;
+    double worst = 0;
+    for (std::size_t k = 0; k < bandA.size(); ++k) {
+        const double dA = a.distance[k] / scale;
+        const NodeIndex j = bandB.nodeAt(map(bandA.ijk(NodeIndex(k))));
+        if (j == kNoNode) return kInfinity;
+        if (dA == b.distance[j]) continue;
+        worst = std::max(worst, std::abs(dA - b.distance[j]));
+    }
+    return worst / b.maxDistance;
+}
+
+double worstDifference(const Field& a, const Field& b) {
+    if (a.distance.size() != b.distance.size()) return kInfinity;
+    double worst = 0;
+    for (std::size_t k = 0; k < a.distance.size(); ++k)
+        if (a.distance[k] != b.distance[k])
+            worst = std::max(worst, std::abs(a.distance[k] - b.distance[k]));
+    return worst / b.maxDistance;
+}
+
+}  // namespace igeo::test

@@ -1,0 +1,39 @@
+/// The torus that the invariance tests turn, shift, scale and split, and how results are compared.
+#pragma once
+
+#include <igeo/godunov.h>
+#include <igeo/level_set_band.h>
+#include <openvdb/openvdb.h>
+
+#include <functional>
+#include <vector>
+
+namespace igeo::test {
+
+/// Radii 14 and 6 voxels, dx = 1, off every lattice line and symmetry, so that no two distances
+/// tie. The layer is 4 voxels wide.
+openvdb::FloatGrid::Ptr torusGrid();
+
+/// Points on that torus, index space.
+std::vector<Vec3d> torusPoints();
+
+/// The band of a grid, which has to pass checkLevelSet. h = 0: the default width of the order.
+Band bandOf(const openvdb::FloatGrid::Ptr& grid, double h, int order = 2);
+
+/// Marches from the points of S nearest to `seeds`, index space.
+Field march(const Band& band, const std::vector<Vec3d>& seeds, int order);
+Field marchFrom(const Band& band, const std::vector<SurfacePoint>& seeds, int order);
+
+/// The grid whose voxel map(ijk) has the value of `grid` at ijk; same transform.
+openvdb::FloatGrid::Ptr mapVoxels(const openvdb::FloatGrid& grid,
+                                  const std::function<Ijk(const Ijk&)>& map);
+
+/// Largest |a(ijk) / scale - b(map(ijk))| over the nodes of `a`, as a share of the largest distance
+/// of `b`; 0 means equal bits. Infinity where one has a node or a distance and the other has not.
+double worstDifference(const Band& bandA, const Field& a, const Band& bandB, const Field& b,
+                       const std::function<Ijk(const Ijk&)>& map, double scale = 1);
+
+/// The same where both bands have the same nodes.
+double worstDifference(const Field& a, const Field& b);
+
+}  // namespace igeo::test

@@ -1,0 +1,192 @@
+#include <igeo/vdb_io.h>
+#include <support/bad_inputs.h>
+#include <support/catch.h>
+#include <support/expect_error.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+#include <support/temp_dir.h>
+
+#include <fstream>
+#include <iterator>
+
+namespace igeo::test {
+namespace {
+
+openvdb::FloatGrid::Ptr smallSphere(const std::string& name = "psi") {
+    return makeLevelSet(sphere({0.1, 0.2, 0.3}, 1), 0.1, 3, name);
+}
+
+std::string bytesOf(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Writes the grids of a kind of bad input and reads them back as GRID of the file.
+void refuse(const std::string& kind, const std::string& grid, Error::Kind expected,
+            const std::vector<std::string>& phrases) {
+    const TempDir folder;
+    for (const BadInput& b : badInputs())
+        if (b.kind == kind) {
+            const auto grids = b.make();
+            writeVdb(folder / "bad.vdb", {grids.begin(), grids.end()});
+            INFO(kind);
+            expectError(expected, phrases, [&] { readLevelSetGrid({folder / "bad.vdb", grid}); });
+            return;
+        }
+    FAIL("no bad input " << kind);
+}
+
+}  // namespace
+
+TEST_CASE("parseGridSource: FILE[:GRID]") {
+    const auto check = [](const char* text, const char* file, const char* grid) {
+        const GridSource s = parseGridSource(text);
+        INFO(text);
+        CHECK(s.file == file);
+        CHECK(s.grid == grid);
+    };
+    check("a.vdb", "a.vdb", "");
+    check("a.vdb:psi", "a.vdb", "psi");
+    check("a.vdb:psi[1]", "a.vdb", "psi[1]");
+    check("a.vdb:", "a.vdb", "");
+    check("-", "-", "");
+    check("-:psi", "-", "psi");
+    check("b:a.vdb:psi", "b:a.vdb", "psi");
+    check("folder/a.vdb:two words", "folder/a.vdb", "two words");
+}
+
+TEST_CASE("parseGridSource: a file whose whole name exists wins") {
+    const TempDir folder;
+    const std::string whole = folder / "12:30.vdb";
+    CHECK(parseGridSource(whole).grid == "30.vdb");
+    std::ofstream(whole) << "x";
+    CHECK(parseGridSource(whole).file == whole);
+    CHECK(parseGridSource(whole).grid.empty());
+    CHECK(parseGridSource(whole + ":psi").file == whole);
+    CHECK(parseGridSource(whole + ":psi").grid == "psi");
+}
+
+TEST_CASE("writeVdb and readLevelSetGrid: there and back, bit by bit") {
+    const TempDir folder;
+    const auto grid = smallSphere();
+    grid->setTransform(rotatedTransform(0.1, {1, 1, 0}, 20, {1, 2, 3}));
+    writeVdb(folder / "a.vdb", {grid});
+    const LoadedGrid back = readLevelSetGrid({folder / "a.vdb", ""});
+    CHECK(back.name == "psi");
+    CHECK(back.file == folder / "a.vdb");
+    CHECK(back.isLevelSetClass);
+    CHECK(back.grid->transform() == grid->transform());
+    CHECK(back.grid->background() == grid->background());
+    REQUIRE(back.grid->activeVoxelCount() == grid->activeVoxelCount());
+    CHECK(back.grid->tree().hasSameTopology(grid->tree()));
+    for (auto it = grid->cbeginValueAll(); it; ++it)
+        if (back.grid->tree().getValue(it.getCoord()) != *it) FAIL("differs at " << it.getCoord());
+}
+
+TEST_CASE("writeVdb: the same grids give the same bytes, other grids others") {
+    const TempDir folder;
+    writeVdb(folder / "a.vdb", {smallSphere(), smallSphere("other")});
+    writeVdb(folder / "b.vdb", {smallSphere(), smallSphere("other")});
+    const std::string a = bytesOf(folder / "a.vdb");
+    CHECK(a.size() > 1000);
+    CHECK(a == bytesOf(folder / "b.vdb"));
+    writeVdb(folder / "b.vdb", {smallSphere(), smallSphere("fresh")});
+    const std::string b = bytesOf(folder / "b.vdb");
+    CHECK(a != b);
+    // 36 characters behind magic number, versions and flag.
+    CHECK(a.substr(21, 36) != b.substr(21, 36));
+}
+
+TEST_CASE("readLevelSetGrid: doubles and halves become floats") {
+    const TempDir folder;
+    const auto exact = smallSphere();
+    const auto doubles = makeDoubleLevelSet(sphere({0.1, 0.2, 0.3}, 1), exact->transform(), 3);
+    const auto halves = smallSphere("half");
+    halves->setSaveFloatAsHalf(true);
+    writeVdb(folder / "d.vdb", {doubles});
+    writeVdb(folder / "h.vdb", {halves});
+    const auto d = readLevelSetGrid({folder / "d.vdb", ""});
+    const auto h = readLevelSetGrid({folder / "h.vdb", ""});
+    CHECK(d.isLevelSetClass);
+    CHECK(d.grid->transform() == exact->transform());
+    REQUIRE(d.grid->tree().hasSameTopology(exact->tree()));
+    REQUIRE(h.grid->tree().hasSameTopology(exact->tree()));
+    for (auto it = exact->cbeginValueOn(); it; ++it) {
+        REQUIRE(d.grid->tree().getValue(it.getCoord()) == *it);
+        // 11 significant bits.
+        REQUIRE(std::abs(h.grid->tree().getValue(it.getCoord()) - *it) <=
+                std::abs(*it) / 2048 + 1e-7);
+    }
+}
+
+TEST_CASE("readLevelSetGrid: takes the grid that is meant") {
+    const TempDir folder;
+    auto fog = smallSphere("density");
+    fog->setGridClass(openvdb::GRID_FOG_VOLUME);
+    auto unknown = smallSphere("unknown");
+    unknown->setGridClass(openvdb::GRID_UNKNOWN);
+    const auto vectors = openvdb::Vec3SGrid::create();
+    vectors->setName("v");
+    writeVdb(folder / "a.vdb", {fog, vectors, smallSphere(), unknown});
+    CHECK(readLevelSetGrid({folder / "a.vdb", ""}).name == "psi");
+    const auto named = readLevelSetGrid({folder / "a.vdb", "unknown"});
+    CHECK(named.name == "unknown");
+    CHECK(!named.isLevelSetClass);
+    // Without a level set the only grid of class unknown will do.
+    writeVdb(folder / "b.vdb", {fog, unknown});
+    CHECK(readLevelSetGrid({folder / "b.vdb", ""}).name == "unknown");
+    // Two of one name.
+    writeVdb(folder / "c.vdb", {smallSphere(), unknown, smallSphere()});
+    CHECK(readLevelSetGrid({folder / "c.vdb", "psi[1]"}).name == "psi[1]");
+}
+
+TEST_CASE("readLevelSetGrid: refuses what is no level set") {
+    const auto bad = Error::Kind::BadInput;
+    refuse("fog", "", bad, {"no level set", "'density'", "fogToSdf"});
+    refuse("fog", "density", bad, {"fog volume", "fogToSdf"});
+    refuse("vector", "", bad, {"no level set", "velocity"});
+    refuse("vector", "velocity", bad, {"vec3s", "float or double"});
+    refuse("int", "", bad, {"no level set", "int32"});
+    refuse("int", "psi", bad, {"int32"});
+    refuse("two-level-sets", "", bad, {"2 level sets", "psi_a", "psi_b", "bad.vdb:psi_a"});
+    refuse("two-level-sets", "psi", bad, {"no grid 'psi'", "psi_a", "psi_b"});
+    refuse("same-name", "", bad, {"2 level sets"});
+    refuse("no-grids", "", bad, {"holds no grids"});
+}
+
+TEST_CASE("readLevelSetGrid: refuses files that are no VDB files or cut off") {
+    const TempDir folder;
+    expectError(Error::Kind::Io, {"nowhere.vdb", "No such file"}, [&] {
+        readLevelSetGrid({folder / "nowhere.vdb", ""});
+    });
+    expectError(Error::Kind::Io, {"folder"}, [&] {
+        readLevelSetGrid({folder.path().string(), ""});
+    });
+    for (const std::string content : {"", " BD", "not a vdb file at all"}) {
+        std::ofstream(folder / "text.vdb", std::ios::binary) << content;
+        expectError(Error::Kind::BadInput, {"not a VDB file"}, [&] {
+            readLevelSetGrid({folder / "text.vdb", ""});
+        });
+    }
+    writeVdb(folder / "a.vdb", {smallSphere()});
+    const std::string whole = bytesOf(folder / "a.vdb");
+    for (const std::size_t length :
+         {std::size_t(10), std::size_t(60), std::size_t(300), whole.size() / 2, whole.size() - 1}) {
+        std::ofstream(folder / "cut.vdb", std::ios::binary) << whole.substr(0, length);
+        INFO(length << " of " << whole.size() << " bytes");
+        expectError(Error::Kind::BadInput, {"cut.vdb"}, [&] {
+            readLevelSetGrid({folder / "cut.vdb", ""});
+        });
+    }
+}
+
+TEST_CASE("writeVdb: says when it cannot write") {
+    const TempDir folder;
+    expectError(Error::Kind::Io, {"none/a.vdb"},
+                [&] { writeVdb(folder / "none/a.vdb", {smallSphere()}); });
+    expectError(Error::Kind::Io, {"/dev/full", "No space left"},
+                [&] { writeVdb("/dev/full", {smallSphere()}); });
+    CHECK_NOTHROW(writeVdb("/dev/null", {smallSphere()}));
+}
+
+}  // namespace igeo::test
