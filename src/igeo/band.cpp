@@ -85,37 +85,6 @@ void Band::buildTopology() {
     });
 }
 
-void Band::neighbourhood(NodeIndex i, std::array<NodeIndex, 27>& nodes) const {
-    const int o = offset[i], x = o >> 6, y = o >> 3 & 7, z = o & 7;
-    const BandLeaf& here = leaves[leaf[i]];
-    std::size_t k = 0;
-    // Row by row along z: the nodes of a row are consecutive.
-    for (int dx = -1; dx <= 1; ++dx)
-        for (int dy = -1; dy <= 1; ++dy, k += 3) {
-            const int nx = x + dx, ny = y + dy;
-            const int at = 9 * (nx >> 3) + 3 * (ny >> 3) + 13;
-            const auto xy = unsigned((nx & 7) << 3 | (ny & 7));
-            const LeafIndex l = at == 13 ? leaf[i] : here.neighbour[std::size_t(at)];
-            if (l == kNoLeaf) {
-                nodes[k] = nodes[k + 1] = nodes[k + 2] = kNoNode;
-            } else {
-                const BandLeaf& in = leaves[l];
-                // Bit 0 stands for z - 1: the row is moved up by one so that z = 0 needs no
-                // exception.
-                const unsigned bits = in.row(xy) << 1 >> z & 7;
-                NodeIndex next = in.firstNode + in.before[xy] +
-                                 BandLeaf::bitCount(in.row(xy) << 1 & ((1u << z) - 1) & 0xff);
-                for (std::size_t dz = 0; dz < 3; ++dz)
-                    nodes[k + dz] = bits >> dz & 1 ? next++ : kNoNode;
-            }
-            if (z == 0 || z == 7) {
-                const LeafIndex beside = here.neighbour[std::size_t(z == 0 ? at - 1 : at + 1)];
-                nodes[z == 0 ? k : k + 2] =
-                    beside == kNoLeaf ? kNoNode : leaves[beside].node(xy << 3 | (z == 0 ? 7 : 0));
-            }
-        }
-}
-
 void Band::markFacing(NodeIndex i) {
     for (int step = 0; step < 12; ++step) {
         Ijk d{};

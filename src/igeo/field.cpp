@@ -85,18 +85,18 @@ double sampleJets(const Band& band, const BandCell& cell, const Field& field, co
     Vec3d n{};
     for (std::size_t k = 0; k < 8; ++k)
         if (cell.node[k] != kNoNode) n += cell.weight[k] * Vec3d(band.normal[cell.node[k]]);
-    const TangentFrame frame(normalized(n));
+    const TangentFrame frame(Vec3f(normalized(n)));
     JetNeighbours all;
-    std::array<double, 26> weight{};
+    std::array<float, JetNeighbours::kMax> weight{};
     for (std::size_t k = 0; k < 8; ++k) {
         const NodeIndex j = cell.node[k];
         if (j == kNoNode || !(field.distance[j] < kInfinity)) continue;
-        const Vec3d nj(band.normal[j]);
-        const double cosine = dot(frame.normal(), nj);
-        if (cosine < double(Band::kOtherSheet)) continue;
+        const Vec3f nj = band.normal[j];
+        const float cosine = dot(frame.normal(), nj);
+        if (cosine < Band::kOtherSheet) continue;
         // A corner at p itself must not leave the sum empty.
-        weight[std::size_t(all.count)] = cell.weight[k] + 1e-6;
-        all.add(frame.neighbour(p - band.footPoint(j), nj, cosine, Vec3d(field.gradient[j]),
+        weight[std::size_t(all.count())] = float(cell.weight[k]) + 1e-6f;
+        all.add(frame.neighbour(Vec3f(p - band.footPoint(j)), nj, cosine, field.gradient[j],
                                 field.distance[j]));
     }
     return blendJets(all, weight).u;

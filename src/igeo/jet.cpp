@@ -13,11 +13,6 @@ namespace igeo {
 
 namespace {
 
-/// The step to entry k of Band::neighbourhood.
-Ijk stepOf(std::size_t k) {
-    return {std::int32_t(k / 9) - 1, std::int32_t(k / 3 % 3) - 1, std::int32_t(k % 3) - 1};
-}
-
 /// The march goes over the voxels whose cube S may pass, |psi| < sqrt(3)/2: they hold every foot
 /// point and are connected through faces wherever S is. The other nodes of the band take the jets
 /// of these.
@@ -62,6 +57,7 @@ public:
     }
 
 private:
+    using NodeList = std::array<NodeIndex, JetNeighbours::kMax>;
     struct Solved {
         NodeIndex node;
         std::uint32_t label = 0;
@@ -83,8 +79,7 @@ private:
     void startDisc(std::size_t seed);
     void watchTargets();
     /// The neighbours of node i with a jet, in its tangent plane; `nodes` says which they are.
-    JetNeighbours gather(NodeIndex i, const TangentFrame& frame,
-                         std::array<NodeIndex, 26>& nodes) const;
+    JetNeighbours gather(NodeIndex i, const TangentFrame& frame, NodeList& nodes) const;
     Solved solve(NodeIndex i) const;
     /// The jet at a node outside the core, from the core's jets at the corners around its foot
     /// point.
@@ -104,7 +99,9 @@ private:
     std::vector<std::uint32_t> label_;
     std::vector<std::uint32_t> bucket_;  ///< the bucket a node waits in; 0 once it is accepted
     std::map<std::uint32_t, std::vector<NodeIndex>> queue_;
-    std::map<NodeIndex, Solved> discs_;  ///< jets around the seeds
+    std::vector<Solved> solved_;               ///< of the current bucket, one per node
+    std::vector<std::vector<Queued>> queued_;  ///< by the current bucket, one list per chunk
+    std::map<NodeIndex, Solved> discs_;        ///< jets around the seeds
     std::vector<bool> awaited_;
     std::size_t awaitedCount_ = 0, accepted_ = 0, guarded_ = 0;
 };
@@ -112,16 +109,17 @@ private:
 void JetMarch::startDisc(std::size_t k) {
     const SurfacePoint& seed = seeds_[k];
     const PsiSample psi = samplePsi(band_, seed.pIndex);
-    const Vec3d n = psi.valid ? normalized(psi.gradient) : Vec3d(band_.normal[seed.node]);
+    const Vec3f n = psi.valid ? Vec3f(normalized(psi.gradient)) : band_.normal[seed.node];
     for (const NodeIndex i : nodesAround(band_, seed, options_.startRadius + band_.h)) {
-        const Vec3d ni(band_.normal[i]), chord = band_.footPoint(i) - seed.pIndex;
-        const double c = igeo::length(chord), cosine = igeo::dot(ni, n);
+        const TangentFrame frame(band_.normal[i]);
+        const Vec3f chord(band_.footPoint(i) - seed.pIndex);
+        const float cosine = igeo::dot(frame.normal(), n);
         // Beyond a crease chords say nothing: there the march begins next to the seed.
-        if (c > options_.startRadius || cosine < 0.8) continue;
-        const Vec3d way = TangentFrame(ni).way(chord, n, cosine);
-        const double u = igeo::length(way);
-        Solved s{i, std::uint32_t(k), seed.start + u, Vec3f(), false};
-        if (u > 1e-6) s.g = Vec3f((1 / u) * way);
+        if (igeo::length(chord) > float(options_.startRadius) || cosine < 0.8f) continue;
+        const Vec2f way = frame.way(chord, n, cosine);
+        const float u = length(way);
+        Solved s{i, std::uint32_t(k), seed.start + double(u), Vec3f(), false};
+        if (u > 1e-6f) s.g = frame.lift((1 / u) * way);
         const auto [at, isNew] = discs_.try_emplace(i, s);
         if (!isNew && s.u < at->second.u) at->second = s;
         const std::uint32_t b = bucketOf(s.u);
@@ -129,36 +127,32 @@ void JetMarch::startDisc(std::size_t k) {
     }
 }
 
-JetNeighbours JetMarch::gather(NodeIndex i, const TangentFrame& frame,
-                               std::array<NodeIndex, 26>& nodes) const {
+JetNeighbours JetMarch::gather(NodeIndex i, const TangentFrame& frame, NodeList& nodes) const {
     JetNeighbours all;
-    const Vec3d ni(band_.normal[i]), fi(band_.foot[i]);
-    std::array<NodeIndex, 27> around;
-    band_.neighbourhood(i, around);
-    for (std::size_t k = 0; k < 27; ++k) {
-        const NodeIndex j = around[k];
-        if (j == kNoNode || !(u_[j] < kInfinity)) continue;
-        const Vec3d nj(band_.normal[j]);
-        const double cosine = igeo::dot(ni, nj);
-        if (cosine < double(Band::kOtherSheet)) continue;
-        if (cosine < 0.9) all.smooth = false;
-        const Vec3d chord = fi - Vec3d(band_.foot[j]) - Vec3d(stepOf(k));
-        nodes[std::size_t(all.count)] = j;
-        all.add(frame.neighbour(chord, nj, cosine, Vec3d(g_[j]), u_[j]));
-    }
+    const Vec3f fi = band_.foot[i];
+    band_.forNeighbours(i, [&](NodeIndex j, int dx, int dy, int dz) {
+        if (!(u_[j] < kInfinity)) return;
+        const Vec3f nj = band_.normal[j];
+        const float cosine = igeo::dot(frame.normal(), nj);
+        if (cosine < Band::kOtherSheet) return;
+        if (cosine < 0.9f) all.smooth = false;
+        const Vec3f chord = fi - band_.foot[j] - Vec3f{float(dx), float(dy), float(dz)};
+        nodes[std::size_t(all.count())] = j;
+        all.add(frame.neighbour(chord, nj, cosine, g_[j], u_[j]));
+    });
     return all;
 }
 
 JetMarch::Solved JetMarch::solve(NodeIndex i) const {
     Solved s;
     s.node = i;
-    const TangentFrame frame(Vec3d(band_.normal[i]));
-    std::array<NodeIndex, 26> nodes;
+    const TangentFrame frame(band_.normal[i]);
+    NodeList nodes;
     const JetNeighbours all = gather(i, frame, nodes);
     const Jet jet = jetUpdate(all);
     if (jet.from >= 0) {
         s.u = jet.u;
-        s.g = Vec3f(frame.lift(jet.g));
+        s.g = frame.lift(jet.g);
         s.guarded = jet.guarded;
         s.label = labelOf(nodes[std::size_t(jet.from)]);
     }
@@ -172,7 +166,7 @@ const JetMarch::Solved& JetMarch::preferDisc(const Solved& s) const {
 }
 
 void JetMarch::key(NodeIndex j, std::uint32_t current, std::vector<Queued>& out) {
-    const Vec3d fj(band_.foot[j]), g(g_[j]);
+    const Vec3f fj = band_.foot[j], g = g_[j];
     for (int side = 0; side < 6; ++side) {
         Ijk step{};
         step[side / 2] = side % 2 ? 1 : -1;
@@ -181,8 +175,8 @@ void JetMarch::key(NodeIndex j, std::uint32_t current, std::vector<Queued>& out)
         auto& waits = reinterpret_cast<std::atomic<std::uint32_t>&>(bucket_[i]);
         std::uint32_t seen = waits.load(std::memory_order_relaxed);
         if (seen <= current + 1 || !band_.linked(i, j)) continue;
-        // As carry() in jet_update.h, by chords: good enough to know the bucket.
-        const Vec3d chord = Vec3d(band_.foot[i]) - fj + Vec3d(step);
+        // As jet::carry, by chords: good enough to know the bucket.
+        const Vec3f chord = band_.foot[i] - fj + Vec3f(step);
         const double along = igeo::dot(g, chord), c2 = igeo::dot(chord, chord);
         const double r = u_[j] - first_ + std::max(along, 0.0);
         const double carried =
@@ -198,69 +192,76 @@ void JetMarch::key(NodeIndex j, std::uint32_t current, std::vector<Queued>& out)
 void JetMarch::process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes) {
     constexpr std::size_t kChunk = 128;
     const std::size_t chunks = (nodes.size() + kChunk - 1) / kChunk;
-    std::vector<std::vector<Solved>> solved(chunks);
-    std::vector<std::vector<Queued>> queued(chunks);
+    solved_.resize(nodes.size());
+    if (queued_.size() < chunks) queued_.resize(chunks);
     parallelFor(chunks, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t c = begin; c < end; ++c)
-            for (std::size_t k = c * kChunk; k < std::min(nodes.size(), (c + 1) * kChunk); ++k)
-                if (bucket_[nodes[k]] == bucket) solved[c].push_back(solve(nodes[k]));
+        for (std::size_t k = begin * kChunk; k < std::min(nodes.size(), end * kChunk); ++k)
+            if (bucket_[nodes[k]] == bucket)
+                solved_[k] = solve(nodes[k]);
+            else
+                solved_[k].node = kNoNode;
     });
     // Accepted together: what is solved beyond its bucket waits for the one it belongs to.
-    for (auto& part : solved) {
-        std::size_t kept = 0;
-        for (const Solved& s : part) {
-            if (bucket_[s.node] != bucket) continue;  // queued twice
-            const std::uint32_t b = bucketOf(s.u);
-            if (b > bucket) {
+    for (Solved& s : solved_) {
+        if (s.node == kNoNode) continue;
+        const std::uint32_t b = bucketOf(s.u);
+        if (bucket_[s.node] != bucket || b > bucket) {  // the former: queued twice
+            if (bucket_[s.node] == bucket) {
                 bucket_[s.node] = b;
                 queue_[b].push_back(s.node);
-                continue;
             }
-            u_[s.node] = s.u;
-            g_[s.node] = s.g;
-            if (!label_.empty()) label_[s.node] = s.label;
-            bucket_[s.node] = 0;
-            guarded_ += s.guarded;
-            if (!awaited_.empty() && awaited_[s.node]) --awaitedCount_;
-            part[kept++] = s;
+            s.node = kNoNode;
+            continue;
         }
-        part.resize(kept);
-        accepted_ += kept;
+        u_[s.node] = s.u;
+        g_[s.node] = s.g;
+        if (!label_.empty()) label_[s.node] = s.label;
+        bucket_[s.node] = 0;
+        guarded_ += s.guarded;
+        ++accepted_;
+        if (!awaited_.empty() && awaited_[s.node]) --awaitedCount_;
     }
     parallelFor(chunks, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t c = begin; c < end; ++c)
-            for (const Solved& s : solved[c]) key(s.node, bucket, queued[c]);
+        for (std::size_t c = begin; c < end; ++c) {
+            queued_[c].clear();
+            for (std::size_t k = c * kChunk; k < std::min(nodes.size(), (c + 1) * kChunk); ++k)
+                if (solved_[k].node != kNoNode) key(solved_[k].node, bucket, queued_[c]);
+        }
     });
-    for (const auto& part : queued)
-        for (const Queued& q : part) queue_[q.bucket].push_back(q.node);
+    for (std::size_t c = 0; c < chunks; ++c)
+        for (const Queued& q : queued_[c]) queue_[q.bucket].push_back(q.node);
 }
 
 JetMarch::Solved JetMarch::extendTo(NodeIndex i) const {
-    const Vec3d ni(band_.normal[i]), fi(band_.foot[i]);
-    const TangentFrame frame(ni);
-    const Ijk base = floorToIjk(fi);
-    const Vec3d t = fi - Vec3d(base);
+    const Vec3f fi = band_.foot[i];
+    const TangentFrame frame(band_.normal[i]);
+    const Ijk base = floorToIjk(Vec3d(fi));
+    const Vec3f t = fi - Vec3f(base);
     JetNeighbours all;
-    std::array<double, 26> weight{};
+    std::array<float, JetNeighbours::kMax> weight{};
     Solved s;
     s.node = i;
+    constexpr float kLight = 0.01f;
     for (int k = 0; k < 8; ++k) {
         const Ijk corner{k >> 2, k >> 1 & 1, k & 1}, step = base + corner;
+        const float w =
+            (corner.x ? t.x : 1 - t.x) * (corner.y ? t.y : 1 - t.y) * (corner.z ? t.z : 1 - t.z) +
+            1e-6f;
+        // The lightest corners change nothing, but one of the eight always counts.
+        if (w < kLight) continue;
         const NodeIndex j = band_.neighbour(i, step.x, step.y, step.z);
         if (j == kNoNode || !core(j) || !(u_[j] < kInfinity)) continue;
-        const Vec3d nj(band_.normal[j]);
-        const double cosine = igeo::dot(ni, nj);
-        if (cosine < double(Band::kOtherSheet)) continue;
-        const Vec3d chord = fi - Vec3d(band_.foot[j]) - Vec3d(step);
-        weight[std::size_t(all.count)] =
-            (corner.x ? t.x : 1 - t.x) * (corner.y ? t.y : 1 - t.y) * (corner.z ? t.z : 1 - t.z) +
-            1e-6;
-        all.add(frame.neighbour(chord, nj, cosine, Vec3d(g_[j]), u_[j]));
+        const Vec3f nj = band_.normal[j];
+        const float cosine = igeo::dot(frame.normal(), nj);
+        if (cosine < Band::kOtherSheet) continue;
+        const Vec3f chord = fi - band_.foot[j] - Vec3f(step);
+        weight[std::size_t(all.count())] = w;
+        all.add(frame.neighbour(chord, nj, cosine, g_[j], u_[j]));
         s.label = labelOf(j);
     }
     const Jet jet = blendJets(all, weight);
     s.u = jet.u;
-    s.g = Vec3f(frame.lift(jet.g));
+    s.g = frame.lift(jet.g);
     return preferDisc(s);
 }
 

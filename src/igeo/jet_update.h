@@ -14,154 +14,211 @@
 
 namespace igeo {
 
-struct Vec2d {
-    double x = 0, y = 0;
-    friend Vec2d operator+(Vec2d a, Vec2d b) { return {a.x + b.x, a.y + b.y}; }
-    friend Vec2d operator-(Vec2d a, Vec2d b) { return {a.x - b.x, a.y - b.y}; }
-    friend Vec2d operator*(double s, Vec2d a) { return {s * a.x, s * a.y}; }
+struct Vec2f {
+    float x = 0, y = 0;
+    friend Vec2f operator+(Vec2f a, Vec2f b) { return {a.x + b.x, a.y + b.y}; }
+    friend Vec2f operator-(Vec2f a, Vec2f b) { return {a.x - b.x, a.y - b.y}; }
+    friend Vec2f operator*(float s, Vec2f a) { return {s * a.x, s * a.y}; }
 };
-inline double dot(Vec2d a, Vec2d b) { return a.x * b.x + a.y * b.y; }
-inline double cross(Vec2d a, Vec2d b) { return a.x * b.y - a.y * b.x; }
-inline double length(Vec2d a) { return std::sqrt(dot(a, a)); }
+inline float dot(Vec2f a, Vec2f b) { return a.x * b.x + a.y * b.y; }
+inline float length(Vec2f a) { return std::sqrt(dot(a, a)); }
 
-/// A neighbour in the flat picture. Gradients are unit: d over the weight.
+/// A neighbour in the flat picture.
 struct JetNeighbour {
-    Vec2d a;     ///< from the neighbour to the node
-    Vec2d g;     ///< direction of travel at the neighbour
-    double u;    ///< its value, divided by the weight
-    double len;  ///< |a|
+    Vec2f a;       ///< from the neighbour to the node
+    Vec2f g;       ///< direction of travel at the neighbour, unit; 0 at a seed
+    double u = 0;  ///< its value over the weight
 };
 
 /// Value and direction of travel.
 struct Jet {
     double u = kInfinity;
-    Vec2d g;
+    Vec2f g;
     int from = -1;         ///< a neighbour whose front it continues
     bool guarded = false;  ///< from the guard, not from the fit
 };
 
-/// Up to 26 neighbours.
-struct JetNeighbours {
-    std::array<JetNeighbour, 26> at;
-    int count = 0;
+/// Up to 26 neighbours, each quantity in an array of its own, in groups of four for the vector
+/// units. Values are kept relative to the first one's, so single precision (1e-7 of a voxel) is
+/// enough.
+class JetNeighbours {
+public:
+    static constexpr int kMax = 28;
+
+    void add(const JetNeighbour& n) {
+        const auto k = std::size_t(count_);
+        if (k % 4 == 0) pad(k);
+        if (k == 0) base_ = n.u;
+        ax_[k] = n.a.x, ay_[k] = n.a.y, gx_[k] = n.g.x, gy_[k] = n.g.y;
+        u_[k] = float(n.u - base_);
+        // Foot points of one voxel column may coincide.
+        const float l2 = std::max(dot(n.a, n.a), 1e-12f);
+        nearness_[k] = 1 / (l2 * (l2 + 0.1f));
+        len_[k] = std::sqrt(l2);
+        ++count_;
+    }
+    int count() const { return count_; }
+    double base() const { return base_; }
+    Vec2f a(int k) const { return {ax_[std::size_t(k)], ay_[std::size_t(k)]}; }
+    Vec2f g(int k) const { return {gx_[std::size_t(k)], gy_[std::size_t(k)]}; }
+    float u(int k) const { return u_[std::size_t(k)]; }      ///< relative to base()
+    float len(int k) const { return len_[std::size_t(k)]; }  ///< |a|
+
+    typedef float Four __attribute__((vector_size(16)));
+    struct Group {
+        Four ax, ay, gx, gy, u, nearness;
+    };
+    int groups() const { return (count_ + 3) / 4; }
+    Group group(int k) const {
+        return {load(ax_, k), load(ay_, k), load(gx_, k),
+                load(gy_, k), load(u_, k),  load(nearness_, k)};
+    }
+
     bool smooth = true;  ///< S is smooth between the node and all of them
-    void add(const JetNeighbour& n) { at[std::size_t(count++)] = n; }
+
+private:
+    using Array = std::array<float, kMax>;
+    static Four load(const Array& v, int k) {
+        return *reinterpret_cast<const Four*>(v.data() + 4 * k);
+    }
+    /// What is left of a group counts for nothing: direction 0 belongs to no front.
+    void pad(std::size_t k) {
+        for (std::size_t i = k; i < k + 4; ++i)
+            ax_[i] = ay_[i] = gx_[i] = gy_[i] = u_[i] = nearness_[i] = 0;
+    }
+
+    alignas(16) Array ax_, ay_, gx_, gy_, u_, nearness_;
+    Array len_;
+    double base_ = 0;
+    int count_ = 0;
 };
-
-/// u_i - u_j for a circular (or straight) front with directions g_i, g_j at its ends: exact in the
-/// plane, (g_i + g_j) . a / (1 + g_i . g_j). The trapezoid rule (g_i + g_j) . a / 2 is its limit
-/// for a straight front; what it misses near a source, a^3 / (4 r^2), would stay for good.
-inline double circularStep(Vec2d gi, const JetNeighbour& n) {
-    return dot(gi + n.g, n.a) / (1 + dot(gi, n.g));
-}
-
-/// Value carried forward from one neighbour alone by the circle about the source at distance u.
-inline double carry(const JetNeighbour& n) {
-    const double along = dot(n.g, n.a), across2 = n.len * n.len - along * along;
-    if (along <= 0) return n.u + n.len;
-    const double r = n.u + along;
-    return r + across2 / (r + std::sqrt(r * r + across2));
-}
 
 namespace jet {
 
+using Four = JetNeighbours::Four;
+
+inline float sum(Four v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+
 // Directions further apart than 45 degrees belong to two fronts.
-constexpr double kSameFront = 0.7;
+constexpr float kSameFront = 0.7f;
+
+/// u_i - u_j for a circular (or straight) front with directions g_i, g_j at its ends: exact in the
+/// plane, (g_i + g_j) . a / (1 + g_i . g_j). The trapezoid rule (g_i + g_j) . a / 2 is its limit
+/// for a straight front; what that misses near a source, a^3 / (4 r^2), would stay for good.
+inline float circularStep(Vec2f gi, Vec2f gj, Vec2f a) {
+    return dot(gi + gj, a) / (1 + dot(gi, gj));
+}
+
+/// Value carried forward from neighbour k alone by the circle about the source at distance u.
+inline double carry(const JetNeighbours& all, int k) {
+    const float along = dot(all.g(k), all.a(k)), len = all.len(k);
+    if (along <= 0) return double(all.u(k)) + double(len);
+    const double across2 = std::max(len * len - along * along, 0.0f);
+    const double r = all.base() + double(all.u(k)) + double(along);
+    return double(all.u(k)) + double(along) + across2 / (r + std::sqrt(r * r + across2));
+}
+
+/// Where the neighbours' directions, bent as circles about a source at distance u, point at the
+/// origin; weighted mean over the neighbours of the front of direction `start`. Not normalised.
+inline Vec2f predictDirection(const JetNeighbours& all, Vec2f start) {
+    Four x{}, y{};
+    for (int k = 0; k < all.groups(); ++k) {
+        const auto n = all.group(k);
+        const Four along = n.gx * n.ax + n.gy * n.ay;
+        const auto ok = (start.x * n.gx + start.y * n.gy >= kSameFront) & (along > 0);
+        const Four r = n.u + float(all.base());
+        const Four wx = r * n.gx + n.ax, wy = r * n.gy + n.ay;
+        // |r g + a| is r + along to second order in a / r, and near a source a rough weight will
+        // do.
+        const Four w = ok ? along * along * n.nearness / (r + along) : Four{};
+        x += w * wx, y += w * wy;
+    }
+    return {sum(x), sum(y)};
+}
 
 /// Weighted least squares for the jet at the origin over the neighbours of one front.
 ///
-/// Equations u - f a.g / 2 = u_j + f a.g_j / 2, f = 2 / (1 + g.g_j), linear in (u, g) once f is
-/// taken from the last round. Weights: cos^2 of the angle between a_j and the direction of travel
-/// over |a|^2 + 0.1, so that neighbours straight behind the node decide.
-/// @param start direction of travel to begin with, unit
-/// @param used  which neighbours were behind the node and of this front
-/// @return u = +inf where fewer than 2 neighbours qualify or the front turns by more than 45
-/// degrees
-inline Jet fitFront(const JetNeighbours& all, Vec2d start, double& residual) {
-    constexpr int kRounds = 3;
-    constexpr double kPull = 0.005;  // Tikhonov: towards the last direction
+/// Equations u - f a.g = u_j + f a.g_j, f = 1 / (1 + g.g_j) (circularStep), linear in (u, g) once f
+/// is taken from the last round. Weights: cos^2 of the angle between a_j and the direction of
+/// travel over |a|^2 + 0.1, so that neighbours straight behind the node decide. A small Tikhonov
+/// term pulls g to the predicted direction where the neighbours leave it open.
+/// @param start    direction of the front
+/// @param residual weighted root mean square of the equations' misfits
+/// @return u = +inf where fewer than two neighbours are behind the node, or they do not agree
+inline Jet fitFront(const JetNeighbours& all, Vec2f start, float& residual) {
+    constexpr int kRounds = 2;
+    constexpr float kPull = 0.005f;
     Jet jet;
-    Vec2d g = start, mean{};
-    for (int k = 0; k < all.count; ++k) {
-        const JetNeighbour& n = all.at[std::size_t(k)];
-        const double along = dot(n.g, n.a);
-        if (dot(start, n.g) < kSameFront || along <= 0) continue;
-        // Where the circle about a source at distance u would send it.
-        const Vec2d way = n.u * n.g + n.a;
-        mean = mean + (along * along / (n.len * n.len * (n.len * n.len + 0.1) * length(way))) * way;
-    }
-    if (!(dot(mean, mean) > 0)) return jet;
-    g = (1 / length(mean)) * mean;
-    const Vec2d predicted = g;
-    double sum = 0, value = 0;
+    const Vec2f mean = predictDirection(all, start);
+    const float meanLength = length(mean);
+    if (!(meanLength > 0)) return jet;
+    const Vec2f predicted = (1 / meanLength) * mean;
+    Vec2f g = predicted;
     for (int round = 0; round < kRounds; ++round) {
-        // Normal equations, u relative to the first neighbour's so that no digits are lost.
-        double s0 = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0, b0 = 0, bx = 0, by = 0;
-        const double origin = all.at[0].u;
+        Four s0{}, sx{}, sy{}, sxx{}, sxy{}, syy{}, b0{}, bx{}, by{};
         int used = 0;
-        for (int k = 0; k < all.count; ++k) {
-            const JetNeighbour& n = all.at[std::size_t(k)];
-            const double cosine = dot(g, n.g), along = dot(g, n.a);
-            if (cosine < kSameFront || along <= 0) continue;
-            const double w = along * along / (n.len * n.len * (n.len * n.len + 0.1));
-            const double f = 1 / (1 + cosine);
-            const Vec2d c = -f * n.a;
-            const double rhs = n.u - origin + f * dot(n.a, n.g);
-            s0 += w, sx += w * c.x, sy += w * c.y;
-            sxx += w * c.x * c.x, sxy += w * c.x * c.y, syy += w * c.y * c.y;
-            b0 += w * rhs, bx += w * rhs * c.x, by += w * rhs * c.y;
-            ++used;
+        for (int k = 0; k < all.groups(); ++k) {
+            const auto n = all.group(k);
+            const Four cosine = g.x * n.gx + g.y * n.gy, along = g.x * n.ax + g.y * n.ay;
+            const auto ok = (cosine >= kSameFront) & (along > 0);
+            used -= ok[0] + ok[1] + ok[2] + ok[3];
+            const Four w = ok ? along * along * n.nearness : Four{};
+            const Four f = 1 / (1 + cosine);
+            const Four cx = -f * n.ax, cy = -f * n.ay;
+            const Four rhs = n.u + f * (n.ax * n.gx + n.ay * n.gy);
+            const Four wx = w * cx, wy = w * cy, wr = w * rhs;
+            s0 += w, sx += wx, sy += wy;
+            sxx += wx * cx, sxy += wx * cy, syy += wy * cy;
+            b0 += wr, bx += wr * cx, by += wr * cy;
         }
         if (used < 2) return jet;
-        // Eliminate u, pull g towards the last direction.
-        const double pull = kPull * s0;
-        const double axx = sxx - sx * sx / s0 + pull, axy = sxy - sx * sy / s0,
-                     ayy = syy - sy * sy / s0 + pull;
-        const double rx = bx - sx * b0 / s0 + pull * predicted.x,
-                     ry = by - sy * b0 / s0 + pull * predicted.y;
-        const double det = axx * ayy - axy * axy;
-        Vec2d next{(rx * ayy - ry * axy) / det, (ry * axx - rx * axy) / det};
-        const double len = length(next);
-        if (!(len > 0.5)) return jet;
-        next = (1 / len) * next;
-        if (dot(next, g) < kSameFront) return jet;
-        g = next;
-        sum = s0;
+        // Eliminate u.
+        const float w = sum(s0), ux = sum(sx), uy = sum(sy), ub = sum(b0), inverse = 1 / w;
+        const float pull = kPull * w;
+        const float axx = sum(sxx) - ux * ux * inverse + pull, axy = sum(sxy) - ux * uy * inverse,
+                    ayy = sum(syy) - uy * uy * inverse + pull;
+        const float rx = sum(bx) - ux * ub * inverse + pull * predicted.x,
+                    ry = sum(by) - uy * ub * inverse + pull * predicted.y;
+        // The length of g is known (1), so the determinant's is not needed.
+        const Vec2f next{rx * ayy - ry * axy, ry * axx - rx * axy};
+        const float len = length(next);
+        if (!(len > 0) || dot(next, g) < kSameFront * len) return jet;
+        g = (1 / len) * next;
     }
-    residual = 0, sum = 0, value = 0;
-    const double origin = all.at[0].u;
-    for (int k = 0; k < all.count; ++k) {
-        const JetNeighbour& n = all.at[std::size_t(k)];
-        const double along = dot(g, n.a);
-        if (dot(g, n.g) < kSameFront || along <= 0) continue;
-        const double w = along * along / (n.len * n.len * (n.len * n.len + 0.1));
-        const double v = n.u - origin + circularStep(g, n);
-        sum += w, value += w * v, residual += w * v * v;
+    Four total{}, value{}, square{};
+    for (int k = 0; k < all.groups(); ++k) {
+        const auto n = all.group(k);
+        const Four cosine = g.x * n.gx + g.y * n.gy, along = g.x * n.ax + g.y * n.ay;
+        const auto ok = (cosine >= kSameFront) & (along > 0);
+        const Four w = ok ? along * along * n.nearness : Four{};
+        const Four v = n.u + (along + n.gx * n.ax + n.gy * n.ay) / (1 + cosine);
+        total += w, value += w * v, square += w * v * v;
     }
-    if (!(sum > 0)) return jet;
-    value /= sum;
-    residual = std::sqrt(std::max(residual / sum - value * value, 0.0));
-    jet.u = origin + value;
+    const float w = sum(total);
+    if (!(w > 0)) return jet;
+    const float u = sum(value) / w;
+    residual = std::sqrt(std::max(sum(square) / w - u * u, 0.0f));
+    jet.u = all.base() + double(u);
     jet.g = g;
     return jet;
 }
 
-/// Least value over the segment between two neighbours: cubic Hermite values on it, straight on
+/// Least value over the segment between neighbours p and q: cubic Hermite values on it, straight on
 /// from there to the origin (Fermat's principle, as in the jet marching of Potter and Cameron
 /// 2021).
-inline bool lowerBySegment(const JetNeighbour& p, const JetNeighbour& q, Jet& best) {
+/// @return whether it is below `best`, relative to base(), which is then updated
+inline bool lowerBySegment(const JetNeighbours& all, int p, int q, float& best, Vec2f& direction) {
     // Between directions further apart than that a front may fold: no interpolation.
-    if (dot(p.g, q.g) < 0.9) return false;
-    const Vec2d e = p.a - q.a;  // from p to q, as both are at -a
-    const double du = q.u - p.u, mp = dot(p.g, e), mq = dot(q.g, e);
-    auto valueAt = [&](double s) {
-        const double t = 1 - s;
-        return p.u + s * s * (3 - 2 * s) * du + s * t * (t * mp - s * mq);
+    if (dot(all.g(p), all.g(q)) < 0.9f) return false;
+    const Vec2f ap = all.a(p), e = ap - all.a(q);  // from p to q, as both are at -a
+    const float up = all.u(p), du = all.u(q) - up, mp = dot(all.g(p), e), mq = dot(all.g(q), e);
+    auto total = [&](float s) {
+        const float t = 1 - s;
+        return up + s * s * (3 - 2 * s) * du + s * t * (t * mp - s * mq) + length(ap - s * e);
     };
-    auto total = [&](double s) { return valueAt(s) + length(p.a - s * e); };
     // Golden section: 8 steps leave 2 % of the segment, where the minimum is flat.
-    constexpr double kGolden = 0.6180339887498949;
-    double lo = 0, hi = 1, s1 = 1 - kGolden, s2 = kGolden, f1 = total(s1), f2 = total(s2);
+    constexpr float kGolden = 0.618034f;
+    float lo = 0, hi = 1, s1 = 1 - kGolden, s2 = kGolden, f1 = total(s1), f2 = total(s2);
     for (int k = 0; k < 8; ++k) {
         if (f1 < f2) {
             hi = s2, s2 = s1, f2 = f1;
@@ -171,11 +228,10 @@ inline bool lowerBySegment(const JetNeighbour& p, const JetNeighbour& q, Jet& be
             s2 = lo + kGolden * (hi - lo), f2 = total(s2);
         }
     }
-    const double s = f1 < f2 ? s1 : s2, v = std::min(f1, f2);
-    if (!(v < best.u)) return false;
-    const Vec2d way = p.a - s * e;
-    best.u = v;
-    best.g = (1 / length(way)) * way;
+    const float s = f1 < f2 ? s1 : s2, v = std::min(f1, f2);
+    if (!(v < best)) return false;
+    best = v;
+    direction = ap - s * e;
     return true;
 }
 
@@ -184,108 +240,138 @@ inline bool lowerBySegment(const JetNeighbour& p, const JetNeighbour& q, Jet& be
 /// The guard: the least of u_j + |a_j| over the neighbours, and over the segments between them.
 /// Never below the values it starts from; first order at worst, second where the front is smooth.
 inline Jet guardedUpdate(const JetNeighbours& all) {
-    Jet best;
-    best.guarded = true;
-    for (int k = 0; k < all.count; ++k) {
-        const JetNeighbour& n = all.at[std::size_t(k)];
-        if (n.u + n.len < best.u) best.u = n.u + n.len, best.g = (1 / n.len) * n.a, best.from = k;
-    }
-    for (int j = 0; j < all.count; ++j)
+    Jet jet;
+    jet.guarded = true;
+    float best = float(kInfinity);
+    Vec2f direction;
+    for (int k = 0; k < all.count(); ++k)
+        if (all.u(k) + all.len(k) < best)
+            best = all.u(k) + all.len(k), direction = all.a(k), jet.from = k;
+    for (int j = 0; j < all.count(); ++j)
         for (int k = 0; k < j; ++k) {
-            const JetNeighbour &p = all.at[std::size_t(j)], &q = all.at[std::size_t(k)];
             // Only segments that can matter: short ones, seen from the node at less than 120
             // degrees.
-            const Vec2d e = p.a - q.a;
-            if (dot(e, e) > 2.3 || dot(p.a, q.a) < -0.5 * p.len * q.len) continue;
-            if (std::min(p.u, q.u) >= best.u) continue;
-            if (jet::lowerBySegment(p, q, best)) best.from = j;
+            const Vec2f e = all.a(j) - all.a(k);
+            if (dot(e, e) > 2.3f || dot(all.a(j), all.a(k)) < -0.5f * all.len(j) * all.len(k))
+                continue;
+            if (std::min(all.u(j), all.u(k)) >= best) continue;
+            if (jet::lowerBySegment(all, j, k, best, direction)) jet.from = j;
         }
-    return best;
+    if (jet.from < 0) return jet;
+    jet.u = all.base() + double(best);
+    const float len = length(direction);
+    jet.g = len > 0 ? (1 / len) * direction : all.g(jet.from);
+    return jet;
 }
 
 /// The jet at the origin.
 ///
 /// Fits the front of the neighbour that carries the least value; where other neighbours belong to
 /// another front (a cut locus), fits theirs as well and takes the lesser. A fit that does not agree
-/// with its neighbours (residual above 2 % of a voxel), or says more than the straight way from a
-/// neighbour, is replaced by the guard.
+/// with its neighbours, or says more than the straight way from one of them, is held against the
+/// guard, as is every fit over a crease: it stands if they agree within 0.01.
 /// @return u = +inf without neighbours
 inline Jet jetUpdate(const JetNeighbours& all) {
-    constexpr double kResidual = 0.02, kSlack = 1e-3, kDoubt = 2e-3, kAgree = 0.01;
+    constexpr float kResidual = 0.02f, kDoubt = 2e-3f, kSlack = 1e-3f;
+    constexpr double kAgree = 0.01;
     Jet best;
-    if (all.count == 0) return best;
-    std::array<double, 26> carried;
-    double bound = kInfinity;
+    if (all.count() == 0) return best;
+    std::array<double, JetNeighbours::kMax> carried;
+    float bound = float(kInfinity), worst = 0;
     int first = 0;
-    for (int k = 0; k < all.count; ++k) {
-        const auto s = std::size_t(k);
-        carried[s] = carry(all.at[s]);
-        bound = std::min(bound, all.at[s].u + all.at[s].len);
-        if (carried[s] < carried[std::size_t(first)]) first = k;
+    for (int k = 0; k < all.count(); ++k) {
+        carried[std::size_t(k)] = jet::carry(all, k);
+        bound = std::min(bound, all.u(k) + all.len(k));
+        if (carried[std::size_t(k)] < carried[std::size_t(first)]) first = k;
     }
-    double worst = 0;
     auto tryFront = [&](int k) {
-        double residual = 0;
-        Jet jet = jet::fitFront(all, all.at[std::size_t(k)].g, residual);
+        float residual = 0;
+        Jet jet = jet::fitFront(all, all.g(k), residual);
         jet.from = k;
-        if (!(jet.u <= bound + kSlack) || residual > kResidual) return false;
+        if (!(jet.u - all.base() <= double(bound + kSlack)) || residual > kResidual) return false;
         worst = std::max(worst, residual);
         if (jet.u < best.u) best = jet;
         return true;
     };
     bool trusted = tryFront(first);
     int second = -1;
-    for (int k = 0; k < all.count; ++k)
-        if (dot(all.at[std::size_t(k)].g, all.at[std::size_t(first)].g) < jet::kSameFront &&
+    for (int k = 0; k < all.count(); ++k)
+        if (dot(all.g(k), all.g(first)) < jet::kSameFront &&
             (second < 0 || carried[std::size_t(k)] < carried[std::size_t(second)]))
             second = k;
-    if (second >= 0 && carried[std::size_t(second)] < best.u + 0.2)
+    if (second >= 0 && all.base() + carried[std::size_t(second)] < best.u + 0.2)
         trusted = tryFront(second) && trusted;
     if (trusted && all.smooth && worst < kDoubt) return best;
     const Jet guard = guardedUpdate(all);
-    const bool agree = std::abs(best.u - guard.u) < (trusted ? kAgree : 0);
-    return agree ? best : guard;
+    return trusted && std::abs(best.u - guard.u) < kAgree ? best : guard;
 }
+
+namespace jet {
+
+/// blendJets for neighbours that may belong to two fronts.
+inline Jet blendFronts(const JetNeighbours& all,
+                       const std::array<float, JetNeighbours::kMax>& weight) {
+    Jet best;
+    std::array<bool, JetNeighbours::kMax> done{};
+    for (int front = 0; front < 2; ++front) {
+        // The front of the neighbour that says least of those not blended yet.
+        int lead = -1;
+        float least = float(kInfinity);
+        for (int k = 0; k < all.count(); ++k) {
+            const float said = all.u(k) + dot(all.g(k), all.a(k));
+            if (!done[std::size_t(k)] && said < least) lead = k, least = said;
+        }
+        if (lead < 0) break;
+        float sum = 0, total = 0;
+        Vec2f g{};
+        for (int k = 0; k < all.count(); ++k) {
+            if (done[std::size_t(k)]) continue;
+            if (k != lead && dot(all.g(k), all.g(lead)) < kSameFront) continue;
+            done[std::size_t(k)] = true;
+            const float w = weight[std::size_t(k)];
+            g = g + w * all.g(k);
+            sum += w * (all.u(k) + dot(all.g(k) + all.g(lead), all.a(k)) / 2);
+            total += w;
+        }
+        const double u = all.base() + double(sum / total);
+        const float len = length(g);
+        if (u < best.u) best = {u, len > 0 ? (1 / len) * g : g, lead, false};
+    }
+    return best;
+}
+
+}  // namespace jet
 
 /// The jet at the origin among jets on all sides of it: interpolation, not marching.
 ///
 /// Every neighbour carries its jet to the origin; the results are blended. Where two fronts meet,
 /// each is blended by itself and the lesser value counts.
-/// @param weight one per neighbour, > 0
-inline Jet blendJets(const JetNeighbours& all, const std::array<double, 26>& weight) {
-    Jet best;
-    std::array<bool, 26> done{};
-    for (int front = 0; front < 2; ++front) {
-        // The front of the neighbour that says least of those not blended yet.
-        int lead = -1;
-        double least = kInfinity;
-        for (int k = 0; k < all.count; ++k) {
-            const JetNeighbour& n = all.at[std::size_t(k)];
-            const double said = n.u + dot(n.g, n.a);
-            if (!done[std::size_t(k)] && said < least) lead = k, least = said;
-        }
-        if (lead < 0) break;
-        const Vec2d leadG = all.at[std::size_t(lead)].g;
-        Vec2d g{};
-        double sum = 0, total = 0;
-        auto belongs = [&](int k) {
-            const Vec2d gk = all.at[std::size_t(k)].g;
-            return !done[std::size_t(k)] && (k == lead || dot(gk, leadG) >= jet::kSameFront);
-        };
-        for (int k = 0; k < all.count; ++k)
-            if (belongs(k)) g = g + weight[std::size_t(k)] * all.at[std::size_t(k)].g;
-        const double len = length(g);
-        for (int k = 0; k < all.count; ++k) {
-            if (!belongs(k)) continue;
-            const JetNeighbour& n = all.at[std::size_t(k)];
-            sum +=
-                weight[std::size_t(k)] * (n.u + (len > 0 ? circularStep((1 / len) * g, n) : n.len));
-            total += weight[std::size_t(k)];
-            done[std::size_t(k)] = true;
-        }
-        if (sum / total < best.u) best = {sum / total, len > 0 ? (1 / len) * g : g, lead, false};
+/// @param weight one per neighbour, > 0; further entries 0
+inline Jet blendJets(const JetNeighbours& all,
+                     const std::array<float, JetNeighbours::kMax>& weight) {
+    if (all.count() == 0) return {};
+    jet::Four gx{}, gy{}, total{};
+    for (int k = 0; k < all.groups(); ++k) {
+        const auto n = all.group(k);
+        const jet::Four w{weight[std::size_t(4 * k)], weight[std::size_t(4 * k + 1)],
+                          weight[std::size_t(4 * k + 2)], weight[std::size_t(4 * k + 3)]};
+        gx += w * n.gx, gy += w * n.gy, total += w;
     }
-    return best;
+    const Vec2f mean{jet::sum(gx), jet::sum(gy)};
+    const float len = length(mean);
+    if (!(len > 0)) return jet::blendFronts(all, weight);
+    const Vec2f g = (1 / len) * mean;
+    jet::Four value{};
+    for (int k = 0; k < all.groups(); ++k) {
+        const auto n = all.group(k);
+        const jet::Four w{weight[std::size_t(4 * k)], weight[std::size_t(4 * k + 1)],
+                          weight[std::size_t(4 * k + 2)], weight[std::size_t(4 * k + 3)]};
+        const jet::Four cosine = g.x * n.gx + g.y * n.gy;
+        const auto other = (cosine < jet::kSameFront) & (w > 0);
+        if (other[0] | other[1] | other[2] | other[3]) return jet::blendFronts(all, weight);
+        value += w * (n.u + ((g.x + n.gx) * n.ax + (g.y + n.gy) * n.ay) / (1 + cosine));
+    }
+    return {all.base() + double(jet::sum(value) / jet::sum(total)), g, 0, false};
 }
 
 }  // namespace igeo
