@@ -89,6 +89,9 @@ private:
     /// Puts the neighbours of an accepted node into the bucket where its jet says they belong.
     void key(NodeIndex j, std::uint32_t current, std::vector<Queued>& out);
     void process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes);
+    /// Nodes that touch what is accepted at an edge or a corner only: keyed through faces, the
+    /// march passed them by. Puts them into `bucket` and says whether there are any.
+    bool queueStragglers(std::uint32_t bucket);
 
     const Band& band_;
     const JetOptions& options_;
@@ -204,6 +207,11 @@ void JetMarch::process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes
     // Accepted together: what is solved beyond its bucket waits for the one it belongs to.
     for (Solved& s : solved_) {
         if (s.node == kNoNode) continue;
+        if (!(s.u < kInfinity)) {  // all its neighbours face it: somebody else may reach it
+            bucket_[s.node] = kNoBucket;
+            s.node = kNoNode;
+            continue;
+        }
         const std::uint32_t b = bucketOf(s.u);
         if (bucket_[s.node] != bucket || b > bucket) {  // the former: queued twice
             if (bucket_[s.node] == bucket) {
@@ -259,6 +267,16 @@ JetMarch::Solved JetMarch::extendTo(NodeIndex i) const {
         all.add(frame.neighbour(chord, nj, cosine, g_[j], u_[j]));
         s.label = labelOf(j);
     }
+    if (all.count() == 0)
+        // A foot point that is off: take what lies next to the voxel.
+        band_.forNeighbours(i, [&](NodeIndex j, int dx, int dy, int dz) {
+            const float cosine = igeo::dot(frame.normal(), band_.normal[j]);
+            if (!core(j) || !(u_[j] < kInfinity) || cosine < Band::kOtherSheet) return;
+            const Vec3f chord = fi - band_.foot[j] - Vec3f{float(dx), float(dy), float(dz)};
+            weight[std::size_t(all.count())] = 1;
+            all.add(frame.neighbour(chord, band_.normal[j], cosine, g_[j], u_[j]));
+            s.label = labelOf(j);
+        });
     const Jet jet = blendJets(all, weight);
     s.u = jet.u;
     s.g = frame.lift(jet.g);
@@ -285,16 +303,42 @@ void JetMarch::watchTargets() {
             if (core(i) && !awaited_[i]) awaited_[i] = true, ++awaitedCount_;
 }
 
+bool JetMarch::queueStragglers(std::uint32_t bucket) {
+    constexpr std::size_t kChunk = 1 << 14;
+    std::vector<std::vector<NodeIndex>> found((band_.size() + kChunk - 1) / kChunk);
+    parallelFor(found.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c)
+            for (std::size_t k = c * kChunk; k < std::min(band_.size(), (c + 1) * kChunk); ++k) {
+                const auto i = NodeIndex(k);
+                if (!core(i) || u_[i] < kInfinity) continue;
+                bool reachable = false;
+                band_.forNeighbours(i, [&](NodeIndex j, int, int, int) {
+                    reachable |= u_[j] < kInfinity &&
+                                 igeo::dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet;
+                });
+                if (reachable) found[c].push_back(i);
+            }
+    });
+    for (const auto& part : found)
+        for (const NodeIndex i : part) {
+            bucket_[i] = bucket;
+            queue_[bucket].push_back(i);
+        }
+    return !queue_.empty();
+}
+
 void JetMarch::march(Progress& progress) {
     watchTargets();
     const bool waits = awaitedCount_ > 0;
-    while (!queue_.empty() && !(waits && awaitedCount_ == 0)) {
+    std::uint32_t last = 0;
+    while (!(waits && awaitedCount_ == 0) && (!queue_.empty() || queueStragglers(last + 1))) {
         const auto first = queue_.begin();
         const std::uint32_t bucket = first->first;
         if (first_ + bucket * options_.bucketWidth > options_.maxDistance) return;
         const std::vector<NodeIndex> nodes = std::move(first->second);
         queue_.erase(first);
         process(bucket, nodes);
+        last = bucket;
         progress.throwIfCancelled();
         progress.update("march", double(accepted_) / double(band_.size()));
     }

@@ -1,0 +1,162 @@
+// The scheme jet against exact distances: errors at foot points in % of the largest distance.
+#include <igeo/jet.h>
+#include <igeo/level_set_band.h>
+#include <support/catch.h>
+#include <support/errors.h>
+#include <support/exact.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+#include <support/torus_geodesics.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace igeo::test {
+namespace {
+
+using openvdb::Vec3d;
+const Vec3d kCenter(0.5, 0.5, 0.5);
+
+struct Solution {
+    Band band;
+    Field field;
+    Vec3d seed;  ///< where it was snapped to, world
+};
+
+Solution solve(const Shape& shape, int n, const Vec3d& seedWorld, double halfWidth = 3) {
+    const LevelSet levelSet = checkedLevelSet(makeLevelSet(shape, 1.0 / n, halfWidth));
+    Solution s{bandFromLevelSet(levelSet, std::sqrt(3.0)), {}, {}};
+    const SurfacePoint seed = pointOn(s.band, seedWorld);
+    s.seed = worldOf(s.band, seed.pIndex);
+    s.field = marchJet(s.band, {seed});
+    return s;
+}
+
+void print(const char* shape, int n, const Solution& s, const Errors& e) {
+    std::printf("jet, %s N = %3d: mean %.5f %%, p99 %.5f %%, max %.5f %%, guarded %.3f %%\n", shape,
+                n, e.mean, e.p99, e.max, 100.0 * double(s.field.guarded) / double(s.band.size()));
+}
+
+Errors sphereErrors(int n, const Vec3d& direction) {
+    const Solution s = solve(sphere(kCenter, 0.4), n, kCenter + 0.4 * direction);
+    const Errors e = errorsOnSurface(
+        s.band, s.field, [&](const Vec3d& p) { return geodesicOnSphere(kCenter, 0.4, s.seed, p); });
+    CHECK(e.unreached == 0);
+    print("sphere", n, s, e);
+    return e;
+}
+
+}  // namespace
+
+TEST_CASE("jet on the sphere is of second order and meets its figures") {
+    std::vector<double> dx, mean;
+    const struct {
+        int n;
+        double mean, max;
+    } figures[] = {{100, 0.003, 0.08}, {200, 0.0008, 0.035}, {400, 0.0004, 0.02}};
+    for (const auto& f : figures) {
+        const Errors e = sphereErrors(f.n, genericDirection());
+        CHECK(e.mean <= f.mean);
+        CHECK(e.max <= f.max);
+        dx.push_back(1.0 / f.n);
+        mean.push_back(e.mean);
+    }
+    const double order = fittedRate(dx, mean);
+    std::printf("jet, sphere: order of the mean error %.2f\n", order);
+    CHECK(order >= 1.5);
+}
+
+TEST_CASE("jet on the sphere does not depend on where the seed lies") {
+    for (int k = 1; k <= 20; ++k) {
+        const Errors e = sphereErrors(100, genericDirection(k));
+        CHECK(e.mean <= 0.003);
+        CHECK(e.max <= 0.08);
+    }
+}
+
+TEST_CASE("jet on the torus, cut locus included") {
+    const double big = 0.3, small = 0.12;
+    const struct {
+        int n;
+        double mean, max;
+    } figures[] = {{100, 0.010, 0.6}, {200, 0.003, 0.3}};
+    const double u = 0.7, v = 1.1, r = big + small * std::cos(v);
+    for (const auto& f : figures) {
+        const Solution s =
+            solve(torus(kCenter, big, small), f.n,
+                  kCenter + Vec3d(r * std::cos(u), r * std::sin(u), small * std::sin(v)));
+        const TorusGeodesics exact(kCenter, big, small, s.seed);
+        // The oracle takes milliseconds per point: some 4000 of them.
+        const Errors e = errorsOnSurface(
+            s.band, s.field, [&](const Vec3d& p) { return exact.distance(p); },
+            s.band.size() / 4000);
+        print("torus", f.n, s, e);
+        CHECK(e.unreached == 0);
+        CHECK(e.mean <= f.mean);
+        CHECK(e.max <= f.max);
+    }
+}
+
+TEST_CASE("jet on the side of a cylinder") {
+    const double radius = 0.15;
+    double last = 1;
+    for (const int n : {100, 200}) {
+        const Solution s =
+            solve(cylinder(kCenter, radius, 0.45), n,
+                  kCenter + Vec3d(radius * std::cos(0.7), radius * std::sin(0.7), 0.0123));
+        // Up to 0.3 from the middle no way over an end is shorter.
+        const Errors e = errorsOnSurface(s.band, s.field, [&](const Vec3d& p) {
+            return std::abs(p.z() - 0.5) > 0.3 ? std::nan("")
+                                               : geodesicOnCylinder(kCenter, radius, s.seed, p);
+        });
+        print("cylinder", n, s, e);
+        CHECK(e.mean <= 0.01);
+        // Second order: a quarter, with room for the share of the rims.
+        CHECK(e.mean <= last / 3);
+        last = e.mean;
+    }
+}
+
+TEST_CASE("jet over the sharp edges of a box") {
+    // Half sides that are no multiples of dx, so that faces pass between voxels.
+    const Vec3d half(0.3013, 0.2529, 0.3507);
+    for (const int n : {100, 200}) {
+        const double dx = 1.0 / n;
+        const Solution s =
+            solve(box(kCenter, half), n, kCenter + Vec3d(half.x(), 0.05713, 0.13217));
+        const Vec3d seed(kCenter.x() + half.x(), s.seed.y(), s.seed.z());
+        const Errors e = errorsOnSurface(s.band, s.field, [&](const Vec3d& p) {
+            // The nearest point of the box; next to an edge foot points may be off by some dx.
+            Vec3d q = p - kCenter;
+            int face = 0;
+            for (int a = 0; a < 3; ++a) {
+                q[a] = std::min(std::max(q[a], -half[a]), half[a]);
+                if (half[a] - std::abs(q[a]) < half[face] - std::abs(q[face])) face = a;
+            }
+            q[face] = std::copysign(half[face], q[face]);
+            q += kCenter;
+            return (q - p).length() > dx ? std::nan("") : geodesicOnBox(kCenter, half, seed, q);
+        });
+        print("box", n, s, e);
+        CHECK(e.unreached == 0);
+        if (n == 200) CHECK(e.mean <= 0.3);
+    }
+}
+
+TEST_CASE("jet needs no wider level set than the band") {
+    // Not 0.4: voxels exactly on the surface leave a flood fill of half-width 1 without a sign.
+    const double radius = 0.4003;
+    for (const double halfWidth : {1.0, 2.0, 3.0}) {
+        const Solution s =
+            solve(sphere(kCenter, radius), 100, kCenter + radius * genericDirection(), halfWidth);
+        const Errors e = errorsOnSurface(s.band, s.field, [&](const Vec3d& p) {
+            return geodesicOnSphere(kCenter, radius, s.seed, p);
+        });
+        std::printf("half-width %.0f: ", halfWidth);
+        print("sphere", 100, s, e);
+        CHECK(e.unreached == 0);
+        CHECK(e.mean <= 0.003);
+    }
+}
+
+}  // namespace igeo::test
