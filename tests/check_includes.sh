@@ -16,13 +16,16 @@ level_set_band surface_point
 field
 godunov jet
 trace
-field_grids report point_file
+straighten
+accuracy
+field_grids extend report point_file
 '
 
 # Files that do without OpenVDB, and so without the igeo headers that need it.
 no_openvdb='
 types error parallel progress version eikonal heap jet_update tangent_frame
-band metric field band_width surface_point godunov jet trace point_file
+band metric field band_width surface_point godunov jet trace straighten accuracy
+point_file
 '
 
 # Headers that cost seconds per file: the prefix, where the rule holds, and the files excepted.

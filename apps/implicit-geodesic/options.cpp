@@ -88,7 +88,8 @@ void addOptions(CLI::App& app, Options& o) {
         ->check(number(/*mayBeZero=*/false))
         ->group(seeds);
 
-    app.add_option("--scheme", o.scheme, "How to solve: jet (value and gradient on foot points) or godunov (Memoli & "
+    app.add_option("--scheme", o.scheme,
+                   "How to solve: jet (value and gradient on foot points) or godunov (Memoli & "
                    "Sapiro 2001) [jet]")
         ->type_name("NAME")
         ->check(CLI::IsMember({"jet", "godunov"}))
@@ -110,6 +111,9 @@ void addOptions(CLI::App& app, Options& o) {
         ->allow_extra_args(false)
         ->check(CLI::IsMember({"surface", "gradient"}))
         ->group(results);
+    app.add_flag("--extend", o.extend,
+                 "Cover the whole narrow band of the level set, not only the band marched")
+        ->group(results);
     app.add_option("--name", o.name, "Name of the distance grid [<psi>_geodesic]")
         ->type_name("GRID")
         ->group(results);
@@ -117,6 +121,9 @@ void addOptions(CLI::App& app, Options& o) {
                    "Geodesics from all targets as polylines: .json (docs/geodesics.schema.json) or "
                    ".obj; - writes JSON to stdout")
         ->type_name("FILE")
+        ->group(results);
+    app.add_flag("--straighten", o.straighten,
+                 "Relax the geodesics to locally shortest curves, free of the march's error")
         ->group(results);
     app.add_option("--json", o.json,
                    "Report: parameters, counts, snap distances, timings; - writes to stdout")

@@ -23,7 +23,9 @@ struct Options {
     std::string output;  ///< empty: <input>_geodesic.vdb in the current folder
     std::vector<std::string> with;
     std::string name;  ///< of the distance grid; empty: <psi>_geodesic
+    bool extend = false;
     std::string paths, json;
+    bool straighten = false;
 
     int threads = 0;  ///< 0: all cores
     std::string progress = "auto";

@@ -1,8 +1,10 @@
 #include "run.h"
 
+#include <igeo/accuracy.h>
 #include <igeo/atomic_file.h>
 #include <igeo/band_width.h>
 #include <igeo/error.h>
+#include <igeo/extend.h>
 #include <igeo/field_grids.h>
 #include <igeo/godunov.h>
 #include <igeo/jet.h>
@@ -11,6 +13,7 @@
 #include <igeo/parallel.h>
 #include <igeo/point_file.h>
 #include <igeo/report.h>
+#include <igeo/straighten.h>
 #include <igeo/surface_point.h>
 #include <igeo/trace.h>
 #include <igeo/vdb_io.h>
@@ -61,6 +64,8 @@ private:
     void writeResults();
     int summarise();
 
+    bool asked(const char* grid) const;  ///< by --with
+
     std::vector<igeo::SurfacePoint> place(const std::vector<std::string>& given,
                                           const std::string& file, const char* what);
     /// Ends a stage: its name, and the time since the last one ended.
@@ -77,7 +82,6 @@ private:
     igeo::Band band_;
     std::vector<igeo::SurfacePoint> seeds_, targets_;
     igeo::Field field_;
-    std::vector<igeo::Vec3f> gradient_;
     igeo::RunReport report_;
 };
 
@@ -242,12 +246,26 @@ void Job::march() {
 }
 
 void Job::trace() {
-    const bool wantsGradient =
-        std::count(options_.with.begin(), options_.with.end(), "gradient") > 0;
-    if (targets_.empty() && !wantsGradient) return;
-    gradient_ = igeo::surfaceGradient(band_, field_);
-    report_.paths = igeo::tracePaths(band_, field_, gradient_, targets_, {}, progress_);
+    const bool wantsAccuracy = options_.verbose || !options_.json.empty();
+    if (targets_.empty() && !wantsAccuracy && !asked("gradient")) return;
+    if (field_.gradient.empty()) field_.gradient = igeo::surfaceGradient(band_, field_);
+    report_.paths = igeo::tracePaths(band_, field_, field_.gradient, targets_, {}, progress_);
+    if (options_.straighten)
+        for (igeo::Path& path : report_.paths) igeo::straighten(band_, field_, path);
     finished("trace");
+    if (!wantsAccuracy) return;
+    report_.accuracy = igeo::estimateAccuracy(band_, field_, field_.gradient);
+    const igeo::AccuracyEstimate& a = report_.accuracy;
+    if (a.samples)
+        console_.detail(
+            text("accuracy: distances differ from straightened geodesics by %.2g %% in "
+                 "the mean of %.0f samples, %.2g %% at most",
+                 100 * a.meanError, double(a.samples), 100 * a.largestError));
+    finished("accuracy");
+}
+
+bool Job::asked(const char* grid) const {
+    return std::count(options_.with.begin(), options_.with.end(), grid) > 0;
 }
 
 void Job::writeResults() {
@@ -255,9 +273,6 @@ void Job::writeResults() {
     const auto& transform = surface_.psi->transform();
     const std::string base =
         options_.name.empty() ? surface_.psi->getName() + "_geodesic" : options_.name;
-    auto asked = [&](const char* what) {
-        return std::count(options_.with.begin(), options_.with.end(), what) > 0;
-    };
 
     openvdb::GridCPtrVec grids;
     if (asked("surface")) grids.push_back(surface_.psi);
@@ -270,10 +285,11 @@ void Job::writeResults() {
     distance->insertMeta("geodesic_unreached",
                          openvdb::Int64Metadata(std::int64_t(band_.size() - field_.reached)));
     distance->insertMeta("geodesic_weight", openvdb::StringMetadata("1"));
+    if (options_.extend) igeo::extendDistance(*distance, surface_, band_, field_);
     grids.push_back(distance);
     if (asked("gradient"))
         grids.push_back(
-            igeo::gradientGrid(band_, field_, gradient_, transform, base + "_gradient"));
+            igeo::gradientGrid(band_, field_, field_.gradient, transform, base + "_gradient"));
     progress_.throwIfCancelled();
     igeo::writeVdb(output, grids);
     report_.outputs.emplace_back("distance", output);

@@ -107,7 +107,7 @@ double sampleJets(const Band& band, const BandCell& cell, const Field& field, co
 double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex) {
     const BandCell cell = cellAt(band, pIndex);
     const double d =
-        field.gradient.empty() ? sampleVoxels(cell, field) : sampleJets(band, cell, field, pIndex);
+        field.atFootPoints ? sampleJets(band, cell, field, pIndex) : sampleVoxels(cell, field);
     if (const SurfacePoint* s = seedAround(field, pIndex, d))
         return s->start + s->weight * length(pIndex - s->pIndex);
     return d;

@@ -14,7 +14,9 @@ namespace igeo {
 /// Distances in voxels times weight; multiply by band.transform.dx for world units.
 struct Field {
     std::vector<double> distance;  ///< per band node; +inf: not reached, or beyond an early stop
-    std::vector<Vec3f> gradient;   ///< per band node, along S; only from schemes that march it
+    std::vector<Vec3f> gradient;   ///< per band node, along S; may be empty (surfaceGradient)
+    bool atFootPoints = false;  ///< distance and gradient are those of the foot points (jet), not
+                                ///< of the voxels (godunov)
     std::vector<std::uint32_t> label;  ///< per band node: the seed it is nearest to; empty for one
     std::size_t guarded = 0;           ///< nodes that a guard solved (jet)
     std::vector<SurfacePoint> seeds;   ///< where it starts

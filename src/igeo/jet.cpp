@@ -46,6 +46,7 @@ public:
             if (u > options_.maxDistance) u = kInfinity;
         field.distance = std::move(u_);
         field.gradient = std::move(g_);
+        field.atFootPoints = true;
         field.label = std::move(label_);
         field.seeds = std::move(seeds_);
         field.scheme = "jet";

@@ -100,6 +100,11 @@ std::string reportJson(const RunReport& r, const Band& band, const Field& field)
                      {"unreached", band.size() - field.reached},
                      {"max", field.maxDistance * dx},
                      {"stoppedEarly", field.stoppedEarly}};
+    const AccuracyEstimate& a = r.accuracy;
+    j["accuracy"] = {{"samples", a.samples},
+                     {"meanRelativeError", a.samples ? json(a.meanError) : json(nullptr)},
+                     {"largestRelativeError", a.samples ? json(a.largestError) : json(nullptr)},
+                     {"guardedShare", a.guardedShare}};
     j["seeds"] = json::array();
     for (std::size_t k = 0; k < field.seeds.size(); ++k)
         j["seeds"].push_back(seedJson(band, field.seeds[k], k));

@@ -1,6 +1,7 @@
 /// Results as text: geodesics and the account of a run. World units throughout.
 #pragma once
 
+#include <igeo/accuracy.h>
 #include <igeo/field.h>
 #include <igeo/trace.h>
 
@@ -21,7 +22,8 @@ struct RunReport {
     double snap = 0;                      ///< how far a point may be from the surface, world units
     double maxDistance = kInfinity;       ///< limit asked for, world units
     int threads = 1;
-    std::vector<Path> paths;                                   ///< one per target
+    std::vector<Path> paths;  ///< one per target
+    AccuracyEstimate accuracy;
     std::vector<std::pair<std::string, double>> seconds;       ///< wall time per stage, in order
     std::uint64_t peakMemory = 0;                              ///< bytes
     std::vector<std::pair<std::string, std::string>> outputs;  ///< kind, file
