@@ -18,6 +18,10 @@ namespace {
 /// of these.
 constexpr float kCore = 0.8660254f;
 
+/// An early stop marches this far beyond its limit, so that the nodes within it have all the
+/// neighbours that a full march would give them.
+constexpr double kMargin = 3;
+
 /// Buckets are counted from the smallest start value; this one is beyond all.
 constexpr std::uint32_t kNoBucket = std::numeric_limits<std::uint32_t>::max();
 
@@ -29,7 +33,8 @@ public:
           seeds_(seeds),
           u_(band.size(), kInfinity),
           g_(band.size()),
-          bucket_(band.size(), kNoBucket) {
+          bucket_(band.size(), kNoBucket),
+          limit_(options.maxDistance) {
         if (seeds.size() > 1) label_.assign(band.size(), 0);
         first_ = kInfinity;
         for (const SurfacePoint& s : seeds) first_ = std::min(first_, s.start);
@@ -42,8 +47,8 @@ public:
 
     Field take() {
         Field field;
-        for (double& u : u_)
-            if (u > options_.maxDistance) u = kInfinity;
+        for (std::size_t i = 0; i < u_.size(); ++i)
+            if (u_[i] > limit_) u_[i] = kInfinity, g_[i] = Vec3f();
         field.distance = std::move(u_);
         field.gradient = std::move(g_);
         field.atFootPoints = true;
@@ -51,7 +56,7 @@ public:
         field.seeds = std::move(seeds_);
         field.scheme = "jet";
         field.startRadius = options_.startRadius;
-        field.stoppedEarly = !queue_.empty();
+        field.stoppedEarly = stopped_;
         field.guarded = guarded_;
         field.summarise();
         return field;
@@ -106,6 +111,8 @@ private:
     std::vector<Solved> solved_;               ///< of the current bucket, one per node
     std::vector<std::vector<Queued>> queued_;  ///< by the current bucket, one list per chunk
     std::map<NodeIndex, Solved> discs_;        ///< jets around the seeds
+    double limit_;                             ///< distances beyond it are not wanted
+    bool stopped_ = false;                     ///< the limit ended the march
     std::vector<bool> awaited_;
     std::size_t awaitedCount_ = 0, accepted_ = 0, guarded_ = 0;
 };
@@ -330,16 +337,23 @@ bool JetMarch::queueStragglers(std::uint32_t bucket) {
 
 void JetMarch::march(Progress& progress) {
     watchTargets();
-    const bool waits = awaitedCount_ > 0;
+    bool waits = awaitedCount_ > 0;
     std::uint32_t last = 0;
-    while (!(waits && awaitedCount_ == 0) && (!queue_.empty() || queueStragglers(last + 1))) {
+    while (!queue_.empty() || queueStragglers(last + 1)) {
         const auto first = queue_.begin();
         const std::uint32_t bucket = first->first;
-        if (first_ + bucket * options_.bucketWidth > options_.maxDistance) return;
+        if (first_ + bucket * options_.bucketWidth > limit_ + kMargin) {
+            stopped_ = true;
+            return;
+        }
         const std::vector<NodeIndex> nodes = std::move(first->second);
         queue_.erase(first);
         process(bucket, nodes);
         last = bucket;
+        if (waits && awaitedCount_ == 0) {
+            limit_ = std::min(limit_, first_ + (bucket + 1) * options_.bucketWidth);
+            waits = false;
+        }
         progress.throwIfCancelled();
         progress.update("march", double(accepted_) / double(band_.size()));
     }

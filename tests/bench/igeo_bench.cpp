@@ -7,12 +7,14 @@
 /// Times are the least of the runs. Run it on a quiet machine and compare ratios.
 #include <igeo/band_width.h>
 #include <igeo/godunov.h>
+#include <igeo/jet.h>
 #include <igeo/level_set_band.h>
 #include <igeo/parallel.h>
 #include <openvdb/tools/FastSweeping.h>
 #include <support/errors.h>
 #include <support/openvdb.h>
 #include <support/shapes.h>
+#include <sys/resource.h>
 
 #include <chrono>
 #include <cstdio>
@@ -43,6 +45,10 @@ struct Arguments {
         const auto it = values.find(name);
         return it == values.end() ? otherwise : std::stod(it->second);
     }
+    std::string text(const std::string& name, const std::string& otherwise) const {
+        const auto it = values.find(name);
+        return it == values.end() ? otherwise : it->second;
+    }
 };
 
 struct Sphere {
@@ -56,22 +62,43 @@ struct Sphere {
           seed(pointOn(band, kCenter + kRadius * genericDirection())) {}
 };
 
+/// Peak resident memory so far, bytes.
+double peakMemory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return 1024.0 * double(usage.ru_maxrss);
+}
+
 void benchMarch(const Arguments& args) {
     const int n = int(args.number("n", 200)), runs = int(args.number("runs", 3));
     const double h = args.number("half-width", 1.7320508);
-    const Sphere s(n, h, std::max(3.0, h));
+    const std::string scheme = args.text("scheme", "jet");
+    const LevelSet levelSet = checkedLevelSet(
+        makeLevelSet(sphere(kCenter, kRadius), 1.0 / n, std::max(args.number("input", 3), h)));
+    const double before = peakMemory();
     const ThreadLimit limit(int(args.number("threads", 1)));
-    GodunovOptions options;
-    options.order = int(args.number("order", 2));
-    const double nodes = double(s.band.size());
-    const double band = seconds(runs, [&] { bandFromLevelSet(s.levelSet, h); });
-    const double march = seconds(runs, [&] { marchGodunov(s.band, {}, {s.seed}, options); });
+    Band band;
+    const double bandSeconds = seconds(runs, [&] { band = bandFromLevelSet(levelSet, h); });
+    const SurfacePoint seed = pointOn(band, kCenter + kRadius * genericDirection());
+    // Of the diameter of the sphere; 0: all of it.
+    const double limitDistance = args.number("max-distance", 0) * 2 * kRadius * n;
+    Field field;
+    const double march = seconds(runs, [&] {
+        GodunovOptions godunov;
+        JetOptions jet;
+        godunov.order = int(args.number("order", 2));
+        if (limitDistance > 0) godunov.maxDistance = jet.maxDistance = limitDistance;
+        field =
+            scheme == "jet" ? marchJet(band, {seed}, jet) : marchGodunov(band, {}, {seed}, godunov);
+    });
+    const double nodes = double(band.size());
     std::printf(
-        "{\"bench\": \"march\", \"n\": %d, \"nodes\": %.0f, \"scheme\": \"godunov\", "
-        "\"order\": %d, \"threads\": %d, \"bandSeconds\": %.6f, \"marchSeconds\": %.6f, "
-        "\"bandNsPerNode\": %.1f, \"marchNsPerNode\": %.1f, \"bandBytesPerNode\": %.1f}\n",
-        n, nodes, options.order, ThreadLimit::current(), band, march, 1e9 * band / nodes,
-        1e9 * march / nodes, double(s.band.memUsage()) / nodes);
+        "{\"bench\": \"march\", \"n\": %d, \"nodes\": %.0f, \"reached\": %zu, \"scheme\": \"%s\", "
+        "\"threads\": %d, \"bandSeconds\": %.6f, \"marchSeconds\": %.6f, \"bandNsPerNode\": %.1f, "
+        "\"marchNsPerNode\": %.1f, \"bandBytesPerNode\": %.1f, \"peakBytesPerNode\": %.1f}\n",
+        n, nodes, field.reached, field.scheme.c_str(), ThreadLimit::current(), bandSeconds, march,
+        1e9 * bandSeconds / nodes, 1e9 * march / nodes, double(band.memUsage()) / nodes,
+        (peakMemory() - before) / nodes);
 }
 
 /// godunov order 1 and maskSdf solve the same equations on the same voxels: a small sphere of exact

@@ -39,7 +39,7 @@ json timeless(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("--max-distance gives the part of the full result within it") {
+TEST_CASE("option --max-distance gives the part of the full result within it") {
     const std::string limit = GENERATE("0.05", "0.5", "1.7");
     const std::string scheme = GENERATE("jet", "godunov");
     const Desk desk;
@@ -57,7 +57,7 @@ TEST_CASE("--max-distance gives the part of the full result within it") {
     CHECK(report["parameters"]["maxDistance"] == std::stod(limit));
 }
 
-TEST_CASE("--stop-at-targets changes neither distances nor paths") {
+TEST_CASE("option --stop-at-targets changes neither distances nor paths") {
     const std::string scheme = GENERATE("jet", "godunov");
     const Desk desk;
     desk.make("in.vdb", "torus");

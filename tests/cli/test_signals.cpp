@@ -34,6 +34,7 @@ TEST_CASE("Ctrl-C and kill end a run at once and leave nothing behind") {
     const int signal = GENERATE(SIGINT, SIGTERM);
     const LongRun desk;
     const auto before = desk.files();
+    int interrupted = 0;
     for (const double part : {0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 0.95}) {
         Command command = desk.command(LongRun::kLine);
         command.signal = signal;
@@ -42,11 +43,12 @@ TEST_CASE("Ctrl-C and kill end a run at once and leave nothing behind") {
         INFO("signal " << signal << " after " << command.signalDelay << " s of " << desk.seconds
                        << ", ended " << result.secondsAfterSignal << " s later\n"
                        << result.err);
-        // Close to its end the run may be done before the signal arrives.
-        if (part > 0.6 && result.exitCode == 0) {
+        // The run may be done before the signal arrives: near its end, or on a machine whose load fell.
+        if (result.exitCode == 0) {
             for (const char* name : {"out.vdb", "out.obj"}) std::filesystem::remove(desk / name);
             continue;
         }
+        ++interrupted;
         CHECK(result.signal == 0);
         CHECK(result.exitCode == 128 + signal);
         // 0.2 s, and what starting and scheduling cost on a machine that does other things as well.
@@ -60,6 +62,7 @@ TEST_CASE("Ctrl-C and kill end a run at once and leave nothing behind") {
         CHECK(after.size() == before.size());
         CHECK(after.count("in.vdb") == 1);
     }
+    CHECK(interrupted >= 3);
 }
 
 TEST_CASE("an interrupted run keeps the output of an earlier one") {

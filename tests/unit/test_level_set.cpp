@@ -59,6 +59,17 @@ TEST_CASE("checkLevelSet: 95th percentile of curvature on a torus is that of the
     }
 }
 
+TEST_CASE("checkLevelSet: a twentieth of the surface may bend more") {
+    // Two spheres of radii 30 and r voxels: the small one has r^2 / (900 + r^2) of the area.
+    for (const auto& [r, expected] : {std::pair<double, double>{10, 10}, {6, 30}}) {
+        const auto both =
+            twoSpheres(kCenter, 30 * 0.05, kCenter + openvdb::Vec3d(3, 0, 0), r * 0.05);
+        INFO("share " << r * r / (900 + r * r));
+        // (dx / r)^2 of error at r = 10, and bins of 0.4 %.
+        CHECK(statsOf(both, 0.05).largestCurvature * expected == Approx(1).epsilon(0.015));
+    }
+}
+
 TEST_CASE("checkLevelSet: a plane has no curvature to speak of") {
     // Second differences of floats near 3: 1e-6 of rounding each. Enough to bend within a band.
     const auto st = statsOf(planePatch(kCenter, {0.36, 0.48, -0.8}, 2), 0.05);
