@@ -149,7 +149,8 @@ JetNeighbours JetMarch::gather(NodeIndex i, const TangentFrame& frame, NodeList&
         if (cosine < 0.9f) all.smooth = false;
         const Vec3f chord = fi - band_.foot[j] - Vec3f{float(dx), float(dy), float(dz)};
         nodes[std::size_t(all.count())] = j;
-        all.add(frame.neighbour(chord, nj, cosine, g_[j], u_[j]));
+        // Relative to the start: near a source the solve takes u for the distance to it.
+        all.add(frame.neighbour(chord, nj, cosine, g_[j], u_[j] - first_));
     });
     return all;
 }
@@ -162,7 +163,7 @@ JetMarch::Solved JetMarch::solve(NodeIndex i) const {
     const JetNeighbours all = gather(i, frame, nodes);
     const Jet jet = jetUpdate(all);
     if (jet.from >= 0) {
-        s.u = jet.u;
+        s.u = first_ + jet.u;
         s.g = frame.lift(jet.g);
         s.guarded = jet.guarded;
         s.label = labelOf(nodes[std::size_t(jet.from)]);

@@ -67,7 +67,7 @@ TEST_CASE("turns by 90 degrees and reflections leave distances") {
     // keys, which moves values by that much; 1e-5 leaves room for its building up.
     const auto grid = torusGrid();
     const std::vector<Vec3d> points = torusPoints();
-    for (const int order : {1, 2}) {
+    for (const int order : {kJet, 1, 2}) {
         const Band band = bandOf(grid, kH);
         const Field field = march(band, {points[0], points[1]}, order);
         for (const Turn& turn : allTurns()) {
@@ -77,7 +77,8 @@ TEST_CASE("turns by 90 degrees and reflections leave distances") {
             INFO("order " << order << ", axes " << turn.axis[0] << turn.axis[1] << turn.axis[2]
                           << ", signs " << turn.sign[0] << " " << turn.sign[1] << " "
                           << turn.sign[2]);
-            CHECK(worstDifference(band, field, turned, other, turn) <= 1e-5);
+            CHECK(worstDifference(band, field, turned, other, turn) <=
+                  roundingTolerance(field, order, 1e-5));
         }
     }
 }
@@ -85,12 +86,13 @@ TEST_CASE("turns by 90 degrees and reflections leave distances") {
 TEST_CASE("turns leave the default band and its distances") {
     const auto grid = torusGrid();
     const Turn turn{{1, 2, 0}, {1, -1, 1}};
-    for (const int order : {1, 2}) {
+    for (const int order : {kJet, 1, 2}) {
         const Band band = bandOf(grid, 0, order), turned = bandOf(mapVoxels(*grid, turn), 0, order);
         CHECK(turned.h == band.h);
         const Vec3d seed = torusPoints()[2];
-        CHECK(worstDifference(band, march(band, {seed}, order), turned,
-                              march(turned, {turn(seed)}, order), turn) <= 1e-5);
+        const Field field = march(band, {seed}, order);
+        CHECK(worstDifference(band, field, turned, march(turned, {turn(seed)}, order), turn) <=
+              roundingTolerance(field, order, 1e-5));
     }
 }
 
@@ -98,7 +100,7 @@ TEST_CASE("units scaled by a power of two scale distances bitwise") {
     // Divisions by dx are exact, so not a bit of the computation in voxels changes.
     const auto grid = torusGrid();
     const Band band = bandOf(grid, kH);
-    for (const int order : {1, 2}) {
+    for (const int order : {kJet, 1, 2}) {
         const Field field = march(band, torusPoints(), order);
         for (const double factor : {0x1p-10, 0.25, 2.0, 0x1p30}) {
             const Band other = bandOf(scaled(*grid, factor), kH);
@@ -113,12 +115,12 @@ TEST_CASE("units scaled by any factor leave distances in voxels") {
     // psi / dx changes by a float rounding or two, 1.2e-7 of 4 voxels, and seeds move by as much.
     const auto grid = torusGrid();
     const Band band = bandOf(grid, kH);
-    for (const int order : {1, 2}) {
+    for (const int order : {kJet, 1, 2}) {
         const Field field = march(band, torusPoints(), order);
         for (const double factor : {0.01, 0.3, 7.7, 1e6}) {
             const Band other = bandOf(scaled(*grid, factor), kH);
             CHECK(worstDifference(band, field, other, march(other, torusPoints(), order), kSame) <=
-                  1e-6);
+                  roundingTolerance(field, order, 1e-6));
         }
     }
 }
@@ -126,7 +128,7 @@ TEST_CASE("units scaled by any factor leave distances in voxels") {
 TEST_CASE("a moved or turned transform leaves distances bitwise") {
     const auto grid = torusGrid();
     const Band band = bandOf(grid, kH);
-    for (const int order : {1, 2}) {
+    for (const int order : {kJet, 1, 2}) {
         const Field field = march(band, torusPoints(), order);
         for (const auto& transform : {rotatedTransform(1, {0, 0, 1}, 0, {1e6, -3.7, 0.123}),
                                       rotatedTransform(1, {1, 2, 3}, 30, {5, -7, 11}),
@@ -143,7 +145,7 @@ TEST_CASE("a moved or turned transform leaves distances bitwise") {
 TEST_CASE("index coordinates shifted by leaves leave distances bitwise") {
     const auto grid = torusGrid();
     const Band band = bandOf(grid, kH);
-    for (const int order : {1, 2}) {
+    for (const int order : {kJet, 1, 2}) {
         const SurfacePoint seed = dyadicSeed(band, torusPoints()[0]);
         const Field field = marchFrom(band, {seed}, order);
         for (const Ijk& by : {Ijk{8, -16, 24}, Ijk{-4096, 4088, 1 << 20}}) {
@@ -159,7 +161,7 @@ TEST_CASE("index coordinates shifted by any amount leave distances") {
     // Nodes are numbered differently, and the march accepts nodes whose keys tie (6e-8) by number.
     const auto grid = torusGrid();
     const Band band = bandOf(grid, kH);
-    for (const int order : {1, 2}) {
+    for (const int order : {kJet, 1, 2}) {
         const SurfacePoint seed = dyadicSeed(band, torusPoints()[0]);
         const Field field = marchFrom(band, {seed}, order);
         for (const Ijk& by : {Ijk{1, 0, 0}, Ijk{3, 5, -6}, Ijk{-1234567, 89, 7}}) {

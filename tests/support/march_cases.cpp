@@ -1,6 +1,7 @@
 #include "march_cases.h"
 
 #include <igeo/band_width.h>
+#include <igeo/jet.h>
 #include <support/errors.h>
 #include <support/shapes.h>
 
@@ -42,6 +43,7 @@ Field march(const Band& band, const std::vector<Vec3d>& seeds, int order) {
 }
 
 Field marchFrom(const Band& band, const std::vector<SurfacePoint>& seeds, int order) {
+    if (order == kJet) return marchJet(band, seeds);
     GodunovOptions options;
     options.order = order;
     return marchGodunov(band, {}, seeds, options);

@@ -20,7 +20,18 @@ std::vector<Vec3d> torusPoints();
 /// The band of a grid, which has to pass checkLevelSet. h = 0: the default width of the order.
 Band bandOf(const openvdb::FloatGrid::Ptr& grid, double h, int order = 2);
 
-/// Marches from the points of S nearest to `seeds`, index space.
+/// In place of an order: the scheme jet.
+constexpr int kJet = 0;
+
+/// How far roundings may move a result, as a share of its largest distance. jet decides by
+/// thresholds (which bucket, fit or guard); a rounding that tips one changes a value by up to the
+/// 0.01 voxels within which its two answers count as one.
+inline double roundingTolerance(const Field& field, int order, double godunov) {
+    return order == kJet ? 0.01 / field.maxDistance : godunov;
+}
+
+/// Marches from the points of S nearest to `seeds`, index space, with godunov of the given order or
+/// jet.
 Field march(const Band& band, const std::vector<Vec3d>& seeds, int order);
 Field marchFrom(const Band& band, const std::vector<SurfacePoint>& seeds, int order);
 

@@ -2,6 +2,7 @@
 #include <support/catch.h>
 #include <support/expect_error.h>
 #include <support/temp_dir.h>
+#include <support/test_device.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -79,9 +80,11 @@ TEST_CASE("AtomicFile: a failed write keeps what stood there") {
     CHECK(contentOf(folder / "out") == "old");
     CHECK(filesIn(folder) == 1);
     // A full device, which is written directly.
-    if (fs::exists("/dev/full"))
-        expectError(Error::Kind::Io, {"/dev/full", "No space left", "free some space"},
-                    [] { writeFile("/dev/full", std::string(100000, 'x')); });
+    if (const std::string full = testDevice(folder, "full", kFullMinor); !full.empty()) {
+        expectError(Error::Kind::Io, {full, "No space left", "free some space"},
+                    [&] { writeFile(full, std::string(100000, 'x')); });
+        expectError(Error::Kind::Io, {full, "No space left"}, [&] { writeFile(full, "x"); });
+    }
 }
 
 TEST_CASE("AtomicFile: several files at once, also of one name") {
@@ -136,8 +139,16 @@ TEST_CASE("AtomicFile: follows links") {
 }
 
 TEST_CASE("AtomicFile: devices are written, not replaced") {
-    writeFile("/dev/null", "gone");
-    CHECK(fs::is_character_file("/dev/null"));
+    const TempDir folder;
+    const std::string null = testDevice(folder, "null", kNullMinor);
+    if (null.empty()) return;
+    writeFile(null, "gone");
+    CHECK(fs::is_character_file(null));
+    // Also through a link.
+    fs::create_symlink(null, folder / "link");
+    writeFile(folder / "link", "gone");
+    CHECK(fs::is_character_file(null));
+    CHECK(fs::is_symlink(folder / "link"));
 }
 
 TEST_CASE("AtomicFile: says what is wrong with the folder") {

@@ -5,6 +5,7 @@
 #include <support/openvdb.h>
 #include <support/shapes.h>
 #include <support/temp_dir.h>
+#include <support/test_device.h>
 
 #include <fstream>
 #include <iterator>
@@ -184,9 +185,13 @@ TEST_CASE("writeVdb: says when it cannot write") {
     const TempDir folder;
     expectError(Error::Kind::Io, {"none/a.vdb"},
                 [&] { writeVdb(folder / "none/a.vdb", {smallSphere()}); });
-    expectError(Error::Kind::Io, {"/dev/full", "No space left"},
-                [&] { writeVdb("/dev/full", {smallSphere()}); });
-    CHECK_NOTHROW(writeVdb("/dev/null", {smallSphere()}));
+    if (const std::string full = testDevice(folder, "full", kFullMinor); !full.empty())
+        expectError(Error::Kind::Io, {full, "No space left"},
+                    [&] { writeVdb(full, {smallSphere()}); });
+    if (const std::string null = testDevice(folder, "null", kNullMinor); !null.empty()) {
+        CHECK_NOTHROW(writeVdb(null, {smallSphere()}));
+        CHECK(std::filesystem::is_character_file(null));
+    }
 }
 
 }  // namespace igeo::test
