@@ -40,13 +40,13 @@ void addOptions(CLI::App& app, Options& o) {
         ->required()
         ->group("Surface");
 
-    auto* band =
-        app.add_option("--band", o.band,
-                       "Half-width h of the band |psi| < h, world units; at least sqrt(3) "
-                       "voxels, less than the smallest radius of curvature [from curvature]")
-            ->type_name("H")
-            ->check(number(/*mayBeZero=*/false))
-            ->group("Band");
+    auto* band = app.add_option("--band", o.band,
+                                "Half-width h of the band |psi| < h, world units; at least sqrt(3) "
+                                "voxels, less than the smallest radius of curvature [jet: sqrt(3) "
+                                "voxels, godunov: from curvature]")
+                     ->type_name("H")
+                     ->check(number(/*mayBeZero=*/false))
+                     ->group("Band");
     app.add_option("--band-voxels", o.bandVoxels, "The same in voxels")
         ->type_name("N")
         ->check(number(/*mayBeZero=*/false))

@@ -173,7 +173,7 @@ void Job::makeBand() {
     if (!bounds.resolved)
         surface_.warnings.push_back(
             "in places the surface bends or folds within " + text("%.2g voxels", bounds.lower) +
-            ": M&S (14) cannot be met there, and a finer level set would be more accurate");
+            ", less than the grid resolves: distances are less accurate there than elsewhere");
     igeo::widen(surface_, h);
     band_ = igeo::bandFromLevelSet(surface_, h, progress_);
     console_.detail(

@@ -42,7 +42,7 @@ struct BandLeaf {
 };
 
 /// The band in flat arrays. Nodes are numbered leaf by leaf, by offset within the leaf, so the
-/// numbering depends on the topology alone. 35 bytes per node and about 1 byte for the leaves.
+/// numbering depends on the topology alone. 35 bytes per node and 3 to 5 for the leaves.
 ///
 /// M&S (14) keeps h below W, the distance at which two sheets of the surface meet, so that a front
 /// never jumps from one to the other. Real surfaces have places where no grid affords that

@@ -28,7 +28,7 @@ struct GodunovOptions {
 /// @param metric  one weight > 0 per node, or none
 /// @param seeds   at least one; a seed may start at a distance > 0
 /// @throws Error  InvalidArgument for options or weights out of range, Cancelled through `progress`
-/// Time O(n log n) on one thread, 17 bytes per node. Error: docs/method.md, "How far off".
+/// Time O(n log n) on one thread, 40 bytes per node. Error: docs/method.md, "How far off".
 Field marchGodunov(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
                    const GodunovOptions& options = {}, Progress& progress = Progress::none());
 

@@ -121,13 +121,17 @@ void JetMarch::startDisc(std::size_t k) {
     const SurfacePoint& seed = seeds_[k];
     const PsiSample psi = samplePsi(band_, seed.pIndex);
     const Vec3f n = psi.valid ? Vec3f(normalized(psi.gradient)) : band_.normal[seed.node];
+    constexpr float kInPlane = 0.05f;
     for (const NodeIndex i : nodesAround(band_, seed, options_.startRadius + band_.h)) {
         const TangentFrame frame(band_.normal[i]);
         const Vec3f chord(band_.footPoint(i) - seed.pIndex);
-        const float cosine = igeo::dot(frame.normal(), n);
-        // Beyond a crease chords say nothing: there the march begins next to the seed.
-        if (igeo::length(chord) > float(options_.startRadius) || cosine < 0.8f) continue;
-        const Vec2f way = frame.way(chord, n, cosine);
+        const float cosine = igeo::dot(frame.normal(), n), c = igeo::length(chord);
+        if (c > float(options_.startRadius)) continue;
+        // Across a crease chords say nothing, and the march begins next to the seed; but a seed on
+        // the crease itself lies in the planes of all its faces.
+        const bool inPlane = std::abs(igeo::dot(frame.normal(), chord)) < kInPlane * c;
+        if (cosine < 0.8f && !inPlane) continue;
+        const Vec2f way = cosine < 0.8f ? frame.flat(chord) : frame.way(chord, n, cosine);
         const float u = length(way);
         Solved s{i, std::uint32_t(k), seed.start + double(u), Vec3f(), false};
         if (u > 1e-6f) s.g = frame.lift((1 / u) * way);

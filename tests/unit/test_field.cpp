@@ -52,6 +52,21 @@ TEST_CASE("surfaceGradient: exact for a linear distance on a plane") {
     }
 }
 
+TEST_CASE("surfaceGradient: what changes along the normal does not count") {
+    const Band band = plane();
+    const Vec3d slope{0.7, 0.2, -0.4};
+    Field field;
+    for (std::size_t k = 0; k < band.size(); ++k)
+        field.distance.push_back(20 + dot(slope, Vec3d(band.ijk(NodeIndex(k)))));
+    const auto gradient = surfaceGradient(band, field);
+    for (std::size_t k = 0; k < band.size(); ++k) {
+        const Ijk v = band.ijk(NodeIndex(k));
+        if (std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) > 10) continue;
+        // Gradient and normal are floats below 1.
+        REQUIRE(length(Vec3d(gradient[k]) - tangential(slope, kNormal)) < 1e-6);
+    }
+}
+
 TEST_CASE("surfaceGradient: one-sided at unreached nodes, zero where nothing is known") {
     const Band band = plane();
     const Vec3d slope = tangential(Vec3d{0.7, 0.2, -0.4}, kNormal);

@@ -137,6 +137,24 @@ TEST_CASE("tracePath: from the antipode some shortest way") {
     CHECK(path.length < exact * (1 + 1e-3) + 3 * (std::sqrt(3.0) - 1) + 1);
 }
 
+TEST_CASE("tracePath: from node to node where the gradient is of no use") {
+    Sphere s({1, 2, 3});
+    std::fill(s.gradient.begin(), s.gradient.end(), Vec3f{});
+    for (const Vec3d& direction : {Vec3d{-1, 0, 0}, Vec3d{0, 1, 0.3}, Vec3d{2, 0.1, -1}}) {
+        const SurfacePoint target = s.at(direction);
+        const Path path = s.trace(target);
+        const double exact = Sphere::geodesic(target.pIndex, s.field.seeds[0].pIndex);
+        INFO("length " << path.length << ", exact " << exact);
+        CHECK(path.status == PathStatus::Reached);
+        checkConsistent(s, path);
+        CHECK(path.length > exact * (1 - 1.1e-3) - 0.01);
+        // Ways along the 26 neighbours of a lattice are longer than straight ones by at most
+        // sqrt(1 + (sqrt 2 - 1)^2 + (sqrt 3 - sqrt 2)^2) = 1.128, and a voxel at each end; foot
+        // points of voxels within 1 of the surface are spread by at most R / (R - 1).
+        CHECK(path.length < 1.128 * kRadius / (kRadius - 1) * exact + 2);
+    }
+}
+
 TEST_CASE("tracePath: the nearest of several seeds, by number") {
     Sphere s({0, 0, 1});
     const SurfacePoint second = s.at({0, 1, 0});
