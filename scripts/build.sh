@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Configures and builds one preset into build/<preset>.
 #
-# usage: scripts/build.sh [release | dev | asan]
+# usage: scripts/build.sh [release | dev | asan] [target...]
 #
-# The program is build/<preset>/bin/implicit-geodesic. IGEO_JOBS=<n> sets the number of compilers
-# run at once (one per core otherwise); each takes about 1 GB.
+# Without targets everything is built, tests included. The program is
+# build/<preset>/bin/implicit-geodesic. IGEO_JOBS=<n> sets the number of compilers run at once (one
+# per core otherwise); each takes about 1 GB.
 
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -16,4 +17,4 @@ case $preset in
 esac
 
 cmake --preset "$preset"
-cmake --build --preset "$preset" --parallel "${IGEO_JOBS:-$(nproc)}"
+cmake --build --preset "$preset" --parallel "${IGEO_JOBS:-$(nproc)}" ${2:+--target "${@:2}"}

@@ -62,7 +62,7 @@ if [ -n "$mesh" ]; then
 fi
 
 bash scripts/setup.sh
-bash scripts/build.sh release
+bash scripts/build.sh release implicit-geodesic
 [ -f data/trefoil.vdb ] || bash scripts/make_data.sh
 mkdir -p out
 
