@@ -12,7 +12,8 @@ namespace {
 
 std::atomic<int> gSignal{0};
 
-void print(const std::string& line) { std::cerr << "implicit-geodesic: " << line << "\n"; }
+// In one piece: two threads may have something to say, and lines must not mix.
+void print(const std::string& line) { std::cerr << "implicit-geodesic: " + line + "\n"; }
 
 }  // namespace
 
@@ -29,8 +30,7 @@ void Console::warning(const std::string& text) const {
 }
 
 void Console::error(const std::string& what, const std::string& remedy) {
-    print("error: " + what);
-    if (!remedy.empty()) std::cerr << "  " << remedy << "\n";
+    print("error: " + what + (remedy.empty() ? "" : "\n  " + remedy));
 }
 
 ConsoleProgress::ConsoleProgress(const std::string& when) {
