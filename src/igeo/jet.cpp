@@ -6,7 +6,6 @@
 #include <igeo/tangent_frame.h>
 
 #include <algorithm>
-#include <atomic>
 #include <map>
 
 namespace igeo {
@@ -111,6 +110,7 @@ private:
     std::vector<Solved> solved_;               ///< of the current bucket, one per node
     std::vector<std::vector<Queued>> queued_;  ///< by the current bucket, one list per chunk
     std::map<NodeIndex, Solved> discs_;        ///< jets around the seeds
+    double discEnd_ = 0;                       ///< the largest value among them
     double limit_;                             ///< distances beyond it are not wanted
     bool stopped_ = false;                     ///< the limit ended the march
     std::vector<bool> awaited_;
@@ -135,6 +135,7 @@ void JetMarch::startDisc(std::size_t k) {
         const float u = length(way);
         Solved s{i, std::uint32_t(k), seed.start + double(u), Vec3f(), false};
         if (u > 1e-6f) s.g = frame.lift((1 / u) * way);
+        discEnd_ = std::max(discEnd_, s.u);
         const auto [at, isNew] = discs_.try_emplace(i, s);
         if (!isNew && s.u < at->second.u) at->second = s;
         const std::uint32_t b = bucketOf(s.u);
@@ -172,7 +173,8 @@ JetMarch::Solved JetMarch::solve(NodeIndex i) const {
         s.guarded = jet.guarded;
         s.label = labelOf(nodes[std::size_t(jet.from)]);
     }
-    return preferDisc(s);
+    // Nodes of a disc wait in its buckets or earlier.
+    return bucket_[i] > bucketOf(discEnd_) ? s : preferDisc(s);
 }
 
 const JetMarch::Solved& JetMarch::preferDisc(const Solved& s) const {
@@ -188,8 +190,8 @@ void JetMarch::key(NodeIndex j, std::uint32_t current, std::vector<Queued>& out)
         step[side / 2] = side % 2 ? 1 : -1;
         const NodeIndex i = band_.neighbour(j, step.x, step.y, step.z);
         if (i == kNoNode || !core(i)) continue;
-        auto& waits = reinterpret_cast<std::atomic<std::uint32_t>&>(bucket_[i]);
-        std::uint32_t seen = waits.load(std::memory_order_relaxed);
+        // Several threads may key one node: the least bucket wins, whoever comes first.
+        std::uint32_t seen = __atomic_load_n(&bucket_[i], __ATOMIC_RELAXED);
         if (seen <= current + 1 || !band_.linked(i, j)) continue;
         // As jet::carry, by chords: good enough to know the bucket.
         const Vec3f chord = band_.foot[i] - fj + Vec3f(step);
@@ -199,7 +201,8 @@ void JetMarch::key(NodeIndex j, std::uint32_t current, std::vector<Queued>& out)
             along > 0 ? std::sqrt(r * r + std::max(c2 - along * along, 0.0)) : r + std::sqrt(c2);
         const std::uint32_t b =
             std::max(current + 1, std::uint32_t(carried / options_.bucketWidth));
-        while (b < seen && !waits.compare_exchange_weak(seen, b, std::memory_order_relaxed)) {
+        while (b < seen && !__atomic_compare_exchange_n(&bucket_[i], &seen, b, /*weak=*/true,
+                                                        __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
         }
         if (b < seen) out.push_back({b, i});
     }
@@ -293,7 +296,7 @@ JetMarch::Solved JetMarch::extendTo(NodeIndex i) const {
     const Jet jet = blendJets(all, weight);
     s.u = jet.u;
     s.g = frame.lift(jet.g);
-    return preferDisc(s);
+    return s.u > discEnd_ + kMargin && s.u < kInfinity ? s : preferDisc(s);
 }
 
 void JetMarch::extend() {
@@ -372,6 +375,15 @@ Field marchJet(const Band& band, const std::vector<SurfacePoint>& seeds, const J
     if (seeds.empty()) throw Error(Kind::InvalidArgument, "a march needs at least one seed");
     if (!(options.maxDistance > 0))
         throw Error(Kind::InvalidArgument, "the largest distance must be positive");
+    if (!(band.h >= double(kCore)))
+        throw Error(Kind::InvalidArgument, "a band of " + std::to_string(band.h) +
+                                               " voxels is too narrow: jet needs sqrt(3)/2");
+    const auto [first, last] = std::minmax_element(
+        seeds.begin(), seeds.end(), [](auto& a, auto& b) { return a.start < b.start; });
+    // Buckets are numbered in 32 bits.
+    if (!(last->start - first->start < 1e9))
+        throw Error(Kind::InvalidArgument, "start values of seeds differ by more than 1e9 voxels",
+                    "give seeds that no front comes near to a run of their own");
     JetMarch march(band, seeds, options);
     march.march(progress);
     march.extend();

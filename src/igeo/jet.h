@@ -24,10 +24,13 @@ struct JetOptions {
 /// width in the distance; all nodes of a bucket are solved (jet_update.h) from nodes of earlier
 /// buckets only and accepted together. So the work is linear in the number of nodes, every bucket
 /// is a parallel loop, and the result has the same bits for any number of threads.
-/// @param band  any h >= 1.25 voxels
+/// @param band  any h >= sqrt(3)/2 voxels; only the voxels within that are marched
 /// @param seeds at least one; a seed may start at a distance > 0
 /// @return second order in dx where S is smooth; first order at creases. Field::gradient is set.
-/// @throws Error  InvalidArgument for options out of range, Cancelled through `progress`
+/// @throws Error  InvalidArgument for options out of range, a narrower band, or start values 1e9
+/// voxels
+///         apart; Cancelled through `progress`
+/// Time O(n), in parallel; 24 bytes per node. Error: docs/accuracy.md.
 Field marchJet(const Band& band, const std::vector<SurfacePoint>& seeds,
                const JetOptions& options = {}, Progress& progress = Progress::none());
 
