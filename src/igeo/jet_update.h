@@ -51,27 +51,28 @@ public:
         if (k == 0) base_ = n.u;
         ax_[k] = n.a.x, ay_[k] = n.a.y, gx_[k] = n.g.x, gy_[k] = n.g.y;
         u_[k] = float(n.u - base_);
-        // Foot points of one voxel column may coincide.
-        const float l2 = std::max(dot(n.a, n.a), 1e-12f);
-        nearness_[k] = 1 / (l2 * (l2 + 0.1f));
-        len_[k] = std::sqrt(l2);
         ++count_;
     }
     int count() const { return count_; }
     double base() const { return base_; }
     Vec2f a(int k) const { return {ax_[std::size_t(k)], ay_[std::size_t(k)]}; }
     Vec2f g(int k) const { return {gx_[std::size_t(k)], gy_[std::size_t(k)]}; }
-    float u(int k) const { return u_[std::size_t(k)]; }      ///< relative to base()
-    float len(int k) const { return len_[std::size_t(k)]; }  ///< |a|
+    float u(int k) const { return u_[std::size_t(k)]; }  ///< relative to base()
+    float len(int k) const { return length(a(k)); }
 
     typedef float Four __attribute__((vector_size(16)));
     struct Group {
-        Four ax, ay, gx, gy, u, nearness;
+        Four ax, ay, gx, gy, u;
+
+        /// 1 / (|a|^2 (|a|^2 + 0.1)); foot points of one voxel column may coincide.
+        Four nearness() const {
+            const Four l2 = ax * ax + ay * ay + 1e-12f;
+            return 1 / (l2 * (l2 + 0.1f));
+        }
     };
     int groups() const { return (count_ + 3) / 4; }
     Group group(int k) const {
-        return {load(ax_, k), load(ay_, k), load(gx_, k),
-                load(gy_, k), load(u_, k),  load(nearness_, k)};
+        return {load(ax_, k), load(ay_, k), load(gx_, k), load(gy_, k), load(u_, k)};
     }
 
     bool smooth = true;  ///< S is smooth between the node and all of them
@@ -83,12 +84,10 @@ private:
     }
     /// What is left of a group counts for nothing: direction 0 belongs to no front.
     void pad(std::size_t k) {
-        for (std::size_t i = k; i < k + 4; ++i)
-            ax_[i] = ay_[i] = gx_[i] = gy_[i] = u_[i] = nearness_[i] = 0;
+        for (std::size_t i = k; i < k + 4; ++i) ax_[i] = ay_[i] = gx_[i] = gy_[i] = u_[i] = 0;
     }
 
-    alignas(16) Array ax_, ay_, gx_, gy_, u_, nearness_;
-    Array len_;
+    alignas(16) Array ax_, ay_, gx_, gy_, u_;
     double base_ = 0;
     int count_ = 0;
 };
@@ -109,13 +108,13 @@ inline float circularStep(Vec2f gi, Vec2f gj, Vec2f a) {
     return dot(gi + gj, a) / (1 + dot(gi, gj));
 }
 
-/// Value carried forward from neighbour k alone by the circle about the source at distance u.
-inline double carry(const JetNeighbours& all, int k) {
-    const float along = dot(all.g(k), all.a(k)), len = all.len(k);
-    if (along <= 0) return double(all.u(k)) + double(len);
-    const double across2 = std::max(len * len - along * along, 0.0f);
-    const double r = all.base() + double(all.u(k)) + double(along);
-    return double(all.u(k)) + double(along) + across2 / (r + std::sqrt(r * r + across2));
+/// Value carried forward from neighbour k alone along the circle about a source at distance u,
+/// relative to base(); to second order, which is enough to compare neighbours.
+inline float carry(const JetNeighbours& all, int k, float len) {
+    const float along = dot(all.g(k), all.a(k));
+    if (along <= 0) return all.u(k) + len;
+    const float r = float(all.base()) + all.u(k) + along;
+    return all.u(k) + along + (len * len - along * along) / (2 * std::max(r, 1.0f));
 }
 
 /// Where the neighbours' directions, bent as circles about a source at distance u, point at the
@@ -130,7 +129,7 @@ inline Vec2f predictDirection(const JetNeighbours& all, Vec2f start) {
         const Four wx = r * n.gx + n.ax, wy = r * n.gy + n.ay;
         // |r g + a| is r + along to second order in a / r, and near a source a rough weight will
         // do.
-        const Four w = ok ? along * along * n.nearness / (r + along) : Four{};
+        const Four w = ok ? along * along * n.nearness() / (r + along) : Four{};
         x += w * wx, y += w * wy;
     }
     return {sum(x), sum(y)};
@@ -162,7 +161,7 @@ inline Jet fitFront(const JetNeighbours& all, Vec2f start, float& residual) {
             const Four cosine = g.x * n.gx + g.y * n.gy, along = g.x * n.ax + g.y * n.ay;
             const auto ok = (cosine >= kSameFront) & (along > 0);
             used -= ok[0] + ok[1] + ok[2] + ok[3];
-            const Four w = ok ? along * along * n.nearness : Four{};
+            const Four w = ok ? along * along * n.nearness() : Four{};
             const Four f = 1 / (1 + cosine);
             const Four cx = -f * n.ax, cy = -f * n.ay;
             const Four rhs = n.u + f * (n.ax * n.gx + n.ay * n.gy);
@@ -190,7 +189,7 @@ inline Jet fitFront(const JetNeighbours& all, Vec2f start, float& residual) {
         const auto n = all.group(k);
         const Four cosine = g.x * n.gx + g.y * n.gy, along = g.x * n.ax + g.y * n.ay;
         const auto ok = (cosine >= kSameFront) & (along > 0);
-        const Four w = ok ? along * along * n.nearness : Four{};
+        const Four w = ok ? along * along * n.nearness() : Four{};
         const Four v = n.u + (along + n.gx * n.ax + n.gy * n.ay) / (1 + cosine);
         total += w, value += w * v, square += w * v * v;
     }
@@ -276,12 +275,13 @@ inline Jet jetUpdate(const JetNeighbours& all) {
     constexpr double kAgree = 0.01;
     Jet best;
     if (all.count() == 0) return best;
-    std::array<double, JetNeighbours::kMax> carried;
+    std::array<float, JetNeighbours::kMax> carried;
     float bound = float(kInfinity), worst = 0;
     int first = 0;
     for (int k = 0; k < all.count(); ++k) {
-        carried[std::size_t(k)] = jet::carry(all, k);
-        bound = std::min(bound, all.u(k) + all.len(k));
+        const float len = all.len(k);
+        carried[std::size_t(k)] = jet::carry(all, k, len);
+        bound = std::min(bound, all.u(k) + len);
         if (carried[std::size_t(k)] < carried[std::size_t(first)]) first = k;
     }
     auto tryFront = [&](int k) {
@@ -299,7 +299,7 @@ inline Jet jetUpdate(const JetNeighbours& all) {
         if (dot(all.g(k), all.g(first)) < jet::kSameFront &&
             (second < 0 || carried[std::size_t(k)] < carried[std::size_t(second)]))
             second = k;
-    if (second >= 0 && all.base() + carried[std::size_t(second)] < best.u + 0.2)
+    if (second >= 0 && all.base() + double(carried[std::size_t(second)]) < best.u + 0.2)
         trusted = tryFront(second) && trusted;
     if (trusted && all.smooth && worst < kDoubt) return best;
     const Jet guard = guardedUpdate(all);
