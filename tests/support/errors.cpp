@@ -19,9 +19,9 @@ Errors errorsOnSurface(const Band& band, const Field& field, const ExactDistance
         for (std::size_t k = begin; k < end; ++k) {
             const Vec3d foot = band.footPoint(near[k * stride]);
             // A jet's value is that of the foot point; a voxel's has to be interpolated there.
-            computed[k] = band.transform.dx * (!field.atFootPoints
-                                                   ? sampleDistance(band, field, foot)
-                                                   : field.distance[near[k * stride]]);
+            computed[k] =
+                band.transform.dx * (!field.atFootPoints ? sampleDistance(band, field, foot)
+                                                         : field.distance[near[k * stride]]);
             expected[k] = exact(worldOf(band, foot));
         }
     });
