@@ -160,12 +160,13 @@ ParseResult parseOptions(int argc, char** argv, Options& options) {
         "How far is it, and which way, along a surface that is held as a signed-distance volume.\n"
         "Lengths are in world units of the volume's transform; defaults are in brackets.",
         "implicit-geodesic"};
-    app.set_help_flag("-h,--help", "Print this help")->group("Run");
-    app.set_version_flag("--version", std::string("implicit-geodesic ") + igeo::kVersion)
-        ->group("Run");
     app.get_formatter()->column_width(28);
     app.footer(kExamples);
     addOptions(app, options);
+    // Last, so that the help begins with what the program is for.
+    app.set_help_flag("-h,--help", "Print this help")->group("Run");
+    app.set_version_flag("--version", std::string("implicit-geodesic ") + igeo::kVersion)
+        ->group("Run");
     try {
         app.parse(argumentsOf(argc, argv));
     } catch (const CLI::Success& e) {
