@@ -118,6 +118,19 @@ BandCell cellAt(const Band& band, const Vec3d& p) {
     return cell;
 }
 
+Vec3d dropFacingCorners(const Band& band, BandCell& cell) {
+    Vec3d sum{};
+    for (std::size_t k = 0; k < 8; ++k)
+        if (cell.node[k] != kNoNode) sum += cell.weight[k] * Vec3d(band.normal[cell.node[k]]);
+    const Vec3d n = normalized(sum);
+    for (NodeIndex& i : cell.node)
+        if (i != kNoNode && dot(Vec3f(n), band.normal[i]) < Band::kOtherSheet) {
+            i = kNoNode;
+            cell.complete = false;
+        }
+    return n;
+}
+
 PsiSample samplePsi(const Band& band, const Vec3d& p) {
     PsiSample s;
     const BandCell cell = cellAt(band, p);

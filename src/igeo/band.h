@@ -167,6 +167,11 @@ struct BandCell {
 };
 BandCell cellAt(const Band& band, const Vec3d& pIndex);
 
+/// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, so that
+/// values of two sheets are never blended.
+/// @return the unit normal blended from the corners; zero if there are none
+Vec3d dropFacingCorners(const Band& band, BandCell& cell);
+
 /// psi and its gradient at a position, from the trilinear interpolant of the band's psi.
 struct PsiSample {
     bool valid = false;  ///< false where a corner is missing

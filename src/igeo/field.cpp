@@ -81,11 +81,9 @@ double sampleVoxels(const BandCell& cell, const Field& field) {
     return weight > 0 ? sum / weight : nearest;
 }
 
-double sampleJets(const Band& band, const BandCell& cell, const Field& field, const Vec3d& p) {
-    Vec3d n{};
-    for (std::size_t k = 0; k < 8; ++k)
-        if (cell.node[k] != kNoNode) n += cell.weight[k] * Vec3d(band.normal[cell.node[k]]);
-    const TangentFrame frame(Vec3f(normalized(n)));
+double sampleJets(const Band& band, const BandCell& cell, const Field& field, const Vec3d& p,
+                  const Vec3d& normal) {
+    const TangentFrame frame{Vec3f(normal)};
     JetNeighbours all;
     std::array<float, JetNeighbours::kMax> weight{};
     for (std::size_t k = 0; k < 8; ++k) {
@@ -93,7 +91,6 @@ double sampleJets(const Band& band, const BandCell& cell, const Field& field, co
         if (j == kNoNode || !(field.distance[j] < kInfinity)) continue;
         const Vec3f nj = band.normal[j];
         const float cosine = dot(frame.normal(), nj);
-        if (cosine < Band::kOtherSheet) continue;
         // A corner at p itself must not leave the sum empty.
         weight[std::size_t(all.count())] = float(cell.weight[k]) + 1e-6f;
         all.add(frame.neighbour(Vec3f(p - band.footPoint(j)), nj, cosine, field.gradient[j],
@@ -105,9 +102,10 @@ double sampleJets(const Band& band, const BandCell& cell, const Field& field, co
 }  // namespace
 
 double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex) {
-    const BandCell cell = cellAt(band, pIndex);
-    const double d =
-        field.atFootPoints ? sampleJets(band, cell, field, pIndex) : sampleVoxels(cell, field);
+    BandCell cell = cellAt(band, pIndex);
+    const Vec3d normal = dropFacingCorners(band, cell);
+    const double d = field.atFootPoints ? sampleJets(band, cell, field, pIndex, normal)
+                                        : sampleVoxels(cell, field);
     if (const SurfacePoint* s = seedAround(field, pIndex, d))
         return s->start + s->weight * length(pIndex - s->pIndex);
     return d;

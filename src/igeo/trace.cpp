@@ -46,15 +46,12 @@ private:
 };
 
 bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
-    const BandCell cell = cellAt(band_, p);
-    Vec3d g{}, n{};
-    for (std::size_t k = 0; k < 8; ++k) {
-        const NodeIndex i = cell.node[k];
-        if (i == kNoNode) continue;
-        g += cell.weight[k] * Vec3d(gradient_[i]);
-        n += cell.weight[k] * Vec3d(band_.normal[i]);
-    }
-    g = tangential(g, normalized(n));
+    BandCell cell = cellAt(band_, p);
+    const Vec3d n = dropFacingCorners(band_, cell);
+    Vec3d g{};
+    for (std::size_t k = 0; k < 8; ++k)
+        if (cell.node[k] != kNoNode) g += cell.weight[k] * Vec3d(gradient_[cell.node[k]]);
+    g = tangential(g, n);
     const double len = length(g);
     // Half of the front's gradient cancels where fronts meet at 120 degrees: no use beyond that.
     if (!(len > 0.1)) return false;
