@@ -103,7 +103,8 @@ void benchMarch(const Arguments& args) {
 
 /// godunov order 1 and maskSdf solve the same equations on the same voxels: a small sphere of exact
 /// distances around the seed, the band as mask. maskSdf repeats its sweeps until its largest
-/// difference from the march is below `tolerance`.
+/// difference from the march is below `tolerance`; on large grids its single-precision values drift
+/// down with every sweep and do not get there.
 void benchSweep(const Arguments& args) {
     const int n = int(args.number("n", 200));
     const double h = args.number("half-width", 1.7320508), tolerance = 1e-3;
@@ -128,7 +129,7 @@ void benchSweep(const Arguments& args) {
         // maskSdf extends from a zero crossing: distances less the radius of a ball that holds it.
         if (r <= field.startRadius) startAccessor.setValueOn(c, float((r - 1.5) / n));
     }
-    for (int iterations = 1; iterations <= 64; iterations *= 2) {
+    for (int iterations = 1; iterations <= 8; iterations *= 2) {
         openvdb::FloatGrid::Ptr swept;
         const double sweep =
             seconds(1, [&] { swept = openvdb::tools::maskSdf(start, mask, false, iterations); });
