@@ -88,6 +88,16 @@ struct Band {
         if (l == kNoLeaf) return kNoNode;
         return leaves[l].node(unsigned((ijk.x & 7) << 6 | (ijk.y & 7) << 3 | (ijk.z & 7)));
     }
+    NodeIndex neighbour(NodeIndex i, const Ijk& step) const {
+        return neighbour(i, step.x, step.y, step.z);
+    }
+    /// The step across face 0 to 5 of a voxel: -x, +x, -y, +y, -z, +z.
+    static Ijk faceStep(int side) {
+        Ijk step{};
+        step[side / 2] = side % 2 ? 1 : -1;
+        return step;
+    }
+
     /// Calls visit(j, dx, dy, dz) for the nodes j != i within one voxel of node i in every axis, in
     /// the order of the steps. Faster than 26 calls of neighbour().
     template <typename Visit>

@@ -23,9 +23,7 @@ public:
             for (std::size_t k = begin; k < end; ++k)
                 for (int side = 0; side < 6; ++side) {
                     const auto i = NodeIndex(k);
-                    Ijk step{};
-                    step[side / 2] = side % 2 ? 1 : -1;
-                    const NodeIndex j = band.neighbour(i, step.x, step.y, step.z);
+                    const NodeIndex j = band.neighbour(i, Band::faceStep(side));
                     table_[k][std::size_t(side)] = j != kNoNode && band.linked(i, j) ? j : none;
                 }
         });

@@ -186,9 +186,8 @@ const JetMarch::Solved& JetMarch::preferDisc(const Solved& s) const {
 void JetMarch::key(NodeIndex j, std::uint32_t current, std::vector<Queued>& out) {
     const Vec3f fj = band_.foot[j], g = g_[j];
     for (int side = 0; side < 6; ++side) {
-        Ijk step{};
-        step[side / 2] = side % 2 ? 1 : -1;
-        const NodeIndex i = band_.neighbour(j, step.x, step.y, step.z);
+        const Ijk step = Band::faceStep(side);
+        const NodeIndex i = band_.neighbour(j, step);
         if (i == kNoNode || !core(i)) continue;
         // Several threads may key one node: the least bucket wins, whoever comes first.
         std::uint32_t seen = __atomic_load_n(&bucket_[i], __ATOMIC_RELAXED);
@@ -273,7 +272,7 @@ JetMarch::Solved JetMarch::extendTo(NodeIndex i) const {
             1e-6f;
         // The lightest corners change nothing, but one of the eight always counts.
         if (w < kLight) continue;
-        const NodeIndex j = band_.neighbour(i, step.x, step.y, step.z);
+        const NodeIndex j = band_.neighbour(i, step);
         if (j == kNoNode || !core(j) || !(u_[j] < kInfinity)) continue;
         const Vec3f nj = band_.normal[j];
         const float cosine = igeo::dot(frame.normal(), nj);

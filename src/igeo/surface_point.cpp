@@ -84,10 +84,8 @@ std::vector<NodeIndex> nodesAround(const Band& band, const SurfacePoint& p, doub
     };
     std::vector<NodeIndex> seen{p.node};  // sorted: discs hold a few hundred nodes
     for (std::size_t k = 0; k < found.size(); ++k) {
-        for (int step = 0; step < 6; ++step) {
-            Ijk d{};
-            d[step / 2] = step % 2 ? 1 : -1;
-            const NodeIndex j = band.neighbour(found[k], d.x, d.y, d.z);
+        for (int side = 0; side < 6; ++side) {
+            const NodeIndex j = band.neighbour(found[k], Band::faceStep(side));
             if (!within(j) || !band.linked(found[k], j)) continue;
             const auto at = std::lower_bound(seen.begin(), seen.end(), j);
             if (at != seen.end() && *at == j) continue;
