@@ -57,17 +57,25 @@ public:
 private:
     void checkOutputs();
     void readSurface();
-    void makeBand();
+    void readAskedPoints();
+    void chooseBandWidth();
+    void solve();
+    std::vector<igeo::Ball> regionWithin(double distance) const;
+    void makeBand(const std::vector<igeo::Ball>& region);
     void placePoints();
-    void march();
+    void march(double maxDistance);
     void trace();
     void writeResults();
     int summarise();
 
     bool asked(const char* grid) const;  ///< by --with
 
-    std::vector<igeo::SurfacePoint> place(const std::vector<std::string>& given,
-                                          const std::string& file, const char* what);
+    std::vector<igeo::AskedPoint> asked(const std::vector<std::string>& given,
+                                        const std::string& file, const char* what) const;
+    igeo::Vec3d indexOf(const igeo::AskedPoint& p) const;
+    bool allNear(const std::vector<igeo::AskedPoint>& asked) const;
+    std::vector<igeo::SurfacePoint> place(const std::vector<igeo::AskedPoint>& asked,
+                                          const char* what);
     /// Ends a stage: its name, and the time since the last one ended.
     void finished(const char* stage);
     std::string outputName() const;
@@ -79,7 +87,9 @@ private:
 
     igeo::GridSource source_;
     igeo::LevelSet surface_;
+    double h_ = 0;  ///< half the band's thickness, voxels
     igeo::Band band_;
+    std::vector<igeo::AskedPoint> askedSeeds_, askedTargets_;
     std::vector<igeo::SurfacePoint> seeds_, targets_;
     igeo::Field field_;
     igeo::RunReport report_;
@@ -89,7 +99,12 @@ void Job::finished(const char* stage) {
     const auto now = std::chrono::steady_clock::now();
     const double seconds = std::chrono::duration<double>(now - stageStart_).count();
     stageStart_ = now;
-    report_.seconds.emplace_back(stage, seconds);
+    const auto same = std::find_if(report_.seconds.begin(), report_.seconds.end(),
+                                   [&](const auto& entry) { return entry.first == stage; });
+    if (same == report_.seconds.end())
+        report_.seconds.emplace_back(stage, seconds);
+    else
+        same->second += seconds;
     progress_.clear();
     console_.detail(std::string(stage) + text(": %.3f s", seconds));
 }
@@ -158,48 +173,70 @@ void Job::readSurface() {
     finished("check");
 }
 
-void Job::makeBand() {
+void Job::chooseBandWidth() {
     const auto& st = surface_.stats;
     const double dx = surface_.transform.dx;
     const igeo::BandBounds bounds = igeo::bandBounds(st.largestCurvature, st.reach, st.halfWidth);
     report_.bandLower = bounds.lower;
     report_.bandUpper = bounds.upper;
     // jet works on foot points, for which the narrowest band is enough.
-    double h = options_.scheme == "jet"
-                   ? bounds.lower
-                   : igeo::defaultBandWidth(options_.order, st.largestCurvature, bounds);
-    if (options_.band > 0) h = igeo::requireBandWidth(options_.band / dx, bounds, dx);
-    if (options_.bandVoxels > 0) h = igeo::requireBandWidth(options_.bandVoxels, bounds, dx);
+    h_ = options_.scheme == "jet"
+             ? bounds.lower
+             : igeo::defaultBandWidth(options_.order, st.largestCurvature, bounds);
+    if (options_.band > 0) h_ = igeo::requireBandWidth(options_.band / dx, bounds, dx);
+    if (options_.bandVoxels > 0) h_ = igeo::requireBandWidth(options_.bandVoxels, bounds, dx);
     if (!bounds.resolved)
         surface_.warnings.push_back(
             "in places the surface bends or folds within " + text("%.2g voxels", bounds.lower) +
             ", less than the grid resolves: distances are less accurate there than elsewhere");
-    igeo::widen(surface_, h);
-    band_ = igeo::bandFromLevelSet(surface_, h, progress_);
-    console_.detail(
-        text("band: h = %.6g (%.4g voxels), %.0f nodes", h * dx, h, double(band_.size())));
+    igeo::widen(surface_, h_);
+}
+
+void Job::makeBand(const std::vector<igeo::Ball>& region) {
+    band_ = igeo::bandFromLevelSet(surface_, h_, region, progress_);
+    console_.detail(text("band: h = %.6g (%.4g voxels), %.0f nodes", h_ * surface_.transform.dx, h_,
+                         double(band_.size())) +
+                    (region.empty() ? "" : " near the seeds"));
     finished("band");
 }
 
-std::vector<igeo::SurfacePoint> Job::place(const std::vector<std::string>& given,
-                                           const std::string& file, const char* what) {
-    std::vector<igeo::AskedPoint> asked;
+std::vector<igeo::AskedPoint> Job::asked(const std::vector<std::string>& given,
+                                         const std::string& file, const char* what) const {
+    std::vector<igeo::AskedPoint> points;
     for (const std::string& s : given) {
         try {
-            asked.push_back(igeo::parsePoint(s));
+            points.push_back(igeo::parsePoint(s));
         } catch (const Error& e) {
             throw Error(e.kind(), std::string("--") + what + ": " + e.what(), e.remedy());
         }
     }
     if (!file.empty())
-        for (const igeo::AskedPoint& p : igeo::readPoints(file)) asked.push_back(p);
+        for (const igeo::AskedPoint& p : igeo::readPoints(file)) points.push_back(p);
+    return points;
+}
 
+void Job::readAskedPoints() {
+    askedSeeds_ = asked(options_.seeds, options_.seedFile, "seed");
+    askedTargets_ = asked(options_.targets, options_.targetFile, "target");
+}
+
+igeo::Vec3d Job::indexOf(const igeo::AskedPoint& p) const {
+    return options_.indexSpace ? p.position : surface_.transform.indexFromWorld(p.position);
+}
+
+bool Job::allNear(const std::vector<igeo::AskedPoint>& asked) const {
+    return std::all_of(asked.begin(), asked.end(), [&](const igeo::AskedPoint& p) {
+        return igeo::nearestSurfacePoint(band_, indexOf(p)).snapDistance * band_.transform.dx <=
+               report_.snap * (1 + 1e-6);
+    });
+}
+
+std::vector<igeo::SurfacePoint> Job::place(const std::vector<igeo::AskedPoint>& asked,
+                                           const char* what) {
     const igeo::Similarity& t = band_.transform;
     std::vector<igeo::SurfacePoint> points;
     for (std::size_t k = 0; k < asked.size(); ++k) {
-        const igeo::Vec3d pIndex =
-            options_.indexSpace ? asked[k].position : t.indexFromWorld(asked[k].position);
-        igeo::SurfacePoint p = igeo::nearestSurfacePoint(band_, pIndex);
+        igeo::SurfacePoint p = igeo::nearestSurfacePoint(band_, indexOf(asked[k]));
         p.start = asked[k].start / t.dx;
         if (p.snapDistance * t.dx > report_.snap * (1 + 1e-6))
             usageError(std::string(what) + " " + std::to_string(k) + " (" +
@@ -217,18 +254,72 @@ std::vector<igeo::SurfacePoint> Job::place(const std::vector<std::string>& given
 }
 
 void Job::placePoints() {
-    report_.snap = options_.snap >= 0 ? options_.snap : report_.halfWidth * band_.transform.dx;
-    seeds_ = place(options_.seeds, options_.seedFile, "seed");
-    targets_ = place(options_.targets, options_.targetFile, "target");
+    seeds_ = place(askedSeeds_, "seed");
+    targets_ = place(askedTargets_, "target");
     finished("snap");
 }
 
-void Job::march() {
-    double maxDistance = igeo::kInfinity;
+/// Where a march up to `distance` (voxels times weight) from the seeds can come, and where targets
+/// are looked for: no path is shorter than the straight line. Empty: everywhere.
+std::vector<igeo::Ball> Job::regionWithin(double distance) const {
+    // What a march looks at beyond its limit: its margin, the start discs, the band, its cells; and
+    // a scheme may be some percent short.
+    constexpr double kBeyond = 16, kShort = 1.1;
+    // Every leaf is held against every ball: for many points the whole surface is cheaper.
+    constexpr std::size_t kMany = 200;
+    if (!(distance < igeo::kInfinity) || askedSeeds_.size() + askedTargets_.size() > kMany)
+        return {};
+    const double snap = report_.snap / surface_.transform.dx;
+    std::vector<igeo::Ball> region;
+    for (const igeo::AskedPoint& p : askedSeeds_)
+        region.push_back({indexOf(p), snap + kShort * std::max(distance, 0.0) + kBeyond});
+    for (const igeo::AskedPoint& p : askedTargets_) region.push_back({indexOf(p), snap + kBeyond});
+    return region;
+}
+
+/// Band, points and march. What stays near the seeds never sees the rest of the surface.
+void Job::solve() {
+    const double dx = surface_.transform.dx;
+    report_.snap = options_.snap >= 0 ? options_.snap : report_.halfWidth * dx;
+    double limit = igeo::kInfinity;
     if (options_.maxDistance > 0) {
         report_.maxDistance = options_.maxDistance;
-        maxDistance = options_.maxDistance / band_.transform.dx;
+        limit = options_.maxDistance / dx;
     }
+    // How far targets are is not known: a reach that doubles until all are found, at no more than
+    // twice the cost of the last.
+    double reach = limit;
+    if (options_.stopAtTargets) {
+        double farthest = 0;
+        for (const igeo::AskedPoint& t : askedTargets_) {
+            double nearest = igeo::kInfinity;
+            for (const igeo::AskedPoint& s : askedSeeds_)
+                nearest = std::min(nearest, igeo::length(indexOf(t) - indexOf(s)));
+            farthest = std::max(farthest, nearest);
+        }
+        reach = std::min(limit, std::max(1.5 * farthest, 16.0));
+    }
+    const auto box = surface_.psi->evalActiveVoxelBoundingBox().dim();
+    const double diagonal = std::sqrt(box.asVec3d().lengthSqr());
+    while (true) {
+        const bool whole = reach > 0.5 * diagonal;
+        makeBand(whole ? std::vector<igeo::Ball>{} : regionWithin(reach));
+        if (!whole && (band_.size() == 0 || !allNear(askedSeeds_) || !allNear(askedTargets_))) {
+            // Somebody is too far away, and placePoints will say where the nearest point is.
+            makeBand({});
+        }
+        placePoints();
+        march(whole ? limit : reach);
+        const bool found =
+            std::all_of(targets_.begin(), targets_.end(), [&](const igeo::SurfacePoint& t) {
+                return igeo::sampleDistance(band_, field_, t.pIndex) < igeo::kInfinity;
+            });
+        if (whole || reach >= limit || found) return;
+        reach = std::min(limit, 2 * reach);
+    }
+}
+
+void Job::march(double maxDistance) {
     const auto stopAt = options_.stopAtTargets ? targets_ : std::vector<igeo::SurfacePoint>{};
     if (options_.scheme == "jet") {
         igeo::JetOptions jet;
@@ -347,9 +438,9 @@ int Job::run() {
         usageError("no seed is given", "add --seed x,y,z or --seeds FILE");
     checkOutputs();
     readSurface();
-    makeBand();
-    placePoints();
-    march();
+    readAskedPoints();
+    chooseBandWidth();
+    solve();
     trace();
     writeResults();
     return summarise();

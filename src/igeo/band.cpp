@@ -36,17 +36,20 @@ LeafIndex Band::leafAt(const Ijk& ijk) const {
     }
 }
 
+void LeafNodes::number(NodeIndex start) {
+    first = start;
+    count = 0;
+    for (std::size_t x = 0; x < 8; ++x) {
+        before[x] = std::uint16_t(count);
+        count += bitCount(mask[x]);
+    }
+}
+
 void Band::buildTopology() {
     std::size_t count = 0;
     for (BandLeaf& l : leaves) {
-        l.firstNode = NodeIndex(count);
-        unsigned inLeaf = 0;
-        for (unsigned xy = 0; xy < 64; ++xy) {
-            l.before[xy] = std::uint16_t(inLeaf);
-            inLeaf += BandLeaf::bitCount(l.row(xy));
-        }
-        l.nodeCount = inLeaf;
-        count += inLeaf;
+        l.band.number(NodeIndex(count));
+        count += l.band.count;
         if (count >= kNoNode)
             throw Error(Error::Kind::BadInput, "the band holds more than 4294967294 voxels",
                         "use a narrower band or a coarser level set");
@@ -75,14 +78,36 @@ void Band::buildTopology() {
                 for (int dy = -8; dy <= 8; dy += 8)
                     for (int dz = -8; dz <= 8; dz += 8)
                         here.neighbour[k++] = leafAt(here.origin + Ijk{dx, dy, dz});
-            NodeIndex node = here.firstNode;
+            NodeIndex node = here.band.first;
             for (unsigned x = 0; x < 8; ++x)
-                for (std::uint64_t word = here.mask[x]; word; word &= word - 1, ++node) {
+                for (std::uint64_t word = here.band.mask[x]; word; word &= word - 1, ++node) {
                     leaf[node] = LeafIndex(l);
                     offset[node] = std::uint16_t(x << 6 | unsigned(__builtin_ctzll(word)));
                 }
         }
     });
+}
+
+void Band::numberCore() {
+    // Half of an edge, and room for a psi that is 10 % off: where S has a hole in the core, fronts
+    // would go around it.
+    constexpr float kHalfEdge = 0.55f;
+    parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            BandLeaf& here = leaves[l];
+            here.core.mask = {};
+            for (NodeIndex i = here.band.first; i < here.band.first + here.band.count; ++i) {
+                const Vec3f n = normal[i];
+                const float most = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
+                if (std::abs(psi[i]) <= kHalfEdge * most) here.core.insert(offset[i]);
+            }
+        }
+    });
+    coreSize_ = 0;
+    for (BandLeaf& here : leaves) {
+        here.core.number(NodeIndex(coreSize_));
+        coreSize_ += here.core.count;
+    }
 }
 
 void Band::markFacing(NodeIndex i) {

@@ -15,34 +15,51 @@ namespace igeo {
 using LeafIndex = std::uint32_t;
 constexpr LeafIndex kNoLeaf = std::numeric_limits<LeafIndex>::max();
 
-/// 8^3 voxels of the band, laid out as OpenVDB's leaves: voxel (x, y, z) of the leaf has offset
+/// A numbering of some voxels of a leaf. Laid out as OpenVDB's leaves: voxel (x, y, z) has offset
 /// 64 x + 8 y + z, so mask word x holds the slice at x and its byte y the row at (x, y).
-struct BandLeaf {
-    Ijk origin;                              ///< smallest voxel, a multiple of 8
-    NodeIndex firstNode = 0;                 ///< number of the leaf's first node
-    NodeIndex nodeCount = 0;                 ///< nodes of the leaf
-    std::array<std::uint64_t, 8> mask{};     ///< which voxels are in the band
-    std::array<std::uint16_t, 64> before{};  ///< nodes of the leaf before the row at 8 x + y
-    std::array<LeafIndex, 27> neighbour{};   ///< leaf at step (dx,dy,dz): 9(dx+1)+3(dy+1)+dz+1
+struct LeafNodes {
+    std::array<std::uint64_t, 8> mask{};    ///< which voxels have a number
+    std::array<std::uint16_t, 8> before{};  ///< numbered voxels before slice x
+    NodeIndex first = 0;                    ///< number of the first
+    NodeIndex count = 0;
 
-    /// The row at 8 x + y: bit z for voxel z.
-    unsigned row(unsigned xy) const { return unsigned(mask[xy >> 3] >> (8 * (xy & 7))) & 0xff; }
-    /// The node at an offset of this leaf, or kNoNode.
+    void insert(unsigned offset) { mask[offset >> 6] |= std::uint64_t(1) << (offset & 63); }
+    /// Numbers the voxels of the mask from `start` on, by offset.
+    void number(NodeIndex start);
+
+    /// The number of the voxel at an offset, or kNoNode.
     NodeIndex node(unsigned offset) const {
-        const unsigned bits = row(offset >> 3), z = offset & 7;
-        if (!(bits >> z & 1)) return kNoNode;
-        return firstNode + before[offset >> 3] + bitCount(bits & ((1u << z) - 1));
+        return mask[offset >> 6] >> (offset & 63) & 1 ? numberOf(offset) : kNoNode;
     }
-    /// Bits set in a byte. By hand: the instruction for it is not in every x86-64.
-    static unsigned bitCount(unsigned byte) {
-        byte -= byte >> 1 & 0x55;
-        byte = (byte & 0x33) + (byte >> 2 & 0x33);
-        return (byte + (byte >> 4)) & 0xf;
+    /// The same for a voxel known to be in the mask.
+    NodeIndex numberOf(unsigned offset) const {
+        const std::uint64_t lower = (std::uint64_t(1) << (offset & 63)) - 1;
+        return first + before[offset >> 6] + bitCount(mask[offset >> 6] & lower);
+    }
+    /// By hand: the instruction for it is not in every x86-64.
+    static unsigned bitCount(std::uint64_t bits) {
+        bits -= bits >> 1 & 0x5555555555555555;
+        bits = (bits & 0x3333333333333333) + (bits >> 2 & 0x3333333333333333);
+        bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0f;
+        return unsigned(bits * 0x0101010101010101 >> 56);
     }
 };
 
+/// 8^3 voxels of the band.
+struct BandLeaf {
+    Ijk origin;      ///< smallest voxel, a multiple of 8
+    LeafNodes band;  ///< the leaf's nodes
+    LeafNodes core;  ///< those of the core (Band::numberCore), with numbers of their own
+    std::array<LeafIndex, 27> neighbour{};  ///< leaf at step (dx,dy,dz): 9(dx+1)+3(dy+1)+dz+1
+};
+
 /// The band in flat arrays. Nodes are numbered leaf by leaf, by offset within the leaf, so the
-/// numbering depends on the topology alone. 35 bytes per node and 3 to 5 for the leaves.
+/// numbering depends on the topology alone. 35 bytes per node and about 5 for the leaves.
+///
+/// The core is the thinnest part of the band that is still closed: the nearer end of every lattice
+/// edge that S crosses along the axis its normal is closest to. For a plane these are the voxels
+/// with |psi| <= max(|n_x|, |n_y|, |n_z|) / 2, one per lattice column, so that neighbours of the
+/// core are neighbours along S (26 steps); about a quarter of a band of h = sqrt(3).
 ///
 /// M&S (14) keeps h below W, the distance at which two sheets of the surface meet, so that a front
 /// never jumps from one to the other. Real surfaces have places where no grid affords that
@@ -70,23 +87,32 @@ struct Band {
     }
     Vec3d footPoint(NodeIndex i) const { return Vec3d(ijk(i)) + Vec3d(foot[i]); }
 
-    /// The node at step (dx, dy, dz) from node i, each step in [-8, 8], or kNoNode. O(1).
+    /// The node at step (dx, dy, dz) from node i, or kNoNode. O(1); fastest within 8 voxels.
     NodeIndex neighbour(NodeIndex i, int dx, int dy, int dz) const {
-        const int o = offset[i];
-        const int x = (o >> 6) + dx, y = (o >> 3 & 7) + dy, z = (o & 7) + dz;
-        LeafIndex l = leaf[i];
+        return neighbour(&BandLeaf::band, leaf[i], offset[i], {dx, dy, dz});
+    }
+    /// The same from the voxel at an offset of leaf l.
+    /// @param nodes  &BandLeaf::band, or &BandLeaf::core for the core's numbers
+    NodeIndex neighbour(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
+                        const Ijk& step) const {
+        const int x = int(at >> 6) + step.x, y = int(at >> 3 & 7) + step.y,
+                  z = int(at & 7) + step.z;
         if ((x | y | z) & ~7) {
-            l = leaves[l].neighbour[std::size_t(9 * (x >> 3) + 3 * (y >> 3) + (z >> 3) + 13)];
+            l = leafBeside(l, x >> 3, y >> 3, z >> 3);
             if (l == kNoLeaf) return kNoNode;
         }
-        return leaves[l].node(unsigned((x & 7) << 6 | (y & 7) << 3 | (z & 7)));
+        return (leaves[l].*nodes).node(offsetOf(x, y, z));
     }
 
     /// The node at a voxel, or kNoNode. One hash look-up.
     NodeIndex nodeAt(const Ijk& ijk) const {
         const LeafIndex l = leafAt(ijk);
         if (l == kNoLeaf) return kNoNode;
-        return leaves[l].node(unsigned((ijk.x & 7) << 6 | (ijk.y & 7) << 3 | (ijk.z & 7)));
+        return leaves[l].band.node(offsetOf(ijk.x, ijk.y, ijk.z));
+    }
+    /// Offset of a voxel in its leaf.
+    static unsigned offsetOf(int x, int y, int z) {
+        return unsigned((x & 7) << 6 | (y & 7) << 3 | (z & 7));
     }
     NodeIndex neighbour(NodeIndex i, const Ijk& step) const {
         return neighbour(i, step.x, step.y, step.z);
@@ -98,10 +124,20 @@ struct Band {
         return step;
     }
 
-    /// Calls visit(j, dx, dy, dz) for the nodes j != i within one voxel of node i in every axis, in
-    /// the order of the steps. Faster than 26 calls of neighbour().
+    /// Calls visit(j, dx, dy, dz) for the nodes j within one voxel of a voxel in every axis (itself
+    /// left out), in the order of the steps. Faster than 26 calls of neighbour().
+    /// @param nodes  &BandLeaf::band, or &BandLeaf::core for the core's numbers
+    /// @param l, at  leaf and offset of the voxel
     template <typename Visit>
-    void forNeighbours(NodeIndex i, const Visit& visit) const;
+    void forNeighbours(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
+                       const Visit& visit) const;
+
+    /// Calls visit(j, corner) for the nodes j among the 8 voxels at low + {0, 1}^3, corner (a, b,
+    /// c) numbered 4 a + 2 b + c, in that order.
+    /// @param low  relative to the voxel at an offset of leaf l
+    template <typename Visit>
+    void forCorners(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at, const Ijk& low,
+                    const Visit& visit) const;
 
     /// Whether a front may pass between neighbours i and j: not if their normals oppose, for then
     /// they belong to two sheets that face each other.
@@ -115,56 +151,104 @@ struct Band {
     /// May be called for many nodes in parallel; call it for every node at which psi has a kink.
     void markFacing(NodeIndex i);
 
+    /// The leaf at a step of so many leaves, or kNoLeaf.
+    LeafIndex leafBeside(LeafIndex l, int dx, int dy, int dz) const {
+        if (std::max({std::abs(dx), std::abs(dy), std::abs(dz)}) > 1)
+            return leafAt(leaves[l].origin + Ijk{8 * dx, 8 * dy, 8 * dz});
+        return leaves[l].neighbour[std::size_t(9 * dx + 3 * dy + dz + 13)];
+    }
     /// The leaf that holds a voxel, or kNoLeaf.
     LeafIndex leafAt(const Ijk& ijk) const;
 
-    /// Numbers the nodes of `leaves` (origin and mask set, in their final order), links the leaves
-    /// and sizes the node arrays; fills `leaf` and `offset`, leaves the rest to the caller.
+    /// Numbers the nodes of `leaves` (origin and mask of `band` set, in their final order), links
+    /// the leaves and sizes the node arrays; fills `leaf` and `offset`, leaves the rest to the
+    /// caller, who then calls numberCore().
     /// @throws Error  BadInput for more nodes than NodeIndex can number
     void buildTopology();
+
+    /// Finds and numbers the core, from psi and normal.
+    void numberCore();
+    std::size_t coreSize() const { return coreSize_; }
 
     /// Bytes held by the arrays.
     std::size_t memUsage() const;
 
 private:
+    /// Bits of a slice in the rows y - 1 to y + 1, and in the columns z - 1 to z + 1; y and z in
+    /// [-1, 8].
+    static std::uint64_t rowsNear(int y) {
+        return y < 1 ? 0xffffffu >> (8 - 8 * y) : std::uint64_t(0xffffff) << (8 * y - 8);
+    }
+    static std::uint64_t columnsNear(int z) {
+        return ((z < 1 ? 7u >> (1 - z) : 7u << (z - 1)) & 0xff) * 0x0101010101010101;
+    }
+
+    std::size_t coreSize_ = 0;
     std::vector<LeafIndex> table_;  ///< open addressing over leaf origins, a power of two long
 };
 
 template <typename Visit>
-void Band::forNeighbours(NodeIndex i, const Visit& visit) const {
-    const int o = offset[i], x = o >> 6, y = o >> 3 & 7, z = o & 7;
-    const BandLeaf& here = leaves[leaf[i]];
-    // Row by row along z: the nodes of a row are consecutive, and most rows are short.
-    for (int dx = -1; dx <= 1; ++dx)
-        for (int dy = -1; dy <= 1; ++dy) {
-            const int nx = x + dx, ny = y + dy;
-            const int at = 9 * (nx >> 3) + 3 * (ny >> 3) + 13;
-            const auto xy = unsigned((nx & 7) << 3 | (ny & 7));
-            const bool centre = dx == 0 && dy == 0;
-            auto beside = [&](int step, unsigned bit) {
-                const LeafIndex l = here.neighbour[std::size_t(at + step)];
-                if (l == kNoLeaf || !(leaves[l].row(xy) >> bit & 1)) return;
-                visit(leaves[l].node(xy << 3 | bit), dx, dy, step);
-            };
-            if (z == 0) beside(-1, 7);
-            const LeafIndex l = at == 13 ? leaf[i] : here.neighbour[std::size_t(at)];
-            if (l != kNoLeaf) {
-                const BandLeaf& in = leaves[l];
-                // Shifted up by one bit, so that z - 1 needs no exception at z = 0.
-                const unsigned row = in.row(xy) << 1, near = row >> z & 7;
-                if (near) {
-                    NodeIndex next =
-                        in.firstNode + in.before[xy] + BandLeaf::bitCount(row & ((1u << z) - 1));
-                    if (near & 1) visit(next++, dx, dy, -1);
-                    if (near & 2) {
-                        if (!centre) visit(next, dx, dy, 0);
-                        ++next;
-                    }
-                    if (near & 4) visit(next, dx, dy, 1);
-                }
-            }
-            if (z == 7) beside(1, 0);
+void Band::forNeighbours(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
+                         const Visit& visit) const {
+    const int x = int(at >> 6), y = int(at >> 3 & 7), z = int(at & 7);
+    const BandLeaf& here = leaves[l];
+    // The voxels of slice x + dx in the leaf at step (sy, sz) that lie in `rows`.
+    auto slice = [&](int dx, int sy, int sz, std::uint64_t rows) {
+        const int nx = x + dx, step = 9 * (nx >> 3) + 3 * sy + sz + 13;
+        const LeafIndex m = step == 13 ? l : here.neighbour[std::size_t(step)];
+        if (m == kNoLeaf) return;
+        const LeafNodes& in = leaves[m].*nodes;
+        const unsigned first = unsigned(nx & 7) << 6;
+        std::uint64_t near = in.mask[first >> 6] & rows & columnsNear(z - 8 * sz);
+        if (dx == 0 && step == 13) near &= ~(std::uint64_t(1) << (at & 63));
+        for (; near; near &= near - 1) {
+            const auto bit = unsigned(__builtin_ctzll(near));
+            visit(in.numberOf(first | bit), dx, int(bit >> 3) + 8 * sy - y,
+                  int(bit & 7) + 8 * sz - z);
         }
+    };
+    const int y0 = y == 0 ? -1 : 0, y1 = y == 7 ? 1 : 0;
+    for (int dx = -1; dx <= 1; ++dx)
+        for (int sy = y0; sy <= y1; ++sy) {
+            const std::uint64_t rows = rowsNear(y - 8 * sy);
+            if (z > 0 && z < 7)
+                slice(dx, sy, 0, rows);
+            else  // Row by row, for the order of the steps.
+                for (int row = 0; row < 8; ++row) {
+                    const std::uint64_t one = rows & std::uint64_t(0xff) << (8 * row);
+                    if (!one) continue;
+                    slice(dx, sy, z == 0 ? -1 : 0, one);
+                    slice(dx, sy, z == 0 ? 0 : 1, one);
+                }
+        }
+}
+
+template <typename Visit>
+void Band::forCorners(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at, const Ijk& low,
+                      const Visit& visit) const {
+    const int x = int(at >> 6) + low.x, y = int(at >> 3 & 7) + low.y, z = int(at & 7) + low.z;
+    const int sx = x >> 3, sy = y >> 3, sz = z >> 3;
+    if ((x & 7) < 7 && (y & 7) < 7 && (z & 7) < 7) {
+        if (sx | sy | sz) l = leafBeside(l, sx, sy, sz);
+        if (l == kNoLeaf) return;
+        const LeafNodes& in = leaves[l].*nodes;
+        const unsigned first = offsetOf(x, y, z);
+        for (unsigned a = 0; a < 2; ++a) {
+            const unsigned o = first + 64 * a;
+            const std::uint64_t near = in.mask[o >> 6] >> (o & 63);
+            if (!(near & 0x303)) continue;
+            if (near & 1) visit(in.numberOf(o), 4 * a);
+            if (near & 2) visit(in.numberOf(o + 1), 4 * a + 1);
+            if (near >> 8 & 1) visit(in.numberOf(o + 8), 4 * a + 2);
+            if (near >> 8 & 2) visit(in.numberOf(o + 9), 4 * a + 3);
+        }
+        return;
+    }
+    for (unsigned k = 0; k < 8; ++k) {
+        const Ijk corner{int(k >> 2), int(k >> 1 & 1), int(k & 1)};
+        const NodeIndex j = neighbour(nodes, l, at, low + corner);
+        if (j != kNoNode) visit(j, k);
+    }
 }
 
 /// The 8 nodes around a position with their trilinear weights: how values on band voxels are read

@@ -18,7 +18,8 @@ struct Field {
     bool atFootPoints = false;  ///< distance and gradient are those of the foot points (jet), not
                                 ///< of the voxels (godunov)
     std::vector<std::uint32_t> label;  ///< per band node: the seed it is nearest to; empty for one
-    std::size_t guarded = 0;           ///< nodes that a guard solved (jet)
+    std::size_t solved = 0;            ///< nodes that were marched (jet: of the core)
+    std::size_t guarded = 0;           ///< of those, solved by the guard (jet)
     std::vector<SurfacePoint> seeds;   ///< where it starts
     std::string scheme;                ///< what computed it, e.g. "godunov, order 2"
     double startRadius = 0;            ///< within it, distances around seeds are exact; voxels

@@ -15,8 +15,7 @@ void fill(GridT& grid, const Band& band, const Field& field, const ValueAt& valu
     parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& from = band.leaves[l];
-            for (std::size_t k = 0; k < from.nodeCount; ++k) {
-                const auto i = NodeIndex(from.firstNode + k);
+            for (NodeIndex i = from.band.first; i < from.band.first + from.band.count; ++i) {
                 if (!(field.distance[i] < kInfinity)) continue;
                 if (!leaves[l])
                     leaves[l] = new Leaf(

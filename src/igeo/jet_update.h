@@ -208,7 +208,7 @@ inline Jet fitFront(const JetNeighbours& all, Vec2f start, float& residual) {
 /// @return whether it is below `best`, relative to base(), which is then updated
 inline bool lowerBySegment(const JetNeighbours& all, int p, int q, float& best, Vec2f& direction) {
     // Between directions further apart than that a front may fold: no interpolation.
-    if (dot(all.g(p), all.g(q)) < 0.9f) return false;
+    if (dot(all.g(p), all.g(q)) < kSameFront) return false;
     const Vec2f ap = all.a(p), e = ap - all.a(q);  // from p to q, as both are at -a
     const float up = all.u(p), du = all.u(q) - up, mp = dot(all.g(p), e), mq = dot(all.g(q), e);
     auto total = [&](float s) {

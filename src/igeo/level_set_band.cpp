@@ -4,11 +4,24 @@
 #include <igeo/leaf_block.h>
 #include <igeo/parallel.h>
 
+#include <algorithm>
+
 namespace igeo {
 
 namespace {
 
 using Leaf = LeafBlock::Leaf;
+
+bool meets(const Leaf& leaf, const std::vector<Ball>& region) {
+    const openvdb::Coord o = leaf.origin();
+    const Vec3d low(o.x(), o.y(), o.z());
+    return std::any_of(region.begin(), region.end(), [&](const Ball& ball) {
+        Vec3d r;  // from the nearest point of the leaf
+        for (int a = 0; a < 3; ++a)
+            r[a] = ball.centre[a] - std::clamp(ball.centre[a], low[a], low[a] + 7);
+        return length(r) <= ball.radius;
+    });
+}
 
 /// Leaves of the band: those of the level set that hold a voxel with |psi| < h, in tree order.
 std::vector<BandLeaf> bandLeaves(const std::vector<const Leaf*>& source, double hWorld,
@@ -19,14 +32,13 @@ std::vector<BandLeaf> bandLeaves(const std::vector<const Leaf*>& source, double 
             const openvdb::Coord o = source[l]->origin();
             all[l].origin = {o.x(), o.y(), o.z()};
             for (auto it = source[l]->cbeginValueOn(); it; ++it)
-                if (std::abs(*it) < hWorld)
-                    all[l].mask[it.pos() >> 6] |= std::uint64_t(1) << (it.pos() & 63);
+                if (std::abs(*it) < hWorld) all[l].band.insert(it.pos());
         }
     });
     std::vector<BandLeaf> leaves;
     for (std::size_t l = 0; l < all.size(); ++l) {
         std::uint64_t any = 0;
-        for (const std::uint64_t word : all[l].mask) any |= word;
+        for (const std::uint64_t word : all[l].band.mask) any |= word;
         if (!any) continue;
         leaves.push_back(all[l]);
         kept.push_back(source[l]);
@@ -36,7 +48,8 @@ std::vector<BandLeaf> bandLeaves(const std::vector<const Leaf*>& source, double 
 
 }  // namespace
 
-Band bandFromLevelSet(const LevelSet& levelSet, double h, Progress& progress) {
+Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball>& region,
+                      Progress& progress) {
     if (!(h > 0) || h > levelSet.stats.halfWidth + 1e-3)
         throw Error(Error::Kind::InvalidArgument,
                     "a band of " + std::to_string(h) + " voxels does not fit a level set that is " +
@@ -44,6 +57,10 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, Progress& progress) {
                     "widen the level set first");
     std::vector<const Leaf*> source, kept;
     levelSet.psi->constTree().getNodes(source);
+    if (!region.empty())
+        source.erase(std::remove_if(source.begin(), source.end(),
+                                    [&](const Leaf* l) { return !meets(*l, region); }),
+                     source.end());
 
     Band band;
     band.transform = levelSet.transform;
@@ -59,14 +76,13 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, Progress& progress) {
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
         for (std::size_t l = begin; l < end; ++l) {
             block.gather(psi, kept[l]->origin(), dx);
-            const BandLeaf& leaf = band.leaves[l];
-            for (std::size_t k = 0; k < leaf.nodeCount; ++k) {
-                const std::size_t i = leaf.firstNode + k;
+            const LeafNodes& nodes = band.leaves[l].band;
+            for (NodeIndex i = nodes.first; i < nodes.first + nodes.count; ++i) {
                 const int o = band.offset[i], x = o >> 6, y = o >> 3 & 7, z = o & 7;
                 const PsiDifferences d(block, x, y, z);
                 const double value = block.at(x, y, z);
                 const Vec3d n = normalized(psiGradient(d, value));
-                if (!d.smooth()) kinks[l].push_back(NodeIndex(i));
+                if (!d.smooth()) kinks[l].push_back(i);
                 band.psi[i] = float(value);
                 band.normal[i] = Vec3f(n);
                 band.foot[i] = Vec3f(-value * n);
@@ -78,6 +94,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, Progress& progress) {
         for (std::size_t l = begin; l < end; ++l)
             for (const NodeIndex i : kinks[l]) band.markFacing(i);
     });
+    band.numberCore();
     return band;
 }
 

@@ -78,10 +78,15 @@ void benchMarch(const Arguments& args) {
     const double before = peakMemory();
     const ThreadLimit limit(int(args.number("threads", 1)));
     Band band;
-    const double bandSeconds = seconds(runs, [&] { band = bandFromLevelSet(levelSet, h); });
-    const SurfacePoint seed = pointOn(band, kCenter + kRadius * genericDirection());
-    // Of the diameter of the sphere; 0: all of it.
+    const openvdb::Vec3d start = kCenter + kRadius * genericDirection();
+    // Of the diameter of the sphere; 0: all of it. As the program does, with a band around the
+    // seed only.
     const double limitDistance = args.number("max-distance", 0) * 2 * kRadius * n;
+    std::vector<Ball> region;
+    if (limitDistance > 0)
+        region.push_back({Vec3d(start.x(), start.y(), start.z()) * double(n), limitDistance + 20});
+    const double bandSeconds = seconds(runs, [&] { band = bandFromLevelSet(levelSet, h, region); });
+    const SurfacePoint seed = pointOn(band, start);
     Field field;
     const double march = seconds(runs, [&] {
         GodunovOptions godunov;

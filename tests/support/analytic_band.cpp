@@ -12,7 +12,7 @@ Band bandOfVoxels(const std::vector<Ijk>& voxels) {
         const Ijk origin{v.x & ~7, v.y & ~7, v.z & ~7};
         BandLeaf& leaf = leaves[{origin.x, origin.y, origin.z}];
         leaf.origin = origin;
-        leaf.mask[std::size_t(v.x & 7)] |= std::uint64_t(1) << ((v.y & 7) << 3 | (v.z & 7));
+        leaf.band.insert(Band::offsetOf(v.x, v.y, v.z));
     }
     Band band;
     for (const auto& entry : leaves) band.leaves.push_back(entry.second);
@@ -38,6 +38,7 @@ Band analyticBand(const std::function<double(const Vec3d&)>& psi,
         band.foot[k] = Vec3f(-psi(p) * n);
     }
     for (std::size_t k = 0; k < band.size(); ++k) band.markFacing(NodeIndex(k));
+    band.numberCore();
     return band;
 }
 

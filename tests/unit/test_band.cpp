@@ -88,8 +88,8 @@ TEST_CASE("Band: nodes are numbered leaf by leaf, by offset") {
     }
     std::size_t count = 0;
     for (const BandLeaf& leaf : band.leaves) {
-        CHECK(leaf.firstNode == count);
-        count += leaf.nodeCount;
+        CHECK(leaf.band.first == count);
+        count += leaf.band.count;
     }
     CHECK(count == band.size());
     CHECK(band.memUsage() >= 34 * band.size());

@@ -175,7 +175,7 @@ TEST_CASE("bandFromLevelSet: refuses a width that the level set does not have") 
     struct Stop : Progress {
         bool cancelled() const override { return true; }
     } stop;
-    expectError(Error::Kind::Cancelled, {}, [&] { bandFromLevelSet(surface, 2, stop); });
+    expectError(Error::Kind::Cancelled, {}, [&] { bandFromLevelSet(surface, 2, {}, stop); });
 }
 
 }  // namespace igeo::test
