@@ -88,7 +88,7 @@ void Band::buildTopology() {
     });
 }
 
-void Band::numberCore() {
+void Band::numberCore(const std::vector<NodeIndex>& rim) {
     // Half of an edge, and room for a psi that is 10 % off: where S has a hole in the core, fronts
     // would go around it.
     constexpr float kHalfEdge = 0.55f;
@@ -103,6 +103,7 @@ void Band::numberCore() {
             }
         }
     });
+    for (const NodeIndex i : rim) leaves[leaf[i]].core.insert(offset[i]);
     coreSize_ = 0;
     for (BandLeaf& here : leaves) {
         here.core.number(NodeIndex(coreSize_));

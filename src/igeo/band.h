@@ -167,7 +167,8 @@ struct Band {
     void buildTopology();
 
     /// Finds and numbers the core, from psi and normal.
-    void numberCore();
+    /// @param rim  nodes around sharp bends, which it takes in as well
+    void numberCore(const std::vector<NodeIndex>& rim = {});
     std::size_t coreSize() const { return coreSize_; }
 
     /// Bytes held by the arrays.

@@ -61,6 +61,10 @@ struct PsiDifferences {
     }
     bool complete() const { return !std::isnan(dot(backward, forward)); }
     Vec3d central() const { return 0.5 * (backward + forward); }
+    /// Second difference along an axis, of |psi| where `side` is the sign of psi.
+    double bend(int axis, double side) const { return side * (forward[axis] - backward[axis]); }
+    /// Laplacian of |psi|: the curvature 1 / r + 1 / r' of its level set on the round side.
+    double laplacian(double side) const { return bend(0, side) + bend(1, side) + bend(2, side); }
     /// No kink of psi here: no crease, no medial axis.
     bool smooth() const {
         constexpr double kSmooth = 0.1;
@@ -82,7 +86,7 @@ inline Vec3d psiGradient(const PsiDifferences& d, double psi) {
     constexpr double kKink = 0.1;  // change of |grad psi| from one voxel to the next
     std::array<std::array<double, 3>, 3> options;
     for (int a = 0; a < 3; ++a) {
-        const double bend = (d.forward[a] - d.backward[a]) * (psi < 0 ? -1 : 1);
+        const double bend = d.bend(a, psi < 0 ? -1 : 1);
         const double none = std::numeric_limits<double>::quiet_NaN();
         options[std::size_t(a)] = {central[a], d.backward[a], d.forward[a]};
         if (bend > -kKink) options[std::size_t(a)] = {central[a], none, none};

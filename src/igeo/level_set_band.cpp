@@ -12,6 +12,11 @@ namespace {
 
 using Leaf = LeafBlock::Leaf;
 
+/// On the round side of an edge sharper than about 80 degrees, normals turn so fast that no front
+/// would pass from face to face (Band::linked). So around bends of less than kSharpRadius the core
+/// holds all voxels within kRim of S. Voxels.
+constexpr double kRim = 1, kSharpRadius = 2;
+
 bool meets(const Leaf& leaf, const std::vector<Ball>& region) {
     const openvdb::Coord o = leaf.origin();
     const Vec3d low(o.x(), o.y(), o.z());
@@ -69,7 +74,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
     band.leaves = bandLeaves(source, h * dx, kept);
     band.buildTopology();
 
-    std::vector<std::vector<NodeIndex>> kinks(kept.size());
+    std::vector<std::vector<NodeIndex>> kinks(kept.size()), rims(kept.size());
     parallelFor(kept.size(), 32, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
         LeafBlock block;
@@ -83,6 +88,8 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
                 const double value = block.at(x, y, z);
                 const Vec3d n = normalized(psiGradient(d, value));
                 if (!d.smooth()) kinks[l].push_back(i);
+                if (std::abs(value) < kRim && d.laplacian(value < 0 ? -1 : 1) > 1 / kSharpRadius)
+                    rims[l].push_back(i);
                 band.psi[i] = float(value);
                 band.normal[i] = Vec3f(n);
                 band.foot[i] = Vec3f(-value * n);
@@ -94,7 +101,9 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
         for (std::size_t l = begin; l < end; ++l)
             for (const NodeIndex i : kinks[l]) band.markFacing(i);
     });
-    band.numberCore();
+    std::vector<NodeIndex> rim;
+    for (const auto& part : rims) rim.insert(rim.end(), part.begin(), part.end());
+    band.numberCore(rim);
     return band;
 }
 

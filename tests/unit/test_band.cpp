@@ -70,11 +70,90 @@ TEST_CASE("Band: neighbour agrees with nodeAt across leaf borders") {
             const NodeIndex i = node(random);
             Ijk d{step(random), step(random), step(random)};
             if (trial % 2) d = {d.x / 4, d.y / 4, d.z / 4};
+            if (trial % 7 == 0) d.y *= 3;  // beyond the leaves next to it
             const NodeIndex j = band.neighbour(i, d.x, d.y, d.z);
             if (j != band.nodeAt(band.ijk(i) + d)) FAIL("neighbour and nodeAt differ");
             found += j != kNoNode;
         }
         CHECK(found > 50000);
+    }
+}
+
+TEST_CASE(
+    "Band: forNeighbours and forCorners visit what neighbour finds, in the order of the steps") {
+    Band band = bandOfVoxels(randomVoxels({-12, -12, -12}, 24, 0.4, 7));
+    // A core of its own numbers: every other node.
+    for (std::size_t k = 0; k < band.size(); ++k) {
+        band.psi[k] = k % 2 ? 2.0f : 0.0f;
+        band.normal[k] = {0, 0, 1};
+    }
+    band.numberCore();
+    REQUIRE(band.coreSize() == (band.size() + 1) / 2);
+    using Found = std::vector<std::tuple<NodeIndex, int, int, int>>;
+    for (const auto nodes : {&BandLeaf::band, &BandLeaf::core})
+        for (NodeIndex i = 0; i < band.size(); ++i) {
+            const LeafIndex l = band.leaf[i];
+            const unsigned at = band.offset[i];
+            Found expected, seen;
+            for (int k = 0; k < 27; ++k) {
+                const Ijk step{k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1};
+                const NodeIndex j = band.neighbour(nodes, l, at, step);
+                if (k != 13 && j != kNoNode) expected.emplace_back(j, step.x, step.y, step.z);
+            }
+            band.forNeighbours(nodes, l, at, [&](NodeIndex j, int dx, int dy, int dz) {
+                seen.emplace_back(j, dx, dy, dz);
+            });
+            REQUIRE(seen == expected);
+
+            const Ijk low{int(i % 5) - 3, int(i % 7) - 4, int(i % 3) - 2};
+            expected.clear(), seen.clear();
+            for (int k = 0; k < 8; ++k) {
+                const NodeIndex j =
+                    band.neighbour(nodes, l, at, low + Ijk{k >> 2, k >> 1 & 1, k & 1});
+                if (j != kNoNode) expected.emplace_back(j, k, 0, 0);
+            }
+            band.forCorners(nodes, l, at, low,
+                            [&](NodeIndex j, unsigned k) { seen.emplace_back(j, int(k), 0, 0); });
+            REQUIRE(seen == expected);
+        }
+}
+
+TEST_CASE("Band: the core is closed and in one piece") {
+    for (const Band& band : {sphereBand({0.3, -0.4, 0.2}, 11.7, 1.8),
+                             planeBand({1, 2, 4}, 0.37, {-9, -9, -9}, {9, 9, 9}, 1.8)}) {
+        auto inCore = [&](NodeIndex i) {
+            return band.leaves[band.leaf[i]].core.node(band.offset[i]) != kNoNode;
+        };
+        std::size_t crossings = 0, count = 0;
+        NodeIndex start = kNoNode;
+        for (NodeIndex i = 0; i < band.size(); ++i) {
+            if (inCore(i)) start = i, ++count;
+            for (int side = 1; side < 6; side += 2) {
+                const NodeIndex j = band.neighbour(i, Band::faceStep(side));
+                if (j == kNoNode || std::signbit(band.psi[i]) == std::signbit(band.psi[j]))
+                    continue;
+                ++crossings;
+                // Nothing passes S but where the core is.
+                if (!inCore(i) && !inCore(j)) FAIL("a crossing beside the core");
+            }
+        }
+        CHECK(crossings > 300);
+        CHECK(count == band.coreSize());
+        std::vector<bool> seen(band.size());
+        std::vector<NodeIndex> stack{start};
+        seen[start] = true;
+        while (!stack.empty()) {
+            const NodeIndex i = stack.back();
+            stack.pop_back();
+            --count;
+            for (int k = 0; k < 27; ++k) {
+                const NodeIndex j = band.neighbour(i, k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
+                if (j == kNoNode || seen[j] || !inCore(j)) continue;
+                seen[j] = true;
+                stack.push_back(j);
+            }
+        }
+        CHECK(count == 0);
     }
 }
 

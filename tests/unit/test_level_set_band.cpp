@@ -166,6 +166,30 @@ TEST_CASE("bandFromLevelSet: sheets that face each other are not linked") {
     CHECK(std::count(round.facing.begin(), round.facing.end(), 0) == std::ptrdiff_t(round.size()));
 }
 
+TEST_CASE("bandFromLevelSet: a region holds what the whole band holds there") {
+    const LevelSet surface = checkedLevelSet(makeLevelSet(torus({0.5, 0.5, 0.5}, 0.3, 0.1), 0.02, 3));
+    const Band whole = bandFromLevelSet(surface, 2);
+    const std::vector<Ball> region{{{40, 25, 25}, 9}, {{10.3, 25, 21}, 4}};
+    const Band part = bandFromLevelSet(surface, 2, region);
+    CHECK(part.size() < whole.size() / 2);
+    std::size_t within = 0;
+    for (NodeIndex i = 0; i < whole.size(); ++i) {
+        const Vec3d p(whole.ijk(i));
+        const NodeIndex j = part.nodeAt(whole.ijk(i));
+        for (const Ball& ball : region)
+            if (length(p - ball.centre) <= ball.radius) {
+                ++within;
+                REQUIRE(j != kNoNode);
+            }
+        if (j == kNoNode) continue;
+        REQUIRE(part.psi[j] == whole.psi[i]);
+        REQUIRE(part.foot[j] == whole.foot[i]);
+        REQUIRE(part.normal[j] == whole.normal[i]);
+    }
+    CHECK(within > 200);
+    CHECK(bandFromLevelSet(surface, 2, {{{-500, 0, 0}, 20}}).size() == 0);
+}
+
 TEST_CASE("bandFromLevelSet: refuses a width that the level set does not have") {
     const LevelSet surface = checkedLevelSet(makeLevelSet(sphere(kCenter, 1), 0.05, 3));
     const auto kind = Error::Kind::InvalidArgument;
