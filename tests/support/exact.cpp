@@ -1,5 +1,6 @@
 #include "exact.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -137,6 +138,17 @@ private:
     double best_ = kInfinity;
 };
 
+/// Length along the outline of a rounded rectangle from (half.x, 0) to (x, y), counterclockwise.
+double alongOutline(const Vec3d& half, double radius, double x, double y) {
+    const double cx = half.x() - radius, cy = half.y() - radius, corner = radius * M_PI / 2;
+    const double quarter = cx + corner + cy, dx = std::abs(x) - cx, dy = std::abs(y) - cy;
+    const double inQuarter = dy <= 0 && dx > 0 ? std::abs(y)
+                             : dx <= 0         ? cy + corner - dx
+                                               : cy + radius * std::atan2(dy, dx);
+    if (x < 0) return y < 0 ? 2 * quarter + inQuarter : 2 * quarter - inQuarter;
+    return y < 0 ? 4 * quarter - inQuarter : inQuarter;
+}
+
 }  // namespace
 
 double geodesicOnSphere(const Vec3d& center, double radius, const Vec3d& p, const Vec3d& q) {
@@ -148,6 +160,34 @@ double geodesicOnCylinder(const Vec3d& center, double radius, const Vec3d& p, co
     const Vec3d a = p - center, b = q - center;
     const double angle = std::atan2(a.x() * b.y() - a.y() * b.x(), a.x() * b.x() + a.y() * b.y());
     return std::hypot(radius * angle, b.z() - a.z());
+}
+
+double geodesicOnConeSide(const Vec3d& center, double wide, double narrow, double halfHeight,
+                          const Vec3d& p, const Vec3d& q) {
+    const Vec3d a = p - center, b = q - center;
+    const double slant = std::hypot(wide - narrow, 2 * halfHeight);
+    const double sine = (wide - narrow) / slant, cosine = 2 * halfHeight / slant;
+    const double apex = halfHeight + narrow * cosine / sine;
+    const auto fromApex = [&](const Vec3d& x) {
+        return sine * std::hypot(x.x(), x.y()) + cosine * (apex - x.z());
+    };
+    const double sa = fromApex(a), sb = fromApex(b), top = narrow / sine, base = wide / sine;
+    const double angle =
+        sine * std::atan2(a.x() * b.y() - a.y() * b.x(), a.x() * b.x() + a.y() * b.y());
+    const double straight = std::hypot(sb * std::cos(angle) - sa, sb * std::sin(angle));
+    return straight < std::min(sa + sb - 2 * top, 2 * base - sa - sb) ? straight : std::nan("");
+}
+
+double geodesicAroundRoundedBox(const Vec3d& center, const Vec3d& halfSize, double radius,
+                                const Vec3d& p, const Vec3d& q) {
+    const Vec3d a = p - center, b = q - center;
+    const double belt = halfSize.z() - radius;
+    if (std::max(std::abs(a.z()), std::abs(b.z())) > belt) return std::nan("");
+    const double around = 4 * (halfSize.x() + halfSize.y() - 2 * radius) + 2 * M_PI * radius;
+    const double arc = std::abs(alongOutline(halfSize, radius, a.x(), a.y()) -
+                                alongOutline(halfSize, radius, b.x(), b.y()));
+    const double straight = std::hypot(std::min(arc, around - arc), b.z() - a.z());
+    return straight < 2 * belt - std::abs(a.z() + b.z()) ? straight : std::nan("");
 }
 
 double geodesicOnBox(const Vec3d& center, const Vec3d& halfSize, const Vec3d& p, const Vec3d& q) {

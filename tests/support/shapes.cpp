@@ -174,6 +174,22 @@ Shape cylinder(const Vec3d& center, double radius, double halfHeight) {
     return {"cylinder", sdf, around(center, Vec3d(radius, radius, halfHeight)), true, nullptr};
 }
 
+Shape frustum(const Vec3d& center, double wide, double narrow, double halfHeight) {
+    const double dr = narrow - wide, dz = 2 * halfHeight;
+    const auto sdf = [=](const Vec3d& p) {
+        const Vec3d q = p - center;
+        const double r = std::hypot(q.x(), q.y()), z = q.z();
+        const double low = std::hypot(std::max(r - wide, 0.0), z + halfHeight);
+        const double high = std::hypot(std::max(r - narrow, 0.0), z - halfHeight);
+        const double along = ((r - wide) * dr + (z + halfHeight) * dz) / (dr * dr + dz * dz);
+        const double t = std::min(std::max(along, 0.0), 1.0);
+        const double side = r - wide - t * dr;
+        const double nearest = std::min({low, high, std::hypot(side, z + halfHeight - t * dz)});
+        return side < 0 && std::abs(z) < halfHeight ? -nearest : nearest;
+    };
+    return {"frustum", sdf, around(center, Vec3d(wide, wide, halfHeight)), true, nullptr};
+}
+
 openvdb::math::Transform::Ptr rotatedTransform(double dx, const Vec3d& axis, double angleDegrees,
                                                const Vec3d& translation) {
     // Rodrigues' formula; OpenVDB multiplies row vectors, so row i is the image of voxel side i.

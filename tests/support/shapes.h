@@ -52,6 +52,9 @@ Shape planePatch(const openvdb::Vec3d& center, const openvdb::Vec3d& normal, dou
 /// Cylinder about the z axis with flat ends and sharp rims.
 Shape cylinder(const openvdb::Vec3d& center, double radius, double halfHeight);
 
+/// Cone about the z axis with flat ends: radius `wide` at the lower one, `narrow` at the upper.
+Shape frustum(const openvdb::Vec3d& center, double wide, double narrow, double halfHeight);
+
 /// worldFromIndex: scale by `dx`, turn by `angleDegrees` about `axis` (right-handed), translate.
 openvdb::math::Transform::Ptr rotatedTransform(double dx, const openvdb::Vec3d& axis,
                                                double angleDegrees,
