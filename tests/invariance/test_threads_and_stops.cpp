@@ -35,7 +35,7 @@ struct Everything {
 TEST_CASE("one thread and several give the same bits") {
     for (const int order : {kJet, 1, 2}) {
         const Everything one(1, order);
-        for (const int threads : {2, 3}) {
+        for (const int threads : {2, 3, 8}) {
             const Everything many(threads, order);
             CHECK(many.band.psi == one.band.psi);
             CHECK(many.band.foot == one.band.foot);
