@@ -1,0 +1,133 @@
+// Properties of any distance, on surfaces that nobody chose.
+//
+// Of the nodes that jet marches. Its values are off by a tenth of a voxel
+// per crease, and radii are a few voxels, so the errors of smooth shapes are of no use as bounds.
+#include <igeo/jet.h>
+#include <igeo/level_set_band.h>
+#include <support/catch.h>
+#include <support/errors.h>
+#include <support/field_checks.h>
+#include <support/openvdb.h>
+#include <support/random_surface.h>
+
+namespace igeo::test {
+namespace {
+
+constexpr unsigned kSurfaces = 20;
+/// Of random_surface.h: as wide as creases have to be to be seen on the grid, or none.
+constexpr double kSmooth = 4, kSharp = 0;
+
+/// A random surface with the fields of three seeds far apart, one by one and together.
+struct RandomCase {
+    Band band;
+    std::vector<SurfacePoint> seeds;
+    std::vector<Field> single;
+    Field all;
+
+    RandomCase(unsigned number, double blend) {
+        const LevelSet levelSet = checkedLevelSet(randomLevelSet(number, blend));
+        band = bandFromLevelSet(levelSet, std::sqrt(3.0));
+        // On the outer surface: there may be cavities.
+        const SurfacePoint first = nearestSurfacePoint(band, {30, 20, 10});
+        seeds = spreadPoints(band, marchJet(band, {first}), 3);
+        for (const SurfacePoint& s : seeds) single.push_back(marchJet(band, {s}));
+        all = marchJet(band, seeds);
+    }
+    double least(NodeIndex i) const {
+        double d = kInfinity;
+        for (const Field& f : single) d = std::min(d, f.distance[i]);
+        return d;
+    }
+    std::vector<const Field*> fields() const { return {&single[0], &single[1], &single[2], &all}; }
+};
+
+/// |d_s(a) - d_s(b)| - d_a(b), the largest over seeds s and a and the nodes b.
+double triangleMisfit(const RandomCase& c, Nodes nodes) {
+    double worst = 0;
+    for (std::size_t s = 0; s < 3; ++s)
+        for (std::size_t a = 0; a < 3; ++a) {
+            if (a == s) continue;
+            const double toA = sampleDistance(c.band, c.single[s], c.seeds[a].pIndex);
+            for (std::size_t k = 0; k < c.band.size(); ++k) {
+                const double toB = c.single[s].distance[k], between = c.single[a].distance[k];
+                if ((nodes == Nodes::Marched && !isMarched(c.band, NodeIndex(k))) ||
+                    !(toB < kInfinity))
+                    continue;
+                worst = std::max(worst, std::abs(toA - toB) - between);
+            }
+        }
+    return worst;
+}
+
+/// |d - least of the single distances|, the largest.
+double meetingMisfit(const RandomCase& c, Nodes nodes) {
+    double worst = 0;
+    for (std::size_t k = 0; k < c.band.size(); ++k) {
+        const auto i = NodeIndex(k);
+        if ((nodes == Nodes::Marched && !isMarched(c.band, i)) || !(c.all.distance[i] < kInfinity))
+            continue;
+        worst = std::max(worst, std::abs(c.all.distance[i] - c.least(i)));
+    }
+    return worst;
+}
+
+/// A bucket is half a voxel wide: its nodes are solved without each other. A neighbour of an
+/// earlier bucket bounds a value by the way from there, and 0.001 voxels.
+constexpr double kBucket = 0.5 + 1e-3;
+/// Each of the three distances is off by a tenth of a voxel.
+constexpr double kTriangle = 0.3;
+/// Fronts less than 45 degrees apart are taken for one, which moves a value by up to
+/// 1 - cos(45 degrees) of a voxel.
+const double kMeeting = 1 - std::sqrt(0.5);
+
+}  // namespace
+
+TEST_CASE("random surfaces: every value is a distance") {
+    FieldChecks worst;
+    for (const double blend : {kSmooth, kSharp})
+        for (unsigned number = 1; number <= kSurfaces; ++number) {
+            const RandomCase c(number, blend);
+            for (const Field* field : c.fields()) {
+                const FieldChecks now = checkField(c.band, *field, Nodes::Marched);
+                INFO("surface " << number << ", blend " << blend << ", seeds "
+                                << field->seeds.size());
+                CHECK(field->reached > c.band.size() / 2);
+                CHECK(now.notNumbers == 0);
+                CHECK(now.missed == 0);
+                CHECK(now.negative == 0);
+                CHECK(now.stuck == 0);
+                // Next to creases foot points, and ways over them, are off by parts of a voxel.
+                CHECK(now.shortcut < 0.5);
+                worst.shortcut = std::max(worst.shortcut, now.shortcut);
+                if (blend == kSharp) continue;
+                CHECK(now.jump < kBucket);
+                worst.jump = std::max(worst.jump, now.jump);
+            }
+        }
+    std::printf("random surfaces: at most %.3f below the straight line, %.3f beyond the way\n",
+                worst.shortcut, worst.jump);
+}
+
+TEST_CASE("random surfaces: triangle inequality") {
+    double worst = 0;
+    for (unsigned number = 1; number <= kSurfaces; ++number) {
+        const double misfit = triangleMisfit(RandomCase(number, kSmooth), Nodes::Marched);
+        INFO("surface " << number);
+        CHECK(misfit < kTriangle);
+        worst = std::max(worst, misfit);
+    }
+    std::printf("random surfaces: triangle inequality off by %.3f voxels\n", worst);
+}
+
+TEST_CASE("random surfaces: several seeds give the least of their single distances") {
+    double worst = 0;
+    for (unsigned number = 1; number <= kSurfaces; ++number) {
+        const double misfit = meetingMisfit(RandomCase(number, kSmooth), Nodes::Marched);
+        INFO("surface " << number);
+        CHECK(misfit < kMeeting);
+        worst = std::max(worst, misfit);
+    }
+    std::printf("random surfaces: several seeds off by %.3f voxels\n", worst);
+}
+
+}  // namespace igeo::test

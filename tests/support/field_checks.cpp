@@ -1,0 +1,111 @@
+#include "field_checks.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace igeo::test {
+namespace {
+
+/// Between nodes whose normals oppose nothing passes, marked as facing or not.
+bool sameSheet(const Band& band, NodeIndex i, NodeIndex j) {
+    return band.linked(i, j) && dot(band.normal[i], band.normal[j]) >= Band::kOtherSheet;
+}
+
+/// Marched nodes that touch, one by one, from a seed on, and the nodes of the band next to them.
+std::vector<bool> connectedWithSeeds(const Band& band, const Field& field) {
+    std::vector<bool> connected(band.size());
+    std::vector<NodeIndex> front;
+    for (const SurfacePoint& s : field.seeds) front.push_back(s.node);
+    for (const NodeIndex i : front) connected[i] = true;
+    while (!front.empty()) {
+        const NodeIndex i = front.back();
+        front.pop_back();
+        band.forNeighbours(i, [&](NodeIndex j, int, int, int) {
+            if (connected[j] || !sameSheet(band, i, j)) return;
+            connected[j] = true;
+            if (isMarched(band, j)) front.push_back(j);
+        });
+    }
+    return connected;
+}
+
+bool isStuck(const Band& band, const Field& field, NodeIndex i) {
+    for (const SurfacePoint& s : field.seeds)
+        if (length(band.footPoint(i) - s.pIndex) <= field.startRadius) return false;
+    bool lower = false;
+    band.forNeighbours(i, [&](NodeIndex j, int, int, int) {
+        lower |= isMarched(band, j) && field.distance[j] < field.distance[i];
+    });
+    return !lower;
+}
+
+/// |d_i - d_j| beyond the way between their foot points. Where normals are at an angle t, the way
+/// over a crease between two planes is at most chord / cos(t/2), and an arc is shorter than that.
+double jump(const Band& band, const Field& field, NodeIndex i, NodeIndex j) {
+    const double cosine = dot(band.normal[i], band.normal[j]);
+    const double chord = length(band.footPoint(i) - band.footPoint(j));
+    return std::abs(field.distance[i] - field.distance[j]) -
+           chord * std::sqrt(2 / (1 + std::min(cosine, 1.0)));
+}
+
+}  // namespace
+
+bool isMarched(const Band& band, NodeIndex i) { return std::abs(band.psi[i]) < std::sqrt(0.75f); }
+
+FieldChecks checkField(const Band& band, const Field& field, Nodes nodes) {
+    FieldChecks c;
+    const std::vector<bool> connected = connectedWithSeeds(band, field);
+    const auto counts = [&](NodeIndex i) {
+        if (nodes == Nodes::Marched && !isMarched(band, i)) return false;
+        const PsiSample foot = samplePsi(band, band.footPoint(i));
+        return field.distance[i] < kInfinity && foot.valid && std::abs(foot.psi) < 0.1;
+    };
+    for (std::size_t k = 0; k < band.size(); ++k) {
+        const auto i = NodeIndex(k);
+        const double d = field.distance[i];
+        c.notNumbers += std::isnan(d) || !(length(field.gradient[i]) < 1.001f);
+        c.missed += connected[i] && !(d < kInfinity);
+        c.negative += d < 0 && (nodes == Nodes::All || isMarched(band, i));
+        c.stuck += d < kInfinity && isMarched(band, i) && isStuck(band, field, i);
+        if (!counts(i)) continue;
+        double straight = kInfinity;
+        for (const SurfacePoint& s : field.seeds)
+            straight = std::min(straight, length(band.footPoint(i) - s.pIndex));
+        c.shortcut = std::max(c.shortcut, straight - d);
+        for (const int side : {1, 3, 5}) {
+            const NodeIndex j = band.neighbour(i, Band::faceStep(side));
+            if (j != kNoNode && sameSheet(band, i, j) && counts(j))
+                c.jump = std::max(c.jump, jump(band, field, i, j));
+        }
+    }
+    return c;
+}
+
+std::vector<SurfacePoint> spreadPoints(const Band& band, const Field& field, std::size_t count) {
+    std::vector<NodeIndex> reached;
+    for (std::size_t k = 0; k < band.size(); ++k)
+        if (field.distance[k] < kInfinity) reached.push_back(NodeIndex(k));
+    std::vector<SurfacePoint> points;
+    const std::size_t stride = std::max<std::size_t>(reached.size() / count, 1);
+    // From the middle of each share: the first nodes are all at one end of the surface.
+    for (std::size_t k = stride / 2; k < reached.size() && points.size() < count; k += stride)
+        points.push_back(nearestSurfacePoint(band, band.footPoint(reached[k])));
+    return points;
+}
+
+PathChecks checkPaths(const Band& band, const Field& field) {
+    PathChecks c;
+    const auto gradient = surfaceGradient(band, field);
+    for (const Path& path : tracePaths(band, field, gradient, spreadPoints(band, field, 40))) {
+        ++c.traced;
+        c.lost += path.status != PathStatus::Reached;
+        double least = path.distance;
+        for (const PathVertex& v : path.vertices) {
+            c.rise = std::max(c.rise, v.distance - least);
+            least = std::min(least, v.distance);
+        }
+    }
+    return c;
+}
+
+}  // namespace igeo::test

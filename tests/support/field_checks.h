@@ -1,0 +1,39 @@
+/// What holds for every distance field and every path, whatever the surface: each function says by
+/// how much it fails to.
+#pragma once
+
+#include <igeo/field.h>
+#include <igeo/trace.h>
+
+#include <vector>
+
+namespace igeo::test {
+
+/// Of the band's nodes, jet marches those whose voxel S may pass, |psi| < sqrt(3)/2; the others
+/// take their jets.
+enum class Nodes { Marched, All };
+bool isMarched(const Band& band, NodeIndex i);
+
+struct FieldChecks {
+    std::size_t notNumbers = 0;  ///< NaN, or a gradient that is none; of all nodes
+    std::size_t missed = 0;      ///< not reached though connected with a seed; of all nodes
+    std::size_t stuck = 0;       ///< marched, outside the start discs, and no neighbour lies lower
+    std::size_t negative = 0;
+    double shortcut = 0;  ///< |foot - nearest seed| - d
+    double jump = 0;  ///< |d_i - d_j| - way between the foot points, over linked face neighbours
+};
+/// Of a field of jet whose seeds start at 0. Foot points that are more than 0.1 voxels off S are no
+/// points to have a distance, and left out of `shortcut` and `jump`.
+FieldChecks checkField(const Band& band, const Field& field, Nodes nodes);
+
+struct PathChecks {
+    std::size_t traced = 0, lost = 0;  ///< lost: not Reached
+    double rise = 0;                   ///< of d above its least before, on the way to the seed
+};
+/// Paths from some 40 points spread over what is reached.
+PathChecks checkPaths(const Band& band, const Field& field);
+
+/// Points of S spread over what is reached, in the order of the nodes.
+std::vector<SurfacePoint> spreadPoints(const Band& band, const Field& field, std::size_t count);
+
+}  // namespace igeo::test
