@@ -92,14 +92,26 @@ void Band::numberCore(const std::vector<NodeIndex>& rim) {
     // Half of an edge, and room for a psi that is 10 % off: where S has a hole in the core, fronts
     // would go around it.
     constexpr float kHalfEdge = 0.55f;
+    // Whether the other end of the edge that S crosses lies on another sheet, in a plate thinner
+    // than a voxel: then this end is the nearest of its own.
+    auto otherSheetBehind = [&](NodeIndex i, const Vec3f& n, float most) {
+        Ijk step{};
+        const int axis = std::abs(n.x) == most ? 0 : std::abs(n.y) == most ? 1 : 2;
+        step[axis] = (n[axis] < 0) == (psi[i] < 0) ? -1 : 1;
+        const NodeIndex j = neighbour(i, step);
+        return j != kNoNode && dot(n, normal[j]) < kOtherSheet;
+    };
     parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
-            BandLeaf& here = leaves[l];
-            here.core.mask = {};
-            for (NodeIndex i = here.band.first; i < here.band.first + here.band.count; ++i) {
+            LeafNodes& core = leaves[l].core;
+            const LeafNodes& nodes = leaves[l].band;
+            core.mask = {};
+            for (NodeIndex i = nodes.first; i < nodes.first + nodes.count; ++i) {
                 const Vec3f n = normal[i];
                 const float most = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
-                if (std::abs(psi[i]) <= kHalfEdge * most) here.core.insert(offset[i]);
+                const float edges = std::abs(psi[i]);
+                if (edges <= kHalfEdge * most || (edges <= most && otherSheetBehind(i, n, most)))
+                    core.insert(offset[i]);
             }
         }
     });
@@ -144,17 +156,20 @@ BandCell cellAt(const Band& band, const Vec3d& p) {
     return cell;
 }
 
-Vec3d dropFacingCorners(const Band& band, BandCell& cell) {
-    Vec3d sum{};
-    for (std::size_t k = 0; k < 8; ++k)
-        if (cell.node[k] != kNoNode) sum += cell.weight[k] * Vec3d(band.normal[cell.node[k]]);
-    const Vec3d n = normalized(sum);
+Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& side) {
+    auto blended = [&] {
+        Vec3d sum{};
+        for (std::size_t k = 0; k < 8; ++k)
+            if (cell.node[k] != kNoNode) sum += cell.weight[k] * Vec3d(band.normal[cell.node[k]]);
+        return normalized(sum);
+    };
+    const Vec3f n(side == Vec3d{} ? blended() : side);
     for (NodeIndex& i : cell.node)
-        if (i != kNoNode && dot(Vec3f(n), band.normal[i]) < Band::kOtherSheet) {
+        if (i != kNoNode && dot(n, band.normal[i]) < Band::kOtherSheet) {
             i = kNoNode;
             cell.complete = false;
         }
-    return n;
+    return side == Vec3d{} ? Vec3d(n) : blended();
 }
 
 PsiSample samplePsi(const Band& band, const Vec3d& p) {

@@ -170,6 +170,7 @@ struct Band {
     /// @param rim  nodes around sharp bends, which it takes in as well
     void numberCore(const std::vector<NodeIndex>& rim = {});
     std::size_t coreSize() const { return coreSize_; }
+    bool inCore(NodeIndex i) const { return leaves[leaf[i]].core.node(offset[i]) != kNoNode; }
 
     /// Bytes held by the arrays.
     std::size_t memUsage() const;
@@ -264,8 +265,9 @@ BandCell cellAt(const Band& band, const Vec3d& pIndex);
 
 /// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, so that
 /// values of two sheets are never blended.
-/// @return the unit normal blended from the corners; zero if there are none
-Vec3d dropFacingCorners(const Band& band, BandCell& cell);
+/// @param side normal of the sheet that is meant, where it is known; zero: that of most corners
+/// @return the unit normal blended from the corners that are left; zero if there are none
+Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& side = {});
 
 /// psi and its gradient at a position, from the trilinear interpolant of the band's psi.
 struct PsiSample {

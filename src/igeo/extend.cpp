@@ -28,7 +28,7 @@ void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, cons
                 const double value = block.at(x, y, z);
                 const Vec3d n = normalized(psiGradient(PsiDifferences(block, x, y, z), value));
                 const double d =
-                    sampleDistance(band, field, Vec3d(Ijk{c.x(), c.y(), c.z()}) - value * n);
+                    sampleDistance(band, field, Vec3d(Ijk{c.x(), c.y(), c.z()}) - value * n, n);
                 if (d < kInfinity) target[l]->setValueOn(o, float(d * dx));
             }
         }

@@ -101,9 +101,10 @@ double sampleJets(const Band& band, const BandCell& cell, const Field& field, co
 
 }  // namespace
 
-double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex) {
+double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
+                      const Vec3d& side) {
     BandCell cell = cellAt(band, pIndex);
-    const Vec3d normal = dropFacingCorners(band, cell);
+    const Vec3d normal = dropFacingCorners(band, cell, side);
     const double d = field.atFootPoints ? sampleJets(band, cell, field, pIndex, normal)
                                         : sampleVoxels(cell, field);
     if (const SurfacePoint* s = seedAround(field, pIndex, d))

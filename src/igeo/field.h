@@ -42,6 +42,8 @@ const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, double d
 /// d at a point of S: trilinear over the reached corners of its cell, +inf if there are none;
 /// within a start disc the straight distance to its seed, as trilinear interpolation blunts the
 /// cone there.
-double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex);
+/// @param side normal of the sheet that is meant, where two face each other within a cell
+double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
+                      const Vec3d& side = {});
 
 }  // namespace igeo

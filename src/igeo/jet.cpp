@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 namespace igeo {
 
@@ -97,11 +98,19 @@ private:
     NodeIndex coreOf(NodeIndex i) const {
         return band_.leaves[band_.leaf[i]].core.node(band_.offset[i]);
     }
-    NodeIndex bandOf(const Node& node) const {
-        return band_.leaves[node.leaf].band.numberOf(node.offset);
-    }
 
-    void startDisc(std::size_t seed);
+    Vec3d footOf(const Node& node) const {
+        return Vec3d(band_.leaves[node.leaf].origin +
+                     Ijk{node.offset >> 6, node.offset >> 3 & 7, node.offset & 7}) +
+               Vec3d(node.foot);
+    }
+    /// Calls visit(i, step) for the core nodes up to `reach` steps from the voxel at middle.
+    template <typename Visit>
+    void forBox(LeafIndex l, unsigned at, const Ijk& middle, int reach, const Visit& visit) const;
+
+    /// The exact jet of seed k at a foot point, if that lies within its start disc.
+    bool discJet(std::uint32_t k, const Vec3f& normal, const Vec3d& foot, Solved& s) const;
+    void startDisc(std::uint32_t seed);
     void watchTargets();
     /// Solves a node from its accepted neighbours; if it belongs into this bucket, puts the others
     /// into the buckets where its jet says they belong.
@@ -117,12 +126,14 @@ private:
     /// The same where the core around the foot point is not of one smooth front: as the march
     /// would.
     Solved solveOutside(NodeIndex i, LeafIndex l, unsigned at) const;
-    void gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,
+    /// The core around a node, as far as it is reached.
+    /// @return whether any of it is on the node's sheet, reached or not
+    bool gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,
                       const TangentFrame& frame, Surroundings& found) const;
 
     /// Start discs are exact, unless the front of another seed was there before.
-    /// @param i a band node
-    Solved preferDisc(NodeIndex i, const Solved& s) const;
+    Solved preferDisc(NodeIndex core, const Solved& s) const;
+    Solved preferDiscOutside(NodeIndex i, const Solved& s) const;
 
     const Band& band_;
     const JetOptions& options_;
@@ -133,10 +144,11 @@ private:
     std::map<std::uint32_t, std::vector<NodeIndex>> queue_;
     std::vector<std::pair<NodeIndex, Solved>> solved_;  ///< of the current bucket
     std::vector<std::vector<Queued>> queued_;           ///< by the current bucket, one per chunk
-    std::map<NodeIndex, Solved> discs_;                 ///< jets around the seeds, by band node
-    double discEnd_ = 0;                                ///< the largest value among them
-    double limit_;                                      ///< distances beyond it are not wanted
-    bool stopped_ = false;                              ///< the limit ended the march
+    std::vector<Vec3f> seedNormal_;
+    std::map<NodeIndex, Solved> discs_;  ///< jets around the seeds, by core node
+    double discEnd_ = 0;                 ///< the largest value among them
+    double limit_;                       ///< distances beyond it are not wanted
+    bool stopped_ = false;               ///< the limit ended the march
     std::vector<bool> awaited_;
     std::size_t awaitedCount_ = 0, accepted_ = 0, guarded_ = 0;
 };
@@ -162,35 +174,65 @@ JetMarch::JetMarch(const Band& band, const std::vector<SurfacePoint>& seeds,
     });
     if (seeds.size() > 1) label_.assign(core_.size(), 0);
     for (const SurfacePoint& s : seeds) first_ = std::min(first_, s.start);
-    for (std::size_t k = 0; k < seeds.size(); ++k) startDisc(k);
+    for (std::size_t k = 0; k < seeds.size(); ++k) startDisc(std::uint32_t(k));
 }
 
-void JetMarch::startDisc(std::size_t k) {
+bool JetMarch::discJet(std::uint32_t k, const Vec3f& normal, const Vec3d& foot, Solved& s) const {
+    const SurfacePoint& seed = seeds_[k];
+    const TangentFrame frame(normal);
+    const Vec3f chord(foot - seed.pIndex);
+    const float cosine = igeo::dot(normal, seedNormal_[k]), c = igeo::length(chord);
+    if (c > float(options_.startRadius)) return false;
+    // Across a crease chords say nothing, and the march begins next to the seed; but a seed on the
+    // crease itself lies in the planes of all its faces.
+    constexpr float kSmooth = 0.8f, kInPlane = 0.05f;
+    if (cosine < kSmooth && std::abs(igeo::dot(normal, chord)) >= kInPlane * c) return false;
+    const Vec2f way =
+        cosine < kSmooth ? frame.flat(chord) : frame.way(chord, seedNormal_[k], cosine);
+    const float u = length(way);
+    s = {seed.start + double(u), {}, k, false};
+    if (u > 1e-6f) s.g = frame.lift((1 / u) * way);
+    return true;
+}
+
+void JetMarch::startDisc(std::uint32_t k) {
     const SurfacePoint& seed = seeds_[k];
     const PsiSample psi = samplePsi(band_, seed.pIndex);
-    const Vec3f n = psi.valid ? Vec3f(normalized(psi.gradient)) : band_.normal[seed.node];
-    constexpr float kInPlane = 0.05f;
-    for (const NodeIndex i : nodesAround(band_, seed, options_.startRadius + band_.h)) {
-        const TangentFrame frame(band_.normal[i]);
-        const Vec3f chord(band_.footPoint(i) - seed.pIndex);
-        const float cosine = igeo::dot(frame.normal(), n), c = igeo::length(chord);
-        if (c > float(options_.startRadius)) continue;
-        // Across a crease chords say nothing, and the march begins next to the seed; but a seed on
-        // the crease itself lies in the planes of all its faces.
-        const bool inPlane = std::abs(igeo::dot(frame.normal(), chord)) < kInPlane * c;
-        if (cosine < 0.8f && !inPlane) continue;
-        const Vec2f way = cosine < 0.8f ? frame.flat(chord) : frame.way(chord, n, cosine);
-        const float u = length(way);
-        Solved s{seed.start + double(u), {}, std::uint32_t(k), false};
-        if (u > 1e-6f) s.g = frame.lift((1 / u) * way);
+    // Where two faces share a cell their gradients cancel.
+    const bool clear = psi.valid && length(psi.gradient) > 0.5;
+    seedNormal_.push_back(clear ? Vec3f(normalized(psi.gradient)) : band_.normal[seed.node]);
+    auto put = [&](NodeIndex i, const Solved& s) {
         discEnd_ = std::max(discEnd_, s.u);
         const auto [at, isNew] = discs_.try_emplace(i, s);
         if (!isNew && s.u < at->second.u) at->second = s;
-        const NodeIndex core = coreOf(i);
         const std::uint32_t b = bucketOf(s.u);
-        if (core != kNoNode && b < core_[core].bucket)
-            core_[core].bucket = b, queue_[b].push_back(core);
+        if (b < core_[i].bucket) core_[i].bucket = b, queue_[b].push_back(i);
+    };
+    // Outward from the seed over the core, so that no disc reaches a surface close by.
+    std::vector<NodeIndex> found;
+    std::set<NodeIndex> seen;
+    NodeIndex nearest = kNoNode;
+    double least = kInfinity;
+    auto visit = [&](NodeIndex i) {
+        if (!seen.insert(i).second) return;
+        const Vec3d foot = footOf(core_[i]);
+        if (const double r = length(foot - seed.pIndex); r < least) least = r, nearest = i;
+        if (Solved s; discJet(k, core_[i].normal, foot, s)) put(i, s), found.push_back(i);
+    };
+    const Vec3f side = band_.normal[seed.node];
+    forBox(band_.leaf[seed.node], band_.offset[seed.node], {}, 2, [&](NodeIndex i, const Ijk&) {
+        if (igeo::dot(core_[i].normal, side) >= Band::kOtherSheet) visit(i);
+    });
+    for (std::size_t at = 0; at < found.size(); ++at) {
+        const Node& node = core_[found[at]];
+        band_.forNeighbours(&BandLeaf::core, node.leaf, node.offset,
+                            [&](NodeIndex j, int, int, int) {
+                                if (igeo::dot(node.normal, core_[j].normal) >= Band::kOtherSheet)
+                                    visit(j);
+                            });
     }
+    // A seed in a corner that no node near it can see: straight to the nearest.
+    if (found.empty() && nearest != kNoNode) put(nearest, {seed.start + least, {}, k, false});
 }
 
 Solved JetMarch::preferDisc(NodeIndex i, const Solved& s) const {
@@ -230,7 +272,7 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& o
     s.g = frame.lift(jet.g);
     s.guarded = jet.guarded;
     // Nodes of a disc wait in its buckets or earlier.
-    if (bucket <= bucketOf(discEnd_)) s = preferDisc(bandOf(node), s);
+    if (bucket <= bucketOf(discEnd_)) s = preferDisc(i, s);
     if (s.u < kInfinity && bucketOf(s.u) <= bucket)
         for (std::size_t k = 0; k < waitingCount; ++k)
             key(waiting[k].node, -waiting[k].chord, s, bucket, out);
@@ -365,38 +407,61 @@ Solved JetMarch::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
         total += w;
     }
     s.u = origin + double(value / total);
-    return s.u > discEnd_ + kMargin ? s : preferDisc(i, s);
+    return s.u > discEnd_ + kMargin ? s : preferDiscOutside(i, s);
 }
 
-void JetMarch::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,
-                            const TangentFrame& frame, Surroundings& found) const {
+/// The core around such a node has been reached from its seed, so that it is on the same sheet.
+Solved JetMarch::preferDiscOutside(NodeIndex i, const Solved& s) const {
+    Solved disc;
+    if (!discJet(s.label, band_.normal[i], band_.footPoint(i), disc)) {
+        disc = s;
+        disc.u = std::max(s.u, seeds_[s.label].start);
+    }
+    return disc;
+}
+
+template <typename Visit>
+void JetMarch::forBox(LeafIndex l, unsigned at, const Ijk& middle, int reach,
+                      const Visit& visit) const {
     for (int x = -reach; x <= reach; ++x)
         for (int y = -reach; y <= reach; ++y)
             for (int z = -reach; z <= reach; ++z) {
                 const Ijk step = middle + Ijk{x, y, z};
-                const NodeIndex j = band_.neighbour(&BandLeaf::core, l, at, step);
-                if (j == kNoNode || found.all.count() == JetNeighbours::kMax) continue;
-                const Node& other = core_[j];
-                const float cosine = igeo::dot(frame.normal(), other.normal);
-                if (!(other.u < kInfinity) || cosine < Band::kOtherSheet) continue;
-                if (cosine < 0.9f) found.all.smooth = false;
-                found.add(frame.neighbour(band_.foot[i] - other.foot - Vec3f(step), other.normal,
-                                          cosine, other.g, other.u - first_),
-                          labelOf(j));
+                const NodeIndex i = band_.neighbour(&BandLeaf::core, l, at, step);
+                if (i != kNoNode) visit(i, step);
             }
+}
+
+bool JetMarch::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,
+                            const TangentFrame& frame, Surroundings& found) const {
+    // Further off than a cell's diagonal it may be another surface.
+    constexpr float kNear2 = 3;
+    bool anybody = false;
+    forBox(l, at, middle, reach, [&](NodeIndex j, const Ijk& step) {
+        const Node& other = core_[j];
+        const float cosine = igeo::dot(frame.normal(), other.normal);
+        const Vec3f chord = band_.foot[i] - other.foot - Vec3f(step);
+        if (cosine < Band::kOtherSheet || igeo::dot(chord, chord) > kNear2) return;
+        anybody = true;
+        if (!(other.u < kInfinity) || found.all.count() == JetNeighbours::kMax) return;
+        if (cosine < 0.9f) found.all.smooth = false;
+        found.add(frame.neighbour(chord, other.normal, cosine, other.g, other.u - first_),
+                  labelOf(j));
+    });
+    return anybody;
 }
 
 Solved JetMarch::solveOutside(NodeIndex i, LeafIndex l, unsigned at) const {
     const TangentFrame frame(band_.normal[i]);
     Surroundings around;
-    gatherAround(i, l, at, roundToIjk(Vec3d(band_.foot[i])), 1, frame, around);
-    // A foot point that is off: the core passes within two voxels all the same.
-    if (around.all.count() == 0) gatherAround(i, l, at, {}, 2, frame, around);
+    // Where the foot point is off, the core passes within two voxels all the same.
+    if (!gatherAround(i, l, at, roundToIjk(Vec3d(band_.foot[i])), 1, frame, around))
+        gatherAround(i, l, at, {}, 2, frame, around);
     Solved s;
     const Jet jet = around.update(s.label);
     s.u = first_ + jet.u;
     s.g = frame.lift(jet.g);
-    return s.u > discEnd_ + kMargin && s.u < kInfinity ? s : preferDisc(i, s);
+    return s.u > discEnd_ + kMargin ? s : preferDiscOutside(i, s);
 }
 
 Field JetMarch::take() {

@@ -72,8 +72,10 @@ SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
         s.pIndex = p;
     s.snapDistance = length(s.pIndex - pIndex);
 
+    // In a thin plate the nearest voxel may belong to the other face.
     s.node = band.nodeAt(roundToIjk(s.pIndex));
-    if (s.node == kNoNode) s.node = best.node;
+    if (s.node == kNoNode || dot(band.normal[s.node], band.normal[best.node]) < Band::kOtherSheet)
+        s.node = best.node;
     return s;
 }
 

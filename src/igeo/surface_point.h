@@ -12,7 +12,7 @@ struct SurfacePoint {
     Vec3d askedIndex;          ///< as asked for, index space
     Vec3d pIndex;              ///< on psi = 0, index space
     double snapDistance = 0;   ///< |pIndex - askedIndex|, voxels
-    NodeIndex node = kNoNode;  ///< the band node whose voxel is nearest to pIndex
+    NodeIndex node = kNoNode;  ///< a band node of its sheet, nearest to pIndex
     double start = 0;          ///< distance at which a seed starts, voxels times weight
     double weight = 1;         ///< the metric's weight here, set by the march
 };

@@ -33,9 +33,13 @@ private:
     bool direction(const Vec3d& p, Vec3d& v) const;
     /// One accepted Runge-Kutta step from p, projected; false when the step would be below minStep.
     bool stepAlongGradient(Vec3d& p, double& step) const;
-    /// To the foot point of the neighbouring node of least distance below `d`, which becomes `d`;
-    /// false if there is none.
-    bool stepToNeighbour(Vec3d& p, double& d) const;
+    /// Nodes that a path may go through, and the next ones: each node's value came from a lower
+    /// one.
+    bool walkable(NodeIndex i) const;
+    NodeIndex nearestNode(const Vec3d& p) const;
+    NodeIndex lowestNeighbour(NodeIndex i) const;
+    /// The normal at p of the sheet the path is on.
+    Vec3d normalAt(const Vec3d& p) const;
     void append(Path& path, const Vec3d& p, double d) const;
     void finishAtSeed(Path& path, const SurfacePoint& seed) const;
 
@@ -43,11 +47,17 @@ private:
     const Field& field_;
     const std::vector<Vec3f>& gradient_;
     const TraceOptions& options_;
+    Vec3d side_;  ///< normal of the sheet the path is on: where two face each other in a cell
 };
+
+Vec3d Tracer::normalAt(const Vec3d& p) const {
+    BandCell cell = cellAt(band_, p);
+    return dropFacingCorners(band_, cell, side_);
+}
 
 bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
     BandCell cell = cellAt(band_, p);
-    const Vec3d n = dropFacingCorners(band_, cell);
+    const Vec3d n = dropFacingCorners(band_, cell, side_);
     Vec3d g{};
     for (std::size_t k = 0; k < 8; ++k)
         if (cell.node[k] != kNoNode) g += cell.weight[k] * Vec3d(gradient_[cell.node[k]]);
@@ -82,21 +92,38 @@ bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
     return false;
 }
 
-bool Tracer::stepToNeighbour(Vec3d& p, double& d) const {
-    const NodeIndex here = band_.nodeAt(roundToIjk(p));
-    if (here == kNoNode) return false;
+bool Tracer::walkable(NodeIndex i) const {
+    // Voxels further out would carry the path sideways to their foot points.
+    return field_.distance[i] < kInfinity &&
+           (field_.atFootPoints ? band_.inCore(i) : std::abs(band_.psi[i]) <= 1);
+}
+
+NodeIndex Tracer::nearestNode(const Vec3d& p) const {
+    const Ijk middle = roundToIjk(p);
     NodeIndex best = kNoNode;
-    for (int k = 0; k < 27; ++k) {
-        const NodeIndex j = band_.neighbour(here, k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
-        // Voxels further out would carry the path sideways to their foot points.
-        if (j == kNoNode || !(field_.distance[j] < d) || std::abs(band_.psi[j]) > 1) continue;
-        if (best == kNoNode || field_.distance[j] < field_.distance[best]) best = j;
-    }
-    if (best == kNoNode) return false;
-    d = field_.distance[best];
-    p = band_.footPoint(best);
-    projectToSurface(band_, p);
-    return true;
+    double least = kInfinity;
+    for (int x = -2; x <= 2; ++x)
+        for (int y = -2; y <= 2; ++y)
+            for (int z = -2; z <= 2; ++z) {
+                const NodeIndex j = band_.nodeAt(middle + Ijk{x, y, z});
+                if (j == kNoNode || !walkable(j) ||
+                    dot(Vec3f(side_), band_.normal[j]) < Band::kOtherSheet)
+                    continue;
+                const double r = length(band_.footPoint(j) - p);
+                if (r < least) least = r, best = j;
+            }
+    return best;
+}
+
+NodeIndex Tracer::lowestNeighbour(NodeIndex i) const {
+    NodeIndex best = i;
+    band_.forNeighbours(&BandLeaf::band, band_.leaf[i], band_.offset[i],
+                        [&](NodeIndex j, int, int, int) {
+                            if (field_.distance[j] < field_.distance[best] && walkable(j) &&
+                                dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet)
+                                best = j;
+                        });
+    return best == i ? kNoNode : best;
 }
 
 void Tracer::append(Path& path, const Vec3d& p, double d) const {
@@ -106,11 +133,12 @@ void Tracer::append(Path& path, const Vec3d& p, double d) const {
 
 void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
     const Vec3d from = path.vertices.back().pIndex, way = seed.pIndex - from;
+    const double d = path.vertices.back().distance;
     const int pieces = std::max(1, int(std::ceil(length(way) / options_.maxStep)));
     for (int k = 1; k < pieces; ++k) {
         Vec3d p = from + (double(k) / pieces) * way;
         projectToSurface(band_, p);
-        append(path, p, seed.start + seed.weight * length(seed.pIndex - p));
+        append(path, p, std::min(d, seed.start + seed.weight * length(seed.pIndex - p)));
     }
     append(path, seed.pIndex, seed.start);
     path.seed = std::size_t(&seed - field_.seeds.data());
@@ -121,31 +149,42 @@ Path Tracer::trace(const SurfacePoint& target) {
     Path path;
     path.target = target;
     Vec3d p = target.pIndex;
-    double d = sampleDistance(band_, field_, p);
+    side_ = Vec3d(band_.normal[target.node]);
+    double d = sampleDistance(band_, field_, p, side_);
     path.distance = d;
     if (!(d < kInfinity)) return path;
     append(path, p, d);
     path.status = PathStatus::Stalled;
 
-    constexpr int kPatience = 8;
-    double step = options_.maxStep / 4, least = d;
-    // Steps along the gradient since `least` fell: a path that circles goes on from node to node,
-    // where `least` falls every time.
-    int sinceProgress = 0;
+    constexpr double kFall = 1e-4;  // voxels
+    double step = options_.maxStep / 4;
+    NodeIndex node = kNoNode;  // where the path is, while it goes from node to node
     while (true) {
         if (const SurfacePoint* seed = seedAround(field_, p, d)) {
             finishAtSeed(path, *seed);
             return path;
         }
-        if (sinceProgress >= kPatience || !stepAlongGradient(p, step)) {
-            if (!stepToNeighbour(p, least)) return path;
+        // Where the gradient does not lead down (cut loci, creases) the path goes on from node to
+        // node. Either way something falls with every step, so that it ends.
+        Vec3d next = p;
+        const double lower =
+            stepAlongGradient(next, step) ? sampleDistance(band_, field_, next, side_) : kInfinity;
+        if (lower < d - kFall) {
+            node = kNoNode;
+            p = next;
+            d = lower;
+        } else {
+            node = node == kNoNode ? nearestNode(p) : lowestNeighbour(node);
+            if (node == kNoNode) return path;
+            p = band_.footPoint(node);
+            projectToSurface(band_, p);
+            side_ = Vec3d(band_.normal[node]);
+            // Values at points may lie below those of the nodes around them.
+            d = std::min(d, field_.distance[node]);
             step = options_.maxStep / 4;
-            sinceProgress = 0;
         }
-        d = sampleDistance(band_, field_, p);
+        if (const Vec3d n = normalAt(p); n != Vec3d{}) side_ = n;
         append(path, p, d);
-        sinceProgress = d < least ? 0 : sinceProgress + 1;
-        least = std::min(least, d);
     }
 }
 

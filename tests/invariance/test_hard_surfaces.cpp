@@ -74,8 +74,10 @@ Field march(const Band& band, const std::vector<Point>& seeds) {
 void checkResult(const std::string& name, const Band& band, const Field& field) {
     const FieldChecks c = checkField(band, field, Nodes::Marched);
     const PathChecks p = checkPaths(band, field);
-    std::printf("%s: %zu of %zu nodes, below the straight line by %.3f, paths rise by %.3f\n",
-                name.c_str(), field.reached, band.size(), c.shortcut, p.rise);
+    std::printf(
+        "%s: %zu of %zu nodes, below the straight line by %.3f, paths rise by %.3f, %zu of %zu "
+        "lost\n",
+        name.c_str(), field.reached, band.size(), c.shortcut, p.rise, p.lost, p.traced);
     INFO(name);
     CHECK(field.reached > 0);
     CHECK(c.notNumbers == 0);
@@ -124,19 +126,20 @@ TEST_CASE("hard surfaces: nothing crosses a gap of 1.5 voxels") {
     const Field field = march(band, {seed});
     checkResult("two plates 1.5 voxels apart", band, field);
     for (std::size_t k = 0; k < band.size(); ++k)
-        if (field.distance[k] < kInfinity && isMarched(band, NodeIndex(k)))
+        if (field.distance[k] < kInfinity && band.inCore(NodeIndex(k)))
             REQUIRE(band.footPoint(NodeIndex(k)).z < kCenter.z() + up.z() / 2);
 }
 
 TEST_CASE("hard surfaces: a speck is a surface of its own") {
     const Band band = bandOf(twoBalls(2, 0.7));
-    const Field field = march(band, {kFarSide});
+    const Field field = march(band, {kFarSide}), back = march(band, {kCenter + 13.4 * kWay});
     std::size_t onSpeck = 0;
     for (std::size_t k = 0; k < band.size(); ++k) {
         const auto i = NodeIndex(k);
-        if (!isMarched(band, i)) continue;
+        if (!band.inCore(i)) continue;
         const bool onBall = (worldOf(band, band.footPoint(i)) - kCenter).length() < 11;
         REQUIRE((field.distance[i] < kInfinity) == onBall);
+        REQUIRE((back.distance[i] < kInfinity) != onBall);
         onSpeck += !onBall;
     }
     CHECK(onSpeck > 0);
@@ -168,6 +171,48 @@ TEST_CASE("hard surfaces: a seed given twice counts once") {
     CHECK(twice.gradient == once.gradient);
     CHECK(twice.guarded == once.guarded);
     for (const std::uint32_t label : twice.label) REQUIRE(label == 0);
+}
+
+TEST_CASE("hard surfaces: seeds on either face of a plate thinner than a voxel") {
+    // Its middle is 0.09 voxels from a plane of voxels, so that they are inside.
+    const Point middle(kCenter.x(), kCenter.y(), 0.09);
+    for (const double thickness : {1.0, 0.8, 0.6, 0.4})
+        for (const double side : {-0.5, 0.5}) {
+            const Band band = bandOf(gridOf(box(middle, {20, 14, thickness / 2})));
+            const Field field = march(band, {middle + Point(3.3, 1.2, side * thickness)});
+            CHECK(field.reached == band.size());
+            checkResult("plate of " + std::to_string(thickness), band, field);
+        }
+}
+
+TEST_CASE("hard surfaces: a gap of 1.5 voxels with sharp rims") {
+    // At the rims the two edges, 1.5 voxels apart, look like one groove, and the front may cross.
+    const Point half(15, 12, 2.5), up(0, 0, 6.5), seed = kCenter + Point(1.1, 2.3, 2.5);
+    const Band band = bandOf(gridOf(box(kCenter, half), box(kCenter + up, half)));
+    checkResult("two sharp plates 1.5 voxels apart", band, march(band, {seed}));
+}
+
+TEST_CASE("hard surfaces: balls that overlap, touch or nearly do") {
+    for (const double gap : {-0.3, 0.0, 0.5, 1.0}) {
+        const Band band = bandOf(twoBalls(gap, 8));
+        checkResult("balls " + std::to_string(gap) + " apart", band, march(band, {kFarSide}));
+    }
+}
+
+TEST_CASE("hard surfaces: no distance is negative") {
+    const Point half(12.3, 9.7, 14.2), aside(0.3, -0.2, 0.1);
+    const auto negative = [](const openvdb::FloatGrid::Ptr& grid, const std::vector<Point>& seeds) {
+        const Band band = bandOf(grid);
+        return checkField(band, march(band, seeds), Nodes::All).negative;
+    };
+    CHECK(negative(gridOf(box(kCenter, half)), {kCenter + half}) == 0);
+    CHECK(negative(gridOf(torus(kCenter, 14, 6)), {kOnTorus, kOnTorus + Point(0.3, 0.1, 0)}) == 0);
+    for (const double radius : {0.7, 1.0, 1.5, 3.0}) {
+        const Point pole = kCenter - radius * kWay;
+        INFO("radius " << radius);
+        CHECK(negative(gridOf(sphere(kCenter, radius)), {pole}) == 0);
+        CHECK(negative(gridOf(sphere(kCenter, radius)), {pole, pole + aside}) == 0);
+    }
 }
 
 }  // namespace igeo::test

@@ -50,8 +50,7 @@ double triangleMisfit(const RandomCase& c, Nodes nodes) {
             const double toA = sampleDistance(c.band, c.single[s], c.seeds[a].pIndex);
             for (std::size_t k = 0; k < c.band.size(); ++k) {
                 const double toB = c.single[s].distance[k], between = c.single[a].distance[k];
-                if ((nodes == Nodes::Marched && !isMarched(c.band, NodeIndex(k))) ||
-                    !(toB < kInfinity))
+                if ((nodes == Nodes::Marched && !c.band.inCore(NodeIndex(k))) || !(toB < kInfinity))
                     continue;
                 worst = std::max(worst, std::abs(toA - toB) - between);
             }
@@ -64,9 +63,21 @@ double meetingMisfit(const RandomCase& c, Nodes nodes) {
     double worst = 0;
     for (std::size_t k = 0; k < c.band.size(); ++k) {
         const auto i = NodeIndex(k);
-        if ((nodes == Nodes::Marched && !isMarched(c.band, i)) || !(c.all.distance[i] < kInfinity))
+        if ((nodes == Nodes::Marched && !c.band.inCore(i)) || !(c.all.distance[i] < kInfinity))
             continue;
         worst = std::max(worst, std::abs(c.all.distance[i] - c.least(i)));
+    }
+    return worst;
+}
+
+/// Distance from the seed of a node's label beyond that from the nearest seed, the largest.
+double labelMisfit(const RandomCase& c, Nodes nodes) {
+    double worst = 0;
+    for (std::size_t k = 0; k < c.band.size(); ++k) {
+        const auto i = NodeIndex(k);
+        if ((nodes == Nodes::Marched && !c.band.inCore(i)) || !(c.all.distance[i] < kInfinity))
+            continue;
+        worst = std::max(worst, c.single[c.all.label[i]].distance[i] - c.least(i));
     }
     return worst;
 }
@@ -74,11 +85,15 @@ double meetingMisfit(const RandomCase& c, Nodes nodes) {
 /// A bucket is half a voxel wide: its nodes are solved without each other. A neighbour of an
 /// earlier bucket bounds a value by the way from there, and 0.001 voxels.
 constexpr double kBucket = 0.5 + 1e-3;
-/// Each of the three distances is off by a tenth of a voxel.
-constexpr double kTriangle = 0.3;
-/// Fronts less than 45 degrees apart are taken for one, which moves a value by up to
-/// 1 - cos(45 degrees) of a voxel.
-const double kMeeting = 1 - std::sqrt(0.5);
+/// As for the straight line: some creases, each good for a tenth of a voxel or two.
+constexpr double kTriangle = 0.5;
+/// Fronts of two seeds are never fitted together, but a node between them sees fewer neighbours: as
+/// far as fits over fewer neighbours differ, which is what the guard allows for (0.01) and what
+/// creases leave open (a tenth).
+constexpr double kMeeting = 0.15;
+/// A node takes the label of one of its neighbours, sqrt(3) voxels away at most, and over a voxel
+/// the distances from seeds whose fronts are taken for one part by 2 sin(45 degrees / 2).
+const double kLabel = 2 * std::sin(M_PI / 8) * std::sqrt(3.0);
 
 }  // namespace
 
@@ -128,6 +143,67 @@ TEST_CASE("random surfaces: several seeds give the least of their single distanc
         worst = std::max(worst, misfit);
     }
     std::printf("random surfaces: several seeds off by %.3f voxels\n", worst);
+}
+
+TEST_CASE("random surfaces: nodes that are not marched keep the bounds on distances") {
+    // Not that between neighbours: beside a groove narrower than two voxels they belong to two
+    // faces.
+    FieldChecks worst;
+    double misfit = 0;
+    for (unsigned number = 1; number <= kSurfaces; ++number) {
+        const RandomCase c(number, kSmooth);
+        INFO("surface " << number);
+        for (const Field* field : c.fields()) {
+            const FieldChecks now = checkField(c.band, *field, Nodes::All);
+            CHECK(now.negative == 0);
+            CHECK(now.shortcut < 0.5);
+            worst.shortcut = std::max(worst.shortcut, now.shortcut);
+        }
+        CHECK(meetingMisfit(c, Nodes::All) < 0.5);
+        misfit = std::max(misfit, meetingMisfit(c, Nodes::All));
+    }
+    std::printf(
+        "random surfaces, all nodes: %.3f below the straight line, several seeds off by %.3f\n",
+        worst.shortcut, misfit);
+}
+
+TEST_CASE("random surfaces: labels are those of a nearest seed") {
+    for (unsigned number = 1; number <= kSurfaces; ++number) {
+        const RandomCase c(number, kSmooth);
+        const double marched = labelMisfit(c, Nodes::Marched);
+        const double all = labelMisfit(c, Nodes::All);
+        std::printf("random surface %u: labels off by %.3f, by %.3f beside marched nodes\n", number,
+                    marched, all);
+        INFO("surface " << number);
+        CHECK(marched < kLabel);
+        CHECK(all < kLabel);
+    }
+}
+
+TEST_CASE("random surfaces: d falls along every path") {
+    for (unsigned number = 1; number <= kSurfaces; ++number) {
+        const RandomCase c(number, kSmooth);
+        for (const Field* field : c.fields()) {
+            const PathChecks p = checkPaths(c.band, *field);
+            INFO("surface " << number << ", seeds " << field->seeds.size());
+            CHECK(p.lost == 0);
+            CHECK(p.rise < 0.1);
+        }
+    }
+}
+
+TEST_CASE("random surfaces: creases and narrow grooves") {
+    for (unsigned number = 1; number <= kSurfaces; ++number) {
+        const RandomCase c(number, kSharp);
+        INFO("surface " << number);
+        for (const Field* field : c.fields())
+            CHECK(checkField(c.band, *field, Nodes::Marched).jump < kBucket);
+        // Twice the creases.
+        CHECK(triangleMisfit(c, Nodes::Marched) < 2 * kTriangle);
+        // The guard solves at creases, and it is of first order.
+        CHECK(meetingMisfit(c, Nodes::Marched) < 0.5);
+        CHECK(labelMisfit(c, Nodes::Marched) < kLabel);
+    }
 }
 
 }  // namespace igeo::test

@@ -20,11 +20,12 @@ std::vector<bool> connectedWithSeeds(const Band& band, const Field& field) {
     while (!front.empty()) {
         const NodeIndex i = front.back();
         front.pop_back();
-        band.forNeighbours(i, [&](NodeIndex j, int, int, int) {
-            if (connected[j] || !sameSheet(band, i, j)) return;
-            connected[j] = true;
-            if (isMarched(band, j)) front.push_back(j);
-        });
+        band.forNeighbours(&BandLeaf::band, band.leaf[i], band.offset[i],
+                           [&](NodeIndex j, int, int, int) {
+                               if (connected[j] || !sameSheet(band, i, j)) return;
+                               connected[j] = true;
+                               if (band.inCore(j)) front.push_back(j);
+                           });
     }
     return connected;
 }
@@ -33,9 +34,10 @@ bool isStuck(const Band& band, const Field& field, NodeIndex i) {
     for (const SurfacePoint& s : field.seeds)
         if (length(band.footPoint(i) - s.pIndex) <= field.startRadius) return false;
     bool lower = false;
-    band.forNeighbours(i, [&](NodeIndex j, int, int, int) {
-        lower |= isMarched(band, j) && field.distance[j] < field.distance[i];
-    });
+    band.forNeighbours(&BandLeaf::band, band.leaf[i], band.offset[i],
+                       [&](NodeIndex j, int, int, int) {
+                           lower |= band.inCore(j) && field.distance[j] < field.distance[i];
+                       });
     return !lower;
 }
 
@@ -50,13 +52,11 @@ double jump(const Band& band, const Field& field, NodeIndex i, NodeIndex j) {
 
 }  // namespace
 
-bool isMarched(const Band& band, NodeIndex i) { return std::abs(band.psi[i]) < std::sqrt(0.75f); }
-
 FieldChecks checkField(const Band& band, const Field& field, Nodes nodes) {
     FieldChecks c;
     const std::vector<bool> connected = connectedWithSeeds(band, field);
     const auto counts = [&](NodeIndex i) {
-        if (nodes == Nodes::Marched && !isMarched(band, i)) return false;
+        if (nodes == Nodes::Marched && !band.inCore(i)) return false;
         const PsiSample foot = samplePsi(band, band.footPoint(i));
         return field.distance[i] < kInfinity && foot.valid && std::abs(foot.psi) < 0.1;
     };
@@ -64,9 +64,9 @@ FieldChecks checkField(const Band& band, const Field& field, Nodes nodes) {
         const auto i = NodeIndex(k);
         const double d = field.distance[i];
         c.notNumbers += std::isnan(d) || !(length(field.gradient[i]) < 1.001f);
-        c.missed += connected[i] && !(d < kInfinity);
-        c.negative += d < 0 && (nodes == Nodes::All || isMarched(band, i));
-        c.stuck += d < kInfinity && isMarched(band, i) && isStuck(band, field, i);
+        c.missed += band.inCore(i) && connected[i] && !(d < kInfinity);
+        c.negative += d < 0 && (nodes == Nodes::All || band.inCore(i));
+        c.stuck += d < kInfinity && band.inCore(i) && isStuck(band, field, i);
         if (!counts(i)) continue;
         double straight = kInfinity;
         for (const SurfacePoint& s : field.seeds)

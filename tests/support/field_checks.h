@@ -9,14 +9,12 @@
 
 namespace igeo::test {
 
-/// Of the band's nodes, jet marches those whose voxel S may pass, |psi| < sqrt(3)/2; the others
-/// take their jets.
+/// Of the band's nodes, jet marches the core; the others take their jets from it.
 enum class Nodes { Marched, All };
-bool isMarched(const Band& band, NodeIndex i);
 
 struct FieldChecks {
     std::size_t notNumbers = 0;  ///< NaN, or a gradient that is none; of all nodes
-    std::size_t missed = 0;      ///< not reached though connected with a seed; of all nodes
+    std::size_t missed = 0;      ///< marched, connected with a seed, but not reached
     std::size_t stuck = 0;       ///< marched, outside the start discs, and no neighbour lies lower
     std::size_t negative = 0;
     double shortcut = 0;  ///< |foot - nearest seed| - d

@@ -121,20 +121,17 @@ TEST_CASE(
 TEST_CASE("Band: the core is closed and in one piece") {
     for (const Band& band : {sphereBand({0.3, -0.4, 0.2}, 11.7, 1.8),
                              planeBand({1, 2, 4}, 0.37, {-9, -9, -9}, {9, 9, 9}, 1.8)}) {
-        auto inCore = [&](NodeIndex i) {
-            return band.leaves[band.leaf[i]].core.node(band.offset[i]) != kNoNode;
-        };
         std::size_t crossings = 0, count = 0;
         NodeIndex start = kNoNode;
         for (NodeIndex i = 0; i < band.size(); ++i) {
-            if (inCore(i)) start = i, ++count;
+            if (band.inCore(i)) start = i, ++count;
             for (int side = 1; side < 6; side += 2) {
                 const NodeIndex j = band.neighbour(i, Band::faceStep(side));
                 if (j == kNoNode || std::signbit(band.psi[i]) == std::signbit(band.psi[j]))
                     continue;
                 ++crossings;
                 // Nothing passes S but where the core is.
-                if (!inCore(i) && !inCore(j)) FAIL("a crossing beside the core");
+                if (!band.inCore(i) && !band.inCore(j)) FAIL("a crossing beside the core");
             }
         }
         CHECK(crossings > 300);
@@ -148,7 +145,7 @@ TEST_CASE("Band: the core is closed and in one piece") {
             --count;
             for (int k = 0; k < 27; ++k) {
                 const NodeIndex j = band.neighbour(i, k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
-                if (j == kNoNode || seen[j] || !inCore(j)) continue;
+                if (j == kNoNode || seen[j] || !band.inCore(j)) continue;
                 seen[j] = true;
                 stack.push_back(j);
             }

