@@ -110,7 +110,8 @@ void Band::numberCore(const std::vector<NodeIndex>& rim) {
                 const Vec3f n = normal[i];
                 const float most = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
                 const float edges = std::abs(psi[i]);
-                if (edges <= kHalfEdge * most || (edges <= most && otherSheetBehind(i, n, most)))
+                if (edges <= kHalfEdge * most ||
+                    (facing[i] && edges <= most && otherSheetBehind(i, n, most)))
                     core.insert(offset[i]);
             }
         }

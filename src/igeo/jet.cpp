@@ -369,8 +369,7 @@ Solved JetMarch::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
     constexpr float kLight = 0.01f, kFlat = 0.8f;
     const Vec3f fi = band_.foot[i], n = band_.normal[i];
     const Ijk low{floorToInt(fi.x), floorToInt(fi.y), floorToInt(fi.z)};
-    // Weights of the lower and the upper corner along each axis.
-    const Vec3f up = fi - Vec3f(low), down{1 - up.x, 1 - up.y, 1 - up.z};
+    const Vec3f up = fi - Vec3f(low);
     // The corners around the foot point that are in the core, and what they say together.
     struct Corner {
         const Node* node;
@@ -383,24 +382,24 @@ Solved JetMarch::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
     Vec3f sum;
     bool simple = true;
     band_.forCorners(&BandLeaf::core, l, at, low, [&](NodeIndex j, unsigned k) {
-        const float w = (k & 4 ? up.x : down.x) * (k & 2 ? up.y : down.y) * (k & 1 ? up.z : down.z);
+        const Vec3f from = up - Vec3f{float(k >> 2), float(k >> 1 & 1), float(k & 1)};
+        const float w = (1 - std::abs(from.x)) * (1 - std::abs(from.y)) * (1 - std::abs(from.z));
+        if (w < kLight) return;
         const Node& node = core_[j];
-        if (w < kLight || !(node.u < kInfinity)) return;
-        const std::uint32_t label = labelOf(j);
-        simple &= (count == 0 || label == s.label) && dot(n, node.normal) >= kFlat;
-        s.label = label;
-        const Vec3f corner{float(k >> 2), float(k >> 1 & 1), float(k & 1)};
-        corners[count++] = {&node, w, up - corner - node.foot};
+        if (count == 0) s.label = labelOf(j);
+        simple &= node.u < kInfinity && labelOf(j) == s.label && dot(n, node.normal) >= kFlat;
+        corners[count++] = {&node, w, from - node.foot};
         sum += w * node.g;
     });
-    if (count == 0 || !simple) return solveOutside(i, l, at);
+    if (count == 0) simple = false;
+    if (!simple) return solveOutside(i, l, at);
     s.g = normalized(tangential(sum, n));
     // Every corner carries its jet to the foot point as along a circle (jet::circularStep); that
     // these directions are in space, not in one plane, changes it by (k c)^2 / 12 at curvature k.
     const double origin = corners[0].node->u;
     float value = 0, total = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-        const auto& [node, w, chord] = corners[k];
+    for (std::size_t c = 0; c < count; ++c) {
+        const auto& [node, w, chord] = corners[c];
         const float cosine = dot(s.g, node->g);
         if (!(cosine >= jet::kSameFront)) return solveOutside(i, l, at);
         value += w * (float(node->u - origin) + dot(s.g + node->g, chord) / (1 + cosine));

@@ -211,6 +211,11 @@ inline bool lowerBySegment(const JetNeighbours& all, int p, int q, float& best, 
     if (dot(all.g(p), all.g(q)) < kSameFront) return false;
     const Vec2f ap = all.a(p), e = ap - all.a(q);  // from p to q, as both are at -a
     const float up = all.u(p), du = all.u(q) - up, mp = dot(all.g(p), e), mq = dot(all.g(q), e);
+    // Not below `best` anywhere? The cubic dips under its ends by 4/27 of the slopes that point
+    // down.
+    const float along = std::clamp(dot(ap, e) / std::max(dot(e, e), 1e-12f), 0.0f, 1.0f);
+    const float dip = (4.0f / 27) * (std::max(-mp, 0.0f) + std::max(mq, 0.0f));
+    if (up + std::min(du, 0.0f) - dip + length(ap - along * e) >= best) return false;
     auto total = [&](float s) {
         const float t = 1 - s;
         return up + s * s * (3 - 2 * s) * du + s * t * (t * mp - s * mq) + length(ap - s * e);

@@ -20,9 +20,16 @@ public:
     void gather(const Accessor& psi, const openvdb::Coord& origin, double dx) {
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y)
-                for (int z = -1; z <= 1; ++z)
-                    copyPart(psi.probeConstLeaf(origin.offsetBy(8 * x, 8 * y, 8 * z)), {x, y, z},
-                             dx);
+                for (int z = -1; z <= 1; ++z) copyFrom(psi, origin, {x, y, z}, 1 / dx);
+    }
+    /// The same without edges and corners: enough for differences along the axes.
+    void gatherCross(const Accessor& psi, const openvdb::Coord& origin, double dx) {
+        copyFrom(psi, origin, {}, 1 / dx);
+        for (int side = 0; side < 6; ++side) {
+            Ijk step{};
+            step[side / 2] = side % 2 ? 1 : -1;
+            copyFrom(psi, origin, step, 1 / dx);
+        }
     }
 
     /// psi at voxel (x, y, z) of the leaf, each in [-1, 8].
@@ -35,16 +42,21 @@ private:
     static int first(int s) { return s < 0 ? 7 : 0; }
     static int last(int s) { return s > 0 ? 1 : 8; }
 
-    void copyPart(const Leaf* leaf, const Ijk& s, double dx) {
+    void copyFrom(const Accessor& psi, const openvdb::Coord& origin, const Ijk& s, double scale) {
         constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
+        const Leaf* leaf = psi.probeConstLeaf(origin.offsetBy(8 * s.x, 8 * s.y, 8 * s.z));
+        const float* from = leaf ? leaf->buffer().data() : nullptr;
         for (int x = first(s.x); x < last(s.x); ++x)
-            for (int y = first(s.y); y < last(s.y); ++y)
-                for (int z = first(s.z); z < last(s.z); ++z) {
-                    const auto n = openvdb::Index(x << 6 | y << 3 | z);
-                    values_[std::size_t(100 * (x + 8 * s.x + 1) + 10 * (y + 8 * s.y + 1) + z +
-                                        8 * s.z + 1)] =
-                        leaf && leaf->isValueOn(n) ? float(leaf->getValue(n) / dx) : kMissing;
-                }
+            for (int y = first(s.y); y < last(s.y); ++y) {
+                const auto row = std::size_t(x << 6 | y << 3);
+                const unsigned active =
+                    leaf ? leaf->valueMask().getWord<unsigned char>(openvdb::Index(row >> 3)) : 0;
+                float* to =
+                    &values_[std::size_t(100 * (x + 8 * s.x + 1) + 10 * (y + 8 * s.y + 1) + 1)];
+                for (int z = first(s.z); z < last(s.z); ++z)
+                    to[z + 8 * s.z] =
+                        active >> z & 1 ? float(from[row + std::size_t(z)] * scale) : kMissing;
+            }
     }
 
     std::array<float, 1000> values_;

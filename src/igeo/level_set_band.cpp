@@ -80,7 +80,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
         LeafBlock block;
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
         for (std::size_t l = begin; l < end; ++l) {
-            block.gather(psi, kept[l]->origin(), dx);
+            block.gatherCross(psi, kept[l]->origin(), dx);
             const LeafNodes& nodes = band.leaves[l].band;
             for (NodeIndex i = nodes.first; i < nodes.first + nodes.count; ++i) {
                 const int o = band.offset[i], x = o >> 6, y = o >> 3 & 7, z = o & 7;
