@@ -6,13 +6,26 @@
 namespace igeo {
 
 void Field::summarise() {
+    constexpr std::size_t kChunk = 1 << 16;
+    struct Part {
+        std::size_t reached = 0;
+        double largest = 0;
+    };
+    std::vector<Part> parts((distance.size() + kChunk - 1) / kChunk);
+    parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c)
+            for (std::size_t k = c * kChunk; k < std::min(distance.size(), (c + 1) * kChunk); ++k)
+                if (distance[k] < kInfinity) {
+                    ++parts[c].reached;
+                    parts[c].largest = std::max(parts[c].largest, distance[k]);
+                }
+    });
     reached = 0;
     maxDistance = 0;
-    for (const double d : distance)
-        if (d < kInfinity) {
-            ++reached;
-            maxDistance = std::max(maxDistance, d);
-        }
+    for (const Part& part : parts) {
+        reached += part.reached;
+        maxDistance = std::max(maxDistance, part.largest);
+    }
 }
 
 namespace {

@@ -83,12 +83,17 @@ private:
         double u = kInfinity;  ///< +inf until accepted
         Vec3f g, foot, normal;
         LeafIndex leaf;
-        std::uint32_t bucket = kNoBucket;  ///< the bucket it waits in; 0 once it is accepted
+        std::uint32_t bucket = kNoBucket;  ///< the bucket it waits in; 0 once it is taken out
         std::uint16_t offset;
     };
     struct Queued {
         std::uint32_t bucket;
         NodeIndex node;
+    };
+    /// Part of a bucket, for one thread: what is accepted, and who waits for what bucket now.
+    struct Chunk {
+        std::vector<std::pair<NodeIndex, Solved>> accepted;
+        std::vector<Queued> queued;
     };
 
     std::uint32_t bucketOf(double u) const {
@@ -142,8 +147,7 @@ private:
     std::vector<Node> core_;
     std::vector<std::uint32_t> label_;  ///< per core node; empty for one seed
     std::map<std::uint32_t, std::vector<NodeIndex>> queue_;
-    std::vector<std::pair<NodeIndex, Solved>> solved_;  ///< of the current bucket
-    std::vector<std::vector<Queued>> queued_;           ///< by the current bucket, one per chunk
+    std::vector<Chunk> chunks_;
     std::vector<Vec3f> seedNormal_;
     std::map<NodeIndex, Solved> discs_;  ///< jets around the seeds, by core node
     double discEnd_ = 0;                 ///< the largest value among them
@@ -299,38 +303,47 @@ void JetMarch::key(NodeIndex i, const Vec3f& chord, const Solved& from, std::uin
 
 void JetMarch::process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes) {
     constexpr std::size_t kChunk = 64;
-    const std::size_t chunks = (nodes.size() + kChunk - 1) / kChunk;
-    solved_.resize(nodes.size());
-    if (queued_.size() < chunks) queued_.resize(chunks);
-    parallelFor(chunks, 1, [&](std::size_t begin, std::size_t end) {
+    const std::size_t count = (nodes.size() + kChunk - 1) / kChunk;
+    if (chunks_.size() < count) chunks_.resize(count);
+    parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c) {
-            queued_[c].clear();
+            Chunk& chunk = chunks_[c];
+            chunk.accepted.clear(), chunk.queued.clear();
             for (std::size_t k = c * kChunk; k < std::min(nodes.size(), (c + 1) * kChunk); ++k) {
-                // Else it was queued here before a front came to it from elsewhere, and earlier.
-                const bool due = core_[nodes[k]].bucket == bucket;
-                solved_[k].first = due ? nodes[k] : kNoNode;
-                if (due) solved_[k].second = visit(nodes[k], bucket, queued_[c]);
+                // Taken out of its bucket by whoever is first: it may be queued twice. Or it was
+                // queued here before a front came to it from elsewhere, and earlier.
+                std::uint32_t expected = bucket;
+                if (!__atomic_compare_exchange_n(&core_[nodes[k]].bucket, &expected, 0,
+                                                 /*weak=*/false, __ATOMIC_RELAXED,
+                                                 __ATOMIC_RELAXED))
+                    continue;
+                const Solved s = visit(nodes[k], bucket, chunk.queued);
+                if (s.u < kInfinity && bucketOf(s.u) <= bucket) {
+                    chunk.accepted.emplace_back(nodes[k], s);
+                } else if (s.u < kInfinity) {
+                    __atomic_store_n(&core_[nodes[k]].bucket, bucket + 1, __ATOMIC_RELAXED);
+                    chunk.queued.push_back({bucket + 1, nodes[k]});
+                }
             }
         }
     });
-    // Accepted together; what is solved beyond its bucket is solved again with the next one.
-    for (const auto& [i, s] : solved_) {
-        if (i == kNoNode || core_[i].bucket != bucket) continue;  // the latter: queued twice
-        if (bucketOf(s.u) > bucket) {
-            core_[i].bucket = bucket + 1;
-            queue_[bucket + 1].push_back(i);
-            continue;
+    // Accepted together: nobody has seen a value of this bucket before.
+    parallelFor(count, 4, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c)
+            for (const auto& [i, s] : chunks_[c].accepted) {
+                core_[i].u = s.u;
+                core_[i].g = s.g;
+                if (!label_.empty()) label_[i] = s.label;
+            }
+    });
+    for (std::size_t c = 0; c < count; ++c) {
+        accepted_ += chunks_[c].accepted.size();
+        for (const auto& [i, s] : chunks_[c].accepted) {
+            guarded_ += s.guarded;
+            if (!awaited_.empty() && awaited_[i]) --awaitedCount_;
         }
-        core_[i].u = s.u;
-        core_[i].g = s.g;
-        core_[i].bucket = 0;
-        if (!label_.empty()) label_[i] = s.label;
-        guarded_ += s.guarded;
-        ++accepted_;
-        if (!awaited_.empty() && awaited_[i]) --awaitedCount_;
+        for (const Queued& q : chunks_[c].queued) queue_[q.bucket].push_back(q.node);
     }
-    for (std::size_t c = 0; c < chunks; ++c)
-        for (const Queued& q : queued_[c]) queue_[q.bucket].push_back(q.node);
 }
 
 void JetMarch::watchTargets() {
@@ -465,9 +478,14 @@ Solved JetMarch::solveOutside(NodeIndex i, LeafIndex l, unsigned at) const {
 
 Field JetMarch::take() {
     Field field;
-    field.distance.resize(band_.size());
-    field.gradient.resize(band_.size());
-    if (!label_.empty()) field.label.resize(band_.size());
+    // Side by side: the first touch of fresh memory costs more than what is written there.
+    parallelFor(3, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            if (k == 0) field.distance.resize(band_.size());
+            if (k == 1) field.gradient.resize(band_.size());
+            if (k == 2 && !label_.empty()) field.label.resize(band_.size());
+        }
+    });
     parallelFor(band_.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band_.leaves[l];
