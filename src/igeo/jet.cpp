@@ -20,6 +20,17 @@ constexpr double kMargin = 3;
 /// Buckets are counted from the smallest start value; this one is beyond all.
 constexpr std::uint32_t kNoBucket = std::numeric_limits<std::uint32_t>::max();
 
+/// Whether two foot points, `chord` apart, lie on either side of a gap or a plate rather than of a
+/// crease: both normals along the chord, and the chord longer than between neighbours on one sheet
+/// (sqrt(3), and a bit). In gaps of about two voxels psi bends normals away from each other, and
+/// Band::kOtherSheet alone does not tell.
+bool acrossGap(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
+    constexpr float kFar2 = 3.2f, kAlong2 = 0.25f;
+    const float c2 = dot(chord, chord), alongA = dot(a, chord), alongB = dot(b, chord);
+    return c2 > kFar2 && alongA * alongB < 0 &&
+           std::min(alongA * alongA, alongB * alongB) > kAlong2 * c2;
+}
+
 /// What a solve found out about a node.
 struct Solved {
     double u = kInfinity;
@@ -261,6 +272,7 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& o
             const float cosine = igeo::dot(frame.normal(), other.normal);
             if (cosine < Band::kOtherSheet) return;
             const Vec3f chord = node.foot - other.foot - Vec3f{float(dx), float(dy), float(dz)};
+            if (cosine < 0.5f && acrossGap(chord, frame.normal(), other.normal)) return;
             if (!(other.u < kInfinity)) {
                 waiting[waitingCount++] = {j, chord};
                 return;
