@@ -20,17 +20,20 @@ struct JetOptions {
 /// Marches the jet of the distance (value and gradient along S) outward from `seeds`.
 ///
 /// Every band node stands for its foot point y_i on S, so the band needs no room for paths
-/// (h = sqrt(3) voxels is enough) and no neighbour is outside. Nodes go through buckets of equal
-/// width in the distance; all nodes of a bucket are solved (jet_update.h) from nodes of earlier
-/// buckets only and accepted together. So the work is linear in the number of nodes, every bucket
-/// is a parallel loop, and the result has the same bits for any number of threads.
-/// @param band  any h >= sqrt(3)/2 voxels; only the voxels within that are marched
-/// @param seeds at least one; a seed may start at a distance > 0
+/// (h = sqrt(3) voxels is enough) and no neighbour is outside. The nodes of the core (Band) go
+/// through buckets of equal width in the distance; all nodes of a bucket are solved (jet_update.h)
+/// from nodes of earlier buckets only and accepted together. So the work is linear in the number of
+/// nodes, every bucket is a parallel loop, and the result has the same bits for any number of
+/// threads. The other nodes take their jets from the core around their foot points.
+/// @param band  any h >= sqrt(3)/2 voxels
+/// @param seeds at least one; a seed may start at a distance > 0. With several, Field::label says
+///              whose a node is (the earlier seed where they tie), and fronts of different seeds
+///              are never fitted together
 /// @return second order in dx where S is smooth; first order at creases. Field::gradient is set.
 /// @throws Error  InvalidArgument for options out of range, a narrower band, or start values 1e9
 /// voxels
 ///         apart; Cancelled through `progress`
-/// Time O(n), in parallel; 24 bytes per node. Error: docs/accuracy.md.
+/// Time O(n), in parallel; 33 bytes per node, the field's 20 included. Error: docs/accuracy.md.
 Field marchJet(const Band& band, const std::vector<SurfacePoint>& seeds,
                const JetOptions& options = {}, Progress& progress = Progress::none());
 
