@@ -41,7 +41,7 @@ struct LeafNodes {
         bits -= bits >> 1 & 0x5555555555555555;
         bits = (bits & 0x3333333333333333) + (bits >> 2 & 0x3333333333333333);
         bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0f;
-        return unsigned(bits * 0x0101010101010101 >> 56);
+        return unsigned(bits * 0x0101010101010101ull >> 56);
     }
 };
 
@@ -182,7 +182,7 @@ private:
         return y < 1 ? 0xffffffu >> (8 - 8 * y) : std::uint64_t(0xffffff) << (8 * y - 8);
     }
     static std::uint64_t columnsNear(int z) {
-        return ((z < 1 ? 7u >> (1 - z) : 7u << (z - 1)) & 0xff) * 0x0101010101010101;
+        return ((z < 1 ? 7u >> (1 - z) : 7u << (z - 1)) & 0xff) * 0x0101010101010101ull;
     }
 
     std::size_t coreSize_ = 0;
