@@ -325,7 +325,7 @@ void Job::march(double maxDistance) {
         igeo::JetOptions jet;
         jet.maxDistance = maxDistance;
         jet.stopAt = stopAt;
-        field_ = igeo::marchJet(band_, seeds_, jet, progress_);
+        field_ = igeo::marchJet(band_, {}, seeds_, jet, progress_);
     } else {
         igeo::GodunovOptions godunov;
         godunov.order = options_.order;

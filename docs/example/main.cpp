@@ -16,7 +16,7 @@ int main() try {
     auto onSurface = [&](const igeo::Vec3d& pWorld) {
         return igeo::nearestSurfacePoint(band, band.transform.indexFromWorld(pWorld));
     };
-    const igeo::Field field = igeo::marchJet(band, {onSurface({0, 0, 1})});
+    const igeo::Field field = igeo::marchJet(band, {}, {onSurface({0, 0, 1})});
     const igeo::SurfacePoint target = onSurface({0, 0, -1});
     const igeo::Path path = igeo::tracePath(band, field, field.gradient, target);
     const double dx = band.transform.dx;

@@ -96,6 +96,15 @@ double sampleVoxels(const BandCell& cell, const Field& field) {
 
 double sampleJets(const Band& band, const BandCell& cell, const Field& field, const Vec3d& p,
                   const Vec3d& normal) {
+    // Gradients are as long as the weight; at p it is what the corners say.
+    double sum = 0, total = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        const NodeIndex j = cell.node[k];
+        if (j == kNoNode || !(field.distance[j] < kInfinity)) continue;
+        sum += (cell.weight[k] + 1e-6) * double(length(field.gradient[j]));
+        total += cell.weight[k] + 1e-6;
+    }
+    const double here = field.weighted && sum > 0 ? sum / total : 1;
     const TangentFrame frame{Vec3f(normal)};
     JetNeighbours all;
     std::array<float, JetNeighbours::kMax> weight{};
@@ -106,10 +115,15 @@ double sampleJets(const Band& band, const BandCell& cell, const Field& field, co
         const float cosine = dot(frame.normal(), nj);
         // A corner at p itself must not leave the sum empty.
         weight[std::size_t(all.count())] = float(cell.weight[k]) + 1e-6f;
-        all.add(frame.neighbour(Vec3f(p - band.footPoint(j)), nj, cosine, field.gradient[j],
-                                field.distance[j]));
+        Vec3f chord(p - band.footPoint(j)), g = field.gradient[j];
+        if (field.weighted) {
+            const float there = length(g);
+            chord *= float((1 + double(there) / here) / 2);
+            g = normalized(g);
+        }
+        all.add(frame.neighbour(chord, nj, cosine, g, field.distance[j] / here));
     }
-    return blendJets(all, weight).u;
+    return here * blendJets(all, weight).u;
 }
 
 }  // namespace

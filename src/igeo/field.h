@@ -14,13 +14,15 @@ namespace igeo {
 /// Distances in voxels times weight; multiply by band.transform.dx for world units.
 struct Field {
     std::vector<double> distance;  ///< per band node; +inf: not reached, or beyond an early stop
-    std::vector<Vec3f> gradient;   ///< per band node, along S; may be empty (surfaceGradient)
+    std::vector<Vec3f> gradient;   ///< per band node, along S, as long as the weight there; may be
+                                   ///< empty (surfaceGradient)
     bool atFootPoints = false;  ///< distance and gradient are those of the foot points (jet), not
                                 ///< of the voxels (godunov)
     std::vector<std::uint32_t> label;  ///< per band node: the seed it is nearest to; empty for one
     std::size_t solved = 0;            ///< nodes that were marched (jet: of the core)
     std::size_t guarded = 0;           ///< of those, solved by the guard (jet)
     std::vector<SurfacePoint> seeds;   ///< where it starts
+    bool weighted = false;             ///< by a metric that may vary
     std::string scheme;                ///< what computed it, e.g. "godunov, order 2"
     double startRadius = 0;            ///< within it, distances around seeds are exact; voxels
     std::size_t reached = 0;           ///< nodes with a finite distance

@@ -67,6 +67,7 @@ public:
         accepted_.resize(band_.size());
         field.distance = std::move(accepted_);
         field.stoppedEarly = !heap_.empty();
+        field.weighted = !metric_.weight.empty();
         field.seeds = std::move(seeds_);
         field.startRadius = options_.startRadius;
         field.scheme = options_.order == 1 ? "godunov, order 1" : "godunov, order 2";
@@ -174,15 +175,7 @@ void check(const Band& band, const Metric& metric, const std::vector<SurfacePoin
     if (seeds.empty()) throw Error(Kind::InvalidArgument, "a march needs at least one seed");
     if (!(options.maxDistance > 0))
         throw Error(Kind::InvalidArgument, "the largest distance must be positive");
-    if (metric.weight.empty()) return;
-    if (metric.weight.size() != band.size())
-        throw Error(Kind::InvalidArgument, std::to_string(metric.weight.size()) +
-                                               " weights for a band of " +
-                                               std::to_string(band.size()) + " nodes");
-    for (const float w : metric.weight)
-        if (!(w > 0 && w < float(kInfinity)))
-            throw Error(Kind::InvalidArgument,
-                        "weight " + std::to_string(w) + " is not positive and finite");
+    metric.check(band.size());
 }
 
 }  // namespace

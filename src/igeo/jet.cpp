@@ -20,6 +20,9 @@ constexpr double kMargin = 3;
 /// Buckets are counted from the smallest start value; this one is beyond all.
 constexpr std::uint32_t kNoBucket = std::numeric_limits<std::uint32_t>::max();
 
+/// By how much a chord counts in units of the weight at its end `to`: trapezoid rule.
+float meanWeight(float from, float to) { return from == to ? 1 : (1 + from / to) / 2; }
+
 /// Whether two foot points, `chord` apart, lie on either side of a gap or a plate rather than of a
 /// crease: both normals along the chord, and the chord longer than between neighbours on one sheet
 /// (sqrt(3), and a bit). In gaps of about two voxels psi bends normals away from each other, and
@@ -83,7 +86,8 @@ Jet Surroundings::update(std::uint32_t& from) const {
 /// their foot points.
 class JetMarch {
 public:
-    JetMarch(const Band& band, const std::vector<SurfacePoint>& seeds, const JetOptions& options);
+    JetMarch(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
+             const JetOptions& options);
     void march(Progress& progress);
     /// The field on the whole band.
     Field take();
@@ -96,6 +100,7 @@ private:
         LeafIndex leaf;
         std::uint32_t bucket = kNoBucket;  ///< the bucket it waits in; 0 once it is taken out
         std::uint16_t offset;
+        float weight;
     };
     struct Queued {
         std::uint32_t bucket;
@@ -108,7 +113,7 @@ private:
     };
 
     std::uint32_t bucketOf(double u) const {
-        return std::uint32_t(std::max(0.0, (u - first_) / options_.bucketWidth));
+        return std::uint32_t(std::max(0.0, (u - first_) / bucketWidth_));
     }
     std::uint32_t labelOf(NodeIndex core) const { return label_.empty() ? 0 : label_[core]; }
     NodeIndex coreOf(NodeIndex i) const {
@@ -125,13 +130,14 @@ private:
     void forBox(LeafIndex l, unsigned at, const Ijk& middle, int reach, const Visit& visit) const;
 
     /// The exact jet of seed k at a foot point, if that lies within its start disc.
-    bool discJet(std::uint32_t k, const Vec3f& normal, const Vec3d& foot, Solved& s) const;
+    bool discJet(std::uint32_t k, const Vec3f& normal, const Vec3d& foot, double weight,
+                 Solved& s) const;
     void startDisc(std::uint32_t seed);
     void watchTargets();
     /// Solves a node from its accepted neighbours; if it belongs into this bucket, puts the others
     /// into the buckets where its jet says they belong.
     Solved visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& out);
-    /// @param chord from a node with jet (u, g) to node i
+    /// @param chord from a node with jet (u, g) to node i, times the weight there
     void key(NodeIndex i, const Vec3f& chord, const Solved& from, std::uint32_t bucket,
              std::vector<Queued>& out);
     void process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes);
@@ -152,7 +158,10 @@ private:
     Solved preferDiscOutside(NodeIndex i, const Solved& s) const;
 
     const Band& band_;
+    const Metric& metric_;
     const JetOptions& options_;
+    double bucketWidth_;  ///< half a voxel at the least weight
+    double heaviest_;     ///< the largest weight
     std::vector<SurfacePoint> seeds_;
     double first_ = kInfinity;  ///< the least start value
     std::vector<Node> core_;
@@ -168,10 +177,13 @@ private:
     std::size_t awaitedCount_ = 0, accepted_ = 0, guarded_ = 0;
 };
 
-JetMarch::JetMarch(const Band& band, const std::vector<SurfacePoint>& seeds,
+JetMarch::JetMarch(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
                    const JetOptions& options)
     : band_(band),
+      metric_(metric),
       options_(options),
+      bucketWidth_(options.bucketWidth * metric.least()),
+      heaviest_(metric.largest()),
       seeds_(seeds),
       core_(band.coreSize()),
       limit_(options.maxDistance) {
@@ -182,17 +194,21 @@ JetMarch::JetMarch(const Band& band, const std::vector<SurfacePoint>& seeds,
             for (NodeIndex i = leaf.band.first; i < leaf.band.first + leaf.band.count; ++i) {
                 const std::uint16_t o = band.offset[i];
                 if (leaf.core.mask[o >> 6] >> (o & 63) & 1)
-                    core_[k++] = {kInfinity, {}, band.foot[i], band.normal[i], LeafIndex(l),
-                                  kNoBucket, o};
+                    core_[k++] = {kInfinity, {}, band.foot[i],       band.normal[i], LeafIndex(l),
+                                  kNoBucket, o,  float(metric.at(i))};
             }
         }
     });
     if (seeds.size() > 1) label_.assign(core_.size(), 0);
-    for (const SurfacePoint& s : seeds) first_ = std::min(first_, s.start);
+    for (SurfacePoint& s : seeds_) {
+        s.weight = metric.at(s.node);
+        first_ = std::min(first_, s.start);
+    }
     for (std::size_t k = 0; k < seeds.size(); ++k) startDisc(std::uint32_t(k));
 }
 
-bool JetMarch::discJet(std::uint32_t k, const Vec3f& normal, const Vec3d& foot, Solved& s) const {
+bool JetMarch::discJet(std::uint32_t k, const Vec3f& normal, const Vec3d& foot, double weight,
+                       Solved& s) const {
     const SurfacePoint& seed = seeds_[k];
     const TangentFrame frame(normal);
     const Vec3f chord(foot - seed.pIndex);
@@ -205,7 +221,7 @@ bool JetMarch::discJet(std::uint32_t k, const Vec3f& normal, const Vec3d& foot, 
     const Vec2f way =
         cosine < kSmooth ? frame.flat(chord) : frame.way(chord, seedNormal_[k], cosine);
     const float u = length(way);
-    s = {seed.start + double(u), {}, k, false};
+    s = {seed.start + (seed.weight + weight) / 2 * double(u), {}, k, false};
     if (u > 1e-6f) s.g = frame.lift((1 / u) * way);
     return true;
 }
@@ -232,7 +248,8 @@ void JetMarch::startDisc(std::uint32_t k) {
         if (!seen.insert(i).second) return;
         const Vec3d foot = footOf(core_[i]);
         if (const double r = length(foot - seed.pIndex); r < least) least = r, nearest = i;
-        if (Solved s; discJet(k, core_[i].normal, foot, s)) put(i, s), found.push_back(i);
+        if (Solved s; discJet(k, core_[i].normal, foot, core_[i].weight, s))
+            put(i, s), found.push_back(i);
     };
     const Vec3f side = band_.normal[seed.node];
     forBox(band_.leaf[seed.node], band_.offset[seed.node], {}, 2, [&](NodeIndex i, const Ijk&) {
@@ -247,7 +264,8 @@ void JetMarch::startDisc(std::uint32_t k) {
                             });
     }
     // A seed in a corner that no node near it can see: straight to the nearest.
-    if (found.empty() && nearest != kNoNode) put(nearest, {seed.start + least, {}, k, false});
+    if (found.empty() && nearest != kNoNode)
+        put(nearest, {seed.start + seed.weight * least, {}, k, false});
 }
 
 Solved JetMarch::preferDisc(NodeIndex i, const Solved& s) const {
@@ -279,19 +297,20 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& o
             }
             if (cosine < 0.9f) known.all.smooth = false;
             // Relative to the start: near a source the solve takes u for the distance to it.
-            known.add(frame.neighbour(chord, other.normal, cosine, other.g, other.u - first_),
+            known.add(frame.neighbour(meanWeight(other.weight, node.weight) * chord, other.normal,
+                                      cosine, other.g, (other.u - first_) / double(node.weight)),
                       labelOf(j));
         });
     Solved s;
     const Jet jet = known.update(s.label);
-    s.u = first_ + jet.u;
+    s.u = first_ + double(node.weight) * jet.u;
     s.g = frame.lift(jet.g);
     s.guarded = jet.guarded;
     // Nodes of a disc wait in its buckets or earlier.
     if (bucket <= bucketOf(discEnd_)) s = preferDisc(i, s);
     if (s.u < kInfinity && bucketOf(s.u) <= bucket)
         for (std::size_t k = 0; k < waitingCount; ++k)
-            key(waiting[k].node, -waiting[k].chord, s, bucket, out);
+            key(waiting[k].node, node.weight * -waiting[k].chord, s, bucket, out);
     return s;
 }
 
@@ -306,7 +325,7 @@ void JetMarch::key(NodeIndex i, const Vec3f& chord, const Solved& from, std::uin
     const double r = from.u - first_ + std::max(along, 0.0);
     const double carried =
         along > 0 ? std::sqrt(r * r + std::max(c2 - along * along, 0.0)) : r + std::sqrt(c2);
-    const std::uint32_t b = std::max(bucket + 1, std::uint32_t(carried / options_.bucketWidth));
+    const std::uint32_t b = std::max(bucket + 1, std::uint32_t(carried / bucketWidth_));
     while (b < seen && !__atomic_compare_exchange_n(&waitsIn, &seen, b, /*weak=*/true,
                                                     __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
     }
@@ -374,7 +393,7 @@ void JetMarch::march(Progress& progress) {
     while (!queue_.empty()) {
         const auto first = queue_.begin();
         const std::uint32_t bucket = first->first;
-        if (first_ + bucket * options_.bucketWidth > limit_ + kMargin) {
+        if (first_ + bucket * bucketWidth_ > limit_ + kMargin * heaviest_) {
             stopped_ = true;
             return;
         }
@@ -382,7 +401,7 @@ void JetMarch::march(Progress& progress) {
         queue_.erase(first);
         process(bucket, nodes);
         if (waits && awaitedCount_ == 0) {
-            limit_ = std::min(limit_, first_ + (bucket + 1) * options_.bucketWidth);
+            limit_ = std::min(limit_, first_ + (bucket + 1) * bucketWidth_);
             waits = false;
         }
         progress.throwIfCancelled();
@@ -421,23 +440,25 @@ Solved JetMarch::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
     s.g = normalized(tangential(sum, n));
     // Every corner carries its jet to the foot point as along a circle (jet::circularStep); that
     // these directions are in space, not in one plane, changes it by (k c)^2 / 12 at curvature k.
-    const double origin = corners[0].node->u;
+    const double origin = corners[0].node->u, weight = metric_.at(i);
     float value = 0, total = 0;
     for (std::size_t c = 0; c < count; ++c) {
         const auto& [node, w, chord] = corners[c];
         const float cosine = dot(s.g, node->g);
         if (!(cosine >= jet::kSameFront)) return solveOutside(i, l, at);
-        value += w * (float(node->u - origin) + dot(s.g + node->g, chord) / (1 + cosine));
+        value +=
+            w * (float((node->u - origin) / weight) + meanWeight(node->weight, float(weight)) *
+                                                          dot(s.g + node->g, chord) / (1 + cosine));
         total += w;
     }
-    s.u = origin + double(value / total);
-    return s.u > discEnd_ + kMargin ? s : preferDiscOutside(i, s);
+    s.u = origin + weight * double(value / total);
+    return s.u > discEnd_ + kMargin * heaviest_ ? s : preferDiscOutside(i, s);
 }
 
 /// The core around such a node has been reached from its seed, so that it is on the same sheet.
 Solved JetMarch::preferDiscOutside(NodeIndex i, const Solved& s) const {
     Solved disc;
-    if (!discJet(s.label, band_.normal[i], band_.footPoint(i), disc)) {
+    if (!discJet(s.label, band_.normal[i], band_.footPoint(i), metric_.at(i), disc)) {
         disc = s;
         disc.u = std::max(s.u, seeds_[s.label].start);
     }
@@ -460,6 +481,7 @@ bool JetMarch::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& mi
                             const TangentFrame& frame, Surroundings& found) const {
     // Further off than a cell's diagonal it may be another surface.
     constexpr float kNear2 = 3;
+    const auto weight = float(metric_.at(i));
     bool anybody = false;
     forBox(l, at, middle, reach, [&](NodeIndex j, const Ijk& step) {
         const Node& other = core_[j];
@@ -469,7 +491,8 @@ bool JetMarch::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& mi
         anybody = true;
         if (!(other.u < kInfinity) || found.all.count() == JetNeighbours::kMax) return;
         if (cosine < 0.9f) found.all.smooth = false;
-        found.add(frame.neighbour(chord, other.normal, cosine, other.g, other.u - first_),
+        found.add(frame.neighbour(meanWeight(other.weight, weight) * chord, other.normal, cosine,
+                                  other.g, (other.u - first_) / double(weight)),
                   labelOf(j));
     });
     return anybody;
@@ -483,9 +506,9 @@ Solved JetMarch::solveOutside(NodeIndex i, LeafIndex l, unsigned at) const {
         gatherAround(i, l, at, {}, 2, frame, around);
     Solved s;
     const Jet jet = around.update(s.label);
-    s.u = first_ + jet.u;
+    s.u = first_ + metric_.at(i) * jet.u;
     s.g = frame.lift(jet.g);
-    return s.u > discEnd_ + kMargin ? s : preferDiscOutside(i, s);
+    return s.u > discEnd_ + kMargin * heaviest_ ? s : preferDiscOutside(i, s);
 }
 
 Field JetMarch::take() {
@@ -508,12 +531,13 @@ Field JetMarch::take() {
                                               : Solved{core_[k].u, core_[k].g, labelOf(k), false};
                 const bool wanted = s.u <= limit_;
                 field.distance[i] = wanted ? s.u : kInfinity;
-                field.gradient[i] = wanted ? s.g : Vec3f();
+                field.gradient[i] = wanted ? float(metric_.at(i)) * s.g : Vec3f();
                 if (!label_.empty()) field.label[i] = s.label;
             }
         }
     });
     field.atFootPoints = true;
+    field.weighted = !metric_.weight.empty();
     field.seeds = std::move(seeds_);
     field.scheme = "jet";
     field.startRadius = options_.startRadius;
@@ -526,8 +550,8 @@ Field JetMarch::take() {
 
 }  // namespace
 
-Field marchJet(const Band& band, const std::vector<SurfacePoint>& seeds, const JetOptions& options,
-               Progress& progress) {
+Field marchJet(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
+               const JetOptions& options, Progress& progress) {
     using Kind = Error::Kind;
     if (seeds.empty()) throw Error(Kind::InvalidArgument, "a march needs at least one seed");
     if (!(options.maxDistance > 0))
@@ -538,10 +562,11 @@ Field marchJet(const Band& band, const std::vector<SurfacePoint>& seeds, const J
     const auto [first, last] = std::minmax_element(
         seeds.begin(), seeds.end(), [](auto& a, auto& b) { return a.start < b.start; });
     // Buckets are numbered in 32 bits.
-    if (!(last->start - first->start < 1e9))
+    if (!(last->start - first->start < 1e9 * metric.least()))
         throw Error(Kind::InvalidArgument, "start values of seeds differ by more than 1e9 voxels",
                     "give seeds that no front comes near to a run of their own");
-    JetMarch march(band, seeds, options);
+    metric.check(band.size());
+    JetMarch march(band, metric, seeds, options);
     march.march(progress);
     return march.take();
 }

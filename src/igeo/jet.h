@@ -3,6 +3,7 @@
 
 #include <igeo/band.h>
 #include <igeo/field.h>
+#include <igeo/metric.h>
 #include <igeo/progress.h>
 #include <igeo/surface_point.h>
 
@@ -25,16 +26,17 @@ struct JetOptions {
 /// from nodes of earlier buckets only and accepted together. So the work is linear in the number of
 /// nodes, every bucket is a parallel loop, and the result has the same bits for any number of
 /// threads. The other nodes take their jets from the core around their foot points.
-/// @param band  any h >= sqrt(3)/2 voxels
-/// @param seeds at least one; a seed may start at a distance > 0. With several, Field::label says
+/// @param band   any h >= sqrt(3)/2 voxels
+/// @param metric one weight > 0 per node, or none
+/// @param seeds  at least one; a seed may start at a distance > 0. With several, Field::label says
 ///              whose a node is (the earlier seed where they tie), and fronts of different seeds
 ///              are never fitted together
 /// @return second order in dx where S is smooth; first order at creases. Field::gradient is set.
-/// @throws Error  InvalidArgument for options out of range, a narrower band, or start values 1e9
-/// voxels
+/// @throws Error  InvalidArgument for options or weights out of range, a narrower band, or start
+/// values 1e9 voxels
 ///         apart; Cancelled through `progress`
 /// Time O(n), in parallel; 33 bytes per node, the field's 20 included. Error: docs/accuracy.md.
-Field marchJet(const Band& band, const std::vector<SurfacePoint>& seeds,
+Field marchJet(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
                const JetOptions& options = {}, Progress& progress = Progress::none());
 
 }  // namespace igeo

@@ -3,6 +3,8 @@
 
 #include <igeo/types.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 namespace igeo {
@@ -12,6 +14,18 @@ struct Metric {
     std::vector<float> weight;  ///< cost per unit length per band node, > 0; empty: 1 everywhere
 
     double at(NodeIndex i) const { return weight.empty() ? 1.0 : double(weight[i]); }
+
+    /// The least and the largest weight; 1 where there are none.
+    double least() const {
+        return weight.empty() ? 1.0 : double(*std::min_element(weight.begin(), weight.end()));
+    }
+    double largest() const {
+        return weight.empty() ? 1.0 : double(*std::max_element(weight.begin(), weight.end()));
+    }
+
+    /// @throws Error  InvalidArgument unless there is one positive, finite weight for each of n
+    /// nodes
+    void check(std::size_t n) const;
 };
 
 }  // namespace igeo

@@ -59,12 +59,17 @@ bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
     BandCell cell = cellAt(band_, p);
     const Vec3d n = dropFacingCorners(band_, cell, side_);
     Vec3d g{};
-    for (std::size_t k = 0; k < 8; ++k)
-        if (cell.node[k] != kNoNode) g += cell.weight[k] * Vec3d(gradient_[cell.node[k]]);
+    double lengths = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        if (cell.node[k] == kNoNode) continue;
+        const Vec3d gk(gradient_[cell.node[k]]);
+        g += cell.weight[k] * gk;
+        lengths += cell.weight[k] * length(gk);
+    }
     g = tangential(g, n);
     const double len = length(g);
     // Half of the front's gradient cancels where fronts meet at 120 degrees: no use beyond that.
-    if (!(len > 0.1)) return false;
+    if (!(len > 0.1 * lengths)) return false;
     v = -(1 / len) * g;
     return true;
 }

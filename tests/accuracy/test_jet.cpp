@@ -25,7 +25,7 @@ struct Solution {
     void march(const Vec3d& seedWorld) {
         const SurfacePoint p = pointOn(band, seedWorld);
         seed = worldOf(band, p.pIndex);
-        field = marchJet(band, {p});
+        field = marchJet(band, {}, {p});
     }
 };
 

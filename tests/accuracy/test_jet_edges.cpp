@@ -71,7 +71,7 @@ TEST_CASE("jet passes sharp edges everywhere along them") {
             const LevelSet levelSet = checkedLevelSet(makeLevelSet(wedge.shape(), 1.0 / kN, 3));
             const Band band = bandFromLevelSet(levelSet, std::sqrt(3.0));
             const SurfacePoint seed = pointOn(band, wedge.onUpperFace(0.13, 0.0123));
-            const Field field = marchJet(band, {seed});
+            const Field field = marchJet(band, {}, {seed});
             const Vec3d from = wedge.local(worldOf(band, seed.pIndex));
             double sum = 0, most = 0;
             std::size_t count = 0;

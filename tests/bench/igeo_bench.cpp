@@ -94,7 +94,7 @@ void benchMarch(const Arguments& args) {
         godunov.order = int(args.number("order", 2));
         if (limitDistance > 0) godunov.maxDistance = jet.maxDistance = limitDistance;
         field =
-            scheme == "jet" ? marchJet(band, {seed}, jet) : marchGodunov(band, {}, {seed}, godunov);
+            scheme == "jet" ? marchJet(band, {}, {seed}, jet) : marchGodunov(band, {}, {seed}, godunov);
     });
     const double nodes = double(band.size());
     std::printf(

@@ -67,7 +67,7 @@ Band bandOf(const openvdb::FloatGrid::Ptr& grid) {
 Field march(const Band& band, const std::vector<Point>& seeds) {
     std::vector<SurfacePoint> points;
     for (const Point& p : seeds) points.push_back(pointOn(band, p));
-    return marchJet(band, points);
+    return marchJet(band, {}, points);
 }
 
 /// What a result has to be, whatever the input. Along a path d is read to a tenth of a voxel.

@@ -29,9 +29,9 @@ struct RandomCase {
         band = bandFromLevelSet(levelSet, std::sqrt(3.0));
         // On the outer surface: there may be cavities.
         const SurfacePoint first = nearestSurfacePoint(band, {30, 20, 10});
-        seeds = spreadPoints(band, marchJet(band, {first}), 3);
-        for (const SurfacePoint& s : seeds) single.push_back(marchJet(band, {s}));
-        all = marchJet(band, seeds);
+        seeds = spreadPoints(band, marchJet(band, {}, {first}), 3);
+        for (const SurfacePoint& s : seeds) single.push_back(marchJet(band, {}, {s}));
+        all = marchJet(band, {}, seeds);
     }
     double least(NodeIndex i) const {
         double d = kInfinity;

@@ -43,7 +43,7 @@ Field march(const Band& band, const std::vector<Vec3d>& seeds, int order) {
 }
 
 Field marchFrom(const Band& band, const std::vector<SurfacePoint>& seeds, int order) {
-    if (order == kJet) return marchJet(band, seeds);
+    if (order == kJet) return marchJet(band, {}, seeds);
     GodunovOptions options;
     options.order = order;
     return marchGodunov(band, {}, seeds, options);

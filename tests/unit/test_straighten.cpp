@@ -35,7 +35,7 @@ double lengthError(const Solved& s, const Path& path) {
 
 TEST_CASE("straighten removes a detour and the march's error from a path") {
     const Solved s;
-    const Field field = marchJet(s.band, {s.seed});
+    const Field field = marchJet(s.band, {}, {s.seed});
     Path path = tracePath(s.band, field, field.gradient, s.target);
     REQUIRE(path.status == PathStatus::Reached);
     // Push the path four voxels aside in the middle: (4 pi / length)^2 / 4 longer, and that is
@@ -67,7 +67,7 @@ TEST_CASE("straighten removes a detour and the march's error from a path") {
 
 TEST_CASE("estimateAccuracy tells a good field from a poor one") {
     const Solved s;
-    const Field jet = marchJet(s.band, {s.seed});
+    const Field jet = marchJet(s.band, {}, {s.seed});
     GodunovOptions first;
     first.order = 1;
     Field godunov = marchGodunov(s.band, {}, {s.seed}, first);
@@ -85,7 +85,7 @@ TEST_CASE("estimateAccuracy tells a good field from a poor one") {
 
 TEST_CASE("extendDistance covers the narrow band with the values of the foot points") {
     const Solved s;
-    const Field field = marchJet(s.band, {s.seed});
+    const Field field = marchJet(s.band, {}, {s.seed});
     auto grid = distanceGrid(s.band, field, s.levelSet.psi->transform(), "d");
     const auto before = grid->deepCopy();
     CHECK(grid->activeVoxelCount() == s.band.size());

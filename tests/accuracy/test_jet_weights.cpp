@@ -1,0 +1,143 @@
+// The scheme jet with a weight that varies, against metrics whose distance is known.
+#include <igeo/jet.h>
+#include <igeo/level_set_band.h>
+#include <support/catch.h>
+#include <support/errors.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace igeo::test {
+namespace {
+
+using openvdb::Vec3d;
+const Vec3d kCenter(0.5, 0.5, 0.5), kNormal = Vec3d(1, -2, 3).unit();
+
+/// A square of side 0.8 in a plane in general position, with coordinates (x, y) in it.
+struct Patch {
+    Band band;
+    Vec3d x = kNormal.cross(Vec3d(0.3, 1, 0.2)).unit(), y = kNormal.cross(x);
+
+    explicit Patch(int n)
+        : band(bandFromLevelSet(
+              checkedLevelSet(makeLevelSet(planePatch(kCenter, kNormal, 0.8), 1.0 / n, 3)),
+              std::sqrt(3.0))) {}
+    std::pair<double, double> flat(const Vec3d& p) const {
+        return {(p - kCenter).dot(x), (p - kCenter).dot(y)};
+    }
+    std::pair<double, double> flat(NodeIndex i) const {
+        return flat(worldOf(band, band.footPoint(i)));
+    }
+    Vec3d at(double u, double v) const { return kCenter + u * x + v * y; }
+
+    Metric metric(const std::function<double(double, double)>& weight) const {
+        Metric m;
+        for (NodeIndex i = 0; i < band.size(); ++i) {
+            const auto [u, v] = flat(i);
+            m.weight.push_back(float(weight(u, v)));
+        }
+        return m;
+    }
+};
+
+/// Where the stereographic projection from the south pole puts a point of the plane.
+Vec3d onUnitSphere(double u, double v) {
+    const double r2 = u * u + v * v;
+    return Vec3d(2 * u, 2 * v, 1 - r2) / (1 + r2);
+}
+
+}  // namespace
+
+TEST_CASE("jet with the weight 2 s / (1 + s^2 |x|^2) measures on the stereographic sphere") {
+    constexpr double kScale = 5;
+    double last = 0;
+    for (const int n : {100, 200}) {
+        const Patch patch(n);
+        const Metric metric = patch.metric([&](double u, double v) {
+            return 2 * kScale / (1 + kScale * kScale * (u * u + v * v));
+        });
+        const SurfacePoint seed = pointOn(patch.band, patch.at(0.1317, 0.0542));
+        const auto [su, sv] = patch.flat(worldOf(patch.band, seed.pIndex));
+        const Vec3d from = onUnitSphere(kScale * su, kScale * sv);
+        const Field field = marchJet(patch.band, metric, {seed});
+        double sum = 0, most = 0, largest = 0;
+        std::size_t count = 0;
+        for (NodeIndex i = 0; i < patch.band.size(); ++i) {
+            const auto [u, v] = patch.flat(i);
+            // Within a disc the shortest ways stay: great circles are circles of the plane.
+            if (std::hypot(u, v) > 0.2) continue;
+            const Vec3d to = onUnitSphere(kScale * u, kScale * v);
+            const double exact = std::atan2(from.cross(to).length(), from.dot(to)) * n;
+            const double error = std::abs(field.distance[i] - exact);
+            REQUIRE(std::isfinite(error));
+            sum += error, most = std::max(most, error), largest = std::max(largest, exact);
+            ++count;
+        }
+        const double mean = 100 * sum / double(count) / largest;
+        std::printf("jet, stereographic N = %d: mean %.4f %%, max %.4f %%\n", n, mean,
+                    100 * most / largest);
+        if (n == 200) {
+            CHECK(mean <= 0.03);
+            // At least of first order: the disc around the seed takes the weight as constant.
+            CHECK(mean < last / 1.8);
+        }
+        last = mean;
+    }
+}
+
+TEST_CASE("jet: a constant weight scales the distance") {
+    const Patch patch(60);
+    const SurfacePoint seed = pointOn(patch.band, patch.at(0.1, 0.05));
+    const Field plain = marchJet(patch.band, {}, {seed});
+    for (const double w : {1.0, 4.0, 7.0, 1e-3}) {
+        const Field field =
+            marchJet(patch.band, patch.metric([&](double, double) { return w; }), {seed});
+        double worst = 0;
+        for (NodeIndex i = 0; i < patch.band.size(); ++i) {
+            worst = std::max(worst, std::abs(field.distance[i] / w - plain.distance[i]));
+            REQUIRE(std::abs(length(field.gradient[i]) / float(w) - length(plain.gradient[i])) <
+                    1e-5f);
+        }
+        // Powers of two leave the roundings as they are.
+        CHECK(worst <= (w == 1 || w == 4 ? 0 : 1e-4));
+    }
+}
+
+TEST_CASE("jet refracts between half planes as Snell has it, at any contrast") {
+    constexpr int kN = 100;
+    const Patch patch(kN);
+    for (const double heavy : {3.0, 1e6}) {
+        const Metric metric = patch.metric([&](double u, double) { return u < 0 ? 1 : heavy; });
+        const SurfacePoint seed = pointOn(patch.band, patch.at(-0.15, 0.021));
+        const auto [su, sv] = patch.flat(worldOf(patch.band, seed.pIndex));
+        const Field field = marchJet(patch.band, metric, {seed});
+        double worst = 0;
+        for (NodeIndex i = 0; i < patch.band.size(); ++i) {
+            const auto [u, v] = patch.flat(i);
+            REQUIRE(field.distance[i] < kInfinity);
+            if (std::abs(u) < 2.0 / kN || std::abs(u) > 0.3 || std::abs(v) > 0.3) continue;
+            auto through = [&, u = u, v = v, su = su, sv = sv](double y) {
+                return std::hypot(su, y - sv) + (u < 0 ? 1 : heavy) * std::hypot(u, v - y);
+            };
+            double exact = std::hypot(u - su, v - sv);
+            if (u > 0) {  // Fermat: the least over the points of the border
+                double lo = -0.5, hi = 0.5;
+                for (int k = 0; k < 200; ++k) {
+                    const double a = lo + (hi - lo) / 3, b = hi - (hi - lo) / 3;
+                    (through(a) < through(b) ? hi : lo) = through(a) < through(b) ? b : a;
+                }
+                exact = through(lo);
+            }
+            // The border falls somewhere between two voxels: up to one voxel of the heavy side.
+            const double slack = u > 0 ? heavy / kN : 0;
+            worst = std::max(worst, (std::abs(field.distance[i] / kN - exact) - slack) / exact);
+        }
+        std::printf("jet, weights 1 and %g: %.3f %% beyond a voxel at the border\n", heavy,
+                    100 * worst);
+        CHECK(worst < 0.01);
+    }
+}
+
+}  // namespace igeo::test
