@@ -352,8 +352,11 @@ void JetMarch::process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes
                 if (s.u < kInfinity && bucketOf(s.u) <= bucket) {
                     chunk.accepted.emplace_back(nodes[k], s);
                 } else if (s.u < kInfinity) {
-                    __atomic_store_n(&core_[nodes[k]].bucket, bucket + 1, __ATOMIC_RELAXED);
-                    chunk.queued.push_back({bucket + 1, nodes[k]});
+                    // Again with what is known then: soon, but not in every bucket on the way, of
+                    // which there are many where weights differ by much.
+                    const std::uint32_t next = bucket + (bucketOf(s.u) - bucket + 1) / 2;
+                    __atomic_store_n(&core_[nodes[k]].bucket, next, __ATOMIC_RELAXED);
+                    chunk.queued.push_back({next, nodes[k]});
                 }
             }
         }

@@ -93,8 +93,8 @@ void benchMarch(const Arguments& args) {
         JetOptions jet;
         godunov.order = int(args.number("order", 2));
         if (limitDistance > 0) godunov.maxDistance = jet.maxDistance = limitDistance;
-        field =
-            scheme == "jet" ? marchJet(band, {}, {seed}, jet) : marchGodunov(band, {}, {seed}, godunov);
+        field = scheme == "jet" ? marchJet(band, {}, {seed}, jet)
+                                : marchGodunov(band, {}, {seed}, godunov);
     });
     const double nodes = double(band.size());
     std::printf(
