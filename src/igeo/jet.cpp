@@ -19,6 +19,8 @@ constexpr double kMargin = 3;
 
 /// Buckets are counted from the smallest start value; this one is beyond all.
 constexpr std::uint32_t kNoBucket = std::numeric_limits<std::uint32_t>::max();
+/// Values beyond this bucket do not fit: 2e9 voxels of the least weight.
+constexpr std::uint32_t kLastBucket = kNoBucket - 2;
 
 /// By how much a chord counts in units of the weight at its end `to`: trapezoid rule.
 float meanWeight(float from, float to) { return from == to ? 1 : (1 + from / to) / 2; }
@@ -113,7 +115,8 @@ private:
     };
 
     std::uint32_t bucketOf(double u) const {
-        return std::uint32_t(std::max(0.0, (u - first_) / bucketWidth_));
+        return std::uint32_t(
+            std::min(std::max(0.0, (u - first_) / bucketWidth_), double(kLastBucket)));
     }
     std::uint32_t labelOf(NodeIndex core) const { return label_.empty() ? 0 : label_[core]; }
     NodeIndex coreOf(NodeIndex i) const {
@@ -325,7 +328,7 @@ void JetMarch::key(NodeIndex i, const Vec3f& chord, const Solved& from, std::uin
     const double r = from.u - first_ + std::max(along, 0.0);
     const double carried =
         along > 0 ? std::sqrt(r * r + std::max(c2 - along * along, 0.0)) : r + std::sqrt(c2);
-    const std::uint32_t b = std::max(bucket + 1, std::uint32_t(carried / bucketWidth_));
+    const std::uint32_t b = std::max(bucket + 1, bucketOf(first_ + carried));
     while (b < seen && !__atomic_compare_exchange_n(&waitsIn, &seen, b, /*weak=*/true,
                                                     __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
     }
@@ -396,6 +399,10 @@ void JetMarch::march(Progress& progress) {
     while (!queue_.empty()) {
         const auto first = queue_.begin();
         const std::uint32_t bucket = first->first;
+        if (bucket >= kLastBucket)
+            throw Error(Error::Kind::InvalidArgument,
+                        "a distance is more than 2e9 times the least weight, in voxels",
+                        "raise the least weights: they make no difference beside the largest");
         if (first_ + bucket * bucketWidth_ > limit_ + kMargin * heaviest_) {
             stopped_ = true;
             return;

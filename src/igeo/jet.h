@@ -32,9 +32,10 @@ struct JetOptions {
 ///              whose a node is (the earlier seed where they tie), and fronts of different seeds
 ///              are never fitted together
 /// @return second order in dx where S is smooth; first order at creases. Field::gradient is set.
-/// @throws Error  InvalidArgument for options or weights out of range, a narrower band, or start
-/// values 1e9 voxels
-///         apart; Cancelled through `progress`
+/// @throws Error  InvalidArgument for options or weights out of range, a narrower band, start
+/// values
+///         1e9 voxels apart, or distances beyond 2e9 voxels of the least weight; Cancelled through
+///         `progress`
 /// Time O(n), in parallel; 33 bytes per node, the field's 20 included. Error: docs/accuracy.md.
 Field marchJet(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
                const JetOptions& options = {}, Progress& progress = Progress::none());

@@ -3,6 +3,7 @@
 #include <igeo/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
+#include <support/expect_error.h>
 #include <support/openvdb.h>
 #include <support/shapes.h>
 
@@ -103,6 +104,14 @@ TEST_CASE("jet: a constant weight scales the distance") {
         // Powers of two leave the roundings as they are.
         CHECK(worst <= (w == 1 || w == 4 ? 0 : 1e-4));
     }
+}
+
+TEST_CASE("jet refuses weights too far apart for its buckets") {
+    const Patch patch(60);
+    const SurfacePoint seed = pointOn(patch.band, patch.at(-0.1, 0));
+    const Metric metric = patch.metric([](double u, double) { return u < 0.3 ? 1 : 1e-9; });
+    expectError(Error::Kind::InvalidArgument, {"2e9 times the least weight", "raise"},
+                [&] { marchJet(patch.band, metric, {seed}); });
 }
 
 TEST_CASE("jet refracts between half planes as Snell has it, at any contrast") {
