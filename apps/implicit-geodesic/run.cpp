@@ -62,7 +62,7 @@ private:
     void solve();
     std::vector<igeo::Ball> regionWithin(double distance) const;
     void makeBand(const std::vector<igeo::Ball>& region);
-    void placePoints();
+    void snapPoints();
     void march(double maxDistance);
     void trace();
     void writeResults();
@@ -70,12 +70,13 @@ private:
 
     bool asked(const char* grid) const;  ///< by --with
 
-    std::vector<igeo::AskedPoint> asked(const std::vector<std::string>& given,
-                                        const std::string& file, const char* what) const;
+    std::vector<igeo::AskedPoint> readPoints(const std::vector<std::string>& given,
+                                             const std::string& file, const char* what) const;
     igeo::Vec3d indexOf(const igeo::AskedPoint& p) const;
-    bool allNear(const std::vector<igeo::AskedPoint>& asked) const;
-    std::vector<igeo::SurfacePoint> place(const std::vector<igeo::AskedPoint>& asked,
-                                          const char* what);
+    std::vector<igeo::SurfacePoint> snapped(const std::vector<igeo::AskedPoint>& asked) const;
+    bool tooFar(const igeo::SurfacePoint& p) const;
+    void tell(const std::vector<igeo::SurfacePoint>& points,
+              const std::vector<igeo::AskedPoint>& asked, const char* what);
     /// Ends a stage: its name, and the time since the last one ended.
     void finished(const char* stage);
     std::string outputName() const;
@@ -200,8 +201,8 @@ void Job::makeBand(const std::vector<igeo::Ball>& region) {
     finished("band");
 }
 
-std::vector<igeo::AskedPoint> Job::asked(const std::vector<std::string>& given,
-                                         const std::string& file, const char* what) const {
+std::vector<igeo::AskedPoint> Job::readPoints(const std::vector<std::string>& given,
+                                              const std::string& file, const char* what) const {
     std::vector<igeo::AskedPoint> points;
     for (const std::string& s : given) {
         try {
@@ -216,29 +217,39 @@ std::vector<igeo::AskedPoint> Job::asked(const std::vector<std::string>& given,
 }
 
 void Job::readAskedPoints() {
-    askedSeeds_ = asked(options_.seeds, options_.seedFile, "seed");
-    askedTargets_ = asked(options_.targets, options_.targetFile, "target");
+    askedSeeds_ = readPoints(options_.seeds, options_.seedFile, "seed");
+    askedTargets_ = readPoints(options_.targets, options_.targetFile, "target");
 }
 
 igeo::Vec3d Job::indexOf(const igeo::AskedPoint& p) const {
     return options_.indexSpace ? p.position : surface_.transform.indexFromWorld(p.position);
 }
 
-bool Job::allNear(const std::vector<igeo::AskedPoint>& asked) const {
-    return std::all_of(asked.begin(), asked.end(), [&](const igeo::AskedPoint& p) {
-        return igeo::nearestSurfacePoint(band_, indexOf(p)).snapDistance * band_.transform.dx <=
-               report_.snap * (1 + 1e-6);
-    });
+std::vector<igeo::SurfacePoint> Job::snapped(const std::vector<igeo::AskedPoint>& asked) const {
+    std::vector<igeo::SurfacePoint> points;
+    for (const igeo::AskedPoint& p : asked) {
+        points.push_back(igeo::nearestSurfacePoint(band_, indexOf(p)));
+        points.back().start = p.start / band_.transform.dx;
+    }
+    return points;
 }
 
-std::vector<igeo::SurfacePoint> Job::place(const std::vector<igeo::AskedPoint>& asked,
-                                           const char* what) {
+bool Job::tooFar(const igeo::SurfacePoint& p) const {
+    return p.snapDistance * band_.transform.dx > report_.snap * (1 + 1e-6);
+}
+
+void Job::snapPoints() {
+    seeds_ = snapped(askedSeeds_);
+    targets_ = snapped(askedTargets_);
+}
+
+/// Where the points are now; refuses those that were too far from the surface.
+void Job::tell(const std::vector<igeo::SurfacePoint>& points,
+               const std::vector<igeo::AskedPoint>& asked, const char* what) {
     const igeo::Similarity& t = band_.transform;
-    std::vector<igeo::SurfacePoint> points;
-    for (std::size_t k = 0; k < asked.size(); ++k) {
-        igeo::SurfacePoint p = igeo::nearestSurfacePoint(band_, indexOf(asked[k]));
-        p.start = asked[k].start / t.dx;
-        if (p.snapDistance * t.dx > report_.snap * (1 + 1e-6))
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const igeo::SurfacePoint& p = points[k];
+        if (tooFar(p))
             usageError(std::string(what) + " " + std::to_string(k) + " (" +
                            text(asked[k].position) + ") is " +
                            text("%.6g from the surface, %.6g is allowed", p.snapDistance * t.dx,
@@ -248,15 +259,7 @@ std::vector<igeo::SurfacePoint> Job::place(const std::vector<igeo::AskedPoint>& 
         console_.detail(std::string(what) + " " + std::to_string(k) + ": " +
                         text(t.worldFromIndex(p.pIndex)) +
                         text(", moved %.3g", p.snapDistance * t.dx));
-        points.push_back(p);
     }
-    return points;
-}
-
-void Job::placePoints() {
-    seeds_ = place(askedSeeds_, "seed");
-    targets_ = place(askedTargets_, "target");
-    finished("snap");
 }
 
 /// Where a march up to `distance` (voxels times weight) from the seeds can come, and where targets
@@ -302,13 +305,21 @@ void Job::solve() {
     const auto box = surface_.psi->evalActiveVoxelBoundingBox().dim();
     const double diagonal = std::sqrt(box.asVec3d().lengthSqr());
     while (true) {
-        const bool whole = reach > 0.5 * diagonal;
-        makeBand(whole ? std::vector<igeo::Ball>{} : regionWithin(reach));
-        if (!whole && (band_.size() == 0 || !allNear(askedSeeds_) || !allNear(askedTargets_))) {
-            // Somebody is too far away, and placePoints will say where the nearest point is.
+        const auto region =
+            reach > 0.5 * diagonal ? std::vector<igeo::Ball>{} : regionWithin(reach);
+        const bool whole = region.empty();
+        makeBand(region);
+        if (whole || band_.size() > 0) snapPoints();
+        auto far = [&](const igeo::SurfacePoint& p) { return tooFar(p); };
+        if (!whole && (band_.size() == 0 || std::any_of(seeds_.begin(), seeds_.end(), far) ||
+                       std::any_of(targets_.begin(), targets_.end(), far))) {
+            // For the message: the nearest point of the whole surface.
             makeBand({});
+            snapPoints();
         }
-        placePoints();
+        tell(seeds_, askedSeeds_, "seed");
+        tell(targets_, askedTargets_, "target");
+        finished("snap");
         march(whole ? limit : reach);
         const bool found =
             std::all_of(targets_.begin(), targets_.end(), [&](const igeo::SurfacePoint& t) {

@@ -170,7 +170,9 @@ struct Band {
     /// @param rim  nodes around sharp bends, which it takes in as well
     void numberCore(const std::vector<NodeIndex>& rim = {});
     std::size_t coreSize() const { return coreSize_; }
-    bool inCore(NodeIndex i) const { return leaves[leaf[i]].core.node(offset[i]) != kNoNode; }
+    /// The core's number of node i, or kNoNode.
+    NodeIndex coreNode(NodeIndex i) const { return leaves[leaf[i]].core.node(offset[i]); }
+    bool inCore(NodeIndex i) const { return coreNode(i) != kNoNode; }
 
     /// Bytes held by the arrays.
     std::size_t memUsage() const;

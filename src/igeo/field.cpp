@@ -94,9 +94,9 @@ double sampleVoxels(const BandCell& cell, const Field& field) {
     return weight > 0 ? sum / weight : nearest;
 }
 
-double sampleJets(const Band& band, const BandCell& cell, const Field& field, const Vec3d& p,
-                  const Vec3d& normal) {
-    // Gradients are as long as the weight; at p it is what the corners say.
+/// The weight in a cell, from its corners: gradients are as long as the weight.
+double weightIn(const BandCell& cell, const Field& field) {
+    if (!field.weighted) return 1;
     double sum = 0, total = 0;
     for (std::size_t k = 0; k < 8; ++k) {
         const NodeIndex j = cell.node[k];
@@ -104,7 +104,12 @@ double sampleJets(const Band& band, const BandCell& cell, const Field& field, co
         sum += (cell.weight[k] + 1e-6) * double(length(field.gradient[j]));
         total += cell.weight[k] + 1e-6;
     }
-    const double here = field.weighted && sum > 0 ? sum / total : 1;
+    return sum > 0 ? sum / total : 1;
+}
+
+double sampleJets(const Band& band, const BandCell& cell, const Field& field, const Vec3d& p,
+                  const Vec3d& normal) {
+    const double here = weightIn(cell, field);
     const TangentFrame frame{Vec3f(normal)};
     JetNeighbours all;
     std::array<float, JetNeighbours::kMax> weight{};

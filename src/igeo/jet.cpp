@@ -119,10 +119,6 @@ private:
             std::min(std::max(0.0, (u - first_) / bucketWidth_), double(kLastBucket)));
     }
     std::uint32_t labelOf(NodeIndex core) const { return label_.empty() ? 0 : label_[core]; }
-    NodeIndex coreOf(NodeIndex i) const {
-        return band_.leaves[band_.leaf[i]].core.node(band_.offset[i]);
-    }
-
     Vec3d footOf(const Node& node) const {
         return Vec3d(band_.leaves[node.leaf].origin +
                      Ijk{node.offset >> 6, node.offset >> 3 & 7, node.offset & 7}) +
@@ -137,6 +133,10 @@ private:
                  Solved& s) const;
     void startDisc(std::uint32_t seed);
     void watchTargets();
+    /// Adds an accepted node to what a node of the given frame and weight sees.
+    /// @param chord, cosine  from its foot point to that node's; between their normals
+    void see(NodeIndex j, const Vec3f& chord, float cosine, const TangentFrame& frame, float weight,
+             Surroundings& from) const;
     /// Solves a node from its accepted neighbours; if it belongs into this bucket, puts the others
     /// into the buckets where its jet says they belong.
     Solved visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& out);
@@ -277,6 +277,16 @@ Solved JetMarch::preferDisc(NodeIndex i, const Solved& s) const {
     return disc->second;
 }
 
+void JetMarch::see(NodeIndex j, const Vec3f& chord, float cosine, const TangentFrame& frame,
+                   float weight, Surroundings& from) const {
+    const Node& other = core_[j];
+    if (cosine < 0.9f) from.all.smooth = false;
+    // Relative to the start: near a source the solve takes u for the distance to it.
+    from.add(frame.neighbour(meanWeight(other.weight, weight) * chord, other.normal, cosine,
+                             other.g, (other.u - first_) / double(weight)),
+             labelOf(j));
+}
+
 Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& out) {
     const Node& node = core_[i];
     const TangentFrame frame(node.normal);
@@ -298,11 +308,7 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& o
                 waiting[waitingCount++] = {j, chord};
                 return;
             }
-            if (cosine < 0.9f) known.all.smooth = false;
-            // Relative to the start: near a source the solve takes u for the distance to it.
-            known.add(frame.neighbour(meanWeight(other.weight, node.weight) * chord, other.normal,
-                                      cosine, other.g, (other.u - first_) / double(node.weight)),
-                      labelOf(j));
+            see(j, chord, cosine, frame, node.weight, known);
         });
     Solved s;
     const Jet jet = known.update(s.label);
@@ -388,7 +394,7 @@ void JetMarch::watchTargets() {
     awaited_.assign(core_.size(), false);
     for (const SurfacePoint& p : options_.stopAt)
         for (const NodeIndex i : nodesAround(band_, p, 3.0)) {
-            const NodeIndex core = coreOf(i);
+            const NodeIndex core = band_.coreNode(i);
             if (core != kNoNode && !awaited_[core]) awaited_[core] = true, ++awaitedCount_;
         }
 }
@@ -500,10 +506,7 @@ bool JetMarch::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& mi
         if (cosine < Band::kOtherSheet || igeo::dot(chord, chord) > kNear2) return;
         anybody = true;
         if (!(other.u < kInfinity) || found.all.count() == JetNeighbours::kMax) return;
-        if (cosine < 0.9f) found.all.smooth = false;
-        found.add(frame.neighbour(meanWeight(other.weight, weight) * chord, other.normal, cosine,
-                                  other.g, (other.u - first_) / double(weight)),
-                  labelOf(j));
+        see(j, chord, cosine, frame, weight, found);
     });
     return anybody;
 }

@@ -1,6 +1,7 @@
 /// psi around one leaf, gathered once so that stencils need no look-ups. Internal.
 #pragma once
 
+#include <igeo/band.h>
 #include <igeo/types.h>
 #include <openvdb/openvdb.h>
 
@@ -25,11 +26,7 @@ public:
     /// The same without edges and corners: enough for differences along the axes.
     void gatherCross(const Accessor& psi, const openvdb::Coord& origin, double dx) {
         copyFrom(psi, origin, {}, 1 / dx);
-        for (int side = 0; side < 6; ++side) {
-            Ijk step{};
-            step[side / 2] = side % 2 ? 1 : -1;
-            copyFrom(psi, origin, step, 1 / dx);
-        }
+        for (int side = 0; side < 6; ++side) copyFrom(psi, origin, Band::faceStep(side), 1 / dx);
     }
 
     /// psi at voxel (x, y, z) of the leaf, each in [-1, 8].
