@@ -25,7 +25,6 @@ public:
           place_(rotatedTransform(1, Vec3d(0.3 + 0.4 * turn, 0.5 - 0.7 * turn, 0.8),
                                   11 + 37.3 * turn, Vec3d(0.013, 0.027, -0.011))) {}
 
-    double angle() const { return half_; }
     Vec3d local(const Vec3d& pWorld) const { return place_->worldToIndex(pWorld); }
     /// The point of the upper face at a distance from the edge.
     Vec3d onUpperFace(double r, double z) const {

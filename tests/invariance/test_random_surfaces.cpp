@@ -58,28 +58,26 @@ double triangleMisfit(const RandomCase& c, Nodes nodes) {
     return worst;
 }
 
+/// The largest of misfit(i) over the nodes that several seeds reach.
+template <typename Misfit>
+double worstOver(const RandomCase& c, Nodes nodes, const Misfit& misfit) {
+    double worst = 0;
+    for (NodeIndex i = 0; i < c.band.size(); ++i)
+        if ((nodes == Nodes::All || c.band.inCore(i)) && c.all.distance[i] < kInfinity)
+            worst = std::max(worst, misfit(i));
+    return worst;
+}
+
 /// |d - least of the single distances|, the largest.
 double meetingMisfit(const RandomCase& c, Nodes nodes) {
-    double worst = 0;
-    for (std::size_t k = 0; k < c.band.size(); ++k) {
-        const auto i = NodeIndex(k);
-        if ((nodes == Nodes::Marched && !c.band.inCore(i)) || !(c.all.distance[i] < kInfinity))
-            continue;
-        worst = std::max(worst, std::abs(c.all.distance[i] - c.least(i)));
-    }
-    return worst;
+    return worstOver(c, nodes,
+                     [&](NodeIndex i) { return std::abs(c.all.distance[i] - c.least(i)); });
 }
 
 /// Distance from the seed of a node's label beyond that from the nearest seed, the largest.
 double labelMisfit(const RandomCase& c, Nodes nodes) {
-    double worst = 0;
-    for (std::size_t k = 0; k < c.band.size(); ++k) {
-        const auto i = NodeIndex(k);
-        if ((nodes == Nodes::Marched && !c.band.inCore(i)) || !(c.all.distance[i] < kInfinity))
-            continue;
-        worst = std::max(worst, c.single[c.all.label[i]].distance[i] - c.least(i));
-    }
-    return worst;
+    return worstOver(
+        c, nodes, [&](NodeIndex i) { return c.single[c.all.label[i]].distance[i] - c.least(i); });
 }
 
 /// A bucket is half a voxel wide: its nodes are solved without each other. A neighbour of an
@@ -94,6 +92,18 @@ constexpr double kMeeting = 0.15;
 /// A node takes the label of one of its neighbours, sqrt(3) voxels away at most, and over a voxel
 /// the distances from seeds whose fronts are taken for one part by 2 sin(45 degrees / 2).
 const double kLabel = 2 * std::sin(M_PI / 8) * std::sqrt(3.0);
+
+/// Holds the marched nodes of every smooth surface against a bound, and prints the worst of them.
+void checkMisfit(const char* what, double (*misfit)(const RandomCase&, Nodes), double bound) {
+    double worst = 0;
+    for (unsigned number = 1; number <= kSurfaces; ++number) {
+        const double now = misfit(RandomCase(number, kSmooth), Nodes::Marched);
+        INFO("surface " << number);
+        CHECK(now < bound);
+        worst = std::max(worst, now);
+    }
+    std::printf("random surfaces: %s off by %.3f voxels\n", what, worst);
+}
 
 }  // namespace
 
@@ -124,25 +134,11 @@ TEST_CASE("random surfaces: every value is a distance") {
 }
 
 TEST_CASE("random surfaces: triangle inequality") {
-    double worst = 0;
-    for (unsigned number = 1; number <= kSurfaces; ++number) {
-        const double misfit = triangleMisfit(RandomCase(number, kSmooth), Nodes::Marched);
-        INFO("surface " << number);
-        CHECK(misfit < kTriangle);
-        worst = std::max(worst, misfit);
-    }
-    std::printf("random surfaces: triangle inequality off by %.3f voxels\n", worst);
+    checkMisfit("triangle inequality", triangleMisfit, kTriangle);
 }
 
 TEST_CASE("random surfaces: several seeds give the least of their single distances") {
-    double worst = 0;
-    for (unsigned number = 1; number <= kSurfaces; ++number) {
-        const double misfit = meetingMisfit(RandomCase(number, kSmooth), Nodes::Marched);
-        INFO("surface " << number);
-        CHECK(misfit < kMeeting);
-        worst = std::max(worst, misfit);
-    }
-    std::printf("random surfaces: several seeds off by %.3f voxels\n", worst);
+    checkMisfit("several seeds", meetingMisfit, kMeeting);
 }
 
 TEST_CASE("random surfaces: nodes that are not marched keep the bounds on distances") {
