@@ -1,13 +1,33 @@
 #include <igeo/metric.h>
 
 #include <igeo/error.h>
+#include <igeo/parallel.h>
 
 #include <string>
 
 namespace igeo {
 
+void Metric::setObstacles(const Band& band, std::shared_ptr<const Obstacles> set) {
+    // As far as a march, an extension or a trace looks from a node at once, and a voxel more.
+    constexpr double kSight = 5;
+    obstacles = std::move(set);
+    sight.clear();
+    if (!obstacles) return;
+    sight.resize(band.size());
+    parallelFor(band.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const auto i = NodeIndex(k);
+            const Vec3d foot = band.footPoint(i);
+            if (!obstacles->mayBeNear(foot, kSight)) continue;
+            sight[k] = obstacles->block(foot, foot, Vec3d(band.normal[i])) ? Inside : Beside;
+        }
+    });
+}
+
 void Metric::check(std::size_t n) const {
     using Kind = Error::Kind;
+    if (obstacles && sight.size() != n)
+        throw Error(Kind::InvalidArgument, "the obstacles were set for another band");
     if (weight.empty()) return;
     if (weight.size() != n)
         throw Error(Kind::InvalidArgument, std::to_string(weight.size()) +
