@@ -342,7 +342,7 @@ void Job::march(double maxDistance) {
         godunov.order = options_.order;
         godunov.maxDistance = maxDistance;
         godunov.stopAt = stopAt;
-        field_ = igeo::marchGodunov(band_, igeo::Metric{}, seeds_, godunov, progress_);
+        field_ = igeo::marchGodunov(band_, {}, seeds_, godunov, progress_);
     }
     finished("march");
 }

@@ -30,14 +30,15 @@ void Field::summarise() {
 
 namespace {
 
-/// Difference along one axis over reached neighbours; 0 where neither side is reached.
-double axisDifference(const Band& band, const std::vector<double>& d, NodeIndex i, int axis) {
-    Ijk step{};
-    step[axis] = 1;
-    const NodeIndex lo = band.neighbour(i, -step.x, -step.y, -step.z);
-    const NodeIndex hi = band.neighbour(i, step.x, step.y, step.z);
-    const bool hasLo = lo != kNoNode && d[lo] < kInfinity;
-    const bool hasHi = hi != kNoNode && d[hi] < kInfinity;
+/// Difference along one axis over reached neighbours in sight; 0 where neither side is one.
+double axisDifference(const Band& band, const Field& field, NodeIndex i, int axis) {
+    const std::vector<double>& d = field.distance;
+    const NodeIndex lo = band.neighbour(i, Band::faceStep(2 * axis));
+    const NodeIndex hi = band.neighbour(i, Band::faceStep(2 * axis + 1));
+    auto counts = [&](NodeIndex j) {
+        return j != kNoNode && d[j] < kInfinity && !field.metric->blocked(band, i, j);
+    };
+    const bool hasLo = counts(lo), hasHi = counts(hi);
     if (hasLo && hasHi) {
         // A front meets itself between two neighbours that both lie below d[i]: there the central
         // difference cancels, and either side is a way down.
@@ -58,24 +59,32 @@ std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field) {
         for (std::size_t k = begin; k < end; ++k) {
             const auto i = NodeIndex(k);
             if (!(field.distance[i] < kInfinity)) continue;
-            const Vec3d g{axisDifference(band, field.distance, i, 0),
-                          axisDifference(band, field.distance, i, 1),
-                          axisDifference(band, field.distance, i, 2)};
+            const Vec3d g{axisDifference(band, field, i, 0), axisDifference(band, field, i, 1),
+                          axisDifference(band, field, i, 2)};
             gradient[i] = Vec3f(tangential(g, Vec3d(band.normal[i])));
         }
     });
     return gradient;
 }
 
-const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, double d) {
+const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, const Vec3d& normal,
+                               double d) {
     const SurfacePoint* nearest = nullptr;
     double least = field.startRadius;
     for (const SurfacePoint& s : field.seeds) {
         const double r = length(pIndex - s.pIndex);
         // The distance tells a seed on this sheet from one on a sheet close by.
-        if (r < least && d - s.start < 1.5 * field.startRadius * s.weight) least = r, nearest = &s;
+        if (r < least && d - s.start < 1.5 * field.startRadius * s.weight &&
+            !field.metric->blocked(pIndex, s.pIndex, normal))
+            least = r, nearest = &s;
     }
     return nearest;
+}
+
+SurfaceCell::SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pIndex,
+                         const Vec3d& side)
+    : BandCell(cellAt(band, pIndex)), normal(dropFacingCorners(band, *this, side)) {
+    metric.dropHiddenCorners(band, pIndex, normal, *this);
 }
 
 namespace {
@@ -94,23 +103,9 @@ double sampleVoxels(const BandCell& cell, const Field& field) {
     return weight > 0 ? sum / weight : nearest;
 }
 
-/// The weight in a cell, from its corners: gradients are as long as the weight.
-double weightIn(const BandCell& cell, const Field& field) {
-    if (!field.weighted) return 1;
-    double sum = 0, total = 0;
-    for (std::size_t k = 0; k < 8; ++k) {
-        const NodeIndex j = cell.node[k];
-        if (j == kNoNode || !(field.distance[j] < kInfinity)) continue;
-        sum += (cell.weight[k] + 1e-6) * double(length(field.gradient[j]));
-        total += cell.weight[k] + 1e-6;
-    }
-    return sum > 0 ? sum / total : 1;
-}
-
-double sampleJets(const Band& band, const BandCell& cell, const Field& field, const Vec3d& p,
-                  const Vec3d& normal) {
-    const double here = weightIn(cell, field);
-    const TangentFrame frame{Vec3f(normal)};
+double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field, const Vec3d& p) {
+    const double here = field.metric->at(cell);
+    const TangentFrame frame{Vec3f(cell.normal)};
     JetNeighbours all;
     std::array<float, JetNeighbours::kMax> weight{};
     for (std::size_t k = 0; k < 8; ++k) {
@@ -121,9 +116,8 @@ double sampleJets(const Band& band, const BandCell& cell, const Field& field, co
         // A corner at p itself must not leave the sum empty.
         weight[std::size_t(all.count())] = float(cell.weight[k]) + 1e-6f;
         Vec3f chord(p - band.footPoint(j)), g = field.gradient[j];
-        if (field.weighted) {
-            const float there = length(g);
-            chord *= float((1 + double(there) / here) / 2);
+        if (field.metric->weighted()) {
+            chord *= float((1 + field.metric->at(j) / here) / 2);
             g = normalized(g);
         }
         all.add(frame.neighbour(chord, nj, cosine, g, field.distance[j] / here));
@@ -135,11 +129,10 @@ double sampleJets(const Band& band, const BandCell& cell, const Field& field, co
 
 double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
                       const Vec3d& side) {
-    BandCell cell = cellAt(band, pIndex);
-    const Vec3d normal = dropFacingCorners(band, cell, side);
-    const double d = field.atFootPoints ? sampleJets(band, cell, field, pIndex, normal)
-                                        : sampleVoxels(cell, field);
-    if (const SurfacePoint* s = seedAround(field, pIndex, d))
+    const SurfaceCell cell(band, *field.metric, pIndex, side);
+    const double d =
+        field.atFootPoints ? sampleJets(band, cell, field, pIndex) : sampleVoxels(cell, field);
+    if (const SurfacePoint* s = seedAround(field, pIndex, cell.normal, d))
         return s->start + s->weight * length(pIndex - s->pIndex);
     return d;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band.h>
+#include <igeo/metric.h>
 #include <igeo/surface_point.h>
 #include <igeo/types.h>
 
@@ -22,12 +23,12 @@ struct Field {
     std::size_t solved = 0;            ///< nodes that were marched (jet: of the core)
     std::size_t guarded = 0;           ///< of those, solved by the guard (jet)
     std::vector<SurfacePoint> seeds;   ///< where it starts
-    bool weighted = false;             ///< by a metric that may vary
-    std::string scheme;                ///< what computed it, e.g. "godunov, order 2"
-    double startRadius = 0;            ///< within it, distances around seeds are exact; voxels
-    std::size_t reached = 0;           ///< nodes with a finite distance
-    double maxDistance = 0;            ///< the largest finite distance
-    bool stoppedEarly = false;         ///< a limit ended the march: +inf need not mean unconnected
+    MetricPtr metric = std::make_shared<Metric>();  ///< what was marched with; never null
+    std::string scheme;                             ///< what computed it, e.g. "godunov, order 2"
+    double startRadius = 0;     ///< within it, distances around seeds are exact; voxels
+    std::size_t reached = 0;    ///< nodes with a finite distance
+    double maxDistance = 0;     ///< the largest finite distance
+    bool stoppedEarly = false;  ///< a limit ended the march: +inf need not mean unconnected
 
     /// Counts `reached` and `maxDistance` from `distance`.
     void summarise();
@@ -38,8 +39,19 @@ struct Field {
 /// the weight up to the scheme's error; zero where nothing is known. Voxel units, in parallel.
 std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field);
 
-/// The seed whose start disc holds a point of S where the distance is `d`, or nullptr.
-const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, double d);
+/// The seed whose start disc holds a point of S where the distance is `d`, with nothing in between,
+/// or nullptr.
+/// @param normal of S at the point
+const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, const Vec3d& normal,
+                               double d);
+
+/// The cell around a point of S without the corners that lie on another sheet or behind an
+/// obstacle, and the normal blended from those left on the sheet.
+/// @param side normal of the sheet that is meant, where two face each other within a cell
+struct SurfaceCell : BandCell {
+    Vec3d normal;
+    SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pIndex, const Vec3d& side);
+};
 
 /// d at a point of S: trilinear over the reached corners of its cell, +inf if there are none;
 /// within a start disc the straight distance to its seed, as trilinear interpolation blunts the

@@ -10,13 +10,13 @@ namespace igeo {
 namespace {
 
 /// The face neighbours of every node at sides -x, +x, -y, +y, -z, +z. Nodes without one, or with
-/// one on a facing sheet (Band::linked), have node n there, which never holds a distance: so the
-/// solve asks no questions.
+/// one on a facing sheet (Band::linked) or behind an obstacle, have node n there, which never holds
+/// a distance: so the solve asks no questions.
 class FaceNeighbours {
 public:
     using Six = std::array<NodeIndex, 6>;
 
-    explicit FaceNeighbours(const Band& band) : table_(band.size() + 1) {
+    FaceNeighbours(const Band& band, const Metric& metric) : table_(band.size() + 1) {
         const auto none = NodeIndex(band.size());
         table_.back().fill(none);
         parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -24,7 +24,9 @@ public:
                 for (int side = 0; side < 6; ++side) {
                     const auto i = NodeIndex(k);
                     const NodeIndex j = band.neighbour(i, Band::faceStep(side));
-                    table_[k][std::size_t(side)] = j != kNoNode && band.linked(i, j) ? j : none;
+                    const bool open =
+                        j != kNoNode && band.linked(i, j) && !metric.blocked(band, i, j);
+                    table_[k][std::size_t(side)] = open ? j : none;
                 }
         });
     }
@@ -39,20 +41,21 @@ private:
 class Godunov {
 public:
     /// @param leastStart of all seeds: keys count from there, as they have float's digits only
-    Godunov(const Band& band, const Metric& metric, const GodunovOptions& options,
-            double leastStart)
+    Godunov(const Band& band, MetricPtr metric, const GodunovOptions& options, double leastStart)
         : band_(band),
-          metric_(metric),
+          metric_(std::move(metric)),
           options_(options),
           leastStart_(leastStart),
-          neighbours_(band),
+          neighbours_(band, *metric_),
           accepted_(band.size() + 1, kInfinity),
           trial_(band.size() + 1, kInfinity),
           started_(band.size()) {}
 
     void start(SurfacePoint seed) {
-        seed.weight = metric_.at(seed.node);
+        seed.weight = metric_->at(seed.node);
+        const Vec3d normal(band_.normal[seed.node]);
         for (const NodeIndex i : nodesAround(band_, seed, options_.startRadius)) {
+            if (metric_->blocked(band_, seed.pIndex, normal, i)) continue;
             lower(i, seed.start + seed.weight * length(Vec3d(band_.ijk(i)) - seed.pIndex));
             started_[i] = true;
         }
@@ -67,7 +70,7 @@ public:
         accepted_.resize(band_.size());
         field.distance = std::move(accepted_);
         field.stoppedEarly = !heap_.empty();
-        field.weighted = !metric_.weight.empty();
+        field.metric = std::move(metric_);
         field.seeds = std::move(seeds_);
         field.startRadius = options_.startRadius;
         field.scheme = options_.order == 1 ? "godunov, order 1" : "godunov, order 2";
@@ -89,7 +92,7 @@ private:
     bool keepsStart(NodeIndex j) {
         constexpr double kRounding = 1e-6;  // voxels
         if (!started_[j]) return false;
-        started_[j] = solve<1>(j) >= trial_[j] - kRounding * metric_.at(j);
+        started_[j] = solve<1>(j) >= trial_[j] - kRounding * metric_->at(j);
         return started_[j];
     }
 
@@ -101,7 +104,7 @@ private:
     void watchTargets();
 
     const Band& band_;
-    const Metric& metric_;
+    MetricPtr metric_;
     const GodunovOptions& options_;
     const double leastStart_;
     const FaceNeighbours neighbours_;
@@ -132,7 +135,7 @@ double Godunov::solve(NodeIndex i) const {
         if (dHi == m) mm = std::min(mm, accepted_[neighbours_[hi][2 * axis + 1]]);
         if (mm <= m) term = secondOrderTerm(m, mm);
     }
-    return godunovSolve(terms, n, metric_.at(i));
+    return godunovSolve(terms, n, metric_->at(i));
 }
 
 void Godunov::watchTargets() {
@@ -141,7 +144,7 @@ void Godunov::watchTargets() {
     for (const SurfacePoint& p : options_.stopAt) {
         // The cells around the target's: what the gradient at the target reads.
         for (const NodeIndex i : nodesAround(band_, p, 3.0))
-            if (!awaited_[i]) awaited_[i] = true, ++awaitedCount_;
+            if (!awaited_[i] && !metric_->inside(i)) awaited_[i] = true, ++awaitedCount_;
     }
 }
 
@@ -180,12 +183,13 @@ void check(const Band& band, const Metric& metric, const std::vector<SurfacePoin
 
 }  // namespace
 
-Field marchGodunov(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
+Field marchGodunov(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
                    const GodunovOptions& options, Progress& progress) {
-    check(band, metric, seeds, options);
+    if (!metric) metric = std::make_shared<Metric>();
+    check(band, *metric, seeds, options);
     double leastStart = kInfinity;
     for (const SurfacePoint& seed : seeds) leastStart = std::min(leastStart, seed.start);
-    Godunov march(band, metric, options, leastStart);
+    Godunov march(band, std::move(metric), options, leastStart);
     for (const SurfacePoint& seed : seeds) march.start(seed);
     if (options.order == 1)
         march.march<1>(progress);

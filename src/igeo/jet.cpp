@@ -88,7 +88,7 @@ Jet Surroundings::update(std::uint32_t& from) const {
 /// their foot points.
 class JetMarch {
 public:
-    JetMarch(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
+    JetMarch(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
              const JetOptions& options);
     void march(Progress& progress);
     /// The field on the whole band.
@@ -102,6 +102,7 @@ private:
         LeafIndex leaf;
         std::uint32_t bucket = kNoBucket;  ///< the bucket it waits in; 0 once it is taken out
         std::uint16_t offset;
+        Metric::Sight sight;
         float weight;
     };
     struct Queued {
@@ -132,6 +133,12 @@ private:
     bool discJet(std::uint32_t k, const Vec3f& normal, const Vec3d& foot, double weight,
                  Solved& s) const;
     void startDisc(std::uint32_t seed);
+    /// Whether an obstacle hides core node j from a point of S.
+    bool hidden(const Node& j, const Vec3d& p, const Vec3f& normal) const {
+        return j.sight == Metric::Inside ||
+               (j.sight == Metric::Beside &&
+                metric_.blocked(p, footOf(j), Vec3d(normalized(normal))));
+    }
     void watchTargets();
     /// Adds an accepted node to what a node of the given frame and weight sees.
     /// @param chord, cosine  from its foot point to that node's; between their normals
@@ -161,10 +168,11 @@ private:
     Solved preferDiscOutside(NodeIndex i, const Solved& s) const;
 
     const Band& band_;
+    const MetricPtr held_;
     const Metric& metric_;
     const JetOptions& options_;
     double bucketWidth_;  ///< half a voxel at the least weight
-    double heaviest_;     ///< the largest weight
+    float heaviest_ = 0;  ///< the largest weight accepted so far
     std::vector<SurfacePoint> seeds_;
     double first_ = kInfinity;  ///< the least start value
     std::vector<Node> core_;
@@ -180,13 +188,13 @@ private:
     std::size_t awaitedCount_ = 0, accepted_ = 0, guarded_ = 0;
 };
 
-JetMarch::JetMarch(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
+JetMarch::JetMarch(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
                    const JetOptions& options)
     : band_(band),
-      metric_(metric),
+      held_(std::move(metric)),
+      metric_(*held_),
       options_(options),
-      bucketWidth_(options.bucketWidth * metric.least()),
-      heaviest_(metric.largest()),
+      bucketWidth_(options.bucketWidth * metric_.least()),
       seeds_(seeds),
       core_(band.coreSize()),
       limit_(options.maxDistance) {
@@ -197,14 +205,21 @@ JetMarch::JetMarch(const Band& band, const Metric& metric, const std::vector<Sur
             for (NodeIndex i = leaf.band.first; i < leaf.band.first + leaf.band.count; ++i) {
                 const std::uint16_t o = band.offset[i];
                 if (leaf.core.mask[o >> 6] >> (o & 63) & 1)
-                    core_[k++] = {kInfinity, {}, band.foot[i],       band.normal[i], LeafIndex(l),
-                                  kNoBucket, o,  float(metric.at(i))};
+                    core_[k++] = {kInfinity,
+                                  {},
+                                  band.foot[i],
+                                  band.normal[i],
+                                  LeafIndex(l),
+                                  kNoBucket,
+                                  o,
+                                  metric_.sight.empty() ? Metric::Clear : metric_.sight[i],
+                                  float(metric_.at(i))};
             }
         }
     });
     if (seeds.size() > 1) label_.assign(core_.size(), 0);
     for (SurfacePoint& s : seeds_) {
-        s.weight = metric.at(s.node);
+        s.weight = metric_.at(s.node);
         first_ = std::min(first_, s.start);
     }
     for (std::size_t k = 0; k < seeds.size(); ++k) startDisc(std::uint32_t(k));
@@ -249,6 +264,7 @@ void JetMarch::startDisc(std::uint32_t k) {
     double least = kInfinity;
     auto visit = [&](NodeIndex i) {
         if (!seen.insert(i).second) return;
+        if (hidden(core_[i], seed.pIndex, seedNormal_[k])) return;
         const Vec3d foot = footOf(core_[i]);
         if (const double r = length(foot - seed.pIndex); r < least) least = r, nearest = i;
         if (Solved s; discJet(k, core_[i].normal, foot, core_[i].weight, s))
@@ -304,6 +320,9 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& o
             if (cosine < Band::kOtherSheet) return;
             const Vec3f chord = node.foot - other.foot - Vec3f{float(dx), float(dy), float(dz)};
             if (cosine < 0.5f && acrossGap(chord, frame.normal(), other.normal)) return;
+            if (node.sight != Metric::Clear &&
+                hidden(other, footOf(node), node.normal + other.normal))
+                return;
             if (!(other.u < kInfinity)) {
                 waiting[waitingCount++] = {j, chord};
                 return;
@@ -383,6 +402,7 @@ void JetMarch::process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes
         accepted_ += chunks_[c].accepted.size();
         for (const auto& [i, s] : chunks_[c].accepted) {
             guarded_ += s.guarded;
+            heaviest_ = std::max(heaviest_, core_[i].weight);
             if (!awaited_.empty() && awaited_[i]) --awaitedCount_;
         }
         for (const Queued& q : chunks_[c].queued) queue_[q.bucket].push_back(q.node);
@@ -395,7 +415,8 @@ void JetMarch::watchTargets() {
     for (const SurfacePoint& p : options_.stopAt)
         for (const NodeIndex i : nodesAround(band_, p, 3.0)) {
             const NodeIndex core = band_.coreNode(i);
-            if (core != kNoNode && !awaited_[core]) awaited_[core] = true, ++awaitedCount_;
+            if (core != kNoNode && !awaited_[core] && !metric_.inside(i))
+                awaited_[core] = true, ++awaitedCount_;
         }
 }
 
@@ -409,7 +430,7 @@ void JetMarch::march(Progress& progress) {
             throw Error(Error::Kind::InvalidArgument,
                         "a distance is more than 2e9 times the least weight, in voxels",
                         "raise the least weights: they make no difference beside the largest");
-        if (first_ + bucket * bucketWidth_ > limit_ + kMargin * heaviest_) {
+        if (first_ + bucket * bucketWidth_ > limit_ + kMargin * double(heaviest_)) {
             stopped_ = true;
             return;
         }
@@ -451,7 +472,7 @@ Solved JetMarch::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
         corners[count++] = {&node, w, from - node.foot};
         sum += w * node.g;
     });
-    if (count == 0) simple = false;
+    if (count == 0 || !metric_.clear(i)) simple = false;
     if (!simple) return solveOutside(i, l, at);
     s.g = normalized(tangential(sum, n));
     // Every corner carries its jet to the foot point as along a circle (jet::circularStep); that
@@ -468,15 +489,17 @@ Solved JetMarch::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
         total += w;
     }
     s.u = origin + weight * double(value / total);
-    return s.u > discEnd_ + kMargin * heaviest_ ? s : preferDiscOutside(i, s);
+    return s.u > discEnd_ + kMargin * weight ? s : preferDiscOutside(i, s);
 }
 
 /// The core around such a node has been reached from its seed, so that it is on the same sheet.
 Solved JetMarch::preferDiscOutside(NodeIndex i, const Solved& s) const {
     Solved disc;
-    if (!discJet(s.label, band_.normal[i], band_.footPoint(i), metric_.at(i), disc)) {
+    const SurfacePoint& seed = seeds_[s.label];
+    if (metric_.blocked(band_, seed.pIndex, Vec3d(seedNormal_[s.label]), i) ||
+        !discJet(s.label, band_.normal[i], band_.footPoint(i), metric_.at(i), disc)) {
         disc = s;
-        disc.u = std::max(s.u, seeds_[s.label].start);
+        disc.u = std::max(s.u, seed.start);
     }
     return disc;
 }
@@ -504,6 +527,8 @@ bool JetMarch::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& mi
         const float cosine = igeo::dot(frame.normal(), other.normal);
         const Vec3f chord = band_.foot[i] - other.foot - Vec3f(step);
         if (cosine < Band::kOtherSheet || igeo::dot(chord, chord) > kNear2) return;
+        if (!metric_.clear(i) && hidden(other, band_.footPoint(i), frame.normal() + other.normal))
+            return;
         anybody = true;
         if (!(other.u < kInfinity) || found.all.count() == JetNeighbours::kMax) return;
         see(j, chord, cosine, frame, weight, found);
@@ -521,7 +546,7 @@ Solved JetMarch::solveOutside(NodeIndex i, LeafIndex l, unsigned at) const {
     const Jet jet = around.update(s.label);
     s.u = first_ + metric_.at(i) * jet.u;
     s.g = frame.lift(jet.g);
-    return s.u > discEnd_ + kMargin * heaviest_ ? s : preferDiscOutside(i, s);
+    return s.u > discEnd_ + kMargin * metric_.at(i) ? s : preferDiscOutside(i, s);
 }
 
 Field JetMarch::take() {
@@ -540,8 +565,9 @@ Field JetMarch::take() {
             for (NodeIndex i = leaf.band.first; i < leaf.band.first + leaf.band.count; ++i) {
                 const unsigned at = band_.offset[i];
                 const NodeIndex k = leaf.core.node(at);
-                const Solved s = k == kNoNode ? extendTo(i, LeafIndex(l), at)
-                                              : Solved{core_[k].u, core_[k].g, labelOf(k), false};
+                const Solved s = metric_.inside(i) ? Solved{}
+                                 : k == kNoNode    ? extendTo(i, LeafIndex(l), at)
+                                                : Solved{core_[k].u, core_[k].g, labelOf(k), false};
                 const bool wanted = s.u <= limit_;
                 field.distance[i] = wanted ? s.u : kInfinity;
                 field.gradient[i] = wanted ? float(metric_.at(i)) * s.g : Vec3f();
@@ -550,7 +576,7 @@ Field JetMarch::take() {
         }
     });
     field.atFootPoints = true;
-    field.weighted = !metric_.weight.empty();
+    field.metric = held_;
     field.seeds = std::move(seeds_);
     field.scheme = "jet";
     field.startRadius = options_.startRadius;
@@ -563,9 +589,10 @@ Field JetMarch::take() {
 
 }  // namespace
 
-Field marchJet(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
+Field marchJet(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
                const JetOptions& options, Progress& progress) {
     using Kind = Error::Kind;
+    if (!metric) metric = std::make_shared<Metric>();
     if (seeds.empty()) throw Error(Kind::InvalidArgument, "a march needs at least one seed");
     if (!(options.maxDistance > 0))
         throw Error(Kind::InvalidArgument, "the largest distance must be positive");
@@ -575,11 +602,11 @@ Field marchJet(const Band& band, const Metric& metric, const std::vector<Surface
     const auto [first, last] = std::minmax_element(
         seeds.begin(), seeds.end(), [](auto& a, auto& b) { return a.start < b.start; });
     // Buckets are numbered in 32 bits.
-    if (!(last->start - first->start < 1e9 * metric.least()))
+    if (!(last->start - first->start < 1e9 * metric->least()))
         throw Error(Kind::InvalidArgument, "start values of seeds differ by more than 1e9 voxels",
                     "give seeds that no front comes near to a run of their own");
-    metric.check(band.size());
-    JetMarch march(band, metric, seeds, options);
+    metric->check(band.size());
+    JetMarch march(band, std::move(metric), seeds, options);
     march.march(progress);
     return march.take();
 }

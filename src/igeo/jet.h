@@ -27,7 +27,7 @@ struct JetOptions {
 /// nodes, every bucket is a parallel loop, and the result has the same bits for any number of
 /// threads. The other nodes take their jets from the core around their foot points.
 /// @param band   any h >= sqrt(3)/2 voxels
-/// @param metric one weight > 0 per node, or none
+/// @param metric weights, obstacles, or null
 /// @param seeds  at least one; a seed may start at a distance > 0. With several, Field::label says
 ///              whose a node is (the earlier seed where they tie), and fronts of different seeds
 ///              are never fitted together
@@ -37,7 +37,7 @@ struct JetOptions {
 ///         1e9 voxels apart, or distances beyond 2e9 voxels of the least weight; Cancelled through
 ///         `progress`
 /// Time O(n), in parallel; 33 bytes per node, the field's 20 included. Error: docs/accuracy.md.
-Field marchJet(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
+Field marchJet(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
                const JetOptions& options = {}, Progress& progress = Progress::none());
 
 }  // namespace igeo

@@ -24,6 +24,28 @@ void Metric::setObstacles(const Band& band, std::shared_ptr<const Obstacles> set
     });
 }
 
+double Metric::at(const BandCell& cell) const {
+    if (weight.empty()) return 1;
+    double sum = 0, total = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        if (cell.node[k] == kNoNode) continue;
+        // A corner alone at distance 1 still counts.
+        sum += (cell.weight[k] + 1e-6) * double(weight[cell.node[k]]);
+        total += cell.weight[k] + 1e-6;
+    }
+    return total > 0 ? sum / total : 1;
+}
+
+void Metric::dropHiddenCorners(const Band& band, const Vec3d& pIndex, const Vec3d& n,
+                               BandCell& cell) const {
+    if (!obstacles) return;
+    for (NodeIndex& i : cell.node)
+        if (i != kNoNode && blocked(band, pIndex, n, i)) {
+            i = kNoNode;
+            cell.complete = false;
+        }
+}
+
 void Metric::check(std::size_t n) const {
     using Kind = Error::Kind;
     if (obstacles && sight.size() != n)

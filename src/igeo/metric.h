@@ -37,6 +37,8 @@ struct Metric {
     std::vector<Sight> sight;
 
     double at(NodeIndex i) const { return weight.empty() ? 1.0 : double(weight[i]); }
+    /// The weight at a point of S, blended from the corners of its cell.
+    double at(const BandCell& cell) const;
     bool weighted() const { return !weight.empty(); }
 
     /// The least and the largest weight; 1 where there are none.
@@ -53,14 +55,32 @@ struct Metric {
     bool inside(NodeIndex i) const { return !sight.empty() && sight[i] == Inside; }
     /// Whether no obstacle comes near the foot point of a node, so that nobody need ask.
     bool clear(NodeIndex i) const { return sight.empty() || sight[i] == Clear; }
-    /// Whether an obstacle lies between two points of S, a few voxels apart at most.
-    bool blocked(const Vec3d& a, const Vec3d& b, const Vec3d& normal) const {
-        return obstacles && obstacles->block(a, b, normal);
+    /// Whether an obstacle lies between two points of S, or around one of them; n: normal there.
+    bool blocked(const Vec3d& a, const Vec3d& b, const Vec3d& n) const {
+        return obstacles && obstacles->block(a, b, n);
     }
+    /// The same between the foot points of two nodes, a few voxels apart at most.
+    bool blocked(const Band& band, NodeIndex i, NodeIndex j) const {
+        return !clear(i) && !clear(j) &&
+               (inside(j) || obstacles->block(band.footPoint(i), band.footPoint(j),
+                                              Vec3d(normalized(band.normal[i] + band.normal[j]))));
+    }
+    /// The same between a point of S, where its normal is n, and the foot point of a node.
+    bool blocked(const Band& band, const Vec3d& pIndex, const Vec3d& n, NodeIndex j) const {
+        return !clear(j) && (inside(j) || obstacles->block(pIndex, band.footPoint(j), n));
+    }
+
+    /// Takes the corners of a cell that obstacles hide from p, a point of S with normal n, out of
+    /// it.
+    void dropHiddenCorners(const Band& band, const Vec3d& pIndex, const Vec3d& n,
+                           BandCell& cell) const;
 
     /// @throws Error  InvalidArgument unless there is one positive, finite weight for each of n
     /// nodes
     void check(std::size_t n) const;
 };
+
+/// Shared by a march and its Field; null: Euclidean.
+using MetricPtr = std::shared_ptr<const Metric>;
 
 }  // namespace igeo

@@ -70,7 +70,8 @@ void shiftSideways(const Band& band, Curve& c) {
 
 void straighten(const Band& band, const Field& field, Path& path) {
     // Shorter is not cheaper where the weight varies.
-    if (field.weighted || path.status != PathStatus::Reached || path.vertices.size() < 3) return;
+    if (field.metric->weighted() || path.status != PathStatus::Reached || path.vertices.size() < 3)
+        return;
     constexpr int kRounds = 40;
     constexpr double kSettled = 1e-7;
     Curve c;

@@ -51,13 +51,11 @@ private:
 };
 
 Vec3d Tracer::normalAt(const Vec3d& p) const {
-    BandCell cell = cellAt(band_, p);
-    return dropFacingCorners(band_, cell, side_);
+    return SurfaceCell(band_, *field_.metric, p, side_).normal;
 }
 
 bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
-    BandCell cell = cellAt(band_, p);
-    const Vec3d n = dropFacingCorners(band_, cell, side_);
+    const SurfaceCell cell(band_, *field_.metric, p, side_);
     Vec3d g{};
     double lengths = 0;
     for (std::size_t k = 0; k < 8; ++k) {
@@ -66,7 +64,7 @@ bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
         g += cell.weight[k] * gk;
         lengths += cell.weight[k] * length(gk);
     }
-    g = tangential(g, n);
+    g = tangential(g, cell.normal);
     const double len = length(g);
     // Half of the front's gradient cancels where fronts meet at 120 degrees: no use beyond that.
     if (!(len > 0.1 * lengths)) return false;
@@ -88,6 +86,7 @@ bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
         if (ratio > 1) continue;
         const Vec3d free = q;
         if (!projectToSurface(band_, q) || length(q - free) > step) continue;
+        if (field_.metric->blocked(p, q, side_)) continue;
         p = q;
         // Third-order local error: the step that would just meet the tolerance, with a margin.
         const double growth = ratio > 0 ? 0.9 * std::cbrt(1 / ratio) : 2.0;
@@ -112,7 +111,8 @@ NodeIndex Tracer::nearestNode(const Vec3d& p) const {
             for (int z = -2; z <= 2; ++z) {
                 const NodeIndex j = band_.nodeAt(middle + Ijk{x, y, z});
                 if (j == kNoNode || !walkable(j) ||
-                    dot(Vec3f(side_), band_.normal[j]) < Band::kOtherSheet)
+                    dot(Vec3f(side_), band_.normal[j]) < Band::kOtherSheet ||
+                    field_.metric->blocked(band_, p, side_, j))
                     continue;
                 const double r = length(band_.footPoint(j) - p);
                 if (r < least) least = r, best = j;
@@ -125,7 +125,8 @@ NodeIndex Tracer::lowestNeighbour(NodeIndex i) const {
     band_.forNeighbours(&BandLeaf::band, band_.leaf[i], band_.offset[i],
                         [&](NodeIndex j, int, int, int) {
                             if (field_.distance[j] < field_.distance[best] && walkable(j) &&
-                                dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet)
+                                dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet &&
+                                !field_.metric->blocked(band_, i, j))
                                 best = j;
                         });
     return best == i ? kNoNode : best;
@@ -165,7 +166,7 @@ Path Tracer::trace(const SurfacePoint& target) {
     double step = options_.maxStep / 4;
     NodeIndex node = kNoNode;  // where the path is, while it goes from node to node
     while (true) {
-        if (const SurfacePoint* seed = seedAround(field_, p, d)) {
+        if (const SurfacePoint* seed = seedAround(field_, p, side_, d)) {
             finishAtSeed(path, *seed);
             return path;
         }

@@ -33,11 +33,11 @@ struct Patch {
     }
     Vec3d at(double u, double v) const { return kCenter + u * x + v * y; }
 
-    Metric metric(const std::function<double(double, double)>& weight) const {
-        Metric m;
+    MetricPtr metric(const std::function<double(double, double)>& weight) const {
+        const auto m = std::make_shared<Metric>();
         for (NodeIndex i = 0; i < band.size(); ++i) {
             const auto [u, v] = flat(i);
-            m.weight.push_back(float(weight(u, v)));
+            m->weight.push_back(float(weight(u, v)));
         }
         return m;
     }
@@ -56,7 +56,7 @@ TEST_CASE("jet with the weight 2 s / (1 + s^2 |x|^2) measures on the stereograph
     double last = 0;
     for (const int n : {100, 200}) {
         const Patch patch(n);
-        const Metric metric = patch.metric([&](double u, double v) {
+        const MetricPtr metric = patch.metric([&](double u, double v) {
             return 2 * kScale / (1 + kScale * kScale * (u * u + v * v));
         });
         const SurfacePoint seed = pointOn(patch.band, patch.at(0.1317, 0.0542));
@@ -109,7 +109,7 @@ TEST_CASE("jet: a constant weight scales the distance") {
 TEST_CASE("jet refuses weights too far apart for its buckets") {
     const Patch patch(60);
     const SurfacePoint seed = pointOn(patch.band, patch.at(-0.1, 0));
-    const Metric metric = patch.metric([](double u, double) { return u < 0.3 ? 1 : 1e-9; });
+    const MetricPtr metric = patch.metric([](double u, double) { return u < 0.3 ? 1 : 1e-9; });
     expectError(Error::Kind::InvalidArgument, {"2e9 times the least weight", "raise"},
                 [&] { marchJet(patch.band, metric, {seed}); });
 }
@@ -118,7 +118,7 @@ TEST_CASE("jet refracts between half planes as Snell has it, at any contrast") {
     constexpr int kN = 100;
     const Patch patch(kN);
     for (const double heavy : {3.0, 1e6}) {
-        const Metric metric = patch.metric([&](double u, double) { return u < 0 ? 1 : heavy; });
+        const MetricPtr metric = patch.metric([&](double u, double) { return u < 0 ? 1 : heavy; });
         const SurfacePoint seed = pointOn(patch.band, patch.at(-0.15, 0.021));
         const auto [su, sv] = patch.flat(worldOf(patch.band, seed.pIndex));
         const Field field = marchJet(patch.band, metric, {seed});

@@ -103,7 +103,7 @@ TEST_CASE("a constant weight of 4 scales distances by 4 bitwise") {
         GodunovOptions options;
         options.order = order;
         const Field plain = marchGodunov(band, {}, {seed}, options);
-        const Field heavy = marchGodunov(band, four, {seed}, options);
+        const Field heavy = marchGodunov(band, std::make_shared<Metric>(four), {seed}, options);
         CHECK(heavy.seeds[0].weight == 4);
         for (std::size_t k = 0; k < band.size(); ++k)
             REQUIRE(heavy.distance[k] == 4 * plain.distance[k]);

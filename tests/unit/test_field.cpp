@@ -135,10 +135,10 @@ TEST_CASE("sampleDistance: straight to the seed within its start disc") {
     field.startRadius = 3.5;
     for (const Vec3d& p : {at, at + Vec3d{0.1, 0, 0}, at + Vec3d{2, -2, 0}})
         CHECK(sampleDistance(band, field, p) == 5 + 2 * length(p - at));
-    CHECK(seedAround(field, at + Vec3d{3.4, 0, 0}, 5 + 6.8) == &field.seeds[0]);
-    CHECK(seedAround(field, at + Vec3d{3.6, 0, 0}, 5 + 7.2) == nullptr);
+    CHECK(seedAround(field, at + Vec3d{3.4, 0, 0}, {0, 0, 1}, 5 + 6.8) == &field.seeds[0]);
+    CHECK(seedAround(field, at + Vec3d{3.6, 0, 0}, {0, 0, 1}, 5 + 7.2) == nullptr);
     // Near in space, far on the surface: another sheet.
-    CHECK(seedAround(field, at + Vec3d{0, 0, 2}, 40) == nullptr);
+    CHECK(seedAround(field, at + Vec3d{0, 0, 2}, {0, 0, 1}, 40) == nullptr);
 }
 
 TEST_CASE("distanceGrid: world units at reached nodes, the largest elsewhere") {

@@ -26,12 +26,13 @@ TEST_CASE("marchGodunov: refuses what it cannot march") {
     }
     Metric metric;
     metric.weight.assign(band.size() - 1, 1);
-    expectError(kind, {"weights for a band of"}, [&] { marchGodunov(band, metric, {seed}); });
+    expectError(kind, {"weights for a band of"},
+                [&] { marchGodunov(band, std::make_shared<Metric>(metric), {seed}); });
     for (const float w : {0.0f, -1.0f, std::nanf(""), float(kInfinity)}) {
         metric.weight.assign(band.size(), 1);
         metric.weight[5] = w;
         expectError(kind, {"weight", "positive and finite"},
-                    [&] { marchGodunov(band, metric, {seed}); });
+                    [&] { marchGodunov(band, std::make_shared<Metric>(metric), {seed}); });
     }
     // Cancelled within 16384 nodes.
     const Band large = planeBand({0, 0, 1}, 0, {-50, -50, -3}, {50, 50, 3}, 2);
