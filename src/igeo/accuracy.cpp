@@ -12,7 +12,6 @@ AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
     AccuracyEstimate e;
     if (band.size() == 0) return e;
     if (field.solved) e.guardedShare = double(field.guarded) / double(field.solved);
-    if (field.metric->weighted()) return e;
     std::vector<double> error(samples, -1);
     parallelFor(samples, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
@@ -27,7 +26,7 @@ AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
             if (path.status != PathStatus::Reached || path.distance < 3 * field.startRadius)
                 continue;
             const SurfacePoint& seed = field.seeds[path.seed];
-            const double length = seed.start + seed.weight * path.length;
+            const double length = seed.start + path.length;
             error[k] = std::abs(length - path.distance) / path.distance;
         }
     });

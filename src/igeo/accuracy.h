@@ -20,8 +20,7 @@ struct AccuracyEstimate {
 /// Traces geodesics from `samples` nodes spread over the surface, straightens them, and compares
 /// their lengths with the distances. Lengths have the small error of straighten() themselves, so
 /// where the distances are better than that the estimate errs high. It says nothing of how well psi
-/// shows the surface it was made from. No samples for a weighted field. Time O(samples * length),
-/// in parallel.
+/// shows the surface it was made from. Time O(samples * length), in parallel.
 AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
                                   const std::vector<Vec3f>& gradient, std::size_t samples = 8);
 

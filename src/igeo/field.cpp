@@ -87,6 +87,14 @@ SurfaceCell::SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pI
     metric.dropHiddenCorners(band, pIndex, normal, *this);
 }
 
+double wayCost(const Band& band, const Metric& metric, const Vec3d& a, const Vec3d& b,
+               const Vec3d& side) {
+    if (!metric.weighted()) return length(b - a);
+    return (metric.stepCost(SurfaceCell(band, metric, a, side), b - a) +
+            metric.stepCost(SurfaceCell(band, metric, b, side), b - a)) /
+           2;
+}
+
 namespace {
 
 /// Trilinear over the reached corners: values belong to the voxels.

@@ -53,6 +53,12 @@ struct SurfaceCell : BandCell {
     SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pIndex, const Vec3d& side);
 };
 
+/// What the straight way between two points of S costs, a voxel or so apart: |b - a| by the metric,
+/// the mean of both ends; voxels times weight.
+/// @param side normal of their sheet
+double wayCost(const Band& band, const Metric& metric, const Vec3d& a, const Vec3d& b,
+               const Vec3d& side);
+
 /// d at a point of S: trilinear over the reached corners of its cell, +inf if there are none;
 /// within a start disc the straight distance to its seed, as trilinear interpolation blunts the
 /// cone there.

@@ -7,6 +7,11 @@
 
 namespace igeo {
 
+void Metric::multiply(const std::vector<float>& weights) {
+    if (weight.empty()) weight.assign(weights.size(), 1);
+    for (std::size_t k = 0; k < weight.size(); ++k) weight[k] *= weights[k];
+}
+
 void Metric::setObstacles(const Band& band, std::shared_ptr<const Obstacles> set) {
     // As far as a march, an extension or a trace looks from a node at once, and a voxel more.
     constexpr double kSight = 5;

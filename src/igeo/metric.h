@@ -39,6 +39,10 @@ struct Metric {
     double at(NodeIndex i) const { return weight.empty() ? 1.0 : double(weight[i]); }
     /// The weight at a point of S, blended from the corners of its cell.
     double at(const BandCell& cell) const;
+    /// What a step from a point of S costs, the metric blended from the corners of its cell.
+    double stepCost(const BandCell& cell, const Vec3d& step) const {
+        return at(cell) * length(step);
+    }
     bool weighted() const { return !weight.empty(); }
 
     /// The least and the largest weight; 1 where there are none.
@@ -49,9 +53,15 @@ struct Metric {
         return weight.empty() ? 1.0 : double(*std::max_element(weight.begin(), weight.end()));
     }
 
+    /// Multiplies with a weight per node.
+    void multiply(const std::vector<float>& weights);
+
     /// Sets `obstacles` and finds the nodes inside and beside them. In parallel.
     void setObstacles(const Band& band, std::shared_ptr<const Obstacles> set);
 
+    std::size_t insideCount() const {
+        return std::size_t(std::count(sight.begin(), sight.end(), Inside));
+    }
     bool inside(NodeIndex i) const { return !sight.empty() && sight[i] == Inside; }
     /// Whether no obstacle comes near the foot point of a node, so that nobody need ask.
     bool clear(NodeIndex i) const { return sight.empty() || sight[i] == Clear; }

@@ -16,23 +16,6 @@ namespace {
 using Kind = Error::Kind;
 using nlohmann::json;
 
-/// The comma-separated finite numbers of a text; empty if it holds anything else.
-std::vector<double> numbers(const std::string& text) {
-    std::vector<double> out;
-    std::stringstream parts(text);
-    for (std::string part; std::getline(parts, part, ',');) {
-        // strtod also reads "nan" and "1x": both are refused here.
-        char* end = nullptr;
-        const double v = std::strtod(part.c_str(), &end);
-        const bool blank = part.find_first_not_of(" \t\r") == std::string::npos;
-        while (*end == ' ' || *end == '\t' || *end == '\r') ++end;
-        if (blank || *end != '\0' || !std::isfinite(v)) return {};
-        out.push_back(v);
-    }
-    if (!text.empty() && text.back() == ',') return {};
-    return out;
-}
-
 /// A first line in which no field begins like a number names the columns.
 bool isHeader(const std::string& line) {
     std::stringstream parts(line);
@@ -54,7 +37,7 @@ std::vector<AskedPoint> pointsFromText(std::istream& in, const std::string& file
         if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
         if (const auto hash = line.find('#'); hash != std::string::npos) line.erase(hash);
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-        const std::vector<double> v = numbers(line);
+        const std::vector<double> v = parseNumbers(line);
         if (v.size() == 3 || v.size() == 4)
             points.push_back({{v[0], v[1], v[2]}, v.size() == 4 ? v[3] : 0.0});
         else if (!mayBeHeader || !isHeader(line))
@@ -116,8 +99,24 @@ bool endsWith(const std::string& s, const std::string& end) {
 
 }  // namespace
 
+std::vector<double> parseNumbers(const std::string& text) {
+    std::vector<double> out;
+    std::stringstream parts(text);
+    for (std::string part; std::getline(parts, part, ',');) {
+        // strtod also reads "nan" and "1x": both are refused here.
+        char* end = nullptr;
+        const double v = std::strtod(part.c_str(), &end);
+        const bool blank = part.find_first_not_of(" \t\r") == std::string::npos;
+        while (*end == ' ' || *end == '\t' || *end == '\r') ++end;
+        if (blank || *end != '\0' || !std::isfinite(v)) return {};
+        out.push_back(v);
+    }
+    if (!text.empty() && text.back() == ',') return {};
+    return out;
+}
+
 AskedPoint parsePoint(const std::string& text) {
-    const std::vector<double> v = numbers(text);
+    const std::vector<double> v = parseNumbers(text);
     if (v.size() != 3)
         throw Error(Kind::InvalidArgument, "'" + text + "' is not a point",
                     "write three finite numbers with commas between them, as in 0.1,0.2,0.3");

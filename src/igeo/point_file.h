@@ -14,6 +14,9 @@ struct AskedPoint {
     double start = 0;  ///< distance at which a seed starts, world units times weight
 };
 
+/// The comma-separated finite numbers of a text (blanks allowed); empty if it holds anything else.
+std::vector<double> parseNumbers(const std::string& text);
+
 /// "x,y,z" (blanks allowed).
 /// @throws Error  InvalidArgument for anything but three finite numbers
 AskedPoint parsePoint(const std::string& text);

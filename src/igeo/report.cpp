@@ -54,6 +54,15 @@ json parametersJson(const RunReport& r, const Band& band, const Field& field) {
             {"snap", r.snap},         {"maxDistance", finiteOrNull(r.maxDistance)}};
 }
 
+json metricJson(const RunReport& r, const Field& field) {
+    const Metric& metric = *field.metric;
+    return {{"weights", r.weights},
+            {"obstacles", r.obstacles},
+            {"least", metric.least()},
+            {"largest", metric.largest()},
+            {"blocked", metric.insideCount()}};
+}
+
 json pathJson(const Path& path, const Band& band, const Field& field) {
     const double dx = band.transform.dx;
     json j;
@@ -62,6 +71,7 @@ json pathJson(const Path& path, const Band& band, const Field& field) {
     const bool reached = path.status == PathStatus::Reached;
     j["seed"] = reached ? seedJson(band, field.seeds[path.seed], path.seed) : json(nullptr);
     j["length"] = path.vertices.empty() ? json(nullptr) : json(path.length * dx);
+    j["arcLength"] = path.vertices.empty() ? json(nullptr) : json(path.arcLength * dx);
     j["distance"] = finiteOrNull(path.distance * dx);
     json positions = json::array(), arcLengths = json::array(), distances = json::array();
     for (const PathVertex& v : path.vertices) {
@@ -79,6 +89,7 @@ std::string geodesicsJson(const RunReport& r, const Band& band, const Field& fie
     json j = header("geodesics");
     j["surface"] = surfaceJson(r, band);
     j["parameters"] = parametersJson(r, band, field);
+    j["metric"] = metricJson(r, field);
     j["paths"] = json::array();
     for (const Path& path : r.paths) j["paths"].push_back(pathJson(path, band, field));
     return dump(j, -1);
@@ -94,6 +105,7 @@ std::string reportJson(const RunReport& r, const Band& band, const Field& field)
     j["parameters"] = parametersJson(r, band, field);
     j["parameters"]["bandBoundsVoxels"] = {r.bandLower, r.bandUpper};
     j["parameters"]["threads"] = r.threads;
+    j["metric"] = metricJson(r, field);
     j["band"] = {
         {"nodes", band.size()}, {"leaves", band.leaves.size()}, {"bytes", band.memUsage()}};
     j["distance"] = {{"reached", field.reached},

@@ -21,6 +21,8 @@ struct RunReport {
     double bandLower = 0, bandUpper = 0;  ///< bounds of M&S (14), voxels
     double snap = 0;                      ///< how far a point may be from the surface, world units
     double maxDistance = kInfinity;       ///< limit asked for, world units
+    std::vector<std::string> weights;     ///< what the metric is made of, a word each
+    std::vector<std::string> obstacles;
     int threads = 1;
     std::vector<Path> paths;  ///< one per target
     AccuracyEstimate accuracy;

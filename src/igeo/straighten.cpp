@@ -8,19 +8,70 @@ namespace {
 
 using Curve = std::vector<Vec3d>;
 
-double lengthOf(const Curve& c) {
+Vec3d normalAt(const Band& band, const Vec3d& p) {
+    const PsiSample psi = samplePsi(band, p);
+    return psi.valid ? normalized(psi.gradient) : Vec3d{};
+}
+
+/// A curve on S that gets shorter.
+class Relaxation {
+public:
+    Relaxation(const Band& band, const Metric& metric, const Path& path);
+
+    /// One round of shifts. @return false where it finds no shorter curve
+    bool shorten();
+    const Curve& curve() const { return c_; }
+    double cost() const { return cost_; }
+
+private:
+    double costOf(const Curve& c) const;
+    bool blocked(const Vec3d& a, const Vec3d& b) const {
+        return metric_.obstacles && metric_.blocked(a, b, normalAt(band_, a));
+    }
+    /// The curve at equal steps of its arc length, back on S. With obstacles vertices stay where
+    /// they are: chords of a resampled curve would cut their corners.
+    Curve resampled(const Curve& c) const;
+    /// Newton's shifts along side_; 0 at the ends and where an obstacle holds a vertex.
+    std::vector<double> shifts();
+    /// c_ with every vertex shifted as far as obstacles let it.
+    Curve shifted(const std::vector<double>& shift, double share);
+
+    const Band& band_;
+    const Metric& metric_;
+    std::size_t pieces_ = 0;
+    Curve c_;
+    double cost_ = 0;
+    std::vector<Vec3d> side_;      ///< unit, along S and across the curve
+    std::vector<double> stopped_;  ///< per vertex: the shift an obstacle did not allow, or 0
+};
+
+Relaxation::Relaxation(const Band& band, const Metric& metric, const Path& path)
+    : band_(band),
+      metric_(metric),
+      pieces_(std::size_t(std::max(2.0, std::ceil(2 * path.arcLength)))) {
+    for (const PathVertex& v : path.vertices) c_.push_back(v.pIndex);
+    c_ = resampled(c_);
+    cost_ = costOf(c_);
+    stopped_.assign(c_.size(), 0);
+}
+
+double Relaxation::costOf(const Curve& c) const {
     double sum = 0;
-    for (std::size_t k = 1; k < c.size(); ++k) sum += length(c[k] - c[k - 1]);
+    for (std::size_t k = 1; k < c.size(); ++k)
+        sum += metric_.weighted() ? wayCost(band_, metric_, c[k - 1], c[k], normalAt(band_, c[k]))
+                                  : length(c[k] - c[k - 1]);
     return sum;
 }
 
-/// The curve at `pieces` equal steps of its length, back on S.
-Curve resample(const Band& band, const Curve& c, std::size_t pieces) {
+Curve Relaxation::resampled(const Curve& c) const {
+    if (metric_.obstacles) return c;
     Curve out{c.front()};
-    const double step = lengthOf(c) / double(pieces);
+    double total = 0;
+    for (std::size_t k = 1; k < c.size(); ++k) total += length(c[k] - c[k - 1]);
+    const double step = total / double(pieces_);
     double start = 0;  // arc length at c[k - 1]
     std::size_t k = 1;
-    for (std::size_t i = 1; i < pieces; ++i) {
+    for (std::size_t i = 1; i < pieces_; ++i) {
         const double at = step * double(i);
         double piece = length(c[k] - c[k - 1]);
         while (start + piece < at && k + 1 < c.size()) {
@@ -30,75 +81,144 @@ Curve resample(const Band& band, const Curve& c, std::size_t pieces) {
         }
         const double t = piece > 0 ? std::clamp((at - start) / piece, 0.0, 1.0) : 0.0;
         Vec3d p = c[k - 1] + t * (c[k] - c[k - 1]);
-        projectToSurface(band, p);
+        projectToSurface(band_, p);
         out.push_back(p);
     }
     out.push_back(c.back());
     return out;
 }
 
-/// The sideways shifts that cancel the geodesic curvature: -s'' = kappa_g, s = 0 at the ends, by
-/// the Thomas algorithm. Curvature of S is left out: the system stays definite, and repeating does
-/// the rest.
-void shiftSideways(const Band& band, Curve& c) {
-    const std::size_t n = c.size();
-    if (n < 3) return;
-    std::vector<Vec3d> side(n);
-    std::vector<double> diagonal(n, 2.0), right(n, 0.0);
+std::vector<double> Relaxation::shifts() {
+    // Half a voxel, as the metric is linear between voxels.
+    constexpr double kProbe = 0.5;
+    const std::size_t n = c_.size();
+    std::vector<double> shift(n, 0.0), diagonal(n, 0.0), beside(n, 0.0), pull(n, 0.0);
+    side_.assign(n, {});
+    for (std::size_t k = 1; k + 1 < n; ++k)
+        side_[k] = normalized(cross(normalAt(band_, c_[k]), c_[k + 1] - c_[k - 1]));
+    // Length of segment k = (c[k], c[k + 1]) and its variations. A metric gives a norm C(step) at
+    // every point; all that is needed of it follows by polarisation: with A = C(s)^2, E = C(e)^2,
+    // B = (C(e + s)^2 - C(e - s)^2) / 4 the length C(e) has the derivatives B / sqrt(E) and
+    // (A - B^2 / E) / sqrt(E) along s.
+    for (std::size_t k = 0; k + 1 < n; ++k) {
+        const Vec3d e = c_[k + 1] - c_[k];
+        const double e2 = dot(e, e);
+        if (!(e2 > 0)) continue;
+        for (const std::size_t end : {k, k + 1}) {
+            const Vec3d& s = side_[end];
+            if (s == Vec3d{}) continue;
+            const double sign = end == k ? -1 : 1;
+            double slope = dot(e, s) / std::sqrt(e2),
+                   bend = (1 - dot(e, s) * dot(e, s) / e2) / std::sqrt(e2), drift = 0;
+            if (metric_.weighted()) {
+                const Vec3d normal = normalAt(band_, c_[end]);
+                const SurfaceCell here(band_, metric_, c_[end], normal);
+                auto squared = [&](const Vec3d& v) {
+                    const double c = metric_.stepCost(here, v);
+                    return c * c;
+                };
+                const double a = squared(s), ee = squared(e),
+                             b = (squared(e + s) - squared(e - s)) / 4;
+                slope = b / std::sqrt(ee);
+                bend = (a - b * b / ee) / std::sqrt(ee);
+                auto costAt = [&](double t) {
+                    return metric_.stepCost(SurfaceCell(band_, metric_, c_[end] + t * s, normal),
+                                            e);
+                };
+                drift = (costAt(kProbe) - costAt(-kProbe)) / (2 * kProbe) / 2;
+            }
+            pull[end] -= sign * slope + drift;
+            diagonal[end] += bend;
+            beside[k] += bend / 2;
+        }
+    }
+    auto fixed = [&](std::size_t k) {
+        // Held while it is still drawn where an obstacle does not let it.
+        return !(diagonal[k] > 0) || side_[k] == Vec3d{} || stopped_[k] * pull[k] > 0;
+    };
+    // The Thomas algorithm; a fixed vertex keeps shift 0.
     for (std::size_t k = 1; k + 1 < n; ++k) {
-        const PsiSample psi = samplePsi(band, c[k]);
-        if (!psi.valid) return;
-        side[k] = normalized(cross(normalized(psi.gradient), c[k + 1] - c[k - 1]));
-        right[k] = dot(c[k + 1] - 2.0 * c[k] + c[k - 1], side[k]);
+        if (fixed(k)) {
+            diagonal[k] = 1, pull[k] = 0, beside[k] = 0;
+            if (k > 0) beside[k - 1] = 0;
+            continue;
+        }
+        stopped_[k] = 0;
+        if (k == 1 || !(beside[k - 1] > 0)) continue;
+        const double m = beside[k - 1] / diagonal[k - 1];
+        diagonal[k] -= m * beside[k - 1];
+        pull[k] += m * pull[k - 1];
     }
-    for (std::size_t k = 2; k + 1 < n; ++k) {
-        const double m = -1 / diagonal[k - 1];
-        diagonal[k] += m;
-        right[k] -= m * right[k - 1];
-    }
-    double next = 0;
     for (std::size_t k = n - 2; k > 0; --k) {
-        next = (right[k] + next) / diagonal[k];
-        // A voxel at a time: the linear picture holds no further.
-        const double s = std::clamp(next, -1.0, 1.0);
-        Vec3d p = c[k] + s * side[k];
-        if (projectToSurface(band, p)) c[k] = p;
+        shift[k] = (pull[k] + beside[k] * shift[k + 1]) / diagonal[k];
     }
+    return shift;
+}
+
+Curve Relaxation::shifted(const std::vector<double>& shift, double share) {
+    Curve c = c_;
+    for (std::size_t k = 1; k + 1 < c.size(); ++k) {
+        if (shift[k] == 0) continue;
+        // A voxel at a time: the linear picture holds no further.
+        double s = share * std::clamp(shift[k], -1.0, 1.0);
+        for (int tries = metric_.obstacles ? 3 : 1; tries > 0; --tries, s /= 2) {
+            Vec3d p = c_[k] + s * side_[k];
+            if (!projectToSurface(band_, p)) continue;
+            if (blocked(c[k - 1], p) || blocked(p, c[k + 1])) {
+                stopped_[k] = shift[k];
+                continue;
+            }
+            c[k] = p;
+            break;
+        }
+    }
+    return c;
+}
+
+bool Relaxation::shorten() {
+    const std::vector<double> shift = shifts();
+    // Newton's full step, or less where the metric changes within it.
+    for (double share = 1; share > 0.1; share /= 2) {
+        Curve c = resampled(shifted(shift, share));
+        const double cost = costOf(c);
+        if (cost < cost_) {
+            c_ = std::move(c);
+            cost_ = cost;
+            return true;
+        }
+        if (!metric_.weighted() && !metric_.obstacles) break;
+    }
+    return false;
 }
 
 }  // namespace
 
 void straighten(const Band& band, const Field& field, Path& path) {
-    // Shorter is not cheaper where the weight varies.
-    if (field.metric->weighted() || path.status != PathStatus::Reached || path.vertices.size() < 3)
-        return;
+    if (path.status != PathStatus::Reached || path.vertices.size() < 3) return;
     constexpr int kRounds = 40;
     constexpr double kSettled = 1e-7;
-    Curve c;
-    for (const PathVertex& v : path.vertices) c.push_back(v.pIndex);
-    const auto pieces = std::size_t(std::max(2.0, std::ceil(2 * path.length)));
-    c = resample(band, c, pieces);
-    double current = lengthOf(c);
+    Relaxation curve(band, *field.metric, path);
     for (int round = 0; round < kRounds; ++round) {
-        Curve shorter = c;
-        shiftSideways(band, shorter);
-        shorter = resample(band, shorter, pieces);
-        const double l = lengthOf(shorter);
-        if (!(l < current)) break;
-        const bool settled = current - l < kSettled * current;
-        c = std::move(shorter);
-        current = l;
-        if (settled) break;
+        const double before = curve.cost();
+        if (!curve.shorten() || before - curve.cost() < kSettled * before) break;
     }
-    if (current >= path.length) return;
-    const double start = field.seeds[path.seed].start, weight = field.seeds[path.seed].weight;
+    if (curve.cost() >= path.length) return;
     path.vertices.clear();
-    path.length = 0;
-    for (std::size_t k = 0; k < c.size(); ++k) {
-        if (k) path.length += length(c[k] - c[k - 1]);
-        path.vertices.push_back({c[k], path.length, 0});
+    path.length = path.arcLength = 0;
+    std::vector<double> lengths;
+    for (std::size_t k = 0; k < curve.curve().size(); ++k) {
+        const Vec3d& p = curve.curve()[k];
+        if (k) {
+            const Vec3d& last = curve.curve()[k - 1];
+            path.arcLength += length(p - last);
+            path.length += wayCost(band, *field.metric, last, p, normalAt(band, p));
+        }
+        lengths.push_back(path.length);
+        path.vertices.push_back({p, path.arcLength, 0});
     }
-    for (PathVertex& v : path.vertices) v.distance = start + weight * (path.length - v.arcLength);
+    const double start = field.seeds[path.seed].start;
+    for (std::size_t k = 0; k < lengths.size(); ++k)
+        path.vertices[k].distance = start + (path.length - lengths[k]);
 }
 
 }  // namespace igeo

@@ -133,8 +133,12 @@ NodeIndex Tracer::lowestNeighbour(NodeIndex i) const {
 }
 
 void Tracer::append(Path& path, const Vec3d& p, double d) const {
-    if (!path.vertices.empty()) path.length += length(p - path.vertices.back().pIndex);
-    path.vertices.push_back({p, path.length, d});
+    if (!path.vertices.empty()) {
+        const Vec3d& last = path.vertices.back().pIndex;
+        path.arcLength += length(p - last);
+        path.length += wayCost(band_, *field_.metric, last, p, side_);
+    }
+    path.vertices.push_back({p, path.arcLength, d});
 }
 
 void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {

@@ -1,6 +1,7 @@
 // The scheme jet with a weight that varies, against metrics whose distance is known.
 #include <igeo/jet.h>
 #include <igeo/level_set_band.h>
+#include <igeo/straighten.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/expect_error.h>
@@ -85,6 +86,45 @@ TEST_CASE("jet with the weight 2 s / (1 + s^2 |x|^2) measures on the stereograph
             CHECK(mean < last / 1.8);
         }
         last = mean;
+    }
+}
+
+TEST_CASE("paths under the stereographic weight are circles, and their length is the distance") {
+    constexpr double kScale = 5;
+    constexpr int kN = 200;
+    const Patch patch(kN);
+    const MetricPtr metric = patch.metric(
+        [&](double u, double v) { return 2 * kScale / (1 + kScale * kScale * (u * u + v * v)); });
+    const SurfacePoint seed = pointOn(patch.band, patch.at(0.19, 0.12)),
+                       target = pointOn(patch.band, patch.at(-0.17, 0.16));
+    const Field field = marchJet(patch.band, metric, {seed});
+    Path path = tracePath(patch.band, field, field.gradient, target);
+    REQUIRE(path.status == PathStatus::Reached);
+    const auto onSphere = [&](const SurfacePoint& p) {
+        const auto [u, v] = patch.flat(worldOf(patch.band, p.pIndex));
+        return onUnitSphere(kScale * u, kScale * v);
+    };
+    const Vec3d from = onSphere(seed), to = onSphere(target);
+    const double exact = std::atan2(from.cross(to).length(), from.dot(to)) * kN,
+                 straight = kScale * 0.36 * kN;
+    const double traced = path.length;
+    straighten(patch.band, field, path);
+    std::printf("stereographic path: distance %+.4f %%, traced %+.4f %%, straightened %+.4f %%\n",
+                100 * (path.distance / exact - 1), 100 * (traced / exact - 1),
+                100 * (path.length / exact - 1));
+    // Chords of half a voxel with the weight's mean at their ends are 1 / 8 of its second
+    // difference off: (dx / 2)^2 / 8 * 2 s^2 = 4e-5 where it is largest, on the straight line. The
+    // trilinear weight adds as much.
+    CHECK(path.length < traced * (1 + 1e-9));
+    CHECK(std::abs(path.length / exact - 1) < 1e-4);
+    // It bends away from the middle, where the weight is largest.
+    CHECK(path.arcLength > 1.02 * 0.36 * kN);
+    CHECK(path.arcLength < straight);
+    for (const PathVertex& vertex : path.vertices) {
+        const auto [u, v] = patch.flat(worldOf(patch.band, vertex.pIndex));
+        const Vec3d onGreatCircle = onUnitSphere(kScale * u, kScale * v);
+        // Angle out of the plane of the great circle; a voxel is at most 2 s dx = 0.05.
+        REQUIRE(std::abs(onGreatCircle.dot(from.cross(to).unit())) < 0.05);
     }
 }
 

@@ -1,8 +1,10 @@
 /// Stage times of the library on spheres, as JSON on stdout.
 ///
 ///     igeo_bench march [--n N] [--scheme godunov] [--order 1] [--half-width W] [--runs 3]
-///     [--threads 1] igeo_bench sweep [--n N]      godunov beside openvdb::tools::maskSdf, same
-///     band, one thread
+///     [--threads 1] [--contrast C]
+///     igeo_bench sweep [--n N]      godunov beside openvdb::tools::maskSdf, same band, one thread
+///
+/// With a contrast there is a weight per node, from 1 to C (1: uniform), in waves over the sphere.
 ///
 /// Times are the least of the runs. Run it on a quiet machine and compare ratios.
 #include <igeo/band_width.h>
@@ -62,6 +64,18 @@ struct Sphere {
           seed(pointOn(band, kCenter + kRadius * genericDirection())) {}
 };
 
+/// Weights from 1 to `contrast`, four waves over the sphere; null without a contrast.
+MetricPtr wavyMetric(const Band& band, double contrast) {
+    if (!(contrast > 0)) return nullptr;
+    auto metric = std::make_shared<Metric>();
+    for (NodeIndex i = 0; i < band.size(); ++i) {
+        const double x = worldOf(band, band.footPoint(i)).x() - kCenter.x();
+        metric->weight.push_back(
+            float(std::pow(contrast, 0.5 + 0.5 * std::sin(4 * M_PI * x / kRadius))));
+    }
+    return metric;
+}
+
 /// Peak resident memory so far, bytes.
 double peakMemory() {
     rusage usage{};
@@ -87,14 +101,15 @@ void benchMarch(const Arguments& args) {
         region.push_back({Vec3d(start.x(), start.y(), start.z()) * double(n), limitDistance + 20});
     const double bandSeconds = seconds(runs, [&] { band = bandFromLevelSet(levelSet, h, region); });
     const SurfacePoint seed = pointOn(band, start);
+    const MetricPtr metric = wavyMetric(band, args.number("contrast", 0));
     Field field;
     const double march = seconds(runs, [&] {
         GodunovOptions godunov;
         JetOptions jet;
         godunov.order = int(args.number("order", 2));
         if (limitDistance > 0) godunov.maxDistance = jet.maxDistance = limitDistance;
-        field = scheme == "jet" ? marchJet(band, {}, {seed}, jet)
-                                : marchGodunov(band, {}, {seed}, godunov);
+        field = scheme == "jet" ? marchJet(band, metric, {seed}, jet)
+                                : marchGodunov(band, metric, {seed}, godunov);
     });
     const double nodes = double(band.size());
     std::printf(
