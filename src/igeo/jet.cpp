@@ -42,6 +42,7 @@ struct Solved {
     Vec3f g;
     std::uint32_t label = 0;  ///< the seed whose front it is
     bool guarded = false;
+    bool stands = false;  ///< no node still to come can change it
 };
 
 /// Nodes around a foot point that have a jet, as the local solve sees them, and whose fronts they
@@ -112,12 +113,19 @@ private:
     /// Part of a bucket, for one thread: what is accepted, and who waits for what bucket now.
     struct Chunk {
         std::vector<std::pair<NodeIndex, Solved>> accepted;
-        std::vector<Queued> queued;
+        std::vector<Queued> queued, tooEarly;
     };
 
     std::uint32_t bucketOf(double u) const {
         return std::uint32_t(
             std::min(std::max(0.0, (u - first_) / bucketWidth_), double(kLastBucket)));
+    }
+    /// How far beyond a bucket's start a value may lie to stand, found from all that was accepted
+    /// before: nodes still to come lie beyond the start, and a step from one of them costs more
+    /// than half a voxel at the mean of both weights. One bucket where the weight is least, and
+    /// many where it is large, which need not be gone through one by one.
+    double slackOf(float weight, float leastAround) const {
+        return options_.bucketWidth * double(weight + leastAround) / 2;
     }
     std::uint32_t labelOf(NodeIndex core) const { return label_.empty() ? 0 : label_[core]; }
     Vec3d footOf(const Node& node) const {
@@ -140,17 +148,21 @@ private:
                 metric_.blocked(p, footOf(j), Vec3d(normalized(normal))));
     }
     void watchTargets();
+    /// The nodes of the first bucket, and of those behind it that need not wait for its values.
+    /// @param last  the last of these buckets
+    std::vector<NodeIndex> nextNodes(std::uint32_t& last);
     /// Adds an accepted node to what a node of the given frame and weight sees.
     /// @param chord, cosine  from its foot point to that node's; between their normals
     void see(NodeIndex j, const Vec3f& chord, float cosine, const TangentFrame& frame, float weight,
              Surroundings& from) const;
     /// Solves a node from its accepted neighbours; if it belongs into this bucket, puts the others
     /// into the buckets where its jet says they belong.
-    Solved visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& out);
+    /// @param last  no node goes into a bucket up to this one
+    Solved visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last, std::vector<Queued>& out);
     /// @param chord from a node with jet (u, g) to node i, times the weight there
     void key(NodeIndex i, const Vec3f& chord, const Solved& from, std::uint32_t bucket,
              std::vector<Queued>& out);
-    void process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes);
+    void process(std::uint32_t bucket, std::uint32_t last, const std::vector<NodeIndex>& nodes);
 
     /// A jet for a band node outside the core.
     /// @param l, at  its leaf and offset
@@ -171,6 +183,8 @@ private:
     const MetricPtr held_;
     const Metric& metric_;
     const JetOptions& options_;
+    const double least_;  ///< weight
+    const bool varied_;   ///< not one weight everywhere
     double bucketWidth_;  ///< half a voxel at the least weight
     float heaviest_ = 0;  ///< the largest weight accepted so far
     std::vector<SurfacePoint> seeds_;
@@ -194,7 +208,9 @@ JetMarch::JetMarch(const Band& band, MetricPtr metric, const std::vector<Surface
       held_(std::move(metric)),
       metric_(*held_),
       options_(options),
-      bucketWidth_(options.bucketWidth * metric_.least()),
+      least_(metric_.least()),
+      varied_(metric_.largest() > least_),
+      bucketWidth_(options.bucketWidth * least_),
       seeds_(seeds),
       core_(band.coreSize()),
       limit_(options.maxDistance) {
@@ -303,7 +319,8 @@ void JetMarch::see(NodeIndex j, const Vec3f& chord, float cosine, const TangentF
              labelOf(j));
 }
 
-Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& out) {
+Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last,
+                       std::vector<Queued>& out) {
     const Node& node = core_[i];
     const TangentFrame frame(node.normal);
     Surroundings known;
@@ -313,11 +330,13 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& o
     };
     std::array<Waiting, 26> waiting;
     std::size_t waitingCount = 0;
+    float leastAround = node.weight;
     band_.forNeighbours(
         &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
             const Node& other = core_[j];
             const float cosine = igeo::dot(frame.normal(), other.normal);
             if (cosine < Band::kOtherSheet) return;
+            leastAround = std::min(leastAround, other.weight);
             const Vec3f chord = node.foot - other.foot - Vec3f{float(dx), float(dy), float(dz)};
             if (cosine < 0.5f && acrossGap(chord, frame.normal(), other.normal)) return;
             if (node.sight != Metric::Clear &&
@@ -336,9 +355,11 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::vector<Queued>& o
     s.guarded = jet.guarded;
     // Nodes of a disc wait in its buckets or earlier.
     if (bucket <= bucketOf(discEnd_)) s = preferDisc(i, s);
-    if (s.u < kInfinity && bucketOf(s.u) <= bucket)
+    s.stands = s.u < kInfinity &&
+               bucketOf(s.u - (slackOf(node.weight, leastAround) - bucketWidth_)) <= bucket;
+    if (s.stands)
         for (std::size_t k = 0; k < waitingCount; ++k)
-            key(waiting[k].node, node.weight * -waiting[k].chord, s, bucket, out);
+            key(waiting[k].node, node.weight * -waiting[k].chord, s, last, out);
     return s;
 }
 
@@ -360,43 +381,73 @@ void JetMarch::key(NodeIndex i, const Vec3f& chord, const Solved& from, std::uin
     if (b < seen) out.push_back({b, i});
 }
 
-void JetMarch::process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes) {
+std::vector<NodeIndex> JetMarch::nextNodes(std::uint32_t& last) {
+    const std::uint32_t first = queue_.begin()->first;
+    std::vector<NodeIndex> nodes = std::move(queue_.begin()->second);
+    queue_.erase(queue_.begin());
+    last = first;
+    if (!varied_) return nodes;
+    // Together with the next buckets, up to the slack that every node has.
+    double slack = kInfinity;
+    const auto fits = [&](const std::vector<NodeIndex>& more, std::uint32_t bucket) {
+        for (const NodeIndex i : more)
+            if (slack = std::min(slack, slackOf(core_[i].weight, 0));
+                (bucket - first + 1) * bucketWidth_ > slack)
+                return false;
+        return true;
+    };
+    if (!fits(nodes, first)) return nodes;
+    while (!queue_.empty() && fits(queue_.begin()->second, queue_.begin()->first)) {
+        const auto next = queue_.begin();
+        last = next->first;
+        nodes.insert(nodes.end(), next->second.begin(), next->second.end());
+        queue_.erase(next);
+    }
+    return nodes;
+}
+
+void JetMarch::process(std::uint32_t bucket, std::uint32_t last,
+                       const std::vector<NodeIndex>& nodes) {
     constexpr std::size_t kChunk = 64;
     const std::size_t count = (nodes.size() + kChunk - 1) / kChunk;
     if (chunks_.size() < count) chunks_.resize(count);
     parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c) {
             Chunk& chunk = chunks_[c];
-            chunk.accepted.clear(), chunk.queued.clear();
+            chunk.accepted.clear(), chunk.queued.clear(), chunk.tooEarly.clear();
             for (std::size_t k = c * kChunk; k < std::min(nodes.size(), (c + 1) * kChunk); ++k) {
                 // Taken out of its bucket by whoever is first: it may be queued twice. Or it was
                 // queued here before a front came to it from elsewhere, and earlier.
-                std::uint32_t expected = bucket;
-                if (!__atomic_compare_exchange_n(&core_[nodes[k]].bucket, &expected, 0,
-                                                 /*weak=*/false, __ATOMIC_RELAXED,
-                                                 __ATOMIC_RELAXED))
+                std::uint32_t& waitsIn = core_[nodes[k]].bucket;
+                std::uint32_t seen = __atomic_load_n(&waitsIn, __ATOMIC_RELAXED);
+                if (seen < bucket || seen > last ||
+                    !__atomic_compare_exchange_n(&waitsIn, &seen, 0, /*weak=*/false,
+                                                 __ATOMIC_RELAXED, __ATOMIC_RELAXED))
                     continue;
-                const Solved s = visit(nodes[k], bucket, chunk.queued);
-                if (s.u < kInfinity && bucketOf(s.u) <= bucket) {
+                const Solved s = visit(nodes[k], bucket, last, chunk.queued);
+                if (s.stands) {
                     chunk.accepted.emplace_back(nodes[k], s);
                 } else if (s.u < kInfinity) {
                     // Again with what is known then: soon, but not in every bucket on the way, of
                     // which there are many where weights differ by much.
-                    const std::uint32_t next = bucket + (bucketOf(s.u) - bucket + 1) / 2;
-                    __atomic_store_n(&core_[nodes[k]].bucket, next, __ATOMIC_RELAXED);
-                    chunk.queued.push_back({next, nodes[k]});
+                    const std::uint32_t next =
+                        std::max(last + 1, bucket + (bucketOf(s.u) - bucket + 1) / 2);
+                    chunk.tooEarly.push_back({next, nodes[k]});
                 }
             }
         }
     });
-    // Accepted together: nobody has seen a value of this bucket before.
+    // Accepted together: nobody has seen a value of this bucket before, nor a node that waits
+    // again.
     parallelFor(count, 4, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t c = begin; c < end; ++c)
+        for (std::size_t c = begin; c < end; ++c) {
+            for (const Queued& q : chunks_[c].tooEarly) core_[q.node].bucket = q.bucket;
             for (const auto& [i, s] : chunks_[c].accepted) {
                 core_[i].u = s.u;
                 core_[i].g = s.g;
                 if (!label_.empty()) label_[i] = s.label;
             }
+        }
     });
     for (std::size_t c = 0; c < count; ++c) {
         accepted_ += chunks_[c].accepted.size();
@@ -405,7 +456,8 @@ void JetMarch::process(std::uint32_t bucket, const std::vector<NodeIndex>& nodes
             heaviest_ = std::max(heaviest_, core_[i].weight);
             if (!awaited_.empty() && awaited_[i]) --awaitedCount_;
         }
-        for (const Queued& q : chunks_[c].queued) queue_[q.bucket].push_back(q.node);
+        for (const auto* list : {&chunks_[c].queued, &chunks_[c].tooEarly})
+            for (const Queued& q : *list) queue_[q.bucket].push_back(q.node);
     }
 }
 
@@ -424,8 +476,7 @@ void JetMarch::march(Progress& progress) {
     watchTargets();
     bool waits = awaitedCount_ > 0;
     while (!queue_.empty()) {
-        const auto first = queue_.begin();
-        const std::uint32_t bucket = first->first;
+        const std::uint32_t bucket = queue_.begin()->first;
         if (bucket >= kLastBucket)
             throw Error(Error::Kind::InvalidArgument,
                         "a distance is more than 2e9 times the least weight, in voxels",
@@ -434,11 +485,11 @@ void JetMarch::march(Progress& progress) {
             stopped_ = true;
             return;
         }
-        const std::vector<NodeIndex> nodes = std::move(first->second);
-        queue_.erase(first);
-        process(bucket, nodes);
+        std::uint32_t last = bucket;
+        const std::vector<NodeIndex> nodes = nextNodes(last);
+        process(bucket, last, nodes);
         if (waits && awaitedCount_ == 0) {
-            limit_ = std::min(limit_, first_ + (bucket + 1) * bucketWidth_);
+            limit_ = std::min(limit_, first_ + (last + 1) * bucketWidth_);
             waits = false;
         }
         progress.throwIfCancelled();
