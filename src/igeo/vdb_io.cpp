@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <sstream>
 
@@ -32,107 +33,152 @@ std::string nameOf(const GridSource& source) {
 struct Candidate {
     std::string name;  ///< unique name
     GridBase::ConstPtr grid;
-    bool isScalar = false;
-    bool isFog = false;
-    bool isLevelSet = false;
 
-    Candidate(std::string uniqueName, GridBase::ConstPtr g) : name(std::move(uniqueName)), grid(g) {
-        isScalar = grid->isType<openvdb::FloatGrid>() || grid->isType<openvdb::DoubleGrid>();
-        isFog = grid->getGridClass() == openvdb::GRID_FOG_VOLUME;
-        isLevelSet = grid->getGridClass() == openvdb::GRID_LEVEL_SET;
-    }
     std::string describe() const {
-        return quoted(name) + " (" + grid->valueType() + ", " +
+        const bool mask = grid->isType<openvdb::MaskGrid>();  // OpenVDB calls its values bool.
+        return quoted(name) + " (" + (mask ? "mask" : grid->valueType()) + ", " +
                GridBase::gridClassToString(grid->getGridClass()) + ")";
     }
 };
+using Candidates = std::vector<Candidate>;
 
-std::string describeAll(const std::vector<Candidate>& all) {
+bool isAny(const Candidate&) { return true; }
+bool isFog(const Candidate& c) { return c.grid->getGridClass() == openvdb::GRID_FOG_VOLUME; }
+bool isLevelSet(const Candidate& c) { return c.grid->getGridClass() == openvdb::GRID_LEVEL_SET; }
+bool isNoLevelSet(const Candidate& c) { return !isLevelSet(c); }
+bool isUnknown(const Candidate& c) { return c.grid->getGridClass() == openvdb::GRID_UNKNOWN; }
+bool isScalar(const Candidate& c) {
+    return c.grid->isType<openvdb::FloatGrid>() || c.grid->isType<openvdb::DoubleGrid>();
+}
+bool isScalarOrMask(const Candidate& c) {
+    return isScalar(c) || c.grid->isType<openvdb::BoolGrid>() ||
+           c.grid->isType<openvdb::MaskGrid>();
+}
+bool isVector(const Candidate& c) {
+    return c.grid->isType<openvdb::Vec3SGrid>() || c.grid->isType<openvdb::Vec3DGrid>();
+}
+
+std::string describeAll(const Candidates& all) {
     std::string text;
     for (const Candidate& c : all) text += (text.empty() ? "" : ", ") + c.describe();
     return text.empty() ? "no grids" : text;
 }
 
-/// The grid asked for, or the only one that can be meant.
-const Candidate& choose(const std::vector<Candidate>& all, const GridSource& source) {
-    const std::string where = nameOf(source);
-    if (all.empty())
-        throw Error(Kind::BadInput, where + " holds no grids", "give a file with a level set");
-    if (!source.grid.empty()) {
-        for (const Candidate& c : all)
-            if (c.name == source.grid) return c;
-        throw Error(Kind::BadInput, where + " has no grid " + quoted(source.grid),
-                    "it holds " + describeAll(all));
-    }
-    std::vector<const Candidate*> fits;
+constexpr const char* kFromFog =
+    "for instance with OpenVDB's tools::fogToSdf or Houdini's 'Convert VDB'";
+
+/// What an input asks of a grid, and the words for it.
+struct Wanted {
+    const char *article, *noun;
+    const char* values;              ///< what `fits` allows
+    bool (*fits)(const Candidate&);  ///< by type
+    bool fogToo = true;              ///< a fog volume will do
+    /// Which of those that fit can be meant if none is named: the likely ones if there are any.
+    bool (*likely)(const Candidate&) = isNoLevelSet;
+    bool (*conceivable)(const Candidate&) = isAny;
+
+    std::string one() const { return std::string(article) + " " + noun; }
+};
+constexpr Wanted kLevelSet{"a",   "level set", "float or double", isScalar,
+                           false, isLevelSet,  isUnknown};
+constexpr Wanted kWeight{"a", "weight grid", "float or double", isScalar};
+constexpr Wanted kObstacle{"an", "obstacle grid", "bool, mask, float or double", isScalarOrMask};
+constexpr Wanted kTensor{"a", "tensor", "vec3s or vec3d", isVector};
+
+const Candidate* find(const Candidates& all, const std::string& name) {
     for (const Candidate& c : all)
-        if (c.isScalar && c.isLevelSet) fits.push_back(&c);
-    if (fits.empty())
-        for (const Candidate& c : all)
-            if (c.isScalar && c.grid->getGridClass() == openvdb::GRID_UNKNOWN) fits.push_back(&c);
+        if (c.name == name) return &c;
+    return nullptr;
+}
+
+const Candidate& named(const Candidates& all, const std::string& name, const GridSource& source,
+                       const std::string& advice = "") {
+    if (const Candidate* c = find(all, name)) return *c;
+    throw Error(Kind::BadInput, nameOf(source) + " has no grid " + quoted(name),
+                "it holds " + describeAll(all) + advice);
+}
+
+/// The only grid that can be meant where none is named.
+const Candidate& meant(const Candidates& all, const Wanted& wanted, const GridSource& source) {
+    std::vector<const Candidate*> fits;
+    for (const auto belongs : {wanted.likely, wanted.conceivable})
+        if (fits.empty())
+            for (const Candidate& c : all)
+                if (wanted.fits(c) && belongs(c)) fits.push_back(&c);
     if (fits.size() == 1) return *fits.front();
+    const std::string where = nameOf(source);
     if (fits.empty()) {
-        const bool fog = std::any_of(all.begin(), all.end(), [](auto& c) { return c.isFog; });
+        const bool fog = std::any_of(all.begin(), all.end(), isFog);
         throw Error(
-            Kind::BadInput, where + " holds no level set, but " + describeAll(all),
-            fog ? "a fog volume holds density, not distance: convert it first, for instance "
-                  "with OpenVDB's tools::fogToSdf or Houdini's 'Convert VDB'"
-                : "give a float or double grid of class level set");
+            Kind::BadInput, where + " holds no " + wanted.noun + ", but " + describeAll(all),
+            fog && !wanted.fogToo
+                ? std::string("a fog volume holds density, not distance: convert it first, ") +
+                      kFromFog
+                : std::string("give a ") + wanted.values + " grid" +
+                      (wanted.fogToo ? "" : " of class level set"));
     }
-    throw Error(
-        Kind::BadInput,
-        where + " holds " + std::to_string(fits.size()) + " level sets: " + describeAll(all),
-        "name one: " + source.file + ":" + fits.front()->name);
+    throw Error(Kind::BadInput,
+                where + " holds " + std::to_string(fits.size()) + " " + wanted.noun +
+                    "s: " + describeAll(all),
+                "name one: " + source.file + ":" + fits.front()->name);
 }
 
-const Candidate& chooseChecked(const std::vector<Candidate>& all, const GridSource& source) {
-    const Candidate& c = choose(all, source);
-    const std::string where = " (" + nameOf(source) + ")";
-    if (!c.isScalar)
-        throw Error(Kind::BadInput,
-                    "grid " + quoted(c.name) + " holds " + c.grid->valueType() +
-                        " values in a tree of type " + c.grid->type() +
-                        "; a level set holds float or double in a 5_4_3 tree" + where,
-                    "the file holds " + describeAll(all));
-    if (c.isFog)
-        throw Error(Kind::BadInput,
-                    "grid " + quoted(c.name) + " is a fog volume: density, not distance" + where,
-                    "convert it to a level set first, for instance with OpenVDB's tools::fogToSdf "
-                    "or Houdini's 'Convert VDB'");
-    return c;
+/// The grid asked for, or the only one that can be meant.
+const Candidate& choose(const Candidates& all, const Wanted& wanted, const GridSource& source) {
+    return source.grid.empty() ? meant(all, wanted, source) : named(all, source.grid, source);
 }
 
-LoadedGrid load(const GridSource& source, const Candidate& chosen, GridBase::Ptr full) {
-    LoadedGrid out;
-    out.file = source.file == "-" ? "standard input" : source.file;
-    out.name = chosen.name;
-    out.isLevelSetClass = chosen.isLevelSet;
-    if (auto doubles = openvdb::gridPtrCast<openvdb::DoubleGrid>(full)) {
-        out.grid = std::make_shared<openvdb::FloatGrid>(*doubles);
-    } else {
-        out.grid = openvdb::gridPtrCast<openvdb::FloatGrid>(full);
+using Choice = std::vector<const Candidate*>;
+using Choose = std::function<Choice(const Candidates&)>;
+
+/// What `choice` takes, all of a type that fits.
+Choice checked(const Candidates& all, const Wanted& wanted, const GridSource& source,
+               const Choose& choice) {
+    if (all.empty())
+        throw Error(Kind::BadInput, nameOf(source) + " holds no grids",
+                    "give a file with " + wanted.one());
+    const Choice chosen = choice(all);
+    for (const Candidate* c : chosen) {
+        if (!wanted.fits(*c))
+            throw Error(Kind::BadInput,
+                        "grid " + quoted(c->name) + " holds " + c->grid->valueType() +
+                            " values in a tree of type " + c->grid->type() + "; " + wanted.one() +
+                            " holds " + wanted.values + " in a 5_4_3 tree (" + nameOf(source) + ")",
+                        "the file holds " + describeAll(all));
+        if (isFog(*c) && !wanted.fogToo)
+            throw Error(Kind::BadInput,
+                        "grid " + quoted(c->name) + " is a fog volume: density, not distance (" +
+                            nameOf(source) + ")",
+                        std::string("convert it to a level set first, ") + kFromFog);
     }
-    out.grid->setName(full->getName());
-    return out;
+    return chosen;
 }
+
+struct NamedGrid {
+    std::string name;
+    GridBase::Ptr grid;
+};
 
 /// A stream has no directory: all its grids are read. `in` must throw at its end, or OpenVDB would
 /// take garbage for what is missing.
-LoadedGrid readFromStream(const GridSource& source, std::istream& in) {
+std::vector<NamedGrid> readFromStream(const GridSource& source, std::istream& in,
+                                      const Choose& choice) {
     if (in.peek() == std::istream::traits_type::eof())
         throw Error(Kind::BadInput, nameOf(source) + " is empty",
                     "check the program that was to write it");
     in.exceptions(std::ios::failbit | std::ios::badbit);
     openvdb::io::Stream stream(in, /*delayLoad=*/false);
-    std::vector<Candidate> all;
+    Candidates all;
     std::map<std::string, int> seen;
     const auto grids = stream.getGrids();
     for (const GridBase::Ptr& g : *grids) {
         const int n = seen[g->getName()]++;
-        all.emplace_back(n ? g->getName() + "[" + std::to_string(n) + "]" : g->getName(), g);
+        all.push_back({n ? g->getName() + "[" + std::to_string(n) + "]" : g->getName(), g});
     }
-    const Candidate& chosen = chooseChecked(all, source);
-    return load(source, chosen, (*grids)[std::size_t(&chosen - all.data())]);
+    std::vector<NamedGrid> chosen;
+    for (const Candidate* c : choice(all))
+        chosen.push_back({c->name, (*grids)[std::size_t(c - all.data())]});
+    return chosen;
 }
 
 /// What a file says about itself before its grids.
@@ -157,12 +203,12 @@ struct Directory : openvdb::io::Archive {
     }
 };
 
-LoadedGrid readFromFile(const GridSource& source) {
+std::vector<NamedGrid> readFromFile(const GridSource& source, const Choose& choice) {
     std::ifstream in(source.file, std::ios::binary);
     const Directory directory(in);
     if (!directory.hasOffsets) {
         in.seekg(0);
-        return readFromStream(source, in);
+        return readFromStream(source, in, choice);
     }
     // OpenVDB reads garbage beyond the end, and notices only some of it.
     const auto size = std::int64_t(std::filesystem::file_size(source.file));
@@ -173,15 +219,16 @@ LoadedGrid readFromFile(const GridSource& source) {
                     "copy or write it again");
     openvdb::io::File file(source.file);
     file.open(/*delayLoad=*/false);
-    std::vector<Candidate> all;
+    Candidates all;
     for (auto it = file.beginName(); it != file.endName(); ++it)
-        all.emplace_back(it.gridName(), file.readGridMetadata(it.gridName()));
-    const Candidate& chosen = chooseChecked(all, source);
-    return load(source, chosen, file.readGrid(chosen.name));
+        all.push_back({it.gridName(), file.readGridMetadata(it.gridName())});
+    std::vector<NamedGrid> chosen;
+    for (const Candidate* c : choice(all)) chosen.push_back({c->name, file.readGrid(c->name)});
+    return chosen;
 }
 
 /// Refuses what OpenVDB would report in its own words or not at all.
-void requireReadable(const std::string& name) {
+void requireReadable(const std::string& name, const Wanted& wanted) {
     errno = 0;
     std::ifstream in(name, std::ios::binary);
     if (!in)
@@ -194,7 +241,7 @@ void requireReadable(const std::string& name) {
     in.read(reinterpret_cast<char*>(magic.data()), magic.size());
     if (!in || std::memcmp(magic.data(), " BDV", 4) != 0)
         throw Error(Kind::BadInput, quoted(name) + " is not a VDB file",
-                    "give a level set written by OpenVDB, Houdini, Blender or vdb_tool");
+                    "give " + wanted.one() + " written by OpenVDB, Houdini, Blender or vdb_tool");
 }
 
 /// Archive writes to any stream, which lets the stream's failures be seen.
@@ -249,20 +296,17 @@ void writeToMemory(const openvdb::GridCPtrVec& grids, std::ostream& os) {
     os << buffer.rdbuf() << std::flush;
 }
 
-}  // namespace
-
-GridSource parseGridSource(const std::string& text) {
-    std::error_code ignored;
-    const auto colon = text.rfind(':');
-    if (colon == std::string::npos || std::filesystem::exists(text, ignored)) return {text, ""};
-    return {text.substr(0, colon), text.substr(colon + 1)};
-}
-
-LoadedGrid readLevelSetGrid(const GridSource& source) {
+/// Reads the grids that `choice` takes; refuses files in words of its own.
+std::vector<NamedGrid> readGrids(const GridSource& source, const Wanted& wanted,
+                                 const Choose& choice) {
     openvdb::initialize();
-    if (source.file != "-") requireReadable(source.file);
+    if (source.file != "-") requireReadable(source.file, wanted);
+    const Choose check = [&](const Candidates& all) {
+        return checked(all, wanted, source, choice);
+    };
     try {
-        return source.file == "-" ? readFromStream(source, std::cin) : readFromFile(source);
+        return source.file == "-" ? readFromStream(source, std::cin, check)
+                                  : readFromFile(source, check);
     } catch (const Error&) {
         throw;
     } catch (const std::ios_base::failure&) {
@@ -277,6 +321,76 @@ LoadedGrid readLevelSetGrid(const GridSource& source) {
         throw Error(Kind::BadInput, "cannot read a grid from " + nameOf(source) + ": " + why,
                     "the file may be damaged or of a newer format; write it again");
     }
+}
+
+/// A float or double grid in single precision; null for any other.
+openvdb::FloatGrid::Ptr scalars(const GridBase::Ptr& grid) {
+    if (const auto doubles = openvdb::gridPtrCast<openvdb::DoubleGrid>(grid))
+        return std::make_shared<openvdb::FloatGrid>(*doubles);
+    return openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
+}
+
+/// A Vec3S or Vec3D grid in single precision. OpenVDB does not convert vectors; values of voxels
+/// that are not active are lost.
+openvdb::Vec3SGrid::Ptr vectors(const GridBase::Ptr& grid) {
+    const auto doubles = openvdb::gridPtrCast<openvdb::Vec3DGrid>(grid);
+    if (!doubles) return openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid);
+    const auto singles = openvdb::Vec3SGrid::create(std::make_shared<openvdb::Vec3STree>(
+        doubles->tree(), openvdb::Vec3s(doubles->background()), openvdb::TopologyCopy()));
+    singles->setTransform(doubles->transformPtr());
+    singles->setName(doubles->getName());
+    const auto exact = doubles->getConstAccessor();
+    for (auto it = singles->beginValueOn(); it; ++it)
+        it.setValue(openvdb::Vec3s(exact.getValue(it.getCoord())));
+    return singles;
+}
+
+/// The file as named, for messages.
+std::string fileOf(const GridSource& source) {
+    return source.file == "-" ? "standard input" : source.file;
+}
+
+/// The grid named, or the only one that can be meant.
+NamedGrid readGrid(const GridSource& source, const Wanted& wanted) {
+    return readGrids(source, wanted,
+                     [&](const Candidates& all) { return Choice{&choose(all, wanted, source)}; })
+        .front();
+}
+
+LoadedGrid readScalars(const GridSource& source, const Wanted& wanted) {
+    const NamedGrid read = readGrid(source, wanted);
+    return {scalars(read.grid), fileOf(source), read.name,
+            read.grid->getGridClass() == openvdb::GRID_LEVEL_SET};
+}
+
+}  // namespace
+
+GridSource parseGridSource(const std::string& text) {
+    std::error_code ignored;
+    const auto colon = text.rfind(':');
+    if (colon == std::string::npos || std::filesystem::exists(text, ignored)) return {text, ""};
+    return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
+LoadedGrid readLevelSetGrid(const GridSource& source) { return readScalars(source, kLevelSet); }
+
+LoadedGrid readScalarGrid(const GridSource& source) { return readScalars(source, kWeight); }
+
+ObstacleGrid readObstacleGrid(const GridSource& source) {
+    const NamedGrid read = readGrid(source, kObstacle);
+    const openvdb::FloatGrid::Ptr numbers = scalars(read.grid);
+    return {numbers ? numbers : read.grid, fileOf(source), read.name};
+}
+
+TensorGrids readTensorGrids(const GridSource& source) {
+    const auto read = readGrids(source, kTensor, [&](const Candidates& all) {
+        Choice chosen{&named(all, source.grid + "diagonal", source,
+                             "; a tensor FILE:NAME is read from NAMEdiagonal and NAMEoffdiagonal")};
+        if (const Candidate* c = find(all, source.grid + "offdiagonal")) chosen.push_back(c);
+        return chosen;
+    });
+    return {vectors(read.front().grid), read.size() > 1 ? vectors(read.back().grid) : nullptr,
+            fileOf(source), read.front().name};
 }
 
 void writeVdb(const std::string& file, const openvdb::GridCPtrVec& grids) {

@@ -11,13 +11,14 @@ namespace igeo {
 /// A grid in a file: FILE[:GRID]. The file "-" is standard input.
 struct GridSource {
     std::string file;
-    std::string grid;  ///< empty: the only level set
+    std::string grid;  ///< empty: the only one that can be meant; of a tensor: what its names begin
+                       ///< with
 };
 
 /// Splits FILE[:GRID] at the last colon; a file whose whole name exists wins.
 GridSource parseGridSource(const std::string& text);
 
-/// A level set as read, before any check of its values.
+/// A scalar grid as read, before any check of its values.
 struct LoadedGrid {
     openvdb::FloatGrid::Ptr grid;
     std::string file;  ///< as named, for messages
@@ -33,6 +34,33 @@ struct LoadedGrid {
 ///         holds no such grid, none that fits or several (the message lists them), or when the grid
 ///         is a fog volume or no scalar
 LoadedGrid readLevelSetGrid(const GridSource& source);
+
+/// Reads one scalar grid of any class, for a weight: the one named, else the only float or double
+/// grid that is no level set (a weight may lie beside its surface), else the only one.
+/// @throws Error  as readLevelSetGrid, but for the fog volume
+LoadedGrid readScalarGrid(const GridSource& source);
+
+/// A grid that says where nobody may go, as read.
+struct ObstacleGrid {
+    openvdb::GridBase::Ptr grid;  ///< a BoolGrid, MaskGrid or FloatGrid
+    std::string file, name;       ///< as in LoadedGrid
+};
+
+/// Reads one grid of bool, mask, float or double (rounded to float), chosen as by readScalarGrid.
+/// @throws Error  as readScalarGrid
+ObstacleGrid readObstacleGrid(const GridSource& source);
+
+/// The components of a symmetric tensor in world axes, as read.
+struct TensorGrids {
+    openvdb::Vec3SGrid::Ptr diagonal;     ///< xx, yy, zz
+    openvdb::Vec3SGrid::Ptr offdiagonal;  ///< xy, xz, yz; null: zero everywhere
+    std::string file, name;               ///< as in LoadedGrid; the name is that of `diagonal`
+};
+
+/// Reads the grids named GRIDdiagonal and, if there is one, GRIDoffdiagonal: vectors of float or
+/// double (rounded to float).
+/// @throws Error  as readScalarGrid
+TensorGrids readTensorGrids(const GridSource& source);
 
 /// Writes grids in their order, Blosc-compressed, to a file (atomically) or to "-", standard
 /// output.

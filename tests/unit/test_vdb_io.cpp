@@ -1,4 +1,5 @@
 #include <igeo/vdb_io.h>
+#include <openvdb/io/Stream.h>
 #include <support/bad_inputs.h>
 #include <support/catch.h>
 #include <support/expect_error.h>
@@ -15,6 +16,16 @@ namespace {
 
 openvdb::FloatGrid::Ptr smallSphere(const std::string& name = "psi") {
     return makeLevelSet(sphere({0.1, 0.2, 0.3}, 1), 0.1, 3, name);
+}
+
+/// A few voxels of one value.
+template <typename Grid>
+typename Grid::Ptr gridOf(const std::string& name, const typename Grid::ValueType& value) {
+    const auto grid = Grid::create();
+    grid->setName(name);
+    grid->setTransform(rotatedTransform(0.1, {1, 2, 3}, 20, {4, 5, 6}));
+    grid->denseFill({{0, 0, 0}, {9, 9, 9}}, value);
+    return grid;
 }
 
 std::string bytesOf(const std::string& path) {
@@ -179,6 +190,137 @@ TEST_CASE("readLevelSetGrid: refuses files that are no VDB files or cut off") {
             readLevelSetGrid({folder / "cut.vdb", ""});
         });
     }
+}
+
+TEST_CASE("readScalarGrid: takes the grid that is no level set") {
+    const TempDir folder;
+    const auto fog = gridOf<openvdb::FloatGrid>("cost", 2.5f);
+    fog->setGridClass(openvdb::GRID_FOG_VOLUME);
+    const auto doubles = gridOf<openvdb::DoubleGrid>("slope", 0.1);
+    const auto vectors = gridOf<openvdb::Vec3SGrid>("v", openvdb::Vec3s(1));
+    writeVdb(folder / "a.vdb", {smallSphere(), fog, vectors});
+    const LoadedGrid a = readScalarGrid({folder / "a.vdb", ""});
+    CHECK(a.name == "cost");
+    CHECK(!a.isLevelSetClass);
+    CHECK(a.grid->tree().getValue({1, 2, 3}) == 2.5f);
+    CHECK(a.grid->transform() == fog->transform());
+    CHECK(a.file == folder / "a.vdb");
+    CHECK(readScalarGrid({folder / "a.vdb", "psi"}).isLevelSetClass);
+    // Of class unknown and in double precision; beside two level sets.
+    writeVdb(folder / "b.vdb", {smallSphere(), doubles, smallSphere("other")});
+    const LoadedGrid b = readScalarGrid({folder / "b.vdb", ""});
+    CHECK(b.name == "slope");
+    CHECK(b.grid->getName() == "slope");
+    CHECK(b.grid->tree().getValue({1, 2, 3}) == 0.1f);
+    CHECK(b.grid->transform() == doubles->transform());
+    // Alone, a level set is what was meant.
+    writeVdb(folder / "c.vdb", {smallSphere(), vectors});
+    CHECK(readScalarGrid({folder / "c.vdb", ""}).name == "psi");
+
+    const auto bad = Error::Kind::BadInput;
+    writeVdb(folder / "d.vdb", {smallSphere(), fog, doubles});
+    expectError(bad, {"2 weight grids", "'cost'", "'slope'", "'psi'", "d.vdb:cost"}, [&] {
+        readScalarGrid({folder / "d.vdb", ""});
+    });
+    expectError(bad, {"no grid 'height'", "'cost'", "'slope'"}, [&] {
+        readScalarGrid({folder / "d.vdb", "height"});
+    });
+    writeVdb(folder / "e.vdb", {vectors});
+    expectError(bad, {"no weight grid", "'v' (vec3s", "float or double"}, [&] {
+        readScalarGrid({folder / "e.vdb", ""});
+    });
+    expectError(bad, {"'v' holds vec3s", "a weight grid holds float or double", "e.vdb"}, [&] {
+        readScalarGrid({folder / "e.vdb", "v"});
+    });
+    std::ofstream(folder / "text.vdb") << "no grid at all";
+    expectError(bad, {"not a VDB file", "give a weight grid"}, [&] {
+        readScalarGrid({folder / "text.vdb", ""});
+    });
+}
+
+TEST_CASE("readObstacleGrid: bool, mask, float and double grids") {
+    const TempDir folder;
+    writeVdb(folder / "bool.vdb", {smallSphere(), gridOf<openvdb::BoolGrid>("wall", true)});
+    writeVdb(folder / "mask.vdb", {smallSphere(), gridOf<openvdb::MaskGrid>("wall", true)});
+    writeVdb(folder / "float.vdb", {smallSphere(), gridOf<openvdb::FloatGrid>("wall", 1)});
+    writeVdb(folder / "double.vdb", {smallSphere(), gridOf<openvdb::DoubleGrid>("wall", 1)});
+    writeVdb(folder / "psi.vdb", {smallSphere()});
+    const auto type = [&](const char* file) {
+        const ObstacleGrid read = readObstacleGrid({folder / file, ""});
+        CHECK(read.file == folder / file);
+        CHECK(read.name == read.grid->getName());
+        return read.name + " " + read.grid->type();
+    };
+    CHECK(type("bool.vdb") == "wall Tree_bool_5_4_3");
+    CHECK(type("mask.vdb") == "wall Tree_mask_5_4_3");
+    CHECK(type("float.vdb") == "wall Tree_float_5_4_3");
+    CHECK(type("double.vdb") == "wall Tree_float_5_4_3");
+    CHECK(type("psi.vdb") == "psi Tree_float_5_4_3");
+
+    const auto bad = Error::Kind::BadInput;
+    writeVdb(folder / "a.vdb",
+             {gridOf<openvdb::BoolGrid>("a", true), gridOf<openvdb::MaskGrid>("b", true)});
+    expectError(bad, {"2 obstacle grids", "'a' (bool", "'b' (mask", "a.vdb:a"}, [&] {
+        readObstacleGrid({folder / "a.vdb", ""});
+    });
+    writeVdb(folder / "b.vdb", {gridOf<openvdb::Int32Grid>("n", 1)});
+    expectError(bad, {"no obstacle grid", "int32", "bool, mask"}, [&] {
+        readObstacleGrid({folder / "b.vdb", ""});
+    });
+    expectError(bad, {"an obstacle grid holds bool, mask, float or double"}, [&] {
+        readObstacleGrid({folder / "b.vdb", "n"});
+    });
+}
+
+TEST_CASE("readTensorGrids: two grids of vectors, named by what their names begin with") {
+    const TempDir folder;
+    const auto diagonal = gridOf<openvdb::Vec3SGrid>("diagonal", openvdb::Vec3s(1, 2, 3));
+    const auto doubles = gridOf<openvdb::Vec3DGrid>("m_diagonal", openvdb::Vec3d(4, 5, 0.1));
+    const auto mixed = gridOf<openvdb::Vec3DGrid>("m_offdiagonal", openvdb::Vec3d(0.1, 0.2, 0.3));
+    writeVdb(folder / "a.vdb", {smallSphere(), diagonal, mixed, doubles});
+    const openvdb::Coord at(1, 2, 3);
+    const TensorGrids plain = readTensorGrids({folder / "a.vdb", ""});
+    CHECK(plain.name == "diagonal");
+    CHECK(plain.file == folder / "a.vdb");
+    CHECK(plain.diagonal->tree().getValue(at) == openvdb::Vec3s(1, 2, 3));
+    CHECK(!plain.offdiagonal);
+    const TensorGrids m = readTensorGrids({folder / "a.vdb", "m_"});
+    CHECK(m.diagonal->tree().getValue(at) == openvdb::Vec3s(4, 5, 0.1f));
+    REQUIRE(m.offdiagonal);
+    CHECK(m.offdiagonal->tree().getValue(at) == openvdb::Vec3s(0.1f, 0.2f, 0.3f));
+    CHECK(m.offdiagonal->transform() == mixed->transform());
+
+    const auto bad = Error::Kind::BadInput;
+    expectError(bad, {"no grid 'gdiagonal'", "'m_diagonal' (vec3d", "NAMEdiagonal"}, [&] {
+        readTensorGrids({folder / "a.vdb", "g"});
+    });
+    writeVdb(folder / "b.vdb", {diagonal, gridOf<openvdb::FloatGrid>("offdiagonal", 0)});
+    expectError(bad, {"'offdiagonal' holds float", "a tensor holds vec3s or vec3d"}, [&] {
+        readTensorGrids({folder / "b.vdb", ""});
+    });
+    writeVdb(folder / "c.vdb", {});
+    expectError(bad, {"holds no grids", "a tensor"}, [&] {
+        readTensorGrids({folder / "c.vdb", ""});
+    });
+    const std::string whole = bytesOf(folder / "a.vdb");
+    std::ofstream(folder / "cut.vdb", std::ios::binary) << whole.substr(0, whole.size() - 9);
+    expectError(bad, {"cut off"}, [&] { readTensorGrids({folder / "cut.vdb", "m_"}); });
+}
+
+TEST_CASE("grids in a file that was written to a stream are found all the same") {
+    const TempDir folder;
+    const openvdb::GridCPtrVec grids{
+        smallSphere(), gridOf<openvdb::FloatGrid>("cost", 3),
+        gridOf<openvdb::BoolGrid>("wall", true),
+        gridOf<openvdb::Vec3SGrid>("diagonal", openvdb::Vec3s(1)),
+        gridOf<openvdb::Vec3SGrid>("offdiagonal", openvdb::Vec3s(0, 0, 0.5f))};
+    {
+        std::ofstream out(folder / "a.vdb", std::ios::binary);
+        openvdb::io::Stream(out).write(grids);
+    }
+    CHECK(readScalarGrid({folder / "a.vdb", ""}).name == "cost");
+    CHECK(readObstacleGrid({folder / "a.vdb", "wall"}).grid->valueType() == "bool");
+    CHECK(readTensorGrids({folder / "a.vdb", ""}).offdiagonal->tree().getValue({}).z() == 0.5f);
 }
 
 TEST_CASE("writeVdb: says when it cannot write") {
