@@ -11,8 +11,8 @@ types error parallel progress version
 eikonal heap jet_update atomic_file
 tangent_frame
 band metric
-vdb_io level_set leaf_block band_width
-level_set_band surface_point
+vdb_io level_set leaf_block band_width index_map
+level_set_band surface_point grid_sampling
 field
 godunov jet
 trace

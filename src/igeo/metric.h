@@ -26,6 +26,12 @@ public:
     virtual bool mayBeNear(const Vec3d& p, double radius) const = 0;
 };
 
+/// A symmetric tensor in index axes. As a metric, G of M&S 5.1: the length of a curve C is the
+/// integral of sqrt(G[C', C']), so G is the square of a cost per unit length.
+struct Tensor {
+    float xx = 1, yy = 1, zz = 1, xy = 0, xz = 0, yz = 0;
+};
+
 /// An isotropic metric: the weight g of |grad d| = g, constant along normals (M&S (10)), and
 /// obstacles, where g is infinite.
 struct Metric {
