@@ -110,6 +110,29 @@ Shape torus(const Vec3d& center, double majorRadius, double minorRadius) {
     return {"torus", sdf, around(center, Vec3d(outer, outer, minorRadius)), true, nullptr};
 }
 
+Vec3d nearestOnEllipsoid(const Vec3d& center, const Vec3d& halfAxes, const Vec3d& p) {
+    // q = p - center is y + t grad(sum y^2 / a^2) / 2, so y = a^2 q / (a^2 + t). What y lacks to be
+    // on the surface falls with t from the nearest point's branch, t > -min a^2, on.
+    const Vec3d q = p - center, a2 = halfAxes * halfAxes;
+    const auto point = [&](double t) { return a2 * q / (a2 + Vec3d(t)); };
+    const auto excess = [&](double t) { return (point(t) / halfAxes).lengthSqr() - 1; };
+    double low = -std::min({a2.x(), a2.y(), a2.z()});
+    double high = q.length() * std::max({halfAxes.x(), halfAxes.y(), halfAxes.z()});
+    for (;;) {
+        const double t = 0.5 * (low + high);
+        if (t <= low || t >= high) return center + point(t);
+        (excess(t) > 0 ? low : high) = t;
+    }
+}
+
+Shape ellipsoid(const Vec3d& center, const Vec3d& halfAxes) {
+    const auto sdf = [=](const Vec3d& p) {
+        const double distance = (p - nearestOnEllipsoid(center, halfAxes, p)).length();
+        return ((p - center) / halfAxes).lengthSqr() < 1 ? -distance : distance;
+    };
+    return {"ellipsoid", sdf, around(center, halfAxes), true, nullptr};
+}
+
 Shape trefoilTube(const Vec3d& center, double scale, double tubeRadius) {
     const auto curve = std::make_shared<const TrefoilCurve>();
     const auto sdf = [=](const Vec3d& p) {

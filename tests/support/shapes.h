@@ -26,6 +26,13 @@ Shape sphere(const openvdb::Vec3d& center, double radius);
 /// Torus about the z axis through `center`: circle of radius `majorRadius`, tube `minorRadius`.
 Shape torus(const openvdb::Vec3d& center, double majorRadius, double minorRadius);
 
+/// Ellipsoid with half axes along x, y, z.
+Shape ellipsoid(const openvdb::Vec3d& center, const openvdb::Vec3d& halfAxes);
+
+/// The point of its surface nearest to p, which is not on a plane of symmetry inside.
+openvdb::Vec3d nearestOnEllipsoid(const openvdb::Vec3d& center, const openvdb::Vec3d& halfAxes,
+                                  const openvdb::Vec3d& p);
+
 /// Tube around the trefoil knot scale (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t).
 ///
 /// The knot's smallest radius of curvature is 1.28 scale and its strands keep 1.21 scale apart, so
