@@ -10,7 +10,7 @@ rooms='
 types error parallel progress version
 eikonal heap jet_update atomic_file
 tangent_frame
-band metric
+band metric curvature
 vdb_io level_set leaf_block band_width index_map
 level_set_band surface_point grid_sampling
 field
@@ -24,7 +24,7 @@ field_grids extend report point_file
 # Files that do without OpenVDB, and so without the igeo headers that need it.
 no_openvdb='
 types error parallel progress version eikonal heap jet_update tangent_frame
-band metric field band_width surface_point godunov jet trace straighten accuracy
+band metric curvature field band_width surface_point godunov jet trace straighten accuracy
 point_file
 '
 
