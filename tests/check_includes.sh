@@ -12,7 +12,7 @@ eikonal heap jet_update atomic_file
 tangent_frame
 band metric curvature
 vdb_io level_set leaf_block band_width index_map
-level_set_band surface_point grid_sampling
+level_set_band surface_point grid_sampling obstacles
 field
 godunov jet
 trace

@@ -83,10 +83,44 @@ void addOptions(CLI::App& app, Options& o) {
         ->group(seeds);
     app.add_flag("--stop-at-targets", o.stopAtTargets, "Stop once all targets are reached")
         ->group(seeds);
-    app.add_option("--max-distance", o.maxDistance, "Stop beyond this distance, world units")
+    app.add_option("--max-distance", o.maxDistance,
+                   "Stop beyond this distance, world units times weight")
         ->type_name("D")
         ->check(number(/*mayBeZero=*/false))
         ->group(seeds);
+
+    const char* metric = "Metric";
+    app.add_option("--weight", o.weights,
+                   "Cost per unit length: a positive float grid of its own resolution, sampled on "
+                   "the surface; several multiply")
+        ->type_name("FILE[:GRID]")
+        ->allow_extra_args(false)
+        ->group(metric);
+    app.add_option("--weight-curvature", o.weightCurvature,
+                   "Cost from curvature: cheap in a valley, along a crest, or where mean, gaussian "
+                   "or principal curvature is small [valley,eps=100,p=3]")
+        ->type_name("KIND[,eps=E][,p=P]")
+        ->group(metric);
+    app.add_option("--curvature-scale", o.curvatureScale,
+                   "Radius over which curvature is averaged, voxels, 1 to 16 [2]")
+        ->type_name("N")
+        ->check(number(/*mayBeZero=*/false))
+        ->group(metric);
+    app.add_option("--obstacle", o.obstacles,
+                   "No way through: a mask (active voxels), a level set (inside) or a fog volume "
+                   "(above 0.5)")
+        ->type_name("FILE[:GRID]")
+        ->allow_extra_args(false)
+        ->group(metric);
+    app.add_option("--obstacle-sphere", o.obstacleSpheres, "No way through a ball; repeatable")
+        ->type_name("X,Y,Z,R")
+        ->allow_extra_args(false)
+        ->group(metric);
+    app.add_option("--obstacle-box", o.obstacleBoxes,
+                   "No way through a box given by two opposite corners; repeatable")
+        ->type_name("X,Y,Z,X,Y,Z")
+        ->allow_extra_args(false)
+        ->group(metric);
 
     app.add_option("--scheme", o.scheme,
                    "How to solve: jet (value and gradient on foot points) or godunov (Memoli & "
@@ -105,11 +139,12 @@ void addOptions(CLI::App& app, Options& o) {
         ->type_name("FILE.vdb")
         ->group(results);
     app.add_option("--with", o.with,
-                   "More grids in the output: surface (psi, first), gradient (of the distance)")
+                   "More grids in the output: surface (psi, first), gradient (of the distance), "
+                   "weight, curvature")
         ->type_name("LIST")
         ->delimiter(',')
         ->allow_extra_args(false)
-        ->check(CLI::IsMember({"surface", "gradient"}))
+        ->check(CLI::IsMember({"surface", "gradient", "weight", "curvature"}))
         ->group(results);
     app.add_flag("--extend", o.extend,
                  "Cover the whole narrow band of the level set, not only the band marched")

@@ -17,6 +17,13 @@ struct Options {
     bool stopAtTargets = false;
     double maxDistance = 0;  ///< world units times weight; 0: none
 
+    std::vector<std::string> weights;  ///< FILE[:GRID]
+    std::string weightCurvature;       ///< KIND[,eps=E][,p=P]; empty: none
+    double curvatureScale = 0;         ///< voxels; 0: default
+    std::vector<std::string> obstacles, obstacleSpheres, obstacleBoxes;
+    std::string metric;           ///< FILE[:PREFIX] of a tensor; empty: none
+    std::string metricCurvature;  ///< avoid|prefer[,strength=S]; empty: none
+
     std::string scheme = "jet";
     int order = 2;
 

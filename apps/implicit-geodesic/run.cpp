@@ -26,8 +26,11 @@
 #include <filesystem>
 #include <iostream>
 
+#include "metric_input.h"
+
 namespace fs = std::filesystem;
 using igeo::Error;
+using igeo::Vec3d;
 
 namespace {
 
@@ -37,7 +40,7 @@ std::string text(const char* pattern, double a, double b = 0, double c = 0) {
     return buffer;
 }
 
-std::string text(const igeo::Vec3d& p) { return text("%.9g,%.9g,%.9g", p.x, p.y, p.z); }
+std::string text(const Vec3d& p) { return text("%.9g,%.9g,%.9g", p.x, p.y, p.z); }
 
 [[noreturn]] void usageError(const std::string& what, const std::string& remedy) {
     throw Error(Error::Kind::InvalidArgument, what, remedy);
@@ -63,6 +66,7 @@ private:
     std::vector<igeo::Ball> regionWithin(double distance) const;
     void makeBand(const std::vector<igeo::Ball>& region);
     void snapPoints();
+    void makeMetric();
     void march(double maxDistance);
     void trace();
     void writeResults();
@@ -72,11 +76,12 @@ private:
 
     std::vector<igeo::AskedPoint> readPoints(const std::vector<std::string>& given,
                                              const std::string& file, const char* what) const;
-    igeo::Vec3d indexOf(const igeo::AskedPoint& p) const;
+    Vec3d indexOf(const igeo::AskedPoint& p) const;
     std::vector<igeo::SurfacePoint> snapped(const std::vector<igeo::AskedPoint>& asked) const;
     bool tooFar(const igeo::SurfacePoint& p) const;
     void tell(const std::vector<igeo::SurfacePoint>& points,
               const std::vector<igeo::AskedPoint>& asked, const char* what);
+    void refuseBlocked(const std::vector<igeo::SurfacePoint>& points, const char* what) const;
     /// Ends a stage: its name, and the time since the last one ended.
     void finished(const char* stage);
     std::string outputName() const;
@@ -90,6 +95,8 @@ private:
     igeo::LevelSet surface_;
     double h_ = 0;  ///< half the band's thickness, voxels
     igeo::Band band_;
+    MetricInput metricInput_;
+    igeo::MetricPtr metric_;  ///< null: Euclidean
     std::vector<igeo::AskedPoint> askedSeeds_, askedTargets_;
     std::vector<igeo::SurfacePoint> seeds_, targets_;
     igeo::Field field_;
@@ -125,13 +132,22 @@ void Job::checkOutputs() {
     if (!options_.paths.empty()) outputs.push_back({"--paths", options_.paths});
     if (!options_.json.empty()) outputs.push_back({"--json", options_.json});
 
+    std::vector<std::string> inputs{source_.file, options_.seedFile, options_.targetFile};
+    for (const auto* list : {&options_.weights, &options_.obstacles})
+        for (const std::string& given : *list) inputs.push_back(igeo::parseGridSource(given).file);
+    if (std::count(inputs.begin(), inputs.end(), "-") > 1)
+        usageError("standard input is named for " +
+                       std::to_string(std::count(inputs.begin(), inputs.end(), "-")) +
+                       " inputs, and can be read once",
+                   "give the others as files");
+
     std::vector<std::string> taken;
     for (const auto& [option, file] : outputs) {
         const std::string named = std::string(option) + " " + file;
         std::error_code ignored;
         const std::string whole =
             file == "-" ? file : fs::weakly_canonical(fs::absolute(file), ignored).string();
-        for (const std::string& input : {source_.file, options_.seedFile, options_.targetFile})
+        for (const std::string& input : inputs)
             if (input != "-" && file != "-" && fs::equivalent(file, input, ignored))
                 usageError(named + " would overwrite the input '" + input + "'",
                            std::string("give ") + option + " another name");
@@ -221,7 +237,7 @@ void Job::readAskedPoints() {
     askedTargets_ = readPoints(options_.targets, options_.targetFile, "target");
 }
 
-igeo::Vec3d Job::indexOf(const igeo::AskedPoint& p) const {
+Vec3d Job::indexOf(const igeo::AskedPoint& p) const {
     return options_.indexSpace ? p.position : surface_.transform.indexFromWorld(p.position);
 }
 
@@ -262,20 +278,43 @@ void Job::tell(const std::vector<igeo::SurfacePoint>& points,
     }
 }
 
+void Job::refuseBlocked(const std::vector<igeo::SurfacePoint>& points, const char* what) const {
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const Vec3d& p = points[k].pIndex;
+        if (metric_->blocked(p, p, Vec3d(band_.normal[points[k].node])))
+            usageError(std::string(what) + " " + std::to_string(k) + " (" +
+                           text(band_.transform.worldFromIndex(p)) + ") lies inside an obstacle",
+                       "move it, or leave the obstacle out");
+    }
+}
+
+void Job::makeMetric() {
+    metric_ = metricInput_.on(band_, progress_);
+    if (!metric_) return;
+    refuseBlocked(seeds_, "seed");
+    refuseBlocked(targets_, "target");
+    console_.detail(text("metric: weights from %.4g to %.4g, %.0f nodes blocked", metric_->least(),
+                         metric_->largest(), double(metric_->insideCount())));
+    finished("metric");
+}
+
 /// Where a march up to `distance` (voxels times weight) from the seeds can come, and where targets
-/// are looked for: no path is shorter than the straight line. Empty: everywhere.
+/// are looked for: no path is shorter than the straight line at the least weight. Empty:
+/// everywhere.
 std::vector<igeo::Ball> Job::regionWithin(double distance) const {
     // What a march looks at beyond its limit: its margin, the start discs, the band, its cells; and
     // a scheme may be some percent short.
     constexpr double kBeyond = 16, kShort = 1.1;
     // Every leaf is held against every ball: for many points the whole surface is cheaper.
     constexpr std::size_t kMany = 200;
-    if (!(distance < igeo::kInfinity) || askedSeeds_.size() + askedTargets_.size() > kMany)
+    if (!(distance < igeo::kInfinity) || askedSeeds_.size() + askedTargets_.size() > kMany ||
+        metricInput_.needsWholeSurface())
         return {};
+    const double radius = std::max(distance, 0.0) / metricInput_.leastWeight();
     const double snap = report_.snap / surface_.transform.dx;
     std::vector<igeo::Ball> region;
     for (const igeo::AskedPoint& p : askedSeeds_)
-        region.push_back({indexOf(p), snap + kShort * std::max(distance, 0.0) + kBeyond});
+        region.push_back({indexOf(p), snap + kShort * radius + kBeyond});
     for (const igeo::AskedPoint& p : askedTargets_) region.push_back({indexOf(p), snap + kBeyond});
     return region;
 }
@@ -300,13 +339,14 @@ void Job::solve() {
                 nearest = std::min(nearest, igeo::length(indexOf(t) - indexOf(s)));
             farthest = std::max(farthest, nearest);
         }
-        reach = std::min(limit, std::max(1.5 * farthest, 16.0));
+        reach = std::min(limit, std::max(1.5 * farthest, 16.0) * metricInput_.leastWeight());
     }
     const auto box = surface_.psi->evalActiveVoxelBoundingBox().dim();
     const double diagonal = std::sqrt(box.asVec3d().lengthSqr());
     while (true) {
-        const auto region =
-            reach > 0.5 * diagonal ? std::vector<igeo::Ball>{} : regionWithin(reach);
+        const auto region = reach > 0.5 * diagonal * metricInput_.leastWeight()
+                                ? std::vector<igeo::Ball>{}
+                                : regionWithin(reach);
         const bool whole = region.empty();
         makeBand(region);
         if (whole || band_.size() > 0) snapPoints();
@@ -320,6 +360,7 @@ void Job::solve() {
         tell(seeds_, askedSeeds_, "seed");
         tell(targets_, askedTargets_, "target");
         finished("snap");
+        makeMetric();
         march(whole ? limit : reach);
         const bool found =
             std::all_of(targets_.begin(), targets_.end(), [&](const igeo::SurfacePoint& t) {
@@ -336,13 +377,13 @@ void Job::march(double maxDistance) {
         igeo::JetOptions jet;
         jet.maxDistance = maxDistance;
         jet.stopAt = stopAt;
-        field_ = igeo::marchJet(band_, {}, seeds_, jet, progress_);
+        field_ = igeo::marchJet(band_, metric_, seeds_, jet, progress_);
     } else {
         igeo::GodunovOptions godunov;
         godunov.order = options_.order;
         godunov.maxDistance = maxDistance;
         godunov.stopAt = stopAt;
-        field_ = igeo::marchGodunov(band_, {}, seeds_, godunov, progress_);
+        field_ = igeo::marchGodunov(band_, metric_, seeds_, godunov, progress_);
     }
     finished("march");
 }
@@ -386,12 +427,22 @@ void Job::writeResults() {
     distance->insertMeta("geodesic_max", openvdb::FloatMetadata(float(field_.maxDistance * dx)));
     distance->insertMeta("geodesic_unreached",
                          openvdb::Int64Metadata(std::int64_t(band_.size() - field_.reached)));
-    distance->insertMeta("geodesic_weight", openvdb::StringMetadata("1"));
+    std::string weight;
+    for (const std::string& name : metricInput_.weightNames())
+        weight += (weight.empty() ? "" : " * ") + name;
+    distance->insertMeta("geodesic_weight", openvdb::StringMetadata(weight.empty() ? "1" : weight));
     if (options_.extend) igeo::extendDistance(*distance, surface_, band_, field_);
     grids.push_back(distance);
     if (asked("gradient"))
         grids.push_back(
             igeo::gradientGrid(band_, field_, field_.gradient, transform, base + "_gradient"));
+    const std::string psi = surface_.psi->getName();
+    if (asked("weight"))
+        grids.push_back(igeo::weightGrid(band_, *field_.metric, transform, psi + "_weight"));
+    if (asked("curvature"))
+        for (auto& grid : igeo::curvatureGrids(band_, metricInput_.curvatureOf(band_, progress_),
+                                               transform, psi))
+            grids.push_back(grid);
     progress_.throwIfCancelled();
     igeo::writeVdb(output, grids);
     report_.outputs.emplace_back("distance", output);
@@ -427,8 +478,12 @@ int Job::summarise() {
         const igeo::Path& p = report_.paths[k];
         const std::string name = "target " + std::to_string(k);
         if (p.status == igeo::PathStatus::Reached) {
-            console_.info(
-                name + text(": distance %.6g, geodesic %.6g long", p.distance * dx, p.length * dx));
+            console_.info(name + (field_.metric->weighted()
+                                      ? text(": distance %.6g, geodesic %.6g by the metric, %.6g "
+                                             "long",
+                                             p.distance * dx, p.length * dx, p.arcLength * dx)
+                                      : text(": distance %.6g, geodesic %.6g long", p.distance * dx,
+                                             p.length * dx)));
             continue;
         }
         code = kUnreached;
@@ -450,6 +505,9 @@ int Job::run() {
     checkOutputs();
     readSurface();
     readAskedPoints();
+    metricInput_.read(options_, surface_.transform);
+    report_.weights = metricInput_.weightNames();
+    report_.obstacles = metricInput_.obstacleNames();
     chooseBandWidth();
     solve();
     trace();

@@ -6,9 +6,10 @@ namespace igeo {
 
 namespace {
 
-/// Sets value(i) at every reached node i. Leaves are made and added by one thread, filled by all.
-template <typename GridT, typename ValueAt>
-void fill(GridT& grid, const Band& band, const Field& field, const ValueAt& valueAt) {
+/// Sets value(i) at every node i that is wanted. Leaves are made and added by one thread, filled by
+/// all.
+template <typename GridT, typename Wanted, typename ValueAt>
+void fill(GridT& grid, const Band& band, const Wanted& wanted, const ValueAt& valueAt) {
     using Leaf = typename GridT::TreeType::LeafNodeType;
     const auto background = grid.background();
     std::vector<Leaf*> leaves(band.leaves.size(), nullptr);
@@ -16,7 +17,7 @@ void fill(GridT& grid, const Band& band, const Field& field, const ValueAt& valu
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& from = band.leaves[l];
             for (NodeIndex i = from.band.first; i < from.band.first + from.band.count; ++i) {
-                if (!(field.distance[i] < kInfinity)) continue;
+                if (!wanted(i)) continue;
                 if (!leaves[l])
                     leaves[l] = new Leaf(
                         openvdb::Coord(from.origin.x, from.origin.y, from.origin.z), background);
@@ -28,16 +29,24 @@ void fill(GridT& grid, const Band& band, const Field& field, const ValueAt& valu
         if (leaf) grid.tree().addLeaf(leaf);
 }
 
+template <typename GridT>
+typename GridT::Ptr makeGrid(const typename GridT::ValueType& background,
+                             const openvdb::math::Transform& transform, const std::string& name) {
+    auto grid = GridT::create(background);
+    grid->setTransform(transform.copy());
+    grid->setName(name);
+    return grid;
+}
+
 }  // namespace
 
 openvdb::FloatGrid::Ptr distanceGrid(const Band& band, const Field& field,
                                      const openvdb::math::Transform& transform,
                                      const std::string& name) {
     const double dx = band.transform.dx;
-    auto grid = openvdb::FloatGrid::create(float(field.maxDistance * dx));
-    grid->setTransform(transform.copy());
-    grid->setName(name);
-    fill(*grid, band, field, [&](NodeIndex i) { return float(field.distance[i] * dx); });
+    auto grid = makeGrid<openvdb::FloatGrid>(float(field.maxDistance * dx), transform, name);
+    auto reached = [&](NodeIndex i) { return field.distance[i] < kInfinity; };
+    fill(*grid, band, reached, [&](NodeIndex i) { return float(field.distance[i] * dx); });
     return grid;
 }
 
@@ -45,15 +54,41 @@ openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
                                      const std::vector<Vec3f>& gradient,
                                      const openvdb::math::Transform& transform,
                                      const std::string& name) {
-    auto grid = openvdb::Vec3SGrid::create();
-    grid->setTransform(transform.copy());
-    grid->setName(name);
+    auto grid = makeGrid<openvdb::Vec3SGrid>({}, transform, name);
+    auto reached = [&](NodeIndex i) { return field.distance[i] < kInfinity; };
     grid->setVectorType(openvdb::VEC_COVARIANT);
-    fill(*grid, band, field, [&](NodeIndex i) {
+    fill(*grid, band, reached, [&](NodeIndex i) {
         const Vec3d g = band.transform.worldFromIndexDirection(Vec3d(gradient[i]));
         return openvdb::Vec3s(float(g.x), float(g.y), float(g.z));
     });
     return grid;
+}
+
+openvdb::FloatGrid::Ptr weightGrid(const Band& band, const Metric& metric,
+                                   const openvdb::math::Transform& transform,
+                                   const std::string& name) {
+    auto grid = makeGrid<openvdb::FloatGrid>(1, transform, name);
+    auto open = [&](NodeIndex i) { return !metric.inside(i); };
+    fill(*grid, band, open, [&](NodeIndex i) { return float(metric.at(i)); });
+    return grid;
+}
+
+std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curvature& curvature,
+                                                    const openvdb::math::Transform& transform,
+                                                    const std::string& psi) {
+    const double perUnit = 1 / band.transform.dx;
+    std::vector<openvdb::FloatGrid::Ptr> grids;
+    auto add = [&](const char* what, const auto& value) {
+        grids.push_back(makeGrid<openvdb::FloatGrid>(0, transform, psi + "_curvature_" + what));
+        fill(
+            *grids.back(), band, [](NodeIndex) { return true; }, value);
+    };
+    const auto &k1 = curvature.k1, &k2 = curvature.k2;
+    add("mean", [&](NodeIndex i) { return float((k1[i] + k2[i]) / 2 * perUnit); });
+    add("gaussian", [&](NodeIndex i) { return float(k1[i] * k2[i] * perUnit * perUnit); });
+    add("max", [&](NodeIndex i) { return float(k1[i] * perUnit); });
+    add("min", [&](NodeIndex i) { return float(k2[i] * perUnit); });
+    return grids;
 }
 
 }  // namespace igeo

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band.h>
+#include <igeo/curvature.h>
 #include <igeo/field.h>
 #include <openvdb/openvdb.h>
 
@@ -25,5 +26,16 @@ openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
                                      const std::vector<Vec3f>& gradient,
                                      const openvdb::math::Transform& transform,
                                      const std::string& name);
+
+/// The weight at the foot points of the band, obstacles left inactive; background 1.
+openvdb::FloatGrid::Ptr weightGrid(const Band& band, const Metric& metric,
+                                   const openvdb::math::Transform& transform,
+                                   const std::string& name);
+
+/// Curvature at the foot points of the band, per world unit: `<psi>_curvature_mean` (k1 + k2) / 2,
+/// `_gaussian` k1 k2 (per unit squared), `_max` k1 and `_min` k2; background 0.
+std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curvature& curvature,
+                                                    const openvdb::math::Transform& transform,
+                                                    const std::string& psi);
 
 }  // namespace igeo

@@ -73,7 +73,7 @@ Jet Surroundings::update(std::uint32_t& from) const {
         const std::uint32_t current = next;
         next = kNoBucket;
         JetNeighbours part;
-        part.smooth = all.smooth;
+        part.smooth = all.smooth, part.rim = all.rim;
         for (int k = 0; k < all.count(); ++k) {
             const std::uint32_t l = label[std::size_t(k)];
             if (l == current) part.add({all.a(k), all.g(k), all.base() + double(all.u(k))});
@@ -133,6 +133,9 @@ private:
                      Ijk{node.offset >> 6, node.offset >> 3 & 7, node.offset & 7}) +
                Vec3d(node.foot);
     }
+    /// Nodes inside an obstacle, but next to one outside, stand on its rim, so that fronts go along
+    /// the rim and not along the voxels outside of it.
+    void placeRimNodes();
     /// Calls visit(i, step) for the core nodes up to `reach` steps from the voxel at middle.
     template <typename Visit>
     void forBox(LeafIndex l, unsigned at, const Ijk& middle, int reach, const Visit& visit) const;
@@ -233,12 +236,48 @@ JetMarch::JetMarch(const Band& band, MetricPtr metric, const std::vector<Surface
             }
         }
     });
+    if (metric_.obstacles) placeRimNodes();
     if (seeds.size() > 1) label_.assign(core_.size(), 0);
     for (SurfacePoint& s : seeds_) {
         s.weight = metric_.at(s.node);
         first_ = std::min(first_, s.start);
     }
     for (std::size_t k = 0; k < seeds.size(); ++k) startDisc(std::uint32_t(k));
+}
+
+void JetMarch::placeRimNodes() {
+    // So far outside that steps of 1.5 voxels along a rim with a radius of 6 voxels stay outside.
+    constexpr float kOff = 0.05f;
+    std::vector<std::pair<NodeIndex, Vec3f>> rim;
+    for (std::size_t k = 0; k < core_.size(); ++k) {
+        const auto i = NodeIndex(k);
+        const Node& node = core_[i];
+        if (node.sight != Metric::Inside) continue;
+        float nearest = float(kInfinity);
+        Vec3f place;
+        band_.forNeighbours(
+            &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
+                const Node& outside = core_[j];
+                if (outside.sight == Metric::Inside ||
+                    igeo::dot(node.normal, outside.normal) < Band::kOtherSheet)
+                    return;
+                const Vec3f step = node.foot - outside.foot - Vec3f(Ijk{dx, dy, dz});
+                const Vec3d from = footOf(outside), normal(node.normal);
+                // To a thousandth of a voxel.
+                float free = 0, blocked = 1;
+                for (int round = 0; round < 10; ++round) {
+                    const float t = (free + blocked) / 2;
+                    const Vec3d p = from + Vec3d(t * step);
+                    (metric_.blocked(p, p, normal) ? blocked : free) = t;
+                }
+                const float len = igeo::length(step), back = (1 - free) * len + kOff;
+                if (back > len || back >= nearest) return;
+                nearest = back;
+                place = node.foot - (back / len) * step;
+            });
+        if (nearest < float(kInfinity)) rim.emplace_back(i, place);
+    }
+    for (const auto& [i, place] : rim) core_[i].foot = place, core_[i].sight = Metric::Beside;
 }
 
 bool JetMarch::discJet(std::uint32_t k, const Vec3f& normal, const Vec3d& foot, double weight,
@@ -348,6 +387,10 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last,
             }
             see(j, chord, cosine, frame, node.weight, known);
         });
+    // One per lattice column: on a surface that goes on all around these are eight, or nearly so.
+    constexpr std::size_t kAllAround = 7;
+    known.all.rim =
+        node.sight != Metric::Clear || std::size_t(known.all.count()) + waitingCount < kAllAround;
     Solved s;
     const Jet jet = known.update(s.label);
     s.u = first_ + double(node.weight) * jet.u;

@@ -36,6 +36,7 @@ struct Jet {
     Vec2f g;
     int from = -1;         ///< a neighbour whose front it continues
     bool guarded = false;  ///< from the guard, not from the fit
+    bool between = false;  ///< fit: neighbours lie on both sides of the way it came
 };
 
 /// Up to 26 neighbours, each quantity in an array of its own, in groups of four for the vector
@@ -76,6 +77,7 @@ public:
     }
 
     bool smooth = true;  ///< S is smooth between the node and all of them
+    bool rim = false;    ///< the node may lie at an obstacle, or where S ends
 
 private:
     using Array = std::array<float, kMax>;
@@ -184,11 +186,18 @@ inline Jet fitFront(const JetNeighbours& all, Vec2f start, float& residual) {
         if (!(len > 0) || dot(next, g) < kSameFront * len) return jet;
         g = (1 / len) * next;
     }
+    // Neighbours to the left and right of the way the front came; straight behind counts for both.
+    constexpr float kStraight = 0.03f;
     Four total{}, value{}, square{};
+    int left = 0, right = 0;
     for (int k = 0; k < all.groups(); ++k) {
         const auto n = all.group(k);
         const Four cosine = g.x * n.gx + g.y * n.gy, along = g.x * n.ax + g.y * n.ay;
         const auto ok = (cosine >= kSameFront) & (along > 0);
+        const Four across = g.x * n.ay - g.y * n.ax, slack = kStraight * along;
+        const auto isLeft = ok & (across >= -slack), isRight = ok & (across <= slack);
+        left |= isLeft[0] | isLeft[1] | isLeft[2] | isLeft[3];
+        right |= isRight[0] | isRight[1] | isRight[2] | isRight[3];
         const Four w = ok ? along * along * n.nearness() : Four{};
         const Four v = n.u + (along + n.gx * n.ax + n.gy * n.ay) / (1 + cosine);
         total += w, value += w * v, square += w * v * v;
@@ -199,6 +208,7 @@ inline Jet fitFront(const JetNeighbours& all, Vec2f start, float& residual) {
     residual = std::sqrt(std::max(sum(square) / w - u * u, 0.0f));
     jet.u = all.base() + double(u);
     jet.g = g;
+    jet.between = left && right;
     return jet;
 }
 
@@ -282,6 +292,7 @@ inline Jet jetUpdate(const JetNeighbours& all) {
     if (all.count() == 0) return best;
     std::array<float, JetNeighbours::kMax> carried;
     float bound = float(kInfinity), worst = 0;
+    bool between = true;
     int first = 0;
     for (int k = 0; k < all.count(); ++k) {
         const float len = all.len(k);
@@ -295,6 +306,7 @@ inline Jet jetUpdate(const JetNeighbours& all) {
         jet.from = k;
         if (!(jet.u - all.base() <= double(bound + kSlack)) || residual > kResidual) return false;
         worst = std::max(worst, residual);
+        between &= jet.between;
         if (jet.u < best.u) best = jet;
         return true;
     };
@@ -306,8 +318,10 @@ inline Jet jetUpdate(const JetNeighbours& all) {
             second = k;
     if (second >= 0 && all.base() + double(carried[std::size_t(second)]) < best.u + 0.2)
         trusted = tryFront(second) && trusted;
-    if (trusted && all.smooth && worst < kDoubt) return best;
+    if (trusted && between && all.smooth && worst < kDoubt) return best;
     const Jet guard = guardedUpdate(all);
+    // Extrapolated from one side: around a rim a front has no way there but by the last neighbour.
+    if (!between && all.smooth && all.rim) return guard;
     return trusted && std::abs(best.u - guard.u) < kAgree ? best : guard;
 }
 

@@ -28,13 +28,19 @@ private:
     bool blocked(const Vec3d& a, const Vec3d& b) const {
         return metric_.obstacles && metric_.blocked(a, b, normalAt(band_, a));
     }
-    /// The curve at equal steps of its arc length, back on S. With obstacles vertices stay where
-    /// they are: chords of a resampled curve would cut their corners.
+    /// The curve at equal steps of its arc length, back on S.
     Curve resampled(const Curve& c) const;
+    /// Without vertices closer than half a voxel where nothing is in the way, and with more on
+    /// longer segments: chords of a resampled curve would cut the corners of obstacles.
+    Curve respaced(const Curve& c) const;
     /// Newton's shifts along side_; 0 at the ends and where an obstacle holds a vertex.
     std::vector<double> shifts();
-    /// c_ with every vertex shifted as far as obstacles let it.
-    Curve shifted(const std::vector<double>& shift, double share);
+    /// The curve with every vertex shifted.
+    /// @return whether it is clear of obstacles; if not, the vertices that are not are stopped_
+    bool shifted(const std::vector<double>& shift, double share, Curve& c);
+    /// Moves vertices one by one as long as that makes the curve shorter: those that an obstacle
+    /// stopped, or all.
+    void moveSingly(bool all);
 
     const Band& band_;
     const Metric& metric_;
@@ -50,7 +56,7 @@ Relaxation::Relaxation(const Band& band, const Metric& metric, const Path& path)
       metric_(metric),
       pieces_(std::size_t(std::max(2.0, std::ceil(2 * path.arcLength)))) {
     for (const PathVertex& v : path.vertices) c_.push_back(v.pIndex);
-    c_ = resampled(c_);
+    c_ = metric_.obstacles ? respaced(c_) : resampled(c_);
     cost_ = costOf(c_);
     stopped_.assign(c_.size(), 0);
 }
@@ -64,7 +70,6 @@ double Relaxation::costOf(const Curve& c) const {
 }
 
 Curve Relaxation::resampled(const Curve& c) const {
-    if (metric_.obstacles) return c;
     Curve out{c.front()};
     double total = 0;
     for (std::size_t k = 1; k < c.size(); ++k) total += length(c[k] - c[k - 1]);
@@ -85,6 +90,29 @@ Curve Relaxation::resampled(const Curve& c) const {
         out.push_back(p);
     }
     out.push_back(c.back());
+    return out;
+}
+
+Curve Relaxation::respaced(const Curve& c) const {
+    constexpr double kStep = 0.5;
+    Curve few{c.front()};
+    for (std::size_t k = 1; k < c.size(); ++k) {
+        const bool last = k + 1 == c.size();
+        if (!last && length(c[k + 1] - few.back()) < 2 * kStep && !blocked(few.back(), c[k + 1]))
+            continue;
+        few.push_back(c[k]);
+    }
+    Curve out{c.front()};
+    for (std::size_t k = 1; k < few.size(); ++k) {
+        const Vec3d &from = few[k - 1], &to = few[k];
+        const int pieces = int(std::ceil(length(to - from) / kStep));
+        for (int piece = 1; piece < pieces; ++piece) {
+            Vec3d p = from + (double(piece) / pieces) * (to - from);
+            if (projectToSurface(band_, p) && !blocked(out.back(), p) && !blocked(p, to))
+                out.push_back(p);
+        }
+        out.push_back(to);
+    }
     return out;
 }
 
@@ -155,40 +183,62 @@ std::vector<double> Relaxation::shifts() {
     return shift;
 }
 
-Curve Relaxation::shifted(const std::vector<double>& shift, double share) {
-    Curve c = c_;
-    for (std::size_t k = 1; k + 1 < c.size(); ++k) {
-        if (shift[k] == 0) continue;
-        // A voxel at a time: the linear picture holds no further.
-        double s = share * std::clamp(shift[k], -1.0, 1.0);
-        for (int tries = metric_.obstacles ? 3 : 1; tries > 0; --tries, s /= 2) {
+bool Relaxation::shifted(const std::vector<double>& shift, double share, Curve& c) {
+    c = c_;
+    bool free = true;
+    for (std::size_t k = 1; k < c.size(); ++k) {
+        if (shift[k] != 0) {
+            // A voxel at a time: the linear picture holds no further.
+            Vec3d p = c_[k] + share * std::clamp(shift[k], -1.0, 1.0) * side_[k];
+            if (projectToSurface(band_, p)) c[k] = p;
+        }
+        if ((shift[k - 1] == 0 && shift[k] == 0) || !blocked(c[k - 1], c[k])) continue;
+        for (const std::size_t end : {k - 1, k})
+            if (shift[end] != 0) stopped_[end] = shift[end];
+        free = false;
+    }
+    return free;
+}
+
+void Relaxation::moveSingly(bool all) {
+    for (std::size_t k = 1; k + 1 < c_.size(); ++k) {
+        if (!all && stopped_[k] == 0) continue;
+        // Onto the chord of its neighbours, or as near as there is room.
+        const Vec3d &a = c_[k - 1], &b = c_[k + 1];
+        const double whole = dot(a + 0.5 * (b - a) - c_[k], side_[k]);
+        const double before = costOf({a, c_[k], b});
+        for (double s = std::clamp(whole, -1.0, 1.0); std::abs(s) > 0.01; s /= 2) {
             Vec3d p = c_[k] + s * side_[k];
-            if (!projectToSurface(band_, p)) continue;
-            if (blocked(c[k - 1], p) || blocked(p, c[k + 1])) {
-                stopped_[k] = shift[k];
+            if (!projectToSurface(band_, p) || blocked(a, p) || blocked(p, b) ||
+                !(costOf({a, p, b}) < before))
                 continue;
-            }
-            c[k] = p;
+            c_[k] = p;
             break;
         }
     }
-    return c;
+    cost_ = costOf(c_);
 }
 
 bool Relaxation::shorten() {
-    const std::vector<double> shift = shifts();
-    // Newton's full step, or less where the metric changes within it.
-    for (double share = 1; share > 0.1; share /= 2) {
-        Curve c = resampled(shifted(shift, share));
-        const double cost = costOf(c);
-        if (cost < cost_) {
+    constexpr int kTries = 20;
+    const double before = cost_;
+    // Newton's full step, or less where the metric changes within it; without the vertices that
+    // obstacles stop, which are found on the way.
+    double share = 1;
+    for (int tries = 0; tries < kTries && share > 0.1; ++tries) {
+        Curve c;
+        if (!shifted(shifts(), share, c)) continue;
+        if (!metric_.obstacles) c = resampled(c);
+        if (const double cost = costOf(c); cost < cost_) {
             c_ = std::move(c);
             cost_ = cost;
-            return true;
+            break;
         }
-        if (!metric_.weighted() && !metric_.obstacles) break;
+        share /= 2;
     }
-    return false;
+    // Where the curve has a sharp corner Newton's equation does not see the way.
+    if (metric_.obstacles) moveSingly(/*all=*/cost_ == before);
+    return cost_ < before;
 }
 
 }  // namespace

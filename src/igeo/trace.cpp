@@ -33,10 +33,13 @@ private:
     bool direction(const Vec3d& p, Vec3d& v) const;
     /// One accepted Runge-Kutta step from p, projected; false when the step would be below minStep.
     bool stepAlongGradient(Vec3d& p, double& step) const;
+    /// A step along the rim of an obstacle: in the direction nearest to v that is free.
+    bool slide(Vec3d& p, const Vec3d& v, double step) const;
     /// Nodes that a path may go through, and the next ones: each node's value came from a lower
     /// one.
     bool walkable(NodeIndex i) const;
-    NodeIndex nearestNode(const Vec3d& p) const;
+    /// The node in sight by which the way from p is shortest.
+    NodeIndex nodeAhead(const Vec3d& p) const;
     NodeIndex lowestNeighbour(NodeIndex i) const;
     /// The normal at p of the sheet the path is on.
     Vec3d normalAt(const Vec3d& p) const;
@@ -86,7 +89,9 @@ bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
         if (ratio > 1) continue;
         const Vec3d free = q;
         if (!projectToSurface(band_, q) || length(q - free) > step) continue;
-        if (field_.metric->blocked(p, q, side_)) continue;
+        if (field_.metric->blocked(p, q, side_)) {
+            return slide(p, k1, step);
+        }
         p = q;
         // Third-order local error: the step that would just meet the tolerance, with a margin.
         const double growth = ratio > 0 ? 0.9 * std::cbrt(1 / ratio) : 2.0;
@@ -96,13 +101,36 @@ bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
     return false;
 }
 
+bool Tracer::slide(Vec3d& p, const Vec3d& v, double step) const {
+    constexpr double kStep = 0.5, kCoarse = 0.15, kWidest = 2, kFine = 0.005;  // voxels, radians
+    const Vec3d across = cross(side_, v);
+    Vec3d q;
+    auto isFree = [&](double angle) {
+        q = p + std::min(step, kStep) * (std::cos(angle) * v + std::sin(angle) * across);
+        return projectToSurface(band_, q) && !field_.metric->blocked(p, q, side_);
+    };
+    for (double angle = kCoarse; angle < kWidest; angle += kCoarse)
+        for (const double turn : {1.0, -1.0}) {
+            if (!isFree(turn * angle)) continue;
+            double blocked = angle - kCoarse, free = angle;
+            while (free - blocked > kFine) {
+                const double middle = (free + blocked) / 2;
+                (isFree(turn * middle) ? free : blocked) = middle;
+            }
+            isFree(turn * free);
+            p = q;
+            return true;
+        }
+    return false;
+}
+
 bool Tracer::walkable(NodeIndex i) const {
     // Voxels further out would carry the path sideways to their foot points.
     return field_.distance[i] < kInfinity &&
            (field_.atFootPoints ? band_.inCore(i) : std::abs(band_.psi[i]) <= 1);
 }
 
-NodeIndex Tracer::nearestNode(const Vec3d& p) const {
+NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
     const Ijk middle = roundToIjk(p);
     NodeIndex best = kNoNode;
     double least = kInfinity;
@@ -114,8 +142,9 @@ NodeIndex Tracer::nearestNode(const Vec3d& p) const {
                     dot(Vec3f(side_), band_.normal[j]) < Band::kOtherSheet ||
                     field_.metric->blocked(band_, p, side_, j))
                     continue;
-                const double r = length(band_.footPoint(j) - p);
-                if (r < least) least = r, best = j;
+                const double way =
+                    field_.distance[j] + field_.metric->at(j) * length(band_.footPoint(j) - p);
+                if (way < least) least = way, best = j;
             }
     return best;
 }
@@ -184,7 +213,7 @@ Path Tracer::trace(const SurfacePoint& target) {
             p = next;
             d = lower;
         } else {
-            node = node == kNoNode ? nearestNode(p) : lowestNeighbour(node);
+            node = node == kNoNode ? nodeAhead(p) : lowestNeighbour(node);
             if (node == kNoNode) return path;
             p = band_.footPoint(node);
             projectToSurface(band_, p);

@@ -43,7 +43,8 @@ struct TraceOptions {
 /// Bogacki and Shampine with adaptive step, back on psi = 0 after every step, until it enters a
 /// seed's start disc, which it crosses straight on the surface.
 ///
-/// Where the gradient gives no way down (cut loci, creases), it goes on over the foot points of
+/// Where an obstacle is in the way, it slides along its rim. Where the gradient gives no way down
+/// (cut loci, creases), it goes on over the foot points of
 /// nodes, each time to the neighbour of least distance. Distances never rise along a path.
 /// @param gradient surfaceGradient() of the same field
 /// @return vertices lie on psi = 0 of the trilinear interpolant to 1e-6 voxels where that converges

@@ -1,0 +1,115 @@
+#include "metric_input.h"
+
+#include <igeo/error.h>
+#include <igeo/point_file.h>
+
+#include <map>
+#include <sstream>
+
+namespace {
+
+using igeo::Error;
+using igeo::Vec3d;
+
+[[noreturn]] void usageError(const std::string& what, const std::string& remedy) {
+    throw Error(Error::Kind::InvalidArgument, what, remedy);
+}
+
+/// `count` numbers of an option.
+std::vector<double> numbersOf(const char* option, const std::string& given, std::size_t count,
+                              const char* shape) {
+    std::vector<double> v = igeo::parseNumbers(given);
+    if (v.size() != count)
+        usageError(std::string(option) + ": '" + given + "' is not " + shape,
+                   "write " + std::to_string(count) + " finite numbers with commas between them");
+    return v;
+}
+
+}  // namespace
+
+MetricInput::CurvatureWeight MetricInput::parseCurvature(const std::string& given) {
+    using Kind = igeo::CurvatureKind;
+    static const std::map<std::string, Kind> kinds{{"valley", Kind::Valley},
+                                                   {"crest", Kind::Crest},
+                                                   {"mean", Kind::Mean},
+                                                   {"gaussian", Kind::Gaussian},
+                                                   {"principal", Kind::Principal}};
+    CurvatureWeight weight;
+    std::stringstream parts(given);
+    std::string part;
+    std::getline(parts, part, ',');
+    const auto kind = kinds.find(part);
+    if (kind == kinds.end())
+        usageError("--weight-curvature: '" + part + "' is no kind of curvature",
+                   "use valley, crest, mean, gaussian or principal");
+    weight.kind = kind->second;
+    while (std::getline(parts, part, ',')) {
+        const auto equals = part.find('=');
+        const std::string key = part.substr(0, equals);
+        double* const value = key == "eps" ? &weight.epsilon : key == "p" ? &weight.power : nullptr;
+        const std::vector<double> number = equals == std::string::npos
+                                               ? std::vector<double>()
+                                               : igeo::parseNumbers(part.substr(equals + 1));
+        if (!value || number.size() != 1 || !(number[0] > 0))
+            usageError("--weight-curvature: '" + part + "' is neither eps=E nor p=P, both above 0",
+                       "write for instance valley,eps=100,p=3");
+        *value = number[0];
+    }
+    return weight;
+}
+
+void MetricInput::readObstacles(const Options& options, const igeo::Similarity& transform) {
+    if (options.obstacles.empty() && options.obstacleSpheres.empty() &&
+        options.obstacleBoxes.empty())
+        return;
+    obstacles_ = std::make_shared<igeo::ObstacleSet>(transform);
+    for (const std::string& given : options.obstacleSpheres) {
+        const auto v = numbersOf("--obstacle-sphere", given, 4, "x,y,z,r");
+        if (!(v[3] > 0))
+            usageError("--obstacle-sphere " + given + ": the radius is not above 0",
+                       "give a larger radius");
+        obstacles_->addSphere({v[0], v[1], v[2]}, v[3]);
+        obstacleNames_.push_back("sphere " + given);
+    }
+    for (const std::string& given : options.obstacleBoxes) {
+        const auto v = numbersOf("--obstacle-box", given, 6, "two corners x,y,z,x,y,z");
+        Vec3d low, high;
+        for (int a = 0; a < 3; ++a) {
+            const auto k = std::size_t(a);
+            low[a] = std::min(v[k], v[k + 3]), high[a] = std::max(v[k], v[k + 3]);
+        }
+        obstacles_->addBox(low, high);
+        obstacleNames_.push_back("box " + given);
+    }
+    for (const std::string& given : options.obstacles) {
+        obstacles_->addGrid(igeo::readObstacleGrid(igeo::parseGridSource(given)));
+        obstacleNames_.push_back(given);
+    }
+}
+
+void MetricInput::read(const Options& options, const igeo::Similarity& transform) {
+    if (options.curvatureScale > 0) curvatureScale_ = options.curvatureScale;
+    for (const std::string& given : options.weights) {
+        weights_.push_back(igeo::readScalarGrid(igeo::parseGridSource(given)));
+        leastWeight_ *= igeo::leastWeight(weights_.back());
+        weightNames_.push_back(given);
+    }
+    if (!options.weightCurvature.empty()) {
+        curvature_ = parseCurvature(options.weightCurvature);
+        leastWeight_ *= curvature_->epsilon;
+        weightNames_.push_back("curvature " + options.weightCurvature);
+    }
+    readObstacles(options, transform);
+}
+
+igeo::MetricPtr MetricInput::on(const igeo::Band& band, igeo::Progress& progress) const {
+    if (weights_.empty() && !curvature_ && !obstacles_) return nullptr;
+    auto metric = std::make_shared<igeo::Metric>();
+    for (const igeo::LoadedGrid& grid : weights_)
+        metric->multiply(igeo::sampleWeight(grid, band, progress));
+    if (curvature_)
+        metric->multiply(igeo::curvatureWeights(curvatureOf(band, progress), curvature_->kind,
+                                                curvature_->epsilon, curvature_->power));
+    metric->setObstacles(band, obstacles_);
+    return metric;
+}

@@ -1,0 +1,55 @@
+/// The metric as asked for: files read once, laid onto any band.
+#pragma once
+
+#include <igeo/curvature.h>
+#include <igeo/grid_sampling.h>
+#include <igeo/metric.h>
+#include <igeo/obstacles.h>
+#include <igeo/progress.h>
+#include <igeo/report.h>
+#include <igeo/vdb_io.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "options.h"
+
+class MetricInput {
+public:
+    /// Reads and checks all that the options name.
+    /// @param transform of the surface: obstacles are kept in its index space
+    void read(const Options& options, const igeo::Similarity& transform);
+
+    /// The metric on a band; null: Euclidean.
+    igeo::MetricPtr on(const igeo::Band& band, igeo::Progress& progress) const;
+
+    /// A bound: no unit of length costs less, on any band; 0 where none is known.
+    double leastWeight() const { return leastWeight_; }
+    /// Whether values depend on the whole surface, so that a part of the band will not do.
+    bool needsWholeSurface() const { return curvature_.has_value() || !(leastWeight_ > 0); }
+
+    /// Curvature at the scale asked for.
+    igeo::Curvature curvatureOf(const igeo::Band& band, igeo::Progress& progress) const {
+        return igeo::curvature(band, curvatureScale_, progress);
+    }
+
+    const std::vector<std::string>& weightNames() const { return weightNames_; }
+    const std::vector<std::string>& obstacleNames() const { return obstacleNames_; }
+
+private:
+    struct CurvatureWeight {
+        igeo::CurvatureKind kind = igeo::CurvatureKind::Valley;
+        double epsilon = igeo::kDefaultCurvatureEpsilon, power = igeo::kDefaultCurvaturePower;
+    };
+    static CurvatureWeight parseCurvature(const std::string& text);
+    void readObstacles(const Options& options, const igeo::Similarity& transform);
+
+    std::vector<igeo::LoadedGrid> weights_;
+    std::optional<CurvatureWeight> curvature_;
+    double curvatureScale_ = igeo::kDefaultCurvatureScale;
+    std::shared_ptr<igeo::ObstacleSet> obstacles_;  ///< null: none
+    double leastWeight_ = 1;
+    std::vector<std::string> weightNames_, obstacleNames_;
+};

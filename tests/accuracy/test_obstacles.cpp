@@ -1,0 +1,159 @@
+// Distances and paths around an obstacle, against tangents and arcs.
+#include <igeo/godunov.h>
+#include <igeo/jet.h>
+#include <igeo/level_set_band.h>
+#include <igeo/obstacles.h>
+#include <igeo/straighten.h>
+#include <support/catch.h>
+#include <support/errors.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace igeo::test {
+namespace {
+
+using openvdb::Vec3d;
+const Vec3d kCenter(0.5, 0.5, 0.5);
+
+double angleBetween(const Vec3d& a, const Vec3d& b) {
+    return std::atan2(a.cross(b).length(), a.dot(b));
+}
+
+/// Shortest way in a plane around a disc.
+double aroundDisc(const Vec3d& c, double r, const Vec3d& p, const Vec3d& q) {
+    const Vec3d a = p - c, b = q - c;
+    const double la = a.length(), lb = b.length();
+    // What the tangents leave of the angle is walked along the rim.
+    const double rim = angleBetween(a, b) - std::acos(r / la) - std::acos(r / lb);
+    if (rim <= 0) return (p - q).length();
+    return std::sqrt(la * la - r * r) + std::sqrt(lb * lb - r * r) + r * rim;
+}
+
+/// Shortest way on a unit sphere around a cap of angular radius alpha, by Napier's rules for the
+/// right-angled triangle of centre, point and point of tangency.
+double aroundCap(const Vec3d& c, double alpha, const Vec3d& p, const Vec3d& q) {
+    const double bp = angleBetween(c, p), bq = angleBetween(c, q);
+    const Vec3d tp = (p - c.dot(p) * c).unit(), tq = (q - c.dot(q) * c).unit();
+    auto turn = [&](double beta) {
+        return std::acos(std::clamp(std::tan(alpha) / std::tan(beta), -1.0, 1.0));
+    };
+    auto tangent = [&](double beta) {
+        return std::acos(std::clamp(std::cos(beta) / std::cos(alpha), -1.0, 1.0));
+    };
+    const double rim = angleBetween(tp, tq) - turn(bp) - turn(bq);
+    if (rim <= 0) return angleBetween(p, q);
+    return tangent(bp) + tangent(bq) + std::sin(alpha) * rim;
+}
+
+/// A surface with a ball in the way of the seed's fronts, and the exact distance.
+struct Scene {
+    const char* name;
+    Band band;
+    Vec3d ball;
+    double ballRadius;
+    SurfacePoint seed, target;  ///< the target is in the ball's shadow
+    ExactDistance exact;        ///< world
+
+    MetricPtr metric() const {
+        auto obstacles = std::make_shared<ObstacleSet>(band.transform);
+        obstacles->addSphere({ball.x(), ball.y(), ball.z()}, ballRadius);
+        auto m = std::make_shared<Metric>();
+        m->setObstacles(band, obstacles);
+        return m;
+    }
+    bool inBall(const Vec3d& pWorld, double slack = 0) const {
+        return (pWorld - ball).length() < ballRadius - slack;
+    }
+};
+
+Scene onPlane(int n) {
+    const Vec3d normal = Vec3d(1, -2, 3).unit(), x = normal.cross(Vec3d(0.3, 1, 0.2)).unit(),
+                y = normal.cross(x);
+    Scene s;
+    s.name = "plane";
+    s.band = bandFromLevelSet(
+        checkedLevelSet(makeLevelSet(planePatch(kCenter, normal, 0.8), 1.0 / n, 3)),
+        std::sqrt(3.0));
+    s.ball = kCenter + 0.013 * x - 0.021 * y;
+    s.ballRadius = 0.15;
+    s.seed = pointOn(s.band, kCenter - 0.3 * x + 0.017 * y);
+    s.target = pointOn(s.band, kCenter + 0.31 * x - 0.04 * y);
+    const Vec3d from = worldOf(s.band, s.seed.pIndex);
+    s.exact = [=, ball = s.ball, r = s.ballRadius](const Vec3d& p) {
+        const bool inPatch = std::abs((p - kCenter).dot(x)) < 0.38 &&
+                             std::abs((p - kCenter).dot(y)) < 0.38 && (p - ball).length() > r;
+        return inPatch ? aroundDisc(ball, r, from, p) : std::nan("");
+    };
+    return s;
+}
+
+Scene onSphere(int n) {
+    constexpr double kRadius = 0.4, kAlpha = 0.5;
+    Scene s;
+    s.name = "sphere";
+    s.band = bandFromLevelSet(checkedLevelSet(makeLevelSet(sphere(kCenter, kRadius), 1.0 / n, 3)),
+                              std::sqrt(3.0));
+    const Vec3d axis = genericDirection(), side = axis.cross(genericDirection(2)).unit();
+    s.ball = kCenter + kRadius * axis;
+    s.ballRadius = 2 * kRadius * std::sin(kAlpha / 2);
+    auto at = [&](double angle) {
+        return kCenter + kRadius * (std::cos(angle) * axis + std::sin(angle) * side);
+    };
+    s.seed = pointOn(s.band, at(1.1));
+    s.target = pointOn(s.band, at(-1.3));
+    const Vec3d from = (worldOf(s.band, s.seed.pIndex) - kCenter).unit();
+    s.exact = [=](const Vec3d& p) {
+        const Vec3d to = (p - kCenter).unit();
+        return angleBetween(axis, to) > kAlpha ? kRadius * aroundCap(axis, kAlpha, from, to)
+                                               : std::nan("");
+    };
+    return s;
+}
+
+}  // namespace
+
+TEST_CASE("obstacles: distances and paths lead around a ball") {
+    for (const Scene& s : {onPlane(200), onSphere(200)}) {
+        const MetricPtr metric = s.metric();
+        REQUIRE(metric->insideCount() > 1000);
+        const double dx = s.band.transform.dx;
+        for (const bool jet : {true, false}) {
+            const Field field =
+                jet ? marchJet(s.band, metric, {s.seed}) : marchGodunov(s.band, metric, {s.seed});
+            INFO(s.name << ", " << field.scheme);
+            const Errors e = errorsOnSurface(s.band, field, s.exact);
+            std::printf("obstacle on a %s, %s: mean %.4f %%, max %.3f %%\n", s.name,
+                        field.scheme.c_str(), e.mean, e.max);
+            CHECK(e.unreached == 0);
+            if (jet) CHECK(e.max < 0.5);
+            for (NodeIndex i = 0; i < s.band.size(); ++i)
+                if (s.inBall(worldOf(s.band, s.band.footPoint(i))))
+                    REQUIRE(field.distance[i] == kInfinity);
+
+            const auto gradient = surfaceGradient(s.band, field);
+            Path path = tracePath(s.band, field, gradient, s.target);
+            REQUIRE(path.status == PathStatus::Reached);
+            const double exact = s.exact(worldOf(s.band, s.target.pIndex)) / dx,
+                         traced = path.length;
+            straighten(s.band, field, path);
+            std::printf("  path: distance %+.3f %%, traced %+.3f %%, straightened %+.3f %%\n",
+                        100 * (path.distance / exact - 1), 100 * (traced / exact - 1),
+                        100 * (path.length / exact - 1));
+            CHECK(path.length <= traced);
+            CHECK(std::abs(path.length / exact - 1) < 0.005);
+            CHECK(path.length == Approx(path.arcLength));
+            // Chords of a voxel between points on the rim dip by 1 / (8 r), r = 30 voxels here.
+            for (std::size_t k = 0; k < path.vertices.size(); ++k)
+                REQUIRE(!s.inBall(worldOf(s.band, path.vertices[k].pIndex), 1e-6));
+            for (std::size_t k = 1; k < path.vertices.size(); ++k)
+                REQUIRE(!s.inBall(
+                    worldOf(s.band, 0.5 * (path.vertices[k - 1].pIndex + path.vertices[k].pIndex)),
+                    1e-6));
+        }
+    }
+}
+
+}  // namespace igeo::test

@@ -1,0 +1,255 @@
+// Weights, curvature and obstacles from the command line.
+#include <openvdb/tools/ValueTransformer.h>
+#include <support/catch.h>
+#include <support/vdb_file.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+#include "vdb_files.h"
+
+using namespace igeo::test;
+using nlohmann::json;
+using openvdb::FloatGrid;
+
+namespace {
+
+const int kUsage = 2, kUnusable = 3, kUnreached = 4;
+
+/// A weight of its own resolution around the unit sphere: value(x, y, z) on a lattice of 0.17,
+/// background 0.
+FloatGrid::Ptr weightGrid(const std::function<double(const openvdb::Vec3d&)>& value,
+                          double reach = 1.4) {
+    const auto grid = FloatGrid::create(0);
+    grid->setName("weight");
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(0.17));
+    const int n = int(reach / 0.17);
+    grid->denseFill(openvdb::CoordBBox({-n, -n, -n}, {n, n, n}), 1);
+    for (auto at = grid->beginValueOn(); at; ++at) at.setValue(1);
+    grid->tree().voxelizeActiveTiles();
+    for (auto at = grid->beginValueOn(); at; ++at)
+        at.setValue(float(value(grid->indexToWorld(at.getCoord()))));
+    return grid;
+}
+
+/// A desk with the unit sphere of 20 voxels and a constant weight.
+struct SphereDesk : Desk {
+    explicit SphereDesk(double weight = 1) {
+        make("in.vdb", "sphere --voxel-size 0.05");
+        writeVdb(*this / "w.vdb", {weightGrid([=](auto&) { return weight; })});
+    }
+};
+
+json report(const Desk& desk) { return json::parse(readBytes(desk / "r.json")); }
+
+}  // namespace
+
+TEST_CASE("a constant weight scales distances and lengths") {
+    const SphereDesk desk(4);
+    const std::string query =
+        "--sdf in.vdb --seed 0,0,1 --target 0.6,0,-0.8 --json r.json -q --scheme " +
+        GENERATE(as<std::string>(), "jet", "godunov");
+    requireDone(desk, query + " -o plain.vdb");
+    const json plain = report(desk);
+    requireDone(desk, query + " -o heavy.vdb --weight w.vdb");
+    const json heavy = report(desk);
+
+    const auto a = readDistance(desk / "plain.vdb"), b = readDistance(desk / "heavy.vdb");
+    openvdb::tools::foreach (a->beginValueOn(), [](const auto& at) { at.setValue(4 * *at); });
+    CHECK(largestDifference(*a, *b) == 0);
+    CHECK(b->metaValue<std::string>("geodesic_weight") == "w.vdb");
+    const json &before = plain["targets"][0], &after = heavy["targets"][0];
+    // Between voxels directions are normalised in single precision.
+    CHECK(after["distance"].get<double>() ==
+          Approx(4 * before["distance"].get<double>()).epsilon(1e-6));
+    CHECK(after["length"].get<double>() == Approx(4 * before["length"].get<double>()));
+    CHECK(after["arcLength"].get<double>() == Approx(before["arcLength"].get<double>()));
+    CHECK(before["length"] == before["arcLength"]);
+    CHECK(heavy["metric"]["weights"] == json({"w.vdb"}));
+    CHECK(heavy["metric"]["least"] == 4);
+    CHECK(heavy["metric"]["largest"] == 4);
+    CHECK(plain["metric"] == json({{"weights", json::array()},
+                                   {"obstacles", json::array()},
+                                   {"least", 1},
+                                   {"largest", 1},
+                                   {"blocked", 0}}));
+}
+
+TEST_CASE("weights multiply, from the same file by name as well") {
+    const Desk desk;
+    desk.make("psi.vdb", "sphere --voxel-size 0.05");
+    const auto psi = readVdb(desk / "psi.vdb").get<FloatGrid>("psi");
+    const auto two = weightGrid([](auto&) { return 2.0; }),
+               three = weightGrid([](auto&) { return 3.0; });
+    two->setName("two"), three->setName("three");
+    writeVdb(desk / "all.vdb", {psi, two, three});
+    requireDone(desk,
+                "--sdf all.vdb:psi --seed 0,0,1 --weight all.vdb:two --weight all.vdb:three -q "
+                "-o six.vdb --json r.json");
+    CHECK(report(desk)["metric"]["least"] == 6);
+    CHECK(report(desk)["distance"]["max"].get<double>() == Approx(6 * M_PI).epsilon(2e-3));
+    requireRefused(desk, "--sdf all.vdb:psi --seed 0,0,1 --weight all.vdb -o out.vdb", kUnusable,
+                   {"all.vdb", "'two'", "'three'"});
+    requireRefused(desk, "--sdf all.vdb:psi --seed 0,0,1 --weight all.vdb:four -o out.vdb",
+                   kUnusable, {"all.vdb", "'four'", "'three'"});
+}
+
+TEST_CASE("a weight that varies makes ways bend, and near queries agree with whole ones") {
+    const Desk desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.05");
+    // Light near the equator, so that it pays to walk along it.
+    writeVdb(desk / "w.vdb",
+             {weightGrid([](const openvdb::Vec3d& p) { return 0.5 + 4 * p.z() * p.z(); })});
+    const std::string seed = "--sdf in.vdb --weight w.vdb --seed 0.8,0,0.6 -q --json r.json ",
+                      query = seed + "--target -0.8,0,0.6 ";
+    requireDone(desk, query + "-o whole.vdb --straighten");
+    const json path = report(desk)["targets"][0];
+    CHECK(path["length"].get<double>() == Approx(path["distance"].get<double>()).epsilon(5e-3));
+    // Over the top it is 2 acos(0.6) = 1.85 long.
+    CHECK(path["arcLength"].get<double>() > 2);
+    CHECK(report(desk)["accuracy"]["meanRelativeError"].get<double>() < 5e-3);
+
+    requireDone(desk, seed + "-o near.vdb --max-distance 1");
+    const auto whole = readDistance(desk / "whole.vdb"), near = readDistance(desk / "near.vdb");
+    CHECK(near->activeVoxelCount() > 300);
+    CHECK(near->activeVoxelCount() < whole->activeVoxelCount() / 4);
+    CHECK(largestDifference(*whole, *near) < 1e-4);
+    requireDone(desk, query + "-o stop.vdb --stop-at-targets");
+    CHECK(report(desk)["targets"][0]["distance"].get<double>() ==
+          Approx(path["distance"].get<double>()));
+}
+
+TEST_CASE("weights that are none are refused with value and place") {
+    const Desk desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.05");
+    struct Bad {
+        double value;
+        std::string says;
+    };
+    const Bad bad = GENERATE(Bad{0, "the weight is 0"}, Bad{-2, "the weight is -"},
+                             Bad{std::numeric_limits<double>::quiet_NaN(), "nan"},
+                             Bad{std::numeric_limits<double>::infinity(), "inf"});
+    writeVdb(desk / "w.vdb",
+             {weightGrid([&](const openvdb::Vec3d& p) { return p.x() > 0.3 ? bad.value : 1; })});
+    requireRefused(desk, "--sdf in.vdb --seed 0,0,1 --weight w.vdb -o out.vdb --json out.json",
+                   kUnusable, {"w.vdb", "'weight'", bad.says, "0."});
+}
+
+TEST_CASE("a weight that does not cover the surface is refused") {
+    const Desk desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.05");
+    writeVdb(desk / "small.vdb", {weightGrid([](auto&) { return 1.0; }, 0.7)});
+    requireRefused(desk, "--sdf in.vdb --seed 0,0,1 --weight small.vdb -o out.vdb", kUnusable,
+                   {"small.vdb", "'weight'", "cover"});
+    auto far = weightGrid([](auto&) { return 1.0; });
+    far->transform().postTranslate({10, 0, 0});
+    writeVdb(desk / "far.vdb", {far});
+    requireRefused(desk, "--sdf in.vdb --seed 0,0,1 --weight far.vdb -o out.vdb", kUnusable,
+                   {"far.vdb", "'weight'"});
+    requireRefused(desk, "--sdf in.vdb --seed 0,0,1 --weight none.vdb -o out.vdb", kUnusable,
+                   {"none.vdb", "cannot read"});
+    requireRefused(desk, "--sdf - --seed 0,0,1 --weight - -o out.vdb", kUsage,
+                   {"standard input", "once"});
+    requireRefused(desk, "--sdf in.vdb --seed 0,0,1 --weight small.vdb -o small.vdb", kUsage,
+                   {"overwrite", "small.vdb"});
+}
+
+TEST_CASE("curvature comes as grids and as a weight") {
+    const Desk desk;
+    desk.make("in.vdb", "torus --voxel-size 0.05");
+    requireDone(desk,
+                "--sdf in.vdb --seed 1.4,0,0 --target -1.4,0,0 -q -o out.vdb --json r.json --with "
+                "curvature,weight --weight-curvature crest,eps=0.1,p=1 --curvature-scale 2");
+    const VdbFile file = readVdb(desk / "out.vdb");
+    const auto most = file.get<FloatGrid>("psi_curvature_max"),
+               least = file.get<FloatGrid>("psi_curvature_min"),
+               mean = file.get<FloatGrid>("psi_curvature_mean"),
+               gaussian = file.get<FloatGrid>("psi_curvature_gaussian"),
+               weight = file.get<FloatGrid>("psi_weight");
+    CHECK(most->activeVoxelCount() == weight->activeVoxelCount());
+    // Tube of 0.4 around a circle of 1: k1 = 1 / 0.4, and k2 = 1 / 1.4 outside, -1 / 0.6 inside.
+    auto at = [](const FloatGrid& g, double x) {
+        return g.tree().getValue(openvdb::Coord::round(g.worldToIndex({x, 0, 0})));
+    };
+    CHECK(at(*most, 1.4) == Approx(2.5).epsilon(0.05));
+    CHECK(at(*least, 1.4) == Approx(1 / 1.4).epsilon(0.05));
+    CHECK(at(*least, 0.6) == Approx(-1 / 0.6).epsilon(0.05));
+    CHECK(at(*mean, 1.4) == Approx((2.5 + 1 / 1.4) / 2).epsilon(0.05));
+    CHECK(at(*gaussian, 0.6) == Approx(-2.5 / 0.6).epsilon(0.08));
+    CHECK(at(*weight, 0.6) > at(*weight, 1.4));
+    CHECK(report(desk)["metric"]["weights"] == json({"curvature crest,eps=0.1,p=1"}));
+
+    requireRefused(desk, "--sdf in.vdb --seed 1.4,0,0 --weight-curvature hill -o out.vdb", kUsage,
+                   {"hill", "valley, crest"});
+    requireRefused(desk, "--sdf in.vdb --seed 1.4,0,0 --weight-curvature valley,eps=0 -o out.vdb",
+                   kUsage, {"eps=0", "above 0"});
+    requireRefused(desk, "--sdf in.vdb --seed 1.4,0,0 --weight-curvature valley,q=3 -o out.vdb",
+                   kUsage, {"q=3"});
+}
+
+TEST_CASE("paths lead around obstacles of every kind") {
+    const Desk desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.05");
+    desk.make("ball.vdb", "sphere --voxel-size 0.02 --param radius=0.4 --param center=1,0,0");
+    // The same ball as a mask of coarse voxels.
+    const auto mask = openvdb::MaskGrid::create();
+    mask->setTransform(openvdb::math::Transform::createLinearTransform(0.04));
+    for (int x = 10; x <= 40; ++x)
+        for (int y = -12; y <= 12; ++y)
+            for (int z = -12; z <= 12; ++z)
+                if ((mask->indexToWorld(openvdb::Coord(x, y, z)) - openvdb::Vec3d(1, 0, 0))
+                        .length() < 0.4)
+                    mask->tree().setValueOn({x, y, z});
+    writeVdb(desk / "mask.vdb", {mask});
+    const std::string obstacle =
+        GENERATE(as<std::string>(), "--obstacle-sphere 1,0,0,0.4", "--obstacle ball.vdb",
+                 "--obstacle mask.vdb",
+                 "--obstacle-box 0.7,-0.25,-0.25,1.3,0.25,0.25 --obstacle-sphere 1,0,0,0.4");
+    const std::string ends = " --seed 0.6,0,0.8 --target 0.6,0,-0.8";
+    INFO(obstacle);
+    requireDone(desk, "--sdf in.vdb -q --straighten -o out.vdb --json r.json " + obstacle + ends);
+    const json r = report(desk);
+    // The cap has the angular radius 2 asin(0.2) = 0.403; the ends are 0.927 from its middle.
+    const double alpha = 2 * std::asin(0.2), beta = std::acos(0.6),
+                 exact = 2 * std::acos(std::cos(beta) / std::cos(alpha)) +
+                         std::sin(alpha) * (M_PI - 2 * std::acos(std::tan(alpha) / std::tan(beta)));
+    // A quarter of a voxel of 0.05 around the rim, which turns by 0.65: 0.4 %. Voxels of the mask
+    // reach half their diagonal, 0.035, further out: 1.2 %.
+    const double slack = obstacle.find("mask") == std::string::npos ? 0.004 : 0.016;
+    CHECK(r["targets"][0]["distance"].get<double>() == Approx(exact).epsilon(slack));
+    CHECK(r["targets"][0]["length"].get<double>() == Approx(exact).epsilon(slack));
+    CHECK(r["metric"]["blocked"] > 100);
+    CHECK(r["metric"]["obstacles"].size() >= 1);
+
+    requireRefused(desk, "--sdf in.vdb -o out.vdb --json out.json " + obstacle + " --seed 1,0,0.05",
+                   kUsage, {"seed 0", "inside an obstacle", "move it"});
+    requireRefused(
+        desk, "--sdf in.vdb -o out.vdb --json out.json " + obstacle + ends + " --target 1,0,0.05",
+        kUsage, {"target 1", "inside an obstacle"});
+}
+
+TEST_CASE("a wall leaves what is behind it unreached") {
+    const SphereDesk desk;
+    const Result result = desk.run(
+        "--sdf in.vdb --seed 0,0,1 --target 0,0,-1 --obstacle-box -2,-2,-0.01,2,2,0.01 "
+        "-o out.vdb --json r.json");
+    CHECK(result.exitCode == kUnreached);
+    CHECK_THAT(result.err, Catch::Contains("no path on the surface joins it to a seed"));
+    const auto grid = readDistance(desk / "out.vdb");
+    for (auto at = grid->cbeginValueOn(); at; ++at)
+        if (grid->indexToWorld(at.getCoord()).z() < -0.1) FAIL("a voxel behind the wall");
+    CHECK(report(desk)["targets"][0]["status"] == "unreachable");
+}
+
+TEST_CASE("obstacles that are none are refused") {
+    const SphereDesk desk;
+    const std::string query = "--sdf in.vdb --seed 0,0,1 -o out.vdb --json out.json ";
+    requireRefused(desk, query + "--obstacle-sphere 1,2,3", kUsage, {"1,2,3", "x,y,z,r"});
+    requireRefused(desk, query + "--obstacle-sphere 1,2,3,-1", kUsage, {"-1", "not above 0"});
+    requireRefused(desk, query + "--obstacle-box 1,2,3,4", kUsage, {"1,2,3,4", "corners"});
+    requireRefused(desk, query + "--obstacle none.vdb", kUnusable, {"none.vdb", "cannot read"});
+    desk.make("vector.vdb", "bad vector");
+    requireRefused(desk, query + "--obstacle vector.vdb", kUnusable, {"vector.vdb", "velocity"});
+}
