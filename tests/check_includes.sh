@@ -8,13 +8,13 @@ cd "$(dirname "$0")/.."
 # headers of its own room and of those above it in this list.
 rooms='
 types error parallel progress version
-eikonal heap jet_update atomic_file
+eikonal heap jet_update selling atomic_file
 tangent_frame
 band metric curvature
 vdb_io level_set leaf_block band_width index_map
 level_set_band surface_point grid_sampling obstacles
 field
-godunov jet
+godunov jet jet_core jet_extend jet_stencil
 trace
 straighten
 accuracy
@@ -23,8 +23,8 @@ field_grids extend report point_file
 
 # Files that do without OpenVDB, and so without the igeo headers that need it.
 no_openvdb='
-types error parallel progress version eikonal heap jet_update tangent_frame
-band metric curvature field band_width surface_point godunov jet trace straighten accuracy
+types error parallel progress version eikonal heap jet_update selling tangent_frame
+band metric curvature field band_width surface_point godunov jet jet_core jet_extend jet_stencil trace straighten accuracy
 point_file
 '
 

@@ -67,6 +67,14 @@ std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field) {
     return gradient;
 }
 
+double costToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIndex,
+                  const Vec3d& normal) {
+    const Vec3d chord = seed.pIndex - pIndex;
+    const double r = length(chord);
+    if (!field.metric->anisotropic()) return seed.weight * r;
+    return r * field.metric->stepCost(seed.node, normalized(tangential(chord, normal)));
+}
+
 const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, const Vec3d& normal,
                                double d) {
     const SurfacePoint* nearest = nullptr;
@@ -74,7 +82,10 @@ const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, const Ve
     for (const SurfacePoint& s : field.seeds) {
         const double r = length(pIndex - s.pIndex);
         // The distance tells a seed on this sheet from one on a sheet close by.
-        if (r < least && d - s.start < 1.5 * field.startRadius * s.weight &&
+        const double cost = field.metric->anisotropic() && r > 0
+                                ? costToSeed(field, s, pIndex, normal) / r
+                                : s.weight;
+        if (r < least && d - s.start < 1.5 * field.startRadius * cost &&
             !field.metric->blocked(pIndex, s.pIndex, normal))
             least = r, nearest = &s;
     }
@@ -112,8 +123,14 @@ double sampleVoxels(const BandCell& cell, const Field& field) {
 }
 
 double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field, const Vec3d& p) {
-    const double here = field.metric->at(cell);
+    const Metric& metric = *field.metric;
     const TangentFrame frame{Vec3f(cell.normal)};
+    PlaneMetric plane;
+    if (metric.anisotropic())
+        plane = metric.inPlane(frame, cell);
+    else
+        plane.weight = metric.at(cell);
+    const double here = plane.weight;
     JetNeighbours all;
     std::array<float, JetNeighbours::kMax> weight{};
     for (std::size_t k = 0; k < 8; ++k) {
@@ -124,11 +141,14 @@ double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field,
         // A corner at p itself must not leave the sum empty.
         weight[std::size_t(all.count())] = float(cell.weight[k]) + 1e-6f;
         Vec3f chord(p - band.footPoint(j)), g = field.gradient[j];
-        if (field.metric->weighted()) {
-            chord *= float((1 + field.metric->at(j) / here) / 2);
+        if (metric.anisotropic()) {
+            g *= float(1 / here);
+        } else if (metric.weighted()) {
+            chord *= float((1 + metric.at(j) / here) / 2);
             g = normalized(g);
         }
-        all.add(frame.neighbour(chord, nj, cosine, g, field.distance[j] / here));
+        const JetNeighbour n = frame.neighbour(chord, nj, cosine, g, field.distance[j] / here);
+        all.add(metric.anisotropic() ? plane.stretch.neighbour(n) : n);
     }
     return here * blendJets(all, weight).u;
 }
@@ -141,7 +161,7 @@ double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
     const double d =
         field.atFootPoints ? sampleJets(band, cell, field, pIndex) : sampleVoxels(cell, field);
     if (const SurfacePoint* s = seedAround(field, pIndex, cell.normal, d))
-        return s->start + s->weight * length(pIndex - s->pIndex);
+        return s->start + costToSeed(field, *s, pIndex, cell.normal);
     return d;
 }
 

@@ -15,8 +15,9 @@ namespace igeo {
 /// Distances in voxels times weight; multiply by band.transform.dx for world units.
 struct Field {
     std::vector<double> distance;  ///< per band node; +inf: not reached, or beyond an early stop
-    std::vector<Vec3f> gradient;   ///< per band node, along S, as long as the weight there; may be
-                                   ///< empty (surfaceGradient)
+    std::vector<Vec3f> gradient;   ///< per band node, along S, as long as the weight there (1 in
+                                   ///< G^-1 where the metric is a tensor G); may be empty
+                                   ///< (surfaceGradient)
     bool atFootPoints = false;  ///< distance and gradient are those of the foot points (jet), not
                                 ///< of the voxels (godunov)
     std::vector<std::uint32_t> label;  ///< per band node: the seed it is nearest to; empty for one
@@ -38,6 +39,11 @@ struct Field {
 /// reached neighbours (central where both sides are reached, one-sided otherwise). Its length is
 /// the weight up to the scheme's error; zero where nothing is known. Voxel units, in parallel.
 std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field);
+
+/// Cost of the straight way from a point of S, where its normal is `normal`, to a seed next to it,
+/// at the seed's metric.
+double costToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIndex,
+                  const Vec3d& normal);
 
 /// The seed whose start disc holds a point of S where the distance is `d`, with nothing in between,
 /// or nullptr.

@@ -178,7 +178,7 @@ void check(const Band& band, const Metric& metric, const std::vector<SurfacePoin
     if (seeds.empty()) throw Error(Kind::InvalidArgument, "a march needs at least one seed");
     if (!(options.maxDistance > 0))
         throw Error(Kind::InvalidArgument, "the largest distance must be positive");
-    metric.check(band.size());
+    metric.check(band);
 }
 
 }  // namespace

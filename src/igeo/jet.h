@@ -27,15 +27,18 @@ struct JetOptions {
 /// nodes, every bucket is a parallel loop, and the result has the same bits for any number of
 /// threads. The other nodes take their jets from the core around their foot points.
 /// @param band   any h >= sqrt(3)/2 voxels
-/// @param metric weights, obstacles, or null
+/// With tensors each solve is done in coordinates in which the metric of its tangent plane is
+/// Euclidean. Where that stretches the plane by more than 2, nodes look beyond their 26 neighbours
+/// to those of Selling's reduction (selling.h). Within a start disc are the foot points whose cost
+/// is at most that of `startRadius` voxels where they are dearest.
+/// @param metric weights or tensors, obstacles, or null
 /// @param seeds  at least one; a seed may start at a distance > 0. With several, Field::label says
 ///              whose a node is (the earlier seed where they tie), and fronts of different seeds
 ///              are never fitted together
 /// @return second order in dx where S is smooth; first order at creases. Field::gradient is set.
-/// @throws Error  InvalidArgument for options or weights out of range, a narrower band, start
-/// values
-///         1e9 voxels apart, or distances beyond 2e9 voxels of the least weight; Cancelled through
-///         `progress`
+/// @throws Error  InvalidArgument for options or a metric out of range (tensors: costs in a tangent
+///         plane more than 20 times apart), a narrower band, start values 1e9 voxels apart, or
+///         distances beyond 2e9 voxels of the least weight; Cancelled through `progress`
 /// Time O(n), in parallel; 33 bytes per node, the field's 20 included. Error: docs/accuracy.md.
 Field marchJet(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
                const JetOptions& options = {}, Progress& progress = Progress::none());

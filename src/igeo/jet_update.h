@@ -76,8 +76,10 @@ public:
         return {load(ax_, k), load(ay_, k), load(gx_, k), load(gy_, k), load(u_, k)};
     }
 
-    bool smooth = true;  ///< S is smooth between the node and all of them
-    bool rim = false;    ///< the node may lie at an obstacle, or where S ends
+    bool smooth = true;   ///< S is smooth between the node and all of them
+    bool rim = false;     ///< the node may lie at an obstacle, or where S ends
+    float pull = 0.005f;  ///< weight of the predicted direction in a fit, of all weights
+    float far2 = 2.3f;    ///< the guard takes no segments longer than its root
 
 private:
     using Array = std::array<float, kMax>;
@@ -148,7 +150,6 @@ inline Vec2f predictDirection(const JetNeighbours& all, Vec2f start) {
 /// @return u = +inf where fewer than two neighbours are behind the node, or they do not agree
 inline Jet fitFront(const JetNeighbours& all, Vec2f start, float& residual) {
     constexpr int kRounds = 2;
-    constexpr float kPull = 0.005f;
     Jet jet;
     const Vec2f mean = predictDirection(all, start);
     const float meanLength = length(mean);
@@ -175,7 +176,7 @@ inline Jet fitFront(const JetNeighbours& all, Vec2f start, float& residual) {
         if (used < 2) return jet;
         // Eliminate u.
         const float w = sum(s0), ux = sum(sx), uy = sum(sy), ub = sum(b0), inverse = 1 / w;
-        const float pull = kPull * w;
+        const float pull = all.pull * w;
         const float axx = sum(sxx) - ux * ux * inverse + pull, axy = sum(sxy) - ux * uy * inverse,
                     ayy = sum(syy) - uy * uy * inverse + pull;
         const float rx = sum(bx) - ux * ub * inverse + pull * predicted.x,
@@ -266,7 +267,7 @@ inline Jet guardedUpdate(const JetNeighbours& all) {
             // Only segments that can matter: short ones, seen from the node at less than 120
             // degrees.
             const Vec2f e = all.a(j) - all.a(k);
-            if (dot(e, e) > 2.3f || dot(all.a(j), all.a(k)) < -0.5f * all.len(j) * all.len(k))
+            if (dot(e, e) > all.far2 || dot(all.a(j), all.a(k)) < -0.5f * all.len(j) * all.len(k))
                 continue;
             if (std::min(all.u(j), all.u(k)) >= best) continue;
             if (jet::lowerBySegment(all, j, k, best, direction)) jet.from = j;

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <igeo/band.h>
+#include <igeo/tangent_frame.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace igeo {
@@ -31,36 +33,62 @@ public:
 struct Tensor {
     float xx = 1, yy = 1, zz = 1, xy = 0, xz = 0, yz = 0;
 };
+/// G[a, b].
+inline double product(const Tensor& g, const Vec3d& a, const Vec3d& b) {
+    return g.xx * a.x * b.x + g.yy * a.y * b.y + g.zz * a.z * b.z + g.xy * (a.x * b.y + a.y * b.x) +
+           g.xz * (a.x * b.z + a.z * b.x) + g.yz * (a.y * b.z + a.z * b.y);
+}
+/// Eigenvalues in rising order, to rounding of the largest.
+std::array<double, 3> eigenvalues(const Tensor& g);
 
-/// An isotropic metric: the weight g of |grad d| = g, constant along normals (M&S (10)), and
-/// obstacles, where g is infinite.
+/// What a step costs: the weight g of |grad d| = g (M&S (7)), or the tensor G of
+/// G^-1[grad d, grad d] = 1 (M&S 5.1), both constant along normals (M&S (10)); and obstacles,
+/// where the cost is infinite.
 struct Metric {
     std::vector<float> weight;  ///< cost per unit length per band node, > 0; empty: 1 everywhere
+    /// Per band node, positive definite; empty: isotropic. Never beside `weight`. Marches along S
+    /// see its part in the tangent plane only.
+    std::vector<Tensor> tensor;
 
     std::shared_ptr<const Obstacles> obstacles;  ///< none: null
     /// Per band node, where there are obstacles: what of them its foot point sees (setObstacles).
     enum Sight : std::uint8_t { Clear, Beside, Inside };
     std::vector<Sight> sight;
 
-    double at(NodeIndex i) const { return weight.empty() ? 1.0 : double(weight[i]); }
-    /// The weight at a point of S, blended from the corners of its cell.
+    /// The weight; of a tensor the geometric mean of the costs along its three axes.
+    double at(NodeIndex i) const {
+        return !weight.empty() ? double(weight[i]) : tensor.empty() ? 1.0 : meanCost(tensor[i]);
+    }
+    /// The same at a point of S, blended from the corners of its cell.
     double at(const BandCell& cell) const;
-    /// What a step from a point of S costs, the metric blended from the corners of its cell.
-    double stepCost(const BandCell& cell, const Vec3d& step) const {
-        return at(cell) * length(step);
-    }
-    bool weighted() const { return !weight.empty(); }
+    bool weighted() const { return !weight.empty() || !tensor.empty(); }
+    bool anisotropic() const { return !tensor.empty(); }
 
-    /// The least and the largest weight; 1 where there are none.
-    double least() const {
-        return weight.empty() ? 1.0 : double(*std::min_element(weight.begin(), weight.end()));
+    /// Cost of a short straight step, voxels: weight |step|, or sqrt(G[step, step]).
+    double stepCost(NodeIndex i, const Vec3d& step) const {
+        return !tensor.empty() ? std::sqrt(product(tensor[i], step, step)) : at(i) * length(step);
     }
-    double largest() const {
-        return weight.empty() ? 1.0 : double(*std::max_element(weight.begin(), weight.end()));
+    /// The same with the metric blended from the corners of the cell that are left; weight 1 where
+    /// none is. The step should be tangential: an ambient tensor prices its part along the normal
+    /// as well.
+    double stepCost(const BandCell& cell, const Vec3d& step) const;
+
+    /// The metric in the tangent plane of a node, or of a point of S.
+    PlaneMetric inPlane(const TangentFrame& frame, NodeIndex i) const {
+        return inPlane(frame, tensor[i]);
+    }
+    PlaneMetric inPlane(const TangentFrame& frame, const BandCell& cell) const {
+        return inPlane(frame, tensorAt(cell));
     }
 
-    /// Multiplies with a weight per node.
-    void multiply(const std::vector<float>& weights);
+    /// The least and the largest cost per unit length, 1 where all is Euclidean. Of tensors over
+    /// all directions in space, so no more, or no less, than over those along S. In parallel.
+    double least() const;
+    double largest() const;
+
+    /// Multiplies the cost per unit length by a factor per band node: weights by w, tensors by w^2.
+    /// @throws Error  InvalidArgument where there are more or fewer factors than costs
+    void multiply(const std::vector<float>& factors);
 
     /// Sets `obstacles` and finds the nodes inside and beside them. In parallel.
     void setObstacles(const Band& band, std::shared_ptr<const Obstacles> set);
@@ -91,10 +119,20 @@ struct Metric {
     void dropHiddenCorners(const Band& band, const Vec3d& pIndex, const Vec3d& n,
                            BandCell& cell) const;
 
-    /// @throws Error  InvalidArgument unless there is one positive, finite weight for each of n
-    /// nodes
-    void check(std::size_t n) const;
+    /// @throws Error  InvalidArgument unless there is one positive, finite weight per node, or one
+    ///         finite, positive definite tensor (with the node's place and least eigenvalue)
+    void check(const Band& band) const;
+
+private:
+    static double meanCost(const Tensor& g);
+    static PlaneMetric inPlane(const TangentFrame& frame, const Tensor& g);
+    Tensor tensorAt(const BandCell& cell) const;
 };
+
+/// For messages about metrics: a number with six digits, and where in the world a node's foot point
+/// is.
+std::string shortText(double x);
+std::string worldPlace(const Band& band, NodeIndex i);
 
 /// Shared by a march and its Field; null: Euclidean.
 using MetricPtr = std::shared_ptr<const Metric>;

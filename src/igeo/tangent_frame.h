@@ -1,4 +1,4 @@
-/// The surface around a foot point, laid out flat in its tangent plane.
+/// The surface around a foot point, laid out flat in its tangent plane, and metrics there.
 #pragma once
 
 #include <igeo/jet_update.h>
@@ -19,6 +19,7 @@ public:
         t2_ = cross(n_, t1_);
     }
     const Vec3f& normal() const { return n_; }
+    const Vec3f& axis(int k) const { return k == 0 ? t1_ : t2_; }
     Vec2f flat(const Vec3f& v) const { return {igeo::dot(v, t1_), igeo::dot(v, t2_)}; }
     Vec3f lift(Vec2f v) const { return v.x * t1_ + v.y * t2_; }
 
@@ -64,6 +65,73 @@ private:
     }
 
     Vec3f n_, t1_, t2_;
+};
+
+/// By how much a chord counts in units of the metric at its end `to`, where it is `from` at the
+/// other: trapezoid rule.
+inline float meanWeight(float from, float to) { return from == to ? 1 : (1 + from / to) / 2; }
+
+/// A linear map B of a tangent plane, det B = 1, after which its metric is a multiple of the
+/// Euclidean one: ways become B a, covectors B^-T p. Upper triangular, the Cholesky factor.
+class Stretch {
+public:
+    Stretch() = default;
+    /// @param xx, xy  of the metric, which has determinant 1
+    Stretch(double xx, double xy) : a_(float(std::sqrt(xx))), b_(float(xy / std::sqrt(xx))) {}
+
+    Vec2f way(Vec2f v) const { return {a_ * v.x + b_ * v.y, v.y / a_}; }
+    Vec2f covector(Vec2f p) const {
+        const float x = p.x / a_;
+        return {x, a_ * (p.y - b_ * x)};
+    }
+    /// The inverses of the two.
+    Vec2f wayBack(Vec2f v) const {
+        const float y = a_ * v.y;
+        return {(v.x - b_ * y) / a_, y};
+    }
+    Vec2f covectorBack(Vec2f q) const { return {a_ * q.x, b_ * q.x + q.y / a_}; }
+
+    /// The largest of |B a| / |a|; the least is its reciprocal.
+    float largest() const {
+        // s^2 and 1 / s^2 are the eigenvalues of B^T B, and 1 + e is their half sum; so written, no
+        // digits are lost next to 1.
+        const float d = a_ - 1 / a_, e = (d * d + b_ * b_) / 2;
+        return std::sqrt(1 + e + std::sqrt(e * (e + 2)));
+    }
+
+    /// A neighbour as a front sees it after the stretch.
+    /// @param n  its gradient in units of the weight here: as long as the metric there is larger
+    ///           than the one here, in the direction of travel
+    JetNeighbour neighbour(JetNeighbour n) const {
+        const Vec2f q = covector(n.g);
+        const float len = length(q);
+        // Along the direction of travel, not along the chord: the two ends then count as in the
+        // trapezoid rule (p_i + p_j) . a / 2 up to terms of third order.
+        n.a = (len > 0 ? meanWeight(len, 1) : 1) * way(n.a);
+        n.g = len > 0 ? (1 / len) * q : q;
+        return n;
+    }
+
+private:
+    float a_ = 1, b_ = 0;
+};
+
+/// A metric on a tangent plane, G = weight^2 B^T B.
+struct PlaneMetric {
+    double weight = 1;  ///< geometric mean of the costs per unit length along the principal axes
+    Stretch stretch;
+
+    PlaneMetric() = default;
+    /// @param xx, xy, yy  G in the coordinates of a TangentFrame, positive definite
+    PlaneMetric(double xx, double xy, double yy) {
+        const double det = std::sqrt(xx * yy - xy * xy);
+        weight = std::sqrt(det);
+        stretch = {xx / det, xy / det};
+    }
+    /// Cost of a way in the plane.
+    double cost(Vec2f way) const { return weight * double(length(stretch.way(way))); }
+    double least() const { return weight / double(stretch.largest()); }
+    double largest() const { return weight * double(stretch.largest()); }
 };
 
 }  // namespace igeo

@@ -29,7 +29,8 @@ public:
     Path trace(const SurfacePoint& target);
 
 private:
-    /// -grad_S d / |grad_S d|, blended from the corners of the cell; false where it vanishes.
+    /// The direction of -G^-1 grad_S d (-grad_S d where the metric is isotropic), unit, blended
+    /// from the corners of the cell; false where it vanishes.
     bool direction(const Vec3d& p, Vec3d& v) const;
     /// One accepted Runge-Kutta step from p, projected; false when the step would be below minStep.
     bool stepAlongGradient(Vec3d& p, double& step) const;
@@ -44,6 +45,8 @@ private:
     /// The normal at p of the sheet the path is on.
     Vec3d normalAt(const Vec3d& p) const;
     void append(Path& path, const Vec3d& p, double d) const;
+    /// The seed to which a path at p, where the distance is d, may go straight.
+    const SurfacePoint* seedAhead(const Vec3d& p, double d) const;
     void finishAtSeed(Path& path, const SurfacePoint& seed) const;
 
     const Band& band_;
@@ -71,7 +74,13 @@ bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
     const double len = length(g);
     // Half of the front's gradient cancels where fronts meet at 120 degrees: no use beyond that.
     if (!(len > 0.1 * lengths)) return false;
-    v = -(1 / len) * g;
+    if (!field_.metric->anisotropic()) {
+        v = -(1 / len) * g;
+        return true;
+    }
+    const TangentFrame frame{Vec3f(cell.normal)};
+    const Stretch stretch = field_.metric->inPlane(frame, cell).stretch;
+    v = -normalized(Vec3d(frame.lift(stretch.wayBack(stretch.covector(frame.flat(Vec3f(g)))))));
     return true;
 }
 
@@ -170,6 +179,24 @@ void Tracer::append(Path& path, const Vec3d& p, double d) const {
     path.vertices.push_back({p, path.arcLength, d});
 }
 
+const SurfacePoint* Tracer::seedAhead(const Vec3d& p, double d) const {
+    const SurfacePoint* around = seedAround(field_, p, side_, d);
+    if (around || !field_.metric->anisotropic()) return around;
+    // The rest of a start disc that tensors make long, where S is flat and the straight way as
+    // good as the distance: there the front bends faster than a cell can show.
+    constexpr double kRise = 1, kAgree = 0.02;
+    const TangentFrame frame{Vec3f(side_)};
+    for (const SurfacePoint& s : field_.seeds) {
+        const double cost = costToSeed(field_, s, p, side_);
+        if (std::abs(d - s.start - cost) <= kAgree * cost &&
+            std::abs(dot(side_, s.pIndex - p)) <= kRise &&
+            cost <= field_.startRadius * field_.metric->inPlane(frame, s.node).largest() &&
+            !field_.metric->blocked(p, s.pIndex, side_))
+            return &s;
+    }
+    return nullptr;
+}
+
 void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
     const Vec3d from = path.vertices.back().pIndex, way = seed.pIndex - from;
     const double d = path.vertices.back().distance;
@@ -177,7 +204,7 @@ void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
     for (int k = 1; k < pieces; ++k) {
         Vec3d p = from + (double(k) / pieces) * way;
         projectToSurface(band_, p);
-        append(path, p, std::min(d, seed.start + seed.weight * length(seed.pIndex - p)));
+        append(path, p, std::min(d, seed.start + costToSeed(field_, seed, p, side_)));
     }
     append(path, seed.pIndex, seed.start);
     path.seed = std::size_t(&seed - field_.seeds.data());
@@ -199,7 +226,7 @@ Path Tracer::trace(const SurfacePoint& target) {
     double step = options_.maxStep / 4;
     NodeIndex node = kNoNode;  // where the path is, while it goes from node to node
     while (true) {
-        if (const SurfacePoint* seed = seedAround(field_, p, side_, d)) {
+        if (const SurfacePoint* seed = seedAhead(p, d)) {
             finishAtSeed(path, *seed);
             return path;
         }
@@ -208,7 +235,7 @@ Path Tracer::trace(const SurfacePoint& target) {
         Vec3d next = p;
         const double lower =
             stepAlongGradient(next, step) ? sampleDistance(band_, field_, next, side_) : kInfinity;
-        if (lower < d - kFall) {
+        if (lower < d - kFall * field_.metric->at(cellAt(band_, p))) {
             node = kNoNode;
             p = next;
             d = lower;

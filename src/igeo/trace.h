@@ -39,9 +39,10 @@ struct TraceOptions {
     double tolerance = 1e-3;  ///< local error per step, voxels
 };
 
-/// Follows gamma' = -grad_S d / |grad_S d| from `target` by the embedded Runge-Kutta pair 2(3) of
-/// Bogacki and Shampine with adaptive step, back on psi = 0 after every step, until it enters a
-/// seed's start disc, which it crosses straight on the surface.
+/// Follows gamma' = -grad_S d / |grad_S d|, or -G^-1 grad_S d made unit where the metric is a
+/// tensor G, from `target` by the embedded Runge-Kutta pair 2(3) of Bogacki and Shampine with
+/// adaptive step, back on psi = 0 after every step, until it enters a seed's start disc, which it
+/// crosses straight on the surface.
 ///
 /// Where an obstacle is in the way, it slides along its rim. Where the gradient gives no way down
 /// (cut loci, creases), it goes on over the foot points of
