@@ -36,6 +36,11 @@ private:
     std::vector<Six> table_;
 };
 
+/// Cost per unit length along an axis, of a diagonal tensor.
+double axisCost(const Tensor& g, std::size_t axis) {
+    return std::sqrt(double(axis == 0 ? g.xx : axis == 1 ? g.yy : g.zz));
+}
+
 /// Far, Trial and Accepted (M&S section 3: Far Away, NarrowBand, Alive) by values alone: a node is
 /// Accepted where `accepted_` is finite, else Trial where `trial_` is finite, else Far.
 class Godunov {
@@ -44,6 +49,7 @@ public:
     Godunov(const Band& band, MetricPtr metric, const GodunovOptions& options, double leastStart)
         : band_(band),
           metric_(std::move(metric)),
+          anisotropic_(metric_->anisotropic()),
           options_(options),
           leastStart_(leastStart),
           neighbours_(band, *metric_),
@@ -56,7 +62,7 @@ public:
         const Vec3d normal(band_.normal[seed.node]);
         for (const NodeIndex i : nodesAround(band_, seed, options_.startRadius)) {
             if (metric_->blocked(band_, seed.pIndex, normal, i)) continue;
-            lower(i, seed.start + seed.weight * length(Vec3d(band_.ijk(i)) - seed.pIndex));
+            lower(i, seed.start + metric_->stepCost(seed.node, Vec3d(band_.ijk(i)) - seed.pIndex));
             started_[i] = true;
         }
         seeds_.push_back(seed);
@@ -105,6 +111,7 @@ private:
 
     const Band& band_;
     MetricPtr metric_;
+    const bool anisotropic_;
     const GodunovOptions& options_;
     const double leastStart_;
     const FaceNeighbours neighbours_;
@@ -128,14 +135,17 @@ double Godunov::solve(NodeIndex i) const {
         if (m == kInfinity) continue;
         UpwindTerm& term = terms[std::size_t(n++)];
         term = firstOrderTerm(m);
-        if (Order == 1) continue;
-        // With equal sides the smaller second value decides, so that the axis has no direction.
-        double mm = kInfinity;
-        if (dLo == m) mm = accepted_[neighbours_[lo][2 * axis]];
-        if (dHi == m) mm = std::min(mm, accepted_[neighbours_[hi][2 * axis + 1]]);
-        if (mm <= m) term = secondOrderTerm(m, mm);
+        if (Order == 2) {
+            // With equal sides the smaller second value decides, so that the axis has no direction.
+            double mm = kInfinity;
+            if (dLo == m) mm = accepted_[neighbours_[lo][2 * axis]];
+            if (dHi == m) mm = std::min(mm, accepted_[neighbours_[hi][2 * axis + 1]]);
+            if (mm <= m) term = secondOrderTerm(m, mm);
+        }
+        // M&S (22) for a diagonal tensor: sum_j (T - m_j)^2 / G_jj = 1.
+        if (anisotropic_) term.coefficient /= axisCost(metric_->tensor[i], axis);
     }
-    return godunovSolve(terms, n, metric_->at(i));
+    return godunovSolve(terms, n, anisotropic_ ? 1 : metric_->at(i));
 }
 
 void Godunov::watchTargets() {
@@ -179,6 +189,20 @@ void check(const Band& band, const Metric& metric, const std::vector<SurfacePoin
     if (!(options.maxDistance > 0))
         throw Error(Kind::InvalidArgument, "the largest distance must be positive");
     metric.check(band);
+    // The upwind scheme is causal along the axes only (M&S 5.1, the conditions of Osher and
+    // Helmsen).
+    constexpr float kRounding = 1e-6f;
+    for (std::size_t k = 0; k < metric.tensor.size(); ++k) {
+        const Tensor& g = metric.tensor[k];
+        const float off = std::max({std::abs(g.xy), std::abs(g.xz), std::abs(g.yz)});
+        if (off > kRounding * std::max({g.xx, g.yy, g.zz}))
+            throw Error(Kind::InvalidArgument,
+                        "the tensor at " + worldPlace(band, NodeIndex(k)) + " has " +
+                            shortText(double(off)) +
+                            " off its diagonal; scheme godunov takes tensors that are diagonal "
+                            "along the axes of the grid",
+                        "use --scheme jet");
+    }
 }
 
 }  // namespace

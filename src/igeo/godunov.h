@@ -25,9 +25,10 @@ struct GodunovOptions {
 /// two upwind voxels where both are Accepted and ordered. Around each seed all nodes within
 /// `startRadius` start from their straight distance to it.
 /// @param band    h must respect M&S (14), see band_width.h
-/// @param metric  weights, obstacles, or null
+/// @param metric  weights or tensors that are diagonal in index axes (M&S (22)), obstacles, or null
 /// @param seeds   at least one; a seed may start at a distance > 0
-/// @throws Error  InvalidArgument for options or weights out of range, Cancelled through `progress`
+/// @throws Error  InvalidArgument for options or a metric out of range, Cancelled through
+///         `progress`
 /// Time O(n log n) on one thread, 40 bytes per node. Error: docs/method.md, "How far off".
 Field marchGodunov(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
                    const GodunovOptions& options = {}, Progress& progress = Progress::none());
