@@ -40,6 +40,7 @@ private:
     struct Chunk {
         std::vector<std::pair<NodeIndex, Solved>> accepted;
         std::vector<Queued> queued, tooEarly;
+        std::vector<Queued> again;  ///< where jets of this bucket put nodes that are in it as well
     };
 
     std::uint32_t bucketOf(double u) const {
@@ -61,10 +62,10 @@ private:
     /// Solves a node from its accepted neighbours; if it belongs into this bucket, puts the others
     /// into the buckets where its jet says they belong.
     /// @param last  no node goes into a bucket up to this one
-    Solved visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last, std::vector<Queued>& out);
+    Solved visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last, Chunk& out);
     /// @param from, way  a place with that jet, and the chord from there to node i
     void key(NodeIndex i, const Place& from, const Vec3f& way, const Solved& jet,
-             std::uint32_t bucket, std::vector<Queued>& out);
+             std::uint32_t last, Chunk& out);
     void process(std::uint32_t bucket, std::uint32_t last, const std::vector<NodeIndex>& nodes);
 
     /// Start discs are exact, unless the front of another seed was there before.
@@ -149,13 +150,13 @@ Solved JetMarch::preferDisc(NodeIndex i, const Solved& s) const {
     return disc->second;
 }
 
-Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last,
-                       std::vector<Queued>& out) {
+Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last, Chunk& out) {
     const Place place = core_.placeOf(i);
     Surroundings known;
+    // Bare numbers, which cost nothing until they are set.
     struct Waiting {
         NodeIndex node;
-        Vec3f chord;  ///< from its foot point to this one
+        float x, y, z;  ///< the chord from its foot point to this one
     };
     std::array<Waiting, JetCore::kMaxStencil> waiting;
     std::size_t waitingCount = 0;
@@ -164,7 +165,7 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last,
     auto look = [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
         if (varied_) leastAround = std::min(leastAround, core_.leastCostAt(j));
         if (!(core_.nodes[j].u < kInfinity))
-            waiting[waitingCount++] = {j, chord};
+            waiting[waitingCount++] = {j, chord.x, chord.y, chord.z};
         else if (!known.full())
             core_.see(j, chord, cosine, place, known);
     };
@@ -173,9 +174,11 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last,
     else
         core_.forStencil(i, look);
     // One per lattice column: on a surface that goes on all around these are eight, or nearly so.
+    // Tensors squeeze the picture, and at a straight rim the guard would err by more than it saves.
     constexpr std::size_t kAllAround = 7;
-    known.all.rim = core_.nodes[i].sight != Metric::Clear ||
-                    std::size_t(known.all.count()) + waitingCount < kAllAround;
+    known.all.rim =
+        core_.nodes[i].sight != Metric::Clear ||
+        (core_.stretch.empty() && std::size_t(known.all.count()) + waitingCount < kAllAround);
     Solved s = core_.solve(place, known);
     // Nodes of a disc wait in its buckets or earlier.
     if (bucket <= bucketOf(core_.discEnd)) s = preferDisc(i, s);
@@ -183,27 +186,35 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last,
         s.u < kInfinity && bucketOf(s.u - (slackOf(cost, leastAround) - bucketWidth_)) <= bucket;
     if (s.stands)
         for (std::size_t k = 0; k < waitingCount; ++k)
-            key(waiting[k].node, place, -waiting[k].chord, s, last, out);
+            key(waiting[k].node, place, -Vec3f(waiting[k].x, waiting[k].y, waiting[k].z), s, last,
+                out);
     return s;
 }
 
 void JetMarch::key(NodeIndex i, const Place& from, const Vec3f& way, const Solved& jet,
-                   std::uint32_t bucket, std::vector<Queued>& out) {
+                   std::uint32_t last, Chunk& out) {
     // Several threads may key one node: the least bucket wins, whoever comes first.
     std::uint32_t& waitsIn = core_.nodes[i].bucket;
     std::uint32_t seen = __atomic_load_n(&waitsIn, __ATOMIC_RELAXED);
-    if (seen <= bucket + 1) return;
+    // In this bucket, or taken out of it just now: where it goes next is settled afterwards.
+    // Without tensors nodes come back soon enough.
+    const bool inBucket = seen <= last;
+    if (seen == last + 1 || (inBucket && core_.stretch.empty())) return;
     // As jet::carry, by chords: good enough to know the bucket.
     const Vec3f chord = float(from.weight) * way;
     const double along = igeo::dot(jet.g, chord), c2 = core_.squaredCost(from, chord);
     const double r = jet.u - core_.first + std::max(along, 0.0);
     const double carried =
         along > 0 ? std::sqrt(r * r + std::max(c2 - along * along, 0.0)) : r + std::sqrt(c2);
-    const std::uint32_t b = std::max(bucket + 1, bucketOf(core_.first + carried));
+    const std::uint32_t b = std::max(last + 1, bucketOf(core_.first + carried));
+    if (inBucket) {
+        out.again.push_back({b, i});
+        return;
+    }
     while (b < seen && !__atomic_compare_exchange_n(&waitsIn, &seen, b, /*weak=*/true,
                                                     __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
     }
-    if (b < seen) out.push_back({b, i});
+    if (b < seen) out.queued.push_back({b, i});
 }
 
 std::vector<NodeIndex> JetMarch::nextNodes(std::uint32_t& last) {
@@ -239,7 +250,8 @@ void JetMarch::process(std::uint32_t bucket, std::uint32_t last,
     parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c) {
             Chunk& chunk = chunks_[c];
-            chunk.accepted.clear(), chunk.queued.clear(), chunk.tooEarly.clear();
+            chunk.accepted.clear(), chunk.queued.clear(), chunk.tooEarly.clear(),
+                chunk.again.clear();
             for (std::size_t k = c * kChunk; k < std::min(nodes.size(), (c + 1) * kChunk); ++k) {
                 // Taken out of its bucket by whoever is first: it may be queued twice. Or it was
                 // queued here before a front came to it from elsewhere, and earlier.
@@ -249,7 +261,7 @@ void JetMarch::process(std::uint32_t bucket, std::uint32_t last,
                     !__atomic_compare_exchange_n(&waitsIn, &seen, 0, /*weak=*/false,
                                                  __ATOMIC_RELAXED, __ATOMIC_RELAXED))
                     continue;
-                const Solved s = visit(nodes[k], bucket, last, chunk.queued);
+                const Solved s = visit(nodes[k], bucket, last, chunk);
                 if (s.stands) {
                     chunk.accepted.emplace_back(nodes[k], s);
                 } else if (s.u < kInfinity) {
@@ -283,6 +295,12 @@ void JetMarch::process(std::uint32_t bucket, std::uint32_t last,
         }
         for (const auto* list : {&chunks_[c].queued, &chunks_[c].tooEarly})
             for (const Queued& q : *list) queue_[q.bucket].push_back(q.node);
+        for (const Queued& q : chunks_[c].again) {
+            Node& node = core_.nodes[q.node];
+            if (node.u < kInfinity || node.bucket <= q.bucket) continue;
+            node.bucket = q.bucket;
+            queue_[q.bucket].push_back(q.node);
+        }
     }
 }
 

@@ -293,7 +293,7 @@ inline Jet jetUpdate(const JetNeighbours& all) {
     if (all.count() == 0) return best;
     std::array<float, JetNeighbours::kMax> carried;
     float bound = float(kInfinity), worst = 0;
-    bool between = true;
+    bool between = true;  // or in the open, where it makes no difference
     int first = 0;
     for (int k = 0; k < all.count(); ++k) {
         const float len = all.len(k);
@@ -307,7 +307,7 @@ inline Jet jetUpdate(const JetNeighbours& all) {
         jet.from = k;
         if (!(jet.u - all.base() <= double(bound + kSlack)) || residual > kResidual) return false;
         worst = std::max(worst, residual);
-        between &= jet.between;
+        between &= jet.between || !all.rim;
         if (jet.u < best.u) best = jet;
         return true;
     };
@@ -322,7 +322,7 @@ inline Jet jetUpdate(const JetNeighbours& all) {
     if (trusted && between && all.smooth && worst < kDoubt) return best;
     const Jet guard = guardedUpdate(all);
     // Extrapolated from one side: around a rim a front has no way there but by the last neighbour.
-    if (!between && all.smooth && all.rim) return guard;
+    if (!between && all.smooth) return guard;
     return trusted && std::abs(best.u - guard.u) < kAgree ? best : guard;
 }
 

@@ -156,4 +156,35 @@ TEST_CASE("obstacles: distances and paths lead around a ball") {
     }
 }
 
+TEST_CASE("around a hole in an open sheet the way is as long as around a disc") {
+    constexpr int kN = 200;
+    constexpr double kHole = 0.15;
+    const Vec3d normal = Vec3d(1, -2, 3).unit(), x = normal.cross(Vec3d(0.3, 1, 0.2)).unit(),
+                y = normal.cross(x), hole = kCenter + 0.013 * x - 0.021 * y;
+    Shape shape = planePatch(kCenter, normal, 0.8);
+    const Distance square = shape.domain;
+    shape.domain = [=](const Vec3d& p) {
+        const Vec3d inPlane = p - hole - (p - hole).dot(normal) * normal;
+        return std::max(square(p), kHole - inPlane.length());
+    };
+    const Band band =
+        bandFromLevelSet(checkedLevelSet(makeLevelSet(shape, 1.0 / kN, 3)), std::sqrt(3.0));
+    const SurfacePoint seed = pointOn(band, kCenter - 0.3 * x + 0.017 * y);
+    const Vec3d from = worldOf(band, seed.pIndex);
+    const Field field = marchJet(band, {}, {seed});
+    double least = 0, most = 0;
+    for (NodeIndex i = 0; i < band.size(); ++i) {
+        const Vec3d p = worldOf(band, band.footPoint(i));
+        if (std::abs((p - kCenter).dot(x)) > 0.37 || std::abs((p - kCenter).dot(y)) > 0.37 ||
+            (p - hole).length() < kHole + 1.0 / kN)
+            continue;
+        const double error = field.distance[i] - aroundDisc(hole, kHole, from, p) * kN;
+        least = std::min(least, error), most = std::max(most, error);
+    }
+    std::printf("around a hole of 30 voxels: %+.2f to %+.2f voxels\n", least, most);
+    // The last voxels stand up to a voxel off the rim, and the way turns by pi at most.
+    CHECK(most < 3.2);
+    CHECK(least > -0.5);
+}
+
 }  // namespace igeo::test

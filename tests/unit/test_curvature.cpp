@@ -348,7 +348,7 @@ TEST_CASE("valley weights lead along the inside of a torus") {
     const Band band = bandOf(torusGrid(), 2.5);
     Metric metric;
     metric.weight = curvatureWeights(curvature(band), CurvatureKind::Valley);
-    metric.check(band.size());
+    metric.check(band);
     CHECK(metric.least() == 100);
     // Inside k2 = -1/8, outside 1/20: M differs by 1.75 per ten voxels, less scale^2 / 2 times the
     // second derivatives of k2, 0.0061 and 0.0010 along the small circle: 8 %, or 22 % of the cube.
