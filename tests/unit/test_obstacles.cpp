@@ -502,6 +502,15 @@ TEST_CASE("obstacles: a level set blocks its inside, tiles and all") {
     CHECK(blocksPoint(outside, {5000, 0, 0}));
     CHECK(outside.mayBeNear({5000, 0, 0}, 1));
     CHECK(!set.mayBeNear({5000, 0, 0}, 1));
+    // The interpolant of -1 in one voxel and 1 around it is negative half way to the next.
+    const auto single = openvdb::FloatGrid::create(1);
+    single->setGridClass(openvdb::GRID_LEVEL_SET);
+    single->setTransform(openvdb::math::Transform::createLinearTransform(100));
+    single->tree().setValueOn({0, 0, 0}, -1);
+    const ObstacleSet large = only(single);
+    CHECK(blocksPoint(large, {-49, 0, 0}));
+    CHECK(large.mayBeNear({-49, 0, 0}, 0));
+    CHECK(!blocksPoint(large, {-51, 0, 0}));
 }
 
 TEST_CASE("obstacles: which voxels of a grid block") {
