@@ -13,6 +13,7 @@ packages=(
     g++ cmake ninja-build ccache
     libopenvdb-dev libtbb-dev
     libboost-iostreams-dev zlib1g-dev  # FindOpenVDB.cmake asks for them, libopenvdb-dev does not
+    libpng-dev
     nlohmann-json3-dev libcli11-dev catch2
     libopenvdb-tools                   # vdb_print, for the tests
     python3 python3-jsonschema         # the tests check reports against their schema

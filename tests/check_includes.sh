@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 # headers of its own room and of those above it in this list.
 rooms='
 types error parallel progress version
-eikonal heap jet_update selling atomic_file
+eikonal heap jet_update selling atomic_file colour_map canvas
 tangent_frame
 band metric curvature
 vdb_io level_set leaf_block band_width index_map
@@ -18,14 +18,14 @@ godunov jet jet_core jet_extend jet_stencil
 trace
 straighten
 accuracy
-field_grids extend report point_file
+field_grids extend report point_file picture view surface_rays
 '
 
 # Files that do without OpenVDB, and so without the igeo headers that need it.
 no_openvdb='
 types error parallel progress version eikonal heap jet_update selling tangent_frame
 band metric curvature field band_width surface_point godunov jet jet_core jet_extend jet_stencil trace straighten accuracy
-point_file
+point_file colour_map canvas
 '
 
 # Headers that cost seconds per file: the prefix, where the rule holds, and the files excepted.
@@ -33,6 +33,7 @@ point_file
 guarded='
 CLI/       src apps tests  apps/implicit-geodesic/options.cpp
 nlohmann/  src apps        src/igeo/report.cpp src/igeo/point_file.cpp
+png.h      src apps        src/igeo/canvas.cpp
 tbb/       src apps        src/igeo/parallel.h src/igeo/parallel.cpp
 '
 

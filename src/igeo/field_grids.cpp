@@ -91,4 +91,18 @@ std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curv
     return grids;
 }
 
+openvdb::Vec3SGrid::Ptr colorGrid(const Band& band, const Field& field, const ColourMap& colours,
+                                  const openvdb::math::Transform& transform,
+                                  const std::string& name) {
+    constexpr float kUnreached = 0.7f;
+    auto grid = makeGrid<openvdb::Vec3SGrid>(openvdb::Vec3s(kUnreached), transform, name);
+    auto reached = [&](NodeIndex i) { return field.distance[i] < kInfinity; };
+    const double scale = field.maxDistance > 0 ? 1 / field.maxDistance : 0;
+    fill(*grid, band, reached, [&](NodeIndex i) {
+        const Vec3f c(srgbFromLinear(colours(field.distance[i] * scale)));
+        return openvdb::Vec3s(c.x, c.y, c.z);
+    });
+    return grid;
+}
+
 }  // namespace igeo

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band.h>
+#include <igeo/colour_map.h>
 #include <igeo/curvature.h>
 #include <igeo/field.h>
 #include <openvdb/openvdb.h>
@@ -37,5 +38,10 @@ openvdb::FloatGrid::Ptr weightGrid(const Band& band, const Metric& metric,
 std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curvature& curvature,
                                                     const openvdb::math::Transform& transform,
                                                     const std::string& psi);
+/// Colours of the distances, sRGB in [0, 1], for `vdb_render -color`: the map from 0 to the largest
+/// distance where the distance is known; grey, and inactive, elsewhere.
+openvdb::Vec3SGrid::Ptr colorGrid(const Band& band, const Field& field, const ColourMap& colours,
+                                  const openvdb::math::Transform& transform,
+                                  const std::string& name);
 
 }  // namespace igeo
