@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 # headers of its own room and of those above it in this list.
 rooms='
 types error parallel progress version
-eikonal heap jet_update selling atomic_file colour_map canvas
+eikonal heap jet_update selling atomic_file colour_map canvas ply
 tangent_frame
 band metric curvature
 vdb_io level_set leaf_block band_width index_map
@@ -18,14 +18,17 @@ godunov jet jet_core jet_extend jet_stencil
 trace
 straighten
 accuracy
+surface_mesh
+isolines
+cells
 field_grids extend report point_file picture view surface_rays
 '
 
 # Files that do without OpenVDB, and so without the igeo headers that need it.
 no_openvdb='
-types error parallel progress version eikonal heap jet_update selling tangent_frame
-band metric curvature field band_width surface_point godunov jet jet_core jet_extend jet_stencil trace straighten accuracy
-point_file colour_map canvas
+types error parallel progress version eikonal heap jet_update selling ply tangent_frame band metric
+curvature field band_width surface_point godunov jet jet_core jet_extend jet_stencil trace
+straighten accuracy point_file colour_map canvas
 '
 
 # Headers that cost seconds per file: the prefix, where the rule holds, and the files excepted.

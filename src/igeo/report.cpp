@@ -95,6 +95,25 @@ std::string geodesicsJson(const RunReport& r, const Band& band, const Field& fie
     return dump(j, -1);
 }
 
+std::string isolinesJson(const RunReport& r, const Band& band, const Field& field,
+                         const std::vector<Isoline>& lines) {
+    const double dx = band.transform.dx;
+    json j = header("isolines");
+    j["surface"] = surfaceJson(r, band);
+    j["parameters"] = parametersJson(r, band, field);
+    j["isolines"] = json::array();
+    for (const Isoline& line : lines) {
+        json points = json::array();
+        for (const Vec3d& p : line.points)
+            points.push_back(triple(band.transform.worldFromIndex(p)));
+        j["isolines"].push_back({{"level", line.level * dx},
+                                 {"length", line.length * dx},
+                                 {"closed", line.closed},
+                                 {"position", std::move(points)}});
+    }
+    return dump(j, -1);
+}
+
 std::string reportJson(const RunReport& r, const Band& band, const Field& field) {
     const double dx = band.transform.dx;
     json j = header("report");

@@ -3,6 +3,7 @@
 
 #include <igeo/accuracy.h>
 #include <igeo/field.h>
+#include <igeo/isolines.h>
 #include <igeo/trace.h>
 
 #include <cstdint>
@@ -34,6 +35,10 @@ struct RunReport {
 
 /// docs/geodesics.schema.json.
 std::string geodesicsJson(const RunReport& report, const Band& band, const Field& field);
+
+/// docs/isolines.schema.json.
+std::string isolinesJson(const RunReport& report, const Band& band, const Field& field,
+                         const std::vector<Isoline>& lines);
 
 /// docs/report.schema.json.
 std::string reportJson(const RunReport& report, const Band& band, const Field& field);

@@ -1,0 +1,58 @@
+/// Shapes solved and meshed, and what every mesh has to fulfil.
+#pragma once
+
+#include <igeo/jet.h>
+#include <igeo/level_set.h>
+#include <igeo/surface_mesh.h>
+#include <support/shapes.h>
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace igeo::test {
+
+struct Meshed {
+    LevelSet levelSet;
+    Band band;
+    Field field;
+    SurfaceMesh mesh;
+
+    /// World position.
+    openvdb::Vec3d world(const Vec3d& pIndex) const;
+};
+
+/// The level set of a shape, half-width 3 voxels; band of sqrt(3); jet from the seeds (world).
+Meshed meshed(const Shape& shape, const openvdb::math::Transform& transform,
+              const std::vector<openvdb::Vec3d>& seeds, const JetOptions& options = {});
+Meshed meshed(const Shape& shape, double dx, const std::vector<openvdb::Vec3d>& seeds,
+              const JetOptions& options = {});
+Meshed meshed(const openvdb::FloatGrid::Ptr& grid, const std::vector<openvdb::Vec3d>& seeds,
+              const JetOptions& options = {});
+
+/// How many triangles share an edge, and the numbers that follow.
+struct Topology {
+    std::map<std::size_t, std::size_t> edgesByTriangles;  ///< edges with so many triangles
+    std::size_t sameWay = 0;  ///< edges with two triangles that both run along it one way
+    int euler = 0;            ///< vertices - edges + triangles
+    std::size_t rimLoops = 0;
+
+    bool closed() const { return edgesByTriangles.size() == 1 && edgesByTriangles.count(2) == 1; }
+};
+Topology topologyOf(const SurfaceMesh& mesh);
+
+double meshArea(const SurfaceMesh& mesh);
+
+/// A binary PLY file taken apart: per element the rows, per row the numbers; of a list its items.
+struct Ply {
+    std::vector<std::string> header;
+    std::map<std::string, std::vector<std::string>> properties;  ///< names, by element
+    std::map<std::string, std::vector<std::vector<double>>> rows;
+
+    double value(const std::string& element, std::size_t row, const std::string& property) const;
+};
+/// @throws std::runtime_error  unless the bytes are a file of this kind from its first to its last
+Ply parsePly(const std::string& bytes);
+
+}  // namespace igeo::test
