@@ -20,7 +20,7 @@ straighten
 accuracy
 surface_mesh
 isolines
-cells
+cells engrave
 field_grids extend report point_file picture view surface_rays
 '
 
