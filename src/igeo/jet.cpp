@@ -54,6 +54,13 @@ private:
     double slackOf(double cost, double leastAround) const {
         return options_.bucketWidth * (cost + leastAround) / 2;
     }
+    /// Whether a front that comes to a core node with this value is wanted (JetOptions::below).
+    bool wanted(NodeIndex core, double u) const {
+        if (!options_.below) return true;
+        const Node& node = core_.nodes[core];
+        const NodeIndex i = core_.band.leaves[node.leaf].band.numberOf(node.offset);
+        return u < (*options_.below)[i] + kMargin * core_.largestCost(core);
+    }
     void startDisc(std::uint32_t seed);
     void watchTargets();
     /// The nodes of the first bucket, and of those behind it that need not wait for its values.
@@ -182,6 +189,7 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last, Ch
     Solved s = core_.solve(place, known);
     // Nodes of a disc wait in its buckets or earlier.
     if (bucket <= bucketOf(core_.discEnd)) s = preferDisc(i, s);
+    if (!wanted(i, s.u)) s.u = kInfinity;
     s.stands =
         s.u < kInfinity && bucketOf(s.u - (slackOf(cost, leastAround) - bucketWidth_)) <= bucket;
     if (s.stands)
@@ -342,13 +350,13 @@ void JetMarch::march(Progress& progress) {
 
 Field JetMarch::take() {
     Field field;
-    extendJets(core_, limit_, field);
+    extendJets(core_, limit_, /*everywhere=*/accepted_ == core_.nodes.size(), field);
     field.atFootPoints = true;
     field.metric = held_;
     field.seeds = std::move(core_.seeds);
     field.scheme = "jet";
     field.startRadius = options_.startRadius;
-    field.stoppedEarly = stopped_;
+    field.stoppedEarly = stopped_ || options_.below;
     field.solved = accepted_;
     field.guarded = guarded_;
     field.summarise();
@@ -367,6 +375,10 @@ Field marchJet(const Band& band, MetricPtr metric, const std::vector<SurfacePoin
     if (!(band.h >= std::sqrt(0.75)))
         throw Error(Kind::InvalidArgument, "a band of " + std::to_string(band.h) +
                                                " voxels is too narrow: jet needs sqrt(3)/2");
+    if (options.below && options.below->size() != band.size())
+        throw Error(Kind::InvalidArgument,
+                    "JetOptions::below has " + std::to_string(options.below->size()) +
+                        " values for " + std::to_string(band.size()) + " nodes");
     metric->check(band);
     JetMarch march(band, std::move(metric), seeds, options);
     march.march(progress);

@@ -16,6 +16,9 @@ struct JetOptions {
     double bucketWidth = 0.5;        ///< of a voxel: nodes solved and accepted together
     double maxDistance = kInfinity;  ///< stop beyond this distance, voxels times weight
     std::vector<SurfacePoint> stopAt;  ///< stop when d is known around all of these; empty: do not
+    /// Per band node: d is wanted where it is below this, and the front goes no more than a few
+    /// voxels further; null: everywhere.
+    const std::vector<double>* below = nullptr;
 };
 
 /// Marches the jet of the distance (value and gradient along S) outward from `seeds`.

@@ -237,6 +237,8 @@ private:
 /// Fills distance, gradient and label of a field on the whole band: core nodes have their own jets,
 /// the others take those of the core around their foot points.
 /// @param limit  distances beyond it are not wanted
-void extendJets(const JetCore& core, double limit, Field& field);
+/// @param everywhere  whether the march reached all of the core; if not, leaves nobody came near
+///                    to cost next to nothing
+void extendJets(const JetCore& core, double limit, bool everywhere, Field& field);
 
 }  // namespace igeo

@@ -166,9 +166,21 @@ Solved Extension::solveOutside(NodeIndex i, LeafIndex l, unsigned at) const {
     return preferDisc(i, core_.solve(place, around));
 }
 
+/// Per leaf: whether it or one beside it has been reached, so that its nodes may have a jet.
+std::vector<std::uint8_t> leavesReached(const JetCore& core) {
+    const std::vector<BandLeaf>& leaves = core.band.leaves;
+    std::vector<std::uint8_t> reached(leaves.size()), near(reached);
+    for (const JetCore::Node& node : core.nodes)
+        if (node.u < kInfinity) reached[node.leaf] = 1;
+    for (std::size_t l = 0; l < near.size(); ++l)
+        for (const LeafIndex m : leaves[l].neighbour)
+            if (m != kNoLeaf && reached[m]) near[l] = 1;
+    return near;
+}
+
 }  // namespace
 
-void extendJets(const JetCore& core, double limit, Field& field) {
+void extendJets(const JetCore& core, double limit, bool everywhere, Field& field) {
     const Band& band = core.band;
     const Extension extension(core);
     // Side by side: the first touch of fresh memory costs more than what is written there.
@@ -179,9 +191,14 @@ void extendJets(const JetCore& core, double limit, Field& field) {
             if (k == 2 && !core.label.empty()) field.label.resize(band.size());
         }
     });
+    const auto near = everywhere ? std::vector<std::uint8_t>() : leavesReached(core);
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
+            if (!everywhere && !near[l]) {
+                std::fill_n(field.distance.begin() + leaf.band.first, leaf.band.count, kInfinity);
+                continue;
+            }
             for (NodeIndex i = leaf.band.first; i < leaf.band.first + leaf.band.count; ++i) {
                 const unsigned at = band.offset[i];
                 const NodeIndex k = leaf.core.node(at);
