@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 
@@ -11,8 +12,13 @@ namespace igeo {
 void parallelFor(std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)>& body) {
     if (n == 0) return;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
-                      [&](const tbb::blocked_range<std::size_t>& r) { body(r.begin(), r.end()); });
+    // Isolated: a thread that waits for a loop inside another loop's body must not begin another
+    // turn of the outer one, whose memory would come on top.
+    tbb::this_task_arena::isolate([&] {
+        tbb::parallel_for(
+            tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
+            [&](const tbb::blocked_range<std::size_t>& r) { body(r.begin(), r.end()); });
+    });
 }
 
 struct ThreadLimit::Impl {

@@ -11,7 +11,8 @@
 namespace igeo {
 
 /// Calls body(begin, end) for disjoint ranges that cover [0, n), in parallel. Ranges hold at least
-/// `grain` items but for the last; exceptions from `body` reach the caller.
+/// `grain` items but for the last; exceptions from `body` reach the caller. Loops may be nested; a
+/// thread is in one body of a loop at a time.
 void parallelFor(std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)>& body);
 

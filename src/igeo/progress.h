@@ -28,4 +28,15 @@ public:
     }
 };
 
+/// What stages that run side by side are given: they hear that they should stop, and their own
+/// progress is nobody's.
+class CancelOnly : public Progress {
+public:
+    explicit CancelOnly(const Progress& whole) : whole_(whole) {}
+    bool cancelled() const override { return whole_.cancelled(); }
+
+private:
+    const Progress& whole_;
+};
+
 }  // namespace igeo

@@ -154,6 +154,24 @@ std::string reportJson(const RunReport& r, const Band& band, const Field& field)
     return dump(j, 2);
 }
 
+std::string matrixJson(const RunReport& r, const Band& band, const DistanceMatrix& m) {
+    json j = header("matrix");
+    j["surface"] = surfaceJson(r, band);
+    for (const auto& [name, points] : {std::pair("seeds", &m.seeds), {"targets", &m.targets}}) {
+        j[name] = json::array();
+        for (const SurfacePoint& p : *points) j[name].push_back(pointJson(band, p));
+    }
+    j["distance"] = json::array();
+    for (std::size_t s = 0; s < m.seeds.size(); ++s) {
+        json row = json::array();
+        for (std::size_t t = 0; t < m.targets.size(); ++t)
+            row.push_back(finiteOrNull(band.transform.dx * m.at(s, t)));
+        j["distance"].push_back(std::move(row));
+    }
+    j["asymmetry"] = m.asymmetry;
+    return dump(j, -1);
+}
+
 std::string geodesicsObj(const std::vector<Path>& paths, const Band& band) {
     std::string text = "# geodesics, world units; from each target to its seed\n";
     std::array<char, 128> line{};

@@ -4,6 +4,7 @@
 #include <igeo/accuracy.h>
 #include <igeo/field.h>
 #include <igeo/isolines.h>
+#include <igeo/matrix.h>
 #include <igeo/trace.h>
 
 #include <cstdint>
@@ -42,6 +43,9 @@ std::string isolinesJson(const RunReport& report, const Band& band, const Field&
 
 /// docs/report.schema.json.
 std::string reportJson(const RunReport& report, const Band& band, const Field& field);
+
+/// docs/matrix.schema.json. Of the report, it takes the names of the surface.
+std::string matrixJson(const RunReport& report, const Band& band, const DistanceMatrix& matrix);
 
 /// Paths as Wavefront OBJ polylines, one object per path.
 std::string geodesicsObj(const std::vector<Path>& paths, const Band& band);

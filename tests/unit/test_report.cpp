@@ -150,4 +150,24 @@ TEST_CASE("geodesicsObj: one object per path with two vertices or more") {
     CHECK(two.find("l 3 4\n") != std::string::npos);
 }
 
+TEST_CASE("matrixJson: world units, null where there is no way") {
+    const Run run;
+    DistanceMatrix m;
+    m.seeds = {run.field.seeds[0]};
+    m.targets.resize(3);
+    m.targets[2].pIndex = {3, 0, 0};
+    m.distance = {0, kInfinity, 1.0 / 3};
+    m.asymmetry = 0.25;
+    const json j = parse(matrixJson(run.report, run.band, m));
+    CHECK(j["type"] == "matrix");
+    CHECK(j["surface"]["grid"] == "psi");
+    REQUIRE(j["seeds"].size() == 1);
+    REQUIRE(j["targets"].size() == 3);
+    CHECK(j["seeds"][0]["position"] == json({10.5, 20, 30}));
+    CHECK(j["seeds"][0]["snapDistance"] == 0.25);
+    CHECK(j["targets"][2]["position"] == json({11.5, 20, 30}));
+    CHECK(j["distance"] == json({{0.0, nullptr, 0.5 * (1.0 / 3)}}));
+    CHECK(j["asymmetry"] == 0.25);
+}
+
 }  // namespace igeo::test
