@@ -17,7 +17,7 @@ field
 godunov jet jet_core jet_extend jet_stencil
 trace
 straighten
-accuracy sampling matrix pairs
+accuracy sampling matrix pairs log_map shoot
 surface_mesh
 isolines
 cells engrave
@@ -28,7 +28,7 @@ field_grids extend report point_file picture view surface_rays
 no_openvdb='
 types error parallel progress version eikonal heap jet_update selling ply tangent_frame band metric
 curvature field band_width surface_point godunov jet jet_core jet_extend jet_stencil trace
-straighten accuracy sampling matrix point_file colour_map canvas
+straighten accuracy sampling matrix log_map shoot point_file colour_map canvas
 '
 
 # Headers that cost seconds per file: the prefix, where the rule holds, and the files excepted.

@@ -29,6 +29,10 @@ void fill(GridT& grid, const Band& band, const Wanted& wanted, const ValueAt& va
         if (leaf) grid.tree().addLeaf(leaf);
 }
 
+auto reached(const Field& field) {
+    return [&field](NodeIndex i) { return field.distance[i] < kInfinity; };
+}
+
 template <typename GridT>
 typename GridT::Ptr makeGrid(const typename GridT::ValueType& background,
                              const openvdb::math::Transform& transform, const std::string& name) {
@@ -45,8 +49,7 @@ openvdb::FloatGrid::Ptr distanceGrid(const Band& band, const Field& field,
                                      const std::string& name) {
     const double dx = band.transform.dx;
     auto grid = makeGrid<openvdb::FloatGrid>(float(field.maxDistance * dx), transform, name);
-    auto reached = [&](NodeIndex i) { return field.distance[i] < kInfinity; };
-    fill(*grid, band, reached, [&](NodeIndex i) { return float(field.distance[i] * dx); });
+    fill(*grid, band, reached(field), [&](NodeIndex i) { return float(field.distance[i] * dx); });
     return grid;
 }
 
@@ -55,9 +58,8 @@ openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
                                      const openvdb::math::Transform& transform,
                                      const std::string& name) {
     auto grid = makeGrid<openvdb::Vec3SGrid>({}, transform, name);
-    auto reached = [&](NodeIndex i) { return field.distance[i] < kInfinity; };
     grid->setVectorType(openvdb::VEC_COVARIANT);
-    fill(*grid, band, reached, [&](NodeIndex i) {
+    fill(*grid, band, reached(field), [&](NodeIndex i) {
         const Vec3d g = band.transform.worldFromIndexDirection(Vec3d(gradient[i]));
         return openvdb::Vec3s(float(g.x), float(g.y), float(g.z));
     });
@@ -96,11 +98,23 @@ openvdb::Vec3SGrid::Ptr colorGrid(const Band& band, const Field& field, const Co
                                   const std::string& name) {
     constexpr float kUnreached = 0.7f;
     auto grid = makeGrid<openvdb::Vec3SGrid>(openvdb::Vec3s(kUnreached), transform, name);
-    auto reached = [&](NodeIndex i) { return field.distance[i] < kInfinity; };
     const double scale = field.maxDistance > 0 ? 1 / field.maxDistance : 0;
-    fill(*grid, band, reached, [&](NodeIndex i) {
+    fill(*grid, band, reached(field), [&](NodeIndex i) {
         const Vec3f c(srgbFromLinear(colours(field.distance[i] * scale)));
         return openvdb::Vec3s(c.x, c.y, c.z);
+    });
+    return grid;
+}
+
+openvdb::Vec3SGrid::Ptr logMapGrid(const Band& band, const LogMap& map,
+                                   const openvdb::math::Transform& transform,
+                                   const std::string& name) {
+    const auto dx = float(band.transform.dx);
+    auto grid = makeGrid<openvdb::Vec3SGrid>({}, transform, name);
+    grid->setVectorType(openvdb::VEC_INVARIANT);
+    auto known = [&](NodeIndex i) { return !std::isnan(map.position[i].x); };
+    fill(*grid, band, known, [&](NodeIndex i) {
+        return openvdb::Vec3s(dx * map.position[i].x, dx * map.position[i].y, 0);
     });
     return grid;
 }

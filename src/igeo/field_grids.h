@@ -5,6 +5,7 @@
 #include <igeo/colour_map.h>
 #include <igeo/curvature.h>
 #include <igeo/field.h>
+#include <igeo/log_map.h>
 #include <openvdb/openvdb.h>
 
 #include <string>
@@ -43,5 +44,11 @@ std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curv
 openvdb::Vec3SGrid::Ptr colorGrid(const Band& band, const Field& field, const ColourMap& colours,
                                   const openvdb::math::Transform& transform,
                                   const std::string& name);
+
+/// The logarithmic map (u, v, 0), world units times weight: of LogMap::frames, not of space. Active
+/// where it is known. Class unknown, vectors invariant.
+openvdb::Vec3SGrid::Ptr logMapGrid(const Band& band, const LogMap& map,
+                                   const openvdb::math::Transform& transform,
+                                   const std::string& name);
 
 }  // namespace igeo

@@ -197,4 +197,33 @@ double TorusGeodesics::refine(double direction, double length, const Angles& tar
     return miss < 1e-7 * majorRadius_ ? length : kInfinity;
 }
 
+openvdb::Vec3d walkOnTorus(const openvdb::Vec3d& center, double majorRadius, double minorRadius,
+                           const openvdb::Vec3d& p, const openvdb::Vec3d& direction,
+                           double length) {
+    using State = openvdb::Vec4d;  // u, v, u', v'
+    const openvdb::Vec3d q = p - center;
+    const double u = std::atan2(q.y(), q.x());
+    const double v = std::atan2(q.z(), std::hypot(q.x(), q.y()) - majorRadius);
+    const openvdb::Vec3d east(-std::sin(u), std::cos(u), 0);
+    const openvdb::Vec3d up(-std::sin(v) * std::cos(u), -std::sin(v) * std::sin(u), std::cos(v));
+    const double speed = std::hypot(direction.dot(east), direction.dot(up));
+    State s(u, v, direction.dot(east) / (speed * (majorRadius + minorRadius * std::cos(v))),
+            direction.dot(up) / (speed * minorRadius));
+    const auto change = [&](const State& at) {
+        const double d = majorRadius + minorRadius * std::cos(at[1]), sine = std::sin(at[1]);
+        return State(at[2], at[3], 2 * minorRadius * sine / d * at[2] * at[3],
+                     -d * sine / minorRadius * at[2] * at[2]);
+    };
+    const int count = 1 + int(kExactSteps * length / minorRadius);
+    const double h = length / count;
+    for (int i = 0; i < count; ++i) {
+        const State k1 = change(s), k2 = change(s + h / 2 * k1), k3 = change(s + h / 2 * k2),
+                    k4 = change(s + h * k3);
+        s += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    }
+    const double d = majorRadius + minorRadius * std::cos(s[1]);
+    return center +
+           openvdb::Vec3d(d * std::cos(s[0]), d * std::sin(s[0]), minorRadius * std::sin(s[1]));
+}
+
 }  // namespace igeo::test

@@ -61,4 +61,9 @@ private:
     std::vector<std::size_t> firstGap_;  ///< per ray, its first state among all states
 };
 
+/// Where the geodesic of the torus that leaves `p` in a direction (its tangential part counts) is
+/// after `length`, by the same equations: the exponential map. Error below 1e-9 of the length.
+openvdb::Vec3d walkOnTorus(const openvdb::Vec3d& center, double majorRadius, double minorRadius,
+                           const openvdb::Vec3d& p, const openvdb::Vec3d& direction, double length);
+
 }  // namespace igeo::test

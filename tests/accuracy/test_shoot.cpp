@@ -1,0 +1,105 @@
+// The exponential map against exact geodesics: where a walk ends, in % of its length.
+#include <igeo/level_set_band.h>
+#include <igeo/shoot.h>
+#include <support/catch.h>
+#include <support/errors.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+#include <support/torus_geodesics.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+
+namespace igeo::test {
+namespace {
+
+using openvdb::Vec3d;
+const Vec3d kCenter(0.5, 0.5, 0.5);
+
+Band bandOf(const Shape& shape, int n) {
+    const auto transform = rotatedTransform(1.0 / n, {1, 2, 3}, 20, {0.1, 0.2, 0.3});
+    return bandFromLevelSet(checkedLevelSet(makeLevelSet(shape, *transform, 3)), std::sqrt(3.0));
+}
+
+igeo::Vec3d indexDirection(const Band& band, const Vec3d& v) {
+    const igeo::Vec3d w{v.x(), v.y(), v.z()};
+    return {dot(band.transform.axis[0], w), dot(band.transform.axis[1], w),
+            dot(band.transform.axis[2], w)};
+}
+
+/// Where a walk should end: start, direction, length; world units.
+using Exact = std::function<Vec3d(const Vec3d&, const Vec3d&, double)>;
+
+struct Miss {
+    double mean = 0;   ///< % of the length
+    double worst = 0;  ///< % of the length, or of the spread of geodesics where that is more
+
+    Miss(const Band& band, const Vec3d& start, double length, const Exact& exact) {
+        constexpr int kWalks = 12;
+        const SurfacePoint p = pointOn(band, start);
+        for (int k = 1; k <= kWalks; ++k) {
+            const Vec3d direction = genericDirection(k);
+            const Path path =
+                shoot(band, p, indexDirection(band, direction), length / band.transform.dx);
+            REQUIRE(path.status == PathStatus::Reached);
+            const Vec3d at = worldOf(band, path.vertices.front().pIndex);
+            const Vec3d end = exact(at, direction, length);
+            const double off = (worldOf(band, path.vertices.back().pIndex) - end).length();
+            // Geodesics that start side by side are this far apart in the end, per angle.
+            const Vec3d turned = direction + 1e-5 * genericDirection(k + 100);
+            const double spread = (exact(at, turned, length) - end).length() / 1e-5;
+            mean += 100 * off / length / kWalks;
+            worst = std::max(worst, 100 * off / std::max(length, spread));
+        }
+    }
+};
+
+}  // namespace
+
+TEST_CASE("shoot on the sphere: three turns") {
+    const double radius = 0.4, length = 6 * M_PI * radius;
+    const auto exact = [&](const Vec3d& p, const Vec3d& direction, double l) {
+        const Vec3d out = (p - kCenter).unit();
+        const Vec3d along = (direction - direction.dot(out) * out).unit();
+        return kCenter + radius * (std::cos(l / radius) * out + std::sin(l / radius) * along);
+    };
+    std::vector<double> dx, mean;
+    for (const int n : {25, 50, 100, 200}) {
+        const Band band = bandOf(sphere(kCenter, radius), n);
+        const Miss m(band, kCenter + radius * genericDirection(), length, exact);
+        std::printf("shoot, sphere N = %3d: mean %.5f %%, worst %.5f %%\n", n, m.mean, m.worst);
+        CHECK(m.worst < 0.1);
+        dx.push_back(1.0 / n), mean.push_back(m.mean);
+    }
+    CHECK(fittedRate(dx, mean) > 1.8);
+}
+
+// Twice around the axis, five times around the tube. Next to the inner circle geodesics part
+// exponentially: where a small angle at the start moves the end by more than the length (by up to
+// 30 times it here), the miss is held against that.
+TEST_CASE("shoot on the torus: several turns") {
+    const double length = 4, tube = 0.12;
+    const auto exact = [&](const Vec3d& p, const Vec3d& direction, double l) {
+        return walkOnTorus(kCenter, 0.3, tube, p, direction, l);
+    };
+    std::vector<double> dx, mean;
+    for (const int n : {50, 100, 200}) {
+        const Band band = bandOf(torus(kCenter, 0.3, tube), n);
+        double sum = 0, worst = 0;
+        for (const double k : {1, 2, 3}) {
+            const Vec3d out(std::cos(k), std::sin(k), 0), up(0, 0, 1);
+            const Vec3d start =
+                kCenter + 0.3 * out + tube * (std::cos(2 * k) * out + std::sin(2 * k) * up);
+            const Miss m(band, start, length, exact);
+            sum += m.mean / 3, worst = std::max(worst, m.worst);
+        }
+        std::printf("shoot, torus N = %3d: mean %.5f %%, worst %.5f %%\n", n, sum, worst);
+        if (n >= 100) CHECK(worst < 0.1);
+        dx.push_back(1.0 / n), mean.push_back(sum);
+    }
+    CHECK(fittedRate(dx, mean) > 1.4);
+}
+
+}  // namespace igeo::test
