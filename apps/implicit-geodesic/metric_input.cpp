@@ -99,12 +99,17 @@ void MetricInput::read(const Options& options, const igeo::Similarity& transform
         leastWeight_ *= curvature_->epsilon;
         weightNames_.push_back("curvature " + options.weightCurvature);
     }
+    if (!options.metric.empty()) {
+        tensor_ = igeo::readTensorGrids(igeo::parseGridSource(options.metric));
+        weightNames_.push_back("tensor " + options.metric);
+    }
     readObstacles(options, transform);
 }
 
 igeo::MetricPtr MetricInput::on(const igeo::Band& band, igeo::Progress& progress) const {
-    if (weights_.empty() && !curvature_ && !obstacles_) return nullptr;
+    if (weights_.empty() && !curvature_ && !tensor_ && !obstacles_) return nullptr;
     auto metric = std::make_shared<igeo::Metric>();
+    if (tensor_) metric->tensor = igeo::sampleTensor(*tensor_, band, progress);
     for (const igeo::LoadedGrid& grid : weights_)
         metric->multiply(igeo::sampleWeight(grid, band, progress));
     if (curvature_)

@@ -28,7 +28,7 @@ public:
     /// A bound: no unit of length costs less, on any band; 0 where none is known.
     double leastWeight() const { return leastWeight_; }
     /// Whether values depend on the whole surface, so that a part of the band will not do.
-    bool needsWholeSurface() const { return curvature_.has_value() || !(leastWeight_ > 0); }
+    bool needsWholeSurface() const { return curvature_ || tensor_ || !(leastWeight_ > 0); }
 
     /// Curvature at the scale asked for.
     igeo::Curvature curvatureOf(const igeo::Band& band, igeo::Progress& progress) const {
@@ -48,6 +48,7 @@ private:
 
     std::vector<igeo::LoadedGrid> weights_;
     std::optional<CurvatureWeight> curvature_;
+    std::optional<igeo::TensorGrids> tensor_;
     double curvatureScale_ = igeo::kDefaultCurvatureScale;
     std::shared_ptr<igeo::ObstacleSet> obstacles_;  ///< null: none
     double leastWeight_ = 1;

@@ -81,6 +81,10 @@ void addOptions(CLI::App& app, Options& o) {
         ->type_name("D")
         ->check(number(/*mayBeZero=*/true))
         ->group(seeds);
+    app.add_option("--sample", o.sample, "Add so many seeds, each as far from all others as can be")
+        ->type_name("K")
+        ->check(CLI::Range(1, 1000000))
+        ->group(seeds);
     app.add_flag("--stop-at-targets", o.stopAtTargets, "Stop once all targets are reached")
         ->group(seeds);
     app.add_option("--max-distance", o.maxDistance,
@@ -105,6 +109,11 @@ void addOptions(CLI::App& app, Options& o) {
                    "Radius over which curvature is averaged, voxels, 1 to 16 [2]")
         ->type_name("N")
         ->check(number(/*mayBeZero=*/false))
+        ->group(metric);
+    app.add_option("--metric", o.metric,
+                   "A tensor G, cost sqrt(G[v, v]) of a step v, in world axes: vector grids "
+                   "PREFIXdiagonal (xx, yy, zz) and PREFIXoffdiagonal (xy, xz, yz)")
+        ->type_name("FILE[:PREFIX]")
         ->group(metric);
     app.add_option("--obstacle", o.obstacles,
                    "No way through: a mask (active voxels), a level set (inside) or a fog volume "
@@ -140,11 +149,13 @@ void addOptions(CLI::App& app, Options& o) {
         ->group(results);
     app.add_option("--with", o.with,
                    "More grids in the output: surface (psi, first), gradient (of the distance), "
-                   "weight, curvature")
+                   "label (nearest seed), color, logmap, weight, curvature, engraved (isolines and "
+                   "paths cut into psi)")
         ->type_name("LIST")
         ->delimiter(',')
         ->allow_extra_args(false)
-        ->check(CLI::IsMember({"surface", "gradient", "weight", "curvature"}))
+        ->check(CLI::IsMember(
+            {"surface", "gradient", "label", "color", "logmap", "weight", "curvature", "engraved"}))
         ->group(results);
     app.add_flag("--extend", o.extend,
                  "Cover the whole narrow band of the level set, not only the band marched")
@@ -160,6 +171,57 @@ void addOptions(CLI::App& app, Options& o) {
     app.add_flag("--straighten", o.straighten,
                  "Relax the geodesics to locally shortest curves, free of the march's error")
         ->group(results);
+    app.add_option(
+           "--isolines", o.isolines,
+           "Lines of equal distance on the surface: .json (docs/isolines.schema.json), .obj "
+           "or .ply; - writes JSON to stdout")
+        ->type_name("FILE")
+        ->group(results);
+    auto* levels = app.add_option("--levels", o.levels, "How many levels isolines have")
+                       ->type_name("N")
+                       ->check(CLI::Range(1, 100000))
+                       ->group(results);
+    app.add_option("--spacing", o.spacing,
+                   "Distance between isolines, world units times weight [a round one, about 16 "
+                   "lines]")
+        ->type_name("D")
+        ->check(number(/*mayBeZero=*/false))
+        ->excludes(levels)
+        ->group(results);
+    app.add_option("--mesh-out", o.meshOut,
+                   "The surface as triangles with distance, label and colour: .ply or .obj; - "
+                   "writes PLY to stdout")
+        ->type_name("FILE")
+        ->group(results);
+    app.add_option("--matrix", o.matrix,
+                   "All distances from seeds to targets, or between the seeds if there is no "
+                   "target: .csv, .json or .npy; - writes CSV to stdout")
+        ->type_name("FILE")
+        ->group(results);
+
+    const char* picture = "Picture";
+    app.add_option("--image", o.image, "The surface as a picture: distances, isolines, paths")
+        ->type_name("FILE.png")
+        ->group(picture);
+    app.add_option("--image-size", o.imageSize, "In pixels [1280x960]")
+        ->type_name("WxH")
+        ->group(picture);
+    app.add_option("--camera", o.camera,
+                   "Where the camera is and what it looks at, world units [chosen; the middle]")
+        ->type_name("X,Y,Z[,X,Y,Z]")
+        ->group(picture);
+    app.add_option_function<std::string>(
+           "--up", [&o](const std::string& s) { o.upZ = s == "z"; },
+           "The axis that points up: y or z [y]")
+        ->type_name("AXIS")
+        ->check(CLI::IsMember({"y", "z"}))
+        ->group(picture);
+    app.add_option("--color-map", o.colourMap,
+                   "Colours of picture, mesh and color grid: lagoon, sunset, ember, ice, grey "
+                   "[lagoon]")
+        ->type_name("NAME")
+        ->group(picture);
+
     app.add_option("--json", o.json,
                    "Report: parameters, counts, snap distances, timings; - writes to stdout")
         ->type_name("FILE")

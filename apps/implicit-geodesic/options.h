@@ -21,8 +21,7 @@ struct Options {
     std::string weightCurvature;       ///< KIND[,eps=E][,p=P]; empty: none
     double curvatureScale = 0;         ///< voxels; 0: default
     std::vector<std::string> obstacles, obstacleSpheres, obstacleBoxes;
-    std::string metric;           ///< FILE[:PREFIX] of a tensor; empty: none
-    std::string metricCurvature;  ///< avoid|prefer[,strength=S]; empty: none
+    std::string metric;  ///< FILE[:PREFIX] of a tensor; empty: none
 
     std::string scheme = "jet";
     int order = 2;
@@ -32,11 +31,20 @@ struct Options {
     std::string name;  ///< of the distance grid; empty: <psi>_geodesic
     bool extend = false;
     std::string paths, json;
+    std::string meshOut, isolines, matrix, image;
+    int levels = 0;      ///< of isolines; 0: by spacing
+    double spacing = 0;  ///< of isolines, world units times weight; 0: chosen
+    int sample = 0;      ///< further seeds, as far from all others as can be
+    std::string imageSize, camera, colourMap;
+    bool upZ = false;
     bool straighten = false;
 
     int threads = 0;  ///< 0: all cores
     std::string progress = "auto";
     bool quiet = false, verbose = false;
+
+    /// Mesh, isolines and pictures read the gradient between voxels.
+    bool needsGradient() const { return !meshOut.empty() || !isolines.empty() || !image.empty(); }
 };
 
 enum class ParseResult {

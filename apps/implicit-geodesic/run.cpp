@@ -13,6 +13,7 @@
 #include <igeo/parallel.h>
 #include <igeo/point_file.h>
 #include <igeo/report.h>
+#include <igeo/sampling.h>
 #include <igeo/straighten.h>
 #include <igeo/surface_point.h>
 #include <igeo/trace.h>
@@ -27,6 +28,7 @@
 #include <iostream>
 
 #include "metric_input.h"
+#include "outputs.h"
 
 namespace fs = std::filesystem;
 using igeo::Error;
@@ -67,6 +69,7 @@ private:
     void makeBand(const std::vector<igeo::Ball>& region);
     void snapPoints();
     void makeMetric();
+    void addSamples();
     void march(double maxDistance);
     void trace();
     void writeResults();
@@ -131,10 +134,15 @@ void Job::checkOutputs() {
     if (source_.file != "-" || !options_.output.empty()) outputs.push_back({"-o", outputName()});
     if (!options_.paths.empty()) outputs.push_back({"--paths", options_.paths});
     if (!options_.json.empty()) outputs.push_back({"--json", options_.json});
+    if (!options_.meshOut.empty()) outputs.push_back({"--mesh-out", options_.meshOut});
+    if (!options_.isolines.empty()) outputs.push_back({"--isolines", options_.isolines});
+    if (!options_.matrix.empty()) outputs.push_back({"--matrix", options_.matrix});
+    if (!options_.image.empty()) outputs.push_back({"--image", options_.image});
 
     std::vector<std::string> inputs{source_.file, options_.seedFile, options_.targetFile};
     for (const auto* list : {&options_.weights, &options_.obstacles})
         for (const std::string& given : *list) inputs.push_back(igeo::parseGridSource(given).file);
+    if (!options_.metric.empty()) inputs.push_back(igeo::parseGridSource(options_.metric).file);
     if (std::count(inputs.begin(), inputs.end(), "-") > 1)
         usageError("standard input is named for " +
                        std::to_string(std::count(inputs.begin(), inputs.end(), "-")) +
@@ -168,10 +176,7 @@ void Job::checkOutputs() {
         if (::access(folder.c_str(), W_OK) != 0 || (exists && ::access(file.c_str(), W_OK) != 0))
             usageError(named + ": no permission to write there", "write elsewhere");
     }
-    if (!options_.paths.empty() && options_.paths != "-" && !endsWith(options_.paths, ".json") &&
-        !endsWith(options_.paths, ".obj"))
-        usageError("--paths " + options_.paths + ": the ending is neither .json nor .obj",
-                   "name the file with one of them");
+    checkOutputOptions(options_);
 }
 
 void Job::readSurface() {
@@ -308,7 +313,7 @@ std::vector<igeo::Ball> Job::regionWithin(double distance) const {
     // Every leaf is held against every ball: for many points the whole surface is cheaper.
     constexpr std::size_t kMany = 200;
     if (!(distance < igeo::kInfinity) || askedSeeds_.size() + askedTargets_.size() > kMany ||
-        metricInput_.needsWholeSurface())
+        metricInput_.needsWholeSurface() || options_.sample > 0)
         return {};
     const double radius = std::max(distance, 0.0) / metricInput_.leastWeight();
     const double snap = report_.snap / surface_.transform.dx;
@@ -361,6 +366,7 @@ void Job::solve() {
         tell(targets_, askedTargets_, "target");
         finished("snap");
         makeMetric();
+        addSamples();
         march(whole ? limit : reach);
         const bool found =
             std::all_of(targets_.begin(), targets_.end(), [&](const igeo::SurfacePoint& t) {
@@ -369,6 +375,15 @@ void Job::solve() {
         if (whole || reach >= limit || found) return;
         reach = std::min(limit, 2 * reach);
     }
+}
+
+void Job::addSamples() {
+    if (options_.sample == 0) return;
+    const auto count = std::size_t(options_.sample);
+    for (const igeo::SurfacePoint& p :
+         igeo::farthestPoints(band_, metric_, seeds_, count, progress_))
+        seeds_.push_back(p);
+    finished("sample");
 }
 
 void Job::march(double maxDistance) {
@@ -390,7 +405,8 @@ void Job::march(double maxDistance) {
 
 void Job::trace() {
     const bool wantsAccuracy = options_.verbose || !options_.json.empty();
-    if (targets_.empty() && !wantsAccuracy && !asked("gradient")) return;
+    if (targets_.empty() && !wantsAccuracy && !asked("gradient") && !options_.needsGradient())
+        return;
     if (field_.gradient.empty()) field_.gradient = igeo::surfaceGradient(band_, field_);
     report_.paths = igeo::tracePaths(band_, field_, field_.gradient, targets_, {}, progress_);
     if (options_.straighten)
@@ -433,16 +449,8 @@ void Job::writeResults() {
     distance->insertMeta("geodesic_weight", openvdb::StringMetadata(weight.empty() ? "1" : weight));
     if (options_.extend) igeo::extendDistance(*distance, surface_, band_, field_);
     grids.push_back(distance);
-    if (asked("gradient"))
-        grids.push_back(
-            igeo::gradientGrid(band_, field_, field_.gradient, transform, base + "_gradient"));
-    const std::string psi = surface_.psi->getName();
-    if (asked("weight"))
-        grids.push_back(igeo::weightGrid(band_, *field_.metric, transform, psi + "_weight"));
-    if (asked("curvature"))
-        for (auto& grid : igeo::curvatureGrids(band_, metricInput_.curvatureOf(band_, progress_),
-                                               transform, psi))
-            grids.push_back(grid);
+    const Result result{surface_, band_, field_, targets_, metricInput_, report_};
+    for (const auto& grid : extraGrids(options_, result, base, progress_)) grids.push_back(grid);
     progress_.throwIfCancelled();
     igeo::writeVdb(output, grids);
     report_.outputs.emplace_back("distance", output);
@@ -460,6 +468,12 @@ void Job::writeResults() {
                                   : igeo::geodesicsJson(report_, band_, field_));
         report_.outputs.emplace_back("paths", options_.paths);
     }
+    for (const Document& document : documents(options_, result, progress_)) {
+        write(document.file, document.content);
+        report_.outputs.emplace_back(document.kind, document.file);
+    }
+    writeImage(options_, result, progress_);
+    if (!options_.image.empty()) report_.outputs.emplace_back("image", options_.image);
     finished("write");
 
     for (const std::string& w : surface_.warnings) report_.warnings.push_back(w);
@@ -500,8 +514,8 @@ int Job::summarise() {
 }
 
 int Job::run() {
-    if (options_.seeds.empty() && options_.seedFile.empty())
-        usageError("no seed is given", "add --seed x,y,z or --seeds FILE");
+    if (options_.seeds.empty() && options_.seedFile.empty() && options_.sample == 0)
+        usageError("no seed is given", "add --seed x,y,z, --seeds FILE or --sample K");
     checkOutputs();
     readSurface();
     readAskedPoints();

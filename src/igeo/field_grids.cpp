@@ -66,6 +66,15 @@ openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
     return grid;
 }
 
+openvdb::Int32Grid::Ptr labelGrid(const Band& band, const Field& field,
+                                  const openvdb::math::Transform& transform,
+                                  const std::string& name) {
+    auto grid = makeGrid<openvdb::Int32Grid>(-1, transform, name);
+    fill(*grid, band, reached(field),
+         [&](NodeIndex i) { return field.label.empty() ? 0 : std::int32_t(field.label[i]); });
+    return grid;
+}
+
 openvdb::FloatGrid::Ptr weightGrid(const Band& band, const Metric& metric,
                                    const openvdb::math::Transform& transform,
                                    const std::string& name) {

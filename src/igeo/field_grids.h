@@ -29,6 +29,11 @@ openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
                                      const openvdb::math::Transform& transform,
                                      const std::string& name);
 
+/// The index of the nearest seed; active where the distance is known, background -1.
+openvdb::Int32Grid::Ptr labelGrid(const Band& band, const Field& field,
+                                  const openvdb::math::Transform& transform,
+                                  const std::string& name);
+
 /// The weight at the foot points of the band, obstacles left inactive; background 1.
 openvdb::FloatGrid::Ptr weightGrid(const Band& band, const Metric& metric,
                                    const openvdb::math::Transform& transform,

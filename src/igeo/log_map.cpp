@@ -349,6 +349,10 @@ LogMap logMap(const Band& band, const Field& field, const Vec3d& reference) {
         throw Error(Error::Kind::InvalidArgument,
                     "the logarithmic map needs a field that has a gradient at foot points",
                     "march with the scheme jet");
+    if (field.metric->anisotropic())
+        throw Error(Error::Kind::InvalidArgument,
+                    "the logarithmic map is not known for tensor metrics",
+                    "leave the tensor out, or use weights");
     LogMap map;
     for (const SurfacePoint& seed : field.seeds)
         map.frames.push_back(frameAt(band, field, seed, reference));

@@ -37,7 +37,7 @@ struct LogMap {
 /// nodes take theirs from the lines of the core around. Second order.
 /// @param reference index space; u is its part along S at each seed. Zero, or normal to S: the
 ///                  coordinate axis least along the normal takes its place
-/// @throws Error  InvalidArgument for a field that is not of marchJet
+/// @throws Error  InvalidArgument for a field that is not of marchJet, or of a tensor
 /// At the cut locus a node has the direction of one of its shortest geodesics. Where S has sharp
 /// corners, and in the shadow of an obstacle, geodesics are not straight all the way: there only
 /// the length means something. Time O(n log n), about twice the work of the march, a good part of

@@ -121,7 +121,7 @@ Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, 
             path.status = PathStatus::Stalled;
             break;
         }
-        path.length = length * double(k) / double(steps);
+        path.length = path.arcLength = length * double(k) / double(steps);
         path.vertices.push_back({walker.p, path.length, path.length});
     }
     path.distance = path.length;

@@ -243,6 +243,37 @@ TEST_CASE("a wall leaves what is behind it unreached") {
     CHECK(report(desk)["targets"][0]["status"] == "unreachable");
 }
 
+TEST_CASE("a tensor makes one direction dearer than another") {
+    const Desk desk;
+    desk.make("in.vdb", "plane-patch --voxel-size 0.02 --param size=1.6");
+    // Along x a step costs three times as much.
+    auto tensor = [](const std::string& name, const openvdb::Vec3f& value) {
+        const auto grid = openvdb::Vec3SGrid::create(value);
+        grid->setName(name);
+        grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+        grid->denseFill(openvdb::CoordBBox({-3, -3, -3}, {3, 3, 3}), value);
+        return grid;
+    };
+    writeVdb(desk / "g.vdb", {tensor("diagonal", {9, 1, 1}), tensor("offdiagonal", {0, 0, 0})});
+    const std::string scheme = GENERATE(as<std::string>(), "jet", "godunov");
+    requireDone(desk,
+                "--sdf in.vdb --metric g.vdb --seed 0.01,0.01,0 --target 0.51,0.01,0 --target "
+                "0.01,0.51,0 --target 0.31,0.41,0 -q -o out.vdb --json r.json --scheme " +
+                    scheme);
+    const json targets = report(desk)["targets"];
+    const double slack = scheme == "jet" ? 2e-3 : 2e-2;
+    CHECK(targets[0]["distance"].get<double>() == Approx(1.5).epsilon(slack));
+    CHECK(targets[1]["distance"].get<double>() == Approx(0.5).epsilon(slack));
+    CHECK(targets[2]["distance"].get<double>() == Approx(std::hypot(0.9, 0.4)).epsilon(slack));
+    CHECK(targets[2]["arcLength"].get<double>() == Approx(0.5).epsilon(slack));
+
+    writeVdb(desk / "bad.vdb", {tensor("diagonal", {1, -1, 1})});
+    requireRefused(desk, "--sdf in.vdb --metric bad.vdb --seed 0,0,0 -o out.vdb", kUnusable,
+                   {"bad.vdb", "positive definite"});
+    requireRefused(desk, "--sdf in.vdb --metric in.vdb --seed 0,0,0 -o out.vdb", kUnusable,
+                   {"in.vdb", "diagonal"});
+}
+
 TEST_CASE("obstacles that are none are refused") {
     const SphereDesk desk;
     const std::string query = "--sdf in.vdb --seed 0,0,1 -o out.vdb --json out.json ";
