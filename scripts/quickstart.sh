@@ -100,13 +100,14 @@ targetOptions=()
 for target in "${targets[@]}"; do targetOptions+=(--target "$target"); done
 command=(build/release/bin/implicit-geodesic --sdf "$surface" --seed "$seed" "${targetOptions[@]}"
     -o "out/${name}_geodesic.vdb" --with surface --paths "out/${name}_paths.json"
-    --json "out/${name}_report.json")
+    --json "out/${name}_report.json" --image "out/$name.png")
 say "${command[*]}"
 "${command[@]}"
 
 cat >&2 <<END
 
 The distance from $seed on $surface, and the shortest paths to it:
+  out/${name}.png            a picture
   out/${name}_geodesic.vdb   grids psi and psi_geodesic
   out/${name}_paths.json     the paths, vertex by vertex
   out/${name}_report.json    what was computed, and with which parameters
