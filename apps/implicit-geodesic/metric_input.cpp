@@ -1,19 +1,15 @@
 #include "metric_input.h"
 
-#include <igeo/error.h>
 #include <igeo/point_file.h>
 
 #include <map>
 #include <sstream>
 
+#include "usage_error.h"
+
 namespace {
 
-using igeo::Error;
 using igeo::Vec3d;
-
-[[noreturn]] void usageError(const std::string& what, const std::string& remedy) {
-    throw Error(Error::Kind::InvalidArgument, what, remedy);
-}
 
 /// `count` numbers of an option.
 std::vector<double> numbersOf(const char* option, const std::string& given, std::size_t count,
@@ -58,6 +54,25 @@ MetricInput::CurvatureWeight MetricInput::parseCurvature(const std::string& give
     return weight;
 }
 
+MetricInput::BendingCost MetricInput::parseBending(const std::string& given, double dx) {
+    const auto comma = given.find(',');
+    const std::string kind = given.substr(0, comma);
+    BendingCost cost{igeo::Bending::Avoid, igeo::kCurvatureUnit};
+    if (kind == "prefer") cost.bending = igeo::Bending::Prefer;
+    std::vector<double> length{cost.length * dx};
+    if (comma != std::string::npos)
+        length = given.compare(comma + 1, 7, "length=") == 0
+                     ? igeo::parseNumbers(given.substr(comma + 8))
+                     : std::vector<double>();
+    if ((kind != "avoid" && kind != "prefer") || length.size() != 1 || !(length[0] > 0))
+        usageError("--metric-curvature: '" + given +
+                       "' is neither avoid nor prefer, with or "
+                       "without a length above 0",
+                   "write for instance avoid,length=0.5");
+    cost.length = length[0] / dx;
+    return cost;
+}
+
 void MetricInput::readObstacles(const Options& options, const igeo::Similarity& transform) {
     if (options.obstacles.empty() && options.obstacleSpheres.empty() &&
         options.obstacleBoxes.empty())
@@ -99,6 +114,10 @@ void MetricInput::read(const Options& options, const igeo::Similarity& transform
         leastWeight_ *= curvature_->epsilon;
         weightNames_.push_back("curvature " + options.weightCurvature);
     }
+    if (!options.metricCurvature.empty()) {
+        bending_ = parseBending(options.metricCurvature, transform.dx);
+        weightNames_.push_back("bending " + options.metricCurvature);
+    }
     if (!options.metric.empty()) {
         tensor_ = igeo::readTensorGrids(igeo::parseGridSource(options.metric));
         weightNames_.push_back("tensor " + options.metric);
@@ -107,9 +126,12 @@ void MetricInput::read(const Options& options, const igeo::Similarity& transform
 }
 
 igeo::MetricPtr MetricInput::on(const igeo::Band& band, igeo::Progress& progress) const {
-    if (weights_.empty() && !curvature_ && !tensor_ && !obstacles_) return nullptr;
+    if (weights_.empty() && !curvature_ && !tensor_ && !bending_ && !obstacles_) return nullptr;
     auto metric = std::make_shared<igeo::Metric>();
     if (tensor_) metric->tensor = igeo::sampleTensor(*tensor_, band, progress);
+    if (bending_)
+        metric->tensor = igeo::curvatureTensor(band, curvatureOf(band, progress), bending_->bending,
+                                               bending_->length);
     for (const igeo::LoadedGrid& grid : weights_)
         metric->multiply(igeo::sampleWeight(grid, band, progress));
     if (curvature_)

@@ -28,7 +28,9 @@ public:
     /// A bound: no unit of length costs less, on any band; 0 where none is known.
     double leastWeight() const { return leastWeight_; }
     /// Whether values depend on the whole surface, so that a part of the band will not do.
-    bool needsWholeSurface() const { return curvature_ || tensor_ || !(leastWeight_ > 0); }
+    bool needsWholeSurface() const {
+        return curvature_ || tensor_ || bending_ || !(leastWeight_ > 0);
+    }
 
     /// Curvature at the scale asked for.
     igeo::Curvature curvatureOf(const igeo::Band& band, igeo::Progress& progress) const {
@@ -43,12 +45,18 @@ private:
         igeo::CurvatureKind kind = igeo::CurvatureKind::Valley;
         double epsilon = igeo::kDefaultCurvatureEpsilon, power = igeo::kDefaultCurvaturePower;
     };
+    struct BendingCost {
+        igeo::Bending bending;
+        double length;  ///< voxels
+    };
     static CurvatureWeight parseCurvature(const std::string& text);
+    static BendingCost parseBending(const std::string& text, double dx);
     void readObstacles(const Options& options, const igeo::Similarity& transform);
 
     std::vector<igeo::LoadedGrid> weights_;
     std::optional<CurvatureWeight> curvature_;
     std::optional<igeo::TensorGrids> tensor_;
+    std::optional<BendingCost> bending_;
     double curvatureScale_ = igeo::kDefaultCurvatureScale;
     std::shared_ptr<igeo::ObstacleSet> obstacles_;  ///< null: none
     double leastWeight_ = 1;

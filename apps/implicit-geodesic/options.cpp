@@ -110,10 +110,17 @@ void addOptions(CLI::App& app, Options& o) {
         ->type_name("N")
         ->check(number(/*mayBeZero=*/false))
         ->group(metric);
+    auto* bending =
+        app.add_option("--metric-curvature", o.metricCurvature,
+                       "Cost by direction: avoid bending with the surface, or prefer it; L is the "
+                       "radius at which it counts, world units [length: 10 voxels]")
+            ->type_name("avoid|prefer[,length=L]")
+            ->group(metric);
     app.add_option("--metric", o.metric,
                    "A tensor G, cost sqrt(G[v, v]) of a step v, in world axes: vector grids "
                    "PREFIXdiagonal (xx, yy, zz) and PREFIXoffdiagonal (xy, xz, yz)")
         ->type_name("FILE[:PREFIX]")
+        ->excludes(bending)
         ->group(metric);
     app.add_option("--obstacle", o.obstacles,
                    "No way through: a mask (active voxels), a level set (inside) or a fog volume "

@@ -21,7 +21,8 @@ struct Options {
     std::string weightCurvature;       ///< KIND[,eps=E][,p=P]; empty: none
     double curvatureScale = 0;         ///< voxels; 0: default
     std::vector<std::string> obstacles, obstacleSpheres, obstacleBoxes;
-    std::string metric;  ///< FILE[:PREFIX] of a tensor; empty: none
+    std::string metric;           ///< FILE[:PREFIX] of a tensor; empty: none
+    std::string metricCurvature;  ///< avoid|prefer[,length=L]; empty: none
 
     std::string scheme = "jet";
     int order = 2;

@@ -2,7 +2,6 @@
 
 #include <igeo/colour_map.h>
 #include <igeo/engrave.h>
-#include <igeo/error.h>
 #include <igeo/field_grids.h>
 #include <igeo/isolines.h>
 #include <igeo/log_map.h>
@@ -14,14 +13,11 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "usage_error.h"
+
 namespace {
 
-using igeo::Error;
 using igeo::Vec3d;
-
-[[noreturn]] void usageError(const std::string& what, const std::string& remedy) {
-    throw Error(Error::Kind::InvalidArgument, what, remedy);
-}
 
 std::string endingOf(const std::string& file) {
     const auto dot = file.rfind('.');
@@ -93,8 +89,8 @@ void checkOutputOptions(const Options& options) {
         if (asked(options, grid) && options.scheme != "jet")
             usageError(std::string("--with ") + grid + " needs --scheme jet",
                        "godunov does not know where a front came from");
-    if (asked(options, "logmap") && !options.metric.empty())
-        usageError("--with logmap does not go with --metric",
+    if (asked(options, "logmap") && !(options.metric.empty() && options.metricCurvature.empty()))
+        usageError("--with logmap does not go with tensors (--metric, --metric-curvature)",
                    "the logarithmic map is known for weights only");
     pictureOptions(options);
 }

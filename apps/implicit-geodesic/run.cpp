@@ -29,6 +29,7 @@
 
 #include "metric_input.h"
 #include "outputs.h"
+#include "usage_error.h"
 
 namespace fs = std::filesystem;
 using igeo::Error;
@@ -43,10 +44,6 @@ std::string text(const char* pattern, double a, double b = 0, double c = 0) {
 }
 
 std::string text(const Vec3d& p) { return text("%.9g,%.9g,%.9g", p.x, p.y, p.z); }
-
-[[noreturn]] void usageError(const std::string& what, const std::string& remedy) {
-    throw Error(Error::Kind::InvalidArgument, what, remedy);
-}
 
 bool endsWith(const std::string& s, const std::string& end) {
     return s.size() >= end.size() && s.compare(s.size() - end.size(), end.size(), end) == 0;

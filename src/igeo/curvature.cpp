@@ -354,4 +354,27 @@ std::vector<float> curvatureWeights(const Curvature& curvature, CurvatureKind ki
     return weight;
 }
 
+std::vector<Tensor> curvatureTensor(const Band& band, const Curvature& curvature, Bending bending,
+                                    double length) {
+    if (!(length >= 0 && length < kInfinity))
+        throw Error(Error::Kind::InvalidArgument,
+                    "a bending length of " + std::to_string(length) + " is not finite and >= 0");
+    std::vector<Tensor> tensor(band.size());
+    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            auto squared = [&](float k) {
+                const double x = std::min(length * std::abs(double(k)), kMostBending);
+                return float(x * x);
+            };
+            float a = squared(curvature.k1[i]), b = squared(curvature.k2[i]);
+            if (bending == Bending::Prefer) std::swap(a, b);
+            const Vec3f e = curvature.direction1[i], f = cross(band.normal[i], e);
+            tensor[i] = {1 + a * e.x * e.x + b * f.x * f.x, 1 + a * e.y * e.y + b * f.y * f.y,
+                         1 + a * e.z * e.z + b * f.z * f.z, a * e.x * e.y + b * f.x * f.y,
+                         a * e.x * e.z + b * f.x * f.z,     a * e.y * e.z + b * f.y * f.z};
+        }
+    });
+    return tensor;
+}
+
 }  // namespace igeo

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band.h>
+#include <igeo/metric.h>
 #include <igeo/progress.h>
 
 #include <vector>
@@ -77,5 +78,21 @@ constexpr double kLeastShare = 0.001;
 std::vector<float> curvatureWeights(const Curvature& curvature, CurvatureKind kind,
                                     double epsilon = kDefaultCurvatureEpsilon,
                                     double power = kDefaultCurvaturePower);
+
+enum class Bending {
+    Avoid,  ///< ways that bend with the surface are dear: along a cylinder rather than around it
+    Prefer  ///< they are cheap: around rather than along
+};
+
+/// The least and most that curvatureTensor lets L k count for: costs differ by a factor of 10.
+constexpr double kMostBending = 10;
+
+/// A metric made of the principal curvatures: G = 1 + (L k1)^2 e1 e1^T + (L k2)^2 e2 e2^T to avoid
+/// bending, with k1 and k2 exchanged to prefer it; |L k| counts up to kMostBending.
+/// @param length L, voxels, >= 0; bends of that radius cost sqrt(2)
+/// @return one tensor per band node, for Metric
+/// @throws Error  InvalidArgument for a length that is negative or not finite
+std::vector<Tensor> curvatureTensor(const Band& band, const Curvature& curvature, Bending bending,
+                                    double length);
 
 }  // namespace igeo

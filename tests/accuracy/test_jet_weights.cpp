@@ -1,6 +1,7 @@
 // The scheme jet with a weight that varies, against metrics whose distance is known.
 #include <igeo/jet.h>
 #include <igeo/level_set_band.h>
+#include <igeo/parallel.h>
 #include <igeo/straighten.h>
 #include <support/catch.h>
 #include <support/errors.h>
@@ -143,6 +144,26 @@ TEST_CASE("jet: a constant weight scales the distance") {
         }
         // Powers of two leave the roundings as they are.
         CHECK(worst <= (w == 1 || w == 4 ? 0 : 1e-4));
+    }
+}
+
+TEST_CASE("jet with weights in waves has the same bits on any number of threads") {
+    const Patch patch(120);
+    const SurfacePoint seed = pointOn(patch.band, patch.at(0.1, 0.05)),
+                       other = pointOn(patch.band, patch.at(-0.2, 0.13));
+    for (const double contrast : {4.0, 1e4}) {
+        const MetricPtr metric = patch.metric([&](double u, double v) {
+            return std::pow(contrast, 0.5 + 0.5 * std::sin(40 * u) * std::cos(30 * v));
+        });
+        std::vector<Field> fields;
+        for (const int threads : {1, 2, 5}) {
+            const ThreadLimit limit(threads);
+            fields.push_back(marchJet(patch.band, metric, {seed, other}));
+        }
+        for (const Field& field : fields) {
+            CHECK(field.distance == fields[0].distance);
+            CHECK(field.label == fields[0].label);
+        }
     }
 }
 

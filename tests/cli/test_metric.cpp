@@ -274,6 +274,40 @@ TEST_CASE("a tensor makes one direction dearer than another") {
                    {"in.vdb", "diagonal"});
 }
 
+TEST_CASE("bending around a cylinder is avoided or preferred") {
+    const Desk desk;
+    desk.make("in.vdb", "cylinder --voxel-size 0.05");
+    // Radius 0.5; a quarter of the way around, and 0.4 up. With L = 0.5 sqrt(3) bends count twice.
+    const std::string query =
+        "--sdf in.vdb --seed 0.5,0,0 --target 0,0.5,0 --target 0.5,0,0.4 --target 0,-0.5,0.3 -q -o "
+        "out.vdb --json r.json --metric-curvature ";
+    auto distances = [&](const std::string& kind) {
+        requireDone(desk, query + kind + ",length=0.8660254");
+        std::vector<double> d;
+        const json all = report(desk);
+        for (const json& t : all["targets"]) d.push_back(t["distance"]);
+        return d;
+    };
+    // Curvature is smoothed over 2 voxels of a radius of 10, so 1 % of the cost.
+    const double quarter = M_PI / 4, slack = 0.01;
+    const auto avoid = distances("avoid");
+    CHECK(avoid[0] == Approx(2 * quarter).epsilon(slack));
+    CHECK(avoid[1] == Approx(0.4).epsilon(slack));
+    CHECK(avoid[2] == Approx(std::hypot(2 * quarter, 0.3)).epsilon(slack));
+    const auto prefer = distances("prefer");
+    CHECK(prefer[0] == Approx(quarter).epsilon(slack));
+    CHECK(prefer[1] == Approx(0.8).epsilon(slack));
+    CHECK(prefer[2] == Approx(std::hypot(quarter, 0.6)).epsilon(slack));
+    requireRefused(desk, "--sdf in.vdb --seed 0.5,0,0 --metric-curvature love -o out.vdb", kUsage,
+                   {"'love'", "avoid", "prefer"});
+    requireRefused(desk, "--sdf in.vdb --seed 0.5,0,0 --metric-curvature avoid,length=0 -o out.vdb",
+                   kUsage, {"length=0", "above 0"});
+    requireRefused(desk,
+                   "--sdf in.vdb --seed 0.5,0,0 --metric-curvature avoid --scheme godunov -o "
+                   "out.vdb",
+                   kUsage, {"diagonal", "jet"});
+}
+
 TEST_CASE("obstacles that are none are refused") {
     const SphereDesk desk;
     const std::string query = "--sdf in.vdb --seed 0,0,1 -o out.vdb --json out.json ";

@@ -96,9 +96,11 @@ TEST_CASE("one run writes picture, mesh, isolines, matrix and all grids") {
 TEST_CASE("samples are seeds, and their distances a symmetric matrix") {
     const Desk desk;
     desk.make("in.vdb", "sphere --voxel-size 0.05");
-    const Result result =
-        desk.run("--sdf in.vdb --sample 6 --matrix - -o out.vdb --json r.json -q --threads 2");
+    const Result result = desk.run(
+        "--sdf in.vdb --sample 6 --obstacle-sphere 3,0,0,1 --matrix - -o out.vdb --json r.json -q "
+        "--threads 2");
     REQUIRE(result.exitCode == 0);
+    CHECK(validBySchema(desk, "report.schema.json", "r.json"));
     CHECK(json::parse(readBytes(desk / "r.json"))["seeds"].size() == 6);
     const auto rows = lines(result.out);
     REQUIRE(rows.size() == 7);
