@@ -102,7 +102,7 @@ void addOptions(CLI::App& app, Options& o) {
         ->group(metric);
     app.add_option("--weight-curvature", o.weightCurvature,
                    "Cost from curvature: cheap in a valley, along a crest, or where mean, gaussian "
-                   "or principal curvature is small [valley,eps=100,p=3]")
+                   "or principal curvature is small [eps=100,p=3]")
         ->type_name("KIND[,eps=E][,p=P]")
         ->group(metric);
     app.add_option("--curvature-scale", o.curvatureScale,
