@@ -114,6 +114,6 @@ The distance from $seed on $surface, and the shortest paths to it:
 To look at them:
   vdb_view out/${name}_geodesic.vdb
   vdb_print -l out/${name}_geodesic.vdb
-  vdb_render out/${name}_geodesic.vdb out/${name}.png -name psi \\
+  vdb_render out/${name}_geodesic.vdb out/${name}_plain.png -name psi \\
       -translate $camera -shader diffuse -res 960x720
 END
