@@ -139,6 +139,39 @@ struct Band {
     void forCorners(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at, const Ijk& low,
                     const Visit& visit) const;
 
+    /// Calls visit(j, weight, from) for the nodes j at the corners around the foot point of node i:
+    /// trilinear weight, corners that hardly count left out, and the way from the corner's voxel to
+    /// the foot point.
+    /// @param l, at  leaf and offset of the node
+    template <typename Visit>
+    void forCornersOfFoot(LeafNodes BandLeaf::*nodes, NodeIndex i, LeafIndex l, unsigned at,
+                          const Visit& visit) const {
+        constexpr float kLight = 0.01f;
+        const Vec3f y = foot[i];
+        const Ijk low{floorToInt(y.x), floorToInt(y.y), floorToInt(y.z)};
+        const Vec3f up = y - Vec3f(low);
+        forCorners(nodes, l, at, low, [&](NodeIndex j, unsigned k) {
+            const Vec3f from = up - Vec3f{float(k >> 2), float(k >> 1 & 1), float(k & 1)};
+            const float weight =
+                (1 - std::abs(from.x)) * (1 - std::abs(from.y)) * (1 - std::abs(from.z));
+            if (weight >= kLight) visit(j, weight, from);
+        });
+    }
+
+    /// Calls visit(j, step) for the nodes up to `reach` steps from the voxel at step `middle` from
+    /// the one at an offset of leaf l.
+    template <typename Visit>
+    void forBox(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at, const Ijk& middle, int reach,
+                const Visit& visit) const {
+        for (int x = -reach; x <= reach; ++x)
+            for (int y = -reach; y <= reach; ++y)
+                for (int z = -reach; z <= reach; ++z) {
+                    const Ijk step = middle + Ijk{x, y, z};
+                    const NodeIndex j = neighbour(nodes, l, at, step);
+                    if (j != kNoNode) visit(j, step);
+                }
+    }
+
     /// Whether a front may pass between neighbours i and j: not if their normals oppose, for then
     /// they belong to two sheets that face each other.
     bool linked(NodeIndex i, NodeIndex j) const {

@@ -235,16 +235,12 @@ void CoreCurvature::compute(Progress& progress) {
 }
 
 Bend CoreCurvature::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
-    constexpr float kLight = 0.01f, kFlat = 0.8f;
-    const Vec3f foot = band_.foot[i], n = band_.normal[i];
-    const Ijk low{floorToInt(foot.x), floorToInt(foot.y), floorToInt(foot.z)};
-    const Vec3f up = foot - Vec3f(low);
+    constexpr float kFlat = 0.8f;
+    const Vec3f n = band_.normal[i];
     Bend sum;
     float total = 0;
-    band_.forCorners(&BandLeaf::core, l, at, low, [&](NodeIndex j, unsigned k) {
-        const Vec3f from = up - Vec3f{float(k >> 2), float(k >> 1 & 1), float(k & 1)};
-        const float w = (1 - std::abs(from.x)) * (1 - std::abs(from.y)) * (1 - std::abs(from.z));
-        if (w < kLight || dot(n, core_[j].normal) < kFlat) return;
+    band_.forCornersOfFoot(&BandLeaf::core, i, l, at, [&](NodeIndex j, float w, const Vec3f&) {
+        if (dot(n, core_[j].normal) < kFlat) return;
         const Bend& b = bend_[j];
         sum.k1 += w * b.k1, sum.k2 += w * b.k2;
         // A direction and its opposite are one.
@@ -263,17 +259,12 @@ Bend CoreCurvature::nearestTo(NodeIndex i, LeafIndex l, unsigned at) const {
     for (const Ijk& middle : {roundToIjk(Vec3d(foot)), Ijk{}}) {
         Bend nearest;
         float least = float(kInfinity);
-        for (int x = -kFar; x <= kFar; ++x)
-            for (int y = -kFar; y <= kFar; ++y)
-                for (int z = -kFar; z <= kFar; ++z) {
-                    const Ijk step = middle + Ijk{x, y, z};
-                    const NodeIndex j = band_.neighbour(&BandLeaf::core, l, at, step);
-                    if (j == kNoNode || dot(band_.normal[i], core_[j].normal) < Band::kOtherSheet)
-                        continue;
-                    const Vec3f chord = Vec3f(step) + core_[j].foot - foot;
-                    const float c2 = dot(chord, chord);
-                    if (c2 < least) least = c2, nearest = bend_[j];
-                }
+        band_.forBox(&BandLeaf::core, l, at, middle, kFar, [&](NodeIndex j, const Ijk& step) {
+            if (dot(band_.normal[i], core_[j].normal) < Band::kOtherSheet) return;
+            const Vec3f chord = Vec3f(step) + core_[j].foot - foot;
+            const float c2 = dot(chord, chord);
+            if (c2 < least) least = c2, nearest = bend_[j];
+        });
         if (least < float(kInfinity)) return nearest;
     }
     return {};

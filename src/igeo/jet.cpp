@@ -81,7 +81,6 @@ private:
     const MetricPtr held_;
     const JetOptions& options_;
     JetCore core_;
-    const bool varied_;    ///< costs differ from node to node
     double bucketWidth_;   ///< half a voxel at the least cost
     double heaviest_ = 0;  ///< the largest cost per unit length accepted so far
     std::map<std::uint32_t, std::vector<NodeIndex>> queue_;
@@ -98,7 +97,6 @@ JetMarch::JetMarch(const Band& band, MetricPtr metric, const std::vector<Surface
     : held_(std::move(metric)),
       options_(options),
       core_(band, *held_, seeds, options.startRadius),
-      varied_(held_->weighted() && held_->largest() > held_->least()),
       bucketWidth_(options.bucketWidth * core_.leastCost),
       limit_(options.maxDistance) {
     const auto [first, last] = std::minmax_element(
@@ -135,10 +133,10 @@ void JetMarch::startDisc(std::uint32_t k) {
         if (Solved s; core_.discJet(k, core_.placeOf(i), foot, s)) put(i, s), found.push_back(i);
     };
     const Vec3f side = core_.band.normal[seed.node];
-    core_.forBox(core_.band.leaf[seed.node], core_.band.offset[seed.node], {}, 2,
-                 [&](NodeIndex i, const Ijk&) {
-                     if (igeo::dot(core_.nodes[i].normal, side) >= Band::kOtherSheet) visit(i);
-                 });
+    core_.band.forBox(&BandLeaf::core, core_.band.leaf[seed.node], core_.band.offset[seed.node], {},
+                      2, [&](NodeIndex i, const Ijk&) {
+                          if (igeo::dot(core_.nodes[i].normal, side) >= Band::kOtherSheet) visit(i);
+                      });
     for (std::size_t at = 0; at < found.size(); ++at) {
         const Node& node = core_.nodes[found[at]];
         core_.band.forNeighbours(
@@ -170,7 +168,7 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last, Ch
     const double cost = core_.leastCostAt(i);
     double leastAround = cost;
     auto look = [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
-        if (varied_) leastAround = std::min(leastAround, core_.leastCostAt(j));
+        if (core_.varied) leastAround = std::min(leastAround, core_.leastCostAt(j));
         if (!(core_.nodes[j].u < kInfinity))
             waiting[waitingCount++] = {j, chord.x, chord.y, chord.z};
         else if (!known.full())
@@ -230,7 +228,7 @@ std::vector<NodeIndex> JetMarch::nextNodes(std::uint32_t& last) {
     std::vector<NodeIndex> nodes = std::move(queue_.begin()->second);
     queue_.erase(queue_.begin());
     last = first;
-    if (!varied_) return nodes;
+    if (!core_.varied) return nodes;
     // Together with the next buckets, up to the slack that every node has.
     double slack = kInfinity;
     const auto fits = [&](const std::vector<NodeIndex>& more, std::uint32_t bucket) {

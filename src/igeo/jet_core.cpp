@@ -43,7 +43,7 @@ JetCore::JetCore(const Band& aBand, const Metric& aMetric, const std::vector<Sur
     float largestRatio = 1;  // of the costs along the two axes in a tangent plane
     NodeIndex worst = kNoNode;
     struct Extremes {
-        double leastCost = kInfinity;
+        double least = kInfinity, most = 0;  ///< of the least cost at a node, over the leaf
         float ratio = 1;
         NodeIndex worst = kNoNode;
     };
@@ -55,18 +55,21 @@ JetCore::JetCore(const Band& aBand, const Metric& aMetric, const std::vector<Sur
             for (NodeIndex i = leaf.band.first; i < leaf.band.first + leaf.band.count; ++i) {
                 const std::uint16_t o = band.offset[i];
                 if (!(leaf.core.mask[o >> 6] >> (o & 63) & 1)) continue;
+                Extremes& e = extremes[l];
                 float weight;
+                double cost;
                 if (stretch.empty()) {
-                    weight = float(metric.at(i));
+                    cost = metric.at(i);
+                    weight = float(cost);
                 } else {
                     const PlaneMetric plane = metric.inPlane(TangentFrame(band.normal[i]), i);
                     weight = float(plane.weight);
+                    cost = plane.least();
                     stretch[k] = plane.stretch;
-                    Extremes& e = extremes[l];
-                    e.leastCost = std::min(e.leastCost, plane.least());
                     const float s = plane.stretch.largest();
                     if (s * s > e.ratio) e.ratio = s * s, e.worst = i;
                 }
+                e.least = std::min(e.least, cost), e.most = std::max(e.most, cost);
                 nodes[k++] = {kInfinity,
                               {},
                               band.foot[i],
@@ -80,10 +83,13 @@ JetCore::JetCore(const Band& aBand, const Metric& aMetric, const std::vector<Sur
         }
     });
     leastCost = stretch.empty() ? metric.least() : kInfinity;
+    double most = 0;
     for (const Extremes& e : extremes) {
-        leastCost = std::min(leastCost, e.leastCost);
+        leastCost = std::min(leastCost, e.least);
+        most = std::max(most, e.most);
         if (e.ratio > largestRatio) largestRatio = e.ratio, worst = e.worst;
     }
+    varied = most > leastCost;
     constexpr float kRounding = 1.001f;
     if (largestRatio > kRounding * kLargestRatio)
         throw Error(Error::Kind::InvalidArgument,

@@ -92,6 +92,7 @@ struct JetCore {
     std::vector<PlaneMetric> seedPlane;  ///< in the frames of their nodes; empty: isotropic
     double first = kInfinity;            ///< the least start value
     double leastCost = kInfinity;        ///< per unit length, of the core along S
+    bool varied = false;                 ///< costs differ from node to node
     std::vector<Node> nodes;
     std::vector<Stretch> stretch;      ///< per core node; empty: isotropic
     std::vector<std::uint32_t> label;  ///< per core node; empty for one seed
@@ -212,18 +213,6 @@ struct JetCore {
 
     /// The exact jet of seed k at a place, if that lies within its start disc.
     bool discJet(std::uint32_t k, const Place& place, const Vec3d& foot, Solved& s) const;
-
-    /// Calls visit(i, step) for the core nodes up to `reach` steps from the voxel at middle.
-    template <typename Visit>
-    void forBox(LeafIndex l, unsigned at, const Ijk& middle, int reach, const Visit& visit) const {
-        for (int x = -reach; x <= reach; ++x)
-            for (int y = -reach; y <= reach; ++y)
-                for (int z = -reach; z <= reach; ++z) {
-                    const Ijk step = middle + Ijk{x, y, z};
-                    const NodeIndex i = band.neighbour(&BandLeaf::core, l, at, step);
-                    if (i != kNoNode) visit(i, step);
-                }
-    }
 
 private:
     /// Nodes inside an obstacle, but next to one outside, stand on its rim, so that fronts go along

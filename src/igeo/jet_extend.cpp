@@ -60,19 +60,14 @@ private:
 };
 
 Solved Extension::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
-    constexpr float kLight = 0.01f, kFlat = 0.8f;
-    const Vec3f fi = band_.foot[i], n = band_.normal[i];
-    const Ijk low{floorToInt(fi.x), floorToInt(fi.y), floorToInt(fi.z)};
-    const Vec3f up = fi - Vec3f(low);
+    constexpr float kFlat = 0.8f;
+    const Vec3f n = band_.normal[i];
     // The corners around the foot point that are in the core, and what they say together.
     Corners corners;
     Solved s;
     Vec3f sum;
     bool simple = true;
-    band_.forCorners(&BandLeaf::core, l, at, low, [&](NodeIndex j, unsigned k) {
-        const Vec3f from = up - Vec3f{float(k >> 2), float(k >> 1 & 1), float(k & 1)};
-        const float w = (1 - std::abs(from.x)) * (1 - std::abs(from.y)) * (1 - std::abs(from.z));
-        if (w < kLight) return;
+    band_.forCornersOfFoot(&BandLeaf::core, i, l, at, [&](NodeIndex j, float w, const Vec3f& from) {
         const JetCore::Node& node = core_.nodes[j];
         if (corners.count == 0) s.label = core_.labelOf(j);
         simple &= node.u < kInfinity && core_.labelOf(j) == s.label && dot(n, node.normal) >= kFlat;
@@ -143,7 +138,7 @@ bool Extension::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& m
     constexpr float kNear2 = 3;
     const Vec3f& normal = place.frame.normal();
     bool anybody = false;
-    core_.forBox(l, at, middle, reach, [&](NodeIndex j, const Ijk& step) {
+    band_.forBox(&BandLeaf::core, l, at, middle, reach, [&](NodeIndex j, const Ijk& step) {
         const JetCore::Node& other = core_.nodes[j];
         const float cosine = dot(normal, other.normal);
         const Vec3f chord = band_.foot[i] - other.foot - Vec3f(step);

@@ -140,14 +140,16 @@ double Metric::least() const {
     if (!tensor.empty())
         return std::sqrt(
             extreme(tensor.size(), 1, [&](std::size_t k) { return eigenvalues(tensor[k])[0]; }));
-    return weight.empty() ? 1.0 : double(*std::min_element(weight.begin(), weight.end()));
+    if (weight.empty()) return 1;
+    return extreme(weight.size(), 1, [&](std::size_t k) { return double(weight[k]); });
 }
 
 double Metric::largest() const {
     if (!tensor.empty())
         return std::sqrt(
             extreme(tensor.size(), -1, [&](std::size_t k) { return eigenvalues(tensor[k])[2]; }));
-    return weight.empty() ? 1.0 : double(*std::max_element(weight.begin(), weight.end()));
+    if (weight.empty()) return 1;
+    return extreme(weight.size(), -1, [&](std::size_t k) { return double(weight[k]); });
 }
 
 void Metric::multiply(const std::vector<float>& factors) {
