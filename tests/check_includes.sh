@@ -12,12 +12,12 @@ eikonal heap jet_update selling atomic_file colour_map canvas ply
 tangent_frame
 band metric curvature
 vdb_io level_set leaf_block band_width index_map
-level_set_band surface_point grid_sampling obstacles
+level_set_band surface_point seeds grid_sampling obstacles
 field
 godunov jet jet_core jet_extend jet_stencil
 trace
 straighten
-accuracy sampling matrix pairs log_map shoot
+accuracy sampling matrix pairs log_map shoot sides
 surface_mesh
 isolines
 cells engrave
@@ -27,8 +27,8 @@ field_grids extend report point_file picture view surface_rays
 # Files that do without OpenVDB, and so without the igeo headers that need it.
 no_openvdb='
 types error parallel progress version eikonal heap jet_update selling ply tangent_frame band metric
-curvature field band_width surface_point godunov jet jet_core jet_extend jet_stencil trace
-straighten accuracy sampling matrix log_map shoot point_file colour_map canvas
+curvature field band_width surface_point seeds godunov jet jet_core jet_extend jet_stencil trace
+straighten accuracy sampling matrix log_map shoot sides point_file colour_map canvas
 '
 
 # Headers that cost seconds per file: the prefix, where the rule holds, and the files excepted.

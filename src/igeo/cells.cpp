@@ -109,7 +109,7 @@ void cutInThree(const Piece& piece, Sums& sums) {
 }  // namespace
 
 VoronoiCells voronoiCells(const Band& band, const Field& field, const SurfaceMesh& mesh) {
-    if (field.seeds.size() > 1 && field.label.empty())
+    if (field.sourceCount() > 1 && field.label.empty())
         throw Error(Error::Kind::InvalidArgument,
                     "the distance (" + field.scheme +
                         ") does not know which seed is nearest, so "
@@ -117,7 +117,7 @@ VoronoiCells voronoiCells(const Band& band, const Field& field, const SurfaceMes
                     "compute it with the scheme jet");
     const std::vector<Vec3f> gradient =
         field.label.empty() ? std::vector<Vec3f>{} : surfaceGradient(band, field);
-    Sums sums(field.seeds.size());
+    Sums sums(field.sourceCount());
     for (const SurfaceMesh::Triangle& v : mesh.triangles) {
         Piece piece;
         for (Corner k = 0; k < 3; ++k) {

@@ -2,6 +2,7 @@
 
 #include <igeo/leaf_block.h>
 #include <igeo/parallel.h>
+#include <igeo/sides.h>
 
 namespace igeo {
 
@@ -27,9 +28,10 @@ void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, cons
                 const int x = int(o >> 6), y = int(o >> 3 & 7), z = int(o & 7);
                 const double value = block.at(x, y, z);
                 const Vec3d n = normalized(psiGradient(PsiDifferences(block, x, y, z), value));
-                const double d =
-                    sampleDistance(band, field, Vec3d(Ijk{c.x(), c.y(), c.z()}) - value * n, n);
-                if (d < kInfinity) target[l]->setValueOn(o, float(d * dx));
+                const Vec3d foot = Vec3d(Ijk{c.x(), c.y(), c.z()}) - value * n;
+                const double d = sampleDistance(band, field, foot, n);
+                if (d < kInfinity)
+                    target[l]->setValueOn(o, float(d * dx * sideAt(band, field, foot)));
             }
         }
     });

@@ -20,6 +20,8 @@ void Field::summarise() {
                     parts[c].largest = std::max(parts[c].largest, distance[k]);
                 }
     });
+    source = sourcesOf(seeds);
+    seedsNear = SeedsNear(seeds, startRadius);
     reached = 0;
     maxDistance = 0;
     for (const Part& part : parts) {
@@ -69,7 +71,7 @@ std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field) {
 
 double costToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIndex,
                   const Vec3d& normal) {
-    const Vec3d chord = seed.pIndex - pIndex;
+    const Vec3d chord = seed.nearestTo(pIndex) - pIndex;
     const double r = length(chord);
     if (!field.metric->anisotropic()) return seed.weight * r;
     return r * field.metric->stepCost(seed.node, normalized(tangential(chord, normal)));
@@ -79,16 +81,18 @@ const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, const Ve
                                double d) {
     const SurfacePoint* nearest = nullptr;
     double least = field.startRadius;
-    for (const SurfacePoint& s : field.seeds) {
-        const double r = length(pIndex - s.pIndex);
+    field.seedsNear.forNear(pIndex, [&](std::size_t k) {
+        const SurfacePoint& s = field.seeds[k];
+        const Vec3d at = s.nearestTo(pIndex);
+        const double r = length(pIndex - at);
         // The distance tells a seed on this sheet from one on a sheet close by.
         const double cost = field.metric->anisotropic() && r > 0
                                 ? costToSeed(field, s, pIndex, normal) / r
                                 : s.weight;
         if (r < least && d - s.start < 1.5 * field.startRadius * cost &&
-            !field.metric->blocked(pIndex, s.pIndex, normal))
+            !field.metric->blocked(pIndex, at, normal))
             least = r, nearest = &s;
-    }
+    });
     return nearest;
 }
 

@@ -3,6 +3,7 @@
 
 #include <igeo/band.h>
 #include <igeo/metric.h>
+#include <igeo/seeds.h>
 #include <igeo/surface_point.h>
 #include <igeo/types.h>
 
@@ -20,10 +21,15 @@ struct Field {
                                    ///< (surfaceGradient)
     bool atFootPoints = false;  ///< distance and gradient are those of the foot points (jet), not
                                 ///< of the voxels (godunov)
-    std::vector<std::uint32_t> label;  ///< per band node: the seed it is nearest to; empty for one
-    std::size_t solved = 0;            ///< nodes that were marched (jet: of the core)
-    std::size_t guarded = 0;           ///< of those, solved by the guard (jet)
-    std::vector<SurfacePoint> seeds;   ///< where it starts
+    std::vector<std::uint32_t>
+        label;                        ///< per band node: the source it is nearest to; empty for one
+    std::vector<std::int8_t> side;    ///< per band node, of what the sources enclose (sides.h);
+                                      ///< empty: distances have no sign
+    std::size_t solved = 0;           ///< nodes that were marched (jet: of the core)
+    std::size_t guarded = 0;          ///< of those, solved by the guard (jet)
+    std::vector<SurfacePoint> seeds;  ///< where it starts
+    std::vector<std::uint32_t> source;  ///< per seed: the point, curve or region it belongs to
+    SeedsNear seedsNear;                ///< finds seeds by place
     MetricPtr metric = std::make_shared<Metric>();  ///< what was marched with; never null
     std::string scheme;                             ///< what computed it, e.g. "godunov, order 2"
     double startRadius = 0;     ///< within it, distances around seeds are exact; voxels
@@ -31,7 +37,9 @@ struct Field {
     double maxDistance = 0;     ///< the largest finite distance
     bool stoppedEarly = false;  ///< a limit ended the march: +inf need not mean unconnected
 
-    /// Counts `reached` and `maxDistance` from `distance`.
+    std::size_t sourceCount() const { return source.empty() ? 0 : source.back() + 1; }
+
+    /// Sets `reached`, `maxDistance`, `source` and `seedsNear`.
     void summarise();
 };
 

@@ -49,7 +49,10 @@ openvdb::FloatGrid::Ptr distanceGrid(const Band& band, const Field& field,
                                      const std::string& name) {
     const double dx = band.transform.dx;
     auto grid = makeGrid<openvdb::FloatGrid>(float(field.maxDistance * dx), transform, name);
-    fill(*grid, band, reached(field), [&](NodeIndex i) { return float(field.distance[i] * dx); });
+    fill(*grid, band, reached(field), [&](NodeIndex i) {
+        const bool negative = !field.side.empty() && field.side[i] < 0;
+        return float((negative ? -dx : dx) * field.distance[i]);
+    });
     return grid;
 }
 

@@ -61,8 +61,9 @@ public:
         seed.weight = metric_->at(seed.node);
         const Vec3d normal(band_.normal[seed.node]);
         for (const NodeIndex i : nodesAround(band_, seed, options_.startRadius)) {
-            if (metric_->blocked(band_, seed.pIndex, normal, i)) continue;
-            lower(i, seed.start + metric_->stepCost(seed.node, Vec3d(band_.ijk(i)) - seed.pIndex));
+            const Vec3d p(band_.ijk(i)), from = seed.nearestTo(p);
+            if (metric_->blocked(band_, from, normal, i)) continue;
+            lower(i, seed.start + metric_->stepCost(seed.node, p - from));
             started_[i] = true;
         }
         seeds_.push_back(seed);

@@ -125,11 +125,11 @@ void JetMarch::startDisc(std::uint32_t k) {
     double least = kInfinity;
     auto visit = [&](NodeIndex i) {
         if (!seen.insert(i).second) return;
-        const Vec3d foot = core_.footOf(core_.nodes[i]);
+        const Vec3d foot = core_.footOf(core_.nodes[i]), from = seed.nearestTo(foot);
         if (core_.nodes[i].sight == Metric::Inside ||
-            held_->blocked(seed.pIndex, foot, Vec3d(core_.seedNormal[k])))
+            held_->blocked(from, foot, Vec3d(core_.seedNormal[k])))
             return;
-        if (const double r = length(foot - seed.pIndex); r < least) least = r, nearest = i;
+        if (const double r = length(foot - from); r < least) least = r, nearest = i;
         if (Solved s; core_.discJet(k, core_.placeOf(i), foot, s)) put(i, s), found.push_back(i);
     };
     const Vec3f side = core_.band.normal[seed.node];
@@ -146,7 +146,7 @@ void JetMarch::startDisc(std::uint32_t k) {
     }
     // A seed in a corner that no node near it can see: straight to the nearest.
     if (found.empty() && nearest != kNoNode)
-        put(nearest, {seed.start + seed.weight * least, {}, k, false});
+        put(nearest, {seed.start + seed.weight * least, {}, core_.source[k], false});
 }
 
 Solved JetMarch::preferDisc(NodeIndex i, const Solved& s) const {

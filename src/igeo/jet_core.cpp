@@ -38,6 +38,7 @@ JetCore::JetCore(const Band& aBand, const Metric& aMetric, const std::vector<Sur
       metric(aMetric),
       startRadius(aStartRadius),
       seeds(aSeeds),
+      source(sourcesOf(aSeeds)),
       nodes(band.coreSize()) {
     if (metric.anisotropic()) stretch.resize(nodes.size());
     float largestRatio = 1;  // of the costs along the two axes in a tangent plane
@@ -101,9 +102,11 @@ JetCore::JetCore(const Band& aBand, const Metric& aMetric, const std::vector<Sur
                     "bring the eigenvalues of the tensors closer together");
     if (metric.obstacles) placeRimNodes();
     if (largestRatio > kLinksRatio) buildStencils();
-    if (aSeeds.size() > 1) label.assign(nodes.size(), 0);
+    if (!source.empty() && source.back() > 0) label.assign(nodes.size(), 0);
+    // Tensors stretch start discs by as much.
+    seedsNear = SeedsNear(seeds, startRadius * double(largestRatio));
     for (SurfacePoint& s : seeds) {
-        const PsiSample psi = samplePsi(band, s.pIndex);
+        const PsiSample psi = samplePsi(band, s.pIndex + 0.5 * s.piece);
         // Where two faces share a cell their gradients cancel.
         const bool clear = psi.valid && length(psi.gradient) > 0.5;
         seedNormal.push_back(clear ? Vec3f(normalized(psi.gradient)) : band.normal[s.node]);
@@ -166,7 +169,7 @@ double JetCore::seedCost(std::uint32_t k, const Vec3f& chord) const {
 bool JetCore::discJet(std::uint32_t k, const Place& place, const Vec3d& foot, Solved& s) const {
     const SurfacePoint& seed = seeds[k];
     const TangentFrame& frame = place.frame;
-    const Vec3f chord(foot - seed.pIndex), &normal = frame.normal();
+    const Vec3f chord(foot - seed.nearestTo(foot)), &normal = frame.normal();
     const float cosine = igeo::dot(normal, seedNormal[k]), c = igeo::length(chord);
     // With tensors as far in cost as such a chord where it is dearest: along the cheap axis the
     // lattice is coarse beside the bends of the front, further out than elsewhere.
@@ -181,14 +184,15 @@ bool JetCore::discJet(std::uint32_t k, const Place& place, const Vec3d& foot, So
         cosine < kSmooth ? frame.flat(chord) : frame.way(chord, seedNormal[k], cosine);
     const float u = length(way);
     if (stretch.empty()) {
-        s = {seed.start + (seed.weight + place.weight) / 2 * double(u), {}, k, false};
+        s = {seed.start + (seed.weight + place.weight) / 2 * double(u), {}, source[k], false};
         if (u > 1e-6f) s.g = frame.lift((1 / u) * way);
         return true;
     }
     // The way at the price of both ends, each in its own plane.
     const Vec2f here = place.stretch.way(way);
     const double arc = c > 0 ? double(u / c) : 1;
-    s = {seed.start + (place.weight * double(length(here)) + arc * there) / 2, {}, k, false};
+    s = {
+        seed.start + (place.weight * double(length(here)) + arc * there) / 2, {}, source[k], false};
     if (u > 1e-6f) s.g = frame.lift(place.stretch.covectorBack((1 / length(here)) * here));
     return true;
 }

@@ -25,7 +25,7 @@ constexpr std::uint32_t kNoBucket = std::numeric_limits<std::uint32_t>::max();
 struct Solved {
     double u = kInfinity;
     Vec3f g;                  ///< gradient over the node's weight
-    std::uint32_t label = 0;  ///< the seed whose front it is
+    std::uint32_t label = 0;  ///< the source whose front it is
     bool guarded = false;
     bool stands = false;  ///< no node still to come can change it
 };
@@ -44,8 +44,8 @@ struct Surroundings {
         all.add(n);
     }
     bool full() const { return all.count() == JetNeighbours::kMax; }
-    /// jetUpdate; fronts of different seeds are never fitted together, the lesser value counts, and
-    /// the earlier seed where they are equal. In the picture's coordinates.
+    /// jetUpdate; fronts of different sources are never fitted together, the lesser value counts,
+    /// and the earlier source where they are equal. In the picture's coordinates.
     Jet update(std::uint32_t& from) const;
 };
 
@@ -88,6 +88,8 @@ struct JetCore {
     const Metric& metric;
     const double startRadius;
     std::vector<SurfacePoint> seeds;
+    std::vector<std::uint32_t> source;  ///< per seed (sourcesOf)
+    SeedsNear seedsNear;                ///< finds those whose start discs hold a place
     std::vector<Vec3f> seedNormal;
     std::vector<PlaneMetric> seedPlane;  ///< in the frames of their nodes; empty: isotropic
     double first = kInfinity;            ///< the least start value
@@ -95,7 +97,7 @@ struct JetCore {
     bool varied = false;                 ///< costs differ from node to node
     std::vector<Node> nodes;
     std::vector<Stretch> stretch;      ///< per core node; empty: isotropic
-    std::vector<std::uint32_t> label;  ///< per core node; empty for one seed
+    std::vector<std::uint32_t> label;  ///< per core node; empty for one source
     /// The neighbours of node i from stencilFirst[i] on, where links are not enough (kLinksRatio);
     /// empty: links. If j is one of i's, i is one of j's: an accepted node keys whoever sees it.
     std::vector<NodeIndex> stencil;

@@ -119,17 +119,27 @@ Solved Extension::inDisc(NodeIndex i, const Solved& s) const {
     // The core around such a node has been reached from its seed, so that it is on the same sheet;
     // in the long discs of tensors it may have been by another way.
     constexpr double kOtherWay = 1.2;
-    const SurfacePoint& seed = core_.seeds[s.label];
     const Vec3d foot = band_.footPoint(i);
-    Solved disc;
-    if (!metric_.blocked(seed.pIndex, foot, Vec3d(core_.seedNormal[s.label])) &&
-        core_.discJet(s.label, core_.placeInBand(i), foot, disc) &&
-        (length(foot - seed.pIndex) <= core_.startRadius ||
-         s.u - seed.start <= kOtherWay * (disc.u - seed.start)))
-        return disc;
-    disc = s;
-    disc.u = std::max(s.u, seed.start);
-    return disc;
+    Solved best;
+    double leastStart = kInfinity;
+    auto look = [&](std::size_t k) {
+        const SurfacePoint& seed = core_.seeds[k];
+        if (core_.source[k] != s.label) return;
+        leastStart = std::min(leastStart, seed.start);
+        const Vec3d from = seed.nearestTo(foot);
+        Solved disc;
+        if (!metric_.blocked(from, foot, Vec3d(core_.seedNormal[k])) &&
+            core_.discJet(std::uint32_t(k), core_.placeInBand(i), foot, disc) &&
+            (length(foot - from) <= core_.startRadius ||
+             s.u - seed.start <= kOtherWay * (disc.u - seed.start)) &&
+            disc.u < best.u)
+            best = disc;
+    };
+    core_.seedsNear.forNear(foot, look);
+    if (best.u < kInfinity) return best;
+    best = s;
+    if (leastStart < kInfinity) best.u = std::max(s.u, leastStart);
+    return best;
 }
 
 bool Extension::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,

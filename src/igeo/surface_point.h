@@ -3,6 +3,7 @@
 
 #include <igeo/band.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace igeo {
@@ -15,6 +16,16 @@ struct SurfacePoint {
     NodeIndex node = kNoNode;  ///< a band node of its sheet, nearest to pIndex
     double start = 0;          ///< distance at which a seed starts, voxels times weight
     double weight = 1;         ///< the metric's weight here, set by the march
+
+    /// A seed may be a straight piece of a curve (seeds.h): all points up to pIndex + piece.
+    Vec3d piece;
+    bool joined = false;  ///< belongs to one curve or region with the seed before it in the list
+
+    /// The point of the seed that is nearest to p.
+    Vec3d nearestTo(const Vec3d& p) const {
+        const double l2 = dot(piece, piece);
+        return l2 > 0 ? pIndex + std::clamp(dot(p - pIndex, piece) / l2, 0.0, 1.0) * piece : pIndex;
+    }
 };
 
 /// The point of S nearest to `pIndex`.

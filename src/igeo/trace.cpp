@@ -189,16 +189,16 @@ const SurfacePoint* Tracer::seedAhead(const Vec3d& p, double d) const {
     for (const SurfacePoint& s : field_.seeds) {
         const double cost = costToSeed(field_, s, p, side_);
         if (std::abs(d - s.start - cost) <= kAgree * cost &&
-            std::abs(dot(side_, s.pIndex - p)) <= kRise &&
+            std::abs(dot(side_, s.nearestTo(p) - p)) <= kRise &&
             cost <= field_.startRadius * field_.metric->inPlane(frame, s.node).largest() &&
-            !field_.metric->blocked(p, s.pIndex, side_))
+            !field_.metric->blocked(p, s.nearestTo(p), side_))
             return &s;
     }
     return nullptr;
 }
 
 void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
-    const Vec3d from = path.vertices.back().pIndex, way = seed.pIndex - from;
+    const Vec3d from = path.vertices.back().pIndex, end = seed.nearestTo(from), way = end - from;
     const double d = path.vertices.back().distance;
     const int pieces = std::max(1, int(std::ceil(length(way) / options_.maxStep)));
     for (int k = 1; k < pieces; ++k) {
@@ -206,7 +206,7 @@ void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
         projectToSurface(band_, p);
         append(path, p, std::min(d, seed.start + costToSeed(field_, seed, p, side_)));
     }
-    append(path, seed.pIndex, seed.start);
+    append(path, end, seed.start);
     path.seed = std::size_t(&seed - field_.seeds.data());
     path.status = PathStatus::Reached;
 }
