@@ -62,6 +62,21 @@ void addOptions(CLI::App& app, Options& o) {
                    "Seeds from a .json or .csv file: x,y,z and, if given, a start distance")
         ->type_name("FILE")
         ->group(seeds);
+    app.add_option("--seed-curve", o.seedCurves,
+                   "Distance 0 along polylines on the surface: .json (also --isolines and --paths "
+                   "of another run) or .csv; repeatable")
+        ->type_name("FILE")
+        ->allow_extra_args(false)
+        ->group(seeds);
+    app.add_option("--seed-mask", o.seedMasks,
+                   "Distance 0 on the part of the surface inside a mask, level set or fog volume; "
+                   "repeatable")
+        ->type_name("FILE[:GRID]")
+        ->allow_extra_args(false)
+        ->group(seeds);
+    app.add_flag("--signed", o.withSign,
+                 "Negative distances inside masks, and on the smaller side of closed curves")
+        ->group(seeds);
     app.add_option("--target", o.targets, "Where a geodesic to the nearest seed starts; repeatable")
         ->type_name("X,Y,Z")
         ->allow_extra_args(false)
@@ -91,6 +106,18 @@ void addOptions(CLI::App& app, Options& o) {
                    "Stop beyond this distance, world units times weight")
         ->type_name("D")
         ->check(number(/*mayBeZero=*/false))
+        ->group(seeds);
+
+    app.add_option("--pairs", o.pairs,
+                   "Distances between pairs of points, each found near by; from a .json or .csv "
+                   "file of x,y,z,x,y,z; needs no seed")
+        ->type_name("FILE")
+        ->group(seeds);
+    app.add_option("--shoot", o.shoots,
+                   "Walk straight on (a geodesic) from a point in a direction for a length, world "
+                   "units; for --paths and --image; needs no seed; repeatable")
+        ->type_name("X,Y,Z,DX,DY,DZ,L")
+        ->allow_extra_args(false)
         ->group(seeds);
 
     const char* metric = "Metric";
@@ -171,7 +198,8 @@ void addOptions(CLI::App& app, Options& o) {
         ->type_name("GRID")
         ->group(results);
     app.add_option("--paths", o.paths,
-                   "Geodesics from all targets as polylines: .json (docs/geodesics.schema.json) or "
+                   "Geodesics from all targets, and walks of --shoot, as polylines: .json "
+                   "(docs/geodesics.schema.json) or "
                    ".obj; - writes JSON to stdout")
         ->type_name("FILE")
         ->group(results);
@@ -203,6 +231,12 @@ void addOptions(CLI::App& app, Options& o) {
     app.add_option("--matrix", o.matrix,
                    "All distances from seeds to targets, or between the seeds if there is no "
                    "target: .csv, .json or .npy; - writes CSV to stdout")
+        ->type_name("FILE")
+        ->group(results);
+
+    app.add_option("--pairs-out", o.pairsOut,
+                   "Distances of --pairs: .csv or .json (docs/pairs.schema.json); - writes CSV to "
+                   "stdout [-]")
         ->type_name("FILE")
         ->group(results);
 

@@ -1,6 +1,7 @@
 /// The command line, as asked for.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,13 @@ struct Options {
     bool indexSpace = false;
     double snap = -1;  ///< world units; < 0: the narrow band
     bool stopAtTargets = false;
-    double maxDistance = 0;  ///< world units times weight; 0: none
+    double maxDistance = 0;               ///< world units times weight; 0: none
+    std::vector<std::string> seedCurves;  ///< files of polylines
+    std::vector<std::string> seedMasks;   ///< FILE[:GRID]
+    bool withSign = false;
+    int sample = 0;                   ///< further seeds, as far from all others as can be
+    std::string pairs;                ///< file of pairs
+    std::vector<std::string> shoots;  ///< "x,y,z,dx,dy,dz,length"
 
     std::vector<std::string> weights;  ///< FILE[:GRID]
     std::string weightCurvature;       ///< KIND[,eps=E][,p=P]; empty: none
@@ -32,10 +39,9 @@ struct Options {
     std::string name;  ///< of the distance grid; empty: <psi>_geodesic
     bool extend = false;
     std::string paths, json;
-    std::string meshOut, isolines, matrix, image;
+    std::string meshOut, isolines, matrix, pairsOut, image;
     int levels = 0;      ///< of isolines; 0: by spacing
     double spacing = 0;  ///< of isolines, world units times weight; 0: chosen
-    int sample = 0;      ///< further seeds, as far from all others as can be
     std::string imageSize, camera, colourMap;
     bool upZ = false;
     bool straighten = false;
@@ -44,8 +50,22 @@ struct Options {
     std::string progress = "auto";
     bool quiet = false, verbose = false;
 
-    /// Mesh, isolines and pictures read the gradient between voxels.
-    bool needsGradient() const { return !meshOut.empty() || !isolines.empty() || !image.empty(); }
+    bool hasSeeds() const {
+        return !seeds.empty() || !seedFile.empty() || !seedCurves.empty() || !seedMasks.empty() ||
+               sample > 0;
+    }
+    /// Whether results are asked for that a run without seeds does not have.
+    bool needsSeeds() const {
+        return !output.empty() || !with.empty() || extend || !meshOut.empty() ||
+               !isolines.empty() || !matrix.empty() || !targets.empty() || !targetFile.empty();
+    }
+    /// By --with.
+    bool asked(const char* grid) const { return std::count(with.begin(), with.end(), grid) > 0; }
+    /// What else than paths reads the gradient of the distance.
+    bool needsGradient() const {
+        return !meshOut.empty() || !isolines.empty() || !image.empty() || asked("gradient") ||
+               asked("label") || asked("engraved");
+    }
 };
 
 enum class ParseResult {

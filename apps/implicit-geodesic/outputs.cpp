@@ -2,39 +2,21 @@
 
 #include <igeo/colour_map.h>
 #include <igeo/engrave.h>
+#include <igeo/extend.h>
 #include <igeo/field_grids.h>
-#include <igeo/isolines.h>
 #include <igeo/log_map.h>
 #include <igeo/matrix.h>
-#include <igeo/picture.h>
 #include <igeo/point_file.h>
-#include <igeo/surface_mesh.h>
+#include <igeo/vdb_io.h>
 
-#include <algorithm>
 #include <cstdio>
 
+#include "output_files.h"
 #include "usage_error.h"
 
 namespace {
 
 using igeo::Vec3d;
-
-std::string endingOf(const std::string& file) {
-    const auto dot = file.rfind('.');
-    return dot == std::string::npos ? "" : file.substr(dot);
-}
-
-void checkEnding(const char* option, const std::string& file, const std::string& allowed) {
-    if (file.empty() || file == "-") return;
-    const std::string ending = endingOf(file);
-    if (ending.empty() || (" " + allowed + " ").find(" " + ending + " ") == std::string::npos)
-        usageError(std::string(option) + " " + file + ": the ending is none of " + allowed,
-                   "name the file with one of them");
-}
-
-bool asked(const Options& options, const char* grid) {
-    return std::count(options.with.begin(), options.with.end(), grid) > 0;
-}
 
 igeo::PictureOptions pictureOptions(const Options& options) {
     igeo::PictureOptions picture;
@@ -62,111 +44,151 @@ igeo::PictureOptions pictureOptions(const Options& options) {
     return picture;
 }
 
-igeo::ColourMap colourMap(const Options& options) {
-    return igeo::ColourMap(options.colourMap.empty() ? igeo::ColourMap::names().front()
-                                                     : options.colourMap);
-}
-
-/// As asked for, else at the spacing a picture has.
-std::vector<double> levels(const Options& options, const Result& r) {
-    const double dx = r.band.transform.dx;
-    if (options.levels > 0) return igeo::levelsByCount(r.field, options.levels);
-    if (!(r.field.maxDistance > 0)) return {};
-    const double spacing =
-        options.spacing > 0 ? options.spacing : igeo::roundSpacing(r.field.maxDistance * dx, 16);
-    return igeo::levelsBySpacing(r.field, spacing / dx);
-}
-
 }  // namespace
 
-void checkOutputOptions(const Options& options) {
-    checkEnding("--paths", options.paths, ".json .obj");
-    checkEnding("--mesh-out", options.meshOut, ".ply .obj");
-    checkEnding("--isolines", options.isolines, ".json .obj .ply");
-    checkEnding("--matrix", options.matrix, ".csv .json .npy");
-    checkEnding("--image", options.image, ".png");
+Outputs::Outputs(const Options& options) : options_(options), picture_(pictureOptions(options)) {
     for (const char* grid : {"label", "logmap"})
-        if (asked(options, grid) && options.scheme != "jet")
+        if (options.asked(grid) && options.scheme != "jet")
             usageError(std::string("--with ") + grid + " needs --scheme jet",
                        "godunov does not know where a front came from");
-    if (asked(options, "logmap") && !(options.metric.empty() && options.metricCurvature.empty()))
+    const bool extended = !(options.seedCurves.empty() && options.seedMasks.empty());
+    if (!options.matrix.empty() && extended)
+        usageError("--matrix does not go with --seed-curve and --seed-mask",
+                   "a matrix is made of distances between points");
+    if (!options.pairsOut.empty() && options.pairs.empty())
+        usageError("--pairs-out without --pairs", "add --pairs FILE");
+    if (!options.asked("logmap")) return;
+    if (!(options.metric.empty() && options.metricCurvature.empty()))
         usageError("--with logmap does not go with tensors (--metric, --metric-curvature)",
                    "the logarithmic map is known for weights only");
-    pictureOptions(options);
+    if (extended)
+        usageError("--with logmap does not go with --seed-curve and --seed-mask",
+                   "polar coordinates are those about a point");
 }
 
-openvdb::GridCPtrVec extraGrids(const Options& options, const Result& r, const std::string& base,
-                                igeo::Progress& progress) {
-    const auto& transform = r.levelSet.psi->transform();
-    const std::string psi = r.levelSet.psi->getName();
+const igeo::SurfaceMesh& Outputs::mesh(const Result& r, igeo::Progress& progress) {
+    if (!mesh_) mesh_ = igeo::surfaceMesh(r.levelSet, r.band, r.field, progress);
+    return *mesh_;
+}
+
+const std::vector<igeo::Isoline>& Outputs::isolines(const Result& r, igeo::Progress& progress) {
+    if (isolines_) return *isolines_;
+    // As asked for, else at the spacing a picture has.
+    const double dx = r.band.transform.dx, largest = r.field.maxDistance;
+    std::vector<double> levels;
+    if (options_.levels > 0)
+        levels = igeo::levelsByCount(r.field, options_.levels);
+    else if (largest > 0)
+        levels = igeo::levelsBySpacing(
+            r.field,
+            (options_.spacing > 0 ? options_.spacing : igeo::roundSpacing(largest * dx, 16)) / dx);
+    isolines_ = igeo::isolines(r.band, r.field, mesh(r, progress), levels, progress);
+    return *isolines_;
+}
+
+void Outputs::countCells(const Result& r, igeo::Progress& progress) {
+    if (options_.asked("label"))
+        r.report.cells = igeo::voronoiCells(r.band, r.field, mesh(r, progress));
+}
+
+void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
+    const openvdb::FloatGrid& psi = *r.levelSet.psi;
+    const openvdb::math::Transform& transform = psi.transform();
+    const std::string name = psi.getName(),
+                      base = options_.name.empty() ? name + "_geodesic" : options_.name;
+    const igeo::Band& band = r.band;
+    const igeo::Field& field = r.field;
+
+    auto distance = igeo::distanceGrid(band, field, transform, base);
+    const double dx = band.transform.dx;
+    distance->insertMeta("geodesic_scheme", openvdb::StringMetadata(field.scheme));
+    distance->insertMeta("geodesic_band", openvdb::FloatMetadata(float(band.h * dx)));
+    distance->insertMeta("geodesic_seed_count", openvdb::Int32Metadata(int(field.sourceCount())));
+    distance->insertMeta("geodesic_max", openvdb::FloatMetadata(float(field.maxDistance * dx)));
+    distance->insertMeta("geodesic_unreached",
+                         openvdb::Int64Metadata(std::int64_t(band.size() - field.reached)));
+    std::string weight;
+    for (const std::string& w : r.metric.weightNames()) weight += (weight.empty() ? "" : " * ") + w;
+    distance->insertMeta("geodesic_weight", openvdb::StringMetadata(weight.empty() ? "1" : weight));
+    if (options_.extend) igeo::extendDistance(*distance, r.levelSet, band, field);
+
     openvdb::GridCPtrVec grids;
-    if (asked(options, "gradient"))
+    // vdb_render shows the first float grid of a file.
+    if (options_.asked("surface")) grids.push_back(r.levelSet.psi);
+    grids.push_back(distance);
+    if (options_.asked("gradient"))
         grids.push_back(
-            igeo::gradientGrid(r.band, r.field, r.field.gradient, transform, base + "_gradient"));
-    if (asked(options, "label"))
-        grids.push_back(igeo::labelGrid(r.band, r.field, transform, psi + "_label"));
-    if (asked(options, "color"))
+            igeo::gradientGrid(band, field, field.gradient, transform, base + "_gradient"));
+    if (options_.asked("label"))
+        grids.push_back(igeo::labelGrid(band, field, transform, name + "_label"));
+    if (options_.asked("color"))
+        grids.push_back(igeo::colorGrid(band, field, colourMap(), transform, base + "_color"));
+    if (options_.asked("logmap"))
         grids.push_back(
-            igeo::colorGrid(r.band, r.field, colourMap(options), transform, base + "_color"));
-    if (asked(options, "logmap"))
-        grids.push_back(
-            igeo::logMapGrid(r.band, igeo::logMap(r.band, r.field), transform, psi + "_logmap"));
-    if (asked(options, "weight"))
-        grids.push_back(igeo::weightGrid(r.band, *r.field.metric, transform, psi + "_weight"));
-    if (asked(options, "curvature"))
+            igeo::logMapGrid(band, igeo::logMap(band, field), transform, name + "_logmap"));
+    if (options_.asked("weight"))
+        grids.push_back(igeo::weightGrid(band, *field.metric, transform, name + "_weight"));
+    if (options_.asked("curvature"))
         for (const auto& grid :
-             igeo::curvatureGrids(r.band, r.metric.curvatureOf(r.band, progress), transform, psi))
+             igeo::curvatureGrids(band, r.metric.curvatureOf(band, progress), transform, name))
             grids.push_back(grid);
-    if (asked(options, "engraved")) {
-        const igeo::SurfaceMesh mesh = igeo::surfaceMesh(r.levelSet, r.band, r.field, progress);
-        grids.push_back(igeo::engraved(
-            r.levelSet, igeo::isolines(r.band, r.field, mesh, levels(options, r), progress),
-            r.report.paths));
-    }
-    return grids;
+    if (options_.asked("engraved"))
+        grids.push_back(igeo::engraved(r.levelSet, isolines(r, progress), r.lines()));
+    progress.throwIfCancelled();
+    const std::string file = distanceFile(options_, r.levelSet.name);
+    igeo::writeVdb(file, grids);
+    r.report.outputs.emplace_back("distance", file);
 }
 
-std::vector<Document> documents(const Options& options, const Result& r, igeo::Progress& progress) {
-    std::vector<Document> all;
+void Outputs::writeDocuments(const Result& r, igeo::Progress& progress) {
     const igeo::Similarity& transform = r.band.transform;
-    if (!options.meshOut.empty() || !options.isolines.empty()) {
-        const igeo::SurfaceMesh mesh = igeo::surfaceMesh(r.levelSet, r.band, r.field, progress);
-        if (!options.meshOut.empty()) {
-            const igeo::ColourMap colours = colourMap(options);
-            auto colour = [&](double t) { return igeo::Vec3f(igeo::srgbFromLinear(colours(t))); };
-            all.push_back({"mesh", options.meshOut,
-                           endingOf(options.meshOut) == ".obj"
-                               ? igeo::surfaceObj(mesh, transform, colour)
-                               : igeo::surfacePly(mesh, transform, colour)});
-        }
-        if (!options.isolines.empty()) {
-            const auto lines = igeo::isolines(r.band, r.field, mesh, levels(options, r), progress);
-            const std::string ending = endingOf(options.isolines);
-            all.push_back({"isolines", options.isolines,
-                           ending == ".obj" ? igeo::isolinesObj(lines, transform)
-                           : ending == ".ply"
-                               ? igeo::isolinesPly(lines, transform)
-                               : igeo::isolinesJson(r.report, r.band, r.field, lines)});
-        }
+    auto write = [&](const char* kind, const std::string& file, const std::string& content) {
+        writeDocument(file, content);
+        r.report.outputs.emplace_back(kind, file);
+    };
+    if (const std::string& file = options_.paths; !file.empty())
+        write("paths", file,
+              endingOf(file) == ".obj" ? igeo::geodesicsObj(r.lines(), r.band)
+                                       : igeo::geodesicsJson(r.report, r.band, r.field));
+    if (const std::string& file = options_.meshOut; !file.empty()) {
+        const igeo::ColourMap colours = colourMap();
+        auto colour = [&](double t) { return igeo::Vec3f(igeo::srgbFromLinear(colours(t))); };
+        write("mesh", file,
+              endingOf(file) == ".obj" ? igeo::surfaceObj(mesh(r, progress), transform, colour)
+                                       : igeo::surfacePly(mesh(r, progress), transform, colour));
     }
-    if (!options.matrix.empty()) {
+    if (const std::string& file = options_.isolines; !file.empty()) {
+        const auto& lines = isolines(r, progress);
+        const std::string ending = endingOf(file);
+        write("isolines", file,
+              ending == ".obj"   ? igeo::isolinesObj(lines, transform)
+              : ending == ".ply" ? igeo::isolinesPly(lines, transform)
+                                 : igeo::isolinesJson(r.report, r.band, r.field, lines));
+    }
+    if (const std::string& file = options_.matrix; !file.empty()) {
         const igeo::DistanceMatrix matrix =
             igeo::distances(r.band, r.field.metric, r.field.seeds, r.targets, progress);
-        const std::string ending = endingOf(options.matrix);
-        all.push_back({"matrix", options.matrix,
-                       ending == ".json"  ? igeo::matrixJson(r.report, r.band, matrix)
-                       : ending == ".npy" ? igeo::matrixNpy(matrix, transform.dx)
-                                          : igeo::matrixCsv(matrix, transform.dx)});
+        const std::string ending = endingOf(file);
+        write("matrix", file,
+              ending == ".json"  ? igeo::matrixJson(r.report, r.band, matrix)
+              : ending == ".npy" ? igeo::matrixNpy(matrix, transform.dx)
+                                 : igeo::matrixCsv(matrix, transform.dx));
     }
-    return all;
+    if (!options_.pairs.empty()) {
+        const std::string file = options_.pairsOut.empty() ? "-" : options_.pairsOut;
+        write("pairs", file,
+              endingOf(file) == ".json" ? igeo::pairsJson(r.report, r.band)
+                                        : igeo::pairsCsv(r.report.pairs, transform.dx));
+    }
+    if (!options_.image.empty()) {
+        igeo::PictureOptions picture = picture_;
+        if (options_.spacing > 0) picture.isolineSpacing = options_.spacing;
+        if (options_.levels > 0)
+            picture.isolineSpacing = r.field.maxDistance * transform.dx / (options_.levels + 1);
+        igeo::writePicture(options_.image, r.levelSet, r.band, r.field, r.lines(), picture,
+                           progress);
+        r.report.outputs.emplace_back("image", options_.image);
+    }
 }
 
-void writeImage(const Options& options, const Result& r, igeo::Progress& progress) {
-    if (options.image.empty()) return;
-    igeo::PictureOptions picture = pictureOptions(options);
-    if (options.spacing > 0) picture.isolineSpacing = options.spacing;
-    if (options.levels > 0)
-        picture.isolineSpacing = r.field.maxDistance * r.band.transform.dx / (options.levels + 1);
-    igeo::writePicture(options.image, r.levelSet, r.band, r.field, r.report.paths, picture,
-                       progress);
-}
+igeo::ColourMap Outputs::colourMap() const { return igeo::ColourMap(picture_.colourMap); }

@@ -1,12 +1,16 @@
-/// What a run writes beside distances, paths and report.
+/// What a run writes beside its report.
 #pragma once
 
+#include <igeo/colour_map.h>
 #include <igeo/field.h>
+#include <igeo/isolines.h>
 #include <igeo/level_set.h>
+#include <igeo/picture.h>
 #include <igeo/progress.h>
 #include <igeo/report.h>
+#include <igeo/surface_mesh.h>
 
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "metric_input.h"
@@ -19,26 +23,37 @@ struct Result {
     const igeo::Field& field;
     const std::vector<igeo::SurfacePoint>& targets;
     const MetricInput& metric;
-    const igeo::RunReport& report;
+    igeo::RunReport& report;
+
+    /// Paths and walks.
+    std::vector<igeo::Path> lines() const {
+        std::vector<igeo::Path> all = report.paths;
+        all.insert(all.end(), report.walks.begin(), report.walks.end());
+        return all;
+    }
 };
 
-/// Refuses endings, names and numbers that can only fail later.
-void checkOutputOptions(const Options& options);
+/// Writes what is asked for, and enters it into the report; what several results are made of is
+/// made once.
+class Outputs {
+public:
+    /// Refuses options that can only fail later.
+    explicit Outputs(const Options& options);
 
-/// The grids of --with behind the distance.
-/// @param base name of the distance grid
-openvdb::GridCPtrVec extraGrids(const Options& options, const Result& result,
-                                const std::string& base, igeo::Progress& progress);
+    /// Areas and boundaries of the cells of the seeds, for the report, if labels are asked for.
+    void countCells(const Result& result, igeo::Progress& progress);
+    /// The distance, with the grids of --with.
+    void writeVolume(const Result& result, igeo::Progress& progress);
+    /// Paths, mesh, isolines, matrix, pairs and picture.
+    void writeDocuments(const Result& result, igeo::Progress& progress);
 
-/// A file that is text or bytes.
-struct Document {
-    const char* kind;  ///< in the report
-    std::string file, content;
+private:
+    const igeo::SurfaceMesh& mesh(const Result& result, igeo::Progress& progress);
+    const std::vector<igeo::Isoline>& isolines(const Result& result, igeo::Progress& progress);
+    igeo::ColourMap colourMap() const;
+
+    const Options& options_;
+    igeo::PictureOptions picture_;
+    std::optional<igeo::SurfaceMesh> mesh_;
+    std::optional<std::vector<igeo::Isoline>> isolines_;
 };
-
-/// Mesh, isolines and matrix, as far as asked for.
-std::vector<Document> documents(const Options& options, const Result& result,
-                                igeo::Progress& progress);
-
-/// The picture of --image.
-void writeImage(const Options& options, const Result& result, igeo::Progress& progress);

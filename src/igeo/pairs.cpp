@@ -6,7 +6,9 @@
 #include <igeo/parallel.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cstdio>
 #include <map>
 #include <string>
 #include <tuple>
@@ -17,10 +19,9 @@ namespace {
 
 class PairSolver {
 public:
-    PairSolver(const LevelSet& levelSet, double h, const std::vector<Vec3d>& sources,
+    PairSolver(const PairSurface& surface, const std::vector<Vec3d>& sources,
                const std::vector<Vec3d>& targets, double snap, Progress& progress)
-        : levelSet_(levelSet),
-          h_(h),
+        : surface_(surface),
           sources_(sources),
           targets_(targets),
           snap_(snap),
@@ -44,8 +45,7 @@ private:
     bool snapTo(const Band& band, const Vec3d& asked, SurfacePoint& p) const;
     void refuseFarPoints() const;
 
-    const LevelSet& levelSet_;
-    const double h_;
+    const PairSurface& surface_;
     const std::vector<Vec3d>&sources_, &targets_;
     const double snap_;
     CancelOnly quiet_;
@@ -68,9 +68,10 @@ std::vector<Ball> PairSolver::region(const Group& group, double reach) const {
     // The start disc, the nodes awaited around a target, the margin behind the front, and the cells
     // and band around all that; and the scheme may be some percent short.
     constexpr double kBeyond = 12, kShort = 1.1;
+    const double longest = kShort * reach / surface_.leastWeight;
     std::vector<Ball> balls;
     for (const std::size_t k : group)
-        balls.push_back({0.5 * (sources_[k] + targets_[k]), kShort * reach / 2 + snap_ + kBeyond});
+        balls.push_back({0.5 * (sources_[k] + targets_[k]), longest / 2 + snap_ + kBeyond});
     return balls;
 }
 
@@ -87,16 +88,17 @@ bool PairSolver::snapTo(const Band& band, const Vec3d& asked, SurfacePoint& p) c
 bool PairSolver::solveOn(const Band& band, const Group& group, double reach) {
     SurfacePoint source;
     bool near = snapTo(band, sources_[group.front()], source);
+    const MetricPtr metric = surface_.metric ? surface_.metric(band, quiet_) : nullptr;
     JetOptions options;
     // Room for the cells around a target at the very end.
-    options.maxDistance = reach + 2;
+    options.maxDistance = reach + 2 * (metric ? metric->largest() : 1);
     for (const std::size_t k : group) {
         pairs_[k].source = source;
         near = snapTo(band, targets_[k], pairs_[k].target) && near;
         options.stopAt.push_back(pairs_[k].target);
     }
     if (!near) return true;
-    const Field field = marchJet(band, {}, {source}, options, quiet_);
+    const Field field = marchJet(band, metric, {source}, options, quiet_);
     bool found = true;
     for (const std::size_t k : group) {
         PairDistance& pair = pairs_[k];
@@ -108,13 +110,11 @@ bool PairSolver::solveOn(const Band& band, const Group& group, double reach) {
 }
 
 bool PairSolver::solveAround(const Group& group) {
-    const openvdb::Coord size = levelSet_.psi->evalActiveVoxelBoundingBox().dim();
-    const double large = length(Vec3d(size.x(), size.y(), size.z())) / 2;
     double reach = 16;
     for (const std::size_t k : group) reach = std::max(reach, 1.5 * straight(k));
-    for (; reach < large; reach *= 2)
-        if (solveOn(bandFromLevelSet(levelSet_, h_, region(group, reach), quiet_), group, reach))
-            return true;
+    reach *= surface_.leastWeight;
+    for (; reach < surface_.leastWeight * surface_.diagonal / 2; reach *= 2)
+        if (solveOn(surface_.band(region(group, reach), quiet_), group, reach)) return true;
     return false;
 }
 
@@ -145,7 +145,7 @@ std::vector<PairDistance> PairSolver::solve(Progress& progress) {
     };
     forAll([&](const Group& group) { return solveAround(group); });
     if (count < all.size()) {
-        const Band whole = bandFromLevelSet(levelSet_, h_, {}, quiet_);
+        const Band whole = surface_.band({}, quiet_);
         forAll([&](const Group& group) { return solveOn(whole, group, kInfinity); });
     }
     refuseFarPoints();
@@ -159,7 +159,29 @@ bool finite(const Vec3d& p) {
 
 }  // namespace
 
-std::vector<PairDistance> pairDistances(const LevelSet& levelSet, double h,
+PairSurface pairSurface(const LevelSet& levelSet, double h) {
+    PairSurface surface;
+    surface.band = [&levelSet, h](const std::vector<Ball>& region, Progress& progress) {
+        return bandFromLevelSet(levelSet, h, region, progress);
+    };
+    surface.diagonal =
+        std::sqrt(levelSet.psi->evalActiveVoxelBoundingBox().dim().asVec3d().lengthSqr());
+    return surface;
+}
+
+std::string pairsCsv(const std::vector<PairDistance>& pairs, double dx) {
+    std::string all = "pair,distance,sourceSnap,targetSnap\n";
+    std::array<char, 128> line{};
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const PairDistance& p = pairs[k];
+        std::snprintf(line.data(), line.size(), "%zu,%.17g,%.17g,%.17g\n", k, p.distance * dx,
+                      p.source.snapDistance * dx, p.target.snapDistance * dx);
+        all += line.data();
+    }
+    return all;
+}
+
+std::vector<PairDistance> pairDistances(const PairSurface& surface,
                                         const std::vector<Vec3d>& sources,
                                         const std::vector<Vec3d>& targets, double snap,
                                         Progress& progress) {
@@ -172,7 +194,7 @@ std::vector<PairDistance> pairDistances(const LevelSet& levelSet, double h,
     for (std::size_t k = 0; k < sources.size(); ++k)
         if (!finite(sources[k]) || !finite(targets[k]))
             throw Error(Kind::InvalidArgument, "pair " + std::to_string(k) + " is not finite");
-    return PairSolver(levelSet, h, sources, targets, snap, progress).solve(progress);
+    return PairSolver(surface, sources, targets, snap, progress).solve(progress);
 }
 
 }  // namespace igeo

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <igeo/level_set.h>
+#include <igeo/level_set_band.h>
+#include <igeo/metric.h>
 #include <igeo/progress.h>
 #include <igeo/surface_point.h>
 
+#include <functional>
+#include <string>
 #include <vector>
 
 namespace igeo {
@@ -12,16 +16,28 @@ namespace igeo {
 struct PairDistance {
     /// As found on S; `node` is kNoNode, as the bands are gone.
     SurfacePoint source, target;
-    double distance = kInfinity;  ///< voxels; +inf: no way between them
+    double distance = kInfinity;  ///< voxels times weight; +inf: no way between them
 };
 
-/// Distances from sources[k] to targets[k] by marchJet, without weights.
+/// A surface of which bands are made part by part, and the metric on them.
+struct PairSurface {
+    /// The band within some balls; of the whole surface where there are none.
+    std::function<Band(const std::vector<Ball>&, Progress&)> band;
+    std::function<MetricPtr(const Band&, Progress&)> metric;  ///< none: Euclidean
+    double leastWeight = 1;  ///< no unit of length costs less; 0: not known, and every pair takes
+                             ///< the whole surface
+    double diagonal = 0;     ///< across the surface, voxels
+};
+/// Without weights.
+/// @param h half the band's thickness, voxels, as in bandFromLevelSet
+PairSurface pairSurface(const LevelSet& levelSet, double h);
+
+/// Distances from sources[k] to targets[k] by marchJet.
 ///
 /// Pairs of one source share a march. A way of length L from s to t stays in the ball of radius L/2
-/// about their middle. So the march is on the band in such balls for a length of one and a half
-/// times the straight line, which doubles until all targets are found within it; what is found then
-/// is what a march on the whole surface finds.
-/// @param h       half the band's thickness, voxels, as in bandFromLevelSet
+/// about their middle, and one of cost c is at most c / leastWeight long. So the march is on the
+/// band in such balls for a length of one and a half times the straight line, which doubles until
+/// all targets are found within it; what is found then is what a march on the whole surface finds.
 /// @param sources, targets  index space, as many of either
 /// @param snap    how far they may be from S, voxels
 /// @throws Error  InvalidArgument for lists of different lengths, positions that are not finite, or
@@ -29,9 +45,14 @@ struct PairDistance {
 /// Time O(the surface around each source and its targets, and the leaves of the level set) per
 /// source, side by side; what is far apart or not connected takes a march of the whole surface.
 /// Same bits for any number of threads.
-std::vector<PairDistance> pairDistances(const LevelSet& levelSet, double h,
+std::vector<PairDistance> pairDistances(const PairSurface& surface,
                                         const std::vector<Vec3d>& sources,
                                         const std::vector<Vec3d>& targets, double snap,
                                         Progress& progress = Progress::none());
+
+/// Comma-separated: a first line `pair,distance,sourceSnap,targetSnap`, then a line per pair; `inf`
+/// where there is no way. Reading the numbers gives the same doubles.
+/// @param dx voxel size: lengths are written in world units, distances times weight
+std::string pairsCsv(const std::vector<PairDistance>& pairs, double dx);
 
 }  // namespace igeo

@@ -84,16 +84,26 @@ struct Scale {
     }
 };
 
-/// Segments of paths, to be found by position; index space.
+/// Segments of paths and seed curves, to be found by position; index space.
 class PathMarks {
 public:
-    PathMarks(const std::vector<Path>& paths, const SurfaceRays& rays, double radius)
+    PathMarks(const std::vector<Path>& paths, const std::vector<SurfacePoint>& seeds,
+              const SurfaceRays& rays, double radius)
         : radius_(radius), cell_(std::max(2 * radius, 2.0)) {
+        for (std::size_t k = 0; k < seeds.size(); ++k)
+            if (isPiece(seeds, k))
+                insert({seeds[k].pIndex, seeds[k].pIndex + seeds[k].piece,
+                        rays.normal(seeds[k].pIndex)});
         for (const Path& path : paths)
             for (std::size_t k = 0; k + 1 < path.vertices.size(); ++k) {
                 const Vec3d &a = path.vertices[k].pIndex, &b = path.vertices[k + 1].pIndex;
                 insert({a, b, rays.normal(0.5 * (a + b))});
             }
+    }
+
+    /// Whether a seed is one of several that make a curve or the rim of a region.
+    static bool isPiece(const std::vector<SurfacePoint>& seeds, std::size_t k) {
+        return seeds[k].joined || (k + 1 < seeds.size() && seeds[k + 1].joined);
     }
 
     /// Distance from a point of S to the nearest segment on its sheet, if below the radius.
@@ -183,14 +193,16 @@ public:
         isolineHalf_ = std::min(std::max(0.5 * pixel, 0.0009 * frame), 0.15 * scale.spacing);
         pathHalf_ = std::max(pixel, 0.002 * frame);
         outline_ = std::max(0.8 * pixel, 0.001 * frame);
-        marks_ = std::make_shared<PathMarks>(paths, rays, pathHalf_ + outline_);
+        marks_ = std::make_shared<PathMarks>(paths, field.seeds, rays, pathHalf_ + outline_);
         const double seedRadius = std::max(3 * pixel, 0.0075 * frame);
         auto dotAt = [&](const Vec3d& p, double radius, const Vec3d& colour) {
             if (isVisible(rays, p, normalized(eye_ - p))) dots_.push_back({p, radius, colour});
         };
         for (const Path& path : paths)
             if (!path.vertices.empty()) dotAt(path.vertices.front().pIndex, 0.6 * seedRadius, kInk);
-        for (const SurfacePoint& s : field.seeds) dotAt(s.pIndex, seedRadius, kWhite);
+        for (std::size_t k = 0; k < field.seeds.size(); ++k)
+            if (!PathMarks::isPiece(field.seeds, k))
+                dotAt(field.seeds[k].pIndex, seedRadius, kWhite);
     }
 
     const Vec3d& eye() const { return eye_; }

@@ -1,6 +1,7 @@
 /// Points named on the command line or listed in files.
 #pragma once
 
+#include <igeo/seeds.h>
 #include <igeo/types.h>
 
 #include <string>
@@ -26,5 +27,22 @@ AskedPoint parsePoint(const std::string& text);
 /// skipped.
 /// @throws Error  Io, or BadInput with the line or entry
 std::vector<AskedPoint> readPoints(const std::string& file);
+
+/// Polylines from a .json file: [[x, y, z], ...] is one, open; [{"position": [[x, y, z], ...],
+/// "closed": c, "start": s}, ...] are several; and the isolines or geodesics that this program
+/// writes. From any other file its points, as one open polyline. Closed ones may repeat their first
+/// point at the end; in the other forms, that closes them.
+/// @throws Error  Io, or BadInput with the entry
+std::vector<Curve> readCurves(const std::string& file);
+
+/// Two points to go between.
+struct AskedPair {
+    Vec3d source, target;
+};
+
+/// Pairs from a .json file, [[x, y, z, x, y, z], ...], or from a text file of such lines; empty
+/// lines, lines with # and one header line are skipped.
+/// @throws Error  Io, or BadInput with the line or entry
+std::vector<AskedPair> readPairs(const std::string& file);
 
 }  // namespace igeo

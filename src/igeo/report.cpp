@@ -35,6 +35,44 @@ json seedJson(const Band& band, const SurfacePoint& p, std::size_t index) {
     return j;
 }
 
+/// The seed at which a path ends; of a curve or region the point where it does.
+json seedOf(const Path& path, const Band& band, const Field& field) {
+    SurfacePoint seed = field.seeds[path.seed];
+    const bool several = path.seed + 1 < field.seeds.size() && field.seeds[path.seed + 1].joined;
+    if (seed.joined || several) {
+        seed.askedIndex = seed.pIndex = path.vertices.back().pIndex;
+        seed.snapDistance = 0;
+    }
+    return seedJson(band, seed, field.source[path.seed]);
+}
+
+/// Sources: points one by one, curves and regions as what they are made of.
+json seedsJson(const RunReport& r, const Band& band, const Field& field) {
+    json all = json::array();
+    for (std::size_t k = 0; k < field.seeds.size(); ++k) {
+        const std::size_t source = field.source[k];
+        if (source < all.size()) {
+            all[source]["pieces"] = all[source]["pieces"].get<std::size_t>() + 1;
+            continue;
+        }
+        json j;
+        if (source < r.sources.size() && !r.sources[source].empty())
+            j = {{"index", source},
+                 {"of", r.sources[source]},
+                 {"start", field.seeds[k].start * band.transform.dx},
+                 {"pieces", 1}};
+        else
+            j = seedJson(band, field.seeds[k], source);
+        if (r.cells) {
+            const double dx = band.transform.dx;
+            const VoronoiCell& cell = r.cells->cells[source];
+            j["cell"] = {{"area", cell.area * dx * dx}, {"boundary", cell.boundary * dx}};
+        }
+        all.push_back(std::move(j));
+    }
+    return all;
+}
+
 json header(const char* type) {
     return {{"schema", 1},
             {"type", type},
@@ -63,24 +101,36 @@ json metricJson(const RunReport& r, const Field& field) {
             {"blocked", metric.insideCount()}};
 }
 
-json pathJson(const Path& path, const Band& band, const Field& field) {
+json verticesJson(const Path& path, const Band& band) {
     const double dx = band.transform.dx;
-    json j;
-    j["status"] = toString(path.status);
-    j["target"] = pointJson(band, path.target);
-    const bool reached = path.status == PathStatus::Reached;
-    j["seed"] = reached ? seedJson(band, field.seeds[path.seed], path.seed) : json(nullptr);
-    j["length"] = path.vertices.empty() ? json(nullptr) : json(path.length * dx);
-    j["arcLength"] = path.vertices.empty() ? json(nullptr) : json(path.arcLength * dx);
-    j["distance"] = finiteOrNull(path.distance * dx);
     json positions = json::array(), arcLengths = json::array(), distances = json::array();
     for (const PathVertex& v : path.vertices) {
         positions.push_back(triple(band.transform.worldFromIndex(v.pIndex)));
         arcLengths.push_back(v.arcLength * dx);
         distances.push_back(v.distance * dx);
     }
-    j["vertices"] = {{"position", positions}, {"arcLength", arcLengths}, {"distance", distances}};
+    return {{"position", positions}, {"arcLength", arcLengths}, {"distance", distances}};
+}
+
+json pathJson(const Path& path, const Band& band, const Field& field) {
+    const double dx = band.transform.dx;
+    json j;
+    j["status"] = toString(path.status);
+    j["target"] = pointJson(band, path.target);
+    const bool reached = path.status == PathStatus::Reached;
+    j["seed"] = reached ? seedOf(path, band, field) : json(nullptr);
+    j["length"] = path.vertices.empty() ? json(nullptr) : json(path.length * dx);
+    j["arcLength"] = path.vertices.empty() ? json(nullptr) : json(path.arcLength * dx);
+    j["distance"] = finiteOrNull(path.distance * dx);
+    j["vertices"] = verticesJson(path, band);
     return j;
+}
+
+json walkJson(const Path& walk, const Band& band) {
+    return {{"status", walk.status == PathStatus::Reached ? "complete" : "cut short"},
+            {"start", pointJson(band, walk.target)},
+            {"length", walk.arcLength * band.transform.dx},
+            {"vertices", verticesJson(walk, band)}};
 }
 
 }  // namespace
@@ -92,6 +142,19 @@ std::string geodesicsJson(const RunReport& r, const Band& band, const Field& fie
     j["metric"] = metricJson(r, field);
     j["paths"] = json::array();
     for (const Path& path : r.paths) j["paths"].push_back(pathJson(path, band, field));
+    if (!r.walks.empty()) j["walks"] = json::array();
+    for (const Path& walk : r.walks) j["walks"].push_back(walkJson(walk, band));
+    return dump(j, -1);
+}
+
+std::string pairsJson(const RunReport& r, const Band& band) {
+    json j = header("pairs");
+    j["surface"] = surfaceJson(r, band);
+    j["pairs"] = json::array();
+    for (const PairDistance& p : r.pairs)
+        j["pairs"].push_back({{"source", pointJson(band, p.source)},
+                              {"target", pointJson(band, p.target)},
+                              {"distance", finiteOrNull(p.distance * band.transform.dx)}});
     return dump(j, -1);
 }
 
@@ -136,9 +199,10 @@ std::string reportJson(const RunReport& r, const Band& band, const Field& field)
                      {"meanRelativeError", a.samples ? json(a.meanError) : json(nullptr)},
                      {"largestRelativeError", a.samples ? json(a.largestError) : json(nullptr)},
                      {"guardedShare", a.guardedShare}};
-    j["seeds"] = json::array();
-    for (std::size_t k = 0; k < field.seeds.size(); ++k)
-        j["seeds"].push_back(seedJson(band, field.seeds[k], k));
+    j["seeds"] = seedsJson(r, band, field);
+    if (r.cells)
+        j["cells"] = {{"area", r.cells->area * dx * dx},
+                      {"unreachedArea", r.cells->unreachedArea * dx * dx}};
     j["targets"] = json::array();
     for (const Path& path : r.paths) {
         json t = pathJson(path, band, field);

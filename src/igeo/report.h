@@ -2,12 +2,15 @@
 #pragma once
 
 #include <igeo/accuracy.h>
+#include <igeo/cells.h>
 #include <igeo/field.h>
 #include <igeo/isolines.h>
 #include <igeo/matrix.h>
+#include <igeo/pairs.h>
 #include <igeo/trace.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,7 +29,11 @@ struct RunReport {
     std::vector<std::string> weights;     ///< what the metric is made of, a word each
     std::vector<std::string> obstacles;
     int threads = 1;
-    std::vector<Path> paths;  ///< one per target
+    std::vector<std::string> sources;  ///< what each is made of; empty: a point
+    std::vector<Path> paths;           ///< one per target
+    std::vector<Path> walks;           ///< straight on, one per --shoot
+    std::vector<PairDistance> pairs;
+    std::optional<VoronoiCells> cells;
     AccuracyEstimate accuracy;
     std::vector<std::pair<std::string, double>> seconds;       ///< wall time per stage, in order
     std::uint64_t peakMemory = 0;                              ///< bytes
@@ -34,7 +41,7 @@ struct RunReport {
     std::vector<std::string> warnings;
 };
 
-/// docs/geodesics.schema.json.
+/// docs/geodesics.schema.json. A field without seeds has walks only.
 std::string geodesicsJson(const RunReport& report, const Band& band, const Field& field);
 
 /// docs/isolines.schema.json.
@@ -46,6 +53,9 @@ std::string reportJson(const RunReport& report, const Band& band, const Field& f
 
 /// docs/matrix.schema.json. Of the report, it takes the names of the surface.
 std::string matrixJson(const RunReport& report, const Band& band, const DistanceMatrix& matrix);
+
+/// docs/pairs.schema.json.
+std::string pairsJson(const RunReport& report, const Band& band);
 
 /// Paths as Wavefront OBJ polylines, one object per path.
 std::string geodesicsObj(const std::vector<Path>& paths, const Band& band);

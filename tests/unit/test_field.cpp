@@ -133,6 +133,7 @@ TEST_CASE("sampleDistance: straight to the seed within its start disc") {
     seed.pIndex = at, seed.start = 5, seed.weight = 2;
     field.seeds = {seed};
     field.startRadius = 3.5;
+    field.summarise();
     for (const Vec3d& p : {at, at + Vec3d{0.1, 0, 0}, at + Vec3d{2, -2, 0}})
         CHECK(sampleDistance(band, field, p) == 5 + 2 * length(p - at));
     CHECK(seedAround(field, at + Vec3d{3.4, 0, 0}, {0, 0, 1}, 5 + 6.8) == &field.seeds[0]);

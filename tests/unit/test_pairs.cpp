@@ -54,7 +54,7 @@ TEST_CASE("pairDistances: as on the whole torus, near, far and around the bend")
         add(onTorus(2, 0.1), onTorus(2, 3.2));       // around it: far more than 1.5 straight lines
         add(onTorus(0, 0), onTorus(3.1, 0));         // across the whole torus
         add(onTorus(0.1, 0.2), onTorus(4, 2));       // the first source again
-        const auto pairs = pairDistances(s.levelSet, kH, from, to, 1.0);
+        const auto pairs = pairDistances(pairSurface(s.levelSet, kH), from, to, 1.0);
         REQUIRE(pairs.size() == from.size());
         for (std::size_t k = 0; k < pairs.size(); ++k) {
             INFO("pair " << k);
@@ -64,7 +64,8 @@ TEST_CASE("pairDistances: as on the whole torus, near, far and around the bend")
             CHECK(pairs[k].source.node == kNoNode);
             for (const int threads : {1, 3}) {
                 const ThreadLimit limit(threads);
-                const auto again = pairDistances(s.levelSet, kH, {from[k]}, {to[k]}, 1.0);
+                const auto again =
+                    pairDistances(pairSurface(s.levelSet, kH), {from[k]}, {to[k]}, 1.0);
                 CHECK(again[0].distance == pairs[k].distance);
             }
         }
@@ -76,7 +77,7 @@ TEST_CASE("pairDistances: two sheets of a thin wall are far apart, two pieces in
     const Surface sheet(thinSheet(kCenter, 0.3, 0.25, 0.06), 0.01, 10);
     const Vec3d above = sheet.index(kCenter + openvdb::Vec3d(0.01, 0, 0.03));
     const Vec3d below = sheet.index(kCenter + openvdb::Vec3d(0.01, 0, -0.03));
-    const auto through = pairDistances(sheet.levelSet, kH, {above}, {below}, 1.0);
+    const auto through = pairDistances(pairSurface(sheet.levelSet, kH), {above}, {below}, 1.0);
     // To the rim and back: 6 voxels straight, more than 40 along the surface.
     CHECK(through[0].distance > 40);
     CHECK(through[0].distance == sheet.wholeDistance(above, below));
@@ -84,7 +85,7 @@ TEST_CASE("pairDistances: two sheets of a thin wall are far apart, two pieces in
     const Surface two(twoSpheres(kCenter, 0.1, kCenter + openvdb::Vec3d(0.3, 0, 0), 0.1), 0.01, 0);
     const Vec3d a = two.index(kCenter + openvdb::Vec3d(0.1, 0, 0));
     const Vec3d b = two.index(kCenter + openvdb::Vec3d(0.2, 0, 0));
-    const auto apart = pairDistances(two.levelSet, kH, {a, a}, {b, a}, 1.0);
+    const auto apart = pairDistances(pairSurface(two.levelSet, kH), {a, a}, {b, a}, 1.0);
     CHECK(apart[0].distance == kInfinity);
     CHECK(apart[1].distance == 0);
 }
@@ -95,7 +96,7 @@ TEST_CASE("pairDistances: refuses what is no pair, not finite, or off the surfac
     const Vec3d near = on + Vec3d{2, 0, 0}, far = on + Vec3d{50, 0, 0};
     const auto solve = [&](const std::vector<Vec3d>& from, const std::vector<Vec3d>& to,
                            double snap) {
-        return [=, &s] { pairDistances(s.levelSet, kH, from, to, snap); };
+        return [=, &s] { pairDistances(pairSurface(s.levelSet, kH), from, to, snap); };
     };
     using Kind = Error::Kind;
     expectError(Kind::InvalidArgument, {"2 sources", "1 targets"}, solve({on, on}, {on}, 1));
@@ -104,12 +105,13 @@ TEST_CASE("pairDistances: refuses what is no pair, not finite, or off the surfac
     expectError(Kind::InvalidArgument, {"less than 0"}, solve({on}, {on}, -1));
     expectError(Kind::InvalidArgument, {"target 1", "1.9"}, solve({on, on}, {on, near}, 1.9));
     expectError(Kind::InvalidArgument, {"source 1"}, solve({on, far, far}, {on, far, on}, 1));
-    CHECK(pairDistances(s.levelSet, kH, {near}, {on}, 2.1)[0].distance < 0.1);
-    CHECK(pairDistances(s.levelSet, kH, {}, {}, 1).empty());
+    CHECK(pairDistances(pairSurface(s.levelSet, kH), {near}, {on}, 2.1)[0].distance < 0.1);
+    CHECK(pairDistances(pairSurface(s.levelSet, kH), {}, {}, 1).empty());
     struct Stop : Progress {
         bool cancelled() const override { return true; }
     } stop;
-    expectError(Kind::Cancelled, {}, [&] { pairDistances(s.levelSet, kH, {on}, {on}, 1, stop); });
+    expectError(Kind::Cancelled, {},
+                [&] { pairDistances(pairSurface(s.levelSet, kH), {on}, {on}, 1, stop); });
 }
 
 }  // namespace igeo::test

@@ -162,6 +162,7 @@ TEST_CASE("tracePath: the nearest of several seeds, by number") {
     for (std::size_t k = 0; k < s.band.size(); ++k)
         s.field.distance[k] = std::min(
             s.field.distance[k], Sphere::geodesic(second.pIndex, s.band.footPoint(NodeIndex(k))));
+    s.field.summarise();
     s.gradient = surfaceGradient(s.band, s.field);
     for (const auto& [direction, seed] :
          {std::pair<Vec3d, std::size_t>{{0.2, 0.3, 1}, 0}, {{0.2, 1, 0.3}, 1}}) {

@@ -1,0 +1,118 @@
+#include "output_files.h"
+
+#include <igeo/atomic_file.h>
+#include <igeo/vdb_io.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <iostream>
+#include <utility>
+#include <vector>
+
+#include "usage_error.h"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A file asked for, and the endings that it may have, if not any.
+struct Output {
+    const char* option;
+    std::string file;
+    const char* endings;
+};
+
+std::vector<Output> outputsOf(const Options& o) {
+    std::vector<Output> all;
+    // The name for a level set from standard input is not known yet; it comes from the grid.
+    if (o.hasSeeds() && (igeo::parseGridSource(o.sdf).file != "-" || !o.output.empty()))
+        all.push_back({"-o", distanceFile(o, ""), ""});
+    for (const Output& output : std::vector<Output>{{"--paths", o.paths, ".json .obj"},
+                                                    {"--json", o.json, ""},
+                                                    {"--mesh-out", o.meshOut, ".ply .obj"},
+                                                    {"--isolines", o.isolines, ".json .obj .ply"},
+                                                    {"--matrix", o.matrix, ".csv .json .npy"},
+                                                    {"--pairs-out", o.pairsOut, ".csv .json"},
+                                                    {"--image", o.image, ".png"}})
+        if (!output.file.empty()) all.push_back(output);
+    return all;
+}
+
+std::vector<std::string> inputsOf(const Options& o) {
+    std::vector<std::string> files{igeo::parseGridSource(o.sdf).file, o.seedFile, o.targetFile,
+                                   o.pairs};
+    files.insert(files.end(), o.seedCurves.begin(), o.seedCurves.end());
+    for (const auto* list : {&o.weights, &o.obstacles, &o.seedMasks})
+        for (const std::string& given : *list) files.push_back(igeo::parseGridSource(given).file);
+    if (!o.metric.empty()) files.push_back(igeo::parseGridSource(o.metric).file);
+    return files;
+}
+
+void checkEnding(const Output& output) {
+    const std::string ending = endingOf(output.file), allowed = output.endings;
+    if (allowed.empty() || output.file == "-") return;
+    if (ending.empty() || (" " + allowed + " ").find(" " + ending + " ") == std::string::npos)
+        usageError(
+            std::string(output.option) + " " + output.file + ": the ending is none of " + allowed,
+            "name the file with one of them");
+}
+
+}  // namespace
+
+std::string endingOf(const std::string& file) {
+    const auto dot = file.rfind('.');
+    return dot == std::string::npos ? "" : file.substr(dot);
+}
+
+std::string distanceFile(const Options& options, const std::string& grid) {
+    if (!options.output.empty()) return options.output;
+    const std::string file = igeo::parseGridSource(options.sdf).file;
+    return (file == "-" ? grid : fs::path(file).stem().string()) + "_geodesic.vdb";
+}
+
+void checkOutputFiles(const Options& options) {
+    const std::vector<std::string> inputs = inputsOf(options);
+    if (const auto n = std::count(inputs.begin(), inputs.end(), "-"); n > 1)
+        usageError(
+            "standard input is named for " + std::to_string(n) + " inputs, and can be read once",
+            "give the others as files");
+
+    std::vector<std::string> taken;
+    for (const Output& output : outputsOf(options)) {
+        const std::string &file = output.file, named = std::string(output.option) + " " + file;
+        checkEnding(output);
+        std::error_code ignored;
+        const std::string whole =
+            file == "-" ? file : fs::weakly_canonical(fs::absolute(file), ignored).string();
+        for (const std::string& input : inputs)
+            if (input != "-" && file != "-" && fs::equivalent(file, input, ignored))
+                usageError(named + " would overwrite the input '" + input + "'",
+                           std::string("give ") + output.option + " another name");
+        const bool device = fs::exists(file, ignored) && !fs::is_regular_file(file, ignored) &&
+                            !fs::is_directory(file, ignored);
+        if (!device && std::find(taken.begin(), taken.end(), whole) != taken.end())
+            usageError(named + ": two results cannot go to one place", "give each its own name");
+        taken.push_back(whole);
+        if (file == "-" || device) continue;
+        const fs::path folder =
+            fs::path(file).parent_path().empty() ? "." : fs::path(file).parent_path();
+        if (!fs::is_directory(folder, ignored))
+            usageError(named + ": there is no folder '" + folder.string() + "'",
+                       "create it first, or write elsewhere");
+        if (fs::is_directory(file, ignored))
+            usageError(named + ": that is a folder", "add a file name");
+        const bool exists = fs::exists(file, ignored);
+        if (::access(folder.c_str(), W_OK) != 0 || (exists && ::access(file.c_str(), W_OK) != 0))
+            usageError(named + ": no permission to write there", "write elsewhere");
+    }
+}
+
+void writeDocument(const std::string& file, const std::string& content) {
+    if (file == "-")
+        std::cout << content << std::flush;
+    else
+        igeo::writeFile(file, content);
+    if (!std::cout) igeo::AtomicFile::throwWriteError("standard output", errno);
+}

@@ -1,0 +1,93 @@
+#include "seed_input.h"
+
+#include <igeo/error.h>
+#include <igeo/sides.h>
+#include <igeo/vdb_io.h>
+
+#include "usage_error.h"
+
+using igeo::Error;
+
+std::vector<igeo::AskedPoint> askedPoints(const std::vector<std::string>& given,
+                                          const std::string& file, const char* what) {
+    std::vector<igeo::AskedPoint> points;
+    for (const std::string& s : given) {
+        try {
+            points.push_back(igeo::parsePoint(s));
+        } catch (const Error& e) {
+            throw Error(e.kind(), std::string("--") + what + ": " + e.what(), e.remedy());
+        }
+    }
+    if (!file.empty())
+        for (const igeo::AskedPoint& p : igeo::readPoints(file)) points.push_back(p);
+    return points;
+}
+
+void SeedInput::read(const Options& options, const igeo::Similarity& transform) {
+    points_ = askedPoints(options.seeds, options.seedFile, "seed");
+    samples_ = options.sample;
+    signed_ = options.withSign;
+    for (const std::string& file : options.seedCurves)
+        for (igeo::Curve curve : igeo::readCurves(file)) {
+            if (!options.indexSpace)
+                for (igeo::Vec3d& p : curve.points) p = transform.indexFromWorld(p);
+            curve.start /= transform.dx;
+            curves_.push_back({"curve " + file, curve});
+        }
+    for (const std::string& given : options.seedMasks) {
+        auto body = std::make_shared<igeo::ObstacleSet>(transform);
+        body->addGrid(igeo::readObstacleGrid(igeo::parseGridSource(given)));
+        regions_.push_back({"mask " + given, body});
+    }
+    if (!signed_) return;
+    if (!points_.empty() || samples_ > 0 || curves_.empty() == regions_.empty())
+        usageError("--signed needs closed curves or masks, and seeds of one kind only",
+                   "give either --seed-curve or --seed-mask, and no other seed");
+}
+
+std::vector<igeo::SurfacePoint> SeedInput::extendedSeeds(const igeo::Band& band,
+                                                         double snap) const {
+    std::vector<igeo::SurfacePoint> seeds;
+    auto add = [&](const std::vector<igeo::SurfacePoint>& more) {
+        seeds.insert(seeds.end(), more.begin(), more.end());
+    };
+    for (const NamedCurve& c : curves_) {
+        try {
+            add(igeo::seedsAlong(band, c.curve, snap));
+        } catch (const Error& e) {
+            throw Error(e.kind(), "--seed-" + c.name + ": " + e.what(), e.remedy());
+        }
+    }
+    for (const Region& region : regions_) {
+        const auto around = igeo::seedsAround(band, *region.body);
+        if (around.empty())
+            usageError("--seed-" + region.name + ": its rim does not cross the surface",
+                       "give a mask that holds some voxels of the surface, and not all");
+        add(around);
+    }
+    return seeds;
+}
+
+std::vector<std::uint8_t> SeedInput::inside(const igeo::Band& band) const {
+    std::vector<std::uint8_t> in(band.size());
+    for (const Region& region : regions_) {
+        const auto more = igeo::nodesInside(band, *region.body);
+        for (std::size_t i = 0; i < in.size(); ++i) in[i] |= more[i];
+    }
+    return in;
+}
+
+void SeedInput::finish(const igeo::Band& band, igeo::Field& field) const {
+    if (signed_)
+        field.side =
+            regions_.empty() ? igeo::sidesOfCurves(band, field) : igeo::sidesOfRegion(inside(band));
+    else if (!regions_.empty())
+        igeo::clearInside(inside(band), field);
+}
+
+std::vector<std::string> SeedInput::names() const {
+    std::vector<std::string> names(points_.size());
+    for (const NamedCurve& c : curves_) names.push_back(c.name);
+    for (const Region& region : regions_) names.push_back(region.name);
+    return names;
+}
