@@ -132,4 +132,15 @@ void requireRefused(const Desk& desk, const std::string& line, int exitCode,
     requireRefused(desk, desk.command(line), exitCode, says);
 }
 
+bool validBySchema(const Desk& desk, const std::string& schema, const std::string& document) {
+    Command command;
+    command.program = "/usr/bin/python3";
+    command.args = {IGEO_SOURCE_DIR "/tests/cli/validate_json.py",
+                    IGEO_SOURCE_DIR "/docs/" + schema, desk / document};
+    const Result result = run(command);
+    INFO(result.out << result.err);
+    // 77, 127: no python3-jsonschema here.
+    return result.exitCode == 0 || result.exitCode == 77 || result.exitCode == 127;
+}
+
 }  // namespace igeo::test

@@ -44,6 +44,10 @@ void allowLeaks(Command& command);
 /// Runs a command that must succeed: exit code 0, and nothing on stdout.
 Result requireDone(const Desk& desk, const std::string& line);
 
+/// Whether a JSON document holds to one of docs/*.schema.json; true where python3-jsonschema is
+/// missing.
+bool validBySchema(const Desk& desk, const std::string& schema, const std::string& document);
+
 /// Runs a command that must be refused, once in the folder as it is and once with outputs out.vdb
 /// and out.json in place from before.
 ///

@@ -15,17 +15,6 @@ namespace {
 
 const int kUsage = 2;
 
-bool validBySchema(const Desk& desk, const std::string& schema, const std::string& document) {
-    Command command;
-    command.program = "/usr/bin/python3";
-    command.args = {IGEO_SOURCE_DIR "/tests/cli/validate_json.py",
-                    IGEO_SOURCE_DIR "/docs/" + schema, desk / document};
-    const Result result = run(command);
-    INFO(result.out << result.err);
-    // 77, 127: no python3-jsonschema here.
-    return result.exitCode == 0 || result.exitCode == 77 || result.exitCode == 127;
-}
-
 /// The number after a word of a PLY header.
 std::size_t countOf(const std::string& ply, const std::string& word) {
     const auto at = ply.find("element " + word + " ");

@@ -106,4 +106,55 @@ TEST_CASE("readPoints: files that cannot be read") {
     expectError(kind, {"folder"}, [&] { readPoints(folder.path().string()); });
 }
 
+TEST_CASE("readCurves: lists, objects, and what the program writes") {
+    auto curves = [](const std::string& name, const std::string& content) {
+        const TempDir folder;
+        std::ofstream(folder / name) << content;
+        return readCurves(folder / name);
+    };
+    const auto text = curves("c.csv", "x,y,z\n1,2,3\n4,5,6\n");
+    REQUIRE(text.size() == 1);
+    CHECK(text[0].points == std::vector<Vec3d>{{1, 2, 3}, {4, 5, 6}});
+    CHECK_FALSE(text[0].closed);
+    const auto list = curves("c.json", "[[0,0,0],[1,0,0],[1,1,0],[0,0,0]]");
+    REQUIRE(list.size() == 1);
+    CHECK(list[0].closed);  // it ends where it begins
+    CHECK(list[0].points.size() == 3);
+    const auto two = curves("c.json", R"([{"position": [[1,2,3]], "start": 2},
+                                          {"position": [[0,0,0],[1,0,0]], "closed": true}])");
+    REQUIRE(two.size() == 2);
+    CHECK(two[0].start == 2);
+    CHECK(two[1].closed);
+    CHECK(curves("c.json", R"({"isolines": [{"position": [[1,2,3]], "closed": false}]})").size() ==
+          1);
+    CHECK(curves("c.json", R"({"paths": [{"vertices": {"position": [[1,2,3],[2,2,3]]}}]})")[0]
+              .points.size() == 2);
+    for (const char* bad : {"{}", "[]", "[1]", "[{}]", R"([{"position": []}])", "[[1,2]]",
+                            R"([{"position": [[1,2,3]], "closed": 1}])", "nonsense",
+                            R"([{"position": [[1,2,3]], "start": -1}])",
+                            R"([{"position": [[1,2,3]], "start": "x"}])", "[[1,2,3],{}]"}) {
+        INFO(bad);
+        expectError(Error::Kind::BadInput, {"c.json", "position"}, [&] { curves("c.json", bad); });
+    }
+}
+
+TEST_CASE("readPairs: six numbers each") {
+    auto pairs = [](const std::string& name, const std::string& content) {
+        const TempDir folder;
+        std::ofstream(folder / name) << content;
+        return readPairs(folder / name);
+    };
+    for (const auto& [name, content] :
+         {std::pair("p.csv", "a,b,c,d,e,f\n1,2,3,4,5,6\n"), {"p.json", "[[1,2,3,4,5,6]]"}}) {
+        const auto read = pairs(name, content);
+        REQUIRE(read.size() == 1);
+        CHECK(read[0].source == Vec3d{1, 2, 3});
+        CHECK(read[0].target == Vec3d{4, 5, 6});
+    }
+    expectError(Error::Kind::BadInput, {"line 2", "x,y,z,x,y,z"},
+                [&] { pairs("p.csv", "1,2,3,4,5,6\n1,2,3\n"); });
+    expectError(Error::Kind::BadInput, {"entry 0", "six"}, [&] { pairs("p.json", "[[1,2,3]]"); });
+    expectError(Error::Kind::BadInput, {"no pairs"}, [&] { pairs("p.csv", "# none\n"); });
+}
+
 }  // namespace igeo::test

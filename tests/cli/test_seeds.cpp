@@ -1,0 +1,207 @@
+// Seeds that are curves and masks, signed distances, pairs and walks, as the program takes them.
+#include <support/catch.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "program.h"
+#include "vdb_files.h"
+
+using namespace igeo::test;
+using nlohmann::json;
+
+namespace {
+
+const int kUsage = 2, kUnusable = 3;
+
+/// The circle of latitude z = 0.6 on the unit sphere.
+json parallel() {
+    json points = json::array();
+    for (int k = 0; k < 360; ++k) {
+        const double t = k * M_PI / 180;
+        points.push_back({0.8 * std::cos(t), 0.8 * std::sin(t), 0.6});
+    }
+    return points;
+}
+
+/// The distance at the voxel next to a point of the unit sphere.
+float valueAt(const openvdb::FloatGrid& grid, double x, double y, double z) {
+    return grid.tree().getValue(openvdb::Coord::round(grid.worldToIndex({x, y, z})));
+}
+
+struct SphereDesk : Desk {
+    SphereDesk() { make("in.vdb", "sphere --voxel-size 0.05"); }
+    openvdb::FloatGrid::Ptr distance() const {
+        return readVdb(*this / "out.vdb").get<openvdb::FloatGrid>("psi_geodesic");
+    }
+    json report() const { return json::parse(readBytes(*this / "r.json")); }
+};
+
+}  // namespace
+
+TEST_CASE("--seed-curve: distances from a curve, by file or as isolines of another run") {
+    const SphereDesk desk;
+    writeBytes(desk / "curve.json", json({{{"position", parallel()}, {"closed", true}}}).dump());
+    requireDone(desk, "--sdf in.vdb --seed 0,0,1 --isolines lines.json --levels 4 -q -o pole.vdb");
+    requireDone(desk,
+                "--sdf in.vdb --seed-curve curve.json --target 0,1,0 -q -o out.vdb --json "
+                "r.json --paths p.json");
+    CHECK(validBySchema(desk, "report.schema.json", "r.json"));
+    CHECK(validBySchema(desk, "geodesics.schema.json", "p.json"));
+    const json report = desk.report();
+    REQUIRE(report["seeds"].size() == 1);
+    CHECK(report["seeds"][0]["of"] == "curve curve.json");
+    CHECK(report["seeds"][0]["pieces"] > 100);
+    // Along the meridian; the voxel size is 5 % of the radius, the error far below a voxel.
+    const double angle = std::atan2(0.6, 0.8);
+    CHECK(report["targets"][0]["distance"].get<double>() == Approx(angle).epsilon(1e-3));
+    const json path = json::parse(readBytes(desk / "p.json"))["paths"][0];
+    CHECK(path["seed"]["position"][2].get<double>() == Approx(0.6).margin(0.005));
+
+    requireDone(desk,
+                "--sdf in.vdb --seed-curve lines.json --target 0,0,1 -q -o out.vdb --json "
+                "r.json");
+    CHECK(desk.report()["seeds"].size() == 4);
+    CHECK(desk.report()["targets"][0]["distance"].get<double>() == Approx(M_PI / 5).epsilon(0.01));
+}
+
+TEST_CASE("--seed-mask: 0 inside a level set, and --signed negative there") {
+    const SphereDesk desk;
+    // Cuts the sphere at z = 0.6.
+    desk.make("mask.vdb", "sphere --voxel-size 0.03 --param center=0,0,1 --param radius=" +
+                              std::to_string(std::sqrt(0.8)));
+    requireDone(desk, "--sdf in.vdb --seed-mask mask.vdb -q -o out.vdb --json r.json");
+    CHECK(validBySchema(desk, "report.schema.json", "r.json"));
+    CHECK(desk.report()["seeds"][0]["of"] == "mask mask.vdb");
+    CHECK(valueAt(*desk.distance(), 0, 0, 1) == 0);
+    CHECK(valueAt(*desk.distance(), 0.6, 0, 0.8) == 0);
+    CHECK(valueAt(*desk.distance(), 0, -1, 0) == Approx(std::atan2(0.6, 0.8)).epsilon(0.01));
+
+    requireDone(desk, "--sdf in.vdb --seed-mask mask.vdb --signed -q -o out.vdb --extend");
+    CHECK(valueAt(*desk.distance(), 0, 0, 1) == Approx(-std::acos(0.6)).epsilon(0.02));
+    CHECK(valueAt(*desk.distance(), 0, -1, 0) == Approx(std::atan2(0.6, 0.8)).epsilon(0.01));
+    // Beyond the band as well.
+    CHECK(valueAt(*desk.distance(), 0, 0, 1.12) == Approx(-std::acos(0.6)).epsilon(0.02));
+    CHECK(valueAt(*desk.distance(), 0, -1.12, 0) == Approx(std::atan2(0.6, 0.8)).epsilon(0.01));
+}
+
+TEST_CASE("--signed and a closed curve: the smaller side is negative") {
+    const SphereDesk desk;
+    json ring = parallel();
+    ring.push_back(ring.front());  // closed by repeating its first point
+    writeBytes(desk / "curve.json", ring.dump());
+    requireDone(desk, "--sdf in.vdb --seed-curve curve.json --signed -q -o out.vdb");
+    CHECK(valueAt(*desk.distance(), 0, 0, 1) == Approx(-std::acos(0.6)).epsilon(0.02));
+    CHECK(valueAt(*desk.distance(), 1, 0, 0) == Approx(std::atan2(0.6, 0.8)).epsilon(0.01));
+}
+
+TEST_CASE("seeds that are no points: refusals") {
+    const SphereDesk desk;
+    writeBytes(desk / "open.csv", "0.8,0,0.6\n0.6928,0.4,0.6\n");
+    writeBytes(desk / "far.json", "[[0.8, 0, 0.6], [0, 0, 0]]");
+    writeBytes(desk / "hop.json", "[[1, 0, 0], [-1, 0.01, 0]]");
+    writeBytes(desk / "bad.json", R"([{"points": [[0, 0, 1]]}])");
+    desk.make("away.vdb", "sphere --voxel-size 0.1 --param center=9,0,0");
+    const std::string in = "--sdf in.vdb ";
+    requireRefused(desk, in + "--seed-curve open.csv --signed", kUsage,
+                   {"inside and an outside", "--signed"});
+    requireRefused(desk, in + "--seed-curve open.csv --signed --seed 0,0,1", kUsage, {"--signed"});
+    requireRefused(desk, in + "--seed 0,0,1 --signed", kUsage, {"--signed", "--seed-curve"});
+    requireRefused(desk, in + "--seed-curve far.json", kUsage,
+                   {"far.json", "point 1", "voxels from the surface", "--snap"});
+    requireRefused(desk, in + "--seed-curve hop.json", kUsage,
+                   {"hop.json", "leaves the surface", "more points"});
+    requireRefused(desk, in + "--seed-curve bad.json", kUnusable,
+                   {"bad.json", "entry 0", "position"});
+    requireRefused(desk, in + "--seed-curve none.json", kUnusable, {"none.json", "cannot read"});
+    requireRefused(desk, in + "--seed-mask away.vdb", kUsage,
+                   {"away.vdb", "does not cross the surface"});
+    requireRefused(desk, in + "--seed-curve open.csv --matrix -", kUsage, {"--matrix"});
+    requireRefused(desk, in + "--seed-curve open.csv --with logmap", kUsage, {"logmap"});
+}
+
+TEST_CASE("--with label: areas and boundaries of the cells are in the report") {
+    const SphereDesk desk;
+    requireDone(desk,
+                "--sdf in.vdb --seed 0,0,1 --seed 0,0,-1 --with label -q -o out.vdb --json "
+                "r.json");
+    CHECK(validBySchema(desk, "report.schema.json", "r.json"));
+    const json report = desk.report();
+    // Half of the sphere each, and the equator between them; flat triangles lose (dx / R)^2.
+    for (const json& seed : report["seeds"]) {
+        CHECK(seed["cell"]["area"].get<double>() == Approx(2 * M_PI).epsilon(2.5e-3));
+        CHECK(seed["cell"]["boundary"].get<double>() == Approx(2 * M_PI).epsilon(2.5e-3));
+    }
+    CHECK(report["cells"]["area"].get<double>() == Approx(4 * M_PI).epsilon(2.5e-3));
+    CHECK(report["cells"]["unreachedArea"] == 0);
+}
+
+TEST_CASE("--pairs: CSV on stdout or in a file, JSON by its schema, weights count") {
+    const SphereDesk desk;
+    writeBytes(desk / "pairs.csv", "x,y,z,x2,y2,z2\n0,0,1, 0.6,0,0.8\n1,0,0, 0,1,0\n");
+    const Result result = desk.run("--sdf in.vdb --pairs pairs.csv -q");
+    CHECK(result.exitCode == 0);
+    const auto rows = lines(result.out);
+    REQUIRE(rows.size() == 3);
+    CHECK(rows[0] == "pair,distance,sourceSnap,targetSnap");
+    CHECK(std::stod(rows[1].substr(2)) == Approx(std::acos(0.8)).epsilon(2e-3));
+    CHECK(std::stod(rows[2].substr(2)) == Approx(M_PI / 2).epsilon(2e-3));
+    CHECK(desk.files().size() == 2);  // no volume without a seed
+
+    writeBytes(desk / "pairs.json", "[[0, 0, 1, 0.6, 0, 0.8]]");
+    requireDone(desk, "--sdf in.vdb --pairs pairs.json -q --pairs-out out.json --json r.json");
+    CHECK(validBySchema(desk, "pairs.schema.json", "out.json"));
+    CHECK(validBySchema(desk, "report.schema.json", "r.json"));
+    CHECK(desk.report()["outputs"]["pairs"] == "out.json");
+
+    // With an obstacle the way is longer, as a march from the one to the other says too.
+    const std::string wall = "--sdf in.vdb -q --obstacle-box 0.25,-0.2,0,0.35,0.2,2 ";
+    requireDone(desk, wall + "--pairs pairs.json --pairs-out out.json");
+    requireDone(desk, wall + "--seed 0,0,1 --target 0.6,0,0.8 -o out.vdb --json r.json");
+    const double around = json::parse(readBytes(desk / "out.json"))["pairs"][0]["distance"];
+    CHECK(around > 1.05 * std::acos(0.8));
+    CHECK(around == Approx(desk.report()["targets"][0]["distance"].get<double>()).epsilon(1e-6));
+}
+
+TEST_CASE("--pairs: unreached pairs end with 4, wrong files are refused") {
+    const Desk desk;
+    desk.make("in.vdb", "two-spheres");
+    writeBytes(desk / "p.csv", "-1.2,0,0,1.2,0,0\n");
+    const Result result = desk.run("--sdf in.vdb --pairs p.csv");
+    CHECK(result.exitCode == 4);
+    CHECK(lines(result.out)[1].substr(0, 6) == "0,inf,");
+    CHECK(result.err.find("1 pairs") != std::string::npos);
+    writeBytes(desk / "bad.csv", "1,2,3\n1,2,3,4,5\n");
+    requireRefused(desk, "--sdf in.vdb --pairs bad.csv", kUnusable,
+                   {"bad.csv", "line 1", "x,y,z,x,y,z"});
+    writeBytes(desk / "off.csv", "0,0,0,1.2,0,0\n");
+    requireRefused(desk, "--sdf in.vdb --pairs off.csv", kUsage, {"source 0", "surface"});
+    requireRefused(desk, "--sdf in.vdb --pairs p.csv --pairs-out x.vdb", kUsage, {".csv .json"});
+    requireRefused(desk, "--sdf in.vdb --pairs p.csv --mesh-out m.ply", kUsage, {"no seed"});
+    requireRefused(desk, "--sdf in.vdb --seed 1.2,0,0 --pairs-out x.csv", kUsage, {"--pairs"});
+}
+
+TEST_CASE("--shoot: straight on around the sphere, and to the end of a sheet") {
+    const SphereDesk desk;
+    const Result result = desk.run(
+        "--sdf in.vdb --shoot 0,0,1,3,4,0,3.14159265 --shoot 0,0,1,1,0,7,0.5 --paths w.json");
+    CHECK(result.exitCode == 0);
+    CHECK(result.err.find("walk 1: 0.5 long, ends at 0.47942") != std::string::npos);
+    CHECK(validBySchema(desk, "geodesics.schema.json", "w.json"));
+    const json walks = json::parse(readBytes(desk / "w.json"))["walks"];
+    REQUIRE(walks.size() == 2);
+    CHECK(walks[0]["status"] == "complete");
+    const json end = walks[0]["vertices"]["position"].back();
+    CHECK(std::hypot(end[0].get<double>(), end[1].get<double>()) < 0.001 * M_PI);
+    CHECK(desk.files().size() == 2);  // no volume
+
+    desk.make("in.vdb", "plane-patch --param size=1");
+    const Result cut = desk.run("--sdf in.vdb --shoot 0,0,0,1,0,0,3 --paths w.obj --image w.png");
+    CHECK(cut.exitCode == 0);
+    CHECK(cut.err.find("warning: walk 0: ") != std::string::npos);
+    CHECK(cut.err.find("where the surface ends") != std::string::npos);
+    CHECK(readBytes(desk / "w.obj").find("\nl ") != std::string::npos);
+    for (const char* bad : {"0,0,0,1,0,0", "0,0,0,1,0,0,-1", "0,0,0,0,0,1,1", "0,0,0,0,0,0,1"})
+        requireRefused(desk, std::string("--sdf in.vdb --shoot ") + bad, kUsage, {"--shoot", bad});
+}
