@@ -80,7 +80,7 @@ def farthest(obj, direction):
 def camera(obj, direction):
     direction = read_point(direction)
     ranges = [(min(axis), max(axis)) for axis in zip(*read_obj_vertices(obj))]
-    distance = 1.5 * math.dist(*zip(*ranges)) / math.hypot(*direction)
+    distance = 1.75 * math.dist(*zip(*ranges)) / math.hypot(*direction)
     show_point((low + high) / 2 + distance * x for (low, high), x in zip(ranges, direction))
 
 

@@ -88,11 +88,13 @@ if [ "$name" = trefoil ] && [ -z "$mesh" ]; then
 else
     levelSet "$name"
     surface=out/$name.vdb
-    # On the bunny, which looks along -x with y upwards: tip of an ear; tail, nose, toes.
+    # On the bunny, which looks along -x with y upwards: tip of an ear; tail and toes.
     seed=$(extreme 0,1,0)
-    targets=("$(extreme 1,0,0)" "$(extreme -1,0,0)" "$(extreme -1,-2,1)")
-    camera=$(python3 scripts/mesh_tool.py camera "out/$name.obj" -0.5,0.3,1)
+    targets=("$(extreme 1,-0.6,0.8)" "$(extreme -1,-2,1)")
+    camera=$(python3 scripts/mesh_tool.py camera "out/$name.obj" -0.13,0.22,1)
 fi
+view=()
+[ "$name" != bunny ] || view=(--camera="$camera" --image-size 1280x900)
 seed=${SEED:-$seed}
 [ -z "${TARGET:-}" ] || targets=("$TARGET")
 
@@ -100,7 +102,7 @@ targetOptions=()
 for target in "${targets[@]}"; do targetOptions+=(--target "$target"); done
 command=(build/release/bin/implicit-geodesic --sdf "$surface" --seed "$seed" "${targetOptions[@]}"
     -o "out/${name}_geodesic.vdb" --with surface --paths "out/${name}_paths.json"
-    --json "out/${name}_report.json" --image "out/$name.png")
+    --json "out/${name}_report.json" --image "out/$name.png" "${view[@]}")
 say "${command[*]}"
 "${command[@]}"
 

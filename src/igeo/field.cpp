@@ -164,9 +164,10 @@ double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
     const SurfaceCell cell(band, *field.metric, pIndex, side);
     const double d =
         field.atFootPoints ? sampleJets(band, cell, field, pIndex) : sampleVoxels(cell, field);
-    if (const SurfacePoint* s = seedAround(field, pIndex, cell.normal, d))
-        return s->start + costToSeed(field, *s, pIndex, cell.normal);
-    return d;
+    const SurfacePoint* const s = seedAround(field, pIndex, cell.normal, d);
+    if (!s) return d;
+    const double straight = s->start + costToSeed(field, *s, pIndex, cell.normal);
+    return s->rim ? std::min(d, straight) : straight;
 }
 
 }  // namespace igeo

@@ -119,6 +119,7 @@ std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region)
                         projectToSurface(band, s.pIndex);
                         s.askedIndex = s.pIndex;
                         s.node = i;
+                        s.rim = true;
                         found[l].push_back(s);
                     });
             }

@@ -113,11 +113,10 @@ void clearInside(const std::vector<std::uint8_t>& inside, Field& field) {
     field.summarise();
 }
 
-std::vector<std::int8_t> sidesOfRegion(const std::vector<std::uint8_t>& inside) {
-    std::vector<std::int8_t> side;
-    side.reserve(inside.size());
-    for (const std::uint8_t in : inside) side.push_back(in ? -1 : 1);
-    return side;
+void signInside(const std::vector<std::uint8_t>& inside, Field& field) {
+    field.side.clear();
+    for (const std::uint8_t in : inside) field.side.push_back(in ? -1 : 1);
+    for (SurfacePoint& s : field.seeds) s.rim = false;
 }
 
 std::vector<std::int8_t> sidesOfCurves(const Band& band, const Field& field) {

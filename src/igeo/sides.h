@@ -13,8 +13,8 @@ namespace igeo {
 /// @param inside per node (nodesInside)
 void clearInside(const std::vector<std::uint8_t>& inside, Field& field);
 
-/// -1 inside, +1 outside, per node.
-std::vector<std::int8_t> sidesOfRegion(const std::vector<std::uint8_t>& inside);
+/// Makes it that of the rim, negative at nodes inside.
+void signInside(const std::vector<std::uint8_t>& inside, Field& field);
 
 /// -1 or +1 per node: what lies across a curve of the field's seeds from a node has the other sign,
 /// and of a connected part of S the smaller share, by nodes of the band, is negative. Of curves

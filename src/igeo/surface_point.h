@@ -20,6 +20,7 @@ struct SurfacePoint {
     /// A seed may be a straight piece of a curve (seeds.h): all points up to pIndex + piece.
     Vec3d piece;
     bool joined = false;  ///< belongs to one curve or region with the seed before it in the list
+    bool rim = false;     ///< of a region on which the distance does not rise (clearInside)
 
     /// The point of the seed that is nearest to p.
     Vec3d nearestTo(const Vec3d& p) const {
