@@ -78,11 +78,10 @@ std::vector<std::uint8_t> SeedInput::inside(const igeo::Band& band) const {
 }
 
 void SeedInput::finish(const igeo::Band& band, igeo::Field& field) const {
-    if (signed_)
-        field.side =
-            regions_.empty() ? igeo::sidesOfCurves(band, field) : igeo::sidesOfRegion(inside(band));
-    else if (!regions_.empty())
-        igeo::clearInside(inside(band), field);
+    if (!regions_.empty())
+        (signed_ ? igeo::signInside : igeo::clearInside)(inside(band), field);
+    else if (signed_)
+        field.side = igeo::sidesOfCurves(band, field);
 }
 
 std::vector<std::string> SeedInput::names() const {

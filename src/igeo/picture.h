@@ -30,9 +30,8 @@ struct PictureOptions {
 /// The surface is psi = 0 as OpenVDB's LevelSetRayIntersector finds it, as far as psi is known.
 /// Distances are those of sampleDistance(); where there is none, it is grey. Isolines are as wide
 /// everywhere on the surface, as |grad d| there is the weight. Paths and isolines lie on the
-/// surface, as do seed curves and the rims of seed regions; seeds and the ends of paths are dots
-/// that face the camera. The frame holds the whole
-/// surface unless an eye is given.
+/// surface, as do seed curves; seeds and the ends of paths are dots that face the camera. The frame
+/// holds the whole surface unless an eye is given.
 /// @param file  written whole or not at all; "-": standard output
 /// @throws Error  InvalidArgument for options out of range, a view from inside a closed surface or
 ///         along `up`; Io; Cancelled through `progress`

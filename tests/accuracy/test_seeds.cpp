@@ -123,8 +123,18 @@ TEST_CASE("seeds around a region: its inside is 0, its rim where the body's is")
         Field field = marchJet(band, {}, seedsAround(band, region));
         const Errors both = errorsOnSurface(band, field, fromParallel);
         const auto inside = nodesInside(band, region);
-        CHECK(sidesOfRegion(inside)[pointOn(band, pole).node] == -1);
+        Field withSign = field;
+        signInside(inside, withSign);
+        CHECK(withSign.side[pointOn(band, pole).node] == -1);
         clearInside(inside, field);
+        // Between nodes as well; a cell that the rim cuts has corners outside, a voxel off or so.
+        for (const double voxels : {0.5, 4.0, 0.5 * n * kRadius}) {
+            const Axes a;
+            const double latitude = kLatitude + voxels / (kRadius * n);
+            const Vec3d p =
+                kCenter + kRadius * (std::cos(latitude) * a.x + std::sin(latitude) * a.z);
+            CHECK(sampleDistance(band, field, pointOn(band, p).pIndex) <= (voxels < 1 ? 0.5 : 0));
+        }
         const Errors out = errorsOnSurface(band, field, [](const Vec3d& p) {
             return kRadius * std::max(kLatitude - latitudeOf(p), 0.0);
         });
