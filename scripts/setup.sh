@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Installs what the build and the tests need, from Debian's own packages.
 #
-# usage: scripts/setup.sh [--dev]
-#   --dev   also what scripts/check.sh needs: clang, clang-format, clang-tidy, valgrind
+# usage: scripts/setup.sh [--dev] [--viewer]
+#   --dev      also what scripts/check.sh needs: clang, clang-format, clang-tidy, valgrind
+#   --viewer   also what the tests labelled viewer need: an X server without a screen, OpenGL
 #
 # Uses sudo unless root. Does and prints nothing when everything is there.
 
@@ -15,18 +16,21 @@ packages=(
     libboost-iostreams-dev zlib1g-dev  # FindOpenVDB.cmake asks for them, libopenvdb-dev does not
     libpng-dev
     nlohmann-json3-dev libcli11-dev catch2
-    libopenvdb-tools                   # vdb_print, for the tests
+    libopenvdb-tools                   # vdb_tool, vdb_print and vdb_render, for the tests
     python3 python3-jsonschema         # the tests check reports against their schema
     ca-certificates
 )
 dev_packages=(clang clang-format clang-tidy libclang-rt-dev valgrind)
+viewer_packages=(xvfb xdotool libgl1-mesa-dri)
 
-case ${1:-} in
-    "") ;;
-    --dev) packages+=("${dev_packages[@]}") ;;
-    -h | --help) sed -n '2,/^$/s/^# \{0,1\}//p' "$0"; exit ;;
-    *) echo "setup.sh: unknown option $1 (see --help)" >&2; exit 2 ;;
-esac
+for option in "$@"; do
+    case $option in
+        --dev) packages+=("${dev_packages[@]}") ;;
+        --viewer) packages+=("${viewer_packages[@]}") ;;
+        -h | --help) sed -n '2,/^$/s/^# \{0,1\}//p' "$0"; exit ;;
+        *) echo "setup.sh: unknown option $option (see --help)" >&2; exit 2 ;;
+    esac
+done
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
     # The libraries are CMake's to look for: it names each one it misses.

@@ -2,7 +2,8 @@
 # From a clean clone to test results: installs what is missing, builds, runs all tests.
 #
 # usage: scripts/test.sh [ctest options]
-#   scripts/test.sh -L unit       the tests of one label: unit accuracy invariance cli install slow
+#   scripts/test.sh -L unit       the tests of one label: unit accuracy invariance cli
+#                                 viewer install slow
 #   scripts/test.sh -R trefoil    the tests whose name matches
 
 set -euo pipefail

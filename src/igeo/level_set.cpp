@@ -273,8 +273,9 @@ void judgeGradient(LevelSet& s) {
                    st.gradientMedian, 100 * st.gradientShare) +
             " lie in [0.75, 1.25]; a signed distance has 1 and at least 70 %";
         throw Error(Kind::BadInput, "psi is not a distance: " + seen + where(s),
-                    "values in voxel units must be multiplied by the voxel size; anything else "
-                    "must be redistanced, for instance with OpenVDB's tools::sdfToSdf");
+                    "values in voxel units must be multiplied by the voxel size, those of a grid "
+                    "whose transform was scaled by the same factor; anything else must be "
+                    "redistanced, for instance with OpenVDB's tools::sdfToSdf");
     }
     if (st.gradientShare < 0.95)
         s.warnings.push_back(
