@@ -18,6 +18,7 @@ packages=(
     nlohmann-json3-dev libcli11-dev catch2
     libopenvdb-tools                   # vdb_tool, vdb_print and vdb_render, for the tests
     python3 python3-jsonschema         # the tests check reports against their schema
+    groff-base                         # and that the manual page is one
     ca-certificates
 )
 dev_packages=(clang clang-format clang-tidy libclang-rt-dev valgrind)

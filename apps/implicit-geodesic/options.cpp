@@ -1,5 +1,6 @@
 #include "options.h"
 
+#include <igeo/colour_map.h>
 #include <igeo/version.h>
 #include <CLI/CLI.hpp>
 
@@ -261,6 +262,7 @@ void addOptions(CLI::App& app, Options& o) {
                    "Colours of picture, mesh and color grid: lagoon, sunset, ember, ice, grey "
                    "[lagoon]")
         ->type_name("NAME")
+        ->check(CLI::IsMember(igeo::ColourMap::names()))
         ->group(picture);
 
     app.add_option("--json", o.json,

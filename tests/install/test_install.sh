@@ -24,4 +24,7 @@ echo "consumer built against igeo $version"
 program=$scratch/prefix/bin/implicit-geodesic
 if [[ -e $program ]]; then
     "$program" --version | grep -F "$version"
+    share=$scratch/prefix/share
+    grep -q '^\.TH IMPLICIT-GEODESIC 1' "$share/man/man1/implicit-geodesic.1"
+    bash -n "$share/bash-completion/completions/implicit-geodesic"
 fi
