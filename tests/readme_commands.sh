@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # Runs the commands of README.md and docs/*.md that are marked as tests: a block fenced with
 # ```bash on the line after <!-- test -->. They run in order, in one shell, in a copy of the
-# repository, with the built program in PATH.
+# repository, with the built program in PATH. A bash block that calls implicit-geodesic is either
+# such a test or follows <!-- not run: REASON -->. JSON files they leave in out/ have to be valid by
+# their schemas.
 #
 # usage: tests/readme_commands.sh [build-dir]
 
@@ -20,16 +22,28 @@ done
 
 awk -v copy="$scratch/copy" '
 function broken(what) { print FILENAME ":" FNR ": " what > "/dev/stderr"; error = 1; exit 1 }
-FNR == 1         { if (inside) broken("the block before has no end"); marked = 0 }
+function closed() { if (inside) broken("the block before has no end"); marked = excused = 0 }
+FNR == 1 && NR > 1 { closed() }
 inside && /^```/ { inside = 0; next }
-inside           { print; next }
+inside == "test" { print; next }
+inside == "bash" && /implicit-geodesic( |$)/ {
+    broken("a call of implicit-geodesic that is neither <!-- test --> nor <!-- not run: REASON -->")
+}
+inside           { next }
 marked           {
     if ($0 !~ /^```bash[ \t]*$/) broken("<!-- test --> is not followed by a ```bash block")
     printf "cd \"%s\"\necho \"== %s:%d\" >&2\n", copy, FILENAME, FNR
-    inside = 1; marked = 0; ++blocks
+    inside = "test"; marked = 0; ++blocks
     next
 }
+/^```/ {
+    inside = /^```(bash|sh|console)?[ \t]*$/ && !excused ? "bash" : "other"
+    excused = 0
+    next
+}
+{ excused = 0 }
 /^<!-- test -->[ \t]*$/ { marked = 1 }
+/^<!-- not run: .+ -->[ \t]*$/ { excused = 1 }
 END {
     if (error) exit 1
     if (inside) broken("the last block has no end")
@@ -40,4 +54,15 @@ tar --exclude=./build --exclude=./out --exclude=./.git -cf - . | tar -xf - -C "$
 mkdir "$scratch/copy/build"
 ln -s "$build" "$scratch/copy/build/release"
 
+# model.obj stands for a mesh of the reader's own: a ball through the point they start from.
+vdb_tool -quiet -sphere dim=64 radius=0.374166 -ls2mesh -write "$scratch/copy/model.obj"
+
 PATH=$build/bin:$PATH bash -euo pipefail "$scratch/commands.sh" </dev/null
+
+cd "$scratch/copy"
+for document in out/*.json; do
+    kind=$(python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["type"])' "$document")
+    echo "== $document: docs/$kind.schema.json" >&2
+    # 77: no python3-jsonschema here.
+    /usr/bin/python3 tests/cli/validate_json.py "docs/$kind.schema.json" "$document" || [[ $? -eq 77 ]]
+done

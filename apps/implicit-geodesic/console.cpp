@@ -4,6 +4,8 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -12,8 +14,22 @@ namespace {
 
 std::atomic<int> gSignal{0};
 
-// In one piece: two threads may have something to say, and lines must not mix.
-void print(const std::string& line) { std::cerr << "implicit-geodesic: " + line + "\n"; }
+std::mutex gStderr;
+bool gProgressShown = false;  // a line of progress, without its end
+
+// In one piece: several threads may have something to say, and lines must not mix.
+void put(const std::string& text, bool progress) {
+    const std::lock_guard<std::mutex> lock(gStderr);
+    std::cerr << (gProgressShown ? "\r\033[K" + text : text) << std::flush;
+    gProgressShown = progress;
+}
+
+void print(const std::string& line) { put("implicit-geodesic: " + line + "\n", false); }
+
+double now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
 
 }  // namespace
 
@@ -36,29 +52,40 @@ void Console::error(const std::string& what, const std::string& remedy) {
 ConsoleProgress::ConsoleProgress(const std::string& when) {
     terminal_ = ::isatty(STDERR_FILENO) == 1 && !std::getenv("NO_COLOR");
     enabled_ = when == "always" || (when == "auto" && terminal_);
+    if (enabled_) shower_ = std::thread([this] { show(); });
 }
 
-ConsoleProgress::~ConsoleProgress() { clear(); }
+ConsoleProgress::~ConsoleProgress() {
+    clear();
+    if (!enabled_) return;
+    {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        done_ = true;
+    }
+    wake_.notify_one();
+    shower_.join();
+}
 
 void ConsoleProgress::update(const char* name, double fraction) {
     if (!enabled_) return;
-    std::lock_guard<std::mutex> lock(mutex_);
-    const auto now = Clock::now();
-    if (stage_ != name) stage_ = name, stageStart_ = now;
-    const std::chrono::duration<double> elapsed = now - stageStart_;
-    if (elapsed.count() < 1 || now - lastShown_ < std::chrono::milliseconds(200)) return;
-    lastShown_ = now;
-    const double left = fraction > 0 ? elapsed.count() * (1 - fraction) / fraction : 0;
-    std::fprintf(stderr, "%s%s %3.0f %%, %.0f s left%s", terminal_ ? "\r\033[K" : "", name,
-                 100 * fraction, left, terminal_ ? "" : "\n");
-    std::fflush(stderr);
-    shown_ = terminal_;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    time_.update(name, fraction, now());
+}
+
+/// On a thread of its own, so that work which says nothing for long is seen to go on.
+void ConsoleProgress::show() {
+    const std::chrono::milliseconds pause(terminal_ ? 200 : 1000);
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!wake_.wait_for(lock, pause, [this] { return done_; }))
+        if (const double t = now(); time_.elapsed(t) > 1)
+            put(time_.describe(t) + (terminal_ ? "" : "\n"), terminal_);
 }
 
 void ConsoleProgress::clear() {
-    std::lock_guard<std::mutex> lock(mutex_);
-    if (shown_) std::fputs("\r\033[K", stderr);
-    shown_ = false;
+    if (!enabled_) return;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    time_.end();
+    put("", false);
 }
 
 bool ConsoleProgress::cancelled() const { return InterruptGuard::requested(); }

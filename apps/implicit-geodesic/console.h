@@ -3,11 +3,12 @@
 
 #include <igeo/progress.h>
 
-#include <atomic>
-#include <chrono>
+#include <condition_variable>
 #include <mutex>
 #include <string>
 #include <thread>
+
+#include "time_left.h"
 
 /// Messages on stderr, in one shape.
 class Console {
@@ -24,7 +25,8 @@ private:
     Level level_;
 };
 
-/// A line on stderr with percentage and time left, once work takes longer than a second.
+/// A line on stderr about the stage at work, once it takes longer than a second: five times a
+/// second on a terminal, else a new line every second.
 class ConsoleProgress : public igeo::Progress {
 public:
     /// @param when "auto" (only on a terminal and without NO_COLOR), "always" or "never"
@@ -34,15 +36,16 @@ public:
     void update(const char* name, double fraction) override;
     bool cancelled() const override;
 
-    void clear();  ///< wipes the line before other output
+    void clear();  ///< ends the stage and wipes its line
 
 private:
-    using Clock = std::chrono::steady_clock;
-    bool enabled_, terminal_;
+    void show();
+
+    bool enabled_, terminal_, done_ = false;
     std::mutex mutex_;
-    std::string stage_;
-    Clock::time_point stageStart_ = Clock::now(), lastShown_ = stageStart_;
-    bool shown_ = false;
+    std::condition_variable wake_;
+    TimeLeft time_;
+    std::thread shower_;
 };
 
 /// Turns SIGINT and SIGTERM into a request to stop; what does not stop within 0.15 s (a library

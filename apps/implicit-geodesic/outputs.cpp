@@ -99,6 +99,7 @@ void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
     const igeo::Band& band = r.band;
     const igeo::Field& field = r.field;
 
+    progress.update("grids", 0);
     auto distance = igeo::distanceGrid(band, field, transform, base);
     const double dx = band.transform.dx;
     distance->insertMeta("geodesic_scheme", openvdb::StringMetadata(field.scheme));
@@ -124,8 +125,8 @@ void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
     if (options_.asked("color"))
         grids.push_back(igeo::colorGrid(band, field, colourMap(), transform, base + "_color"));
     if (options_.asked("logmap"))
-        grids.push_back(
-            igeo::logMapGrid(band, igeo::logMap(band, field), transform, name + "_logmap"));
+        grids.push_back(igeo::logMapGrid(band, igeo::logMap(band, field, {}, progress), transform,
+                                         name + "_logmap"));
     if (options_.asked("weight"))
         grids.push_back(igeo::weightGrid(band, *field.metric, transform, name + "_weight"));
     if (options_.asked("curvature"))
@@ -136,6 +137,7 @@ void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
         grids.push_back(igeo::engraved(r.levelSet, isolines(r, progress), r.lines()));
     progress.throwIfCancelled();
     const std::string file = distanceFile(options_, r.levelSet.name);
+    progress.update("write", 0);
     igeo::writeVdb(file, grids);
     r.report.outputs.emplace_back("distance", file);
 }

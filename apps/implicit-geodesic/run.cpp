@@ -265,13 +265,18 @@ void Job::trace() {
     if (targets_.empty() && !wantsAccuracy && !options_.needsGradient()) return;
     if (field_.gradient.empty()) field_.gradient = igeo::surfaceGradient(band_, field_);
     report_.paths = igeo::tracePaths(band_, field_, field_.gradient, targets_, {}, progress_);
+    std::size_t done = 0;
     if (options_.straighten)
-        for (igeo::Path& path : report_.paths) igeo::straighten(band_, field_, path);
+        for (igeo::Path& path : report_.paths) {
+            igeo::straighten(band_, field_, path);
+            progress_.update("straighten", double(++done) / double(report_.paths.size()));
+        }
     finished("trace");
     if (wantsAccuracy) estimateAccuracy();
 }
 
 void Job::estimateAccuracy() {
+    progress_.update("accuracy", 0);
     report_.accuracy = igeo::estimateAccuracy(band_, field_, field_.gradient);
     const igeo::AccuracyEstimate& a = report_.accuracy;
     if (a.samples)
@@ -325,6 +330,7 @@ void Job::solvePairs() {
     surface.metric = [&](const auto& band, igeo::Progress& p) { return metricInput_.on(band, p); };
     surface.leastWeight = metricInput_.needsWholeSurface() ? 0 : metricInput_.leastWeight();
     surface.diagonal = surface_.diagonal();
+    progress_.update("pairs", 0);
     report_.pairs = igeo::pairDistances(surface, sources, targets,
                                         report_.snap / surface_.transform().dx, progress_);
     finished("pairs");
@@ -409,6 +415,7 @@ int Job::run() {
                    "are written");
     Outputs outputs(options_);
     checkOutputFiles(options_);
+    progress_.update("read", 0);
     surface_.read(options_);
     finished("read");
     surface_.check(console_, progress_, report_);
@@ -420,6 +427,7 @@ int Job::run() {
     report_.sources = seedInput_.names();
     report_.weights = metricInput_.weightNames();
     report_.obstacles = metricInput_.obstacleNames();
+    progress_.update("band", 0);
     surface_.chooseBandWidth(options_, report_);
     if (options_.hasSeeds()) {
         solve();

@@ -3,6 +3,7 @@
 #include <igeo/error.h>
 #include <igeo/index_map.h>
 #include <igeo/parallel.h>
+#include <igeo/steps.h>
 #include <openvdb/math/Mat3.h>
 
 #include <algorithm>
@@ -223,13 +224,15 @@ std::vector<typename Reader::Value> readAll(const Reader& reader, const openvdb:
     std::vector<typename Reader::Value> values(band.size());
     std::vector<std::uint8_t> good(band.size());
     std::atomic<bool> met{false};
+    Steps steps(progress, "metric", band.size());
     parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        if (progress.cancelled()) return;
+        if (steps.cancelled()) return;
         const Reader mine = reader;
         bool active = false;
         for (std::size_t k = begin; k < end; ++k)
             good[k] = mine.read(band.footPoint(NodeIndex(k)), values[k], active);
         if (active) met = true;
+        steps.add(end - begin);
     });
     progress.throwIfCancelled();
     if (!met)

@@ -168,6 +168,7 @@ std::vector<Isoline> isolines(const Band& band, const Field& field, const Surfac
     std::sort(ascending.begin(), ascending.end());
     ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
 
+    progress.update("isolines", 0);
     const MeshEdges edges = meshEdges(mesh);
     const auto segments = segmentsByLevel(field, mesh, edges, ascending);
     std::vector<Isoline> lines;

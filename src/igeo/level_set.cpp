@@ -3,6 +3,7 @@
 #include <igeo/error.h>
 #include <igeo/leaf_block.h>
 #include <igeo/parallel.h>
+#include <igeo/steps.h>
 #include <openvdb/tools/FastSweeping.h>
 
 #include <algorithm>
@@ -190,8 +191,9 @@ void measure(LevelSet& s, Progress& progress) {
     const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
     Tally all;
     std::mutex mutex;  // sums of integers: the order of adding does not matter
+    Steps steps(progress, "check", leaves.size());
     parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
-        if (progress.cancelled()) return;
+        if (steps.cancelled()) return;
         Tally part;
         LeafBlock block;
         const LeafBlock::Accessor psi(s.psi->constTree());
@@ -202,6 +204,7 @@ void measure(LevelSet& s, Progress& progress) {
                 part.visit(block, n >> 6, n >> 3 & 7, n & 7, s.stats.halfWidth);
             }
         }
+        steps.add(end - begin);
         std::lock_guard<std::mutex> lock(mutex);
         all.add(part);
     });

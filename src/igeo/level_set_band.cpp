@@ -3,6 +3,7 @@
 #include <igeo/error.h>
 #include <igeo/leaf_block.h>
 #include <igeo/parallel.h>
+#include <igeo/steps.h>
 
 #include <algorithm>
 
@@ -60,6 +61,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
                     "a band of " + std::to_string(h) + " voxels does not fit a level set that is " +
                         std::to_string(levelSet.stats.halfWidth) + " voxels wide on each side",
                     "widen the level set first");
+    progress.update("band", 0);
     std::vector<const Leaf*> source, kept;
     levelSet.psi->constTree().getNodes(source);
     if (!region.empty())
@@ -75,8 +77,9 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
     band.buildTopology();
 
     std::vector<std::vector<NodeIndex>> kinks(kept.size()), rims(kept.size());
+    Steps steps(progress, "band", kept.size(), 0.2, 0.8);
     parallelFor(kept.size(), 32, [&](std::size_t begin, std::size_t end) {
-        if (progress.cancelled()) return;
+        if (steps.cancelled()) return;
         LeafBlock block;
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
         for (std::size_t l = begin; l < end; ++l) {
@@ -95,6 +98,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
                 band.foot[i] = Vec3f(-value * n);
             }
         }
+        steps.add(end - begin);
     });
     progress.throwIfCancelled();
     parallelFor(kinks.size(), 256, [&](std::size_t begin, std::size_t end) {

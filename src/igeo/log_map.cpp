@@ -2,6 +2,7 @@
 
 #include <igeo/error.h>
 #include <igeo/parallel.h>
+#include <igeo/steps.h>
 #include <igeo/tangent_frame.h>
 
 #include <algorithm>
@@ -93,7 +94,7 @@ public:
         for (std::size_t k = 0; k < band.size(); ++k)
             if (band.inCore(NodeIndex(k))) nodes_.push_back(NodeIndex(k));
     }
-    std::vector<Vec2f> map();
+    std::vector<Vec2f> map(Progress& progress);
 
 private:
     std::uint32_t label(NodeIndex i) const { return field_.label.empty() ? 0 : field_.label[i]; }
@@ -300,28 +301,40 @@ Vec2f LogMapper::position(NodeIndex i) const {
     return float(d) * way;
 }
 
-std::vector<Vec2f> LogMapper::map() {
+std::vector<Vec2f> LogMapper::map(Progress& progress) {
+    progress.update("logmap", 0);
     std::vector<NodeIndex> order;
     for (const NodeIndex i : nodes_)
         if (field_.distance[i] < kInfinity) order.push_back(i);
     std::sort(order.begin(), order.end(), [&](NodeIndex a, NodeIndex b) {
         return std::pair(field_.distance[a], a) < std::pair(field_.distance[b], b);
     });
-    for (const NodeIndex i : order) carry(i);
-    auto forAll = [](auto& out, const auto& value) {
+    constexpr std::size_t kAtOnce = 4096;
+    Steps carrying(progress, "logmap", order.size(), 0.05, 0.6);
+    for (std::size_t k = 0; k < order.size(); k += kAtOnce) {
+        const std::size_t end = std::min(k + kAtOnce, order.size());
+        for (std::size_t n = k; n < end; ++n) carry(order[n]);
+        carrying.add(end - k);
+        progress.throwIfCancelled();
+    }
+    auto forAll = [&](auto& out, double from, double to, const auto& value) {
+        Steps steps(progress, "logmap", out.size(), from, to);
         parallelFor(out.size(), 1024, [&](std::size_t begin, std::size_t end) {
+            if (steps.cancelled()) return;
             for (std::size_t k = begin; k < end; ++k) out[k] = value(NodeIndex(k));
+            steps.add(end - begin);
         });
+        progress.throwIfCancelled();
     };
     measured_.resize(nodes_.size());
     departures_.resize(nodes_.size());
-    forAll(measured_, [&](NodeIndex k) {
+    forAll(measured_, 0.6, 0.62, [&](NodeIndex k) {
         return carried_[k].known() ? measure(nodes_[k], carried_[k]) : Departure{};
     });
-    forAll(departures_,
+    forAll(departures_, 0.62, 0.85,
            [&](NodeIndex k) { return carried_[k].known() ? smooth(nodes_[k]) : Departure{}; });
     std::vector<Vec2f> positions(band_.size());
-    forAll(positions, [&](NodeIndex i) { return position(i); });
+    forAll(positions, 0.85, 1, [&](NodeIndex i) { return position(i); });
     return positions;
 }
 
@@ -344,7 +357,7 @@ LogMap::Frame frameAt(const Band& band, const Field& field, const SurfacePoint& 
 
 }  // namespace
 
-LogMap logMap(const Band& band, const Field& field, const Vec3d& reference) {
+LogMap logMap(const Band& band, const Field& field, const Vec3d& reference, Progress& progress) {
     if (!field.atFootPoints || field.gradient.size() != band.size())
         throw Error(Error::Kind::InvalidArgument,
                     "the logarithmic map needs a field that has a gradient at foot points",
@@ -356,7 +369,7 @@ LogMap logMap(const Band& band, const Field& field, const Vec3d& reference) {
     LogMap map;
     for (const SurfacePoint& seed : field.seeds)
         map.frames.push_back(frameAt(band, field, seed, reference));
-    map.position = LogMapper(band, field, map.frames).map();
+    map.position = LogMapper(band, field, map.frames).map(progress);
     return map;
 }
 

@@ -3,6 +3,7 @@
 
 #include <igeo/field.h>
 #include <igeo/jet_update.h>
+#include <igeo/progress.h>
 
 #include <vector>
 
@@ -37,12 +38,14 @@ struct LogMap {
 /// nodes take theirs from the lines of the core around. Second order.
 /// @param reference index space; u is its part along S at each seed. Zero, or normal to S: the
 ///                  coordinate axis least along the normal takes its place
-/// @throws Error  InvalidArgument for a field that is not of marchJet, or of a tensor
+/// @throws Error  InvalidArgument for a field that is not of marchJet, or of a tensor; Cancelled
+///                through `progress`
 /// At the cut locus a node has the direction of one of its shortest geodesics. Where S has sharp
 /// corners, and in the shadow of an obstacle, geodesics are not straight all the way: there only
 /// the length means something. Time O(n log n), about twice the work of the march, a good part of
 /// it on one thread. Error: some 0.01 degrees on average at radii of 40 voxels,
 /// tests/accuracy/test_log_map.cpp.
-LogMap logMap(const Band& band, const Field& field, const Vec3d& reference = {});
+LogMap logMap(const Band& band, const Field& field, const Vec3d& reference = {},
+              Progress& progress = Progress::none());
 
 }  // namespace igeo

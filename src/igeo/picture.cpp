@@ -507,6 +507,7 @@ void writePicture(const std::string& file, const LevelSet& levelSet, const Band&
     const Legend legend(scale, field, dx, options);
     const int width = options.width - legend.taken();
 
+    progress.update("picture", 0);
     const SurfaceRays rays(levelSet);
     const View view =
         chooseView(levelSet, rays, band, field, paths, options, double(options.height) / width);

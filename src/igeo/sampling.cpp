@@ -5,6 +5,7 @@
 #include <igeo/parallel.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace igeo {
@@ -80,6 +81,10 @@ SurfacePoint pointAt(const Band& band, NodeIndex i) {
     return p;
 }
 
+/// For the time left: n - 1 marches, in marches over the whole surface. The k-th covers about 1 / k
+/// of it; what each costs in itself was measured.
+double workOf(std::size_t n) { return std::log(double(n)) + 0.05 * double(n - 1); }
+
 }  // namespace
 
 std::vector<SurfacePoint> farthestPoints(const Band& band, const MetricPtr& metric,
@@ -92,12 +97,14 @@ std::vector<SurfacePoint> farthestPoints(const Band& band, const MetricPtr& metr
                         std::to_string(farthest.candidates()),
                     "ask for fewer points, or give a finer level set");
     CancelOnly quiet(progress);
-    if (!start.empty()) farthest.add(start, quiet);
+    const std::size_t given = !start.empty();  // the march from them
+    progress.update("points", 0);
+    if (given) farthest.add(start, quiet);
     std::vector<SurfacePoint> points;
     while (true) {
         points.push_back(pointAt(band, farthest.take()));
-        progress.update("points", double(points.size()) / double(count));
         if (points.size() == count) return points;
+        progress.update("points", workOf(points.size() + given) / workOf(count + given));
         farthest.add({points.back()}, quiet);
     }
 }

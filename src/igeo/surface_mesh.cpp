@@ -3,6 +3,7 @@
 #include <igeo/level_set.h>
 #include <igeo/parallel.h>
 #include <igeo/ply.h>
+#include <igeo/steps.h>
 
 #include <openvdb/tools/VolumeToMesh.h>
 
@@ -149,17 +150,19 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field&
     Extracted extracted = extract(*levelSet.psi);
     dropWalls(levelSet, extracted);
     progress.throwIfCancelled();
-    progress.update("mesh", 0.5);
 
     SurfaceMesh mesh;
     mesh.position = std::move(extracted.points);
     const std::size_t n = mesh.position.size();
+    Steps projecting(progress, "mesh", n, 0.45, 0.6);
     parallelFor(n, 1024, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
+        if (projecting.cancelled()) return;
+        for (std::size_t i = begin; i < end; ++i) {
             Vec3d p = mesh.position[i];
             // Further than a voxel lies another sheet.
             if (projectToSurface(band, p) && length(p - mesh.position[i]) < 1) mesh.position[i] = p;
         }
+        projecting.add(end - begin);
     });
     mesh.triangles = split(extracted.quads, mesh.position);
 
@@ -167,17 +170,19 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field&
     mesh.normal.resize(n);
     mesh.distance.resize(n);
     mesh.label.resize(n);
+    Steps reading(progress, "mesh", n, 0.7, 1);
     parallelFor(n, 1024, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end && !progress.cancelled(); ++i) {
+        if (reading.cancelled()) return;
+        for (std::size_t i = begin; i < end; ++i) {
             const Vec3d p = mesh.position[i];
             const SurfaceCell cell(band, *field.metric, p, side[i]);
             mesh.normal[i] = Vec3f(cell.normal == Vec3d{} ? side[i] : cell.normal);
             mesh.distance[i] = sampleDistance(band, field, p, side[i]);
             mesh.label[i] = labelAt(band, field, cell, p);
         }
+        reading.add(end - begin);
     });
     progress.throwIfCancelled();
-    progress.update("mesh", 1);
     return mesh;
 }
 

@@ -1,6 +1,7 @@
 #include <igeo/trace.h>
 
 #include <igeo/parallel.h>
+#include <igeo/steps.h>
 
 #include <algorithm>
 
@@ -266,9 +267,12 @@ std::vector<Path> tracePaths(const Band& band, const Field& field,
                              const std::vector<SurfacePoint>& targets, const TraceOptions& options,
                              Progress& progress) {
     std::vector<Path> paths(targets.size());
+    Steps steps(progress, "trace", targets.size());
     parallelFor(targets.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end && !progress.cancelled(); ++k)
+        for (std::size_t k = begin; k < end && !steps.cancelled(); ++k) {
             paths[k] = tracePath(band, field, gradient, targets[k], options);
+            steps.add(1);
+        }
     });
     progress.throwIfCancelled();
     return paths;

@@ -72,7 +72,9 @@ TEST_CASE("reports and paths are valid by their schemas") {
     const std::string options =
         GENERATE("", "--target 0.7,0,0.5", "--target 0.7,0,0.5 --target -1.2,0,0 --with gradient",
                  "--target 0.2,0,0 --max-distance 0.3",
-                 "--target 0.7,0,0.5 --stop-at-targets --scheme godunov");
+                 "--target 0.7,0,0.5 --stop-at-targets --scheme godunov",
+                 "--target 0.7,0,0.5 --weight-curvature valley --obstacle-sphere 3,0,0,1",
+                 "--target 0.7,0,0.5 --metric-curvature avoid --straighten");
     const Desk desk;
     desk.make("in.vdb", "two-spheres --grid-class unknown");  // with a warning
     const Result result = desk.run(
