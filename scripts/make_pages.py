@@ -23,6 +23,7 @@ class Option:
     bounds: tuple = ()  # least, largest
     repeatable: bool = False
     required: bool = False
+    needs: list = dataclasses.field(default_factory=list)
     excludes: list = dataclasses.field(default_factory=list)
     text: str = ""
 
@@ -42,8 +43,9 @@ def parse_option(head):
     """From what stands left in a line of the help, such as
     --levels N:INT in [1 - 100000] Excludes: --spacing."""
     head, _, excludes = head.partition(" Excludes: ")
+    head, _, needs = head.partition(" Needs: ")
     names, _, rest = head.partition(" ")
-    option = Option(names.split(","), excludes=excludes.split())
+    option = Option(names.split(","), needs=needs.split(), excludes=excludes.split())
     for word, field in ((" REQUIRED", "required"), (" ...", "repeatable")):
         if rest.endswith(word):
             rest = rest[:-len(word)]
@@ -120,6 +122,8 @@ def man_page(page, version):
                 text += " May be repeated."
             if option.required:
                 text += " Required."
+            if option.needs:
+                text += f" Needs {', '.join(option.needs)}."
             if option.excludes:
                 text += f" Not together with {', '.join(option.excludes)}."
             lines += [".TP", head, roff(text)]

@@ -140,9 +140,10 @@ class Pipelines(unittest.TestCase):
                 if r > 1.03:
                     self.assertEqual(pixel, (0, 0, 0))
                 elif r < 0.95:
-                    # From above the seed, distance asin r; grey is lightness 0.35 to 0.95, its
-                    # cube the linear colour, which vdb_render encodes as sRGB. It takes the nearest
-                    # voxel, at most half a diagonal away; a grey level is up to 0.012 of distance.
+                    # From above the seed, distance asin r. Grey is lightness 0.35 to 0.95, its cube
+                    # the linear colour; the grid holds that as sRGB, which vdb_render writes as it
+                    # is. It takes the nearest voxel, at most half a diagonal away; a grey level is
+                    # up to 0.012 of distance.
                     self.assertEqual(len(set(pixel)), 1)
                     grey = (pixel[0] + 0.5) / 255
                     lightness = (((grey + 0.055) / 1.055) ** 2.4) ** (1 / 3)

@@ -24,7 +24,7 @@ BODY, FOOTER = HELP.split("\nExit codes: ")
 OPTIONS = {}
 for names, argument, text in re.findall(
         r"^  (-\S+)((?: (?! )\S+)*)\s+(\S.*)$", BODY, re.MULTILINE):
-    argument = re.sub(r" REQUIRED| Excludes: .*| \.\.\.|:\{.*|:INT in .*", "", argument)
+    argument = re.sub(r" REQUIRED| (Needs|Excludes): .*| \.\.\.|:\{.*|:[A-Z]+ in \[.*", "", argument)
     OPTIONS[names.split(",")[-1]] = (argument.strip(), text)
 
 
