@@ -8,11 +8,11 @@ cd "$(dirname "$0")/.."
 # headers of its own room and of those above it in this list.
 rooms='
 types error parallel progress steps version
-eikonal heap jet_update selling atomic_file colour_map canvas ply
-tangent_frame
+eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density
+tangent_frame orient_normals
 band metric curvature
-vdb_io level_set leaf_block band_width index_map
-level_set_band surface_point seeds grid_sampling obstacles
+vdb_io level_set leaf_block band_width index_map point_cloud ply_points vdb_points
+level_set_band point_surface point_band surface_point seeds grid_sampling obstacles
 field
 godunov jet jet_core jet_extend jet_stencil
 trace
@@ -28,7 +28,8 @@ field_grids extend report point_file picture view surface_rays
 no_openvdb='
 types error parallel progress steps version eikonal heap jet_update selling ply tangent_frame band metric
 curvature field band_width surface_point seeds godunov jet jet_core jet_extend jet_stencil trace
-straighten accuracy sampling matrix log_map shoot sides point_file colour_map canvas
+straighten accuracy sampling matrix log_map shoot sides point_file colour_map canvas point_tree
+quadric_fit cloud_density orient_normals
 '
 
 # Headers that cost seconds per file: the prefix, where the rule holds, and the files excepted.
