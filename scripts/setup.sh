@@ -14,7 +14,7 @@ packages=(
     g++ cmake ninja-build ccache
     libopenvdb-dev libtbb-dev
     libboost-iostreams-dev zlib1g-dev  # FindOpenVDB.cmake asks for them, libopenvdb-dev does not
-    libpng-dev
+    libpng-dev libassimp-dev
     nlohmann-json3-dev libcli11-dev catch2
     libopenvdb-tools                   # vdb_tool, vdb_print and vdb_render, for the tests
     python3 python3-jsonschema         # the tests check reports against their schema

@@ -10,9 +10,9 @@ rooms='
 types error parallel progress steps version
 eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density
 tangent_frame orient_normals
-band metric curvature
+band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
 vdb_io level_set leaf_block band_width index_map point_cloud ply_points vdb_points
-level_set_band point_surface point_band surface_point seeds grid_sampling obstacles
+level_set_band point_surface point_band surface_point seeds grid_sampling obstacles mesh_level_set mesh_band
 field
 godunov jet jet_core jet_extend jet_stencil
 trace
@@ -30,6 +30,7 @@ types error parallel progress steps version eikonal heap jet_update selling ply 
 curvature field band_width surface_point seeds godunov jet jet_core jet_extend jet_stencil trace
 straighten accuracy sampling matrix log_map shoot sides point_file colour_map canvas point_tree
 quadric_fit cloud_density orient_normals
+triangle_mesh mesh_voxels ply_file mesh_file mesh_band
 '
 
 # Headers that cost seconds per file: the prefix, where the rule holds, and the files excepted.
@@ -38,6 +39,7 @@ guarded='
 CLI/       src apps tests  apps/implicit-geodesic/options.cpp
 nlohmann/  src apps        src/igeo/report.cpp src/igeo/point_file.cpp
 png.h      src apps        src/igeo/canvas.cpp
+assimp/    src apps        src/igeo/mesh_file.cpp
 tbb/       src apps        src/igeo/parallel.h src/igeo/parallel.cpp
 '
 

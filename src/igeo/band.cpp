@@ -130,7 +130,7 @@ void Band::markFacing(NodeIndex i) {
         constexpr std::array<int, 4> kSteps{-2, -1, 1, 2};
         d[step / 4] = kSteps[std::size_t(step % 4)];
         const NodeIndex j = neighbour(i, d.x, d.y, d.z);
-        if (j == kNoNode || dot(normal[i], normal[j]) > kOtherSheet) continue;
+        if (j == kNoNode || (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j))) continue;
         // Several threads may set one flag: always to 1.
         __atomic_store_n(&facing[i], std::uint8_t(1), __ATOMIC_RELAXED);
         __atomic_store_n(&facing[j], std::uint8_t(1), __ATOMIC_RELAXED);
@@ -165,11 +165,16 @@ Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& side) {
         return normalized(sum);
     };
     const Vec3f n(side == Vec3d{} ? blended() : side);
-    for (NodeIndex& i : cell.node)
-        if (i != kNoNode && dot(n, band.normal[i]) < Band::kOtherSheet) {
+    for (std::size_t k = 0; k < 8; ++k) {
+        NodeIndex& i = cell.node[k];
+        if (i == kNoNode) continue;
+        const Vec3d t = cell.t - Vec3d(double(k >> 2), double(k >> 1 & 1), double(k & 1));
+        if (dot(n, band.normal[i]) < Band::kOtherSheet ||
+            (band.facing[i] && stacked(Vec3f(t) - band.foot[i], n, band.normal[i]))) {
             i = kNoNode;
             cell.complete = false;
         }
+    }
     return side == Vec3d{} ? Vec3d(n) : blended();
 }
 

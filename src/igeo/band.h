@@ -53,6 +53,14 @@ struct BandLeaf {
     std::array<LeafIndex, 27> neighbour{};  ///< leaf at step (dx,dy,dz): 9(dx+1)+3(dy+1)+dz+1
 };
 
+/// Whether two foot points, `chord` apart, lie on sheets one on top of the other with normals
+/// alike, as open surfaces have them: neighbours on one sheet are never a voxel apart along both
+/// normals.
+inline bool stacked(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
+    const float alongA = dot(a, chord), alongB = dot(b, chord);
+    return std::min(alongA, alongB) > 1 || std::max(alongA, alongB) < -1;
+}
+
 /// The band in flat arrays. Nodes are numbered leaf by leaf, by offset within the leaf, so the
 /// numbering depends on the topology alone. 35 bytes per node and about 5 for the leaves.
 ///
@@ -173,14 +181,20 @@ struct Band {
     }
 
     /// Whether a front may pass between neighbours i and j: not if their normals oppose, for then
-    /// they belong to two sheets that face each other.
+    /// they belong to two sheets that face each other, nor if one sheet lies on top of the other.
     bool linked(NodeIndex i, NodeIndex j) const {
-        return !(facing[i] & facing[j]) || dot(normal[i], normal[j]) > kOtherSheet;
+        return !(facing[i] & facing[j]) ||
+               (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j));
     }
     /// Cosine below which normals oppose: beyond a right angle, which an honest crease has.
     static constexpr float kOtherSheet = -0.2f;
 
-    /// Marks i and its neighbours up to two voxels along the axes as `facing` where normals oppose.
+    bool stacked(NodeIndex i, NodeIndex j) const {
+        return igeo::stacked(Vec3f(ijk(j) - ijk(i)) + foot[j] - foot[i], normal[i], normal[j]);
+    }
+
+    /// Marks i and its neighbours up to two voxels along the axes as `facing` where normals oppose
+    /// or sheets are stacked.
     /// May be called for many nodes in parallel; call it for every node at which psi has a kink.
     void markFacing(NodeIndex i);
 

@@ -135,13 +135,20 @@ void JetMarch::startDisc(std::uint32_t k) {
     const Vec3f side = core_.band.normal[seed.node];
     core_.band.forBox(&BandLeaf::core, core_.band.leaf[seed.node], core_.band.offset[seed.node], {},
                       2, [&](NodeIndex i, const Ijk&) {
-                          if (igeo::dot(core_.nodes[i].normal, side) >= Band::kOtherSheet) visit(i);
+                          const Node& node = core_.nodes[i];
+                          if (igeo::dot(node.normal, side) >= Band::kOtherSheet &&
+                              !stacked(Vec3f(core_.footOf(node) - seed.pIndex), node.normal, side))
+                              visit(i);
                       });
     for (std::size_t at = 0; at < found.size(); ++at) {
         const Node& node = core_.nodes[found[at]];
         core_.band.forNeighbours(
-            &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int, int, int) {
-                if (igeo::dot(node.normal, core_.nodes[j].normal) >= Band::kOtherSheet) visit(j);
+            &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
+                const Node& other = core_.nodes[j];
+                const Vec3f chord = node.foot - other.foot - Vec3f(Ijk{dx, dy, dz});
+                if (igeo::dot(node.normal, other.normal) >= Band::kOtherSheet &&
+                    !stacked(chord, node.normal, other.normal))
+                    visit(j);
             });
     }
     // A seed in a corner that no node near it can see: straight to the nearest.

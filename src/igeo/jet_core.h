@@ -128,7 +128,7 @@ struct JetCore {
     /// Whether nothing comes between two nodes next to each other: another sheet, or an obstacle.
     /// @param chord, cosine  from the foot point of `other`; between their normals
     bool sees(const Node& node, const Node& other, const Vec3f& chord, float cosine) const {
-        return cosine >= Band::kOtherSheet &&
+        return cosine >= Band::kOtherSheet && !stacked(chord, node.normal, other.normal) &&
                !(cosine < 0.5f && acrossGap(chord, node.normal, other.normal)) &&
                !(node.sight != Metric::Clear &&
                  hidden(other, footOf(node), node.normal + other.normal));

@@ -152,7 +152,9 @@ bool Extension::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& m
         const JetCore::Node& other = core_.nodes[j];
         const float cosine = dot(normal, other.normal);
         const Vec3f chord = band_.foot[i] - other.foot - Vec3f(step);
-        if (cosine < Band::kOtherSheet || dot(chord, chord) > kNear2) return;
+        if (cosine < Band::kOtherSheet || dot(chord, chord) > kNear2 ||
+            stacked(chord, normal, other.normal))
+            return;
         if (!metric_.clear(i) && core_.hidden(other, band_.footPoint(i), normal + other.normal))
             return;
         anybody = true;

@@ -40,7 +40,7 @@ struct SphereDesk : Desk {
 
 }  // namespace
 
-TEST_CASE("--seed-curve: distances from a curve, by file or as isolines of another run") {
+TEST_CASE("seed-curve: distances from a curve, by file or as isolines of another run") {
     const SphereDesk desk;
     writeBytes(desk / "curve.json", json({{{"position", parallel()}, {"closed", true}}}).dump());
     requireDone(desk, "--sdf in.vdb --seed 0,0,1 --isolines lines.json --levels 4 -q -o pole.vdb");
@@ -66,7 +66,7 @@ TEST_CASE("--seed-curve: distances from a curve, by file or as isolines of anoth
     CHECK(desk.report()["targets"][0]["distance"].get<double>() == Approx(M_PI / 5).epsilon(0.01));
 }
 
-TEST_CASE("--seed-mask: 0 inside a level set, and --signed negative there") {
+TEST_CASE("seed-mask: 0 inside a level set, and --signed negative there") {
     const SphereDesk desk;
     // Cuts the sphere at z = 0.6.
     desk.make("mask.vdb", "sphere --voxel-size 0.03 --param center=0,0,1 --param radius=" +
@@ -86,7 +86,7 @@ TEST_CASE("--seed-mask: 0 inside a level set, and --signed negative there") {
     CHECK(valueAt(*desk.distance(), 0, -1.12, 0) == Approx(std::atan2(0.6, 0.8)).epsilon(0.01));
 }
 
-TEST_CASE("--signed and a closed curve: the smaller side is negative") {
+TEST_CASE("signed and a closed curve: the smaller side is negative") {
     const SphereDesk desk;
     json ring = parallel();
     ring.push_back(ring.front());  // closed by repeating its first point
@@ -121,7 +121,7 @@ TEST_CASE("seeds that are no points: refusals") {
     requireRefused(desk, in + "--seed-curve open.csv --with logmap", kUsage, {"logmap"});
 }
 
-TEST_CASE("--with label: areas and boundaries of the cells are in the report") {
+TEST_CASE("with label: areas and boundaries of the cells are in the report") {
     const SphereDesk desk;
     requireDone(desk,
                 "--sdf in.vdb --seed 0,0,1 --seed 0,0,-1 --with label -q -o out.vdb --json "
@@ -137,7 +137,7 @@ TEST_CASE("--with label: areas and boundaries of the cells are in the report") {
     CHECK(report["cells"]["unreachedArea"] == 0);
 }
 
-TEST_CASE("--pairs: CSV on stdout or in a file, JSON by its schema, weights count") {
+TEST_CASE("pairs: CSV on stdout or in a file, JSON by its schema, weights count") {
     const SphereDesk desk;
     writeBytes(desk / "pairs.csv", "x,y,z,x2,y2,z2\n0,0,1, 0.6,0,0.8\n1,0,0, 0,1,0\n");
     const Result result = desk.run("--sdf in.vdb --pairs pairs.csv -q");
@@ -164,7 +164,7 @@ TEST_CASE("--pairs: CSV on stdout or in a file, JSON by its schema, weights coun
     CHECK(around == Approx(desk.report()["targets"][0]["distance"].get<double>()).epsilon(1e-6));
 }
 
-TEST_CASE("--pairs: unreached pairs end with 4, wrong files are refused") {
+TEST_CASE("pairs: unreached pairs end with 4, wrong files are refused") {
     const Desk desk;
     desk.make("in.vdb", "two-spheres");
     writeBytes(desk / "p.csv", "-1.2,0,0,1.2,0,0\n");
@@ -182,7 +182,7 @@ TEST_CASE("--pairs: unreached pairs end with 4, wrong files are refused") {
     requireRefused(desk, "--sdf in.vdb --seed 1.2,0,0 --pairs-out x.csv", kUsage, {"--pairs"});
 }
 
-TEST_CASE("--shoot: straight on around the sphere, and to the end of a sheet") {
+TEST_CASE("shoot: straight on around the sphere, and to the end of a sheet") {
     const SphereDesk desk;
     const Result result = desk.run(
         "--sdf in.vdb --shoot 0,0,1,3,4,0,3.14159265 --shoot 0,0,1,1,0,7,0.5 --paths w.json");

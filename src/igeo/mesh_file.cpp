@@ -1,0 +1,216 @@
+#include <igeo/mesh_file.h>
+
+#include <igeo/error.h>
+#include <igeo/ply_file.h>
+
+#include <assimp/scene.h>
+#include <assimp/Importer.hpp>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+namespace igeo {
+
+namespace {
+
+using Kind = Error::Kind;
+
+constexpr const char* kReadable = "meshes are read from .obj, .ply, .stl, .off, .gltf and .glb";
+
+std::string endingOf(const std::string& file) {
+    std::string ending = std::filesystem::path(file).extension().string();
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return ending;
+}
+
+/// The reasons that the system gives, which assimp does not.
+void requireReadable(const std::string& file) {
+    if (std::filesystem::is_directory(file))
+        throw Error(Kind::Io, "cannot read '" + file + "': it is a folder", "name a file");
+    errno = 0;
+    if (!std::ifstream(file, std::ios::binary).good())
+        throw Error(Kind::Io, "cannot open '" + file + "': " + std::strerror(errno ? errno : EIO),
+                    "check the name and the permissions");
+    if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) == 0)
+        throw Error(Kind::BadInput, "'" + file + "' is empty", kReadable);
+}
+
+struct Affine {
+    std::array<Vec3d, 3> row{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
+    Vec3d shift;
+
+    Vec3d operator()(const Vec3d& p) const {
+        return shift + Vec3d{dot(row[0], p), dot(row[1], p), dot(row[2], p)};
+    }
+    /// This one after `m`.
+    Affine after(const aiMatrix4x4& m) const {
+        const Vec3d x(m.a1, m.b1, m.c1), y(m.a2, m.b2, m.c2), z(m.a3, m.b3, m.c3);
+        Affine both;
+        for (std::size_t a = 0; a < 3; ++a)
+            both.row[a] = {dot(row[a], x), dot(row[a], y), dot(row[a], z)};
+        both.shift = (*this)(Vec3d(m.a4, m.b4, m.c4));
+        return both;
+    }
+    bool mirrors() const { return dot(cross(row[0], row[1]), row[2]) < 0; }
+};
+
+void requireRoom(std::size_t points, const std::string& file) {
+    constexpr std::size_t kMostPoints = std::size_t(1) << 31;
+    if (points > kMostPoints)
+        throw Error(Kind::BadInput, "'" + file + "' holds more than 2147483648 points",
+                    "simplify the mesh: it needs no more detail than voxels");
+}
+
+/// Cuts a polygon into triangles by its ears: the corner with the best triangle that holds no other
+/// corner goes first. Assimp's own step ends the process on a polygon it does not like.
+void appendPolygon(std::vector<std::uint32_t> corners, TriangleMesh& mesh) {
+    const std::vector<Vec3d>& p = mesh.points;
+    Vec3d normal;  // Newell's, of twice the area
+    for (std::size_t k = 0; k < corners.size(); ++k)
+        normal += cross(p[corners[k]] - p[corners[0]],
+                        p[corners[(k + 1) % corners.size()]] - p[corners[0]]);
+    while (corners.size() > 3) {
+        const std::size_t n = corners.size();
+        std::size_t best = 0;
+        double most = -kInfinity;
+        for (std::size_t k = 0; k < n; ++k) {
+            const std::uint32_t ia = corners[(k + n - 1) % n], ib = corners[k],
+                                ic = corners[(k + 1) % n];
+            const Vec3d a = p[ia], b = p[ib], c = p[ic];
+            auto left = [&](const Vec3d& from, const Vec3d& to, const Vec3d& q) {
+                return dot(cross(to - from, q - from), normal);
+            };
+            const double sides = dot(b - a, b - a) + dot(c - b, c - b) + dot(a - c, a - c);
+            double quality = left(a, b, c) / std::max(sides, 1e-300);
+            for (const std::uint32_t i : corners)
+                if (i != ia && i != ib && i != ic && left(a, b, p[i]) >= 0 &&
+                    left(b, c, p[i]) >= 0 && left(c, a, p[i]) >= 0)
+                    quality = std::min(quality, 0.0) - 1e6 * length(normal);
+            if (quality > most) most = quality, best = k;
+        }
+        mesh.triangles.push_back(
+            {corners[(best + n - 1) % n], corners[best], corners[(best + 1) % n]});
+        corners.erase(corners.begin() + std::ptrdiff_t(best));
+    }
+    if (corners.size() == 3) mesh.triangles.push_back({corners[0], corners[1], corners[2]});
+}
+
+void append(const aiMesh& from, const Affine& place, TriangleMesh& mesh) {
+    const std::size_t first = mesh.points.size();
+    requireRoom(first + from.mNumVertices, mesh.file);
+    for (unsigned i = 0; i < from.mNumVertices; ++i) {
+        const aiVector3D& v = from.mVertices[i];
+        mesh.points.push_back(place(Vec3d(v.x, v.y, v.z)));
+    }
+    std::vector<std::uint32_t> corners;
+    for (unsigned f = 0; f < from.mNumFaces; ++f) {
+        const aiFace& face = from.mFaces[f];
+        corners.clear();
+        for (unsigned k = 0; k < face.mNumIndices; ++k) {
+            if (face.mIndices[k] >= from.mNumVertices)
+                throw Error(Kind::BadInput,
+                            "a face of '" + mesh.file + "' names point " +
+                                std::to_string(face.mIndices[k]) + " of " +
+                                std::to_string(from.mNumVertices),
+                            "the file is cut off or broken: write it again");
+            corners.push_back(std::uint32_t(first + face.mIndices[k]));
+        }
+        if (place.mirrors()) std::reverse(corners.begin(), corners.end());
+        appendPolygon(corners, mesh);
+    }
+}
+
+void appendNode(const aiScene& scene, const aiNode& node, const Affine& above, TriangleMesh& mesh) {
+    const Affine place = above.after(node.mTransformation);
+    for (unsigned k = 0; k < node.mNumMeshes; ++k)
+        append(*scene.mMeshes[node.mMeshes[k]], place, mesh);
+    for (unsigned k = 0; k < node.mNumChildren; ++k)
+        appendNode(scene, *node.mChildren[k], place, mesh);
+}
+
+void readScene(TriangleMesh& mesh) {
+    Assimp::Importer importer;
+    const aiScene* scene = importer.ReadFile(mesh.file, 0);
+    if (!scene || !scene->mRootNode)
+        throw Error(Kind::BadInput,
+                    "cannot read '" + mesh.file + "' as a mesh: " + importer.GetErrorString(),
+                    std::string(kReadable) + "; points without faces go to --points");
+    appendNode(*scene, *scene->mRootNode, {}, mesh);
+}
+
+/// Assimp's reader runs beyond the end of files that are cut off.
+void readPly(TriangleMesh& mesh) {
+    std::ifstream in(mesh.file, std::ios::binary);
+    PlyFaces ply = readPlyFaces(in, mesh.file);
+    requireRoom(ply.points.size(), mesh.file);
+    mesh.points = std::move(ply.points);
+    for (const std::vector<std::uint32_t>& face : ply.faces) appendPolygon(face, mesh);
+}
+
+/// Points off by more than a voxel in 400 of a usual size.
+void warnOfRounding(TriangleMesh& mesh) {
+    constexpr double kMost = 1e-5, kSingle = 6e-8;
+    Vec3d low = mesh.points.front(), high = low;
+    double furthest = 0;
+    for (const Vec3d& p : mesh.points)
+        for (int a = 0; a < 3; ++a) {
+            low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
+            furthest = std::max(furthest, std::abs(p[a]));
+        }
+    const double off = kSingle * furthest, size = length(high - low);
+    if (!(off > kMost * size)) return;
+    std::array<char, 200> text{};
+    std::snprintf(text.data(), text.size(),
+                  "coordinates up to %.4g on a mesh %.4g across: single precision puts points off "
+                  "by %.2g; move the mesh to the origin",
+                  furthest, size, off);
+    mesh.warnings.emplace_back(text.data());
+}
+
+}  // namespace
+
+bool isMeshFile(const std::string& file) {
+    constexpr std::array<const char*, 6> kEndings{".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
+    const std::string ending = endingOf(file);
+    return std::any_of(kEndings.begin(), kEndings.end(),
+                       [&](const char* e) { return ending == e; });
+}
+
+TriangleMesh readMesh(const std::string& file) {
+    requireReadable(file);
+    if (!isMeshFile(file))
+        throw Error(Kind::BadInput, "'" + file + "' is no mesh by its name", kReadable);
+    TriangleMesh mesh;
+    mesh.file = file;
+    if (endingOf(file) == ".ply")
+        readPly(mesh);
+    else
+        readScene(mesh);
+    const std::size_t read = mesh.points.size();
+    if (mesh.triangles.empty())
+        throw Error(Kind::BadInput,
+                    "'" + file + "' holds " + std::to_string(read) + " points and no faces",
+                    "give points without faces to --points");
+    for (const Vec3d& p : mesh.points)
+        if (!std::isfinite(dot(p, p)))
+            throw Error(Kind::BadInput,
+                        "'" + file +
+                            "' has coordinates that are not finite: " + std::to_string(p.x) + ", " +
+                            std::to_string(p.y) + ", " + std::to_string(p.z),
+                        "export the mesh again");
+    weld(mesh);
+    if (mesh.triangles.empty())
+        throw Error(Kind::BadInput,
+                    "all triangles of '" + file + "' have shrunk to points or lines",
+                    "give a mesh with faces");
+    warnOfRounding(mesh);
+    return mesh;
+}
+
+}  // namespace igeo

@@ -1,0 +1,276 @@
+#include <igeo/triangle_mesh.h>
+
+#include <igeo/error.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+namespace igeo {
+
+namespace {
+
+using Triangle = TriangleMesh::Triangle;
+constexpr std::uint32_t kNone = MeshTopology::kNone;
+
+struct Box {
+    Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
+
+    explicit Box(const std::vector<Vec3d>& points) {
+        for (const Vec3d& p : points)
+            for (int a = 0; a < 3; ++a)
+                low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
+    }
+};
+
+/// Per point, the earliest within `tolerance` that is not itself taken for another.
+std::vector<std::uint32_t> earliestNear(const std::vector<Vec3d>& points, double tolerance) {
+    std::vector<std::uint32_t> same(points.size());
+    const Vec3d low = Box(points).low;
+    // Cells of four tolerances: most points look into one only. 21 bits hold their numbers.
+    const double cells = tolerance > 0 ? 1 / (4 * tolerance) : 0;
+    auto cellOf = [&](const Vec3d& p) {
+        std::array<std::uint64_t, 3> c{};
+        for (int a = 0; a < 3; ++a)
+            c[std::size_t(a)] = std::uint64_t(std::max(0.0, (p[a] - low[a]) * cells));
+        return c;
+    };
+    auto key = [](std::uint64_t x, std::uint64_t y, std::uint64_t z) {
+        return x << 42 | y << 21 | z;
+    };
+    // A chain per cell, through the points that stand for themselves.
+    std::unordered_map<std::uint64_t, std::uint32_t> newest;
+    std::vector<std::uint32_t> older(points.size(), kNone);
+    newest.reserve(points.size() / 2);
+    const Vec3d reach{tolerance, tolerance, tolerance};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        std::uint32_t found = kNone;
+        const auto from = cellOf(points[i] - reach), to = cellOf(points[i] + reach);
+        for (auto x = from[0]; x <= to[0]; ++x)
+            for (auto y = from[1]; y <= to[1]; ++y)
+                for (auto z = from[2]; z <= to[2]; ++z) {
+                    const auto at = newest.find(key(x, y, z));
+                    for (std::uint32_t j = at == newest.end() ? kNone : at->second; j != kNone;
+                         j = older[j])
+                        if (length(points[j] - points[i]) <= tolerance) found = std::min(found, j);
+                }
+        same[i] = found == kNone ? std::uint32_t(i) : found;
+        if (found != kNone) continue;
+        const auto c = cellOf(points[i]);
+        const auto [at, isNew] = newest.try_emplace(key(c[0], c[1], c[2]), std::uint32_t(i));
+        if (!isNew) older[i] = std::exchange(at->second, std::uint32_t(i));
+    }
+    return same;
+}
+
+/// One side of an edge.
+struct HalfEdge {
+    std::uint32_t low, high;
+    std::uint32_t triangle, corner;
+    bool up;  ///< from low to high
+
+    bool operator<(const HalfEdge& o) const {
+        return std::tie(low, high, triangle, corner) <
+               std::tie(o.low, o.high, o.triangle, o.corner);
+    }
+};
+
+/// Calls visit(first, last) for the half-edges of each edge, by triangle.
+template <typename Visit>
+void forEdges(const TriangleMesh& mesh, const Visit& visit) {
+    std::vector<HalfEdge> half;
+    half.reserve(3 * mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
+            half.push_back({std::min(a, b), std::max(a, b), std::uint32_t(t), k, a < b});
+        }
+    std::sort(half.begin(), half.end());
+    for (std::size_t begin = 0, end; begin < half.size(); begin = end) {
+        end = begin + 1;
+        while (end < half.size() && half[end].low == half[begin].low &&
+               half[end].high == half[begin].high)
+            ++end;
+        visit(half.data() + begin, half.data() + end);
+    }
+}
+
+/// Root of a set, with its path halved.
+std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+/// Whether a triangle has to be turned to run with the first of its component; and which components
+/// cannot be made to.
+struct Turns {
+    std::vector<bool> turned;
+    std::vector<bool> oneSided;  ///< per component
+};
+Turns findTurns(const TriangleMesh& mesh, const MeshTopology& topology) {
+    Turns turns{std::vector<bool>(mesh.triangles.size()), std::vector<bool>(topology.components)};
+    std::vector<bool> seen(mesh.triangles.size());
+    std::vector<std::uint32_t> queue;
+    auto runsAlike = [&](std::uint32_t t, std::uint32_t u, std::size_t k) {
+        const std::uint32_t from = mesh.triangles[t][k], to = mesh.triangles[t][(k + 1) % 3];
+        for (std::size_t m = 0; m < 3; ++m)
+            if (mesh.triangles[u][m] == from && mesh.triangles[u][(m + 1) % 3] == to) return true;
+        return false;
+    };
+    for (std::uint32_t start = 0; start < mesh.triangles.size(); ++start) {
+        if (seen[start]) continue;
+        seen[start] = true;
+        queue.assign(1, start);
+        for (std::size_t at = 0; at < queue.size(); ++at) {
+            const std::uint32_t t = queue[at];
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t u = topology.neighbour[t][k];
+                if (u == kNone || u == MeshTopology::kMany) continue;
+                const bool turn = turns.turned[t] != runsAlike(t, u, k);
+                if (!seen[u])
+                    seen[u] = true, turns.turned[u] = turn, queue.push_back(u);
+                else if (turns.turned[u] != turn)
+                    turns.oneSided[topology.component[t]] = true;
+            }
+        }
+        const auto turned = std::size_t(std::count_if(
+            queue.begin(), queue.end(), [&](std::uint32_t t) { return turns.turned[t]; }));
+        if (2 * turned > queue.size())
+            for (const std::uint32_t t : queue) turns.turned[t] = !turns.turned[t];
+    }
+    return turns;
+}
+
+std::string number(double x) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.4g", x);
+    return text.data();
+}
+
+}  // namespace
+
+void weld(TriangleMesh& mesh) {
+    constexpr double kTolerance = 1e-6;
+    const Box box(mesh.points);
+    if (mesh.points.empty()) return;
+    const auto same = earliestNear(mesh.points, kTolerance * length(box.high - box.low));
+    for (std::size_t i = 0; i < same.size(); ++i) mesh.merged += same[i] != i;
+    for (Triangle& t : mesh.triangles)
+        for (std::uint32_t& v : t) v = same[v];
+
+    // Of equal triangles the first stays.
+    std::vector<std::pair<Triangle, std::uint32_t>> sorted;
+    sorted.reserve(mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        sorted.emplace_back(mesh.triangles[t], std::uint32_t(t));
+        std::sort(sorted.back().first.begin(), sorted.back().first.end());
+    }
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<bool> drop(mesh.triangles.size());
+    for (std::size_t k = 0; k < sorted.size(); ++k) {
+        const auto& [a, b, c] = sorted[k].first;
+        if (a == b || b == c || (k > 0 && sorted[k].first == sorted[k - 1].first))
+            drop[sorted[k].second] = true;
+    }
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (!drop[t]) mesh.triangles[kept++] = mesh.triangles[t];
+    mesh.dropped += mesh.triangles.size() - kept;
+    mesh.triangles.resize(kept);
+
+    std::vector<std::uint32_t> name(mesh.points.size(), kNone);
+    for (const Triangle& t : mesh.triangles)
+        for (const std::uint32_t v : t) name[v] = 0;
+    std::uint32_t count = 0;
+    for (std::size_t i = 0; i < name.size(); ++i)
+        if (name[i] != kNone) mesh.points[count] = mesh.points[i], name[i] = count++;
+    mesh.points.resize(count);
+    for (Triangle& t : mesh.triangles)
+        for (std::uint32_t& v : t) v = name[v];
+}
+
+MeshTopology meshTopology(const TriangleMesh& mesh) {
+    MeshTopology topology;
+    topology.neighbour.assign(mesh.triangles.size(), {kNone, kNone, kNone});
+    std::vector<std::uint32_t> parent(mesh.triangles.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    forEdges(mesh, [&](const HalfEdge* first, const HalfEdge* last) {
+        topology.boundaryEdges += last - first == 1;
+        topology.nonManifoldEdges += last - first > 2;
+        for (const HalfEdge* e = first + 1; e < last; ++e) {
+            const auto a = rootOf(parent, first->triangle), b = rootOf(parent, e->triangle);
+            parent[std::max(a, b)] = std::min(a, b);
+        }
+        if (last - first > 2)
+            for (const HalfEdge* e = first; e < last; ++e)
+                topology.neighbour[e->triangle][e->corner] = MeshTopology::kMany;
+        if (last - first != 2) return;
+        topology.turnedEdges += first[0].up == first[1].up;
+        topology.neighbour[first[0].triangle][first[0].corner] = first[1].triangle;
+        topology.neighbour[first[1].triangle][first[1].corner] = first[0].triangle;
+    });
+    topology.component.resize(mesh.triangles.size());
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        // The root of a set is its least triangle, which was numbered before.
+        const std::uint32_t root = rootOf(parent, t);
+        topology.component[t] =
+            root == t ? std::uint32_t(topology.components++) : topology.component[root];
+    }
+    const Turns turns = findTurns(mesh, topology);
+    topology.nonOrientable =
+        std::size_t(std::count(turns.oneSided.begin(), turns.oneSided.end(), true));
+    return topology;
+}
+
+std::size_t orientConsistently(TriangleMesh& mesh) {
+    const Turns turns = findTurns(mesh, meshTopology(mesh));
+    std::size_t count = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (turns.turned[t]) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]), ++count;
+    return count;
+}
+
+double meshArea(const TriangleMesh& mesh) {
+    double area = 0;
+    for (const auto& [a, b, c] : mesh.triangles)
+        area += length(cross(mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a])) / 2;
+    return area;
+}
+
+double estimatedVoxels(const TriangleMesh& mesh, double dx, double halfWidth) {
+    return meshArea(mesh) / (dx * dx) * 2 * halfWidth;
+}
+
+void requireReasonable(const TriangleMesh& mesh, double dx, double halfWidth) {
+    using Kind = Error::Kind;
+    const std::string where = " (" + mesh.file + ")";
+    if (mesh.triangles.empty())
+        throw Error(Kind::BadInput, "the mesh has no triangles" + where, "give a surface");
+    if (!(dx > 0) || !std::isfinite(dx))
+        throw Error(Kind::InvalidArgument,
+                    "a voxel size of " + number(dx) + " is not a positive number" + where,
+                    "give a length in the units of the mesh");
+    const Box box(mesh.points);
+    constexpr double kMostVoxels = 1e9, kFurthest = 1 << 30;
+    double furthest = 0;
+    for (int a = 0; a < 3; ++a)
+        furthest = std::max({furthest, std::abs(box.low[a]), std::abs(box.high[a])});
+    const double voxels = estimatedVoxels(mesh, dx, halfWidth);
+    if (!(voxels <= kMostVoxels))
+        throw Error(Kind::InvalidArgument,
+                    "at a voxel size of " + number(dx) + " the mesh fills about " + number(voxels) +
+                        " voxels, " + number(kMostVoxels) + " are the most" + where,
+                    "take a voxel size of " + number(dx * std::sqrt(voxels / kMostVoxels)) +
+                        " or more; its bounding box is " + number(length(box.high - box.low)) +
+                        " across");
+    if (!(furthest / dx < kFurthest))
+        throw Error(Kind::InvalidArgument,
+                    "at a voxel size of " + number(dx) + " the mesh lies " + number(furthest / dx) +
+                        " voxels from the origin, " + number(kFurthest) + " are the most" + where,
+                    "move the mesh to the origin, or take larger voxels");
+}
+
+}  // namespace igeo

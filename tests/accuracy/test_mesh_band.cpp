@@ -1,0 +1,130 @@
+#include <igeo/jet.h>
+#include <igeo/level_set_band.h>
+#include <igeo/mesh_band.h>
+#include <igeo/mesh_level_set.h>
+#include <support/catch.h>
+#include <support/errors.h>
+#include <support/exact.h>
+#include <support/mesh_shapes.h>
+#include <support/openvdb.h>
+
+namespace igeo {
+namespace {
+
+const double kPi = std::acos(-1.0);
+using test::Errors;
+
+/// jet on a mesh at a voxel size, held against the exact distance.
+Errors errorsOn(const TriangleMesh& mesh, double dx, const Vec3d& seed,
+                const std::function<double(const Vec3d&)>& exact) {
+    const Band band = bandFromMesh(mesh, dx, std::sqrt(3.0));
+    const SurfacePoint s = nearestMeshPoint(mesh, band, band.transform.indexFromWorld(seed));
+    const Field field = marchJet(band, nullptr, {s});
+    const Errors e = test::errorsOnSurface(
+        band, field, [&](const openvdb::Vec3d& p) { return exact(Vec3d(p.x(), p.y(), p.z())); });
+    CHECK(e.unreached == 0);
+    return e;
+}
+
+/// A rigid motion that puts nothing on lattice planes.
+struct Motion {
+    Vec3d x = normalized(Vec3d{0.8, 0.31, -0.52}), y = normalized(cross(x, Vec3d{0.2, 0.9, 0.4})),
+          z = cross(x, y), shift{0.213, -0.127, 0.071};
+    Vec3d operator()(const Vec3d& p) const { return shift + p.x * x + p.y * y + p.z * z; }
+    Vec3d back(const Vec3d& q) const {
+        return {dot(q - shift, x), dot(q - shift, y), dot(q - shift, z)};
+    }
+};
+
+/// Around a disc of radius r about the origin of the plane: straight, or along two tangents and an
+/// arc.
+double aroundDisc(double r, const Vec3d& p, const Vec3d& q) {
+    const Vec3d e = q - p;
+    const double t = std::clamp(-dot(p, e) / dot(e, e), 0.0, 1.0);
+    if (length(p + t * e) >= r) return length(e);
+    const double lp = std::max(length(p), r), lq = std::max(length(q), r);
+    const double between = std::atan2(length(cross(p, q)), dot(p, q));
+    const double arc = between - std::acos(r / lp) - std::acos(r / lq);
+    if (arc <= 0) return length(e);  // an end on the disc, in sight of the other
+    return std::sqrt(lp * lp - r * r) + std::sqrt(lq * lq - r * r) + r * arc;
+}
+
+TEST_CASE("a cylinder that is open at both ends", "[mesh]") {
+    const double radius = 0.3;
+    const TriangleMesh mesh = test::sheet(600, 20, [&](double u, double v) {
+        return Vec3d{radius * std::cos(2 * kPi * u), radius * std::sin(2 * kPi * u), v - 0.5};
+    });
+    const Vec3d seed = {radius * std::cos(0.3), radius * std::sin(0.3), -0.21};
+    for (const double dx : {0.02, 0.01}) {
+        const Errors e = errorsOn(mesh, dx, seed, [&](const Vec3d& p) {
+            return test::geodesicOnCylinder({0, 0, 0}, radius, {seed.x, seed.y, seed.z},
+                                            {p.x, p.y, p.z});
+        });
+        std::printf("cylinder dx %g: mean %.4f max %.4f %% bias %.4f\n", dx, e.mean, e.max, e.bias);
+    }
+}
+
+TEST_CASE("a hemisphere", "[mesh]") {
+    const Motion motion;
+    const TriangleMesh mesh = test::sheet(90, 360, [&](double u, double v) {
+        const double a = kPi / 2 * u;
+        return motion(0.4 * Vec3d{std::sin(a) * std::cos(2 * kPi * v),
+                                  std::sin(a) * std::sin(2 * kPi * v), std::cos(a)});
+    });
+    const Vec3d n = normalized(Vec3d{0.5, 0.3, 0.6});
+    for (const double dx : {0.02, 0.01, 0.005}) {
+        const Errors e = errorsOn(mesh, dx, motion(0.4 * n), [&](const Vec3d& q) {
+            const Vec3d p = motion.back(q);
+            return 0.4 * std::atan2(length(cross(p, n)), dot(p, n));
+        });
+        std::printf("hemisphere dx %g: mean %.4f max %.4f %% bias %.4f\n", dx, e.mean, e.max,
+                    e.bias);
+    }
+}
+
+TEST_CASE("a plane with a hole", "[mesh]") {
+    const Motion motion;
+    const double hole = 0.15;
+    const TriangleMesh mesh = test::sheet(20, 720, [&](double u, double v) {
+        const double r = hole + u * (0.5 - hole), a = 2 * kPi * v;
+        return motion({r * std::cos(a), r * std::sin(a), 0});
+    });
+    const Vec3d seed{0.32, 0.07, 0};
+    for (const double dx : {0.02, 0.01, 0.005}) {
+        const Errors e = errorsOn(mesh, dx, motion(seed), [&](const Vec3d& p) {
+            return aroundDisc(hole, seed, motion.back(p));
+        });
+        std::printf("hole dx %g: mean %.4f max %.4f %% bias %.4f\n", dx, e.mean, e.max, e.bias);
+    }
+}
+
+TEST_CASE("a plane with a slit", "[mesh]") {
+    const Motion motion;
+    // 40 by 40 squares, two of width 0.025 taken out from the edge to the middle.
+    const TriangleMesh mesh = test::sheet(
+        40, 40,
+        [&](double u, double v) {
+            return motion({u - 0.5, v - 0.5, 0});
+        },
+        [](double u, double v) { return !(std::abs(u - 0.5) < 0.05 && v < 0.5); });
+    const Vec3d seed{-0.3, -0.4, 0};
+    for (const double dx : {0.02, 0.01, 0.005}) {
+        const Errors e = errorsOn(mesh, dx, motion(seed), [&](const Vec3d& q) {
+            const Vec3d p = motion.back(q), a{-0.05, 0, 0}, b{0.05, 0, 0};
+            // The obstacle |x| < 0.05, y < 0: around its corners a and b.
+            auto at = [&](double x) {
+                return seed.y + (p.y - seed.y) * (x - seed.x) / (p.x - seed.x);
+            };
+            if (p.x <= a.x + 1e-6 || (at(a.x) >= 0 && (p.x <= b.x || at(b.x) >= 0)))
+                return length(p - seed);
+            const Vec3d fromB = p - b;
+            const double viaA = length(a - seed);
+            if (fromB.y >= -1e-6) return viaA + length(p - a);
+            return viaA + length(b - a) + length(fromB);
+        });
+        std::printf("slit dx %g: mean %.4f max %.4f %% bias %.4f\n", dx, e.mean, e.max, e.bias);
+    }
+}
+
+}  // namespace
+}  // namespace igeo

@@ -1,0 +1,33 @@
+/// Triangle meshes of known surfaces, and files of them in every format.
+#pragma once
+
+#include <igeo/triangle_mesh.h>
+
+#include <functional>
+#include <string>
+
+namespace igeo::test {
+
+/// f over [0, 1]^2 in nu by nv quadrilaterals, each cut in two.
+/// @param keep  leaves quadrilaterals out, by their middle
+TriangleMesh sheet(std::size_t nu, std::size_t nv, const std::function<Vec3d(double, double)>& f,
+                   const std::function<bool(double, double)>& keep = nullptr);
+
+/// Sphere about `centre`: an icosahedron whose triangles are cut in four `rounds` times.
+TriangleMesh sphereMesh(const Vec3d& centre, double radius, int rounds);
+
+/// Moebius strip of a turn of `radius`, `width` across, in n pieces.
+TriangleMesh moebius(double radius, double width, std::size_t n);
+
+/// The two meshes in one.
+TriangleMesh together(TriangleMesh a, const TriangleMesh& b);
+
+/// Every point moved.
+TriangleMesh moved(TriangleMesh mesh, const std::function<Vec3d(const Vec3d&)>& place);
+
+/// Writes a mesh by the ending of the name: .obj, .off, .ply (binary), .stl (binary), .gltf (with
+/// its numbers inside; a node moves all points by (1, 2, 3) and doubles them first).
+/// @param text  .ply and .stl as text
+void writeMesh(const TriangleMesh& mesh, const std::string& file, bool text = false);
+
+}  // namespace igeo::test
