@@ -12,13 +12,13 @@ eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree qua
 tangent_frame orient_normals
 band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
 vdb_io level_set leaf_block band_width index_map point_cloud ply_points vdb_points
-level_set_band point_surface point_band surface_point seeds grid_sampling obstacles mesh_level_set mesh_band
+level_set_band surface_point point_surface point_band seeds grid_sampling obstacles mesh_level_set mesh_band
 field
 godunov jet jet_core jet_extend jet_stencil
 trace
 straighten
 accuracy sampling matrix pairs log_map shoot sides
-surface_mesh
+surface_mesh refined_mesh
 isolines
 cells engrave
 field_grids extend report point_file picture view surface_rays

@@ -60,6 +60,19 @@ struct Pseudonormals {
                topology.neighbour[t][std::size_t(feature - 3)] == MeshTopology::kNone;
     }
 
+    /// Whether a point of a face lies next to an edge of three or more: the sheets there share out
+    /// the voxels, and the core of each has a gap.
+    bool nearMany(std::size_t t, const Vec3d& y) const {
+        constexpr double kNear = 2;
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (topology.neighbour[t][k] != MeshTopology::kMany) continue;
+            const Vec3d a = mesh.points[mesh.triangles[t][k]],
+                        b = mesh.points[mesh.triangles[t][(k + 1) % 3]];
+            if (length(nearestOnTriangle(y, a, b, a).point - y) < kNear) return true;
+        }
+        return false;
+    }
+
     Vec3d at(std::size_t t, int feature) const {
         Vec3d n = ofFace[t];
         if (feature < 3) {
@@ -79,7 +92,7 @@ struct Pseudonormals {
 }  // namespace
 
 Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress) {
-    if (!(h >= 0.86 && h <= 8))
+    if (!(h >= 0.866 && h <= 8))
         throw Error(Error::Kind::InvalidArgument,
                     "a band of " + std::to_string(h) + " voxels; sqrt(3)/2 to 8 will do",
                     "sqrt(3) is usual");
@@ -123,8 +136,9 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
             for (const NearVoxel& v : near[l].voxels) {
                 Vec3d n = normals.at(v.triangle, v.feature);
                 double psi = -dot(v.point, n);
-                if (v.feature < 6 && std::abs(psi) < kRim &&
-                    dot(n, normals.ofFace[v.triangle]) < kSharp)
+                if (std::abs(psi) < kRim &&
+                    (dot(n, normals.ofFace[v.triangle]) < kSharp ||
+                     normals.nearMany(v.triangle, Vec3d(band.ijk(i)) + v.point)))
                     rims[l].push_back(i);
                 if (!normals.ends(v.triangle, v.feature)) {
                     psi = std::copysign(length(v.point), psi);

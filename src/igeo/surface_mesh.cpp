@@ -165,7 +165,12 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field&
         projecting.add(end - begin);
     });
     mesh.triangles = split(extracted.quads, mesh.position);
+    sampleField(mesh, band, field, progress);
+    return mesh;
+}
 
+void sampleField(SurfaceMesh& mesh, const Band& band, const Field& field, Progress& progress) {
+    const std::size_t n = mesh.position.size();
     const std::vector<Vec3d> side = vertexNormals(mesh);
     mesh.normal.resize(n);
     mesh.distance.resize(n);
@@ -183,7 +188,6 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field&
         reading.add(end - begin);
     });
     progress.throwIfCancelled();
-    return mesh;
 }
 
 MeshEdges meshEdges(const SurfaceMesh& mesh) {

@@ -42,6 +42,11 @@ struct SurfaceMesh {
 SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field& field,
                         Progress& progress = Progress::none());
 
+/// Fills normal, distance and label of a mesh on S from its positions and triangles.
+/// @throws Error  Cancelled through `progress`
+void sampleField(SurfaceMesh& mesh, const Band& band, const Field& field,
+                 Progress& progress = Progress::none());
+
 /// The edges of a mesh, each between two triangles, or at the rim of one.
 ///
 /// An edge that four triangles share becomes two edges, so that a walk from triangle to triangle

@@ -110,37 +110,83 @@ struct Turns {
     std::vector<bool> turned;
     std::vector<bool> oneSided;  ///< per component
 };
-Turns findTurns(const TriangleMesh& mesh, const MeshTopology& topology) {
-    Turns turns{std::vector<bool>(mesh.triangles.size()), std::vector<bool>(topology.components)};
-    std::vector<bool> seen(mesh.triangles.size());
-    std::vector<std::uint32_t> queue;
-    auto runsAlike = [&](std::uint32_t t, std::uint32_t u, std::size_t k) {
-        const std::uint32_t from = mesh.triangles[t][k], to = mesh.triangles[t][(k + 1) % 3];
-        for (std::size_t m = 0; m < 3; ++m)
-            if (mesh.triangles[u][m] == from && mesh.triangles[u][(m + 1) % 3] == to) return true;
-        return false;
-    };
-    for (std::uint32_t start = 0; start < mesh.triangles.size(); ++start) {
-        if (seen[start]) continue;
-        seen[start] = true;
-        queue.assign(1, start);
+
+/// Triangles joined through edges of two, turned alike.
+class Patches {
+public:
+    Patches(const TriangleMesh& mesh, const MeshTopology& topology, Turns& turns)
+        : mesh_(mesh), topology_(topology), turns_(turns), patch_(mesh.triangles.size(), kNone) {
+        for (std::uint32_t t = 0; t < patch_.size(); ++t)
+            if (patch_[t] == kNone) grow(t);
+        joinAtManyEdges();
+    }
+
+private:
+    void grow(std::uint32_t start) {
+        const auto number = std::uint32_t(members_.size());
+        std::vector<std::uint32_t> queue(1, start);
+        patch_[start] = number;
         for (std::size_t at = 0; at < queue.size(); ++at) {
             const std::uint32_t t = queue[at];
             for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t u = topology.neighbour[t][k];
+                const std::uint32_t u = topology_.neighbour[t][k];
                 if (u == kNone || u == MeshTopology::kMany) continue;
-                const bool turn = turns.turned[t] != runsAlike(t, u, k);
-                if (!seen[u])
-                    seen[u] = true, turns.turned[u] = turn, queue.push_back(u);
-                else if (turns.turned[u] != turn)
-                    turns.oneSided[topology.component[t]] = true;
+                const bool turn = turns_.turned[t] != runsAlike(t, u, k);
+                if (patch_[u] == kNone)
+                    patch_[u] = number, turns_.turned[u] = turn, queue.push_back(u);
+                else if (turns_.turned[u] != turn)
+                    turns_.oneSided[topology_.component[t]] = true;
             }
         }
-        const auto turned = std::size_t(std::count_if(
-            queue.begin(), queue.end(), [&](std::uint32_t t) { return turns.turned[t]; }));
-        if (2 * turned > queue.size())
-            for (const std::uint32_t t : queue) turns.turned[t] = !turns.turned[t];
+        if (2 * turnedOf(queue) > queue.size()) turnOver(queue);
+        members_.push_back(std::move(queue));
     }
+
+    /// Where three or more meet, each goes on in the next, as far as that closes no circle. The
+    /// smaller part is turned.
+    void joinAtManyEdges() {
+        std::vector<std::uint32_t> name(members_.size());
+        std::iota(name.begin(), name.end(), 0u);
+        forEdges(mesh_, [&](const HalfEdge* first, const HalfEdge* last) {
+            for (const HalfEdge* e = first; last - first > 2 && e + 1 < last; ++e) {
+                std::uint32_t a = rootOf(name, patch_[e[0].triangle]),
+                              b = rootOf(name, patch_[e[1].triangle]);
+                if (a == b) continue;
+                if (members_[a].size() < members_[b].size()) std::swap(a, b);
+                const bool alike = (e[0].up != turns_.turned[e[0].triangle]) ==
+                                   (e[1].up != turns_.turned[e[1].triangle]);
+                if (alike) turnOver(members_[b]);
+                members_[a].insert(members_[a].end(), members_[b].begin(), members_[b].end());
+                std::vector<std::uint32_t>().swap(members_[b]);
+                name[b] = a;
+            }
+        });
+    }
+
+    bool runsAlike(std::uint32_t t, std::uint32_t u, std::size_t k) const {
+        const std::uint32_t from = mesh_.triangles[t][k], to = mesh_.triangles[t][(k + 1) % 3];
+        for (std::size_t m = 0; m < 3; ++m)
+            if (mesh_.triangles[u][m] == from && mesh_.triangles[u][(m + 1) % 3] == to) return true;
+        return false;
+    }
+    std::size_t turnedOf(const std::vector<std::uint32_t>& part) const {
+        return std::size_t(std::count_if(part.begin(), part.end(),
+                                         [&](std::uint32_t t) { return turns_.turned[t]; }));
+    }
+    void turnOver(const std::vector<std::uint32_t>& part) {
+        for (const std::uint32_t t : part) turns_.turned[t] = !turns_.turned[t];
+    }
+
+    const TriangleMesh& mesh_;
+    const MeshTopology& topology_;
+    Turns& turns_;
+    std::vector<std::uint32_t> patch_;                 ///< per triangle
+    std::vector<std::vector<std::uint32_t>> members_;  ///< per patch
+};
+
+Turns findTurns(const TriangleMesh& mesh, const MeshTopology& topology) {
+    Turns turns{std::vector<bool>(mesh.triangles.size()), std::vector<bool>(topology.components)};
+    const Patches patches(mesh, topology, turns);
     return turns;
 }
 

@@ -45,7 +45,7 @@ struct MeshTopology {
     std::size_t boundaryEdges = 0;         ///< of one triangle
     std::size_t nonManifoldEdges = 0;      ///< of three or more
     std::size_t turnedEdges = 0;           ///< of two triangles that run along it the same way
-    std::size_t nonOrientable = 0;         ///< components that no turning makes consistent
+    std::size_t nonOrientable = 0;         ///< components in which no turning helps (turnedEdges)
 
     /// Every edge has two triangles, so that the mesh has an inside.
     bool closed() const { return boundaryEdges == 0 && nonManifoldEdges == 0; }
@@ -53,9 +53,10 @@ struct MeshTopology {
 /// Time O(n log n).
 MeshTopology meshTopology(const TriangleMesh& mesh);
 
-/// Turns triangles over, so that neighbours run along their edge in opposite ways: in each
-/// component as most of its triangles had it. Where a component has one side only, as a Moebius
-/// strip, some edges stay as they are.
+/// Turns triangles over, so that neighbours run along their edge in opposite ways: in each part
+/// joined through edges of two triangles as most of it had it. Where three or more meet, each goes
+/// on in the next. Where a component has one side only, as a Moebius strip, some edges stay as they
+/// are.
 /// @return triangles turned
 std::size_t orientConsistently(TriangleMesh& mesh);
 

@@ -8,22 +8,36 @@
 #include <support/mesh_shapes.h>
 #include <support/openvdb.h>
 
+#include <cstdio>
+
 namespace igeo {
 namespace {
 
 const double kPi = std::acos(-1.0);
 using test::Errors;
 
+/// In voxels.
+struct InVoxels {
+    double mean = 0, max = 0;
+};
+
 /// jet on a mesh at a voxel size, held against the exact distance.
-Errors errorsOn(const TriangleMesh& mesh, double dx, const Vec3d& seed,
-                const std::function<double(const Vec3d&)>& exact) {
+InVoxels errorsOn(const TriangleMesh& mesh, double dx, const Vec3d& seed,
+                  const std::function<double(const Vec3d&)>& exact) {
     const Band band = bandFromMesh(mesh, dx, std::sqrt(3.0));
     const SurfacePoint s = nearestMeshPoint(mesh, band, band.transform.indexFromWorld(seed));
     const Field field = marchJet(band, nullptr, {s});
     const Errors e = test::errorsOnSurface(
         band, field, [&](const openvdb::Vec3d& p) { return exact(Vec3d(p.x(), p.y(), p.z())); });
     CHECK(e.unreached == 0);
-    return e;
+    double largest = 0;
+    for (NodeIndex i = 0; i < band.size(); ++i)
+        if (std::abs(band.psi[i]) < 1)
+            largest = std::max(largest, exact(band.transform.worldFromIndex(band.footPoint(i))));
+    const InVoxels v{e.mean / 100 * largest / dx, e.max / 100 * largest / dx};
+    std::printf("dx %g: mean %.4f voxels (%.4f %%), max %.3f (%.3f %%)\n", dx, v.mean, e.mean,
+                v.max, e.max);
+    return v;
 }
 
 /// A rigid motion that puts nothing on lattice planes.
@@ -55,13 +69,20 @@ TEST_CASE("a cylinder that is open at both ends", "[mesh]") {
         return Vec3d{radius * std::cos(2 * kPi * u), radius * std::sin(2 * kPi * u), v - 0.5};
     });
     const Vec3d seed = {radius * std::cos(0.3), radius * std::sin(0.3), -0.21};
+    std::vector<double> voxels;
     for (const double dx : {0.02, 0.01}) {
-        const Errors e = errorsOn(mesh, dx, seed, [&](const Vec3d& p) {
+        const InVoxels e = errorsOn(mesh, dx, seed, [&](const Vec3d& p) {
             return test::geodesicOnCylinder({0, 0, 0}, radius, {seed.x, seed.y, seed.z},
                                             {p.x, p.y, p.z});
         });
-        std::printf("cylinder dx %g: mean %.4f max %.4f %% bias %.4f\n", dx, e.mean, e.max, e.bias);
+        voxels.push_back(e.mean);
+        // The chord over an arc of a facet, 1/600 of a turn, is short by 1e-5: 0.001 voxels; the
+        // rest is the scheme's, as on a closed cylinder. At the open ends nothing happens.
+        CHECK(e.mean < 0.005);
+        CHECK(e.max < 0.02);
     }
+    // Second order in world units is a mean error in voxels that halves with dx.
+    CHECK(voxels[1] < 0.75 * voxels[0]);
 }
 
 TEST_CASE("a hemisphere", "[mesh]") {
@@ -73,12 +94,14 @@ TEST_CASE("a hemisphere", "[mesh]") {
     });
     const Vec3d n = normalized(Vec3d{0.5, 0.3, 0.6});
     for (const double dx : {0.02, 0.01, 0.005}) {
-        const Errors e = errorsOn(mesh, dx, motion(0.4 * n), [&](const Vec3d& q) {
+        const InVoxels e = errorsOn(mesh, dx, motion(0.4 * n), [&](const Vec3d& q) {
             const Vec3d p = motion.back(q);
             return 0.4 * std::atan2(length(cross(p, n)), dot(p, n));
         });
-        std::printf("hemisphere dx %g: mean %.4f max %.4f %% bias %.4f\n", dx, e.mean, e.max,
-                    e.bias);
+        // Facets of a quarter degree lie up to 1e-5 inside: paths are short by that share, 0.002
+        // voxels of 160 at the finest; the scheme's own error is of second order below.
+        CHECK(e.mean < 0.005);
+        CHECK(e.max < 0.05);
     }
 }
 
@@ -91,10 +114,12 @@ TEST_CASE("a plane with a hole", "[mesh]") {
     });
     const Vec3d seed{0.32, 0.07, 0};
     for (const double dx : {0.02, 0.01, 0.005}) {
-        const Errors e = errorsOn(mesh, dx, motion(seed), [&](const Vec3d& p) {
+        const InVoxels e = errorsOn(mesh, dx, motion(seed), [&](const Vec3d& p) {
             return aroundDisc(hole, seed, motion.back(p));
         });
-        std::printf("hole dx %g: mean %.4f max %.4f %% bias %.4f\n", dx, e.mean, e.max, e.bias);
+        // Fronts that turn half a voxel off the boundary are off by half a voxel times the turn.
+        CHECK(e.mean < 0.3);
+        CHECK(e.max < kPi / 2);
     }
 }
 
@@ -109,7 +134,7 @@ TEST_CASE("a plane with a slit", "[mesh]") {
         [](double u, double v) { return !(std::abs(u - 0.5) < 0.05 && v < 0.5); });
     const Vec3d seed{-0.3, -0.4, 0};
     for (const double dx : {0.02, 0.01, 0.005}) {
-        const Errors e = errorsOn(mesh, dx, motion(seed), [&](const Vec3d& q) {
+        const InVoxels e = errorsOn(mesh, dx, motion(seed), [&](const Vec3d& q) {
             const Vec3d p = motion.back(q), a{-0.05, 0, 0}, b{0.05, 0, 0};
             // The obstacle |x| < 0.05, y < 0: around its corners a and b.
             auto at = [&](double x) {
@@ -122,8 +147,31 @@ TEST_CASE("a plane with a slit", "[mesh]") {
             if (fromB.y >= -1e-6) return viaA + length(p - a);
             return viaA + length(b - a) + length(fromB);
         });
-        std::printf("slit dx %g: mean %.4f max %.4f %% bias %.4f\n", dx, e.mean, e.max, e.bias);
+        // Fronts that turn half a voxel off the boundary are off by half a voxel times the turn.
+        CHECK(e.mean < 0.3);
+        CHECK(e.max < kPi / 2);
     }
+}
+
+TEST_CASE("a closed mesh: its band agrees with its level set, and is nearer to the sphere",
+          "[mesh]") {
+    const Vec3d centre{0.013, -0.021, 0.008}, n = normalized(Vec3d{0.5, 0.3, 0.6});
+    const TriangleMesh mesh = test::sphereMesh(centre, 0.4, 6);
+    auto exact = [&](const Vec3d& p) {
+        const Vec3d r = p - centre;
+        return 0.4 * std::atan2(length(cross(r, n)), dot(r, n));
+    };
+    const double dx = 0.01;
+    const InVoxels fromMesh = errorsOn(mesh, dx, centre + 0.4 * n, exact);
+    const Band band = bandFromLevelSet(levelSetFromMesh(mesh, dx), std::sqrt(3.0));
+    const Vec3d seed = centre + 0.4 * n;
+    const Field field =
+        marchJet(band, nullptr, {nearestSurfacePoint(band, band.transform.indexFromWorld(seed))});
+    const Errors e = test::errorsOnSurface(
+        band, field, [&](const openvdb::Vec3d& p) { return exact(Vec3d(p.x(), p.y(), p.z())); });
+    // 40 voxels per radius: 0.003 % of 126 voxels is what docs/accuracy.md has for a sphere at 40.
+    CHECK(fromMesh.mean < 0.01);
+    CHECK(e.mean / 100 * 126 < 0.01);
 }
 
 }  // namespace
