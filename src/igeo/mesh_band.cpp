@@ -85,50 +85,38 @@ struct Pseudonormals {
                 if (dot(sum, ofFace[t]) > 0.1) n = normalized(sum);
             }
         }
+        if (n == Vec3d{}) n = ofFace[t];
         return n == Vec3d{} ? Vec3d{0, 0, 1} : n;
     }
 };
 
-}  // namespace
-
-Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress) {
-    if (!(h >= 0.866 && h <= 8))
-        throw Error(Error::Kind::InvalidArgument,
-                    "a band of " + std::to_string(h) + " voxels; sqrt(3)/2 to 8 will do",
-                    "sqrt(3) is usual");
-    requireReasonable(given, dx, h);
-    TriangleMesh mesh = given;
-    orientConsistently(mesh);
-    for (Vec3d& p : mesh.points) p *= 1 / dx;
-    const MeshTopology topology = meshTopology(mesh);
-    const Pseudonormals normals(mesh, topology);
-    std::vector<NearLeaf> near = voxelsNear(mesh.points, mesh.triangles, h, progress);
-
+/// Takes out voxels beyond a boundary and leaves without voxels, and numbers the rest.
+void numberNodes(const Pseudonormals& normals, std::vector<NearLeaf>& near, Band& band) {
     auto beyond = [&](const NearVoxel& v) {
         if (!normals.ends(v.triangle, v.feature)) return false;
         return length(tangential(v.point, normals.at(v.triangle, v.feature))) > kBeyond;
     };
-    Band band;
-    band.transform.dx = dx;
-    band.h = h;
-    band.leaves.resize(near.size());
     parallelFor(near.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             auto& voxels = near[l].voxels;
             voxels.erase(std::remove_if(voxels.begin(), voxels.end(), beyond), voxels.end());
-            band.leaves[l].origin = near[l].origin;
-            for (const NearVoxel& v : voxels) band.leaves[l].band.insert(v.offset);
         }
     });
-    // Leaves left empty.
-    std::size_t kept = 0;
-    for (std::size_t l = 0; l < near.size(); ++l)
-        if (!near[l].voxels.empty()) {
-            if (kept != l) near[kept] = std::move(near[l]), band.leaves[kept] = band.leaves[l];
-            ++kept;
-        }
-    near.resize(kept), band.leaves.resize(kept);
+    near.erase(std::remove_if(near.begin(), near.end(),
+                              [](const NearLeaf& l) { return l.voxels.empty(); }),
+               near.end());
+    band.leaves.resize(near.size());
+    for (std::size_t l = 0; l < near.size(); ++l) {
+        band.leaves[l].origin = near[l].origin;
+        for (const NearVoxel& v : near[l].voxels) band.leaves[l].band.insert(v.offset);
+    }
     band.buildTopology();
+}
+
+/// Fills psi, foot points and normals.
+/// @return nodes around sharp bends and junctions, for the core
+std::vector<NodeIndex> fillNodes(const Pseudonormals& normals, const std::vector<NearLeaf>& near,
+                                 Band& band) {
     std::vector<std::vector<NodeIndex>> rims(near.size());
     parallelFor(near.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
@@ -153,12 +141,40 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
             }
         }
     });
+    std::vector<NodeIndex> rim;
+    for (const auto& part : rims) rim.insert(rim.end(), part.begin(), part.end());
+    return rim;
+}
+
+}  // namespace
+
+Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress) {
+    if (!(h >= 0.866 && h <= 8))
+        throw Error(Error::Kind::InvalidArgument,
+                    "a band of " + std::to_string(h) + " voxels; sqrt(3)/2 to 8 will do",
+                    "sqrt(3) is usual");
+    requireReasonable(given, dx, h);
+    TriangleMesh mesh = given;
+    orientConsistently(mesh);
+    for (Vec3d& p : mesh.points) p *= 1 / dx;
+    const MeshTopology topology = meshTopology(mesh);
+    const Pseudonormals normals(mesh, topology);
+    std::vector<NearLeaf> near = voxelsNear(mesh.points, mesh.triangles, h, progress);
+
+    Band band;
+    band.transform.dx = dx;
+    band.h = h;
+    numberNodes(normals, near, band);
+    if (band.size() == 0)
+        throw Error(
+            Error::Kind::BadInput,
+            "no voxel comes to lie on the mesh: it is smaller than one (" + given.file + ")",
+            "take smaller voxels");
+    const std::vector<NodeIndex> rim = fillNodes(normals, near, band);
     progress.throwIfCancelled();
     parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) band.markFacing(NodeIndex(i));
     });
-    std::vector<NodeIndex> rim;
-    for (const auto& part : rims) rim.insert(rim.end(), part.begin(), part.end());
     band.numberCore(rim);
     return band;
 }

@@ -24,7 +24,7 @@ namespace igeo {
 /// @param dx  voxel size, in the mesh's units; voxel centres at dx (i, j, k)
 /// @param h   half the band's thickness, voxels, sqrt(3)/2 to 8
 /// @throws Error  InvalidArgument for h or dx out of range (requireReasonable), BadInput for too
-///         many voxels, Cancelled through `progress`
+///         many voxels or none, Cancelled through `progress`
 /// Foot points are exact to rounding. Time O(triangles log triangles + voxels), in parallel; 35
 /// bytes per node, about 100 more while it works.
 Band bandFromMesh(const TriangleMesh& mesh, double dx, double h,

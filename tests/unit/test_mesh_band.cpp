@@ -220,6 +220,48 @@ TEST_CASE("bands of meshes do not depend on threads, or on how triangles are tur
     }
 }
 
+TEST_CASE("where a mesh lies in space makes no difference", "[mesh]") {
+    const TriangleMesh mesh = test::moebius(1, 0.4, 80);
+    const double dx = 1.0 / 32;
+    const Band band = bandFromMesh(mesh, dx, kH);
+    const Field field = march(band, mesh, {1, 0, 0});
+    // By whole voxels, and about an axis of the lattice: the same voxels with the same points.
+    const TriangleMesh shifted = test::moved(mesh, [&](const Vec3d& p) {
+        return p + Vec3d{160 * dx, -80 * dx, 24 * dx};
+    });
+    const TriangleMesh turned = test::moved(mesh, [](const Vec3d& p) {
+        return Vec3d{p.y, p.z, p.x};
+    });
+    const auto shift = [](const Ijk& c) { return c + Ijk{160, -80, 24}; };
+    const auto turn = [](const Ijk& c) { return Ijk{c.y, c.z, c.x}; };
+    const Band bandShifted = bandFromMesh(shifted, dx, kH),
+               bandTurned = bandFromMesh(turned, dx, kH);
+    const Field fieldShifted = march(bandShifted, shifted, {6, -2.5, 0.75}),
+                fieldTurned = march(bandTurned, turned, {0, 0, 1});
+    CHECK(bandShifted.size() == band.size());
+    CHECK(bandTurned.size() == band.size());
+    std::size_t missing = 0;
+    double psiOff = 0, off = 0, sum = 0;
+    for (NodeIndex i = 0; i < band.size(); ++i) {
+        const NodeIndex s = bandShifted.nodeAt(shift(band.ijk(i))),
+                        t = bandTurned.nodeAt(turn(band.ijk(i)));
+        if (s == kNoNode || t == kNoNode) {
+            ++missing;
+            continue;
+        }
+        psiOff = std::max({psiOff, double(std::abs(bandShifted.psi[s] - band.psi[i])),
+                           double(std::abs(bandTurned.psi[t] - band.psi[i]))});
+        const double o = std::max(std::abs(fieldShifted.distance[s] - field.distance[i]),
+                                  std::abs(fieldTurned.distance[t] - field.distance[i]));
+        off = std::max(off, o), sum += o;
+    }
+    CHECK(missing == 0);
+    CHECK(psiOff < 1e-5);
+    // Rounding decides here and there between a fit and its guard, of first order.
+    CHECK(off < 0.5);
+    CHECK(sum / double(band.size()) < 0.005);
+}
+
 TEST_CASE("bands of meshes ask for sensible sizes", "[mesh]") {
     const TriangleMesh mesh = rectangle(0);
     for (const double h : {0.5, 20.0, std::nan("")})
@@ -227,6 +269,10 @@ TEST_CASE("bands of meshes ask for sensible sizes", "[mesh]") {
     test::expectError(Kind::InvalidArgument, {"voxels", "across"},
                       [&] { bandFromMesh(mesh, 1e-6, kH); });
     test::expectError(Kind::BadInput, {"no triangles"}, [&] { bandFromMesh({}, 0.1, kH); });
+    const TriangleMesh speck = test::moved(mesh, [](const Vec3d& p) {
+        return 1e-3 * p + Vec3d{0.05, 0.05, 0.05};
+    });
+    test::expectError(Kind::BadInput, {"smaller"}, [&] { bandFromMesh(speck, 0.1, kH); });
     struct Stop : Progress {
         bool cancelled() const override { return true; }
     } stop;
