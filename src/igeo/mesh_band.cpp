@@ -154,6 +154,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
                     "a band of " + std::to_string(h) + " voxels; sqrt(3)/2 to 8 will do",
                     "sqrt(3) is usual");
     requireReasonable(given, dx, h);
+    progress.update("band", 0);
     TriangleMesh mesh = given;
     orientConsistently(mesh);
     for (Vec3d& p : mesh.points) p *= 1 / dx;
@@ -161,6 +162,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     const Pseudonormals normals(mesh, topology);
     std::vector<NearLeaf> near = voxelsNear(mesh.points, mesh.triangles, h, progress);
 
+    progress.update("band", 0.5);
     Band band;
     band.transform.dx = dx;
     band.h = h;
@@ -176,6 +178,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
         for (std::size_t i = begin; i < end; ++i) band.markFacing(NodeIndex(i));
     });
     band.numberCore(rim);
+    progress.update("band", 1);
     return band;
 }
 

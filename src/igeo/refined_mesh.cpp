@@ -94,7 +94,6 @@ SurfaceMesh refinedMesh(const TriangleMesh& given, const Band& band, const Field
     }
     progress.update("mesh", 0.5);
     sampleField(mesh, band, field, progress);
-    progress.update("mesh", 1);
     return mesh;
 }
 
