@@ -35,11 +35,52 @@ CLI::Validator number(bool mayBeZero) {
 }
 
 void addOptions(CLI::App& app, Options& o) {
-    app.add_option("--sdf", o.sdf,
-                   "Level set to walk on: a .vdb file, its grid if it holds several; - reads stdin")
-        ->type_name("FILE[:GRID]")
-        ->required()
-        ->group("Surface");
+    const char* surface = "Surface";
+    auto* sdf =
+        app.add_option(
+               "--sdf", o.sdf,
+               "Level set to walk on: a .vdb file, its grid if it holds several; - reads stdin")
+            ->type_name("FILE[:GRID]")
+            ->group(surface);
+    auto* mesh = app.add_option("--mesh", o.mesh,
+                                "Instead: triangles or polygons, open or closed; .obj .ply .stl "
+                                ".off .gltf .glb")
+                     ->type_name("FILE")
+                     ->excludes(sdf)
+                     ->group(surface);
+    app.add_option("--points", o.points,
+                   "Instead: points on a surface, with or without normals; .ply .xyz .csv .txt "
+                   ".obj or points in a .vdb")
+        ->type_name("FILE")
+        ->excludes(sdf)
+        ->excludes(mesh)
+        ->group(surface);
+    auto* voxelSize =
+        app.add_option("--voxel-size", o.voxelSize,
+                       "Of a mesh or points, world units [longest side / 256; points: "
+                       "half their spacing]")
+            ->type_name("S")
+            ->check(number(/*mayBeZero=*/false))
+            ->excludes(sdf)
+            ->group(surface);
+    app.add_option("--resolution", o.resolution, "The same as voxels along the longest side")
+        ->type_name("N")
+        ->check(CLI::Range(8, 1 << 20))
+        ->excludes(sdf)
+        ->excludes(voxelSize)
+        ->group(surface);
+    auto* rebuild =
+        app.add_flag("--rebuild", o.rebuild,
+                     "Make a signed distance of a volume that is none: a fog volume, another "
+                     "function, an unsigned distance")
+            ->needs(sdf)
+            ->group(surface);
+    app.add_option_function<double>(
+           "--iso", [&o](const double& v) { o.iso = v; },
+           "The value that is the surface, for --rebuild [0; fog: 0.5]")
+        ->type_name("V")
+        ->needs(rebuild)
+        ->group(surface);
 
     auto* band = app.add_option("--band", o.band,
                                 "Half-width h of the band |psi| < h, world units; at least sqrt(3) "

@@ -2,11 +2,20 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
 struct Options {
-    std::string sdf;  ///< FILE[:GRID]
+    std::string sdf, mesh, points;  ///< one of them; sdf: FILE[:GRID]
+    double voxelSize = 0;           ///< of a mesh or points; 0: by resolution
+    int resolution = 0;             ///< voxels along the longest side; 0: default
+    bool rebuild = false;           ///< redistance the volume
+    std::optional<double> iso;      ///< the value that becomes the surface; none: by class
+    /// What was named as the surface.
+    const std::string& surface() const {
+        return !sdf.empty() ? sdf : !mesh.empty() ? mesh : points;
+    }
 
     double band = 0;        ///< world units; 0: default
     double bandVoxels = 0;  ///< voxels; 0: default

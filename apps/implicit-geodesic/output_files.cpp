@@ -27,7 +27,7 @@ struct Output {
 std::vector<Output> outputsOf(const Options& o) {
     std::vector<Output> all;
     // The name for a level set from standard input is not known yet; it comes from the grid.
-    if (o.hasSeeds() && (igeo::parseGridSource(o.sdf).file != "-" || !o.output.empty()))
+    if (o.hasSeeds() && (igeo::parseGridSource(o.surface()).file != "-" || !o.output.empty()))
         all.push_back({"-o", distanceFile(o, ""), ""});
     for (const Output& output : std::vector<Output>{{"--paths", o.paths, ".json .obj"},
                                                     {"--json", o.json, ""},
@@ -41,8 +41,8 @@ std::vector<Output> outputsOf(const Options& o) {
 }
 
 std::vector<std::string> inputsOf(const Options& o) {
-    std::vector<std::string> files{igeo::parseGridSource(o.sdf).file, o.seedFile, o.targetFile,
-                                   o.pairs};
+    std::vector<std::string> files{igeo::parseGridSource(o.surface()).file, o.seedFile,
+                                   o.targetFile, o.pairs};
     files.insert(files.end(), o.seedCurves.begin(), o.seedCurves.end());
     for (const auto* list : {&o.weights, &o.obstacles, &o.seedMasks})
         for (const std::string& given : *list) files.push_back(igeo::parseGridSource(given).file);
@@ -68,7 +68,7 @@ std::string endingOf(const std::string& file) {
 
 std::string distanceFile(const Options& options, const std::string& grid) {
     if (!options.output.empty()) return options.output;
-    const std::string file = igeo::parseGridSource(options.sdf).file;
+    const std::string file = igeo::parseGridSource(options.surface()).file;
     return (file == "-" ? grid : fs::path(file).stem().string()) + "_geodesic.vdb";
 }
 

@@ -67,7 +67,7 @@ Outputs::Outputs(const Options& options) : options_(options), picture_(pictureOp
 }
 
 const igeo::SurfaceMesh& Outputs::mesh(const Result& r, igeo::Progress& progress) {
-    if (!mesh_) mesh_ = igeo::surfaceMesh(r.levelSet, r.band, r.field, progress);
+    if (!mesh_) mesh_ = r.surface.mesh(r.band, r.field, progress);
     return *mesh_;
 }
 
@@ -92,9 +92,9 @@ void Outputs::countCells(const Result& r, igeo::Progress& progress) {
 }
 
 void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
-    const openvdb::FloatGrid& psi = *r.levelSet.psi;
-    const openvdb::math::Transform& transform = psi.transform();
-    const std::string name = psi.getName(),
+    const auto placed = r.surface.gridTransform();
+    const openvdb::math::Transform& transform = *placed;
+    const std::string name = r.surface.gridName(),
                       base = options_.name.empty() ? name + "_geodesic" : options_.name;
     const igeo::Band& band = r.band;
     const igeo::Field& field = r.field;
@@ -111,11 +111,11 @@ void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
     std::string weight;
     for (const std::string& w : r.metric.weightNames()) weight += (weight.empty() ? "" : " * ") + w;
     distance->insertMeta("geodesic_weight", openvdb::StringMetadata(weight.empty() ? "1" : weight));
-    if (options_.extend) igeo::extendDistance(*distance, r.levelSet, band, field);
+    if (options_.extend) igeo::extendDistance(*distance, r.surface.levelSet(progress), band, field);
 
     openvdb::GridCPtrVec grids;
     // vdb_render shows the first float grid of a file.
-    if (options_.asked("surface")) grids.push_back(r.levelSet.psi);
+    if (options_.asked("surface")) grids.push_back(r.surface.levelSet(progress).psi);
     grids.push_back(distance);
     if (options_.asked("gradient"))
         grids.push_back(
@@ -134,9 +134,10 @@ void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
              igeo::curvatureGrids(band, r.metric.curvatureOf(band, progress), transform, name))
             grids.push_back(grid);
     if (options_.asked("engraved"))
-        grids.push_back(igeo::engraved(r.levelSet, isolines(r, progress), r.lines()));
+        grids.push_back(
+            igeo::engraved(r.surface.levelSet(progress), isolines(r, progress), r.lines()));
     progress.throwIfCancelled();
-    const std::string file = distanceFile(options_, r.levelSet.name);
+    const std::string file = distanceFile(options_, r.surface.name());
     progress.update("write", 0);
     igeo::writeVdb(file, grids);
     r.report.outputs.emplace_back("distance", file);
@@ -187,8 +188,8 @@ void Outputs::writeDocuments(const Result& r, igeo::Progress& progress) {
         if (options_.spacing > 0) picture.isolineSpacing = options_.spacing;
         if (options_.levels > 0)
             picture.isolineSpacing = r.field.maxDistance * transform.dx / (options_.levels + 1);
-        igeo::writePicture(options_.image, r.levelSet, r.band, r.field, r.lines(), picture,
-                           progress);
+        igeo::writePicture(options_.image, r.surface.levelSet(progress), r.band, r.field, r.lines(),
+                           picture, progress);
         r.report.outputs.emplace_back("image", options_.image);
     }
 }

@@ -4,7 +4,6 @@
 #include <igeo/colour_map.h>
 #include <igeo/field.h>
 #include <igeo/isolines.h>
-#include <igeo/level_set.h>
 #include <igeo/picture.h>
 #include <igeo/progress.h>
 #include <igeo/report.h>
@@ -15,10 +14,11 @@
 
 #include "metric_input.h"
 #include "options.h"
+#include "surface_input.h"
 
 /// All that outputs are made of.
 struct Result {
-    const igeo::LevelSet& levelSet;
+    SurfaceInput& surface;
     const igeo::Band& band;
     const igeo::Field& field;
     const std::vector<igeo::SurfacePoint>& targets;

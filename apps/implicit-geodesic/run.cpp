@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 
 #include "metric_input.h"
 #include "output_files.h"
@@ -53,7 +54,7 @@ private:
     int summarise();
 
     Vec3d indexOf(const Vec3d& p) const {
-        return options_.indexSpace ? p : surface_.transform().indexFromWorld(p);
+        return options_.indexSpace ? p : surface_->transform().indexFromWorld(p);
     }
     std::vector<igeo::SurfacePoint> snapped(const std::vector<igeo::AskedPoint>& asked) const;
     bool tooFar(const igeo::SurfacePoint& p) const {
@@ -69,7 +70,7 @@ private:
     ConsoleProgress& progress_;
     std::chrono::steady_clock::time_point stageStart_ = std::chrono::steady_clock::now();
 
-    SurfaceInput surface_;
+    std::unique_ptr<SurfaceInput> surface_;
     SeedInput seedInput_;
     MetricInput metricInput_;
     std::vector<igeo::AskedPoint> askedTargets_;
@@ -96,7 +97,7 @@ void Job::finished(const char* stage) {
 }
 
 void Job::makeBand(const std::vector<igeo::Ball>& region) {
-    band_ = surface_.band(region, progress_);
+    band_ = surface_->band(region, progress_);
     wholeBand_ = region.empty();
     console_.detail(text("band: h = %.6g (%.4g voxels), %.0f nodes", band_.h * band_.transform.dx,
                          band_.h, double(band_.size())) +
@@ -107,7 +108,7 @@ void Job::makeBand(const std::vector<igeo::Ball>& region) {
 std::vector<igeo::SurfacePoint> Job::snapped(const std::vector<igeo::AskedPoint>& asked) const {
     std::vector<igeo::SurfacePoint> points;
     for (const igeo::AskedPoint& p : asked) {
-        points.push_back(igeo::nearestSurfacePoint(band_, indexOf(p.position)));
+        points.push_back(surface_->nearest(band_, indexOf(p.position)));
         points.back().start = p.start / band_.transform.dx;
     }
     return points;
@@ -165,7 +166,7 @@ std::vector<igeo::Ball> Job::regionWithin(double distance) const {
         metricInput_.needsWholeSurface() || seedInput_.extended() || options_.sample > 0)
         return {};
     const double radius = std::max(distance, 0.0) / metricInput_.leastWeight();
-    const double snap = report_.snap / surface_.transform().dx;
+    const double snap = report_.snap / surface_->transform().dx;
     std::vector<igeo::Ball> region;
     for (const igeo::AskedPoint& p : seeds)
         region.push_back({indexOf(p.position), snap + kShort * radius + kBeyond});
@@ -177,7 +178,7 @@ std::vector<igeo::Ball> Job::regionWithin(double distance) const {
 /// Band, points and march. What stays near the seeds never sees the rest of the surface.
 void Job::solve() {
     const std::vector<igeo::AskedPoint>& askedSeeds = seedInput_.points();
-    const double dx = surface_.transform().dx;
+    const double dx = surface_->transform().dx;
     double limit = igeo::kInfinity;
     if (options_.maxDistance > 0) {
         report_.maxDistance = options_.maxDistance;
@@ -197,7 +198,7 @@ void Job::solve() {
         }
         reach = std::min(limit, std::max(1.5 * farthest, 16.0) * metricInput_.leastWeight());
     }
-    const double half = 0.5 * surface_.diagonal() * metricInput_.leastWeight();
+    const double half = 0.5 * surface_->diagonal() * metricInput_.leastWeight();
     while (true) {
         const auto region = reach > half ? std::vector<igeo::Ball>{} : regionWithin(reach);
         makeBand(region);
@@ -290,7 +291,7 @@ void Job::estimateAccuracy() {
 /// Walks straight on; on their own part of the surface where the band is of another.
 void Job::shoot() {
     constexpr double kBeyond = 8;  // voxels that a step and its cells look at
-    const igeo::Similarity& t = surface_.transform();
+    const igeo::Similarity& t = surface_->transform();
     for (std::size_t k = 0; k < options_.shoots.size(); ++k) {
         const std::string &given = options_.shoots[k], what = "--shoot " + given;
         const std::vector<double> v = igeo::parseNumbers(given);
@@ -303,11 +304,11 @@ void Job::shoot() {
         const double length = options_.indexSpace ? v[6] : v[6] / t.dx;
         igeo::Band local;
         if (!wholeBand_) {
-            local = surface_.band({{from, report_.snap / t.dx + length + kBeyond}}, progress_);
-            if (local.size() == 0) local = surface_.band({}, progress_);
+            local = surface_->band({{from, report_.snap / t.dx + length + kBeyond}}, progress_);
+            if (local.size() == 0) local = surface_->band({}, progress_);
         }
         const igeo::Band& band = wholeBand_ ? band_ : local;
-        igeo::SurfacePoint start = igeo::nearestSurfacePoint(band, from);
+        const igeo::SurfacePoint start = surface_->nearest(band, from);
         tell(start, asked, what);
         try {
             report_.walks.push_back(igeo::shoot(band, start, indexOf(asked + way) - from, length));
@@ -326,18 +327,19 @@ void Job::solvePairs() {
         targets.push_back(indexOf(pair.target));
     }
     igeo::PairSurface surface;
-    surface.band = [&](const auto& region, igeo::Progress& p) { return surface_.band(region, p); };
+    surface.band = [&](const auto& region, igeo::Progress& p) { return surface_->band(region, p); };
     surface.metric = [&](const auto& band, igeo::Progress& p) { return metricInput_.on(band, p); };
+    surface.nearest = [&](const auto& band, const Vec3d& p) { return surface_->nearest(band, p); };
     surface.leastWeight = metricInput_.needsWholeSurface() ? 0 : metricInput_.leastWeight();
-    surface.diagonal = surface_.diagonal();
+    surface.diagonal = surface_->diagonal();
     progress_.update("pairs", 0);
     report_.pairs = igeo::pairDistances(surface, sources, targets,
-                                        report_.snap / surface_.transform().dx, progress_);
+                                        report_.snap / surface_->transform().dx, progress_);
     finished("pairs");
 }
 
 void Job::writeResults(Outputs& outputs) {
-    const Result result{surface_.levelSet(), band_, field_, targets_, metricInput_, report_};
+    const Result result{*surface_, band_, field_, targets_, metricInput_, report_};
     if (options_.hasSeeds()) {
         outputs.countCells(result, progress_);
         outputs.writeVolume(result, progress_);
@@ -345,7 +347,7 @@ void Job::writeResults(Outputs& outputs) {
     outputs.writeDocuments(result, progress_);
     finished("write");
 
-    for (const std::string& w : surface_.levelSet().warnings) report_.warnings.push_back(w);
+    report_.warnings = surface_->warnings();
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
     report_.peakMemory = std::uint64_t(usage.ru_maxrss) * 1024;
@@ -355,8 +357,8 @@ void Job::writeResults(Outputs& outputs) {
 }
 
 int Job::summarise() {
-    const double dx = surface_.transform().dx;
-    for (const std::string& w : surface_.levelSet().warnings) console_.warning(w);
+    const double dx = surface_->transform().dx;
+    for (const std::string& w : surface_->warnings()) console_.warning(w);
     int code = kDone;
     for (std::size_t k = 0; k < report_.paths.size(); ++k) {
         const igeo::Path& p = report_.paths[k];
@@ -379,7 +381,7 @@ int Job::summarise() {
     }
     for (std::size_t k = 0; k < report_.walks.size(); ++k) {
         const igeo::Path& walk = report_.walks[k];
-        const igeo::Similarity& t = surface_.transform();
+        const igeo::Similarity& t = surface_->transform();
         const std::string said = "walk " + std::to_string(k) + ": " +
                                  text("%.6g long, ends at ", walk.arcLength * t.dx) +
                                  text(t.worldFromIndex(walk.vertices.back().pIndex));
@@ -401,7 +403,7 @@ int Job::summarise() {
     if (options_.hasSeeds())
         console_.info(text("distances up to %.6g on %.0f of %.0f band voxels in ",
                            field_.maxDistance * dx, double(field_.reached), double(band_.size())) +
-                      distanceFile(options_, surface_.levelSet().name));
+                      distanceFile(options_, surface_->name()));
     return code;
 }
 
@@ -413,30 +415,33 @@ int Job::run() {
         usageError("results that need distances are asked for, but no seed is given",
                    "add --seed x,y,z; without seeds only --paths, --pairs-out, --image and --json "
                    "are written");
+    surface_ = SurfaceInput::of(options_);
     Outputs outputs(options_);
     checkOutputFiles(options_);
     progress_.update("read", 0);
-    surface_.read(options_);
+    surface_->read();
     finished("read");
-    surface_.check(console_, progress_, report_);
+    surface_->prepare(progress_, report_);
+    report_.grid = surface_->name();
+    console_.detail("surface: " + surface_->name() + text(", dx %.6g, ", surface_->transform().dx) +
+                    surface_->summary());
     finished("check");
-    report_.snap = options_.snap >= 0 ? options_.snap : report_.halfWidth * surface_.transform().dx;
-    seedInput_.read(options_, surface_.transform());
+    report_.snap = options_.snap >= 0 ? options_.snap : surface_->snap();
+    seedInput_.read(options_, surface_->transform());
     askedTargets_ = askedPoints(options_.targets, options_.targetFile, "target");
-    metricInput_.read(options_, surface_.transform());
+    metricInput_.read(options_, surface_->transform());
     report_.sources = seedInput_.names();
     report_.weights = metricInput_.weightNames();
     report_.obstacles = metricInput_.obstacleNames();
     progress_.update("band", 0);
-    surface_.chooseBandWidth(options_, report_);
     if (options_.hasSeeds()) {
         solve();
         trace();
     } else {
         // A picture shows all of the surface.
         if (!options_.image.empty()) makeBand({});
-        band_.transform = surface_.transform();
-        band_.h = surface_.h();
+        band_.transform = surface_->transform();
+        band_.h = surface_->h();
         field_.distance.assign(band_.size(), igeo::kInfinity);
         field_.scheme = options_.scheme;
     }

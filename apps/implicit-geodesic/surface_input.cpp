@@ -1,51 +1,252 @@
 #include "surface_input.h"
 
 #include <igeo/band_width.h>
+#include <igeo/mesh_band.h>
+#include <igeo/mesh_file.h>
+#include <igeo/point_band.h>
+#include <igeo/point_cloud.h>
+#include <igeo/rebuild.h>
+#include <igeo/refined_mesh.h>
 #include <igeo/vdb_io.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include "text.h"
+#include "usage_error.h"
 
-void SurfaceInput::read(const Options& options) {
-    loaded_ = igeo::readLevelSetGrid(igeo::parseGridSource(options.sdf));
+using igeo::Vec3d;
+
+namespace {
+
+/// The name of the grid of a surface that comes from no grid.
+std::string stemOf(const std::string& file) { return std::filesystem::path(file).stem().string(); }
+
+/// Sides of the bounding box.
+Vec3d sizeOf(const std::vector<Vec3d>& points) {
+    Vec3d low = points.front(), high = low;
+    for (const Vec3d& p : points)
+        for (int a = 0; a < 3; ++a)
+            low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
+    return high - low;
 }
 
-void SurfaceInput::check(const Console& console, igeo::Progress& progress,
-                         igeo::RunReport& report) {
-    levelSet_ = igeo::checkLevelSet(std::move(loaded_), progress);
-    const igeo::LevelSetStats& stats = levelSet_.stats;
-    report.file = levelSet_.file;
-    report.grid = levelSet_.name;
-    report.activeVoxels = stats.activeVoxels;
-    report.halfWidth = stats.halfWidth;
-    report.largestCurvature = stats.largestCurvature;
-    console.detail("surface: " + levelSet_.name + text(", dx %.6g", transform().dx) +
-                   text(", half-width %.4g voxels, radius of curvature at least %.4g voxels",
-                        stats.halfWidth, 1 / stats.largestCurvature));
+/// A level set, or what --rebuild makes of another volume.
+class Volume : public SurfaceInput {
+public:
+    explicit Volume(const Options& options) : SurfaceInput(options) {}
+
+    void read() override {
+        const igeo::GridSource source = igeo::parseGridSource(options_.sdf);
+        if (!options_.rebuild) {
+            loaded_ = igeo::readLevelSetGrid(source);
+            return;
+        }
+        loaded_ = igeo::readScalarGrid(source);
+        const bool fog = loaded_.grid->getGridClass() == openvdb::GRID_FOG_VOLUME;
+        const double iso = options_.iso ? *options_.iso : fog ? 0.5 : 0.0;
+        loaded_ = igeo::rebuilt(loaded_, iso);
+        warnings_.push_back("psi was rebuilt as the distance to where the volume is " +
+                            text("%.6g", iso));
+    }
+
+    void prepare(igeo::Progress& progress, igeo::RunReport& report) override {
+        levelSet_ = igeo::checkLevelSet(std::move(loaded_), progress);
+        const igeo::LevelSetStats& stats = levelSet_->stats;
+        transform_ = levelSet_->transform;
+        name_ = levelSet_->name;
+        snap_ = stats.halfWidth * transform_.dx;
+        diagonal_ =
+            std::sqrt(levelSet_->psi->evalActiveVoxelBoundingBox().dim().asVec3d().lengthSqr());
+        report.file = levelSet_->file;
+        report.activeVoxels = stats.activeVoxels;
+        report.halfWidth = stats.halfWidth;
+        report.largestCurvature = stats.largestCurvature;
+        summary_ = text("half-width %.4g voxels, radius of curvature at least %.4g voxels",
+                        stats.halfWidth, 1 / stats.largestCurvature);
+        chooseBandWidth(stats, report);
+        igeo::widen(*levelSet_, h_);
+    }
+
+    igeo::Band band(const std::vector<igeo::Ball>& region,
+                    igeo::Progress& progress) const override {
+        return igeo::bandFromLevelSet(*levelSet_, h_, region, progress);
+    }
+
+    std::string gridName() const override { return levelSet_->psi->getName(); }
+    // Its own, so that results line up with it bit by bit.
+    openvdb::math::Transform::ConstPtr gridTransform() const override {
+        return levelSet_->psi->transformPtr();
+    }
+
+private:
+    igeo::LevelSet makeLevelSet(igeo::Progress&) override { return std::move(*levelSet_); }
+
+    igeo::LoadedGrid loaded_;  ///< until it is checked
+};
+
+/// Half the thickness of the band of which a level set is made: room for differences of psi.
+constexpr double kLevelSetWidth = 3;
+
+/// Triangles: foot points are exact, which no level set of them is.
+class Mesh : public SurfaceInput {
+public:
+    explicit Mesh(const Options& options) : SurfaceInput(options) {}
+
+    void read() override { mesh_ = igeo::readMesh(options_.mesh); }
+
+    void prepare(igeo::Progress& progress, igeo::RunReport& report) override {
+        constexpr int kResolution = 256;
+        const Vec3d size = sizeOf(mesh_.points);
+        transform_.dx = voxelSize(std::max({size.x, size.y, size.z}), kResolution);
+        igeo::requireReasonable(mesh_, transform_.dx);
+        name_ = stemOf(mesh_.file);
+        snap_ = kLevelSetWidth * transform_.dx;
+        diagonal_ = igeo::length(size) / transform_.dx;
+        warnings_ = mesh_.warnings;
+        const igeo::MeshTopology topology = igeo::meshTopology(mesh_);
+        closed_ = topology.closed();
+        summary_ = std::to_string(mesh_.triangles.size()) + " triangles, " +
+                   (closed_ ? "closed"
+                            : "open: " + std::to_string(topology.boundaryEdges) +
+                                  " boundary edges, " + std::to_string(topology.nonManifoldEdges) +
+                                  " of three triangles or more");
+        if (topology.nonOrientable > 0)
+            warnings_.push_back(
+                "the mesh has one side only in places (as a Moebius strip): "
+                "it is cut along a line there, which paths go around");
+        report.file = mesh_.file;
+        report.halfWidth = kLevelSetWidth;
+        // jet needs the narrowest band, and nothing that only a level set shows.
+        if (options_.scheme == "jet" && options_.band == 0 && options_.bandVoxels == 0)
+            h_ = report.bandLower = report.bandUpper = std::sqrt(3.0);
+        else
+            chooseBandWidth(levelSet(progress).stats, report);
+    }
+
+    igeo::Band band(const std::vector<igeo::Ball>&, igeo::Progress& progress) const override {
+        return igeo::bandFromMesh(mesh_, transform_.dx, h_, progress);
+    }
+    igeo::SurfacePoint nearest(const igeo::Band& band, const Vec3d& p) const override {
+        return igeo::nearestMeshPoint(mesh_, band, p);
+    }
+    igeo::SurfaceMesh mesh(const igeo::Band& band, const igeo::Field& field,
+                           igeo::Progress& progress) override {
+        return igeo::refinedMesh(mesh_, band, field, 1, progress);
+    }
+
+private:
+    igeo::LevelSet makeLevelSet(igeo::Progress& progress) override {
+        return igeo::levelSetFromBand(
+            igeo::bandFromMesh(mesh_, transform_.dx, kLevelSetWidth, progress), closed_, mesh_.file,
+            name_, progress);
+    }
+
+    igeo::TriangleMesh mesh_;
+    bool closed_ = false;
+};
+
+/// Points: for jet a surface fitted to them, for godunov the paper's union of balls.
+class Points : public SurfaceInput {
+public:
+    explicit Points(const Options& options)
+        : SurfaceInput(options),
+          kind_(options.scheme == "jet" ? igeo::PointBandKind::Fits : igeo::PointBandKind::Balls) {}
+
+    void read() override { cloud_ = igeo::readPointCloud(options_.points); }
+
+    void prepare(igeo::Progress& progress, igeo::RunReport& report) override {
+        const Vec3d size = sizeOf(cloud_.points);
+        const std::string file = cloud_.file;
+        surface_ = std::make_unique<igeo::PointSurface>(std::move(cloud_), progress);
+        const igeo::CloudDensity& density = surface_->density();
+        const bool asked = options_.voxelSize > 0 || options_.resolution > 0;
+        transform_.dx = asked ? voxelSize(std::max({size.x, size.y, size.z}), 0)
+                              : igeo::defaultVoxelSize(density, kind_);
+        name_ = stemOf(file);
+        snap_ = std::max(3 * transform_.dx, 3 * density.spacing);
+        diagonal_ = igeo::length(size) / transform_.dx;
+        warnings_ = igeo::densityWarnings(density, file);
+        summary_ = std::to_string(density.points) + " points, " +
+                   text("spacing %.4g, scatter %.2g, %.0f pieces", density.spacing, density.noise,
+                        double(density.pieces));
+        h_ = igeo::defaultBandWidth(density, kind_, transform_.dx);
+        if (options_.band > 0) h_ = options_.band / transform_.dx;
+        if (options_.bandVoxels > 0) h_ = options_.bandVoxels;
+        report.file = file;
+        report.halfWidth = h_;
+        report.largestCurvature = density.largestCurvature * transform_.dx;
+        report.bandLower = report.bandUpper = h_;
+    }
+
+    igeo::Band band(const std::vector<igeo::Ball>&, igeo::Progress& progress) const override {
+        return igeo::bandFromPoints(*surface_, kind_, transform_.dx, h_, progress);
+    }
+
+private:
+    igeo::LevelSet makeLevelSet(igeo::Progress& progress) override {
+        const auto fits = igeo::PointBandKind::Fits;
+        return igeo::levelSetFromBand(
+            igeo::bandFromPoints(*surface_, fits, transform_.dx, kLevelSetWidth, progress),
+            /*closed=*/false, surface_->file(), name_, progress);
+    }
+
+    igeo::PointCloud cloud_;  ///< until it is fitted
+    std::unique_ptr<igeo::PointSurface> surface_;
+    const igeo::PointBandKind kind_;
+};
+
+}  // namespace
+
+std::unique_ptr<SurfaceInput> SurfaceInput::of(const Options& options) {
+    if (!options.mesh.empty()) return std::make_unique<Mesh>(options);
+    if (!options.points.empty()) return std::make_unique<Points>(options);
+    if (options.sdf.empty())
+        usageError("no surface is given", "add --sdf FILE.vdb, --mesh FILE or --points FILE");
+    return std::make_unique<Volume>(options);
 }
 
-void SurfaceInput::chooseBandWidth(const Options& options, igeo::RunReport& report) {
-    const igeo::LevelSetStats& stats = levelSet_.stats;
-    const double dx = transform().dx;
+igeo::SurfacePoint SurfaceInput::nearest(const igeo::Band& band, const Vec3d& p) const {
+    return igeo::nearestSurfacePoint(band, p);
+}
+
+igeo::SurfaceMesh SurfaceInput::mesh(const igeo::Band& band, const igeo::Field& field,
+                                     igeo::Progress& progress) {
+    return igeo::surfaceMesh(levelSet(progress), band, field, progress);
+}
+
+const igeo::LevelSet& SurfaceInput::levelSet(igeo::Progress& progress) {
+    if (!levelSet_) levelSet_ = makeLevelSet(progress);
+    return *levelSet_;
+}
+
+std::vector<std::string> SurfaceInput::warnings() const {
+    std::vector<std::string> all = warnings_;
+    if (levelSet_) all.insert(all.end(), levelSet_->warnings.begin(), levelSet_->warnings.end());
+    return all;
+}
+
+void SurfaceInput::chooseBandWidth(const igeo::LevelSetStats& stats, igeo::RunReport& report) {
+    const double dx = transform_.dx;
     const igeo::BandBounds bounds =
         igeo::bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
     report.bandLower = bounds.lower;
     report.bandUpper = bounds.upper;
     // jet works on foot points, for which the narrowest band is enough.
-    h_ = options.scheme == "jet"
+    h_ = options_.scheme == "jet"
              ? bounds.lower
-             : igeo::defaultBandWidth(options.order, stats.largestCurvature, bounds);
-    if (options.band > 0) h_ = igeo::requireBandWidth(options.band / dx, bounds, dx);
-    if (options.bandVoxels > 0) h_ = igeo::requireBandWidth(options.bandVoxels, bounds, dx);
+             : igeo::defaultBandWidth(options_.order, stats.largestCurvature, bounds);
+    if (options_.band > 0) h_ = igeo::requireBandWidth(options_.band / dx, bounds, dx);
+    if (options_.bandVoxels > 0) h_ = igeo::requireBandWidth(options_.bandVoxels, bounds, dx);
     if (!bounds.resolved)
-        levelSet_.warnings.push_back(
+        warnings_.push_back(
             "in places the surface bends or folds within " + text("%.2g voxels", bounds.lower) +
             ", less than the grid resolves: distances are less accurate there than elsewhere");
-    igeo::widen(levelSet_, h_);
 }
 
-double SurfaceInput::diagonal() const {
-    return std::sqrt(levelSet_.psi->evalActiveVoxelBoundingBox().dim().asVec3d().lengthSqr());
+double SurfaceInput::voxelSize(double longest, int resolution) const {
+    if (options_.voxelSize > 0) return options_.voxelSize;
+    return longest / (options_.resolution > 0 ? options_.resolution : resolution);
 }

@@ -1,4 +1,4 @@
-/// The surface as asked for: read once, and bands made of it.
+/// The surface as asked for, whatever it is made of: read once, and bands made of it.
 #pragma once
 
 #include <igeo/band.h>
@@ -6,35 +6,67 @@
 #include <igeo/level_set_band.h>
 #include <igeo/progress.h>
 #include <igeo/report.h>
+#include <igeo/surface_mesh.h>
 
+#include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "console.h"
 #include "options.h"
 
 class SurfaceInput {
 public:
-    /// Reads what the options name.
-    void read(const Options& options);
-    /// Checks that it is a surface, and says in the report what was found.
-    void check(const Console& console, igeo::Progress& progress, igeo::RunReport& report);
+    /// For the kind of surface that the options name; nothing is read yet.
+    static std::unique_ptr<SurfaceInput> of(const Options& options);
+    virtual ~SurfaceInput() = default;
 
-    /// Chooses h within M&S (14), as asked for or for the scheme; widens the level set if needed.
-    void chooseBandWidth(const Options& options, igeo::RunReport& report);
+    /// Reads the file.
+    virtual void read() = 0;
+    /// Checks that it is a surface, says in the report what was found, and chooses h, as asked for
+    /// or for the scheme.
+    virtual void prepare(igeo::Progress& progress, igeo::RunReport& report) = 0;
 
-    /// The band in a region; empty: of the whole surface.
-    igeo::Band band(const std::vector<igeo::Ball>& region, igeo::Progress& progress) const {
-        return igeo::bandFromLevelSet(levelSet_, h_, region, progress);
+    /// The band in a region; empty: of the whole surface. Some kinds make the whole all the same.
+    virtual igeo::Band band(const std::vector<igeo::Ball>& region,
+                            igeo::Progress& progress) const = 0;
+    /// The point of the surface nearest to one in index space.
+    virtual igeo::SurfacePoint nearest(const igeo::Band& band, const igeo::Vec3d& p) const;
+    /// The surface as triangles that carry the distance.
+    virtual igeo::SurfaceMesh mesh(const igeo::Band& band, const igeo::Field& field,
+                                   igeo::Progress& progress);
+
+    /// As a level set, for what is made of one; of a mesh and points made when first asked for.
+    const igeo::LevelSet& levelSet(igeo::Progress& progress);
+
+    const igeo::Similarity& transform() const { return transform_; }
+    const std::string& name() const { return name_; }  ///< of its grid, unique in its file
+    /// What results are named after, and how they lie in the world.
+    virtual std::string gridName() const { return name_; }
+    virtual openvdb::math::Transform::ConstPtr gridTransform() const {
+        return igeo::gridTransform(transform_);
     }
+    double h() const { return h_; }                ///< half the band's thickness, voxels
+    double diagonal() const { return diagonal_; }  ///< across the surface, voxels
+    /// How far points may be from it unless asked for, world units.
+    double snap() const { return snap_; }
+    /// What a user should know, one sentence each.
+    std::vector<std::string> warnings() const;
+    /// In a few words, for -v.
+    const std::string& summary() const { return summary_; }
 
-    double h() const { return h_; }
-    const igeo::LevelSet& levelSet() const { return levelSet_; }
-    const igeo::Similarity& transform() const { return levelSet_.transform; }
-    /// Across the surface, voxels.
-    double diagonal() const;
+protected:
+    explicit SurfaceInput(const Options& options) : options_(options) {}
+    virtual igeo::LevelSet makeLevelSet(igeo::Progress& progress) = 0;
+    /// h within M&S (14).
+    void chooseBandWidth(const igeo::LevelSetStats& stats, igeo::RunReport& report);
+    /// The voxel size asked for, else as many voxels as `resolution` along the longest side.
+    double voxelSize(double longest, int resolution) const;
 
-private:
-    igeo::LoadedGrid loaded_;  ///< until it is checked
-    igeo::LevelSet levelSet_;
-    double h_ = 0;  ///< half the band's thickness, voxels
+    const Options& options_;
+    igeo::Similarity transform_;
+    std::string name_, summary_;
+    double h_ = 0, diagonal_ = 0, snap_ = 0;
+    std::vector<std::string> warnings_;
+    std::optional<igeo::LevelSet> levelSet_;
 };

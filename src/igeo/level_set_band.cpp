@@ -4,6 +4,7 @@
 #include <igeo/leaf_block.h>
 #include <igeo/parallel.h>
 #include <igeo/steps.h>
+#include <openvdb/tools/SignedFloodFill.h>
 
 #include <algorithm>
 
@@ -109,6 +110,45 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
     for (const auto& part : rims) rim.insert(rim.end(), part.begin(), part.end());
     band.numberCore(rim);
     return band;
+}
+
+openvdb::math::Transform::Ptr gridTransform(const Similarity& t) {
+    openvdb::math::Mat4d matrix = openvdb::math::Mat4d::identity();
+    // Rows are the images of the axes.
+    for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < 3; ++b) matrix[a][b] = t.dx * t.axis[std::size_t(a)][b];
+        matrix[3][a] = t.origin[a];
+    }
+    return openvdb::math::Transform::createLinearTransform(matrix);
+}
+
+LevelSet levelSetFromBand(const Band& band, bool closed, const std::string& file,
+                          const std::string& name, Progress& progress) {
+    openvdb::initialize();
+    const Similarity& t = band.transform;
+    LoadedGrid loaded;
+    loaded.grid = openvdb::FloatGrid::create(float(band.h * t.dx));
+    loaded.file = file;
+    loaded.name = name;
+    loaded.isLevelSetClass = true;
+    openvdb::FloatGrid& grid = *loaded.grid;
+    grid.setTransform(gridTransform(t));
+    grid.setName(name);
+    grid.setGridClass(openvdb::GRID_LEVEL_SET);
+    // Topology by one thread, values by all.
+    std::vector<LeafBlock::Leaf*> leaves;
+    for (const BandLeaf& leaf : band.leaves)
+        leaves.push_back(
+            grid.tree().touchLeaf(openvdb::Coord(leaf.origin.x, leaf.origin.y, leaf.origin.z)));
+    parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            const LeafNodes& nodes = band.leaves[l].band;
+            for (NodeIndex i = nodes.first; i < nodes.first + nodes.count; ++i)
+                leaves[l]->setValueOn(band.offset[i], float(band.psi[i] * t.dx));
+        }
+    });
+    if (closed) openvdb::tools::signedFloodFill(grid.tree());
+    return checkLevelSet(std::move(loaded), progress);
 }
 
 }  // namespace igeo

@@ -5,6 +5,7 @@
 #include <igeo/level_set.h>
 #include <igeo/progress.h>
 
+#include <string>
 #include <vector>
 
 namespace igeo {
@@ -24,5 +25,18 @@ struct Ball {
 /// Time O(active voxels of the region), in parallel; 35 bytes per node.
 Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball>& region = {},
                       Progress& progress = Progress::none());
+
+/// For grids on a band that was made from no grid.
+openvdb::math::Transform::Ptr gridTransform(const Similarity& transform);
+
+/// The other way: psi of a band as a level set, for what is made of one (pictures, meshes,
+/// engravings), looked at as one from a file is (checkLevelSet).
+/// @param band    its psi signed, h at least 2 voxels
+/// @param closed  whether it has an inside, so that what is not active is known to be within or
+///                without
+/// @param file, name  for messages and results
+/// @throws Error  as checkLevelSet
+LevelSet levelSetFromBand(const Band& band, bool closed, const std::string& file,
+                          const std::string& name, Progress& progress = Progress::none());
 
 }  // namespace igeo

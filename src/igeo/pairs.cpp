@@ -80,7 +80,7 @@ bool PairSolver::snapTo(const Band& band, const Vec3d& asked, SurfacePoint& p) c
         p.askedIndex = asked;
         p.snapDistance = kInfinity;
     } else {
-        p = nearestSurfacePoint(band, asked);
+        p = surface_.nearest ? surface_.nearest(band, asked) : nearestSurfacePoint(band, asked);
     }
     return p.snapDistance <= snap_;
 }

@@ -24,6 +24,8 @@ struct PairSurface {
     /// The band within some balls; of the whole surface where there are none.
     std::function<Band(const std::vector<Ball>&, Progress&)> band;
     std::function<MetricPtr(const Band&, Progress&)> metric;  ///< none: Euclidean
+    /// The point of the surface nearest to one in index space; none: nearestSurfacePoint.
+    std::function<SurfacePoint(const Band&, const Vec3d&)> nearest;
     double leastWeight = 1;  ///< no unit of length costs less; 0: not known, and every pair takes
                              ///< the whole surface
     double diagonal = 0;     ///< across the surface, voxels
