@@ -275,10 +275,11 @@ void judgeGradient(LevelSet& s) {
             format("psi changes by %.3g per unit length (median), and %.0f %% of its voxels",
                    st.gradientMedian, 100 * st.gradientShare) +
             " lie in [0.75, 1.25]; a signed distance has 1 and at least 70 %";
-        throw Error(Kind::BadInput, "psi is not a distance: " + seen + where(s),
-                    "values in voxel units must be multiplied by the voxel size, those of a grid "
-                    "whose transform was scaled by the same factor; anything else must be "
-                    "redistanced, for instance with OpenVDB's tools::sdfToSdf");
+        throw Error(
+            Kind::BadInput, "psi is not a distance: " + seen + where(s),
+            "values in voxel units must be multiplied by the voxel size, those of a grid "
+            "whose transform was scaled by the same factor; anything else must be "
+            "redistanced: add --rebuild; what is too thin or too rough for its voxels stays none");
     }
     if (st.gradientShare < 0.95)
         s.warnings.push_back(
@@ -298,11 +299,12 @@ void judgeRange(const LevelSet& s) {
                         std::to_string(st.firstBad.z) + where(s),
                     "rebuild the level set from its source");
     if (st.negative == 0 || st.negative == st.activeVoxels)
-        throw Error(Kind::BadInput,
-                    std::string("psi is ") + (st.negative ? "negative" : "positive") +
-                        " everywhere: there is no surface where it changes sign" + where(s),
-                    "give a signed distance, negative inside; for an unsigned distance or an open "
-                    "surface, close the surface first");
+        throw Error(
+            Kind::BadInput,
+            std::string("psi is ") + (st.negative ? "negative" : "positive") +
+                " everywhere: there is no surface where it changes sign" + where(s),
+            "give a signed distance, negative inside; of an unsigned one, --rebuild --iso D "
+            "makes the surface at distance D; open surfaces can be given as --mesh");
     if (st.halfWidth < 0.9)
         throw Error(
             Kind::BadInput,
@@ -329,8 +331,8 @@ void judgeShape(LevelSet& s) {
                    "open mesh is turned into a level set",
                    100 * st.crossingShare) +
                 where(s),
-            "close the mesh (fill its holes) before converting it, or convert at a voxel "
-            "size that bridges the gaps");
+            "give the mesh itself with --mesh, which may be open; or close it (fill its holes) "
+            "before converting it");
     if (st.crossingShare < 0.45)
         s.warnings.push_back(format(
             "only %.0f %% of the voxels next to the surface see the other sign: parts of psi "

@@ -181,9 +181,9 @@ std::string reportJson(const RunReport& r, const Band& band, const Field& field)
     const double dx = band.transform.dx;
     json j = header("report");
     j["surface"] = surfaceJson(r, band);
-    j["surface"]["activeVoxels"] = r.activeVoxels;
+    j["surface"]["activeVoxels"] = r.activeVoxels ? json(r.activeVoxels) : json(nullptr);
     j["surface"]["halfWidthVoxels"] = r.halfWidth;
-    j["surface"]["largestCurvature"] = r.largestCurvature / dx;
+    j["surface"]["largestCurvature"] = finiteOrNull(r.largestCurvature / dx);
     j["parameters"] = parametersJson(r, band, field);
     j["parameters"]["bandBoundsVoxels"] = {r.bandLower, r.bandUpper};
     j["parameters"]["threads"] = r.threads;

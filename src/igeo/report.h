@@ -19,10 +19,10 @@ namespace igeo {
 
 /// What a run was asked to do, what it found and what it cost.
 struct RunReport {
-    std::string file, grid;  ///< the surface
-    std::uint64_t activeVoxels = 0;
+    std::string file, grid;               ///< the surface
+    std::uint64_t activeVoxels = 0;       ///< of a level set; 0: it is none
     double halfWidth = 0;                 ///< of the level set as read, voxels
-    double largestCurvature = 0;          ///< per voxel, see LevelSetStats
+    double largestCurvature = kInfinity;  ///< per voxel, see LevelSetStats; +inf: not known
     double bandLower = 0, bandUpper = 0;  ///< bounds of M&S (14), voxels
     double snap = 0;                      ///< how far a point may be from the surface, world units
     double maxDistance = kInfinity;       ///< limit asked for, world units

@@ -65,7 +65,7 @@ std::string describeAll(const Candidates& all) {
 }
 
 constexpr const char* kFromFog =
-    "for instance with OpenVDB's tools::fogToSdf or Houdini's 'Convert VDB'";
+    "with --rebuild, OpenVDB's tools::fogToSdf or Houdini's 'Convert VDB'";
 
 /// What an input asks of a grid, and the words for it.
 struct Wanted {

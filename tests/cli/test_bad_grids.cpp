@@ -47,7 +47,7 @@ TEST_CASE("a grid that is no signed distance is refused with what it shows") {
         BadGrid{"nan", {"304 voxels are NaN or infinite", "index -19,-9,-9", "grid 'psi'"}},
         BadGrid{"inf", {"304 voxels are NaN or infinite", "index -19,-9,-9", "grid 'psi'"}},
         BadGrid{"scaled-values", {"not a distance", "[0.75, 1.25]", "grid 'psi'", "voxel size"}},
-        BadGrid{"hollow", {"hollow", "more than 50 %", "grid 'psi'", "close the mesh"}});
+        BadGrid{"hollow", {"hollow", "more than 50 %", "grid 'psi'", "--mesh"}});
     requireGridRefused(bad);
 }
 

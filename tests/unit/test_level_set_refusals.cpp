@@ -66,7 +66,7 @@ TEST_CASE("checkLevelSet refuses values that are no numbers") {
 
 TEST_CASE("checkLevelSet refuses grids without a surface") {
     expectRefusal(bad("empty"), {"no active voxels"});
-    expectRefusal(bad("positive"), {"positive everywhere", "close the surface"});
+    expectRefusal(bad("positive"), {"positive everywhere", "--rebuild", "--mesh"});
     auto inside = soundSphere();
     for (auto it = inside->beginValueOn(); it; ++it) it.setValue(-std::abs(*it));
     expectRefusal(inside, {"negative everywhere"});
@@ -89,7 +89,7 @@ TEST_CASE("checkLevelSet refuses values that are no distances") {
 }
 
 TEST_CASE("checkLevelSet refuses what an open mesh becomes") {
-    expectRefusal(bad("hollow"), {"hollow", "open mesh", "close the mesh"});
+    expectRefusal(bad("hollow"), {"hollow", "open mesh", "--mesh"});
 }
 
 TEST_CASE("checkLevelSet warns of doubtful input and goes on") {

@@ -1,0 +1,179 @@
+// Surfaces that are no level sets: meshes, points, and volumes to be rebuilt.
+#include <support/catch.h>
+
+#include <openvdb/tools/ChangeBackground.h>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "program.h"
+#include "vdb_files.h"
+
+using namespace igeo::test;
+using nlohmann::json;
+
+namespace {
+
+const int kUsage = 2, kUnusable = 3;
+
+/// A square of n^2 quads in the plane z = 0.1 x, of side 1 along y; without those for which `hole`.
+template <typename Hole>
+std::string sheet(int n, const Hole& hole) {
+    std::ostringstream obj;
+    for (int i = 0; i <= n; ++i)
+        for (int j = 0; j <= n; ++j)
+            obj << "v " << double(i) / n << " " << double(j) / n << " " << 0.1 * i / n << "\n";
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j)
+            if (!hole((i + 0.5) / n, (j + 0.5) / n))
+                obj << "f " << i * (n + 1) + j + 1 << " " << (i + 1) * (n + 1) + j + 1 << " "
+                    << (i + 1) * (n + 1) + j + 2 << " " << i * (n + 1) + j + 2 << "\n";
+    return obj.str();
+}
+
+/// Points spread evenly over the unit sphere, on a spiral.
+std::string spherePoints(int n) {
+    std::ostringstream xyz;
+    for (int k = 0; k < n; ++k) {
+        const double z = 1 - (2 * k + 1.0) / n, t = k * M_PI * (3 - std::sqrt(5.0));
+        const double r = std::sqrt(1 - z * z);
+        xyz << r * std::cos(t) << " " << r * std::sin(t) << " " << z << "\n";
+    }
+    return xyz.str();
+}
+
+json report(const Desk& desk) { return json::parse(readBytes(desk / "r.json")); }
+double distanceOf(const Desk& desk, std::size_t target) {
+    return report(desk)["targets"][target]["distance"];
+}
+
+}  // namespace
+
+TEST_CASE("the same sphere as level set, mesh and points: the same distances") {
+    const Desk desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.02");
+    writeBytes(desk / "in.xyz", spherePoints(8000));
+    const std::string asked =
+        " --seed 0,0,1 --target 1,0,0 --target 0,0.6,-0.8 -q -o out.vdb "
+        "--json r.json";
+    requireDone(desk, "--sdf in.vdb --mesh-out in.ply" + asked);
+    const double quarter = distanceOf(desk, 0), far = distanceOf(desk, 1);
+    CHECK(quarter == Approx(M_PI / 2).epsilon(5e-4));
+    for (const std::string surface : {"--mesh in.ply --voxel-size 0.02", "--points in.xyz"}) {
+        INFO(surface);
+        requireDone(desk, surface + asked + " --paths p.json");
+        CHECK(validBySchema(desk, "report.schema.json", "r.json"));
+        CHECK(validBySchema(desk, "geodesics.schema.json", "p.json"));
+        // The mesh cuts (dx / R)^2 / 8 of the radius off, the spiral's fits far less.
+        CHECK(distanceOf(desk, 0) == Approx(quarter).epsilon(5e-4));
+        CHECK(distanceOf(desk, 1) == Approx(far).epsilon(5e-4));
+        CHECK(report(desk)["surface"]["activeVoxels"].is_null());
+        const VdbFile file = readVdb(desk / "out.vdb");
+        file.get<openvdb::FloatGrid>("in_geodesic");
+    }
+}
+
+TEST_CASE("an open mesh: ways lead around its hole, and every result is there") {
+    const Desk desk;
+    writeBytes(desk / "in.obj", sheet(40, [](double x, double y) {
+                   return std::abs(x - 0.5) < 0.1 && std::abs(y - 0.5) < 0.3;
+               }));
+    requireDone(desk,
+                "--mesh in.obj --resolution 120 --seed 0.2,0.5,0.02 --target 0.8,0.5,0.08 "
+                "--straighten -q -o out.vdb --json r.json --mesh-out m.ply --isolines i.json "
+                "--image p.png --image-size 80x60 --with surface,label,color,engraved,curvature "
+                "--extend");
+    // Around the corners of the hole, at |x - 0.5| = 0.1, |y - 0.5| = 0.3.
+    const double slope = std::hypot(1, 0.1);
+    const double around = 2 * std::hypot(0.2 * slope, 0.3) + 0.2 * slope;
+    CHECK(distanceOf(desk, 0) == Approx(around).margin(1.5 / 120));
+    CHECK(validBySchema(desk, "isolines.schema.json", "i.json"));
+    CHECK(validBySchema(desk, "report.schema.json", "r.json"));
+    CHECK(readBytes(desk / "p.png").size() > 100);
+    CHECK(readVdb(desk / "out.vdb").get<openvdb::FloatGrid>("in")->getGridClass() ==
+          openvdb::GRID_LEVEL_SET);
+}
+
+TEST_CASE("meshes and points: godunov, pairs and walks") {
+    const Desk desk;
+    writeBytes(desk / "in.xyz", spherePoints(4000));
+    writeBytes(desk / "in.obj", sheet(10, [](double, double) { return false; }));
+    writeBytes(desk / "p.csv", "0.1,0.2,0.01,0.7,0.9,0.07\n");
+    const Result pairs = desk.run("--mesh in.obj --resolution 60 --pairs p.csv -q");
+    CHECK(pairs.exitCode == 0);
+    CHECK(std::stod(lines(pairs.out)[1].substr(2)) ==
+          Approx(std::hypot(0.6 * std::hypot(1, 0.1), 0.7)).epsilon(1e-3));
+    const Result walk = desk.run("--mesh in.obj --resolution 60 --shoot 0.5,0.5,0.05,0,1,0,0.3");
+    CHECK(walk.err.find("0.3 long, ends at 0.5,0.8,0.05") != std::string::npos);
+    // The paper's union of balls: percents off.
+    for (const std::string surface : {"--points in.xyz", "--mesh in.obj --resolution 60"}) {
+        const std::string ends =
+            surface[2] == 'p' ? " --seed 0,0,1 --target 1,0,0" : " --seed 0,0,0 --target 1,1,0.1";
+        requireDone(desk, surface + " --scheme godunov -q -o out.vdb --json r.json" + ends);
+        CHECK(
+            distanceOf(desk, 0) ==
+            Approx(surface[2] == 'p' ? M_PI / 2 : std::hypot(std::hypot(1, 0.1), 1)).epsilon(0.03));
+    }
+}
+
+TEST_CASE("--rebuild: fog volumes, other values and unsigned distances") {
+    const Desk desk;
+    // Positive inside and twice as steep as a distance.
+    desk.make("in.vdb", "sphere --voxel-size 0.04 --half-width 6");
+    const auto grid = readVdb(desk / "in.vdb").get<openvdb::FloatGrid>("psi");
+    auto write = [&](const std::string& name, openvdb::GridClass c, const auto& value) {
+        const auto copy = grid->deepCopy();
+        for (auto at = copy->beginValueAll(); at; ++at) at.setValue(float(value(*at)));
+        openvdb::tools::changeBackground(copy->tree(), float(value(grid->background())));
+        copy->setGridClass(c);
+        openvdb::io::File file(desk / name);
+        file.write({copy});
+        file.close();
+    };
+    write("fog.vdb", openvdb::GRID_FOG_VOLUME,
+          [](float psi) { return std::clamp(0.5 - psi / 0.2, 0.0, 1.0); });
+    write("steep.vdb", openvdb::GRID_UNKNOWN, [](float psi) { return 3 * psi + 0.1; });
+    write("unsigned.vdb", openvdb::GRID_UNKNOWN, [](float psi) { return std::abs(psi); });
+    const std::string ends = " --snap 0.3 --seed 0,0,1 --target 1,0,0 -o out.vdb --json r.json";
+    for (const auto& [given, radius] : {std::pair("fog.vdb --rebuild", 1.0),
+                                        {"fog.vdb --rebuild --iso 0.25", 1.05},
+                                        {"steep.vdb --rebuild --iso 0.1", 1.0},
+                                        {"unsigned.vdb --rebuild --iso 0.1", 1.1}}) {
+        INFO(given);
+        const Result result = desk.run(std::string("--sdf ") + given + ends);
+        CHECK(result.exitCode == 0);
+        CHECK(result.err.find("warning: psi was rebuilt") != std::string::npos);
+        // Triangles between voxels: a hundredth of a voxel.
+        CHECK(distanceOf(desk, 0) == Approx(radius * M_PI / 2).epsilon(2e-3));
+    }
+    requireRefused(desk, "--sdf fog.vdb --seed 0,0,1", kUnusable, {"fog volume", "--rebuild"});
+    requireRefused(desk, "--sdf steep.vdb --seed 0,0,1", kUnusable, {"3 per unit", "--rebuild"});
+    requireRefused(desk, "--sdf unsigned.vdb --seed 0,0,1", kUnusable, {"positive everywhere"});
+    requireRefused(desk, "--sdf fog.vdb --rebuild --iso 7 --seed 0,0,1", kUnusable,
+                   {"no surface has the value 7", "from 0 to 1", "fog.vdb", "--iso"});
+    requireRefused(desk, "--sdf fog.vdb --iso 0.5 --seed 0,0,1", kUsage, {"--iso", "--rebuild"});
+}
+
+TEST_CASE("surfaces that are none: refusals") {
+    const Desk desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.1");
+    writeBytes(desk / "in.obj", sheet(10, [](double, double) { return false; }));
+    writeBytes(desk / "broken.ply", "ply\nformat ascii 1.0\nelement vertex 3\n");
+    writeBytes(desk / "few.xyz", "0 0 0\n1 0 0\n0 1 0\n");
+    writeBytes(desk / "in.txt", "hello\n");
+    const std::string seed = " --seed 0,0,1";
+    requireRefused(desk, "--seed 0,0,1", kUsage, {"no surface", "--sdf", "--mesh", "--points"});
+    requireRefused(desk, "--mesh in.obj --sdf in.vdb" + seed, kUsage, {"--mesh", "--sdf"});
+    requireRefused(desk, "--mesh none.obj" + seed, kUnusable, {"none.obj"});
+    requireRefused(desk, "--mesh broken.ply" + seed, kUnusable, {"broken.ply"});
+    requireRefused(desk, "--mesh in.txt" + seed, kUnusable, {"in.txt"});
+    requireRefused(desk, "--points few.xyz" + seed, kUnusable, {"few.xyz", "3"});
+    requireRefused(desk, "--points in.txt" + seed, kUnusable, {"in.txt"});
+    requireRefused(desk, "--mesh in.obj --voxel-size 1e-7" + seed, kUsage, {"voxels"});
+    requireRefused(desk, "--mesh in.obj --voxel-size 1 --resolution 9" + seed, kUsage,
+                   {"--resolution", "--voxel-size"});
+    requireRefused(desk, "--sdf in.vdb --resolution 64" + seed, kUsage, {"--resolution"});
+    requireRefused(desk, "--mesh in.obj --seed 0.5,0.5,3", kUsage, {"seed 0", "--snap"});
+    requireRefused(desk, "--mesh in.obj -o in.obj --seed 0.5,0.5,0.05", kUsage,
+                   {"would overwrite the input"});
+}
