@@ -408,6 +408,7 @@ int Job::summarise() {
 }
 
 int Job::run() {
+    surface_ = SurfaceInput::of(options_);
     const bool pairsOrWalks = !options_.pairs.empty() || !options_.shoots.empty();
     if (!options_.hasSeeds() && !pairsOrWalks)
         usageError("no seed is given", "add --seed x,y,z, --seeds FILE or --sample K");
@@ -415,7 +416,6 @@ int Job::run() {
         usageError("results that need distances are asked for, but no seed is given",
                    "add --seed x,y,z; without seeds only --paths, --pairs-out, --image and --json "
                    "are written");
-    surface_ = SurfaceInput::of(options_);
     Outputs outputs(options_);
     checkOutputFiles(options_);
     progress_.update("read", 0);

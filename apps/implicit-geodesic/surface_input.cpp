@@ -204,7 +204,9 @@ std::unique_ptr<SurfaceInput> SurfaceInput::of(const Options& options) {
     if (!options.mesh.empty()) return std::make_unique<Mesh>(options);
     if (!options.points.empty()) return std::make_unique<Points>(options);
     if (options.sdf.empty())
-        usageError("no surface is given", "add --sdf FILE.vdb, --mesh FILE or --points FILE");
+        usageError(
+            "no surface is given",
+            "add --sdf FILE.vdb, --mesh FILE or --points FILE; see implicit-geodesic --help");
     return std::make_unique<Volume>(options);
 }
 

@@ -116,7 +116,7 @@ TEST_CASE("meshes and points: godunov, pairs and walks") {
     }
 }
 
-TEST_CASE("--rebuild: fog volumes, other values and unsigned distances") {
+TEST_CASE("rebuild: fog volumes, other values and unsigned distances") {
     const Desk desk;
     // Positive inside and twice as steep as a distance.
     desk.make("in.vdb", "sphere --voxel-size 0.04 --half-width 6");
