@@ -315,6 +315,11 @@ void addOptions(CLI::App& app, Options& o) {
         ->type_name("N")
         ->check(CLI::Range(0, 4096))
         ->group("Run");
+    app.add_option("--memory-limit", o.memoryLimit,
+                   "Refuse what needs more memory, before it is taken, GiB [what the machine has]")
+        ->type_name("G")
+        ->check(number(/*mayBeZero=*/false))
+        ->group("Run");
     app.add_option("--progress", o.progress,
                    "Progress on stderr: auto (if it is a terminal), always, never [auto]")
         ->type_name("WHEN")

@@ -55,7 +55,8 @@ struct Options {
     bool upZ = false;
     bool straighten = false;
 
-    int threads = 0;  ///< 0: all cores
+    int threads = 0;         ///< 0: all cores
+    double memoryLimit = 0;  ///< GiB; 0: what the machine has
     std::string progress = "auto";
     bool quiet = false, verbose = false;
 

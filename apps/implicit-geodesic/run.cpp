@@ -97,6 +97,7 @@ void Job::finished(const char* stage) {
 }
 
 void Job::makeBand(const std::vector<igeo::Ball>& region) {
+    if (region.empty()) surface_->requireMemory();
     band_ = surface_->band(region, progress_);
     wholeBand_ = region.empty();
     console_.detail(text("band: h = %.6g (%.4g voxels), %.0f nodes", band_.h * band_.transform.dx,

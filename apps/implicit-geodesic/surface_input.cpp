@@ -9,6 +9,8 @@
 #include <igeo/refined_mesh.h>
 #include <igeo/vdb_io.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -75,6 +77,10 @@ public:
         return igeo::bandFromLevelSet(*levelSet_, h_, region, progress);
     }
 
+    double estimatedNodes() const override {
+        const igeo::LevelSetStats& stats = levelSet_->stats;
+        return double(stats.activeVoxels) * std::min(1.0, h_ / stats.halfWidth);
+    }
     std::string gridName() const override { return levelSet_->psi->getName(); }
     // Its own, so that results line up with it bit by bit.
     openvdb::math::Transform::ConstPtr gridTransform() const override {
@@ -128,6 +134,9 @@ public:
 
     igeo::Band band(const std::vector<igeo::Ball>&, igeo::Progress& progress) const override {
         return igeo::bandFromMesh(mesh_, transform_.dx, h_, progress);
+    }
+    double estimatedNodes() const override {
+        return igeo::estimatedVoxels(mesh_, transform_.dx, h_);
     }
     igeo::SurfacePoint nearest(const igeo::Band& band, const Vec3d& p) const override {
         return igeo::nearestMeshPoint(mesh_, band, p);
@@ -185,6 +194,12 @@ public:
         return igeo::bandFromPoints(*surface_, kind_, transform_.dx, h_, progress);
     }
 
+    double estimatedNodes() const override {
+        const igeo::CloudDensity& density = surface_->density();
+        const double side = density.spacing / transform_.dx;
+        return double(density.points) * side * side * 2 * h_;
+    }
+
 private:
     igeo::LevelSet makeLevelSet(igeo::Progress& progress) override {
         const auto fits = igeo::PointBandKind::Fits;
@@ -208,6 +223,24 @@ std::unique_ptr<SurfaceInput> SurfaceInput::of(const Options& options) {
             "no surface is given",
             "add --sdf FILE.vdb, --mesh FILE or --points FILE; see implicit-geodesic --help");
     return std::make_unique<Volume>(options);
+}
+
+void SurfaceInput::requireMemory() const {
+    // Band, march and one grid of results; godunov somewhat more than jet.
+    constexpr double kBytesPerNode = 110, kGiB = 1024.0 * 1024 * 1024;
+    const double machine =
+        double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE)) / kGiB;
+    const double limit = options_.memoryLimit > 0 ? options_.memoryLimit : machine;
+    const double needed = estimatedNodes() * kBytesPerNode / kGiB;
+    if (needed <= limit) return;
+    // The band grows with the area in voxels.
+    const double factor = std::sqrt(needed / limit);
+    usageError("the band of " + name_ + " has about " + text("%.3g", estimatedNodes()) +
+                   " voxels and needs about " + text("%.3g GiB of memory, %.3g", needed, limit) +
+                   (options_.memoryLimit > 0 ? " are allowed (--memory-limit)"
+                                             : " is what the machine has"),
+               "voxels of " + text("%.3g", 1.1 * factor * transform_.dx) +
+                   " or more would fit; or stay near the seeds with --max-distance");
 }
 
 igeo::SurfacePoint SurfaceInput::nearest(const igeo::Band& band, const Vec3d& p) const {

@@ -30,6 +30,10 @@ public:
     /// The band in a region; empty: of the whole surface. Some kinds make the whole all the same.
     virtual igeo::Band band(const std::vector<igeo::Ball>& region,
                             igeo::Progress& progress) const = 0;
+    /// How many nodes the band of the whole surface has, about.
+    virtual double estimatedNodes() const = 0;
+    /// Refuses a band of the whole surface that needs more memory than there is.
+    void requireMemory() const;
     /// The point of the surface nearest to one in index space.
     virtual igeo::SurfacePoint nearest(const igeo::Band& band, const igeo::Vec3d& p) const;
     /// The surface as triangles that carry the distance.

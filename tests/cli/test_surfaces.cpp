@@ -177,3 +177,16 @@ TEST_CASE("surfaces that are none: refusals") {
     requireRefused(desk, "--mesh in.obj -o in.obj --seed 0.5,0.5,0.05", kUsage,
                    {"would overwrite the input"});
 }
+
+TEST_CASE("a band that needs too much memory is refused with a voxel size that fits") {
+    const Desk desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.02");
+    writeBytes(desk / "in.obj", sheet(10, [](double, double) { return false; }));
+    writeBytes(desk / "in.xyz", spherePoints(4000));
+    for (const char* surface : {"--sdf in.vdb --seed 0,0,1", "--points in.xyz --seed 0,0,1",
+                                "--mesh in.obj --resolution 1000 --seed 0.5,0.5,0.05"})
+        requireRefused(desk, std::string(surface) + " --memory-limit 0.001", kUsage,
+                       {"GiB of memory, 0.001 are allowed", "--memory-limit", "voxels of "});
+    requireRefused(desk, "--mesh in.obj --voxel-size 4e-5 --seed 0.5,0.5,0.05", kUsage, {"voxels"});
+    requireDone(desk, "--sdf in.vdb --seed 0,0,1 --memory-limit 0.1 -q -o out.vdb");
+}
