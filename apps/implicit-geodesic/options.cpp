@@ -343,8 +343,8 @@ std::vector<std::string> argumentsOf(int argc, char** argv) {
 
 ParseResult parseOptions(int argc, char** argv, Options& options) {
     CLI::App app{
-        "How far is it, and which way, along a surface that is held as a signed-distance volume.\n"
-        "Lengths are in world units of the volume's transform; defaults are in brackets.",
+        "How far is it, and which way, along a surface: a signed-distance volume, a mesh or points.\n"
+        "Lengths are in world units of the surface; defaults are in brackets.",
         "implicit-geodesic"};
     app.get_formatter()->column_width(28);
     app.footer(kExamples);
