@@ -19,7 +19,7 @@ trace
 straighten
 accuracy sampling matrix pairs log_map shoot sides
 surface_mesh refined_mesh
-isolines
+isolines survey
 cells engrave
 field_grids extend report point_file picture view surface_rays
 '

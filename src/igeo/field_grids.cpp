@@ -118,6 +118,16 @@ openvdb::Vec3SGrid::Ptr colorGrid(const Band& band, const Field& field, const Co
     return grid;
 }
 
+openvdb::FloatGrid::Ptr doubtGrid(const Band& band, const std::vector<float>& doubt,
+                                  const openvdb::math::Transform& transform,
+                                  const std::string& name) {
+    auto grid = makeGrid<openvdb::FloatGrid>(0, transform, name);
+    fill(
+        *grid, band, [&](NodeIndex i) { return doubt[i] > 0; },
+        [&](NodeIndex i) { return doubt[i]; });
+    return grid;
+}
+
 openvdb::Vec3SGrid::Ptr logMapGrid(const Band& band, const LogMap& map,
                                    const openvdb::math::Transform& transform,
                                    const std::string& name) {

@@ -5,6 +5,7 @@
 #include <igeo/types.h>
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -80,6 +81,42 @@ struct PsiDifferences {
         return complete() && std::abs(length(central()) - 1) < kSmooth;
     }
 };
+
+/// Largest |principal curvature| of S at the foot point, from the Hessian of psi: the eigenvalues
+/// on the tangent plane, moved from psi to 0 by k / (1 - psi k). NaN where a neighbour is missing.
+inline double largestCurvature(const LeafBlock& b, int x, int y, int z) {
+    auto d2 = [&](int i, int j, int k) {
+        return b.at(x + i, y + j, z + k) - 2 * b.at(x, y, z) + b.at(x - i, y - j, z - k);
+    };
+    auto mixed = [&](int i, int j, int k, int l, int m, int n) {
+        return (b.at(x + i + l, y + j + m, z + k + n) - b.at(x + i - l, y + j - m, z + k - n) -
+                b.at(x - i + l, y - j + m, z - k + n) + b.at(x - i - l, y - j - m, z - k - n)) /
+               4;
+    };
+    const Vec3d n = normalized(PsiDifferences(b, x, y, z).central());
+    const double xy = mixed(1, 0, 0, 0, 1, 0), xz = mixed(1, 0, 0, 0, 0, 1),
+                 yz = mixed(0, 1, 0, 0, 0, 1);
+    const Vec3d hx{d2(1, 0, 0), xy, xz}, hy{xy, d2(0, 1, 0), yz}, hz{xz, yz, d2(0, 0, 1)};
+    // Trace and squared norm of P H P, P = I - n n^T: sums and squares of the two eigenvalues.
+    const Vec3d hn{dot(hx, n), dot(hy, n), dot(hz, n)};
+    const double nhn = dot(n, hn);
+    const double trace = hx.x + hy.y + hz.z - nhn;
+    const double norm2 = dot(hx, hx) + dot(hy, hy) + dot(hz, hz) - 2 * dot(hn, hn) + nhn * nhn;
+    const double root = std::sqrt(std::max(2 * norm2 - trace * trace, 0.0));
+    const double psi = b.at(x, y, z);
+    double largest = 0;
+    for (const double k : {(trace - root) / 2, (trace + root) / 2}) {
+        const double shift = 1 - psi * k;
+        largest = std::max(largest, std::abs(k) / std::max(shift, 0.1));
+    }
+    return std::isnan(root + trace) ? std::numeric_limits<double>::quiet_NaN() : largest;
+}
+
+/// Whether a neighbour is missing that the level set has elsewhere: S is cut at this voxel.
+/// @param psi, halfWidth  voxels
+inline bool cutBeside(const PsiDifferences& d, double psi, double halfWidth) {
+    return !d.complete() && std::abs(psi) + 1.01 < halfWidth;
+}
 
 /// grad psi by the differences that belong to one face.
 ///

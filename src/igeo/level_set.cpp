@@ -65,36 +65,6 @@ double curvatureOfScale(double s) { return std::pow(10.0, 7 * s - 6); }
 constexpr double kGradientRange = 4;  // histogram of |grad psi| over [0, 4)
 constexpr double kReachRange = 16;    // histogram of |psi| at medial voxels, voxels
 
-/// Largest |principal curvature| of S at the foot point, from the Hessian of psi: the eigenvalues
-/// on the tangent plane, moved from psi to 0 by k / (1 - psi k). NaN where a neighbour is missing.
-double largestCurvature(const LeafBlock& b, int x, int y, int z) {
-    auto d2 = [&](int i, int j, int k) {
-        return b.at(x + i, y + j, z + k) - 2 * b.at(x, y, z) + b.at(x - i, y - j, z - k);
-    };
-    auto mixed = [&](int i, int j, int k, int l, int m, int n) {
-        return (b.at(x + i + l, y + j + m, z + k + n) - b.at(x + i - l, y + j - m, z + k - n) -
-                b.at(x - i + l, y - j + m, z - k + n) + b.at(x - i - l, y - j - m, z - k - n)) /
-               4;
-    };
-    const Vec3d n = normalized(PsiDifferences(b, x, y, z).central());
-    const double xy = mixed(1, 0, 0, 0, 1, 0), xz = mixed(1, 0, 0, 0, 0, 1),
-                 yz = mixed(0, 1, 0, 0, 0, 1);
-    const Vec3d hx{d2(1, 0, 0), xy, xz}, hy{xy, d2(0, 1, 0), yz}, hz{xz, yz, d2(0, 0, 1)};
-    // Trace and squared norm of P H P, P = I - n n^T: sums and squares of the two eigenvalues.
-    const Vec3d hn{dot(hx, n), dot(hy, n), dot(hz, n)};
-    const double nhn = dot(n, hn);
-    const double trace = hx.x + hy.y + hz.z - nhn;
-    const double norm2 = dot(hx, hx) + dot(hy, hy) + dot(hz, hz) - 2 * dot(hn, hn) + nhn * nhn;
-    const double root = std::sqrt(std::max(2 * norm2 - trace * trace, 0.0));
-    const double psi = b.at(x, y, z);
-    double largest = 0;
-    for (const double k : {(trace - root) / 2, (trace + root) / 2}) {
-        const double shift = 1 - psi * k;
-        largest = std::max(largest, std::abs(k) / std::max(shift, 0.1));
-    }
-    return std::isnan(root + trace) ? std::numeric_limits<double>::quiet_NaN() : largest;
-}
-
 /// What is counted leaf by leaf.
 struct Tally {
     std::uint64_t near = 0, crossing = 0, cut = 0;
@@ -128,7 +98,7 @@ void Tally::visit(const LeafBlock& b, int x, int y, int z, double halfWidth) {
             ++crossing;
             break;
         }
-    if (!complete && std::abs(psi) + 1.01 < halfWidth) ++cut;
+    if (cutBeside(d, psi, halfWidth)) ++cut;
     const double k = complete ? largestCurvature(b, x, y, z) : 0;
     if (complete && !std::isnan(k)) curvature.add(scaleOfCurvature(k));
 }
@@ -215,8 +185,8 @@ void measure(LevelSet& s, Progress& progress) {
     st.crossingShare = all.near ? double(all.crossing) / double(all.near) : 0;
     st.cutVoxels = all.cut;
     st.gradientMedian = all.gradient.quantile(0.5) * kGradientRange;
-    const double lo = 0.75 / kGradientRange, hi = 1.25 / kGradientRange;
-    st.gradientShare = all.gradient.share(lo, hi);
+    st.gradientShare = all.gradient.share((1 - kGradientTolerance) / kGradientRange,
+                                          (1 + kGradientTolerance) / kGradientRange);
     st.largestCurvature =
         all.curvature.total() ? curvatureOfScale(all.curvature.quantile(0.95)) : 0;
     // One surface voxel in 200 may lie at a place where sheets meet before it counts.
@@ -348,9 +318,16 @@ void judgeShape(LevelSet& s) {
 
 LevelSet checkLevelSet(LoadedGrid loaded, Progress& progress) {
     LevelSet s;
+    checkLevelSet(std::move(loaded), s, progress);
+    return s;
+}
+
+void checkLevelSet(LoadedGrid loaded, LevelSet& s, Progress& progress) {
+    s = {};
     s.psi = loaded.grid;
     s.file = loaded.file;
     s.name = loaded.name;
+    s.transform.dx = 0;
     s.transform = similarityOf(s.psi->transform(), where(s));
     if (!loaded.isLevelSetClass)
         s.warnings.push_back(
@@ -366,7 +343,6 @@ LevelSet checkLevelSet(LoadedGrid loaded, Progress& progress) {
     if (s.stats.halfWidth < 2) widen(s, 3);
     measure(s, progress);
     judgeShape(s);
-    return s;
 }
 
 void widen(LevelSet& s, double halfWidth) {

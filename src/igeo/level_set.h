@@ -12,6 +12,9 @@
 
 namespace igeo {
 
+/// How far from 1 |grad psi| of a good distance may be, at a voxel.
+constexpr double kGradientTolerance = 0.25;
+
 /// What the values of a level set show. Shares are in [0, 1], lengths and curvatures in voxels.
 struct LevelSetStats {
     std::uint64_t activeVoxels = 0;
@@ -46,6 +49,11 @@ struct LevelSet {
 /// @throws Error  BadInput with what to do about it
 /// Time O(active voxels), in parallel.
 LevelSet checkLevelSet(LoadedGrid loaded, Progress& progress = Progress::none());
+
+/// The same into `levelSet`, which keeps what was found out before a refusal: `transform.dx` is 0
+/// where it did not come to that, `stats.activeVoxels` and `stats.nearSurface` likewise where
+/// values and differences were not looked at.
+void checkLevelSet(LoadedGrid loaded, LevelSet& levelSet, Progress& progress = Progress::none());
 
 /// Widens the narrow band to at least `halfWidth` voxels with OpenVDB's fast sweeping (first order
 /// in the new voxels) and adds a warning that says so; does nothing if it is as wide already.

@@ -118,14 +118,15 @@ std::vector<SurfaceMesh::Triangle> split(const std::vector<Quad>& quads,
 }
 
 /// Per vertex the unit mean normal of its triangles, weighted by area.
-std::vector<Vec3d> vertexNormals(const SurfaceMesh& mesh) {
-    std::vector<Vec3d> normal(mesh.position.size());
+std::vector<Vec3f> vertexNormals(const SurfaceMesh& mesh) {
+    std::vector<Vec3d> sum(mesh.position.size());
     for (const auto& [a, b, c] : mesh.triangles) {
         const Vec3d n =
             cross(mesh.position[b] - mesh.position[a], mesh.position[c] - mesh.position[a]);
-        normal[a] += n, normal[b] += n, normal[c] += n;
+        sum[a] += n, sum[b] += n, sum[c] += n;
     }
-    for (Vec3d& n : normal) n = normalized(n);
+    std::vector<Vec3f> normal(sum.size());
+    for (std::size_t i = 0; i < sum.size(); ++i) normal[i] = Vec3f(normalized(sum[i]));
     return normal;
 }
 
@@ -144,8 +145,7 @@ std::uint32_t labelAt(const Band& band, const Field& field, const BandCell& cell
 
 }  // namespace
 
-SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field& field,
-                        Progress& progress) {
+SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, Progress& progress) {
     progress.update("mesh", 0);
     Extracted extracted = extract(*levelSet.psi);
     dropWalls(levelSet, extracted);
@@ -164,25 +164,32 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field&
         }
         projecting.add(end - begin);
     });
+    progress.throwIfCancelled();
     mesh.triangles = split(extracted.quads, mesh.position);
+    mesh.normal = vertexNormals(mesh);
+    return mesh;
+}
+
+SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field& field,
+                        Progress& progress) {
+    SurfaceMesh mesh = surfaceMesh(levelSet, band, progress);
     sampleField(mesh, band, field, progress);
     return mesh;
 }
 
 void sampleField(SurfaceMesh& mesh, const Band& band, const Field& field, Progress& progress) {
     const std::size_t n = mesh.position.size();
-    const std::vector<Vec3d> side = vertexNormals(mesh);
-    mesh.normal.resize(n);
+    mesh.normal = vertexNormals(mesh);
     mesh.distance.resize(n);
     mesh.label.resize(n);
     Steps reading(progress, "mesh", n, 0.7, 1);
     parallelFor(n, 1024, [&](std::size_t begin, std::size_t end) {
         if (reading.cancelled()) return;
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3d p = mesh.position[i];
-            const SurfaceCell cell(band, *field.metric, p, side[i]);
-            mesh.normal[i] = Vec3f(cell.normal == Vec3d{} ? side[i] : cell.normal);
-            mesh.distance[i] = sampleDistance(band, field, p, side[i]);
+            const Vec3d p = mesh.position[i], side(mesh.normal[i]);
+            const SurfaceCell cell(band, *field.metric, p, side);
+            if (cell.normal != Vec3d{}) mesh.normal[i] = Vec3f(cell.normal);
+            mesh.distance[i] = sampleDistance(band, field, p, side);
             mesh.label[i] = labelAt(band, field, cell, p);
         }
         reading.add(end - begin);
@@ -248,9 +255,6 @@ void forVertices(const SurfaceMesh& mesh, const Similarity& transform, const Col
     }
 }
 
-/// A reflection turns triangles over.
-bool mirrors(const Similarity& t) { return dot(cross(t.axis[0], t.axis[1]), t.axis[2]) < 0; }
-
 }  // namespace
 
 std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, const Colour& colour) {
@@ -281,7 +285,7 @@ std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, con
         putLittleEndian(bytes, reached ? float(mesh.distance[i] * transform.dx) : -1.0f);
         putLittleEndian(bytes, reached ? std::int32_t(mesh.label[i]) : -1);
     });
-    const bool mirrored = mirrors(transform);
+    const bool mirrored = transform.mirrors();  // turns triangles over
     for (auto [a, b, c] : mesh.triangles) {
         if (mirrored) std::swap(b, c);
         putLittleEndian(bytes, std::uint8_t(3));
@@ -301,7 +305,7 @@ std::string surfaceObj(const SurfaceMesh& mesh, const Similarity& transform, con
         add("v %.12g %.12g %.12g %.4g %.4g %.4g\n", p.x, p.y, p.z, double(c.x), double(c.y),
             double(c.z));
     });
-    const bool mirrored = mirrors(transform);
+    const bool mirrored = transform.mirrors();  // turns triangles over
     for (auto [a, b, c] : mesh.triangles) {
         if (mirrored) std::swap(b, c);
         add("f %u %u %u\n", a + 1, b + 1, c + 1);

@@ -42,6 +42,10 @@ struct SurfaceMesh {
 SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field& field,
                         Progress& progress = Progress::none());
 
+/// The same without distances and labels, normals being the mean of the triangles around.
+SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band,
+                        Progress& progress = Progress::none());
+
 /// Fills normal, distance and label of a mesh on S from its positions and triangles.
 /// @throws Error  Cancelled through `progress`
 void sampleField(SurfaceMesh& mesh, const Band& band, const Field& field,

@@ -98,6 +98,8 @@ struct Similarity {
         const Vec3d r = p - origin;
         return Vec3d{dot(axis[0], r), dot(axis[1], r), dot(axis[2], r)} * (1 / dx);
     }
+    /// Whether Q holds a reflection.
+    bool mirrors() const { return dot(cross(axis[0], axis[1]), axis[2]) < 0; }
     /// Turns a direction; lengths stay as they are.
     Vec3d worldFromIndexDirection(const Vec3d& v) const {
         return v.x * axis[0] + v.y * axis[1] + v.z * axis[2];

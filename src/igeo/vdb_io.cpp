@@ -34,11 +34,12 @@ struct Candidate {
     std::string name;  ///< unique name
     GridBase::ConstPtr grid;
 
-    std::string describe() const {
-        const bool mask = grid->isType<openvdb::MaskGrid>();  // OpenVDB calls its values bool.
-        return quoted(name) + " (" + (mask ? "mask" : grid->valueType()) + ", " +
-               GridBase::gridClassToString(grid->getGridClass()) + ")";
+    std::string type() const {
+        // OpenVDB calls the values of a mask bool.
+        return grid->isType<openvdb::MaskGrid>() ? "mask" : grid->valueType();
     }
+    std::string gridClass() const { return GridBase::gridClassToString(grid->getGridClass()); }
+    std::string describe() const { return quoted(name) + " (" + type() + ", " + gridClass() + ")"; }
 };
 using Candidates = std::vector<Candidate>;
 
@@ -84,6 +85,27 @@ constexpr Wanted kLevelSet{"a",   "level set", "float or double", isScalar,
 constexpr Wanted kWeight{"a", "weight grid", "float or double", isScalar};
 constexpr Wanted kObstacle{"an", "obstacle grid", "bool, mask, float or double", isScalarOrMask};
 constexpr Wanted kTensor{"a", "tensor", "vec3s or vec3d", isVector};
+
+bool allows(const Wanted& wanted, const Candidate& c) {
+    return wanted.fits(c) && (wanted.fogToo || !isFog(c));
+}
+
+GridEntry entryOf(const Candidate& c) {
+    GridEntry entry{c.name,
+                    c.type(),
+                    c.gridClass(),
+                    {},
+                    allows(kLevelSet, c),
+                    allows(kWeight, c),
+                    allows(kObstacle, c)};
+    // A grid of a file is only its metadata here, one of a stream is whole.
+    if (const auto said =
+            c.grid->getMetadata<openvdb::Int64Metadata>(GridBase::META_FILE_VOXEL_COUNT))
+        entry.activeVoxels = std::uint64_t(said->value());
+    else if (const auto count = c.grid->activeVoxelCount(); count > 0)
+        entry.activeVoxels = count;
+    return entry;
+}
 
 const Candidate* find(const Candidates& all, const std::string& name) {
     for (const Candidate& c : all)
@@ -351,14 +373,20 @@ std::string fileOf(const GridSource& source) {
 }
 
 /// The grid named, or the only one that can be meant.
-NamedGrid readGrid(const GridSource& source, const Wanted& wanted) {
+NamedGrid readGrid(const GridSource& source, const Wanted& wanted,
+                   std::vector<GridEntry>* entries = nullptr) {
     return readGrids(source, wanted,
-                     [&](const Candidates& all) { return Choice{&choose(all, wanted, source)}; })
+                     [&](const Candidates& all) {
+                         if (entries)
+                             for (const Candidate& c : all) entries->push_back(entryOf(c));
+                         return Choice{&choose(all, wanted, source)};
+                     })
         .front();
 }
 
-LoadedGrid readScalars(const GridSource& source, const Wanted& wanted) {
-    const NamedGrid read = readGrid(source, wanted);
+LoadedGrid readScalars(const GridSource& source, const Wanted& wanted,
+                       std::vector<GridEntry>* entries = nullptr) {
+    const NamedGrid read = readGrid(source, wanted, entries);
     return {scalars(read.grid), fileOf(source), read.name,
             read.grid->getGridClass() == openvdb::GRID_LEVEL_SET};
 }
@@ -372,7 +400,9 @@ GridSource parseGridSource(const std::string& text) {
     return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
-LoadedGrid readLevelSetGrid(const GridSource& source) { return readScalars(source, kLevelSet); }
+LoadedGrid readLevelSetGrid(const GridSource& source, std::vector<GridEntry>* entries) {
+    return readScalars(source, kLevelSet, entries);
+}
 
 LoadedGrid readScalarGrid(const GridSource& source) { return readScalars(source, kWeight); }
 

@@ -3,6 +3,8 @@
 
 #include <openvdb/openvdb.h>
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,15 @@ struct LoadedGrid {
     bool isLevelSetClass = false;  ///< the file says so
 };
 
+/// What a file says of one of its grids.
+struct GridEntry {
+    std::string name;       ///< unique in the file, as in LoadedGrid
+    std::string type;       ///< of its values: float, vec3s, mask, ...
+    std::string gridClass;  ///< as OpenVDB names it: level set, fog volume, unknown, ...
+    std::optional<std::uint64_t> activeVoxels;  ///< none where the file does not say
+    bool surface, weight, obstacle;             ///< what its type and class allow it to be
+};
+
 /// Reads one scalar grid: the one named, else the only one of class level set, else the only float
 /// or double grid of class unknown. Float, double (rounded to float) and half floats; any file
 /// format that OpenVDB reads.
@@ -33,7 +44,9 @@ struct LoadedGrid {
 /// off,
 ///         holds no such grid, none that fits or several (the message lists them), or when the grid
 ///         is a fog volume or no scalar
-LoadedGrid readLevelSetGrid(const GridSource& source);
+/// @param entries receives all grids of the file, in its order, also where none of them will do;
+///                null: not wanted
+LoadedGrid readLevelSetGrid(const GridSource& source, std::vector<GridEntry>* entries = nullptr);
 
 /// Reads one scalar grid of any class, for a weight: the one named, else the only float or double
 /// grid that is no level set (a weight may lie beside its surface), else the only one.
