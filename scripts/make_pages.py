@@ -32,6 +32,8 @@ class Option:
 class Help:
     about: list = dataclasses.field(default_factory=list)  # lines
     groups: dict = dataclasses.field(default_factory=dict)  # title -> options
+    arguments: list = dataclasses.field(default_factory=list)  # (name, meaning), without a dash
+    commands: list = dataclasses.field(default_factory=list)  # (name, meaning)
     exit_codes: list = dataclasses.field(default_factory=list)  # (code, meaning)
     examples: list = dataclasses.field(default_factory=list)  # (command, what it does)
 
@@ -69,7 +71,7 @@ def parse_help(text):
     """The help as CLI11 prints it, with the footer of options.cpp."""
     body, _, footer = text.partition("\nExit codes: ")
     page = Help()
-    option = group = None
+    option = group = words = None
     for line in body.splitlines():
         if line.startswith("Usage:") or not line.strip():
             continue
@@ -78,9 +80,15 @@ def parse_help(text):
             option = parse_option(head)
             option.text = "".join(rest)
             group.append(option)
+        elif words is not None and re.match(r"  \S", line):
+            name, meaning = re.split(r" {2,}", line.strip(), maxsplit=1)
+            words.append((name.replace(" REQUIRED", "").replace(" ", ""), meaning))
         elif line.startswith(" "):
             option.text = (option.text + " " + line.strip()).strip()
+        elif line in ("Positionals:", "Subcommands:"):
+            words = page.arguments if line.startswith("P") else page.commands
         elif line.endswith(":"):
+            words = None
             group = page.groups.setdefault(line[:-1], [])
         elif group is None:
             page.about.append(line)
@@ -100,15 +108,8 @@ def roff(text):
     return "\\&" + text if text[:1] in (".", "'") else text
 
 
-def man_page(page, version):
-    synopsis = "".join(f" \\fB{roff(o.names[-1])}\\fR \\fI{roff(o.argument)}\\fR"
-                       for o in page.options() if o.required)
-    lines = [f'.TH {NAME.upper()} 1 "" "{version}" "User Commands"',
-             ".SH NAME",
-             f"{roff(NAME)} \\- distances and shortest paths along a surface held as a level set",
-             ".SH SYNOPSIS", f"\\fB{roff(NAME)}\\fR{synopsis} [\\fIoptions\\fR]",
-             ".SH DESCRIPTION", *map(roff, page.about),
-             ".SH OPTIONS"]
+def man_options(page):
+    lines = []
     for title, options in page.groups.items():
         lines.append(f".SS {roff(title)}")
         for option in options:
@@ -127,14 +128,53 @@ def man_page(page, version):
             if option.excludes:
                 text += f" Not together with {', '.join(option.excludes)}."
             lines += [".TP", head, roff(text)]
-    lines.append(".SH EXIT STATUS")
+    return lines
+
+
+def man_exit_codes(page):
+    lines = []
     for code, meaning in page.exit_codes:
         lines += [".TP", f"\\fB{code}\\fR", roff(meaning.strip())]
-    lines += [".SH ENVIRONMENT", ".TP", "\\fBNO_COLOR\\fR",
-              "If set, no progress is shown unless asked for.", ".SH EXAMPLES"]
+    return lines
+
+
+def man_examples(page):
+    lines = []
     for number, (command, meaning) in enumerate(page.examples):
         lines += [".PP"] if number else []
         lines += [roff(meaning) + ":", ".PP", ".nf", ".RS", roff(command), ".RE", ".fi"]
+    return lines
+
+
+def man_command(name, page):
+    """A section of its own for a subcommand."""
+    arguments = "".join(f" \\fI{roff(word)}\\fR" for word, _ in page.arguments)
+    lines = [f".SH {roff(name.upper())}",
+             f"\\fB{roff(NAME)} {roff(name)}\\fR{arguments} [\\fIoptions\\fR]", ".PP",
+             *(roff(line + ".") for line in page.about)]
+    for word, meaning in page.arguments:
+        lines += [".TP", f"\\fI{roff(word)}\\fR", roff(meaning + ".")]
+    return [*lines, *man_options(page), ".SS Exit status", *man_exit_codes(page),
+            ".SS Examples", *man_examples(page)]
+
+
+def man_page(page, commands, version):
+    synopsis = "".join(f" \\fB{roff(o.names[-1])}\\fR \\fI{roff(o.argument)}\\fR"
+                       for o in page.options() if o.required)
+    lines = [f'.TH {NAME.upper()} 1 "" "{version}" "User Commands"',
+             ".SH NAME",
+             f"{roff(NAME)} \\- distances and shortest paths along a surface held as a level set",
+             ".SH SYNOPSIS", f"\\fB{roff(NAME)}\\fR{synopsis} [\\fIoptions\\fR]",
+             *(line for name in commands
+               for line in (".br", f"\\fB{roff(NAME)} {roff(name)}\\fR \\fI...\\fR")),
+             ".SH DESCRIPTION", *map(roff, page.about),
+             ".SH OPTIONS", *man_options(page)]
+    for name, command in commands.items():
+        lines += man_command(name, command)
+    lines += [".SH EXIT STATUS", *man_exit_codes(page)]
+    lines += [".SH ENVIRONMENT", ".TP", "\\fBNO_COLOR\\fR",
+              "If set, no progress is shown unless asked for.", ".SH EXAMPLES"]
+    lines += man_examples(page)
     lines += [".SH SEE ALSO", ".BR vdb_tool (1),", ".BR vdb_print (1),", ".BR vdb_view (1),",
               ".BR vdb_render (1)"]
     return "\n".join(lines) + "\n"
@@ -162,8 +202,16 @@ _implicit_geodesic() {
     elif [[ $option == = ]]; then
         option=${COMP_WORDS[COMP_CWORD - 2]}
     fi
-    case $option in
+    if [[ $COMP_CWORD == 1 ]]; then
+        options+=' @COMMANDS@'
+    fi
+    case $((COMP_CWORD > 1))${COMP_WORDS[1]} in
+@SUBCOMMANDS@
+    *)
+        case $option in
 @CASES@
+        esac
+        ;;
     esac
     if [[ -n $files ]]; then
         compopt -o filenames 2>/dev/null
@@ -186,8 +234,9 @@ complete -F _implicit_geodesic implicit-geodesic
 """
 
 
-def completion(page):
-    cases = ["        :) return ;;  # a grid in a file"]
+def completion_cases(page):
+    """Lines of a case over the option before the cursor."""
+    cases = [":) return ;;  # a grid in a file"]
     unknown = []
     for option in page.options():
         if not option.argument:
@@ -195,24 +244,50 @@ def completion(page):
         pattern = " | ".join(option.names)
         if option.choices:
             several = " several=yes" if option.argument == "LIST" else ""
-            cases.append(f"        {pattern}) values='{' '.join(option.choices)}'{several} ;;")
+            cases.append(f"{pattern}) values='{' '.join(option.choices)}'{several} ;;")
         elif endings(option):
             files = " ".join(endings(option)).replace("*", "any")
-            cases.append(f"        {pattern}) files='{files}' ;;")
+            cases.append(f"{pattern}) files='{files}' ;;")
         else:
             unknown += option.names
-    cases.append(f"        {' | '.join(unknown)}) return ;;  # numbers and names")
+    cases.append(f"{' | '.join(unknown)}) return ;;  # numbers and names")
+    return "\n".join(" " * 8 + case for case in cases)
+
+
+def completion_command(name, page):
+    """The same for a subcommand, whose words without a dash are VDB files."""
     names = " ".join(n for option in page.options() for n in option.names)
-    return COMPLETION.replace("@CASES@", "\n".join(cases)).replace("@OPTIONS@", names)
+    return f"""    1{name})
+        options='{names}'
+        case $option in
+{completion_cases(page)}
+        esac
+        if [[ -z $values && $current != -* ]]; then
+            files=${{files:-vdb}}
+        fi
+        ;;"""
+
+
+def completion(page, commands):
+    parts = {"@CASES@": completion_cases(page),
+             "@OPTIONS@": " ".join(n for option in page.options() for n in option.names),
+             "@COMMANDS@": " ".join(commands),
+             "@SUBCOMMANDS@": "\n".join(completion_command(*c) for c in commands.items())}
+    text = COMPLETION
+    for mark, part in parts.items():
+        text = text.replace(mark, part)
+    return text
 
 
 def main(program, folder):
-    def says(option):
-        return subprocess.run([program, option], check=True, capture_output=True, text=True).stdout
+    def says(*words):
+        return subprocess.run([program, *words], check=True, capture_output=True, text=True).stdout
 
     page = parse_help(says("--help"))
-    for file, text in ((f"man/man1/{NAME}.1", man_page(page, says("--version").strip())),
-                       (f"bash-completion/completions/{NAME}", completion(page))):
+    commands = {name: parse_help(says(name, "--help")) for name, _ in page.commands}
+    version = says("--version").strip()
+    for file, text in ((f"man/man1/{NAME}.1", man_page(page, commands, version)),
+                       (f"bash-completion/completions/{NAME}", completion(page, commands))):
         path = pathlib.Path(folder) / file
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")

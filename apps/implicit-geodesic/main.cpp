@@ -5,6 +5,7 @@
 #include <new>
 
 #include "console.h"
+#include "info.h"
 #include "options.h"
 #include "run.h"
 
@@ -46,7 +47,7 @@ int main(int argc, char** argv) {
                                       : Console::Level::Normal);
     ConsoleProgress progress(options.progress);
     try {
-        return run(options, console, progress);
+        return options.info ? info(options, console, progress) : run(options, console, progress);
     } catch (const igeo::Error& e) {
         progress.clear();
         Console::error(e.what(), e.remedy());

@@ -22,6 +22,15 @@ Examples:
   implicit-geodesic --sdf data/torus.vdb --seeds data/torus_seeds.csv --max-distance 0.2 -o near.vdb --json -
       distances up to 0.2 from the nearest of several seeds; the report goes to stdout)";
 
+const char* const kInfoExamples = R"(
+Exit codes: 0 usable, 1 failed, 2 wrong usage, 3 not usable, 130 interrupted.
+
+Examples:
+  implicit-geodesic info data/torus.vdb
+      whether the torus will do
+  implicit-geodesic info data/box.vdb --problems doubtful.vdb
+      where results on a box are doubtful: along its edges)";
+
 /// CLI11's own checks let "nan" pass.
 CLI::Validator number(bool mayBeZero) {
     const char* wanted = mayBeZero ? " is no number of at least 0" : " is no number above 0";
@@ -32,6 +41,57 @@ CLI::Validator number(bool mayBeZero) {
         return good && (v > 0 || (mayBeZero && v == 0)) ? std::string() : text + wanted;
     };
     return {check, ""};
+}
+
+void addRunOptions(CLI::App& app, Options& o) {
+    app.add_option("--threads", o.threads, "Threads; 0 uses all cores [0]")
+        ->type_name("N")
+        ->check(CLI::Range(0, 4096))
+        ->group("Run");
+    app.add_option("--progress", o.progress,
+                   "Progress on stderr: auto (if it is a terminal), always, never [auto]")
+        ->type_name("WHEN")
+        ->check(CLI::IsMember({"auto", "always", "never"}))
+        ->group("Run");
+    app.add_flag("-q,--quiet", o.quiet, "Print errors only")->group("Run");
+    app.add_flag("-v,--verbose", o.verbose, "Print what was found and how long it took")
+        ->group("Run");
+}
+
+void addHelp(CLI::App& app) {
+    app.get_formatter()->column_width(28);
+    // Last, so that the help begins with what the program is for.
+    app.set_help_flag("-h,--help", "Print this help")->group("Run");
+}
+
+/// The subcommand `info`.
+void addInfo(CLI::App& app, Options& o) {
+    CLI::App* info = app.add_subcommand(
+        "info",
+        "What a file holds, whether it will do as a surface, and what a run on it would take");
+    info->add_option("FILE", o.sdf, "The file, and a grid of it, as for --sdf")
+        ->type_name("[:GRID]")
+        ->required();
+    info->add_flag("--json", o.infoJson, "Print JSON (docs/info.schema.json)")->group("Results");
+    info->add_option("--problems", o.problems,
+                     "Where results are doubtful, as a grid: 1 where a bound is just met, larger "
+                     "is worse")
+        ->type_name("FILE.vdb")
+        ->group("Results");
+    addRunOptions(*info, o);
+    addHelp(*info);
+    info->footer(kInfoExamples);
+    // The main job asks for --sdf; nothing of it goes with the subcommand.
+    info->preparse_callback([&app](std::size_t) {
+        for (CLI::Option* option : app.get_options()) {
+            if (option->count() > 0)
+                throw CLI::ExcludesError(
+                    "info goes before all options, and " + option->get_name() + " stands before it",
+                    CLI::ExitCodes::ExcludesError);
+            option->required(false);
+        }
+    });
+    info->callback([&o] { o.info = true; });
 }
 
 void addOptions(CLI::App& app, Options& o) {
@@ -310,24 +370,12 @@ void addOptions(CLI::App& app, Options& o) {
                    "Report: parameters, counts, snap distances, timings; - writes to stdout")
         ->type_name("FILE")
         ->group(results);
-
-    app.add_option("--threads", o.threads, "Threads; 0 uses all cores [0]")
-        ->type_name("N")
-        ->check(CLI::Range(0, 4096))
-        ->group("Run");
     app.add_option("--memory-limit", o.memoryLimit,
                    "Refuse what needs more memory, before it is taken, GiB [what the machine has]")
         ->type_name("G")
         ->check(number(/*mayBeZero=*/false))
         ->group("Run");
-    app.add_option("--progress", o.progress,
-                   "Progress on stderr: auto (if it is a terminal), always, never [auto]")
-        ->type_name("WHEN")
-        ->check(CLI::IsMember({"auto", "always", "never"}))
-        ->group("Run");
-    app.add_flag("-q,--quiet", o.quiet, "Print errors only")->group("Run");
-    app.add_flag("-v,--verbose", o.verbose, "Print what was found and how long it took")
-        ->group("Run");
+    addRunOptions(app, o);
 }
 
 /// OpenVDB's tools spell their options with one dash: -help and -version work here as well.
@@ -346,11 +394,10 @@ ParseResult parseOptions(int argc, char** argv, Options& options) {
         "How far is it, and which way, along a surface: a signed-distance volume, a mesh or points.\n"
         "Lengths are in world units of the surface; defaults are in brackets.",
         "implicit-geodesic"};
-    app.get_formatter()->column_width(28);
     app.footer(kExamples);
     addOptions(app, options);
-    // Last, so that the help begins with what the program is for.
-    app.set_help_flag("-h,--help", "Print this help")->group("Run");
+    addInfo(app, options);
+    addHelp(app);
     app.set_version_flag("--version", std::string("implicit-geodesic ") + igeo::kVersion)
         ->group("Run");
     try {

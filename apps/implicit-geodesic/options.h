@@ -17,6 +17,10 @@ struct Options {
         return !sdf.empty() ? sdf : !mesh.empty() ? mesh : points;
     }
 
+    bool info = false;      ///< the subcommand: nothing below counts but the next two, and the last
+    bool infoJson = false;  ///< its report as JSON
+    std::string problems;   ///< its volume of doubtful places; empty: none
+
     double band = 0;        ///< world units; 0: default
     double bandVoxels = 0;  ///< voxels; 0: default
 

@@ -35,6 +35,7 @@ std::vector<Output> outputsOf(const Options& o) {
                                                     {"--isolines", o.isolines, ".json .obj .ply"},
                                                     {"--matrix", o.matrix, ".csv .json .npy"},
                                                     {"--pairs-out", o.pairsOut, ".csv .json"},
+                                                    {"--problems", o.problems, ".vdb"},
                                                     {"--image", o.image, ".png"}})
         if (!output.file.empty()) all.push_back(output);
     return all;

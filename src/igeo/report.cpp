@@ -1,5 +1,6 @@
 #include <igeo/report.h>
 
+#include <igeo/survey.h>
 #include <igeo/version.h>
 
 #include <cstdio>
@@ -234,6 +235,96 @@ std::string matrixJson(const RunReport& r, const Band& band, const DistanceMatri
     }
     j["asymmetry"] = m.asymmetry;
     return dump(j, -1);
+}
+
+namespace {
+
+template <typename T>
+json valueOrNull(const std::optional<T>& v) {
+    return v ? json(*v) : json(nullptr);
+}
+
+json gridJson(const GridEntry& g) {
+    return {{"name", g.name},        {"type", g.type},
+            {"class", g.gridClass},  {"activeVoxels", valueOrNull(g.activeVoxels)},
+            {"surface", g.surface},  {"weight", g.weight},
+            {"obstacle", g.obstacle}};
+}
+
+json boxJson(const Vec3d& low, const Vec3d& high) { return {triple(low), triple(high)}; }
+
+/// What a grid shows, as far as it was looked at.
+json levelSetJson(const FileSurvey& file) {
+    const LevelSet& s = file.levelSet;
+    const Similarity& t = s.transform;
+    json j = {{"grid", s.name}};
+    if (!(t.dx > 0)) return j;
+    j["voxelSize"] = t.dx;
+    j["axes"] = {triple(t.axis[0]), triple(t.axis[1]), triple(t.axis[2])};
+    j["origin"] = triple(t.origin);
+    if (s.stats.activeVoxels == 0) return j;
+    j["box"] = boxJson(file.low, file.high);
+    j["activeVoxels"] = s.stats.activeVoxels;
+    j["badVoxels"] = s.stats.badVoxels;
+    j["halfWidthVoxels"] = s.stats.halfWidth;
+    if (s.stats.nearSurface == 0) return j;
+    j["gradient"] = {{"median", s.stats.gradientMedian}, {"goodShare", s.stats.gradientShare}};
+    j["cutVoxels"] = s.stats.cutVoxels;
+    return j;
+}
+
+json pieceJson(const SurfacePiece& p, double dx) {
+    return {{"area", p.area * dx * dx},
+            {"box", boxJson(p.low, p.high)},
+            {"rims", valueOrNull(p.rims)},
+            {"genus", valueOrNull(p.genus)}};
+}
+
+json surfaceJson(const FileSurvey& file) {
+    const SurfaceSurvey& s = *file.surface;
+    const LevelSetStats& stats = file.levelSet.stats;
+    const double dx = file.levelSet.transform.dx;
+    const auto doubts = [&](Doubt kind) { return s.doubts[std::size_t(kind)]; };
+    json j = {{"area", s.area * dx * dx}, {"pieces", json::array()}};
+    for (const SurfacePiece& p : s.pieces) j["pieces"].push_back(pieceJson(p, dx));
+    j["curvature"] = {{"largest", s.largestCurvature / dx},
+                      {"percentile95", stats.largestCurvature / dx}};
+    j["reach"] = stats.reach < stats.halfWidth ? json(stats.reach * dx) : json(nullptr);
+    j["facingShare"] = s.facingShare;
+    j["band"] = {{"boundsVoxels", {s.bounds.lower, s.bounds.upper}},
+                 {"upperBoundFrom", s.bounds.why},
+                 {"resolved", s.bounds.resolved},
+                 {"resolvingVoxelSize", finiteOrNull(s.resolvingSize * dx)},
+                 {"jetVoxels", s.bounds.lower},
+                 {"godunovVoxels", s.godunovBand},
+                 {"nodes", file.band.size()}};
+    j["doubtful"] = {{"nodes", s.doubtful},
+                     {"share", double(s.doubtful) / double(file.band.size())},
+                     {"bend", doubts(Doubt::Bend)},
+                     {"facing", doubts(Doubt::Facing)},
+                     {"gradient", doubts(Doubt::Rough)},
+                     {"cut", doubts(Doubt::Cut)}};
+    j["estimate"] = {{"bytes", s.bytes}, {"secondsOnOneCore", s.seconds}};
+    return j;
+}
+
+}  // namespace
+
+std::string surveyJson(const FileSurvey& file) {
+    json j = header("info");
+    j["file"] = file.file;
+    j["grids"] = json::array();
+    for (const GridEntry& g : file.grids) j["grids"].push_back(gridJson(g));
+    j["levelSet"] = file.levelSet.psi ? levelSetJson(file) : json(nullptr);
+    j["surface"] = file.surface ? surfaceJson(file) : json(nullptr);
+    j["warnings"] = file.levelSet.warnings;
+    j["usable"] = !file.refusal;
+    j["withCare"] = file.withCare();
+    j["verdict"] = file.verdict();
+    j["refusal"] = file.refusal
+                       ? json{{"what", file.refusal->what()}, {"remedy", file.refusal->remedy()}}
+                       : json(nullptr);
+    return dump(j, 2);
 }
 
 std::string geodesicsObj(const std::vector<Path>& paths, const Band& band) {

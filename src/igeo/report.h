@@ -17,6 +17,8 @@
 
 namespace igeo {
 
+struct FileSurvey;
+
 /// What a run was asked to do, what it found and what it cost.
 struct RunReport {
     std::string file, grid;               ///< the surface
@@ -53,6 +55,9 @@ std::string reportJson(const RunReport& report, const Band& band, const Field& f
 
 /// docs/matrix.schema.json. Of the report, it takes the names of the surface.
 std::string matrixJson(const RunReport& report, const Band& band, const DistanceMatrix& matrix);
+
+/// docs/info.schema.json.
+std::string surveyJson(const FileSurvey& file);
 
 /// docs/pairs.schema.json.
 std::string pairsJson(const RunReport& report, const Band& band);

@@ -19,13 +19,21 @@ MAN = SHARE / "man/man1/implicit-geodesic.1"
 COMPLETION = SHARE / "bash-completion/completions/implicit-geodesic"
 HELP = subprocess.run([PROGRAM, "--help"], check=True, capture_output=True, text=True).stdout
 BODY, FOOTER = HELP.split("\nExit codes: ")
+INFO = subprocess.run([PROGRAM, "info", "--help"], check=True, capture_output=True, text=True).stdout
+INFO_BODY, INFO_FOOTER = INFO.split("\nExit codes: ")
 
 # {"--output": ("FILE.vdb", "Distances as a VDB file; ...")}, read in another way than make_pages.py.
-OPTIONS = {}
-for names, argument, text in re.findall(
-        r"^  (-\S+)((?: (?! )\S+)*)\s+(\S.*)$", BODY, re.MULTILINE):
-    argument = re.sub(r" REQUIRED| (Needs|Excludes): .*| \.\.\.|:\{.*|:[A-Z]+ in \[.*", "", argument)
-    OPTIONS[names.split(",")[-1]] = (argument.strip(), text)
+def options_of(body):
+    options = {}
+    for names, argument, text in re.findall(
+            r"^  (-\S+)((?: (?! )\S+)*)\s+(\S.*)$", body, re.MULTILINE):
+        argument = re.sub(r" REQUIRED| (Needs|Excludes): .*| \.\.\.|:\{.*|:[A-Z]+ in \[.*", "", argument)
+        options[names.split(",")[-1]] = (argument.strip(), text)
+    return options
+
+
+OPTIONS = options_of(BODY)
+INFO_OPTIONS = options_of(INFO_BODY)
 
 
 class Help(unittest.TestCase):
@@ -34,6 +42,8 @@ class Help(unittest.TestCase):
         self.assertEqual(OPTIONS["--sdf"][0], "FILE[:GRID]")
         self.assertEqual(OPTIONS["--scheme"][0], "NAME")
         self.assertEqual(OPTIONS["--quiet"], ("", "Print errors only"))
+        self.assertEqual(set(INFO_OPTIONS) - set(OPTIONS), {"--problems"})
+        self.assertEqual(INFO_OPTIONS["--json"][0], "")
 
 
 class ManualPage(unittest.TestCase):
@@ -47,20 +57,21 @@ class ManualPage(unittest.TestCase):
 
     def test_troff_has_nothing_to_say_against_it(self):
         text = self.rendered()
-        for title in ("NAME", "SYNOPSIS", "DESCRIPTION", "OPTIONS", "EXIT STATUS", "EXAMPLES"):
+        for title in ("NAME", "SYNOPSIS", "DESCRIPTION", "OPTIONS", "INFO", "EXIT STATUS", "EXAMPLES"):
             self.assertRegex(text, rf"(?m)^{title}$")
 
     def test_holds_the_help_word_by_word(self):
         text = " ".join(self.rendered("-rHY=0", "-rLL=1000n", "-dAD=l").split())
-        for name, (argument, meaning) in OPTIONS.items():
+        for name, (argument, meaning) in [*OPTIONS.items(), *INFO_OPTIONS.items()]:
             self.assertIn(f"{name} {argument} {meaning}." if argument else f"{name} {meaning}.", text)
-        for line in FOOTER.splitlines():
+        for line in (FOOTER + INFO_FOOTER).splitlines():
             if line.startswith("  implicit-geodesic "):
                 self.assertIn(line.strip(), text)
         for code in re.findall(r"(\d+) [a-z]", FOOTER.split("\n\n")[0]):
             self.assertRegex(text, rf"EXIT STATUS.* {code} .*ENVIRONMENT")
         # And nothing else.
-        self.assertLessEqual(set(re.findall(r"--[a-z][a-z-]*", text)), set(OPTIONS))
+        self.assertLessEqual(set(re.findall(r"--[a-z][a-z-]*", text)),
+                             set(OPTIONS) | set(INFO_OPTIONS))
 
 
 class OptionsPage(unittest.TestCase):
@@ -68,19 +79,30 @@ class OptionsPage(unittest.TestCase):
     maxDiff = None
 
     def setUp(self):
-        self.rows = {}
-        for line in (ROOT / "docs/cli.md").read_text(encoding="utf-8").splitlines():
+        page = (ROOT / "docs/cli.md").read_text(encoding="utf-8")
+        main, _, info = page.partition("\n## info\n")
+        self.rows = self.rows_of(main)
+        self.info_rows = self.rows_of(info.partition("\n## ")[0])
+
+    def rows_of(self, text):
+        rows = {}
+        for line in text.splitlines():
             if not line.startswith("| `-"):
                 continue
             cells = [cell.replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
             for names in re.findall(r"`(-[^`]*)`", cells[0]):
                 name, _, argument = names.partition(" ")
                 if name.startswith("--"):
-                    self.rows[name] = (argument, cells[2])
+                    rows[name] = (argument, cells[2])
+        return rows
 
     def test_options_and_arguments(self):
         self.assertEqual({name: argument for name, (argument, _) in self.rows.items()},
                          {name: argument for name, (argument, _) in OPTIONS.items()})
+        # What works as in the main job has no row of its own.
+        self.assertEqual({name: argument for name, (argument, _) in self.info_rows.items()},
+                         {name: argument for name, (argument, text) in INFO_OPTIONS.items()
+                          if OPTIONS.get(name) != (argument, text)})
 
     def test_defaults(self):
         checked = 0
@@ -133,6 +155,15 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.after("--paths", "m"), ["model.obj", "models"])
         self.assertEqual(self.after("--image", ""), ["models"])
         self.assertIn("notes.txt", self.after("--json", ""))
+
+    def test_subcommand(self):
+        self.assertEqual(self.after("in"), ["info"])
+        self.assertEqual(self.after("--straighten", "in"), [])
+        self.assertEqual(self.after("info", ""), ["a.vdb", "b c.vdb", "models"])
+        self.assertEqual(self.after("info", "a.vdb", "--p"), ["--problems", "--progress"])
+        self.assertEqual(self.after("info", "--problems", "a"), ["a.vdb"])
+        self.assertEqual(self.after("info", "--json", "b"), ["b c.vdb"])
+        self.assertEqual(self.after("info", "--progress", "n"), ["never"])
 
     def test_values(self):
         self.assertEqual(self.after("--scheme", ""), ["godunov", "jet"])

@@ -1,0 +1,174 @@
+#include "info.h"
+
+#include <igeo/field_grids.h>
+#include <igeo/report.h>
+#include <igeo/survey.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+
+#include "output_files.h"
+#include "run.h"
+#include "text.h"
+#include "usage_error.h"
+
+using igeo::FileSurvey;
+using igeo::SurfacePiece;
+using igeo::Vec3d;
+
+namespace {
+
+std::string count(std::uint64_t n, const char* one) {
+    return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
+}
+
+std::string percent(double share) { return text("%.2g %%", 100 * share); }
+
+std::string place(const Vec3d& p) { return text("%.6g,%.6g,%.6g", p.x, p.y, p.z); }
+
+/// A length given in voxels.
+std::string lengthOf(double voxels, double dx) {
+    return text("%.4g voxels (%.4g)", voxels, voxels * dx);
+}
+
+std::string radiusOf(double curvature, double dx) {
+    return curvature > 1e-6 ? lengthOf(1 / curvature, dx) : "without bound";
+}
+
+std::string describe(const igeo::GridEntry& grid, bool chosen) {
+    std::string line = grid.name + ": " + grid.type + ", " + grid.gridClass;
+    if (grid.activeVoxels) line += ", " + count(*grid.activeVoxels, "active voxel");
+    std::string uses;
+    for (const auto& [can, option] : {std::pair(grid.surface, "--sdf"),
+                                      {grid.weight, "--weight"},
+                                      {grid.obstacle, "--obstacle"}})
+        if (can) uses += (uses.empty() ? "" : " ") + std::string(option);
+    line += uses.empty() ? "; of no use here" : "; for " + uses;
+    return line + (chosen ? " (chosen)" : "");
+}
+
+/// How index axes lie in the world.
+std::string describe(const igeo::Similarity& t) {
+    const double sign = t.mirrors() ? -1 : 1;
+    const double trace = sign * (t.axis[0].x + t.axis[1].y + t.axis[2].z);
+    const double degrees = std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / M_PI;
+    std::string words = "uniform scale";
+    if (t.mirrors()) words += ", reflected";
+    // acos near 1: rounding of 1e-12 in the trace is 1e-4 degrees.
+    if (degrees > 1e-3) words += text(", rotated by %.4g degrees", degrees);
+    return words + text(", voxel size dx %.6g", t.dx);
+}
+
+std::string describe(const SurfacePiece& p, double dx) {
+    const Vec3d size = p.high - p.low;
+    std::string line = text("area %.6g, box %.4g", p.area * dx * dx, size.x) +
+                       text(" x %.4g x %.4g", size.y, size.z);
+    if (!p.genus) return line + ", cut off from a larger piece between sheets that face each other";
+    line += *p.rims == 0 ? ", closed" : ", cut along " + count(std::uint64_t(*p.rims), "rim");
+    return line + ", genus " + std::to_string(*p.genus);
+}
+
+/// Lines "name  text", names padded.
+class Table {
+public:
+    void row(const std::string& name, const std::string& text) {
+        std::cout << name << std::string(name.size() < kWidth ? kWidth - name.size() : 1, ' ')
+                  << text << "\n";
+    }
+
+private:
+    static constexpr std::size_t kWidth = 12;
+};
+
+void printPieces(Table& table, const igeo::SurfaceSurvey& s, double dx) {
+    constexpr std::size_t kMost = 8;
+    if (s.pieces.size() == 1) return table.row("1 piece", describe(s.pieces[0], dx));
+    table.row(std::to_string(s.pieces.size()) + " pieces", text("area %.6g", s.area * dx * dx));
+    for (std::size_t k = 0; k < std::min(s.pieces.size(), kMost); ++k)
+        table.row("", describe(s.pieces[k], dx));
+    if (s.pieces.size() > kMost)
+        table.row("", "and " + count(s.pieces.size() - kMost, "smaller piece"));
+}
+
+void printSurface(Table& table, const FileSurvey& file) {
+    const igeo::SurfaceSurvey& s = *file.surface;
+    const igeo::LevelSetStats& stats = file.levelSet.stats;
+    const double dx = file.levelSet.transform.dx, n = double(file.band.size());
+    printPieces(table, s, dx);
+    table.row("curvature", "radius at least " + radiusOf(stats.largestCurvature, dx) +
+                               " on 95 % of the surface, " + radiusOf(s.largestCurvature, dx) +
+                               " everywhere");
+    table.row("reach", stats.reach < stats.halfWidth
+                           ? "sheets meet within " + lengthOf(stats.reach, dx)
+                           : "no sheets meet within the half-width");
+    table.row("", percent(s.facingShare) + " of the surface has a sheet that faces it");
+    const std::string least = lengthOf(s.bounds.lower, dx);
+    table.row("band", s.bounds.resolved ? "h from " + least + " to below " +
+                                              lengthOf(s.bounds.upper, dx) + ", " + s.bounds.why
+                                        : "h = " + least + ", more than " + s.bounds.why);
+    table.row("", "by default jet takes " +
+                      text("%.4g, godunov %.4g voxels", s.bounds.lower, s.godunovBand));
+    if (!s.bounds.resolved)
+        table.row("", text("a voxel size of at most %.4g would resolve it, but for edges that are "
+                           "sharp in truth",
+                           s.resolvingSize * dx));
+    std::string why;
+    constexpr std::array<const char*, igeo::kDoubts> kWhy{"bends", "facing sheets", "|grad psi|",
+                                                          "cuts"};
+    for (std::size_t k = 0; k < igeo::kDoubts; ++k)
+        if (s.doubts[k] > 0)
+            why += (why.empty() ? ": " : ", ") + std::string(kWhy[k]) + " " +
+                   std::to_string(s.doubts[k]);
+    table.row("doubtful", text("%.0f of %.0f band voxels (", double(s.doubtful), n) +
+                              percent(double(s.doubtful) / n) + ")" + why);
+    table.row("a run", text("about %.3g MB and %.2g s on one core (an estimate)",
+                            double(s.bytes) / 1e6, s.seconds));
+}
+
+void print(const FileSurvey& file) {
+    const igeo::LevelSet& levelSet = file.levelSet;
+    const igeo::LevelSetStats& stats = levelSet.stats;
+    const double dx = levelSet.transform.dx;
+    Table table;
+    table.row("file", file.file);
+    for (const igeo::GridEntry& grid : file.grids)
+        table.row("grid", describe(grid, levelSet.psi && grid.name == levelSet.name));
+    if (levelSet.psi)
+        table.row("transform", dx > 0 ? describe(levelSet.transform) : "refused, see below");
+    if (stats.activeVoxels > 0) {
+        table.row("half-width", lengthOf(stats.halfWidth, dx));
+        table.row("volume", place(file.low) + " to " + place(file.high));
+    }
+    if (stats.nearSurface > 0)
+        table.row("|grad psi|", text("%.3f (median), within [0.75, 1.25] at %.1f %% of the voxels",
+                                     stats.gradientMedian, 100 * stats.gradientShare));
+    if (file.surface) printSurface(table, file);
+    for (const std::string& warning : levelSet.warnings) table.row("warning", warning);
+    std::cout << file.verdict() << std::endl;
+}
+
+}  // namespace
+
+int info(const Options& options, Console& console, ConsoleProgress& progress) {
+    const std::string& problems = options.problems;
+    if (problems == "-") usageError("--problems -: stdout is for the survey", "give a file");
+    checkOutputFiles(options);
+    const auto start = std::chrono::steady_clock::now();
+    const FileSurvey file = igeo::surveyFile(igeo::parseGridSource(options.sdf), progress);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+    const bool asked = file.surface && !problems.empty();
+    if (asked)
+        igeo::writeVdb(problems, {igeo::doubtGrid(file.band, file.surface->doubt,
+                                                  file.levelSet.psi->transform(),
+                                                  file.levelSet.psi->getName() + "_doubt")});
+    progress.clear();
+    console.detail(text("surveyed in %.3f s", seconds.count()));
+    if (options.infoJson)
+        writeDocument("-", igeo::surveyJson(file));
+    else
+        print(file);
+    if (asked) console.info(count(file.surface->doubtful, "doubtful voxel") + " in " + problems);
+    return file.refusal ? kUnusable : kDone;
+}

@@ -1,0 +1,11 @@
+/// What a file holds, whether it will do as a surface, and what a run on it would take.
+#pragma once
+
+#include "console.h"
+#include "options.h"
+
+/// Prints a survey of Options::sdf on stdout, for people or as JSON, and writes the places where
+/// results are doubtful if they are asked for.
+/// @return kDone; kUnusable where the file cannot be used, which the survey says
+/// @throws igeo::Error  for options, and where --problems cannot be written
+int info(const Options& options, Console& console, ConsoleProgress& progress);
