@@ -65,9 +65,11 @@ std::string describe(const SurfacePiece& p, double dx) {
     const Vec3d size = p.high - p.low;
     std::string line = text("area %.6g, box %.4g", p.area * dx * dx, size.x) +
                        text(" x %.4g x %.4g", size.y, size.z);
-    if (!p.genus) return line + ", cut off from a larger piece between sheets that face each other";
-    line += *p.rims == 0 ? ", closed" : ", cut along " + count(std::uint64_t(*p.rims), "rim");
-    return line + ", genus " + std::to_string(*p.genus);
+    if (p.parts == 0) return line + ", cut off from a larger piece by sheets that face each other";
+    line += p.rims == 0 ? ", closed" : ", cut along " + count(std::uint64_t(p.rims), "rim");
+    line += ", genus " + std::to_string(p.genus);
+    if (p.parts > 1) line += ", of " + std::to_string(p.parts) + " parts that nearly touch";
+    return line;
 }
 
 /// Lines "name  text", names padded.

@@ -239,15 +239,13 @@ std::string matrixJson(const RunReport& r, const Band& band, const DistanceMatri
 
 namespace {
 
-template <typename T>
-json valueOrNull(const std::optional<T>& v) {
-    return v ? json(*v) : json(nullptr);
-}
-
 json gridJson(const GridEntry& g) {
-    return {{"name", g.name},        {"type", g.type},
-            {"class", g.gridClass},  {"activeVoxels", valueOrNull(g.activeVoxels)},
-            {"surface", g.surface},  {"weight", g.weight},
+    return {{"name", g.name},
+            {"type", g.type},
+            {"class", g.gridClass},
+            {"activeVoxels", g.activeVoxels ? json(*g.activeVoxels) : json(nullptr)},
+            {"surface", g.surface},
+            {"weight", g.weight},
             {"obstacle", g.obstacle}};
 }
 
@@ -276,8 +274,9 @@ json levelSetJson(const FileSurvey& file) {
 json pieceJson(const SurfacePiece& p, double dx) {
     return {{"area", p.area * dx * dx},
             {"box", boxJson(p.low, p.high)},
-            {"rims", valueOrNull(p.rims)},
-            {"genus", valueOrNull(p.genus)}};
+            {"parts", p.parts},
+            {"rims", p.rims},
+            {"genus", p.genus}};
 }
 
 json surfaceJson(const FileSurvey& file) {

@@ -241,8 +241,9 @@ void findPieces(const LevelSet& levelSet, const Band& band, const std::vector<No
         if (most->first == kNoNode) continue;
         SurfacePiece& p = found[most->first];
         // A manifold without the rims filled has 2 - 2 genus - rims.
-        p.genus = p.genus.value_or(0) + (2 - part.euler - part.rims) / 2;
-        p.rims = p.rims.value_or(0) + part.rims;
+        p.genus += (2 - part.euler - part.rims) / 2;
+        p.rims += part.rims;
+        ++p.parts;
     }
     for (std::size_t c = 0; c < nodes.size(); ++c) {
         const auto p = found.find(piece[c]);
@@ -325,8 +326,8 @@ std::string FileSurvey::verdict() const {
     const std::vector<SurfacePiece>& pieces = surface->pieces;
     int rims = 0, genus = 0;
     for (const SurfacePiece& p : pieces) {
-        rims += p.rims.value_or(0);
-        genus += p.genus.value_or(0);
+        rims += p.rims;
+        genus += p.genus;
     }
     std::string line = withCare() ? "usable with care: " : "usable: ";
     line += rims == 0 ? "closed surface, " : "surface with a rim, ";

@@ -20,10 +20,13 @@ namespace igeo {
 struct SurfacePiece {
     double area = 0;                                          ///< square voxels
     Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;  ///< box of its foot points, world
-    /// Of its mesh: closed lines at which it ends (0: closed), and handles (0: sphere, 1: torus),
-    /// counted as if those lines were filled. None where its mesh goes on in a larger piece, as
-    /// where the band is cut between sheets that the mesh joins.
-    std::optional<int> rims, genus;
+    /// Connected parts of its mesh: several where surfaces come so close that a front passes from
+    /// one to the next, none where its mesh is a part of a larger piece's (the band is cut between
+    /// sheets that the mesh joins).
+    int parts = 0;
+    /// Of these together: closed lines at which it ends (0: closed), and handles (0: sphere, 1:
+    /// torus), counted as if those lines were filled.
+    int rims = 0, genus = 0;
 };
 
 /// Why results near a voxel are doubtful.

@@ -93,6 +93,44 @@ TEST_CASE("survey: handles, pieces, and a placement that does not matter") {
     CHECK(two.survey.pieces[1].high[0] == Approx(-0.3).margin(0.01));
 }
 
+TEST_CASE("survey: spheres that nearly touch are two pieces, and doubtful where they do") {
+    // A fifth of a voxel apart.
+    const Surveyed s = surveyed(twoSpheres({-0.505, 0, 0}, 0.5, {0.505, 0, 0}, 0.5), 0.05);
+    REQUIRE(s.survey.pieces.size() == 2);
+    for (const SurfacePiece& p : s.survey.pieces) {
+        CHECK(p.parts == 1);
+        CHECK(p.genus == 0);
+        CHECK(p.rims == 0);
+    }
+    CHECK(s.area() == Approx(2 * M_PI).epsilon(1.5 / 100));
+    CHECK(s.count(Doubt::Facing) > 0);
+    for (NodeIndex i = 0; i < s.band.size(); ++i) {
+        // Sheets less than 2 sqrt(3) voxels apart: r (1 - cos) on either side is half of it less a
+        // tenth, so sin^2 < 2 (sqrt(3) - 0.1) / 10 and y^2 + z^2 < (0.29)^2; and a voxel for nodes
+        // that take it over.
+        const openvdb::Vec3d p = worldOf(s.band, s.band.footPoint(i));
+        if (s.survey.doubt[i] > 0 && std::hypot(p.y(), p.z()) > 0.29 + 0.05)
+            FAIL_CHECK("a doubt at " << p.str());
+    }
+}
+
+TEST_CASE("survey: faces side by side are one piece of two parts") {
+    // A gap of a voxel, its middle on a lattice plane: psi is positive there, so that the mesh
+    // knows two boxes, but no grid keeps a front on their upper faces from passing to the next.
+    const double dx = 0.05;
+    const Shape left = box({-0.525, 0.013, 0.017}, {0.5, 0.4, 0.3}),
+                right = box({0.525, 0.013, 0.017}, {0.5, 0.4, 0.3});
+    Shape both = left;
+    both.bounds.expand(right.bounds);
+    both.sdf = [=](const openvdb::Vec3d& p) { return std::min(left.sdf(p), right.sdf(p)); };
+    const Surveyed s = surveyed(both, dx);
+    REQUIRE(s.survey.pieces.size() == 1);
+    CHECK(s.survey.pieces[0].parts == 2);
+    CHECK(s.survey.pieces[0].genus == 0);
+    CHECK(s.survey.pieces[0].rims == 0);
+    CHECK(s.survey.pieces[0].high[0] - s.survey.pieces[0].low[0] == Approx(2.05).margin(dx));
+}
+
 TEST_CASE("survey: a plane patch has one rim, and is doubtful along it only") {
     const double dx = 0.05, size = 2;
     const openvdb::Vec3d n = openvdb::Vec3d(1, 1, 2).unit();
