@@ -125,7 +125,7 @@ void printSurface(Table& table, const FileSurvey& file) {
                    std::to_string(s.doubts[k]);
     table.row("doubtful", text("%.0f of %.0f band voxels (", double(s.doubtful), n) +
                               percent(double(s.doubtful) / n) + ")" + why);
-    table.row("a run", text("about %.3g MB and %.2g s on one core (an estimate)",
+    table.row("a run", text("about %.3g MB for level set, band and march, %.2g s on one core",
                             double(s.bytes) / 1e6, s.seconds));
 }
 
