@@ -391,7 +391,8 @@ std::vector<std::string> argumentsOf(int argc, char** argv) {
 
 ParseResult parseOptions(int argc, char** argv, Options& options) {
     CLI::App app{
-        "How far is it, and which way, along a surface: a signed-distance volume, a mesh or points.\n"
+        "How far is it, and which way, along a surface: a signed-distance volume, a mesh or "
+        "points.\n"
         "Lengths are in world units of the surface; defaults are in brackets.",
         "implicit-geodesic"};
     app.footer(kExamples);
