@@ -11,7 +11,7 @@ types error parallel progress steps version
 eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density
 tangent_frame orient_normals
 band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
-vdb_io level_set rebuild leaf_block band_width index_map point_cloud ply_points vdb_points
+vdb_io level_set rebuild leaf_block band_width index_map point_cloud vdb_points
 level_set_band surface_point point_surface point_band seeds grid_sampling obstacles mesh_level_set mesh_band
 field
 godunov jet jet_core jet_extend jet_stencil

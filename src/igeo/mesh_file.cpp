@@ -13,6 +13,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <utility>
 
 namespace igeo {
@@ -144,10 +145,10 @@ void readScene(TriangleMesh& mesh) {
     appendNode(*scene, *scene->mRootNode, {}, mesh);
 }
 
-/// Assimp's reader runs beyond the end of files that are cut off.
 void readPly(TriangleMesh& mesh) {
     std::ifstream in(mesh.file, std::ios::binary);
-    PlyFaces ply = readPlyFaces(in, mesh.file);
+    const std::string bytes(std::istreambuf_iterator<char>(in), {});
+    Ply ply = readPlyFaces(mesh.file, bytes);
     requireRoom(ply.points.size(), mesh.file);
     mesh.points = std::move(ply.points);
     for (const std::vector<std::uint32_t>& face : ply.faces) appendPolygon(face, mesh);

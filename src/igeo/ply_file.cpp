@@ -3,191 +3,267 @@
 #include <igeo/error.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <cstring>
+#include <iomanip>
 #include <sstream>
 
 namespace igeo {
 
 namespace {
 
-enum class Format { Ascii, Little, Big };
-enum class Type { None, Int8, Uint8, Int16, Uint16, Int32, Uint32, Float, Double };
+enum class Format { None, Text, Little, Big };
+enum class Type { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float, Double };
+
+std::size_t sizeOf(Type type) {
+    constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
+    return kSizes[std::size_t(type)];
+}
 
 struct Property {
     std::string name;
-    Type count = Type::None;  ///< of a list: type of its length
-    Type type = Type::None;
+    Type type;
+    bool isList = false;
+    Type countType = Type::Uint8;
 };
+
 struct Element {
     std::string name;
     std::size_t count = 0;
     std::vector<Property> properties;
+
+    /// The column of a property; their number where there is none.
+    std::size_t column(const std::string& property, bool isList) const {
+        std::size_t p = 0;
+        while (p < properties.size() &&
+               (properties[p].name != property || properties[p].isList != isList))
+            ++p;
+        return p;
+    }
 };
 
-Type typeOf(const std::string& word) {
-    static const std::vector<std::pair<const char*, Type>> kTypes{
-        {"char", Type::Int8},     {"int8", Type::Int8},     {"uchar", Type::Uint8},
-        {"uint8", Type::Uint8},   {"short", Type::Int16},   {"int16", Type::Int16},
-        {"ushort", Type::Uint16}, {"uint16", Type::Uint16}, {"int", Type::Int32},
-        {"int32", Type::Int32},   {"uint", Type::Uint32},   {"uint32", Type::Uint32},
-        {"float", Type::Float},   {"float32", Type::Float}, {"double", Type::Double},
-        {"float64", Type::Double}};
-    for (const auto& [name, type] : kTypes)
-        if (word == name) return type;
-    return Type::None;
+std::string text(double value) {
+    std::ostringstream out;
+    out << std::setprecision(10) << value;
+    return out.str();
 }
+
+/// Per property its numbers: one, or those of a list.
+using Row = std::vector<std::vector<double>>;
 
 class Reader {
 public:
-    Reader(std::istream& in, const std::string& file) : in_(in), file_(file) { readHeader(); }
+    Reader(const std::string& file, const std::string& bytes) : file_(file), bytes_(bytes) {
+        readHeader();
+    }
 
-    PlyFaces read() {
-        PlyFaces ply;
-        for (const Element& e : elements_) {
-            const bool points = e.name == "vertex", faces = e.name == "face";
-            for (std::size_t k = 0; k < e.count; ++k) {
-                Vec3d p;
-                for (const Property& property : e.properties) {
-                    if (property.count != Type::None) {
-                        readList(property, faces && (property.name == "vertex_indices" ||
-                                                     property.name == "vertex_index")
-                                               ? &ply.faces
-                                               : nullptr);
-                        continue;
-                    }
-                    const double value = number(property.type);
-                    if (property.name.size() == 1 && property.name[0] >= 'x' &&
-                        property.name[0] <= 'z')
-                        p[property.name[0] - 'x'] = value;
-                }
-                if (points) ply.points.push_back(p);
-            }
-        }
-        for (const auto& face : ply.faces)
-            for (const std::uint32_t v : face)
-                if (v >= ply.points.size())
-                    fail("a face names point " + std::to_string(v) + " of " +
-                         std::to_string(ply.points.size()));
+    Ply read(bool withFaces) {
+        const auto vertex = std::find_if(elements_.begin(), elements_.end(),
+                                         [](const Element& e) { return e.name == "vertex"; });
+        if (vertex == elements_.end()) fail("there is no element 'vertex'");
+        Ply ply;
+        for (const Element& e : elements_)
+            if (e.name == "vertex")
+                readVertices(e, ply);
+            else if (e.name == "face" && withFaces)
+                readFaces(e, vertex->count, ply);
+            else
+                forRows(e, [](const Row&) {});
         return ply;
     }
 
 private:
     [[noreturn]] void fail(const std::string& what) const {
-        throw Error(Error::Kind::BadInput, "cannot read '" + file_ + "' as PLY: " + what,
-                    "the file is cut off or broken: write it again");
+        throw Error(Error::Kind::BadInput, file_ + ", byte " + std::to_string(at_) + ": " + what,
+                    "the file is cut off or broken: export it again, as text or binary PLY");
+    }
+
+    std::string line() {
+        const std::size_t end = bytes_.find('\n', at_);
+        if (end == std::string::npos) fail("the header does not end");
+        std::string words = bytes_.substr(at_, end - at_);
+        if (!words.empty() && words.back() == '\r') words.pop_back();
+        at_ = end + 1;
+        return words;
+    }
+
+    Type typeNamed(const std::string& name) const {
+        constexpr std::array<std::array<const char*, 2>, 8> kNames{{{"char", "int8"},
+                                                                    {"uchar", "uint8"},
+                                                                    {"short", "int16"},
+                                                                    {"ushort", "uint16"},
+                                                                    {"int", "int32"},
+                                                                    {"uint", "uint32"},
+                                                                    {"float", "float32"},
+                                                                    {"double", "float64"}}};
+        for (std::size_t t = 0; t < kNames.size(); ++t)
+            if (name == kNames[t][0] || name == kNames[t][1]) return Type(t);
+        fail("'" + name + "' is no type of number");
     }
 
     void readHeader() {
-        std::string line;
-        auto next = [&] {
-            if (!std::getline(in_, line)) fail("the header does not end");
-            if (!line.empty() && line.back() == '\r') line.pop_back();
-        };
-        next();
-        if (line != "ply") fail("it does not begin with 'ply'");
-        for (next(); line != "end_header"; next()) {
-            std::istringstream words(line);
-            std::string word, name, type, count;
-            words >> word;
-            if (word == "format") {
-                words >> name;
-                if (name == "ascii")
-                    format_ = Format::Ascii;
-                else if (name == "binary_little_endian")
+        if (line() != "ply") fail("this is not a PLY file, which begins with 'ply'");
+        for (;;) {
+            std::istringstream words(line());
+            std::string key, first;
+            words >> key;
+            if (key == "end_header") break;
+            if (key.empty() || key == "comment" || key == "obj_info") continue;
+            words >> first;
+            if (key == "format") {
+                if (first == "ascii")
+                    format_ = Format::Text;
+                else if (first == "binary_little_endian")
                     format_ = Format::Little;
-                else if (name == "binary_big_endian")
+                else if (first == "binary_big_endian")
                     format_ = Format::Big;
                 else
-                    fail("format '" + name + "'");
-            } else if (word == "element") {
-                Element e;
-                if (!(words >> e.name >> e.count)) fail("'" + line + "'");
-                elements_.push_back(e);
-            } else if (word == "property") {
-                Property p;
-                words >> type;
-                if (type == "list") {
-                    words >> count >> type;
-                    p.count = typeOf(count);
-                    if (p.count == Type::None) fail("'" + line + "'");
+                    fail("the format '" + first + "' is unknown");
+            } else if (key == "element") {
+                long long count = -1;
+                if (!(words >> count) || count < 0)
+                    fail("the element '" + first + "' has no count");
+                for (const Element& e : elements_)
+                    if (e.name == first) fail("the element '" + first + "' is there twice");
+                elements_.push_back({first, std::size_t(count), {}});
+            } else if (key == "property" && !elements_.empty()) {
+                Property property;
+                property.isList = first == "list";
+                if (property.isList) {
+                    words >> first;
+                    property.countType = typeNamed(first);
+                    words >> first;
                 }
-                p.type = typeOf(type);
-                if (p.type == Type::None || !(words >> p.name) || elements_.empty())
-                    fail("'" + line + "'");
-                elements_.back().properties.push_back(p);
+                property.type = typeNamed(first);
+                if (!(words >> property.name)) fail("a property has no name");
+                elements_.back().properties.push_back(property);
+            } else {
+                fail("'" + key + "' does not belong into a header");
             }
         }
+        if (format_ == Format::None) fail("the header names no format");
     }
 
-    void readList(const Property& property, std::vector<std::vector<std::uint32_t>>* faces) {
-        const double count = number(property.count);
-        constexpr double kMost = 1e6;
-        if (!(count >= 0 && count <= kMost)) fail("a list of " + std::to_string(count));
-        std::vector<std::uint32_t> corners;
-        for (std::size_t k = 0; k < std::size_t(count); ++k) {
-            const double v = number(property.type);
-            if (!faces) continue;
-            if (!(v >= 0 && v < 4294967295.0)) fail("a face names point " + std::to_string(v));
-            corners.push_back(std::uint32_t(v));
-        }
-        if (faces) faces->push_back(std::move(corners));
-    }
-
-    template <typename T>
-    double binary() {
-        std::array<char, sizeof(T)> bytes;
-        if (!in_.read(bytes.data(), sizeof(T))) fail("it ends too early");
-        const std::uint16_t one = 1;
-        char lowFirst;
-        std::memcpy(&lowFirst, &one, 1);
-        if ((format_ == Format::Little) != (lowFirst == 1))
-            std::reverse(bytes.begin(), bytes.end());
-        T value;
-        std::memcpy(&value, bytes.data(), sizeof(T));
-        return double(value);
-    }
+    /// Every number takes a byte at least: a count that is made up allocates nothing.
+    bool hasRoom(double numbers) const { return numbers <= double(bytes_.size() - at_); }
 
     double number(Type type) {
-        if (format_ == Format::Ascii) {
-            // strtod knows nan and inf, which streams do not.
-            std::string word;
-            if (!(in_ >> word)) fail("it ends too early");
-            char* end = nullptr;
-            const double value = std::strtod(word.c_str(), &end);
-            if (*end) fail("'" + word + "' is no number");
-            return value;
+        if (format_ == Format::Text) return textNumber();
+        const std::size_t size = sizeOf(type);
+        if (bytes_.size() - at_ < size) fail("the file ends before its last element");
+        std::uint64_t bits = 0;
+        for (std::size_t k = 0; k < size; ++k) {
+            const std::size_t byte = format_ == Format::Little ? size - 1 - k : k;
+            bits = bits << 8 | std::uint8_t(bytes_[at_ + byte]);
         }
+        at_ += size;
         switch (type) {
             case Type::Int8:
-                return binary<std::int8_t>();
-            case Type::Uint8:
-                return binary<std::uint8_t>();
+                return std::int8_t(bits);
             case Type::Int16:
-                return binary<std::int16_t>();
-            case Type::Uint16:
-                return binary<std::uint16_t>();
+                return std::int16_t(bits);
             case Type::Int32:
-                return binary<std::int32_t>();
-            case Type::Uint32:
-                return binary<std::uint32_t>();
-            case Type::Float:
-                return binary<float>();
-            case Type::Double:
-                return binary<double>();
-            case Type::None:
-                break;
+                return std::int32_t(bits);
+            case Type::Float: {
+                const auto half = std::uint32_t(bits);
+                float value;
+                std::memcpy(&value, &half, sizeof value);
+                return double(value);
+            }
+            case Type::Double: {
+                double value;
+                std::memcpy(&value, &bits, sizeof value);
+                return value;
+            }
+            default:
+                return double(bits);
         }
-        fail("a number of no type");
     }
 
-    std::istream& in_;
+    double textNumber() {
+        constexpr const char* kBlank = " \t\r\n";
+        at_ = bytes_.find_first_not_of(kBlank, at_);
+        if (at_ == std::string::npos)
+            at_ = bytes_.size(), fail("the file ends before its last element");
+        const std::size_t end = std::min(bytes_.find_first_of(kBlank, at_), bytes_.size());
+        const char* first = bytes_.data() + at_ + (bytes_[at_] == '+');
+        double value = 0;
+        const auto [stop, error] = std::from_chars(first, bytes_.data() + end, value);
+        if (error != std::errc() || stop != bytes_.data() + end)
+            fail("'" + bytes_.substr(at_, std::min<std::size_t>(end - at_, 40)) + "' is no number");
+        at_ = end;
+        return value;
+    }
+
+    template <typename Visit>
+    void forRows(const Element& element, const Visit& visit) {
+        const std::vector<Property>& properties = element.properties;
+        // Rows without a property hold nothing.
+        if (properties.empty()) return;
+        if (!hasRoom(double(element.count) * double(properties.size())))
+            fail(std::to_string(element.count) + " of '" + element.name +
+                 "' are announced, more than the file holds");
+        Row row(properties.size());
+        for (std::size_t i = 0; i < element.count; ++i) {
+            for (std::size_t p = 0; p < row.size(); ++p) {
+                double count = 1;
+                if (properties[p].isList) {
+                    count = number(properties[p].countType);
+                    if (!(count >= 0 && count == std::floor(count) && hasRoom(count)))
+                        fail("a list has " + text(count) + " entries");
+                }
+                row[p].resize(std::size_t(count));
+                for (double& value : row[p]) value = number(properties[p].type);
+            }
+            visit(row);
+        }
+    }
+
+    void readVertices(const Element& element, Ply& ply) {
+        constexpr std::array<const char*, 6> kNames{"x", "y", "z", "nx", "ny", "nz"};
+        std::array<std::size_t, 6> column;
+        for (std::size_t k = 0; k < 6; ++k) column[k] = element.column(kNames[k], false);
+        const std::size_t none = element.properties.size();
+        if (std::count(column.begin(), column.begin() + 3, none) > 0)
+            fail("vertices lack x, y or z");
+        const bool normals = std::count(column.begin() + 3, column.end(), none) == 0;
+        forRows(element, [&](const Row& row) {
+            auto at = [&](std::size_t k) { return row[column[k]][0]; };
+            ply.points.push_back({at(0), at(1), at(2)});
+            if (normals) ply.normals.push_back(Vec3f(Vec3d{at(3), at(4), at(5)}));
+        });
+    }
+
+    void readFaces(const Element& element, std::size_t points, Ply& ply) {
+        const std::size_t column =
+            std::min(element.column("vertex_indices", true), element.column("vertex_index", true));
+        const double end = std::min(double(points), 0x1p32);  // corners have 32 bits
+        forRows(element, [&](const Row& row) {
+            if (column == row.size()) return;
+            for (const double v : row[column])
+                if (!(v >= 0 && v < end && v == std::floor(v)))
+                    fail("a face names point " + text(v) + " of " + std::to_string(points));
+            ply.faces.emplace_back(row[column].begin(), row[column].end());
+        });
+    }
+
     const std::string& file_;
-    Format format_ = Format::Ascii;
+    const std::string& bytes_;
+    std::size_t at_ = 0;
+    Format format_ = Format::None;
     std::vector<Element> elements_;
 };
 
 }  // namespace
 
-PlyFaces readPlyFaces(std::istream& in, const std::string& file) { return Reader(in, file).read(); }
+Ply readPlyPoints(const std::string& file, const std::string& bytes) {
+    return Reader(file, bytes).read(false);
+}
+
+Ply readPlyFaces(const std::string& file, const std::string& bytes) {
+    return Reader(file, bytes).read(true);
+}
 
 }  // namespace igeo

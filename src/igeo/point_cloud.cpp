@@ -1,7 +1,7 @@
 #include <igeo/point_cloud.h>
 
 #include <igeo/error.h>
-#include <igeo/ply_points.h>
+#include <igeo/ply_file.h>
 #include <igeo/vdb_points.h>
 
 #include <algorithm>
@@ -136,6 +136,11 @@ PointCloud pointsFromObj(const std::string& file, const std::string& bytes) {
     // Faces say which normal belongs to which vertex; without them only the order does.
     if (cloud.normals.size() != cloud.points.size()) cloud.normals.clear();
     return cloud;
+}
+
+PointCloud pointsFromPly(const std::string& file, const std::string& bytes) {
+    Ply ply = readPlyPoints(file, bytes);
+    return {file, std::move(ply.points), std::move(ply.normals)};
 }
 
 }  // namespace

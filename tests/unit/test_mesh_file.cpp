@@ -140,6 +140,14 @@ TEST_CASE("files that are no meshes are refused", "[mesh]") {
                        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
                        "y\nproperty float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n"));
     });
+    for (const char* corner : {"3", "-1", "0.5", "nan"})
+        expectError(Kind::BadInput, {"corner.ply, byte", corner + std::string(" of 3")}, [&] {
+            readMesh(write(dir, "corner.ply",
+                           "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar float "
+                           "vertex_indices\nelement vertex 3\nproperty float x\nproperty float "
+                           "y\nproperty float z\nend_header\n3 0 1 " +
+                               std::string(corner) + "\n0 0 0\n1 0 0\n0 1 0\n"));
+        });
     expectError(Kind::BadInput, {"--points"},
                 [&] { readMesh(write(dir, "points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")); });
     expectError(Kind::BadInput, {"not finite", "nan"}, [&] {

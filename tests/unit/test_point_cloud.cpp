@@ -183,9 +183,17 @@ TEST_CASE("Broken files of points are refused with the place") {
     refused("a.ply", head + "element vertex 1\nproperty half x\n", {"'half' is no type"});
     refused("a.ply",
             head + "element vertex 99999999999\n" + xyz + "property float z\nend_header\n1 2 3\n",
-            {"99999999999 vertices are announced"});
+            {"99999999999 of 'vertex' are announced"});
     refused("a.ply", head + "element vertex 1\n" + xyz + "property float z\nend_header\n1 two 3\n",
             {"'two' is no number"});
+    refused("a.ply", good.substr(0, good.size() - 1), {"ends before"});  // within the face
+    refused("a.ply", head + "element vertex 1\nelement vertex 1\n", {"'vertex' is there twice"});
+    for (const char* count : {"-1", "1.5", "nan", "1e300"})
+        refused("a.ply",
+                head + "element vertex 1\n" + xyz +
+                    "property float z\nproperty list double int tags\nend_header\n1 2 3 " + count +
+                    " 4\n",
+                {"a list", " entries"});
     expectError(Kind::Io, {"none.ply", "No such file"}, [&] { readPointCloud(dir / "none.ply"); });
     expectError(Kind::Io, {"none.vdb"}, [&] { readPointCloud(dir / "none.vdb"); });
     std::filesystem::create_directory(dir / "folder.xyz");
