@@ -81,15 +81,13 @@ void addInfo(CLI::App& app, Options& o) {
     addRunOptions(*info, o);
     addHelp(*info);
     info->footer(kInfoExamples);
-    // The main job asks for --sdf; nothing of it goes with the subcommand.
+    // Nothing of the main job goes with the subcommand.
     info->preparse_callback([&app](std::size_t) {
-        for (CLI::Option* option : app.get_options()) {
+        for (const CLI::Option* option : app.get_options())
             if (option->count() > 0)
                 throw CLI::ExcludesError(
                     "info goes before all options, and " + option->get_name() + " stands before it",
                     CLI::ExitCodes::ExcludesError);
-            option->required(false);
-        }
     });
     info->callback([&o] { o.info = true; });
 }
