@@ -42,6 +42,7 @@ std::string describe(const igeo::GridEntry& grid, bool chosen) {
     if (grid.activeVoxels) line += ", " + count(*grid.activeVoxels, "active voxel");
     std::string uses;
     for (const auto& [can, option] : {std::pair(grid.surface, "--sdf"),
+                                      {grid.weight && !grid.surface, "--sdf with --rebuild,"},
                                       {grid.weight, "--weight"},
                                       {grid.obstacle, "--obstacle"}})
         if (can) uses += (uses.empty() ? "" : " ") + std::string(option);

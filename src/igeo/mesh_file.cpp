@@ -186,7 +186,8 @@ bool isMeshFile(const std::string& file) {
 TriangleMesh readMesh(const std::string& file) {
     requireReadable(file);
     if (!isMeshFile(file))
-        throw Error(Kind::BadInput, "'" + file + "' is no mesh by its name", kReadable);
+        throw Error(Kind::BadInput, "'" + file + "' is no mesh by its name",
+                    std::string(kReadable) + "; level sets go with --sdf, clouds with --points");
     TriangleMesh mesh;
     mesh.file = file;
     if (endingOf(file) == ".ply")
