@@ -1,6 +1,7 @@
 #include "info.h"
 
 #include <igeo/field_grids.h>
+#include <igeo/format.h>
 #include <igeo/report.h>
 #include <igeo/survey.h>
 
@@ -11,10 +12,10 @@
 
 #include "output_files.h"
 #include "run.h"
-#include "text.h"
 #include "usage_error.h"
 
 using igeo::FileSurvey;
+using igeo::format;
 using igeo::SurfacePiece;
 using igeo::Vec3d;
 
@@ -24,13 +25,11 @@ std::string count(std::uint64_t n, const char* one) {
     return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
 }
 
-std::string percent(double share) { return text("%.2g %%", 100 * share); }
-
-std::string place(const Vec3d& p) { return text("%.6g,%.6g,%.6g", p.x, p.y, p.z); }
+std::string percent(double share) { return format("%.2g %%", 100 * share); }
 
 /// A length given in voxels.
 std::string lengthOf(double voxels, double dx) {
-    return text("%.4g voxels (%.4g)", voxels, voxels * dx);
+    return format("%.4g voxels (%.4g)", voxels, voxels * dx);
 }
 
 std::string radiusOf(double curvature, double dx) {
@@ -58,14 +57,14 @@ std::string describe(const igeo::Similarity& t) {
     std::string words = "uniform scale";
     if (t.mirrors()) words += ", reflected";
     // acos near 1: rounding of 1e-12 in the trace is 1e-4 degrees.
-    if (degrees > 1e-3) words += text(", rotated by %.4g degrees", degrees);
-    return words + text(", voxel size dx %.6g", t.dx);
+    if (degrees > 1e-3) words += format(", rotated by %.4g degrees", degrees);
+    return words + format(", voxel size dx %.6g", t.dx);
 }
 
 std::string describe(const SurfacePiece& p, double dx) {
     const Vec3d size = p.high - p.low;
-    std::string line = text("area %.6g, box %.4g", p.area * dx * dx, size.x) +
-                       text(" x %.4g x %.4g", size.y, size.z);
+    std::string line = format("area %.6g, box %.4g", p.area * dx * dx, size.x) +
+                       format(" x %.4g x %.4g", size.y, size.z);
     if (p.parts == 0) return line + ", cut off from a larger piece by sheets that face each other";
     line += p.rims == 0 ? ", closed" : ", cut along " + count(std::uint64_t(p.rims), "rim");
     line += ", genus " + std::to_string(p.genus);
@@ -88,7 +87,7 @@ private:
 void printPieces(Table& table, const igeo::SurfaceSurvey& s, double dx) {
     constexpr std::size_t kMost = 8;
     if (s.pieces.size() == 1) return table.row("1 piece", describe(s.pieces[0], dx));
-    table.row(std::to_string(s.pieces.size()) + " pieces", text("area %.6g", s.area * dx * dx));
+    table.row(std::to_string(s.pieces.size()) + " pieces", format("area %.6g", s.area * dx * dx));
     for (std::size_t k = 0; k < std::min(s.pieces.size(), kMost); ++k)
         table.row("", describe(s.pieces[k], dx));
     if (s.pieces.size() > kMost)
@@ -112,11 +111,12 @@ void printSurface(Table& table, const FileSurvey& file) {
                                               lengthOf(s.bounds.upper, dx) + ", " + s.bounds.why
                                         : "h = " + least + ", more than " + s.bounds.why);
     table.row("", "by default jet takes " +
-                      text("%.4g, godunov %.4g voxels", s.bounds.lower, s.godunovBand));
+                      format("%.4g, godunov %.4g voxels", s.bounds.lower, s.godunovBand));
     if (!s.bounds.resolved)
-        table.row("", text("a voxel size of at most %.4g would resolve it, but for edges that are "
-                           "sharp in truth",
-                           s.resolvingSize * dx));
+        table.row("",
+                  format("a voxel size of at most %.4g would resolve it, but for edges that are "
+                         "sharp in truth",
+                         s.resolvingSize * dx));
     std::string why;
     constexpr std::array<const char*, igeo::kDoubts> kWhy{"bends", "facing sheets", "|grad psi|",
                                                           "cuts"};
@@ -124,10 +124,10 @@ void printSurface(Table& table, const FileSurvey& file) {
         if (s.doubts[k] > 0)
             why += (why.empty() ? ": " : ", ") + std::string(kWhy[k]) + " " +
                    std::to_string(s.doubts[k]);
-    table.row("doubtful", text("%.0f of %.0f band voxels (", double(s.doubtful), n) +
+    table.row("doubtful", format("%.0f of %.0f band voxels (", double(s.doubtful), n) +
                               percent(double(s.doubtful) / n) + ")" + why);
-    table.row("a run", text("about %.3g MB for level set, band and march, %.2g s on one core",
-                            double(s.bytes) / 1e6, s.seconds));
+    table.row("a run", format("about %.3g MB for level set, band and march, %.2g s on one core",
+                              double(s.bytes) / 1e6, s.seconds));
 }
 
 void print(const FileSurvey& file) {
@@ -142,11 +142,12 @@ void print(const FileSurvey& file) {
         table.row("transform", dx > 0 ? describe(levelSet.transform) : "refused, see below");
     if (stats.activeVoxels > 0) {
         table.row("half-width", lengthOf(stats.halfWidth, dx));
-        table.row("volume", place(file.low) + " to " + place(file.high));
+        table.row("volume", format(file.low) + " to " + format(file.high));
     }
     if (stats.nearSurface > 0)
-        table.row("|grad psi|", text("%.3f (median), within [0.75, 1.25] at %.1f %% of the voxels",
-                                     stats.gradientMedian, 100 * stats.gradientShare));
+        table.row("|grad psi|",
+                  format("%.3f (median), within [0.75, 1.25] at %.1f %% of the voxels",
+                         stats.gradientMedian, 100 * stats.gradientShare));
     if (file.surface) printSurface(table, file);
     for (const std::string& warning : levelSet.warnings) table.row("warning", warning);
     std::cout << file.verdict() << std::endl;
@@ -167,7 +168,7 @@ int info(const Options& options, Console& console, ConsoleProgress& progress) {
                                                   file.levelSet.psi->transform(),
                                                   file.levelSet.psi->getName() + "_doubt")});
     progress.clear();
-    console.detail(text("surveyed in %.3f s", seconds.count()));
+    console.detail(format("surveyed in %.3f s", seconds.count()));
     if (options.infoJson)
         writeDocument("-", igeo::surveyJson(file));
     else

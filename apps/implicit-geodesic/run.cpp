@@ -2,6 +2,7 @@
 
 #include <igeo/accuracy.h>
 #include <igeo/error.h>
+#include <igeo/format.h>
 #include <igeo/godunov.h>
 #include <igeo/jet.h>
 #include <igeo/pairs.h>
@@ -24,12 +25,14 @@
 #include "outputs.h"
 #include "seed_input.h"
 #include "surface_input.h"
-#include "text.h"
 #include "usage_error.h"
 
+using igeo::format;
 using igeo::Vec3d;
 
 namespace {
+
+std::string text(const Vec3d& p) { return format("%.9g,%.9g,%.9g", p.x, p.y, p.z); }
 
 /// The current job: what the stages hand on, and what they cost.
 class Job {
@@ -93,15 +96,15 @@ void Job::finished(const char* stage) {
     else
         same->second += seconds;
     progress_.clear();
-    console_.detail(std::string(stage) + text(": %.3f s", seconds));
+    console_.detail(std::string(stage) + format(": %.3f s", seconds));
 }
 
 void Job::makeBand(const std::vector<igeo::Ball>& region) {
     if (region.empty()) surface_->requireMemory();
     band_ = surface_->band(region, progress_);
     wholeBand_ = region.empty();
-    console_.detail(text("band: h = %.6g (%.4g voxels), %.0f nodes", band_.h * band_.transform.dx,
-                         band_.h, double(band_.size())) +
+    console_.detail(format("band: h = %.6g (%.4g voxels), %.0f nodes", band_.h * band_.transform.dx,
+                           band_.h, double(band_.size())) +
                     (wholeBand_ ? "" : ", not of the whole surface"));
     finished("band");
 }
@@ -125,12 +128,12 @@ void Job::tell(const igeo::SurfacePoint& p, const Vec3d& asked, const std::strin
     const igeo::Similarity& t = band_.transform;
     const std::string place = text(t.worldFromIndex(p.pIndex));
     if (tooFar(p))
-        usageError(
-            what + " (" + text(asked) + ") is " +
-                text("%.6g from the surface, %.6g is allowed", p.snapDistance * t.dx, report_.snap),
-            "the nearest point of the surface is " + place +
-                " (world); move it there or raise --snap");
-    console_.detail(what + ": " + place + text(", moved %.3g", p.snapDistance * t.dx));
+        usageError(what + " (" + text(asked) + ") is " +
+                       format("%.6g from the surface, %.6g is allowed", p.snapDistance * t.dx,
+                              report_.snap),
+                   "the nearest point of the surface is " + place +
+                       " (world); move it there or raise --snap");
+    console_.detail(what + ": " + place + format(", moved %.3g", p.snapDistance * t.dx));
 }
 
 void Job::refuseBlocked(const std::vector<igeo::SurfacePoint>& points, const char* what) const {
@@ -148,8 +151,8 @@ void Job::makeMetric() {
     if (!metric_) return;
     refuseBlocked(seeds_, "seed");
     refuseBlocked(targets_, "target");
-    console_.detail(text("metric: weights from %.4g to %.4g, %.0f nodes blocked", metric_->least(),
-                         metric_->largest(), double(metric_->insideCount())));
+    console_.detail(format("metric: weights from %.4g to %.4g, %.0f nodes blocked",
+                           metric_->least(), metric_->largest(), double(metric_->insideCount())));
     finished("metric");
 }
 
@@ -283,9 +286,9 @@ void Job::estimateAccuracy() {
     const igeo::AccuracyEstimate& a = report_.accuracy;
     if (a.samples)
         console_.detail(
-            text("accuracy: distances differ from straightened geodesics by %.2g %% in "
-                 "the mean of %.0f samples, %.2g %% at most",
-                 100 * a.meanError, double(a.samples), 100 * a.largestError));
+            format("accuracy: distances differ from straightened geodesics by %.2g %% in "
+                   "the mean of %.0f samples, %.2g %% at most",
+                   100 * a.meanError, double(a.samples), 100 * a.largestError));
     finished("accuracy");
 }
 
@@ -366,11 +369,11 @@ int Job::summarise() {
         const std::string name = "target " + std::to_string(k);
         if (p.status == igeo::PathStatus::Reached) {
             console_.info(name + (field_.metric->weighted()
-                                      ? text(": distance %.6g, geodesic %.6g by the metric, %.6g "
-                                             "long",
-                                             p.distance * dx, p.length * dx, p.arcLength * dx)
-                                      : text(": distance %.6g, geodesic %.6g long", p.distance * dx,
-                                             p.length * dx)));
+                                      ? format(": distance %.6g, geodesic %.6g by the metric, %.6g "
+                                               "long",
+                                               p.distance * dx, p.length * dx, p.arcLength * dx)
+                                      : format(": distance %.6g, geodesic %.6g long",
+                                               p.distance * dx, p.length * dx)));
             continue;
         }
         code = kUnreached;
@@ -384,7 +387,7 @@ int Job::summarise() {
         const igeo::Path& walk = report_.walks[k];
         const igeo::Similarity& t = surface_->transform();
         const std::string said = "walk " + std::to_string(k) + ": " +
-                                 text("%.6g long, ends at ", walk.arcLength * t.dx) +
+                                 format("%.6g long, ends at ", walk.arcLength * t.dx) +
                                  text(t.worldFromIndex(walk.vertices.back().pIndex));
         if (walk.status == igeo::PathStatus::Reached)
             console_.info(said);
@@ -402,8 +405,9 @@ int Job::summarise() {
                          " pairs");
     }
     if (options_.hasSeeds())
-        console_.info(text("distances up to %.6g on %.0f of %.0f band voxels in ",
-                           field_.maxDistance * dx, double(field_.reached), double(band_.size())) +
+        console_.info(format("distances up to %.6g on %.0f of %.0f band voxels in ",
+                             field_.maxDistance * dx, double(field_.reached),
+                             double(band_.size())) +
                       distanceFile(options_, surface_->name()));
     return code;
 }
@@ -424,8 +428,8 @@ int Job::run() {
     finished("read");
     surface_->prepare(progress_, report_);
     report_.grid = surface_->name();
-    console_.detail("surface: " + surface_->name() + text(", dx %.6g, ", surface_->transform().dx) +
-                    surface_->summary());
+    console_.detail("surface: " + surface_->name() +
+                    format(", dx %.6g, ", surface_->transform().dx) + surface_->summary());
     finished("check");
     report_.snap = options_.snap >= 0 ? options_.snap : surface_->snap();
     seedInput_.read(options_, surface_->transform());

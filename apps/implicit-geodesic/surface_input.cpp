@@ -1,6 +1,8 @@
 #include "surface_input.h"
 
 #include <igeo/band_width.h>
+#include <igeo/box.h>
+#include <igeo/format.h>
 #include <igeo/mesh_band.h>
 #include <igeo/mesh_file.h>
 #include <igeo/point_band.h>
@@ -16,24 +18,15 @@
 #include <filesystem>
 #include <utility>
 
-#include "text.h"
 #include "usage_error.h"
 
+using igeo::format;
 using igeo::Vec3d;
 
 namespace {
 
 /// The name of the grid of a surface that comes from no grid.
 std::string stemOf(const std::string& file) { return std::filesystem::path(file).stem().string(); }
-
-/// Sides of the bounding box.
-Vec3d sizeOf(const std::vector<Vec3d>& points) {
-    Vec3d low = points.front(), high = low;
-    for (const Vec3d& p : points)
-        for (int a = 0; a < 3; ++a)
-            low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
-    return high - low;
-}
 
 /// A level set, or what --rebuild makes of another volume.
 class Volume : public SurfaceInput {
@@ -51,23 +44,23 @@ public:
         const double iso = options_.iso ? *options_.iso : fog ? 0.5 : 0.0;
         loaded_ = igeo::rebuilt(loaded_, iso);
         warnings_.push_back("psi was rebuilt as the distance to where the volume is " +
-                            text("%.6g", iso));
+                            format("%.6g", iso));
     }
 
     void prepare(igeo::Progress& progress, igeo::RunReport& report) override {
-        levelSet_ = igeo::checkLevelSet(std::move(loaded_), progress);
-        const igeo::LevelSetStats& stats = levelSet_->stats;
-        transform_ = levelSet_->transform;
-        name_ = levelSet_->name;
+        const igeo::LevelSet& checked = levelSet(progress);
+        const igeo::LevelSetStats& stats = checked.stats;
+        transform_ = checked.transform;
+        name_ = checked.name;
         snap_ = stats.halfWidth * transform_.dx;
         diagonal_ =
-            std::sqrt(levelSet_->psi->evalActiveVoxelBoundingBox().dim().asVec3d().lengthSqr());
-        report.file = levelSet_->file;
+            std::sqrt(checked.psi->evalActiveVoxelBoundingBox().dim().asVec3d().lengthSqr());
+        report.file = checked.file;
         report.activeVoxels = stats.activeVoxels;
         report.halfWidth = stats.halfWidth;
         report.largestCurvature = stats.largestCurvature;
-        summary_ = text("half-width %.4g voxels, radius of curvature at least %.4g voxels",
-                        stats.halfWidth, 1 / stats.largestCurvature);
+        summary_ = format("half-width %.4g voxels, radius of curvature at least %.4g voxels",
+                          stats.halfWidth, 1 / stats.largestCurvature);
         chooseBandWidth(stats, report);
         igeo::widen(*levelSet_, h_);
     }
@@ -88,7 +81,9 @@ public:
     }
 
 private:
-    igeo::LevelSet makeLevelSet(igeo::Progress&) override { return std::move(*levelSet_); }
+    igeo::LevelSet makeLevelSet(igeo::Progress& progress) override {
+        return igeo::checkLevelSet(std::move(loaded_), progress);
+    }
 
     igeo::LoadedGrid loaded_;  ///< until it is checked
 };
@@ -105,7 +100,7 @@ public:
 
     void prepare(igeo::Progress& progress, igeo::RunReport& report) override {
         constexpr int kResolution = 256;
-        const Vec3d size = sizeOf(mesh_.points);
+        const Vec3d size = igeo::Box(mesh_.points).size();
         transform_.dx = voxelSize(std::max({size.x, size.y, size.z}), kResolution);
         igeo::requireReasonable(mesh_, transform_.dx);
         name_ = stemOf(mesh_.file);
@@ -167,7 +162,7 @@ public:
     void read() override { cloud_ = igeo::readPointCloud(options_.points); }
 
     void prepare(igeo::Progress& progress, igeo::RunReport& report) override {
-        const Vec3d size = sizeOf(cloud_.points);
+        const Vec3d size = igeo::Box(cloud_.points).size();
         const std::string file = cloud_.file;
         surface_ = std::make_unique<igeo::PointSurface>(std::move(cloud_), progress);
         const igeo::CloudDensity& density = surface_->density();
@@ -179,8 +174,8 @@ public:
         diagonal_ = igeo::length(size) / transform_.dx;
         warnings_ = igeo::densityWarnings(density, file);
         summary_ = std::to_string(density.points) + " points, " +
-                   text("spacing %.4g, scatter %.2g, %.0f pieces", density.spacing, density.noise,
-                        double(density.pieces));
+                   format("spacing %.4g, scatter %.2g, %.0f pieces", density.spacing, density.noise,
+                          double(density.pieces));
         h_ = igeo::defaultBandWidth(density, kind_, transform_.dx);
         if (options_.band > 0) h_ = options_.band / transform_.dx;
         if (options_.bandVoxels > 0) h_ = options_.bandVoxels;
@@ -235,11 +230,11 @@ void SurfaceInput::requireMemory() const {
     if (needed <= limit) return;
     // The band grows with the area in voxels.
     const double factor = std::sqrt(needed / limit);
-    usageError("the band of " + name_ + " has about " + text("%.3g", estimatedNodes()) +
-                   " voxels and needs about " + text("%.3g GiB of memory, %.3g", needed, limit) +
+    usageError("the band of " + name_ + " has about " + format("%.3g", estimatedNodes()) +
+                   " voxels and needs about " + format("%.3g GiB of memory, %.3g", needed, limit) +
                    (options_.memoryLimit > 0 ? " are allowed (--memory-limit)"
                                              : " is what the machine has"),
-               "voxels of " + text("%.3g", 1.1 * factor * transform_.dx) +
+               "voxels of " + format("%.3g", 1.1 * factor * transform_.dx) +
                    " or more would fit; or stay near the seeds with --max-distance");
 }
 
@@ -277,7 +272,7 @@ void SurfaceInput::chooseBandWidth(const igeo::LevelSetStats& stats, igeo::RunRe
     if (options_.bandVoxels > 0) h_ = igeo::requireBandWidth(options_.bandVoxels, bounds, dx);
     if (!bounds.resolved)
         warnings_.push_back(
-            "in places the surface bends or folds within " + text("%.2g voxels", bounds.lower) +
+            "in places the surface bends or folds within " + format("%.2g voxels", bounds.lower) +
             ", less than the grid resolves: distances are less accurate there than elsewhere");
 }
 

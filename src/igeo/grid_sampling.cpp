@@ -1,6 +1,7 @@
 #include <igeo/grid_sampling.h>
 
 #include <igeo/error.h>
+#include <igeo/format.h>
 #include <igeo/index_map.h>
 #include <igeo/parallel.h>
 #include <igeo/steps.h>
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdio>
 #include <optional>
 
 namespace igeo {
@@ -16,13 +16,6 @@ namespace igeo {
 namespace {
 
 using Kind = Error::Kind;
-
-std::string format(const char* pattern, double a, double b = 0, double c = 0) {
-    std::array<char, 256> text{};
-    std::snprintf(text.data(), text.size(), pattern, a, b, c);
-    return text.data();
-}
-std::string text(const Vec3d& p) { return format("%.6g,%.6g,%.6g", p.x, p.y, p.z); }
 
 bool isWeight(float w) { return w > 0 && w < float(kInfinity); }
 
@@ -190,7 +183,7 @@ struct WorldBox {
         for (int a = 0; a < 3; ++a)
             low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
     }
-    std::string describe() const { return text(low) + " to " + text(high); }
+    std::string describe() const { return format(low) + " to " + format(high); }
 };
 
 WorldBox boxOf(const Band& band) {
@@ -245,7 +238,7 @@ std::vector<typename Reader::Value> readAll(const Reader& reader, const openvdb:
     if (first == good.end()) return values;
     const Vec3d foot = band.footPoint(NodeIndex(first - good.begin()));
     throw Error(Kind::BadInput,
-                "at " + text(band.transform.worldFromIndex(foot)) + ", the first of " +
+                "at " + format(band.transform.worldFromIndex(foot)) + ", the first of " +
                     std::to_string(std::count(first, good.end(), 0)) + " bad places, " +
                     reader.fault(foot) + where,
                 Reader::remedy());

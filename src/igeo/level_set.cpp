@@ -1,13 +1,13 @@
 #include <igeo/level_set.h>
 
 #include <igeo/error.h>
+#include <igeo/format.h>
 #include <igeo/leaf_block.h>
 #include <igeo/parallel.h>
 #include <igeo/steps.h>
 #include <openvdb/tools/FastSweeping.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <mutex>
 
 namespace igeo {
@@ -16,12 +16,6 @@ namespace {
 
 using Kind = Error::Kind;
 using Leaf = LeafBlock::Leaf;
-
-std::string format(const char* pattern, double a, double b = 0) {
-    std::array<char, 256> text{};
-    std::snprintf(text.data(), text.size(), pattern, a, b);
-    return text.data();
-}
 
 std::string where(const LevelSet& s) { return " (" + s.file + ", grid '" + s.name + "')"; }
 

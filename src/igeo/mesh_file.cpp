@@ -1,6 +1,8 @@
 #include <igeo/mesh_file.h>
 
+#include <igeo/box.h>
 #include <igeo/error.h>
+#include <igeo/format.h>
 #include <igeo/ply_file.h>
 
 #include <assimp/scene.h>
@@ -9,7 +11,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -157,21 +158,16 @@ void readPly(TriangleMesh& mesh) {
 /// Points off by more than a voxel in 400 of a usual size.
 void warnOfRounding(TriangleMesh& mesh) {
     constexpr double kMost = 1e-5, kSingle = 6e-8;
-    Vec3d low = mesh.points.front(), high = low;
+    const Box box(mesh.points);
     double furthest = 0;
-    for (const Vec3d& p : mesh.points)
-        for (int a = 0; a < 3; ++a) {
-            low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
-            furthest = std::max(furthest, std::abs(p[a]));
-        }
-    const double off = kSingle * furthest, size = length(high - low);
+    for (int a = 0; a < 3; ++a)
+        furthest = std::max({furthest, std::abs(box.low[a]), std::abs(box.high[a])});
+    const double off = kSingle * furthest, size = length(box.size());
     if (!(off > kMost * size)) return;
-    std::array<char, 200> text{};
-    std::snprintf(text.data(), text.size(),
-                  "coordinates up to %.4g on a mesh %.4g across: single precision puts points off "
-                  "by %.2g; move the mesh to the origin",
-                  furthest, size, off);
-    mesh.warnings.emplace_back(text.data());
+    mesh.warnings.push_back(
+        format("coordinates up to %.4g on a mesh %.4g across: single precision puts points off "
+               "by %.2g; move the mesh to the origin",
+               furthest, size, off));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <igeo/orient_normals.h>
 
+#include <igeo/disjoint_sets.h>
 #include <igeo/parallel.h>
 
 #include <algorithm>
@@ -52,43 +53,6 @@ std::vector<Edge> edges(const PointTree& points, const std::vector<Vec3d>& norma
     return all;
 }
 
-/// Union-find that knows of each member whether it is turned against its root.
-class Sides {
-public:
-    explicit Sides(std::size_t n) : parent_(n), turned_(n, 0) {
-        std::iota(parent_.begin(), parent_.end(), Index(0));
-    }
-    struct Side {
-        Index root;
-        bool turned;
-    };
-    Side find(Index i) {
-        Index root = i;
-        bool turned = false;
-        while (parent_[root] != root) turned ^= turned_[root] != 0, root = parent_[root];
-        const Side found{root, turned};
-        while (parent_[i] != root) {
-            const Index next = parent_[i];
-            const bool here = turned;
-            turned ^= turned_[i] != 0;
-            parent_[i] = root;
-            turned_[i] = here;
-            i = next;
-        }
-        return found;
-    }
-    void join(Side a, Side b, bool turned) {
-        // The higher number below the lower one: the roots do not depend on the sizes.
-        if (a.root > b.root) std::swap(a, b);
-        parent_[b.root] = a.root;
-        turned_[b.root] = turned ^ a.turned ^ b.turned;
-    }
-
-private:
-    std::vector<Index> parent_;
-    std::vector<std::uint8_t> turned_;
-};
-
 }  // namespace
 
 Orientation orientNormals(const PointTree& points, const std::vector<Vec3d>& normals,
@@ -96,14 +60,12 @@ Orientation orientNormals(const PointTree& points, const std::vector<Vec3d>& nor
     constexpr float kSure = 0.5f;
     const Vec3d outward = normalized(Vec3d{0.31, 0.17, 0.94});  // along no axis
     const std::size_t n = points.size();
-    Sides sides(n);
+    SidedSets sides(n);
     std::size_t sure = 0, wrong = 0;
     for (const Edge& e : edges(points, normals, neighbours)) {
-        const Sides::Side a = sides.find(e.a), b = sides.find(e.b);
-        if (a.root != b.root)
-            sides.join(a, b, e.turned);
-        else if (e.doubt < kSure)
-            ++sure, wrong += (a.turned != b.turned) != e.turned;
+        const bool known = sides.find(e.a).first == sides.find(e.b).first;
+        const bool agrees = sides.join(e.a, e.b, e.turned);
+        if (known && e.doubt < kSure) ++sure, wrong += !agrees;
     }
 
     Orientation result;
@@ -112,15 +74,15 @@ Orientation orientNormals(const PointTree& points, const std::vector<Vec3d>& nor
     std::vector<Index> outermost(n);
     std::iota(outermost.begin(), outermost.end(), Index(0));
     for (std::size_t i = 0; i < n; ++i) {
-        Index& best = outermost[sides.find(Index(i)).root];
+        Index& best = outermost[sides.find(Index(i)).first];
         if (dot(outward, points[i] - points[best]) > 0) best = Index(i);
     }
     for (std::size_t i = 0; i < n; ++i) {
-        const Sides::Side side = sides.find(Index(i));
-        const Index top = outermost[side.root];
+        const SidedSets::Member side = sides.find(Index(i));
+        const Index top = outermost[side.first];
         const bool inward = dot(outward, normals[top]) < 0;
         result.sign[i] = (side.turned != sides.find(top).turned) != inward ? -1 : 1;
-        result.pieces += side.root == i;
+        result.pieces += side.first == i;
     }
     return result;
 }

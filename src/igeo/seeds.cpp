@@ -12,11 +12,6 @@ namespace {
 
 constexpr double kPiece = 0.5;  ///< length of a piece of a curve, voxels
 
-bool inside(const Band& band, const Obstacles& region, NodeIndex i) {
-    const Vec3d p = band.footPoint(i);
-    return region.mayBeNear(p, 1) && region.block(p, p, Vec3d(band.normal[i]));
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> sourcesOf(const std::vector<SurfacePoint>& seeds) {
@@ -87,25 +82,28 @@ std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, doubl
 std::vector<std::uint8_t> nodesInside(const Band& band, const Obstacles& region) {
     std::vector<std::uint8_t> in(band.size());
     parallelFor(band.size(), 1024, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) in[i] = inside(band, region, NodeIndex(i));
+        for (std::size_t i = begin; i < end; ++i) {
+            const Vec3d p = band.footPoint(NodeIndex(i));
+            in[i] = region.mayBeNear(p, 1) && region.block(p, p, Vec3d(band.normal[i]));
+        }
     });
     return in;
 }
 
 std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region) {
+    const std::vector<std::uint8_t> inside = nodesInside(band, region);
     std::vector<std::vector<SurfacePoint>> found(band.leaves.size());
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
             for (NodeIndex i = leaf.band.first; i < leaf.band.first + leaf.band.count; ++i) {
                 const unsigned at = band.offset[i];
-                if (leaf.core.node(at) == kNoNode || !inside(band, region, i)) continue;
+                if (leaf.core.node(at) == kNoNode || !inside[i]) continue;
                 const Vec3d normal(band.normal[i]), in = band.footPoint(i);
                 band.forNeighbours(
                     &BandLeaf::core, LeafIndex(l), at, [&](NodeIndex, int dx, int dy, int dz) {
                         const NodeIndex j = band.neighbour(i, dx, dy, dz);
-                        if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet ||
-                            inside(band, region, j))
+                        if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet || inside[j])
                             return;
                         const Vec3d way = band.footPoint(j) - in;
                         double low = 0, high = 1;

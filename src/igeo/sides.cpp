@@ -1,5 +1,6 @@
 #include <igeo/sides.h>
 
+#include <igeo/disjoint_sets.h>
 #include <igeo/error.h>
 #include <igeo/parallel.h>
 
@@ -66,42 +67,6 @@ private:
     const Field& field_;
 };
 
-/// Sets that are on the same or on opposite sides of each other.
-class Parity {
-public:
-    explicit Parity(std::size_t n) : parent_(n), flip_(n, 0) {
-        for (std::size_t i = 0; i < n; ++i) parent_[i] = NodeIndex(i);
-    }
-    /// The head of i's set, and whether i is on its other side.
-    std::pair<NodeIndex, bool> find(NodeIndex i) {
-        NodeIndex head = i;
-        bool flip = false;
-        while (parent_[head] != head) flip ^= flip_[head] != 0, head = parent_[head];
-        // Everybody on the way points to the head from now on.
-        for (bool f = flip; parent_[i] != i && parent_[i] != head;) {
-            const NodeIndex up = parent_[i];
-            const bool own = flip_[i] != 0;
-            parent_[i] = head, flip_[i] = f;
-            f ^= own, i = up;
-        }
-        return {head, flip};
-    }
-    /// @return false where i and j are known to be otherwise
-    bool join(NodeIndex i, NodeIndex j, bool opposite) {
-        const auto [a, fa] = find(i);
-        const auto [b, fb] = find(j);
-        if (a == b) return (fa != fb) == opposite;
-        // The lower number leads.
-        parent_[std::max(a, b)] = std::min(a, b);
-        flip_[std::max(a, b)] = fa ^ fb ^ opposite;
-        return true;
-    }
-
-private:
-    std::vector<NodeIndex> parent_;
-    std::vector<std::uint8_t> flip_;
-};
-
 }  // namespace
 
 void clearInside(const std::vector<std::uint8_t>& inside, Field& field) {
@@ -129,7 +94,7 @@ std::vector<std::int8_t> sidesOfCurves(const Band& band, const Field& field) {
 
     // What is joined without crossing a curve is one part. Votes, and not single crossings, decide
     // which parts are opposite: next to a corner of a curve a node may be taken for the other side.
-    Parity parts(n);
+    SidedSets parts(n);
     std::vector<std::pair<NodeIndex, NodeIndex>> crossings;
     auto known = [&](NodeIndex i) { return field.distance[i] < kInfinity; };
     for (NodeIndex i = 0; i < n; ++i) {
@@ -165,9 +130,9 @@ std::vector<std::int8_t> sidesOfCurves(const Band& band, const Field& field) {
     std::map<NodeIndex, std::ptrdiff_t> balance;
     for (NodeIndex i = 0; i < n; ++i) {
         if (!known(i)) continue;
-        const auto [head, flip] = parts.find(i);
-        side[i] = flip ? -1 : 1;
-        balance[head] += side[i];
+        const SidedSets::Member at = parts.find(i);
+        side[i] = at.turned ? -1 : 1;
+        balance[at.first] += side[i];
     }
     for (NodeIndex i = 0; i < n; ++i)
         if (side[i] && balance[parts.find(i).first] < 0) side[i] = std::int8_t(-side[i]);

@@ -1,5 +1,8 @@
 #include <igeo/survey.h>
 
+#include <igeo/box.h>
+#include <igeo/disjoint_sets.h>
+#include <igeo/format.h>
 #include <igeo/leaf_block.h>
 #include <igeo/level_set_band.h>
 #include <igeo/parallel.h>
@@ -7,34 +10,12 @@
 #include <igeo/surface_mesh.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
-#include <numeric>
 #include <utility>
 
 namespace igeo {
 
 namespace {
-
-/// Sets of numbers that are joined two by two.
-class Sets {
-public:
-    explicit Sets(std::size_t n) : parent_(n) {
-        std::iota(parent_.begin(), parent_.end(), std::uint32_t(0));
-    }
-    /// The least number of the set.
-    std::uint32_t first(std::uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(std::uint32_t i, std::uint32_t j) {
-        i = first(i), j = first(j);
-        parent_[std::max(i, j)] = std::min(i, j);
-    }
-
-private:
-    std::vector<std::uint32_t> parent_;
-};
 
 /// Per core node, the number of its band node.
 std::vector<NodeIndex> coreNodes(const Band& band) {
@@ -136,7 +117,7 @@ void spreadDoubts(const Band& band, const std::vector<Judgement>& core, SurfaceS
 
 /// Per core node the least node that a front from there comes to.
 std::vector<NodeIndex> connect(const Band& band, const std::vector<NodeIndex>& nodes) {
-    Sets sets(nodes.size());
+    DisjointSets sets(nodes.size());
     for (NodeIndex c = 0; c < nodes.size(); ++c) {
         const NodeIndex i = nodes[c];
         band.forNeighbours(&BandLeaf::core, band.leaf[i], band.offset[i],
@@ -179,7 +160,7 @@ std::vector<MeshPart> partsOf(const SurfaceMesh& mesh, const std::vector<NodeInd
     const std::size_t corners = 3 * mesh.triangles.size();
     // Corners are joined around a vertex from triangle to triangle, so that sheets which only touch
     // in a vertex stay apart and every part is a manifold; then parts, and rims.
-    Sets fans(corners), parts(mesh.triangles.size()), rims(corners);
+    DisjointSets fans(corners), parts(mesh.triangles.size()), rims(corners);
     constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> side(edges.ends.size(), kNone);  // 3 triangle + corner, seen first
     std::vector<std::uint8_t> paired(edges.ends.size());
@@ -291,28 +272,17 @@ SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, Progress& progr
 
 namespace {
 
-std::string text(const char* pattern, double a) {
-    std::array<char, 128> buffer{};
-    std::snprintf(buffer.data(), buffer.size(), pattern, a);
-    return buffer.data();
-}
-
 /// The box of the active voxels' centres, as it lies in the world.
 void measureBox(FileSurvey& file) {
     const openvdb::CoordBBox box = file.levelSet.psi->evalActiveVoxelBoundingBox();
     if (box.empty()) return;
     const openvdb::Coord &lo = box.min(), &hi = box.max();
-    file.low = {kInfinity, kInfinity, kInfinity};
-    file.high = -file.low;
-    for (int k = 0; k < 8; ++k) {
-        const Vec3d p = file.levelSet.transform.worldFromIndex({double(k & 4 ? hi.x() : lo.x()),
-                                                                double(k & 2 ? hi.y() : lo.y()),
-                                                                double(k & 1 ? hi.z() : lo.z())});
-        for (int a = 0; a < 3; ++a) {
-            file.low[a] = std::min(file.low[a], p[a]);
-            file.high[a] = std::max(file.high[a], p[a]);
-        }
-    }
+    Box world;
+    for (int k = 0; k < 8; ++k)
+        world.include(file.levelSet.transform.worldFromIndex({double(k & 4 ? hi.x() : lo.x()),
+                                                              double(k & 2 ? hi.y() : lo.y()),
+                                                              double(k & 1 ? hi.z() : lo.z())}));
+    file.low = world.low, file.high = world.high;
 }
 
 }  // namespace
@@ -335,7 +305,7 @@ std::string FileSurvey::verdict() const {
     line += ", genus " + std::to_string(genus) + (pieces.size() == 1 ? "" : " together");
     if (surface->bounds.resolved) return line + ", resolved";
     return line + "; in places the surface bends or folds within " +
-           text("%.2g voxels", surface->bounds.lower) + ", less than the grid resolves";
+           format("%.2g voxels", surface->bounds.lower) + ", less than the grid resolves";
 }
 
 FileSurvey surveyFile(const GridSource& source, Progress& progress) {

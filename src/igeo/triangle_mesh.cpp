@@ -1,10 +1,11 @@
 #include <igeo/triangle_mesh.h>
 
+#include <igeo/box.h>
+#include <igeo/disjoint_sets.h>
 #include <igeo/error.h>
+#include <igeo/format.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <numeric>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -15,16 +16,6 @@ namespace {
 
 using Triangle = TriangleMesh::Triangle;
 constexpr std::uint32_t kNone = MeshTopology::kNone;
-
-struct Box {
-    Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
-
-    explicit Box(const std::vector<Vec3d>& points) {
-        for (const Vec3d& p : points)
-            for (int a = 0; a < 3; ++a)
-                low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
-    }
-};
 
 /// Per point, the earliest within `tolerance` that is not itself taken for another.
 std::vector<std::uint32_t> earliestNear(const std::vector<Vec3d>& points, double tolerance) {
@@ -98,12 +89,6 @@ void forEdges(const TriangleMesh& mesh, const Visit& visit) {
     }
 }
 
-/// Root of a set, with its path halved.
-std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
 /// Whether a triangle has to be turned to run with the first of its component; and which components
 /// cannot be made to.
 struct Turns {
@@ -145,12 +130,11 @@ private:
     /// Where three or more meet, each goes on in the next, as far as that closes no circle. The
     /// smaller part is turned.
     void joinAtManyEdges() {
-        std::vector<std::uint32_t> name(members_.size());
-        std::iota(name.begin(), name.end(), 0u);
+        DisjointSets joined(members_.size());
         forEdges(mesh_, [&](const HalfEdge* first, const HalfEdge* last) {
             for (const HalfEdge* e = first; last - first > 2 && e + 1 < last; ++e) {
-                std::uint32_t a = rootOf(name, patch_[e[0].triangle]),
-                              b = rootOf(name, patch_[e[1].triangle]);
+                std::uint32_t a = joined.first(patch_[e[0].triangle]),
+                              b = joined.first(patch_[e[1].triangle]);
                 if (a == b) continue;
                 if (members_[a].size() < members_[b].size()) std::swap(a, b);
                 const bool alike = (e[0].up != turns_.turned[e[0].triangle]) ==
@@ -158,7 +142,8 @@ private:
                 if (alike) turnOver(members_[b]);
                 members_[a].insert(members_[a].end(), members_[b].begin(), members_[b].end());
                 std::vector<std::uint32_t>().swap(members_[b]);
-                name[b] = a;
+                joined.join(a, b);
+                members_[joined.first(a)].swap(members_[a]);
             }
         });
     }
@@ -190,11 +175,7 @@ Turns findTurns(const TriangleMesh& mesh, const MeshTopology& topology) {
     return turns;
 }
 
-std::string number(double x) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.4g", x);
-    return text.data();
-}
+std::string number(double x) { return format("%.4g", x); }
 
 }  // namespace
 
@@ -202,7 +183,7 @@ void weld(TriangleMesh& mesh) {
     constexpr double kTolerance = 1e-6;
     const Box box(mesh.points);
     if (mesh.points.empty()) return;
-    const auto same = earliestNear(mesh.points, kTolerance * length(box.high - box.low));
+    const auto same = earliestNear(mesh.points, kTolerance * length(box.size()));
     for (std::size_t i = 0; i < same.size(); ++i) mesh.merged += same[i] != i;
     for (Triangle& t : mesh.triangles)
         for (std::uint32_t& v : t) v = same[v];
@@ -241,15 +222,12 @@ void weld(TriangleMesh& mesh) {
 MeshTopology meshTopology(const TriangleMesh& mesh) {
     MeshTopology topology;
     topology.neighbour.assign(mesh.triangles.size(), {kNone, kNone, kNone});
-    std::vector<std::uint32_t> parent(mesh.triangles.size());
-    std::iota(parent.begin(), parent.end(), 0u);
+    DisjointSets joined(mesh.triangles.size());
     forEdges(mesh, [&](const HalfEdge* first, const HalfEdge* last) {
         topology.boundaryEdges += last - first == 1;
         topology.nonManifoldEdges += last - first > 2;
-        for (const HalfEdge* e = first + 1; e < last; ++e) {
-            const auto a = rootOf(parent, first->triangle), b = rootOf(parent, e->triangle);
-            parent[std::max(a, b)] = std::min(a, b);
-        }
+        for (const HalfEdge* e = first + 1; e < last; ++e)
+            joined.join(first->triangle, e->triangle);
         if (last - first > 2)
             for (const HalfEdge* e = first; e < last; ++e)
                 topology.neighbour[e->triangle][e->corner] = MeshTopology::kMany;
@@ -260,8 +238,8 @@ MeshTopology meshTopology(const TriangleMesh& mesh) {
     });
     topology.component.resize(mesh.triangles.size());
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        // The root of a set is its least triangle, which was numbered before.
-        const std::uint32_t root = rootOf(parent, t);
+        // The first of a set was numbered before.
+        const std::uint32_t root = joined.first(t);
         topology.component[t] =
             root == t ? std::uint32_t(topology.components++) : topology.component[root];
     }
@@ -310,8 +288,7 @@ void requireReasonable(const TriangleMesh& mesh, double dx, double halfWidth) {
                     "at a voxel size of " + number(dx) + " the mesh fills about " + number(voxels) +
                         " voxels, " + number(kMostVoxels) + " are the most" + where,
                     "take a voxel size of " + number(dx * std::sqrt(voxels / kMostVoxels)) +
-                        " or more; its bounding box is " + number(length(box.high - box.low)) +
-                        " across");
+                        " or more; its bounding box is " + number(length(box.size())) + " across");
     if (!(furthest / dx < kFurthest))
         throw Error(Kind::InvalidArgument,
                     "at a voxel size of " + number(dx) + " the mesh lies " + number(furthest / dx) +

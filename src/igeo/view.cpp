@@ -1,20 +1,14 @@
 #include <igeo/view.h>
 
 #include <igeo/error.h>
+#include <igeo/format.h>
 #include <igeo/parallel.h>
 
 #include <array>
-#include <cstdio>
 
 namespace igeo {
 
 namespace {
-
-std::string text(const Vec3d& p) {
-    char buffer[100];
-    std::snprintf(buffer, sizeof buffer, "%.6g,%.6g,%.6g", p.x, p.y, p.z);
-    return buffer;
-}
 
 /// Calls visit(pWorld, k) for the voxels at the surface, in parallel, k a slot per chunk of leaves.
 class SurfaceVoxels {
@@ -159,18 +153,18 @@ View chooseView(const LevelSet& levelSet, const SurfaceRays& rays, const Band& b
         const Vec3d back = view.eye - target;
         if (!(length(back) > 1e-6 * levelSet.transform.dx))
             throw Error(Error::Kind::InvalidArgument,
-                        "the camera at " + text(view.eye) + " looks at itself",
+                        "the camera at " + format(view.eye) + " looks at itself",
                         "give it another place or another point to look at");
         if (!(length(cross(up, normalized(back))) > 1e-6))
             throw Error(Error::Kind::InvalidArgument,
-                        "the camera looks along its up direction, " + text(options.up),
+                        "the camera looks along its up direction, " + format(options.up),
                         "choose another up direction");
         // A cut surface has no inside.
         if (levelSet.stats.cutVoxels == 0 &&
             rays.psi(levelSet.transform.indexFromWorld(view.eye)) < 0)
             throw Error(Error::Kind::InvalidArgument,
-                        "the camera at " + text(view.eye) + " is inside the surface",
-                        "move it out; the middle of the surface is " + text(middle));
+                        "the camera at " + format(view.eye) + " is inside the surface",
+                        "move it out; the middle of the surface is " + format(middle));
         aim(view, back, up);
     } else {
         aim(view, chooseDirection(levelSet, rays, sights(band, field, paths), up), up);

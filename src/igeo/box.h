@@ -1,0 +1,26 @@
+/// Axis-aligned bounding boxes.
+#pragma once
+
+#include <igeo/types.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace igeo {
+
+/// Empty, with low above high, until it holds a point.
+struct Box {
+    Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
+
+    Box() = default;
+    explicit Box(const std::vector<Vec3d>& points) {
+        for (const Vec3d& p : points) include(p);
+    }
+    void include(const Vec3d& p) {
+        for (int a = 0; a < 3; ++a)
+            low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
+    }
+    Vec3d size() const { return high - low; }
+};
+
+}  // namespace igeo
