@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 rooms='
 types error parallel progress steps version box disjoint_sets format
 eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density
-tangent_frame orient_normals
+tangent_frame orient_normals medial_radii
 band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
 vdb_io level_set rebuild leaf_block band_width index_map point_cloud vdb_points
 level_set_band surface_point point_surface point_band seeds grid_sampling obstacles mesh_level_set mesh_band
@@ -29,7 +29,7 @@ no_openvdb='
 types error parallel progress steps version box disjoint_sets format eikonal heap jet_update selling ply tangent_frame band metric
 curvature field band_width surface_point seeds godunov jet jet_core jet_extend jet_stencil trace
 straighten accuracy sampling matrix log_map shoot sides point_file colour_map canvas point_tree
-quadric_fit cloud_density orient_normals
+quadric_fit cloud_density orient_normals medial_radii
 triangle_mesh mesh_voxels ply_file mesh_file mesh_band
 '
 

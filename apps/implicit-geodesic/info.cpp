@@ -2,6 +2,8 @@
 
 #include <igeo/field_grids.h>
 #include <igeo/format.h>
+#include <igeo/mesh_file.h>
+#include <igeo/point_cloud.h>
 #include <igeo/report.h>
 #include <igeo/survey.h>
 
@@ -9,9 +11,11 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <utility>
 
 #include "output_files.h"
 #include "run.h"
+#include "surface_input.h"
 #include "usage_error.h"
 
 using igeo::FileSurvey;
@@ -43,10 +47,33 @@ std::string describe(const igeo::GridEntry& grid, bool chosen) {
     for (const auto& [can, option] : {std::pair(grid.surface, "--sdf"),
                                       {grid.weight && !grid.surface, "--sdf with --rebuild,"},
                                       {grid.weight, "--weight"},
-                                      {grid.obstacle, "--obstacle"}})
+                                      {grid.obstacle, "--obstacle"},
+                                      {igeo::holdsPoints(grid), "--points"}})
         if (can) uses += (uses.empty() ? "" : " ") + std::string(option);
     line += uses.empty() ? "; of no use here" : "; for " + uses;
     return line + (chosen ? " (chosen)" : "");
+}
+
+std::string describe(const igeo::MeshFacts& mesh) {
+    std::string line = count(mesh.triangles, "triangle") + ", " + count(mesh.points, "point") +
+                       ", " + count(mesh.components, "component");
+    if (mesh.closed) line += ", closed";
+    if (mesh.boundaryEdges > 0) line += ", open at " + count(mesh.boundaryEdges, "edge");
+    if (mesh.nonManifoldEdges > 0)
+        line += ", " + count(mesh.nonManifoldEdges, "edge") + " of three triangles or more";
+    if (mesh.nonOrientable > 0) line += ", " + std::to_string(mesh.nonOrientable) + " one-sided";
+    if (mesh.dropped > 0) line += "; " + count(mesh.dropped, "triangle") + " dropped";
+    return line;
+}
+
+std::string describe(const igeo::CloudDensity& cloud) {
+    std::string line = count(cloud.points, "point") +
+                       format(", %.4g apart (99 %%: %.4g), scatter %.2g", cloud.spacing,
+                              cloud.spacing99, cloud.noise) +
+                       ", " + count(cloud.pieces, "piece");
+    if (cloud.duplicates > 0) line += "; " + count(cloud.duplicates, "duplicate");
+    if (cloud.isolated > 0) line += "; " + std::to_string(cloud.isolated) + " left out";
+    return line;
 }
 
 /// How index axes lie in the world.
@@ -94,6 +121,22 @@ void printPieces(Table& table, const igeo::SurfaceSurvey& s, double dx) {
         table.row("", "and " + count(s.pieces.size() - kMost, "smaller piece"));
 }
 
+void printRoom(Table& table, const igeo::SurfaceSurvey& s, double dx) {
+    if (s.medialRadius == igeo::kInfinity)
+        return table.row("room", "95 % of the surface is without bends or sheets beside it");
+    table.row("room", "95 % of the surface has room for balls of radius " +
+                          lengthOf(s.medialRadius, dx) + " on both sides");
+    if (s.facingRadius < igeo::kInfinity)
+        table.row("", "99 % is " + lengthOf(2 * s.facingRadius, dx) +
+                          " or more from sheets that face it");
+    std::string advice = format("voxels of up to %.4g show all of this", s.resolvingSize * dx);
+    // Sharp edges ask for more than any grid has; sheets are what must be told apart.
+    if (s.facingRadius < igeo::kInfinity && s.facingRadius > s.medialRadius)
+        advice +=
+            format(", of up to %.4g tell its sheets apart", s.facingRadius / std::sqrt(3.0) * dx);
+    table.row("", advice);
+}
+
 void printSurface(Table& table, const FileSurvey& file) {
     const igeo::SurfaceSurvey& s = *file.surface;
     const igeo::LevelSetStats& stats = file.levelSet.stats;
@@ -106,17 +149,13 @@ void printSurface(Table& table, const FileSurvey& file) {
                            ? "sheets meet within " + lengthOf(stats.reach, dx)
                            : "no sheets meet within the half-width");
     table.row("", percent(s.facingShare) + " of the surface has a sheet that faces it");
+    printRoom(table, s, dx);
     const std::string least = lengthOf(s.bounds.lower, dx);
     table.row("band", s.bounds.resolved ? "h from " + least + " to below " +
                                               lengthOf(s.bounds.upper, dx) + ", " + s.bounds.why
                                         : "h = " + least + ", more than " + s.bounds.why);
     table.row("", "by default jet takes " +
                       format("%.4g, godunov %.4g voxels", s.bounds.lower, s.godunovBand));
-    if (!s.bounds.resolved)
-        table.row("",
-                  format("a voxel size of at most %.4g would resolve it, but for edges that are "
-                         "sharp in truth",
-                         s.resolvingSize * dx));
     std::string why;
     constexpr std::array<const char*, igeo::kDoubts> kWhy{"bends", "facing sheets", "|grad psi|",
                                                           "cuts"};
@@ -126,8 +165,8 @@ void printSurface(Table& table, const FileSurvey& file) {
                    std::to_string(s.doubts[k]);
     table.row("doubtful", format("%.0f of %.0f band voxels (", double(s.doubtful), n) +
                               percent(double(s.doubtful) / n) + ")" + why);
-    table.row("a run", format("about %.3g MB for level set, band and march, %.2g s on one core",
-                              double(s.bytes) / 1e6, s.seconds));
+    table.row("a run",
+              format("about %.3g MB, %.2g s on one core", double(s.bytes) / 1e6, s.seconds));
 }
 
 void print(const FileSurvey& file) {
@@ -138,19 +177,57 @@ void print(const FileSurvey& file) {
     table.row("file", file.file);
     for (const igeo::GridEntry& grid : file.grids)
         table.row("grid", describe(grid, levelSet.psi && grid.name == levelSet.name));
-    if (levelSet.psi)
+    if (file.mesh) table.row("mesh", describe(*file.mesh));
+    if (file.points) table.row("points", describe(*file.points));
+    const bool fromGrid = levelSet.psi && !file.mesh && !file.points;
+    if (levelSet.psi && !fromGrid) table.row("voxels", format("of %.6g", dx));
+    if (fromGrid)
         table.row("transform", dx > 0 ? describe(levelSet.transform) : "refused, see below");
     if (stats.activeVoxels > 0) {
-        table.row("half-width", lengthOf(stats.halfWidth, dx));
-        table.row("volume", format(file.low) + " to " + format(file.high));
+        if (fromGrid) table.row("half-width", lengthOf(stats.halfWidth, dx));
+        table.row(fromGrid ? "volume" : "within", format(file.low) + " to " + format(file.high));
     }
-    if (stats.nearSurface > 0)
+    if (fromGrid && stats.nearSurface > 0)
         table.row("|grad psi|",
                   format("%.3f (median), within [0.75, 1.25] at %.1f %% of the voxels",
                          stats.gradientMedian, 100 * stats.gradientShare));
     if (file.surface) printSurface(table, file);
-    for (const std::string& warning : levelSet.warnings) table.row("warning", warning);
+    for (const std::string& warning : file.warnings) table.row("warning", warning);
     std::cout << file.verdict() << std::endl;
+}
+
+/// Surveys what --mesh or --points takes.
+FileSurvey surveyAs(std::string Options::*kind, Options options, igeo::Progress& progress) {
+    std::swap(options.sdf, options.*kind);
+    FileSurvey file;
+    file.file = options.*kind;
+    try {
+        return SurfaceInput::of(options)->survey(progress);
+    } catch (const igeo::Error& e) {
+        if (e.kind() != igeo::Error::Kind::BadInput && e.kind() != igeo::Error::Kind::Io) throw;
+        file.refusal = e;
+    }
+    return file;
+}
+
+/// Surveys a file by what it holds.
+FileSurvey surveyOf(const Options& options, igeo::Progress& progress) {
+    if (igeo::isPointFile(options.sdf)) return surveyAs(&Options::points, options, progress);
+    if (!igeo::isMeshFile(options.sdf)) {
+        FileSurvey file = SurfaceInput::of(options)->survey(progress);
+        const bool points = std::any_of(file.grids.begin(), file.grids.end(), igeo::holdsPoints);
+        const bool surface = std::any_of(file.grids.begin(), file.grids.end(),
+                                         [](const igeo::GridEntry& g) { return g.surface; });
+        if (!file.refusal || surface || !points) return file;
+        FileSurvey asPoints = surveyAs(&Options::points, options, progress);
+        asPoints.grids = file.grids;
+        return asPoints;
+    }
+    FileSurvey mesh = surveyAs(&Options::mesh, options, progress);
+    if (!mesh.refusal) return mesh;
+    // .ply and .obj hold points as well.
+    FileSurvey points = surveyAs(&Options::points, options, progress);
+    return points.refusal ? mesh : points;
 }
 
 }  // namespace
@@ -160,7 +237,7 @@ int info(const Options& options, Console& console, ConsoleProgress& progress) {
     if (problems == "-") usageError("--problems -: stdout is for the survey", "give a file");
     checkOutputFiles(options);
     const auto start = std::chrono::steady_clock::now();
-    const FileSurvey file = igeo::surveyFile(igeo::parseGridSource(options.sdf), progress);
+    const FileSurvey file = surveyOf(options, progress);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const bool asked = file.surface && !problems.empty();
     if (asked)

@@ -29,7 +29,9 @@ Examples:
   implicit-geodesic info data/torus.vdb
       whether the torus will do
   implicit-geodesic info data/box.vdb --problems doubtful.vdb
-      where results on a box are doubtful: along its edges)";
+      where results on a box are doubtful: along its edges
+  implicit-geodesic info model.obj --resolution 400
+      whether voxels of 1/400 of a mesh's longest side show all of it)";
 
 /// CLI11's own checks let "nan" pass.
 CLI::Validator number(bool mayBeZero) {
@@ -64,14 +66,32 @@ void addHelp(CLI::App& app) {
     app.set_help_flag("-h,--help", "Print this help")->group("Run");
 }
 
+std::array<CLI::Option*, 2> addVoxelSize(CLI::App& app, Options& o) {
+    auto* size = app.add_option("--voxel-size", o.voxelSize,
+                                "Of a mesh or points, world units [longest side / 256; points: "
+                                "half their spacing]")
+                     ->type_name("S")
+                     ->check(number(/*mayBeZero=*/false))
+                     ->group("Surface");
+    auto* resolution =
+        app.add_option("--resolution", o.resolution, "The same as voxels along the longest side")
+            ->type_name("N")
+            ->check(CLI::Range(8, 1 << 20))
+            ->excludes(size)
+            ->group("Surface");
+    return {size, resolution};
+}
+
 /// The subcommand `info`.
 void addInfo(CLI::App& app, Options& o) {
     CLI::App* info = app.add_subcommand(
         "info",
         "What a file holds, whether it will do as a surface, and what a run on it would take");
-    info->add_option("FILE", o.sdf, "The file, and a grid of it, as for --sdf")
+    info->add_option("FILE", o.sdf,
+                     "A volume and a grid of it, a mesh or points, as for --sdf, --mesh, --points")
         ->type_name("[:GRID]")
         ->required();
+    addVoxelSize(*info, o);
     info->add_flag("--json", o.infoJson, "Print JSON (docs/info.schema.json)")->group("Results");
     info->add_option("--problems", o.problems,
                      "Where results are doubtful, as a grid: 1 where a bound is just met, larger "
@@ -113,20 +133,7 @@ void addOptions(CLI::App& app, Options& o) {
         ->excludes(sdf)
         ->excludes(mesh)
         ->group(surface);
-    auto* voxelSize =
-        app.add_option("--voxel-size", o.voxelSize,
-                       "Of a mesh or points, world units [longest side / 256; points: "
-                       "half their spacing]")
-            ->type_name("S")
-            ->check(number(/*mayBeZero=*/false))
-            ->excludes(sdf)
-            ->group(surface);
-    app.add_option("--resolution", o.resolution, "The same as voxels along the longest side")
-        ->type_name("N")
-        ->check(CLI::Range(8, 1 << 20))
-        ->excludes(sdf)
-        ->excludes(voxelSize)
-        ->group(surface);
+    for (CLI::Option* size : addVoxelSize(app, o)) size->excludes(sdf);
     auto* rebuild =
         app.add_flag("--rebuild", o.rebuild,
                      "Make a signed distance of a volume that is none: a fog volume, another "

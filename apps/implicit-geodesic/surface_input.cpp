@@ -65,6 +65,13 @@ public:
         igeo::widen(*levelSet_, h_);
     }
 
+    igeo::FileSurvey survey(igeo::Progress& progress) override {
+        if (options_.voxelSize > 0 || options_.resolution > 0)
+            usageError("--voxel-size and --resolution are for meshes and points",
+                       "a volume has the voxels that it has: leave them out");
+        return igeo::surveyFile(igeo::parseGridSource(options_.sdf), progress);
+    }
+
     igeo::Band band(const std::vector<igeo::Ball>& region,
                     igeo::Progress& progress) const override {
         return igeo::bandFromLevelSet(*levelSet_, h_, region, progress);
@@ -127,6 +134,14 @@ public:
             chooseBandWidth(levelSet(progress).stats, report);
     }
 
+    igeo::FileSurvey survey(igeo::Progress& progress) override {
+        igeo::RunReport unused;
+        read();
+        prepare(progress, unused);
+        requireMemory();
+        return igeo::surveyMesh(mesh_, transform_.dx, progress);
+    }
+
     igeo::Band band(const std::vector<igeo::Ball>&, igeo::Progress& progress) const override {
         return igeo::bandFromMesh(mesh_, transform_.dx, h_, progress);
     }
@@ -176,13 +191,19 @@ public:
         summary_ = std::to_string(density.points) + " points, " +
                    format("spacing %.4g, scatter %.2g, %.0f pieces", density.spacing, density.noise,
                           double(density.pieces));
-        h_ = igeo::defaultBandWidth(density, kind_, transform_.dx);
-        if (options_.band > 0) h_ = options_.band / transform_.dx;
-        if (options_.bandVoxels > 0) h_ = options_.bandVoxels;
+        const igeo::BandBounds bounds = igeo::bandBounds(*surface_, kind_, transform_.dx);
+        chooseBandWidth(bounds, bounds.lower, report);
         report.file = file;
         report.halfWidth = h_;
         report.largestCurvature = density.largestCurvature * transform_.dx;
-        report.bandLower = report.bandUpper = h_;
+    }
+
+    igeo::FileSurvey survey(igeo::Progress& progress) override {
+        igeo::RunReport unused;
+        read();
+        prepare(progress, unused);
+        requireMemory();
+        return igeo::surveyPoints(*surface_, transform_.dx, progress);
     }
 
     igeo::Band band(const std::vector<igeo::Ball>&, igeo::Progress& progress) const override {
@@ -259,15 +280,22 @@ std::vector<std::string> SurfaceInput::warnings() const {
 }
 
 void SurfaceInput::chooseBandWidth(const igeo::LevelSetStats& stats, igeo::RunReport& report) {
-    const double dx = transform_.dx;
     const igeo::BandBounds bounds =
         igeo::bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
+    // jet works on foot points, for which the narrowest band is enough.
+    chooseBandWidth(bounds,
+                    options_.scheme == "jet"
+                        ? bounds.lower
+                        : igeo::defaultBandWidth(options_.order, stats.largestCurvature, bounds),
+                    report);
+}
+
+void SurfaceInput::chooseBandWidth(const igeo::BandBounds& bounds, double best,
+                                   igeo::RunReport& report) {
+    const double dx = transform_.dx;
     report.bandLower = bounds.lower;
     report.bandUpper = bounds.upper;
-    // jet works on foot points, for which the narrowest band is enough.
-    h_ = options_.scheme == "jet"
-             ? bounds.lower
-             : igeo::defaultBandWidth(options_.order, stats.largestCurvature, bounds);
+    h_ = best;
     if (options_.band > 0) h_ = igeo::requireBandWidth(options_.band / dx, bounds, dx);
     if (options_.bandVoxels > 0) h_ = igeo::requireBandWidth(options_.bandVoxels, bounds, dx);
     if (!bounds.resolved)

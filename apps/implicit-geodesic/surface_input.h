@@ -7,6 +7,7 @@
 #include <igeo/progress.h>
 #include <igeo/report.h>
 #include <igeo/surface_mesh.h>
+#include <igeo/survey.h>
 
 #include <memory>
 #include <optional>
@@ -26,6 +27,10 @@ public:
     /// Checks that it is a surface, says in the report what was found, and chooses h, as asked for
     /// or for the scheme.
     virtual void prepare(igeo::Progress& progress, igeo::RunReport& report) = 0;
+
+    /// Instead of both: what the file is like to walk on. A volume that is refused says so in its
+    /// survey.
+    virtual igeo::FileSurvey survey(igeo::Progress& progress) = 0;
 
     /// The band in a region; empty: of the whole surface. Some kinds make the whole all the same.
     virtual igeo::Band band(const std::vector<igeo::Ball>& region,
@@ -62,8 +67,9 @@ public:
 protected:
     explicit SurfaceInput(const Options& options) : options_(options) {}
     virtual igeo::LevelSet makeLevelSet(igeo::Progress& progress) = 0;
-    /// h within M&S (14).
+    /// h within M&S (14), as asked for or the best.
     void chooseBandWidth(const igeo::LevelSetStats& stats, igeo::RunReport& report);
+    void chooseBandWidth(const igeo::BandBounds& bounds, double best, igeo::RunReport& report);
     /// The voxel size asked for, else as many voxels as `resolution` along the longest side.
     double voxelSize(double longest, int resolution) const;
 

@@ -11,16 +11,14 @@ namespace igeo {
 
 namespace {
 
-const double kSqrt3 = std::sqrt(3.0);
-
 // Flat surfaces have no largest curvature; no band of a real grid is wider than this.
 constexpr double kLargestRadius = 1e6;
 
 }  // namespace
 
-BandBounds bandBounds(double largestCurvature, double reach, double halfWidth) {
+BandBounds bandBounds(double largestCurvature, double reach, double halfWidth, double lower) {
     BandBounds b;
-    b.lower = kSqrt3;
+    b.lower = lower;
     const double radius = largestCurvature > 0 ? 1 / largestCurvature : kLargestRadius;
     b.upper = std::min(radius, kLargestRadius);
     b.why = "the surface's smallest radius of curvature";
@@ -49,9 +47,10 @@ double requireBandWidth(double h, const BandBounds& bounds, double dx) {
     std::array<char, 400> text{};
     std::snprintf(text.data(), text.size(),
                   "a band of h = %.6g (%.4g voxels) is outside the bounds of M&S (14): at least "
-                  "%.6g (sqrt(3) voxels) and below %.6g (%.4g voxels), %s",
-                  h * dx, h, bounds.lower * dx, bounds.upper * dx, bounds.upper,
-                  bounds.why.c_str());
+                  "%.6g (%s) and below %.6g (%.4g voxels), %s",
+                  h * dx, h, bounds.lower * dx,
+                  bounds.lower == std::sqrt(3.0) ? "sqrt(3) voxels" : "so that balls overlap",
+                  bounds.upper * dx, bounds.upper, bounds.why.c_str());
     throw Error(Error::Kind::InvalidArgument, text.data(),
                 bounds.resolved ? "leave --band out for the best width within the bounds"
                                 : "the grid resolves no wider band: leave --band out, or use a "

@@ -1,14 +1,16 @@
 /// How wide the band may be, and how wide it is best.
 #pragma once
 
+#include <cmath>
 #include <string>
 
 namespace igeo {
 
 /// M&S (14) in voxels: sqrt(3) <= h < min(1 / M_S, W).
 struct BandBounds {
-    double lower;     ///< sqrt(3): every corner of every cell that S passes lies in the band
-    double upper;     ///< h stays below it; never less than `lower`
+    double lower;  ///< sqrt(3), so that every corner of every cell that S passes lies in the band;
+                   ///< more for balls around points, which have to overlap
+    double upper;  ///< h stays below it; never less than `lower`
     std::string why;  ///< what sets `upper`, for messages
     bool resolved;    ///< false: S bends or folds within sqrt(3) voxels, so (14) cannot be met
 };
@@ -16,7 +18,9 @@ struct BandBounds {
 /// @param largestCurvature M_S, per voxel (LevelSetStats::largestCurvature); 0: flat
 /// @param reach            W, voxels (LevelSetStats::reach)
 /// @param halfWidth        how far psi is known, voxels: W cannot be seen beyond it
-BandBounds bandBounds(double largestCurvature, double reach, double halfWidth);
+/// @param lower            what h has to be at least, voxels
+BandBounds bandBounds(double largestCurvature, double reach, double halfWidth,
+                      double lower = std::sqrt(3.0));
 
 /// The half-width, voxels, at which `godunov` errs least: max(sqrt(3), (R/dx)^e), R = 1/M_S, held
 /// within the bounds.

@@ -1,6 +1,7 @@
 #include <igeo/point_band.h>
 
 #include <igeo/error.h>
+#include <igeo/medial_radii.h>
 #include <igeo/parallel.h>
 
 #include <algorithm>
@@ -183,6 +184,16 @@ double defaultVoxelSize(const CloudDensity& density, PointBandKind kind) {
 double defaultBandWidth(const CloudDensity& density, PointBandKind kind, double dx) {
     const double s = kind == PointBandKind::Balls ? density.spacing99 / dx : 0;
     return std::sqrt(3 + s * s);
+}
+
+BandBounds bandBounds(const PointSurface& surface, PointBandKind kind, double dx) {
+    const std::size_t n = surface.points().size();
+    std::vector<Vec3d> points(n), normals(n);
+    for (std::size_t i = 0; i < n; ++i)
+        points[i] = surface.points()[i], normals[i] = surface.normal(i);
+    const double reach = MedialRadii::quantile(medialRadii(points, normals).facing, 0.01) / dx;
+    return bandBounds(surface.density().largestCurvature * dx, reach, kInfinity,
+                      defaultBandWidth(surface.density(), kind, dx));
 }
 
 Band bandFromPoints(const PointSurface& surface, PointBandKind kind, double dx, double h,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band.h>
+#include <igeo/band_width.h>
 #include <igeo/point_surface.h>
 #include <igeo/progress.h>
 
@@ -21,6 +22,11 @@ double defaultVoxelSize(const CloudDensity& density, PointBandKind kind);
 /// with s the 99th percentile of the spacing, so that a ball reaches sqrt(3) voxels off the surface
 /// where points are s apart.
 double defaultBandWidth(const CloudDensity& density, PointBandKind kind, double dx);
+
+/// M&S (14) for such a band: from defaultBandWidth() to below the radius of curvature (95th
+/// percentile) and half the way between sheets that face each other (1st percentile, MedialRadii).
+/// Time O(n log n).
+BandBounds bandBounds(const PointSurface& surface, PointBandKind kind, double dx);
 
 /// Numbers the voxels of the band on the lattice dx Z^3; their foot points and normals.
 ///

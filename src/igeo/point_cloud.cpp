@@ -145,6 +145,12 @@ PointCloud pointsFromPly(const std::string& file, const std::string& bytes) {
 
 }  // namespace
 
+bool isPointFile(const std::string& file) {
+    const std::string ending = endingOf(file);
+    return ending == ".xyz" || ending == ".txt" || ending == ".csv" || ending == ".pts" ||
+           ending == ".asc";
+}
+
 PointCloud readPointCloud(const std::string& file) {
     const std::string ending = endingOf(file);
     PointCloud cloud;
@@ -154,8 +160,7 @@ PointCloud readPointCloud(const std::string& file) {
         cloud = pointsFromPly(file, bytesOf(file));
     else if (ending == ".obj")
         cloud = pointsFromObj(file, bytesOf(file));
-    else if (ending == ".xyz" || ending == ".txt" || ending == ".csv" || ending == ".pts" ||
-             ending == ".asc")
+    else if (isPointFile(file))
         cloud = pointsFromText(file, bytesOf(file));
     else
         throw Error(Kind::BadInput, file + ": '" + ending + "' is no ending of a cloud of points",

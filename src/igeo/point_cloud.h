@@ -15,6 +15,10 @@ struct PointCloud {
     std::vector<Vec3f> normals;  ///< per point, of any length but zero; empty: none are known
 };
 
+/// Whether a file is points by the ending of its name, and nothing else: .xyz .txt .csv .pts .asc,
+/// in any case.
+bool isPointFile(const std::string& file);
+
 /// Reads a cloud, by the ending of the file's name:
 ///
 /// - `.ply`: text or binary of either byte order; x y z and, if all three are there, nx ny nz of

@@ -59,7 +59,8 @@ PointTree::Found PointTree::nearest(const Vec3d& p) const {
     return found.front();
 }
 
-void PointTree::nearest(const Vec3d& p, std::size_t count, std::vector<Found>& found) const {
+void PointTree::nearest(const Vec3d& p, std::size_t count, std::vector<Found>& found,
+                        double within) const {
     found.clear();
     count = std::min(count, size());
     if (count == 0) return;
@@ -72,12 +73,13 @@ void PointTree::nearest(const Vec3d& p, std::size_t count, std::vector<Found>& f
         return Waiting{boxes_[(std::size_t(1) << level) - 1 + k].squaredDistance(p), level, k};
     };
     // `found` is a heap with the farthest on top. Equals go on, as the lower number may be there.
+    const double most = within * within;
     Waiting stack[64];
     std::size_t top = 0;
     stack[top++] = boxAt(0, 0);
     while (top > 0) {
         const Waiting w = stack[--top];
-        if (found.size() == count && w.squared > found.front().squared) continue;
+        if (w.squared > (found.size() == count ? found.front().squared : most)) continue;
         if (w.level < levels_) {
             Waiting near = boxAt(w.level + 1, 2 * w.box), far = boxAt(w.level + 1, 2 * w.box + 1);
             if (far.squared < near.squared) std::swap(near, far);
@@ -88,6 +90,7 @@ void PointTree::nearest(const Vec3d& p, std::size_t count, std::vector<Found>& f
         for (std::size_t i = edge(w.level, w.box); i < edge(w.level, w.box + 1); ++i) {
             const Vec3d r = p - points_[i];
             const Found here{dot(r, r), Index(i)};
+            if (here.squared > most) continue;
             if (found.size() == count) {
                 if (!(here < found.front())) continue;
                 std::pop_heap(found.begin(), found.end());

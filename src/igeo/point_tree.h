@@ -37,8 +37,9 @@ public:
 
     /// The point nearest to p, the lower number of equals. The tree must not be empty.
     Found nearest(const Vec3d& p) const;
-    /// The `count` points nearest to p, nearest first.
-    void nearest(const Vec3d& p, std::size_t count, std::vector<Found>& found) const;
+    /// The `count` points nearest to p, nearest first; fewer if not so many are within a distance.
+    void nearest(const Vec3d& p, std::size_t count, std::vector<Found>& found,
+                 double within = kInfinity) const;
 
     /// Gives each point a radius, for forReaching.
     void setReach(std::vector<double> reach);

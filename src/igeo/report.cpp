@@ -246,7 +246,8 @@ json gridJson(const GridEntry& g) {
             {"activeVoxels", g.activeVoxels ? json(*g.activeVoxels) : json(nullptr)},
             {"surface", g.surface},
             {"weight", g.weight},
-            {"obstacle", g.obstacle}};
+            {"obstacle", g.obstacle},
+            {"points", holdsPoints(g)}};
 }
 
 json boxJson(const Vec3d& low, const Vec3d& high) { return {triple(low), triple(high)}; }
@@ -279,21 +280,40 @@ json pieceJson(const SurfacePiece& p, double dx) {
             {"genus", p.genus}};
 }
 
+json meshJson(const MeshFacts& m) {
+    return {{"points", m.points},
+            {"triangles", m.triangles},
+            {"dropped", m.dropped},
+            {"components", m.components},
+            {"boundaryEdges", m.boundaryEdges},
+            {"nonManifoldEdges", m.nonManifoldEdges},
+            {"nonOrientable", m.nonOrientable},
+            {"closed", m.closed}};
+}
+
+json cloudJson(const CloudDensity& d) {
+    return {{"points", d.points},   {"duplicates", d.duplicates}, {"isolated", d.isolated},
+            {"spacing", d.spacing}, {"spacing99", d.spacing99},   {"scatter", d.noise},
+            {"pieces", d.pieces}};
+}
+
 json surfaceJson(const FileSurvey& file) {
     const SurfaceSurvey& s = *file.surface;
     const LevelSetStats& stats = file.levelSet.stats;
     const double dx = file.levelSet.transform.dx;
     const auto doubts = [&](Doubt kind) { return s.doubts[std::size_t(kind)]; };
-    json j = {{"area", s.area * dx * dx}, {"pieces", json::array()}};
+    json j = {{"voxelSize", dx}, {"area", s.area * dx * dx}, {"pieces", json::array()}};
     for (const SurfacePiece& p : s.pieces) j["pieces"].push_back(pieceJson(p, dx));
     j["curvature"] = {{"largest", s.largestCurvature / dx},
                       {"percentile95", stats.largestCurvature / dx}};
     j["reach"] = stats.reach < stats.halfWidth ? json(stats.reach * dx) : json(nullptr);
     j["facingShare"] = s.facingShare;
+    j["room"] = {{"radius95", finiteOrNull(s.medialRadius * dx)},
+                 {"facingRadius99", finiteOrNull(s.facingRadius * dx)},
+                 {"resolvingVoxelSize", finiteOrNull(s.resolvingSize * dx)}};
     j["band"] = {{"boundsVoxels", {s.bounds.lower, s.bounds.upper}},
                  {"upperBoundFrom", s.bounds.why},
                  {"resolved", s.bounds.resolved},
-                 {"resolvingVoxelSize", finiteOrNull(s.resolvingSize * dx)},
                  {"jetVoxels", s.bounds.lower},
                  {"godunovVoxels", s.godunovBand},
                  {"nodes", file.band.size()}};
@@ -314,9 +334,12 @@ std::string surveyJson(const FileSurvey& file) {
     j["file"] = file.file;
     j["grids"] = json::array();
     for (const GridEntry& g : file.grids) j["grids"].push_back(gridJson(g));
-    j["levelSet"] = file.levelSet.psi ? levelSetJson(file) : json(nullptr);
+    j["mesh"] = file.mesh ? meshJson(*file.mesh) : json(nullptr);
+    j["points"] = file.points ? cloudJson(*file.points) : json(nullptr);
+    const bool fromGrid = file.levelSet.psi && !file.mesh && !file.points;
+    j["levelSet"] = fromGrid ? levelSetJson(file) : json(nullptr);
     j["surface"] = file.surface ? surfaceJson(file) : json(nullptr);
-    j["warnings"] = file.levelSet.warnings;
+    j["warnings"] = file.warnings;
     j["usable"] = !file.refusal;
     j["withCare"] = file.withCare();
     j["verdict"] = file.verdict();

@@ -5,7 +5,10 @@
 #include <igeo/format.h>
 #include <igeo/leaf_block.h>
 #include <igeo/level_set_band.h>
+#include <igeo/medial_radii.h>
+#include <igeo/mesh_band.h>
 #include <igeo/parallel.h>
+#include <igeo/point_band.h>
 #include <igeo/steps.h>
 #include <igeo/surface_mesh.h>
 
@@ -113,6 +116,23 @@ void spreadDoubts(const Band& band, const std::vector<Judgement>& core, SurfaceS
     }
 }
 
+// Room
+
+void measureRoom(const Band& band, const std::vector<NodeIndex>& nodes, SurfaceSurvey& s) {
+    // So many show any feature that a voxel can resolve on all but the largest surfaces.
+    constexpr std::size_t kMost = 2000000;
+    const std::size_t stride = nodes.size() / kMost + 1;
+    std::vector<Vec3d> points, normals;
+    for (std::size_t c = 0; c < nodes.size(); c += stride) {
+        points.push_back(band.footPoint(nodes[c]));
+        normals.push_back(Vec3d(band.normal[nodes[c]]));
+    }
+    const MedialRadii radii = medialRadii(points, normals);
+    s.medialRadius = MedialRadii::quantile(radii.radius, 0.05);
+    s.facingRadius = MedialRadii::quantile(radii.facing, 0.01);
+    s.resolvingSize = std::min(s.medialRadius, s.facingRadius) / std::sqrt(3.0);
+}
+
 // Pieces
 
 /// Per core node the least node that a front from there comes to.
@@ -203,13 +223,9 @@ std::vector<MeshPart> partsOf(const SurfaceMesh& mesh, const std::vector<NodeInd
     return all;
 }
 
-void findPieces(const LevelSet& levelSet, const Band& band, const std::vector<NodeIndex>& nodes,
-                SurfaceSurvey& s, Progress& progress) {
+void findPieces(const Band& band, const SurfaceMesh& mesh, const std::vector<NodeIndex>& nodes,
+                SurfaceSurvey& s) {
     const std::vector<NodeIndex> piece = connect(band, nodes);
-    progress.throwIfCancelled();
-    const SurfaceMesh mesh = surfaceMesh(levelSet, band, progress);
-    progress.update("survey", 0.6);
-
     std::map<NodeIndex, SurfacePiece> found;
     for (const MeshPart& part : partsOf(mesh, piecesOfVertices(band, mesh, piece))) {
         const auto most =
@@ -242,31 +258,29 @@ void findPieces(const LevelSet& levelSet, const Band& band, const std::vector<No
 
 }  // namespace
 
-SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, Progress& progress) {
+double facingShare(const Band& band) {
+    std::size_t facing = 0;
+    for (NodeIndex i = 0; i < band.size(); ++i) facing += band.facing[i] && band.inCore(i);
+    return band.coreSize() > 0 ? double(facing) / double(band.coreSize()) : 0;
+}
+
+SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, const SurfaceMesh& mesh,
+                     Progress& progress) {
     const LevelSetStats& stats = levelSet.stats;
     SurfaceSurvey s;
     s.bounds = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
     s.godunovBand = defaultBandWidth(2, stats.largestCurvature, s.bounds);
-    const double radius = stats.largestCurvature > 0 ? 1 / stats.largestCurvature : kInfinity;
-    // Beyond the half-width no sheet is seen.
-    const double reach = stats.reach < stats.halfWidth ? stats.reach : kInfinity;
-    s.resolvingSize = std::min(radius, reach) / s.bounds.lower;
-
     const std::vector<NodeIndex> nodes = coreNodes(band);
     const std::vector<Judgement> judged =
         judgeCore(levelSet, band, nodes, s.bounds.lower, progress);
-    std::size_t facing = 0;
-    for (std::size_t c = 0; c < nodes.size(); ++c) {
-        s.largestCurvature = std::max(s.largestCurvature, double(judged[c].curvature));
-        facing += band.facing[nodes[c]];
-    }
-    s.facingShare = nodes.empty() ? 0 : double(facing) / double(nodes.size());
+    for (const Judgement& j : judged)
+        s.largestCurvature = std::max(s.largestCurvature, double(j.curvature));
+    s.facingShare = facingShare(band);
     spreadDoubts(band, judged, s);
-    findPieces(levelSet, band, nodes, s, progress);
-
-    const double n = double(band.size());
-    s.bytes = levelSet.psi->memUsage() + band.memUsage() + std::uint64_t(kJetBytesPerNode * n);
-    s.seconds = kJetSecondsPerNode * n;
+    measureRoom(band, nodes, s);
+    progress.throwIfCancelled();
+    findPieces(band, mesh, nodes, s);
+    progress.throwIfCancelled();
     return s;
 }
 
@@ -285,10 +299,38 @@ void measureBox(FileSurvey& file) {
     file.low = world.low, file.high = world.high;
 }
 
+/// Makes a level set of a surface that is no grid, to survey it on; `fill` makes its band of a
+/// width.
+template <typename Fill>
+void putOnGrid(FileSurvey& file, bool closed, const std::string& name, const Fill& fill,
+               Progress& progress) {
+    constexpr double kRoomForDifferences = 3;
+    file.levelSet = levelSetFromBand(fill(kRoomForDifferences), closed, file.file, name, progress);
+    // They speak of a volume, where a rim is a fault.
+    file.levelSet.warnings.clear();
+    measureBox(file);
+    file.band = fill(std::sqrt(3.0));
+}
+
+void estimate(FileSurvey& file, const RunCost& cost) {
+    const double n = double(file.band.size());
+    file.surface->bytes = std::uint64_t(kProgramBytes + cost.bytesPerNode * n);
+    file.surface->seconds = cost.secondsPerNode * n;
+}
+
+/// As it is, without normals.
+SurfaceMesh trianglesOf(const TriangleMesh& mesh, const Similarity& transform) {
+    SurfaceMesh surface;
+    for (const Vec3d& p : mesh.points) surface.position.push_back(transform.indexFromWorld(p));
+    surface.normal.resize(mesh.points.size());
+    surface.triangles = mesh.triangles;
+    return surface;
+}
+
 }  // namespace
 
 bool FileSurvey::withCare() const {
-    return surface && !(surface->bounds.resolved && levelSet.warnings.empty());
+    return surface && !(surface->bounds.resolved && warnings.empty());
 }
 
 std::string FileSurvey::verdict() const {
@@ -308,6 +350,10 @@ std::string FileSurvey::verdict() const {
            format("%.2g voxels", surface->bounds.lower) + ", less than the grid resolves";
 }
 
+bool holdsPoints(const GridEntry& grid) {
+    return grid.type == openvdb::typeNameAsString<openvdb::PointDataIndex32>();
+}
+
 FileSurvey surveyFile(const GridSource& source, Progress& progress) {
     FileSurvey file;
     file.file = source.file == "-" ? "standard input" : source.file;
@@ -319,12 +365,48 @@ FileSurvey surveyFile(const GridSource& source, Progress& progress) {
         if (e.kind() != Error::Kind::BadInput && e.kind() != Error::Kind::Io) throw;
         file.refusal = e;
     }
+    file.warnings = file.levelSet.warnings;
     if (file.levelSet.transform.dx > 0 && file.levelSet.psi) measureBox(file);
     if (file.refusal) return file;
     const LevelSetStats& stats = file.levelSet.stats;
     const BandBounds bounds = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
     file.band = bandFromLevelSet(file.levelSet, bounds.lower, {}, progress);
-    file.surface = survey(file.levelSet, file.band, progress);
+    file.surface =
+        survey(file.levelSet, file.band, surfaceMesh(file.levelSet, file.band, progress), progress);
+    estimate(file, kVolumeCost);
+    return file;
+}
+
+FileSurvey surveyMesh(const TriangleMesh& mesh, double dx, Progress& progress) {
+    const MeshTopology topology = meshTopology(mesh);
+    FileSurvey file;
+    file.file = mesh.file;
+    file.warnings = mesh.warnings;
+    file.mesh = MeshFacts{mesh.points.size(),     mesh.triangles.size(),  mesh.dropped,
+                          topology.components,    topology.boundaryEdges, topology.nonManifoldEdges,
+                          topology.nonOrientable, topology.closed()};
+    putOnGrid(
+        file, topology.closed(), "mesh",
+        [&](double h) { return bandFromMesh(mesh, dx, h, progress); }, progress);
+    file.surface =
+        survey(file.levelSet, file.band, trianglesOf(mesh, file.band.transform), progress);
+    estimate(file, kMeshCost);
+    file.surface->seconds += kSecondsPerTriangle * double(mesh.triangles.size());
+    return file;
+}
+
+FileSurvey surveyPoints(const PointSurface& surface, double dx, Progress& progress) {
+    FileSurvey file;
+    file.file = surface.file();
+    file.points = surface.density();
+    file.warnings = densityWarnings(surface.density(), surface.file());
+    putOnGrid(
+        file, /*closed=*/false, "points",
+        [&](double h) { return bandFromPoints(surface, PointBandKind::Fits, dx, h, progress); },
+        progress);
+    file.surface =
+        survey(file.levelSet, file.band, surfaceMesh(file.levelSet, file.band, progress), progress);
+    estimate(file, kPointsCost);
     return file;
 }
 

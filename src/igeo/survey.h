@@ -1,11 +1,15 @@
-/// What a file, and a level set in it, are like as a surface to walk on, before any walk.
+/// What a file, and the surface in it, are like to walk on, before any walk.
 #pragma once
 
 #include <igeo/band.h>
 #include <igeo/band_width.h>
+#include <igeo/cloud_density.h>
 #include <igeo/error.h>
 #include <igeo/level_set.h>
+#include <igeo/point_surface.h>
 #include <igeo/progress.h>
+#include <igeo/surface_mesh.h>
+#include <igeo/triangle_mesh.h>
 #include <igeo/vdb_io.h>
 
 #include <array>
@@ -51,37 +55,64 @@ struct SurfaceSurvey {
     std::size_t doubtful = 0;                   ///< nodes with any
     std::array<std::size_t, kDoubts> doubts{};  ///< nodes with each
 
-    /// Largest voxel size, in voxels of now, at which M&S (14) would hold for the 95th percentile
-    /// of curvature and for the reach. Edges that are sharp in truth stay so at any size.
-    double resolvingSize = 0;
-    std::uint64_t bytes = 0;  ///< estimate of what band, level set and march of `jet` need
-    double seconds = 0;       ///< estimate for band and march on one core
+    /// 95 % of the surface has room for balls of this radius, and 99 % is twice `facingRadius` or
+    /// more from sheets that face it (MedialRadii). Of a level set only what its voxels show.
+    double medialRadius = kInfinity, facingRadius = kInfinity;
+    /// Largest voxel size, in voxels of now, at which M&S (14) holds by these: the smaller of the
+    /// two over sqrt(3). Where much of the surface is next to sharp edges, that is small.
+    double resolvingSize = kInfinity;
+    /// Estimates of a whole run with `jet` from one seed that writes the distance: memory of the
+    /// process, processor time.
+    std::uint64_t bytes = 0;
+    double seconds = 0;
 };
 
-/// Of band and march with `jet` together, from docs/accuracy.md (a core at 2.5 GHz). Constants, not
-/// a trial march, so that a survey says the same every time.
-constexpr double kJetSecondsPerNode = 0.42e-6, kJetBytesPerNode = 33;
+/// What a run takes per node of the band, on a core at 2.5 GHz, beside kProgramBytes. Measured
+/// (docs/accuracy.md), and constants: a survey says the same every time.
+struct RunCost {
+    double bytesPerNode, secondsPerNode;
+};
+constexpr RunCost kVolumeCost{95, 0.55e-6}, kMeshCost{105, 0.9e-6}, kPointsCost{95, 16e-6};
+constexpr double kProgramBytes = 45e6, kSecondsPerTriangle = 5e-6;
 
-/// Describes a level set and the band on it.
+/// The share of the core that a sheet faces within two voxels, so that a front there depends on
+/// Band::linked. Time O(n).
+double facingShare(const Band& band);
+
+/// Describes a surface, on a grid.
 ///
 /// Pieces are those of the core, connected where Band::linked lets a front pass; areas, rims and
-/// genus are those of surfaceMesh(). Doubts are judged at the nodes of the core, curvature by the
+/// genus are those of the mesh. Doubts are judged at the nodes of the core, curvature by the
 /// Hessian of psi there as in checkLevelSet; other nodes take the largest of the core around their
 /// foot points.
-/// @param band bandFromLevelSet() of the whole level set, h >= sqrt(3) voxels
+/// @param band  of all of the level set, h >= sqrt(3) voxels
+/// @param mesh  the surface as triangles, index space; normals may be zero (surfaceMesh)
 /// @throws Error  Cancelled through `progress`
 /// Time O(n log n), mostly parallel; 100 bytes per core node while it works. Areas are those of
 /// flat triangles: second order in dx.
-SurfaceSurvey survey(const LevelSet& levelSet, const Band& band,
+SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, const SurfaceMesh& mesh,
                      Progress& progress = Progress::none());
+
+/// A triangle mesh in numbers.
+struct MeshFacts {
+    std::size_t points = 0, triangles = 0, dropped = 0;  ///< as in TriangleMesh
+    std::size_t components = 0, boundaryEdges = 0, nonManifoldEdges = 0,
+                nonOrientable = 0;  ///< as in MeshTopology
+    bool closed = false;
+};
 
 /// What a file holds, and the surface among it. Where it is refused, what was found out before.
 struct FileSurvey {
-    std::string file;              ///< as named
-    std::vector<GridEntry> grids;  ///< all of them
-    LevelSet levelSet;             ///< psi null: none was chosen; else as checkLevelSet leaves it
-    Vec3d low, high;               ///< box of its active voxels, world; if transform.dx is not 0
-    Band band;                     ///< of the default width for `jet`
+    std::string file;                    ///< as named
+    std::vector<GridEntry> grids;        ///< of a VDB file: all of them
+    std::optional<MeshFacts> mesh;       ///< of a mesh
+    std::optional<CloudDensity> points;  ///< of points
+    /// psi null: none was chosen; else as checkLevelSet leaves it. Of a mesh or points: made of
+    /// their band.
+    LevelSet levelSet;
+    Vec3d low, high;  ///< box of its active voxels, world; if transform.dx is not 0
+    Band band;        ///< of the default width for `jet`
+    std::vector<std::string> warnings;     ///< what a user should know, one sentence each
     std::optional<SurfaceSurvey> surface;  ///< none where it is refused
     std::optional<Error> refusal;          ///< BadInput or Io
 
@@ -91,8 +122,20 @@ struct FileSurvey {
     std::string verdict() const;
 };
 
-/// Reads, checks and surveys.
+/// Whether a grid holds points, for readPointCloud.
+bool holdsPoints(const GridEntry& grid);
+
+/// Reads, checks and surveys a grid.
 /// @throws Error  Cancelled through `progress`, and what is neither BadInput nor Io
 FileSurvey surveyFile(const GridSource& source, Progress& progress = Progress::none());
+
+/// Surveys a mesh on voxels of size dx, by way of the level set that its band gives.
+/// @throws Error  as bandFromMesh
+FileSurvey surveyMesh(const TriangleMesh& mesh, double dx, Progress& progress = Progress::none());
+
+/// Surveys points, as `jet` takes them, on voxels of size dx.
+/// @throws Error  as bandFromPoints
+FileSurvey surveyPoints(const PointSurface& surface, double dx,
+                        Progress& progress = Progress::none());
 
 }  // namespace igeo

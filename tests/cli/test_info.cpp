@@ -1,7 +1,12 @@
 // The subcommand info: what it finds out of good files and of bad ones.
+#include <openvdb/points/PointConversion.h>
 #include <support/catch.h>
+#include <support/clouds.h>
+#include <support/mesh_shapes.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "program.h"
 #include "vdb_files.h"
@@ -25,6 +30,20 @@ json surveyed(const Desk& desk, const std::string& source, int exitCode) {
     const json j = json::parse(asJson.out);
     CHECK(lines(words.out).back() == j["verdict"].get<std::string>());
     return j;
+}
+
+std::string xyz(const igeo::PointCloud& cloud) {
+    std::ostringstream text;
+    text.precision(17);
+    for (const igeo::Vec3d& p : cloud.points) text << p.x << " " << p.y << " " << p.z << "\n";
+    return text.str();
+}
+
+/// Two squares of side 1, `gap` apart, that look away from each other.
+igeo::TriangleMesh plates(double gap) {
+    const auto upper = [=](double u, double v) { return igeo::Vec3d{u, v, gap}; };
+    const auto lower = [](double u, double v) { return igeo::Vec3d{v, u, 0}; };
+    return together(sheet(20, 20, upper), sheet(20, 20, lower));
 }
 
 }  // namespace
@@ -95,6 +114,112 @@ TEST_CASE("info: what it says of the surface is what a run says") {
               readBytes(desk / "survey.json"));
 }
 
+TEST_CASE("info: a mesh, closed or open") {
+    const Desk desk;
+    const double dx = 0.05;
+    writeMesh(igeo::test::sphereMesh({1, 2, 3}, 1, 4), desk / "in.ply");
+    const json ball = surveyed(desk, "in.ply --voxel-size 0.05", 0);
+    CHECK(ball["grids"].empty());
+    CHECK(ball["levelSet"].is_null());
+    CHECK(ball["points"].is_null());
+    CHECK(ball["mesh"]["triangles"] == 20 * 256);
+    CHECK(ball["mesh"]["points"] == 10 * 256 + 2);
+    CHECK(ball["mesh"]["closed"] == true);
+    CHECK(ball["mesh"]["components"] == 1);
+    CHECK(ball["verdict"] == "usable: closed surface, 1 piece, genus 0, resolved");
+    const json &s = ball["surface"], &room = s["room"];
+    CHECK(s["voxelSize"].get<double>() == Approx(dx));
+    // Of the flat triangles, edges 0.08 long: short by their square over 8 in the radius.
+    CHECK(s["area"].get<double>() == Approx(4 * M_PI).epsilon(0.002));
+    // Balls grow to the sphere itself; they stop a twentieth before.
+    CHECK(room["radius95"].get<double>() == Approx(1).epsilon(0.06));
+    CHECK(room["resolvingVoxelSize"].get<double>() == Approx(1 / std::sqrt(3.0)).epsilon(0.06));
+    // What a run of it says.
+    requireDone(desk, "--mesh in.ply --voxel-size 0.05 --seed 1,2,4 -q -o out.vdb --json r.json");
+    CHECK(s["band"]["nodes"] == json::parse(readBytes(desk / "r.json"))["band"]["nodes"]);
+    // By default 256 voxels across.
+    CHECK(surveyed(desk, "in.ply", 0)["surface"]["voxelSize"].get<double>() ==
+          Approx(2.0 / 256).epsilon(0.01));
+    CHECK(surveyed(desk, "in.ply --resolution 20", 0)["surface"]["voxelSize"].get<double>() ==
+          Approx(0.1).epsilon(0.01));
+    for (const char* threads : {"1", "2"})
+        CHECK(json::parse(
+                  desk.run(std::string("info in.ply --voxel-size 0.05 --json --threads ") + threads)
+                      .out) == ball);
+
+    const auto plane = [](double u, double v) { return igeo::Vec3d{u, v, 0.1 * u}; };
+    const auto frame = [](double u, double v) {
+        return std::abs(u - 0.5) > 0.2 || std::abs(v - 0.5) > 0.2;
+    };
+    writeMesh(igeo::test::sheet(20, 20, plane, frame), desk / "open.obj");
+    const json open = surveyed(desk, "open.obj", 0);
+    CHECK(open["mesh"]["closed"] == false);
+    // Twenty edges along each side, eight along each side of the hole.
+    CHECK(open["mesh"]["boundaryEdges"] == 4 * 20 + 4 * 8);
+    CHECK(open["surface"]["pieces"][0]["rims"] == 2);
+    CHECK(open["surface"]["pieces"][0]["genus"] == 0);
+    CHECK(open["surface"]["room"]["radius95"].is_null());
+    CHECK_THAT(open["verdict"].get<std::string>(),
+               Catch::StartsWith("usable: surface with a rim, 1 piece, genus 0"));
+}
+
+TEST_CASE("info: which voxels would tell the sheets of a mesh apart") {
+    const Desk desk;
+    writeMesh(plates(0.1), desk / "in.ply");
+    // M&S (14): half the gap is at least sqrt(3) voxels.
+    const double wanted = 0.05 / std::sqrt(3.0);
+    const json coarse = surveyed(desk, "in.ply --voxel-size 0.05", 0);
+    const json& room = coarse["surface"]["room"];
+    CHECK(room["facingRadius99"].get<double>() == Approx(0.05).epsilon(0.06));
+    CHECK(room["resolvingVoxelSize"].get<double>() == Approx(wanted).epsilon(0.06));
+    CHECK_THAT(coarse["verdict"].get<std::string>(), Catch::StartsWith("usable with care"));
+    CHECK(coarse["surface"]["facingShare"] > 0.5);
+    const std::string size = std::to_string(0.9 * room["resolvingVoxelSize"].get<double>());
+    const json fine = surveyed(desk, "in.ply --voxel-size " + size, 0);
+    CHECK(fine["surface"]["facingShare"] == 0);
+    CHECK(fine["surface"]["pieces"].size() == 2);
+    CHECK_THAT(fine["verdict"].get<std::string>(), Catch::StartsWith("usable: surface with a rim"));
+}
+
+TEST_CASE("info: points, as text, PLY and in a volume") {
+    const Desk desk;
+    const igeo::PointCloud cloud = igeo::test::sphereCloud(1000, 1, {0, 0, 0});
+    writeBytes(desk / "in.xyz", xyz(cloud));
+    const json text = surveyed(desk, "in.xyz", 0);
+    CHECK(text["mesh"].is_null());
+    CHECK(text["levelSet"].is_null());
+    CHECK(text["points"]["points"] == 1000);
+    CHECK(text["points"]["pieces"] == 1);
+    const double spacing = text["points"]["spacing"];
+    CHECK(text["surface"]["voxelSize"].get<double>() == Approx(spacing / 2));
+    CHECK(text["surface"]["pieces"].size() == 1);
+    CHECK(text["surface"]["room"]["radius95"].get<double>() == Approx(1).epsilon(0.06));
+
+    // Without faces a .ply is no mesh.
+    std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 1000\nproperty double x\n"
+        "property double y\nproperty double z\nend_header\n";
+    writeBytes(desk / "in.ply", ply + xyz(cloud));
+    json same = surveyed(desk, "in.ply", 0);
+    same["file"] = "in.xyz";
+    CHECK(same == text);
+
+    std::vector<openvdb::Vec3d> positions;
+    for (const igeo::Vec3d& p : cloud.points) positions.emplace_back(p.x, p.y, p.z);
+    const auto transform = openvdb::math::Transform::createLinearTransform(0.1);
+    const auto grid =
+        openvdb::points::createPointDataGrid<openvdb::points::NullCodec,
+                                             openvdb::points::PointDataGrid>(positions, *transform);
+    grid->setName("scan");
+    openvdb::io::File(desk / "in.vdb").write({grid});
+    const json volume = surveyed(desk, "in.vdb", 0);
+    REQUIRE(volume["grids"].size() == 1);
+    CHECK(volume["grids"][0]["points"] == true);
+    CHECK(volume["grids"][0]["surface"] == false);
+    CHECK(volume["points"]["points"] == 1000);
+    CHECK_THAT(desk.run("info in.vdb").out, Catch::Contains("for --points"));
+}
+
 TEST_CASE("info: bad files are told apart, and what can be known of them is said") {
     const Desk desk;
     const auto refused = [&](const std::string& kind, const std::string& says) {
@@ -138,7 +263,13 @@ TEST_CASE("info: bad files are told apart, and what can be known of them is said
     CHECK(refused("scaled-values", "not a distance")["levelSet"]["gradient"]["median"] > 3.9);
     CHECK(refused("empty", "no active voxels")["levelSet"].count("activeVoxels") == 0);
 
-    CHECK(surveyed(desk, "missing.vdb", 3)["grids"].empty());
+    for (const char* file : {"missing.vdb", "missing.obj", "missing.xyz"})
+        CHECK(surveyed(desk, file, 3)["grids"].empty());
+    writeBytes(desk / "broken.ply", "ply\nformat ascii 1.0\nelement vertex 3\n");
+    writeBytes(desk / "few.xyz", "0 0 0\n1 0 0\n0 1 0\n");
+    CHECK_THAT(surveyed(desk, "broken.ply", 3)["verdict"].get<std::string>(),
+               Catch::Contains("broken.ply"));
+    CHECK_THAT(surveyed(desk, "few.xyz", 3)["verdict"].get<std::string>(), Catch::Contains("16"));
     writeBytes(desk / "text.vdb", "v 0 0 0\n");
     CHECK_THAT(surveyed(desk, "text.vdb", 3)["verdict"].get<std::string>(),
                Catch::Contains("not a VDB file"));
@@ -192,6 +323,9 @@ TEST_CASE("info: wrong usage") {
     requireRefused(desk, "info in.vdb --seed 0,0,1", 2, {"--seed"});
     requireRefused(desk, "--seed 0,0,1 info in.vdb", 2, {"info goes before", "--seed"});
     requireRefused(desk, "--sdf in.vdb info in.vdb", 2, {"info goes before", "--sdf"});
+    requireRefused(desk, "info in.vdb --voxel-size 0.1", 2, {"--voxel-size", "meshes"});
+    writeBytes(desk / "in.xyz", xyz(igeo::test::sphereCloud(400, 1, {0, 0, 0})));
+    requireRefused(desk, "info in.xyz --voxel-size 1e-5", 2, {"GiB of memory", "would fit"});
     requireRefused(desk, "info in.vdb --problems -", 2, {"--problems", "stdout"});
     requireRefused(desk, "info in.vdb --problems in.vdb", 2, {"overwrite"});
     requireRefused(desk, "info in.vdb --problems none/out.vdb", 2, {"no folder 'none'"});

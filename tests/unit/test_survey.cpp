@@ -28,7 +28,7 @@ Surveyed surveyed(const openvdb::FloatGrid::Ptr& grid) {
     Surveyed s;
     s.levelSet = checkedLevelSet(grid);
     s.band = bandFromLevelSet(s.levelSet, std::sqrt(3.0));
-    s.survey = survey(s.levelSet, s.band);
+    s.survey = survey(s.levelSet, s.band, surfaceMesh(s.levelSet, s.band));
     return s;
 }
 
