@@ -155,6 +155,29 @@ TEST_CASE("Sheets that face each other are marked") {
     CHECK(across > 100);
 }
 
+TEST_CASE("M&S (14) for points: between what overlaps and what joins sheets") {
+    CloudOptions options;
+    options.normals = true;
+    for (const double gap : {8.0, 1.5}) {
+        const PointCloud upper = movedCloud(squareCloud(20, 1, options), [=](const Vec3d& p) {
+            return p + Vec3d{0, 0, gap};
+        });
+        PointCloud lower = squareCloud(20, 1, options);
+        for (Vec3f& n : lower.normals) n = -n;
+        const PointSurface surface(joinedClouds(lower, upper));
+        for (const PointBandKind kind : {kFits, kBalls}) {
+            const double dx = 0.5;
+            const BandBounds bounds = bandBounds(surface, kind, dx);
+            CHECK(bounds.lower == defaultBandWidth(surface.density(), kind, dx));
+            const double half = gap / 2 / dx;
+            CHECK(bounds.resolved == (half > bounds.lower));
+            // Balls between jittered points end up to a third of a spacing beside the sheet's
+            // nearest point.
+            if (bounds.resolved) CHECK(bounds.upper == Approx(half).epsilon(0.1));
+        }
+    }
+}
+
 TEST_CASE("Voxels and widths that do not fit the points are refused with what would") {
     const PointSurface surface(sphereCloud(2000, 1, {}));
     const double s = surface.density().spacing;

@@ -41,6 +41,15 @@ TEST_CASE("A tree finds the nearest points that a search through all finds") {
                         CHECK(found[i].squared == expected[i].squared);
                     }
                     CHECK(tree.nearest(p).point == expected[0].point);
+                    // Within a distance that the last one is at, and one that it is not.
+                    const double last = std::sqrt(expected.back().squared);
+                    for (const double within : {last * (1 + 1e-12), last * (1 - 1e-12), 0.0}) {
+                        std::size_t near = 0;
+                        for (const PointTree::Found& f : expected)
+                            near += f.squared <= within * within;
+                        tree.nearest(p, k, found, within);
+                        CHECK(found.size() == near);
+                    }
                 }
         }
 }
