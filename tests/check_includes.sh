@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 # headers of its own room and of those above it in this list.
 rooms='
 types error parallel progress steps version box disjoint_sets format
-eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density
+eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density digest
 tangent_frame orient_normals medial_radii
 band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
 vdb_io level_set rebuild leaf_block band_width index_map point_cloud vdb_points
@@ -26,7 +26,7 @@ field_grids extend report point_file picture view surface_rays
 
 # Files that do without OpenVDB, and so without the igeo headers that need it.
 no_openvdb='
-types error parallel progress steps version box disjoint_sets format eikonal heap jet_update selling ply tangent_frame band metric
+types error parallel progress steps version box disjoint_sets format digest eikonal heap jet_update selling ply tangent_frame band metric
 curvature field band_width surface_point seeds godunov jet jet_core jet_extend jet_stencil trace
 straighten accuracy sampling matrix log_map shoot sides point_file colour_map canvas point_tree
 quadric_fit cloud_density orient_normals medial_radii
@@ -37,7 +37,7 @@ triangle_mesh mesh_voxels ply_file mesh_file mesh_band
 # Tests may use TBB and JSON directly.
 guarded='
 CLI/       src apps tests  apps/implicit-geodesic/options.cpp
-nlohmann/  src apps        src/igeo/report.cpp src/igeo/point_file.cpp
+nlohmann/  src apps        src/igeo/report.cpp src/igeo/point_file.cpp apps/implicit-geodesic/json_file.h
 png.h      src apps        src/igeo/canvas.cpp
 assimp/    src apps        src/igeo/mesh_file.cpp
 tbb/       src apps        src/igeo/parallel.h src/igeo/parallel.cpp

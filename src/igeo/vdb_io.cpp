@@ -1,6 +1,7 @@
 #include <igeo/vdb_io.h>
 
 #include <igeo/atomic_file.h>
+#include <igeo/digest.h>
 #include <igeo/error.h>
 #include <igeo/version.h>
 #include <openvdb/io/Archive.h>
@@ -280,25 +281,14 @@ struct Writer : openvdb::io::Archive {
 /// (1).
 constexpr std::streamoff kUuidPosition = 8 + 3 * 4 + 1;
 
-/// Replaces the random UUID by one made from the bytes behind it (two FNV-1a hashes).
+/// Replaces the random UUID by one made from the bytes behind it.
 void stampUuid(std::iostream& file) {
-    constexpr std::uint64_t kPrime = 1099511628211ULL;
-    std::uint64_t a = 14695981039346656037ULL, b = ~a;
+    Digest digest;
     std::vector<char> buffer(1 << 20);
     file.seekg(kUuidPosition + 36);
-    while (file.read(buffer.data(), std::streamsize(buffer.size())), file.gcount() > 0) {
-        // Eight bytes at a time: the hash must not cost more than the writing.
-        const auto n = std::size_t(file.gcount());
-        std::memset(buffer.data() + n, 0, (8 - n % 8) % 8);
-        for (std::size_t k = 0; k < n; k += 8) {
-            std::uint64_t word;
-            std::memcpy(&word, buffer.data() + k, 8);
-            a = (a ^ word) * kPrime;
-            b = (b ^ (word << 32 | word >> 32)) * kPrime;
-            a ^= a >> 29;
-            b ^= b >> 31;
-        }
-    }
+    while (file.read(buffer.data(), std::streamsize(buffer.size())), file.gcount() > 0)
+        digest.add({buffer.data(), std::size_t(file.gcount())});
+    const auto [a, b] = digest.value();
     std::array<char, 40> text{};
     std::snprintf(text.data(), text.size(), "%08x-%04x-%04x-%04x-%012llx", unsigned(a >> 32),
                   unsigned(a >> 16 & 0xffff), unsigned((a & 0x0fff) | 0x8000),
