@@ -9,69 +9,77 @@
 #include <atomic>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 
 namespace igeo {
 
-namespace {
-
-/// The means of both directions, and by how much these differ at most.
-double makeSymmetric(std::vector<double>& distance, std::size_t n) {
-    double asymmetry = 0;
+void makeSymmetric(DistanceMatrix& m) {
+    const std::size_t n = m.seeds.size();
+    m.asymmetry = 0;
     for (std::size_t i = 0; i < n; ++i) {
-        distance[i * n + i] = 0;
+        m.distance[i * n + i] = 0;
         for (std::size_t j = 0; j < i; ++j) {
-            double &a = distance[i * n + j], &b = distance[j * n + i];
+            double &a = m.distance[i * n + j], &b = m.distance[j * n + i];
             if (a < kInfinity && b < kInfinity) {
                 const double mean = (a + b) / 2;
-                if (mean > 0) asymmetry = std::max(asymmetry, std::abs(a - b) / mean);
+                if (mean > 0) m.asymmetry = std::max(m.asymmetry, std::abs(a - b) / mean);
                 a = b = mean;
             } else {
                 a = b = std::min(a, b);
             }
         }
     }
-    return asymmetry;
 }
 
-}  // namespace
-
-DistanceMatrix distances(const Band& band, const MetricPtr& metric,
-                         const std::vector<SurfacePoint>& seeds,
-                         const std::vector<SurfacePoint>& targets, Progress& progress) {
+DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
+                            const std::vector<SurfacePoint>& seeds,
+                            const std::vector<SurfacePoint>& targets, std::size_t firstRow,
+                            std::size_t endRow, Progress& progress) {
     if (seeds.empty())
         throw Error(Error::Kind::InvalidArgument, "a distance matrix needs at least one seed");
-    DistanceMatrix m{seeds, targets.empty() ? seeds : targets, {}, 0};
-    m.distance.resize(m.seeds.size() * m.targets.size());
+    DistanceMatrix m{seeds, targets.empty() ? seeds : targets, firstRow, {}, 0};
+    if (targets.empty()) m.asymmetry = std::numeric_limits<double>::quiet_NaN();
+    const std::size_t rows = endRow - firstRow, columns = m.targets.size();
+    m.distance.resize(rows * columns);
     CancelOnly quiet(progress);
     std::atomic<std::size_t> done{0};
-    parallelFor(m.seeds.size(), 1, [&](std::size_t begin, std::size_t end) {
+    parallelFor(rows, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            SurfacePoint seed = m.seeds[k];
+            SurfacePoint seed = m.seeds[firstRow + k];
             seed.start = 0;
             JetOptions options;
             options.stopAt = m.targets;
             const Field field = marchJet(band, metric, {seed}, options, quiet);
-            for (std::size_t t = 0; t < m.targets.size(); ++t) {
+            for (std::size_t t = 0; t < columns; ++t) {
                 const SurfacePoint& target = m.targets[t];
-                m.distance[k * m.targets.size() + t] =
+                // In world units here, so that rows read from files have the same bits.
+                m.distance[k * columns + t] =
+                    band.transform.dx *
                     sampleDistance(band, field, target.pIndex, Vec3d(band.normal[target.node]));
             }
-            progress.update("matrix", double(++done) / double(m.seeds.size()));
+            progress.update("matrix", double(++done) / double(rows));
         }
     });
-    if (targets.empty()) m.asymmetry = makeSymmetric(m.distance, seeds.size());
     return m;
 }
 
-std::string matrixCsv(const DistanceMatrix& m, double dx) {
+DistanceMatrix distances(const Band& band, const MetricPtr& metric,
+                         const std::vector<SurfacePoint>& seeds,
+                         const std::vector<SurfacePoint>& targets, Progress& progress) {
+    DistanceMatrix m = distanceRows(band, metric, seeds, targets, 0, seeds.size(), progress);
+    if (targets.empty()) makeSymmetric(m);
+    return m;
+}
+
+std::string matrixCsv(const DistanceMatrix& m) {
     std::string text = "seed";
     for (std::size_t t = 0; t < m.targets.size(); ++t) text += "," + std::to_string(t);
     text += "\n";
     std::array<char, 32> number{};
-    for (std::size_t s = 0; s < m.seeds.size(); ++s) {
+    for (std::size_t s = m.firstRow; s < m.firstRow + m.rows(); ++s) {
         text += std::to_string(s);
         for (std::size_t t = 0; t < m.targets.size(); ++t) {
-            std::snprintf(number.data(), number.size(), ",%.17g", dx * m.at(s, t));
+            std::snprintf(number.data(), number.size(), ",%.17g", m.at(s, t));
             text += number.data();
         }
         text += "\n";
@@ -79,11 +87,11 @@ std::string matrixCsv(const DistanceMatrix& m, double dx) {
     return text;
 }
 
-std::string matrixNpy(const DistanceMatrix& m, double dx) {
+std::string matrixNpy(const DistanceMatrix& m) {
     // Magic, version, length of the header; the header fills the rest of a multiple of 64 bytes.
     constexpr std::size_t kFixed = 10, kAlign = 64;
     std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (" +
-                         std::to_string(m.seeds.size()) + ", " + std::to_string(m.targets.size()) +
+                         std::to_string(m.rows()) + ", " + std::to_string(m.targets.size()) +
                          "), }";
     header.resize((kFixed + header.size() + 1 + kAlign - 1) / kAlign * kAlign - kFixed - 1, ' ');
     header += '\n';
@@ -92,8 +100,7 @@ std::string matrixNpy(const DistanceMatrix& m, double dx) {
     bytes += header;
     for (const double d : m.distance) {
         std::uint64_t bits;
-        const double world = dx * d;
-        std::memcpy(&bits, &world, sizeof bits);
+        std::memcpy(&bits, &d, sizeof bits);
         for (int k = 0; k < 8; ++k) bytes += char(bits >> 8 * k & 0xff);
     }
     return bytes;

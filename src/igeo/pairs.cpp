@@ -114,7 +114,7 @@ bool PairSolver::solveAround(const Group& group) {
     for (const std::size_t k : group) reach = std::max(reach, 1.5 * straight(k));
     reach *= surface_.leastWeight;
     for (; reach < surface_.leastWeight * surface_.diagonal / 2; reach *= 2)
-        if (solveOn(surface_.band(region(group, reach), quiet_), group, reach)) return true;
+        if (solveOn(*surface_.band(region(group, reach), quiet_), group, reach)) return true;
     return false;
 }
 
@@ -145,8 +145,8 @@ std::vector<PairDistance> PairSolver::solve(Progress& progress) {
     };
     forAll([&](const Group& group) { return solveAround(group); });
     if (count < all.size()) {
-        const Band whole = surface_.band({}, quiet_);
-        forAll([&](const Group& group) { return solveOn(whole, group, kInfinity); });
+        const auto whole = surface_.band({}, quiet_);
+        forAll([&](const Group& group) { return solveOn(*whole, group, kInfinity); });
     }
     refuseFarPoints();
     for (PairDistance& pair : pairs_) pair.source.node = pair.target.node = kNoNode;
@@ -162,7 +162,7 @@ bool finite(const Vec3d& p) {
 PairSurface pairSurface(const LevelSet& levelSet, double h) {
     PairSurface surface;
     surface.band = [&levelSet, h](const std::vector<Ball>& region, Progress& progress) {
-        return bandFromLevelSet(levelSet, h, region, progress);
+        return std::make_shared<Band>(bandFromLevelSet(levelSet, h, region, progress));
     };
     surface.diagonal =
         std::sqrt(levelSet.psi->evalActiveVoxelBoundingBox().dim().asVec3d().lengthSqr());

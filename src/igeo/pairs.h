@@ -8,6 +8,7 @@
 #include <igeo/surface_point.h>
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,9 @@ struct PairDistance {
 
 /// A surface of which bands are made part by part, and the metric on them.
 struct PairSurface {
-    /// The band within some balls; of the whole surface where there are none.
-    std::function<Band(const std::vector<Ball>&, Progress&)> band;
+    /// The band within some balls; of the whole surface where there are none. Asked for from
+    /// several threads at once.
+    std::function<std::shared_ptr<const Band>(const std::vector<Ball>&, Progress&)> band;
     std::function<MetricPtr(const Band&, Progress&)> metric;  ///< none: Euclidean
     /// The point of the surface nearest to one in index space; none: nearestSurfacePoint.
     std::function<SurfacePoint(const Band&, const Vec3d&)> nearest;

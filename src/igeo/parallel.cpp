@@ -12,13 +12,13 @@ namespace igeo {
 void parallelFor(std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)>& body) {
     if (n == 0) return;
-    // Isolated: a thread that waits for a loop inside another loop's body must not begin another
-    // turn of the outer one, whose memory would come on top.
-    tbb::this_task_arena::isolate([&] {
-        tbb::parallel_for(
-            tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
-            [&](const tbb::blocked_range<std::size_t>& r) { body(r.begin(), r.end()); });
-    });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
+                      [&](const tbb::blocked_range<std::size_t>& r) {
+                          // Isolated: a thread that waits for a loop inside the body, also for one
+                          // of OpenVDB's, must not begin another turn of this one. Its memory would
+                          // come on top, and it may want a lock that the waiting one holds.
+                          tbb::this_task_arena::isolate([&] { body(r.begin(), r.end()); });
+                      });
 }
 
 struct ThreadLimit::Impl {

@@ -226,14 +226,15 @@ std::string matrixJson(const RunReport& r, const Band& band, const DistanceMatri
         j[name] = json::array();
         for (const SurfacePoint& p : *points) j[name].push_back(pointJson(band, p));
     }
+    if (m.rows() < m.seeds.size() || std::isnan(m.asymmetry))
+        j["rows"] = {{"first", m.firstRow}, {"count", m.rows()}};
     j["distance"] = json::array();
-    for (std::size_t s = 0; s < m.seeds.size(); ++s) {
+    for (std::size_t s = m.firstRow; s < m.firstRow + m.rows(); ++s) {
         json row = json::array();
-        for (std::size_t t = 0; t < m.targets.size(); ++t)
-            row.push_back(finiteOrNull(band.transform.dx * m.at(s, t)));
+        for (std::size_t t = 0; t < m.targets.size(); ++t) row.push_back(finiteOrNull(m.at(s, t)));
         j["distance"].push_back(std::move(row));
     }
-    j["asymmetry"] = m.asymmetry;
+    j["asymmetry"] = finiteOrNull(m.asymmetry);
     return dump(j, -1);
 }
 

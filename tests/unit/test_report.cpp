@@ -166,8 +166,16 @@ TEST_CASE("matrixJson: world units, null where there is no way") {
     CHECK(j["seeds"][0]["position"] == json({10.5, 20, 30}));
     CHECK(j["seeds"][0]["snapDistance"] == 0.25);
     CHECK(j["targets"][2]["position"] == json({11.5, 20, 30}));
-    CHECK(j["distance"] == json({{0.0, nullptr, 0.5 * (1.0 / 3)}}));
+    CHECK(j["distance"] == json({{0.0, nullptr, 1.0 / 3}}));
     CHECK(j["asymmetry"] == 0.25);
+    CHECK(!j.contains("rows"));
+
+    m.firstRow = 4;
+    m.asymmetry = std::nan("");
+    const json part = parse(matrixJson(run.report, run.band, m));
+    CHECK(part["rows"] == json({{"first", 4}, {"count", 1}}));
+    CHECK(part["distance"] == j["distance"]);
+    CHECK(part["asymmetry"].is_null());
 }
 
 }  // namespace igeo::test
