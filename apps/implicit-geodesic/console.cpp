@@ -34,15 +34,15 @@ double now() {
 }  // namespace
 
 void Console::info(const std::string& text) const {
-    if (level_ != Level::Quiet) print(text);
+    if (level_ != Level::Quiet) print(before_ + text);
 }
 
 void Console::detail(const std::string& text) const {
-    if (level_ == Level::Verbose) print(text);
+    if (level_ == Level::Verbose) print(before_ + text);
 }
 
 void Console::warning(const std::string& text) const {
-    if (level_ != Level::Quiet) print("warning: " + text);
+    if (level_ != Level::Quiet) print("warning: " + before_ + text);
 }
 
 void Console::error(const std::string& what, const std::string& remedy) {

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "time_left.h"
 
@@ -14,7 +15,9 @@
 class Console {
 public:
     enum class Level { Quiet, Normal, Verbose };
-    explicit Console(Level level) : level_(level) {}
+    /// @param before what every message begins with, as "job 'a': "
+    explicit Console(Level level, std::string before = {})
+        : level_(level), before_(std::move(before)) {}
 
     void info(const std::string& text) const;
     void detail(const std::string& text) const;  ///< with -v only
@@ -23,6 +26,7 @@ public:
 
 private:
     Level level_;
+    std::string before_;
 };
 
 /// A line on stderr about the stage at work, once it takes longer than a second: five times a

@@ -202,7 +202,7 @@ FileSurvey surveyAs(std::string Options::*kind, Options options, igeo::Progress&
     FileSurvey file;
     file.file = options.*kind;
     try {
-        return SurfaceInput::of(options)->survey(progress);
+        return SurfaceInput::of(options)->survey(options.memoryLimit, progress);
     } catch (const igeo::Error& e) {
         if (e.kind() != igeo::Error::Kind::BadInput && e.kind() != igeo::Error::Kind::Io) throw;
         file.refusal = e;
@@ -214,7 +214,7 @@ FileSurvey surveyAs(std::string Options::*kind, Options options, igeo::Progress&
 FileSurvey surveyOf(const Options& options, igeo::Progress& progress) {
     if (igeo::isPointFile(options.sdf)) return surveyAs(&Options::points, options, progress);
     if (!igeo::isMeshFile(options.sdf)) {
-        FileSurvey file = SurfaceInput::of(options)->survey(progress);
+        FileSurvey file = SurfaceInput::of(options)->survey(options.memoryLimit, progress);
         const bool points = std::any_of(file.grids.begin(), file.grids.end(), igeo::holdsPoints);
         const bool surface = std::any_of(file.grids.begin(), file.grids.end(),
                                          [](const igeo::GridEntry& g) { return g.surface; });

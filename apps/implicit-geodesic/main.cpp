@@ -1,31 +1,20 @@
 /// implicit-geodesic: distance and geodesics along a level set.
-#include <igeo/error.h>
 #include <igeo/parallel.h>
 
-#include <new>
-
+#include "batch.h"
 #include "console.h"
+#include "failure.h"
 #include "info.h"
 #include "options.h"
 #include "run.h"
 
 namespace {
 
-int exitCodeFor(igeo::Error::Kind kind) {
-    using Kind = igeo::Error::Kind;
-    switch (kind) {
-        case Kind::InvalidArgument:
-            return kUsage;
-        case Kind::BadInput:
-        case Kind::Io:
-            return kUnusable;
-        case Kind::Cancelled:
-            return InterruptGuard::exitCode();
-        case Kind::Numerical:
-        case Kind::Internal:
-            break;
-    }
-    return kFailed;
+int runCommand(const Options& options, Console& console, ConsoleProgress& progress) {
+    if (options.info) return info(options, console, progress);
+    if (options.batch.merge) return merge(options.batch, console);
+    if (options.batch.asked) return batch(options, console, progress);
+    return run(options, console, progress);
 }
 
 }  // namespace
@@ -47,18 +36,11 @@ int main(int argc, char** argv) {
                                       : Console::Level::Normal);
     ConsoleProgress progress(options.progress);
     try {
-        return options.info ? info(options, console, progress) : run(options, console, progress);
-    } catch (const igeo::Error& e) {
+        return runCommand(options, console, progress);
+    } catch (...) {
         progress.clear();
-        Console::error(e.what(), e.remedy());
-        return exitCodeFor(e.kind());
-    } catch (const std::bad_alloc&) {
-        progress.clear();
-        Console::error("out of memory",
-                       "use a narrower band, a coarser level set or a larger machine");
-    } catch (const std::exception& e) {
-        progress.clear();
-        Console::error(std::string("unexpected: ") + e.what(), "please report this");
+        const Failure failure = currentFailure();
+        Console::error(failure.what, failure.remedy);
+        return failure.exitCode;
     }
-    return kFailed;
 }

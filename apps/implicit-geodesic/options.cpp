@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "usage_error.h"
+
 namespace {
 
 const char* const kExamples = R"(
@@ -32,6 +34,27 @@ Examples:
       where results on a box are doubtful: along its edges
   implicit-geodesic info model.obj --resolution 400
       whether voxels of 1/400 of a mesh's longest side show all of it)";
+
+const char* const kBatchExamples = R"(
+Exit codes: 0 all jobs are done, 4 all are done but targets are unreached; else that of a failed
+job, or of a refusal before any job: 1 failed, 2 wrong usage, 3 unusable input or output,
+130 interrupted.
+
+Examples:
+  implicit-geodesic batch jobs.json
+      all jobs of jobs.json; once more after an interruption: those that are left
+  implicit-geodesic batch jobs.json --shard 2/8 --threads 1
+      the second of eight parts of them, for eight processes on any machines)";
+
+const char* const kMergeExamples = R"(
+Exit codes: 0 all jobs are done, 1 failed, 2 wrong usage, 3 unusable or incomplete input,
+4 done but targets are unreached; or that of a failed job.
+
+Examples:
+  implicit-geodesic batch merge jobs.summary-1-of-2.json jobs.summary-2-of-2.json -o jobs.summary.json
+      one summary of both shards
+  implicit-geodesic batch merge --matrix rows-1.json rows-2.json -o distances.npy
+      one matrix of the parts that --matrix-rows 1/2 and 2/2 wrote)";
 
 /// CLI11's own checks let "nan" pass.
 CLI::Validator number(bool mayBeZero) {
@@ -82,6 +105,17 @@ std::array<CLI::Option*, 2> addVoxelSize(CLI::App& app, Options& o) {
     return {size, resolution};
 }
 
+/// Nothing of the main job goes with a subcommand.
+void beFirst(const CLI::App& app, CLI::App& command) {
+    command.preparse_callback([&app, &command](std::size_t) {
+        for (const CLI::Option* option : app.get_options())
+            if (option->count() > 0)
+                throw CLI::ExcludesError(command.get_name() + " goes before all options, and " +
+                                             option->get_name() + " stands before it",
+                                         CLI::ExitCodes::ExcludesError);
+    });
+}
+
 /// The subcommand `info`.
 void addInfo(CLI::App& app, Options& o) {
     CLI::App* info = app.add_subcommand(
@@ -101,15 +135,57 @@ void addInfo(CLI::App& app, Options& o) {
     addRunOptions(*info, o);
     addHelp(*info);
     info->footer(kInfoExamples);
-    // Nothing of the main job goes with the subcommand.
-    info->preparse_callback([&app](std::size_t) {
-        for (const CLI::Option* option : app.get_options())
-            if (option->count() > 0)
-                throw CLI::ExcludesError(
-                    "info goes before all options, and " + option->get_name() + " stands before it",
-                    CLI::ExitCodes::ExcludesError);
-    });
+    beFirst(app, *info);
     info->callback([&o] { o.info = true; });
+}
+
+/// The subcommand `batch merge`.
+void addMerge(CLI::App& batch, Options& o) {
+    CLI::App* merge = batch.add_subcommand(
+        "merge", "Joins the summaries of all shards of a batch into one, or the parts of a matrix");
+    merge->add_option("PARTS", o.batch.parts, "Summaries, or with --matrix parts; .json")
+        ->type_name("")
+        ->required();
+    merge->add_option("-o,--output", o.batch.output, "Where the whole goes; - is stdout")
+        ->type_name("FILE")
+        ->required()
+        ->group("Results");
+    merge
+        ->add_flag("--matrix", o.batch.matrix,
+                   "Join parts of a matrix, as --matrix-rows writes them: to .csv, .json or .npy")
+        ->group("Results");
+    addHelp(*merge);
+    merge->footer(kMergeExamples);
+    beFirst(batch, *merge);
+    merge->callback([&o] { o.batch.merge = true; });
+}
+
+/// The subcommand `batch`.
+void addBatch(CLI::App& app, Options& o) {
+    CLI::App* batch =
+        app.add_subcommand("batch", "Many jobs in one go; what is done already is not done again");
+    batch->add_option("JOBS", o.batch.manifest, "The jobs (docs/batch.schema.json); .json")
+        ->type_name("");
+    batch
+        ->add_option("--shard", o.batch.shard,
+                     "Only the K-th of N parts of the jobs; all N are the whole")
+        ->type_name("K/N")
+        ->group("Jobs");
+    batch
+        ->add_option("--summary", o.batch.summary,
+                     "What became of each job, as JSON [beside the jobs: jobs.summary.json]")
+        ->type_name("FILE")
+        ->group("Jobs");
+    batch
+        ->add_flag("--dry-run", o.batch.dryRun,
+                   "Check all, and print each job, whether it is to do, and its command")
+        ->group("Jobs");
+    addRunOptions(*batch, o);
+    addHelp(*batch);
+    batch->footer(kBatchExamples);
+    beFirst(app, *batch);
+    batch->callback([&o] { o.batch.asked = true; });
+    addMerge(*batch, o);
 }
 
 void addOptions(CLI::App& app, Options& o) {
@@ -341,6 +417,11 @@ void addOptions(CLI::App& app, Options& o) {
         ->type_name("FILE")
         ->group(results);
 
+    app.add_option(
+           "--matrix-rows", o.matrixRows,
+           "Only the K-th of N parts of the rows, as .json; batch merge --matrix joins them")
+        ->type_name("K/N")
+        ->group(results);
     app.add_option("--pairs-out", o.pairsOut,
                    "Distances of --pairs: .csv or .json (docs/pairs.schema.json); - writes CSV to "
                    "stdout [-]")
@@ -380,7 +461,6 @@ void addOptions(CLI::App& app, Options& o) {
         ->type_name("G")
         ->check(number(/*mayBeZero=*/false))
         ->group("Run");
-    addRunOptions(app, o);
 }
 
 /// OpenVDB's tools spell their options with one dash: -help and -version work here as well.
@@ -402,7 +482,9 @@ ParseResult parseOptions(int argc, char** argv, Options& options) {
         "implicit-geodesic"};
     app.footer(kExamples);
     addOptions(app, options);
+    addRunOptions(app, options);
     addInfo(app, options);
+    addBatch(app, options);
     addHelp(app);
     app.set_version_flag("--version", std::string("implicit-geodesic ") + igeo::kVersion)
         ->group("Run");
@@ -417,4 +499,17 @@ ParseResult parseOptions(int argc, char** argv, Options& options) {
         return ParseResult::Usage;
     }
     return ParseResult::Run;
+}
+
+Options parseJob(const std::vector<std::string>& arguments) {
+    Options options;
+    CLI::App app;
+    app.set_help_flag();
+    addOptions(app, options);
+    try {
+        app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    } catch (const CLI::ParseError& e) {
+        usageError(e.what(), "see implicit-geodesic --help");
+    }
+    return options;
 }

@@ -29,27 +29,39 @@ std::vector<Output> outputsOf(const Options& o) {
     // The name for a level set from standard input is not known yet; it comes from the grid.
     if (o.hasSeeds() && (igeo::parseGridSource(o.surface()).file != "-" || !o.output.empty()))
         all.push_back({"-o", distanceFile(o, ""), ""});
+    const std::string pairs = o.pairsOut.empty() && !o.pairs.empty() ? "-" : o.pairsOut;
     for (const Output& output : std::vector<Output>{{"--paths", o.paths, ".json .obj"},
                                                     {"--json", o.json, ""},
                                                     {"--mesh-out", o.meshOut, ".ply .obj"},
                                                     {"--isolines", o.isolines, ".json .obj .ply"},
                                                     {"--matrix", o.matrix, ".csv .json .npy"},
-                                                    {"--pairs-out", o.pairsOut, ".csv .json"},
+                                                    {"--pairs-out", pairs, ".csv .json"},
                                                     {"--problems", o.problems, ".vdb"},
                                                     {"--image", o.image, ".png"}})
         if (!output.file.empty()) all.push_back(output);
     return all;
 }
 
-std::vector<std::string> inputsOf(const Options& o) {
+}  // namespace
+
+std::vector<std::string> inputFiles(const Options& o) {
     std::vector<std::string> files{igeo::parseGridSource(o.surface()).file, o.seedFile,
                                    o.targetFile, o.pairs};
     files.insert(files.end(), o.seedCurves.begin(), o.seedCurves.end());
     for (const auto* list : {&o.weights, &o.obstacles, &o.seedMasks})
         for (const std::string& given : *list) files.push_back(igeo::parseGridSource(given).file);
     if (!o.metric.empty()) files.push_back(igeo::parseGridSource(o.metric).file);
+    files.erase(std::remove(files.begin(), files.end(), ""), files.end());
     return files;
 }
+
+std::vector<std::string> outputFiles(const Options& options) {
+    std::vector<std::string> files;
+    for (const Output& output : outputsOf(options)) files.push_back(output.file);
+    return files;
+}
+
+namespace {
 
 void checkEnding(const Output& output) {
     const std::string ending = endingOf(output.file), allowed = output.endings;
@@ -74,7 +86,7 @@ std::string distanceFile(const Options& options, const std::string& grid) {
 }
 
 void checkOutputFiles(const Options& options) {
-    const std::vector<std::string> inputs = inputsOf(options);
+    const std::vector<std::string> inputs = inputFiles(options);
     if (const auto n = std::count(inputs.begin(), inputs.end(), "-"); n > 1)
         usageError(
             "standard input is named for " + std::to_string(n) + " inputs, and can be read once",

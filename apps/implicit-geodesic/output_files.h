@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "options.h"
 
@@ -9,6 +10,11 @@
 /// there or not ours, results that would overwrite an input or each other.
 /// @throws igeo::Error  InvalidArgument
 void checkOutputFiles(const Options& options);
+
+/// Files that a run reads, without the grids in them; - is standard input.
+std::vector<std::string> inputFiles(const Options& options);
+/// Files that it writes, as far as the options tell; - is standard output.
+std::vector<std::string> outputFiles(const Options& options);
 
 /// The file of distances.
 /// @param grid name of the level set, for one that came by standard input

@@ -46,7 +46,13 @@ igeo::PictureOptions pictureOptions(const Options& options) {
 
 }  // namespace
 
-Outputs::Outputs(const Options& options) : options_(options), picture_(pictureOptions(options)) {
+Outputs::Outputs(const Options& options)
+    : options_(options),
+      picture_(pictureOptions(options)),
+      rows_(Part::parse("--matrix-rows", options.matrixRows)) {
+    if (!options.matrixRows.empty() && endingOf(options.matrix) != ".json")
+        usageError("--matrix-rows without --matrix FILE.json",
+                   "parts are written as JSON; batch merge --matrix makes any format of them");
     for (const char* grid : {"label", "logmap"})
         if (options.asked(grid) && options.scheme != "jet")
             usageError(std::string("--with ") + grid + " needs --scheme jet",
@@ -67,7 +73,7 @@ Outputs::Outputs(const Options& options) : options_(options), picture_(pictureOp
 }
 
 const igeo::SurfaceMesh& Outputs::mesh(const Result& r, igeo::Progress& progress) {
-    if (!mesh_) mesh_ = r.surface.mesh(r.band, r.field, progress);
+    if (!mesh_) mesh_ = r.surface.mesh(r.band, r.field, r.report, progress);
     return *mesh_;
 }
 
@@ -111,11 +117,11 @@ void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
     std::string weight;
     for (const std::string& w : r.metric.weightNames()) weight += (weight.empty() ? "" : " * ") + w;
     distance->insertMeta("geodesic_weight", openvdb::StringMetadata(weight.empty() ? "1" : weight));
-    if (options_.extend) igeo::extendDistance(*distance, r.surface.levelSet(progress), band, field);
+    if (options_.extend) igeo::extendDistance(*distance, r.levelSet(progress), band, field);
 
     openvdb::GridCPtrVec grids;
     // vdb_render shows the first float grid of a file.
-    if (options_.asked("surface")) grids.push_back(r.surface.levelSet(progress).psi);
+    if (options_.asked("surface")) grids.push_back(r.levelSet(progress).psi);
     grids.push_back(distance);
     if (options_.asked("gradient"))
         grids.push_back(
@@ -134,8 +140,7 @@ void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
              igeo::curvatureGrids(band, r.metric.curvatureOf(band, progress), transform, name))
             grids.push_back(grid);
     if (options_.asked("engraved"))
-        grids.push_back(
-            igeo::engraved(r.surface.levelSet(progress), isolines(r, progress), r.lines()));
+        grids.push_back(igeo::engraved(r.levelSet(progress), isolines(r, progress), r.lines()));
     progress.throwIfCancelled();
     const std::string file = distanceFile(options_, r.surface.name());
     progress.update("write", 0);
@@ -169,13 +174,18 @@ void Outputs::writeDocuments(const Result& r, igeo::Progress& progress) {
                                  : igeo::isolinesJson(r.report, r.band, r.field, lines));
     }
     if (const std::string& file = options_.matrix; !file.empty()) {
+        const std::vector<igeo::SurfacePoint>& seeds = r.field.seeds;
+        const std::size_t n = seeds.size();
         const igeo::DistanceMatrix matrix =
-            igeo::distances(r.band, r.field.metric, r.field.seeds, r.targets, progress);
+            options_.matrixRows.empty()
+                ? igeo::distances(r.band, r.field.metric, seeds, r.targets, progress)
+                : igeo::distanceRows(r.band, r.field.metric, seeds, r.targets, rows_.begin(n),
+                                     rows_.end(n), progress);
         const std::string ending = endingOf(file);
         write("matrix", file,
               ending == ".json"  ? igeo::matrixJson(r.report, r.band, matrix)
-              : ending == ".npy" ? igeo::matrixNpy(matrix, transform.dx)
-                                 : igeo::matrixCsv(matrix, transform.dx));
+              : ending == ".npy" ? igeo::matrixNpy(matrix)
+                                 : igeo::matrixCsv(matrix));
     }
     if (!options_.pairs.empty()) {
         const std::string file = options_.pairsOut.empty() ? "-" : options_.pairsOut;
@@ -188,7 +198,7 @@ void Outputs::writeDocuments(const Result& r, igeo::Progress& progress) {
         if (options_.spacing > 0) picture.isolineSpacing = options_.spacing;
         if (options_.levels > 0)
             picture.isolineSpacing = r.field.maxDistance * transform.dx / (options_.levels + 1);
-        igeo::writePicture(options_.image, r.surface.levelSet(progress), r.band, r.field, r.lines(),
+        igeo::writePicture(options_.image, r.levelSet(progress), r.band, r.field, r.lines(),
                            picture, progress);
         r.report.outputs.emplace_back("image", options_.image);
     }

@@ -14,17 +14,21 @@
 
 #include "metric_input.h"
 #include "options.h"
+#include "part.h"
 #include "surface_input.h"
 
 /// All that outputs are made of.
 struct Result {
-    SurfaceInput& surface;
+    const SurfaceInput& surface;
     const igeo::Band& band;
     const igeo::Field& field;
     const std::vector<igeo::SurfacePoint>& targets;
     const MetricInput& metric;
     igeo::RunReport& report;
 
+    const igeo::LevelSet& levelSet(igeo::Progress& progress) const {
+        return surface.levelSet(report, progress);
+    }
     /// Paths and walks.
     std::vector<igeo::Path> lines() const {
         std::vector<igeo::Path> all = report.paths;
@@ -54,6 +58,7 @@ private:
 
     const Options& options_;
     igeo::PictureOptions picture_;
+    Part rows_;  ///< of the matrix
     std::optional<igeo::SurfaceMesh> mesh_;
     std::optional<std::vector<igeo::Isoline>> isolines_;
 };

@@ -34,16 +34,54 @@ namespace {
 
 std::string text(const Vec3d& p) { return format("%.9g,%.9g,%.9g", p.x, p.y, p.z); }
 
-/// The current job: what the stages hand on, and what they cost.
+/// What the stages of a job cost.
+class Stages {
+public:
+    Stages(Console& console, ConsoleProgress& progress) : console_(console), progress_(progress) {}
+
+    /// Ends a stage: its name, and the time since the last one ended.
+    void finished(const char* stage);
+    const std::vector<std::pair<std::string, double>>& seconds() const { return seconds_; }
+
+private:
+    Console& console_;
+    ConsoleProgress& progress_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    std::vector<std::pair<std::string, double>> seconds_;
+};
+
+void Stages::finished(const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    start_ = now;
+    const auto same = std::find_if(seconds_.begin(), seconds_.end(),
+                                   [&](const auto& entry) { return entry.first == stage; });
+    if (same == seconds_.end())
+        seconds_.emplace_back(stage, seconds);
+    else
+        same->second += seconds;
+    progress_.clear();
+    console_.detail(std::string(stage) + format(": %.3f s", seconds));
+}
+
+/// A job on a surface: what its stages hand on.
 class Job {
 public:
-    Job(const Options& options, Console& console, ConsoleProgress& progress)
-        : options_(options), console_(console), progress_(progress) {}
+    Job(const SurfaceInput& surface, const Options& options, Console& console,
+        ConsoleProgress& progress, Stages stages)
+        : surface_(surface),
+          options_(options),
+          console_(console),
+          progress_(progress),
+          stages_(std::move(stages)),
+          outputs_(options),
+          report_(surface.report()) {}
     int run();
 
 private:
     void solve();
     std::vector<igeo::Ball> regionWithin(double distance) const;
+    const igeo::Band& band() const { return *band_; }
     void makeBand(const std::vector<igeo::Ball>& region);
     void snapPoints();
     void makeMetric();
@@ -53,31 +91,32 @@ private:
     void estimateAccuracy();
     void shoot();
     void solvePairs();
-    void writeResults(Outputs& outputs);
+    void writeResults();
     int summarise();
 
     Vec3d indexOf(const Vec3d& p) const {
-        return options_.indexSpace ? p : surface_->transform().indexFromWorld(p);
+        return options_.indexSpace ? p : surface_.transform().indexFromWorld(p);
     }
     std::vector<igeo::SurfacePoint> snapped(const std::vector<igeo::AskedPoint>& asked) const;
     bool tooFar(const igeo::SurfacePoint& p) const {
-        return p.snapDistance * band_.transform.dx > report_.snap * (1 + 1e-6);
+        return p.snapDistance * band().transform.dx > report_.snap * (1 + 1e-6);
     }
     void tell(const igeo::SurfacePoint& p, const Vec3d& asked, const std::string& what);
     void refuseBlocked(const std::vector<igeo::SurfacePoint>& points, const char* what) const;
-    /// Ends a stage: its name, and the time since the last one ended.
-    void finished(const char* stage);
+    void finished(const char* stage) { stages_.finished(stage); }
 
+    const SurfaceInput& surface_;
     const Options& options_;
     Console& console_;
     ConsoleProgress& progress_;
-    std::chrono::steady_clock::time_point stageStart_ = std::chrono::steady_clock::now();
+    Stages stages_;
+    Outputs outputs_;
 
-    std::unique_ptr<SurfaceInput> surface_;
     SeedInput seedInput_;
     MetricInput metricInput_;
     std::vector<igeo::AskedPoint> askedTargets_;
-    igeo::Band band_;
+    /// Never changed once made: it may be everybody's.
+    SurfaceInput::BandPtr band_ = std::make_shared<igeo::Band>();
     bool wholeBand_ = false;
     igeo::MetricPtr metric_;  ///< null: Euclidean
     std::vector<igeo::SurfacePoint> seeds_, targets_;
@@ -85,35 +124,23 @@ private:
     igeo::RunReport report_;
 };
 
-void Job::finished(const char* stage) {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - stageStart_).count();
-    stageStart_ = now;
-    const auto same = std::find_if(report_.seconds.begin(), report_.seconds.end(),
-                                   [&](const auto& entry) { return entry.first == stage; });
-    if (same == report_.seconds.end())
-        report_.seconds.emplace_back(stage, seconds);
-    else
-        same->second += seconds;
-    progress_.clear();
-    console_.detail(std::string(stage) + format(": %.3f s", seconds));
-}
-
 void Job::makeBand(const std::vector<igeo::Ball>& region) {
-    if (region.empty()) surface_->requireMemory();
-    band_ = surface_->band(region, progress_);
+    if (region.empty()) surface_.requireMemory(options_.memoryLimit);
+    band_ = surface_.band(region, progress_);
     wholeBand_ = region.empty();
-    console_.detail(format("band: h = %.6g (%.4g voxels), %.0f nodes", band_.h * band_.transform.dx,
-                           band_.h, double(band_.size())) +
+    console_.detail(format("band: h = %.6g (%.4g voxels), %.0f nodes",
+                           band().h * band().transform.dx, band().h, double(band().size())) +
                     (wholeBand_ ? "" : ", not of the whole surface"));
+    const std::string doubt = wholeBand_ ? surface_.doubtOf(band()) : "";
+    if (!doubt.empty()) report_.warnings.push_back(doubt);
     finished("band");
 }
 
 std::vector<igeo::SurfacePoint> Job::snapped(const std::vector<igeo::AskedPoint>& asked) const {
     std::vector<igeo::SurfacePoint> points;
     for (const igeo::AskedPoint& p : asked) {
-        points.push_back(surface_->nearest(band_, indexOf(p.position)));
-        points.back().start = p.start / band_.transform.dx;
+        points.push_back(surface_.nearest(band(), indexOf(p.position)));
+        points.back().start = p.start / band().transform.dx;
     }
     return points;
 }
@@ -125,7 +152,7 @@ void Job::snapPoints() {
 
 /// Where a point is now; refuses one that was too far from the surface.
 void Job::tell(const igeo::SurfacePoint& p, const Vec3d& asked, const std::string& what) {
-    const igeo::Similarity& t = band_.transform;
+    const igeo::Similarity& t = band().transform;
     const std::string place = text(t.worldFromIndex(p.pIndex));
     if (tooFar(p))
         usageError(what + " (" + text(asked) + ") is " +
@@ -139,15 +166,15 @@ void Job::tell(const igeo::SurfacePoint& p, const Vec3d& asked, const std::strin
 void Job::refuseBlocked(const std::vector<igeo::SurfacePoint>& points, const char* what) const {
     for (std::size_t k = 0; k < points.size(); ++k) {
         const Vec3d& p = points[k].pIndex;
-        if (metric_->blocked(p, p, Vec3d(band_.normal[points[k].node])))
+        if (metric_->blocked(p, p, Vec3d(band().normal[points[k].node])))
             usageError(std::string(what) + " " + std::to_string(k) + " (" +
-                           text(band_.transform.worldFromIndex(p)) + ") lies inside an obstacle",
+                           text(band().transform.worldFromIndex(p)) + ") lies inside an obstacle",
                        "move it, or leave the obstacle out");
     }
 }
 
 void Job::makeMetric() {
-    metric_ = metricInput_.on(band_, progress_);
+    metric_ = metricInput_.on(band(), progress_);
     if (!metric_) return;
     refuseBlocked(seeds_, "seed");
     refuseBlocked(targets_, "target");
@@ -170,7 +197,7 @@ std::vector<igeo::Ball> Job::regionWithin(double distance) const {
         metricInput_.needsWholeSurface() || seedInput_.extended() || options_.sample > 0)
         return {};
     const double radius = std::max(distance, 0.0) / metricInput_.leastWeight();
-    const double snap = report_.snap / surface_->transform().dx;
+    const double snap = report_.snap / surface_.transform().dx;
     std::vector<igeo::Ball> region;
     for (const igeo::AskedPoint& p : seeds)
         region.push_back({indexOf(p.position), snap + kShort * radius + kBeyond});
@@ -182,7 +209,7 @@ std::vector<igeo::Ball> Job::regionWithin(double distance) const {
 /// Band, points and march. What stays near the seeds never sees the rest of the surface.
 void Job::solve() {
     const std::vector<igeo::AskedPoint>& askedSeeds = seedInput_.points();
-    const double dx = surface_->transform().dx;
+    const double dx = surface_.transform().dx;
     double limit = igeo::kInfinity;
     if (options_.maxDistance > 0) {
         report_.maxDistance = options_.maxDistance;
@@ -202,14 +229,14 @@ void Job::solve() {
         }
         reach = std::min(limit, std::max(1.5 * farthest, 16.0) * metricInput_.leastWeight());
     }
-    const double half = 0.5 * surface_->diagonal() * metricInput_.leastWeight();
+    const double half = 0.5 * surface_.diagonal() * metricInput_.leastWeight();
     while (true) {
         const auto region = reach > half ? std::vector<igeo::Ball>{} : regionWithin(reach);
         makeBand(region);
         const bool whole = wholeBand_;
-        if (whole || band_.size() > 0) snapPoints();
+        if (whole || band().size() > 0) snapPoints();
         auto far = [&](const igeo::SurfacePoint& p) { return tooFar(p); };
-        if (!whole && (band_.size() == 0 || std::any_of(seeds_.begin(), seeds_.end(), far) ||
+        if (!whole && (band().size() == 0 || std::any_of(seeds_.begin(), seeds_.end(), far) ||
                        std::any_of(targets_.begin(), targets_.end(), far))) {
             // For the message: the nearest point of the whole surface.
             makeBand({});
@@ -225,25 +252,25 @@ void Job::solve() {
         march(whole ? limit : reach);
         const bool found =
             std::all_of(targets_.begin(), targets_.end(), [&](const igeo::SurfacePoint& t) {
-                return igeo::sampleDistance(band_, field_, t.pIndex) < igeo::kInfinity;
+                return igeo::sampleDistance(band(), field_, t.pIndex) < igeo::kInfinity;
             });
         if (whole || reach >= limit || found) break;
         reach = std::min(limit, 2 * reach);
     }
-    seedInput_.finish(band_, field_);
+    seedInput_.finish(band(), field_);
 }
 
 /// Those of curves and regions, and samples.
 void Job::addSeeds() {
     if (seedInput_.extended()) {
         for (const igeo::SurfacePoint& s :
-             seedInput_.extendedSeeds(band_, report_.snap / band_.transform.dx))
+             seedInput_.extendedSeeds(band(), report_.snap / band().transform.dx))
             seeds_.push_back(s);
         finished("seeds");
     }
     if (options_.sample == 0) return;
     for (const igeo::SurfacePoint& p :
-         igeo::farthestPoints(band_, metric_, seeds_, std::size_t(options_.sample), progress_))
+         igeo::farthestPoints(band(), metric_, seeds_, std::size_t(options_.sample), progress_))
         seeds_.push_back(p);
     finished("sample");
 }
@@ -254,13 +281,13 @@ void Job::march(double maxDistance) {
         igeo::JetOptions jet;
         jet.maxDistance = maxDistance;
         jet.stopAt = stopAt;
-        field_ = igeo::marchJet(band_, metric_, seeds_, jet, progress_);
+        field_ = igeo::marchJet(band(), metric_, seeds_, jet, progress_);
     } else {
         igeo::GodunovOptions godunov;
         godunov.order = options_.order;
         godunov.maxDistance = maxDistance;
         godunov.stopAt = stopAt;
-        field_ = igeo::marchGodunov(band_, metric_, seeds_, godunov, progress_);
+        field_ = igeo::marchGodunov(band(), metric_, seeds_, godunov, progress_);
     }
     finished("march");
 }
@@ -268,12 +295,12 @@ void Job::march(double maxDistance) {
 void Job::trace() {
     const bool wantsAccuracy = options_.verbose || !options_.json.empty();
     if (targets_.empty() && !wantsAccuracy && !options_.needsGradient()) return;
-    if (field_.gradient.empty()) field_.gradient = igeo::surfaceGradient(band_, field_);
-    report_.paths = igeo::tracePaths(band_, field_, field_.gradient, targets_, {}, progress_);
+    if (field_.gradient.empty()) field_.gradient = igeo::surfaceGradient(band(), field_);
+    report_.paths = igeo::tracePaths(band(), field_, field_.gradient, targets_, {}, progress_);
     std::size_t done = 0;
     if (options_.straighten)
         for (igeo::Path& path : report_.paths) {
-            igeo::straighten(band_, field_, path);
+            igeo::straighten(band(), field_, path);
             progress_.update("straighten", double(++done) / double(report_.paths.size()));
         }
     finished("trace");
@@ -282,7 +309,7 @@ void Job::trace() {
 
 void Job::estimateAccuracy() {
     progress_.update("accuracy", 0);
-    report_.accuracy = igeo::estimateAccuracy(band_, field_, field_.gradient);
+    report_.accuracy = igeo::estimateAccuracy(band(), field_, field_.gradient);
     const igeo::AccuracyEstimate& a = report_.accuracy;
     if (a.samples)
         console_.detail(
@@ -295,7 +322,7 @@ void Job::estimateAccuracy() {
 /// Walks straight on; on their own part of the surface where the band is of another.
 void Job::shoot() {
     constexpr double kBeyond = 8;  // voxels that a step and its cells look at
-    const igeo::Similarity& t = surface_->transform();
+    const igeo::Similarity& t = surface_.transform();
     for (std::size_t k = 0; k < options_.shoots.size(); ++k) {
         const std::string &given = options_.shoots[k], what = "--shoot " + given;
         const std::vector<double> v = igeo::parseNumbers(given);
@@ -306,16 +333,16 @@ void Job::shoot() {
                        "give a point, a direction and how far to go");
         const Vec3d asked{v[0], v[1], v[2]}, way{v[3], v[4], v[5]}, from = indexOf(asked);
         const double length = options_.indexSpace ? v[6] : v[6] / t.dx;
-        igeo::Band local;
+        SurfaceInput::BandPtr around = band_;
         if (!wholeBand_) {
-            local = surface_->band({{from, report_.snap / t.dx + length + kBeyond}}, progress_);
-            if (local.size() == 0) local = surface_->band({}, progress_);
+            around = surface_.band({{from, report_.snap / t.dx + length + kBeyond}}, progress_);
+            if (around->size() == 0) around = surface_.band({}, progress_);
         }
-        const igeo::Band& band = wholeBand_ ? band_ : local;
-        const igeo::SurfacePoint start = surface_->nearest(band, from);
+        const igeo::SurfacePoint start = surface_.nearest(*around, from);
         tell(start, asked, what);
         try {
-            report_.walks.push_back(igeo::shoot(band, start, indexOf(asked + way) - from, length));
+            report_.walks.push_back(
+                igeo::shoot(*around, start, indexOf(asked + way) - from, length));
         } catch (const igeo::Error& e) {
             throw igeo::Error(e.kind(), what + ": " + e.what(), e.remedy());
         }
@@ -331,38 +358,38 @@ void Job::solvePairs() {
         targets.push_back(indexOf(pair.target));
     }
     igeo::PairSurface surface;
-    surface.band = [&](const auto& region, igeo::Progress& p) { return surface_->band(region, p); };
-    surface.metric = [&](const auto& band, igeo::Progress& p) { return metricInput_.on(band, p); };
-    surface.nearest = [&](const auto& band, const Vec3d& p) { return surface_->nearest(band, p); };
+    surface.band = [&](const auto& region, igeo::Progress& p) { return surface_.band(region, p); };
+    surface.metric = [&](const auto& b, igeo::Progress& p) { return metricInput_.on(b, p); };
+    surface.nearest = [&](const auto& b, const Vec3d& p) { return surface_.nearest(b, p); };
     surface.leastWeight = metricInput_.needsWholeSurface() ? 0 : metricInput_.leastWeight();
-    surface.diagonal = surface_->diagonal();
+    surface.diagonal = surface_.diagonal();
     progress_.update("pairs", 0);
     report_.pairs = igeo::pairDistances(surface, sources, targets,
-                                        report_.snap / surface_->transform().dx, progress_);
+                                        report_.snap / surface_.transform().dx, progress_);
     finished("pairs");
 }
 
-void Job::writeResults(Outputs& outputs) {
-    const Result result{*surface_, band_, field_, targets_, metricInput_, report_};
+void Job::writeResults() {
+    const Result result{surface_, band(), field_, targets_, metricInput_, report_};
     if (options_.hasSeeds()) {
-        outputs.countCells(result, progress_);
-        outputs.writeVolume(result, progress_);
+        outputs_.countCells(result, progress_);
+        outputs_.writeVolume(result, progress_);
     }
-    outputs.writeDocuments(result, progress_);
+    outputs_.writeDocuments(result, progress_);
     finished("write");
 
-    report_.warnings = surface_->warnings();
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
+    report_.seconds = stages_.seconds();
     report_.peakMemory = std::uint64_t(usage.ru_maxrss) * 1024;
     report_.threads = igeo::ThreadLimit::current();
     if (!options_.json.empty())
-        writeDocument(options_.json, igeo::reportJson(report_, band_, field_));
+        writeDocument(options_.json, igeo::reportJson(report_, band(), field_));
 }
 
 int Job::summarise() {
-    const double dx = surface_->transform().dx;
-    for (const std::string& w : surface_->warnings()) console_.warning(w);
+    const double dx = surface_.transform().dx;
+    for (const std::string& w : report_.warnings) console_.warning(w);
     int code = kDone;
     for (std::size_t k = 0; k < report_.paths.size(); ++k) {
         const igeo::Path& p = report_.paths[k];
@@ -385,7 +412,7 @@ int Job::summarise() {
     }
     for (std::size_t k = 0; k < report_.walks.size(); ++k) {
         const igeo::Path& walk = report_.walks[k];
-        const igeo::Similarity& t = surface_->transform();
+        const igeo::Similarity& t = surface_.transform();
         const std::string said = "walk " + std::to_string(k) + ": " +
                                  format("%.6g long, ends at ", walk.arcLength * t.dx) +
                                  text(t.worldFromIndex(walk.vertices.back().pIndex));
@@ -407,34 +434,16 @@ int Job::summarise() {
     if (options_.hasSeeds())
         console_.info(format("distances up to %.6g on %.0f of %.0f band voxels in ",
                              field_.maxDistance * dx, double(field_.reached),
-                             double(band_.size())) +
-                      distanceFile(options_, surface_->name()));
+                             double(band().size())) +
+                      distanceFile(options_, surface_.name()));
     return code;
 }
 
 int Job::run() {
-    surface_ = SurfaceInput::of(options_);
-    const bool pairsOrWalks = !options_.pairs.empty() || !options_.shoots.empty();
-    if (!options_.hasSeeds() && !pairsOrWalks)
-        usageError("no seed is given", "add --seed x,y,z, --seeds FILE or --sample K");
-    if (!options_.hasSeeds() && options_.needsSeeds())
-        usageError("results that need distances are asked for, but no seed is given",
-                   "add --seed x,y,z; without seeds only --paths, --pairs-out, --image and --json "
-                   "are written");
-    Outputs outputs(options_);
-    checkOutputFiles(options_);
-    progress_.update("read", 0);
-    surface_->read();
-    finished("read");
-    surface_->prepare(progress_, report_);
-    report_.grid = surface_->name();
-    console_.detail("surface: " + surface_->name() +
-                    format(", dx %.6g, ", surface_->transform().dx) + surface_->summary());
-    finished("check");
-    report_.snap = options_.snap >= 0 ? options_.snap : surface_->snap();
-    seedInput_.read(options_, surface_->transform());
+    report_.snap = options_.snap >= 0 ? options_.snap : surface_.snap();
+    seedInput_.read(options_, surface_.transform());
     askedTargets_ = askedPoints(options_.targets, options_.targetFile, "target");
-    metricInput_.read(options_, surface_->transform());
+    metricInput_.read(options_, surface_.transform());
     report_.sources = seedInput_.names();
     report_.weights = metricInput_.weightNames();
     report_.obstacles = metricInput_.obstacleNames();
@@ -445,19 +454,51 @@ int Job::run() {
     } else {
         // A picture shows all of the surface.
         if (!options_.image.empty()) makeBand({});
-        band_.transform = surface_->transform();
-        band_.h = surface_->h();
-        field_.distance.assign(band_.size(), igeo::kInfinity);
+        if (!wholeBand_) {
+            auto none = std::make_shared<igeo::Band>();
+            none->transform = surface_.transform();
+            none->h = surface_.h();
+            band_ = none;
+        }
+        field_.distance.assign(band().size(), igeo::kInfinity);
         field_.scheme = options_.scheme;
     }
     shoot();
     solvePairs();
-    writeResults(outputs);
+    writeResults();
     return summarise();
 }
 
 }  // namespace
 
+void checkRun(const Options& options) {
+    SurfaceInput::of(options);
+    const bool pairsOrWalks = !options.pairs.empty() || !options.shoots.empty();
+    if (!options.hasSeeds() && !pairsOrWalks)
+        usageError("no seed is given", "add --seed x,y,z, --seeds FILE or --sample K");
+    if (!options.hasSeeds() && options.needsSeeds())
+        usageError("results that need distances are asked for, but no seed is given",
+                   "add --seed x,y,z; without seeds only --paths, --pairs-out, --image and --json "
+                   "are written");
+    Outputs{options};
+    checkOutputFiles(options);
+}
+
 int run(const Options& options, Console& console, ConsoleProgress& progress) {
-    return Job(options, console, progress).run();
+    checkRun(options);
+    Stages stages(console, progress);
+    const std::unique_ptr<SurfaceInput> surface = SurfaceInput::of(options);
+    progress.update("read", 0);
+    surface->read();
+    stages.finished("read");
+    surface->prepare(progress);
+    console.detail("surface: " + surface->name() + format(", dx %.6g, ", surface->transform().dx) +
+                   surface->summary());
+    stages.finished("check");
+    return Job(*surface, options, console, progress, std::move(stages)).run();
+}
+
+int runOn(const SurfaceInput& surface, const Options& options, Console& console,
+          ConsoleProgress& progress) {
+    return Job(surface, options, console, progress, Stages(console, progress)).run();
 }

@@ -4,9 +4,20 @@
 #include "console.h"
 #include "options.h"
 
+class SurfaceInput;
+
 enum ExitCode { kDone = 0, kFailed = 1, kUsage = 2, kUnusable = 3, kUnreached = 4 };
 
-/// Walks the street: read, check, band, seeds, march, trace, write.
+/// Refuses what is wrong by the options alone, before any file is read.
+/// @throws igeo::Error  InvalidArgument
+void checkRun(const Options& options);
+
+/// Checks, then walks the street: read, check, band, seeds, march, trace, write.
 /// @return kDone or kUnreached
 /// @throws igeo::Error
 int run(const Options& options, Console& console, ConsoleProgress& progress);
+
+/// The street from the band on, for options that were checked, on a surface with the SurfaceOptions
+/// of the job. Jobs on one surface may run side by side; each writes what `run` would.
+int runOn(const SurfaceInput& surface, const Options& options, Console& console,
+          ConsoleProgress& progress);

@@ -1,0 +1,43 @@
+#include "failure.h"
+
+#include <igeo/error.h>
+
+#include <exception>
+#include <new>
+
+#include "console.h"
+#include "run.h"
+
+namespace {
+
+int exitCodeFor(igeo::Error::Kind kind) {
+    using Kind = igeo::Error::Kind;
+    switch (kind) {
+        case Kind::InvalidArgument:
+            return kUsage;
+        case Kind::BadInput:
+        case Kind::Io:
+            return kUnusable;
+        case Kind::Cancelled:
+            return InterruptGuard::exitCode();
+        case Kind::Numerical:
+        case Kind::Internal:
+            break;
+    }
+    return kFailed;
+}
+
+}  // namespace
+
+Failure currentFailure() {
+    try {
+        throw;
+    } catch (const igeo::Error& e) {
+        return {exitCodeFor(e.kind()), e.what(), e.remedy()};
+    } catch (const std::bad_alloc&) {
+        return {kFailed, "out of memory",
+                "use a narrower band, a coarser level set or a larger machine"};
+    } catch (const std::exception& e) {
+        return {kFailed, std::string("unexpected: ") + e.what(), "please report this"};
+    }
+}

@@ -1,0 +1,117 @@
+#include "manifest.h"
+
+#include <igeo/error.h>
+
+#include <map>
+#include <set>
+#include <utility>
+
+#include "json_file.h"
+
+namespace {
+
+/// Values of options by their names; sorted, so that the order of writing plays no part.
+using Values = std::map<std::string, Json>;
+
+/// The members of an object, but for its name.
+Values valuesOf(const Json& object, const std::string& where) {
+    Values values;
+    for (const auto& [key, value] : object.items()) {
+        if (key == "name") continue;
+        // The option --name has to be told from the name of the job.
+        const std::string option = key.rfind("--", 0) == 0 ? key.substr(2) : key;
+        if (option.empty() || option.front() == '-' ||
+            option.find_first_not_of("abcdefghijklmnopqrstuvwxyz-") != std::string::npos)
+            inputError(where + ": '" + key + "' is no option",
+                       "write the long name of an option without its dashes; see "
+                       "implicit-geodesic --help");
+        if (!values.emplace(option, value).second)
+            inputError(where + ": '" + option + "' is given with and without dashes",
+                       "keep one of the two");
+    }
+    return values;
+}
+
+bool allNumbers(const Json& list) {
+    for (const Json& item : list)
+        if (!item.is_number()) return false;
+    return !list.empty();
+}
+
+/// As one word of a command line.
+std::string wordOf(const Json& value, const std::string& where) {
+    if (value.is_string()) return value.get<std::string>();
+    if (value.is_number()) return value.dump();
+    std::string word;
+    if (value.is_array() && allNumbers(value)) {
+        for (const Json& number : value) word += (word.empty() ? "" : ",") + number.dump();
+        return word;
+    }
+    inputError(where + ": " + value.dump(-1, ' ', false, Json::error_handler_t::replace) +
+                   " is no value of an option",
+               "give a string, a number, true, false, or a list of strings, numbers or points");
+}
+
+/// A list of numbers is one value, such as a point; any other list is an option that is repeated.
+void addArguments(const std::string& option, const Json& value, const std::string& where,
+                  std::vector<std::string>& arguments) {
+    if (value.is_boolean()) {
+        if (value.get<bool>()) arguments.push_back("--" + option);
+        return;
+    }
+    const bool repeated = value.is_array() && !allNumbers(value);
+    for (const Json& item : repeated ? value : Json::array({value}))
+        arguments.push_back("--" + option + "=" + wordOf(item, where + ": '" + option + "'"));
+}
+
+BatchJob jobOf(const Json& entry, const Values& defaults, const std::string& file,
+               std::size_t number) {
+    const std::string place = file + ": job " + std::to_string(number);
+    if (!entry.is_object() || !entry.contains("name") || !entry["name"].is_string() ||
+        entry["name"].get<std::string>().empty())
+        inputError(place + " (counted from 0) has no name", "give it a \"name\", a string");
+    BatchJob job;
+    job.name = entry["name"].get<std::string>();
+    const std::string where = file + ": " + job.quoted();
+    Values values = valuesOf(entry, where);
+    values.insert(defaults.begin(), defaults.end());  // of those that the job does not give
+    for (const auto& [option, value] : values) addArguments(option, value, where, job.arguments);
+    try {
+        job.options = parseJob(job.arguments);
+    } catch (const igeo::Error& e) {
+        throw igeo::Error(e.kind(), where + ": " + e.what(), e.remedy());
+    }
+    return job;
+}
+
+}  // namespace
+
+std::vector<BatchJob> readManifest(const std::string& file) {
+    const Json manifest = readJson(file);
+    if (!manifest.is_object() || !manifest.contains("version") || manifest["version"] != 1 ||
+        !manifest.contains("jobs") || !manifest["jobs"].is_array())
+        inputError(file + " is no manifest of version 1",
+                   "write {\"version\": 1, \"defaults\": {...}, \"jobs\": [{\"name\": ...}, ...]}");
+    for (const auto& [key, value] : manifest.items())
+        if (key != "version" && key != "defaults" && key != "jobs" && key != "$schema")
+            inputError(file + ": '" + key + "' is no member of a manifest",
+                       "options stand in \"defaults\" and in the jobs");
+    Values defaults;
+    if (manifest.contains("defaults")) {
+        const Json& given = manifest["defaults"];
+        if (!given.is_object() || given.contains("name"))
+            inputError(file + ": \"defaults\" is no object of options, or has a name",
+                       "names belong to jobs; the option --name is written \"--name\"");
+        defaults = valuesOf(given, file + ": defaults");
+    }
+    std::vector<BatchJob> jobs;
+    std::set<std::string> names;
+    for (const Json& entry : manifest["jobs"]) {
+        jobs.push_back(jobOf(entry, defaults, file, jobs.size()));
+        if (!names.insert(jobs.back().name).second)
+            inputError(file + ": two jobs are named '" + jobs.back().name + "'",
+                       "give each a name of its own: results are recorded by it");
+    }
+    if (jobs.empty()) inputError(file + " has no jobs", "add some to \"jobs\"");
+    return jobs;
+}

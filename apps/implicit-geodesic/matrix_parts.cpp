@@ -1,0 +1,112 @@
+#include "matrix_parts.h"
+
+#include <igeo/matrix.h>
+
+#include <algorithm>
+
+#include "json_file.h"
+#include "output_files.h"
+#include "usage_error.h"
+
+namespace {
+
+struct MatrixPart {
+    std::string file;
+    Json document;
+    std::size_t first = 0, count = 0;
+};
+
+MatrixPart readPart(const std::string& file) {
+    MatrixPart part{file, readJson(file)};
+    try {
+        if (part.document.at("type") != "matrix") inputError(file + " is no matrix", "name a part");
+        if (!part.document.contains("rows"))
+            inputError(file + " is a whole matrix, no part of one",
+                       "parts are written by --matrix FILE.json --matrix-rows K/N");
+        part.document["rows"].at("first").get_to(part.first);
+        part.document["rows"].at("count").get_to(part.count);
+        if (part.document.at("distance").size() != part.count)
+            inputError(file + " lacks rows", "write it again");
+    } catch (const Json::exception&) {
+        inputError(file + " is no part of a matrix", "write it again");
+    }
+    return part;
+}
+
+/// All but the rows is the same in all parts: the surface, the points, the program.
+void requireSameMatrix(const MatrixPart& a, const MatrixPart& b) {
+    for (const auto& [member, value] : a.document.items())
+        if (member != "rows" && member != "distance" &&
+            (!b.document.contains(member) || b.document[member] != value))
+            inputError(a.file + " and " + b.file + " differ in '" + member +
+                           "': they are parts of different matrices",
+                       "make all parts with the same options, but for --matrix-rows and files");
+}
+
+/// @return how many rows the matrix has
+std::size_t requireAllRows(const std::vector<MatrixPart>& parts) {
+    std::size_t next = 0;
+    const std::size_t rows = parts.front().document.at("seeds").size();
+    auto range = [](std::size_t begin, std::size_t end) {
+        return "rows " + std::to_string(begin) + " to " + std::to_string(end - 1);
+    };
+    auto missing = [&](std::size_t end) {
+        inputError(range(next, end) + " of " + std::to_string(rows) + " (from 0) are in no part",
+                   "name all parts, K/N for every K from 1 to N");
+    };
+    for (const MatrixPart& part : parts) {
+        if (part.count == 0) continue;
+        if (part.first > next) missing(part.first);
+        if (part.first < next)
+            inputError(part.file + " begins with row " + std::to_string(part.first) +
+                           ", which another part holds as well",
+                       "name each part once, and parts K/N of one N only");
+        next += part.count;
+    }
+    if (next < rows) missing(rows);
+    return rows;
+}
+
+}  // namespace
+
+std::string joinedMatrix(const std::vector<std::string>& files, const std::string& output) {
+    const std::string ending = output == "-" ? ".csv" : endingOf(output);
+    if (ending != ".csv" && ending != ".json" && ending != ".npy")
+        usageError("-o " + output + ": the ending is none of .csv .json .npy",
+                   "name the file with one of them");
+    std::vector<MatrixPart> parts;
+    for (const std::string& file : files) {
+        parts.push_back(readPart(file));
+        requireSameMatrix(parts.front(), parts.back());
+    }
+    std::sort(parts.begin(), parts.end(), [](const MatrixPart& a, const MatrixPart& b) {
+        return std::pair(a.first, a.count) < std::pair(b.first, b.count);
+    });
+    igeo::DistanceMatrix matrix;
+    matrix.seeds.resize(requireAllRows(parts));
+    Json& whole = parts.front().document;
+    matrix.targets.resize(whole.at("targets").size());
+    for (const MatrixPart& part : parts)
+        for (const Json& row : part.document["distance"]) {
+            if (row.size() != matrix.targets.size())
+                inputError(part.file + " lacks columns", "write it again");
+            for (const Json& d : row)
+                matrix.distance.push_back(d.is_null() ? igeo::kInfinity : d.get<double>());
+        }
+    if (whole["asymmetry"].is_null()) igeo::makeSymmetric(matrix);
+    if (ending == ".csv") return igeo::matrixCsv(matrix);
+    if (ending == ".npy") return igeo::matrixNpy(matrix);
+
+    whole.erase("rows");
+    whole["distance"] = Json::array();
+    for (std::size_t s = 0; s < matrix.seeds.size(); ++s) {
+        Json row = Json::array();
+        for (std::size_t t = 0; t < matrix.targets.size(); ++t) {
+            const double d = matrix.at(s, t);
+            row.push_back(d < igeo::kInfinity ? Json(d) : Json(nullptr));
+        }
+        whole["distance"].push_back(std::move(row));
+    }
+    whole["asymmetry"] = matrix.asymmetry;
+    return whole.dump() + "\n";
+}

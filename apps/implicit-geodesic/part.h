@@ -1,0 +1,34 @@
+/// One of several parts of a list.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <string>
+
+#include "usage_error.h"
+
+struct Part {
+    std::size_t number = 1, count = 1;  ///< the first of 3: 1 and 3
+
+    /// "1/3"; empty: all there is.
+    static Part parse(const char* option, const std::string& text) {
+        Part part;
+        if (text.empty()) return part;
+        constexpr std::size_t kMost = 1000000;
+        char rest = 0;
+        if (text.find('-') != std::string::npos ||
+            std::sscanf(text.c_str(), "%zu/%zu%c", &part.number, &part.count, &rest) != 2 ||
+            part.number < 1 || part.number > part.count || part.count > kMost)
+            usageError(std::string(option) + ": '" + text + "' is not K/N with K from 1 to N",
+                       "write for instance 1/4, 2/4, 3/4 and 4/4 for the parts of a whole");
+        return part;
+    }
+
+    /// The part of a list of n: parts follow each other and differ by one in length at most.
+    std::size_t begin(std::size_t n) const { return n * (number - 1) / count; }
+    std::size_t end(std::size_t n) const { return n * number / count; }
+
+    bool whole() const { return count == 1; }
+    /// "2 of 3"
+    std::string text() const { return std::to_string(number) + " of " + std::to_string(count); }
+};
