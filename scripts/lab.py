@@ -85,11 +85,12 @@ def _says(*command):
 
 
 def commit():
-    """The checkout: its commit, and whether files differ from it."""
+    """The checkout: its commit, and whether files differ from it; documents aside, which the
+    scripts themselves write."""
     name = _says("git", "rev-parse", "--short=10", "HEAD")
     if not name:
         return "no git"
-    return name + (" with changes" if _says("git", "status", "--porcelain", "-uno") else "")
+    return name + (" with changes" if _says("git", "status", "--porcelain", "-uno", ":!docs") else "")
 
 
 def machine():
