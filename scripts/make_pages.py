@@ -180,14 +180,17 @@ def man_page(page, commands, version):
     return "\n".join(lines) + "\n"
 
 
-def endings(option):
-    """Of the files that an option takes: ["vdb"], ["*"] for any; nothing if it takes no file."""
-    if not option.argument.startswith("FILE"):
-        return []
-    if option.argument.startswith("FILE[:"):
+def endings_of(argument, text):
+    """Of the files that an argument takes: ["vdb"], ["*"] for any."""
+    if argument.endswith("[:GRID]") or argument.endswith("[:PREFIX]"):
         return ["vdb"]
-    named = re.fullmatch(r"FILE\.(\w+)", option.argument)
-    return [named[1]] if named else re.findall(r"(?<!\S)\.(\w+)", option.text) or ["*"]
+    named = re.fullmatch(r"FILE\.(\w+)", argument)
+    return [named[1]] if named else re.findall(r"(?<!\S)\.(\w+)", text) or ["*"]
+
+
+def endings(option):
+    """The same of an option; nothing if it takes no file."""
+    return endings_of(option.argument, option.text) if option.argument.startswith("FILE") else []
 
 
 COMPLETION = r"""# Completion of implicit-geodesic in bash, made from its --help.
@@ -202,10 +205,12 @@ _implicit_geodesic() {
     elif [[ $option == = ]]; then
         option=${COMP_WORDS[COMP_CWORD - 2]}
     fi
-    if [[ $COMP_CWORD == 1 ]]; then
+    # Words of a subcommand that are complete.
+    local words=("${COMP_WORDS[@]:1:COMP_CWORD - 1}")
+    if [[ ${#words[@]} == 0 ]]; then
         options+=' @COMMANDS@'
     fi
-    case $((COMP_CWORD > 1))${COMP_WORDS[1]} in
+    case " ${words[0]-} ${words[1]-} " in
 @SUBCOMMANDS@
     *)
         case $option in
@@ -250,29 +255,38 @@ def completion_cases(page):
             cases.append(f"{pattern}) files='{files}' ;;")
         else:
             unknown += option.names
-    cases.append(f"{' | '.join(unknown)}) return ;;  # numbers and names")
+    if unknown:
+        cases.append(f"{' | '.join(unknown)}) return ;;  # numbers and names")
     return "\n".join(" " * 8 + case for case in cases)
 
 
 def completion_command(name, page):
-    """The same for a subcommand, whose words without a dash are VDB files."""
+    """The same for a subcommand, whose words without a dash are files, or subcommands first."""
     names = " ".join(n for option in page.options() for n in option.names)
-    return f"""    1{name})
+    files = " ".join(e for word, meaning in page.arguments for e in endings_of(word, meaning))
+    inner = " ".join(command for command, _ in page.commands)
+    more = f"""
+        if [[ ${{#words[@]}} == 1 && -n $current && " {inner}" == " $current"* ]]; then
+            options+=' {inner}' files=''
+        fi""" if inner else ""
+    return f"""    " {name} "*)
         options='{names}'
         case $option in
 {completion_cases(page)}
         esac
         if [[ -z $values && $current != -* ]]; then
-            files=${{files:-vdb}}
-        fi
+            files=${{files:-{files.replace("*", "any")}}}
+        fi{more}
         ;;"""
 
 
 def completion(page, commands):
     parts = {"@CASES@": completion_cases(page),
              "@OPTIONS@": " ".join(n for option in page.options() for n in option.names),
-             "@COMMANDS@": " ".join(commands),
-             "@SUBCOMMANDS@": "\n".join(completion_command(*c) for c in commands.items())}
+             "@COMMANDS@": " ".join(name for name, _ in page.commands),
+             # Longer names first: "batch merge" before "batch".
+             "@SUBCOMMANDS@": "\n".join(completion_command(name, commands[name])
+                                        for name in sorted(commands, reverse=True))}
     text = COMPLETION
     for mark, part in parts.items():
         text = text.replace(mark, part)
@@ -283,8 +297,18 @@ def main(program, folder):
     def says(*words):
         return subprocess.run([program, *words], check=True, capture_output=True, text=True).stdout
 
+    def commands_of(page, *before):
+        """Also those of subcommands: {"info": Help, "batch": Help, "batch merge": Help}."""
+        all_commands = {}
+        for name, _ in page.commands:
+            words = (*before, name)
+            command = parse_help(says(*words, "--help"))
+            all_commands[" ".join(words)] = command
+            all_commands.update(commands_of(command, *words))
+        return all_commands
+
     page = parse_help(says("--help"))
-    commands = {name: parse_help(says(name, "--help")) for name, _ in page.commands}
+    commands = commands_of(page)
     version = says("--version").strip()
     for file, text in ((f"man/man1/{NAME}.1", man_page(page, commands, version)),
                        (f"bash-completion/completions/{NAME}", completion(page, commands))):

@@ -146,9 +146,8 @@ void addMerge(CLI::App& batch, Options& o) {
     merge->add_option("PARTS", o.batch.parts, "Summaries, or with --matrix parts; .json")
         ->type_name("")
         ->required();
-    merge->add_option("-o,--output", o.batch.output, "Where the whole goes; - is stdout")
+    merge->add_option("-o,--output", o.batch.output, "Where the whole goes; - is stdout [-]")
         ->type_name("FILE")
-        ->required()
         ->group("Results");
     merge
         ->add_flag("--matrix", o.batch.matrix,

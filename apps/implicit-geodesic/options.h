@@ -45,7 +45,7 @@ struct BatchOptions {
     bool merge = false;
     bool matrix = false;             ///< of parts of a matrix, not of summaries
     std::vector<std::string> parts;  ///< files
-    std::string output;
+    std::string output = "-";
 };
 
 struct Options : SurfaceOptions {

@@ -17,10 +17,16 @@ PROGRAM = pathlib.Path(os.environ.get("IGEO_PROGRAM", ROOT / "build/release/bin/
 SHARE = PROGRAM.parents[1] / "share"  # where the build puts the pages
 MAN = SHARE / "man/man1/implicit-geodesic.1"
 COMPLETION = SHARE / "bash-completion/completions/implicit-geodesic"
-HELP = subprocess.run([PROGRAM, "--help"], check=True, capture_output=True, text=True).stdout
-BODY, FOOTER = HELP.split("\nExit codes: ")
-INFO = subprocess.run([PROGRAM, "info", "--help"], check=True, capture_output=True, text=True).stdout
-INFO_BODY, INFO_FOOTER = INFO.split("\nExit codes: ")
+COMMANDS = ("info", "batch", "batch merge")
+
+
+def help_of(command):
+    """Its options and what follows them."""
+    said = subprocess.run([PROGRAM, *command.split(), "--help"], check=True, capture_output=True, text=True)
+    return said.stdout.split("\nExit codes: ")
+
+
+BODY, FOOTER = help_of("")
 
 # {"--output": ("FILE.vdb", "Distances as a VDB file; ...")}, read in another way than make_pages.py.
 def options_of(body):
@@ -33,7 +39,8 @@ def options_of(body):
 
 
 OPTIONS = options_of(BODY)
-INFO_OPTIONS = options_of(INFO_BODY)
+COMMAND_OPTIONS = {command: options_of(help_of(command)[0]) for command in COMMANDS}
+INFO_OPTIONS = COMMAND_OPTIONS["info"]
 
 
 class Help(unittest.TestCase):
@@ -44,6 +51,8 @@ class Help(unittest.TestCase):
         self.assertEqual(OPTIONS["--quiet"], ("", "Print errors only"))
         self.assertEqual(set(INFO_OPTIONS) - set(OPTIONS), {"--problems"})
         self.assertEqual(INFO_OPTIONS["--json"][0], "")
+        self.assertEqual(set(COMMAND_OPTIONS["batch"]) - set(OPTIONS), {"--shard", "--summary", "--dry-run"})
+        self.assertEqual(set(COMMAND_OPTIONS["batch merge"]), {"--output", "--matrix", "--help"})
 
 
 class ManualPage(unittest.TestCase):
@@ -57,21 +66,23 @@ class ManualPage(unittest.TestCase):
 
     def test_troff_has_nothing_to_say_against_it(self):
         text = self.rendered()
-        for title in ("NAME", "SYNOPSIS", "DESCRIPTION", "OPTIONS", "INFO", "EXIT STATUS", "EXAMPLES"):
+        for title in ("NAME", "SYNOPSIS", "DESCRIPTION", "OPTIONS", "INFO", "BATCH", "BATCH MERGE", "EXIT STATUS", "EXAMPLES"):
             self.assertRegex(text, rf"(?m)^{title}$")
 
     def test_holds_the_help_word_by_word(self):
         text = " ".join(self.rendered("-rHY=0", "-rLL=1000n", "-dAD=l").split())
-        for name, (argument, meaning) in [*OPTIONS.items(), *INFO_OPTIONS.items()]:
-            self.assertIn(f"{name} {argument} {meaning}." if argument else f"{name} {meaning}.", text)
-        for line in (FOOTER + INFO_FOOTER).splitlines():
+        for options in (OPTIONS, *COMMAND_OPTIONS.values()):
+            for name, (argument, meaning) in options.items():
+                self.assertIn(f"{name} {argument} {meaning}." if argument else f"{name} {meaning}.", text)
+        footers = "".join(help_of(command)[1] for command in COMMANDS)
+        for line in (FOOTER + footers).splitlines():
             if line.startswith("  implicit-geodesic "):
                 self.assertIn(line.strip(), text)
         for code in re.findall(r"(\d+) [a-z]", FOOTER.split("\n\n")[0]):
             self.assertRegex(text, rf"EXIT STATUS.* {code} .*ENVIRONMENT")
         # And nothing else.
         self.assertLessEqual(set(re.findall(r"--[a-z][a-z-]*", text)),
-                             set(OPTIONS) | set(INFO_OPTIONS))
+                             set(OPTIONS).union(*COMMAND_OPTIONS.values()))
 
 
 class OptionsPage(unittest.TestCase):
@@ -80,9 +91,9 @@ class OptionsPage(unittest.TestCase):
 
     def setUp(self):
         page = (ROOT / "docs/cli.md").read_text(encoding="utf-8")
-        main, _, info = page.partition("\n## info\n")
-        self.rows = self.rows_of(main)
-        self.info_rows = self.rows_of(info.partition("\n## ")[0])
+        sections = dict(re.findall(r"(?ms)^##+ ([^\n]*)\n(.*?)(?=^##+ |\Z)", page))
+        self.rows = self.rows_of(page.partition("\n## ")[0])
+        self.command_rows = {command: self.rows_of(sections[command]) for command in COMMANDS}
 
     def rows_of(self, text):
         rows = {}
@@ -100,9 +111,10 @@ class OptionsPage(unittest.TestCase):
         self.assertEqual({name: argument for name, (argument, _) in self.rows.items()},
                          {name: argument for name, (argument, _) in OPTIONS.items()})
         # What works as in the main job has no row of its own.
-        self.assertEqual({name: argument for name, (argument, _) in self.info_rows.items()},
-                         {name: argument for name, (argument, text) in INFO_OPTIONS.items()
-                          if OPTIONS.get(name) != (argument, text)})
+        for command, options in COMMAND_OPTIONS.items():
+            self.assertEqual({name: argument for name, (argument, _) in self.command_rows[command].items()},
+                             {name: argument for name, (argument, text) in options.items()
+                              if OPTIONS.get(name) != (argument, text)}, command)
 
     def test_defaults(self):
         checked = 0
@@ -164,6 +176,15 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.after("info", "--problems", "a"), ["a.vdb"])
         self.assertEqual(self.after("info", "--json", "b"), ["b c.vdb"])
         self.assertEqual(self.after("info", "--progress", "n"), ["never"])
+
+    def test_subcommand_of_a_subcommand(self):
+        self.assertEqual(self.after("ba"), ["batch"])
+        self.assertEqual(self.after("batch", ""), ["models", "seeds.json"])
+        self.assertEqual(self.after("batch", "m"), ["merge"])
+        self.assertEqual(self.after("batch", "seeds.json", "--s"), ["--shard", "--summary"])
+        self.assertEqual(self.after("batch", "seeds.json", "--shard", ""), [])
+        self.assertEqual(self.after("batch", "merge", "s"), ["seeds.json"])
+        self.assertEqual(self.after("batch", "merge", "seeds.json", "--"), ["--help", "--matrix", "--output"])
 
     def test_values(self):
         self.assertEqual(self.after("--scheme", ""), ["godunov", "jet"])
