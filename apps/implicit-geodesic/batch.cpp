@@ -135,8 +135,8 @@ Batch::Batch(const Options& options, Console& console, ConsoleProgress& progress
 
 /// What jobs may not do since they run in any order, side by side and without a terminal.
 void Batch::refuseConflicts() const {
-    std::map<std::string, std::string> writers{{manifest_, "the manifest"},
-                                               {wholeName(summaryFile_), "the summary"}};
+    std::map<std::string, std::string> writers{{manifest_, "is the manifest"},
+                                               {wholeName(summaryFile_), "is the summary"}};
     std::error_code ignored;
     for (const BatchJob& job : jobs_)
         for (const std::string& file : outputFiles(job.options)) {
@@ -145,9 +145,9 @@ void Batch::refuseConflicts() const {
                            "give each of its results a file");
             const bool device = fs::exists(file, ignored) && !fs::is_regular_file(file, ignored);
             if (device) continue;
-            const auto [other, fresh] = writers.emplace(wholeName(file), job.quoted());
+            const auto [other, fresh] = writers.emplace(wholeName(file), job.quoted() + " writes");
             if (!fresh)
-                usageError(job.quoted() + " writes '" + file + "', and so does " + other->second,
+                usageError(job.quoted() + " writes '" + file + "', which " + other->second,
                            "give each its own files, the distances (\"output\") as well");
         }
     for (const BatchJob& job : jobs_)
@@ -155,9 +155,8 @@ void Batch::refuseConflicts() const {
             if (file == "-") usageError(job.quoted() + " reads standard input", "give it a file");
             const auto writer = writers.find(wholeName(file));
             if (writer != writers.end())
-                usageError(
-                    job.quoted() + " reads '" + file + "', which is written by " + writer->second,
-                    "jobs run in no order: put this one into a batch that follows");
+                usageError(job.quoted() + " reads '" + file + "', which " + writer->second,
+                           "jobs run in no order: put this one into a batch that follows");
         }
 }
 

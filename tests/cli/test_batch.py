@@ -1,0 +1,496 @@
+#!/usr/bin/env python3
+"""`implicit-geodesic batch`: the bytes of single runs, once each, however often it is interrupted.
+
+usage: IGEO_PROGRAM=build/release/bin/implicit-geodesic tests/cli/test_batch.py [-v]
+"""
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = pathlib.Path(os.environ.get("IGEO_PROGRAM", ROOT / "build/release/bin/implicit-geodesic")).resolve()
+VALIDATE = ROOT / "tests/cli/validate_json.py"
+DONE, FAILED, USAGE, UNUSABLE, UNREACHED = range(5)
+
+
+def ball(corners: int) -> str:
+    """An octahedron, each face cut into `corners`^2, as a ball of radius 1 in OBJ."""
+    lines, numbers = [], {}
+
+    def number(x, y, z):
+        if (x, y, z) not in numbers:
+            length = (x * x + y * y + z * z) ** 0.5
+            numbers[x, y, z] = len(numbers) + 1
+            lines.append("v {} {} {}".format(x / length, y / length, z / length))
+        return numbers[x, y, z]
+
+    faces = []
+    for sx in (1, -1):
+        for sy in (1, -1):
+            for sz in (1, -1):
+                def at(i, j, sx=sx, sy=sy, sz=sz):
+                    return number(sx * i, sy * j, sz * (corners - i - j))
+                for i in range(corners):
+                    for j in range(corners - i):
+                        faces.append((at(i, j), at(i + 1, j), at(i, j + 1))[::sx * sy * sz])
+                        if i + j < corners - 1:
+                            faces.append((at(i + 1, j), at(i + 1, j + 1), at(i, j + 1))[::sx * sy * sz])
+    return "\n".join(lines + ["f {} {} {}".format(*face) for face in faces]) + "\n"
+
+
+# Every kind of surface and result; two jobs and more on each surface.
+JOBS = {
+    "version": 1,
+    "defaults": {"sdf": "torus.vdb", "straighten": True},
+    "jobs": [
+        {"name": "far", "seed": [1.4, 0, 0], "output": "far.vdb", "with": ["gradient", "label"], "extend": True},
+        {"name": "ball", "sdf": False, "mesh": "ball.obj", "resolution": 40, "seed": "0,0,1",
+         "target": [[0, 1, 0], "0,0,-1"], "output": "ball.vdb", "paths": "ball.json", "image": "ball.png",
+         "image-size": "160x120"},
+        {"name": "near", "seed": [[1.4, 0, 0], [-1.4, 0, 0]], "max-distance": 0.3, "output": "near.vdb",
+         "isolines": "near.json"},
+        {"name": "way", "seed": [1.4, 0, 0], "target": [-1, 0, 0.4], "stop-at-targets": True,
+         "output": "way.vdb", "--name": "d", "paths": "way.obj"},
+        {"name": "paper", "seed": [1.4, 0, 0], "scheme": "godunov", "output": "paper.vdb"},
+        {"name": "ball-mesh", "sdf": False, "mesh": "ball.obj", "resolution": 40, "seed": [1, 0, 0],
+         "output": "ball-mesh.vdb", "mesh-out": "ball-mesh.ply", "with": "engraved"},
+        {"name": "pairs", "pairs": "pairs.csv", "pairs-out": "pairs.json", "straighten": False},
+        {"name": "samples", "sample": 6, "matrix": "samples.csv", "output": "samples.vdb"},
+    ],
+}
+
+
+class Desk(unittest.TestCase):
+    """A folder with inputs and jobs.json."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        for name in ("torus.vdb", "two_spheres.vdb"):
+            shutil.copy(ROOT / "data" / name, self.folder)
+        (self.folder / "ball.obj").write_text(ball(24))
+        (self.folder / "pairs.csv").write_text("1.4,0,0,0,1.4,0\n-1,0,0.4,0,-1,0.4\n")
+        self.write(JOBS)
+        self.inputs = set(os.listdir(self.folder))
+
+    def write(self, jobs, name="jobs.json"):
+        (self.folder / name).write_text(jobs if isinstance(jobs, str) else json.dumps(jobs))
+
+    def command(self, *words):
+        return [PROGRAM, *map(str, words)]
+
+    def program(self, *words, cwd=None):
+        return subprocess.run(self.command(*words), cwd=cwd or self.folder, capture_output=True, text=True,
+                              check=False, timeout=200)
+
+    def batch(self, *words, code=DONE):
+        done = self.program("batch", "jobs.json", *words)
+        self.assertEqual(done.returncode, code, done.stderr)
+        self.assertEqual(done.stdout if "--dry-run" not in words else "", "")
+        return done.stderr
+
+    def summary(self, name="jobs.summary.json"):
+        self.valid("summary.schema.json", name)
+        return json.loads((self.folder / name).read_text())
+
+    def statuses(self, name="jobs.summary.json"):
+        return {job["name"]: job["status"] for job in self.summary(name)["jobs"]}
+
+    def valid(self, schema, name):
+        done = subprocess.run(["/usr/bin/python3", VALIDATE, ROOT / "docs" / schema, self.folder / name],
+                              capture_output=True, text=True, check=False)
+        # 77, 127: no python3-jsonschema here.
+        self.assertIn(done.returncode, (0, 77, 127), done.stdout)
+
+    def outputs(self):
+        """Of all jobs: name to bytes."""
+        return {file.name: file.read_bytes() for file in sorted(self.folder.iterdir())
+                if file.name not in self.inputs and "summary" not in file.name}
+
+    def ran(self, said):
+        """Names of the jobs that a batch says it has run."""
+        return {line.split("'")[1] for line in said.splitlines() if ": job '" in line and "is done" in line}
+
+    def refused(self, jobs, code, *says, words=()):
+        """Before anything runs: nothing is written."""
+        self.write(jobs)
+        before = sorted(os.listdir(self.folder))
+        done = self.program("batch", "jobs.json", *words)
+        self.assertEqual(done.returncode, code, done.stderr)
+        lines = done.stderr.splitlines()
+        self.assertEqual(len(lines), 2, done.stderr)
+        self.assertTrue(lines[0].startswith("implicit-geodesic: error: ") and lines[1].startswith("  "))
+        self.assertNotIn("exception", done.stderr)
+        for part in says:
+            self.assertIn(part, done.stderr)
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+
+
+class Batch(Desk):
+    def single_runs(self):
+        """The commands that --dry-run prints, one by one; then their outputs are taken away."""
+        printed = self.program("batch", "jobs.json", "--dry-run").stdout
+        commands = [line.strip() for line in printed.splitlines() if line.startswith("  ")]
+        self.assertEqual(len(commands), len(JOBS["jobs"]))
+        for command in commands:
+            subprocess.run(["bash", "-c", command.replace("implicit-geodesic", str(PROGRAM), 1) + " -q"],
+                           cwd=self.folder, check=True)
+        outputs = self.outputs()
+        for name in outputs:
+            (self.folder / name).unlink()
+        return outputs
+
+    def test_bytes_are_those_of_single_runs(self):
+        self.valid("batch.schema.json", "jobs.json")
+        single = self.single_runs()
+        self.assertEqual(len(single), 7 + 7)  # all but pairs have a volume
+        summaries = set()
+        for threads in (1, 2, 5):
+            said = self.batch("--threads", threads)
+            self.assertEqual(self.ran(said), {job["name"] for job in JOBS["jobs"]})
+            together = self.outputs()
+            self.assertEqual(sorted(together), sorted(single))
+            for name, content in together.items():
+                self.assertTrue(content == single[name], f"{name} differs with {threads} threads")
+                (self.folder / name).unlink()
+            self.assertEqual(set(self.statuses().values()), {"done"})
+            summaries.add((self.folder / "jobs.summary.json").read_bytes())
+        self.assertEqual(len(summaries), 1)
+
+    def test_from_another_folder_and_quietly(self):
+        done = self.program("batch", self.folder / "jobs.json", "-q", "--summary", "s.json", cwd=ROOT / "tests")
+        try:
+            self.assertEqual((done.returncode, done.stdout, done.stderr), (DONE, "", ""))
+            self.assertTrue((self.folder / "far.vdb").exists())
+            self.assertFalse((self.folder / "jobs.summary.json").exists())
+            shutil.move(ROOT / "tests/s.json", self.folder / "s.json")
+            self.assertEqual(set(self.statuses("s.json").values()), {"done"})
+        finally:
+            (ROOT / "tests/s.json").unlink(missing_ok=True)
+
+    def test_what_is_done_is_not_done_again(self):
+        self.batch()
+        outputs, summary = self.outputs(), self.summary()
+        self.assertIn("8 of 8 jobs are done already", self.batch())
+        # Times and the layout of the manifest play no part.
+        for file in self.folder.iterdir():
+            os.utime(file, (time.time() + 100, time.time() + 100))
+        self.write(json.dumps(JOBS, indent=4, sort_keys=True))
+        self.assertEqual(self.ran(self.batch()), set())
+        self.assertEqual(self.summary(), summary)
+
+        # An output that is gone, one that is another, a summary that is gone.
+        (self.folder / "way.obj").unlink()
+        (self.folder / "near.vdb").write_bytes(outputs["paper.vdb"])
+        self.assertEqual(self.ran(self.batch()), {"near", "way"})
+        self.assertEqual(self.outputs(), outputs)
+
+        # Content of an input; back again is another change.
+        pairs = (self.folder / "pairs.csv").read_text()
+        (self.folder / "pairs.csv").write_text(pairs + "0,1.4,0,1.4,0,0\n")
+        self.assertEqual(self.ran(self.batch()), {"pairs"})
+        (self.folder / "ball.obj").write_text(ball(25))
+        self.assertEqual(self.ran(self.batch()), {"ball", "ball-mesh"})
+        (self.folder / "pairs.csv").write_text(pairs)
+        (self.folder / "ball.obj").write_text(ball(24))
+        self.assertEqual(self.ran(self.batch()), {"ball", "ball-mesh", "pairs"})
+        self.assertEqual(self.outputs(), outputs)
+
+        # Options: of one job, of all; a job that is new.
+        jobs = json.loads(json.dumps(JOBS))
+        jobs["jobs"][2]["max-distance"] = 0.25
+        jobs["jobs"].insert(0, {"name": "new", "seed": [0, 1.4, 0], "output": "new.vdb"})
+        self.write(jobs)
+        self.assertEqual(self.ran(self.batch()), {"near", "new"})
+        del jobs["defaults"]["straighten"]
+        self.write(jobs)
+        self.assertEqual(self.ran(self.batch()), {job["name"] for job in jobs["jobs"]} - {"pairs"})
+
+    def test_one_failure_does_not_stop_the_rest(self):
+        jobs = json.loads(json.dumps(JOBS))
+        jobs["jobs"] += [
+            {"name": "off", "seed": [5, 0, 0], "output": "off.vdb"},
+            {"name": "gone", "sdf": "gone.vdb", "seed": [5, 0, 0], "output": "gone.vdb.vdb"},
+            {"name": "apart", "sdf": "two_spheres.vdb", "seed": "-1.2,0,0", "target": "1.2,0,0", "snap": 2,
+             "output": "apart.vdb"}]
+        self.write(jobs)
+        said = self.batch(code=UNUSABLE)
+        self.assertIn("error: job 'off': seed 0 (5,0,0) is 3.6", said)
+        self.assertIn("warning: job 'apart' is done, but a target is unreached", said)
+        self.assertIn("error: 2 of 11 jobs failed: off, gone\n", said)
+        states = self.statuses()
+        self.assertEqual([n for n, s in states.items() if s == "failed"], ["off", "gone"])
+        self.assertEqual(states["apart"], "unreached")
+        failed = {job["name"]: job for job in self.summary()["jobs"] if job["status"] == "failed"}
+        self.assertEqual((failed["off"]["exitCode"], failed["gone"]["exitCode"]), (USAGE, UNUSABLE))
+        self.assertIn("--snap", failed["off"]["error"]["remedy"])
+        self.assertEqual(len(self.outputs()), 14 + 1)
+
+        # They are tried again; what is done, with 4 as well, is not.
+        shutil.copy(self.folder / "torus.vdb", self.folder / "gone.vdb")
+        jobs["jobs"][9]["seed"] = [1.4, 0, 0]
+        self.write(jobs)
+        said = self.batch(code=USAGE)
+        self.assertEqual(self.ran(said), {"gone"})
+        jobs["jobs"][8]["seed"] = [1.4, 0, 0]
+        self.write(jobs)
+        self.assertIn("targets are unreached in apart", self.batch(code=UNREACHED))
+
+    def test_refusals_before_anything_runs(self):
+        good = {"name": "a", "sdf": "torus.vdb", "seed": [1.4, 0, 0], "output": "a.vdb"}
+
+        def with_job(*more, **options):
+            return {"version": 1, "jobs": [{**good, **options}, *more]}
+
+        self.refused('{"version": 1, "jobs": [', UNUSABLE, "jobs.json is no JSON", "line 1")
+        self.refused("[]", UNUSABLE, "no manifest of version 1")
+        self.refused({"version": 2, "jobs": [good]}, UNUSABLE, "no manifest of version 1")
+        self.refused({"version": 1, "jobs": []}, UNUSABLE, "no jobs")
+        self.refused({"version": 1, "job": [], "jobs": [good]}, UNUSABLE, "'job' is no member")
+        self.refused({"version": 1, "jobs": [{"seed": "1,0,0"}]}, UNUSABLE, "job 0", "has no name")
+        self.refused({"version": 1, "defaults": {"name": "a"}, "jobs": [good]}, UNUSABLE, '"--name"')
+        self.refused('{"version": 1, "jobs": [{"name": "a", "seed": "1,0,0", "seed": "0,1,0"}]}', UNUSABLE,
+                     "'seed' stands twice")
+        self.refused(with_job(good), UNUSABLE, "two jobs are named 'a'")
+        self.refused(with_job(sead="1,0,0"), USAGE, "job 'a'", "--sead=1,0,0")
+        self.refused(with_job(**{"--seed": "1,0,0"}), UNUSABLE, "job 'a'", "with and without dashes")
+        self.refused(with_job(**{"Seed": "1,0,0"}), UNUSABLE, "job 'a'", "'Seed' is no option")
+        self.refused(with_job(seeds=None), UNUSABLE, "job 'a'", "'seeds'", "null")
+        self.refused(with_job(seed=[[1.4, 0, [0]]]), UNUSABLE, "job 'a'", "'seed'", "[1.4,0,[0]]")
+        for option in ("threads", "progress", "quiet", "verbose", "help", "version"):
+            self.refused(with_job(**{option: 1}), USAGE, "job 'a'", f"--{option}=1")
+        self.refused(with_job(resolution=5), USAGE, "job 'a'", "--resolution")
+        self.refused(with_job(scheme="jetty"), USAGE, "job 'a'", "--scheme", "godunov")
+        self.refused(with_job(seed=False), USAGE, "job 'a'", "no seed is given")
+        self.refused(with_job(paths="nowhere/a.json"), USAGE, "job 'a'", "--paths", "no folder 'nowhere'")
+        self.refused(with_job({**good, "name": "b", "output": "./a.vdb"}), USAGE, "job 'b'", "job 'a'", "a.vdb")
+        self.refused(with_job({"name": "b", "sdf": "torus.vdb", "seed": [1.4, 0, 0]}, output=False), USAGE,
+                     "job 'b'", "job 'a'", "torus_geodesic.vdb")
+        self.refused(with_job({**good, "name": "b", "output": "b.vdb", "weight": "a.vdb"}), USAGE,
+                     "job 'b' reads 'a.vdb', which job 'a' writes")
+        self.refused(with_job(json="-"), USAGE, "job 'a' writes to standard output")
+        self.refused(with_job(sdf="-"), USAGE, "job 'a' reads standard input")
+        self.refused(with_job(pairs="pairs.csv"), USAGE, "job 'a' writes to standard output")
+        self.refused(with_job(json="jobs.summary.json"), USAGE, "the summary")
+        self.refused(with_job(json="jobs.json"), USAGE, "which is the manifest")
+        self.refused(with_job(), USAGE, "--shard: '3/2' is not K/N", words=("--shard", "3/2"))
+        self.refused(with_job(), USAGE, "--shard: '0/2'", words=("--shard", "0/2"))
+        self.refused(with_job(), USAGE, "--shard: '1'", words=("--shard", "1"))
+        self.refused(with_job(), USAGE, "reads 'torus.vdb', which is the summary", words=("--summary", "torus.vdb"))
+        self.refused(with_job(), UNUSABLE, "ball.obj is no JSON", words=("--summary", "ball.obj"))
+        self.write({"schema": 1}, "other.json")
+        self.refused(with_job(), UNUSABLE, "other.json is no summary", words=("--summary", "other.json"))
+        done = self.program("batch")
+        self.assertEqual(done.returncode, USAGE)
+        self.assertIn("no manifest is given", done.stderr)
+        self.assertEqual(self.program("batch", "none.json").returncode, UNUSABLE)
+
+    def test_shards_cover_all_jobs_once_and_merge_to_the_whole(self):
+        self.batch()
+        whole, outputs = (self.folder / "jobs.summary.json").read_bytes(), self.outputs()
+        for count in (2, 3, 11):
+            for name in outputs:
+                (self.folder / name).unlink()
+            names, ran = [], []
+            for k in range(1, count + 1):
+                ran += sorted(self.ran(self.batch("--shard", f"{k}/{count}")))
+                names.append(f"jobs.summary-{k}-of-{count}.json")
+                self.summary(names[-1])
+            self.assertEqual(sorted(ran), sorted(job["name"] for job in JOBS["jobs"]))
+            self.assertEqual(self.outputs(), outputs)
+            random.Random(count).shuffle(names)
+            done = self.program("batch", "merge", *names, "-o", "all.summary.json")
+            self.assertEqual(done.returncode, DONE, done.stderr)
+            self.assertTrue((self.folder / "all.summary.json").read_bytes() == whole)
+            # With parts twice, and to stdout.
+            done = self.program("batch", "merge", *names, "all.summary.json")
+            self.assertEqual(done.stdout.encode(), whole)
+        # A batch goes on from what was merged.
+        self.assertIn("8 of 8", self.batch("--summary", "all.summary.json"))
+
+    def test_jobs_on_one_surface_stay_together(self):
+        for count, most in ((2, 5), (3, 6)):  # four groups: torus, ball, torus with godunov
+            pairs = 0
+            for k in range(1, count + 1):
+                names = self.program("batch", "jobs.json", "--dry-run", "--shard", f"{k}/{count}").stdout
+                pairs += ("--sdf=torus.vdb" in names) + ("--mesh=ball.obj" in names) + ("godunov" in names)
+            self.assertLessEqual(pairs, most)
+
+    def test_merge_refuses_what_does_not_belong_together(self):
+        self.batch("--shard", "1/3")
+        self.batch("--shard", "3/3")
+        one, three = "jobs.summary-1-of-3.json", "jobs.summary-3-of-3.json"
+
+        def refused(*says, parts=(one, three), code=UNUSABLE):
+            done = self.program("batch", "merge", *parts, "-o", "all.json")
+            self.assertEqual(done.returncode, code, done.stderr)
+            for part in says:
+                self.assertIn(part, done.stderr)
+            self.assertFalse((self.folder / "all.json").exists())
+
+        refused("3 of 8 jobs", "shards that are missing: 2 of 3")
+        refused("none.json", parts=(one, "none.json"))
+        refused("jobs.json is no summary", parts=("jobs.json",))
+        other = self.summary(one)
+        other["jobs"][0]["digest"] = "0" * 32
+        self.write(other, "other.json")
+        refused("job 'far' differs in", one, "other.json", parts=(one, "other.json", three))
+        other["jobs"][0] = {"index": other["jobs"][0]["index"], "name": "far", "status": "waiting"}
+        self.write(other, "other.json")
+        self.batch("--shard", "2/3")
+        refused("have not run: far", parts=("other.json", "jobs.summary-2-of-3.json", three))
+        other["digest"] = "0" * 32
+        self.write(other, "other.json")
+        refused("different batches", parts=(one, "other.json"))
+
+    def test_matrices_in_parts(self):
+        for kind, points in (("between", {}), ("across", {"target": [[1.4, 0, 0], [0, -1, 0.4], [-1.4, 0, 0]]})):
+            both = {"sdf": "torus.vdb", "sample": 7, "output": "/dev/null", **points}
+            jobs = [{**both, "name": f"{kind}-{n}", "matrix": f"{kind}.{n}"} for n in ("csv", "json", "npy")]
+            jobs += [{**both, "name": f"{kind}-{k}", "matrix": f"{kind}-{k}.json", "matrix-rows": f"{k}/3"}
+                     for k in (1, 2, 3)]
+            self.write({"version": 1, "jobs": jobs})
+            self.batch()
+            self.valid("matrix.schema.json", f"{kind}-2.json")
+            parts = [f"{kind}-{k}.json" for k in (3, 1, 2)]
+            for ending in ("csv", "json", "npy"):
+                done = self.program("batch", "merge", "--matrix", *parts, "-o", f"joined.{ending}")
+                self.assertEqual((done.returncode, done.stderr), (DONE, ""))
+                self.assertEqual((self.folder / f"joined.{ending}").read_bytes(),
+                                 (self.folder / f"{kind}.{ending}").read_bytes())
+
+        def refused(*says, parts, output="no.csv", code=UNUSABLE):
+            done = self.program("batch", "merge", "--matrix", *parts, "-o", output)
+            self.assertEqual(done.returncode, code, done.stderr)
+            for part in says:
+                self.assertIn(part, done.stderr)
+            self.assertFalse((self.folder / output).exists())
+
+        refused("rows 2 to 3 of 7", parts=("across-1.json", "across-3.json"))
+        refused("rows 4 to 6 of 7", parts=("across-1.json", "across-2.json"))
+        refused("row 0", "another part", parts=("across-1.json", "across-1.json", "across-2.json", "across-3.json"))
+        refused("differ in 'targets'", parts=("across-1.json", "between-2.json"))
+        refused("whole matrix", parts=("across.json",))
+        refused("no matrix", parts=("jobs.summary.json",))
+        refused(".npy", parts=parts, output="no.txt", code=USAGE)
+        done = self.program("--sdf", "torus.vdb", "--sample", 3, "--matrix", "m.csv", "--matrix-rows", "1/2")
+        self.assertEqual(done.returncode, USAGE)
+        self.assertIn("--matrix-rows", done.stderr)
+
+
+class Interruptions(Desk):
+    """Jobs enough for a second, so that a signal finds some done and some not."""
+
+    def setUp(self):
+        super().setUp()
+        self.names = [f"j{k}" for k in range(24)]
+        self.write({"version": 1, "defaults": {"sdf": "torus.vdb", "with": "gradient"}, "jobs": [
+            {"name": n, "seed": [1.4, 0, 0], "max-distance": 1 + k / 100, "output": f"{n}.vdb"}
+            for k, n in enumerate(self.names)]})
+        start = time.monotonic()
+        self.batch("-q")
+        self.seconds = time.monotonic() - start
+        self.expected = self.outputs()
+        self.whole = (self.folder / "jobs.summary.json").read_bytes()
+        self.clear()
+
+    def clear(self):
+        for file in self.folder.iterdir():
+            if file.name not in self.inputs:
+                file.unlink()
+
+    def interrupted(self, number, delay):
+        """A batch that is sent a signal: what it said it has done, and its exit code."""
+        with subprocess.Popen(self.command("batch", "jobs.json"), cwd=self.folder, stderr=subprocess.PIPE,
+                              text=True) as process:
+            time.sleep(delay)
+            process.send_signal(number)
+            said = process.communicate(timeout=60)[1]
+        return said, process.returncode
+
+    def recorded(self):
+        if not (self.folder / "jobs.summary.json").exists():
+            return set()
+        return {name for name, status in self.statuses().items() if status == "done"}
+
+    def test_killed_at_any_moment_it_goes_on(self):
+        chance = random.Random(os.environ.get("IGEO_SEED", "7"))
+        killed = 0
+        for _ in range(4):
+            self.clear()
+            for _ in range(40):
+                before = self.recorded()
+                said, code = self.interrupted(signal.SIGKILL, chance.uniform(0.01, 0.5) * self.seconds)
+                # Nothing twice: what was recorded is not run again. Nothing is said before it is so.
+                self.assertFalse(self.ran(said) & before)
+                if code == 0:
+                    break
+                self.assertEqual(code, -signal.SIGKILL)
+                killed += 1
+                self.assertLessEqual(before | self.ran(said), self.recorded() | self.last(said))
+            self.batch("-q")
+            for name, content in self.expected.items():
+                self.assertTrue((self.folder / name).read_bytes() == content, name)
+            self.assertTrue((self.folder / "jobs.summary.json").read_bytes() == self.whole)
+        self.assertGreater(killed, 3)
+
+    def last(self, said):
+        """The job said to be done last, whose record may not be written yet."""
+        done = [line.split("'")[1] for line in said.splitlines() if "is done" in line]
+        return set(done[-1:])
+
+    def test_ctrl_c_and_kill_leave_what_is_done_recorded(self):
+        stopped = 0
+        for number in (signal.SIGINT, signal.SIGTERM):
+            for part in (0.3, 0.5, 0.7):
+                self.clear()
+                said, code = self.interrupted(number, part * self.seconds)
+                if code == 0:
+                    continue
+                stopped += 1
+                self.assertEqual(code, 128 + number)
+                self.assertEqual(said.count("error: "), 1, said)
+                self.assertIn("error: interrupted", said)
+                self.assertLessEqual(self.ran(said), self.recorded() | self.last(said))
+                names = {f.name for f in self.folder.iterdir()} - self.inputs - {"jobs.summary.json"}
+                self.assertLessEqual(names, set(self.expected))  # no temporary files
+                self.assertEqual({s for s in self.statuses().values()} - {"done", "waiting"}, set())
+                before = self.recorded()
+                self.assertEqual(self.ran(self.batch()), set(self.names) - before)
+                self.assertEqual(self.outputs(), self.expected)
+                self.assertTrue((self.folder / "jobs.summary.json").read_bytes() == self.whole)
+        self.assertGreaterEqual(stopped, 3)
+
+
+@unittest.skipUnless(shutil.which("parallel"), "parallel not found (Debian: parallel)")
+class GnuParallel(Desk):
+    def test_shards_side_by_side(self):
+        self.batch()
+        whole, outputs = (self.folder / "jobs.summary.json").read_bytes(), self.outputs()
+        for name in [*outputs, "jobs.summary.json"]:
+            (self.folder / name).unlink()
+        environment = {**os.environ, "PATH": f"{PROGRAM.parent}:{os.environ['PATH']}", "HOME": str(self.folder)}
+        script = ("parallel --will-cite -j2 implicit-geodesic batch jobs.json --shard {}/4 --threads 1 ::: {1..4} "
+                  "&& implicit-geodesic batch merge jobs.summary-*-of-4.json -o jobs.summary.json")
+        done = subprocess.run(["bash", "-c", script], cwd=self.folder, env=environment, capture_output=True,
+                              text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        shutil.rmtree(self.folder / ".parallel", ignore_errors=True)
+        self.assertEqual(self.outputs(), outputs)
+        self.assertTrue((self.folder / "jobs.summary.json").read_bytes() == whole)
+
+
+if __name__ == "__main__":
+    if not PROGRAM.exists():
+        print(f"skipped: no {PROGRAM}")
+        sys.exit(77)
+    unittest.main()
