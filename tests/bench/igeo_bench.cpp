@@ -1,8 +1,9 @@
-/// Stage times of the library on spheres, as JSON on stdout.
+/// Stage times of the library on spheres, and what scripts/compare.py needs, as JSON on stdout.
 ///
 ///     igeo_bench march [--n N] [--scheme godunov] [--order 1] [--half-width W] [--runs 3]
 ///     [--threads 1] [--contrast C]
 ///     igeo_bench sweep [--n N]      godunov beside openvdb::tools::maskSdf, same band, one thread
+///     igeo_bench solve|exact|vertex      see commands.h
 ///
 /// With a contrast there is a weight per node, from 1 to C (1: uniform), in waves over the sphere.
 ///
@@ -12,17 +13,20 @@
 #include <igeo/jet.h>
 #include <igeo/level_set_band.h>
 #include <igeo/parallel.h>
-#include <openvdb/tools/FastSweeping.h>
 #include <support/errors.h>
 #include <support/openvdb.h>
 #include <support/shapes.h>
-#include <sys/resource.h>
 
 #include <chrono>
 #include <cstdio>
 #include <functional>
 #include <map>
 #include <string>
+
+#include "arguments.h"
+#include "commands.h"
+#include "stages.h"
+#include "sweep.h"
 
 namespace igeo::test {
 namespace {
@@ -40,18 +44,6 @@ double seconds(int runs, const std::function<void()>& work) {
     }
     return least;
 }
-
-struct Arguments {
-    std::map<std::string, std::string> values;
-    double number(const std::string& name, double otherwise) const {
-        const auto it = values.find(name);
-        return it == values.end() ? otherwise : std::stod(it->second);
-    }
-    std::string text(const std::string& name, const std::string& otherwise) const {
-        const auto it = values.find(name);
-        return it == values.end() ? otherwise : it->second;
-    }
-};
 
 struct Sphere {
     LevelSet levelSet;
@@ -74,13 +66,6 @@ MetricPtr wavyMetric(const Band& band, double contrast) {
             float(std::pow(contrast, 0.5 + 0.5 * std::sin(4 * M_PI * x / kRadius))));
     }
     return metric;
-}
-
-/// Peak resident memory so far, bytes.
-double peakMemory() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return 1024.0 * double(usage.ru_maxrss);
 }
 
 void benchMarch(const Arguments& args) {
@@ -135,31 +120,13 @@ void benchSweep(const Arguments& args) {
     Field field;
     const double march = seconds(3, [&] { field = marchGodunov(s.band, {}, {s.seed}, options); });
 
-    auto transform = s.levelSet.psi->transform().copy();
-    openvdb::FloatGrid start(float(field.startRadius / n));
-    openvdb::BoolGrid mask(false);
-    start.setTransform(transform), mask.setTransform(transform);
-    auto startAccessor = start.getAccessor();
-    auto maskAccessor = mask.getAccessor();
-    for (std::size_t i = 0; i < s.band.size(); ++i) {
-        const Ijk v = s.band.ijk(NodeIndex(i));
-        const openvdb::Coord c(v.x, v.y, v.z);
-        maskAccessor.setValueOn(c, true);
-        const double r = length(Vec3d(v) - s.seed.pIndex);
-        // maskSdf extends from a zero crossing: distances less the radius of a ball that holds it.
-        if (r <= field.startRadius) startAccessor.setValueOn(c, float((r - 1.5) / n));
-    }
+    Sweep sweeper(s.band, s.seed, field.startRadius);
     for (int iterations = 1; iterations <= 8; iterations *= 2) {
-        openvdb::FloatGrid::Ptr swept;
-        const double sweep =
-            seconds(1, [&] { swept = openvdb::tools::maskSdf(start, mask, false, iterations); });
-        const auto accessor = swept->getConstAccessor();
+        const double sweep = seconds(1, [&] { sweeper.run(iterations); });
+        const Field swept = sweeper.field();
         double worst = 0;
-        for (std::size_t i = 0; i < s.band.size(); ++i) {
-            const Ijk v = s.band.ijk(NodeIndex(i));
-            const double d = accessor.getValue({v.x, v.y, v.z}) * n + 1.5;
-            worst = std::max(worst, std::abs(d - field.distance[i]));
-        }
+        for (std::size_t i = 0; i < s.band.size(); ++i)
+            worst = std::max(worst, std::abs(swept.distance[i] - field.distance[i]));
         std::printf(
             "{\"bench\": \"sweep\", \"n\": %d, \"nodes\": %zu, \"iterations\": %d, "
             "\"marchSeconds\": %.6f, \"sweepSeconds\": %.6f, \"ratio\": %.2f, "
@@ -172,15 +139,19 @@ void benchSweep(const Arguments& args) {
 }  // namespace
 }  // namespace igeo::test
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
     using namespace igeo::test;
-    Arguments args;
-    for (int k = 2; k + 1 < argc; k += 2) args.values[std::string(argv[k]).substr(2)] = argv[k + 1];
-    const std::string what = argc > 1 ? argv[1] : "";
-    if (what == "march") return benchMarch(args), 0;
-    if (what == "sweep") return benchSweep(args), 0;
-    std::fprintf(stderr,
-                 "usage: igeo_bench march|sweep [--n N] [--order 1|2] [--half-width W] "
-                 "[--runs R] [--threads T]\n");
+    const std::map<std::string, void (*)(const Arguments&)> commands{{"march", benchMarch},
+                                                                     {"sweep", benchSweep},
+                                                                     {"solve", benchSolve},
+                                                                     {"exact", benchExact},
+                                                                     {"vertex", benchVertex}};
+    const auto command = commands.find(argc > 1 ? argv[1] : "");
+    if (command == commands.end())
+        throw std::runtime_error("usage: igeo_bench march|sweep|solve|exact|vertex [--name value]");
+    command->second(Arguments(argc, argv, 2));
+    return 0;
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "igeo_bench: %s\n", error.what());
     return 2;
 }

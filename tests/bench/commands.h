@@ -1,0 +1,21 @@
+/// What igeo_bench does besides timing spheres: the parts of scripts/compare.py that need nothing
+/// but the library and OpenVDB. Each prints one line of JSON.
+#pragma once
+
+#include "arguments.h"
+
+namespace igeo::test {
+
+/// --sdf F --seed x,y,z --method jet|godunov1|godunov2|sweep [--threads T] [--points OUT.csv]
+/// [--samples N]: the stages of a run as the program has them, distances at foot points.
+void benchSolve(const Arguments& args);
+
+/// --shape sphere|torus --seed x,y,z --points IN.csv --out OUT.csv: exact distances there, on a
+/// sphere of radius 0.4 and a torus of radii 0.3 and 0.12 about (0.5, 0.5, 0.5).
+void benchExact(const Arguments& args);
+
+/// --sdf F --seed x,y,z: the vertex of the extracted mesh that is nearest to the seed.
+/// --mesh F --share S: the vertex of a mesh file at a share S in [0, 1) of all.
+void benchVertex(const Arguments& args);
+
+}  // namespace igeo::test

@@ -1,0 +1,110 @@
+#include <igeo/band_width.h>
+#include <igeo/godunov.h>
+#include <igeo/jet.h>
+#include <igeo/level_set_band.h>
+#include <igeo/parallel.h>
+
+#include <stdexcept>
+
+#include "commands.h"
+#include "points_csv.h"
+#include "stages.h"
+#include "sweep.h"
+
+namespace igeo::test {
+namespace {
+
+constexpr double kStartRadius = 3.5;  // voxels, that of the march
+
+Field godunov(const Band& band, const SurfacePoint& seed, int order) {
+    GodunovOptions options;
+    options.order = order;
+    options.startRadius = kStartRadius;
+    return marchGodunov(band, {}, {seed}, options);
+}
+
+/// Twice as many iterations each time until they no longer change the result by more than 0.1 % of
+/// the largest distance in the mean, or are eight. Only the last run of maskSdf is in `stages`.
+Field sweepUntilDone(const Band& band, const SurfacePoint& seed, Stages& stages,
+                     const std::string& stage, int& iterations) {
+    constexpr double kTolerance = 1e-3;
+    Sweep sweep(band, seed, kStartRadius);
+    Field field;
+    double change = kInfinity;
+    for (iterations = 1;; iterations *= 2) {
+        stages.restart();
+        sweep.run(iterations);
+        const Stages done = stages.with(stage);
+        Field next = sweep.field();
+        if (!field.distance.empty()) {
+            change = 0;
+            for (std::size_t i = 0; i < band.size(); ++i)
+                change += std::abs(next.distance[i] - field.distance[i]) / double(band.size());
+        }
+        field = std::move(next);
+        if (change < kTolerance * field.maxDistance || iterations == 8) {
+            stages = done;
+            return field;
+        }
+    }
+}
+
+/// Distances at the foot points of voxels next to S.
+PointsCsv surfacePoints(const Band& band, const Field& field, double samples) {
+    std::vector<NodeIndex> near;
+    for (NodeIndex i = 0; i < band.size(); ++i)
+        if (std::abs(band.psi[i]) < 1) near.push_back(i);
+    PointsCsv csv;
+    const std::size_t stride = strideFor(near.size(), samples);
+    for (std::size_t k = 0; k < near.size(); k += stride) {
+        const Vec3d foot = band.footPoint(near[k]);
+        const double d =
+            field.atFootPoints ? field.distance[near[k]] : sampleDistance(band, field, foot);
+        csv.add(band.transform.worldFromIndex(foot), d * band.transform.dx);
+    }
+    return csv;
+}
+
+}  // namespace
+
+void benchSolve(const Arguments& args) {
+    const ThreadLimit limit(int(args.number("threads", 1)));
+    const std::string method = args.text("method");
+    const int order = method == "jet" ? 0 : method == "godunov2" ? 2 : 1;
+    int iterations = 1;
+
+    Stages stages;
+    LoadedGrid loaded = readLevelSetGrid({args.text("sdf"), ""});
+    stages.finished("read");
+    LevelSet levelSet = checkLevelSet(std::move(loaded));
+    stages.finished("check");
+    const LevelSetStats& stats = levelSet.stats;
+    const BandBounds bounds = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
+    const double h =
+        order == 0 ? bounds.lower : defaultBandWidth(order, stats.largestCurvature, bounds);
+    widen(levelSet, h);
+    const Band band = bandFromLevelSet(levelSet, h);
+    stages.finished("band");
+    const auto solve = [&](const Vec3d& pIndex, const std::string& stage) {
+        const SurfacePoint seed = nearestSurfacePoint(band, pIndex);
+        if (method == "sweep") return sweepUntilDone(band, seed, stages, stage, iterations);
+        if (method != "jet" && method != "godunov1" && method != "godunov2")
+            throw std::runtime_error("no method '" + method + "'");
+        Field field = order == 0 ? marchJet(band, {}, {seed}) : godunov(band, seed, order);
+        stages.finished(stage);
+        return field;
+    };
+    const Field field = solve(band.transform.indexFromWorld(args.point("seed")), "first");
+    const double peak = peakMemory();
+    solve(band.footPoint(NodeIndex(band.size() / 3)), "further");
+
+    if (args.has("points"))
+        writePoints(args.text("points"), surfacePoints(band, field, args.number("samples", 0)));
+    std::printf(
+        "{\"method\": \"%s\", \"nodes\": %zu, \"h\": %.6g, \"iterations\": %d, \"threads\": %d, "
+        "%s, \"peakBytes\": %.0f}\n",
+        method.c_str(), band.size(), h, iterations, ThreadLimit::current(), stages.json().c_str(),
+        peak);
+}
+
+}  // namespace igeo::test
