@@ -1,0 +1,268 @@
+#!/usr/bin/env python3
+"""Sets the program beside others: the same level set, the same seed, one run of each in turn.
+
+usage: scripts/compare.py --models DIR   everything; tables into docs/accuracy.md and README.md
+       scripts/compare.py --quick        small exact shapes only, nothing is written into docs
+
+The others are OpenVDB's maskSdf in the same band and, on the mesh that OpenVDB extracts, what
+igeo_peer has (cmake --preset release -DIGEO_PEERS=ON; vdb_tool is needed too): the heat method and
+exact geodesics of CGAL, Dijkstra of VTK. All start from the same point, the vertex of the extracted
+mesh that is nearest to the seed asked for, so that nobody pays for a seed between vertices. Truth is
+the exact solution of a shape, or the exact polyhedral distance on the mesh that a level set was made
+from. Times are medians of rounds in which every method runs once; what takes long runs once only.
+Claims of the documents are held against the results at the end.
+"""
+import argparse
+import json
+import pathlib
+import shutil
+import statistics
+import sys
+
+import compare_tables
+import lab
+
+MODELS = {"bunny": "bunny.obj", "knot": "knot.obj", "blub": "blub.obj", "cad-anchor": "cad-anchor.obj",
+          "brain": "brain-pial-left.ply"}
+SHAPES = {"sphere": "radius=0.4", "torus": "major=0.3 minor=0.12"}
+SHAPE_SEEDS = {"sphere": (0.625642426, 0.710844071, 0.815846099),
+               "torus": (0.809326300, 0.760541948, 0.606944883)}
+SEED_SHARES = {"A": 0, "B": 0.5}  # of a mesh file's vertices: the first, and the one in the middle
+LONG = 10  # seconds; a run that takes longer is not repeated
+
+OURS = ("jet", "jet-2", "godunov2", "godunov1", "sweep")  # igeo_bench; jet-2: two threads
+PEERS = ("heat", "heat-id", "dijkstra", "exact")  # igeo_peer
+
+
+class Tools:
+    """The programs of a build."""
+
+    def __init__(self, build):
+        self.bench = build / "tests" / "igeo_bench"
+        self.peer = build / "tests" / "igeo_peer"
+        self.make_shape = build / "bin" / "make_shape"
+        for program in (self.bench, self.make_shape):
+            if not program.exists():
+                sys.exit(f"{program} is not there: run scripts/build.sh release first")
+
+    def has_peers(self):
+        return self.peer.exists()
+
+    @staticmethod
+    def say(*command):
+        """What a program prints, one line of JSON."""
+        return json.loads(lab.run(command).stdout)
+
+    def vertex(self, *of):
+        """A vertex of a mesh, as x,y,z."""
+        return ",".join(f"{x:.12g}" for x in self.say(self.bench, "vertex", *of)["at"])
+
+
+def point(p):
+    return ",".join(f"{x:.12g}" for x in p)
+
+
+def solve(tools, method, sdf, seed, points="", samples=0):
+    """One run of one method."""
+    common = ["--sdf", sdf, "--seed", seed, "--samples", samples]
+    if points:
+        common += ["--points", points]
+    if method in PEERS:
+        return tools.say(tools.peer, "--method", method, *common, "--further", int(method != "exact"))
+    threads = 2 if method == "jet-2" else 1
+    return tools.say(tools.bench, "solve", "--method", method.removesuffix("-2"), *common,
+                     "--threads", threads)
+
+
+def read_points(file):
+    """(positions as text, distances) of a file x,y,z,distance."""
+    places, distances = [], []
+    for line in pathlib.Path(file).read_text().splitlines():
+        place, _, distance = line.rpartition(",")
+        places.append(place)
+        distances.append(float(distance))
+    return places, distances
+
+
+def errors(distances, truth):
+    """In % of the largest distance; what either does not reach is counted and left out."""
+    pairs = [(d, t) for d, t in zip(distances, truth, strict=True) if max(d, t) < float("inf")]
+    percent = 100 / max(t for _, t in pairs)
+    sizes = sorted(abs(d - t) * percent for d, t in pairs)
+    return {"mean": statistics.fmean(sizes), "p99": sizes[int(0.99 * (len(sizes) - 1))],
+            "max": sizes[-1], "bias": percent * statistics.fmean(d - t for d, t in pairs),
+            "samples": len(sizes), "unreached": len(distances) - len(pairs)}
+
+
+def grade(files, exact):
+    """Errors of each method. `exact` is given files with all places there are, foot points and
+    vertices, and writes FILE.exact; methods of one kind share their places."""
+    read = {method: read_points(file) for method, file in files.items()}
+    first = {}  # of each kind: the file whose places stand for all
+    for method in files:
+        first.setdefault(tuple(read[method][0][:3]), method)
+    exact([files[method] for method in first.values()])
+    truth = {key: read_points(f"{files[method]}.exact")[1] for key, method in first.items()}
+    for method, (places, _) in read.items():
+        if places != read[first[tuple(places[:3])]][0]:
+            raise RuntimeError(f"{files[method]}: other places than those the truth was computed at")
+    return {method: errors(distances, truth[tuple(places[:3])])
+            for method, (places, distances) in read.items()}
+
+
+def median_stages(runs):
+    """Medians, stage by stage, of runs of one method."""
+    result = {key: value for key, value in runs[0].items() if not isinstance(value, dict)}
+    for stage in (key for key, value in runs[0].items() if isinstance(value, dict)):
+        result[stage] = {clock: statistics.median(run[stage][clock] for run in runs)
+                         for clock in ("wall", "cpu")}
+    result["peakBytes"] = statistics.median(run["peakBytes"] for run in runs)
+    result["runs"] = len(runs)
+    return result
+
+
+def total(run, clock):
+    """From the file to distances from the first seed."""
+    return sum(run[stage][clock] for stage in ("read", "check", "surface", "band", "setup", "first")
+               if stage in run)
+
+
+def compare(tools, folder, sdf, seed, methods, exact, rounds, samples):
+    """{method: stages and errors} on one level set from one seed."""
+    runs, files = {method: [] for method in methods}, {}
+    for turn in range(rounds):
+        for method in methods:
+            done = runs[method]
+            if turn > 0 and total(done[0], "wall") > LONG:
+                continue
+            file = folder / f"{method}.csv"
+            done.append(solve(tools, method, sdf, seed, "" if turn else file, samples))
+            files[method] = file
+    graded = grade(files, exact)
+    result = {}
+    for method in methods:
+        stages = median_stages(runs[method])
+        stages["total"] = {clock: total(stages, clock) for clock in ("wall", "cpu")}
+        result[method] = {**stages, "errors": graded[method]}
+    return result
+
+
+def shape_case(tools, folder, shape, n, methods, rounds):
+    sdf = folder / f"{shape}{n}.vdb"
+    parameters = [word for p in ["center=0.5,0.5,0.5", *SHAPES[shape].split()] for word in ("--param", p)]
+    lab.run([tools.make_shape, shape, "-o", sdf, "--voxel-size", 1 / n, *parameters])
+    seed = tools.vertex("--sdf", sdf, "--seed", point(SHAPE_SEEDS[shape]))
+
+    def exact(files):
+        for file in files:
+            tools.say(tools.bench, "exact", "--shape", shape, "--seed", seed, "--points", file,
+                      "--out", f"{file}.exact")
+    # A distance on the torus takes 2 ms.
+    return compare(tools, folder, sdf, seed, methods, exact, rounds, 4000 if shape == "torus" else 0)
+
+
+def model_case(tools, folder, model, mesh, n, seed_name, methods, rounds):
+    sdf = folder / f"{model}{n}.vdb"
+    if not sdf.exists():
+        lab.run(["vdb_tool", "-quiet", "-read", mesh, "-mesh2ls", f"dim={n}", "width=3", "name=psi",
+                 "-write", sdf])
+    asked = tools.vertex("--mesh", mesh, "--share", SEED_SHARES[seed_name])
+    seed = tools.vertex("--sdf", sdf, "--seed", asked)
+
+    def exact(files):
+        tools.say(tools.peer, "--method", "oracle", "--mesh", mesh, "--seed", seed, "--points",
+                  ",".join(map(str, files)))
+    return compare(tools, folder, sdf, seed, methods, exact, rounds, 20000)
+
+
+def plan(options, peers):
+    """[(case, what measures it)] in the order of the tables."""
+    tools, folder = options.tools, options.folder
+    cases = []
+
+    def add(name, measure, *arguments):
+        if not options.only or any(name.startswith(word) for word in options.only.split(",")):
+            cases.append((name, lambda: measure(tools, folder, *arguments)))
+
+    rounds = 1 if options.quick else options.rounds
+    sizes = (50, 100) if options.quick else (50, 100, 200, 400)
+    for shape in SHAPES:
+        for n in sizes if shape == "sphere" else sizes[:3]:
+            methods = list(OURS)
+            if peers and (n < 400 or options.full):
+                methods += PEERS[:3]
+            if peers and not options.quick and n <= (200 if options.full else 100):
+                methods.append("exact")
+            if n == 400 and not options.full:
+                methods.remove("sweep")
+            add(f"{shape}-{n}", shape_case, shape, n, methods, rounds)
+    if options.models and not options.quick:
+        for model, file in MODELS.items():
+            for n in (128, 256):
+                for seed in SEED_SHARES:
+                    # The second seed is for the errors.
+                    methods = OURS + PEERS[:3] if seed == "A" else ("jet", "godunov2", *PEERS[:3])
+                    add(f"{model}-{n}-{seed}", model_case, model, options.models / file, n, seed,
+                        methods, rounds if seed == "A" else 1)
+    return cases
+
+
+def growth(tools, sizes):
+    """Time and memory of the march of jet against the number of nodes."""
+    return [tools.say(tools.bench, "march", "--n", n, "--runs", 1 if n > 1000 else 3) for n in sizes]
+
+
+def measure(options):
+    peers = options.tools.has_peers()
+    if not peers:
+        print("igeo_peer is not built (IGEO_PEERS): without heat method, Dijkstra and exact geodesics")
+    if options.models and not options.quick and not (peers and shutil.which("vdb_tool")):
+        sys.exit("--models needs igeo_peer (cmake --preset release -DIGEO_PEERS=ON) and vdb_tool")
+    results = {"cases": {}}
+    for name, case in plan(options, peers):
+        done = results["cases"][name] = case()
+        best = ", ".join(f"{method} {lab.number(run['errors']['mean'])} % {run['total']['cpu']:.2f} s"
+                         for method, run in done.items())
+        print(f"{name}: {best}", flush=True)
+    if not options.quick and not options.only:
+        results["growth"] = growth(options.tools, (100, 200, 400, 800) + ((1700,) if options.full else ()))
+    compare_tables.derive(results)
+    return results
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--models", type=pathlib.Path, metavar="DIR", help="folder of the models")
+    parser.add_argument("--quick", action="store_true", help="small shapes only, not into docs/")
+    parser.add_argument("--full", action="store_true",
+                        help="with what takes minutes: everything at N = 400, exact at N = 200")
+    parser.add_argument("--only", metavar="CASES", help="cases that begin so, with commas between; "
+                        "not into docs/")
+    parser.add_argument("--rounds", type=int, default=3, help="of which times are medians [3]")
+    parser.add_argument("--build", type=pathlib.Path, default=lab.ROOT / "build" / "release",
+                        help="build folder [build/release]")
+    parser.add_argument("--from", type=pathlib.Path, metavar="FILE", dest="saved",
+                        help="measure nothing: tables and plots of saved results")
+    options = parser.parse_args()
+    if options.saved:
+        results = json.loads(options.saved.read_text())
+    else:
+        options.tools = Tools(options.build)
+        options.folder = options.build / "comparison"
+        shutil.rmtree(options.folder, ignore_errors=True)
+        options.folder.mkdir()
+        results = measure(options)
+        file = options.build / f"comparison{'-quick' if options.quick else ''}.json"
+        lab.save(results, file)
+        print(f"results: {file}")
+    if options.quick or options.only:
+        print(compare_tables.overview(results))
+    elif options.models or options.saved:
+        compare_tables.write_documents(results)
+        compare_tables.draw(results)
+    sys.exit(not lab.check(results, "scripts/compare.py"))
+
+
+if __name__ == "__main__":
+    main()

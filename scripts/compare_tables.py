@@ -1,0 +1,176 @@
+"""What scripts/compare.py says of its results: tables, sentences, plots."""
+import lab
+
+ACCURACY = lab.ROOT / "docs" / "accuracy.md"
+README = lab.ROOT / "README.md"
+IMAGES = lab.ROOT / "docs" / "images" / "accuracy"
+
+NAMES = {"jet": "`jet`", "jet-2": "`jet`, 2 threads", "godunov2": "`godunov`, order 2",
+         "godunov1": "`godunov`, order 1", "sweep": "maskSdf", "heat": "heat",
+         "heat-id": "heat, Delaunay", "dijkstra": "Dijkstra", "exact": "exact on the mesh"}
+OTHERS = ("sweep", "heat", "heat-id", "dijkstra", "exact")
+MEASURES = ("mean", "p99", "max")
+
+
+def title(case):
+    """sphere-100: sphere, N = 100; bunny-128-A: bunny, 128, seed A."""
+    name, n, *seed = case.rsplit("-", 2) if case[-1] in "AB" else case.rsplit("-", 1)
+    return f"{name}, {n}, seed {seed[0]}" if seed else f"{name}, N = {n}"
+
+
+def is_shape(case):
+    return case.startswith(("sphere", "torus"))
+
+
+def derive(results):
+    """Adds the ratios that claims are about: others beside jet, processor time to the first seed."""
+    for case in results["cases"].values():
+        for method, run in case.items():
+            if "jet" in case:
+                run["timesJet"] = run["total"]["cpu"] / case["jet"]["total"]["cpu"]
+                run["meanOfJet"] = run["errors"]["mean"] / case["jet"]["errors"]["mean"]
+
+
+def bold_least(values, show):
+    """Texts of values, the least (as shown) in bold; None gives a dash."""
+    known = [float(show(v)) for v in values if v is not None]
+    return ["-" if v is None else f"**{show(v)}**" if float(show(v)) == min(known) else show(v)
+            for v in values]
+
+
+def errors_of(case, methods):
+    """A cell `mean / 99 % / max` per method, the least of each in bold."""
+    columns = [bold_least([case[m]["errors"][key] if m in case else None for m in methods],
+                          lambda v: lab.number(v, 2)) for key in MEASURES]
+    return ["-" if cell[0] == "-" else " / ".join(cell) for cell in zip(*columns)]
+
+
+def shape_errors(results):
+    methods = ("jet", "godunov2", "godunov1", *OTHERS)
+    cases = {name: case for name, case in results["cases"].items() if is_shape(name)}
+    columns = [errors_of(case, methods) for case in cases.values()]
+    return lab.table(["method", *map(title, cases)],
+                     [[NAMES[m], *(column[k] for column in columns)] for k, m in enumerate(methods)])
+
+
+def model_errors(results):
+    methods = ("jet", "godunov2", "sweep", "heat", "heat-id", "dijkstra")
+    return lab.table(["model, voxels, seed", *(NAMES[m] for m in methods)],
+                     [[title(name), *errors_of(case, methods)]
+                      for name, case in results["cases"].items() if not is_shape(name)])
+
+
+def timed(results):
+    """Cases with medians of times: not those of the second seed, nor spheres for the plots only."""
+    return {name: case for name, case in results["cases"].items()
+            if not name.endswith(("-B", "-50"))}
+
+
+def figures(results, value, show):
+    """A row per case, a column per method, the least in bold."""
+    methods = list(NAMES)
+    return lab.table(["", *NAMES.values()],
+                     [[title(name), *bold_least([value(case[m]) if m in case else None
+                                                 for m in methods], show)]
+                      for name, case in timed(results).items()])
+
+
+def seconds(x):
+    return lab.number(x, 2)
+
+
+def times(results):
+    return figures(results, lambda run: run["total"]["cpu"], seconds)
+
+
+def walls(results):
+    return figures(results, lambda run: run["total"]["wall"], seconds)
+
+
+def further(results):
+    return figures(results, lambda run: run["further"]["cpu"] if "further" in run
+                   else run["first"]["cpu"], seconds)
+
+
+def memory(results):
+    return figures(results, lambda run: run["peakBytes"], lambda v: f"{v / 1e6:.0f}")
+
+
+def stages(results, name):
+    """What each stage of each method takes on one case, processor / wall time."""
+    def cell(run, keys):
+        known = [run[key] for key in keys if key in run]
+        return " / ".join(seconds(sum(s[clock] for s in known)) for clock in ("cpu", "wall")) \
+            if known else "-"
+    columns = {"read": ["read"], "check and band, or extraction": ["check", "band", "surface"],
+               "set-up": ["setup"], "first seed": ["first"], "all": ["total"],
+               "further seed": ["further"]}
+    return lab.table(["method", *columns, "peak, MB"],
+                     [[NAMES[m], *(cell(run, keys) for keys in columns.values()),
+                       f"{run['peakBytes'] / 1e6:.0f}"]
+                      for m, run in ((m, results["cases"][name][m]) for m in NAMES
+                                     if m in results["cases"][name])])
+
+
+def ahead(results):
+    """Where others are ahead of jet on one thread: a sentence per measure and method."""
+    measures = {f"{label} error": (lambda run, k=key: run["errors"][k], "%")
+                for key, label in zip(MEASURES, ("mean", "99th percentile of the", "largest"))}
+    measures["processor time to the first seed"] = (lambda run: run["total"]["cpu"], "s")
+    measures["processor time of a further seed"] = (
+        lambda run: run.get("further", run["first"])["cpu"], "s")
+    measures["peak memory"] = (lambda run: run["peakBytes"] / 1e6, "MB")
+    lines = []
+    for measure, (value, unit) in measures.items():
+        cases = timed(results) if unit != "%" else results["cases"]
+        for method in OTHERS:
+            where = [f"{title(name)} ({lab.number(value(case[method]), 2)} against "
+                     f"{lab.number(value(case['jet']), 2)} {unit})"
+                     for name, case in cases.items()
+                     if method in case and value(case[method]) < value(case["jet"])]
+            if where:
+                lines.append(f"- *{measure}*, {NAMES[method]}: {'; '.join(where)}.")
+    return "\n".join(lines) or "Nowhere in these cases."
+
+
+def readme(results):
+    """The few figures of the README."""
+    methods = ("jet", "godunov2", "heat", "exact")
+    rows = []
+    for name in ("sphere-100", "sphere-200", "torus-200", "bunny-256-A", "knot-256-A", "blub-256-A",
+                 "cad-anchor-256-A", "brain-128-A", "brain-256-A"):
+        case = results["cases"].get(name)
+        if case is None:
+            continue
+        spent = [f"{seconds(case[m]['total']['cpu'])} s" for m in ("jet", "heat") if m in case]
+        rows.append([title(name).removesuffix(", seed A"), *errors_of(case, methods),
+                     " / ".join(spent)])
+    return lab.table(["", *(NAMES[m] for m in methods), "time of `jet` / heat"], rows)
+
+
+def overview(results):
+    cases = results["cases"]
+    parts = [shape_errors(results) if any(map(is_shape, cases)) else "",
+             model_errors(results) if not all(map(is_shape, cases)) else "", times(results)]
+    return "\n\n".join(part for part in parts if part)
+
+
+def write_documents(results):
+    parts = {"shapes": shape_errors, "models": model_errors, "times": times, "walls": walls,
+             "further": further, "memory": memory, "ahead": ahead,
+             "stages-sphere": lambda r: stages(r, "sphere-200"),
+             "stages-bunny": lambda r: stages(r, "bunny-256-A"),
+             "machine": lambda r: f"Measured on: {r['machine']}; command: `{r['command']}`."}
+    for name, make in parts.items():
+        lab.rewrite(ACCURACY, f"compare-{name}", make(results))
+    lab.rewrite(README, "compare", readme(results))
+
+
+def draw(results):
+    """Plots, where matplotlib is there."""
+    try:
+        import compare_plots
+    except ImportError as error:
+        print(f"{error}: docs/images/accuracy stays as it is (apt-get install python3-matplotlib)")
+        return
+    compare_plots.draw(results, IMAGES)
