@@ -10,8 +10,14 @@ namespace igeo::test {
 /// [--samples N]: the stages of a run as the program has them, distances at foot points.
 void benchSolve(const Arguments& args);
 
-/// --shape sphere|torus --seed x,y,z --points IN.csv --out OUT.csv: exact distances there, on a
-/// sphere of radius 0.4 and a torus of radii 0.3 and 0.12 about (0.5, 0.5, 0.5).
+/// --sdf F --seed x,y,z --exact IN.csv --image OUT.png [--most P] [--camera x,y,z] [--up x,y,z]:
+/// the error of `jet` in % of the largest distance as colours, from 0 (dark) to P or more (pale).
+/// IN.csv: exact distances at all points that `solve` writes.
+void benchPicture(const Arguments& args);
+
+/// --shape sphere|torus|box --seed x,y,z --points IN.csv --out OUT.csv: exact distances there, on a
+/// sphere of radius 0.4, a torus of radii 0.3 and 0.12 and a box of sides 0.606, 0.514, 0.704 about
+/// (0.5, 0.5, 0.5).
 void benchExact(const Arguments& args);
 
 /// --sdf F --seed x,y,z: the vertex of the extracted mesh that is nearest to the seed.

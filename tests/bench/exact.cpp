@@ -4,6 +4,8 @@
 #include <support/exact.h>
 #include <support/torus_geodesics.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <stdexcept>
 
@@ -15,6 +17,20 @@ namespace igeo::test {
 namespace {
 
 const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
+
+const openvdb::Vec3d kHalfBox(0.303, 0.257, 0.352);
+
+/// The point of the box nearest to one that is almost on it.
+openvdb::Vec3d onBox(const openvdb::Vec3d& p) {
+    openvdb::Vec3d q = p - kCenter;
+    int axis = 0;  // of the nearest face
+    for (int a = 0; a < 3; ++a) {
+        q[a] = std::clamp(q[a], -kHalfBox[a], kHalfBox[a]);
+        if (kHalfBox[a] - std::abs(q[a]) < kHalfBox[axis] - std::abs(q[axis])) axis = a;
+    }
+    q[axis] = std::copysign(kHalfBox[axis], q[axis]);
+    return kCenter + q;
+}
 
 openvdb::Vec3d vec(const Vec3d& p) { return {p.x, p.y, p.z}; }
 
@@ -29,12 +45,16 @@ void printVertex(const TriangleMesh& mesh, std::size_t k) {
 void benchExact(const Arguments& args) {
     PointsCsv csv = readPoints(args.text("points"));
     const openvdb::Vec3d seed = vec(args.point("seed"));
-    std::function<double(const openvdb::Vec3d&)> exact;
+    std::function<double(const openvdb::Vec3d&)> exact;  // any thread
     if (args.text("shape") == "sphere")
         exact = [&](const auto& p) { return geodesicOnSphere(kCenter, 0.4, seed, p); };
     else if (args.text("shape") == "torus")
         exact = [truth = TorusGeodesics(kCenter, 0.3, 0.12, seed)](const auto& p) {
             return truth.distance(p);
+        };
+    else if (args.text("shape") == "box")
+        exact = [&](const auto& p) {
+            return geodesicOnBox(kCenter, kHalfBox, onBox(seed), onBox(p));
         };
     else
         throw std::runtime_error("no shape '" + args.text("shape") + "'");

@@ -3,7 +3,10 @@
 #include <igeo/jet.h>
 #include <igeo/level_set_band.h>
 #include <igeo/parallel.h>
+#include <igeo/picture.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "commands.h"
@@ -49,11 +52,16 @@ Field sweepUntilDone(const Band& band, const SurfacePoint& seed, Stages& stages,
     }
 }
 
-/// Distances at the foot points of voxels next to S.
-PointsCsv surfacePoints(const Band& band, const Field& field, double samples) {
+/// Voxels next to S, whose foot points stand for it.
+std::vector<NodeIndex> nearNodes(const Band& band) {
     std::vector<NodeIndex> near;
     for (NodeIndex i = 0; i < band.size(); ++i)
         if (std::abs(band.psi[i]) < 1) near.push_back(i);
+    return near;
+}
+
+PointsCsv surfacePoints(const Band& band, const Field& field, double samples) {
+    const std::vector<NodeIndex> near = nearNodes(band);
     PointsCsv csv;
     const std::size_t stride = strideFor(near.size(), samples);
     for (std::size_t k = 0; k < near.size(); k += stride) {
@@ -105,6 +113,38 @@ void benchSolve(const Arguments& args) {
         "%s, \"peakBytes\": %.0f}\n",
         method.c_str(), band.size(), h, iterations, ThreadLimit::current(), stages.json().c_str(),
         peak);
+}
+
+void benchPicture(const Arguments& args) {
+    const LevelSet levelSet = checkLevelSet(readLevelSetGrid({args.text("sdf"), ""}));
+    const Band band = bandFromLevelSet(levelSet, std::sqrt(3.0));
+    const double dx = band.transform.dx, most = args.number("most", 1);
+    const SurfacePoint seed =
+        nearestSurfacePoint(band, band.transform.indexFromWorld(args.point("seed")));
+    const Field field = marchJet(band, {}, {seed});
+    const std::vector<double> exact = readPoints(args.text("exact")).distance;
+    const std::vector<NodeIndex> near = nearNodes(band);
+    if (near.size() != exact.size()) throw std::runtime_error("--exact is of another level set");
+    const double largest = *std::max_element(exact.begin(), exact.end());
+
+    Field error;
+    error.seeds = {seed};
+    error.distance.assign(band.size(), kInfinity);
+    for (std::size_t k = 0; k < near.size(); ++k) {
+        const double off = std::abs(field.distance[near[k]] * dx - exact[k]);
+        if (off < kInfinity) error.distance[near[k]] = std::min(100 * off / largest, most);
+    }
+    error.summarise();
+    error.maxDistance = most;
+    PictureOptions options;
+    options.width = 800, options.height = 600;
+    options.colourMap = "ember";
+    options.isolineSpacing = -1;
+    options.legend = false;  // it would speak of a distance
+    if (args.has("camera")) options.eye = args.point("camera");
+    if (args.has("up")) options.up = args.point("up");
+    writePicture(args.text("image"), levelSet, band, error, {}, options);
+    std::printf("{\"nodes\": %zu}\n", near.size());
 }
 
 }  // namespace igeo::test
