@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs what the build and the tests need, from Debian's own packages.
 #
-# usage: scripts/setup.sh [--dev] [--viewer]
+# usage: scripts/setup.sh [--dev] [--viewer] [--slurm]
 #   --dev      also what scripts/check.sh needs: clang, clang-format, clang-tidy, valgrind
 #   --viewer   also what the tests labelled viewer need: an X server without a screen, OpenGL
+#   --slurm    also what the test labelled slurm needs: Slurm and MUNGE, run without a service
 #
 # Uses sudo unless root. Does and prints nothing when everything is there.
 
@@ -19,15 +20,18 @@ packages=(
     libopenvdb-tools                   # vdb_tool, vdb_print and vdb_render, for the tests
     python3 python3-jsonschema         # the tests check reports against their schema
     groff-base                         # and that the manual page is one
+    parallel                           # and batches in shards
     ca-certificates
 )
 dev_packages=(clang clang-format clang-tidy libclang-rt-dev valgrind)
 viewer_packages=(xvfb xdotool libgl1-mesa-dri)
+slurm_packages=(slurmctld slurmd slurm-client munge)
 
 for option in "$@"; do
     case $option in
         --dev) packages+=("${dev_packages[@]}") ;;
         --viewer) packages+=("${viewer_packages[@]}") ;;
+        --slurm) packages+=("${slurm_packages[@]}") ;;
         -h | --help) sed -n '2,/^$/s/^# \{0,1\}//p' "$0"; exit ;;
         *) echo "setup.sh: unknown option $option (see --help)" >&2; exit 2 ;;
     esac

@@ -3,7 +3,7 @@
 #
 # usage: scripts/test.sh [ctest options]
 #   scripts/test.sh -L unit       the tests of one label: unit accuracy invariance cli
-#                                 viewer install slow
+#                                 viewer slurm install slow
 #   scripts/test.sh -R trefoil    the tests whose name matches
 
 set -euo pipefail
