@@ -73,6 +73,7 @@ private:
     void runGroup(const Numbers& group);
     std::unique_ptr<SurfaceInput> readSurface(const Numbers& group);
     void makeWhatAllNeed(const SurfaceInput& surface, const Numbers& group);
+    double memoryFor(const Numbers& group) const;
     std::size_t jobsAtOnce(const SurfaceInput& surface, const Numbers& group) const;
     void runJob(const SurfaceInput& surface, std::size_t number);
     void record(std::size_t number, JobRecord outcome);
@@ -266,11 +267,15 @@ void Batch::runGroup(const Numbers& group) {
     const std::unique_ptr<SurfaceInput> surface = readSurface(group);
     if (!surface) return;
     makeWhatAllNeed(*surface, group);
+    const std::size_t atOnce = jobsAtOnce(*surface, group);
+    console_.detail("surface " + surface->name() + ": " + surface->summary() + "; " +
+                    std::to_string(group.size()) + " jobs, " + std::to_string(atOnce) + " at once");
+    progress_.update("batch", double(ended_) / double(records_.size()));
     std::atomic<std::size_t> next{0};
     std::exception_ptr stop;
     // No exception may leave the loop: TBB would cut short the loops of the other jobs, which would
     // not know and write what they have.
-    igeo::parallelFor(jobsAtOnce(*surface, group), 1, [&](std::size_t, std::size_t) {
+    igeo::parallelFor(atOnce, 1, [&](std::size_t, std::size_t) {
         try {
             for (std::size_t k = next++; k < group.size(); k = next++) runJob(*surface, group[k]);
         } catch (...) {
@@ -289,7 +294,6 @@ std::unique_ptr<SurfaceInput> Batch::readSurface(const Numbers& group) {
         progress_.update("read", 0);
         surface->read();
         surface->prepare(progress_);
-        console_.detail("surface: " + surface->name() + ", " + surface->summary());
         return surface;
     } catch (...) {
         const Failure failure = currentFailure();
@@ -312,8 +316,8 @@ void Batch::makeWhatAllNeed(const SurfaceInput& surface, const Numbers& group) {
         return o.hasSeeds() && !(o.maxDistance > 0) && !o.stopAtTargets;
     });
     if (!everywhere) return;
+    if (surface.estimatedMemory() > memoryFor(group)) return;
     try {
-        surface.requireMemory(0);
         surface.band({}, progress_);
     } catch (const std::exception&) {
         progress_.throwIfCancelled();
@@ -321,13 +325,18 @@ void Batch::makeWhatAllNeed(const SurfaceInput& surface, const Numbers& group) {
     }
 }
 
-/// As many as there are threads, and as memory holds.
-std::size_t Batch::jobsAtOnce(const SurfaceInput& surface, const Numbers& group) const {
+/// GiB: of the machine, or the least that a job allows.
+double Batch::memoryFor(const Numbers& group) const {
     double memory = SurfaceInput::machineMemory();
     for (const std::size_t k : group)
         if (const double limit = jobs_[k].options.memoryLimit; limit > 0)
             memory = std::min(memory, limit);
-    const auto fit = std::size_t(std::min(memory / surface.estimatedMemory(), 1e6));
+    return memory;
+}
+
+/// As many as there are threads, and as memory holds.
+std::size_t Batch::jobsAtOnce(const SurfaceInput& surface, const Numbers& group) const {
+    const auto fit = std::size_t(std::min(memoryFor(group) / surface.estimatedMemory(), 1e6));
     return std::max<std::size_t>(
         1, std::min({group.size(), std::size_t(igeo::ThreadLimit::current()), fit}));
 }

@@ -27,10 +27,9 @@ Json readJson(const std::string& file) {
     };
     try {
         return Json::parse(in, check);
-    } catch (const Json::parse_error& e) {
-        const std::string text = e.what();  // "[json.exception...] parse error at line 3, ..."
-        const auto at = text.find("parse error");
-        inputError(file + " is no JSON: " + (at == std::string::npos ? text : text.substr(at)),
+    } catch (const Json::exception& e) {
+        const std::string text = e.what();  // "[json.exception.parse_error.101] parse error at ..."
+        inputError(file + " is no JSON: " + text.substr(text.find(']') + 2),
                    "correct it; python3 -m json.tool shows the place as well");
     }
 }

@@ -67,7 +67,7 @@ JobRecord recordOf(const Json& j) {
 
 std::string Summary::text() const {
     Json j = {{"schema", 1},          {"type", "summary"}, {"creator", creator},
-              {"manifest", manifest}, {"digest", digest},        {"count", count}};
+              {"manifest", manifest}, {"digest", digest},  {"count", count}};
     j["shard"] =
         shard.whole() ? Json(nullptr) : Json{{"number", shard.number}, {"count", shard.count}};
     j["jobs"] = Json::array();

@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -252,6 +253,7 @@ class Batch(Desk):
             return {"version": 1, "jobs": [{**good, **options}, *more]}
 
         self.refused('{"version": 1, "jobs": [', UNUSABLE, "jobs.json is no JSON", "line 1")
+        self.refused('{"version": 1, "jobs": [{"name": "a", "snap": 1e999}]}', UNUSABLE, "jobs.json is no JSON", "1e999")
         self.refused("[]", UNUSABLE, "no manifest of version 1")
         self.refused({"version": 2, "jobs": [good]}, UNUSABLE, "no manifest of version 1")
         self.refused({"version": 1, "jobs": []}, UNUSABLE, "no jobs")
@@ -324,6 +326,16 @@ class Batch(Desk):
                 names = self.program("batch", "jobs.json", "--dry-run", "--shard", f"{k}/{count}").stdout
                 pairs += ("--sdf=torus.vdb" in names) + ("--mesh=ball.obj" in names) + ("godunov" in names)
             self.assertLessEqual(pairs, most)
+
+    def test_no_more_jobs_at_once_than_memory_holds(self):
+        def said(limit):
+            self.write({"version": 1, "defaults": {"sdf": "torus.vdb", "memory-limit": limit}, "jobs": [
+                {"name": f"j{k}", "seed": [1.4, 0, 0], "output": f"j{k}.vdb"} for k in range(5)]})
+            return self.program("batch", "jobs.json", "-v", "--threads", 4).stderr
+
+        needed = float(re.search(r"needs about (\S+) GiB", said(1e-9))[1])
+        for limit, at_once in ((1.5, 1), (2.5, 2), (100, 4)):
+            self.assertIn(f"; 5 jobs, {at_once} at once", said(limit * needed))
 
     def test_merge_refuses_what_does_not_belong_together(self):
         self.batch("--shard", "1/3")
