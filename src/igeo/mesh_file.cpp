@@ -71,36 +71,90 @@ void requireRoom(std::size_t points, const std::string& file) {
 
 /// Cuts a polygon into triangles by its ears: the corner with the best triangle that holds no other
 /// corner goes first. Assimp's own step ends the process on a polygon it does not like.
-void appendPolygon(std::vector<std::uint32_t> corners, TriangleMesh& mesh) {
-    const std::vector<Vec3d>& p = mesh.points;
-    Vec3d normal;  // Newell's, of twice the area
-    for (std::size_t k = 0; k < corners.size(); ++k)
-        normal += cross(p[corners[k]] - p[corners[0]],
-                        p[corners[(k + 1) % corners.size()]] - p[corners[0]]);
-    while (corners.size() > 3) {
-        const std::size_t n = corners.size();
-        std::size_t best = 0;
-        double most = -kInfinity;
-        for (std::size_t k = 0; k < n; ++k) {
-            const std::uint32_t ia = corners[(k + n - 1) % n], ib = corners[k],
-                                ic = corners[(k + 1) % n];
-            const Vec3d a = p[ia], b = p[ib], c = p[ic];
-            auto left = [&](const Vec3d& from, const Vec3d& to, const Vec3d& q) {
-                return dot(cross(to - from, q - from), normal);
-            };
-            const double sides = dot(b - a, b - a) + dot(c - b, c - b) + dot(a - c, a - c);
-            double quality = left(a, b, c) / std::max(sides, 1e-300);
-            for (const std::uint32_t i : corners)
-                if (i != ia && i != ib && i != ic && left(a, b, p[i]) >= 0 &&
-                    left(b, c, p[i]) >= 0 && left(c, a, p[i]) >= 0)
-                    quality = std::min(quality, 0.0) - 1e6 * length(normal);
-            if (quality > most) most = quality, best = k;
-        }
-        mesh.triangles.push_back(
-            {corners[(best + n - 1) % n], corners[best], corners[(best + 1) % n]});
-        corners.erase(corners.begin() + std::ptrdiff_t(best));
+/// Time O(corners^2).
+class EarCutter {
+public:
+    EarCutter(std::vector<std::uint32_t> corners, TriangleMesh& mesh)
+        : corners_(std::move(corners)), mesh_(mesh), p_(mesh.points) {
+        const std::size_t n = corners_.size();
+        for (std::size_t k = 0; k < n; ++k)
+            normal_ += cross(p_[corners_[k]] - p_[corners_[0]],
+                             p_[corners_[(k + 1) % n]] - p_[corners_[0]]);
     }
-    if (corners.size() == 3) mesh.triangles.push_back({corners[0], corners[1], corners[2]});
+
+    void cut() {
+        if (corners_.size() > 3)
+            for (std::size_t k = 0; k < corners_.size(); ++k) ears_.push_back(earAt(k));
+        while (corners_.size() > 3) {
+            std::size_t best = 0;
+            for (std::size_t k = 1; k < corners_.size(); ++k)
+                if (quality(ears_[k]) > quality(ears_[best])) best = k;
+            remove(best);
+        }
+        if (corners_.size() == 3)
+            mesh_.triangles.push_back({corners_[0], corners_[1], corners_[2]});
+    }
+
+private:
+    struct Ear {
+        std::array<std::uint32_t, 3> corners;
+        double shape;        ///< largest for an equilateral triangle, negative where it is concave
+        std::size_t inside;  ///< how many other corners it holds
+    };
+
+    Ear earAt(std::size_t k) const {
+        const std::size_t n = corners_.size();
+        Ear ear{{corners_[(k + n - 1) % n], corners_[k], corners_[(k + 1) % n]}, 0, 0};
+        const Vec3d &a = p_[ear.corners[0]], &b = p_[ear.corners[1]], &c = p_[ear.corners[2]];
+        const double sides = dot(b - a, b - a) + dot(c - b, c - b) + dot(a - c, a - c);
+        ear.shape = left(a, b, c) / std::max(sides, 1e-300);
+        ear.inside = std::size_t(std::count_if(corners_.begin(), corners_.end(),
+                                               [&](std::uint32_t i) { return holds(ear, i); }));
+        return ear;
+    }
+
+    double left(const Vec3d& from, const Vec3d& to, const Vec3d& q) const {
+        return dot(cross(to - from, q - from), normal_);
+    }
+
+    bool holds(const Ear& ear, std::uint32_t i) const {
+        const auto& [ia, ib, ic] = ear.corners;
+        if (i == ia || i == ib || i == ic) return false;
+        const Vec3d &a = p_[ia], &b = p_[ib], &c = p_[ic], &q = p_[i];
+        return left(a, b, q) >= 0 && left(b, c, q) >= 0 && left(c, a, q) >= 0;
+    }
+
+    double quality(const Ear& ear) const {
+        return ear.inside == 0 ? ear.shape : std::min(ear.shape, 0.0) - 1e6 * length(normal_);
+    }
+
+    void remove(std::size_t k) {
+        const std::uint32_t gone = corners_[k];
+        mesh_.triangles.push_back(ears_[k].corners);
+        corners_.erase(corners_.begin() + std::ptrdiff_t(k));
+        ears_.erase(ears_.begin() + std::ptrdiff_t(k));
+        for (Ear& ear : ears_)
+            if (holds(ear, gone)) --ear.inside;
+        const std::size_t n = corners_.size();
+        for (const std::size_t beside : {(k + n - 1) % n, k % n}) ears_[beside] = earAt(beside);
+    }
+
+    std::vector<std::uint32_t> corners_;
+    TriangleMesh& mesh_;
+    const std::vector<Vec3d>& p_;
+    Vec3d normal_;  ///< Newell's, of twice the area
+    std::vector<Ear> ears_;
+};
+
+void appendPolygon(const std::vector<std::uint32_t>& corners, TriangleMesh& mesh) {
+    // Some seconds.
+    constexpr std::size_t kMostCorners = 20000;
+    if (corners.size() > kMostCorners)
+        throw Error(Kind::BadInput,
+                    "a face of '" + mesh.file + "' has " + std::to_string(corners.size()) +
+                        " corners, more than " + std::to_string(kMostCorners),
+                    "cut it into triangles in the program that made it");
+    EarCutter(corners, mesh).cut();
 }
 
 void append(const aiMesh& from, const Affine& place, TriangleMesh& mesh) {

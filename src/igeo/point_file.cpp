@@ -45,25 +45,32 @@ std::vector<std::vector<double>> rowsFromText(std::istream& in, const std::strin
         if (std::count(counts.begin(), counts.end(), v.size()) > 0)
             rows.push_back(std::move(v));
         else if (!mayBeHeader || !isHeader(line))
-            throw Error(
-                Kind::BadInput,
-                file + ", line " + std::to_string(lineNumber) + ": '" + line + "' is not " + shape,
-                "write that many finite numbers with commas between them");
+            throw Error(Kind::BadInput,
+                        file + ", line " + std::to_string(lineNumber) + ": '" + line.substr(0, 60) +
+                            "' is not " + shape,
+                        "write that many finite numbers with commas between them");
         mayBeHeader = false;
     }
     return rows;
 }
 
+/// Three numbers of a list from one on.
 /// @throws std::invalid_argument
-Vec3d positionFrom(const json& j) {
-    if (!j.is_array() || j.size() != 3) throw std::invalid_argument("a position is [x, y, z]");
+Vec3d vectorFrom(const json& j, std::size_t first) {
     Vec3d p;
     for (int a = 0; a < 3; ++a) {
-        if (!j[std::size_t(a)].is_number()) throw std::invalid_argument("coordinates are numbers");
-        p[a] = j[std::size_t(a)].get<double>();
+        const json& number = j[first + std::size_t(a)];
+        if (!number.is_number()) throw std::invalid_argument("coordinates are numbers");
+        p[a] = number.get<double>();
         if (!std::isfinite(p[a])) throw std::invalid_argument("coordinates are finite");
     }
     return p;
+}
+
+/// @throws std::invalid_argument
+Vec3d positionFrom(const json& j) {
+    if (!j.is_array() || j.size() != 3) throw std::invalid_argument("a position is [x, y, z]");
+    return vectorFrom(j, 0);
 }
 
 /// @throws std::invalid_argument
@@ -129,9 +136,12 @@ Curve curveFrom(const json& j) {
 std::vector<Curve> curvesFromJson(std::istream& in, const std::string& file) {
     const std::string remedy =
         R"(write [[x, y, z], ...] or [{"position": [[x, y, z], ...], "closed": true}, ...])";
-    json all = json::parse(in, nullptr, /*allow_exceptions=*/false);
-    for (const char* list : {"isolines", "paths"})
-        if (all.is_object() && all.contains(list)) all = json(all[list]);
+    const json document = json::parse(in, nullptr, /*allow_exceptions=*/false);
+    // No copy of it: that of a list in lists takes stack for each.
+    const json* list = &document;
+    for (const char* name : {"isolines", "paths"})
+        if (list->is_object() && list->contains(name)) list = &(*list)[name];
+    const json& all = *list;
     if (!all.is_array() || all.empty())
         throw Error(Kind::BadInput, file + " is not a JSON list of curves", remedy);
     if (!all[0].is_array()) return readEntries(all, file, remedy, curveFrom);
@@ -143,8 +153,7 @@ std::vector<Curve> curvesFromJson(std::istream& in, const std::string& file) {
 /// @throws std::invalid_argument
 AskedPair pairFrom(const json& j) {
     if (!j.is_array() || j.size() != 6) throw std::invalid_argument("a pair is six numbers");
-    const json source(j.begin(), j.begin() + 3), target(j.begin() + 3, j.end());
-    return {positionFrom(source), positionFrom(target)};
+    return {vectorFrom(j, 0), vectorFrom(j, 3)};
 }
 
 bool endsWith(const std::string& s, const std::string& end) {

@@ -3,13 +3,14 @@
 #include <igeo/atomic_file.h>
 #include <igeo/digest.h>
 #include <igeo/error.h>
+#include <igeo/vdb_points.h>
 #include <igeo/version.h>
 #include <openvdb/io/Archive.h>
-#include <openvdb/io/File.h>
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/Stream.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <functional>
@@ -59,6 +60,7 @@ bool isScalarOrMask(const Candidate& c) {
 bool isVector(const Candidate& c) {
     return c.grid->isType<openvdb::Vec3SGrid>() || c.grid->isType<openvdb::Vec3DGrid>();
 }
+bool isPoints(const Candidate& c) { return c.grid->valueType() == "ptdataidx32"; }
 
 std::string describeAll(const Candidates& all) {
     std::string text;
@@ -86,6 +88,7 @@ constexpr Wanted kLevelSet{"a",   "level set", "float or double", isScalar,
 constexpr Wanted kWeight{"a", "weight grid", "float or double", isScalar};
 constexpr Wanted kObstacle{"an", "obstacle grid", "bool, mask, float or double", isScalarOrMask};
 constexpr Wanted kTensor{"a", "tensor", "vec3s or vec3d", isVector};
+constexpr Wanted kPoints{"a", "point grid", "ptdataidx32", isPoints};
 
 bool allows(const Wanted& wanted, const Candidate& c) {
     return wanted.fits(c) && (wanted.fogToo || !isFog(c));
@@ -204,49 +207,109 @@ std::vector<NamedGrid> readFromStream(const GridSource& source, std::istream& in
     return chosen;
 }
 
-/// What a file says about itself before its grids.
-struct Directory : openvdb::io::Archive {
-    bool hasOffsets = false;   ///< false: the file was written to a stream
-    std::int64_t gridEnd = 0;  ///< where the last grid ends, if the file has offsets
+/// A file with a directory of its grids. OpenVDB's own File reads on past the end of a file, and
+/// takes what is not there for zeros: here `in` must throw, and the directory is held against the
+/// size first.
+class FileReader : openvdb::io::Archive {
+public:
+    /// Reads the directory, if there is one.
+    FileReader(const GridSource& source, std::istream& in) : source_(source), in_(in) {
+        readHeader(in_);
+        setFormatVersion(in_);
+        setLibraryVersion(in_);
+        setDataCompression(in_);
+        if (inputHasGridOffsets()) readDirectory();
+    }
 
-    explicit Directory(std::istream& in) {
-        in.exceptions(std::ios::failbit | std::ios::badbit);
-        readHeader(in);
-        setFormatVersion(in);
-        setLibraryVersion(in);
-        hasOffsets = inputHasGridOffsets();
-        if (!hasOffsets) return;
-        openvdb::MetaMap().readMeta(in);
-        for (std::int32_t n = readGridCount(in); n > 0; --n) {
-            openvdb::io::GridDescriptor grid;
-            grid.read(in);
-            gridEnd = std::max(gridEnd, grid.getEndPos());
-            in.seekg(grid.getEndPos());
+    /// False: the file was written to a stream.
+    bool hasDirectory() const { return inputHasGridOffsets(); }
+
+    /// Of each grid only the metadata.
+    Candidates candidates() {
+        Candidates all;
+        for (const Descriptor& d : grids_) {
+            const GridBase::Ptr grid = d.create();
+            d.seekToGrid(in_);
+            readGridCompression(in_);
+            grid->readMeta(in_);
+            all.push_back({Descriptor::nameAsString(d.uniqueName()), grid});
+        }
+        return all;
+    }
+
+    GridBase::Ptr read(const std::string& name) {
+        const Descriptor& d = find(name);
+        const GridBase::Ptr grid = readOne(d);
+        // A tree that several grids share is there once.
+        if (d.isInstance())
+            grid->setTree(
+                readOne(find(Descriptor::nameAsString(d.instanceParentName())))->baseTreePtr());
+        return grid;
+    }
+
+private:
+    struct Descriptor : openvdb::io::GridDescriptor {
+        GridBase::Ptr create() const {
+            const GridBase::Ptr grid = GridBase::createGrid(gridType());
+            grid->setSaveFloatAsHalf(saveFloatAsHalf());
+            return grid;
+        }
+    };
+
+    void readDirectory() {
+        const auto size = std::int64_t(std::filesystem::file_size(source_.file));
+        openvdb::MetaMap().readMeta(in_);
+        for (std::int32_t n = readGridCount(in_); n > 0; --n) {
+            Descriptor d;
+            d.read(in_);
+            const std::int64_t begin = d.getGridPos(), end = d.getEndPos();
+            // In order, or a grid that "ends" before it begins would be read for ever.
+            if (begin < in_.tellg() || end < begin)
+                throw Error(Kind::BadInput,
+                            nameOf(source_) +
+                                " is damaged: by its directory a grid lies from byte " +
+                                std::to_string(begin) + " to " + std::to_string(end),
+                            "copy or write it again");
+            if (end > size)
+                throw Error(Kind::BadInput,
+                            nameOf(source_) + " is cut off: it has " + std::to_string(size) +
+                                " bytes, its grids end at " + std::to_string(end),
+                            "copy or write it again");
+            grids_.push_back(d);
+            in_.seekg(end);
         }
     }
+
+    const Descriptor& find(const std::string& name) const {
+        for (const Descriptor& d : grids_)
+            if (Descriptor::nameAsString(d.uniqueName()) == name) return d;
+        throw Error(Kind::BadInput, nameOf(source_) + " has no grid " + quoted(name),
+                    "the file may be damaged; write it again");
+    }
+
+    GridBase::Ptr readOne(const Descriptor& d) {
+        GridBase::Ptr grid = d.create();
+        d.seekToGrid(in_);
+        readGrid(grid, d, in_);
+        return grid;
+    }
+
+    const GridSource& source_;
+    std::istream& in_;
+    std::vector<Descriptor> grids_;  ///< in the order of the file
 };
 
 std::vector<NamedGrid> readFromFile(const GridSource& source, const Choose& choice) {
     std::ifstream in(source.file, std::ios::binary);
-    const Directory directory(in);
-    if (!directory.hasOffsets) {
+    in.exceptions(std::ios::failbit | std::ios::badbit);
+    FileReader file(source, in);
+    if (!file.hasDirectory()) {
         in.seekg(0);
         return readFromStream(source, in, choice);
     }
-    // OpenVDB reads garbage beyond the end, and notices only some of it.
-    const auto size = std::int64_t(std::filesystem::file_size(source.file));
-    if (size < directory.gridEnd)
-        throw Error(Kind::BadInput,
-                    "file " + quoted(source.file) + " is cut off: it has " + std::to_string(size) +
-                        " bytes, its grids end at " + std::to_string(directory.gridEnd),
-                    "copy or write it again");
-    openvdb::io::File file(source.file);
-    file.open(/*delayLoad=*/false);
-    Candidates all;
-    for (auto it = file.beginName(); it != file.endName(); ++it)
-        all.push_back({it.gridName(), file.readGridMetadata(it.gridName())});
+    const Candidates all = file.candidates();
     std::vector<NamedGrid> chosen;
-    for (const Candidate* c : choice(all)) chosen.push_back({c->name, file.readGrid(c->name)});
+    for (const Candidate* c : choice(all)) chosen.push_back({c->name, file.read(c->name)});
     return chosen;
 }
 
@@ -308,6 +371,25 @@ void writeToMemory(const openvdb::GridCPtrVec& grids, std::ostream& os) {
     os << buffer.rdbuf() << std::flush;
 }
 
+/// Places in such a grid are nowhere in the world, or everywhere.
+void requireInvertible(const NamedGrid& read, const GridSource& source) {
+    const auto& transform = read.grid->transform();
+    bool sound = true;
+    try {
+        if (transform.isLinear()) {
+            const double volume = transform.baseMap()->getAffineMap()->getMat4().det();
+            sound = std::isfinite(volume) && volume != 0;
+        }
+    } catch (const openvdb::Exception&) {
+        sound = false;
+    }
+    if (!sound)
+        throw Error(Kind::BadInput,
+                    "the transform of grid " + quoted(read.name) + " has no inverse (" +
+                        nameOf(source) + ")",
+                    "the file may be damaged; write it again");
+}
+
 /// Reads the grids that `choice` takes; refuses files in words of its own.
 std::vector<NamedGrid> readGrids(const GridSource& source, const Wanted& wanted,
                                  const Choose& choice) {
@@ -317,8 +399,10 @@ std::vector<NamedGrid> readGrids(const GridSource& source, const Wanted& wanted,
         return checked(all, wanted, source, choice);
     };
     try {
-        return source.file == "-" ? readFromStream(source, std::cin, check)
-                                  : readFromFile(source, check);
+        auto read = source.file == "-" ? readFromStream(source, std::cin, check)
+                                       : readFromFile(source, check);
+        for (const NamedGrid& grid : read) requireInvertible(grid, source);
+        return read;
     } catch (const Error&) {
         throw;
     } catch (const std::ios_base::failure&) {
@@ -411,6 +495,10 @@ TensorGrids readTensorGrids(const GridSource& source) {
     });
     return {vectors(read.front().grid), read.size() > 1 ? vectors(read.back().grid) : nullptr,
             fileOf(source), read.front().name};
+}
+
+openvdb::GridBase::Ptr readPointGrid(const GridSource& source) {
+    return readGrid(source, kPoints).grid;
 }
 
 void writeVdb(const std::string& file, const openvdb::GridCPtrVec& grids) {

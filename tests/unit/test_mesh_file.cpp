@@ -59,6 +59,30 @@ TEST_CASE("every format gives the same mesh", "[mesh]") {
     }
 }
 
+TEST_CASE("polygons of many corners are cut, of too many refused", "[mesh]") {
+    // A star: every second corner is concave. Its area is that of n triangles of two radii.
+    const TempDir dir;
+    auto star = [&](int corners) {
+        std::ostringstream out;
+        for (int k = 0; k < corners; ++k) {
+            const double radius = k % 2 == 0 ? 1 : 0.75, angle = 2 * M_PI * k / corners;
+            out << "v " << radius * std::cos(angle) << " " << radius * std::sin(angle) << " 0\n";
+        }
+        out << "f";
+        for (int k = 0; k < corners; ++k) out << " " << k + 1;
+        return write(dir, "star.obj", out.str() + "\n");
+    };
+    for (const int corners : {6, 200, 2000}) {
+        const TriangleMesh mesh = readMesh(star(corners));
+        CHECK(mesh.triangles.size() == std::size_t(corners - 2));
+        // Written with six digits: each corner is off by 1e-6 at most.
+        CHECK(meshArea(mesh) ==
+              Approx(0.5 * 0.75 * corners * std::sin(2 * M_PI / corners)).epsilon(1e-5));
+    }
+    test::expectError(Kind::BadInput, {"star.obj", "20002 corners", "20000"},
+                      [&] { readMesh(star(20002)); });
+}
+
 TEST_CASE("polygons become triangles and a mirroring node keeps the outside outside", "[mesh]") {
     const TempDir dir;
     const std::string cube = write(dir, "cube.OBJ",

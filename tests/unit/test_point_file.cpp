@@ -71,6 +71,33 @@ TEST_CASE("readPoints: text that is no points") {
     refuse("p.csv", "1,2,oops\n1,2,3\n", {"line 1"});
 }
 
+TEST_CASE("readPoints: of a line without end only the beginning is told") {
+    const TempDir folder;
+    std::ofstream(folder / "p.csv") << "1,2,3\n" << std::string(1000000, '9') << "\n";
+    try {
+        readPoints(folder / "p.csv");
+        FAIL("no error");
+    } catch (const Error& e) {
+        CHECK(std::string(e.what()).find("line 2: '9999") != std::string::npos);
+        CHECK(std::string(e.what()).size() < 500);
+    }
+}
+
+TEST_CASE("lists in lists without end are refused, and take no stack") {
+    // The stack has 8 MB, and a call takes 50 bytes at least.
+    const std::size_t deep = 200000;
+    const std::string lists = std::string(deep, '[') + std::string(deep, ']');
+    const TempDir folder;
+    const auto expectRefused = [&](const std::string& content, const auto& read) {
+        std::ofstream(folder / "deep.json") << content;
+        expectError(Error::Kind::BadInput, {"deep.json"}, [&] { read(folder / "deep.json"); });
+    };
+    expectRefused(lists, readPoints);
+    expectRefused(lists, readCurves);
+    expectRefused(R"({"isolines": )" + lists + "}", readCurves);
+    expectRefused("[[" + lists + ", 1, 2, 3, 4, 5]]", readPairs);
+}
+
 TEST_CASE("readPoints: JSON") {
     const auto points =
         read("p.json",

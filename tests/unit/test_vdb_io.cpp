@@ -8,8 +8,11 @@
 #include <support/temp_dir.h>
 #include <support/test_device.h>
 
+#include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <limits>
 
 namespace igeo::test {
 namespace {
@@ -190,6 +193,82 @@ TEST_CASE("readLevelSetGrid: refuses files that are no VDB files or cut off") {
             readLevelSetGrid({folder / "cut.vdb", ""});
         });
     }
+}
+
+TEST_CASE("a directory that sends its reader back or beyond the end is refused") {
+    const TempDir folder;
+    writeVdb(folder / "a.vdb", {smallSphere()});
+    const std::string whole = bytesOf(folder / "a.vdb");
+    // A grid's entry: its name, its type and its parent, each after its length; then three
+    // positions.
+    const std::string type = "Tree_float_5_4_3";
+    const std::size_t positions = whole.find(type) + type.size() + 4;
+    auto withPositions = [&](std::int64_t begin, std::int64_t end) {
+        std::string bytes = whole;
+        std::memcpy(&bytes[positions], &begin, 8);
+        std::memcpy(&bytes[positions + 16], &end, 8);
+        std::ofstream(folder / "b.vdb", std::ios::binary) << bytes;
+        return GridSource{folder / "b.vdb", ""};
+    };
+    std::int64_t begin = 0, end = 0;
+    std::memcpy(&begin, &whole[positions], 8);
+    std::memcpy(&end, &whole[positions + 16], 8);
+    CHECK(end == std::int64_t(whole.size()));
+    CHECK(readLevelSetGrid(withPositions(begin, end)).name == "psi");
+    const auto bad = Error::Kind::BadInput;
+    expectError(bad, {"b.vdb' is damaged"}, [&] { readLevelSetGrid(withPositions(0, end)); });
+    expectError(bad, {"b.vdb' is damaged"}, [&] { readLevelSetGrid(withPositions(begin, 0)); });
+    expectError(bad, {"b.vdb' is damaged"}, [&] { readLevelSetGrid(withPositions(-8, -8)); });
+    expectError(bad, {"b.vdb' is cut off"},
+                [&] { readLevelSetGrid(withPositions(begin, end + 1)); });
+}
+
+TEST_CASE("readLevelSetGrid: never reads beyond the end") {
+    // A grid claims 1000 items of metadata: OpenVDB's File would find all of them.
+    const TempDir folder;
+    writeVdb(folder / "a.vdb", {smallSphere()});
+    std::string bytes = bytesOf(folder / "a.vdb");
+    const std::string type = "Tree_float_5_4_3";
+    std::int64_t begin = 0;
+    std::memcpy(&begin, &bytes[bytes.find(type) + type.size() + 4], 8);
+    const std::int32_t many = 1000;
+    // After the flags of its compression.
+    std::memcpy(&bytes[std::size_t(begin) + 4], &many, 4);
+    std::ofstream(folder / "b.vdb", std::ios::binary) << bytes;
+    expectError(Error::Kind::BadInput, {"b.vdb"}, [&] {
+        readLevelSetGrid({folder / "b.vdb", ""});
+    });
+}
+
+TEST_CASE("a transform without an inverse is refused") {
+    const TempDir folder;
+    for (const double entry : {0.0, std::numeric_limits<double>::quiet_NaN()}) {
+        // A rotated transform has the matrix in the file, 16 doubles after the name of its kind;
+        // without its first column, space is a plane.
+        const auto grid = gridOf<openvdb::FloatGrid>("cost", 2);
+        writeVdb(folder / "a.vdb", {grid});
+        std::string bytes = bytesOf(folder / "a.vdb");
+        const std::string kind = "AffineMap";
+        const std::size_t matrix = bytes.find(kind) + kind.size();
+        REQUIRE(bytes.find(kind) != std::string::npos);
+        for (const std::size_t row : {0, 1, 2})
+            std::memcpy(&bytes[matrix + 32 * row], &entry, sizeof entry);
+        std::ofstream(folder / "b.vdb", std::ios::binary) << bytes;
+        for (const auto& read :
+             {std::function<void(const GridSource&)>(readScalarGrid), {readObstacleGrid}})
+            expectError(Error::Kind::BadInput, {"b.vdb"}, [&] { read({folder / "b.vdb", ""}); });
+    }
+}
+
+TEST_CASE("readLevelSetGrid: a tree that two grids share") {
+    const TempDir folder;
+    const auto first = smallSphere("first");
+    const auto second = first->copy();  // shares the tree
+    second->setName("second");
+    openvdb::io::File(folder / "a.vdb").write({first, second});
+    const auto read = readLevelSetGrid({folder / "a.vdb", "second"}).grid;
+    CHECK(read->getName() == "second");
+    CHECK(read->activeVoxelCount() == first->activeVoxelCount());
 }
 
 TEST_CASE("readScalarGrid: takes the grid that is no level set") {
