@@ -17,6 +17,7 @@
 #include <set>
 
 #include "failure.h"
+#include "guarded_read.h"
 #include "manifest.h"
 #include "matrix_parts.h"
 #include "output_files.h"
@@ -327,7 +328,8 @@ void Batch::makeWhatAllNeed(const SurfaceInput& surface, const Numbers& group) {
 
 /// GiB: of the machine, or the least that a job allows.
 double Batch::memoryFor(const Numbers& group) const {
-    double memory = SurfaceInput::machineMemory();
+    constexpr double kGiB = 1024.0 * 1024 * 1024;
+    double memory = machineMemory() / kGiB;
     for (const std::size_t k : group)
         if (const double limit = jobs_[k].options.memoryLimit; limit > 0)
             memory = std::min(memory, limit);

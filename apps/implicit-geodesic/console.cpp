@@ -1,5 +1,6 @@
 #include "console.h"
 
+#include <fcntl.h>
 #include <igeo/atomic_file.h>
 #include <signal.h>
 #include <unistd.h>
@@ -90,6 +91,14 @@ void ConsoleProgress::clear() {
 
 bool ConsoleProgress::cancelled() const { return InterruptGuard::requested(); }
 
+void openStandardStreams() {
+    // open() takes the lowest descriptor that is free; the wrong way round, so that using it fails.
+    for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (::fcntl(fd, F_GETFD) < 0 &&
+            ::open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
+            ::_exit(1);
+}
+
 InterruptGuard::InterruptGuard() {
     // A write beyond RLIMIT_FSIZE shall be an error to report, not a signal to die of; the same
     // for a reader of stdout who has gone.
@@ -97,8 +106,12 @@ InterruptGuard::InterruptGuard() {
     ::signal(SIGPIPE, SIG_IGN);
     sigset_t set;
     sigemptyset(&set);
-    sigaddset(&set, SIGINT);
-    sigaddset(&set, SIGTERM);
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction now {};
+        // nohup ignores SIGHUP, a shell that starts a job in the background SIGINT.
+        if (::sigaction(number, nullptr, &now) == 0 && now.sa_handler != SIG_IGN)
+            sigaddset(&set, number);
+    }
     // Blocked here and in all threads to come; one thread waits for them and may do as it likes,
     // which a signal handler may not.
     ::pthread_sigmask(SIG_BLOCK, &set, nullptr);

@@ -52,12 +52,16 @@ private:
     std::thread shower_;
 };
 
-/// Turns SIGINT and SIGTERM into a request to stop; what does not stop within 0.15 s (a library
-/// call that cannot be told) is ended, after removing unfinished outputs. Make one in main, before
-/// any thread starts.
+/// Opens those of stdin, stdout and stderr that are closed, so that no output takes their place and
+/// is mixed with messages; reading and writing them fails as before.
+void openStandardStreams();
+
+/// Turns SIGINT, SIGTERM and SIGHUP, unless they are ignored, into a request to stop; what does not
+/// stop within 0.15 s (a library call that cannot be told) is ended, after removing unfinished
+/// outputs. Make one in main, before any thread starts.
 class InterruptGuard {
 public:
     InterruptGuard();
     static bool requested();
-    static int exitCode();  ///< 130 for SIGINT, 143 for SIGTERM
+    static int exitCode();  ///< 130 for SIGINT, 143 for SIGTERM, 129 for SIGHUP
 };

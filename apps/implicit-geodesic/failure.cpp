@@ -4,6 +4,7 @@
 
 #include <exception>
 #include <new>
+#include <system_error>
 
 #include "console.h"
 #include "run.h"
@@ -36,7 +37,11 @@ Failure currentFailure() {
         return {exitCodeFor(e.kind()), e.what(), e.remedy()};
     } catch (const std::bad_alloc&) {
         return {kFailed, "out of memory",
-                "use a narrower band, a coarser level set or a larger machine"};
+                "use a narrower band, a coarser level set, a larger --memory-limit or a larger "
+                "machine"};
+    } catch (const std::system_error& e) {
+        return {kFailed, "the system refuses: " + e.code().message(),
+                "raise the limits of the process (ulimit -a)"};
     } catch (const std::exception& e) {
         return {kFailed, std::string("unexpected: ") + e.what(), "please report this"};
     }

@@ -13,6 +13,7 @@
 #include <iostream>
 #include <utility>
 
+#include "guarded_read.h"
 #include "output_files.h"
 #include "run.h"
 #include "surface_input.h"
@@ -238,6 +239,8 @@ int info(const Options& options, Console& console, ConsoleProgress& progress) {
     checkOutputFiles(options);
     const auto start = std::chrono::steady_clock::now();
     const FileSurvey file = surveyOf(options, progress);
+    // A refusal is data here; the reader may have left the heap in ruins all the same.
+    const FileGuard reporting(options.sdf, FileGuard::kNoLimit);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const bool asked = file.surface && !problems.empty();
     if (asked)

@@ -4,6 +4,7 @@
 #include "batch.h"
 #include "console.h"
 #include "failure.h"
+#include "guarded_read.h"
 #include "info.h"
 #include "options.h"
 #include "run.h"
@@ -17,9 +18,7 @@ int runCommand(const Options& options, Console& console, ConsoleProgress& progre
     return run(options, console, progress);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int start(int argc, char** argv) {
     Options options;
     switch (parseOptions(argc, argv, options)) {
         case ParseResult::Done:
@@ -31,14 +30,24 @@ int main(int argc, char** argv) {
     }
     const InterruptGuard interrupts;
     const igeo::ThreadLimit threads(options.threads);
+    constexpr double kGiB = 1024.0 * 1024 * 1024;
+    limitMemory(options.memoryLimit > 0 ? options.memoryLimit * kGiB : machineMemory(),
+                igeo::ThreadLimit::current());
     Console console(options.quiet     ? Console::Level::Quiet
                     : options.verbose ? Console::Level::Verbose
                                       : Console::Level::Normal);
     ConsoleProgress progress(options.progress);
+    return runCommand(options, console, progress);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    openStandardStreams();
+    catchFaults();
     try {
-        return runCommand(options, console, progress);
+        return start(argc, argv);
     } catch (...) {
-        progress.clear();
         const Failure failure = currentFailure();
         Console::error(failure.what, failure.remedy);
         return failure.exitCode;

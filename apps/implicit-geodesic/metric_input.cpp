@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 
+#include "guarded_read.h"
 #include "usage_error.h"
 
 namespace {
@@ -97,7 +98,9 @@ void MetricInput::readObstacles(const Options& options, const igeo::Similarity& 
         obstacleNames_.push_back("box " + given);
     }
     for (const std::string& given : options.obstacles) {
-        obstacles_->addGrid(igeo::readObstacleGrid(igeo::parseGridSource(given)));
+        const igeo::GridSource source = igeo::parseGridSource(given);
+        obstacles_->addGrid(
+            guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); }));
         obstacleNames_.push_back(given);
     }
 }
@@ -105,7 +108,8 @@ void MetricInput::readObstacles(const Options& options, const igeo::Similarity& 
 void MetricInput::read(const Options& options, const igeo::Similarity& transform) {
     if (options.curvatureScale > 0) curvatureScale_ = options.curvatureScale;
     for (const std::string& given : options.weights) {
-        weights_.push_back(igeo::readScalarGrid(igeo::parseGridSource(given)));
+        const igeo::GridSource source = igeo::parseGridSource(given);
+        weights_.push_back(guardedRead(source.file, [&] { return igeo::readScalarGrid(source); }));
         leastWeight_ *= igeo::leastWeight(weights_.back());
         weightNames_.push_back(given);
     }
@@ -119,7 +123,8 @@ void MetricInput::read(const Options& options, const igeo::Similarity& transform
         weightNames_.push_back("bending " + options.metricCurvature);
     }
     if (!options.metric.empty()) {
-        tensor_ = igeo::readTensorGrids(igeo::parseGridSource(options.metric));
+        const igeo::GridSource source = igeo::parseGridSource(options.metric);
+        tensor_ = guardedRead(source.file, [&] { return igeo::readTensorGrids(source); });
         weightNames_.push_back("tensor " + options.metric);
     }
     readObstacles(options, transform);

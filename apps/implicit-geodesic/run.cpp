@@ -20,6 +20,7 @@
 #include <chrono>
 #include <memory>
 
+#include "guarded_read.h"
 #include "metric_input.h"
 #include "output_files.h"
 #include "outputs.h"
@@ -353,7 +354,8 @@ void Job::shoot() {
 void Job::solvePairs() {
     if (options_.pairs.empty()) return;
     std::vector<Vec3d> sources, targets;
-    for (const igeo::AskedPair& pair : igeo::readPairs(options_.pairs)) {
+    for (const igeo::AskedPair& pair :
+         guardedRead(options_.pairs, [&] { return igeo::readPairs(options_.pairs); })) {
         sources.push_back(indexOf(pair.source));
         targets.push_back(indexOf(pair.target));
     }

@@ -4,6 +4,7 @@
 #include <igeo/sides.h>
 #include <igeo/vdb_io.h>
 
+#include "guarded_read.h"
 #include "usage_error.h"
 
 using igeo::Error;
@@ -19,7 +20,8 @@ std::vector<igeo::AskedPoint> askedPoints(const std::vector<std::string>& given,
         }
     }
     if (!file.empty())
-        for (const igeo::AskedPoint& p : igeo::readPoints(file)) points.push_back(p);
+        for (const igeo::AskedPoint& p : guardedRead(file, [&] { return igeo::readPoints(file); }))
+            points.push_back(p);
     return points;
 }
 
@@ -28,7 +30,7 @@ void SeedInput::read(const Options& options, const igeo::Similarity& transform) 
     samples_ = options.sample;
     signed_ = options.withSign;
     for (const std::string& file : options.seedCurves)
-        for (igeo::Curve curve : igeo::readCurves(file)) {
+        for (igeo::Curve curve : guardedRead(file, [&] { return igeo::readCurves(file); })) {
             if (!options.indexSpace)
                 for (igeo::Vec3d& p : curve.points) p = transform.indexFromWorld(p);
             curve.start /= transform.dx;
@@ -36,7 +38,8 @@ void SeedInput::read(const Options& options, const igeo::Similarity& transform) 
         }
     for (const std::string& given : options.seedMasks) {
         auto body = std::make_shared<igeo::ObstacleSet>(transform);
-        body->addGrid(igeo::readObstacleGrid(igeo::parseGridSource(given)));
+        const igeo::GridSource source = igeo::parseGridSource(given);
+        body->addGrid(guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); }));
         regions_.push_back({"mask " + given, body});
     }
     if (!signed_) return;

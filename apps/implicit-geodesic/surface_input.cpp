@@ -11,13 +11,12 @@
 #include <igeo/refined_mesh.h>
 #include <igeo/vdb_io.h>
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <utility>
 
+#include "guarded_read.h"
 #include "usage_error.h"
 
 using igeo::format;
@@ -38,12 +37,13 @@ public:
     void read() override {
         const igeo::GridSource source = igeo::parseGridSource(options_.sdf);
         if (!options_.rebuild) {
-            loaded_ = igeo::readLevelSetGrid(source);
+            loaded_ = guardedRead(source.file, [&] { return igeo::readLevelSetGrid(source); });
             return;
         }
-        loaded_ = igeo::readScalarGrid(source);
+        loaded_ = guardedRead(source.file, [&] { return igeo::readScalarGrid(source); });
         const bool fog = loaded_.grid->getGridClass() == openvdb::GRID_FOG_VOLUME;
         const double iso = options_.iso ? *options_.iso : fog ? 0.5 : 0.0;
+        const FileGuard guard(source.file, FileGuard::kNoLimit);
         loaded_ = igeo::rebuilt(loaded_, iso);
         warn("psi was rebuilt as the distance to where the volume is " + format("%.6g", iso));
     }
@@ -52,7 +52,8 @@ public:
         if (options_.voxelSize > 0 || options_.resolution > 0)
             usageError("--voxel-size and --resolution are for meshes and points",
                        "a volume has the voxels that it has: leave them out");
-        return igeo::surveyFile(igeo::parseGridSource(options_.sdf), progress);
+        const igeo::GridSource source = igeo::parseGridSource(options_.sdf);
+        return guardedRead(source.file, [&] { return igeo::surveyFile(source, progress); });
     }
     double estimatedNodes() const override {
         const igeo::LevelSetStats& stats = levelSet_->stats;
@@ -100,7 +101,9 @@ class Mesh : public SurfaceInput {
 public:
     explicit Mesh(const SurfaceOptions& options) : SurfaceInput(options) {}
 
-    void read() override { mesh_ = igeo::readMesh(options_.mesh); }
+    void read() override {
+        mesh_ = guardedRead(options_.mesh, [&] { return igeo::readMesh(options_.mesh); });
+    }
 
     igeo::FileSurvey survey(double memoryLimit, igeo::Progress& progress) override {
         read();
@@ -180,7 +183,10 @@ public:
         : SurfaceInput(options),
           kind_(options.scheme == "jet" ? igeo::PointBandKind::Fits : igeo::PointBandKind::Balls) {}
 
-    void read() override { cloud_ = igeo::readPointCloud(options_.points); }
+    void read() override {
+        cloud_ =
+            guardedRead(options_.points, [&] { return igeo::readPointCloud(options_.points); });
+    }
 
     igeo::FileSurvey survey(double memoryLimit, igeo::Progress& progress) override {
         read();
@@ -244,7 +250,10 @@ std::unique_ptr<SurfaceInput> SurfaceInput::of(const SurfaceOptions& options) {
 }
 
 void SurfaceInput::prepare(igeo::Progress& progress) {
-    examine(progress);
+    {
+        const FileGuard guard(options_.surface(), FileGuard::kNoLimit);
+        examine(progress);
+    }
     if (levelSet_)
         for (const std::string& w : levelSet_->warnings) warn(w);
 }
@@ -258,10 +267,6 @@ SurfaceInput::BandPtr SurfaceInput::band(const std::vector<igeo::Ball>& region,
     return wholeBand_;
 }
 
-double SurfaceInput::machineMemory() {
-    return double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE)) / kGiB;
-}
-
 double SurfaceInput::estimatedMemory() const {
     // Band, march and one grid of results; godunov somewhat more than jet.
     constexpr double kBytesPerNode = 110;
@@ -269,7 +274,7 @@ double SurfaceInput::estimatedMemory() const {
 }
 
 void SurfaceInput::requireMemory(double asked) const {
-    const double limit = asked > 0 ? asked : machineMemory(), needed = estimatedMemory();
+    const double limit = asked > 0 ? asked : machineMemory() / kGiB, needed = estimatedMemory();
     if (needed <= limit) return;
     // The band grows with the area in voxels.
     const double factor = std::sqrt(needed / limit);

@@ -77,9 +77,6 @@ public:
     /// In a few words, for -v.
     const std::string& summary() const { return summary_; }
 
-    /// GiB of this machine.
-    static double machineMemory();
-
 protected:
     explicit SurfaceInput(const SurfaceOptions& options) : options_(options) {}
     virtual void examine(igeo::Progress& progress) = 0;

@@ -1,0 +1,151 @@
+// What a fault of a library does while a file is read, and what sizes without sense do.
+#include <implicit-geodesic/guarded_read.h>
+#include <support/catch.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <vector>
+
+#include "program.h"
+
+using namespace igeo::test;
+
+namespace {
+
+struct Ending {
+    int exitCode;  ///< -1: by a signal
+    std::string err;
+};
+
+/// How a process ends that does `work`, with faults caught.
+template <typename Work>
+Ending endOf(const Work& work) {
+    int fds[2];
+    REQUIRE(::pipe(fds) == 0);
+    const pid_t pid = ::fork();
+    REQUIRE(pid >= 0);
+    if (pid == 0) {
+        ::dup2(fds[1], STDERR_FILENO);
+        catchFaults();
+        work();
+        ::_exit(0);
+    }
+    ::close(fds[1]);
+    Ending ending{-1, ""};
+    char buffer[4096];
+    for (ssize_t n; (n = ::read(fds[0], buffer, sizeof buffer)) > 0;)
+        ending.err.append(buffer, std::size_t(n));
+    ::close(fds[0]);
+    int status = 0;
+    REQUIRE(::waitpid(pid, &status, 0) == pid);
+    if (WIFEXITED(status)) ending.exitCode = WEXITSTATUS(status);
+    return ending;
+}
+
+/// Uses up the stack.
+int deep(int n) {
+    volatile char room[4096];
+    room[0] = char(n);
+    return n < 0 ? 0 : deep(n + 1) + room[0];
+}
+
+}  // namespace
+
+TEST_CASE("a fault while a file is read is the fault of the file") {
+    const int number = GENERATE(SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT);
+    const Ending reading = endOf([&] {
+        const FileGuard guard("some file.vdb");
+        std::raise(number);
+    });
+    CHECK(reading.exitCode == 3);
+    const auto told = lines(reading.err);
+    REQUIRE(told.size() == 2);
+    CHECK_THAT(told[0], Catch::StartsWith("implicit-geodesic: error: ") &&
+                            Catch::Contains("'some file.vdb'") && Catch::Contains("crashed"));
+    CHECK_THAT(told[1], Catch::StartsWith("  "));
+
+    const Ending later = endOf([&] {
+        { const FileGuard guard("some file.vdb"); }
+        std::raise(number);
+    });
+    CHECK(later.exitCode == 1);
+    REQUIRE(lines(later.err).size() == 2);
+    CHECK_THAT(later.err, Catch::Contains("please report") && !Catch::Contains("some file"));
+}
+
+TEST_CASE("a fault after a refusal is the fault of the file that was refused") {
+    const Ending ending = endOf([] {
+        try {
+            guardedRead("torn.vdb", [] { throw std::runtime_error("a block is too long"); });
+        } catch (const igeo::Error&) {
+            std::raise(SIGSEGV);
+        }
+    });
+    CHECK(ending.exitCode == 3);
+    CHECK_THAT(ending.err, Catch::Contains("'torn.vdb'"));
+}
+
+TEST_CASE("the end of the stack is survived") {
+    const Ending ending = endOf([] {
+        const FileGuard guard("deep.json");
+        deep(0);
+    });
+    CHECK(ending.exitCode == 3);
+    CHECK_THAT(ending.err, Catch::Contains("'deep.json'"));
+}
+
+TEST_CASE("reading without end is ended") {
+    const Ending ending = endOf([] {
+        const FileGuard guard("endless.vdb", 0.2);
+        for (volatile int k = 0;; k = k + 1) {
+        }
+    });
+    CHECK(ending.exitCode == 3);
+    CHECK_THAT(ending.err, Catch::Contains("'endless.vdb'") && Catch::Contains("s of computing"));
+}
+
+TEST_CASE("what a reader throws becomes a refusal that names the file") {
+    auto refusal = [](const auto& read) {
+        try {
+            guardedRead("f.vdb", read);
+        } catch (const igeo::Error& e) {
+            return std::string(e.what());
+        }
+        return std::string("none");
+    };
+    using igeo::Error;
+    CHECK(guardedRead("f.vdb", [] { return 7; }) == 7);
+    CHECK_THAT(refusal([] { throw std::bad_alloc(); }), Catch::Contains("'f.vdb': out of memory"));
+    CHECK_THAT(refusal([] { std::vector<int>().reserve(std::size_t(-1)); }),
+               Catch::Contains("'f.vdb'") && Catch::Contains("memory"));
+    CHECK_THAT(refusal([] { throw std::runtime_error("odd"); }), Catch::Contains("'f.vdb': odd"));
+    CHECK(refusal([] { throw Error(Error::Kind::Io, "as it is"); }) == "as it is");
+}
+
+TEST_CASE("a mesh that runs assimp out of its stack is refused") {
+    const Desk desk;
+    const std::size_t levels = 200000;
+    std::string nested;
+    for (std::size_t k = 0; k < levels; ++k) nested += R"({"a":)";
+    writeBytes(desk / "deep.gltf", nested + "1" + std::string(levels, '}'));
+    requireRefused(desk, "--mesh deep.gltf --seed 0,0,1 -o out.vdb", 3,
+                   {"'deep.gltf'", "crashed", "write the file again"});
+}
+
+TEST_CASE("memory that a file asks for without end is refused by --memory-limit") {
+    const Ending ending = endOf([] {
+        limitMemory(0, 1);
+        // 256 MB are always allowed.
+        try {
+            std::vector<char> room(200 << 20);
+            guardedRead("huge.vdb", [] { std::vector<char>(400 << 20); });
+        } catch (const igeo::Error& e) {
+            std::fprintf(stderr, "%s", e.what());
+            ::_exit(3);
+        }
+    });
+    CHECK(ending.exitCode == 3);
+    CHECK_THAT(ending.err, Catch::Contains("'huge.vdb': out of memory"));
+}
