@@ -17,7 +17,7 @@ def setup():
     matplotlib.rcParams.update({"svg.hashsalt": "implicit-geodesic", "svg.fonttype": "none", "font.size": 10,
                                 "font.family": "sans-serif", "axes.spines.top": False,
                                 "axes.spines.right": False, "axes.grid": True, "grid.color": "#e5e5e5",
-                                "figure.constrained_layout.use": True, "legend.frameon": False})
+                                "legend.frameon": False})
 
 
 def save(figure, file):
@@ -25,6 +25,12 @@ def save(figure, file):
     file.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(file, metadata={"Date": None, "Creator": "scripts/compare.py"})
     pyplot.close(figure)
+
+
+def legend_below(figure, axes, height):
+    """One legend for all panes, in a strip of this part of the figure."""
+    figure.legend(*axes.get_legend_handles_labels(), loc="lower center", ncol=3)
+    figure.tight_layout(rect=(0, height, 1, 1))
 
 
 def line(axes, method, xs, ys, **more):
@@ -65,12 +71,11 @@ def convergence(results, folder):
             axes.set_title(f"{shape}: {what} error")
             ticks(axes, series(results, shape, "jet", lambda run: 1)[0])
             axes.set_ylabel("% of the largest distance")
-            low = min(axes.get_ylim())
-            slope(axes, 100, 12 * low if column == 0 and key == "mean" else 3 * low, 2)
-            slope(axes, 55, 0.09, 1)
+            for method, order in (("jet", 2), ("godunov1", 1)) if key == "mean" else ():
+                ns, values = series(results, shape, method, lambda run: run["errors"]["mean"])
+                slope(axes, 1.05 * ns[0], 0.45 * values[0], order)
         panes[1, column].set_xlabel("voxels per side, N")
-    handles, labels = panes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    legend_below(figure, panes[0, 0], 0.09)
     save(figure, folder / "convergence.svg")
 
 
@@ -86,8 +91,7 @@ def work(results, folder):
         axes.set_title(shape)
         axes.set_xlabel("processor time, file to first seed, s")
     panes[0].set_ylabel("mean error, % of the largest distance")
-    handles, labels = panes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    legend_below(figure, panes[0], 0.15)
     save(figure, folder / "work.svg")
 
 
@@ -113,6 +117,7 @@ def growth(results, folder):
             x = nodes[0]
             slope_up(axes, x * 8, axes.get_ylim()[0] * 3)
     left.legend()
+    figure.tight_layout()
     save(figure, folder / "growth.svg")
 
 

@@ -7,7 +7,8 @@
 namespace igeo::test {
 
 /// --sdf F --seed x,y,z --method jet|godunov1|godunov2|sweep [--threads T] [--points OUT.csv]
-/// [--samples N]: the stages of a run as the program has them, distances at foot points.
+/// [--samples N] [--start-radius V] [--bucket-width V]: the stages of a run as the program has
+/// them, distances at foot points.
 void benchSolve(const Arguments& args);
 
 /// --sdf F --seed x,y,z --exact IN.csv --image OUT.png [--most P] [--camera x,y,z] [--up x,y,z]:

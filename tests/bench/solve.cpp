@@ -98,7 +98,10 @@ void benchSolve(const Arguments& args) {
         if (method == "sweep") return sweepUntilDone(band, seed, stages, stage, iterations);
         if (method != "jet" && method != "godunov1" && method != "godunov2")
             throw std::runtime_error("no method '" + method + "'");
-        Field field = order == 0 ? marchJet(band, {}, {seed}) : godunov(band, seed, order);
+        JetOptions jet;
+        jet.startRadius = args.number("start-radius", jet.startRadius);
+        jet.bucketWidth = args.number("bucket-width", jet.bucketWidth);
+        Field field = order == 0 ? marchJet(band, {}, {seed}, jet) : godunov(band, seed, order);
         stages.finished(stage);
         return field;
     };
