@@ -24,9 +24,10 @@ import lab
 
 MODELS = {"bunny": "bunny.obj", "knot": "knot.obj", "blub": "blub.obj", "cad-anchor": "cad-anchor.obj",
           "brain": "brain-pial-left.ply"}
-SHAPES = {"sphere": "radius=0.4", "torus": "major=0.3 minor=0.12"}
-SHAPE_SEEDS = {"sphere": (0.625642426, 0.710844071, 0.815846099),
-               "torus": (0.809326300, 0.760541948, 0.606944883)}
+SHAPES = {"sphere": "radius=0.4", "torus": "major=0.3 minor=0.12",
+          "box": "half-size=0.303,0.257,0.352"}  # as igeo_bench exact has them
+SHAPE_SEEDS = {"sphere": (0.6256, 0.7108, 0.8158),
+               "torus": (0.782, 0.711, 0.572), "box": (0.8, 0.6, 0.55)}  # near the surface will do
 SEED_SHARES = {"A": 0, "B": 0.5}  # of a mesh file's vertices: the first, and the one in the middle
 LONG = 10  # seconds; a run that takes longer is not repeated
 
@@ -127,7 +128,7 @@ def total(run, clock):
                if stage in run)
 
 
-def compare(tools, folder, sdf, seed, methods, exact, rounds, samples):
+def compare(tools, folder, sdf, seed, exact, methods, rounds, samples):
     """{method: stages and errors} on one level set from one seed."""
     runs, files = {method: [] for method in methods}, {}
     for turn in range(rounds):
@@ -147,22 +148,23 @@ def compare(tools, folder, sdf, seed, methods, exact, rounds, samples):
     return result
 
 
-def shape_case(tools, folder, shape, n, methods, rounds):
-    sdf = folder / f"{shape}{n}.vdb"
-    parameters = [word for p in ["center=0.5,0.5,0.5", *SHAPES[shape].split()] for word in ("--param", p)]
-    lab.run([tools.make_shape, shape, "-o", sdf, "--voxel-size", 1 / n, *parameters])
-    seed = tools.vertex("--sdf", sdf, "--seed", point(SHAPE_SEEDS[shape]))
+def shape(tools, folder, name, n):
+    """A level set, the seed on it, and what writes exact distances beside files of points."""
+    sdf = folder / f"{name}{n}.vdb"
+    parameters = [word for p in ["center=0.5,0.5,0.5", *SHAPES[name].split()] for word in ("--param", p)]
+    lab.run([tools.make_shape, name, "-o", sdf, "--voxel-size", 1 / n, *parameters])
+    seed = tools.vertex("--sdf", sdf, "--seed", point(SHAPE_SEEDS[name]))
 
     def exact(files):
         for file in files:
-            tools.say(tools.bench, "exact", "--shape", shape, "--seed", seed, "--points", file,
+            tools.say(tools.bench, "exact", "--shape", name, "--seed", seed, "--points", file,
                       "--out", f"{file}.exact")
-    # A distance on the torus takes 2 ms.
-    return compare(tools, folder, sdf, seed, methods, exact, rounds, 4000 if shape == "torus" else 0)
+    return sdf, seed, exact
 
 
-def model_case(tools, folder, model, mesh, n, seed_name, methods, rounds):
-    sdf = folder / f"{model}{n}.vdb"
+def model(tools, folder, name, mesh, n, seed_name):
+    """The same of a mesh file."""
+    sdf = folder / f"{name}{n}.vdb"
     if not sdf.exists():
         lab.run(["vdb_tool", "-quiet", "-read", mesh, "-mesh2ls", f"dim={n}", "width=3", "name=psi",
                  "-write", sdf])
@@ -172,7 +174,24 @@ def model_case(tools, folder, model, mesh, n, seed_name, methods, rounds):
     def exact(files):
         tools.say(tools.peer, "--method", "oracle", "--mesh", mesh, "--seed", seed, "--points",
                   ",".join(map(str, files)))
-    return compare(tools, folder, sdf, seed, methods, exact, rounds, 20000)
+    return sdf, seed, exact
+
+
+def picture(tools, folder, sdf, seed, exact, name, *options):
+    """docs/images/accuracy/NAME.png: the error of jet as colours."""
+    file = folder / "picture.csv"
+    solve(tools, "jet", sdf, seed, file)
+    exact([file])
+    tools.say(tools.bench, "picture", "--sdf", sdf, "--seed", seed, "--exact", f"{file}.exact",
+              "--image", compare_tables.IMAGES / f"{name}.png", *options)
+
+
+def pictures(tools, folder, models):
+    """Of what jet is weak at."""
+    picture(tools, folder, *shape(tools, folder, "box", 100), "box", "--most", 0.2,
+            "--camera", "-1,1.6,-0.9")
+    for name, *options in (("cad-anchor", "--most", 1), ("brain", "--most", 10, "--up", "0,0,1")):
+        picture(tools, folder, *model(tools, folder, name, models / MODELS[name], 128, "A"), name, *options)
 
 
 def plan(options, peers):
@@ -180,14 +199,16 @@ def plan(options, peers):
     tools, folder = options.tools, options.folder
     cases = []
 
-    def add(name, measure, *arguments):
+    def add(name, surface, arguments, methods, rounds, samples):
+        def measure():
+            return compare(tools, folder, *surface(tools, folder, *arguments), methods, rounds, samples)
         if not options.only or any(name.startswith(word) for word in options.only.split(",")):
-            cases.append((name, lambda: measure(tools, folder, *arguments)))
+            cases.append((name, measure))
 
     rounds = 1 if options.quick else options.rounds
     sizes = (50, 100) if options.quick else (50, 100, 200, 400)
-    for shape in SHAPES:
-        for n in sizes if shape == "sphere" else sizes[:3]:
+    for name, samples in (("sphere", 0), ("torus", 4000)):  # a distance on the torus takes 2 ms
+        for n in sizes if name == "sphere" else sizes[:3]:
             methods = list(OURS)
             if peers and (n < 400 or options.full):
                 methods += PEERS[:3]
@@ -195,15 +216,15 @@ def plan(options, peers):
                 methods.append("exact")
             if n == 400 and not options.full:
                 methods.remove("sweep")
-            add(f"{shape}-{n}", shape_case, shape, n, methods, rounds)
+            add(f"{name}-{n}", shape, (name, n), methods, rounds, samples)
     if options.models and not options.quick:
-        for model, file in MODELS.items():
+        for name, file in MODELS.items():
             for n in (128, 256):
                 for seed in SEED_SHARES:
                     # The second seed is for the errors.
                     methods = OURS + PEERS[:3] if seed == "A" else ("jet", "godunov2", *PEERS[:3])
-                    add(f"{model}-{n}-{seed}", model_case, model, options.models / file, n, seed,
-                        methods, rounds if seed == "A" else 1)
+                    add(f"{name}-{n}-{seed}", model, (name, options.models / file, n, seed), methods,
+                        rounds if seed == "A" else 1, 20000)
     return cases
 
 
@@ -224,6 +245,7 @@ def measure(options):
         best = ", ".join(f"{method} {lab.number(run['errors']['mean'])} % {run['total']['cpu']:.2f} s"
                          for method, run in done.items())
         print(f"{name}: {best}", flush=True)
+        lab.save(results, options.saved)
     if not options.quick and not options.only:
         results["growth"] = growth(options.tools, (100, 200, 400, 800) + ((1700,) if options.full else ()))
     compare_tables.derive(results)
@@ -242,25 +264,28 @@ def main():
     parser.add_argument("--rounds", type=int, default=3, help="of which times are medians [3]")
     parser.add_argument("--build", type=pathlib.Path, default=lab.ROOT / "build" / "release",
                         help="build folder [build/release]")
-    parser.add_argument("--from", type=pathlib.Path, metavar="FILE", dest="saved",
+    parser.add_argument("--from", type=pathlib.Path, metavar="FILE", dest="again",
                         help="measure nothing: tables and plots of saved results")
     options = parser.parse_args()
-    if options.saved:
-        results = json.loads(options.saved.read_text())
+    if options.again:
+        results = json.loads(options.again.read_text())
+        compare_tables.derive(results)
     else:
+        options.saved = options.build / f"comparison{'-quick' if options.quick else ''}.json"
         options.tools = Tools(options.build)
-        options.folder = options.build / "comparison"
+        options.folder = options.saved.with_suffix("")
         shutil.rmtree(options.folder, ignore_errors=True)
         options.folder.mkdir()
         results = measure(options)
-        file = options.build / f"comparison{'-quick' if options.quick else ''}.json"
-        lab.save(results, file)
-        print(f"results: {file}")
+        lab.save(results, options.saved)
+        print(f"results: {options.saved}")
     if options.quick or options.only:
         print(compare_tables.overview(results))
-    elif options.models or options.saved:
+    elif options.models or options.again:
         compare_tables.write_documents(results)
         compare_tables.draw(results)
+        if options.models:
+            pictures(options.tools, options.folder, options.models)
     sys.exit(not lab.check(results, "scripts/compare.py"))
 
 

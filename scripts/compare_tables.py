@@ -23,12 +23,16 @@ def is_shape(case):
 
 
 def derive(results):
-    """Adds the ratios that claims are about: others beside jet, processor time to the first seed."""
+    """Adds the ratios that claims are about: errors and time to the first seed over those of jet."""
     for case in results["cases"].values():
         for method, run in case.items():
             if "jet" in case:
                 run["timesJet"] = run["total"]["cpu"] / case["jet"]["total"]["cpu"]
-                run["meanOfJet"] = run["errors"]["mean"] / case["jet"]["errors"]["mean"]
+                for key in MEASURES:
+                    run[f"{key}OfJet"] = run["errors"][key] / case["jet"]["errors"][key]
+    heat = [results["cases"].get(f"sphere-{n}", {}).get("heat") for n in (100, 200)]
+    if all(heat):
+        results["sphereHeat200By100"] = heat[1]["errors"]["mean"] / heat[0]["errors"]["mean"]
 
 
 def bold_least(values, show):

@@ -58,6 +58,16 @@ TriangleMesh readSurface(const Arguments& args, Stages& stages) {
     return mesh;
 }
 
+/// No way leads to other components, whatever a method says there.
+void leaveOutOthers(const TriangleMesh& mesh, std::size_t seed, std::vector<double>& distance) {
+    const MeshTopology topology = meshTopology(mesh);
+    std::vector<std::uint32_t> component(mesh.points.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (const std::uint32_t v : mesh.triangles[t]) component[v] = topology.component[t];
+    for (std::size_t v = 0; v < distance.size(); ++v)
+        if (component[v] != component[seed]) distance[v] = kInfinity;
+}
+
 void writeSamples(const std::string& file, const TriangleMesh& mesh,
                   const std::vector<double>& distance, double samples) {
     PointsCsv csv;
@@ -88,6 +98,7 @@ void solve(const Arguments& args) {
             stages.finished("further");
         }
     }
+    leaveOutOthers(mesh, seed, distance);
     if (args.has("points"))
         writeSamples(args.text("points"), mesh, distance, args.number("samples", 0));
     std::printf(
