@@ -95,27 +95,32 @@ def work(results, folder):
     save(figure, folder / "work.svg")
 
 
+# igeo_bench march --n 3800 --runs 1 --threads 2.
+LARGEST = {"nodes": 100560766, "seconds": 10.6 + 30}
+
+
 def growth(results, folder):
-    """Time and memory of jet against the number of nodes, with the heat method beside it."""
+    """Time of jet against the number of nodes, and memory, with the heat method beside it."""
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.2, 4.2))
     runs = results.get("growth", [])
-    if runs:
-        nodes = [run["nodes"] for run in runs]
-        line(left, "jet", nodes, [run["bandSeconds"] + run["marchSeconds"] for run in runs])
-        line(right, "jet", nodes, [run["peakBytesPerNode"] * run["nodes"] / 1e9 for run in runs])
-    heat = [(case["jet"]["nodes"], case["heat"]) for name, case in results["cases"].items()
-            if name.startswith("sphere") and "heat" in case]
-    heat.sort(key=lambda pair: pair[0])
-    if heat:
-        line(left, "heat", [n for n, _ in heat],
-             [sum(run[s]["cpu"] for s in ("surface", "setup", "first")) for _, run in heat])
-        line(right, "heat", [n for n, _ in heat], [run["peakBytes"] / 1e9 for _, run in heat])
-    for axes, what in ((left, "seconds, one thread, without reading the file"), (right, "peak memory, GB")):
+    line(left, "jet", [run["nodes"] for run in runs],
+         [run["bandSeconds"] + run["marchSeconds"] for run in runs])
+    left.loglog([LARGEST["nodes"]], [LARGEST["seconds"]], "o", markersize=6, markerfacecolor="white",
+                color=LOOKS["jet"][1], label="jet, N = 3800, two threads")
+    spheres = sorted((case["jet"]["nodes"], case) for name, case in results["cases"].items()
+                     if name.startswith("sphere-"))
+    for method in ("jet", "heat"):
+        known = [(nodes, case[method]) for nodes, case in spheres if method in case]
+        nodes = [n for n, _ in known]
+        line(right, method, nodes, [run["peakBytes"] / 1e9 for _, run in known])
+        if method == "heat":
+            line(left, method, nodes, [sum(run[s]["cpu"] for s in ("surface", "setup", "first"))
+                                       for _, run in known])
+    for axes, what in ((left, "seconds, without reading the file"),
+                       (right, "peak memory of the process, GB")):
         axes.set_xlabel("nodes of jet's band on the same level set")
         axes.set_ylabel(what)
-        if runs:
-            x = nodes[0]
-            slope_up(axes, x * 8, axes.get_ylim()[0] * 3)
+    slope_up(left, 3 * spheres[-1][0], 2 * left.get_ylim()[0])
     left.legend()
     figure.tight_layout()
     save(figure, folder / "growth.svg")
