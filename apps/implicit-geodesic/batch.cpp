@@ -365,19 +365,19 @@ void Batch::runJob(const SurfaceInput& surface, std::size_t number) {
 
 void Batch::record(std::size_t number, JobRecord outcome) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const std::string name = jobs_[number].quoted();
-    if (!outcome.done()) {
-        outcome.outputs.clear();
-        Console::error(name + ": " + outcome.what, outcome.remedy);
-    } else if (outcome.exitCode == kUnreached) {
-        console_.warning(name + " is done, but a target is unreached");
-    } else {
-        console_.info(name + " is done");
-    }
-    records_.at(number) = std::move(outcome);
+    if (!outcome.done()) outcome.outputs.clear();
+    records_.at(number) = outcome;
     summary_.jobs.clear();
     for (const auto& [k, job] : records_) summary_.jobs.push_back(job);
     igeo::writeFile(summaryFile_, summary_.text());
+    // Only what is recorded is said to be done.
+    const std::string name = jobs_[number].quoted();
+    if (!outcome.done())
+        Console::error(name + ": " + outcome.what, outcome.remedy);
+    else if (outcome.exitCode == kUnreached)
+        console_.warning(name + " is done, but a target is unreached");
+    else
+        console_.info(name + " is done");
     progress_.update("batch", double(++ended_) / double(records_.size()));
 }
 

@@ -17,7 +17,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 
 #include "guarded_read.h"
@@ -25,6 +24,7 @@
 #include "output_files.h"
 #include "outputs.h"
 #include "seed_input.h"
+#include "stages.h"
 #include "surface_input.h"
 #include "usage_error.h"
 
@@ -34,36 +34,6 @@ using igeo::Vec3d;
 namespace {
 
 std::string text(const Vec3d& p) { return format("%.9g,%.9g,%.9g", p.x, p.y, p.z); }
-
-/// What the stages of a job cost.
-class Stages {
-public:
-    Stages(Console& console, ConsoleProgress& progress) : console_(console), progress_(progress) {}
-
-    /// Ends a stage: its name, and the time since the last one ended.
-    void finished(const char* stage);
-    const std::vector<std::pair<std::string, double>>& seconds() const { return seconds_; }
-
-private:
-    Console& console_;
-    ConsoleProgress& progress_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-    std::vector<std::pair<std::string, double>> seconds_;
-};
-
-void Stages::finished(const char* stage) {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - start_).count();
-    start_ = now;
-    const auto same = std::find_if(seconds_.begin(), seconds_.end(),
-                                   [&](const auto& entry) { return entry.first == stage; });
-    if (same == seconds_.end())
-        seconds_.emplace_back(stage, seconds);
-    else
-        same->second += seconds;
-    progress_.clear();
-    console_.detail(std::string(stage) + format(": %.3f s", seconds));
-}
 
 /// A job on a surface: what its stages hand on.
 class Job {
