@@ -32,8 +32,8 @@ private:
     std::array<char, kBlock> rest_{};  ///< the last length_ % kBlock bytes
 };
 
-/// Of a file's bytes; "missing" where there is no regular file. About 3 GB/s from memory.
-/// @throws Error  Io where it cannot be read
+/// Of a file's bytes, about 3 GB/s from memory; "missing" where no regular file can be read, as who
+/// is to use it will say better.
 std::string digestOfFile(const std::string& path);
 
 }  // namespace igeo
