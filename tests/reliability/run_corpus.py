@@ -146,6 +146,8 @@ def main() -> int:
             nonlocal slowest
             for case, (what, seconds, code, err) in (future.result() for future in done):
                 counts[what] += 1
+                if sum(counts.values()) % 1000 == 0:
+                    print(f"{sum(counts.values())} inputs: {dict(counts)}", flush=True)
                 by_kind[pathlib.Path(case.file).suffix][what] += 1
                 slowest = max(slowest, (seconds, case.number))
                 if what in BAD or what == "library" or options.only is not None:
@@ -154,11 +156,15 @@ def main() -> int:
                 if options.keep and (what in BAD or what in ("guarded", "library")):
                     keep(options.keep, case, what, err)
 
-        for case in wanted:
-            waiting.add(pool.submit(lambda c: (c, run_case(c, surface, options.timeout)), case))
-            if len(waiting) > 4 * options.jobs:
-                done, waiting = concurrent.futures.wait(waiting, return_when=concurrent.futures.FIRST_COMPLETED)
-                collect(done)
+        try:
+            for case in wanted:
+                waiting.add(pool.submit(lambda c: (c, run_case(c, surface, options.timeout)), case))
+                if len(waiting) > 4 * options.jobs:
+                    done, waiting = concurrent.futures.wait(
+                        waiting, return_when=concurrent.futures.FIRST_COMPLETED)
+                    collect(done)
+        except KeyboardInterrupt:
+            print("interrupted")
         collect(concurrent.futures.wait(waiting).done)
 
     for kind in sorted(by_kind):
