@@ -23,9 +23,12 @@ def is_shape(case):
 
 
 def derive(results):
-    """Adds the ratios that claims are about: errors and time to the first seed over those of jet."""
+    """Adds what claims are about: errors and time to the first seed over those of jet, time per node."""
     for case in results["cases"].values():
         for method, run in case.items():
+            if "nodes" in run and "band" in run:
+                run["nsPerNode"] = {stage: 1e9 * run[stage]["cpu"] / run["nodes"]
+                                    for stage in ("band", "first")}
             if "jet" in case:
                 run["timesJet"] = run["total"]["cpu"] / case["jet"]["total"]["cpu"]
                 for key in MEASURES:

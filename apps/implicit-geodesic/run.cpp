@@ -452,6 +452,13 @@ void checkRun(const Options& options) {
         usageError("results that need distances are asked for, but no seed is given",
                    "add --seed x,y,z; without seeds only --paths, --pairs-out, --image and --json "
                    "are written");
+    // Each row and each pair is a march of its own, for which only jet is quick and exact enough.
+    const bool manyMarches = !options.matrix.empty() || !options.pairs.empty();
+    if (manyMarches && options.scheme != "jet")
+        usageError(std::string(options.pairs.empty() ? "--matrix" : "--pairs") +
+                       " is marched with jet, and --scheme " + options.scheme + " is asked for",
+                   "leave --scheme out; for distances by godunov take a run per seed, whose --json "
+                   "has those of its targets");
     Outputs{options};
     checkOutputFiles(options);
 }

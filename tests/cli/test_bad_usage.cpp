@@ -38,7 +38,9 @@ TEST_CASE("a wrong option is refused by its name, with the values allowed") {
         BadLine{"--band-voxels 0", {"--band-voxels", "0", "above 0"}},
         BadLine{"--max-distance inf", {"--max-distance", "inf", "above 0"}},
         BadLine{"--snap -1", {"--snap", "-1", "at least 0"}},
-        BadLine{"--band 0.2 --band-voxels 2", {"--band", "--band-voxels", "excludes"}});
+        BadLine{"--band 0.2 --band-voxels 2", {"--band", "--band-voxels", "excludes"}},
+        BadLine{"--matrix m.csv --scheme godunov", {"--matrix", "jet", "godunov", "--json"}},
+        BadLine{"--pairs p.csv --scheme godunov", {"--pairs", "jet", "godunov", "--json"}});
     const Sphere desk;
     requireRefused(desk, "--sdf in.vdb --seed 0,0,1 -o out.vdb " + bad.line, kUsage, bad.says);
 }
