@@ -75,6 +75,10 @@ inline bool stacked(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
 struct Band {
     Similarity transform;  ///< world from index; transform.dx is the voxel size
     double h = 0;          ///< half the band's thickness, voxels
+    /// S is a polyhedron with faces about as wide as voxels or wider, and normals are those of the
+    /// faces: between two of them a way runs over both planes, however small the angle, where it
+    /// would follow an arc on a smooth surface.
+    bool faceted = false;
 
     std::vector<BandLeaf> leaves;
     std::vector<LeafIndex> leaf;        ///< per node: its leaf

@@ -128,7 +128,7 @@ double sampleVoxels(const BandCell& cell, const Field& field) {
 
 double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field, const Vec3d& p) {
     const Metric& metric = *field.metric;
-    const TangentFrame frame{Vec3f(cell.normal)};
+    const TangentFrame frame(Vec3f(cell.normal), band.faceted);
     PlaneMetric plane;
     if (metric.anisotropic())
         plane = metric.inPlane(frame, cell);

@@ -154,7 +154,7 @@ void JetCore::placeRimNodes() {
 }
 
 Place JetCore::placeInBand(NodeIndex i) const {
-    const TangentFrame frame(band.normal[i]);
+    const TangentFrame frame(band.normal[i], band.faceted);
     if (stretch.empty()) return {frame, metric.at(i), {}};
     const PlaneMetric plane = metric.inPlane(frame, i);
     return {frame, plane.weight, plane.stretch};

@@ -112,7 +112,7 @@ struct JetCore {
     }
     Vec3d footOf(const Node& node) const { return Vec3d(voxelOf(node)) + Vec3d(node.foot); }
     Place placeOf(NodeIndex core) const {
-        return {TangentFrame(nodes[core].normal), double(nodes[core].weight),
+        return {TangentFrame(nodes[core].normal, band.faceted), double(nodes[core].weight),
                 stretch.empty() ? Stretch{} : stretch[core]};
     }
     /// The place of any node of the band.

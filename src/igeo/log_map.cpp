@@ -101,7 +101,7 @@ private:
     double distance(NodeIndex i) const { return field_.distance[i] - field_.seeds[label(i)].start; }
     Vec3f logGradient(NodeIndex i) const;
     Picture picture(NodeIndex i) const {
-        const TangentFrame frame(band_.normal[i]);
+        const TangentFrame frame(band_.normal[i], band_.faceted);
         return {frame, frame.flat(normalized(field_.gradient[i])), logGradient(i)};
     }
 
@@ -126,7 +126,7 @@ private:
 Vec3f LogMapper::logGradient(NodeIndex i) const {
     const Metric& metric = *field_.metric;
     if (!metric.weighted()) return {};
-    const TangentFrame frame(band_.normal[i]);
+    const TangentFrame frame(band_.normal[i], band_.faceted);
     float xx = 1e-6f, xy = 0, yy = 1e-6f;
     Vec2f right;
     band_.forNeighbours(

@@ -9,7 +9,9 @@ namespace igeo {
 /// The tangent plane of a foot point, and what its neighbours look like in it.
 class TangentFrame {
 public:
-    explicit TangentFrame(const Vec3f& normal) : n_(normal) {
+    /// @param faceted as Band::faceted
+    explicit TangentFrame(const Vec3f& normal, bool faceted = false)
+        : n_(normal), crease_(faceted ? kEdge : kCrease) {
         // The coordinate axis furthest from n keeps the cross product long.
         const Vec3f m{std::abs(n_.x), std::abs(n_.y), std::abs(n_.z)};
         const Vec3f axis = m.x <= m.y && m.x <= m.z ? Vec3f{1, 0, 0}
@@ -36,7 +38,7 @@ public:
     /// turned into the plane and lengthened to the arc; over a crease, the way across both planes.
     Vec2f way(const Vec3f& chord, const Vec3f& nj, float cosine) const {
         Vec2f across;
-        if (cosine < kCrease && wayOverCrease(chord, nj, across)) return across;
+        if (cosine < crease_ && wayOverCrease(chord, nj, across)) return across;
         const Vec2f in = flat(chord);
         const float in2 = dot(in, in), rise = igeo::dot(n_, chord);
         // Foot points of one voxel column coincide; a chord along n otherwise leads nowhere on S.
@@ -50,7 +52,8 @@ public:
     }
 
 private:
-    static constexpr float kCrease = 0.8f;  ///< 37 degrees from voxel to voxel
+    static constexpr float kCrease = 0.8f;   ///< 37 degrees from voxel to voxel
+    static constexpr float kEdge = 0.9999f;  ///< 0.8 degrees: less is rounding and hardly a bend
 
     bool wayOverCrease(const Vec3f& chord, const Vec3f& nj, Vec2f& way) const {
         const Vec3f e = normalized(cross(n_, nj));
@@ -65,6 +68,7 @@ private:
     }
 
     Vec3f n_, t1_, t2_;
+    float crease_;
 };
 
 /// By how much a chord counts in units of the metric at its end `to`, where it is `from` at the
