@@ -153,6 +153,8 @@ private:
                 "the mesh has one side only in places (as a Moebius strip): "
                 "it is cut along a line there, which paths go around");
         report_.file = mesh_.file;
+        report_.kind = "mesh";
+        report_.closed = closed_;
         report_.grid = stemOf(mesh_.file);
         report_.halfWidth = kLevelSetWidth;
         // jet needs the narrowest band, and nothing that only a level set shows.
@@ -218,6 +220,7 @@ private:
         const igeo::BandBounds bounds = igeo::bandBounds(*surface_, kind_, transform_.dx);
         chooseBandWidth(bounds, bounds.lower);
         report_.file = file;
+        report_.kind = "points";
         report_.grid = stemOf(file);
         report_.halfWidth = h_;
         report_.largestCurvature = density.largestCurvature * transform_.dx;

@@ -182,6 +182,8 @@ std::string reportJson(const RunReport& r, const Band& band, const Field& field)
     const double dx = band.transform.dx;
     json j = header("report");
     j["surface"] = surfaceJson(r, band);
+    j["surface"]["kind"] = r.kind;
+    j["surface"]["closed"] = r.closed ? json(*r.closed) : json(nullptr);
     j["surface"]["activeVoxels"] = r.activeVoxels ? json(r.activeVoxels) : json(nullptr);
     j["surface"]["halfWidthVoxels"] = r.halfWidth;
     j["surface"]["largestCurvature"] = finiteOrNull(r.largestCurvature / dx);

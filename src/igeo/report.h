@@ -22,6 +22,8 @@ struct FileSurvey;
 /// What a run was asked to do, what it found and what it cost.
 struct RunReport {
     std::string file, grid;               ///< the surface
+    std::string kind = "volume";          ///< "volume", "mesh" or "points"
+    std::optional<bool> closed;           ///< of a mesh: every edge has two triangles
     std::uint64_t activeVoxels = 0;       ///< of a level set; 0: it is none
     double halfWidth = 0;                 ///< of the level set as read, voxels
     double largestCurvature = kInfinity;  ///< per voxel, see LevelSetStats; +inf: not known

@@ -68,6 +68,9 @@ TEST_CASE("the same sphere as level set, mesh and points: the same distances") {
         CHECK(distanceOf(desk, 0) == Approx(quarter).epsilon(5e-4));
         CHECK(distanceOf(desk, 1) == Approx(far).epsilon(5e-4));
         CHECK(report(desk)["surface"]["activeVoxels"].is_null());
+        const bool mesh = surface[2] == 'm';
+        CHECK(report(desk)["surface"]["kind"] == (mesh ? "mesh" : "points"));
+        CHECK(report(desk)["surface"]["closed"] == (mesh ? json(true) : json(nullptr)));
         const VdbFile file = readVdb(desk / "out.vdb");
         file.get<openvdb::FloatGrid>("in_geodesic");
     }
