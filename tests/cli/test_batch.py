@@ -422,10 +422,13 @@ class Interruptions(Desk):
             if file.name not in self.inputs:
                 file.unlink()
 
-    def interrupted(self, number, delay):
-        """A batch that is sent a signal: what it said it has done, and its exit code."""
+    def interrupted(self, number, delay, begun=False):
+        """A batch that is sent a signal: what it said it has done, and its exit code. If asked for, not before
+        there is a summary: a process that is still being loaded dies of any signal without a word."""
         with subprocess.Popen(self.command("batch", "jobs.json"), cwd=self.folder, stderr=subprocess.PIPE,
                               text=True) as process:
+            while begun and process.poll() is None and not (self.folder / "jobs.summary.json").exists():
+                time.sleep(0.002)
             time.sleep(delay)
             process.send_signal(number)
             said = process.communicate(timeout=60)[1]
@@ -463,7 +466,7 @@ class Interruptions(Desk):
         for number in (signal.SIGINT, signal.SIGTERM):
             for part in (0.3, 0.5, 0.7):
                 self.clear()
-                said, code = self.interrupted(number, part * self.seconds)
+                said, code = self.interrupted(number, part * self.seconds, begun=True)
                 if code == 0:
                     continue
                 stopped += 1
