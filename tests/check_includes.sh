@@ -11,7 +11,7 @@ types error parallel progress steps version box disjoint_sets format
 eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density digest
 tangent_frame orient_normals medial_radii
 band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
-vdb_io level_set rebuild leaf_block band_width index_map point_cloud vdb_points
+vdb_archive vdb_io vdb_write level_set rebuild leaf_block band_width index_map point_cloud vdb_points
 level_set_band surface_point point_surface point_band seeds grid_sampling obstacles mesh_level_set mesh_band
 field
 godunov jet jet_core jet_extend jet_stencil
@@ -21,7 +21,7 @@ accuracy sampling matrix pairs log_map shoot sides
 surface_mesh refined_mesh
 isolines survey
 cells engrave
-field_grids extend report point_file picture view surface_rays
+field_grids extend report point_file picture legend view surface_rays
 '
 
 # Files that do without OpenVDB, and so without the igeo headers that need it.

@@ -328,7 +328,6 @@ void Batch::makeWhatAllNeed(const SurfaceInput& surface, const Numbers& group) {
 
 /// GiB: of the machine, or the least that a job allows.
 double Batch::memoryFor(const Numbers& group) const {
-    constexpr double kGiB = 1024.0 * 1024 * 1024;
     double memory = machineMemory() / kGiB;
     for (const std::size_t k : group)
         if (const double limit = jobs_[k].options.memoryLimit; limit > 0)

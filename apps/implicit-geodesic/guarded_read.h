@@ -20,6 +20,8 @@ void catchFaults();
 /// @param threads  room for so many stacks comes on top
 void limitMemory(double bytes, int threads);
 
+constexpr double kGiB = 1024.0 * 1024 * 1024;
+
 /// The memory of the machine, or of the container that the process runs in, bytes.
 double machineMemory();
 

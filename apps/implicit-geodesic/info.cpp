@@ -180,15 +180,15 @@ void print(const FileSurvey& file) {
         table.row("grid", describe(grid, levelSet.psi && grid.name == levelSet.name));
     if (file.mesh) table.row("mesh", describe(*file.mesh));
     if (file.points) table.row("points", describe(*file.points));
-    const bool fromGrid = levelSet.psi && !file.mesh && !file.points;
-    if (levelSet.psi && !fromGrid) table.row("voxels", format("of %.6g", dx));
-    if (fromGrid)
+    if (levelSet.psi && !file.ofGrid()) table.row("voxels", format("of %.6g", dx));
+    if (file.ofGrid())
         table.row("transform", dx > 0 ? describe(levelSet.transform) : "refused, see below");
     if (stats.activeVoxels > 0) {
-        if (fromGrid) table.row("half-width", lengthOf(stats.halfWidth, dx));
-        table.row(fromGrid ? "volume" : "within", format(file.low) + " to " + format(file.high));
+        if (file.ofGrid()) table.row("half-width", lengthOf(stats.halfWidth, dx));
+        table.row(file.ofGrid() ? "volume" : "within",
+                  format(file.low) + " to " + format(file.high));
     }
-    if (fromGrid && stats.nearSurface > 0)
+    if (file.ofGrid() && stats.nearSurface > 0)
         table.row("|grad psi|",
                   format("%.3f (median), within [0.75, 1.25] at %.1f %% of the voxels",
                          stats.gradientMedian, 100 * stats.gradientShare));

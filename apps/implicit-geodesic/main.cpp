@@ -30,7 +30,6 @@ int start(int argc, char** argv) {
     }
     const InterruptGuard interrupts;
     const igeo::ThreadLimit threads(options.threads);
-    constexpr double kGiB = 1024.0 * 1024 * 1024;
     limitMemory(options.memoryLimit > 0 ? options.memoryLimit * kGiB : machineMemory(),
                 igeo::ThreadLimit::current());
     Console console(options.quiet     ? Console::Level::Quiet

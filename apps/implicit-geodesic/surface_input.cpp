@@ -24,8 +24,6 @@ using igeo::Vec3d;
 
 namespace {
 
-constexpr double kGiB = 1024.0 * 1024 * 1024;
-
 /// The name of the grid of a surface that comes from no grid.
 std::string stemOf(const std::string& file) { return std::filesystem::path(file).stem().string(); }
 
@@ -135,11 +133,11 @@ public:
 private:
     void examine(igeo::Progress& progress) override {
         constexpr int kResolution = 256;
-        const Vec3d size = igeo::Box(mesh_.points).size();
-        transform_.dx = voxelSize(std::max({size.x, size.y, size.z}), kResolution);
+        const igeo::Box box(mesh_.points);
+        transform_.dx = voxelSize(box.longestSide(), kResolution);
         igeo::requireReasonable(mesh_, transform_.dx);
         snap_ = kLevelSetWidth * transform_.dx;
-        diagonal_ = igeo::length(size) / transform_.dx;
+        diagonal_ = igeo::length(box.size()) / transform_.dx;
         report_.warnings = mesh_.warnings;
         const igeo::MeshTopology topology = igeo::meshTopology(mesh_);
         closed_ = topology.closed();
@@ -204,15 +202,15 @@ public:
 
 private:
     void examine(igeo::Progress& progress) override {
-        const Vec3d size = igeo::Box(cloud_.points).size();
+        const igeo::Box box(cloud_.points);
         const std::string file = cloud_.file;
         surface_ = std::make_unique<igeo::PointSurface>(std::move(cloud_), progress);
         const igeo::CloudDensity& density = surface_->density();
         const bool asked = options_.voxelSize > 0 || options_.resolution > 0;
-        transform_.dx = asked ? voxelSize(std::max({size.x, size.y, size.z}), 0)
-                              : igeo::defaultVoxelSize(density, kind_);
+        transform_.dx =
+            asked ? voxelSize(box.longestSide(), 0) : igeo::defaultVoxelSize(density, kind_);
         snap_ = std::max(3 * transform_.dx, 3 * density.spacing);
-        diagonal_ = igeo::length(size) / transform_.dx;
+        diagonal_ = igeo::length(box.size()) / transform_.dx;
         summary_ = std::to_string(density.points) + " points, " +
                    format("spacing %.4g, scatter %.2g, %.0f pieces", density.spacing, density.noise,
                           double(density.pieces));

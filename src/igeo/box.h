@@ -21,6 +21,7 @@ struct Box {
             low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
     }
     Vec3d size() const { return high - low; }
+    double longestSide() const { return std::max({size().x, size().y, size().z}); }
 };
 
 }  // namespace igeo

@@ -2,7 +2,7 @@
 
 #include <igeo/atomic_file.h>
 #include <igeo/canvas.h>
-#include <igeo/colour_map.h>
+#include <igeo/legend.h>
 #include <igeo/parallel.h>
 #include <igeo/surface_rays.h>
 #include <igeo/view.h>
@@ -20,10 +20,7 @@ namespace {
 
 using openvdb::tools::Film;
 
-// Colours in linear light.
-const Vec3d kWhite{1, 1, 1};
-const Vec3d kInk{0.012, 0.014, 0.02};
-const Vec3d kUnreached{0.48, 0.48, 0.48};
+const Vec3d kWhite{1, 1, 1};  // in linear light
 
 void require(bool good, const std::string& what, const std::string& remedy) {
     if (!good) throw Error(Error::Kind::InvalidArgument, what, remedy);
@@ -48,41 +45,6 @@ void checkOptions(const PictureOptions& o) {
     require(finite(o.up) && length(o.up) > 0, "the camera's up direction is no direction",
             "give three finite numbers, for instance 0,1,0");
 }
-
-/// Numbers of the legend.
-std::string text(double value) {
-    char buffer[40];
-    std::snprintf(buffer, sizeof buffer, "%.6g", value);
-    return buffer;
-}
-
-/// Distances and what they look like: in voxels times weight.
-struct Scale {
-    ColourMap colours;
-    double low = 0, high = 0;
-    double spacing = 0;  ///< of isolines; 0: none
-
-    Scale(const Field& field, double dx, const PictureOptions& options)
-        : colours(options.colourMap), high(field.maxDistance) {
-        low = kInfinity;
-        for (const SurfacePoint& s : field.seeds) low = std::min(low, s.start);
-        low = std::min(low, high);
-        constexpr double kLines = 16;
-        if (options.isolineSpacing >= 0 && high > low)
-            spacing = options.isolineSpacing > 0 ? options.isolineSpacing / dx
-                                                 : roundSpacing((high - low) * dx, kLines) / dx;
-    }
-    Vec3d colour(double d) const { return colours(high > low ? (d - low) / (high - low) : 0); }
-    /// The number of the isoline below d.
-    int step(double d) const {
-        return spacing > 0 && d < kInfinity ? int(std::min(d / spacing, 1e9)) : -1;
-    }
-    /// How far d is from the next isoline; there is none at the start.
-    double fromIsoline(double d) const {
-        const double level = std::round(d / spacing) * spacing;
-        return level > low && level <= high ? std::abs(d - level) : kInfinity;
-    }
-};
 
 /// Segments of paths and seed curves, to be found by position; index space.
 class PathMarks {
@@ -394,75 +356,6 @@ private:
     openvdb::tools::PerspectiveCamera camera_;
     Progress& progress_;
     std::vector<std::vector<std::uint32_t>> dotsInRow_;
-};
-
-/// The colour bar and its words, at the right edge.
-class Legend {
-public:
-    /// No legend where it would take more than a third of the width, or is not wanted.
-    Legend(const Scale& scale, const Field& field, double dx, const PictureOptions& options)
-        : scale_(scale),
-          dx_(dx),
-          hasUnreached_(field.reached < field.distance.size()),
-          weighted_(field.metric->weighted()),
-          unit_(std::max(1, std::min(options.width, options.height) / 400)) {
-        height_ = std::min(options.height * 3 / 5, 300 * unit_);
-        if (options.legend && field.reached > 0 && width() * 3 <= options.width &&
-            (height_ + 90 * unit_) <= options.height)
-            shown_ = true;
-    }
-    /// Pixels of the picture's width that it takes.
-    int taken() const { return shown_ ? width() : 0; }
-
-    void draw(Canvas& canvas) const {
-        if (!shown_) return;
-        const int u = unit_, x = canvas.width() - width();
-        int y = (canvas.height() - height_) / 2;
-        canvas.text(x, y - 36 * u, "distance", u, kInk);
-        canvas.text(x, y - 24 * u, weighted_ ? "(weighted)" : "(world units)", u, kInk);
-        canvas.fill(x - 1, y - 1, kBar * u + 2, height_ + 2, kInk);
-        for (int j = 0; j < height_; ++j) {
-            const double d = atRow(j + 0.5);
-            const double half = 0.5 * (scale_.high - scale_.low) / height_ * 0.6 * u;
-            const bool line = scale_.spacing > 0 && scale_.fromIsoline(d) <= half;
-            canvas.fill(x, y + j, kBar * u, 1, (line ? 0.12 : 1.0) * scale_.colour(d));
-        }
-        drawTicks(canvas, x + kBar * u, y);
-        y += height_ + 14 * u;
-        if (scale_.spacing > 0) {
-            canvas.text(x, y, "isolines", u, kInk);
-            canvas.text(x, y + 12 * u, "every " + text(scale_.spacing * dx_), u, kInk);
-            y += 30 * u;
-        }
-        if (hasUnreached_) {
-            canvas.fill(x, y - u, 9 * u, 9 * u, kUnreached);
-            canvas.text(x + 13 * u, y, "unreached", u, kInk);
-        }
-    }
-
-private:
-    static constexpr int kBar = 14, kWidth = 84;  ///< in units
-
-    int width() const { return kWidth * unit_; }
-    double atRow(double j) const { return scale_.high - (scale_.high - scale_.low) * j / height_; }
-
-    void drawTicks(Canvas& canvas, int x, int y) const {
-        const int u = unit_;
-        const double low = scale_.low * dx_, high = scale_.high * dx_;
-        const double step = high > low ? roundSpacing(high - low, 5) : 1;
-        for (double k = std::ceil(low / step - 1e-9) + 0.0; k * step <= high + 1e-9 * step; ++k) {
-            const double share = high > low ? (high - k * step) / (high - low) : 1;
-            const int row = y + int(std::lround(share * (height_ - u)));
-            canvas.fill(x, row, 4 * u, u, kInk);
-            canvas.text(x + 7 * u, row - Canvas::kDigitHeight * u / 2 + u / 2, text(k * step + 0.0),
-                        u, kInk);
-        }
-    }
-
-    const Scale& scale_;
-    double dx_;
-    bool hasUnreached_, weighted_, shown_ = false;
-    int unit_, height_;  ///< pixels per pixel of the font; of the bar
 };
 
 /// The film over the background, at the left of the canvas.

@@ -1,5 +1,6 @@
 #include <igeo/point_band.h>
 
+#include <igeo/box.h>
 #include <igeo/error.h>
 #include <igeo/medial_radii.h>
 #include <igeo/parallel.h>
@@ -29,19 +30,11 @@ std::string number(double x) {
     return out.str();
 }
 
-double longestSide(const PointTree& points) {
-    Vec3d low = points[0], high = low;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        for (int a = 0; a < 3; ++a) {
-            low[a] = std::min(low[a], points[i][a]);
-            high[a] = std::max(high[a], points[i][a]);
-        }
-    return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-}
-
 void requireRange(const PointSurface& surface, PointBandKind kind, double dx, double h) {
     const CloudDensity& density = surface.density();
-    const double side = longestSide(surface.points());
+    Box box;
+    for (std::size_t i = 0; i < surface.points().size(); ++i) box.include(surface.points()[i]);
+    const double side = box.longestSide();
     if (!(dx >= density.spacing / kFinest * (1 - 1e-9)))
         throw Error(Kind::InvalidArgument,
                     surface.file() + ": voxels of " + number(dx) + " are too fine for points " +
@@ -63,8 +56,8 @@ void requireRange(const PointSurface& surface, PointBandKind kind, double dx, do
                         " voxels) at least",
                     "widen the band");
     double farthest = 0;
-    for (std::size_t i = 0; i < surface.points().size(); ++i)
-        for (int a = 0; a < 3; ++a) farthest = std::max(farthest, std::abs(surface.points()[i][a]));
+    for (int a = 0; a < 3; ++a)
+        farthest = std::max({farthest, std::abs(box.low[a]), std::abs(box.high[a])});
     constexpr double kFarthest = 1 << 30;
     if (!(farthest / dx < kFarthest))
         throw Error(Kind::BadInput,

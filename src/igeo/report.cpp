@@ -339,8 +339,7 @@ std::string surveyJson(const FileSurvey& file) {
     for (const GridEntry& g : file.grids) j["grids"].push_back(gridJson(g));
     j["mesh"] = file.mesh ? meshJson(*file.mesh) : json(nullptr);
     j["points"] = file.points ? cloudJson(*file.points) : json(nullptr);
-    const bool fromGrid = file.levelSet.psi && !file.mesh && !file.points;
-    j["levelSet"] = fromGrid ? levelSetJson(file) : json(nullptr);
+    j["levelSet"] = file.ofGrid() ? levelSetJson(file) : json(nullptr);
     j["surface"] = file.surface ? surfaceJson(file) : json(nullptr);
     j["warnings"] = file.warnings;
     j["usable"] = !file.refusal;

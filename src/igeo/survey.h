@@ -116,6 +116,8 @@ struct FileSurvey {
     std::optional<SurfaceSurvey> surface;  ///< none where it is refused
     std::optional<Error> refusal;          ///< BadInput or Io
 
+    /// Whether `levelSet` is a grid of the file.
+    bool ofGrid() const { return levelSet.psi && !mesh && !points; }
     /// No refusal, but warnings, cuts, or places that the grid does not resolve.
     bool withCare() const;
     /// "usable: ...", "usable with care: ..." or "not usable: ...", a line without its end.

@@ -1,21 +1,17 @@
 #include <igeo/vdb_io.h>
 
-#include <igeo/atomic_file.h>
-#include <igeo/digest.h>
 #include <igeo/error.h>
+#include <igeo/vdb_archive.h>
 #include <igeo/vdb_points.h>
-#include <igeo/version.h>
-#include <openvdb/io/Archive.h>
-#include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/Stream.h>
 
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <iostream>
-#include <sstream>
 
 namespace igeo {
 
@@ -207,107 +203,16 @@ std::vector<NamedGrid> readFromStream(const GridSource& source, std::istream& in
     return chosen;
 }
 
-/// A file with a directory of its grids. OpenVDB's own File reads on past the end of a file, and
-/// takes what is not there for zeros: here `in` must throw, and the directory is held against the
-/// size first.
-class FileReader : openvdb::io::Archive {
-public:
-    /// Reads the directory, if there is one.
-    FileReader(const GridSource& source, std::istream& in) : source_(source), in_(in) {
-        readHeader(in_);
-        setFormatVersion(in_);
-        setLibraryVersion(in_);
-        setDataCompression(in_);
-        if (inputHasGridOffsets()) readDirectory();
-    }
-
-    /// False: the file was written to a stream.
-    bool hasDirectory() const { return inputHasGridOffsets(); }
-
-    /// Of each grid only the metadata.
-    Candidates candidates() {
-        Candidates all;
-        for (const Descriptor& d : grids_) {
-            const GridBase::Ptr grid = d.create();
-            d.seekToGrid(in_);
-            readGridCompression(in_);
-            grid->readMeta(in_);
-            all.push_back({Descriptor::nameAsString(d.uniqueName()), grid});
-        }
-        return all;
-    }
-
-    GridBase::Ptr read(const std::string& name) {
-        const Descriptor& d = find(name);
-        const GridBase::Ptr grid = readOne(d);
-        // A tree that several grids share is there once.
-        if (d.isInstance())
-            grid->setTree(
-                readOne(find(Descriptor::nameAsString(d.instanceParentName())))->baseTreePtr());
-        return grid;
-    }
-
-private:
-    struct Descriptor : openvdb::io::GridDescriptor {
-        GridBase::Ptr create() const {
-            const GridBase::Ptr grid = GridBase::createGrid(gridType());
-            grid->setSaveFloatAsHalf(saveFloatAsHalf());
-            return grid;
-        }
-    };
-
-    void readDirectory() {
-        const auto size = std::int64_t(std::filesystem::file_size(source_.file));
-        openvdb::MetaMap().readMeta(in_);
-        for (std::int32_t n = readGridCount(in_); n > 0; --n) {
-            Descriptor d;
-            d.read(in_);
-            const std::int64_t begin = d.getGridPos(), end = d.getEndPos();
-            // In order, or a grid that "ends" before it begins would be read for ever.
-            if (begin < in_.tellg() || end < begin)
-                throw Error(Kind::BadInput,
-                            nameOf(source_) +
-                                " is damaged: by its directory a grid lies from byte " +
-                                std::to_string(begin) + " to " + std::to_string(end),
-                            "copy or write it again");
-            if (end > size)
-                throw Error(Kind::BadInput,
-                            nameOf(source_) + " is cut off: it has " + std::to_string(size) +
-                                " bytes, its grids end at " + std::to_string(end),
-                            "copy or write it again");
-            grids_.push_back(d);
-            in_.seekg(end);
-        }
-    }
-
-    const Descriptor& find(const std::string& name) const {
-        for (const Descriptor& d : grids_)
-            if (Descriptor::nameAsString(d.uniqueName()) == name) return d;
-        throw Error(Kind::BadInput, nameOf(source_) + " has no grid " + quoted(name),
-                    "the file may be damaged; write it again");
-    }
-
-    GridBase::Ptr readOne(const Descriptor& d) {
-        GridBase::Ptr grid = d.create();
-        d.seekToGrid(in_);
-        readGrid(grid, d, in_);
-        return grid;
-    }
-
-    const GridSource& source_;
-    std::istream& in_;
-    std::vector<Descriptor> grids_;  ///< in the order of the file
-};
-
 std::vector<NamedGrid> readFromFile(const GridSource& source, const Choose& choice) {
     std::ifstream in(source.file, std::ios::binary);
     in.exceptions(std::ios::failbit | std::ios::badbit);
-    FileReader file(source, in);
+    VdbArchive file(source.file, in);
     if (!file.hasDirectory()) {
         in.seekg(0);
         return readFromStream(source, in, choice);
     }
-    const Candidates all = file.candidates();
+    Candidates all;
+    for (const VdbArchive::Entry& entry : file.entries()) all.push_back({entry.name, entry.grid});
     std::vector<NamedGrid> chosen;
     for (const Candidate* c : choice(all)) chosen.push_back({c->name, file.read(c->name)});
     return chosen;
@@ -328,47 +233,6 @@ void requireReadable(const std::string& name, const Wanted& wanted) {
     if (!in || std::memcmp(magic.data(), " BDV", 4) != 0)
         throw Error(Kind::BadInput, quoted(name) + " is not a VDB file",
                     "give " + wanted.one() + " written by OpenVDB, Houdini, Blender or vdb_tool");
-}
-
-/// Archive writes to any stream, which lets the stream's failures be seen.
-struct Writer : openvdb::io::Archive {
-    void writeTo(std::ostream& os, const openvdb::GridCPtrVec& grids, bool seekable) {
-        openvdb::MetaMap meta;
-        meta.insertMeta("creator",
-                        openvdb::StringMetadata(std::string("implicit-geodesic ") + kVersion));
-        write(os, grids, seekable, meta);
-    }
-};
-
-/// Position of the UUID in a VDB header: magic (8), format, major, minor (4 each), offsets flag
-/// (1).
-constexpr std::streamoff kUuidPosition = 8 + 3 * 4 + 1;
-
-/// Replaces the random UUID by one made from the bytes behind it.
-void stampUuid(std::iostream& file) {
-    Digest digest;
-    std::vector<char> buffer(1 << 20);
-    file.seekg(kUuidPosition + 36);
-    while (file.read(buffer.data(), std::streamsize(buffer.size())), file.gcount() > 0)
-        digest.add({buffer.data(), std::size_t(file.gcount())});
-    const auto [a, b] = digest.value();
-    std::array<char, 40> text{};
-    std::snprintf(text.data(), text.size(), "%08x-%04x-%04x-%04x-%012llx", unsigned(a >> 32),
-                  unsigned(a >> 16 & 0xffff), unsigned((a & 0x0fff) | 0x8000),
-                  unsigned((b >> 48 & 0x3fff) | 0x8000),
-                  static_cast<unsigned long long>(b & 0xffffffffffffULL));
-    file.clear();
-    file.seekp(kUuidPosition);
-    file.write(text.data(), 36);
-    file.seekp(0, std::ios::end);
-}
-
-void writeToMemory(const openvdb::GridCPtrVec& grids, std::ostream& os) {
-    std::stringstream buffer(std::ios::in | std::ios::out | std::ios::binary);
-    Writer().writeTo(buffer, grids, /*seekable=*/false);
-    stampUuid(buffer);
-    buffer.seekg(0);
-    os << buffer.rdbuf() << std::flush;
 }
 
 /// Places in such a grid are nowhere in the world, or everywhere.
@@ -499,32 +363,6 @@ TensorGrids readTensorGrids(const GridSource& source) {
 
 openvdb::GridBase::Ptr readPointGrid(const GridSource& source) {
     return readGrid(source, kPoints).grid;
-}
-
-void writeVdb(const std::string& file, const openvdb::GridCPtrVec& grids) {
-    errno = 0;
-    if (file == "-") {
-        writeToMemory(grids, std::cout);
-        if (!std::cout) AtomicFile::throwWriteError("standard output", errno);
-        return;
-    }
-    AtomicFile out(file);
-    try {
-        out.stream().exceptions(std::ios::badbit | std::ios::failbit);
-        if (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file)) {
-            writeToMemory(grids, out.stream());
-        } else {
-            Writer().writeTo(out.stream(), grids, /*seekable=*/true);
-            out.stream().flush();
-            out.stream().exceptions(std::ios::badbit);
-            stampUuid(out.stream());
-        }
-    } catch (const std::ios_base::failure&) {
-        AtomicFile::throwWriteError(file, errno);
-    } catch (const openvdb::Exception&) {
-        AtomicFile::throwWriteError(file, errno);
-    }
-    out.commit();
 }
 
 }  // namespace igeo

@@ -1,0 +1,50 @@
+/// VDB files with a directory. Internal.
+#pragma once
+
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
+#include <openvdb/openvdb.h>
+
+#include <istream>
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// A file with a directory of its grids. OpenVDB's own File reads on past the end of a file, and
+/// takes what is not there for zeros: here the stream must throw, and the directory is held against
+/// the size first.
+class VdbArchive : openvdb::io::Archive {
+public:
+    struct Entry {
+        std::string name;                  ///< unique in the file
+        openvdb::GridBase::ConstPtr grid;  ///< its metadata only
+    };
+
+    /// Reads the directory, if there is one.
+    /// @param in  the open file, with exceptions for failbit and badbit
+    /// @throws Error  BadInput where the directory leads out of the file or back
+    VdbArchive(const std::string& file, std::istream& in);
+
+    /// False: the file was written to a stream.
+    bool hasDirectory() const { return inputHasGridOffsets(); }
+    /// In the order of the file.
+    std::vector<Entry> entries();
+    /// @throws Error  BadInput where no grid has that name
+    openvdb::GridBase::Ptr read(const std::string& name);
+
+private:
+    struct Descriptor : openvdb::io::GridDescriptor {
+        openvdb::GridBase::Ptr create() const;
+    };
+
+    void readDirectory();
+    const Descriptor& find(const std::string& name) const;
+    openvdb::GridBase::Ptr readOne(const Descriptor& d);
+
+    const std::string file_;
+    std::istream& in_;
+    std::vector<Descriptor> grids_;  ///< in the order of the file
+};
+
+}  // namespace igeo
