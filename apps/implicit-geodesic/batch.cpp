@@ -8,18 +8,20 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
+#include <numeric>
 
 #include "failure.h"
 #include "guarded_read.h"
 #include "manifest.h"
 #include "matrix_parts.h"
+#include "metric_input.h"
 #include "output_files.h"
 #include "run.h"
 #include "summary.h"
@@ -30,7 +32,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 const char* const kCreator = "implicit-geodesic ";
+/// What writing the summary may take of the time, so that many quick jobs are not held up by it.
+constexpr int kWritingShare = 20;
 
 std::string wholeName(const std::string& file) {
     std::error_code ignored;
@@ -66,6 +72,8 @@ private:
     using Numbers = std::vector<std::size_t>;  ///< of jobs in the manifest
 
     void refuseConflicts() const;
+    template <typename Part>
+    std::vector<Numbers> alike(const Numbers& jobs) const;
     void chooseShard();
     void takeOver(const Summary& earlier);
     std::string digestOf(const BatchJob& job);
@@ -76,8 +84,9 @@ private:
     void makeWhatAllNeed(const SurfaceInput& surface, const Numbers& group);
     double memoryFor(const Numbers& group) const;
     std::size_t jobsAtOnce(const SurfaceInput& surface, const Numbers& group) const;
-    void runJob(const SurfaceInput& surface, std::size_t number);
+    void runJob(const SurfaceInput& surface, MetricInput& metric, std::size_t number);
     void record(std::size_t number, JobRecord outcome);
+    void writeSummary();
     int tellEnd();
 
     const Options& options_;
@@ -93,6 +102,8 @@ private:
     std::map<std::size_t, JobRecord> records_;         ///< of the shard
     std::size_t skipped_ = 0, ended_ = 0;
     Summary summary_;
+    std::vector<std::size_t> unsaid_;  ///< of the records that the file does not have yet
+    Clock::time_point nextWrite_{};
     std::mutex mutex_;  ///< of records_, ended_ and the summary
 };
 
@@ -135,6 +146,23 @@ Batch::Batch(const Options& options, Console& console, ConsoleProgress& progress
     if (fs::exists(summaryFile_, ignored)) takeOver(readSummary(summaryFile_));
 }
 
+/// Jobs that agree in a part of their options together, each lot in the order of the manifest.
+template <typename Part>
+std::vector<Batch::Numbers> Batch::alike(const Numbers& jobs) const {
+    std::vector<Numbers> lots;
+    for (const std::size_t k : jobs) {
+        const Part& own = jobs_[k].options;
+        const auto same = std::find_if(lots.begin(), lots.end(), [&](const Numbers& lot) {
+            return own == static_cast<const Part&>(jobs_[lot.front()].options);
+        });
+        if (same == lots.end())
+            lots.push_back({k});
+        else
+            same->push_back(k);
+    }
+    return lots;
+}
+
 /// What jobs may not do since they run in any order, side by side and without a terminal.
 void Batch::refuseConflicts() const {
     std::map<std::string, std::string> writers{{manifest_, "is the manifest"},
@@ -162,18 +190,17 @@ void Batch::refuseConflicts() const {
         }
 }
 
-/// Jobs in the order of their surfaces, cut into shards: so few shards read the same surface.
+/// Jobs in the order of their surfaces, on one surface in that of their metrics, cut into shards:
+/// so few shards read the same files.
 void Batch::chooseShard() {
-    std::vector<Numbers> all;
-    for (std::size_t k = 0; k < jobs_.size(); ++k) {
-        const SurfaceOptions& surface = jobs_[k].options;
-        const auto same = std::find_if(all.begin(), all.end(), [&](const Numbers& group) {
-            return surface == jobs_[group.front()].options;
-        });
-        if (same == all.end())
-            all.push_back({k});
-        else
-            same->push_back(k);
+    Numbers everything(jobs_.size());
+    std::iota(everything.begin(), everything.end(), std::size_t(0));
+    std::vector<Numbers> all = alike<SurfaceOptions>(everything);
+    for (Numbers& surface : all) {
+        Numbers ordered;
+        for (const Numbers& metric : alike<MetricOptions>(surface))
+            ordered.insert(ordered.end(), metric.begin(), metric.end());
+        surface = ordered;
     }
     const std::size_t begin = summary_.shard.begin(jobs_.size()),
                       end = summary_.shard.end(jobs_.size());
@@ -249,8 +276,7 @@ int Batch::run() {
         return kDone;
     }
     ended_ = skipped_;
-    for (const auto& [number, job] : records_) summary_.jobs.push_back(job);
-    igeo::writeFile(summaryFile_, summary_.text());
+    writeSummary();
     if (skipped_ > 0)
         console_.info(std::to_string(skipped_) + " of " + std::to_string(records_.size()) +
                       " jobs are done already");
@@ -261,6 +287,7 @@ int Batch::run() {
             group.end());
         if (!group.empty()) runGroup(group);
     }
+    writeSummary();
     return tellEnd();
 }
 
@@ -272,20 +299,34 @@ void Batch::runGroup(const Numbers& group) {
     console_.detail("surface " + surface->name() + ": " + surface->summary() + "; " +
                     std::to_string(group.size()) + " jobs, " + std::to_string(atOnce) + " at once");
     progress_.update("batch", double(ended_) / double(records_.size()));
+    // Each metric lives until the last of its jobs is done.
+    std::vector<std::shared_ptr<MetricInput>> metrics;
+    for (const Numbers& lot : alike<MetricOptions>(group))
+        metrics.insert(metrics.end(), lot.size(),
+                       std::make_shared<MetricInput>(jobs_[lot.front()].options));
     std::atomic<std::size_t> next{0};
     std::exception_ptr stop;
     // No exception may leave the loop: TBB would cut short the loops of the other jobs, which would
     // not know and write what they have.
     igeo::parallelFor(atOnce, 1, [&](std::size_t, std::size_t) {
         try {
-            for (std::size_t k = next++; k < group.size(); k = next++) runJob(*surface, group[k]);
+            for (std::size_t k = next++; k < group.size(); k = next++) {
+                const std::shared_ptr<MetricInput> metric = std::move(metrics[k]);
+                runJob(*surface, *metric, group[k]);
+            }
         } catch (...) {
             const std::lock_guard<std::mutex> lock(mutex_);
             if (!stop) stop = std::current_exception();
             next = group.size();
         }
     });
-    if (stop) std::rethrow_exception(stop);
+    if (!stop) return;
+    try {
+        writeSummary();
+    } catch (const std::exception&) {
+        // The first trouble is the one to tell of.
+    }
+    std::rethrow_exception(stop);
 }
 
 /// @return null if it cannot be used, and all jobs of the group have failed
@@ -342,14 +383,14 @@ std::size_t Batch::jobsAtOnce(const SurfaceInput& surface, const Numbers& group)
         1, std::min({group.size(), std::size_t(igeo::ThreadLimit::current()), fit}));
 }
 
-void Batch::runJob(const SurfaceInput& surface, std::size_t number) {
+void Batch::runJob(const SurfaceInput& surface, MetricInput& metric, std::size_t number) {
     const BatchJob& job = jobs_[number];
     JobRecord outcome = records_.at(number);
     try {
         Console console(options_.verbose ? Console::Level::Verbose : Console::Level::Quiet,
                         job.quoted() + ": ");
         ConsoleProgress quiet("never");
-        outcome.exitCode = runOn(surface, job.options, console, quiet);
+        outcome.exitCode = runOn(surface, metric, job.options, console, quiet);
         for (const std::string& file : outputFiles(job.options))
             outcome.outputs[file] = igeo::digestOfFile(file);
     } catch (...) {
@@ -365,19 +406,30 @@ void Batch::runJob(const SurfaceInput& surface, std::size_t number) {
 void Batch::record(std::size_t number, JobRecord outcome) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!outcome.done()) outcome.outputs.clear();
-    records_.at(number) = outcome;
+    records_.at(number) = std::move(outcome);
+    unsaid_.push_back(number);
+    if (Clock::now() >= nextWrite_) writeSummary();
+    progress_.update("batch", double(++ended_) / double(records_.size()));
+}
+
+/// Only what is recorded is said to be done.
+void Batch::writeSummary() {
+    const Clock::time_point begin = Clock::now();
     summary_.jobs.clear();
     for (const auto& [k, job] : records_) summary_.jobs.push_back(job);
     igeo::writeFile(summaryFile_, summary_.text());
-    // Only what is recorded is said to be done.
-    const std::string name = jobs_[number].quoted();
-    if (!outcome.done())
-        Console::error(name + ": " + outcome.what, outcome.remedy);
-    else if (outcome.exitCode == kUnreached)
-        console_.warning(name + " is done, but a target is unreached");
-    else
-        console_.info(name + " is done");
-    progress_.update("batch", double(++ended_) / double(records_.size()));
+    nextWrite_ = Clock::now() + (kWritingShare - 1) * (Clock::now() - begin);
+    for (const std::size_t k : unsaid_) {
+        const JobRecord& job = records_.at(k);
+        const std::string name = jobs_[k].quoted();
+        if (!job.done())
+            Console::error(name + ": " + job.what, job.remedy);
+        else if (job.exitCode == kUnreached)
+            console_.warning(name + " is done, but a target is unreached");
+        else
+            console_.info(name + " is done");
+    }
+    unsaid_.clear();
 }
 
 /// One sentence on the whole.

@@ -74,12 +74,12 @@ MetricInput::BendingCost MetricInput::parseBending(const std::string& given, dou
     return cost;
 }
 
-void MetricInput::readObstacles(const Options& options, const igeo::Similarity& transform) {
-    if (options.obstacles.empty() && options.obstacleSpheres.empty() &&
-        options.obstacleBoxes.empty())
+void MetricInput::readObstacles(const igeo::Similarity& transform) {
+    if (options_.obstacles.empty() && options_.obstacleSpheres.empty() &&
+        options_.obstacleBoxes.empty())
         return;
     obstacles_ = std::make_shared<igeo::ObstacleSet>(transform);
-    for (const std::string& given : options.obstacleSpheres) {
+    for (const std::string& given : options_.obstacleSpheres) {
         const auto v = numbersOf("--obstacle-sphere", given, 4, "x,y,z,r");
         if (!(v[3] > 0))
             usageError("--obstacle-sphere " + given + ": the radius is not above 0",
@@ -87,7 +87,7 @@ void MetricInput::readObstacles(const Options& options, const igeo::Similarity& 
         obstacles_->addSphere({v[0], v[1], v[2]}, v[3]);
         obstacleNames_.push_back("sphere " + given);
     }
-    for (const std::string& given : options.obstacleBoxes) {
+    for (const std::string& given : options_.obstacleBoxes) {
         const auto v = numbersOf("--obstacle-box", given, 6, "two corners x,y,z,x,y,z");
         Vec3d low, high;
         for (int a = 0; a < 3; ++a) {
@@ -97,7 +97,7 @@ void MetricInput::readObstacles(const Options& options, const igeo::Similarity& 
         obstacles_->addBox(low, high);
         obstacleNames_.push_back("box " + given);
     }
-    for (const std::string& given : options.obstacles) {
+    for (const std::string& given : options_.obstacles) {
         const igeo::GridSource source = igeo::parseGridSource(given);
         obstacles_->addGrid(
             guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); }));
@@ -105,29 +105,36 @@ void MetricInput::readObstacles(const Options& options, const igeo::Similarity& 
     }
 }
 
-void MetricInput::read(const Options& options, const igeo::Similarity& transform) {
-    if (options.curvatureScale > 0) curvatureScale_ = options.curvatureScale;
-    for (const std::string& given : options.weights) {
+void MetricInput::read(const igeo::Similarity& transform) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (isRead_) return;
+    readAll(transform);
+    isRead_ = true;
+}
+
+void MetricInput::readAll(const igeo::Similarity& transform) {
+    if (options_.curvatureScale > 0) curvatureScale_ = options_.curvatureScale;
+    for (const std::string& given : options_.weights) {
         const igeo::GridSource source = igeo::parseGridSource(given);
         weights_.push_back(guardedRead(source.file, [&] { return igeo::readScalarGrid(source); }));
         leastWeight_ *= igeo::leastWeight(weights_.back());
         weightNames_.push_back(given);
     }
-    if (!options.weightCurvature.empty()) {
-        curvature_ = parseCurvature(options.weightCurvature);
+    if (!options_.weightCurvature.empty()) {
+        curvature_ = parseCurvature(options_.weightCurvature);
         leastWeight_ *= curvature_->epsilon;
-        weightNames_.push_back("curvature " + options.weightCurvature);
+        weightNames_.push_back("curvature " + options_.weightCurvature);
     }
-    if (!options.metricCurvature.empty()) {
-        bending_ = parseBending(options.metricCurvature, transform.dx);
-        weightNames_.push_back("bending " + options.metricCurvature);
+    if (!options_.metricCurvature.empty()) {
+        bending_ = parseBending(options_.metricCurvature, transform.dx);
+        weightNames_.push_back("bending " + options_.metricCurvature);
     }
-    if (!options.metric.empty()) {
-        const igeo::GridSource source = igeo::parseGridSource(options.metric);
+    if (!options_.metric.empty()) {
+        const igeo::GridSource source = igeo::parseGridSource(options_.metric);
         tensor_ = guardedRead(source.file, [&] { return igeo::readTensorGrids(source); });
-        weightNames_.push_back("tensor " + options.metric);
+        weightNames_.push_back("tensor " + options_.metric);
     }
-    readObstacles(options, transform);
+    readObstacles(transform);
 }
 
 igeo::MetricPtr MetricInput::on(const igeo::Band& band, igeo::Progress& progress) const {
@@ -144,4 +151,10 @@ igeo::MetricPtr MetricInput::on(const igeo::Band& band, igeo::Progress& progress
                                                 curvature_->epsilon, curvature_->power));
     metric->setObstacles(band, obstacles_);
     return metric;
+}
+
+igeo::MetricPtr MetricInput::onWhole(const igeo::Band& band, igeo::Progress& progress) const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!onWhole_) onWhole_ = on(band, progress);
+    return *onWhole_;
 }

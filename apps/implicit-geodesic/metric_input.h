@@ -1,4 +1,4 @@
-/// The metric as asked for: files read once, laid onto any band.
+/// The metric as asked for: files read once, laid onto any band, for any number of jobs.
 #pragma once
 
 #include <igeo/curvature.h>
@@ -10,6 +10,7 @@
 #include <igeo/vdb_io.h>
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,12 +19,16 @@
 
 class MetricInput {
 public:
-    /// Reads and checks all that the options name.
+    explicit MetricInput(const MetricOptions& options) : options_(options) {}
+
+    /// Reads and checks all that the options name, the first time; to be called before all else.
     /// @param transform of the surface: obstacles are kept in its index space
-    void read(const Options& options, const igeo::Similarity& transform);
+    void read(const igeo::Similarity& transform);
 
     /// The metric on a band; null: Euclidean.
     igeo::MetricPtr on(const igeo::Band& band, igeo::Progress& progress) const;
+    /// The same on the band of the whole surface, made once.
+    igeo::MetricPtr onWhole(const igeo::Band& band, igeo::Progress& progress) const;
 
     /// A bound: no unit of length costs less, on any band; 0 where none is known.
     double leastWeight() const { return leastWeight_; }
@@ -51,8 +56,13 @@ private:
     };
     static CurvatureWeight parseCurvature(const std::string& text);
     static BendingCost parseBending(const std::string& text, double dx);
-    void readObstacles(const Options& options, const igeo::Similarity& transform);
+    void readAll(const igeo::Similarity& transform);
+    void readObstacles(const igeo::Similarity& transform);
 
+    const MetricOptions options_;
+    mutable std::mutex mutex_;  ///< of what is made when first asked for
+    bool isRead_ = false;
+    mutable std::optional<igeo::MetricPtr> onWhole_;
     std::vector<igeo::LoadedGrid> weights_;
     std::optional<CurvatureWeight> curvature_;
     std::optional<igeo::TensorGrids> tensor_;

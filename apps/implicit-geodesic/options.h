@@ -34,6 +34,24 @@ struct SurfaceOptions {
     }
 };
 
+/// What decides on the cost of ways: jobs on one surface that agree in it share what is read.
+struct MetricOptions {
+    std::vector<std::string> weights;  ///< FILE[:GRID]
+    std::string weightCurvature;       ///< KIND[,eps=E][,p=P]; empty: none
+    double curvatureScale = 0;         ///< voxels; 0: default
+    std::vector<std::string> obstacles, obstacleSpheres, obstacleBoxes;
+    std::string metric;           ///< FILE[:PREFIX] of a tensor; empty: none
+    std::string metricCurvature;  ///< avoid|prefer[,length=L]; empty: none
+
+    bool operator==(const MetricOptions& o) const {
+        auto all = [](const MetricOptions& m) {
+            return std::tie(m.weights, m.weightCurvature, m.curvatureScale, m.obstacles,
+                            m.obstacleSpheres, m.obstacleBoxes, m.metric, m.metricCurvature);
+        };
+        return all(*this) == all(o);
+    }
+};
+
 /// The subcommands `batch` and `batch merge`.
 struct BatchOptions {
     bool asked = false;
@@ -48,7 +66,7 @@ struct BatchOptions {
     std::string output = "-";
 };
 
-struct Options : SurfaceOptions {
+struct Options : SurfaceOptions, MetricOptions {
     bool info = false;      ///< the subcommand: nothing below counts but the next two, and the last
     bool infoJson = false;  ///< its report as JSON
     std::string problems;   ///< its volume of doubtful places; empty: none
@@ -65,13 +83,6 @@ struct Options : SurfaceOptions {
     int sample = 0;                   ///< further seeds, as far from all others as can be
     std::string pairs;                ///< file of pairs
     std::vector<std::string> shoots;  ///< "x,y,z,dx,dy,dz,length"
-
-    std::vector<std::string> weights;  ///< FILE[:GRID]
-    std::string weightCurvature;       ///< KIND[,eps=E][,p=P]; empty: none
-    double curvatureScale = 0;         ///< voxels; 0: default
-    std::vector<std::string> obstacles, obstacleSpheres, obstacleBoxes;
-    std::string metric;           ///< FILE[:PREFIX] of a tensor; empty: none
-    std::string metricCurvature;  ///< avoid|prefer[,length=L]; empty: none
 
     std::string output;  ///< empty: <input>_geodesic.vdb in the current folder
     std::vector<std::string> with;

@@ -38,9 +38,10 @@ std::string text(const Vec3d& p) { return format("%.9g,%.9g,%.9g", p.x, p.y, p.z
 /// A job on a surface: what its stages hand on.
 class Job {
 public:
-    Job(const SurfaceInput& surface, const Options& options, Console& console,
+    Job(const SurfaceInput& surface, MetricInput& metric, const Options& options, Console& console,
         ConsoleProgress& progress, Stages stages)
         : surface_(surface),
+          metricInput_(metric),
           options_(options),
           console_(console),
           progress_(progress),
@@ -77,6 +78,7 @@ private:
     void finished(const char* stage) { stages_.finished(stage); }
 
     const SurfaceInput& surface_;
+    MetricInput& metricInput_;
     const Options& options_;
     Console& console_;
     ConsoleProgress& progress_;
@@ -84,7 +86,6 @@ private:
     Outputs outputs_;
 
     SeedInput seedInput_;
-    MetricInput metricInput_;
     std::vector<igeo::AskedPoint> askedTargets_;
     /// Never changed once made: it may be everybody's.
     SurfaceInput::BandPtr band_ = std::make_shared<igeo::Band>();
@@ -145,7 +146,8 @@ void Job::refuseBlocked(const std::vector<igeo::SurfacePoint>& points, const cha
 }
 
 void Job::makeMetric() {
-    metric_ = metricInput_.on(band(), progress_);
+    metric_ =
+        wholeBand_ ? metricInput_.onWhole(band(), progress_) : metricInput_.on(band(), progress_);
     if (!metric_) return;
     refuseBlocked(seeds_, "seed");
     refuseBlocked(targets_, "target");
@@ -415,7 +417,7 @@ int Job::run() {
     report_.snap = options_.snap >= 0 ? options_.snap : surface_.snap();
     seedInput_.read(options_, surface_.transform());
     askedTargets_ = askedPoints(options_.targets, options_.targetFile, "target");
-    metricInput_.read(options_, surface_.transform());
+    metricInput_.read(surface_.transform());
     report_.sources = seedInput_.names();
     report_.weights = metricInput_.weightNames();
     report_.obstacles = metricInput_.obstacleNames();
@@ -474,10 +476,11 @@ int run(const Options& options, Console& console, ConsoleProgress& progress) {
     console.detail("surface: " + surface->name() + format(", dx %.6g, ", surface->transform().dx) +
                    surface->summary());
     stages.finished("check");
-    return Job(*surface, options, console, progress, std::move(stages)).run();
+    MetricInput metric(options);
+    return Job(*surface, metric, options, console, progress, std::move(stages)).run();
 }
 
-int runOn(const SurfaceInput& surface, const Options& options, Console& console,
-          ConsoleProgress& progress) {
-    return Job(surface, options, console, progress, Stages(console, progress)).run();
+int runOn(const SurfaceInput& surface, MetricInput& metric, const Options& options,
+          Console& console, ConsoleProgress& progress) {
+    return Job(surface, metric, options, console, progress, Stages(console, progress)).run();
 }

@@ -4,6 +4,7 @@
 #include "console.h"
 #include "options.h"
 
+class MetricInput;
 class SurfaceInput;
 
 enum ExitCode { kDone = 0, kFailed = 1, kUsage = 2, kUnusable = 3, kUnreached = 4 };
@@ -18,6 +19,7 @@ void checkRun(const Options& options);
 int run(const Options& options, Console& console, ConsoleProgress& progress);
 
 /// The street from the band on, for options that were checked, on a surface with the SurfaceOptions
-/// of the job. Jobs on one surface may run side by side; each writes what `run` would.
-int runOn(const SurfaceInput& surface, const Options& options, Console& console,
-          ConsoleProgress& progress);
+/// of the job and a metric with its MetricOptions, read or not. Jobs may share both and run side by
+/// side; each writes what `run` would.
+int runOn(const SurfaceInput& surface, MetricInput& metric, const Options& options,
+          Console& console, ConsoleProgress& progress);

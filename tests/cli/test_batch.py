@@ -65,8 +65,17 @@ JOBS = {
          "output": "ball-mesh.vdb", "mesh-out": "ball-mesh.ply", "with": "engraved"},
         {"name": "pairs", "pairs": "pairs.csv", "pairs-out": "pairs.json", "straighten": False},
         {"name": "samples", "sample": 6, "matrix": "samples.csv", "output": "samples.vdb"},
+        # Two metrics, by turns; the second of the last two may ask for a part of the band only.
+        {"name": "valley", "seed": [1.4, 0, 0], "weight-curvature": "valley", "output": "valley.vdb"},
+        {"name": "wall", "seed": [1.4, 0, 0], "obstacle-sphere": "0,1.4,0,0.2", "obstacle": "two_spheres.vdb",
+         "output": "wall.vdb"},
+        {"name": "valley-2", "seed": [-1.4, 0, 0], "weight-curvature": "valley", "output": "valley-2.vdb"},
+        {"name": "wall-2", "seed": [-1.4, 0, 0], "obstacle-sphere": "0,1.4,0,0.2", "obstacle": "two_spheres.vdb",
+         "max-distance": 0.5, "output": "wall-2.vdb"},
     ],
 }
+
+COUNT = len(JOBS["jobs"])
 
 
 class Desk(unittest.TestCase):
@@ -153,7 +162,7 @@ class Batch(Desk):
     def test_bytes_are_those_of_single_runs(self):
         self.valid("batch.schema.json", "jobs.json")
         single = self.single_runs()
-        self.assertEqual(len(single), 7 + 7)  # all but pairs have a volume
+        self.assertEqual(len(single), COUNT - 1 + 7)  # all but pairs have a volume
         summaries = set()
         for threads in (1, 2, 5):
             said = self.batch("--threads", threads)
@@ -181,7 +190,7 @@ class Batch(Desk):
     def test_what_is_done_is_not_done_again(self):
         self.batch()
         outputs, summary = self.outputs(), self.summary()
-        self.assertIn("8 of 8 jobs are done already", self.batch())
+        self.assertIn(f"{COUNT} of {COUNT} jobs are done already", self.batch())
         # Times and the layout of the manifest play no part.
         for file in self.folder.iterdir():
             os.utime(file, (time.time() + 100, time.time() + 100))
@@ -227,22 +236,22 @@ class Batch(Desk):
         said = self.batch(code=UNUSABLE)
         self.assertIn("error: job 'off': seed 0 (5,0,0) is 3.6", said)
         self.assertIn("warning: job 'apart' is done, but a target is unreached", said)
-        self.assertIn("error: 2 of 11 jobs failed: off, gone\n", said)
+        self.assertIn(f"error: 2 of {COUNT + 3} jobs failed: off, gone\n", said)
         states = self.statuses()
         self.assertEqual([n for n, s in states.items() if s == "failed"], ["off", "gone"])
         self.assertEqual(states["apart"], "unreached")
         failed = {job["name"]: job for job in self.summary()["jobs"] if job["status"] == "failed"}
         self.assertEqual((failed["off"]["exitCode"], failed["gone"]["exitCode"]), (USAGE, UNUSABLE))
         self.assertIn("--snap", failed["off"]["error"]["remedy"])
-        self.assertEqual(len(self.outputs()), 14 + 1)
+        self.assertEqual(len(self.outputs()), COUNT - 1 + 7 + 1)
 
         # They are tried again; what is done, with 4 as well, is not.
         shutil.copy(self.folder / "torus.vdb", self.folder / "gone.vdb")
-        jobs["jobs"][9]["seed"] = [1.4, 0, 0]
+        jobs["jobs"][COUNT + 1]["seed"] = [1.4, 0, 0]
         self.write(jobs)
         said = self.batch(code=USAGE)
         self.assertEqual(self.ran(said), {"gone"})
-        jobs["jobs"][8]["seed"] = [1.4, 0, 0]
+        jobs["jobs"][COUNT]["seed"] = [1.4, 0, 0]
         self.write(jobs)
         self.assertIn("targets are unreached in apart", self.batch(code=UNREACHED))
 
@@ -317,7 +326,7 @@ class Batch(Desk):
             done = self.program("batch", "merge", *names, "all.summary.json")
             self.assertEqual(done.stdout.encode(), whole)
         # A batch goes on from what was merged.
-        self.assertIn("8 of 8", self.batch("--summary", "all.summary.json"))
+        self.assertIn(f"{COUNT} of {COUNT}", self.batch("--summary", "all.summary.json"))
 
     def test_jobs_on_one_surface_stay_together(self):
         # Three surfaces (godunov has its own) cut at one or two places.
@@ -351,7 +360,7 @@ class Batch(Desk):
                 self.assertIn(part, done.stderr)
             self.assertFalse((self.folder / "all.json").exists())
 
-        refused("3 of 8 jobs", "shards that are missing: 2 of 3")
+        refused(f"{COUNT // 3} of {COUNT} jobs", "shards that are missing: 2 of 3")
         refused("none.json", parts=(one, "none.json"))
         refused("jobs.json is no summary", parts=("jobs.json",))
         other = self.summary(one)
