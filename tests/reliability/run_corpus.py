@@ -35,8 +35,12 @@ EARLIER = b"written by an earlier run"
 OUTPUTS = ("out.vdb", "out.csv")
 # Sizes that a sanitizer's allocator refuses by ending the process; the program itself gets bad_alloc.
 ALLOCATION = re.compile(r"AddressSanitizer: (out-of-memory|allocation-size-too-big|calloc-overflow|"
-                        r"requested allocation size|.*exceeds maximum supported size|rss-limit-exceeded)|"
-                        r"AddressSanitizer failed to allocate")
+                        r"requested allocation size|.*exceeds maximum supported size|rss-limit-exceeded|"
+                        r"hard rss limit exhausted)|AddressSanitizer failed to allocate")
+FRAME = re.compile(r"^ +#\d+ 0x\w+ +(?:in )?(.+)$", re.MULTILINE)
+# Frames that say nothing of who called them, by name or by place; and those of a library, by place.
+STANDARD = re.compile(r"__interceptor|operator (new|delete)|(mem|str)\w+ |fread |.*/c\+\+/|.*\(/lib/\S*lib(c|stdc\+\+)\.so")
+LIBRARY = re.compile(r"(.* )?\(?/(usr|lib)/\S+( \(BuildId.*)?$")
 ENVIRONMENT = {"ASAN_OPTIONS": "detect_leaks=0:handle_segv=2:handle_sigfpe=2:handle_abort=2:"
                                "allocator_may_return_null=0:hard_rss_limit_mb=4000:exitcode=99",
                "UBSAN_OPTIONS": "print_stacktrace=1:exitcode=99", "NO_COLOR": "1"}
@@ -59,9 +63,10 @@ def judge(case: corpus.Case, folder: pathlib.Path, code: int, err: str, earlier:
     if "Sanitizer" in err or "runtime error:" in err:
         if ALLOCATION.search(err):
             return "refused"
-        ours = re.search(r"#\d+ 0x\w+ in (igeo::|\(anonymous|main|.*implicit-geodesic/)", err)
-        first = re.search(r"#0 .*", err)
-        return "sanitizer" if ours and first and "/usr/" not in first[0] else "library"
+        if error := re.search(r"^(/\S+): runtime error:", err, re.MULTILINE):
+            return "library" if error[1].startswith("/usr/") else "sanitizer"
+        culprit = next((frame for frame in FRAME.findall(err) if not STANDARD.match(frame)), "")
+        return "library" if LIBRARY.match(culprit) else "sanitizer"
     said = re.search(r"^implicit-geodesic: error: .+", err, re.MULTILINE)
     if code < 0 or code not in (0, 1, 2, 3, 4) or (code in (1, 2, 3) and not said and not case.line.startswith("info")):
         return "crashed"
