@@ -63,6 +63,13 @@ private:
     }
     void startDisc(std::uint32_t seed);
     void watchTargets();
+    /// The queue's list of a bucket also holds nodes that an earlier front has put elsewhere since.
+    /// Which ones depends on the order of the threads: nothing may be decided by them.
+    bool waitsIn(std::uint32_t bucket, NodeIndex i) const {
+        return core_.nodes[i].bucket == bucket;
+    }
+    /// Whether the queue holds a node that waits; drops first buckets that hold none.
+    bool anyWaits();
     /// The nodes of the first bucket, and of those behind it that need not wait for its values.
     /// @param last  the last of these buckets
     std::vector<NodeIndex> nextNodes(std::uint32_t& last);
@@ -230,28 +237,41 @@ void JetMarch::key(NodeIndex i, const Place& from, const Vec3f& way, const Solve
     if (b < seen) out.queued.push_back({b, i});
 }
 
+bool JetMarch::anyWaits() {
+    for (; !queue_.empty(); queue_.erase(queue_.begin())) {
+        const auto& [bucket, list] = *queue_.begin();
+        for (const NodeIndex i : list)
+            if (waitsIn(bucket, i)) return true;
+    }
+    return false;
+}
+
 std::vector<NodeIndex> JetMarch::nextNodes(std::uint32_t& last) {
     const std::uint32_t first = queue_.begin()->first;
-    std::vector<NodeIndex> nodes = std::move(queue_.begin()->second);
-    queue_.erase(queue_.begin());
-    last = first;
-    if (!core_.varied) return nodes;
+    std::vector<NodeIndex> nodes;
+    if (!core_.varied) {
+        last = first;
+        nodes = std::move(queue_.begin()->second);
+        queue_.erase(queue_.begin());
+        return nodes;
+    }
     // Together with the next buckets, up to the slack that every node has.
     double slack = kInfinity;
-    const auto fits = [&](const std::vector<NodeIndex>& more, std::uint32_t bucket) {
-        for (const NodeIndex i : more)
-            if (slack = std::min(slack, slackOf(core_.leastCostAt(i), 0));
-                (bucket - first + 1) * bucketWidth_ > slack)
-                return false;
-        return true;
-    };
-    if (!fits(nodes, first)) return nodes;
-    while (!queue_.empty() && fits(queue_.begin()->second, queue_.begin()->first)) {
-        const auto next = queue_.begin();
-        last = next->first;
-        nodes.insert(nodes.end(), next->second.begin(), next->second.end());
-        queue_.erase(next);
-    }
+    do {
+        const auto& [bucket, list] = *queue_.begin();
+        const std::size_t before = nodes.size();
+        for (const NodeIndex i : list)
+            if (waitsIn(bucket, i)) {
+                nodes.push_back(i);
+                slack = std::min(slack, slackOf(core_.leastCostAt(i), 0));
+            }
+        if (bucket > first && (bucket - first + 1) * bucketWidth_ > slack) {
+            nodes.resize(before);
+            break;
+        }
+        last = bucket;
+        queue_.erase(queue_.begin());
+    } while (anyWaits());
     return nodes;
 }
 
@@ -331,7 +351,7 @@ void JetMarch::watchTargets() {
 void JetMarch::march(Progress& progress) {
     watchTargets();
     bool waits = awaitedCount_ > 0;
-    while (!queue_.empty()) {
+    while (anyWaits()) {
         const std::uint32_t bucket = queue_.begin()->first;
         if (bucket >= kLastBucket)
             throw Error(Error::Kind::InvalidArgument,

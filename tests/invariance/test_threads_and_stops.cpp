@@ -1,9 +1,14 @@
 // The same bits for any number of threads, and for a march that is stopped early.
+#include <igeo/jet.h>
 #include <igeo/parallel.h>
 #include <igeo/trace.h>
 #include <support/catch.h>
 #include <support/march_cases.h>
 #include <support/openvdb.h>
+#include <support/shapes.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace igeo::test {
 namespace {
@@ -30,7 +35,68 @@ struct Everything {
     }
 };
 
+/// The same band, its leaves numbered the other way round.
+Band renumbered(const Band& band) {
+    Band other;
+    other.transform = band.transform;
+    other.h = band.h;
+    for (auto from = band.leaves.rbegin(); from != band.leaves.rend(); ++from) {
+        BandLeaf leaf;
+        leaf.origin = from->origin;
+        leaf.band.mask = from->band.mask;
+        other.leaves.push_back(leaf);
+    }
+    other.buildTopology();
+    for (NodeIndex i = 0; i < other.size(); ++i) {
+        const NodeIndex from = band.nodeAt(other.ijk(i));
+        other.psi[i] = band.psi[from];
+        other.foot[i] = band.foot[from];
+        other.normal[i] = band.normal[from];
+        other.facing[i] = band.facing[from];
+    }
+    other.numberCore();
+    return other;
+}
+
+/// Weights from 1 to `contrast` in waves of different lengths along x and y.
+MetricPtr waves(const Band& band, double contrast) {
+    auto metric = std::make_shared<Metric>();
+    for (NodeIndex i = 0; i < band.size(); ++i) {
+        const Vec3d p = band.footPoint(i);
+        const double phase = 2 + std::sin(p.x / 2) + std::sin(p.y);
+        metric->weight.push_back(float(std::pow(contrast, phase / 4)));
+    }
+    return metric;
+}
+
 }  // namespace
+
+// Threads come to the nodes of a bucket in any order. Here that order is turned round for certain:
+// a bucket's nodes follow the numbers of the leaves.
+TEST_CASE("the order in which nodes are solved changes no bit of jet") {
+    const Band band = bandOf(makeLevelSet(sphere({0.3, 0.1, 0.2}, 40), 1, 3), std::sqrt(3.0));
+    const Band other = renumbered(band);
+    REQUIRE(other.coreSize() == band.coreSize());
+    const std::vector<Vec3d> places{{40, 3, 5}, {-20, 30, 7}, {3, -12, -38}};
+    const auto marched = [&](const Band& on, std::size_t seeds, double contrast) {
+        std::vector<SurfacePoint> from;
+        for (std::size_t k = 0; k < seeds; ++k) from.push_back(nearestSurfacePoint(on, places[k]));
+        return marchJet(on, contrast > 1 ? waves(on, contrast) : nullptr, from);
+    };
+    for (const std::size_t seeds : {1, 3})
+        for (const double contrast : {1.0, 4.0, 100.0, 1e6}) {
+            INFO(seeds << " seeds, contrast " << contrast);
+            const Field a = marched(band, seeds, contrast), b = marched(other, seeds, contrast);
+            CHECK(a.solved == band.coreSize());
+            std::size_t differ = 0;
+            for (NodeIndex i = 0; i < band.size(); ++i) {
+                const NodeIndex j = other.nodeAt(band.ijk(i));
+                differ += a.distance[i] != b.distance[j] || a.gradient[i] != b.gradient[j] ||
+                          (seeds > 1 && a.label[i] != b.label[j]);
+            }
+            CHECK(differ == 0);
+        }
+}
 
 TEST_CASE("one thread and several give the same bits") {
     for (const int order : {kJet, 1, 2}) {
