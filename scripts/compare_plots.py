@@ -20,10 +20,10 @@ def setup():
                                 "legend.frameon": False})
 
 
-def save(figure, file):
+def save(figure, file, creator="scripts/compare.py"):
     """The same bytes for the same figures."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(file, metadata={"Date": None, "Creator": "scripts/compare.py"})
+    figure.savefig(file, metadata={"Date": None, "Creator": creator})
     pyplot.close(figure)
 
 

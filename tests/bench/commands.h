@@ -25,4 +25,11 @@ void benchExact(const Arguments& args);
 /// --mesh F --share S: the vertex of a mesh file at a share S in [0, 1) of all.
 void benchVertex(const Arguments& args);
 
+/// [--shape sphere|torus|trefoil] [--n N] or --sdf F; [--seeds S] [--parts P,...] [--pieces K,...]:
+/// marches from S seeds placed by chance and replays the march over P domains of K pieces each
+/// (domains.h), for scripts/scaling.py. A line for each pair of P and K; "buckets" are those that
+/// the march went through, "steps" those with values in them, "late" the most nodes that waited at
+/// the end of the bucket of their value.
+void benchDomains(const Arguments& args);
+
 }  // namespace igeo::test

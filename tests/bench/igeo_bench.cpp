@@ -3,7 +3,7 @@
 ///     igeo_bench march [--n N] [--scheme godunov] [--order 1] [--half-width W] [--runs 3]
 ///     [--threads 1] [--contrast C]
 ///     igeo_bench sweep [--n N]      godunov beside openvdb::tools::maskSdf, same band, one thread
-///     igeo_bench solve|picture|exact|vertex      see commands.h
+///     igeo_bench solve|picture|exact|vertex|domains      see commands.h
 ///
 /// With a contrast there is a weight per node, from 1 to C (1: uniform), in waves over the sphere.
 ///
@@ -143,11 +143,12 @@ int main(int argc, char** argv) try {
     using namespace igeo::test;
     const std::map<std::string, void (*)(const Arguments&)> commands{
         {"march", benchMarch},     {"sweep", benchSweep}, {"solve", benchSolve},
-        {"picture", benchPicture}, {"exact", benchExact}, {"vertex", benchVertex}};
+        {"picture", benchPicture}, {"exact", benchExact}, {"vertex", benchVertex},
+        {"domains", benchDomains}};
     const auto command = commands.find(argc > 1 ? argv[1] : "");
     if (command == commands.end())
         throw std::runtime_error(
-            "usage: igeo_bench march|sweep|solve|picture|exact|vertex [--name value]");
+            "usage: igeo_bench march|sweep|solve|picture|exact|vertex|domains [--name value]");
     command->second(Arguments(argc, argv, 2));
     return 0;
 } catch (const std::exception& error) {
