@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a march of `jet` over many machines would work and send, and what that would bring.
 
-usage: scripts/scaling.py            counts, model, tables and plot into docs/scaling.md: ten minutes
+usage: scripts/scaling.py            counts, model, tables and plot into docs/scaling.md: five minutes
        scripts/scaling.py --quick    small, nothing is written into docs
 
 `igeo_bench domains` counts; the counts are the same on every machine. A model turns them into times:
@@ -30,7 +30,9 @@ RECORD_BYTES = {1: 24, 100: 28}  # number, value, gradient; with several seeds t
 NETWORKS = {  # latency, work per message, bytes per second
     "InfiniBand": (2e-6, 0.5e-6, 10e9),
     "Ethernet": (30e-6, 5e-6, 1e9)}
-COUNTS = ("bandNodes", "nodes", "steps", "mostWork", "largestShare", "mostRecords", "mostMessages")
+# Counts of the model, and the power of N they grow with: measured up to N = 1600, taken for granted beyond.
+GROWTH = {"bandNodes": 2, "nodes": 2, "mostWork": 2, "largestShare": 2, "steps": 1, "mostRecords": 1,
+          "mostMessages": 1}
 
 
 def measure(bench, quick):
@@ -50,26 +52,23 @@ def measure(bench, quick):
 
 def counts(run):
     """The counts that the model is about, flat."""
-    return {key: {**run, **run["links"]}[key] for key in COUNTS}
+    return {key: {**run, **run["links"]}[key] for key in GROWTH}
 
 
-def seconds(c, parts, seeds, network):
-    """Time of a run with these counts: supersteps, and the rest, which domains do by themselves."""
-    rest = REST_SECONDS * c["bandNodes"] * c["largestShare"] / c["nodes"]
-    if parts == 1:
-        return CORE_SECONDS * c["nodes"] + rest
+def speedup(c, parts, seeds, network, cores=1):
+    """Of a run with these counts over one domain. `cores`: how many times as fast as a core each is."""
     latency, message, speed = NETWORKS[network]
-    return (CORE_SECONDS * c["mostWork"] + c["steps"] * latency * (1 + math.ceil(math.log2(parts)))
-            + c["mostMessages"] * message + c["mostRecords"] * RECORD_BYTES[seeds] / speed + rest)
-
-
-def speedup(c, parts, seeds, network):
-    alone = {**c, "largestShare": c["nodes"]}
-    return seconds(alone, 1, seeds, network) / seconds(c, parts, seeds, network)
+    # The rest is what domains do by themselves.
+    alone = (CORE_SECONDS * c["nodes"] + REST_SECONDS * c["bandNodes"]) / cores
+    together = (CORE_SECONDS * c["mostWork"]
+                + REST_SECONDS * c["bandNodes"] * c["largestShare"] / c["nodes"]) / cores
+    together += c["steps"] * latency * (1 + math.ceil(math.log2(parts)))
+    together += c["mostMessages"] * message + c["mostRecords"] * RECORD_BYTES[seeds] / speed
+    return alone / together
 
 
 class Runs:
-    """Looks runs up, and beyond the largest."""
+    """Looks runs up, and goes beyond the largest."""
 
     def __init__(self, runs):
         self.all = {(r["shape"], r["n"], r["seeds"], r["parts"], r["pieces"]): r for r in runs}
@@ -77,16 +76,14 @@ class Runs:
             sorted({key[k] for key in self.all if key[0] == "sphere"}) for k in (1, 3, 4))
 
     def counts(self, n, seeds, parts, pieces):
-        """Of a sphere; beyond the largest N by the powers of N between the two largest."""
-        if n in self.sizes:
-            return counts(self.all["sphere", n, seeds, parts, pieces])
-        near, far = (self.counts(m, seeds, parts, pieces) for m in self.sizes[-2:])
-        power = math.log(n / self.sizes[-1]) / math.log(self.sizes[-1] / self.sizes[-2])
-        return {key: far[key] * (far[key] / near[key]) ** power for key in COUNTS}
+        """Of a sphere; beyond the largest N by GROWTH."""
+        largest = counts(self.all["sphere", min(n, self.sizes[-1]), seeds, parts, pieces])
+        beyond = max(1, n / self.sizes[-1])
+        return {key: largest[key] * beyond ** power for key, power in GROWTH.items()}
 
-    def best(self, n, seeds, parts, network):
-        """(speed-up, pieces) of the best number of pieces."""
-        return max((speedup(self.counts(n, seeds, parts, k), parts, seeds, network), k)
+    def best(self, n, seeds, parts, network, cores=1):
+        """The speed-up with the best number of pieces."""
+        return max(speedup(self.counts(n, seeds, parts, k), parts, seeds, network, cores)
                    for k in self.pieces)
 
 
@@ -100,7 +97,7 @@ def percent(x):
 
 
 def growth(runs):
-    """What grows how with N: 64 patches, or the most there are of fewer."""
+    """What grows how with N, in 64 patches."""
     parts = 64 if 64 in runs.parts else runs.parts[-1]
     picked = [runs.all["sphere", n, 1, parts, 1] for n in runs.sizes]
     columns = {"band nodes": lambda r: r["bandNodes"], "core nodes": lambda r: r["nodes"],
@@ -142,7 +139,7 @@ def speed(runs, beyond):
     def row(n, seeds):
         name = f"{n}" + (", extrapolated" if n not in runs.sizes else "") + (
             "" if seeds == 1 else f", {seeds} seeds")
-        return [name, *(" / ".join(lab.number(runs.best(n, seeds, p, network)[0], 2) for network in NETWORKS)
+        return [name, *(" / ".join(lab.number(runs.best(n, seeds, p, network), 2) for network in NETWORKS)
                         for p in runs.parts)]
     return lab.table(["N", *(f"P = {p}" for p in runs.parts)],
                      [*(row(n, 1) for n in (*runs.sizes, *beyond)), row(runs.sizes[-1], 100)])
@@ -154,10 +151,15 @@ def derive(results):
     results["late"] = max(r["late"] for r in results["runs"])
     results["bucketsBeside"] = max(abs(r["buckets"] - r["steps"]) for r in results["runs"])
     if runs.sizes[-1] == SIZES[-1]:
-        largest = {k: runs.all["sphere", 1600, 1, 64, k] for k in PIECES}
-        results["efficiency"] = {f"pieces{k}": efficiency(run) for k, run in largest.items()}
-        results["speed"] = {network: {str(n): runs.best(n, 1, 64, network)[0] for n in SIZES + BEYOND}
+        results["efficiency"] = {f"pieces{k}": efficiency(runs.all["sphere", 1600, 1, 64, k]) for k in PIECES}
+        results["speed"] = {network: {str(n): runs.best(n, 1, 64, network) for n in SIZES + BEYOND}
                             for network in NETWORKS}
+        results["patches"] = speedup(runs.counts(BEYOND[-1], 1, 64, 1), 64, 1, "InfiniBand")
+        results["machines"] = {network: runs.best(1600, 1, 64, network, cores=16) for network in NETWORKS}
+        patches = runs.all["sphere", 1600, 1, 64, 1]
+        results["busy"] = patches["busy"] / patches["steps"]
+        results["bytes"] = max(24 * r["links"]["mostRecords"] / r["steps"] for r in results["runs"]
+                               if r["seeds"] == 1)
     return runs
 
 
@@ -173,9 +175,9 @@ def draw(runs):
     figure, panes = pyplot.subplots(1, 2, figsize=(9.2, 4.2), sharey=True)
     for axes, network in zip(panes, NETWORKS):
         for n, colour in zip(runs.sizes, ("#c6dbef", "#9ecae1", "#6baed6", "#3182bd", "#08519c")):
-            axes.loglog(runs.parts, [runs.best(n, 1, p, network)[0] for p in runs.parts], "o-", color=colour,
+            axes.loglog(runs.parts, [runs.best(n, 1, p, network) for p in runs.parts], "o-", color=colour,
                         markersize=5, label=f"N = {n}")
-        axes.loglog(runs.parts, [runs.best(runs.sizes[-1], 100, p, network)[0] for p in runs.parts], "s--",
+        axes.loglog(runs.parts, [runs.best(runs.sizes[-1], 100, p, network) for p in runs.parts], "s--",
                     color="#c8553d", markersize=5, label=f"N = {runs.sizes[-1]}, 100 seeds")
         axes.loglog(runs.parts, runs.parts, ":", color="#777777", label="as many as cores")
         compare_plots.ticks(axes, runs.parts)
