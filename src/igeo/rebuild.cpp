@@ -5,10 +5,30 @@
 #include <openvdb/tools/Count.h>
 #include <openvdb/tools/LevelSetRebuild.h>
 
+#include <cmath>
+
 namespace igeo {
+
+namespace {
+
+/// Inactive values count: the way to triangles looks at them.
+void requireFinite(const LoadedGrid& volume) {
+    for (auto it = volume.grid->tree().cbeginValueAll(); it; ++it) {
+        if (std::isfinite(*it)) continue;
+        const openvdb::Coord at = it.getCoord();
+        throw Error(Error::Kind::BadInput,
+                    format("the value at index %.0f,%.0f,%.0f", at.x(), at.y(), at.z()) +
+                        format(" is %g", double(*it)) + " (file '" + volume.file + "', grid '" +
+                        volume.name + "')",
+                    "make the volume again from its source, without NaN and infinite values");
+    }
+}
+
+}  // namespace
 
 LoadedGrid rebuilt(const LoadedGrid& volume, double iso) {
     constexpr float kHalfWidth = 3;
+    requireFinite(volume);
     LoadedGrid result = volume;
     result.grid = openvdb::tools::levelSetRebuild(*volume.grid, float(iso), kHalfWidth);
     if (result.grid->activeVoxelCount() == 0) {

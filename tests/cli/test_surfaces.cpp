@@ -3,6 +3,7 @@
 
 #include <openvdb/tools/ChangeBackground.h>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -137,6 +138,9 @@ TEST_CASE("rebuild: fog volumes, other values and unsigned distances") {
           [](float psi) { return std::clamp(0.5 - psi / 0.2, 0.0, 1.0); });
     write("steep.vdb", openvdb::GRID_UNKNOWN, [](float psi) { return 3 * psi + 0.1; });
     write("unsigned.vdb", openvdb::GRID_UNKNOWN, [](float psi) { return std::abs(psi); });
+    // At an inactive voxel, where no check of level sets looks.
+    grid->tree().setValueOff({0, 0, 0}, std::numeric_limits<float>::infinity());
+    write("infinite.vdb", openvdb::GRID_UNKNOWN, [](float psi) { return psi; });
     const std::string ends = " --snap 0.3 --seed 0,0,1 --target 1,0,0 -o out.vdb --json r.json";
     for (const auto& [given, radius] : {std::pair("fog.vdb --rebuild", 1.0),
                                         {"fog.vdb --rebuild --iso 0.25", 1.05},
@@ -154,6 +158,8 @@ TEST_CASE("rebuild: fog volumes, other values and unsigned distances") {
     requireRefused(desk, "--sdf unsigned.vdb --seed 0,0,1", kUnusable, {"positive everywhere"});
     requireRefused(desk, "--sdf fog.vdb --rebuild --iso 7 --seed 0,0,1", kUnusable,
                    {"no surface has the value 7", "from 0 to 1", "fog.vdb", "--iso"});
+    requireRefused(desk, "--sdf infinite.vdb --rebuild --seed 0,0,1", kUnusable,
+                   {"index 0,0,0 is inf", "infinite.vdb"});
     requireRefused(desk, "--sdf fog.vdb --iso 0.5 --seed 0,0,1", kUsage, {"--iso", "--rebuild"});
 }
 
