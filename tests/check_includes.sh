@@ -12,7 +12,7 @@ eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree qua
 tangent_frame orient_normals medial_radii
 band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
 vdb_archive vdb_io vdb_write level_set rebuild leaf_block band_width index_map point_cloud vdb_points
-level_set_band surface_point point_surface point_band seeds grid_sampling obstacles mesh_level_set mesh_band
+level_set_band surface_point point_surface point_band seeds grid_sampling obstacles mesh_band
 field
 godunov jet jet_core jet_extend jet_stencil
 trace

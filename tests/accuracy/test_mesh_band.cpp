@@ -1,7 +1,6 @@
 #include <igeo/jet.h>
 #include <igeo/level_set_band.h>
 #include <igeo/mesh_band.h>
-#include <igeo/mesh_level_set.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/exact.h>
@@ -193,7 +192,8 @@ TEST_CASE("a closed mesh: its band agrees with its level set, and is nearer to t
     };
     const double dx = 0.01;
     const InVoxels fromMesh = errorsOn(mesh, dx, centre + 0.4 * n, exact);
-    const Band band = bandFromLevelSet(levelSetFromMesh(mesh, dx), std::sqrt(3.0));
+    const LevelSet levelSet = levelSetFromBand(bandFromMesh(mesh, dx, 3), true, "sphere", "psi");
+    const Band band = bandFromLevelSet(levelSet, std::sqrt(3.0));
     const Vec3d seed = centre + 0.4 * n;
     const Field field =
         marchJet(band, nullptr, {nearestSurfacePoint(band, band.transform.indexFromWorld(seed))});
