@@ -200,12 +200,14 @@ const SurfacePoint* Tracer::seedAhead(const Vec3d& p, double d) const {
 
 void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
     const Vec3d from = path.vertices.back().pIndex, end = seed.nearestTo(from), way = end - from;
-    const double d = path.vertices.back().distance;
+    double d = path.vertices.back().distance;
     const int pieces = std::max(1, int(std::ceil(length(way) / options_.maxStep)));
     for (int k = 1; k < pieces; ++k) {
         Vec3d p = from + (double(k) / pieces) * way;
         projectToSurface(band_, p);
-        append(path, p, std::min(d, seed.start + costToSeed(field_, seed, p, side_)));
+        // In a groove a point of the straight way may be put on the wall behind the one before.
+        d = std::min(d, seed.start + costToSeed(field_, seed, p, side_));
+        append(path, p, d);
     }
     append(path, end, seed.start);
     path.seed = std::size_t(&seed - field_.seeds.data());

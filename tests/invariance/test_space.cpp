@@ -4,37 +4,12 @@
 #include <support/openvdb.h>
 #include <support/shapes.h>
 
-#include <algorithm>
-#include <numeric>
-
 namespace igeo::test {
 namespace {
 
 constexpr double kH = 2.5;
 
 const auto kSame = [](const Ijk& v) { return v; };
-
-/// Turns by 90 degrees and reflections: signed permutations of the axes, 48 in all.
-struct Turn {
-    std::array<int, 3> axis{0, 1, 2}, sign{1, 1, 1};
-
-    template <typename T>
-    Vec3<T> operator()(const Vec3<T>& v) const {
-        Vec3<T> r;
-        for (int a = 0; a < 3; ++a) r[a] = T(sign[std::size_t(a)]) * v[axis[std::size_t(a)]];
-        return r;
-    }
-};
-
-std::vector<Turn> allTurns() {
-    std::vector<Turn> turns;
-    std::array<int, 3> axis{0, 1, 2};
-    do
-        for (int signs = 0; signs < 8; ++signs)
-            turns.push_back({axis, {signs & 1 ? -1 : 1, signs & 2 ? -1 : 1, signs & 4 ? -1 : 1}});
-    while (std::next_permutation(axis.begin(), axis.end()));
-    return turns;
-}
 
 /// A seed with coordinates in multiples of 2^-20 voxels: shifted without rounding.
 SurfacePoint dyadicSeed(const Band& band, const Vec3d& p) {
@@ -48,15 +23,6 @@ SurfacePoint shifted(SurfacePoint seed, const Band& from, const Band& to, const 
     seed.pIndex += Vec3d(by);
     seed.node = to.nodeAt(from.ijk(seed.node) + by);
     return seed;
-}
-
-/// The same voxels and values, in units `factor` times as large.
-openvdb::FloatGrid::Ptr scaled(const openvdb::FloatGrid& grid, double factor) {
-    auto result = grid.deepCopy();
-    for (auto it = result->beginValueAll(); it; ++it) it.setValue(float(*it * factor));
-    result->setTransform(
-        openvdb::math::Transform::createLinearTransform(grid.voxelSize().x() * factor));
-    return result;
 }
 
 }  // namespace
@@ -103,7 +69,7 @@ TEST_CASE("units scaled by a power of two scale distances bitwise") {
     for (const int order : {kJet, 1, 2}) {
         const Field field = march(band, torusPoints(), order);
         for (const double factor : {0x1p-10, 0.25, 2.0, 0x1p30}) {
-            const Band other = bandOf(scaled(*grid, factor), kH);
+            const Band other = bandOf(inUnits(*grid, factor), kH);
             CHECK(other.transform.dx == factor);
             CHECK(worstDifference(band, field, other, march(other, torusPoints(), order), kSame) ==
                   0);
@@ -118,7 +84,7 @@ TEST_CASE("units scaled by any factor leave distances in voxels") {
     for (const int order : {kJet, 1, 2}) {
         const Field field = march(band, torusPoints(), order);
         for (const double factor : {0.01, 0.3, 7.7, 1e6}) {
-            const Band other = bandOf(scaled(*grid, factor), kH);
+            const Band other = bandOf(inUnits(*grid, factor), kH);
             CHECK(worstDifference(band, field, other, march(other, torusPoints(), order), kSame) <=
                   roundingTolerance(field, order, 1e-6));
         }

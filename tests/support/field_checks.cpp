@@ -1,5 +1,7 @@
 #include "field_checks.h"
 
+#include <igeo/jet_core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -41,16 +43,30 @@ bool isStuck(const Band& band, const Field& field, NodeIndex i) {
     return !lower;
 }
 
-/// |d_i - d_j| beyond the way between their foot points. Where normals are at an angle t, the way
-/// over a crease between two planes is at most chord / cos(t/2), and an arc is shorter than that.
-double jump(const Band& band, const Field& field, NodeIndex i, NodeIndex j) {
-    const double cosine = dot(band.normal[i], band.normal[j]);
-    const double chord = length(band.footPoint(i) - band.footPoint(j));
-    return std::abs(field.distance[i] - field.distance[j]) -
-           chord * std::sqrt(2 / (1 + std::min(cosine, 1.0)));
+}  // namespace
+
+double wayBetween(const Band& band, NodeIndex i, NodeIndex j) {
+    const Vec3f chord = Vec3f(band.footPoint(i) - band.footPoint(j));
+    const float cosine = dot(band.normal[i], band.normal[j]);
+    if (cosine < Band::kOtherSheet || band.stacked(i, j) ||
+        (cosine < 0.5f && acrossGap(chord, band.normal[i], band.normal[j])))
+        return kInfinity;
+    return length(chord) * std::sqrt(2 / (1 + std::min(double(cosine), 1.0)));
 }
 
-}  // namespace
+void FieldChecks::keepWorst(const FieldChecks& other) {
+    for (const auto number : {&FieldChecks::notNumbers, &FieldChecks::missed, &FieldChecks::stuck,
+                              &FieldChecks::negative})
+        this->*number = std::max(this->*number, other.*number);
+    shortcut = std::max(shortcut, other.shortcut);
+    jump = std::max(jump, other.jump);
+}
+
+void PathChecks::keepWorst(const PathChecks& other) {
+    traced = std::max(traced, other.traced);
+    lost = std::max(lost, other.lost);
+    rise = std::max(rise, other.rise);
+}
 
 FieldChecks checkField(const Band& band, const Field& field, Nodes nodes) {
     FieldChecks c;
@@ -75,7 +91,8 @@ FieldChecks checkField(const Band& band, const Field& field, Nodes nodes) {
         for (const int side : {1, 3, 5}) {
             const NodeIndex j = band.neighbour(i, Band::faceStep(side));
             if (j != kNoNode && sameSheet(band, i, j) && counts(j))
-                c.jump = std::max(c.jump, jump(band, field, i, j));
+                c.jump = std::max(c.jump, std::abs(field.distance[i] - field.distance[j]) -
+                                              wayBetween(band, i, j));
         }
     }
     return c;
@@ -84,7 +101,9 @@ FieldChecks checkField(const Band& band, const Field& field, Nodes nodes) {
 std::vector<SurfacePoint> spreadPoints(const Band& band, const Field& field, std::size_t count) {
     std::vector<NodeIndex> reached;
     for (std::size_t k = 0; k < band.size(); ++k)
-        if (field.distance[k] < kInfinity) reached.push_back(NodeIndex(k));
+        // Of other nodes some have a foot point in a gap between two sheets.
+        if (field.distance[k] < kInfinity && band.inCore(NodeIndex(k)))
+            reached.push_back(NodeIndex(k));
     std::vector<SurfacePoint> points;
     const std::size_t stride = std::max<std::size_t>(reached.size() / count, 1);
     // From the middle of each share: the first nodes are all at one end of the surface.

@@ -19,7 +19,14 @@ struct FieldChecks {
     std::size_t negative = 0;
     double shortcut = 0;  ///< |foot - nearest seed| - d
     double jump = 0;  ///< |d_i - d_j| - way between the foot points, over linked face neighbours
+
+    void keepWorst(const FieldChecks& other);
 };
+/// The longest that the way between the foot points of neighbours may be: where normals are at an
+/// angle t, that over a crease between two planes is at most chord / cos(t/2), and an arc is
+/// shorter than that. Infinity where they lie on two sheets, or across a gap, by the rules of jet.
+double wayBetween(const Band& band, NodeIndex i, NodeIndex j);
+
 /// Of a field of jet whose seeds start at 0. Foot points that are more than 0.1 voxels off S are no
 /// points to have a distance, and left out of `shortcut` and `jump`.
 FieldChecks checkField(const Band& band, const Field& field, Nodes nodes);
@@ -27,6 +34,8 @@ FieldChecks checkField(const Band& band, const Field& field, Nodes nodes);
 struct PathChecks {
     std::size_t traced = 0, lost = 0;  ///< lost: not Reached
     double rise = 0;                   ///< of d above its least before, on the way to the seed
+
+    void keepWorst(const PathChecks& other);
 };
 /// Paths from some 40 points spread over what is reached.
 PathChecks checkPaths(const Band& band, const Field& field);

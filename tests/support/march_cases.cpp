@@ -5,6 +5,7 @@
 #include <support/errors.h>
 #include <support/shapes.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace igeo::test {
@@ -60,6 +61,25 @@ openvdb::FloatGrid::Ptr mapVoxels(const openvdb::FloatGrid& grid,
         mapped->tree().setValueOn({v.x, v.y, v.z}, *it);
     }
     return mapped;
+}
+
+std::vector<Turn> allTurns() {
+    std::vector<Turn> turns;
+    std::array<int, 3> axis{0, 1, 2};
+    do
+        for (int signs = 0; signs < 8; ++signs)
+            turns.push_back({axis, {signs & 1 ? -1 : 1, signs & 2 ? -1 : 1, signs & 4 ? -1 : 1}});
+    while (std::next_permutation(axis.begin(), axis.end()));
+    return turns;
+}
+
+openvdb::FloatGrid::Ptr inUnits(const openvdb::FloatGrid& grid, double factor) {
+    auto result = grid.deepCopy();
+    for (auto it = result->beginValueAll(); it; ++it) it.setValue(float(*it * factor));
+    openvdb::math::Transform::Ptr transform = grid.transform().copy();
+    transform->postScale(factor);
+    result->setTransform(transform);
+    return result;
 }
 
 double worstDifference(const Band& bandA, const Field& a, const Band& bandB, const Field& b,

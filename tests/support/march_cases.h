@@ -5,6 +5,7 @@
 #include <igeo/level_set_band.h>
 #include <openvdb/openvdb.h>
 
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -38,6 +39,22 @@ Field marchFrom(const Band& band, const std::vector<SurfacePoint>& seeds, int or
 /// The grid whose voxel map(ijk) has the value of `grid` at ijk; same transform.
 openvdb::FloatGrid::Ptr mapVoxels(const openvdb::FloatGrid& grid,
                                   const std::function<Ijk(const Ijk&)>& map);
+
+/// Turns by 90 degrees and reflections: signed permutations of the axes, 48 in all.
+struct Turn {
+    std::array<int, 3> axis{0, 1, 2}, sign{1, 1, 1};
+
+    template <typename T>
+    Vec3<T> operator()(const Vec3<T>& v) const {
+        Vec3<T> r;
+        for (int a = 0; a < 3; ++a) r[a] = T(sign[std::size_t(a)]) * v[axis[std::size_t(a)]];
+        return r;
+    }
+};
+std::vector<Turn> allTurns();
+
+/// The same voxels and values, in units `factor` times as large.
+openvdb::FloatGrid::Ptr inUnits(const openvdb::FloatGrid& grid, double factor);
 
 /// Largest |a(ijk) / scale - b(map(ijk))| over the nodes of `a`, as a share of the largest distance
 /// of `b`; 0 means equal bits. Infinity where one has a node or a distance and the other has not.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <utility>
 #include <vector>
 
@@ -12,20 +11,6 @@ namespace igeo::test {
 namespace {
 
 using openvdb::Vec3d;
-
-/// Not the distributions of <random>: they differ from library to library.
-class Random {
-public:
-    explicit Random(unsigned seed) : bits_(seed) {}
-    double between(double low, double high) { return low + (high - low) * bits_() / 4294967296.0; }
-    Vec3d direction() {
-        const double z = between(-1, 1), angle = between(0, 2 * M_PI), r = std::sqrt(1 - z * z);
-        return {r * std::cos(angle), r * std::sin(angle), z};
-    }
-
-private:
-    std::mt19937 bits_;
-};
 
 Shape capsule(const Vec3d& half, double radius) {
     const auto sdf = [=](const Vec3d& p) {
@@ -35,9 +20,8 @@ Shape capsule(const Vec3d& half, double radius) {
     return {"capsule", sdf, {}, true, nullptr};
 }
 
-/// A part about the origin, at most 20 units from its middle to its furthest point. One random
-/// number per statement: compilers choose the order of arguments.
-Shape randomPart(Random& random) {
+/// A part about the origin, at most 20 units from its middle to its furthest point.
+Shape randomPart(Random& random, double blend) {
     const int kind = int(random.between(0, 4));
     const double size = random.between(6, 11);
     const double a = random.between(0, 1), b = random.between(0, 1);
@@ -50,7 +34,9 @@ Shape randomPart(Random& random) {
         case 2:
             return capsule(size * along, size * (0.3 + 0.3 * a));
         default:
-            return box(Vec3d(0.0), size * Vec3d(1, 0.4 + 0.6 * a, 0.4 + 0.6 * b));
+            const Vec3d half = size * Vec3d(1, 0.4 + 0.6 * a, 0.4 + 0.6 * b);
+            if (blend == 0) return box(Vec3d(0.0), half);
+            return roundedBox(Vec3d(0.0), half, std::min({blend / 2, half.y(), half.z()}));
     }
 }
 
@@ -69,6 +55,11 @@ double blendedLeast(double a, double b, double width) {
 
 }  // namespace
 
+Vec3d Random::direction() {
+    const double z = between(-1, 1), angle = between(0, 2 * M_PI), r = std::sqrt(1 - z * z);
+    return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
 Shape randomUnion(unsigned seed, double blend) {
     Random random(seed);
     std::vector<Distance> parts;
@@ -76,7 +67,7 @@ Shape randomUnion(unsigned seed, double blend) {
     Vec3d middle = random.direction();
     openvdb::BBoxd bounds(middle, middle);
     for (int k = 0; k < count; ++k) {
-        const Shape part = randomPart(random);
+        const Shape part = randomPart(random, blend);
         const Vec3d axis = random.direction();
         const double angle = random.between(0, 360);
         parts.push_back(placed(part.sdf, axis, angle, middle));
@@ -93,8 +84,9 @@ Shape randomUnion(unsigned seed, double blend) {
     return {"random_union", sdf, bounds, true, nullptr};
 }
 
-openvdb::FloatGrid::Ptr randomLevelSet(unsigned seed, double blend) {
-    const auto grid = makeLevelSet(randomUnion(seed, blend), 1, 4);
+openvdb::FloatGrid::Ptr randomLevelSet(unsigned seed, double blend,
+                                       const openvdb::math::Transform& transform) {
+    const auto grid = makeLevelSet(randomUnion(seed, blend), transform, 4);
     return openvdb::tools::sdfToSdf(*grid);
 }
 
