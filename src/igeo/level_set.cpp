@@ -207,7 +207,9 @@ Similarity similarityOf(const openvdb::math::Transform& transform, const std::st
         size[std::size_t(a)] = length(s.axis[std::size_t(a)]);
     }
     s.origin = {m(3, 0), m(3, 1), m(3, 2)};
-    s.dx = std::cbrt(size[0] * size[1] * size[2]);
+    // They agree to kTolerance, or are refused. Not by their product: std::cbrt may round the root
+    // of 8 x in another way than that of x, and distances should not depend on the unit.
+    s.dx = (size[0] + size[1] + size[2]) / 3;
     constexpr double kTolerance = 1e-5;
     if (!(s.dx > 0) || !std::isfinite(s.dx))
         throw Error(Kind::BadInput, "the voxel size is not a positive number" + at, remedy);
@@ -227,7 +229,7 @@ Similarity similarityOf(const openvdb::math::Transform& transform, const std::st
                             format(", %g; all three must agree", size[2]) + at,
                         remedy);
     for (auto& axis : s.axis) axis *= 1 / s.dx;
-    // Exactly dx where the map says so: cbrt(dx^3) may be off in the last bit.
+    // Exactly dx where the map says so: 3 dx / 3 may be off in the last bit.
     if (size[0] == size[1] && size[1] == size[2]) s.dx = size[0];
     return s;
 }
@@ -250,6 +252,22 @@ void judgeGradient(LevelSet& s) {
             format("%.1f %% of the voxels have |grad psi| outside [0.75, 1.25]: "
                    "psi is a rough distance, and results near there are doubtful",
                    100 * (1 - st.gradientShare)));
+}
+
+/// Within 2^30 of the origin every difference of two coordinates and every box fits into 32 bits,
+/// in OpenVDB's own tools as well.
+void judgeExtent(const LevelSet& s) {
+    constexpr std::int32_t kFarthest = 1 << 30;
+    for (const Leaf* leaf : leavesOf(*s.psi))
+        for (int a = 0; a < 3; ++a)
+            if (const openvdb::Coord o = leaf->origin(); o[a] <= -kFarthest || o[a] >= kFarthest)
+                throw Error(Kind::BadInput,
+                            "voxels at index " + std::to_string(o.x()) + "," +
+                                std::to_string(o.y()) + "," + std::to_string(o.z()) +
+                                ": indices must lie within -2^30 and 2^30 (" +
+                                std::to_string(kFarthest) + ")" + where(s),
+                            "give the grid indices near 0 and put where it lies into its "
+                            "transform");
 }
 
 /// What the values alone show, before any stencil.
@@ -332,6 +350,7 @@ void checkLevelSet(LoadedGrid loaded, LevelSet& s, Progress& progress) {
                     "a level set needs a narrow band of active voxels around its surface");
     measureRange(s);
     removeActiveTiles(s);
+    judgeExtent(s);
     judgeRange(s);
     // Differences need two voxels on each side of the surface.
     if (s.stats.halfWidth < 2) widen(s, 3);

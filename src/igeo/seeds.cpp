@@ -4,6 +4,7 @@
 #include <igeo/parallel.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace igeo {
@@ -66,9 +67,11 @@ std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, doubl
     add(nearestSurfacePoint(band, curve.points[0]));
     for (std::size_t k = 0; k < stretches; ++k) {
         const Vec3d &a = curve.points[k], &b = curve.points[(k + 1) % n];
-        const int steps = std::max(1, int(std::ceil(length(b - a) / kPiece)));
+        // No way of so many voxels runs over fewer nodes.
+        const bool tooFar = length(b - a) > 2 * double(band.size());
+        const auto steps = tooFar ? 1 : std::max(1, int(std::ceil(length(b - a) / kPiece)));
         for (int s = 1; s <= steps; ++s)
-            if (!add(nearestSurfacePoint(band, a + (double(s) / steps) * (b - a))))
+            if (tooFar || !add(nearestSurfacePoint(band, a + (double(s) / steps) * (b - a))))
                 throw Error(Kind::InvalidArgument,
                             "between points " + std::to_string(k) + " and " +
                                 std::to_string((k + 1) % n) + " a curve leaves the surface",

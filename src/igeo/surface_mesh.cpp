@@ -1,5 +1,6 @@
 #include <igeo/surface_mesh.h>
 
+#include <igeo/error.h>
 #include <igeo/level_set.h>
 #include <igeo/parallel.h>
 #include <igeo/ply.h>
@@ -25,7 +26,16 @@ struct Extracted {
 
 Extracted extract(const openvdb::FloatGrid& psi) {
     // The same tree in coordinates of voxels from its corner, as points come in single precision.
-    const openvdb::Coord low = psi.evalActiveVoxelBoundingBox().min();
+    const openvdb::CoordBBox box = psi.evalActiveVoxelBoundingBox();
+    constexpr int kWidest = 1 << 17;  // half a unit in the last place is 0.004 voxels
+    if (box.dim()[box.maxExtent()] > kWidest)
+        throw Error(Error::Kind::BadInput,
+                    "the surface is " + std::to_string(box.dim()[box.maxExtent()]) +
+                        " voxels across; OpenVDB places the vertices of meshes in single "
+                        "precision, which is good for " +
+                        std::to_string(kWidest),
+                    "ask for no mesh of it, or for each of its pieces by itself");
+    const openvdb::Coord low = box.min();
     const auto grid =
         openvdb::FloatGrid::create(openvdb::ConstPtrCast<openvdb::FloatTree>(psi.constTreePtr()));
     grid->setGridClass(openvdb::GRID_LEVEL_SET);  // else faces look the other way

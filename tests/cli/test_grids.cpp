@@ -1,6 +1,9 @@
 // Which level sets are taken, and what the grids that come out hold.
 #include <support/catch.h>
 
+#include <openvdb/io/File.h>
+#include <support/march_cases.h>
+
 #include <cmath>
 #include <limits>
 
@@ -161,4 +164,32 @@ TEST_CASE("a thin level set is widened with a warning") {
     // Fast sweeping is first order: the widened psi is off by some tenths of a voxel at most.
     CHECK(largestDifference(*readDistance(desk / "thin_d.vdb"),
                             *readDistance(desk / "plain_d.vdb")) < 0.05);
+}
+
+TEST_CASE("a level set 2^30 voxels from its origin gives the distances of one at it") {
+    const Desk desk;
+    const auto write = [&](const std::string& name, std::int32_t at) {
+        const auto grid = mapVoxels(*torusGrid(), [&](const igeo::Ijk& v) {
+            return v + igeo::Ijk{at, -at, 0};
+        });
+        grid->setName("psi");
+        openvdb::io::File(desk / name).write({grid});
+    };
+    const auto place = [](int x, std::int32_t at) {
+        return std::to_string(x + at) + "," + std::to_string(-5 - at) + ",1";
+    };
+    const std::int32_t at = (1 << 30) - 40;
+    write("near.vdb", 0);
+    write("far.vdb", at);
+    write("beyond.vdb", 1 << 30);
+    requireDone(desk, "--sdf near.vdb --seed " + place(23, 0) + " -o near_d.vdb");
+    requireDone(desk, "--sdf far.vdb --seed " + place(23, at) + " --target " + place(-17, at) +
+                          " -o far_d.vdb --paths far.obj --mesh-out far.ply --json far.json");
+    const auto near = readDistance(desk / "near_d.vdb"), far = readDistance(desk / "far_d.vdb");
+    CHECK(near->activeVoxelCount() == far->activeVoxelCount());
+    for (auto it = near->cbeginValueOn(); it; ++it)
+        // Positions are rounded to 2^-23, which may tip a decision of jet.
+        REQUIRE(far->tree().getValue(it.getCoord().offsetBy(at, -at, 0)) ==
+                Approx(*it).margin(0.01));
+    requireRefused(desk, "--sdf beyond.vdb --seed 0,0,0 -o out.vdb", 3, {"beyond.vdb", "2^30"});
 }

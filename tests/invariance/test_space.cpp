@@ -1,5 +1,6 @@
 // Distances do not depend on where the surface lies, how it is turned and how large its units are.
 #include <support/catch.h>
+#include <support/errors.h>
 #include <support/march_cases.h>
 #include <support/openvdb.h>
 #include <support/shapes.h>
@@ -10,20 +11,6 @@ namespace {
 constexpr double kH = 2.5;
 
 const auto kSame = [](const Ijk& v) { return v; };
-
-/// A seed with coordinates in multiples of 2^-20 voxels: shifted without rounding.
-SurfacePoint dyadicSeed(const Band& band, const Vec3d& p) {
-    SurfacePoint seed = nearestSurfacePoint(band, p);
-    for (int a = 0; a < 3; ++a)
-        seed.pIndex[a] = std::round(std::ldexp(seed.pIndex[a], 20)) / (1 << 20);
-    return seed;
-}
-
-SurfacePoint shifted(SurfacePoint seed, const Band& from, const Band& to, const Ijk& by) {
-    seed.pIndex += Vec3d(by);
-    seed.node = to.nodeAt(from.ijk(seed.node) + by);
-    return seed;
-}
 
 }  // namespace
 
@@ -74,6 +61,18 @@ TEST_CASE("units scaled by a power of two scale distances bitwise") {
             CHECK(worstDifference(band, field, other, march(other, torusPoints(), order), kSame) ==
                   0);
         }
+    }
+}
+
+TEST_CASE("the voxel size of a turned grid scales with the unit bitwise") {
+    // The three sides of a turned voxel differ in their last bits, and what they agree on is
+    // rounded.
+    const auto grid = torusGrid();
+    for (int k = 0; k < 50; ++k) {
+        grid->setTransform(rotatedTransform(0.7 + 0.011 * k, {1, 2, 3}, 7.0 * k, {0, 0, 0}));
+        const double dx = checkedLevelSet(inUnits(*grid, 0.125)).transform.dx;
+        INFO("turned by " << 7 * k);
+        CHECK(checkedLevelSet(inUnits(*grid, 32)).transform.dx == 256 * dx);
     }
 }
 

@@ -8,11 +8,6 @@
 namespace igeo::test {
 namespace {
 
-/// Between nodes whose normals oppose nothing passes, marked as facing or not.
-bool sameSheet(const Band& band, NodeIndex i, NodeIndex j) {
-    return band.linked(i, j) && dot(band.normal[i], band.normal[j]) >= Band::kOtherSheet;
-}
-
 /// Marched nodes that touch, one by one, from a seed on, and the nodes of the band next to them.
 std::vector<bool> connectedWithSeeds(const Band& band, const Field& field) {
     std::vector<bool> connected(band.size());
@@ -22,12 +17,13 @@ std::vector<bool> connectedWithSeeds(const Band& band, const Field& field) {
     while (!front.empty()) {
         const NodeIndex i = front.back();
         front.pop_back();
-        band.forNeighbours(&BandLeaf::band, band.leaf[i], band.offset[i],
-                           [&](NodeIndex j, int, int, int) {
-                               if (connected[j] || !sameSheet(band, i, j)) return;
-                               connected[j] = true;
-                               if (band.inCore(j)) front.push_back(j);
-                           });
+        band.forNeighbours(
+            &BandLeaf::band, band.leaf[i], band.offset[i], [&](NodeIndex j, int, int, int) {
+                if (connected[j] || !band.linked(i, j) || !(wayBetween(band, i, j) < kInfinity))
+                    return;
+                connected[j] = true;
+                if (band.inCore(j)) front.push_back(j);
+            });
     }
     return connected;
 }
@@ -90,7 +86,8 @@ FieldChecks checkField(const Band& band, const Field& field, Nodes nodes) {
         c.shortcut = std::max(c.shortcut, straight - d);
         for (const int side : {1, 3, 5}) {
             const NodeIndex j = band.neighbour(i, Band::faceStep(side));
-            if (j != kNoNode && sameSheet(band, i, j) && counts(j))
+            if (j != kNoNode && band.linked(i, j) && wayBetween(band, i, j) < kInfinity &&
+                counts(j))
                 c.jump = std::max(c.jump, std::abs(field.distance[i] - field.distance[j]) -
                                               wayBetween(band, i, j));
         }

@@ -50,6 +50,19 @@ Field marchFrom(const Band& band, const std::vector<SurfacePoint>& seeds, int or
     return marchGodunov(band, {}, seeds, options);
 }
 
+SurfacePoint dyadicSeed(const Band& band, const Vec3d& p) {
+    SurfacePoint seed = nearestSurfacePoint(band, p);
+    for (int a = 0; a < 3; ++a)
+        seed.pIndex[a] = std::round(std::ldexp(seed.pIndex[a], 20)) / (1 << 20);
+    return seed;
+}
+
+SurfacePoint shifted(SurfacePoint seed, const Band& from, const Band& to, const Ijk& by) {
+    seed.pIndex += Vec3d(by);
+    seed.node = to.nodeAt(from.ijk(seed.node) + by);
+    return seed;
+}
+
 openvdb::FloatGrid::Ptr mapVoxels(const openvdb::FloatGrid& grid,
                                   const std::function<Ijk(const Ijk&)>& map) {
     auto mapped = openvdb::FloatGrid::create(grid.background());

@@ -36,6 +36,11 @@ inline double roundingTolerance(const Field& field, int order, double godunov) {
 Field march(const Band& band, const std::vector<Vec3d>& seeds, int order);
 Field marchFrom(const Band& band, const std::vector<SurfacePoint>& seeds, int order);
 
+/// The point of S nearest to p with coordinates in multiples of 2^-20 voxels, which shifts by up to
+/// 2^32 voxels do not round; and the seed of a band that was shifted so.
+SurfacePoint dyadicSeed(const Band& band, const Vec3d& p);
+SurfacePoint shifted(SurfacePoint seed, const Band& from, const Band& to, const Ijk& by);
+
 /// The grid whose voxel map(ijk) has the value of `grid` at ijk; same transform.
 openvdb::FloatGrid::Ptr mapVoxels(const openvdb::FloatGrid& grid,
                                   const std::function<Ijk(const Ijk&)>& map);
