@@ -207,9 +207,13 @@ Similarity similarityOf(const openvdb::math::Transform& transform, const std::st
         size[std::size_t(a)] = length(s.axis[std::size_t(a)]);
     }
     s.origin = {m(3, 0), m(3, 1), m(3, 2)};
-    // They agree to kTolerance, or are refused. Not by their product: std::cbrt may round the root
-    // of 8 x in another way than that of x, and distances should not depend on the unit.
-    s.dx = (size[0] + size[1] + size[2]) / 3;
+    // Of numbers between 1/2 and 1: std::cbrt may round the root of 8 x in another way than that of
+    // x, and distances should not depend on the unit.
+    int exponent = 0;
+    std::frexp(size[0], &exponent);
+    for (double& v : size) v = std::ldexp(v, -exponent);
+    s.dx = std::ldexp(std::cbrt(size[0] * size[1] * size[2]), exponent);
+    for (double& v : size) v = std::ldexp(v, exponent);
     constexpr double kTolerance = 1e-5;
     if (!(s.dx > 0) || !std::isfinite(s.dx))
         throw Error(Kind::BadInput, "the voxel size is not a positive number" + at, remedy);
@@ -229,7 +233,7 @@ Similarity similarityOf(const openvdb::math::Transform& transform, const std::st
                             format(", %g; all three must agree", size[2]) + at,
                         remedy);
     for (auto& axis : s.axis) axis *= 1 / s.dx;
-    // Exactly dx where the map says so: 3 dx / 3 may be off in the last bit.
+    // Exactly dx where the map says so: cbrt(dx^3) may be off in the last bit.
     if (size[0] == size[1] && size[1] == size[2]) s.dx = size[0];
     return s;
 }

@@ -43,9 +43,10 @@ struct LevelSet {
 /// Checks a grid and describes it.
 ///
 /// Asks for a transform of uniform scale, rotation and translation, indices within +-2^30, finite
-/// values, both signs, and |grad psi| near 1; judged by shares, since distances of real models have creases and medial
-/// axes. Fewer than 1 in 5 voxels next to the surface at a change of sign (closed surfaces: more
-/// than half) means an open surface was converted: psi is then next to nowhere negative.
+/// values, both signs, and |grad psi| near 1; judged by shares, since distances of real models have
+/// creases and medial axes. Fewer than 1 in 5 voxels next to the surface at a change of sign
+/// (closed surfaces: more than half) means an open surface was converted: psi is then next to
+/// nowhere negative.
 /// @throws Error  BadInput with what to do about it
 /// Time O(active voxels), in parallel.
 LevelSet checkLevelSet(LoadedGrid loaded, Progress& progress = Progress::none());

@@ -67,9 +67,10 @@ TEST_CASE("units scaled by a power of two scale distances bitwise") {
 TEST_CASE("the voxel size of a turned grid scales with the unit bitwise") {
     // The three sides of a turned voxel differ in their last bits, and what they agree on is
     // rounded.
-    const auto grid = torusGrid();
     for (int k = 0; k < 50; ++k) {
-        grid->setTransform(rotatedTransform(0.7 + 0.011 * k, {1, 2, 3}, 7.0 * k, {0, 0, 0}));
+        const double side = 0.7 + 0.011 * k;
+        const auto grid = inUnits(*torusGrid(), side);
+        grid->setTransform(rotatedTransform(side, {1, 2, 3}, 7.0 * k, {0, 0, 0}));
         const double dx = checkedLevelSet(inUnits(*grid, 0.125)).transform.dx;
         INFO("turned by " << 7 * k);
         CHECK(checkedLevelSet(inUnits(*grid, 32)).transform.dx == 256 * dx);
