@@ -60,7 +60,8 @@ TEST_CASE("surfaceMesh: surfaces that nobody chose give closed meshes") {
     for (const unsigned seed : {3u, 7u, 21u})
         for (const double blend : {0.0, 3.0}) {
             INFO("surface " << seed << ", blend " << blend);
-            const Topology t = topologyOf(meshed(randomLevelSet(seed, blend, *unit), {{0, 0, 0}}).mesh);
+            const Topology t =
+                topologyOf(meshed(randomLevelSet(seed, blend, *unit), {{0, 0, 0}}).mesh);
             CHECK(t.closed());
             CHECK(t.sameWay == 0);
             CHECK(t.euler % 2 == 0);
