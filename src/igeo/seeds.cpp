@@ -56,17 +56,22 @@ std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, doubl
         seeds.back().joined = seeds.size() > 1;
         return true;
     };
-    const std::size_t stretches = curve.closed && n > 2 ? n : n - 1;
-    for (std::size_t k = 0; k < n; ++k)
-        if (const double off = nearestSurfacePoint(band, curve.points[k]).snapDistance;
-            !(off <= snap))
+    std::vector<Vec3d> corners;
+    for (std::size_t k = 0; k < n; ++k) {
+        const SurfacePoint p = nearestSurfacePoint(band, curve.points[k]);
+        if (!(p.snapDistance <= snap))
             throw Error(Kind::InvalidArgument,
-                        "point " + std::to_string(k) + " of a curve is " + std::to_string(off) +
-                            " voxels from the surface, " + std::to_string(snap) + " are allowed",
+                        "point " + std::to_string(k) + " of a curve is " +
+                            std::to_string(p.snapDistance) + " voxels from the surface, " +
+                            std::to_string(snap) + " are allowed",
                         "move it there or raise --snap");
-    add(nearestSurfacePoint(band, curve.points[0]));
+        corners.push_back(p.pIndex);
+    }
+    const std::size_t stretches = curve.closed && n > 2 ? n : n - 1;
+    add(nearestSurfacePoint(band, corners[0]));
     for (std::size_t k = 0; k < stretches; ++k) {
-        const Vec3d &a = curve.points[k], &b = curve.points[(k + 1) % n];
+        // Between points of S, so that there are no more steps than the surface is wide.
+        const Vec3d &a = corners[k], &b = corners[(k + 1) % n];
         // No way of so many voxels runs over fewer nodes.
         const bool tooFar = length(b - a) > 2 * double(band.size());
         const auto steps = tooFar ? 1 : std::max(1, int(std::ceil(length(b - a) / kPiece)));

@@ -70,9 +70,9 @@ struct Curve {
     double start = 0;     ///< distance at which its front starts
 };
 
-/// A curve as seeds: its points and what lies between them, moved onto S at steps of half a voxel,
-/// as pieces from each to the next. Off by the height of S over chords of half a voxel, 0.03 / R
-/// voxels at curvature 1 / R.
+/// A curve as seeds: its points moved onto S, and the straight lines between them, at steps of half
+/// a voxel, as pieces from each to the next. Off by the height of S over chords of half a voxel,
+/// 0.03 / R voxels at curvature 1 / R.
 /// @param curve index space; `start` in voxels
 /// @param snap  how far its points may be from S, voxels
 /// @throws Error  InvalidArgument for a curve without points, a point further than `snap` from S,

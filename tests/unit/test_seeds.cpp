@@ -77,8 +77,7 @@ TEST_CASE("seedsAlong: pieces of half a voxel from end to end") {
         for (const SurfacePoint& s : seeds) {
             CHECK(length(s.pIndex - end) < 1e-9);
             CHECK(std::abs(s.pIndex.z - 0.2) < 1e-6);
-            // Steps of half a voxel, stretched where points are moved onto S.
-            CHECK(length(s.piece) < 1);
+            CHECK(length(s.piece) < 0.5 + 1e-9);
             CHECK(s.start == 2);
             CHECK(s.joined == (&s != &seeds.front()));
             end = s.pIndex + s.piece;
@@ -87,6 +86,13 @@ TEST_CASE("seedsAlong: pieces of half a voxel from end to end") {
     }
     curve.points = {{3, 3, 0}};
     CHECK(seedsAlong(band, curve, 1).size() == 1);
+}
+
+TEST_CASE("seedsAlong: a point far away makes no more pieces than the surface is wide") {
+    const Band sphere = sphereBand({0, 0, 0}, 10, 1.8);
+    const auto seeds = seedsAlong(sphere, {{{10, 0, 0}, {2e5, 2e4, 0}}, false, 0}, 1e6);
+    // atan(0.1) of 10 voxels, twice per voxel, the start, and one for rounding up.
+    CHECK(seeds.size() <= 4);
 }
 
 TEST_CASE("seedsAlong: curves off the surface are refused") {
