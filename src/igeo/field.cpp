@@ -22,6 +22,10 @@ void Field::summarise() {
     });
     source = sourcesOf(seeds);
     seedsNear = SeedsNear(seeds, startRadius);
+    if (!seeds.empty())
+        first = std::min_element(seeds.begin(), seeds.end(), [](auto& a, auto& b) {
+                    return a.start < b.start;
+                })->start;
     reached = 0;
     maxDistance = 0;
     for (const Part& part : parts) {
@@ -162,8 +166,10 @@ double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field,
 double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
                       const Vec3d& side) {
     const SurfaceCell cell(band, *field.metric, pIndex, side);
+    // Beside a seed in a groove jets are carried on past it.
     const double d =
-        field.atFootPoints ? sampleJets(band, cell, field, pIndex) : sampleVoxels(cell, field);
+        std::max(field.first, field.atFootPoints ? sampleJets(band, cell, field, pIndex)
+                                                 : sampleVoxels(cell, field));
     const SurfacePoint* const s = seedAround(field, pIndex, cell.normal, d);
     if (!s) return d;
     const double straight = s->start + costToSeed(field, *s, pIndex, cell.normal);

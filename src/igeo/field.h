@@ -34,12 +34,13 @@ struct Field {
     std::string scheme;                             ///< what computed it, e.g. "godunov, order 2"
     double startRadius = 0;     ///< within it, distances around seeds are exact; voxels
     std::size_t reached = 0;    ///< nodes with a finite distance
+    double first = 0;           ///< the least start value of its seeds
     double maxDistance = 0;     ///< the largest finite distance
     bool stoppedEarly = false;  ///< a limit ended the march: +inf need not mean unconnected
 
     std::size_t sourceCount() const { return source.empty() ? 0 : source.back() + 1; }
 
-    /// Sets `reached`, `maxDistance`, `source` and `seedsNear`.
+    /// Sets `reached`, `first`, `maxDistance`, `source` and `seedsNear`.
     void summarise();
 };
 
@@ -75,7 +76,7 @@ double wayCost(const Band& band, const Metric& metric, const Vec3d& a, const Vec
 
 /// d at a point of S: trilinear over the reached corners of its cell, +inf if there are none;
 /// within a start disc the straight distance to its seed, as trilinear interpolation blunts the
-/// cone there.
+/// cone there. Never below the least start value.
 /// @param side normal of the sheet that is meant, where two face each other within a cell
 double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
                       const Vec3d& side = {});

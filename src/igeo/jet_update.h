@@ -287,18 +287,19 @@ inline Jet guardedUpdate(const JetNeighbours& all) {
 /// guard, as is every fit over a crease: it stands if they agree within 0.01.
 /// @return u = +inf without neighbours
 inline Jet jetUpdate(const JetNeighbours& all) {
-    constexpr float kResidual = 0.02f, kDoubt = 2e-3f, kSlack = 1e-3f;
+    constexpr float kResidual = 0.02f, kDoubt = 2e-3f, kSlack = 1e-3f, kFocus = 0.2f;
     constexpr double kAgree = 0.01;
     Jet best;
     if (all.count() == 0) return best;
     std::array<float, JetNeighbours::kMax> carried;
-    float bound = float(kInfinity), worst = 0;
+    float bound = float(kInfinity), straight = float(kInfinity), worst = 0;
     bool between = true;  // or in the open, where it makes no difference
     int first = 0;
     for (int k = 0; k < all.count(); ++k) {
         const float len = all.len(k);
         carried[std::size_t(k)] = jet::carry(all, k, len);
         bound = std::min(bound, all.u(k) + len);
+        straight = std::min(straight, all.u(k) + dot(all.g(k), all.a(k)));
         if (carried[std::size_t(k)] < carried[std::size_t(first)]) first = k;
     }
     auto tryFront = [&](int k) {
@@ -306,6 +307,8 @@ inline Jet jetUpdate(const JetNeighbours& all) {
         Jet jet = jet::fitFront(all, all.g(k), residual);
         jet.from = k;
         if (!(jet.u - all.base() <= double(bound + kSlack)) || residual > kResidual) return false;
+        // Below all straight fronts: two neighbours always agree, however wrong.
+        if (jet.u - all.base() < double(straight - kFocus)) worst = kDoubt;
         worst = std::max(worst, residual);
         between &= jet.between || !all.rim;
         if (jet.u < best.u) best = jet;
