@@ -287,7 +287,7 @@ int Batch::run() {
             group.end());
         if (!group.empty()) runGroup(group);
     }
-    writeSummary();
+    if (!unsaid_.empty()) writeSummary();
     return tellEnd();
 }
 
@@ -322,7 +322,7 @@ void Batch::runGroup(const Numbers& group) {
     });
     if (!stop) return;
     try {
-        writeSummary();
+        if (!unsaid_.empty()) writeSummary();
     } catch (const std::exception&) {
         // The first trouble is the one to tell of.
     }

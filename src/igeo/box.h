@@ -4,6 +4,7 @@
 #include <igeo/types.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace igeo {
@@ -22,6 +23,12 @@ struct Box {
     }
     Vec3d size() const { return high - low; }
     double longestSide() const { return std::max({size().x, size().y, size().z}); }
+    /// The largest |coordinate|.
+    double farthest() const {
+        double most = 0;
+        for (int a = 0; a < 3; ++a) most = std::max({most, std::abs(low[a]), std::abs(high[a])});
+        return most;
+    }
 };
 
 }  // namespace igeo

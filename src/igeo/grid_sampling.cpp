@@ -34,9 +34,7 @@ public:
 
     Sample at(const Vec3d& pIndex) const {
         const Vec3d p = map_(pIndex);
-        // Beyond the indices that there are; they end at 2^31.
-        if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < 2147483000.0))
-            return {Sum(background_), false, false};
+        if (!hasIjk(p)) return {Sum(background_), false, false};
         const Ijk low = floorToIjk(p);
         const Vec3d t = p - Vec3d(low);
         Sample s;

@@ -258,18 +258,16 @@ void judgeGradient(LevelSet& s) {
                    100 * (1 - st.gradientShare)));
 }
 
-/// Within 2^30 of the origin every difference of two coordinates and every box fits into 32 bits,
-/// in OpenVDB's own tools as well.
 void judgeExtent(const LevelSet& s) {
-    constexpr std::int32_t kFarthest = 1 << 30;
     for (const Leaf* leaf : leavesOf(*s.psi))
         for (int a = 0; a < 3; ++a)
-            if (const openvdb::Coord o = leaf->origin(); o[a] <= -kFarthest || o[a] >= kFarthest)
+            if (const openvdb::Coord o = leaf->origin();
+                o[a] <= -kFarthestIndex || o[a] >= kFarthestIndex)
                 throw Error(Kind::BadInput,
                             "voxels at index " + std::to_string(o.x()) + "," +
                                 std::to_string(o.y()) + "," + std::to_string(o.z()) +
                                 ": indices must lie within -2^30 and 2^30 (" +
-                                std::to_string(kFarthest) + ")" + where(s),
+                                std::to_string(kFarthestIndex) + ")" + where(s),
                             "give the grid indices near 0 and put where it lies into its "
                             "transform");
 }

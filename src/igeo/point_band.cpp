@@ -55,15 +55,11 @@ void requireRange(const PointSurface& surface, PointBandKind kind, double dx, do
                         " apart, it takes " + number(least * dx) + " (" + number(least) +
                         " voxels) at least",
                     "widen the band");
-    double farthest = 0;
-    for (int a = 0; a < 3; ++a)
-        farthest = std::max({farthest, std::abs(box.low[a]), std::abs(box.high[a])});
-    constexpr double kFarthest = 1 << 30;
-    if (!(farthest / dx < kFarthest))
+    if (const double farthest = box.farthest(); !(farthest / dx < kFarthestIndex))
         throw Error(Kind::BadInput,
                     surface.file() + ": a coordinate of " + number(farthest) + " is " +
                         number(farthest / dx) + " voxels from the origin; up to " +
-                        number(kFarthest) + " can be numbered",
+                        number(kFarthestIndex) + " can be numbered",
                     "move the cloud to the origin");
 }
 

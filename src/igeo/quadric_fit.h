@@ -28,11 +28,7 @@ class QuadricFit {
 public:
     /// @param radius  by which u and v are divided, so that all terms are of the same size
     QuadricFit(const Vec3d& normal, double radius) : n_(normal), radius_(radius) {
-        const Vec3d m{std::abs(n_.x), std::abs(n_.y), std::abs(n_.z)};
-        const Vec3d axis = m.x <= m.y && m.x <= m.z ? Vec3d{1, 0, 0}
-                           : m.y <= m.z             ? Vec3d{0, 1, 0}
-                                                    : Vec3d{0, 0, 1};
-        s_ = normalized(cross(n_, axis));
+        s_ = anyNormalTo(n_);
         t_ = cross(n_, s_);
     }
 

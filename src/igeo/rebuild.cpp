@@ -30,17 +30,16 @@ void requireFinite(const LoadedGrid& volume) {
 
 /// The same voxels with voxel 0 at the origin of the world: OpenVDB rebuilds in single precision.
 openvdb::FloatGrid::Ptr atOrigin(const LoadedGrid& volume) {
-    constexpr int kFarthest = 1 << 17;  // half a unit in the last place is 0.004 voxels
     const openvdb::CoordBBox box = volume.grid->evalActiveVoxelBoundingBox();
     if (!box.empty())
         for (int a = 0; a < 3; ++a)
-            if (box.min()[a] < -kFarthest || box.max()[a] > kFarthest)
+            if (box.min()[a] < -kFarthestInFloat || box.max()[a] > kFarthestInFloat)
                 throw Error(Error::Kind::BadInput,
                             "voxels at index " + std::to_string(box.min()[a]) + " to " +
                                 std::to_string(box.max()[a]) +
                                 ": a volume is rebuilt in single "
                                 "precision, which is good for indices up to " +
-                                std::to_string(kFarthest) + where(volume),
+                                std::to_string(kFarthestInFloat) + where(volume),
                             "give the grid indices near 0 and put where it lies into its "
                             "transform");
     openvdb::math::Transform::Ptr transform = volume.grid->transform().copy();

@@ -72,15 +72,20 @@ std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, doubl
     for (std::size_t k = 0; k < stretches; ++k) {
         // Between points of S, so that there are no more steps than the surface is wide.
         const Vec3d &a = corners[k], &b = corners[(k + 1) % n];
-        // No way of so many voxels runs over fewer nodes.
-        const bool tooFar = length(b - a) > 2 * double(band.size());
-        const auto steps = tooFar ? 1 : std::max(1, int(std::ceil(length(b - a) / kPiece)));
-        for (int s = 1; s <= steps; ++s)
-            if (tooFar || !add(nearestSurfacePoint(band, a + (double(s) / steps) * (b - a))))
-                throw Error(Kind::InvalidArgument,
-                            "between points " + std::to_string(k) + " and " +
-                                std::to_string((k + 1) % n) + " a curve leaves the surface",
-                            "give more points along the surface there");
+        auto staysOnSurface = [&] {
+            // No way of so many voxels runs over fewer nodes.
+            if (length(b - a) > 2 * double(band.size())) return false;
+            const auto steps = std::max(1, int(std::ceil(length(b - a) / kPiece)));
+            for (int s = 1; s <= steps; ++s)
+                if (!add(nearestSurfacePoint(band, a + (double(s) / steps) * (b - a))))
+                    return false;
+            return true;
+        };
+        if (!staysOnSurface())
+            throw Error(Kind::InvalidArgument,
+                        "between points " + std::to_string(k) + " and " +
+                            std::to_string((k + 1) % n) + " a curve leaves the surface",
+                        "give more points along the surface there");
     }
     // Back where it began.
     if (stretches == n) seeds.pop_back();

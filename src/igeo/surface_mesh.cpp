@@ -27,13 +27,12 @@ struct Extracted {
 Extracted extract(const openvdb::FloatGrid& psi) {
     // The same tree in coordinates of voxels from its corner, as points come in single precision.
     const openvdb::CoordBBox box = psi.evalActiveVoxelBoundingBox();
-    constexpr int kWidest = 1 << 17;  // half a unit in the last place is 0.004 voxels
-    if (box.dim()[box.maxExtent()] > kWidest)
+    if (box.dim()[box.maxExtent()] > kFarthestInFloat)
         throw Error(Error::Kind::BadInput,
                     "the surface is " + std::to_string(box.dim()[box.maxExtent()]) +
                         " voxels across; OpenVDB places the vertices of meshes in single "
                         "precision, which is good for " +
-                        std::to_string(kWidest),
+                        std::to_string(kFarthestInFloat),
                     "ask for no mesh of it, or for each of its pieces by itself");
     const openvdb::Coord low = box.min();
     const auto grid =

@@ -38,7 +38,7 @@ Nearest nearestAmongAll(const Band& band, const Vec3d& p) {
 Nearest nearestAround(const Band& band, const Vec3d& p) {
     Nearest best;
     // Far outside the range of Ijk no voxel can be near.
-    if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < 2147483000.0)) return best;
+    if (!hasIjk(p)) return best;
     const Ijk centre = roundToIjk(p);
     for (int x = -2; x <= 2; ++x)
         for (int y = -2; y <= 2; ++y)

@@ -12,12 +12,7 @@ public:
     /// @param faceted as Band::faceted
     explicit TangentFrame(const Vec3f& normal, bool faceted = false)
         : n_(normal), crease_(faceted ? kEdge : kCrease) {
-        // The coordinate axis furthest from n keeps the cross product long.
-        const Vec3f m{std::abs(n_.x), std::abs(n_.y), std::abs(n_.z)};
-        const Vec3f axis = m.x <= m.y && m.x <= m.z ? Vec3f{1, 0, 0}
-                           : m.y <= m.z             ? Vec3f{0, 1, 0}
-                                                    : Vec3f{0, 0, 1};
-        t1_ = normalized(cross(n_, axis));
+        t1_ = anyNormalTo(n_);
         t2_ = cross(n_, t1_);
     }
     const Vec3f& normal() const { return n_; }

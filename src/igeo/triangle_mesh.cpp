@@ -278,10 +278,7 @@ void requireReasonable(const TriangleMesh& mesh, double dx, double halfWidth) {
                     "a voxel size of " + number(dx) + " is not a positive number" + where,
                     "give a length in the units of the mesh");
     const Box box(mesh.points);
-    constexpr double kMostVoxels = 1e9, kFurthest = 1 << 30;
-    double furthest = 0;
-    for (int a = 0; a < 3; ++a)
-        furthest = std::max({furthest, std::abs(box.low[a]), std::abs(box.high[a])});
+    constexpr double kMostVoxels = 1e9;
     const double voxels = estimatedVoxels(mesh, dx, halfWidth);
     if (!(voxels <= kMostVoxels))
         throw Error(Kind::InvalidArgument,
@@ -289,10 +286,11 @@ void requireReasonable(const TriangleMesh& mesh, double dx, double halfWidth) {
                         " voxels, " + number(kMostVoxels) + " are the most" + where,
                     "take a voxel size of " + number(dx * std::sqrt(voxels / kMostVoxels)) +
                         " or more; its bounding box is " + number(length(box.size())) + " across");
-    if (!(furthest / dx < kFurthest))
+    if (const double farthest = box.farthest() / dx; !(farthest < kFarthestIndex))
         throw Error(Kind::InvalidArgument,
-                    "at a voxel size of " + number(dx) + " the mesh lies " + number(furthest / dx) +
-                        " voxels from the origin, " + number(kFurthest) + " are the most" + where,
+                    "at a voxel size of " + number(dx) + " the mesh lies " + number(farthest) +
+                        " voxels from the origin, " + number(kFarthestIndex) + " are the most" +
+                        where,
                     "move the mesh to the origin, or take larger voxels");
 }
 

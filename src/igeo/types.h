@@ -20,6 +20,13 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using NodeIndex = std::uint32_t;
 constexpr NodeIndex kNoNode = std::numeric_limits<NodeIndex>::max();
 
+/// Voxels lie nearer to the origin in every axis: every difference of two indices and every box
+/// fits into 32 bits, in OpenVDB's own tools as well.
+constexpr std::int32_t kFarthestIndex = 1 << 30;
+/// Up to here positions in single precision, which some of OpenVDB's tools take, are right to 0.004
+/// voxels: half a unit in the last place.
+constexpr std::int32_t kFarthestInFloat = 1 << 17;
+
 template <typename T>
 struct Vec3 {
     T x{}, y{}, z{};
@@ -72,6 +79,20 @@ Vec3<T> normalized(const Vec3<T>& a) {
 template <typename T>
 constexpr Vec3<T> tangential(const Vec3<T>& a, const Vec3<T>& n) {
     return a - dot(a, n) * n;
+}
+/// A unit vector orthogonal to the unit vector `n`.
+template <typename T>
+Vec3<T> anyNormalTo(const Vec3<T>& n) {
+    // The coordinate axis furthest from n keeps the cross product long.
+    const Vec3<T> m{std::abs(n.x), std::abs(n.y), std::abs(n.z)};
+    const Vec3<T> axis = m.x <= m.y && m.x <= m.z ? Vec3<T>{1, 0, 0}
+                         : m.y <= m.z             ? Vec3<T>{0, 1, 0}
+                                                  : Vec3<T>{0, 0, 1};
+    return normalized(cross(n, axis));
+}
+/// Whether the voxels around a position have 32-bit indices.
+inline bool hasIjk(const Vec3d& p) {
+    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < 2147483000.0;
 }
 inline Ijk roundToIjk(const Vec3d& p) {
     return {std::int32_t(std::floor(p.x + 0.5)), std::int32_t(std::floor(p.y + 0.5)),

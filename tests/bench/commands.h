@@ -2,7 +2,7 @@
 /// but the library and OpenVDB. Each prints one line of JSON.
 #pragma once
 
-#include "arguments.h"
+#include <support/arguments.h>
 
 namespace igeo::test {
 

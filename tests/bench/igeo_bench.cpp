@@ -13,6 +13,7 @@
 #include <igeo/jet.h>
 #include <igeo/level_set_band.h>
 #include <igeo/parallel.h>
+#include <support/arguments.h>
 #include <support/errors.h>
 #include <support/openvdb.h>
 #include <support/shapes.h>
@@ -23,7 +24,6 @@
 #include <map>
 #include <string>
 
-#include "arguments.h"
 #include "commands.h"
 #include "stages.h"
 #include "sweep.h"

@@ -4,6 +4,7 @@
 #include "property.h"
 
 #include <openvdb/openvdb.h>
+#include <support/arguments.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -68,14 +69,14 @@ std::size_t run(unsigned first, unsigned cases) {
 }  // namespace igeo::test
 
 int main(int argc, char** argv) {
-    unsigned first = 1, cases = 30;
-    for (int k = 1; k < argc; k += 2) {
-        const std::string name = argv[k];
-        if (k + 1 == argc || (name != "--first" && name != "--cases")) {
-            std::fprintf(stderr, "usage: igeo_properties [--cases N] [--first K]\n");
-            return 2;
-        }
-        (name == "--first" ? first : cases) = unsigned(std::stoul(argv[k + 1]));
+    unsigned first = 0, cases = 0;
+    try {
+        const igeo::test::Arguments args(argc, argv, 1);
+        args.require({"first", "cases"});
+        first = unsigned(args.number("first", 1)), cases = unsigned(args.number("cases", 30));
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "%s\nusage: igeo_properties [--cases N] [--first K]\n", e.what());
+        return 2;
     }
     std::setvbuf(stdout, nullptr, _IOLBF, 0);  // what was seen before a crash is to be seen
     openvdb::initialize();

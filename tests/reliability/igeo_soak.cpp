@@ -17,6 +17,7 @@
 #include <igeo/surface_mesh.h>
 #include <igeo/vdb_io.h>
 #include <malloc.h>
+#include <support/arguments.h>
 #include <support/clouds.h>
 #include <support/errors.h>
 #include <support/field_checks.h>
@@ -197,14 +198,14 @@ bool soak(unsigned runs, unsigned warmUp) {
 }  // namespace igeo::test
 
 int main(int argc, char** argv) {
-    unsigned runs = 1000, warmUp = 100;
-    for (int k = 1; k < argc; k += 2) {
-        const std::string name = argv[k];
-        if (k + 1 == argc || (name != "--runs" && name != "--warm-up")) {
-            std::fprintf(stderr, "usage: igeo_soak [--runs N] [--warm-up N]\n");
-            return 2;
-        }
-        (name == "--runs" ? runs : warmUp) = unsigned(std::stoul(argv[k + 1]));
+    unsigned runs = 0, warmUp = 0;
+    try {
+        const igeo::test::Arguments args(argc, argv, 1);
+        args.require({"runs", "warm-up"});
+        runs = unsigned(args.number("runs", 1000)), warmUp = unsigned(args.number("warm-up", 100));
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "%s\nusage: igeo_soak [--runs N] [--warm-up N]\n", e.what());
+        return 2;
     }
     openvdb::initialize();
     return igeo::test::soak(runs, warmUp) ? 0 : 1;

@@ -20,10 +20,10 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "bench/arguments.h"
 #include "bench/extracted_mesh.h"
 #include "bench/stages.h"
 #include "peer.h"
+#include "support/arguments.h"
 
 namespace igeo::test {
 namespace {

@@ -1,9 +1,11 @@
-/// Arguments of the bench programs: --name value, in any order.
+/// Arguments of bench and test programs: --name value, in any order.
 #pragma once
 
 #include <igeo/types.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <initializer_list>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -21,6 +23,12 @@ struct Arguments {
                 throw std::runtime_error("expected --name value at '" + name + "'");
             values[name.substr(2)] = argv[k + 1];
         }
+    }
+    /// Refuses names other than these.
+    void require(std::initializer_list<const char*> known) const {
+        for (const auto& [name, value] : values)
+            if (std::find(known.begin(), known.end(), name) == known.end())
+                throw std::runtime_error("unknown option --" + name);
     }
     bool has(const std::string& name) const { return values.count(name) > 0; }
     double number(const std::string& name, double otherwise) const {
