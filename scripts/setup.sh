@@ -2,7 +2,7 @@
 # Installs what the build and the tests need, from Debian's own packages.
 #
 # usage: scripts/setup.sh [--dev] [--viewer] [--slurm]
-#   --dev      also what scripts/check.sh needs: clang, clang-format, clang-tidy, valgrind
+#   --dev      also what scripts/check.sh needs: clang, clang-format, clang-tidy, lintian, valgrind
 #   --viewer   also what the tests labelled viewer need: an X server without a screen, OpenGL
 #   --slurm    also what the test labelled slurm needs: Slurm and MUNGE, run without a service
 #
@@ -21,9 +21,11 @@ packages=(
     python3 python3-jsonschema         # the tests check reports against their schema
     groff-base                         # and that the manual page is one
     parallel                           # and batches in shards
+    pkg-config python3-yaml            # and what is installed or packed
+    dpkg-dev file                      # cpack makes the dependencies of a .deb with them
     ca-certificates
 )
-dev_packages=(clang clang-format clang-tidy libclang-rt-dev valgrind)
+dev_packages=(clang clang-format clang-tidy libclang-rt-dev lintian valgrind)
 viewer_packages=(xvfb xdotool libgl1-mesa-dri)
 slurm_packages=(slurmctld slurmd slurm-client munge)
 
