@@ -1,58 +1,131 @@
-# The least versions that will do; docs/dependencies.md has those that the tests were run with.
+# What igeo is built with: the least version that works (docs/dependencies.md has those that the
+# tests were run with), and Debian's name of the package.
 set(igeo_least_OpenVDB 10.0)
 set(igeo_least_TBB 2021.0)
 set(igeo_least_PNG 1.6)
 set(igeo_least_assimp 5.0)
+set(igeo_least_nlohmann_json 3.7)
+set(igeo_least_CLI11 2.1)
+set(igeo_least_Catch2 2.13)
+set(igeo_debian_OpenVDB libopenvdb-dev)
+set(igeo_debian_TBB libtbb-dev)
+set(igeo_debian_ZLIB zlib1g-dev)
+set(igeo_debian_PNG libpng-dev)
+set(igeo_debian_assimp libassimp-dev)
+set(igeo_debian_Boost libboost-iostreams-dev)
+set(igeo_debian_nlohmann_json nlohmann-json3-dev)
+set(igeo_debian_CLI11 libcli11-dev)
+set(igeo_debian_Catch2 catch2)
 
-# Appends to `list_var` those of the packages that were not found, with the version that is asked for
-# and the one that is there.
+# Appends to `list_var` those of the packages that were not found or are too old.
 function(igeo_list_missing list_var)
     foreach(package IN LISTS ARGN)
-        set(least ${igeo_least_${package}})
         set(there ${${package}_VERSION} ${${package}_CONSIDERED_VERSIONS} ${${package}_VERSION_STRING})
         list(GET there 0 there)
-        # Find modules may find a version that is too old and not say so.
-        if(${package}_FOUND AND NOT (least AND there AND there VERSION_LESS least))
-            continue()
+        set(least ${igeo_least_${package}})
+        if(NOT ${package}_FOUND OR (least AND there AND there VERSION_LESS least))
+            list(APPEND ${list_var} ${package})
+            set(igeo_there_${package} "${there}" PARENT_SCOPE)
         endif()
-        if(least)
-            string(APPEND package " ${least} or newer")
-        endif()
-        if(there)
-            string(APPEND package " (${there} is there)")
-        endif()
-        list(APPEND ${list_var} "${package}")
     endforeach()
     set(${list_var} "${${list_var}}" PARENT_SCOPE)
 endfunction()
 
+# Sets `out_var` to what a person needs to know of the packages of igeo_list_missing: one message
+# that names them all, with the version seen and the version needed, and how to install them.
+function(igeo_describe_missing out_var)
+    set(text "")
+    set(debian "")
+    foreach(package IN LISTS ARGN)
+        string(APPEND text "\n  ${package}")
+        if(igeo_least_${package})
+            string(APPEND text " ${igeo_least_${package}} or newer")
+        endif()
+        if(igeo_there_${package})
+            string(APPEND text " (${igeo_there_${package}} is there)")
+        endif()
+        list(APPEND debian ${igeo_debian_${package}})
+    endforeach()
+    list(JOIN debian " " debian)
+    set(${out_var} "${text}
+Debian, Ubuntu: apt-get install ${debian}
+Elsewhere: install them under these names, and give their prefix: -DCMAKE_PREFIX_PATH=PREFIX"
+        PARENT_SCOPE)
+endfunction()
+
+# OpenVDB has a find module and no config. Sets `out_var` to the folder of the module: under one of
+# the prefixes that find_package searches, in the folders of Debian, Fedora, conda, Homebrew (lib,
+# lib64, lib/<architecture>) and vcpkg (share/openvdb).
+function(igeo_find_openvdb_module out_var)
+    set(prefixes ${OpenVDB_ROOT} $ENV{OpenVDB_ROOT} ${OPENVDB_ROOT} $ENV{OPENVDB_ROOT}
+        ${CMAKE_PREFIX_PATH})
+    string(REPLACE ":" ";" in_environment "$ENV{CMAKE_PREFIX_PATH}:$ENV{CONDA_PREFIX}:$ENV{HOMEBREW_PREFIX}")
+    list(APPEND prefixes ${in_environment} ${CMAKE_SYSTEM_PREFIX_PATH} /opt/homebrew)
+    foreach(prefix IN LISTS prefixes)
+        foreach(folder lib lib64 lib/${CMAKE_LIBRARY_ARCHITECTURE} lib/${CMAKE_CXX_LIBRARY_ARCHITECTURE})
+            if(EXISTS ${prefix}/${folder}/cmake/OpenVDB/FindOpenVDB.cmake)
+                set(${out_var} ${prefix}/${folder}/cmake/OpenVDB PARENT_SCOPE)
+                return()
+            endif()
+        endforeach()
+        if(EXISTS ${prefix}/share/openvdb/FindOpenVDB.cmake)
+            set(${out_var} ${prefix}/share/openvdb PARENT_SCOPE)
+            return()
+        endif()
+    endforeach()
+    set(${out_var} "" PARENT_SCOPE)
+endfunction()
+
+cmake_policy(PUSH)
+if(POLICY CMP0167)
+    cmake_policy(SET CMP0167 NEW)  # Boost by its own config
+endif()
+
 # Finds what igeo links against, for the build and for the installed igeoConfig.cmake alike.
 #
 # Sets `missing_var` to the names of what was not found. A function, because FindOpenVDB.cmake sets
-# BUILD_SHARED_LIBS and prints as it goes: neither may reach the project that uses igeo.
+# BUILD_SHARED_LIBS and prints as it goes: neither may reach the project that uses igeo. No version
+# is asked for, as configs refuse newer major versions that work; igeo_list_missing compares.
 function(igeo_find_dependencies missing_var)
     set(missing "")
     set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
     set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)  # or a parent of this project could not link igeo
 
     # First and by its own config: OpenVDB's FindTBB.cmake defines TBB::tbb alone, on which a later
-    # find_package(TBB CONFIG), such as VTK's, fails. Boost and zlib: FindOpenVDB.cmake requires
-    # them, Debian's libopenvdb-dev does not bring them.
-    find_package(TBB ${igeo_least_TBB} CONFIG QUIET)
+    # find_package(TBB CONFIG), such as VTK's, fails.
+    find_package(TBB CONFIG QUIET)
     find_package(Threads QUIET)
     find_package(ZLIB QUIET)
-    find_package(PNG ${igeo_least_PNG} QUIET)
-    find_package(assimp ${igeo_least_assimp} QUIET)
-    find_package(Boost QUIET COMPONENTS iostreams)
-    igeo_list_missing(missing TBB Threads ZLIB PNG assimp Boost)
+    find_package(PNG QUIET)
+    find_package(assimp CONFIG QUIET)
+    igeo_list_missing(missing TBB Threads ZLIB PNG assimp)
 
-    # OpenVDB has a find module and no config; Debian keeps it outside CMake's module path. For an
-    # OpenVDB elsewhere, put its lib/cmake/OpenVDB into CMAKE_MODULE_PATH.
-    if(NOT missing)
-        list(APPEND CMAKE_MODULE_PATH
-            /usr/lib/${CMAKE_CXX_LIBRARY_ARCHITECTURE}/cmake/OpenVDB /usr/local/lib/cmake/OpenVDB)
-        find_package(OpenVDB ${igeo_least_OpenVDB} QUIET)
+    igeo_find_openvdb_module(module)
+    find_path(igeo_openvdb_include openvdb/version.h
+        HINTS ${module}/../../../include ${module}/../../../../include ${module}/../../include)
+    mark_as_advanced(igeo_openvdb_include)
+    # OpenVDB 10 requires Boost, and Debian's libopenvdb-dev does not bring it; later ones ask for it
+    # themselves where they were built with it.
+    if(igeo_openvdb_include)
+        file(STRINGS ${igeo_openvdb_include}/openvdb/version.h major
+            REGEX "OPENVDB_LIBRARY_MAJOR_VERSION_NUMBER [0-9]+$")
+        string(REGEX MATCH "[0-9]+$" major "${major}")
+        if(major VERSION_LESS 11)
+            find_package(Boost QUIET COMPONENTS iostreams)
+            igeo_list_missing(missing Boost)
+        endif()
+    endif()
+    # FindOpenVDB.cmake ends the configuration where one of these is missing.
+    if(module AND NOT missing)
+        list(APPEND CMAKE_MODULE_PATH ${module})
+        find_package(OpenVDB QUIET)
+    endif()
+    if(NOT module OR NOT missing)
         igeo_list_missing(missing OpenVDB)
     endif()
+    foreach(package IN LISTS missing)
+        set(igeo_there_${package} "${igeo_there_${package}}" PARENT_SCOPE)
+    endforeach()
     set(${missing_var} "${missing}" PARENT_SCOPE)
 endfunction()
+cmake_policy(POP)

@@ -23,6 +23,7 @@
 #include "matrix_parts.h"
 #include "metric_input.h"
 #include "output_files.h"
+#include "results.h"
 #include "run.h"
 #include "summary.h"
 #include "surface_input.h"
@@ -261,13 +262,13 @@ void Batch::takeOver(const Summary& earlier) {
 
 void Batch::print() const {
     for (const auto& [number, job] : records_) {
-        std::cout << job.name << ": " << (job.exitCode ? "done before" : "to do") << "\n ";
-        std::cout << " implicit-geodesic";
+        results() << job.name << ": " << (job.exitCode ? "done before" : "to do") << "\n ";
+        results() << " implicit-geodesic";
         for (const std::string& argument : jobs_[number].arguments)
-            std::cout << " " << shellWord(argument);
-        std::cout << "\n";
+            results() << " " << shellWord(argument);
+        results() << "\n";
     }
-    std::cout << std::flush;
+    results() << std::flush;
 }
 
 int Batch::run() {

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "results.h"
+
 /// Turns a fault of the program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) into a sentence on
 /// stderr and an exit code: 3 and the file's name while a FileGuard lives, else 1. Unfinished
 /// outputs are removed. Call it in the first thread, which from then on also survives the end of
@@ -41,6 +43,7 @@ public:
 
 private:
     const std::lock_guard<std::mutex> alone_;
+    const LibrariesSilenced silenced_;
     const int exceptions_;  ///< on their way when it was made
 };
 

@@ -15,6 +15,7 @@
 
 #include "guarded_read.h"
 #include "output_files.h"
+#include "results.h"
 #include "run.h"
 #include "surface_input.h"
 #include "usage_error.h"
@@ -104,7 +105,7 @@ std::string describe(const SurfacePiece& p, double dx) {
 class Table {
 public:
     void row(const std::string& name, const std::string& text) {
-        std::cout << name << std::string(name.size() < kWidth ? kWidth - name.size() : 1, ' ')
+        results() << name << std::string(name.size() < kWidth ? kWidth - name.size() : 1, ' ')
                   << text << "\n";
     }
 
@@ -194,7 +195,7 @@ void print(const FileSurvey& file) {
                          stats.gradientMedian, 100 * stats.gradientShare));
     if (file.surface) printSurface(table, file);
     for (const std::string& warning : file.warnings) table.row("warning", warning);
-    std::cout << file.verdict() << std::endl;
+    results() << file.verdict() << std::endl;
 }
 
 /// Surveys what --mesh or --points takes.

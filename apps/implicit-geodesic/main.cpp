@@ -7,6 +7,7 @@
 #include "guarded_read.h"
 #include "info.h"
 #include "options.h"
+#include "results.h"
 #include "run.h"
 
 namespace {
@@ -43,6 +44,7 @@ int start(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     openStandardStreams();
+    reserveStdout();
     catchFaults();
     try {
         return start(argc, argv);

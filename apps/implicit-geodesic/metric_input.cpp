@@ -99,8 +99,10 @@ void MetricInput::readObstacles(const igeo::Similarity& transform) {
     }
     for (const std::string& given : options_.obstacles) {
         const igeo::GridSource source = igeo::parseGridSource(given);
-        obstacles_->addGrid(
-            guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); }));
+        const igeo::ObstacleGrid grid =
+            guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); });
+        obstacles_->addGrid(grid);
+        warn(grid.warnings);
         obstacleNames_.push_back(given);
     }
 }
@@ -118,6 +120,7 @@ void MetricInput::readAll(const igeo::Similarity& transform) {
         const igeo::GridSource source = igeo::parseGridSource(given);
         weights_.push_back(guardedRead(source.file, [&] { return igeo::readScalarGrid(source); }));
         leastWeight_ *= igeo::leastWeight(weights_.back());
+        warn(weights_.back().warnings);
         weightNames_.push_back(given);
     }
     if (!options_.weightCurvature.empty()) {
@@ -132,6 +135,7 @@ void MetricInput::readAll(const igeo::Similarity& transform) {
     if (!options_.metric.empty()) {
         const igeo::GridSource source = igeo::parseGridSource(options_.metric);
         tensor_ = guardedRead(source.file, [&] { return igeo::readTensorGrids(source); });
+        warn(tensor_->warnings);
         weightNames_.push_back("tensor " + options_.metric);
     }
     readObstacles(transform);

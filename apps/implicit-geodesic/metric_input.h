@@ -44,6 +44,8 @@ public:
 
     const std::vector<std::string>& weightNames() const { return weightNames_; }
     const std::vector<std::string>& obstacleNames() const { return obstacleNames_; }
+    /// Of the files read.
+    const std::vector<std::string>& warnings() const { return warnings_; }
 
 private:
     struct CurvatureWeight {
@@ -58,6 +60,9 @@ private:
     static BendingCost parseBending(const std::string& text, double dx);
     void readAll(const igeo::Similarity& transform);
     void readObstacles(const igeo::Similarity& transform);
+    void warn(const std::vector<std::string>& more) {
+        warnings_.insert(warnings_.end(), more.begin(), more.end());
+    }
 
     const MetricOptions options_;
     mutable std::mutex mutex_;  ///< of what is made when first asked for
@@ -70,5 +75,5 @@ private:
     double curvatureScale_ = igeo::kDefaultCurvatureScale;
     std::shared_ptr<igeo::ObstacleSet> obstacles_;  ///< null: none
     double leastWeight_ = 1;
-    std::vector<std::string> weightNames_, obstacleNames_;
+    std::vector<std::string> weightNames_, obstacleNames_, warnings_;
 };

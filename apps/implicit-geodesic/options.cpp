@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "results.h"
 #include "usage_error.h"
 
 namespace {
@@ -490,7 +491,7 @@ ParseResult parseOptions(int argc, char** argv, Options& options) {
     try {
         app.parse(argumentsOf(argc, argv));
     } catch (const CLI::Success& e) {
-        app.exit(e);
+        app.exit(e, results(), std::cerr);
         return ParseResult::Done;
     } catch (const CLI::ParseError& e) {
         std::cerr << "implicit-geodesic: error: " << e.what() << "\n"

@@ -7,10 +7,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <filesystem>
-#include <iostream>
+#include <ostream>
 #include <utility>
 #include <vector>
 
+#include "results.h"
 #include "usage_error.h"
 
 namespace fs = std::filesystem;
@@ -122,10 +123,24 @@ void checkOutputFiles(const Options& options) {
     }
 }
 
+namespace {
+
+/// What `write` writes to the stream of results.
+template <typename Write>
+void writeToStdout(const Write& write) {
+    errno = 0;
+    write(results());
+    if (!results().flush()) igeo::AtomicFile::throwWriteError("standard output", errno);
+}
+
+}  // namespace
+
 void writeDocument(const std::string& file, const std::string& content) {
-    if (file == "-")
-        std::cout << content << std::flush;
-    else
-        igeo::writeFile(file, content);
-    if (!std::cout) igeo::AtomicFile::throwWriteError("standard output", errno);
+    if (file != "-") return igeo::writeFile(file, content);
+    writeToStdout([&](std::ostream& out) { out << content; });
+}
+
+void writeGrids(const std::string& file, const openvdb::GridCPtrVec& grids) {
+    if (file != "-") return igeo::writeVdb(file, grids);
+    writeToStdout([&](std::ostream& out) { igeo::writeVdb(out, grids); });
 }

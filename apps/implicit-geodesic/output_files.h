@@ -1,6 +1,8 @@
 /// Where results go.
 #pragma once
 
+#include <openvdb/openvdb.h>
+
 #include <string>
 #include <vector>
 
@@ -25,3 +27,4 @@ std::string endingOf(const std::string& file);
 
 /// Writes a result whole or not at all; "-" is standard output.
 void writeDocument(const std::string& file, const std::string& content);
+void writeGrids(const std::string& file, const openvdb::GridCPtrVec& grids);

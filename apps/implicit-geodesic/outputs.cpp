@@ -144,7 +144,7 @@ void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
     progress.throwIfCancelled();
     const std::string file = distanceFile(options_, r.surface.name());
     progress.update("write", 0);
-    igeo::writeVdb(file, grids);
+    writeGrids(file, grids);
     r.report.outputs.emplace_back("distance", file);
 }
 
@@ -198,8 +198,8 @@ void Outputs::writeDocuments(const Result& r, igeo::Progress& progress) {
         if (options_.spacing > 0) picture.isolineSpacing = options_.spacing;
         if (options_.levels > 0)
             picture.isolineSpacing = r.field.maxDistance * transform.dx / (options_.levels + 1);
-        igeo::writePicture(options_.image, r.levelSet(progress), r.band, r.field, r.lines(),
-                           picture, progress);
+        writeDocument(options_.image, igeo::renderPng(r.levelSet(progress), r.band, r.field,
+                                                      r.lines(), picture, progress));
         r.report.outputs.emplace_back("image", options_.image);
     }
 }

@@ -418,6 +418,8 @@ int Job::run() {
     seedInput_.read(options_, surface_.transform());
     askedTargets_ = askedPoints(options_.targets, options_.targetFile, "target");
     metricInput_.read(surface_.transform());
+    for (const auto* warnings : {&seedInput_.warnings(), &metricInput_.warnings()})
+        report_.warnings.insert(report_.warnings.end(), warnings->begin(), warnings->end());
     report_.sources = seedInput_.names();
     report_.weights = metricInput_.weightNames();
     report_.obstacles = metricInput_.obstacleNames();

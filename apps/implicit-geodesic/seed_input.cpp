@@ -39,7 +39,10 @@ void SeedInput::read(const Options& options, const igeo::Similarity& transform) 
     for (const std::string& given : options.seedMasks) {
         auto body = std::make_shared<igeo::ObstacleSet>(transform);
         const igeo::GridSource source = igeo::parseGridSource(given);
-        body->addGrid(guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); }));
+        const igeo::ObstacleGrid grid =
+            guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); });
+        body->addGrid(grid);
+        warnings_.insert(warnings_.end(), grid.warnings.begin(), grid.warnings.end());
         regions_.push_back({"mask " + given, body});
     }
     if (!signed_) return;

@@ -37,6 +37,8 @@ public:
 
     /// Per source, what it is: empty for a point.
     std::vector<std::string> names() const;
+    /// Of the files read.
+    const std::vector<std::string>& warnings() const { return warnings_; }
 
 private:
     struct NamedCurve {
@@ -52,6 +54,7 @@ private:
     std::vector<igeo::AskedPoint> points_;
     std::vector<NamedCurve> curves_;
     std::vector<Region> regions_;
+    std::vector<std::string> warnings_;
     int samples_ = 0;
     bool signed_ = false;
 };

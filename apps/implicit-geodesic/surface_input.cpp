@@ -204,6 +204,7 @@ private:
     void examine(igeo::Progress& progress) override {
         const igeo::Box box(cloud_.points);
         const std::string file = cloud_.file;
+        report_.warnings = cloud_.warnings;
         surface_ = std::make_unique<igeo::PointSurface>(std::move(cloud_), progress);
         const igeo::CloudDensity& density = surface_->density();
         const bool asked = options_.voxelSize > 0 || options_.resolution > 0;
@@ -214,7 +215,7 @@ private:
         summary_ = std::to_string(density.points) + " points, " +
                    format("spacing %.4g, scatter %.2g, %.0f pieces", density.spacing, density.noise,
                           double(density.pieces));
-        report_.warnings = igeo::densityWarnings(density, file);
+        for (const std::string& w : igeo::densityWarnings(density, file)) warn(w);
         const igeo::BandBounds bounds = igeo::bandBounds(*surface_, kind_, transform_.dx);
         chooseBandWidth(bounds, bounds.lower);
         report_.file = file;

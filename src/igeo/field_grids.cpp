@@ -1,5 +1,6 @@
 #include <igeo/field_grids.h>
 
+#include <igeo/error.h>
 #include <igeo/parallel.h>
 
 namespace igeo {
@@ -69,12 +70,18 @@ openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
     return grid;
 }
 
-openvdb::Int32Grid::Ptr labelGrid(const Band& band, const Field& field,
+openvdb::FloatGrid::Ptr labelGrid(const Band& band, const Field& field,
                                   const openvdb::math::Transform& transform,
                                   const std::string& name) {
-    auto grid = makeGrid<openvdb::Int32Grid>(-1, transform, name);
+    constexpr std::size_t kMostSeeds = 1 << 24;
+    if (field.sourceCount() > kMostSeeds)
+        throw Error(Error::Kind::InvalidArgument,
+                    "labels of " + std::to_string(field.sourceCount()) +
+                        " seeds; a grid of labels counts up to " + std::to_string(kMostSeeds),
+                    "leave the labels out, or give fewer seeds");
+    auto grid = makeGrid<openvdb::FloatGrid>(-1, transform, name);
     fill(*grid, band, reached(field),
-         [&](NodeIndex i) { return field.label.empty() ? 0 : std::int32_t(field.label[i]); });
+         [&](NodeIndex i) { return field.label.empty() ? 0 : float(field.label[i]); });
     return grid;
 }
 

@@ -29,8 +29,10 @@ openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
                                      const openvdb::math::Transform& transform,
                                      const std::string& name);
 
-/// The index of the nearest seed; active where the distance is known, background -1.
-openvdb::Int32Grid::Ptr labelGrid(const Band& band, const Field& field,
+/// The index of the nearest seed; active where the distance is known, background -1. As float,
+/// which every reader of VDB files knows (Python's module, as Debian packages it, reads no int32).
+/// @throws Error  InvalidArgument with more seeds than a float counts, 2^24
+openvdb::FloatGrid::Ptr labelGrid(const Band& band, const Field& field,
                                   const openvdb::math::Transform& transform,
                                   const std::string& name);
 

@@ -341,6 +341,7 @@ void checkLevelSet(LoadedGrid loaded, LevelSet& s, Progress& progress) {
     s.psi = loaded.grid;
     s.file = loaded.file;
     s.name = loaded.name;
+    s.warnings = loaded.warnings;
     s.transform.dx = 0;
     s.transform = similarityOf(s.psi->transform(), where(s));
     if (!loaded.isLevelSetClass)

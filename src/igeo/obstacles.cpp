@@ -142,6 +142,9 @@ bool maskBlocks(const openvdb::MaskTree& mask, const IndexMap& map, const Vec3d&
 
 }  // namespace
 
+ObstacleSet::ObstacleSet(const Similarity& transform)
+    : transform_(transform), near_(std::make_shared<openvdb::MaskTree>()) {}
+
 void ObstacleSet::addSphere(const Vec3d& centreWorld, double radiusWorld) {
     if (!isFinite(centreWorld) || !(radiusWorld > 0) || !std::isfinite(radiusWorld))
         throw Error(Kind::InvalidArgument,
@@ -227,16 +230,16 @@ void ObstacleSet::markNear(const IndexMap& toBand, const CoordBBox& voxels, doub
         extent += (0.5 * (high[a] - low[a]) + grown) * absolute(toBand.axis[std::size_t(a)]);
     const Ijk first = floorToIjk((centre - extent) * (1 / kCell)),
               last = floorToIjk((centre + extent) * (1 / kCell));
-    near_.fill({{first.x, first.y, first.z}, {last.x, last.y, last.z}}, true, true);
+    near_->fill({{first.x, first.y, first.z}, {last.x, last.y, last.z}}, true, true);
 }
 
 bool ObstacleSet::gridMayBeNear(const Vec3d& p, double radius) const {
     if (everywhere_) return true;
-    if (near_.empty()) return false;
+    if (near_->empty()) return false;
     const Vec3d around(radius, radius, radius);
     const Ijk low = floorToIjk((p - around) * (1 / kCell)),
               high = floorToIjk((p + around) * (1 / kCell));
-    return anyActive(near_, low, high, [](const Ijk&) { return true; });
+    return anyActive(*near_, low, high, [](const Ijk&) { return true; });
 }
 
 bool ObstacleSet::mayBeNear(const Vec3d& p, double radius) const {

@@ -28,7 +28,9 @@ namespace igeo {
 class ObstacleSet : public Obstacles {
 public:
     /// @param transform  world from index, of the band
-    explicit ObstacleSet(const Similarity& transform) : transform_(transform) {}
+    explicit ObstacleSet(const Similarity& transform);
+    ObstacleSet(ObstacleSet&&) = default;  // no copies: two would mark one tree
+    ObstacleSet& operator=(ObstacleSet&&) = default;
 
     /// @throws Error  InvalidArgument unless the centre is finite and the radius positive and
     /// finite
@@ -82,8 +84,8 @@ private:
     std::vector<Box> boxes_;
     std::vector<LevelSetBody> levelSets_;
     std::vector<MaskBody> masks_;
-    openvdb::MaskTree near_;   ///< cells of 8^3 voxels of the band that grids come into
-    bool everywhere_ = false;  ///< a level set blocks all that lies far away
+    openvdb::MaskTree::Ptr near_;  ///< cells of 8^3 voxels of the band that grids come into
+    bool everywhere_ = false;      ///< a level set blocks all that lies far away
 };
 
 }  // namespace igeo

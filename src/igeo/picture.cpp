@@ -1,6 +1,5 @@
 #include <igeo/picture.h>
 
-#include <igeo/atomic_file.h>
 #include <igeo/canvas.h>
 #include <igeo/legend.h>
 #include <igeo/parallel.h>
@@ -9,9 +8,7 @@
 #include <openvdb/tools/RayTracer.h>
 
 #include <atomic>
-#include <cerrno>
 #include <cstdio>
-#include <iostream>
 #include <unordered_map>
 
 namespace igeo {
@@ -372,13 +369,6 @@ void develop(const Film& film, bool transparent, Canvas& canvas) {
         }
 }
 
-void write(const std::string& file, const std::string& content) {
-    if (file != "-") return writeFile(file, content);
-    errno = 0;
-    std::cout.write(content.data(), std::streamsize(content.size())).flush();
-    if (!std::cout) AtomicFile::throwWriteError("standard output", errno);
-}
-
 }  // namespace
 
 double roundSpacing(double range, double lines) {
@@ -391,9 +381,9 @@ double roundSpacing(double range, double lines) {
     return best;
 }
 
-void writePicture(const std::string& file, const LevelSet& levelSet, const Band& band,
-                  const Field& field, const std::vector<Path>& paths, const PictureOptions& options,
-                  Progress& progress) {
+std::string renderPng(const LevelSet& levelSet, const Band& band, const Field& field,
+                      const std::vector<Path>& paths, const PictureOptions& options,
+                      Progress& progress) {
     checkOptions(options);
     const double dx = levelSet.transform.dx;
     const Scale scale(field, dx, options);
@@ -413,7 +403,7 @@ void writePicture(const std::string& file, const LevelSet& levelSet, const Band&
     if (!options.transparent) canvas.fill(0, 0, options.width, options.height, kWhite);
     develop(film, options.transparent, canvas);
     legend.draw(canvas);
-    write(file, canvas.png());
+    return canvas.png();
 }
 
 }  // namespace igeo

@@ -13,6 +13,7 @@ struct PointCloud {
     std::string file;  ///< as named, for messages
     std::vector<Vec3d> points;
     std::vector<Vec3f> normals;  ///< per point, of any length but zero; empty: none are known
+    std::vector<std::string> warnings = {};  ///< of the file, in sentences
 };
 
 /// Whether a file is points by the ending of its name, and nothing else: .xyz .txt .csv .pts .asc,

@@ -21,11 +21,13 @@ VdbArchive::VdbArchive(const std::string& file, std::istream& in) : file_(file),
 std::vector<VdbArchive::Entry> VdbArchive::entries() {
     std::vector<Entry> all;
     for (const Descriptor& d : grids_) {
+        all.push_back({Descriptor::nameAsString(d.uniqueName()), d.gridType(), nullptr});
+        if (!GridBase::isRegistered(d.gridType())) continue;
         const GridBase::Ptr grid = d.create();
         d.seekToGrid(in_);
         readGridCompression(in_);
         grid->readMeta(in_);
-        all.push_back({Descriptor::nameAsString(d.uniqueName()), grid});
+        all.back().grid = grid;
     }
     return all;
 }

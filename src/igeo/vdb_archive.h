@@ -18,7 +18,8 @@ class VdbArchive : openvdb::io::Archive {
 public:
     struct Entry {
         std::string name;                  ///< unique in the file
-        openvdb::GridBase::ConstPtr grid;  ///< its metadata only
+        std::string type;                  ///< of its tree, as Tree_float_5_4_3
+        openvdb::GridBase::ConstPtr grid;  ///< its metadata only; null: OpenVDB knows no such type
     };
 
     /// Reads the directory, if there is one.

@@ -29,34 +29,56 @@ std::string nameOf(const GridSource& source) {
 
 /// One grid of a file, as far as its metadata tells.
 struct Candidate {
-    std::string name;  ///< unique name
-    GridBase::ConstPtr grid;
+    std::string name;         ///< unique name
+    GridBase::ConstPtr grid;  ///< null: of a type that OpenVDB does not know
+    std::string unknownType;
 
-    std::string type() const {
-        // OpenVDB calls the values of a mask bool.
-        return grid->isType<openvdb::MaskGrid>() ? "mask" : grid->valueType();
+    template <typename Grid>
+    bool is() const {
+        return grid && grid->isType<Grid>();
     }
-    std::string gridClass() const { return GridBase::gridClassToString(grid->getGridClass()); }
-    std::string describe() const { return quoted(name) + " (" + type() + ", " + gridClass() + ")"; }
+    openvdb::GridClass gridClass() const {
+        return grid ? grid->getGridClass() : openvdb::GRID_UNKNOWN;
+    }
+    std::string type() const {
+        if (!grid) return "unknown type " + unknownType;
+        // OpenVDB calls the values of a mask bool.
+        return is<openvdb::MaskGrid>() ? "mask" : grid->valueType();
+    }
+    std::string className() const { return GridBase::gridClassToString(gridClass()); }
+    std::string describe() const {
+        return quoted(name) + " (" + type() + (grid ? ", " + className() : "") + ")";
+    }
 };
 using Candidates = std::vector<Candidate>;
 
+// OpenVDB 13 made grids of half floats a type of their own.
+#if OPENVDB_LIBRARY_MAJOR_VERSION_NUMBER >= 13
+bool isHalf(const Candidate& c) { return c.is<openvdb::HalfGrid>(); }
+openvdb::FloatGrid::Ptr singlesOfHalves(const GridBase::Ptr& grid) {
+    const auto halves = openvdb::gridPtrCast<openvdb::HalfGrid>(grid);
+    return halves ? std::make_shared<openvdb::FloatGrid>(*halves) : nullptr;
+}
+#else
+bool isHalf(const Candidate&) { return false; }
+openvdb::FloatGrid::Ptr singlesOfHalves(const GridBase::Ptr&) { return nullptr; }
+#endif
+
 bool isAny(const Candidate&) { return true; }
-bool isFog(const Candidate& c) { return c.grid->getGridClass() == openvdb::GRID_FOG_VOLUME; }
-bool isLevelSet(const Candidate& c) { return c.grid->getGridClass() == openvdb::GRID_LEVEL_SET; }
+bool isFog(const Candidate& c) { return c.gridClass() == openvdb::GRID_FOG_VOLUME; }
+bool isLevelSet(const Candidate& c) { return c.gridClass() == openvdb::GRID_LEVEL_SET; }
 bool isNoLevelSet(const Candidate& c) { return !isLevelSet(c); }
-bool isUnknown(const Candidate& c) { return c.grid->getGridClass() == openvdb::GRID_UNKNOWN; }
+bool isUnknown(const Candidate& c) { return c.gridClass() == openvdb::GRID_UNKNOWN; }
 bool isScalar(const Candidate& c) {
-    return c.grid->isType<openvdb::FloatGrid>() || c.grid->isType<openvdb::DoubleGrid>();
+    return c.is<openvdb::FloatGrid>() || c.is<openvdb::DoubleGrid>() || isHalf(c);
 }
 bool isScalarOrMask(const Candidate& c) {
-    return isScalar(c) || c.grid->isType<openvdb::BoolGrid>() ||
-           c.grid->isType<openvdb::MaskGrid>();
+    return isScalar(c) || c.is<openvdb::BoolGrid>() || c.is<openvdb::MaskGrid>();
 }
 bool isVector(const Candidate& c) {
-    return c.grid->isType<openvdb::Vec3SGrid>() || c.grid->isType<openvdb::Vec3DGrid>();
+    return c.is<openvdb::Vec3SGrid>() || c.is<openvdb::Vec3DGrid>();
 }
-bool isPoints(const Candidate& c) { return c.grid->valueType() == "ptdataidx32"; }
+bool isPoints(const Candidate& c) { return c.grid && c.grid->valueType() == "ptdataidx32"; }
 
 std::string describeAll(const Candidates& all) {
     std::string text;
@@ -93,11 +115,12 @@ bool allows(const Wanted& wanted, const Candidate& c) {
 GridEntry entryOf(const Candidate& c) {
     GridEntry entry{c.name,
                     c.type(),
-                    c.gridClass(),
+                    c.className(),
                     {},
                     allows(kLevelSet, c),
                     allows(kWeight, c),
                     allows(kObstacle, c)};
+    if (!c.grid) return entry;
     // A grid of a file is only its metadata here, one of a stream is whole.
     if (const auto said =
             c.grid->getMetadata<openvdb::Int64Metadata>(GridBase::META_FILE_VOXEL_COUNT))
@@ -161,6 +184,12 @@ Choice checked(const Candidates& all, const Wanted& wanted, const GridSource& so
                     "give a file with " + wanted.one());
     const Choice chosen = choice(all);
     for (const Candidate* c : chosen) {
+        if (!c->grid)
+            throw Error(Kind::BadInput,
+                        "grid " + quoted(c->name) + " is of type " + c->unknownType +
+                            ", which OpenVDB " + OPENVDB_LIBRARY_VERSION_STRING +
+                            " of this program does not know (" + nameOf(source) + ")",
+                        "write the grid as float; the file holds " + describeAll(all));
         if (!wanted.fits(*c))
             throw Error(Kind::BadInput,
                         "grid " + quoted(c->name) + " holds " + c->grid->valueType() +
@@ -179,7 +208,20 @@ Choice checked(const Candidates& all, const Wanted& wanted, const GridSource& so
 struct NamedGrid {
     std::string name;
     GridBase::Ptr grid;
+    std::vector<std::string> warnings;
 };
+
+/// What to say of a file by a newer OpenVDB.
+std::vector<std::string> warningsOf(const GridSource& source, std::ios_base& in) {
+    const std::uint32_t format = openvdb::io::getFormatVersion(in);
+    if (format <= openvdb::OPENVDB_FILE_VERSION) return {};
+    const openvdb::VersionId library = openvdb::io::getLibraryVersion(in);
+    return {nameOf(source) + " was written by a newer OpenVDB, " + std::to_string(library.first) +
+            "." + std::to_string(library.second) + " (file format " + std::to_string(format) +
+            "); this program has OpenVDB " + OPENVDB_LIBRARY_VERSION_STRING + " (file format " +
+            std::to_string(openvdb::OPENVDB_FILE_VERSION) +
+            "): check that the results are as expected"};
+}
 
 /// A stream has no directory: all its grids are read. `in` must throw at its end, or OpenVDB would
 /// take garbage for what is missing.
@@ -195,11 +237,11 @@ std::vector<NamedGrid> readFromStream(const GridSource& source, std::istream& in
     const auto grids = stream.getGrids();
     for (const GridBase::Ptr& g : *grids) {
         const int n = seen[g->getName()]++;
-        all.push_back({n ? g->getName() + "[" + std::to_string(n) + "]" : g->getName(), g});
+        all.push_back({n ? g->getName() + "[" + std::to_string(n) + "]" : g->getName(), g, {}});
     }
     std::vector<NamedGrid> chosen;
     for (const Candidate* c : choice(all))
-        chosen.push_back({c->name, (*grids)[std::size_t(c - all.data())]});
+        chosen.push_back({c->name, (*grids)[std::size_t(c - all.data())], warningsOf(source, in)});
     return chosen;
 }
 
@@ -212,9 +254,11 @@ std::vector<NamedGrid> readFromFile(const GridSource& source, const Choose& choi
         return readFromStream(source, in, choice);
     }
     Candidates all;
-    for (const VdbArchive::Entry& entry : file.entries()) all.push_back({entry.name, entry.grid});
+    for (const VdbArchive::Entry& entry : file.entries())
+        all.push_back({entry.name, entry.grid, entry.type});
     std::vector<NamedGrid> chosen;
-    for (const Candidate* c : choice(all)) chosen.push_back({c->name, file.read(c->name)});
+    for (const Candidate* c : choice(all))
+        chosen.push_back({c->name, file.read(c->name), warningsOf(source, in)});
     return chosen;
 }
 
@@ -254,6 +298,13 @@ void requireInvertible(const NamedGrid& read, const GridSource& source) {
                     "the file may be damaged; write it again");
 }
 
+/// What an exception of OpenVDB says, without the name of its class.
+std::string withoutClass(const std::exception& e) {
+    std::string why = e.what();
+    if (const auto colon = why.find(": "); colon != std::string::npos) why.erase(0, colon + 2);
+    return why;
+}
+
 /// Reads the grids that `choice` takes; refuses files in words of its own.
 std::vector<NamedGrid> readGrids(const GridSource& source, const Wanted& wanted,
                                  const Choose& choice) {
@@ -271,20 +322,26 @@ std::vector<NamedGrid> readGrids(const GridSource& source, const Wanted& wanted,
         throw;
     } catch (const std::ios_base::failure&) {
         throw Error(Kind::BadInput, nameOf(source) + " is cut off", "copy or write it again");
+    } catch (const openvdb::LookupError& e) {
+        throw Error(
+            Kind::BadInput,
+            nameOf(source) + " is a stream with a grid of a type that OpenVDB " +
+                OPENVDB_LIBRARY_VERSION_STRING +
+                " of this program does not know: " + withoutClass(e),
+            "write it to a file, of which the other grids can be read, or the grid as float");
     } catch (const std::bad_alloc&) {
         throw Error(Kind::BadInput, "cannot read a grid from " + nameOf(source) + ": out of memory",
                     "the grid is too large for this machine, or the file is damaged");
     } catch (const std::exception& e) {
-        // OpenVDB's exceptions begin with their class name.
-        std::string why = e.what();
-        if (const auto colon = why.find(": "); colon != std::string::npos) why.erase(0, colon + 2);
-        throw Error(Kind::BadInput, "cannot read a grid from " + nameOf(source) + ": " + why,
+        throw Error(Kind::BadInput,
+                    "cannot read a grid from " + nameOf(source) + ": " + withoutClass(e),
                     "the file may be damaged or of a newer format; write it again");
     }
 }
 
-/// A float or double grid in single precision; null for any other.
+/// A float, double or half grid in single precision; null for any other.
 openvdb::FloatGrid::Ptr scalars(const GridBase::Ptr& grid) {
+    if (const auto singles = singlesOfHalves(grid)) return singles;
     if (const auto doubles = openvdb::gridPtrCast<openvdb::DoubleGrid>(grid))
         return std::make_shared<openvdb::FloatGrid>(*doubles);
     return openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
@@ -326,7 +383,7 @@ LoadedGrid readScalars(const GridSource& source, const Wanted& wanted,
                        std::vector<GridEntry>* entries = nullptr) {
     const NamedGrid read = readGrid(source, wanted, entries);
     return {scalars(read.grid), fileOf(source), read.name,
-            read.grid->getGridClass() == openvdb::GRID_LEVEL_SET};
+            read.grid->getGridClass() == openvdb::GRID_LEVEL_SET, read.warnings};
 }
 
 }  // namespace
@@ -347,7 +404,7 @@ LoadedGrid readScalarGrid(const GridSource& source) { return readScalars(source,
 ObstacleGrid readObstacleGrid(const GridSource& source) {
     const NamedGrid read = readGrid(source, kObstacle);
     const openvdb::FloatGrid::Ptr numbers = scalars(read.grid);
-    return {numbers ? numbers : read.grid, fileOf(source), read.name};
+    return {numbers ? numbers : read.grid, fileOf(source), read.name, read.warnings};
 }
 
 TensorGrids readTensorGrids(const GridSource& source) {
@@ -358,11 +415,13 @@ TensorGrids readTensorGrids(const GridSource& source) {
         return chosen;
     });
     return {vectors(read.front().grid), read.size() > 1 ? vectors(read.back().grid) : nullptr,
-            fileOf(source), read.front().name};
+            fileOf(source), read.front().name, read.front().warnings};
 }
 
-openvdb::GridBase::Ptr readPointGrid(const GridSource& source) {
-    return readGrid(source, kPoints).grid;
+openvdb::GridBase::Ptr readPointGrid(const GridSource& source, std::vector<std::string>& warnings) {
+    NamedGrid read = readGrid(source, kPoints);
+    warnings = std::move(read.warnings);
+    return read.grid;
 }
 
 }  // namespace igeo

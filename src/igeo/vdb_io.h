@@ -4,6 +4,7 @@
 #include <openvdb/openvdb.h>
 
 #include <cstdint>
+#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,21 +26,23 @@ struct LoadedGrid {
     openvdb::FloatGrid::Ptr grid;
     std::string file;  ///< as named, for messages
     std::string name;  ///< unique in the file: the second of two grids `psi` is `psi[1]`
-    bool isLevelSetClass = false;  ///< the file says so
+    bool isLevelSetClass = false;       ///< the file says so
+    std::vector<std::string> warnings;  ///< of the file, in sentences
 };
 
 /// What a file says of one of its grids.
 struct GridEntry {
     std::string name;       ///< unique in the file, as in LoadedGrid
-    std::string type;       ///< of its values: float, vec3s, mask, ...
+    std::string type;       ///< of its values: float, vec3s, mask, ...; "unknown type ..."
     std::string gridClass;  ///< as OpenVDB names it: level set, fog volume, unknown, ...
     std::optional<std::uint64_t> activeVoxels;  ///< none where the file does not say
     bool surface, weight, obstacle;             ///< what its type and class allow it to be
 };
 
 /// Reads one scalar grid: the one named, else the only one of class level set, else the only float
-/// or double grid of class unknown. Float, double (rounded to float) and half floats; any file
-/// format that OpenVDB reads.
+/// or double grid of class unknown. Float, double (rounded to float) and half floats, half grids
+/// where OpenVDB has them (13); any file format that OpenVDB reads, with a warning for a newer one.
+/// Other grids of the file may be of types that OpenVDB does not know.
 /// @throws Error  Io when the file cannot be opened; BadInput when it is not a VDB file, is cut
 /// off,
 ///         holds no such grid, none that fits or several (the message lists them), or when the grid
@@ -57,6 +60,7 @@ LoadedGrid readScalarGrid(const GridSource& source);
 struct ObstacleGrid {
     openvdb::GridBase::Ptr grid;  ///< a BoolGrid, MaskGrid or FloatGrid
     std::string file, name;       ///< as in LoadedGrid
+    std::vector<std::string> warnings;
 };
 
 /// Reads one grid of bool, mask, float or double (rounded to float), chosen as by readScalarGrid.
@@ -68,6 +72,7 @@ struct TensorGrids {
     openvdb::Vec3SGrid::Ptr diagonal;     ///< xx, yy, zz
     openvdb::Vec3SGrid::Ptr offdiagonal;  ///< xy, xz, yz; null: zero everywhere
     std::string file, name;               ///< as in LoadedGrid; the name is that of `diagonal`
+    std::vector<std::string> warnings;
 };
 
 /// Reads the grids named GRIDdiagonal and, if there is one, GRIDoffdiagonal: vectors of float or
@@ -75,11 +80,13 @@ struct TensorGrids {
 /// @throws Error  as readScalarGrid
 TensorGrids readTensorGrids(const GridSource& source);
 
-/// Writes grids in their order, Blosc-compressed, to a file (atomically) or to "-", standard
-/// output.
+/// Writes grids in their order, Blosc-compressed, to a file, atomically.
 ///
 /// The same grids give the same bytes: the file's UUID is made from its content.
 /// @throws Error  Io; an existing file is then untouched
 void writeVdb(const std::string& file, const openvdb::GridCPtrVec& grids);
+
+/// The same to a stream, whose state tells whether all was written. Memory: the bytes written.
+void writeVdb(std::ostream& stream, const openvdb::GridCPtrVec& grids);
 
 }  // namespace igeo

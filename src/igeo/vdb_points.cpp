@@ -11,9 +11,9 @@ using openvdb::points::PointDataGrid;
 
 PointCloud readVdbPoints(const std::string& source) {
     const GridSource named = parseGridSource(source);
-    const auto grid = openvdb::gridPtrCast<PointDataGrid>(readPointGrid(named));
-    const openvdb::math::Transform& transform = grid->transform();
     PointCloud cloud{named.file, {}, {}};
+    const auto grid = openvdb::gridPtrCast<PointDataGrid>(readPointGrid(named, cloud.warnings));
+    const openvdb::math::Transform& transform = grid->transform();
     for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf) {
         if (!leaf->hasAttribute("P"))
             throw Error(Error::Kind::BadInput, named.file + ": points of '" + grid->getName() +

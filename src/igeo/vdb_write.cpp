@@ -7,7 +7,6 @@
 #include <array>
 #include <cerrno>
 #include <filesystem>
-#include <iostream>
 #include <sstream>
 
 namespace igeo {
@@ -47,28 +46,23 @@ void stampUuid(std::iostream& file) {
     file.seekp(0, std::ios::end);
 }
 
-void writeToMemory(const openvdb::GridCPtrVec& grids, std::ostream& os) {
+}  // namespace
+
+void writeVdb(std::ostream& stream, const openvdb::GridCPtrVec& grids) {
     std::stringstream buffer(std::ios::in | std::ios::out | std::ios::binary);
     Writer().writeTo(buffer, grids, /*seekable=*/false);
     stampUuid(buffer);
     buffer.seekg(0);
-    os << buffer.rdbuf() << std::flush;
+    stream << buffer.rdbuf() << std::flush;
 }
-
-}  // namespace
 
 void writeVdb(const std::string& file, const openvdb::GridCPtrVec& grids) {
     errno = 0;
-    if (file == "-") {
-        writeToMemory(grids, std::cout);
-        if (!std::cout) AtomicFile::throwWriteError("standard output", errno);
-        return;
-    }
     AtomicFile out(file);
     try {
         out.stream().exceptions(std::ios::badbit | std::ios::failbit);
         if (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file)) {
-            writeToMemory(grids, out.stream());
+            writeVdb(out.stream(), grids);
         } else {
             Writer().writeTo(out.stream(), grids, /*seekable=*/true);
             out.stream().flush();

@@ -1,3 +1,4 @@
+#include <igeo/atomic_file.h>
 #include <igeo/band_width.h>
 #include <igeo/godunov.h>
 #include <igeo/jet.h>
@@ -146,7 +147,7 @@ void benchPicture(const Arguments& args) {
     options.legend = false;  // it would speak of a distance
     if (args.has("camera")) options.eye = args.point("camera");
     if (args.has("up")) options.up = args.point("up");
-    writePicture(args.text("image"), levelSet, band, error, {}, options);
+    writeFile(args.text("image"), renderPng(levelSet, band, error, {}, options));
     std::printf("{\"nodes\": %zu}\n", near.size());
 }
 

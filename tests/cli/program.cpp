@@ -108,7 +108,7 @@ void requireRefusedOnce(const Desk& desk, const Command& command, int exitCode,
     static const std::regex className(
         "[A-Z][A-Za-z]*Error|[Ee]xception|std::|openvdb::|basic_|terminate|json\\.");
     CHECK_FALSE(std::regex_search(result.err, className));
-    for (const std::string& part : says) CHECK_THAT(result.err, Catch::Contains(part));
+    for (const std::string& part : says) CHECK_THAT(result.err, contains(part));
     requireUnchanged(desk, before);
 }
 

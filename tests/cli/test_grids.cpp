@@ -62,7 +62,7 @@ TEST_CASE("the distance grid has the surface's transform, active where a distanc
     requireSoundDistance(*grid, *psi, reached);
     const std::string version = split(desk.run("--version").out).at(1);
     CHECK(file.metadata["creator"]->str() == "implicit-geodesic " + version);
-    CHECK_THAT(grid->metaValue<std::string>("geodesic_scheme"), Catch::StartsWith("godunov"));
+    CHECK_THAT(grid->metaValue<std::string>("geodesic_scheme"), startsWith("godunov"));
     CHECK(grid->metaValue<float>("geodesic_band") == Approx(0.1));
     CHECK(grid->metaValue<std::int32_t>("geodesic_seed_count") == 2);
     CHECK(grid->metaValue<std::int64_t>("geodesic_unreached") == std::int64_t(all - reached));
@@ -140,15 +140,15 @@ TEST_CASE("rotated voxels, active tiles and a grid of class unknown are taken") 
         CHECK((readBytes(desk / "out.vdb") == plain));
     }
     const Result warned = desk.run("--sdf unknown.vdb --seed 0,0,1 -o out.vdb");
-    CHECK_THAT(warned.err, Catch::Contains("warning: the grid's class is not 'level set'"));
+    CHECK_THAT(warned.err, contains("warning: the grid's class is not 'level set'"));
 }
 
 TEST_CASE("a surface that the volume's edge cuts gives a warning") {
     const Desk desk;
     desk.make("cut.vdb", "bad cut");
     const Result result = requireDone(desk, "--sdf cut.vdb --seed 1,0,0 -o out.vdb");
-    CHECK_THAT(result.err, Catch::StartsWith("implicit-geodesic: warning: ") &&
-                               Catch::Contains("voxels of the surface lie at the edge"));
+    CHECK_THAT(result.err, startsWith("implicit-geodesic: warning: ") &&
+                               contains("voxels of the surface lie at the edge"));
 }
 
 TEST_CASE("a thin level set is widened with a warning") {
@@ -158,8 +158,8 @@ TEST_CASE("a thin level set is widened with a warning") {
     desk.make("plain.vdb", "sphere");
     const Result result =
         requireDone(desk, "--sdf thin.vdb --seed 0,0,1 --band-voxels 2.5 -o thin_d.vdb");
-    CHECK_THAT(result.err, Catch::Contains("warning: the level set is ") &&
-                               Catch::Contains("widened by fast sweeping"));
+    CHECK_THAT(result.err, contains("warning: the level set is ") &&
+                               contains("widened by fast sweeping"));
     requireDone(desk, "--sdf plain.vdb --seed 0,0,1 --band-voxels 2.5 -q -o plain_d.vdb");
     // Fast sweeping is first order: the widened psi is off by some tenths of a voxel at most.
     CHECK(largestDifference(*readDistance(desk / "thin_d.vdb"),

@@ -62,9 +62,9 @@ TEST_CASE("a fault while a file is read is the fault of the file") {
     CHECK(reading.exitCode == 3);
     const auto told = lines(reading.err);
     REQUIRE(told.size() == 2);
-    CHECK_THAT(told[0], Catch::StartsWith("implicit-geodesic: error: ") &&
-                            Catch::Contains("'some file.vdb'") && Catch::Contains("crashed"));
-    CHECK_THAT(told[1], Catch::StartsWith("  "));
+    CHECK_THAT(told[0], startsWith("implicit-geodesic: error: ") &&
+                            contains("'some file.vdb'") && contains("crashed"));
+    CHECK_THAT(told[1], startsWith("  "));
 
     const Ending later = endOf([&] {
         { const FileGuard guard("some file.vdb"); }
@@ -72,7 +72,7 @@ TEST_CASE("a fault while a file is read is the fault of the file") {
     });
     CHECK(later.exitCode == 1);
     REQUIRE(lines(later.err).size() == 2);
-    CHECK_THAT(later.err, Catch::Contains("please report") && !Catch::Contains("some file"));
+    CHECK_THAT(later.err, contains("please report") && !contains("some file"));
 }
 
 TEST_CASE("a fault after a refusal is the fault of the file that was refused") {
@@ -84,7 +84,7 @@ TEST_CASE("a fault after a refusal is the fault of the file that was refused") {
         }
     });
     CHECK(ending.exitCode == 3);
-    CHECK_THAT(ending.err, Catch::Contains("'torn.vdb'"));
+    CHECK_THAT(ending.err, contains("'torn.vdb'"));
 }
 
 TEST_CASE("the end of the stack is survived") {
@@ -93,7 +93,7 @@ TEST_CASE("the end of the stack is survived") {
         deep(0);
     });
     CHECK(ending.exitCode == 3);
-    CHECK_THAT(ending.err, Catch::Contains("'deep.json'"));
+    CHECK_THAT(ending.err, contains("'deep.json'"));
 }
 
 TEST_CASE("reading without end is ended") {
@@ -103,7 +103,7 @@ TEST_CASE("reading without end is ended") {
         }
     });
     CHECK(ending.exitCode == 3);
-    CHECK_THAT(ending.err, Catch::Contains("'endless.vdb'") && Catch::Contains("s of computing"));
+    CHECK_THAT(ending.err, contains("'endless.vdb'") && contains("s of computing"));
 }
 
 TEST_CASE("what a reader throws becomes a refusal that names the file") {
@@ -117,10 +117,10 @@ TEST_CASE("what a reader throws becomes a refusal that names the file") {
     };
     using igeo::Error;
     CHECK(guardedRead("f.vdb", [] { return 7; }) == 7);
-    CHECK_THAT(refusal([] { throw std::bad_alloc(); }), Catch::Contains("'f.vdb': out of memory"));
+    CHECK_THAT(refusal([] { throw std::bad_alloc(); }), contains("'f.vdb': out of memory"));
     CHECK_THAT(refusal([] { std::vector<int>().reserve(std::size_t(-1)); }),
-               Catch::Contains("'f.vdb'") && Catch::Contains("memory"));
-    CHECK_THAT(refusal([] { throw std::runtime_error("odd"); }), Catch::Contains("'f.vdb': odd"));
+               contains("'f.vdb'") && contains("memory"));
+    CHECK_THAT(refusal([] { throw std::runtime_error("odd"); }), contains("'f.vdb': odd"));
     CHECK(refusal([] { throw Error(Error::Kind::Io, "as it is"); }) == "as it is");
 }
 
@@ -147,5 +147,5 @@ TEST_CASE("memory that a file asks for without end is refused by --memory-limit"
         }
     });
     CHECK(ending.exitCode == 3);
-    CHECK_THAT(ending.err, Catch::Contains("'huge.vdb': out of memory"));
+    CHECK_THAT(ending.err, contains("'huge.vdb': out of memory"));
 }

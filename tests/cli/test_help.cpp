@@ -27,7 +27,7 @@ TEST_CASE("help and version go to stdout, in the spelling of any tool") {
     CHECK(help.err.empty());
     CHECK(version.exitCode == 0);
     CHECK(version.err.empty());
-    CHECK_THAT(version.out, Catch::Matches("implicit-geodesic [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+    CHECK_THAT(version.out, matches("implicit-geodesic [0-9]+\\.[0-9]+\\.[0-9]+\n"));
     CHECK(desk.run("-h").out == help.out);
     CHECK(desk.run("-help").out == help.out);
     CHECK(desk.run("-version").out == version.out);
@@ -42,7 +42,7 @@ TEST_CASE("every option that takes a length says its unit, and the help ends wit
         const auto at = help.find("  " + option);
         REQUIRE(at != std::string::npos);
         CHECK_THAT(help.substr(at, help.find("\n  --", at + 1) - at),
-                   Catch::Contains("world units"));
+                   contains("world units"));
     }
     CHECK(examples(help).size() >= 2);
     const auto all = lines(help);

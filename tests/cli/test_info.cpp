@@ -74,7 +74,7 @@ TEST_CASE("info: shapes are what they are") {
     const json j = surveyed(desk, "in.vdb", 0);
     CHECK(j["usable"] == true);
     CHECK(j["refusal"].is_null());
-    CHECK_THAT(j["verdict"].get<std::string>(), Catch::StartsWith(verdict));
+    CHECK_THAT(j["verdict"].get<std::string>(), startsWith(verdict));
     CHECK(j["levelSet"]["grid"] == "psi");
     CHECK(j["levelSet"]["voxelSize"].get<double>() == Approx(0.05));
     std::vector<int> foundGenus, foundRims;
@@ -160,7 +160,7 @@ TEST_CASE("info: a mesh, closed or open") {
     CHECK(open["surface"]["pieces"][0]["genus"] == 0);
     CHECK(open["surface"]["room"]["radius95"].is_null());
     CHECK_THAT(open["verdict"].get<std::string>(),
-               Catch::StartsWith("usable: surface with a rim, 1 piece, genus 0"));
+               startsWith("usable: surface with a rim, 1 piece, genus 0"));
 }
 
 TEST_CASE("info: which voxels would tell the sheets of a mesh apart") {
@@ -172,13 +172,13 @@ TEST_CASE("info: which voxels would tell the sheets of a mesh apart") {
     const json& room = coarse["surface"]["room"];
     CHECK(room["facingRadius99"].get<double>() == Approx(0.05).epsilon(0.06));
     CHECK(room["resolvingVoxelSize"].get<double>() == Approx(wanted).epsilon(0.06));
-    CHECK_THAT(coarse["verdict"].get<std::string>(), Catch::StartsWith("usable with care"));
+    CHECK_THAT(coarse["verdict"].get<std::string>(), startsWith("usable with care"));
     CHECK(coarse["surface"]["facingShare"] > 0.5);
     const std::string size = std::to_string(0.9 * room["resolvingVoxelSize"].get<double>());
     const json fine = surveyed(desk, "in.ply --voxel-size " + size, 0);
     CHECK(fine["surface"]["facingShare"] == 0);
     CHECK(fine["surface"]["pieces"].size() == 2);
-    CHECK_THAT(fine["verdict"].get<std::string>(), Catch::StartsWith("usable: surface with a rim"));
+    CHECK_THAT(fine["verdict"].get<std::string>(), startsWith("usable: surface with a rim"));
 }
 
 TEST_CASE("info: points, as text, PLY and in a volume") {
@@ -217,7 +217,7 @@ TEST_CASE("info: points, as text, PLY and in a volume") {
     CHECK(volume["grids"][0]["points"] == true);
     CHECK(volume["grids"][0]["surface"] == false);
     CHECK(volume["points"]["points"] == 1000);
-    CHECK_THAT(desk.run("info in.vdb").out, Catch::Contains("for --points"));
+    CHECK_THAT(desk.run("info in.vdb").out, contains("for --points"));
 }
 
 TEST_CASE("info: bad files are told apart, and what can be known of them is said") {
@@ -226,8 +226,8 @@ TEST_CASE("info: bad files are told apart, and what can be known of them is said
         desk.make("in.vdb", "bad " + kind);
         const json j = surveyed(desk, "in.vdb", 3);
         INFO(kind << "\n" << j.dump(2));
-        CHECK_THAT(j["verdict"].get<std::string>(), Catch::StartsWith("not usable: "));
-        CHECK_THAT(j["verdict"].get<std::string>(), Catch::Contains(says));
+        CHECK_THAT(j["verdict"].get<std::string>(), startsWith("not usable: "));
+        CHECK_THAT(j["verdict"].get<std::string>(), contains(says));
         CHECK(j["usable"] == false);
         CHECK(j["surface"].is_null());
         // The words of the main job.
@@ -268,11 +268,11 @@ TEST_CASE("info: bad files are told apart, and what can be known of them is said
     writeBytes(desk / "broken.ply", "ply\nformat ascii 1.0\nelement vertex 3\n");
     writeBytes(desk / "few.xyz", "0 0 0\n1 0 0\n0 1 0\n");
     CHECK_THAT(surveyed(desk, "broken.ply", 3)["verdict"].get<std::string>(),
-               Catch::Contains("broken.ply"));
-    CHECK_THAT(surveyed(desk, "few.xyz", 3)["verdict"].get<std::string>(), Catch::Contains("16"));
+               contains("broken.ply"));
+    CHECK_THAT(surveyed(desk, "few.xyz", 3)["verdict"].get<std::string>(), contains("16"));
     writeBytes(desk / "text.vdb", "v 0 0 0\n");
     CHECK_THAT(surveyed(desk, "text.vdb", 3)["verdict"].get<std::string>(),
-               Catch::Contains("not a VDB file"));
+               contains("not a VDB file"));
 }
 
 TEST_CASE("info: a grid that is named is chosen, as by --sdf") {
@@ -283,8 +283,8 @@ TEST_CASE("info: a grid that is named is chosen, as by --sdf") {
     CHECK(j["grids"].size() == 2);
     CHECK(surveyed(desk, "in.vdb:psi_c", 3)["grids"].size() == 2);
     const std::string words = desk.run("info in.vdb:psi_b").out;
-    CHECK_THAT(words, Catch::Contains("psi_b: float, level set"));
-    CHECK_THAT(words, Catch::Contains("(chosen)"));
+    CHECK_THAT(words, contains("psi_b: float, level set"));
+    CHECK_THAT(words, contains("(chosen)"));
 }
 
 TEST_CASE("info: doubtful places as a volume") {
@@ -293,7 +293,7 @@ TEST_CASE("info: doubtful places as a volume") {
     const Result result = desk.run("info in.vdb --json --problems out.vdb");
     INFO(result.err);
     REQUIRE(result.exitCode == 0);
-    CHECK_THAT(result.err, Catch::Contains("in out.vdb"));
+    CHECK_THAT(result.err, contains("in out.vdb"));
     CHECK(desk.run("info in.vdb --problems out.vdb -q").err.empty());
     const json doubtful = json::parse(result.out)["surface"]["doubtful"];
     const auto grid = readVdb(desk / "out.vdb").get<openvdb::FloatGrid>("shell_doubt");
@@ -332,5 +332,5 @@ TEST_CASE("info: wrong usage") {
     // A name is no subcommand.
     CHECK(desk.run("--sdf in.vdb --seed 0,0,1 --name info -o out.vdb -q").exitCode == 0);
     CHECK(desk.run("info -help").out == desk.run("info --help").out);
-    CHECK_THAT(desk.run("info --help").out, Catch::Contains("--problems"));
+    CHECK_THAT(desk.run("info --help").out, contains("--problems"));
 }

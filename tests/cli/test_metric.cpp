@@ -236,7 +236,7 @@ TEST_CASE("a wall leaves what is behind it unreached") {
         "--sdf in.vdb --seed 0,0,1 --target 0,0,-1 --obstacle-box -2,-2,-0.01,2,2,0.01 "
         "-o out.vdb --json r.json");
     CHECK(result.exitCode == kUnreached);
-    CHECK_THAT(result.err, Catch::Contains("no path on the surface joins it to a seed"));
+    CHECK_THAT(result.err, contains("no path on the surface joins it to a seed"));
     const auto grid = readDistance(desk / "out.vdb");
     for (auto at = grid->cbeginValueOn(); at; ++at)
         if (grid->indexToWorld(at.getCoord()).z() < -0.1) FAIL("a voxel behind the wall");

@@ -63,7 +63,7 @@ TEST_CASE("one run writes picture, mesh, isolines, matrix and all grids") {
 
     const VdbFile file = readVdb(desk / "out.vdb");
     CHECK(file.grids.size() == 12);
-    const auto label = file.get<openvdb::Int32Grid>("psi_label");
+    const auto label = file.get<openvdb::FloatGrid>("psi_label");
     auto labelAt = [&](double x, double y, double z) {
         return label->tree().getValue(openvdb::Coord::round(label->worldToIndex({x, y, z})));
     };

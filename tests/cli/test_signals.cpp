@@ -107,6 +107,6 @@ TEST_CASE("a reader of stdout that has gone is an error, not a death") {
     CHECK(readBytes(desk / "code") == "3\n");
     const auto told = lines(result.err);
     REQUIRE(told.size() == 2);
-    CHECK_THAT(told[0], Catch::Contains("standard output") && Catch::Contains("Broken pipe"));
-    CHECK_THAT(told[1], Catch::StartsWith("  "));
+    CHECK_THAT(told[0], contains("standard output") && contains("Broken pipe"));
+    CHECK_THAT(told[1], startsWith("  "));
 }

@@ -23,7 +23,7 @@ TEST_CASE("without -o the result is named after the input, in the current folder
     desk.make("models/two.vdb", "bad two-level-sets");
     const Result result = requireDone(desk, "--sdf models/two.vdb:psi_b --seed 1,0,0");
     CHECK(lines(result.err).size() == 1);
-    CHECK_THAT(result.err, Catch::Contains("two_geodesic.vdb"));
+    CHECK_THAT(result.err, contains("two_geodesic.vdb"));
     CHECK(desk.files().size() == 3);
     CHECK(readVdb(desk / "two_geodesic.vdb").grids.at(0)->getName() == "psi_b_geodesic");
 }
@@ -82,17 +82,17 @@ TEST_CASE("messages: none with -q, one line per result without, the stages with 
 
     const auto normal = lines(requireDone(desk, base).err);
     REQUIRE(normal.size() == 2);
-    CHECK_THAT(normal[0], Catch::StartsWith("implicit-geodesic: target 0: distance "));
-    CHECK_THAT(normal[1], Catch::StartsWith("implicit-geodesic: distances up to ") &&
-                              Catch::Contains("out.vdb"));
+    CHECK_THAT(normal[0], startsWith("implicit-geodesic: target 0: distance "));
+    CHECK_THAT(normal[1], startsWith("implicit-geodesic: distances up to ") &&
+                              contains("out.vdb"));
 
     const std::string verbose = requireDone(desk, base + "-v").err;
     for (const std::string stage : {"read", "check", "band", "snap", "march", "trace", "write"})
-        CHECK_THAT(verbose, Catch::Contains("\nimplicit-geodesic: " + stage + ": ") ||
-                                Catch::StartsWith("implicit-geodesic: " + stage + ": "));
+        CHECK_THAT(verbose, contains("\nimplicit-geodesic: " + stage + ": ") ||
+                                startsWith("implicit-geodesic: " + stage + ": "));
     for (const std::string& line : lines(verbose))
-        CHECK_THAT(line, Catch::StartsWith("implicit-geodesic: "));
-    CHECK_THAT(verbose, Catch::Contains("half-width 3 voxels") && Catch::Contains("nodes"));
+        CHECK_THAT(line, startsWith("implicit-geodesic: "));
+    CHECK_THAT(verbose, contains("half-width 3 voxels") && contains("nodes"));
 }
 
 TEST_CASE("stderr that is no terminal gets neither colours nor progress") {
@@ -114,10 +114,10 @@ TEST_CASE("a target on another piece is reported with exit code 4, all else is w
     CHECK(result.exitCode == 4);
     const auto told = lines(result.err);
     REQUIRE(told.size() == 3);
-    CHECK_THAT(told[0], Catch::StartsWith("implicit-geodesic: warning: target 0") &&
-                            Catch::Contains("no path on the surface"));
-    CHECK_THAT(told[1], Catch::StartsWith("implicit-geodesic: target 1: distance "));
-    CHECK_THAT(told[2], Catch::Contains("out.vdb"));
+    CHECK_THAT(told[0], startsWith("implicit-geodesic: warning: target 0") &&
+                            contains("no path on the surface"));
+    CHECK_THAT(told[1], startsWith("implicit-geodesic: target 1: distance "));
+    CHECK_THAT(told[2], contains("out.vdb"));
     CHECK(desk.files().size() == 4);
     // A quarter of a circle of radius 0.5, within a voxel of 0.05.
     const auto at = told[1].find("distance ");
@@ -129,6 +129,6 @@ TEST_CASE("a target that a limit left out is reported as such") {
     const Result result = desk.run(
         "--sdf in.vdb --seed 0,0,1 --target 0,0,-1 --max-distance 1 -o out.vdb --paths out.json");
     CHECK(result.exitCode == 4);
-    CHECK_THAT(result.err, Catch::Contains("target 0") && Catch::Contains("beyond the distance"));
+    CHECK_THAT(result.err, contains("target 0") && contains("beyond the distance"));
     CHECK(desk.files().size() == 3);
 }

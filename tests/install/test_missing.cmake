@@ -1,7 +1,8 @@
-# What igeo_list_missing says of packages that are there, too old, refused or not there.
+# What is said of packages that are there, too old, refused or not there.
 include(${CMAKE_CURRENT_LIST_DIR}/../../src/igeo_dependencies.cmake)
 foreach(package IN ITEMS Sound Old Refused Absent)
     set(igeo_least_${package} 2.0)
+    set(igeo_debian_${package} lib${package}-dev)
 endforeach()
 set(Sound_FOUND TRUE)
 set(Sound_VERSION 2.0)
@@ -13,7 +14,35 @@ set(Absent_FOUND FALSE)
 set(Plain_FOUND TRUE)
 set(missing "")
 igeo_list_missing(missing Sound Old Refused Absent Plain Lost)
-set(wanted "Old 2.0 or newer (1.9 is there);Refused 2.0 or newer (1.8 is there);Absent 2.0 or newer;Lost")
-if(NOT missing STREQUAL wanted)
-    message(FATAL_ERROR "It said\n${missing}\nnot\n${wanted}")
+igeo_describe_missing(said ${missing})
+set(wanted "
+  Old 2.0 or newer (1.9 is there)
+  Refused 2.0 or newer (1.8 is there)
+  Absent 2.0 or newer
+  Lost
+Debian, Ubuntu: apt-get install libOld-dev libRefused-dev libAbsent-dev
+")
+string(FIND "${said}" "${wanted}" at)
+if(NOT at EQUAL 0)
+    message(FATAL_ERROR "It said\n${said}\nnot\n${wanted}")
 endif()
+
+# FindOpenVDB.cmake under prefixes of other systems.
+set(scratch ${CMAKE_CURRENT_BINARY_DIR}/test_missing.tmp)
+foreach(folder lib/cmake/OpenVDB lib64/cmake/OpenVDB share/openvdb)
+    file(REMOVE_RECURSE ${scratch})
+    file(WRITE ${scratch}/${folder}/FindOpenVDB.cmake "")
+    set(CMAKE_PREFIX_PATH /nowhere ${scratch})
+    igeo_find_openvdb_module(module)
+    if(NOT module STREQUAL "${scratch}/${folder}")
+        message(FATAL_ERROR "FindOpenVDB.cmake in ${folder}: found '${module}'")
+    endif()
+    set(CMAKE_PREFIX_PATH "")
+    set(ENV{CONDA_PREFIX} ${scratch})
+    igeo_find_openvdb_module(module)
+    if(NOT module STREQUAL "${scratch}/${folder}")
+        message(FATAL_ERROR "FindOpenVDB.cmake in ${folder} of conda: found '${module}'")
+    endif()
+    set(ENV{CONDA_PREFIX} "")
+endforeach()
+file(REMOVE_RECURSE ${scratch})
