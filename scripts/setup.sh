@@ -20,6 +20,7 @@ packages=(
     libopenvdb-tools                   # vdb_tool, vdb_print and vdb_render, for the tests
     python3 python3-jsonschema         # the tests check reports against their schema
     groff-base                         # and that the manual page is one
+    zsh fish                           # and what the completions offer
     parallel                           # and batches in shards
     ca-certificates
 )

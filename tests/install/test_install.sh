@@ -27,4 +27,6 @@ if [[ -e $program ]]; then
     share=$scratch/prefix/share
     grep -q '^\.TH IMPLICIT-GEODESIC 1' "$share/man/man1/implicit-geodesic.1"
     bash -n "$share/bash-completion/completions/implicit-geodesic"
+    grep -q '^#compdef implicit-geodesic' "$share/zsh/site-functions/_implicit-geodesic"
+    grep -q '^complete -c implicit-geodesic' "$share/fish/vendor_completions.d/implicit-geodesic.fish"
 fi
