@@ -40,7 +40,7 @@ CLI/       src apps tests  apps/implicit-geodesic/options.cpp
 nlohmann/  src apps        src/igeo/report.cpp src/igeo/point_file.cpp apps/implicit-geodesic/json_file.h
 png.h      src apps        src/igeo/canvas.cpp
 assimp/    src apps        src/igeo/mesh_file.cpp
-tbb/       src apps        src/igeo/parallel.h src/igeo/parallel.cpp
+tbb/       src apps        src/igeo/parallel.h src/igeo/parallel.cpp apps/implicit-geodesic/version_text.cpp
 '
 
 mapfile -t files < <(find src apps tests -name '*.h' -o -name '*.cpp' | LC_ALL=C sort)

@@ -1,7 +1,6 @@
 #include "options.h"
 
 #include <igeo/colour_map.h>
-#include <igeo/version.h>
 #include <CLI/CLI.hpp>
 
 #include <charconv>
@@ -13,6 +12,7 @@
 
 #include "command_description.h"
 #include "usage_error.h"
+#include "version_text.h"
 
 namespace {
 
@@ -612,7 +612,8 @@ ParseResult parseOptions(int argc, char** argv, Options& options) {
     addInfo(app, options);
     addBatch(app, options);
     addHelp(app);
-    app.set_version_flag("--version", std::string("implicit-geodesic ") + igeo::kVersion)
+    app.set_version_flag("-V,--version", versionText,
+                         "Print the versions of the program and of what it is built with")
         ->group("Run");
     if (argc == 2 && argv[1] == std::string("--dump-options")) {
         std::cout << descriptionJson(describe(app, kProgram));
