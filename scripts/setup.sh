@@ -17,9 +17,10 @@ packages=(
     libboost-iostreams-dev zlib1g-dev  # FindOpenVDB.cmake asks for them, libopenvdb-dev does not
     libpng-dev libassimp-dev
     nlohmann-json3-dev libcli11-dev catch2
-    libopenvdb-tools                   # vdb_tool, vdb_print and vdb_render, for the tests
+    libopenvdb-tools python3-openvdb   # vdb_tool, vdb_print, vdb_render, pyopenvdb: for the tests
     python3 python3-jsonschema         # the tests check reports against their schema
     groff-base                         # and that the manual page is one
+    zsh fish                           # and what the completions offer
     parallel                           # and batches in shards
     pkg-config python3-yaml            # and what is installed or packed
     dpkg-dev file                      # cpack makes the dependencies of a .deb with them

@@ -11,7 +11,7 @@ types error parallel progress steps version box disjoint_sets format
 eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density digest
 tangent_frame orient_normals medial_radii
 band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
-vdb_archive vdb_io vdb_write level_set rebuild leaf_block band_width index_map point_cloud vdb_points
+openvdb_grids vdb_archive vdb_io vdb_write level_set rebuild leaf_block band_width index_map point_cloud vdb_points
 level_set_band surface_point point_surface point_band seeds grid_sampling obstacles mesh_band
 field
 godunov jet jet_core jet_extend jet_stencil
@@ -40,7 +40,7 @@ CLI/       src apps tests  apps/implicit-geodesic/options.cpp
 nlohmann/  src apps        src/igeo/report.cpp src/igeo/point_file.cpp apps/implicit-geodesic/json_file.h
 png.h      src apps        src/igeo/canvas.cpp
 assimp/    src apps        src/igeo/mesh_file.cpp
-tbb/       src apps        src/igeo/parallel.h src/igeo/parallel.cpp
+tbb/       src apps        src/igeo/parallel.h src/igeo/parallel.cpp apps/implicit-geodesic/version_text.cpp
 '
 
 mapfile -t files < <(find src apps tests -name '*.h' -o -name '*.cpp' | LC_ALL=C sort)

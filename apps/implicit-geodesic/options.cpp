@@ -1,83 +1,134 @@
 #include "options.h"
 
 #include <igeo/colour_map.h>
-#include <igeo/version.h>
 #include <CLI/CLI.hpp>
 
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
+#include <set>
+#include <sstream>
 
+#include "command_description.h"
 #include "results.h"
 #include "usage_error.h"
+#include "version_text.h"
 
 namespace {
 
-const char* const kExamples = R"(
-Exit codes: 0 done, 1 failed, 2 wrong usage, 3 unusable input or output,
-4 done but a target is unreached, 130 interrupted.
+const char* const kProgram = "implicit-geodesic";
 
-Examples:
-  implicit-geodesic --sdf data/trefoil.vdb --seed 0,-0.42,0
-      distances along the surface, in trefoil_geodesic.vdb
-  implicit-geodesic --sdf data/sphere.vdb --seed 0,0,1 --target 0.6,0,-0.8 --paths path.json
-      the geodesic between two points; its length is printed and in path.json
-  implicit-geodesic --sdf data/torus.vdb --seeds data/torus_seeds.csv --max-distance 0.2 -o near.vdb --json -
-      distances up to 0.2 from the nearest of several seeds; the report goes to stdout)";
+/// What the description of a command ends with.
+struct Ending {
+    const char* command;
+    std::vector<ExitCode> exitCodes;
+    std::vector<Example> examples;
+};
 
-const char* const kInfoExamples = R"(
-Exit codes: 0 usable, 1 failed, 2 wrong usage, 3 not usable, 130 interrupted.
+const Ending kEndings[] = {
+    {"implicit-geodesic",
+     {{0, "done"},
+      {1, "failed"},
+      {2, "wrong usage"},
+      {3, "unusable input or output"},
+      {4, "done, but a target is unreached"},
+      {130, "interrupted"}},
+     {{"implicit-geodesic --sdf data/trefoil.vdb --seed 0,-0.42,0",
+       "distances along the surface, in trefoil_geodesic.vdb"},
+      {"implicit-geodesic --sdf data/sphere.vdb --seed 0,0,1 --target 0.6,0,-0.8 --paths path.json",
+       "the geodesic between two points; its length is printed and in path.json"},
+      {"implicit-geodesic --sdf data/torus.vdb --seeds data/torus_seeds.csv --max-distance 0.2 "
+       "-o near.vdb --json -",
+       "distances up to 0.2 from the nearest of several seeds; the report goes to stdout"}}},
+    {"implicit-geodesic info",
+     {{0, "usable"}, {1, "failed"}, {2, "wrong usage"}, {3, "not usable"}, {130, "interrupted"}},
+     {{"implicit-geodesic info data/torus.vdb", "whether the torus will do"},
+      {"implicit-geodesic info data/box.vdb --problems doubtful.vdb",
+       "where results on a box are doubtful: along its edges"},
+      {"implicit-geodesic info model.obj --resolution 400",
+       "whether voxels of 1/400 of a mesh's longest side show all of it"}}},
+    {"implicit-geodesic batch",
+     {{0, "all jobs are done"},
+      {1, "failed; of several jobs that failed, the largest code counts"},
+      {2, "wrong usage"},
+      {3, "unusable input or output"},
+      {4, "all jobs are done, but a target is unreached"},
+      {130, "interrupted"}},
+     {{"implicit-geodesic batch jobs.json",
+       "all jobs of jobs.json; once more after an interruption: those that are left"},
+      {"implicit-geodesic batch jobs.json --shard 2/8 --threads 1",
+       "the second of eight parts of them, for eight processes on any machines"}}},
+    {"implicit-geodesic batch merge",
+     {{0, "all jobs are done"},
+      {1, "failed, or the largest code of a job that failed"},
+      {2, "wrong usage"},
+      {3, "unusable or incomplete input"},
+      {4, "all jobs are done, but a target is unreached"}},
+     {{"implicit-geodesic batch merge jobs.summary-1-of-2.json jobs.summary-2-of-2.json "
+       "-o jobs.summary.json",
+       "one summary of both shards"},
+      {"implicit-geodesic batch merge --matrix rows-1.json rows-2.json -o distances.npy",
+       "one matrix of the parts that --matrix-rows 1/2 and 2/2 wrote"}}}};
 
-Examples:
-  implicit-geodesic info data/torus.vdb
-      whether the torus will do
-  implicit-geodesic info data/box.vdb --problems doubtful.vdb
-      where results on a box are doubtful: along its edges
-  implicit-geodesic info model.obj --resolution 400
-      whether voxels of 1/400 of a mesh's longest side show all of it)";
+// Checks of values are our own: those of CLI11 say what they take in other words from version to
+// version, and let "nan" pass. describe() reads the names and descriptions of these.
+constexpr const char* kChoices = "choices";
+constexpr const char* kRange = "range";
 
-const char* const kBatchExamples = R"(
-Exit codes: 0 all jobs are done, 4 all are done but targets are unreached; else that of a failed
-job, or of a refusal before any job: 1 failed, 2 wrong usage, 3 unusable input or output,
-130 interrupted.
-
-Examples:
-  implicit-geodesic batch jobs.json
-      all jobs of jobs.json; once more after an interruption: those that are left
-  implicit-geodesic batch jobs.json --shard 2/8 --threads 1
-      the second of eight parts of them, for eight processes on any machines)";
-
-const char* const kMergeExamples = R"(
-Exit codes: 0 all jobs are done, 1 failed, 2 wrong usage, 3 unusable or incomplete input,
-4 done but targets are unreached; or that of a failed job.
-
-Examples:
-  implicit-geodesic batch merge jobs.summary-1-of-2.json jobs.summary-2-of-2.json -o jobs.summary.json
-      one summary of both shards
-  implicit-geodesic batch merge --matrix rows-1.json rows-2.json -o distances.npy
-      one matrix of the parts that --matrix-rows 1/2 and 2/2 wrote)";
-
-/// CLI11's own checks let "nan" pass.
 CLI::Validator number(bool mayBeZero) {
-    const char* wanted = mayBeZero ? " is no number of at least 0" : " is no number above 0";
+    const std::string range = mayBeZero ? "at least 0" : "above 0";
     auto check = [=](std::string& text) {
         char* end = nullptr;
         const double v = std::strtod(text.c_str(), &end);
         const bool good = end != text.c_str() && *end == '\0' && std::isfinite(v);
-        return good && (v > 0 || (mayBeZero && v == 0)) ? std::string() : text + wanted;
+        return good && (v > 0 || (mayBeZero && v == 0)) ? std::string()
+                                                        : text + " is no number " + range;
     };
-    return {check, ""};
+    return {check, range, kRange};
+}
+
+CLI::Validator wholeNumber(long least, long most) {
+    const std::string range = std::to_string(least) + " to " + std::to_string(most);
+    auto check = [=](std::string& text) {
+        long v = 0;
+        const char* end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, v);
+        const bool good = error == std::errc() && stop == end && least <= v && v <= most;
+        return good ? std::string() : text + " is no whole number from " + range;
+    };
+    return {check, range, kRange};
+}
+
+std::string listOf(const std::vector<std::string>& choices) {
+    std::string list;
+    for (const std::string& choice : choices) list += (list.empty() ? "" : ",") + choice;
+    return list;
+}
+
+CLI::Validator oneOf(const std::vector<std::string>& choices) {
+    const std::string list = listOf(choices);
+    auto check = [=](std::string& text) {
+        const bool good = std::count(choices.begin(), choices.end(), text) > 0;
+        return good ? std::string() : text + " is none of " + list;
+    };
+    return {check, list, kChoices};
+}
+
+/// What a value begins with; metric_input.cpp checks the whole of it.
+CLI::Validator firstOf(const std::vector<std::string>& choices) {
+    return {[](std::string&) { return std::string(); }, listOf(choices), kChoices};
 }
 
 void addRunOptions(CLI::App& app, Options& o) {
     app.add_option("--threads", o.threads, "Threads; 0 uses all cores [0]")
         ->type_name("N")
-        ->check(CLI::Range(0, 4096))
+        ->check(wholeNumber(0, 4096))
         ->group("Run");
     app.add_option("--progress", o.progress,
                    "Progress on stderr: auto (if it is a terminal), always, never [auto]")
         ->type_name("WHEN")
-        ->check(CLI::IsMember({"auto", "always", "never"}))
+        ->check(oneOf({"auto", "always", "never"}))
         ->group("Run");
     app.add_flag("-q,--quiet", o.quiet, "Print errors only")->group("Run");
     app.add_flag("-v,--verbose", o.verbose, "Print what was found and how long it took")
@@ -85,7 +136,6 @@ void addRunOptions(CLI::App& app, Options& o) {
 }
 
 void addHelp(CLI::App& app) {
-    app.get_formatter()->column_width(28);
     // Last, so that the help begins with what the program is for.
     app.set_help_flag("-h,--help", "Print this help")->group("Run");
 }
@@ -100,7 +150,7 @@ std::array<CLI::Option*, 2> addVoxelSize(CLI::App& app, Options& o) {
     auto* resolution =
         app.add_option("--resolution", o.resolution, "The same as voxels along the longest side")
             ->type_name("N")
-            ->check(CLI::Range(8, 1 << 20))
+            ->check(wholeNumber(8, 1 << 20))
             ->excludes(size)
             ->group("Surface");
     return {size, resolution};
@@ -122,8 +172,10 @@ void addInfo(CLI::App& app, Options& o) {
     CLI::App* info = app.add_subcommand(
         "info",
         "What a file holds, whether it will do as a surface, and what a run on it would take");
-    info->add_option("FILE", o.sdf,
-                     "A volume and a grid of it, a mesh or points, as for --sdf, --mesh, --points")
+    info->add_option(
+            "FILE", o.sdf,
+            "A volume and a grid of it, a mesh or points: .vdb .obj .ply .stl .off .gltf .glb "
+            ".xyz .csv .txt")
         ->type_name("[:GRID]")
         ->required();
     addVoxelSize(*info, o);
@@ -135,7 +187,6 @@ void addInfo(CLI::App& app, Options& o) {
         ->group("Results");
     addRunOptions(*info, o);
     addHelp(*info);
-    info->footer(kInfoExamples);
     beFirst(app, *info);
     info->callback([&o] { o.info = true; });
 }
@@ -155,7 +206,6 @@ void addMerge(CLI::App& batch, Options& o) {
                    "Join parts of a matrix, as --matrix-rows writes them: to .csv, .json or .npy")
         ->group("Results");
     addHelp(*merge);
-    merge->footer(kMergeExamples);
     beFirst(batch, *merge);
     merge->callback([&o] { o.batch.merge = true; });
 }
@@ -182,7 +232,6 @@ void addBatch(CLI::App& app, Options& o) {
         ->group("Jobs");
     addRunOptions(*batch, o);
     addHelp(*batch);
-    batch->footer(kBatchExamples);
     beFirst(app, *batch);
     batch->callback([&o] { o.batch.asked = true; });
     addMerge(*batch, o);
@@ -271,7 +320,7 @@ void addOptions(CLI::App& app, Options& o) {
            "--space", [&o](const std::string& s) { o.indexSpace = s == "index"; },
            "Space of seeds and targets: world or index [world]")
         ->type_name("SPACE")
-        ->check(CLI::IsMember({"world", "index"}))
+        ->check(oneOf({"world", "index"}))
         ->group(seeds);
     app.add_option("--snap", o.snap,
                    "How far a seed or target may be from the surface, world units [the half-width "
@@ -281,7 +330,7 @@ void addOptions(CLI::App& app, Options& o) {
         ->group(seeds);
     app.add_option("--sample", o.sample, "Add so many seeds, each as far from all others as can be")
         ->type_name("K")
-        ->check(CLI::Range(1, 1000000))
+        ->check(wholeNumber(1, 1000000))
         ->group(seeds);
     app.add_flag("--stop-at-targets", o.stopAtTargets, "Stop once all targets are reached")
         ->group(seeds);
@@ -314,6 +363,7 @@ void addOptions(CLI::App& app, Options& o) {
                    "Cost from curvature: cheap in a valley, along a crest, or where mean, gaussian "
                    "or principal curvature is small [eps=100,p=3]")
         ->type_name("KIND[,eps=E][,p=P]")
+        ->check(firstOf({"valley", "crest", "mean", "gaussian", "principal"}))
         ->group(metric);
     app.add_option("--curvature-scale", o.curvatureScale,
                    "Radius over which curvature is averaged, voxels, 1 to 16 [2]")
@@ -325,6 +375,7 @@ void addOptions(CLI::App& app, Options& o) {
                        "Cost by direction: avoid bending with the surface, or prefer it; L is the "
                        "radius at which it counts, world units [length: 10 voxels]")
             ->type_name("avoid|prefer[,length=L]")
+            ->check(firstOf({"avoid", "prefer"}))
             ->group(metric);
     app.add_option("--metric", o.metric,
                    "A tensor G, cost sqrt(G[v, v]) of a step v, in world axes: vector grids "
@@ -352,11 +403,11 @@ void addOptions(CLI::App& app, Options& o) {
                    "How to solve: jet (value and gradient on foot points) or godunov (Memoli & "
                    "Sapiro 2001) [jet]")
         ->type_name("NAME")
-        ->check(CLI::IsMember({"jet", "godunov"}))
+        ->check(oneOf({"jet", "godunov"}))
         ->group("Scheme");
     app.add_option("--order", o.order, "Order of godunov's differences, 1 or 2 [2]")
         ->type_name("N")
-        ->check(CLI::Range(1, 2))
+        ->check(wholeNumber(1, 2))
         ->group("Scheme");
 
     const char* results = "Results";
@@ -371,7 +422,7 @@ void addOptions(CLI::App& app, Options& o) {
         ->type_name("LIST")
         ->delimiter(',')
         ->allow_extra_args(false)
-        ->check(CLI::IsMember(
+        ->check(oneOf(
             {"surface", "gradient", "label", "color", "logmap", "weight", "curvature", "engraved"}))
         ->group(results);
     app.add_flag("--extend", o.extend,
@@ -397,7 +448,7 @@ void addOptions(CLI::App& app, Options& o) {
         ->group(results);
     auto* levels = app.add_option("--levels", o.levels, "How many levels isolines have")
                        ->type_name("N")
-                       ->check(CLI::Range(1, 100000))
+                       ->check(wholeNumber(1, 100000))
                        ->group(results);
     app.add_option("--spacing", o.spacing,
                    "Distance between isolines, world units times weight [a round one, about 16 "
@@ -443,13 +494,13 @@ void addOptions(CLI::App& app, Options& o) {
            "--up", [&o](const std::string& s) { o.upZ = s == "z"; },
            "The axis that points up: y or z [y]")
         ->type_name("AXIS")
-        ->check(CLI::IsMember({"y", "z"}))
+        ->check(oneOf({"y", "z"}))
         ->group(picture);
     app.add_option("--color-map", o.colourMap,
                    "Colours of picture, mesh and color grid: lagoon, sunset, ember, ice, grey "
                    "[lagoon]")
         ->type_name("NAME")
-        ->check(CLI::IsMember(igeo::ColourMap::names()))
+        ->check(oneOf(igeo::ColourMap::names()))
         ->group(picture);
 
     app.add_option("--json", o.json,
@@ -461,6 +512,83 @@ void addOptions(CLI::App& app, Options& o) {
         ->type_name("G")
         ->check(number(/*mayBeZero=*/false))
         ->group("Run");
+}
+
+std::vector<std::string> split(const std::string& list) {
+    std::vector<std::string> items;
+    std::istringstream in(list);
+    for (std::string item; std::getline(in, item, ',');) items.push_back(item);
+    return items;
+}
+
+/// What `option` takes, as the check says that it has, and its value's name.
+void describeValue(CLI::Option& option, OptionDescription& d) {
+    if (option.get_type_size() == 0) return;  // a flag
+    d.value = option.get_type_name();
+    d.separator = option.get_delimiter();
+    d.repeatable = option.get_expected_max() > 1;
+    const CLI::Validator* check = nullptr;
+    try {
+        check = option.get_validator(0);
+    } catch (const CLI::OptionNotFound&) {
+        return;
+    }
+    const std::string taken = check->get_description();
+    if (check->get_name() == kChoices)
+        d.choices = split(taken);
+    else if (check->get_name() == kRange)
+        d.range = taken;
+    else
+        return;
+    d.value.resize(d.value.size() - taken.size() - 1);  // CLI11 appends ":" and the description
+}
+
+OptionDescription describe(CLI::Option& option, const std::vector<CLI::Option*>& all) {
+    OptionDescription d;
+    for (const std::string& name : option.get_snames()) d.names.push_back("-" + name);
+    for (const std::string& name : option.get_lnames()) d.names.push_back("--" + name);
+    if (option.get_positional())
+        d.names = {option.get_name(true)};
+    else
+        d.group = option.get_group();
+    describeValue(option, d);
+    d.required = option.get_required();
+    // The sets of CLI11 are in the order of addresses.
+    const std::set<CLI::Option*> needs = option.get_needs(), excludes = option.get_excludes();
+    for (CLI::Option* other : all) {
+        if (needs.count(other) > 0) d.needs.push_back(other->get_name());
+        if (excludes.count(other) > 0) d.excludes.push_back(other->get_name());
+    }
+    d.text = option.get_description();
+    return d;
+}
+
+CommandDescription describe(CLI::App& app, const std::string& name) {
+    CommandDescription d;
+    d.name = name;
+    d.about = app.get_description();
+    const std::vector<CLI::Option*> options = app.get_options();
+    for (CLI::Option* option : options)
+        (option->get_positional() ? d.arguments : d.options).push_back(describe(*option, options));
+    for (const Ending& ending : kEndings)
+        if (ending.command == name) {
+            d.exitCodes = ending.exitCodes;
+            d.examples = ending.examples;
+        }
+    for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; }))
+        d.commands.push_back(describe(*command, name + " " + command->get_name()));
+    return d;
+}
+
+/// The command that the command line names.
+CommandDescription describeParsed(CLI::App& app) {
+    CLI::App* command = &app;
+    std::string name = kProgram;
+    while (!command->get_subcommands().empty()) {
+        command = command->get_subcommands().front();
+        name += " " + command->get_name();
+    }
+    return describe(*command, name);
 }
 
 /// OpenVDB's tools spell their options with one dash: -help and -version work here as well.
@@ -479,17 +607,24 @@ ParseResult parseOptions(int argc, char** argv, Options& options) {
         "How far is it, and which way, along a surface: a signed-distance volume, a mesh or "
         "points.\n"
         "Lengths are in world units of the surface; defaults are in brackets.",
-        "implicit-geodesic"};
-    app.footer(kExamples);
+        kProgram};
     addOptions(app, options);
     addRunOptions(app, options);
     addInfo(app, options);
     addBatch(app, options);
     addHelp(app);
-    app.set_version_flag("--version", std::string("implicit-geodesic ") + igeo::kVersion)
+    app.set_version_flag("-V,--version", versionText,
+                         "Print the versions of the program and of what it is built with")
         ->group("Run");
+    if (argc == 2 && argv[1] == std::string("--dump-options")) {
+        results() << descriptionJson(describe(app, kProgram));
+        return ParseResult::Done;
+    }
     try {
         app.parse(argumentsOf(argc, argv));
+    } catch (const CLI::CallForHelp&) {
+        results() << helpText(describeParsed(app));
+        return ParseResult::Done;
     } catch (const CLI::Success& e) {
         app.exit(e, results(), std::cerr);
         return ParseResult::Done;

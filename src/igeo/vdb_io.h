@@ -27,7 +27,7 @@ struct LoadedGrid {
     std::string file;  ///< as named, for messages
     std::string name;  ///< unique in the file: the second of two grids `psi` is `psi[1]`
     bool isLevelSetClass = false;       ///< the file says so
-    std::vector<std::string> warnings;  ///< of the file, in sentences
+    std::vector<std::string> warnings = {};  ///< of the file, in sentences
 };
 
 /// What a file says of one of its grids.
@@ -60,7 +60,7 @@ LoadedGrid readScalarGrid(const GridSource& source);
 struct ObstacleGrid {
     openvdb::GridBase::Ptr grid;  ///< a BoolGrid, MaskGrid or FloatGrid
     std::string file, name;       ///< as in LoadedGrid
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings = {};
 };
 
 /// Reads one grid of bool, mask, float or double (rounded to float), chosen as by readScalarGrid.
@@ -72,7 +72,7 @@ struct TensorGrids {
     openvdb::Vec3SGrid::Ptr diagonal;     ///< xx, yy, zz
     openvdb::Vec3SGrid::Ptr offdiagonal;  ///< xy, xz, yz; null: zero everywhere
     std::string file, name;               ///< as in LoadedGrid; the name is that of `diagonal`
-    std::vector<std::string> warnings;
+    std::vector<std::string> warnings = {};
 };
 
 /// Reads the grids named GRIDdiagonal and, if there is one, GRIDoffdiagonal: vectors of float or

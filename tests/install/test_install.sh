@@ -43,6 +43,8 @@ if [[ -e $program ]]; then
     share=$prefix/share
     grep -q '^\.TH IMPLICIT-GEODESIC 1' "$share/man/man1/implicit-geodesic.1"
     bash -n "$share/bash-completion/completions/implicit-geodesic"
+    grep -q '^#compdef implicit-geodesic' "$share/zsh/site-functions/_implicit-geodesic"
+    grep -q '^complete -c implicit-geodesic' "$share/fish/vendor_completions.d/implicit-geodesic.fish"
     cd "$scratch"
     "$program" --sdf "$share/implicit-geodesic/data/sphere.vdb" --seed 0,0,1 -q -o out.vdb
     cmp "$share/implicit-geodesic/schemas/report.schema.json" "$source/docs/report.schema.json"

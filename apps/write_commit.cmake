@@ -1,0 +1,13 @@
+# Writes the header `file` with the commit of the folder `source`; it is touched only if that changed.
+#
+# usage: cmake -D source=DIR -D file=FILE -P write_commit.cmake
+set(commit "")
+# Only its own repository: what is unpacked inside another one has no commit.
+if(EXISTS ${source}/.git)
+    execute_process(COMMAND git -C ${source} describe --always --dirty
+        OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+endif()
+if(NOT commit)
+    set(commit unknown)
+endif()
+file(CONFIGURE OUTPUT ${file} CONTENT "constexpr const char* kCommit = \"${commit}\";\n")
