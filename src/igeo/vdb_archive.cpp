@@ -2,6 +2,7 @@
 
 #include <igeo/error.h>
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 
@@ -48,12 +49,26 @@ GridBase::Ptr VdbArchive::Descriptor::create() const {
     return grid;
 }
 
+void VdbArchive::readDescriptor(Descriptor& d) {
+    try {
+        d.read(in_);
+    } catch (const openvdb::LookupError&) {
+        // A type that is not registered: OpenVDB stops behind its name, where three positions
+        // follow.
+        std::array<std::int64_t, 3> positions{};
+        in_.read(reinterpret_cast<char*>(positions.data()), sizeof positions);
+        d.setGridPos(positions[0]);
+        d.setBlockPos(positions[1]);
+        d.setEndPos(positions[2]);
+    }
+}
+
 void VdbArchive::readDirectory() {
     const auto size = std::int64_t(std::filesystem::file_size(file_));
     openvdb::MetaMap().readMeta(in_);
     for (std::int32_t n = readGridCount(in_); n > 0; --n) {
         Descriptor d;
-        d.read(in_);
+        readDescriptor(d);
         const std::int64_t begin = d.getGridPos(), end = d.getEndPos();
         // In order, or a grid that "ends" before it begins would be read for ever.
         if (begin < in_.tellg() || end < begin)

@@ -40,6 +40,7 @@ private:
     };
 
     void readDirectory();
+    void readDescriptor(Descriptor& d);
     const Descriptor& find(const std::string& name) const;
     openvdb::GridBase::Ptr readOne(const Descriptor& d);
 
