@@ -26,7 +26,7 @@ struct LoadedGrid {
     openvdb::FloatGrid::Ptr grid;
     std::string file;  ///< as named, for messages
     std::string name;  ///< unique in the file: the second of two grids `psi` is `psi[1]`
-    bool isLevelSetClass = false;       ///< the file says so
+    bool isLevelSetClass = false;            ///< the file says so
     std::vector<std::string> warnings = {};  ///< of the file, in sentences
 };
 

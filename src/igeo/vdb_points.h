@@ -18,7 +18,6 @@ PointCloud readVdbPoints(const std::string& source);
 /// The grid of points (PointDataGrid) that is named, or the only one; in vdb_io.cpp, where grids
 /// are chosen.
 /// @throws Error  as readScalarGrid
-openvdb::GridBase::Ptr readPointGrid(const GridSource& source,
-                                     std::vector<std::string>& warnings);
+openvdb::GridBase::Ptr readPointGrid(const GridSource& source, std::vector<std::string>& warnings);
 
 }  // namespace igeo

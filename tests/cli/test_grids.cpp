@@ -158,8 +158,8 @@ TEST_CASE("a thin level set is widened with a warning") {
     desk.make("plain.vdb", "sphere");
     const Result result =
         requireDone(desk, "--sdf thin.vdb --seed 0,0,1 --band-voxels 2.5 -o thin_d.vdb");
-    CHECK_THAT(result.err, contains("warning: the level set is ") &&
-                               contains("widened by fast sweeping"));
+    CHECK_THAT(result.err,
+               contains("warning: the level set is ") && contains("widened by fast sweeping"));
     requireDone(desk, "--sdf plain.vdb --seed 0,0,1 --band-voxels 2.5 -q -o plain_d.vdb");
     // Fast sweeping is first order: the widened psi is off by some tenths of a voxel at most.
     CHECK(largestDifference(*readDistance(desk / "thin_d.vdb"),

@@ -62,8 +62,8 @@ TEST_CASE("a fault while a file is read is the fault of the file") {
     CHECK(reading.exitCode == 3);
     const auto told = lines(reading.err);
     REQUIRE(told.size() == 2);
-    CHECK_THAT(told[0], startsWith("implicit-geodesic: error: ") &&
-                            contains("'some file.vdb'") && contains("crashed"));
+    CHECK_THAT(told[0], startsWith("implicit-geodesic: error: ") && contains("'some file.vdb'") &&
+                            contains("crashed"));
     CHECK_THAT(told[1], startsWith("  "));
 
     const Ending later = endOf([&] {

@@ -83,8 +83,7 @@ TEST_CASE("messages: none with -q, one line per result without, the stages with 
     const auto normal = lines(requireDone(desk, base).err);
     REQUIRE(normal.size() == 2);
     CHECK_THAT(normal[0], startsWith("implicit-geodesic: target 0: distance "));
-    CHECK_THAT(normal[1], startsWith("implicit-geodesic: distances up to ") &&
-                              contains("out.vdb"));
+    CHECK_THAT(normal[1], startsWith("implicit-geodesic: distances up to ") && contains("out.vdb"));
 
     const std::string verbose = requireDone(desk, base + "-v").err;
     for (const std::string stage : {"read", "check", "band", "snap", "march", "trace", "write"})
