@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 # The rooms of src/igeo from the ground up, one per line. A file (.h and .cpp alike) includes igeo
 # headers of its own room and of those above it in this list.
 rooms='
-types error parallel progress steps version box disjoint_sets format
+types error parallel progress steps version box disjoint_sets format numbers
 eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density digest
 tangent_frame orient_normals medial_radii
 band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
@@ -26,7 +26,7 @@ field_grids extend report point_file picture legend view surface_rays
 
 # Files that do without OpenVDB, and so without the igeo headers that need it.
 no_openvdb='
-types error parallel progress steps version box disjoint_sets format digest eikonal heap jet_update selling ply tangent_frame band metric
+types error parallel progress steps version box disjoint_sets format numbers digest eikonal heap jet_update selling ply tangent_frame band metric
 curvature field band_width surface_point seeds godunov jet jet_core jet_extend jet_stencil trace
 straighten accuracy sampling matrix log_map shoot sides point_file colour_map canvas point_tree
 quadric_fit cloud_density orient_normals medial_radii
