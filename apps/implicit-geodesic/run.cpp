@@ -208,9 +208,9 @@ void Job::solve() {
         makeBand(region);
         const bool whole = wholeBand_;
         if (whole || band().size() > 0) snapPoints();
-        auto far = [&](const igeo::SurfacePoint& p) { return tooFar(p); };
-        if (!whole && (band().size() == 0 || std::any_of(seeds_.begin(), seeds_.end(), far) ||
-                       std::any_of(targets_.begin(), targets_.end(), far))) {
+        auto isFar = [&](const igeo::SurfacePoint& p) { return tooFar(p); };
+        if (!whole && (band().size() == 0 || std::any_of(seeds_.begin(), seeds_.end(), isFar) ||
+                       std::any_of(targets_.begin(), targets_.end(), isFar))) {
             // For the message: the nearest point of the whole surface.
             makeBand({});
             snapPoints();
