@@ -14,7 +14,6 @@
 #include <igeo/straighten.h>
 #include <igeo/surface_point.h>
 #include <igeo/trace.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <memory>
@@ -23,6 +22,7 @@
 #include "metric_input.h"
 #include "output_files.h"
 #include "outputs.h"
+#include "process.h"
 #include "seed_input.h"
 #include "stages.h"
 #include "surface_input.h"
@@ -352,10 +352,8 @@ void Job::writeResults() {
     outputs_.writeDocuments(result, progress_);
     finished("write");
 
-    rusage usage{};
-    ::getrusage(RUSAGE_SELF, &usage);
     report_.seconds = stages_.seconds();
-    report_.peakMemory = std::uint64_t(usage.ru_maxrss) * 1024;
+    report_.peakMemory = peakMemory();
     report_.threads = igeo::ThreadLimit::current();
     if (!options_.json.empty())
         writeDocument(options_.json, igeo::reportJson(report_, band(), field_));
