@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 # The rooms of src/igeo from the ground up, one per line. A file (.h and .cpp alike) includes igeo
 # headers of its own room and of those above it in this list.
 rooms='
-types error parallel progress steps version box disjoint_sets format
+types error parallel progress steps version box disjoint_sets format numbers system system_posix system_windows
 eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density digest
 tangent_frame orient_normals medial_radii
 band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
@@ -26,21 +26,25 @@ field_grids extend report point_file picture legend view surface_rays
 
 # Files that do without OpenVDB, and so without the igeo headers that need it.
 no_openvdb='
-types error parallel progress steps version box disjoint_sets format digest eikonal heap jet_update selling ply tangent_frame band metric
+types error parallel progress steps version box disjoint_sets format numbers system system_posix system_windows digest eikonal heap jet_update selling ply tangent_frame band metric
 curvature field band_width surface_point seeds godunov jet jet_core jet_extend jet_stencil trace
 straighten accuracy sampling matrix log_map shoot sides point_file colour_map canvas point_tree
 quadric_fit cloud_density orient_normals medial_radii
 triangle_mesh mesh_voxels ply_file mesh_file mesh_band
 '
 
-# Headers that cost seconds per file: the prefix, where the rule holds, and the files excepted.
-# Tests may use TBB and JSON directly.
+# Headers that cost seconds per file or that not every system has: the prefix, where the rule holds,
+# and the files excepted. Tests may use TBB, JSON and POSIX directly.
 guarded='
 CLI/       src apps tests  apps/implicit-geodesic/options.cpp
 nlohmann/  src apps        src/igeo/report.cpp src/igeo/point_file.cpp apps/implicit-geodesic/json_file.h
 png.h      src apps        src/igeo/canvas.cpp
 assimp/    src apps        src/igeo/mesh_file.cpp
 tbb/       src apps        src/igeo/parallel.h src/igeo/parallel.cpp apps/implicit-geodesic/version_text.cpp
+fcntl.h    src apps        src/igeo/system_posix.cpp src/igeo/system_windows.cpp apps/implicit-geodesic/process_posix.cpp
+sys/       src apps        src/igeo/system_posix.cpp src/igeo/system_windows.cpp apps/implicit-geodesic/process_posix.cpp
+unistd.h   src apps        src/igeo/system_posix.cpp apps/implicit-geodesic/process_posix.cpp
+windows.h  src apps        apps/implicit-geodesic/process_windows.cpp
 '
 
 mapfile -t files < <(find src apps tests -name '*.h' -o -name '*.cpp' | LC_ALL=C sort)

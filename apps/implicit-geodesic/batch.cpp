@@ -23,6 +23,7 @@
 #include "matrix_parts.h"
 #include "metric_input.h"
 #include "output_files.h"
+#include "process.h"
 #include "results.h"
 #include "run.h"
 #include "summary.h"

@@ -1,15 +1,15 @@
 #include "console.h"
 
-#include <fcntl.h>
 #include <igeo/atomic_file.h>
-#include <signal.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
+
+#include "process.h"
 
 namespace {
 
@@ -51,7 +51,7 @@ void Console::error(const std::string& what, const std::string& remedy) {
 }
 
 ConsoleProgress::ConsoleProgress(const std::string& when) {
-    terminal_ = ::isatty(STDERR_FILENO) == 1 && !std::getenv("NO_COLOR");
+    terminal_ = stderrIsTerminal() && !std::getenv("NO_COLOR");
     enabled_ = when == "always" || (when == "auto" && terminal_);
     if (enabled_) shower_ = std::thread([this] { show(); });
 }
@@ -91,39 +91,14 @@ void ConsoleProgress::clear() {
 
 bool ConsoleProgress::cancelled() const { return InterruptGuard::requested(); }
 
-void openStandardStreams() {
-    // open() takes the lowest descriptor that is free; the wrong way round, so that using it fails.
-    for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-        if (::fcntl(fd, F_GETFD) < 0 &&
-            ::open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
-            ::_exit(1);
-}
-
 InterruptGuard::InterruptGuard() {
-    // A write beyond RLIMIT_FSIZE shall be an error to report, not a signal to die of; the same
-    // for a reader of stdout who has gone.
-    ::signal(SIGXFSZ, SIG_IGN);
-    ::signal(SIGPIPE, SIG_IGN);
-    sigset_t set;
-    sigemptyset(&set);
-    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
-        struct sigaction now {};
-        // nohup ignores SIGHUP, a shell that starts a job in the background SIGINT.
-        if (::sigaction(number, nullptr, &now) == 0 && now.sa_handler != SIG_IGN)
-            sigaddset(&set, number);
-    }
-    // Blocked here and in all threads to come; one thread waits for them and may do as it likes,
-    // which a signal handler may not.
-    ::pthread_sigmask(SIG_BLOCK, &set, nullptr);
-    std::thread([set] {
-        int number = 0;
-        if (::sigwait(&set, &number) != 0) return;
-        gSignal = number;
+    onInterrupt([](int signal) {
+        gSignal = signal;
         std::this_thread::sleep_for(std::chrono::milliseconds(150));
         igeo::AtomicFile::discardAll();
         print("error: interrupted");
         std::_Exit(exitCode());
-    }).detach();
+    });
 }
 
 bool InterruptGuard::requested() { return gSignal != 0; }

@@ -52,10 +52,6 @@ private:
     std::thread shower_;
 };
 
-/// Opens those of stdin, stdout and stderr that are closed, so that no output takes their place and
-/// is mixed with messages; reading and writing them fails as before.
-void openStandardStreams();
-
 /// Turns SIGINT, SIGTERM and SIGHUP, unless they are ignored, into a request to stop; what does not
 /// stop within 0.15 s (a library call that cannot be told) is ended, after removing unfinished
 /// outputs. Make one in main, before any thread starts.

@@ -1,10 +1,6 @@
 #include "guarded_read.h"
 
 #include <igeo/atomic_file.h>
-#include <signal.h>
-#include <sys/resource.h>
-#include <sys/time.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,8 +10,8 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 
+#include "process.h"
 #include "run.h"
 
 namespace {
@@ -29,18 +25,12 @@ struct Message {
         size = std::min(words.size(), text.size());
         std::memcpy(text.data(), words.data(), size);
     }
-    void write() const {
-        // Nothing is left to do where stderr takes no more.
-        if (::write(STDERR_FILENO, text.data(), size) < 0) return;
-    }
+    void write() const { writeToStderr(text.data(), size); }
 };
-
-constexpr std::array<int, 5> kFaults{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 
 Message gFault, gOutOfMemory, gFileFault, gFileTime;
 std::atomic<bool> gReading{false};
 std::mutex gGuard;
-std::atomic<bool> gEnding{false};
 // Wipes a line of progress.
 const char* gLineStart = "";
 
@@ -55,26 +45,12 @@ const char* gLineStart = "";
     std::abort();
 }
 
-[[noreturn]] void endNow(int) { ::_exit(gReading ? kUnusable : kFailed); }
-
-/// Runs on a stack of its own. Only write, unlink and _exit may be relied on here; what else is
-/// tried is cut short by a second fault or, where it waits for a lock, by the alarm.
-void onFault(int signal) {
-    if (gEnding.exchange(true)) {
-        for (;;) ::pause();  // another thread is ending the process
-    }
-    for (const int s : kFaults) ::signal(s, endNow);
-    ::signal(SIGALRM, endNow);
-    sigset_t all;
-    sigfillset(&all);
-    for (const int s : kFaults) sigdelset(&all, s);
-    sigdelset(&all, SIGALRM);
-    ::pthread_sigmask(SIG_SETMASK, &all, nullptr);
-    ::alarm(1);
-    (signal == SIGVTALRM ? gFileTime : gReading ? gFileFault : gFault).write();
+void reportFault(bool timeIsUp) {
+    (timeIsUp ? gFileTime : gReading ? gFileFault : gFault).write();
     igeo::AtomicFile::discardAll();
-    endNow(signal);
 }
+
+[[noreturn]] void endNow() { std::_Exit(gReading ? kUnusable : kFailed); }
 
 double readingSeconds(const std::string& file) {
     constexpr double kLeast = 300, kUnknown = 3600, kPerMegabyte = 10;
@@ -84,17 +60,10 @@ double readingSeconds(const std::string& file) {
                  : kUnknown;
 }
 
-void setTimer(double seconds) {
-    itimerval time{};
-    time.it_value.tv_sec = time_t(seconds);
-    time.it_value.tv_usec = suseconds_t((seconds - std::floor(seconds)) * 1e6);
-    ::setitimer(ITIMER_VIRTUAL, &time, nullptr);
-}
-
 }  // namespace
 
 void catchFaults() {
-    if (::isatty(STDERR_FILENO) == 1) gLineStart = "\r\033[K";
+    if (stderrIsTerminal()) gLineStart = "\r\033[K";
     gFault.set(std::string(gLineStart) +
                "implicit-geodesic: error: the program has crashed\n"
                "  please report this, with the command and its files; no output is half written\n");
@@ -102,43 +71,7 @@ void catchFaults() {
                      "implicit-geodesic: error: out of memory\n"
                      "  use a coarser level set or a larger machine\n");
     std::set_terminate(onTerminate);
-    alignas(16) static std::array<char, 1 << 16> memory;
-    stack_t stack{};
-    stack.ss_sp = memory.data();
-    stack.ss_size = memory.size();
-    ::sigaltstack(&stack, nullptr);
-    struct sigaction action {};
-    action.sa_handler = onFault;
-    action.sa_flags = SA_ONSTACK;
-    sigfillset(&action.sa_mask);
-    for (const int s : kFaults) {
-        sigdelset(&action.sa_mask, s);
-        ::sigaction(s, &action, nullptr);
-    }
-    ::sigaction(SIGVTALRM, &action, nullptr);
-}
-
-double machineMemory() {
-    double bytes = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
-    // "max" where there is no limit: no number.
-    double limit = 0;
-    if (std::ifstream("/sys/fs/cgroup/memory.max") >> limit) bytes = std::min(bytes, limit);
-    return bytes;
-}
-
-void limitMemory(double bytes, int threads) {
-    constexpr double kLeast = 256e6, kStack = 8e6;
-    double mapped = 0;
-    // Pages: in all, resident, shared, code, library, data.
-    std::ifstream statm("/proc/self/statm");
-    for (int k = 0; k < 6; ++k) statm >> mapped;
-    if (!statm) return;
-    mapped *= double(::sysconf(_SC_PAGE_SIZE));
-    rlimit limit{};
-    if (::getrlimit(RLIMIT_DATA, &limit) != 0) return;
-    limit.rlim_cur =
-        std::min(limit.rlim_cur, rlim_t(mapped + std::max(bytes, kLeast) + kStack * threads));
-    ::setrlimit(RLIMIT_DATA, &limit);
+    onFault(reportFault, endNow);
 }
 
 FileGuard::FileGuard(const std::string& file) : FileGuard(file, readingSeconds(file)) {}
@@ -154,10 +87,10 @@ FileGuard::FileGuard(const std::string& file, double seconds)
                   " s of computing\n"
                   "  the file is damaged: write it again\n");
     gReading = true;
-    setTimer(seconds);
+    limitComputing(seconds);
 }
 
 FileGuard::~FileGuard() {
-    setTimer(0);
+    limitComputing(0);
     if (std::uncaught_exceptions() == exceptions_) gReading = false;
 }

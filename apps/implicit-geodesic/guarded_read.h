@@ -16,17 +16,6 @@
 /// its stack.
 void catchFaults();
 
-/// Lets the process take no more memory than `bytes` beyond what it has now, so that sizes that a
-/// damaged file makes up end as std::bad_alloc and not by the system's choice of a victim. Nothing
-/// happens where a lower limit is set already.
-/// @param threads  room for so many stacks comes on top
-void limitMemory(double bytes, int threads);
-
-constexpr double kGiB = 1024.0 * 1024 * 1024;
-
-/// The memory of the machine, or of the container that the process runs in, bytes.
-double machineMemory();
-
 /// While it lives, a fault is the fault of `file`, and reading it may take so much time as no sound
 /// file does: five minutes of computing and ten seconds per megabyte; an hour where the size is not
 /// known. Where it ends by an exception, later faults count as the file's as well: what is left to

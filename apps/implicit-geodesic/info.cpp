@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <numbers>
 #include <utility>
 
 #include "guarded_read.h"
@@ -82,7 +83,8 @@ std::string describe(const igeo::CloudDensity& cloud) {
 std::string describe(const igeo::Similarity& t) {
     const double sign = t.mirrors() ? -1 : 1;
     const double trace = sign * (t.axis[0].x + t.axis[1].y + t.axis[2].z);
-    const double degrees = std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / M_PI;
+    const double degrees =
+        std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / std::numbers::pi;
     std::string words = "uniform scale";
     if (t.mirrors()) words += ", reflected";
     // acos near 1: rounding of 1e-12 in the trace is 1e-4 degrees.

@@ -7,6 +7,7 @@
 #include "guarded_read.h"
 #include "info.h"
 #include "options.h"
+#include "process.h"
 #include "results.h"
 #include "run.h"
 

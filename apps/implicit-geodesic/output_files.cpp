@@ -1,8 +1,8 @@
 #include "output_files.h"
 
 #include <igeo/atomic_file.h>
+#include <igeo/system.h>
 #include <igeo/vdb_io.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -118,7 +118,7 @@ void checkOutputFiles(const Options& options) {
         if (fs::is_directory(file, ignored))
             usageError(named + ": that is a folder", "add a file name");
         const bool exists = fs::exists(file, ignored);
-        if (::access(folder.c_str(), W_OK) != 0 || (exists && ::access(file.c_str(), W_OK) != 0))
+        if (igeo::writeRefusal(folder.string()) || (exists && igeo::writeRefusal(file)))
             usageError(named + ": no permission to write there", "write elsewhere");
     }
 }

@@ -1,10 +1,10 @@
 #include "results.h"
 
-#include <unistd.h>
-
 #include <cstdio>
 #include <iostream>
 #include <streambuf>
+
+#include "process.h"
 
 namespace {
 
@@ -42,10 +42,8 @@ protected:
 }  // namespace
 
 void reserveStdout() {
-    const int given = ::dup(STDOUT_FILENO);
-    std::FILE* const file = given < 0 ? nullptr : ::fdopen(given, "wb");
-    // Without a second descriptor stdout is shared, as by any program.
-    if (file && ::dup2(STDERR_FILENO, STDOUT_FILENO) >= 0) buffer().open(file);
+    // Where that fails, stdout is shared with libraries, as in any program.
+    if (std::FILE* const given = takeStdout()) buffer().open(given);
 }
 
 std::ostream& results() {

@@ -14,7 +14,6 @@
 #include <igeo/straighten.h>
 #include <igeo/surface_point.h>
 #include <igeo/trace.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <memory>
@@ -23,6 +22,7 @@
 #include "metric_input.h"
 #include "output_files.h"
 #include "outputs.h"
+#include "process.h"
 #include "seed_input.h"
 #include "stages.h"
 #include "surface_input.h"
@@ -208,9 +208,9 @@ void Job::solve() {
         makeBand(region);
         const bool whole = wholeBand_;
         if (whole || band().size() > 0) snapPoints();
-        auto far = [&](const igeo::SurfacePoint& p) { return tooFar(p); };
-        if (!whole && (band().size() == 0 || std::any_of(seeds_.begin(), seeds_.end(), far) ||
-                       std::any_of(targets_.begin(), targets_.end(), far))) {
+        auto isFar = [&](const igeo::SurfacePoint& p) { return tooFar(p); };
+        if (!whole && (band().size() == 0 || std::any_of(seeds_.begin(), seeds_.end(), isFar) ||
+                       std::any_of(targets_.begin(), targets_.end(), isFar))) {
             // For the message: the nearest point of the whole surface.
             makeBand({});
             snapPoints();
@@ -352,10 +352,8 @@ void Job::writeResults() {
     outputs_.writeDocuments(result, progress_);
     finished("write");
 
-    rusage usage{};
-    ::getrusage(RUSAGE_SELF, &usage);
     report_.seconds = stages_.seconds();
-    report_.peakMemory = std::uint64_t(usage.ru_maxrss) * 1024;
+    report_.peakMemory = peakMemory();
     report_.threads = igeo::ThreadLimit::current();
     if (!options_.json.empty())
         writeDocument(options_.json, igeo::reportJson(report_, band(), field_));

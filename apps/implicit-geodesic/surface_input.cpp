@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "guarded_read.h"
+#include "process.h"
 #include "usage_error.h"
 
 using igeo::format;

@@ -1,11 +1,10 @@
 #include <igeo/atomic_file.h>
 
-#include <fcntl.h>
 #include <igeo/error.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <igeo/system.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <mutex>
@@ -26,8 +25,6 @@ std::set<std::string>& registry() {
     return names;
 }
 
-bool exists(const std::string& path, struct stat& info) { return ::stat(path.c_str(), &info) == 0; }
-
 /// Follows links, also one to a file that does not exist yet.
 std::string resolve(fs::path path) {
     std::error_code ignored;
@@ -47,7 +44,7 @@ std::string folderOf(const std::string& path) {
 void AtomicFile::throwWriteError(const std::string& path, int systemError) {
     const std::string folder = folderOf(path);
     std::string remedy = "check that the folder '" + folder + "' exists and is writable";
-    if (systemError == ENOSPC || systemError == EDQUOT || systemError == EFBIG)
+    if (isOutOfSpace(systemError))
         remedy = "free some space or write to another disk; nothing was changed";
     if (systemError == EPIPE || systemError == EBADF)
         remedy = "the program that was to read it has gone; write to a file instead";
@@ -56,32 +53,28 @@ void AtomicFile::throwWriteError(const std::string& path, int systemError) {
 }
 
 AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(resolve(path)) {
-    struct stat info {};
-    if (exists(path, info)) {
-        if (S_ISDIR(info.st_mode)) throwWriteError(path, EISDIR);
-        if (!S_ISREG(info.st_mode)) {
+    std::error_code ignored;
+    if (const fs::file_status status = fs::status(path, ignored); fs::exists(status)) {
+        if (fs::is_directory(status)) throwWriteError(path, EISDIR);
+        if (!fs::is_regular_file(status)) {
             stream_.open(path, std::ios::out | std::ios::binary);
             if (!stream_) throwWriteError(path, errno);
             return;
         }
         // A rename would replace even a file that its owner has made read-only.
-        if (::access(path.c_str(), W_OK) != 0) throwWriteError(path, errno);
+        if (const int error = writeRefusal(path)) throwWriteError(path, error);
     }
-    int fd = -1;
-    for (int attempt = 0; attempt < 100 && fd < 0; ++attempt) {
+    int error = EEXIST;
+    for (int attempt = 0; attempt < 100 && error == EEXIST; ++attempt) {
         temporary_ =
-            finalPath_ + ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(attempt);
+            finalPath_ + ".tmp-" + std::to_string(processId()) + "-" + std::to_string(attempt);
         std::lock_guard<std::mutex> lock(registryMutex());
-        fd = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-        if (fd < 0 && errno != EEXIST) {
-            temporary_.clear();
-            throwWriteError(path, errno);
-        }
-        if (fd >= 0) registry().insert(temporary_);
+        error = createFile(temporary_);
+        if (error == 0) registry().insert(temporary_);
     }
-    if (fd < 0) throwWriteError(path, EEXIST);
-    if (exists(finalPath_, info)) ::fchmod(fd, info.st_mode & 07777);
-    ::close(fd);
+    if (error != 0) throwWriteError(path, error);
+    if (const fs::file_status status = fs::status(finalPath_, ignored); fs::exists(status))
+        fs::permissions(temporary_, status.permissions(), ignored);
     stream_.open(temporary_, std::ios::in | std::ios::out | std::ios::binary);
     if (!stream_) throwWriteError(path, errno);
 }
@@ -92,7 +85,7 @@ AtomicFile::~AtomicFile() {
     stream_.exceptions(std::ios::goodbit);
     stream_.close();
     std::lock_guard<std::mutex> lock(registryMutex());
-    ::unlink(temporary_.c_str());
+    std::remove(temporary_.c_str());
     registry().erase(temporary_);
 }
 
@@ -107,21 +100,18 @@ void AtomicFile::commit() {
     if (!good || stream_.fail()) throwWriteError(path_, flushError ? flushError : errno);
     if (temporary_.empty()) return;
 
-    const int fd = ::open(temporary_.c_str(), O_RDONLY | O_CLOEXEC);
-    if (fd < 0) throwWriteError(path_, errno);
-    const int synced = ::fsync(fd), syncError = errno;
-    ::close(fd);
-    if (synced != 0 && syncError != EINVAL) throwWriteError(path_, syncError);
-
+    if (const int error = syncFile(temporary_)) throwWriteError(path_, error);
     std::lock_guard<std::mutex> lock(registryMutex());
-    if (std::rename(temporary_.c_str(), finalPath_.c_str()) != 0) throwWriteError(path_, errno);
+    std::error_code error;
+    fs::rename(temporary_, finalPath_, error);
+    if (error) throwWriteError(path_, error.default_error_condition().value());
     registry().erase(temporary_);
     temporary_.clear();
 }
 
 void AtomicFile::discardAll() noexcept {
     std::lock_guard<std::mutex> lock(registryMutex());
-    for (const std::string& name : registry()) ::unlink(name.c_str());
+    for (const std::string& name : registry()) std::remove(name.c_str());
     registry().clear();
 }
 

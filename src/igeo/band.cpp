@@ -3,6 +3,8 @@
 #include <igeo/error.h>
 #include <igeo/parallel.h>
 
+#include <atomic>
+
 namespace igeo {
 
 namespace {
@@ -82,7 +84,7 @@ void Band::buildTopology() {
             for (unsigned x = 0; x < 8; ++x)
                 for (std::uint64_t word = here.band.mask[x]; word; word &= word - 1, ++node) {
                     leaf[node] = LeafIndex(l);
-                    offset[node] = std::uint16_t(x << 6 | unsigned(__builtin_ctzll(word)));
+                    offset[node] = std::uint16_t(x << 6 | unsigned(std::countr_zero(word)));
                 }
         }
     });
@@ -132,8 +134,8 @@ void Band::markFacing(NodeIndex i) {
         const NodeIndex j = neighbour(i, d.x, d.y, d.z);
         if (j == kNoNode || (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j))) continue;
         // Several threads may set one flag: always to 1.
-        __atomic_store_n(&facing[i], std::uint8_t(1), __ATOMIC_RELAXED);
-        __atomic_store_n(&facing[j], std::uint8_t(1), __ATOMIC_RELAXED);
+        std::atomic_ref(facing[i]).store(1, std::memory_order_relaxed);
+        std::atomic_ref(facing[j]).store(1, std::memory_order_relaxed);
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include <igeo/types.h>
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -254,10 +255,10 @@ void Band::forNeighbours(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
         if (m == kNoLeaf) return;
         const LeafNodes& in = leaves[m].*nodes;
         const unsigned first = unsigned(nx & 7) << 6;
-        std::uint64_t near = in.mask[first >> 6] & rows & columnsNear(z - 8 * sz);
-        if (dx == 0 && step == 13) near &= ~(std::uint64_t(1) << (at & 63));
-        for (; near; near &= near - 1) {
-            const auto bit = unsigned(__builtin_ctzll(near));
+        std::uint64_t bits = in.mask[first >> 6] & rows & columnsNear(z - 8 * sz);
+        if (dx == 0 && step == 13) bits &= ~(std::uint64_t(1) << (at & 63));
+        for (; bits; bits &= bits - 1) {
+            const auto bit = unsigned(std::countr_zero(bits));
             visit(in.numberOf(first | bit), dx, int(bit >> 3) + 8 * sy - y,
                   int(bit & 7) + 8 * sz - z);
         }
@@ -290,12 +291,12 @@ void Band::forCorners(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at, cons
         const unsigned first = offsetOf(x, y, z);
         for (unsigned a = 0; a < 2; ++a) {
             const unsigned o = first + 64 * a;
-            const std::uint64_t near = in.mask[o >> 6] >> (o & 63);
-            if (!(near & 0x303)) continue;
-            if (near & 1) visit(in.numberOf(o), 4 * a);
-            if (near & 2) visit(in.numberOf(o + 1), 4 * a + 1);
-            if (near >> 8 & 1) visit(in.numberOf(o + 8), 4 * a + 2);
-            if (near >> 8 & 2) visit(in.numberOf(o + 9), 4 * a + 3);
+            const std::uint64_t cell = in.mask[o >> 6] >> (o & 63);
+            if (!(cell & 0x303)) continue;
+            if (cell & 1) visit(in.numberOf(o), 4 * a);
+            if (cell & 2) visit(in.numberOf(o + 1), 4 * a + 1);
+            if (cell >> 8 & 1) visit(in.numberOf(o + 8), 4 * a + 2);
+            if (cell >> 8 & 2) visit(in.numberOf(o + 9), 4 * a + 3);
         }
         return;
     }

@@ -2,6 +2,8 @@
 
 #include <igeo/error.h>
 
+#include <numbers>
+
 namespace igeo {
 
 namespace {
@@ -37,7 +39,7 @@ Vec3d colourOn(const Arc& arc, double t) {
     auto mix = [t](double at0, double at1) { return at0 + t * (at1 - at0); };
     const double bulge = arc.chromaMiddle - (arc.chroma0 + arc.chroma1) / 2;
     const double chroma = mix(arc.chroma0, arc.chroma1) + 4 * t * (1 - t) * bulge;
-    const double hue = mix(arc.hue0, arc.hue1) * M_PI / 180;
+    const double hue = mix(arc.hue0, arc.hue1) * std::numbers::pi / 180;
     const Vec3d c = linearFromOklab(mix(arc.light0, arc.light1), chroma * std::cos(hue),
                                     chroma * std::sin(hue));
     return {clamped(c.x), clamped(c.y), clamped(c.z)};

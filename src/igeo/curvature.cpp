@@ -182,7 +182,7 @@ void CoreCurvature::link() {
 void CoreCurvature::walkAround(NodeIndex i, Walk& walk) const {
     const int side = 2 * half_ + 1;
     const auto reach2 = float(reach_ * reach_);
-    if (++walk.number == 1) walk.seen.assign(std::size_t(side) * side * side, 0);
+    if (++walk.number == 1) walk.seen.assign(std::size_t(side * side * side), 0);
     const Node& middle = core_[i];
     // Whether a node was met before; outside the box all were.
     auto meet = [&](const Ijk& step) {

@@ -26,8 +26,8 @@ public:
         const double reach = radius_ + halfWidth_;
         openvdb::Coord low, high;
         for (int k = 0; k < 3; ++k) {
-            low[k] = int(std::ceil(std::min(a[k], b[k]) - reach));
-            high[k] = int(std::floor(std::max(a[k], b[k]) + reach));
+            low[std::size_t(k)] = int(std::ceil(std::min(a[k], b[k]) - reach));
+            high[std::size_t(k)] = int(std::floor(std::max(a[k], b[k]) + reach));
         }
         const Vec3d way = b - a;
         const double way2 = std::max(dot(way, way), 1e-30);

@@ -126,11 +126,11 @@ private:
 
 template <int Order>
 double Godunov::solve(NodeIndex i) const {
-    const FaceNeighbours::Six& near = neighbours_[i];
+    const FaceNeighbours::Six& faces = neighbours_[i];
     std::array<UpwindTerm, 3> terms;
     int n = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const NodeIndex lo = near[2 * axis], hi = near[2 * axis + 1];
+        const NodeIndex lo = faces[2 * axis], hi = faces[2 * axis + 1];
         const double dLo = accepted_[lo], dHi = accepted_[hi];
         const double m = std::min(dLo, dHi);
         if (m == kInfinity) continue;

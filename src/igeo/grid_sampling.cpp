@@ -198,7 +198,7 @@ WorldBox boxOf(const openvdb::GridBase& grid) {
     const auto voxels = grid.evalActiveVoxelBoundingBox();
     WorldBox box;
     for (int k = 0; k < 8; ++k) {
-        const auto corner = [&](int a) {
+        const auto corner = [&](unsigned a) {
             return k >> a & 1 ? voxels.max()[a] + 0.5 : voxels.min()[a] - 0.5;
         };
         const openvdb::Vec3d p = grid.indexToWorld(openvdb::Vec3d(corner(0), corner(1), corner(2)));

@@ -5,6 +5,7 @@
 #include <igeo/parallel.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <set>
 
@@ -214,8 +215,8 @@ Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last, Ch
 void JetMarch::key(NodeIndex i, const Place& from, const Vec3f& way, const Solved& jet,
                    std::uint32_t last, Chunk& out) {
     // Several threads may key one node: the least bucket wins, whoever comes first.
-    std::uint32_t& waitsIn = core_.nodes[i].bucket;
-    std::uint32_t seen = __atomic_load_n(&waitsIn, __ATOMIC_RELAXED);
+    const std::atomic_ref waitsIn(core_.nodes[i].bucket);
+    std::uint32_t seen = waitsIn.load(std::memory_order_relaxed);
     // In this bucket, or taken out of it just now: where it goes next is settled afterwards.
     // Without tensors nodes come back soon enough.
     const bool inBucket = seen <= last;
@@ -231,8 +232,7 @@ void JetMarch::key(NodeIndex i, const Place& from, const Vec3f& way, const Solve
         out.again.push_back({b, i});
         return;
     }
-    while (b < seen && !__atomic_compare_exchange_n(&waitsIn, &seen, b, /*weak=*/true,
-                                                    __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+    while (b < seen && !waitsIn.compare_exchange_weak(seen, b, std::memory_order_relaxed)) {
     }
     if (b < seen) out.queued.push_back({b, i});
 }
@@ -288,11 +288,10 @@ void JetMarch::process(std::uint32_t bucket, std::uint32_t last,
             for (std::size_t k = c * kChunk; k < std::min(nodes.size(), (c + 1) * kChunk); ++k) {
                 // Taken out of its bucket by whoever is first: it may be queued twice. Or it was
                 // queued here before a front came to it from elsewhere, and earlier.
-                std::uint32_t& waitsIn = core_.nodes[nodes[k]].bucket;
-                std::uint32_t seen = __atomic_load_n(&waitsIn, __ATOMIC_RELAXED);
+                const std::atomic_ref waitsIn(core_.nodes[nodes[k]].bucket);
+                std::uint32_t seen = waitsIn.load(std::memory_order_relaxed);
                 if (seen < bucket || seen > last ||
-                    !__atomic_compare_exchange_n(&waitsIn, &seen, 0, /*weak=*/false,
-                                                 __ATOMIC_RELAXED, __ATOMIC_RELAXED))
+                    !waitsIn.compare_exchange_strong(seen, 0, std::memory_order_relaxed))
                     continue;
                 const Solved s = visit(nodes[k], bucket, last, chunk);
                 if (s.stands) {

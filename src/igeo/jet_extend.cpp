@@ -176,13 +176,13 @@ Solved Extension::solveOutside(NodeIndex i, LeafIndex l, unsigned at) const {
 /// Per leaf: whether it or one beside it has been reached, so that its nodes may have a jet.
 std::vector<std::uint8_t> leavesReached(const JetCore& core) {
     const std::vector<BandLeaf>& leaves = core.band.leaves;
-    std::vector<std::uint8_t> reached(leaves.size()), near(reached);
+    std::vector<std::uint8_t> reached(leaves.size()), beside(reached);
     for (const JetCore::Node& node : core.nodes)
         if (node.u < kInfinity) reached[node.leaf] = 1;
-    for (std::size_t l = 0; l < near.size(); ++l)
+    for (std::size_t l = 0; l < beside.size(); ++l)
         for (const LeafIndex m : leaves[l].neighbour)
-            if (m != kNoLeaf && reached[m]) near[l] = 1;
-    return near;
+            if (m != kNoLeaf && reached[m]) beside[l] = 1;
+    return beside;
 }
 
 }  // namespace
@@ -198,11 +198,11 @@ void extendJets(const JetCore& core, double limit, bool everywhere, Field& field
             if (k == 2 && !core.label.empty()) field.label.resize(band.size());
         }
     });
-    const auto near = everywhere ? std::vector<std::uint8_t>() : leavesReached(core);
+    const auto beside = everywhere ? std::vector<std::uint8_t>() : leavesReached(core);
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
-            if (!everywhere && !near[l]) {
+            if (!everywhere && !beside[l]) {
                 std::fill_n(field.distance.begin() + leaf.band.first, leaf.band.count, kInfinity);
                 continue;
             }

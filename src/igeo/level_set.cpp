@@ -61,11 +61,11 @@ constexpr double kReachRange = 16;    // histogram of |psi| at medial voxels, vo
 
 /// What is counted leaf by leaf.
 struct Tally {
-    std::uint64_t near = 0, crossing = 0, cut = 0;
+    std::uint64_t nearSurface = 0, crossing = 0, cut = 0;
     Histogram gradient, curvature, meeting;
 
     void add(const Tally& o) {
-        near += o.near, crossing += o.crossing, cut += o.cut;
+        nearSurface += o.nearSurface, crossing += o.crossing, cut += o.cut;
         gradient.add(o.gradient), curvature.add(o.curvature), meeting.add(o.meeting);
     }
     void visit(const LeafBlock& b, int x, int y, int z, double halfWidth);
@@ -82,7 +82,7 @@ void Tally::visit(const LeafBlock& b, int x, int y, int z, double halfWidth) {
         if (g < 0.5) meeting.add(std::abs(psi) / kReachRange);
     }
     if (!(std::abs(psi) < 1)) return;
-    ++near;
+    ++nearSurface;
     auto otherSide = [&](double difference) {
         return std::signbit(psi) != std::signbit(psi + difference);
     };
@@ -139,16 +139,16 @@ void measureRange(LevelSet& s) {
 /// An active tile holds one value for 8^3 voxels or more. Far from the surface that is harmless and
 /// is switched off; nearer it is no distance, and becomes voxels that the checks will see.
 void removeActiveTiles(LevelSet& s) {
-    bool near = false;
+    bool nearSurface = false;
     auto it = s.psi->tree().beginValueOn();
     it.setMaxDepth(openvdb::FloatTree::ValueOnIter::LEAF_DEPTH - 1);
     for (; it; ++it) {
         if (std::abs(*it) / s.transform.dx < s.stats.halfWidth * (1 - 1e-4))
-            near = true;
+            nearSurface = true;
         else
             it.setActiveState(false);
     }
-    if (near) s.psi->tree().voxelizeActiveTiles();
+    if (nearSurface) s.psi->tree().voxelizeActiveTiles();
 }
 
 void measure(LevelSet& s, Progress& progress) {
@@ -175,8 +175,8 @@ void measure(LevelSet& s, Progress& progress) {
     progress.throwIfCancelled();
 
     LevelSetStats& st = s.stats;
-    st.nearSurface = all.near;
-    st.crossingShare = all.near ? double(all.crossing) / double(all.near) : 0;
+    st.nearSurface = all.nearSurface;
+    st.crossingShare = all.nearSurface ? double(all.crossing) / double(all.nearSurface) : 0;
     st.cutVoxels = all.cut;
     st.gradientMedian = all.gradient.quantile(0.5) * kGradientRange;
     st.gradientShare = all.gradient.share((1 - kGradientTolerance) / kGradientRange,
@@ -184,7 +184,7 @@ void measure(LevelSet& s, Progress& progress) {
     st.largestCurvature =
         all.curvature.total() ? curvatureOfScale(all.curvature.quantile(0.95)) : 0;
     // One surface voxel in 200 may lie at a place where sheets meet before it counts.
-    const double meeting = all.meeting.valueAfter(all.near / 200) * kReachRange;
+    const double meeting = all.meeting.valueAfter(all.nearSurface / 200) * kReachRange;
     st.reach = std::min(meeting, st.halfWidth);
 }
 
@@ -260,7 +260,7 @@ void judgeGradient(LevelSet& s) {
 
 void judgeExtent(const LevelSet& s) {
     for (const Leaf* leaf : leavesOf(*s.psi))
-        for (int a = 0; a < 3; ++a)
+        for (std::size_t a = 0; a < 3; ++a)
             if (const openvdb::Coord o = leaf->origin();
                 o[a] <= -kFarthestIndex || o[a] >= kFarthestIndex)
                 throw Error(Kind::BadInput,

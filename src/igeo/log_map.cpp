@@ -237,8 +237,8 @@ Departure LogMapper::smooth(NodeIndex i) const {
     const NodeIndex core = band_.coreNode(i);
     const Departure own = measured_[core];
     const Picture here = picture(i);
-    Carried near;
-    if (carryFromSeed(i, here, near)) return own;
+    Carried carried;
+    if (carryFromSeed(i, here, carried)) return own;
     struct Said {
         float weight, side, angle;
     };
@@ -269,7 +269,7 @@ Departure LogMapper::smooth(NodeIndex i) const {
 Vec2f LogMapper::interpolate(NodeIndex i) const {
     constexpr float kAgree = 0.98f;
     const Picture here = picture(i);
-    if (Carried near; carryFromSeed(i, here, near)) return measure(i, near).way;
+    if (Carried carried; carryFromSeed(i, here, carried)) return measure(i, carried).way;
     AllSeen all;
     const Vec3f f = band_.foot[i];
     const Ijk low{floorToInt(f.x), floorToInt(f.y), floorToInt(f.z)};

@@ -91,37 +91,37 @@ struct Pseudonormals {
 };
 
 /// Takes out voxels beyond a boundary and leaves without voxels, and numbers the rest.
-void numberNodes(const Pseudonormals& normals, std::vector<NearLeaf>& near, Band& band) {
+void numberNodes(const Pseudonormals& normals, std::vector<NearLeaf>& nearLeaves, Band& band) {
     auto beyond = [&](const NearVoxel& v) {
         if (!normals.ends(v.triangle, v.feature)) return false;
         return length(tangential(v.point, normals.at(v.triangle, v.feature))) > kBeyond;
     };
-    parallelFor(near.size(), 32, [&](std::size_t begin, std::size_t end) {
+    parallelFor(nearLeaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
-            auto& voxels = near[l].voxels;
+            auto& voxels = nearLeaves[l].voxels;
             voxels.erase(std::remove_if(voxels.begin(), voxels.end(), beyond), voxels.end());
         }
     });
-    near.erase(std::remove_if(near.begin(), near.end(),
-                              [](const NearLeaf& l) { return l.voxels.empty(); }),
-               near.end());
-    band.leaves.resize(near.size());
-    for (std::size_t l = 0; l < near.size(); ++l) {
-        band.leaves[l].origin = near[l].origin;
-        for (const NearVoxel& v : near[l].voxels) band.leaves[l].band.insert(v.offset);
+    nearLeaves.erase(std::remove_if(nearLeaves.begin(), nearLeaves.end(),
+                                    [](const NearLeaf& l) { return l.voxels.empty(); }),
+                     nearLeaves.end());
+    band.leaves.resize(nearLeaves.size());
+    for (std::size_t l = 0; l < nearLeaves.size(); ++l) {
+        band.leaves[l].origin = nearLeaves[l].origin;
+        for (const NearVoxel& v : nearLeaves[l].voxels) band.leaves[l].band.insert(v.offset);
     }
     band.buildTopology();
 }
 
 /// Fills psi, foot points and normals.
 /// @return nodes around sharp bends and junctions, for the core
-std::vector<NodeIndex> fillNodes(const Pseudonormals& normals, const std::vector<NearLeaf>& near,
-                                 Band& band) {
-    std::vector<std::vector<NodeIndex>> rims(near.size());
-    parallelFor(near.size(), 32, [&](std::size_t begin, std::size_t end) {
+std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
+                                 const std::vector<NearLeaf>& nearLeaves, Band& band) {
+    std::vector<std::vector<NodeIndex>> rims(nearLeaves.size());
+    parallelFor(nearLeaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             NodeIndex i = band.leaves[l].band.first;
-            for (const NearVoxel& v : near[l].voxels) {
+            for (const NearVoxel& v : nearLeaves[l].voxels) {
                 Vec3d n = normals.at(v.triangle, v.feature);
                 double psi = -dot(v.point, n);
                 if (std::abs(psi) < kRim &&
@@ -160,7 +160,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     for (Vec3d& p : mesh.points) p *= 1 / dx;
     const MeshTopology topology = meshTopology(mesh);
     const Pseudonormals normals(mesh, topology);
-    std::vector<NearLeaf> near = voxelsNear(mesh.points, mesh.triangles, h, progress);
+    std::vector<NearLeaf> nearLeaves = voxelsNear(mesh.points, mesh.triangles, h, progress);
 
     progress.update("band", 0.5);
     Band band;
@@ -169,13 +169,13 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     // In trials (docs/method.md): below this the arc is nearer the truth.
     constexpr double kFaceWidth = 1;
     band.faceted = meshArea(mesh) > kFaceWidth * kFaceWidth * double(mesh.triangles.size());
-    numberNodes(normals, near, band);
+    numberNodes(normals, nearLeaves, band);
     if (band.size() == 0)
         throw Error(
             Error::Kind::BadInput,
             "no voxel comes to lie on the mesh: it is smaller than one (" + given.file + ")",
             "take smaller voxels");
-    const std::vector<NodeIndex> rim = fillNodes(normals, near, band);
+    const std::vector<NodeIndex> rim = fillNodes(normals, nearLeaves, band);
     progress.throwIfCancelled();
     parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) band.markFacing(NodeIndex(i));

@@ -226,8 +226,8 @@ void ObstacleSet::markNear(const IndexMap& toBand, const CoordBBox& voxels, doub
     const Vec3d centre = toBand(0.5 * Vec3d(low.x() + double(high.x()), low.y() + double(high.y()),
                                             low.z() + double(high.z())));
     Vec3d extent{kMostBulge, kMostBulge, kMostBulge};
-    for (int a = 0; a < 3; ++a)
-        extent += (0.5 * (high[a] - low[a]) + grown) * absolute(toBand.axis[std::size_t(a)]);
+    for (std::size_t a = 0; a < 3; ++a)
+        extent += (0.5 * (high[a] - low[a]) + grown) * absolute(toBand.axis[a]);
     const Ijk first = floorToIjk((centre - extent) * (1 / kCell)),
               last = floorToIjk((centre + extent) * (1 / kCell));
     near_->fill({{first.x, first.y, first.z}, {last.x, last.y, last.z}}, true, true);

@@ -28,11 +28,11 @@ std::vector<Edge> edges(const PointTree& points, const std::vector<Vec3d>& norma
     const std::size_t k = std::min(neighbours, points.size() - 1);
     std::vector<Edge> all(points.size() * k);
     parallelFor(points.size(), 512, [&](std::size_t begin, std::size_t end) {
-        std::vector<PointTree::Found> near;
+        std::vector<PointTree::Found> found;
         for (std::size_t i = begin; i < end; ++i) {
-            points.nearest(points[i], k + 1, near);
+            points.nearest(points[i], k + 1, found);
             std::size_t at = i * k;
-            for (const PointTree::Found& f : near) {
+            for (const PointTree::Found& f : found) {
                 if (f.point == i || at == (i + 1) * k) continue;
                 const auto a = std::min(Index(i), f.point), b = std::max(Index(i), f.point);
                 const Vec3d way = normalized(points[b] - points[a]);

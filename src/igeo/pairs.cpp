@@ -87,17 +87,17 @@ bool PairSolver::snapTo(const Band& band, const Vec3d& asked, SurfacePoint& p) c
 
 bool PairSolver::solveOn(const Band& band, const Group& group, double reach) {
     SurfacePoint source;
-    bool near = snapTo(band, sources_[group.front()], source);
+    bool snapped = snapTo(band, sources_[group.front()], source);
     const MetricPtr metric = surface_.metric ? surface_.metric(band, quiet_) : nullptr;
     JetOptions options;
     // Room for the cells around a target at the very end.
     options.maxDistance = reach + 2 * (metric ? metric->largest() : 1);
     for (const std::size_t k : group) {
         pairs_[k].source = source;
-        near = snapTo(band, targets_[k], pairs_[k].target) && near;
+        snapped = snapTo(band, targets_[k], pairs_[k].target) && snapped;
         options.stopAt.push_back(pairs_[k].target);
     }
-    if (!near) return true;
+    if (!snapped) return true;
     const Field field = marchJet(band, metric, {source}, options, quiet_);
     bool found = true;
     for (const std::size_t k : group) {

@@ -335,11 +335,11 @@ private:
         const std::size_t width = film_.width(), at = j * width + i;
         auto differs = [&](std::size_t other) {
             const Light &a = first[at], &b = first[other];
-            auto far = [](float p, float q) {
+            auto differ = [](float p, float q) {
                 return std::abs(std::sqrt(p) - std::sqrt(q)) > kVisible;
             };
-            return a.step != b.step || a.colour.a != b.colour.a || far(a.colour.r, b.colour.r) ||
-                   far(a.colour.g, b.colour.g) || far(a.colour.b, b.colour.b);
+            return a.step != b.step || a.colour.a != b.colour.a || differ(a.colour.r, b.colour.r) ||
+                   differ(a.colour.g, b.colour.g) || differ(a.colour.b, b.colour.b);
         };
         return (i > 0 && differs(at - 1)) || (i + 1 < width && differs(at + 1)) ||
                (j > 0 && differs(at - width)) || (j + 1 < film_.height() && differs(at + width));

@@ -1,10 +1,10 @@
 #include <igeo/ply_file.h>
 
 #include <igeo/error.h>
+#include <igeo/numbers.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <iomanip>
@@ -188,13 +188,12 @@ private:
         if (at_ == std::string::npos)
             at_ = bytes_.size(), fail("the file ends before its last element");
         const std::size_t end = std::min(bytes_.find_first_of(kBlank, at_), bytes_.size());
-        const char* first = bytes_.data() + at_ + (bytes_[at_] == '+');
-        double value = 0;
-        const auto [stop, error] = std::from_chars(first, bytes_.data() + end, value);
-        if (error != std::errc() || stop != bytes_.data() + end)
+        const std::size_t first = at_ + (bytes_[at_] == '+');
+        const auto value = parseDouble(std::string_view(bytes_).substr(first, end - first));
+        if (!value)
             fail("'" + bytes_.substr(at_, std::min<std::size_t>(end - at_, 40)) + "' is no number");
         at_ = end;
-        return value;
+        return *value;
     }
 
     template <typename Visit>

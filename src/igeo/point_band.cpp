@@ -109,8 +109,8 @@ std::vector<Ijk> Filler::candidates() const {
         for (std::size_t c = begin; c < end; ++c) {
             for (std::size_t i = c * kChunk; i < std::min(points_.size(), (c + 1) * kChunk); ++i) {
                 const double r = reach(i) / dx_;
-                const Vec3d p = points_[i] * (1 / dx_), far{r, r, r};
-                const Ijk low = floorToIjk(p - far), high = floorToIjk(p + far);
+                const Vec3d p = points_[i] * (1 / dx_), around{r, r, r};
+                const Ijk low = floorToIjk(p - around), high = floorToIjk(p + around);
                 for (int x = low.x & ~7; x <= high.x; x += 8)
                     for (int y = low.y & ~7; y <= high.y; y += 8)
                         for (int z = low.z & ~7; z <= high.z; z += 8) {
@@ -155,9 +155,10 @@ void Filler::fill(LeafPart& part) const {
     // middle.
     constexpr double kHalf = 6.1;
     const Vec3d middle = dx_ * (Vec3d(part.leaf.origin) + Vec3d{3.5, 3.5, 3.5});
-    const PointTree::Found near = points_.nearest(middle);
-    const double far = (kHalf + 1.25 * h_) * dx_ + points_.reach(near.point) / 8;
-    if (kind_ == PointBandKind::Fits && surface_.roughDistance(middle, near.point) > far) return;
+    const PointTree::Found nearest = points_.nearest(middle);
+    const double farthest = (kHalf + 1.25 * h_) * dx_ + points_.reach(nearest.point) / 8;
+    if (kind_ == PointBandKind::Fits && surface_.roughDistance(middle, nearest.point) > farthest)
+        return;
     for (unsigned at = 0; at < 512; ++at) {
         const Ijk step{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
         if (fillVoxel(part.leaf.origin + step, part)) part.leaf.band.insert(at);

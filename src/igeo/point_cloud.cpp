@@ -1,13 +1,13 @@
 #include <igeo/point_cloud.h>
 
 #include <igeo/error.h>
+#include <igeo/numbers.h>
 #include <igeo/ply_file.h>
 #include <igeo/vdb_points.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -77,12 +77,11 @@ std::vector<double> numbersIn(std::string_view line) {
             while (at != end && isSeparator(*at));
         }
         if (at != end && *at == '+') ++at;
-        double value = 0;
-        const auto [stop, error] = std::from_chars(at, end, value);
-        if (error != std::errc() ||
-            (stop != end && !isSeparator(*stop) && *stop != ',' && *stop != ';'))
-            return {};
-        numbers.push_back(value);
+        const char* const stop =
+            std::find_if(at, end, [](char c) { return isSeparator(c) || c == ',' || c == ';'; });
+        const auto value = parseDouble({at, std::size_t(stop - at)});
+        if (!value) return {};
+        numbers.push_back(*value);
         at = stop;
     }
 }

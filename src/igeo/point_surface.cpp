@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <numbers>
 
 namespace igeo {
 
@@ -32,7 +33,6 @@ constexpr double kReach = 3;
 constexpr double kIsolated = 3, kStray = 1.5;
 /// Cosine of the normals of two sheets, as Band::kOtherSheet.
 constexpr double kOtherSheet = -0.2;
-constexpr double kPi = 3.14159265358979323846;
 
 double quantile(std::vector<double> values, double share) {
     if (values.empty()) return 0;
@@ -50,19 +50,19 @@ struct Plane {
 };
 
 /// Plane of least squares through points, by their covariance.
-Plane planeThrough(const PointTree& points, const std::vector<PointTree::Found>& near,
+Plane planeThrough(const PointTree& points, const std::vector<PointTree::Found>& neighbours,
                    const std::vector<double>& weights) {
     double total = 0;
     Vec3d mean{};
-    const Vec3d origin = points[near.front().point];
-    for (std::size_t k = 0; k < near.size(); ++k) {
+    const Vec3d origin = points[neighbours.front().point];
+    for (std::size_t k = 0; k < neighbours.size(); ++k) {
         total += weights[k];
-        mean += weights[k] * (points[near[k].point] - origin);
+        mean += weights[k] * (points[neighbours[k].point] - origin);
     }
     mean *= 1 / total;
     openvdb::math::Mat3d covariance = openvdb::math::Mat3d::zero(), vectors;
-    for (std::size_t k = 0; k < near.size(); ++k) {
-        const Vec3d d = points[near[k].point] - origin - mean;
+    for (std::size_t k = 0; k < neighbours.size(); ++k) {
+        const Vec3d d = points[neighbours[k].point] - origin - mean;
         for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b) covariance(a, b) += weights[k] * d[a] * d[b];
     }
@@ -123,12 +123,12 @@ PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.f
 
 void PointSurface::measureSpacing() {
     spacing_.resize(points_.size());
-    const double perRadius = std::sqrt(kPi / double(kNear));
+    const double perRadius = std::sqrt(std::numbers::pi / double(kNear));
     parallelFor(points_.size(), 512, [&](std::size_t begin, std::size_t end) {
-        std::vector<PointTree::Found> near;
+        std::vector<PointTree::Found> neighbours;
         for (std::size_t i = begin; i < end; ++i) {
-            points_.nearest(points_[i], kNear + 1, near);
-            spacing_[i] = perRadius * std::sqrt(near.back().squared);
+            points_.nearest(points_[i], kNear + 1, neighbours);
+            spacing_[i] = perRadius * std::sqrt(neighbours.back().squared);
         }
     });
 }
@@ -136,11 +136,11 @@ void PointSurface::measureSpacing() {
 std::vector<char> PointSurface::strays() const {
     std::vector<char> off(points_.size());
     parallelFor(points_.size(), 512, [&](std::size_t begin, std::size_t end) {
-        std::vector<PointTree::Found> near;
+        std::vector<PointTree::Found> neighbours;
         for (std::size_t i = begin; i < end; ++i) {
-            points_.nearest(points_[i], kNear + 1, near);
+            points_.nearest(points_[i], kNear + 1, neighbours);
             std::vector<double> around;
-            for (const PointTree::Found& f : near)
+            for (const PointTree::Found& f : neighbours)
                 if (f.point != i) around.push_back(spacing_[f.point]);
             const double usual = quantile(around, 0.5);
             off[i] =
@@ -188,20 +188,20 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
     normals_.resize(n);
     std::vector<double> thickness(n), breadth(n);
     parallelFor(n, 256, [&](std::size_t begin, std::size_t end) {
-        std::vector<PointTree::Found> near;
+        std::vector<PointTree::Found> neighbours;
         std::vector<double> weights;
         for (std::size_t i = begin; i < end; ++i) {
-            points_.nearest(points_[i], count + 1, near);
-            const double radius2 = 1.2 * near.back().squared;
+            points_.nearest(points_[i], count + 1, neighbours);
+            const double radius2 = 1.2 * neighbours.back().squared;
             weights.clear();
-            for (const PointTree::Found& f : near) {
+            for (const PointTree::Found& f : neighbours) {
                 // Where normals are given they tell sheets apart.
                 const bool other = !given.empty() && dot(given[i], given[f.point]) <
                                                          float(kOtherSheet) * length(given[i]) *
                                                              length(given[f.point]);
                 weights.push_back(other ? 0 : squared(1 - f.squared / radius2));
             }
-            const Plane plane = planeThrough(points_, near, weights);
+            const Plane plane = planeThrough(points_, neighbours, weights);
             normals_[i] = plane.normal;
             thickness[i] = plane.thickness;
             breadth[i] = plane.breadth;
@@ -248,22 +248,22 @@ void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
     std::atomic<std::size_t> done{0};
     parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
-        std::vector<PointTree::Found> near;
+        std::vector<PointTree::Found> neighbours;
         for (std::size_t i = begin; i < end; ++i) {
             // Twice as many, should half of them be on another sheet.
-            points_.nearest(points_[i], 2 * count, near);
-            near.erase(
-                std::remove_if(near.begin(), near.end(),
+            points_.nearest(points_[i], 2 * count, neighbours);
+            neighbours.erase(
+                std::remove_if(neighbours.begin(), neighbours.end(),
                                [&](const auto& f) { return !sameSheet(f.point, normals_[i]); }),
-                near.end());
-            if (near.size() > count) near.resize(count);
-            const double radius2 = 1.1 * near.back().squared, radius = std::sqrt(radius2);
+                neighbours.end());
+            if (neighbours.size() > count) neighbours.resize(count);
+            const double radius2 = 1.1 * neighbours.back().squared, radius = std::sqrt(radius2);
             Vec3d normal = normals_[i];
             // Over the first plane, and again over the tangent plane of what came out.
             for (int round = 0; round < 2; ++round) {
                 QuadricFit fit(normal, radius);
                 double total = 0, squares = 0;
-                for (const PointTree::Found& f : near) {
+                for (const PointTree::Found& f : neighbours) {
                     const double w = squared(1 - f.squared / radius2);
                     fit.add(points_[f.point] - points_[i], w);
                     total += w, squares += w * w;
@@ -275,7 +275,7 @@ void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
                 curvature_[i] = fit.curvature();
                 off_[i] = std::abs(fits_[i].value) / std::max(1e-3, 1 - fit.ownShare());
                 double sum = 0;
-                for (const PointTree::Found& f : near)
+                for (const PointTree::Found& f : neighbours)
                     sum += squared(1 - f.squared / radius2) *
                            squared(fit.residual(points_[f.point] - points_[i]));
                 // Six unknowns take their share of the scatter.
@@ -291,10 +291,10 @@ void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
 }
 
 PointSurface::Blend PointSurface::blend(const Vec3d& y, const Vec3d& n,
-                                        const std::vector<Index>& near) const {
+                                        const std::vector<Index>& neighbours) const {
     double sum = 0, value = 0;
     Vec3d sumSlope{}, slope{};
-    for (const Index j : near) {
+    for (const Index j : neighbours) {
         const Vec3d d = y - points_[j];
         const double reach2 = squared(points_.reach(j)), left = 1 - dot(d, d) / reach2;
         if (!(left > 0) || !sameSheet(j, n)) continue;
@@ -312,13 +312,14 @@ PointSurface::Blend PointSurface::blend(const Vec3d& y, const Vec3d& n,
     return {sum, value, (slope - value * sumSlope) * (1 / sum)};
 }
 
-bool PointSurface::within(const Vec3d& y, const Vec3d& n, const std::vector<Index>& near) const {
+bool PointSurface::within(const Vec3d& y, const Vec3d& n,
+                          const std::vector<Index>& neighbours) const {
     // Directions in the tangent plane. Points in all eight octants settle it without angles.
     const QuadricFit plane(n, 1);
     std::vector<double> angles;
     for (const bool exact : {false, true}) {
         unsigned octants = 0;
-        for (const Index j : near) {
+        for (const Index j : neighbours) {
             const Vec3d d = points_[j] - y;
             if (dot(d, d) >= squared(points_.reach(j)) || !sameSheet(j, n)) continue;
             const auto [u, v] = plane.flat(d);
@@ -329,10 +330,10 @@ bool PointSurface::within(const Vec3d& y, const Vec3d& n, const std::vector<Inde
     }
     if (angles.size() < 3) return false;
     std::sort(angles.begin(), angles.end());
-    double gap = angles.front() + 2 * kPi - angles.back();
+    double gap = angles.front() + 2 * std::numbers::pi - angles.back();
     for (std::size_t k = 1; k < angles.size(); ++k) gap = std::max(gap, angles[k] - angles[k - 1]);
     // The outermost points themselves are on the surface.
-    return gap <= kPi * (1 + 1e-6);
+    return gap <= std::numbers::pi * (1 + 1e-6);
 }
 
 double PointSurface::roughDistance(const Vec3d& x, Index nearest) const {
@@ -345,12 +346,12 @@ PointSurface::Index PointSurface::nearestSheet(const Vec3d& x) const {
     // Between two sheets the nearest point may be on the farther one, straight above a gap of the
     // nearer.
     constexpr std::size_t kAround = 5;
-    thread_local std::vector<PointTree::Found> near;
-    points_.nearest(x, kAround, near);
-    const Index first = near.front().point;
+    thread_local std::vector<PointTree::Found> neighbours;
+    points_.nearest(x, kAround, neighbours);
+    const Index first = neighbours.front().point;
     Index best = first;
     double least = roughDistance(x, first);
-    for (const PointTree::Found& f : near) {
+    for (const PointTree::Found& f : neighbours) {
         if (sameSheet(f.point, normals_[first])) continue;
         const double rough = roughDistance(x, f.point);
         if (rough < least) least = rough, best = f.point;
@@ -371,18 +372,18 @@ PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest) const 
     Vec3d n = normalized(first.gradient + 2.0 * first.bend(d));
     Vec3d y = x - (first.value + dot(first.gradient + first.bend(d), d)) * n;
 
-    thread_local std::vector<Index> near;
-    near.clear();
+    thread_local std::vector<Index> neighbours;
+    neighbours.clear();
     const double margin = spacing / 2;
     const Vec3d middle = y;
-    points_.forReaching(y, margin, [&](Index j) { near.push_back(j); });
+    points_.forReaching(y, margin, [&](Index j) { neighbours.push_back(j); });
     for (int step = 0;; ++step) {
         if (squaredLength(y - middle) > margin * margin && step < kSteps / 2) {
             // Far from where it began: begin anew from here.
-            near.clear();
-            points_.forReaching(y, margin, [&](Index j) { near.push_back(j); });
+            neighbours.clear();
+            points_.forReaching(y, margin, [&](Index j) { neighbours.push_back(j); });
         }
-        const Blend f = blend(y, n, near);
+        const Blend f = blend(y, n, neighbours);
         const double slope = length(f.gradient);
         if (!(f.weight > 0) || !(slope > 0.1)) return {};
         n = f.gradient * (1 / slope);
@@ -394,7 +395,7 @@ PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest) const 
         y += aside;
     }
     const double psi = dot(x - y, n);
-    if (!(std::abs(psi) < farthest) || !within(y, n, near)) return {};
+    if (!(std::abs(psi) < farthest) || !within(y, n, neighbours)) return {};
     return {true, y, n, psi};
 }
 

@@ -74,8 +74,8 @@ private:
     void build(const PointCloud& cloud, Progress& progress);
     Index nearestSheet(const Vec3d& x) const;
     bool sameSheet(std::size_t j, const Vec3d& n) const;
-    Blend blend(const Vec3d& y, const Vec3d& n, const std::vector<Index>& near) const;
-    bool within(const Vec3d& y, const Vec3d& n, const std::vector<Index>& near) const;
+    Blend blend(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbours) const;
+    bool within(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbours) const;
 
     std::string file_;
     PointTree points_;

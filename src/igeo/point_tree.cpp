@@ -81,10 +81,11 @@ void PointTree::nearest(const Vec3d& p, std::size_t count, std::vector<Found>& f
         const Waiting w = stack[--top];
         if (w.squared > (found.size() == count ? found.front().squared : most)) continue;
         if (w.level < levels_) {
-            Waiting near = boxAt(w.level + 1, 2 * w.box), far = boxAt(w.level + 1, 2 * w.box + 1);
-            if (far.squared < near.squared) std::swap(near, far);
-            stack[top++] = far;
-            stack[top++] = near;
+            Waiting nearer = boxAt(w.level + 1, 2 * w.box),
+                    farther = boxAt(w.level + 1, 2 * w.box + 1);
+            if (farther.squared < nearer.squared) std::swap(nearer, farther);
+            stack[top++] = farther;
+            stack[top++] = nearer;
             continue;
         }
         for (std::size_t i = edge(w.level, w.box); i < edge(w.level, w.box + 1); ++i) {

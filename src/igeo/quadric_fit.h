@@ -47,7 +47,7 @@ public:
         // Terms that the points do not tell apart come out small; others lose 1e-6 of themselves.
         // Half as much for u v makes it the norm of the Hessian, which turns of the plane keep.
         const double ridge = 1e-6 * matrix_[0][0];
-        for (const std::size_t a : {1, 2, 3, 5}) matrix_[a][a] += ridge;
+        for (const std::size_t a : {1u, 2u, 3u, 5u}) matrix_[a][a] += ridge;
         matrix_[4][4] += ridge / 2;
         for (std::size_t a = 0; a < 6; ++a)
             for (std::size_t b = 0; b <= a; ++b) {

@@ -32,7 +32,7 @@ void requireFinite(const LoadedGrid& volume) {
 openvdb::FloatGrid::Ptr atOrigin(const LoadedGrid& volume) {
     const openvdb::CoordBBox box = volume.grid->evalActiveVoxelBoundingBox();
     if (!box.empty())
-        for (int a = 0; a < 3; ++a)
+        for (std::size_t a = 0; a < 3; ++a)
             if (box.min()[a] < -kFarthestInFloat || box.max()[a] > kFarthestInFloat)
                 throw Error(Error::Kind::BadInput,
                             "voxels at index " + std::to_string(box.min()[a]) + " to " +

@@ -86,10 +86,10 @@ void signInside(const std::vector<std::uint8_t>& inside, Field& field) {
 
 std::vector<std::int8_t> sidesOfCurves(const Band& band, const Field& field) {
     const std::size_t n = band.size();
-    std::vector<std::int8_t> near(n, 0);
+    std::vector<std::int8_t> sideOf(n, 0);
     const CurveSides curves(band, field);
     parallelFor(n, 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) near[i] = curves.of(NodeIndex(i));
+        for (std::size_t i = begin; i < end; ++i) sideOf[i] = curves.of(NodeIndex(i));
     });
 
     // What is joined without crossing a curve is one part. Votes, and not single crossings, decide
@@ -102,7 +102,7 @@ std::vector<std::int8_t> sidesOfCurves(const Band& band, const Field& field) {
         band.forNeighbours(&BandLeaf::band, band.leaf[i], band.offset[i],
                            [&](NodeIndex j, int, int, int) {
                                if (j < i || !known(j) || !band.linked(i, j)) return;
-                               if (near[i] * near[j] < 0)
+                               if (sideOf[i] * sideOf[j] < 0)
                                    crossings.emplace_back(i, j);
                                else
                                    parts.join(i, j, false);

@@ -65,8 +65,8 @@ SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
     Vec3d p = pIndex;
     const Vec3d foot = s.pIndex;
     // Points further out lie outside the band, and perhaps outside the range of Ijk.
-    const bool near = best.squared < 1e6;
-    if (near && projectToSurface(band, p) && length(p - pIndex) <= std::sqrt(best.squared) + 1e-3)
+    const bool close = best.squared < 1e6;
+    if (close && projectToSurface(band, p) && length(p - pIndex) <= std::sqrt(best.squared) + 1e-3)
         s.pIndex = p;
     else if (p = foot; projectToSurface(band, p) && length(p - foot) < 1)
         s.pIndex = p;

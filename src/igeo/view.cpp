@@ -5,6 +5,7 @@
 #include <igeo/parallel.h>
 
 #include <array>
+#include <numbers>
 
 namespace igeo {
 
@@ -95,7 +96,7 @@ std::vector<Vec3d> eyeDirections(const Vec3d& up) {
     const Vec3d right = normalized(tangential(sideways, up)), front = cross(right, up);
     std::vector<Vec3d> all;
     auto add = [&](double azimuth, double elevation) {
-        const double a = azimuth * M_PI / 180, e = elevation * M_PI / 180;
+        const double a = azimuth * std::numbers::pi / 180, e = elevation * std::numbers::pi / 180;
         all.push_back(std::cos(e) * (std::sin(a) * right + std::cos(a) * front) + std::sin(e) * up);
     };
     for (const double elevation : {30, 60, -30})

@@ -1,0 +1,145 @@
+#include "process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <fstream>
+#include <thread>
+
+namespace {
+
+constexpr std::array<int, 5> kFaults{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+
+void (*gReport)(bool timeIsUp);
+void (*gEnd)();
+std::atomic<bool> gEnding{false};
+
+void endNow(int) { gEnd(); }
+
+/// Runs on a stack of its own. Only write, unlink and _exit may be relied on here; what else is
+/// tried is cut short by a second fault or, where it waits for a lock, by the alarm.
+void handleFault(int signal) {
+    if (gEnding.exchange(true)) {
+        for (;;) ::pause();  // another thread is ending the process
+    }
+    for (const int s : kFaults) ::signal(s, endNow);
+    ::signal(SIGALRM, endNow);
+    sigset_t all;
+    sigfillset(&all);
+    for (const int s : kFaults) sigdelset(&all, s);
+    sigdelset(&all, SIGALRM);
+    ::pthread_sigmask(SIG_SETMASK, &all, nullptr);
+    ::alarm(1);
+    gReport(signal == SIGVTALRM);
+    gEnd();
+}
+
+}  // namespace
+
+void openStandardStreams() {
+    // open() takes the lowest descriptor that is free; the wrong way round, so that using it fails.
+    for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (::fcntl(fd, F_GETFD) < 0 &&
+            ::open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
+            ::_exit(1);
+}
+
+std::FILE* takeStdout() {
+    const int given = ::dup(STDOUT_FILENO);
+    std::FILE* const file = given < 0 ? nullptr : ::fdopen(given, "wb");
+    return file && ::dup2(STDERR_FILENO, STDOUT_FILENO) >= 0 ? file : nullptr;
+}
+
+bool stderrIsTerminal() { return ::isatty(STDERR_FILENO) == 1; }
+
+void writeToStderr(const char* text, std::size_t size) {
+    // Nothing is left to do where stderr takes no more.
+    if (::write(STDERR_FILENO, text, size) < 0) return;
+}
+
+void onInterrupt(void (*handle)(int signal)) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    ::signal(SIGPIPE, SIG_IGN);
+    sigset_t set;
+    sigemptyset(&set);
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction now {};
+        // nohup ignores SIGHUP, a shell that starts a job in the background SIGINT.
+        if (::sigaction(number, nullptr, &now) == 0 && now.sa_handler != SIG_IGN)
+            sigaddset(&set, number);
+    }
+    // Blocked here and in all threads to come; one thread waits for them and may do as it likes,
+    // which a signal handler may not.
+    ::pthread_sigmask(SIG_BLOCK, &set, nullptr);
+    std::thread([set, handle] {
+        int number = 0;
+        if (::sigwait(&set, &number) == 0) handle(number);
+    }).detach();
+}
+
+void onFault(void (*report)(bool timeIsUp), void (*end)()) {
+    gReport = report;
+    gEnd = end;
+    alignas(16) static std::array<char, 1 << 16> memory;
+    stack_t stack{};
+    stack.ss_sp = memory.data();
+    stack.ss_size = memory.size();
+    ::sigaltstack(&stack, nullptr);
+    struct sigaction action {};
+    action.sa_handler = handleFault;
+    action.sa_flags = SA_ONSTACK;
+    sigfillset(&action.sa_mask);
+    for (const int s : kFaults) {
+        sigdelset(&action.sa_mask, s);
+        ::sigaction(s, &action, nullptr);
+    }
+    ::sigaction(SIGVTALRM, &action, nullptr);
+}
+
+void limitComputing(double seconds) {
+    itimerval time{};
+    time.it_value.tv_sec = time_t(seconds);
+    time.it_value.tv_usec = suseconds_t((seconds - std::floor(seconds)) * 1e6);
+    ::setitimer(ITIMER_VIRTUAL, &time, nullptr);
+}
+
+void limitMemory(double bytes, int threads) {
+    constexpr double kLeast = 256e6, kStack = 8e6;
+    double mapped = 0;
+    // Pages: in all, resident, shared, code, library, data.
+    std::ifstream statm("/proc/self/statm");
+    for (int k = 0; k < 6; ++k) statm >> mapped;
+    if (!statm) return;
+    mapped *= double(::sysconf(_SC_PAGE_SIZE));
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_DATA, &limit) != 0) return;
+    limit.rlim_cur =
+        std::min(limit.rlim_cur, rlim_t(mapped + std::max(bytes, kLeast) + kStack * threads));
+    ::setrlimit(RLIMIT_DATA, &limit);
+}
+
+double machineMemory() {
+    double bytes = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
+    // "max" where there is no limit: no number.
+    double limit = 0;
+    if (std::ifstream("/sys/fs/cgroup/memory.max") >> limit) bytes = std::min(bytes, limit);
+    return bytes;
+}
+
+std::uint64_t peakMemory() {
+#ifdef __APPLE__
+    constexpr std::uint64_t kUnit = 1;
+#else
+    constexpr std::uint64_t kUnit = 1024;
+#endif
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return kUnit * std::uint64_t(usage.ru_maxrss);
+}

@@ -1,0 +1,68 @@
+// windows.h comes before psapi.h, which needs it.
+// clang-format off
+#include <windows.h>
+#include <psapi.h>
+// clang-format on
+#include <io.h>
+
+#include <array>
+#include <csignal>
+
+#include "process.h"
+
+namespace {
+
+constexpr int kStdout = 1, kStderr = 2;
+constexpr std::array<int, 4> kFaults{SIGSEGV, SIGFPE, SIGILL, SIGABRT};
+
+void (*gReport)(bool timeIsUp);
+void (*gEnd)();
+
+void handleFault(int) {
+    for (const int s : kFaults) std::signal(s, [](int) { gEnd(); });
+    gReport(false);
+    gEnd();
+}
+
+}  // namespace
+
+void openStandardStreams() {}  // files are opened as handles, which take nobody's place
+
+std::FILE* takeStdout() {
+    const int given = ::_dup(kStdout);
+    std::FILE* const file = given < 0 ? nullptr : ::_fdopen(given, "wb");
+    return file && ::_dup2(kStderr, kStdout) == 0 ? file : nullptr;
+}
+
+bool stderrIsTerminal() { return ::_isatty(kStderr) != 0; }
+
+void writeToStderr(const char* text, std::size_t size) {
+    if (::_write(kStderr, text, unsigned(size)) < 0) return;
+}
+
+// Handlers of SIGINT run on a thread of their own. There is no SIGHUP, and nobody sends SIGTERM.
+void onInterrupt(void (*handle)(int signal)) { std::signal(SIGINT, handle); }
+
+void onFault(void (*report)(bool timeIsUp), void (*end)()) {
+    gReport = report;
+    gEnd = end;
+    for (const int s : kFaults) std::signal(s, handleFault);
+}
+
+void limitComputing(double) {}
+
+// Memory that the system does not have is refused when it is asked for: std::bad_alloc.
+void limitMemory(double, int) {}
+
+double machineMemory() {
+    MEMORYSTATUSEX memory{};
+    memory.dwLength = sizeof memory;
+    ::GlobalMemoryStatusEx(&memory);
+    return double(memory.ullTotalPhys);
+}
+
+std::uint64_t peakMemory() {
+    PROCESS_MEMORY_COUNTERS memory{};
+    ::GetProcessMemoryInfo(::GetCurrentProcess(), &memory, sizeof memory);
+    return memory.PeakWorkingSetSize;
+}
