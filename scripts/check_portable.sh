@@ -24,6 +24,8 @@ sources=("$@")
 
 mkdir -p "$scratch/igeo" "$scratch/headers"
 sed 's/@PROJECT_VERSION@/0/' src/igeo/version.h.in >"$scratch/igeo/version.h"
+# As the build makes it.
+echo 'constexpr const char* kCommit = "none";' >"$scratch/implicit_geodesic_commit.h"
 # Those of the C library must not be found beside them.
 for header in openvdb tbb oneapi boost Imath assimp nlohmann CLI png.h pngconf.h pnglibconf.h; do
     ln -s "/usr/include/$header" "$scratch/headers/"
@@ -37,7 +39,7 @@ compile() {
     printf '%-28s' "$name"
     if (cd "$scratch" && printf "$root/%s\n" "${sources[@]}" | grep -v "_$other.cpp" |
         xargs -P"$(nproc)" -n1 "$@" -std=c++20 -c -Wall -Wextra -Wpedantic -Wshadow -Werror \
-            -I"$root/src" -I"$scratch") >"$scratch/log" 2>&1; then
+            -DIGEO_COMPILER='"none"' -I"$root/src" -I"$scratch") >"$scratch/log" 2>&1; then
         echo "ok ($((SECONDS - start)) s)"
     else
         echo "FAILED ($((SECONDS - start)) s)"
