@@ -55,7 +55,8 @@ run_tidy() {
 
 step "format" clang-format --dry-run --Werror "${sources[@]}"
 step "include arrows" tests/check_includes.sh
-step "release build, -Werror" scripts/build.sh release
+step "release, -Werror" cmake --preset release -DIGEO_WERROR=ON
+step "release build" scripts/build.sh release
 step "all tests" ctest --preset release -j2
 if $tidy; then
     step "clang-tidy" run_tidy

@@ -8,8 +8,8 @@ cd "$(dirname "$0")/.."
 # headers of its own room and of those above it in this list.
 rooms='
 types error parallel progress steps version box disjoint_sets format numbers system system_posix system_windows
-eikonal heap jet_update selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density digest
-tangent_frame orient_normals medial_radii
+eikonal heap selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density digest
+tangent_frame jet_update orient_normals medial_radii
 band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
 openvdb_grids vdb_archive vdb_io vdb_write level_set rebuild leaf_block band_width index_map point_cloud vdb_points
 level_set_band surface_point point_surface point_band seeds grid_sampling obstacles mesh_band

@@ -1,5 +1,6 @@
 #include <igeo/field.h>
 
+#include <igeo/jet_update.h>
 #include <igeo/parallel.h>
 #include <igeo/tangent_frame.h>
 
@@ -155,8 +156,8 @@ double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field,
             chord *= float((1 + metric.at(j) / here) / 2);
             g = normalized(g);
         }
-        const JetNeighbour n = frame.neighbour(chord, nj, cosine, g, field.distance[j] / here);
-        all.add(metric.anisotropic() ? plane.stretch.neighbour(n) : n);
+        const JetNeighbour n = flattened(frame, chord, nj, cosine, g, field.distance[j] / here);
+        all.add(metric.anisotropic() ? stretched(plane.stretch, n) : n);
     }
     return here * blendJets(all, weight).u;
 }

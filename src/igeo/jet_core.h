@@ -169,10 +169,10 @@ struct JetCore {
         // Relative to the start: near a source the solve takes u for the distance to it.
         const double u = (other.u - first) / place.weight;
         from.add(stretch.empty()
-                     ? place.frame.neighbour(meanWeight(other.weight, here) * chord, other.normal,
-                                             cosine, other.g, u)
-                     : place.stretch.neighbour(place.frame.neighbour(
-                           chord, other.normal, cosine, (other.weight / here) * other.g, u)),
+                     ? flattened(place.frame, meanWeight(other.weight, here) * chord, other.normal,
+                                 cosine, other.g, u)
+                     : stretched(place.stretch, flattened(place.frame, chord, other.normal, cosine,
+                                                          (other.weight / here) * other.g, u)),
                  labelOf(j));
     }
     /// Square of the cost of a chord from a place to a foot point nearby.

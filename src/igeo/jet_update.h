@@ -6,6 +6,7 @@
 /// jets.
 #pragma once
 
+#include <igeo/tangent_frame.h>
 #include <igeo/types.h>
 
 #include <algorithm>
@@ -14,21 +15,35 @@
 
 namespace igeo {
 
-struct Vec2f {
-    float x = 0, y = 0;
-    friend Vec2f operator+(Vec2f a, Vec2f b) { return {a.x + b.x, a.y + b.y}; }
-    friend Vec2f operator-(Vec2f a, Vec2f b) { return {a.x - b.x, a.y - b.y}; }
-    friend Vec2f operator*(float s, Vec2f a) { return {s * a.x, s * a.y}; }
-};
-inline float dot(Vec2f a, Vec2f b) { return a.x * b.x + a.y * b.y; }
-inline float length(Vec2f a) { return std::sqrt(dot(a, a)); }
-
 /// A neighbour in the flat picture.
 struct JetNeighbour {
     Vec2f a;       ///< from the neighbour to the node
     Vec2f g;       ///< direction of travel at the neighbour, unit; 0 at a seed
     double u = 0;  ///< its value over the weight
 };
+
+/// A node with foot point `chord` back from that of `frame`, normal `nj` (cosine = n . nj),
+/// gradient and value, as the local solve sees it.
+inline JetNeighbour flattened(const TangentFrame& frame, const Vec3f& chord, const Vec3f& nj,
+                              float cosine, const Vec3f& gradient, double value) {
+    // The gradient turned along with the plane: the least rotation that takes nj to n.
+    const Vec2f g =
+        frame.flat(gradient) - (dot(gradient, frame.normal()) / (1 + cosine)) * frame.flat(nj);
+    return {frame.way(chord, nj, cosine), g, value};
+}
+
+/// A neighbour as a front sees it after the stretch.
+/// @param n  its gradient in units of the weight here: as long as the metric there is larger
+///           than the one here, in the direction of travel
+inline JetNeighbour stretched(const Stretch& stretch, JetNeighbour n) {
+    const Vec2f q = stretch.covector(n.g);
+    const float len = length(q);
+    // Along the direction of travel, not along the chord: the two ends then count as in the
+    // trapezoid rule (p_i + p_j) . a / 2 up to terms of third order.
+    n.a = (len > 0 ? meanWeight(len, 1) : 1) * stretch.way(n.a);
+    n.g = len > 0 ? (1 / len) * q : q;
+    return n;
+}
 
 /// Value and direction of travel.
 struct Jet {

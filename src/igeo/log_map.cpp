@@ -1,6 +1,7 @@
 #include <igeo/log_map.h>
 
 #include <igeo/error.h>
+#include <igeo/jet_update.h>
 #include <igeo/parallel.h>
 #include <igeo/steps.h>
 #include <igeo/tangent_frame.h>
@@ -145,7 +146,7 @@ Vec3f LogMapper::logGradient(NodeIndex i) const {
 Vec2f carriedAxis(const Picture& here, const Vec3f& chord, const Vec3f& normal,
                   const Carried& there) {
     const float cosine = igeo::dot(here.frame.normal(), normal);
-    const JetNeighbour n = here.frame.neighbour(chord, normal, cosine, there.axis, 0);
+    const JetNeighbour n = flattened(here.frame, chord, normal, cosine, there.axis, 0);
     const Vec2f slope = here.frame.flat(here.logGradient + there.logGradient);
     return turned(n.g, cross(n.a, slope) / 2);
 }
@@ -176,7 +177,7 @@ void LogMapper::see(NodeIndex i, const Picture& here, NodeIndex core, AllSeen& a
     if (!there.known() || label(j) != label(i) || cosine < Band::kOtherSheet) return;
     const Vec3f chord(band_.footPoint(i) - band_.footPoint(j));
     const JetNeighbour n =
-        here.frame.neighbour(chord, normal, cosine, normalized(field_.gradient[j]), 0);
+        flattened(here.frame, chord, normal, cosine, normalized(field_.gradient[j]), 0);
     // Geodesics of another front: frames are another's as well.
     if (igeo::dot(n.g, here.way) < jet::kSameFront) return;
     const Metric& metric = *field_.metric;

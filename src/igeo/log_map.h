@@ -2,8 +2,8 @@
 #pragma once
 
 #include <igeo/field.h>
-#include <igeo/jet_update.h>
 #include <igeo/progress.h>
+#include <igeo/types.h>
 
 #include <vector>
 

@@ -1,7 +1,6 @@
 /// The surface around a foot point, laid out flat in its tangent plane, and metrics there.
 #pragma once
 
-#include <igeo/jet_update.h>
 #include <igeo/types.h>
 
 namespace igeo {
@@ -19,15 +18,6 @@ public:
     const Vec3f& axis(int k) const { return k == 0 ? t1_ : t2_; }
     Vec2f flat(const Vec3f& v) const { return {igeo::dot(v, t1_), igeo::dot(v, t2_)}; }
     Vec3f lift(Vec2f v) const { return v.x * t1_ + v.y * t2_; }
-
-    /// A node with foot point `chord` back from this one, normal `nj` (cosine = n . nj), gradient
-    /// and value, as the local solve sees it.
-    JetNeighbour neighbour(const Vec3f& chord, const Vec3f& nj, float cosine, const Vec3f& gradient,
-                           double value) const {
-        // The gradient turned along with the plane: the least rotation that takes nj to n.
-        const Vec2f g = flat(gradient) - (igeo::dot(gradient, n_) / (1 + cosine)) * flat(nj);
-        return {way(chord, nj, cosine), g, value};
-    }
 
     /// The way along S from a foot point with normal `nj` to this one, `chord` away: the chord
     /// turned into the plane and lengthened to the arc; over a crease, the way across both planes.
@@ -96,19 +86,6 @@ public:
         // digits are lost next to 1.
         const float d = a_ - 1 / a_, e = (d * d + b_ * b_) / 2;
         return std::sqrt(1 + e + std::sqrt(e * (e + 2)));
-    }
-
-    /// A neighbour as a front sees it after the stretch.
-    /// @param n  its gradient in units of the weight here: as long as the metric there is larger
-    ///           than the one here, in the direction of travel
-    JetNeighbour neighbour(JetNeighbour n) const {
-        const Vec2f q = covector(n.g);
-        const float len = length(q);
-        // Along the direction of travel, not along the chord: the two ends then count as in the
-        // trapezoid rule (p_i + p_j) . a / 2 up to terms of third order.
-        n.a = (len > 0 ? meanWeight(len, 1) : 1) * way(n.a);
-        n.g = len > 0 ? (1 / len) * q : q;
-        return n;
     }
 
 private:

@@ -127,4 +127,14 @@ struct Similarity {
     }
 };
 
+/// A vector in a tangent plane.
+struct Vec2f {
+    float x = 0, y = 0;
+    friend Vec2f operator+(Vec2f a, Vec2f b) { return {a.x + b.x, a.y + b.y}; }
+    friend Vec2f operator-(Vec2f a, Vec2f b) { return {a.x - b.x, a.y - b.y}; }
+    friend Vec2f operator*(float s, Vec2f a) { return {s * a.x, s * a.y}; }
+};
+inline float dot(Vec2f a, Vec2f b) { return a.x * b.x + a.y * b.y; }
+inline float length(Vec2f a) { return std::sqrt(dot(a, a)); }
+
 }  // namespace igeo
