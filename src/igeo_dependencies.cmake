@@ -89,6 +89,7 @@ endif()
 function(igeo_find_dependencies missing_var)
     set(missing "")
     set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
+    set(CMAKE_POLICY_DEFAULT_CMP0167 NEW)  # in FindOpenVDB.cmake, which sets policies of its own
     set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)  # or a parent of this project could not link igeo
 
     # First and by its own config: OpenVDB's FindTBB.cmake defines TBB::tbb alone, on which a later
