@@ -26,7 +26,7 @@ void handleFault(int) {
 
 }  // namespace
 
-void openStandardStreams() {}  // files are opened as handles, which take nobody's place
+void openStandardStreams() {}  // a file opened takes no closed stream's place here
 
 std::FILE* takeStdout() {
     const int given = ::_dup(kStdout);
@@ -40,7 +40,7 @@ void writeToStderr(const char* text, std::size_t size) {
     if (::_write(kStderr, text, unsigned(size)) < 0) return;
 }
 
-// Handlers of SIGINT run on a thread of their own. There is no SIGHUP, and nobody sends SIGTERM.
+// Handlers of SIGINT run on a thread of their own. Windows has no SIGHUP and sends no SIGTERM.
 void onInterrupt(void (*handle)(int signal)) { std::signal(SIGINT, handle); }
 
 void onFault(void (*report)(bool timeIsUp), void (*end)()) {
