@@ -3,9 +3,10 @@
 #include <igeo/field_grids.h>
 #include <igeo/format.h>
 #include <igeo/mesh_file.h>
-#include <igeo/point_cloud.h>
+#include <igeo/point_cloud_file.h>
 #include <igeo/report.h>
 #include <igeo/survey.h>
+#include <igeo/vdb_write.h>
 
 #include <algorithm>
 #include <chrono>

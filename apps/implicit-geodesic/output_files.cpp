@@ -2,7 +2,7 @@
 
 #include <igeo/atomic_file.h>
 #include <igeo/system.h>
-#include <igeo/vdb_io.h>
+#include <igeo/vdb_write.h>
 
 #include <algorithm>
 #include <cerrno>

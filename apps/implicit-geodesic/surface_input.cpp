@@ -6,7 +6,7 @@
 #include <igeo/mesh_band.h>
 #include <igeo/mesh_file.h>
 #include <igeo/point_band.h>
-#include <igeo/point_cloud.h>
+#include <igeo/point_cloud_file.h>
 #include <igeo/rebuild.h>
 #include <igeo/refined_mesh.h>
 #include <igeo/vdb_io.h>

@@ -279,4 +279,14 @@ std::string isolinesPly(const std::vector<Isoline>& lines, const Similarity& tra
     return bytes;
 }
 
+double roundSpacing(double range, double lines) {
+    const double exact = range / lines;
+    const double power = std::pow(10, std::floor(std::log10(exact)));
+    double best = power;
+    for (const double factor : {2.0, 5.0, 10.0})
+        if (std::abs(std::log(factor * power / exact)) < std::abs(std::log(best / exact)))
+            best = factor * power;
+    return best;
+}
+
 }  // namespace igeo

@@ -53,4 +53,8 @@ std::string isolinesObj(const std::vector<Isoline>& lines, const Similarity& tra
 /// int). World units.
 std::string isolinesPly(const std::vector<Isoline>& lines, const Similarity& transform);
 
+/// The one of 1, 2 and 5 times the powers of ten that comes nearest, by ratio, to cutting `range` >
+/// 0 into so many parts.
+double roundSpacing(double range, double lines);
+
 }  // namespace igeo

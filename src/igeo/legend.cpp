@@ -1,6 +1,7 @@
 #include <igeo/legend.h>
 
 #include <igeo/format.h>
+#include <igeo/isolines.h>
 
 namespace igeo {
 

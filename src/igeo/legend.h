@@ -3,7 +3,7 @@
 
 #include <igeo/canvas.h>
 #include <igeo/colour_map.h>
-#include <igeo/picture.h>
+#include <igeo/picture_options.h>
 
 #include <algorithm>
 #include <cmath>

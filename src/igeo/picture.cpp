@@ -371,16 +371,6 @@ void develop(const Film& film, bool transparent, Canvas& canvas) {
 
 }  // namespace
 
-double roundSpacing(double range, double lines) {
-    const double exact = range / lines;
-    const double power = std::pow(10, std::floor(std::log10(exact)));
-    double best = power;
-    for (const double factor : {2.0, 5.0, 10.0})
-        if (std::abs(std::log(factor * power / exact)) < std::abs(std::log(best / exact)))
-            best = factor * power;
-    return best;
-}
-
 std::string renderPng(const LevelSet& levelSet, const Band& band, const Field& field,
                       const std::vector<Path>& paths, const PictureOptions& options,
                       Progress& progress) {

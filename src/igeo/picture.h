@@ -3,27 +3,14 @@
 
 #include <igeo/field.h>
 #include <igeo/level_set.h>
+#include <igeo/picture_options.h>
 #include <igeo/progress.h>
 #include <igeo/trace.h>
 
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace igeo {
-
-struct PictureOptions {
-    int width = 1280, height = 960;    ///< pixels, 1 to 16384
-    int samples = 3;                   ///< per axis in pixels with an edge, 1 to 16
-    std::string colourMap = "lagoon";  ///< ColourMap::names()
-    double isolineSpacing = 0;    ///< world units times weight; 0: a round one that gives 10 to
-                                  ///< 25 lines, negative: no lines
-    bool legend = true;           ///< where there is room for it
-    bool transparent = false;     ///< background; otherwise white
-    std::optional<Vec3d> eye;     ///< world; none: chosen
-    std::optional<Vec3d> lookAt;  ///< world; none: the middle of the surface
-    Vec3d up{0, 1, 0};            ///< world
-};
 
 /// Renders the surface as the bytes of a PNG file: coloured by distance, with isolines, paths and
 /// seeds.
@@ -41,9 +28,5 @@ struct PictureOptions {
 std::string renderPng(const LevelSet& levelSet, const Band& band, const Field& field,
                       const std::vector<Path>& paths, const PictureOptions& options = {},
                       Progress& progress = Progress::none());
-
-/// The one of 1, 2 and 5 times the powers of ten that comes nearest, by ratio, to cutting `range` >
-/// 0 into so many parts.
-double roundSpacing(double range, double lines);
 
 }  // namespace igeo

@@ -1,7 +1,7 @@
 /// Points named on the command line or listed in files.
 #pragma once
 
-#include <igeo/seeds.h>
+#include <igeo/polyline.h>
 #include <igeo/types.h>
 
 #include <string>

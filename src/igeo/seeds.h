@@ -7,6 +7,7 @@
 
 #include <igeo/band.h>
 #include <igeo/metric.h>
+#include <igeo/polyline.h>
 #include <igeo/surface_point.h>
 
 #include <cstddef>
@@ -61,13 +62,6 @@ private:
     std::size_t few_ = 0;  ///< so few that all are visited
     double edge_ = 1;
     std::vector<std::pair<std::uint64_t, std::size_t>> cells_;  ///< sorted: key, seed
-};
-
-/// A polyline in space.
-struct Curve {
-    std::vector<Vec3d> points;
-    bool closed = false;  ///< the last point joins the first
-    double start = 0;     ///< distance at which its front starts
 };
 
 /// A curve as seeds: its points moved onto S, and the straight lines between them, at steps of half

@@ -2,7 +2,6 @@
 
 #include <igeo/error.h>
 #include <igeo/vdb_archive.h>
-#include <igeo/vdb_points.h>
 #include <openvdb/io/Stream.h>
 
 #include <cerrno>

@@ -1,10 +1,9 @@
-/// VDB files in and out: which grid to take, and how to write one so that it is never half there.
+/// VDB files in: which grid to take.
 #pragma once
 
 #include <openvdb/openvdb.h>
 
 #include <cstdint>
-#include <iosfwd>
 #include <optional>
 #include <string>
 #include <vector>
@@ -80,13 +79,8 @@ struct TensorGrids {
 /// @throws Error  as readScalarGrid
 TensorGrids readTensorGrids(const GridSource& source);
 
-/// Writes grids in their order, Blosc-compressed, to a file, atomically.
-///
-/// The same grids give the same bytes: the file's UUID is made from its content.
-/// @throws Error  Io; an existing file is then untouched
-void writeVdb(const std::string& file, const openvdb::GridCPtrVec& grids);
-
-/// The same to a stream, whose state tells whether all was written. Memory: the bytes written.
-void writeVdb(std::ostream& stream, const openvdb::GridCPtrVec& grids);
+/// The grid of points (PointDataGrid) that is named, or the only one.
+/// @throws Error  as readScalarGrid
+openvdb::GridBase::Ptr readPointGrid(const GridSource& source, std::vector<std::string>& warnings);
 
 }  // namespace igeo

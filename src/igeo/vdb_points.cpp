@@ -1,6 +1,7 @@
 #include <igeo/vdb_points.h>
 
 #include <igeo/error.h>
+#include <igeo/vdb_io.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/points/AttributeArray.h>
 #include <openvdb/points/PointDataGrid.h>

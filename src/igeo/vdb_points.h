@@ -2,7 +2,6 @@
 #pragma once
 
 #include <igeo/point_cloud.h>
-#include <igeo/vdb_io.h>
 
 #include <string>
 
@@ -14,10 +13,5 @@ namespace igeo {
 /// @throws Error  Io where the file cannot be opened, BadInput where it is no VDB file, is cut off,
 ///         or does not hold exactly one grid that can be meant
 PointCloud readVdbPoints(const std::string& source);
-
-/// The grid of points (PointDataGrid) that is named, or the only one; in vdb_io.cpp, where grids
-/// are chosen.
-/// @throws Error  as readScalarGrid
-openvdb::GridBase::Ptr readPointGrid(const GridSource& source, std::vector<std::string>& warnings);
 
 }  // namespace igeo

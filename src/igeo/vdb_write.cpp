@@ -1,6 +1,7 @@
+#include <igeo/vdb_write.h>
+
 #include <igeo/atomic_file.h>
 #include <igeo/digest.h>
-#include <igeo/vdb_io.h>
 #include <igeo/version.h>
 #include <openvdb/io/Archive.h>
 

@@ -3,7 +3,7 @@
 
 #include <igeo/field.h>
 #include <igeo/level_set.h>
-#include <igeo/picture.h>
+#include <igeo/picture_options.h>
 #include <igeo/surface_rays.h>
 #include <igeo/trace.h>
 

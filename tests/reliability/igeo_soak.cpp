@@ -15,7 +15,7 @@
 #include <igeo/point_band.h>
 #include <igeo/straighten.h>
 #include <igeo/surface_mesh.h>
-#include <igeo/vdb_io.h>
+#include <igeo/vdb_write.h>
 #include <malloc.h>
 #include <support/arguments.h>
 #include <support/clouds.h>

@@ -5,6 +5,7 @@
 #include <igeo/field_grids.h>
 #include <igeo/level_set_band.h>
 #include <igeo/parallel.h>
+#include <igeo/isolines.h>
 #include <igeo/picture.h>
 #include <igeo/view.h>
 #include <png.h>

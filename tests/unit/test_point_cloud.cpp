@@ -1,5 +1,5 @@
 // Files of points: what is read, and what is refused with words that help.
-#include <igeo/point_cloud.h>
+#include <igeo/point_cloud_file.h>
 #include <support/clouds.h>
 #include <support/expect_error.h>
 #include <support/openvdb.h>

@@ -1,4 +1,5 @@
 #include <igeo/vdb_io.h>
+#include <igeo/vdb_write.h>
 #include <openvdb/io/Stream.h>
 #include <support/bad_inputs.h>
 #include <support/catch.h>
