@@ -23,7 +23,7 @@ sources=("$@")
 [[ $# -gt 0 ]] || mapfile -t sources < <(find src apps -name '*.cpp' | sort)
 
 mkdir -p "$scratch/igeo" "$scratch/headers"
-sed 's/@PROJECT_VERSION@/0/' src/igeo/version.h.in >"$scratch/igeo/version.h"
+sed 's/@PROJECT_VERSION@/0/' src/igeo/base/version.h.in >"$scratch/igeo/base/version.h"
 # As the build makes it.
 echo 'constexpr const char* kCommit = "none";' >"$scratch/implicit_geodesic_commit.h"
 # Those of the C library must not be found beside them.

@@ -1,65 +1,65 @@
 #!/usr/bin/env bash
-# Holds the arrows of docs/architecture.md: who may include what. Lists every include that breaks
-# them and fails if there is one.
+# Holds the picture of docs/architecture.md: who may include what. Lists every include that breaks
+# it and every cycle between files, and fails if there is one.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-# The rooms of src/igeo from the ground up, one per line. A file (.h and .cpp alike) includes igeo
-# headers of its own room and of those above it in this list.
-rooms='
-types error parallel progress steps version box disjoint_sets format numbers system system_posix system_windows
-eikonal heap selling atomic_file colour_map canvas ply point_tree quadric_fit cloud_density digest
-tangent_frame jet_update orient_normals medial_radii
-band metric curvature triangle_mesh mesh_voxels ply_file mesh_file
-openvdb_grids vdb_archive vdb_io vdb_write level_set rebuild leaf_block band_width index_map point_cloud vdb_points
-level_set_band surface_point point_surface point_band seeds grid_sampling obstacles mesh_band
-field
-godunov jet jet_core jet_extend jet_stencil
-trace
-straighten
-accuracy sampling matrix pairs log_map shoot sides
-surface_mesh refined_mesh
-isolines survey
-cells engrave
-field_grids extend report point_file picture legend view surface_rays
+# The folders of src/igeo, and the folders whose headers the files of each may include beside their
+# own. A file in detail/ belongs to the folder above it.
+folders='
+base
+io       base
+band     base
+metric   band io base
+surface  band io base
+march    metric band base
+path     march metric band base
+results  path march surface metric band io base
 '
 
-# Files that do without OpenVDB, and so without the igeo headers that need it.
-no_openvdb='
-types error parallel progress steps version box disjoint_sets format numbers system system_posix system_windows digest eikonal heap jet_update selling ply tangent_frame band metric
-curvature field band_width surface_point seeds godunov jet jet_core jet_extend jet_stencil trace
-straighten accuracy sampling matrix log_map shoot sides point_file colour_map canvas point_tree
-quadric_fit cloud_density orient_normals medial_radii
-triangle_mesh mesh_voxels ply_file mesh_file mesh_band
-'
+# These do without OpenVDB, also through what they include.
+no_openvdb='base band march path'
 
 # Headers that cost seconds per file or that not every system has: the prefix, where the rule holds,
 # and the files excepted. Tests may use TBB, JSON and POSIX directly.
 guarded='
 CLI/       src apps tests  apps/implicit-geodesic/options.cpp
-nlohmann/  src apps        src/igeo/report.cpp src/igeo/point_file.cpp apps/implicit-geodesic/json_file.h
-png.h      src apps        src/igeo/canvas.cpp
-assimp/    src apps        src/igeo/mesh_file.cpp
-tbb/       src apps        src/igeo/parallel.h src/igeo/parallel.cpp apps/implicit-geodesic/version_text.cpp
-fcntl.h    src apps        src/igeo/system_posix.cpp src/igeo/system_windows.cpp apps/implicit-geodesic/process_posix.cpp
-sys/       src apps        src/igeo/system_posix.cpp src/igeo/system_windows.cpp apps/implicit-geodesic/process_posix.cpp
-unistd.h   src apps        src/igeo/system_posix.cpp apps/implicit-geodesic/process_posix.cpp
+nlohmann/  src apps        src/igeo/results/report.cpp src/igeo/io/point_list.cpp apps/implicit-geodesic/json_file.h
+png.h      src apps        src/igeo/results/detail/canvas.cpp
+assimp/    src apps        src/igeo/io/mesh_file.cpp
+tbb/       src apps        src/igeo/base/parallel.h src/igeo/base/parallel.cpp apps/implicit-geodesic/version_text.cpp
+fcntl.h    src apps        src/igeo/base/detail/system_posix.cpp src/igeo/base/detail/system_windows.cpp apps/implicit-geodesic/process_posix.cpp
+sys/       src apps        src/igeo/base/detail/system_posix.cpp src/igeo/base/detail/system_windows.cpp apps/implicit-geodesic/process_posix.cpp
+unistd.h   src apps        src/igeo/base/detail/system_posix.cpp apps/implicit-geodesic/process_posix.cpp
 windows.h  src apps        apps/implicit-geodesic/process_windows.cpp
 '
 
 mapfile -t files < <(find src apps tests -name '*.h' -o -name '*.cpp' | LC_ALL=C sort)
+status=0
 
-awk -v rooms="$rooms" -v no_openvdb="$no_openvdb" -v guarded="$guarded" '
+awk -v folders="$folders" -v no_openvdb="$no_openvdb" -v guarded="$guarded" '
 function fail(what) { print FILENAME ":" FNR ": " what; failed = 1 }
+function folder_of(file) { sub(/\/.*/, "", file); return file }
+# The header, or one that it includes, that includes OpenVDB; empty: none.
+function openvdb_through(header,   list, n, i, found) {
+    if (header in answer) return answer[header]
+    answer[header] = ""
+    if (header in includes_openvdb) return answer[header] = header
+    n = split(includes[header], list, " ")
+    for (i = 1; i <= n; ++i)
+        if ((found = openvdb_through(list[i])) != "") return answer[header] = found
+    return ""
+}
 
 BEGIN {
-    n = split(rooms, line, "\n")
+    n = split(folders, line, "\n")
     for (i = 1; i <= n; ++i) {
         m = split(line[i], word, " ")
-        for (j = 1; j <= m; ++j) room[word[j]] = i
+        for (j = 1; j <= m; ++j) allowed[word[1], word[j]] = 1
+        if (m) known[word[1]] = 1
     }
     n = split(no_openvdb, word, " ")
-    for (i = 1; i <= n; ++i) free_of_openvdb[word[i]] = 1
+    for (i = 1; i <= n; ++i) free[word[i]] = 1
     n = split(guarded, line, "\n")
     for (i = 1; i <= n; ++i) {
         m = split(line[i], word, " ")
@@ -75,9 +75,11 @@ BEGIN {
 FNR == 1 {
     in_library = FILENAME ~ /^src\/igeo\//
     top = FILENAME; sub(/\/.*/, "", top)
-    stem = FILENAME; sub(/.*\//, "", stem); sub(/\.[a-z]+$/, "", stem)
-    if (in_library && !(stem in room))
-        fail("src/igeo/" stem " has no room in the table of tests/check_includes.sh")
+    self = FILENAME; sub(/^src\/igeo\//, "", self)
+    folder = folder_of(self)
+    # The umbrella includes all public headers and is included by none.
+    if (in_library && self != "igeo.h" && !(folder in known))
+        fail("no folder of the table in tests/check_includes.sh")
 }
 
 /^[ \t]*#[ \t]*pragma[ \t]+once/ { has_pragma[FILENAME] = 1 }
@@ -97,26 +99,45 @@ FNR == 1 {
         fail("the library includes neither apps nor tests: " header)
     if (top == "apps" && header ~ /(^|\/)(tests|support)\//)
         fail("the program does not include tests: " header)
-    if (!in_library || !(stem in room)) next
+    if (!in_library || self == "igeo.h") next
 
-    if (header ~ /^openvdb\// && stem in free_of_openvdb)
-        fail(stem " does without OpenVDB")
-    if (header ~ /^igeo\// || header !~ /\// && header ~ /\.h$/ && /"/) {
-        other = header; sub(/^igeo\//, "", other); sub(/\.h$/, "", other)
-        if (!(other in room))
-            fail("igeo/" other ".h has no room in the table of tests/check_includes.sh")
-        else if (room[other] > room[stem])
-            fail(stem " (room " room[stem] - 1 ") includes " other " (room " room[other] - 1 ")")
-        else if (stem in free_of_openvdb && !(other in free_of_openvdb))
-            fail(stem " does without OpenVDB, igeo/" other ".h does not")
-    }
+    if (header ~ /^openvdb\//) includes_openvdb[self] = 1
+    if (header !~ /^igeo\//) next
+    other = header; sub(/^igeo\//, "", other)
+    includes[self] = includes[self] " " other
+    other_folder = folder_of(other)
+    if (folder != other_folder && !((folder, other_folder) in allowed))
+        fail("a file of " folder "/ does not include " header)
+    if (FILENAME ~ /\.h$/ && FILENAME !~ /\/detail\// && header ~ /\/detail\//)
+        fail("a public header does not include an internal one: " header)
 }
 
 END {
+    for (file in includes)
+        if (folder_of(file) in free && (found = openvdb_through(file)) != "") {
+            print "src/igeo/" file ": does without OpenVDB, and gets it from " found
+            failed = 1
+        }
     for (i = 1; i < ARGC; ++i)
         if (ARGV[i] ~ /\.h$/ && !(ARGV[i] in has_pragma)) {
             print ARGV[i] ": no #pragma once"
             failed = 1
         }
     exit failed
-}' "${files[@]}"
+}' "${files[@]}" || status=1
+
+# Cycles: a header and the source of its name are one file here.
+for folder in src apps/implicit-geodesic; do
+    loops=$(cd "$folder" && grep -rHoP --include='*.h' --include='*.cpp' \
+        '^\s*#\s*include\s*[<"]\K[^>"]+\.h(?=[>"])' . |
+        sed -E 's|^\./||; s|\.(h\|cpp):|.h |' |
+        awk '$1 != $2 { print }' |
+        while read -r from to; do [[ -e $to ]] && echo "$from $to"; done |
+        LC_ALL=C sort -u | tsort 2>&1 >/dev/null) || true
+    if [[ -n $loops ]]; then
+        echo "$folder: files that include each other:"
+        echo "$loops"
+        status=1
+    fi
+done
+exit $status

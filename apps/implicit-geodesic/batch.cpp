@@ -1,10 +1,10 @@
 #include "batch.h"
 
-#include <igeo/atomic_file.h>
-#include <igeo/digest.h>
-#include <igeo/error.h>
-#include <igeo/parallel.h>
-#include <igeo/version.h>
+#include <igeo/base/atomic_file.h>
+#include <igeo/base/digest.h>
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/base/version.h>
 
 #include <algorithm>
 #include <atomic>
@@ -17,6 +17,7 @@
 #include <mutex>
 #include <numeric>
 
+#include "exit_code.h"
 #include "failure.h"
 #include "guarded_read.h"
 #include "manifest.h"

@@ -1,6 +1,6 @@
 #include "command_description.h"
 
-#include <igeo/version.h>
+#include <igeo/base/version.h>
 
 #include <algorithm>
 #include <sstream>

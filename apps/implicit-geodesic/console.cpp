@@ -1,6 +1,6 @@
 #include "console.h"
 
-#include <igeo/atomic_file.h>
+#include <igeo/base/atomic_file.h>
 
 #include <atomic>
 #include <chrono>

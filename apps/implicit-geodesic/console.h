@@ -1,7 +1,7 @@
 /// What a person at a terminal meets: messages, progress, Ctrl-C.
 #pragma once
 
-#include <igeo/progress.h>
+#include <igeo/base/progress.h>
 
 #include <condition_variable>
 #include <mutex>

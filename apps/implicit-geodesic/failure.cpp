@@ -1,13 +1,13 @@
 #include "failure.h"
 
-#include <igeo/error.h>
+#include <igeo/base/error.h>
 
 #include <exception>
 #include <new>
 #include <system_error>
 
 #include "console.h"
-#include "run.h"
+#include "exit_code.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 #include "guarded_read.h"
 
-#include <igeo/atomic_file.h>
+#include <igeo/base/atomic_file.h>
 
 #include <algorithm>
 #include <array>
@@ -11,8 +11,8 @@
 #include <exception>
 #include <filesystem>
 
+#include "exit_code.h"
 #include "process.h"
-#include "run.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 /// What damaged files, and libraries that stumble over them, may not do to a user.
 #pragma once
 
-#include <igeo/error.h>
+#include <igeo/base/error.h>
 
 #include <mutex>
 #include <new>

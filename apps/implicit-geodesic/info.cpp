@@ -1,12 +1,12 @@
 #include "info.h"
 
-#include <igeo/field_grids.h>
-#include <igeo/format.h>
-#include <igeo/mesh_file.h>
-#include <igeo/point_cloud_file.h>
-#include <igeo/report.h>
-#include <igeo/survey.h>
-#include <igeo/vdb_write.h>
+#include <igeo/base/detail/format.h>
+#include <igeo/io/mesh_file.h>
+#include <igeo/io/point_cloud_file.h>
+#include <igeo/io/vdb_write.h>
+#include <igeo/results/field_grids.h>
+#include <igeo/results/report.h>
+#include <igeo/results/survey.h>
 
 #include <algorithm>
 #include <chrono>
@@ -15,10 +15,10 @@
 #include <numbers>
 #include <utility>
 
+#include "exit_code.h"
 #include "guarded_read.h"
 #include "output_files.h"
 #include "results.h"
-#include "run.h"
 #include "surface_input.h"
 #include "usage_error.h"
 

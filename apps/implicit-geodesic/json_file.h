@@ -1,7 +1,7 @@
 /// JSON files that a batch reads.
 #pragma once
 
-#include <igeo/error.h>
+#include <igeo/base/error.h>
 
 #include <nlohmann/json.hpp>
 #include <string>

@@ -1,8 +1,9 @@
 /// implicit-geodesic: distance and geodesics along a level set.
-#include <igeo/parallel.h>
+#include <igeo/base/parallel.h>
 
 #include "batch.h"
 #include "console.h"
+#include "exit_code.h"
 #include "failure.h"
 #include "guarded_read.h"
 #include "info.h"

@@ -1,6 +1,6 @@
 #include "manifest.h"
 
-#include <igeo/error.h>
+#include <igeo/base/error.h>
 
 #include <map>
 #include <set>

@@ -1,6 +1,6 @@
 #include "matrix_parts.h"
 
-#include <igeo/matrix.h>
+#include <igeo/results/distance_matrix.h>
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include "metric_input.h"
 
-#include <igeo/point_file.h>
+#include <igeo/io/point_list.h>
 
 #include <map>
 #include <sstream>

@@ -1,13 +1,13 @@
 /// The metric as asked for: files read once, laid onto any band, for any number of jobs.
 #pragma once
 
-#include <igeo/curvature.h>
-#include <igeo/grid_sampling.h>
-#include <igeo/metric.h>
-#include <igeo/obstacles.h>
-#include <igeo/progress.h>
-#include <igeo/report.h>
-#include <igeo/vdb_io.h>
+#include <igeo/base/progress.h>
+#include <igeo/io/vdb_read.h>
+#include <igeo/metric/curvature.h>
+#include <igeo/metric/grid_sampling.h>
+#include <igeo/metric/metric.h>
+#include <igeo/metric/obstacles.h>
+#include <igeo/results/report.h>
 
 #include <memory>
 #include <mutex>

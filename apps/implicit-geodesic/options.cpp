@@ -1,6 +1,6 @@
 #include "options.h"
 
-#include <igeo/colour_map.h>
+#include <igeo/results/color_map.h>
 #include <CLI/CLI.hpp>
 
 #include <charconv>

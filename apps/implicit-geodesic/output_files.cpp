@@ -1,8 +1,9 @@
 #include "output_files.h"
 
-#include <igeo/atomic_file.h>
-#include <igeo/system.h>
-#include <igeo/vdb_write.h>
+#include <igeo/base/atomic_file.h>
+#include <igeo/base/detail/system.h>
+#include <igeo/io/vdb_read.h>
+#include <igeo/io/vdb_write.h>
 
 #include <algorithm>
 #include <cerrno>

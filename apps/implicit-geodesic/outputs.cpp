@@ -1,13 +1,13 @@
 #include "outputs.h"
 
-#include <igeo/colour_map.h>
-#include <igeo/engrave.h>
-#include <igeo/extend.h>
-#include <igeo/field_grids.h>
-#include <igeo/log_map.h>
-#include <igeo/matrix.h>
-#include <igeo/point_file.h>
-#include <igeo/vdb_io.h>
+#include <igeo/io/point_list.h>
+#include <igeo/io/vdb_read.h>
+#include <igeo/results/color_map.h>
+#include <igeo/results/distance_matrix.h>
+#include <igeo/results/engrave.h>
+#include <igeo/results/extend.h>
+#include <igeo/results/field_grids.h>
+#include <igeo/results/log_map.h>
 
 #include <cstdio>
 

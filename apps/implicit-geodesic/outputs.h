@@ -1,13 +1,13 @@
 /// What a run writes beside its report.
 #pragma once
 
-#include <igeo/colour_map.h>
-#include <igeo/field.h>
-#include <igeo/isolines.h>
-#include <igeo/picture.h>
-#include <igeo/progress.h>
-#include <igeo/report.h>
-#include <igeo/surface_mesh.h>
+#include <igeo/base/progress.h>
+#include <igeo/march/field.h>
+#include <igeo/results/color_map.h>
+#include <igeo/results/isolines.h>
+#include <igeo/results/picture.h>
+#include <igeo/results/report.h>
+#include <igeo/results/surface_mesh.h>
 
 #include <optional>
 #include <vector>

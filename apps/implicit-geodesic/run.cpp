@@ -1,23 +1,24 @@
 #include "run.h"
 
-#include <igeo/accuracy.h>
-#include <igeo/error.h>
-#include <igeo/format.h>
-#include <igeo/godunov.h>
-#include <igeo/jet.h>
-#include <igeo/pairs.h>
-#include <igeo/parallel.h>
-#include <igeo/point_file.h>
-#include <igeo/report.h>
-#include <igeo/sampling.h>
-#include <igeo/shoot.h>
-#include <igeo/straighten.h>
-#include <igeo/surface_point.h>
-#include <igeo/trace.h>
+#include <igeo/band/surface_point.h>
+#include <igeo/base/detail/format.h>
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/io/point_list.h>
+#include <igeo/march/godunov.h>
+#include <igeo/march/jet.h>
+#include <igeo/path/accuracy_estimate.h>
+#include <igeo/path/exponential_map.h>
+#include <igeo/path/straighten.h>
+#include <igeo/path/trace.h>
+#include <igeo/results/farthest_points.h>
+#include <igeo/results/pair_distances.h>
+#include <igeo/results/report.h>
 
 #include <algorithm>
 #include <memory>
 
+#include "exit_code.h"
 #include "guarded_read.h"
 #include "metric_input.h"
 #include "output_files.h"

@@ -7,8 +7,6 @@
 class MetricInput;
 class SurfaceInput;
 
-enum ExitCode { kDone = 0, kFailed = 1, kUsage = 2, kUnusable = 3, kUnreached = 4 };
-
 /// Refuses what is wrong by the options alone, before any file is read.
 /// @throws igeo::Error  InvalidArgument
 void checkRun(const Options& options);

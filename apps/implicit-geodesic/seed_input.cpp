@@ -1,8 +1,8 @@
 #include "seed_input.h"
 
-#include <igeo/error.h>
-#include <igeo/sides.h>
-#include <igeo/vdb_io.h>
+#include <igeo/base/error.h>
+#include <igeo/io/vdb_read.h>
+#include <igeo/march/signed_field.h>
 
 #include "guarded_read.h"
 #include "usage_error.h"

@@ -1,10 +1,10 @@
 /// Seeds as asked for: points, curves and regions, laid onto any band.
 #pragma once
 
-#include <igeo/field.h>
-#include <igeo/obstacles.h>
-#include <igeo/point_file.h>
-#include <igeo/seeds.h>
+#include <igeo/io/point_list.h>
+#include <igeo/march/field.h>
+#include <igeo/march/seeds.h>
+#include <igeo/metric/obstacles.h>
 
 #include <memory>
 #include <string>

@@ -1,7 +1,7 @@
 /// What the stages of a job cost.
 #pragma once
 
-#include <igeo/format.h>
+#include <igeo/base/detail/format.h>
 
 #include <algorithm>
 #include <chrono>

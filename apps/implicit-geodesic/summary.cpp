@@ -4,8 +4,8 @@
 #include <set>
 #include <tuple>
 
+#include "exit_code.h"
 #include "json_file.h"
-#include "run.h"
 
 bool JobRecord::done() const { return exitCode == kDone || exitCode == kUnreached; }
 

@@ -1,15 +1,15 @@
 #include "surface_input.h"
 
-#include <igeo/band_width.h>
-#include <igeo/box.h>
-#include <igeo/format.h>
-#include <igeo/mesh_band.h>
-#include <igeo/mesh_file.h>
-#include <igeo/point_band.h>
-#include <igeo/point_cloud_file.h>
-#include <igeo/rebuild.h>
-#include <igeo/refined_mesh.h>
-#include <igeo/vdb_io.h>
+#include <igeo/base/detail/box.h>
+#include <igeo/base/detail/format.h>
+#include <igeo/io/mesh_file.h>
+#include <igeo/io/point_cloud_file.h>
+#include <igeo/io/vdb_read.h>
+#include <igeo/results/refined_mesh.h>
+#include <igeo/surface/band_bounds.h>
+#include <igeo/surface/mesh_band.h>
+#include <igeo/surface/point_band.h>
+#include <igeo/surface/rebuild.h>
 
 #include <algorithm>
 #include <cmath>

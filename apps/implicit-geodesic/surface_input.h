@@ -1,13 +1,13 @@
 /// The surface as asked for, whatever it is made of: read once, and bands made of it.
 #pragma once
 
-#include <igeo/band.h>
-#include <igeo/level_set.h>
-#include <igeo/level_set_band.h>
-#include <igeo/progress.h>
-#include <igeo/report.h>
-#include <igeo/surface_mesh.h>
-#include <igeo/survey.h>
+#include <igeo/band/band.h>
+#include <igeo/base/progress.h>
+#include <igeo/results/report.h>
+#include <igeo/results/surface_mesh.h>
+#include <igeo/results/survey.h>
+#include <igeo/surface/level_set.h>
+#include <igeo/surface/level_set_band.h>
 
 #include <memory>
 #include <mutex>

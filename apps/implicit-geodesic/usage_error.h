@@ -1,7 +1,7 @@
 /// How options are refused that CLI11 cannot judge.
 #pragma once
 
-#include <igeo/error.h>
+#include <igeo/base/error.h>
 
 #include <string>
 

@@ -1,6 +1,6 @@
 #include "version_text.h"
 
-#include <igeo/version.h>
+#include <igeo/base/version.h>
 #include <openvdb/version.h>
 #include <tbb/version.h>
 

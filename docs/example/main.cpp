@@ -1,8 +1,8 @@
 // From the north pole of data/sphere.vdb to the south pole, along the surface.
-#include <igeo/band_width.h>
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
-#include <igeo/trace.h>
+#include <igeo/march/jet.h>
+#include <igeo/path/trace.h>
+#include <igeo/surface/band_bounds.h>
+#include <igeo/surface/level_set_band.h>
 
 #include <iostream>
 

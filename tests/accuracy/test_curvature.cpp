@@ -1,8 +1,8 @@
 // Curvature against exact values, from level sets in general position: errors at foot points in %
 // of the larger principal curvature there (its square for the Gaussian), or of the mean curvature
 // where that is larger.
-#include <igeo/curvature.h>
-#include <igeo/level_set_band.h>
+#include <igeo/metric/curvature.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/openvdb.h>

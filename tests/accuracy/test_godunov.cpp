@@ -1,7 +1,7 @@
 // The paper's Table 2 and the default band, on the sphere of radius 0.4 in the unit cube.
-#include <igeo/band_width.h>
-#include <igeo/godunov.h>
-#include <igeo/level_set_band.h>
+#include <igeo/march/godunov.h>
+#include <igeo/surface/band_bounds.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/exact.h>

@@ -1,6 +1,6 @@
 // Isolines and cells against exact circles and shares.
-#include <igeo/cells.h>
-#include <igeo/isolines.h>
+#include <igeo/results/isolines.h>
+#include <igeo/results/voronoi_cells.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/exact.h>

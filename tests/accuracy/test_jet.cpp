@@ -1,6 +1,6 @@
 // The scheme jet against exact distances: errors at foot points in % of the largest distance.
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
+#include <igeo/march/jet.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/exact.h>

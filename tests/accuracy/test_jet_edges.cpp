@@ -1,6 +1,6 @@
 // The scheme jet over edges too sharp for normals to be compared across them.
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
+#include <igeo/march/jet.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/openvdb.h>

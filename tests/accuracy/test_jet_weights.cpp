@@ -1,8 +1,8 @@
 // The scheme jet with a weight that varies, against metrics whose distance is known.
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
-#include <igeo/parallel.h>
-#include <igeo/straighten.h>
+#include <igeo/base/parallel.h>
+#include <igeo/march/jet.h>
+#include <igeo/path/straighten.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/expect_error.h>

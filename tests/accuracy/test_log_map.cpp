@@ -1,9 +1,9 @@
 // The logarithmic map against exact geodesics: directions in degrees, and by how much the geodesic
 // that leaves the seed as the map says misses its point.
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
-#include <igeo/log_map.h>
-#include <igeo/shoot.h>
+#include <igeo/march/jet.h>
+#include <igeo/path/exponential_map.h>
+#include <igeo/results/log_map.h>
+#include <igeo/surface/level_set_band.h>
 #include <openvdb/tools/FastSweeping.h>
 #include <support/catch.h>
 #include <support/errors.h>

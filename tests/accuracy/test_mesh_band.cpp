@@ -1,6 +1,6 @@
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
-#include <igeo/mesh_band.h>
+#include <igeo/march/jet.h>
+#include <igeo/surface/level_set_band.h>
+#include <igeo/surface/mesh_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/exact.h>

@@ -1,9 +1,9 @@
 // Distances and paths around an obstacle, against tangents and arcs.
-#include <igeo/godunov.h>
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
-#include <igeo/obstacles.h>
-#include <igeo/straighten.h>
+#include <igeo/march/godunov.h>
+#include <igeo/march/jet.h>
+#include <igeo/metric/obstacles.h>
+#include <igeo/path/straighten.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/openvdb.h>

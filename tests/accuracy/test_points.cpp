@@ -1,7 +1,7 @@
 // Clouds of points against exact distances: errors in % of the largest distance.
-#include <igeo/godunov.h>
-#include <igeo/jet.h>
-#include <igeo/point_band.h>
+#include <igeo/march/godunov.h>
+#include <igeo/march/jet.h>
+#include <igeo/surface/point_band.h>
 #include <support/catch.h>
 #include <support/clouds.h>
 #include <support/errors.h>

@@ -1,12 +1,12 @@
 // Distances from curves and regions, where they are known: along meridians from circles of
 // latitude.
-#include <igeo/godunov.h>
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
-#include <igeo/obstacles.h>
-#include <igeo/seeds.h>
-#include <igeo/sides.h>
-#include <igeo/trace.h>
+#include <igeo/march/godunov.h>
+#include <igeo/march/jet.h>
+#include <igeo/march/seeds.h>
+#include <igeo/march/signed_field.h>
+#include <igeo/metric/obstacles.h>
+#include <igeo/path/trace.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/expect_error.h>

@@ -1,6 +1,6 @@
 // The exponential map against exact geodesics: where a walk ends, in % of its length.
-#include <igeo/level_set_band.h>
-#include <igeo/shoot.h>
+#include <igeo/path/exponential_map.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/openvdb.h>

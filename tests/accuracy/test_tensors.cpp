@@ -1,10 +1,10 @@
 // General metrics (M&S 5.1) against distances known in closed form: in a plane with a constant
 // tensor, distances are those of the plane sheared until the tensor is 1; under a map of the plane,
 // those of the images.
-#include <igeo/godunov.h>
-#include <igeo/jet.h>
-#include <igeo/parallel.h>
-#include <igeo/trace.h>
+#include <igeo/base/parallel.h>
+#include <igeo/march/godunov.h>
+#include <igeo/march/jet.h>
+#include <igeo/path/trace.h>
 #include <support/analytic_band.h>
 #include <support/catch.h>
 #include <support/expect_error.h>

@@ -2,8 +2,8 @@
 /// replayed bucket by bucket over domains of leaves. Nothing is sent, everything is counted.
 #pragma once
 
-#include <igeo/band.h>
-#include <igeo/field.h>
+#include <igeo/band/band.h>
+#include <igeo/march/field.h>
 
 #include <cstddef>
 #include <cstdint>

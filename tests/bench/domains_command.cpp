@@ -1,5 +1,5 @@
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
+#include <igeo/march/jet.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/errors.h>
 #include <support/openvdb.h>
 #include <support/shapes.h>

@@ -1,6 +1,6 @@
-#include <igeo/mesh_file.h>
-#include <igeo/parallel.h>
-#include <igeo/vdb_io.h>
+#include <igeo/base/parallel.h>
+#include <igeo/io/mesh_file.h>
+#include <igeo/io/vdb_read.h>
 #include <support/exact.h>
 #include <support/torus_geodesics.h>
 

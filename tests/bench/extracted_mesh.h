@@ -1,7 +1,7 @@
 /// The mesh that one would work on without a band.
 #pragma once
 
-#include <igeo/triangle_mesh.h>
+#include <igeo/io/triangle_mesh.h>
 #include <openvdb/openvdb.h>
 
 namespace igeo::test {

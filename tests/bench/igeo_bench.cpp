@@ -8,11 +8,11 @@
 /// With a contrast there is a weight per node, from 1 to C (1: uniform), in waves over the sphere.
 ///
 /// Times are the least of the runs. Run it on a quiet machine and compare ratios.
-#include <igeo/band_width.h>
-#include <igeo/godunov.h>
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
-#include <igeo/parallel.h>
+#include <igeo/base/parallel.h>
+#include <igeo/march/godunov.h>
+#include <igeo/march/jet.h>
+#include <igeo/surface/band_bounds.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/arguments.h>
 #include <support/errors.h>
 #include <support/openvdb.h>

@@ -1,7 +1,7 @@
 /// Points with distances as lines x,y,z,distance, which the bench programs pass to each other.
 #pragma once
 
-#include <igeo/types.h>
+#include <igeo/base/types.h>
 
 #include <string>
 #include <vector>

@@ -1,10 +1,10 @@
-#include <igeo/atomic_file.h>
-#include <igeo/band_width.h>
-#include <igeo/godunov.h>
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
-#include <igeo/parallel.h>
-#include <igeo/picture.h>
+#include <igeo/base/atomic_file.h>
+#include <igeo/base/parallel.h>
+#include <igeo/march/godunov.h>
+#include <igeo/march/jet.h>
+#include <igeo/results/picture.h>
+#include <igeo/surface/band_bounds.h>
+#include <igeo/surface/level_set_band.h>
 
 #include <algorithm>
 #include <cmath>

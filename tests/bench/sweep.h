@@ -1,7 +1,7 @@
 /// Distances in a band by sweeping, OpenVDB's tools::maskSdf.
 #pragma once
 
-#include <igeo/field.h>
+#include <igeo/march/field.h>
 #include <openvdb/openvdb.h>
 
 namespace igeo::test {

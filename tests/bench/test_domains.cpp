@@ -1,5 +1,5 @@
 // What igeo_bench domains counts, against counting by hand.
-#include <igeo/jet.h>
+#include <igeo/march/jet.h>
 #include <support/catch.h>
 #include <support/march_cases.h>
 #include <support/openvdb.h>

@@ -1,7 +1,7 @@
 // What the fuzz targets share.
 #pragma once
 
-#include <igeo/error.h>
+#include <igeo/base/error.h>
 
 #include <unistd.h>
 #include <cstdint>

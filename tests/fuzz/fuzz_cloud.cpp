@@ -1,5 +1,5 @@
 // Clouds of points as text and as lines of .obj; the first byte says which.
-#include <igeo/point_cloud_file.h>
+#include <igeo/io/point_cloud_file.h>
 
 #include "fuzz.h"
 

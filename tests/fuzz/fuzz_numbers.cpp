@@ -1,5 +1,5 @@
 // Numbers and points of the command line.
-#include <igeo/point_file.h>
+#include <igeo/io/point_list.h>
 
 #include <cmath>
 #include <cstdlib>

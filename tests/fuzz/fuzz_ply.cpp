@@ -1,5 +1,5 @@
 // PLY files, as meshes and as points.
-#include <igeo/ply_file.h>
+#include <igeo/io/detail/ply_reader.h>
 
 #include "fuzz.h"
 

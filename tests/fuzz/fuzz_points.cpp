@@ -1,5 +1,5 @@
 // Seeds, curves and pairs, as JSON and as text; the first byte says which.
-#include <igeo/point_file.h>
+#include <igeo/io/point_list.h>
 
 #include "fuzz.h"
 

@@ -1,12 +1,12 @@
 // Far from the origin of the voxels, up to where 32 bits number them, and far from that of the
 // world: the same distances, or a refusal in words.
-#include <igeo/grid_sampling.h>
-#include <igeo/mesh_band.h>
-#include <igeo/point_band.h>
-#include <igeo/rebuild.h>
-#include <igeo/seeds.h>
-#include <igeo/surface_mesh.h>
-#include <igeo/trace.h>
+#include <igeo/march/seeds.h>
+#include <igeo/metric/grid_sampling.h>
+#include <igeo/path/trace.h>
+#include <igeo/results/surface_mesh.h>
+#include <igeo/surface/mesh_band.h>
+#include <igeo/surface/point_band.h>
+#include <igeo/surface/rebuild.h>
 #include <openvdb/tools/Composite.h>
 #include <support/catch.h>
 #include <support/clouds.h>

@@ -1,7 +1,7 @@
 // Inputs that no voxel grid resolves, or that are no distances: results may be rough, but a march
 // ends, reaches what it can, and every value leads down to a seed.
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
+#include <igeo/march/jet.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/expect_error.h>

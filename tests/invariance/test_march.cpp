@@ -1,5 +1,5 @@
 // What every march of a distance has to satisfy, whatever its accuracy.
-#include <igeo/trace.h>
+#include <igeo/path/trace.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/march_cases.h>

@@ -1,7 +1,7 @@
 // The same bits for any number of threads, and for a march that is stopped early.
-#include <igeo/jet.h>
-#include <igeo/parallel.h>
-#include <igeo/trace.h>
+#include <igeo/base/parallel.h>
+#include <igeo/march/jet.h>
+#include <igeo/path/trace.h>
 #include <support/catch.h>
 #include <support/march_cases.h>
 #include <support/openvdb.h>

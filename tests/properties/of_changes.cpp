@@ -1,9 +1,9 @@
 #include "property.h"
 
-#include <igeo/godunov.h>
-#include <igeo/jet.h>
-#include <igeo/parallel.h>
-#include <igeo/trace.h>
+#include <igeo/base/parallel.h>
+#include <igeo/march/godunov.h>
+#include <igeo/march/jet.h>
+#include <igeo/path/trace.h>
 #include <support/errors.h>
 #include <support/field_checks.h>
 #include <support/march_cases.h>

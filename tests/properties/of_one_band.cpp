@@ -1,6 +1,6 @@
 #include "property.h"
 
-#include <igeo/straighten.h>
+#include <igeo/path/straighten.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "random_case.h"
 
-#include <igeo/godunov.h>
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
+#include <igeo/march/godunov.h>
+#include <igeo/march/jet.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/errors.h>
 #include <support/march_cases.h>
 

@@ -1,8 +1,8 @@
 /// A random surface with random seeds, and the fields from them: what properties are asked of.
 #pragma once
 
-#include <igeo/field.h>
-#include <igeo/level_set.h>
+#include <igeo/march/field.h>
+#include <igeo/surface/level_set.h>
 #include <support/field_checks.h>
 #include <support/random_surface.h>
 

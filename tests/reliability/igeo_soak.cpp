@@ -4,18 +4,18 @@
 ///
 /// The heap in use is compared from round to round, a round being one run of every kind: after the
 /// warm-up it must not grow by more than kBound.
-#include <igeo/error.h>
-#include <igeo/field_grids.h>
-#include <igeo/godunov.h>
-#include <igeo/jet.h>
-#include <igeo/level_set_band.h>
-#include <igeo/mesh_band.h>
-#include <igeo/mesh_file.h>
-#include <igeo/parallel.h>
-#include <igeo/point_band.h>
-#include <igeo/straighten.h>
-#include <igeo/surface_mesh.h>
-#include <igeo/vdb_write.h>
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/io/mesh_file.h>
+#include <igeo/io/vdb_write.h>
+#include <igeo/march/godunov.h>
+#include <igeo/march/jet.h>
+#include <igeo/path/straighten.h>
+#include <igeo/results/field_grids.h>
+#include <igeo/results/surface_mesh.h>
+#include <igeo/surface/level_set_band.h>
+#include <igeo/surface/mesh_band.h>
+#include <igeo/surface/point_band.h>
 #include <malloc.h>
 #include <support/arguments.h>
 #include <support/clouds.h>

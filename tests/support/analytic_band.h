@@ -1,7 +1,7 @@
 /// Bands filled from formulas: no level set, no OpenVDB, every number known.
 #pragma once
 
-#include <igeo/band.h>
+#include <igeo/band/band.h>
 
 #include <functional>
 #include <vector>

@@ -1,7 +1,7 @@
 /// Arguments of bench and test programs: --name value, in any order.
 #pragma once
 
-#include <igeo/types.h>
+#include <igeo/base/types.h>
 
 #include <algorithm>
 #include <cstdio>

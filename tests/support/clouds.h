@@ -1,7 +1,7 @@
 /// Clouds of points on surfaces that are known exactly; random, from a seed that is given.
 #pragma once
 
-#include <igeo/point_cloud.h>
+#include <igeo/io/point_cloud.h>
 
 #include <cstddef>
 #include <functional>

@@ -1,6 +1,6 @@
 #include "errors.h"
 
-#include <igeo/parallel.h>
+#include <igeo/base/parallel.h>
 
 #include <algorithm>
 #include <cmath>

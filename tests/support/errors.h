@@ -1,8 +1,8 @@
 /// How far a computed field is off an exact distance.
 #pragma once
 
-#include <igeo/field.h>
-#include <igeo/level_set.h>
+#include <igeo/march/field.h>
+#include <igeo/surface/level_set.h>
 #include <openvdb/openvdb.h>
 
 #include <functional>

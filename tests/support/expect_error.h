@@ -1,7 +1,7 @@
 /// Errors are promises too: their kind and what they tell the user.
 #pragma once
 
-#include <igeo/error.h>
+#include <igeo/base/error.h>
 #include <support/catch.h>
 
 #include <string>

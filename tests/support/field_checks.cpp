@@ -1,6 +1,6 @@
 #include "field_checks.h"
 
-#include <igeo/jet_core.h>
+#include <igeo/march/detail/jet_core.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 /// how much it fails to.
 #pragma once
 
-#include <igeo/field.h>
-#include <igeo/trace.h>
+#include <igeo/march/field.h>
+#include <igeo/path/trace.h>
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 #include "march_cases.h"
 
-#include <igeo/band_width.h>
-#include <igeo/jet.h>
+#include <igeo/march/jet.h>
+#include <igeo/surface/band_bounds.h>
 #include <support/errors.h>
 #include <support/shapes.h>
 

@@ -1,8 +1,8 @@
 /// The torus that the invariance tests turn, shift, scale and split, and how results are compared.
 #pragma once
 
-#include <igeo/godunov.h>
-#include <igeo/level_set_band.h>
+#include <igeo/march/godunov.h>
+#include <igeo/surface/level_set_band.h>
 #include <openvdb/openvdb.h>
 
 #include <array>

@@ -1,6 +1,6 @@
 #include <support/mesh_shapes.h>
 
-#include <igeo/ply.h>
+#include <igeo/io/detail/little_endian.h>
 
 #include <fstream>
 #include <iomanip>

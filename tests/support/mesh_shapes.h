@@ -1,7 +1,7 @@
 /// Triangle meshes of known surfaces, and files of them in every format.
 #pragma once
 
-#include <igeo/triangle_mesh.h>
+#include <igeo/io/triangle_mesh.h>
 
 #include <functional>
 #include <string>

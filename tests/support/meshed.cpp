@@ -1,4 +1,4 @@
-#include <igeo/level_set_band.h>
+#include <igeo/surface/level_set_band.h>
 #include <support/errors.h>
 #include <support/meshed.h>
 

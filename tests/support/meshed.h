@@ -1,9 +1,9 @@
 /// Shapes solved and meshed, and what every mesh has to fulfil.
 #pragma once
 
-#include <igeo/jet.h>
-#include <igeo/level_set.h>
-#include <igeo/surface_mesh.h>
+#include <igeo/march/jet.h>
+#include <igeo/results/surface_mesh.h>
+#include <igeo/surface/level_set.h>
 #include <support/shapes.h>
 
 #include <functional>

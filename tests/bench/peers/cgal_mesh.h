@@ -1,7 +1,7 @@
 #pragma once
 
 #include <CGAL/Surface_mesh.h>
-#include <igeo/triangle_mesh.h>
+#include <igeo/io/triangle_mesh.h>
 
 #include <stdexcept>
 #include <string>

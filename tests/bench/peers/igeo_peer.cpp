@@ -12,9 +12,9 @@
 ///
 /// Stages: read (the file), surface (extraction), setup (whatever serves all seeds, the method's
 /// own mesh included), first (distances from the seed), further (from another one).
-#include <igeo/mesh_file.h>
-#include <igeo/parallel.h>
-#include <igeo/vdb_io.h>
+#include <igeo/base/parallel.h>
+#include <igeo/io/mesh_file.h>
+#include <igeo/io/vdb_read.h>
 
 #include <map>
 #include <sstream>

@@ -1,7 +1,7 @@
 /// Other people's geodesics on a mesh, one file per library, all behind one interface.
 #pragma once
 
-#include <igeo/triangle_mesh.h>
+#include <igeo/io/triangle_mesh.h>
 
 #include <memory>
 #include <vector>

@@ -1,5 +1,5 @@
-#include <igeo/error.h>
-#include <igeo/version.h>
+#include <igeo/base/error.h>
+#include <igeo/base/version.h>
 
 #include <iostream>
 

@@ -1,0 +1,219 @@
+#include <igeo/band/band.h>
+
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+
+#include <atomic>
+
+namespace igeo {
+
+namespace {
+
+std::size_t hashOf(const Ijk& origin) {
+    // Leaves are 8 voxels wide: drop the zero bits, then mix (64-bit finaliser of SplitMix64).
+    std::uint64_t key = (std::uint64_t(std::uint32_t(origin.x >> 3)) << 42) ^
+                        (std::uint64_t(std::uint32_t(origin.y >> 3)) << 21) ^
+                        std::uint64_t(std::uint32_t(origin.z >> 3));
+    key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    key = (key ^ (key >> 27)) * 0x94d049bb133111ebULL;
+    return std::size_t(key ^ (key >> 31));
+}
+
+Ijk leafOrigin(const Ijk& ijk) { return {ijk.x & ~7, ijk.y & ~7, ijk.z & ~7}; }
+
+template <typename T>
+std::size_t bytes(const std::vector<T>& v) {
+    return v.capacity() * sizeof(T);
+}
+
+}  // namespace
+
+LeafIndex Band::leafAt(const Ijk& ijk) const {
+    if (table_.empty()) return kNoLeaf;
+    const Ijk origin = leafOrigin(ijk);
+    const std::size_t last = table_.size() - 1;
+    for (std::size_t slot = hashOf(origin) & last;; slot = (slot + 1) & last) {
+        const LeafIndex l = table_[slot];
+        if (l == kNoLeaf || leaves[l].origin == origin) return l;
+    }
+}
+
+void LeafNodes::number(NodeIndex start) {
+    first = start;
+    count = 0;
+    for (std::size_t x = 0; x < 8; ++x) {
+        before[x] = std::uint16_t(count);
+        count += bitCount(mask[x]);
+    }
+}
+
+void Band::buildTopology() {
+    std::size_t count = 0;
+    for (BandLeaf& l : leaves) {
+        l.band.number(NodeIndex(count));
+        count += l.band.count;
+        if (count >= kNoNode)
+            throw Error(Error::Kind::BadInput, "the band holds more than 4294967294 voxels",
+                        "use a narrower band or a coarser level set");
+    }
+
+    std::size_t slots = 16;
+    while (slots < 2 * leaves.size()) slots *= 2;
+    table_.assign(slots, kNoLeaf);
+    for (std::size_t l = 0; l < leaves.size(); ++l) {
+        std::size_t slot = hashOf(leaves[l].origin) & (slots - 1);
+        while (table_[slot] != kNoLeaf) slot = (slot + 1) & (slots - 1);
+        table_[slot] = LeafIndex(l);
+    }
+
+    leaf.resize(count);
+    offset.resize(count);
+    psi.resize(count);
+    foot.resize(count);
+    normal.resize(count);
+    facing.assign(count, 0);
+    parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            BandLeaf& here = leaves[l];
+            std::size_t k = 0;
+            for (int dx = -8; dx <= 8; dx += 8)
+                for (int dy = -8; dy <= 8; dy += 8)
+                    for (int dz = -8; dz <= 8; dz += 8)
+                        here.neighbour[k++] = leafAt(here.origin + Ijk{dx, dy, dz});
+            NodeIndex node = here.band.first;
+            for (unsigned x = 0; x < 8; ++x)
+                for (std::uint64_t word = here.band.mask[x]; word; word &= word - 1, ++node) {
+                    leaf[node] = LeafIndex(l);
+                    offset[node] = std::uint16_t(x << 6 | unsigned(std::countr_zero(word)));
+                }
+        }
+    });
+}
+
+void Band::numberCore(const std::vector<NodeIndex>& rim) {
+    // Half of an edge, and room for a psi that is 10 % off: where S has a hole in the core, fronts
+    // would go around it.
+    constexpr float kHalfEdge = 0.55f;
+    // Whether the other end of the edge that S crosses lies on another sheet, in a plate thinner
+    // than a voxel: then this end is the nearest of its own.
+    auto otherSheetBehind = [&](NodeIndex i, const Vec3f& n, float most) {
+        Ijk step{};
+        const int axis = std::abs(n.x) == most ? 0 : std::abs(n.y) == most ? 1 : 2;
+        step[axis] = (n[axis] < 0) == (psi[i] < 0) ? -1 : 1;
+        const NodeIndex j = neighbour(i, step);
+        return j != kNoNode && dot(n, normal[j]) < kOtherSheet;
+    };
+    parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            LeafNodes& core = leaves[l].core;
+            const LeafNodes& nodes = leaves[l].band;
+            core.mask = {};
+            for (NodeIndex i = nodes.first; i < nodes.first + nodes.count; ++i) {
+                const Vec3f n = normal[i];
+                const float most = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
+                const float edges = std::abs(psi[i]);
+                if (edges <= kHalfEdge * most ||
+                    (facing[i] && edges <= most && otherSheetBehind(i, n, most)))
+                    core.insert(offset[i]);
+            }
+        }
+    });
+    for (const NodeIndex i : rim) leaves[leaf[i]].core.insert(offset[i]);
+    coreSize_ = 0;
+    for (BandLeaf& here : leaves) {
+        here.core.number(NodeIndex(coreSize_));
+        coreSize_ += here.core.count;
+    }
+}
+
+void Band::markFacing(NodeIndex i) {
+    for (int step = 0; step < 12; ++step) {
+        Ijk d{};
+        constexpr std::array<int, 4> kSteps{-2, -1, 1, 2};
+        d[step / 4] = kSteps[std::size_t(step % 4)];
+        const NodeIndex j = neighbour(i, d.x, d.y, d.z);
+        if (j == kNoNode || (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j))) continue;
+        // Several threads may set one flag: always to 1.
+        std::atomic_ref(facing[i]).store(1, std::memory_order_relaxed);
+        std::atomic_ref(facing[j]).store(1, std::memory_order_relaxed);
+    }
+}
+
+std::size_t Band::memUsage() const {
+    return bytes(leaves) + bytes(leaf) + bytes(offset) + bytes(psi) + bytes(foot) + bytes(normal) +
+           bytes(facing) + bytes(table_);
+}
+
+BandCell cellAt(const Band& band, const Vec3d& p) {
+    BandCell cell;
+    const Ijk base = floorToIjk(p);
+    cell.t = p - Vec3d(base);
+    for (int k = 0; k < 8; ++k) {
+        const int a = k >> 2, b = k >> 1 & 1, c = k & 1;
+        const auto s = std::size_t(k);
+        cell.node[s] = band.nodeAt(base + Ijk{a, b, c});
+        cell.weight[s] = (a ? cell.t.x : 1 - cell.t.x) * (b ? cell.t.y : 1 - cell.t.y) *
+                         (c ? cell.t.z : 1 - cell.t.z);
+        if (cell.node[s] == kNoNode) cell.complete = false;
+    }
+    return cell;
+}
+
+Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& side) {
+    auto blended = [&] {
+        Vec3d sum{};
+        for (std::size_t k = 0; k < 8; ++k)
+            if (cell.node[k] != kNoNode) sum += cell.weight[k] * Vec3d(band.normal[cell.node[k]]);
+        return normalized(sum);
+    };
+    const Vec3f n(side == Vec3d{} ? blended() : side);
+    for (std::size_t k = 0; k < 8; ++k) {
+        NodeIndex& i = cell.node[k];
+        if (i == kNoNode) continue;
+        const Vec3d t = cell.t - Vec3d(double(k >> 2), double(k >> 1 & 1), double(k & 1));
+        if (dot(n, band.normal[i]) < Band::kOtherSheet ||
+            (band.facing[i] && stacked(Vec3f(t) - band.foot[i], n, band.normal[i]))) {
+            i = kNoNode;
+            cell.complete = false;
+        }
+    }
+    return side == Vec3d{} ? Vec3d(n) : blended();
+}
+
+PsiSample samplePsi(const Band& band, const Vec3d& p) {
+    PsiSample s;
+    const BandCell cell = cellAt(band, p);
+    if (!cell.complete) return s;
+    s.valid = true;
+    for (std::size_t k = 0; k < 8; ++k) {
+        const double v = band.psi[cell.node[k]];
+        const double wx = k >> 2 ? cell.t.x : 1 - cell.t.x,
+                     wy = k >> 1 & 1 ? cell.t.y : 1 - cell.t.y,
+                     wz = k & 1 ? cell.t.z : 1 - cell.t.z;
+        s.psi += cell.weight[k] * v;
+        s.gradient.x += (k >> 2 ? v : -v) * wy * wz;
+        s.gradient.y += (k >> 1 & 1 ? v : -v) * wx * wz;
+        s.gradient.z += (k & 1 ? v : -v) * wx * wy;
+    }
+    return s;
+}
+
+bool projectToSurface(const Band& band, Vec3d& pIndex, double tolerance) {
+    Vec3d p = pIndex;
+    for (int iteration = 0; iteration < 20; ++iteration) {
+        const PsiSample s = samplePsi(band, p);
+        if (!s.valid) return false;
+        if (std::abs(s.psi) <= tolerance) {
+            pIndex = p;
+            return true;
+        }
+        const double g2 = dot(s.gradient, s.gradient);
+        if (g2 < 1e-4) return false;
+        // At a crease |grad psi| < 1 and the full Newton step could jump across a thin part.
+        const double step = std::min(std::abs(s.psi) / std::sqrt(g2), 1.0);
+        p -= (std::copysign(step, s.psi) / std::sqrt(g2)) * s.gradient;
+    }
+    return false;
+}
+
+}  // namespace igeo

@@ -1,0 +1,339 @@
+/// The band Omega_h = {|psi| < h}: all that a marching scheme or a tracer knows of a surface.
+///
+/// Where a band comes from (a level set, a mesh, points) is the business of the file that fills it;
+/// level_set_band.h is one. All lengths are in voxels, all positions in index space (types.h).
+#pragma once
+
+#include <igeo/base/types.h>
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace igeo {
+
+using LeafIndex = std::uint32_t;
+constexpr LeafIndex kNoLeaf = std::numeric_limits<LeafIndex>::max();
+
+/// A numbering of some voxels of a leaf. Laid out as OpenVDB's leaves: voxel (x, y, z) has offset
+/// 64 x + 8 y + z, so mask word x holds the slice at x and its byte y the row at (x, y).
+struct LeafNodes {
+    std::array<std::uint64_t, 8> mask{};    ///< which voxels have a number
+    std::array<std::uint16_t, 8> before{};  ///< numbered voxels before slice x
+    NodeIndex first = 0;                    ///< number of the first
+    NodeIndex count = 0;
+
+    void insert(unsigned offset) { mask[offset >> 6] |= std::uint64_t(1) << (offset & 63); }
+    /// Numbers the voxels of the mask from `start` on, by offset.
+    void number(NodeIndex start);
+
+    /// The number of the voxel at an offset, or kNoNode.
+    NodeIndex node(unsigned offset) const {
+        return mask[offset >> 6] >> (offset & 63) & 1 ? numberOf(offset) : kNoNode;
+    }
+    /// The same for a voxel known to be in the mask.
+    NodeIndex numberOf(unsigned offset) const {
+        const std::uint64_t lower = (std::uint64_t(1) << (offset & 63)) - 1;
+        return first + before[offset >> 6] + bitCount(mask[offset >> 6] & lower);
+    }
+    /// By hand: the instruction for it is not in every x86-64.
+    static unsigned bitCount(std::uint64_t bits) {
+        bits -= bits >> 1 & 0x5555555555555555;
+        bits = (bits & 0x3333333333333333) + (bits >> 2 & 0x3333333333333333);
+        bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0f;
+        return unsigned(bits * 0x0101010101010101ull >> 56);
+    }
+};
+
+/// 8^3 voxels of the band.
+struct BandLeaf {
+    Ijk origin;      ///< smallest voxel, a multiple of 8
+    LeafNodes band;  ///< the leaf's nodes
+    LeafNodes core;  ///< those of the core (Band::numberCore), with numbers of their own
+    std::array<LeafIndex, 27> neighbour{};  ///< leaf at step (dx,dy,dz): 9(dx+1)+3(dy+1)+dz+1
+};
+
+/// Whether two foot points, `chord` apart, lie on sheets one on top of the other with normals
+/// alike, as open surfaces have them: neighbours on one sheet are never a voxel apart along both
+/// normals.
+inline bool stacked(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
+    const float alongA = dot(a, chord), alongB = dot(b, chord);
+    return std::min(alongA, alongB) > 1 || std::max(alongA, alongB) < -1;
+}
+
+/// The band in flat arrays. Nodes are numbered leaf by leaf, by offset within the leaf, so the
+/// numbering depends on the topology alone. 35 bytes per node and about 5 for the leaves.
+///
+/// The core is the thinnest part of the band that is still closed: the nearer end of every lattice
+/// edge that S crosses along the axis its normal is closest to. For a plane these are the voxels
+/// with |psi| <= max(|n_x|, |n_y|, |n_z|) / 2, one per lattice column, so that neighbours of the
+/// core are neighbours along S (26 steps); about a quarter of a band of h = sqrt(3).
+///
+/// M&S (14) keeps h below W, the distance at which two sheets of the surface meet, so that a front
+/// never jumps from one to the other. Real surfaces have places where no grid affords that
+/// (grooves, thin walls); there `linked` cuts the band along the medial axis instead.
+struct Band {
+    Similarity transform;  ///< world from index; transform.dx is the voxel size
+    double h = 0;          ///< half the band's thickness, voxels
+    /// S is a polyhedron with faces about as wide as voxels or wider, and normals are those of the
+    /// faces: between two of them a way runs over both planes, however small the angle, where it
+    /// would follow an arc on a smooth surface.
+    bool faceted = false;
+
+    std::vector<BandLeaf> leaves;
+    std::vector<LeafIndex> leaf;        ///< per node: its leaf
+    std::vector<std::uint16_t> offset;  ///< per node: its offset in the leaf
+    std::vector<float> psi;             ///< per node: signed distance, voxels; |psi| < h
+    std::vector<Vec3f> foot;            ///< per node: foot point on S, relative to the voxel
+    std::vector<Vec3f> normal;          ///< per node: unit normal at the foot point, along grad psi
+
+    std::vector<std::uint8_t>
+        facing;  ///< per node: 1 where a neighbour lies on a sheet that faces it
+
+    std::size_t size() const { return psi.size(); }
+
+    Ijk ijk(NodeIndex i) const {
+        const unsigned o = offset[i];
+        return leaves[leaf[i]].origin +
+               Ijk{std::int32_t(o >> 6), std::int32_t(o >> 3 & 7), std::int32_t(o & 7)};
+    }
+    Vec3d footPoint(NodeIndex i) const { return Vec3d(ijk(i)) + Vec3d(foot[i]); }
+
+    /// The node at step (dx, dy, dz) from node i, or kNoNode. O(1); fastest within 8 voxels.
+    NodeIndex neighbour(NodeIndex i, int dx, int dy, int dz) const {
+        return neighbour(&BandLeaf::band, leaf[i], offset[i], {dx, dy, dz});
+    }
+    /// The same from the voxel at an offset of leaf l.
+    /// @param nodes  &BandLeaf::band, or &BandLeaf::core for the core's numbers
+    NodeIndex neighbour(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
+                        const Ijk& step) const {
+        const int x = int(at >> 6) + step.x, y = int(at >> 3 & 7) + step.y,
+                  z = int(at & 7) + step.z;
+        if ((x | y | z) & ~7) {
+            l = leafBeside(l, x >> 3, y >> 3, z >> 3);
+            if (l == kNoLeaf) return kNoNode;
+        }
+        return (leaves[l].*nodes).node(offsetOf(x, y, z));
+    }
+
+    /// The node at a voxel, or kNoNode. One hash look-up.
+    NodeIndex nodeAt(const Ijk& ijk) const {
+        const LeafIndex l = leafAt(ijk);
+        if (l == kNoLeaf) return kNoNode;
+        return leaves[l].band.node(offsetOf(ijk.x, ijk.y, ijk.z));
+    }
+    /// Offset of a voxel in its leaf.
+    static unsigned offsetOf(int x, int y, int z) {
+        return unsigned((x & 7) << 6 | (y & 7) << 3 | (z & 7));
+    }
+    NodeIndex neighbour(NodeIndex i, const Ijk& step) const {
+        return neighbour(i, step.x, step.y, step.z);
+    }
+    /// The step across face 0 to 5 of a voxel: -x, +x, -y, +y, -z, +z.
+    static Ijk faceStep(int side) {
+        Ijk step{};
+        step[side / 2] = side % 2 ? 1 : -1;
+        return step;
+    }
+
+    /// Calls visit(j, dx, dy, dz) for the nodes j within one voxel of a voxel in every axis (itself
+    /// left out), in the order of the steps. Faster than 26 calls of neighbour().
+    /// @param nodes  &BandLeaf::band, or &BandLeaf::core for the core's numbers
+    /// @param l, at  leaf and offset of the voxel
+    template <typename Visit>
+    void forNeighbours(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
+                       const Visit& visit) const;
+
+    /// Calls visit(j, corner) for the nodes j among the 8 voxels at low + {0, 1}^3, corner (a, b,
+    /// c) numbered 4 a + 2 b + c, in that order.
+    /// @param low  relative to the voxel at an offset of leaf l
+    template <typename Visit>
+    void forCorners(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at, const Ijk& low,
+                    const Visit& visit) const;
+
+    /// Calls visit(j, weight, from) for the nodes j at the corners around the foot point of node i:
+    /// trilinear weight, corners that hardly count left out, and the way from the corner's voxel to
+    /// the foot point.
+    /// @param l, at  leaf and offset of the node
+    template <typename Visit>
+    void forCornersOfFoot(LeafNodes BandLeaf::*nodes, NodeIndex i, LeafIndex l, unsigned at,
+                          const Visit& visit) const {
+        constexpr float kLight = 0.01f;
+        const Vec3f y = foot[i];
+        const Ijk low{floorToInt(y.x), floorToInt(y.y), floorToInt(y.z)};
+        const Vec3f up = y - Vec3f(low);
+        forCorners(nodes, l, at, low, [&](NodeIndex j, unsigned k) {
+            const Vec3f from = up - Vec3f{float(k >> 2), float(k >> 1 & 1), float(k & 1)};
+            const float weight =
+                (1 - std::abs(from.x)) * (1 - std::abs(from.y)) * (1 - std::abs(from.z));
+            if (weight >= kLight) visit(j, weight, from);
+        });
+    }
+
+    /// Calls visit(j, step) for the nodes up to `reach` steps from the voxel at step `middle` from
+    /// the one at an offset of leaf l.
+    template <typename Visit>
+    void forBox(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at, const Ijk& middle, int reach,
+                const Visit& visit) const {
+        for (int x = -reach; x <= reach; ++x)
+            for (int y = -reach; y <= reach; ++y)
+                for (int z = -reach; z <= reach; ++z) {
+                    const Ijk step = middle + Ijk{x, y, z};
+                    const NodeIndex j = neighbour(nodes, l, at, step);
+                    if (j != kNoNode) visit(j, step);
+                }
+    }
+
+    /// Whether a front may pass between neighbours i and j: not if their normals oppose, for then
+    /// they belong to two sheets that face each other, nor if one sheet lies on top of the other.
+    bool linked(NodeIndex i, NodeIndex j) const {
+        return !(facing[i] & facing[j]) ||
+               (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j));
+    }
+    /// Cosine below which normals oppose: beyond a right angle, which an honest crease has.
+    static constexpr float kOtherSheet = -0.2f;
+
+    bool stacked(NodeIndex i, NodeIndex j) const {
+        return igeo::stacked(Vec3f(ijk(j) - ijk(i)) + foot[j] - foot[i], normal[i], normal[j]);
+    }
+
+    /// Marks i and its neighbours up to two voxels along the axes as `facing` where normals oppose
+    /// or sheets are stacked.
+    /// May be called for many nodes in parallel; call it for every node at which psi has a kink.
+    void markFacing(NodeIndex i);
+
+    /// The leaf at a step of so many leaves, or kNoLeaf.
+    LeafIndex leafBeside(LeafIndex l, int dx, int dy, int dz) const {
+        if (std::max({std::abs(dx), std::abs(dy), std::abs(dz)}) > 1)
+            return leafAt(leaves[l].origin + Ijk{8 * dx, 8 * dy, 8 * dz});
+        return leaves[l].neighbour[std::size_t(9 * dx + 3 * dy + dz + 13)];
+    }
+    /// The leaf that holds a voxel, or kNoLeaf.
+    LeafIndex leafAt(const Ijk& ijk) const;
+
+    /// Numbers the nodes of `leaves` (origin and mask of `band` set, in their final order), links
+    /// the leaves and sizes the node arrays; fills `leaf` and `offset`, leaves the rest to the
+    /// caller, who then calls numberCore().
+    /// @throws Error  BadInput for more nodes than NodeIndex can number
+    void buildTopology();
+
+    /// Finds and numbers the core, from psi and normal.
+    /// @param rim  nodes around sharp bends, which it takes in as well
+    void numberCore(const std::vector<NodeIndex>& rim = {});
+    std::size_t coreSize() const { return coreSize_; }
+    /// The core's number of node i, or kNoNode.
+    NodeIndex coreNode(NodeIndex i) const { return leaves[leaf[i]].core.node(offset[i]); }
+    bool inCore(NodeIndex i) const { return coreNode(i) != kNoNode; }
+
+    /// Bytes held by the arrays.
+    std::size_t memUsage() const;
+
+private:
+    /// Bits of a slice in the rows y - 1 to y + 1, and in the columns z - 1 to z + 1; y and z in
+    /// [-1, 8].
+    static std::uint64_t rowsNear(int y) {
+        return y < 1 ? 0xffffffu >> (8 - 8 * y) : std::uint64_t(0xffffff) << (8 * y - 8);
+    }
+    static std::uint64_t columnsNear(int z) {
+        return ((z < 1 ? 7u >> (1 - z) : 7u << (z - 1)) & 0xff) * 0x0101010101010101ull;
+    }
+
+    std::size_t coreSize_ = 0;
+    std::vector<LeafIndex> table_;  ///< open addressing over leaf origins, a power of two long
+};
+
+template <typename Visit>
+void Band::forNeighbours(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
+                         const Visit& visit) const {
+    const int x = int(at >> 6), y = int(at >> 3 & 7), z = int(at & 7);
+    const BandLeaf& here = leaves[l];
+    // The voxels of slice x + dx in the leaf at step (sy, sz) that lie in `rows`.
+    auto slice = [&](int dx, int sy, int sz, std::uint64_t rows) {
+        const int nx = x + dx, step = 9 * (nx >> 3) + 3 * sy + sz + 13;
+        const LeafIndex m = step == 13 ? l : here.neighbour[std::size_t(step)];
+        if (m == kNoLeaf) return;
+        const LeafNodes& in = leaves[m].*nodes;
+        const unsigned first = unsigned(nx & 7) << 6;
+        std::uint64_t bits = in.mask[first >> 6] & rows & columnsNear(z - 8 * sz);
+        if (dx == 0 && step == 13) bits &= ~(std::uint64_t(1) << (at & 63));
+        for (; bits; bits &= bits - 1) {
+            const auto bit = unsigned(std::countr_zero(bits));
+            visit(in.numberOf(first | bit), dx, int(bit >> 3) + 8 * sy - y,
+                  int(bit & 7) + 8 * sz - z);
+        }
+    };
+    const int y0 = y == 0 ? -1 : 0, y1 = y == 7 ? 1 : 0;
+    for (int dx = -1; dx <= 1; ++dx)
+        for (int sy = y0; sy <= y1; ++sy) {
+            const std::uint64_t rows = rowsNear(y - 8 * sy);
+            if (z > 0 && z < 7)
+                slice(dx, sy, 0, rows);
+            else  // Row by row, for the order of the steps.
+                for (int row = 0; row < 8; ++row) {
+                    const std::uint64_t one = rows & std::uint64_t(0xff) << (8 * row);
+                    if (!one) continue;
+                    slice(dx, sy, z == 0 ? -1 : 0, one);
+                    slice(dx, sy, z == 0 ? 0 : 1, one);
+                }
+        }
+}
+
+template <typename Visit>
+void Band::forCorners(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at, const Ijk& low,
+                      const Visit& visit) const {
+    const int x = int(at >> 6) + low.x, y = int(at >> 3 & 7) + low.y, z = int(at & 7) + low.z;
+    const int sx = x >> 3, sy = y >> 3, sz = z >> 3;
+    if ((x & 7) < 7 && (y & 7) < 7 && (z & 7) < 7) {
+        if (sx | sy | sz) l = leafBeside(l, sx, sy, sz);
+        if (l == kNoLeaf) return;
+        const LeafNodes& in = leaves[l].*nodes;
+        const unsigned first = offsetOf(x, y, z);
+        for (unsigned a = 0; a < 2; ++a) {
+            const unsigned o = first + 64 * a;
+            const std::uint64_t cell = in.mask[o >> 6] >> (o & 63);
+            if (!(cell & 0x303)) continue;
+            if (cell & 1) visit(in.numberOf(o), 4 * a);
+            if (cell & 2) visit(in.numberOf(o + 1), 4 * a + 1);
+            if (cell >> 8 & 1) visit(in.numberOf(o + 8), 4 * a + 2);
+            if (cell >> 8 & 2) visit(in.numberOf(o + 9), 4 * a + 3);
+        }
+        return;
+    }
+    for (unsigned k = 0; k < 8; ++k) {
+        const Ijk corner{int(k >> 2), int(k >> 1 & 1), int(k & 1)};
+        const NodeIndex j = neighbour(nodes, l, at, low + corner);
+        if (j != kNoNode) visit(j, k);
+    }
+}
+
+/// The 8 nodes around a position with their trilinear weights: how values on band voxels are read
+/// at points of S. A band of h >= sqrt(3) holds all 8 corners for every point of S (M&S 3.1).
+struct BandCell {
+    std::array<NodeIndex, 8> node;  ///< corner (a, b, c) at 4 a + 2 b + c; kNoNode outside the band
+    std::array<double, 8> weight;   ///< trilinear, sums to 1 over all corners
+    Vec3d t;                        ///< position in the cell, [0, 1)^3
+    bool complete = true;           ///< all 8 corners are in the band
+};
+BandCell cellAt(const Band& band, const Vec3d& pIndex);
+
+/// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, so that
+/// values of two sheets are never blended.
+/// @param side normal of the sheet that is meant, where it is known; zero: that of most corners
+/// @return the unit normal blended from the corners that are left; zero if there are none
+Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& side = {});
+
+/// psi and its gradient at a position, from the trilinear interpolant of the band's psi.
+struct PsiSample {
+    bool valid = false;  ///< false where a corner is missing
+    double psi = 0;      ///< voxels
+    Vec3d gradient;      ///< of the interpolant, about 1 long
+};
+PsiSample samplePsi(const Band& band, const Vec3d& pIndex);
+
+/// Moves a position near S to psi = 0 by Newton steps along grad psi.
+/// @return false (and p unchanged) where the steps leave the band or do not settle within
+///         `tolerance` voxels
+bool projectToSurface(const Band& band, Vec3d& pIndex, double tolerance = 1e-6);
+
+}  // namespace igeo

@@ -1,0 +1,101 @@
+#include <igeo/band/surface_point.h>
+
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+
+#include <algorithm>
+
+namespace igeo {
+
+namespace {
+
+struct Nearest {
+    NodeIndex node = kNoNode;
+    double squared = kInfinity;
+
+    void consider(const Band& band, NodeIndex i, const Vec3d& p) {
+        const Vec3d r = band.footPoint(i) - p;
+        const double s = dot(r, r);
+        if (s < squared || (s == squared && i < node)) squared = s, node = i;
+    }
+};
+
+Nearest nearestAmongAll(const Band& band, const Vec3d& p) {
+    constexpr std::size_t kChunk = 1 << 16;
+    std::vector<Nearest> slots((band.size() + kChunk - 1) / kChunk);
+    parallelFor(slots.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c)
+            for (std::size_t i = c * kChunk; i < std::min(band.size(), (c + 1) * kChunk); ++i)
+                slots[c].consider(band, NodeIndex(i), p);
+    });
+    Nearest best;
+    for (const Nearest& s : slots)
+        // At 1e154 voxels and more all squares are infinite: any node will do.
+        if (s.squared < best.squared || best.node == kNoNode) best = s;
+    return best;
+}
+
+Nearest nearestAround(const Band& band, const Vec3d& p) {
+    Nearest best;
+    // Far outside the range of Ijk no voxel can be near.
+    if (!hasIjk(p)) return best;
+    const Ijk centre = roundToIjk(p);
+    for (int x = -2; x <= 2; ++x)
+        for (int y = -2; y <= 2; ++y)
+            for (int z = -2; z <= 2; ++z) {
+                const NodeIndex i = band.nodeAt(centre + Ijk{x, y, z});
+                if (i != kNoNode) best.consider(band, i, p);
+            }
+    // A foot point beyond 1.5 voxels may not be the nearest: its rival's voxel may lie outside.
+    return best.squared < 1.5 * 1.5 ? best : Nearest{};
+}
+
+}  // namespace
+
+SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
+    Nearest best = nearestAround(band, pIndex);
+    if (best.node == kNoNode) best = nearestAmongAll(band, pIndex);
+    if (best.node == kNoNode)
+        throw Error(Error::Kind::BadInput, "the band is empty: there is no surface to snap to");
+
+    SurfacePoint s;
+    s.askedIndex = pIndex;
+    s.pIndex = band.footPoint(best.node);
+    // From the point itself where it is near: that keeps its tangential position.
+    Vec3d p = pIndex;
+    const Vec3d foot = s.pIndex;
+    // Points further out lie outside the band, and perhaps outside the range of Ijk.
+    const bool close = best.squared < 1e6;
+    if (close && projectToSurface(band, p) && length(p - pIndex) <= std::sqrt(best.squared) + 1e-3)
+        s.pIndex = p;
+    else if (p = foot; projectToSurface(band, p) && length(p - foot) < 1)
+        s.pIndex = p;
+    s.snapDistance = length(s.pIndex - pIndex);
+
+    // In a thin plate the nearest voxel may belong to the other face.
+    s.node = band.nodeAt(roundToIjk(s.pIndex));
+    if (s.node == kNoNode || dot(band.normal[s.node], band.normal[best.node]) < Band::kOtherSheet)
+        s.node = best.node;
+    return s;
+}
+
+std::vector<NodeIndex> nodesAround(const Band& band, const SurfacePoint& p, double radius) {
+    std::vector<NodeIndex> found{p.node};
+    auto within = [&](NodeIndex i) {
+        return i != kNoNode && length(Vec3d(band.ijk(i)) - p.pIndex) <= radius;
+    };
+    std::vector<NodeIndex> seen{p.node};  // sorted: discs hold a few hundred nodes
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        for (int side = 0; side < 6; ++side) {
+            const NodeIndex j = band.neighbour(found[k], Band::faceStep(side));
+            if (!within(j) || !band.linked(found[k], j)) continue;
+            const auto at = std::lower_bound(seen.begin(), seen.end(), j);
+            if (at != seen.end() && *at == j) continue;
+            seen.insert(at, j);
+            found.push_back(j);
+        }
+    }
+    return seen;
+}
+
+}  // namespace igeo

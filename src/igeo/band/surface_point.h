@@ -1,0 +1,46 @@
+/// Seeds and targets: points asked for in space, moved onto the surface.
+#pragma once
+
+#include <igeo/band/band.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace igeo {
+
+/// A point of S, found for a point asked for.
+struct SurfacePoint {
+    Vec3d askedIndex;          ///< as asked for, index space
+    Vec3d pIndex;              ///< on psi = 0, index space
+    double snapDistance = 0;   ///< |pIndex - askedIndex|, voxels
+    NodeIndex node = kNoNode;  ///< a band node of its sheet, nearest to pIndex
+    double start = 0;          ///< distance at which a seed starts, voxels times weight
+    double weight = 1;         ///< the metric's weight here, set by the march
+
+    /// A seed may be a straight piece of a curve (seeds.h): all points up to pIndex + piece.
+    Vec3d piece;
+    bool joined = false;  ///< belongs to one curve or region with the seed before it in the list
+    bool rim = false;     ///< of a region on which the distance does not rise (clearInside)
+
+    /// The point of the seed that is nearest to p.
+    Vec3d nearestTo(const Vec3d& p) const {
+        const double l2 = dot(piece, piece);
+        return l2 > 0 ? pIndex + std::clamp(dot(p - pIndex, piece) / l2, 0.0, 1.0) * piece : pIndex;
+    }
+};
+
+/// The point of S nearest to `pIndex`.
+///
+/// Starts from the node whose foot point is nearest (among the 5^3 voxels around the point where
+/// that settles it, else among all nodes), then projects to psi = 0 of the trilinear interpolant.
+/// @param pIndex finite position in index space
+/// @throws Error  BadInput for an empty band
+/// Time O(1) near the surface, O(n) in parallel elsewhere. Accuracy: the snap distance is the
+/// least over the foot points of band voxels, which lie less than a voxel apart.
+SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex);
+
+/// Nodes within `radius` voxels of a point of S that are connected to it through such nodes,
+/// sorted.
+std::vector<NodeIndex> nodesAround(const Band& band, const SurfacePoint& p, double radius);
+
+}  // namespace igeo

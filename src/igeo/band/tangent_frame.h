@@ -1,0 +1,113 @@
+/// The surface around a foot point, laid out flat in its tangent plane, and metrics there.
+#pragma once
+
+#include <igeo/base/types.h>
+
+namespace igeo {
+
+/// The tangent plane of a foot point, and what its neighbours look like in it.
+class TangentFrame {
+public:
+    /// @param faceted as Band::faceted
+    explicit TangentFrame(const Vec3f& normal, bool faceted = false)
+        : n_(normal), crease_(faceted ? kEdge : kCrease) {
+        t1_ = anyNormalTo(n_);
+        t2_ = cross(n_, t1_);
+    }
+    const Vec3f& normal() const { return n_; }
+    const Vec3f& axis(int k) const { return k == 0 ? t1_ : t2_; }
+    Vec2f flat(const Vec3f& v) const { return {igeo::dot(v, t1_), igeo::dot(v, t2_)}; }
+    Vec3f lift(Vec2f v) const { return v.x * t1_ + v.y * t2_; }
+
+    /// The way along S from a foot point with normal `nj` to this one, `chord` away: the chord
+    /// turned into the plane and lengthened to the arc; over a crease, the way across both planes.
+    Vec2f way(const Vec3f& chord, const Vec3f& nj, float cosine) const {
+        Vec2f across;
+        if (cosine < crease_ && wayOverCrease(chord, nj, across)) return across;
+        const Vec2f in = flat(chord);
+        const float in2 = dot(in, in), rise = igeo::dot(n_, chord);
+        // Foot points of one voxel column coincide; a chord along n otherwise leads nowhere on S.
+        if (!(in2 > 1e-12f)) return in;
+        // chord / |in| = sqrt(1 + x), x = rise^2 / in^2; with the normal curvature k along the
+        // chord c, arc = c (1 + (k c)^2 / 24 + 3 (k c)^4 / 640), (k c)^2 = ((n - nj) . c)^2 / c^2.
+        const float x = rise * rise / in2, c2 = in2 + rise * rise;
+        const float bend = rise - igeo::dot(nj, chord), kc2 = bend * bend / c2;
+        const float stretch = x < 0.02f ? 1 + x * (0.5f - 0.125f * x) : std::sqrt(1 + x);
+        return (stretch * (1 + kc2 * (1.0f / 24 + kc2 * (3.0f / 640)))) * in;
+    }
+
+private:
+    static constexpr float kCrease = 0.8f;   ///< 37 degrees from voxel to voxel
+    static constexpr float kEdge = 0.9999f;  ///< 0.8 degrees: less is rounding and hardly a bend
+
+    bool wayOverCrease(const Vec3f& chord, const Vec3f& nj, Vec2f& way) const {
+        const Vec3f e = normalized(cross(n_, nj));
+        const Vec3f ti = cross(n_, e), tj = cross(nj, e);
+        // From each foot point to the line in which the planes meet.
+        const float sj = igeo::dot(n_, chord) / igeo::dot(n_, tj);
+        const float si = -igeo::dot(nj, chord) / igeo::dot(nj, ti);
+        // The crease must lie between the two, else the foot points do not belong to two faces.
+        if (!(sj * si <= 0.05f) || std::abs(sj) + std::abs(si) > 8) return false;
+        way = flat((sj - si) * ti + igeo::dot(chord, e) * e);
+        return true;
+    }
+
+    Vec3f n_, t1_, t2_;
+    float crease_;
+};
+
+/// By how much a chord counts in units of the metric at its end `to`, where it is `from` at the
+/// other: trapezoid rule.
+inline float meanWeight(float from, float to) { return from == to ? 1 : (1 + from / to) / 2; }
+
+/// A linear map B of a tangent plane, det B = 1, after which its metric is a multiple of the
+/// Euclidean one: ways become B a, covectors B^-T p. Upper triangular, the Cholesky factor.
+class Stretch {
+public:
+    Stretch() = default;
+    /// @param xx, xy  of the metric, which has determinant 1
+    Stretch(double xx, double xy) : a_(float(std::sqrt(xx))), b_(float(xy / std::sqrt(xx))) {}
+
+    Vec2f way(Vec2f v) const { return {a_ * v.x + b_ * v.y, v.y / a_}; }
+    Vec2f covector(Vec2f p) const {
+        const float x = p.x / a_;
+        return {x, a_ * (p.y - b_ * x)};
+    }
+    /// The inverses of the two.
+    Vec2f wayBack(Vec2f v) const {
+        const float y = a_ * v.y;
+        return {(v.x - b_ * y) / a_, y};
+    }
+    Vec2f covectorBack(Vec2f q) const { return {a_ * q.x, b_ * q.x + q.y / a_}; }
+
+    /// The largest of |B a| / |a|; the least is its reciprocal.
+    float largest() const {
+        // s^2 and 1 / s^2 are the eigenvalues of B^T B, and 1 + e is their half sum; so written, no
+        // digits are lost next to 1.
+        const float d = a_ - 1 / a_, e = (d * d + b_ * b_) / 2;
+        return std::sqrt(1 + e + std::sqrt(e * (e + 2)));
+    }
+
+private:
+    float a_ = 1, b_ = 0;
+};
+
+/// A metric on a tangent plane, G = weight^2 B^T B.
+struct PlaneMetric {
+    double weight = 1;  ///< geometric mean of the costs per unit length along the principal axes
+    Stretch stretch;
+
+    PlaneMetric() = default;
+    /// @param xx, xy, yy  G in the coordinates of a TangentFrame, positive definite
+    PlaneMetric(double xx, double xy, double yy) {
+        const double det = std::sqrt(xx * yy - xy * xy);
+        weight = std::sqrt(det);
+        stretch = {xx / det, xy / det};
+    }
+    /// Cost of a way in the plane.
+    double cost(Vec2f way) const { return weight * double(length(stretch.way(way))); }
+    double least() const { return weight / double(stretch.largest()); }
+    double largest() const { return weight * double(stretch.largest()); }
+};
+
+}  // namespace igeo

@@ -1,0 +1,126 @@
+#include <igeo/base/atomic_file.h>
+
+#include <igeo/base/detail/system.h>
+#include <igeo/base/error.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <mutex>
+#include <set>
+
+namespace igeo {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::mutex& registryMutex() {
+    static std::mutex m;
+    return m;
+}
+std::set<std::string>& registry() {
+    static std::set<std::string> names;
+    return names;
+}
+
+/// Follows links, also one to a file that does not exist yet.
+std::string resolve(fs::path path) {
+    std::error_code ignored;
+    constexpr int kMostLinks = 40;  // as Linux
+    for (int k = 0; k < kMostLinks && fs::is_symlink(path, ignored); ++k)
+        path = path.parent_path() / fs::read_symlink(path, ignored);
+    return path.string();
+}
+
+std::string folderOf(const std::string& path) {
+    const fs::path folder = fs::path(path).parent_path();
+    return folder.empty() ? "." : folder.string();
+}
+
+}  // namespace
+
+void AtomicFile::throwWriteError(const std::string& path, int systemError) {
+    const std::string folder = folderOf(path);
+    std::string remedy = "check that the folder '" + folder + "' exists and is writable";
+    if (isOutOfSpace(systemError))
+        remedy = "free some space or write to another disk; nothing was changed";
+    if (systemError == EPIPE || systemError == EBADF)
+        remedy = "the program that was to read it has gone; write to a file instead";
+    const std::string why = systemError ? std::strerror(systemError) : "write failed";
+    throw Error(Error::Kind::Io, "cannot write '" + path + "': " + why, remedy);
+}
+
+AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(resolve(path)) {
+    std::error_code ignored;
+    if (const fs::file_status status = fs::status(path, ignored); fs::exists(status)) {
+        if (fs::is_directory(status)) throwWriteError(path, EISDIR);
+        if (!fs::is_regular_file(status)) {
+            stream_.open(path, std::ios::out | std::ios::binary);
+            if (!stream_) throwWriteError(path, errno);
+            return;
+        }
+        // A rename would replace even a file that its owner has made read-only.
+        if (const int error = writeRefusal(path)) throwWriteError(path, error);
+    }
+    int error = EEXIST;
+    for (int attempt = 0; attempt < 100 && error == EEXIST; ++attempt) {
+        temporary_ =
+            finalPath_ + ".tmp-" + std::to_string(processId()) + "-" + std::to_string(attempt);
+        std::lock_guard<std::mutex> lock(registryMutex());
+        error = createFile(temporary_);
+        if (error == 0) registry().insert(temporary_);
+    }
+    if (error != 0) throwWriteError(path, error);
+    if (const fs::file_status status = fs::status(finalPath_, ignored); fs::exists(status))
+        fs::permissions(temporary_, status.permissions(), ignored);
+    stream_.open(temporary_, std::ios::in | std::ios::out | std::ios::binary);
+    if (!stream_) throwWriteError(path, errno);
+}
+
+AtomicFile::~AtomicFile() {
+    if (temporary_.empty()) return;
+    // On a full disk closing fails as well: it must not throw here.
+    stream_.exceptions(std::ios::goodbit);
+    stream_.close();
+    std::lock_guard<std::mutex> lock(registryMutex());
+    std::remove(temporary_.c_str());
+    registry().erase(temporary_);
+}
+
+void AtomicFile::commit() {
+    errno = 0;
+    stream_.clear(stream_.rdstate() & ~std::ios::eofbit);
+    stream_.exceptions(std::ios::goodbit);
+    stream_.flush();
+    const bool good = stream_.good();
+    const int flushError = errno;
+    stream_.close();
+    if (!good || stream_.fail()) throwWriteError(path_, flushError ? flushError : errno);
+    if (temporary_.empty()) return;
+
+    if (const int error = syncFile(temporary_)) throwWriteError(path_, error);
+    std::lock_guard<std::mutex> lock(registryMutex());
+    std::error_code error;
+    fs::rename(temporary_, finalPath_, error);
+    if (error) throwWriteError(path_, error.default_error_condition().value());
+    registry().erase(temporary_);
+    temporary_.clear();
+}
+
+void AtomicFile::discardAll() noexcept {
+    std::lock_guard<std::mutex> lock(registryMutex());
+    for (const std::string& name : registry()) std::remove(name.c_str());
+    registry().clear();
+}
+
+void writeFile(const std::string& path, const std::string& content) {
+    AtomicFile file(path);
+    errno = 0;
+    if (!file.stream().write(content.data(), std::streamsize(content.size())))
+        AtomicFile::throwWriteError(path, errno);
+    file.commit();
+}
+
+}  // namespace igeo

@@ -1,0 +1,33 @@
+/// How parallel loops report progress.
+#pragma once
+
+#include <igeo/base/progress.h>
+
+#include <atomic>
+#include <cstddef>
+
+namespace igeo {
+
+/// Counts what threads have done of a stage of `total` equal steps, or of a part of a stage.
+class Steps {
+public:
+    /// @param from, to  the part of the stage, fractions
+    Steps(Progress& progress, const char* stage, std::size_t total, double from = 0, double to = 1)
+        : progress_(progress), stage_(stage), total_(total), from_(from), to_(to) {
+        progress_.update(stage_, from_);
+    }
+    void add(std::size_t steps) {
+        const std::size_t done = done_ += steps;
+        progress_.update(stage_, from_ + (to_ - from_) * double(done) / double(total_));
+    }
+    bool cancelled() const { return progress_.cancelled(); }
+
+private:
+    Progress& progress_;
+    const char* stage_;
+    std::size_t total_;
+    double from_, to_;
+    std::atomic<std::size_t> done_{0};
+};
+
+}  // namespace igeo

@@ -1,0 +1,38 @@
+#include <igeo/base/parallel.h>
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+
+namespace igeo {
+
+void parallelFor(std::size_t n, std::size_t grain,
+                 const std::function<void(std::size_t, std::size_t)>& body) {
+    if (n == 0) return;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
+                      [&](const tbb::blocked_range<std::size_t>& r) {
+                          // Isolated: a thread that waits for a loop inside the body, also for one
+                          // of OpenVDB's, must not begin another turn of this one. Its memory would
+                          // come on top, and it may want a lock that the waiting one holds.
+                          tbb::this_task_arena::isolate([&] { body(r.begin(), r.end()); });
+                      });
+}
+
+struct ThreadLimit::Impl {
+    explicit Impl(std::size_t n) : control(tbb::global_control::max_allowed_parallelism, n) {}
+    tbb::global_control control;
+};
+
+ThreadLimit::ThreadLimit(int threads)
+    : impl_(threads > 0 ? std::make_unique<Impl>(std::size_t(threads)) : nullptr) {}
+
+ThreadLimit::~ThreadLimit() = default;
+
+int ThreadLimit::current() {
+    return int(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+}  // namespace igeo

@@ -1,0 +1,42 @@
+/// How long work reports how far it is, and learns that it should stop.
+#pragma once
+
+#include <igeo/base/error.h>
+
+namespace igeo {
+
+/// Receives progress; the default does nothing and never cancels. Calls may come from any thread.
+class Progress {
+public:
+    virtual ~Progress() = default;
+
+    /// `fraction` of the stage `name` is done, in [0, 1].
+    virtual void update(const char* name, double fraction) {
+        (void)name;
+        (void)fraction;
+    }
+    virtual bool cancelled() const { return false; }
+
+    void throwIfCancelled() const {
+        if (cancelled()) throw Error(Error::Kind::Cancelled, "interrupted");
+    }
+
+    /// For callers that want neither.
+    static Progress& none() {
+        static Progress instance;
+        return instance;
+    }
+};
+
+/// What stages that run side by side are given: they hear that they should stop, and their own
+/// progress is nobody's.
+class CancelOnly : public Progress {
+public:
+    explicit CancelOnly(const Progress& whole) : whole_(whole) {}
+    bool cancelled() const override { return whole_.cancelled(); }
+
+private:
+    const Progress& whole_;
+};
+
+}  // namespace igeo

@@ -1,0 +1,268 @@
+#include <igeo/io/mesh_file.h>
+
+#include <igeo/base/detail/box.h>
+#include <igeo/base/detail/format.h>
+#include <igeo/base/error.h>
+#include <igeo/io/detail/ply_reader.h>
+
+#include <assimp/scene.h>
+#include <assimp/Importer.hpp>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+namespace igeo {
+
+namespace {
+
+using Kind = Error::Kind;
+
+constexpr const char* kReadable = "meshes are read from .obj, .ply, .stl, .off, .gltf and .glb";
+
+std::string endingOf(const std::string& file) {
+    std::string ending = std::filesystem::path(file).extension().string();
+    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return ending;
+}
+
+/// The reasons that the system gives, which assimp does not.
+void requireReadable(const std::string& file) {
+    if (std::filesystem::is_directory(file))
+        throw Error(Kind::Io, "cannot read '" + file + "': it is a folder", "name a file");
+    errno = 0;
+    if (!std::ifstream(file, std::ios::binary).good())
+        throw Error(Kind::Io, "cannot open '" + file + "': " + std::strerror(errno ? errno : EIO),
+                    "check the name and the permissions");
+    if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) == 0)
+        throw Error(Kind::BadInput, "'" + file + "' is empty", kReadable);
+}
+
+struct Affine {
+    std::array<Vec3d, 3> row{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
+    Vec3d shift;
+
+    Vec3d operator()(const Vec3d& p) const {
+        return shift + Vec3d{dot(row[0], p), dot(row[1], p), dot(row[2], p)};
+    }
+    /// This one after `m`.
+    Affine after(const aiMatrix4x4& m) const {
+        const Vec3d x(m.a1, m.b1, m.c1), y(m.a2, m.b2, m.c2), z(m.a3, m.b3, m.c3);
+        Affine both;
+        for (std::size_t a = 0; a < 3; ++a)
+            both.row[a] = {dot(row[a], x), dot(row[a], y), dot(row[a], z)};
+        both.shift = (*this)(Vec3d(m.a4, m.b4, m.c4));
+        return both;
+    }
+    bool mirrors() const { return dot(cross(row[0], row[1]), row[2]) < 0; }
+};
+
+void requireRoom(std::size_t points, const std::string& file) {
+    constexpr std::size_t kMostPoints = std::size_t(1) << 31;
+    if (points > kMostPoints)
+        throw Error(Kind::BadInput, "'" + file + "' holds more than 2147483648 points",
+                    "simplify the mesh: it needs no more detail than voxels");
+}
+
+/// Cuts a polygon into triangles by its ears: the corner with the best triangle that holds no other
+/// corner goes first. Assimp's own step ends the process on a polygon it does not like.
+/// Time O(corners^2).
+class EarCutter {
+public:
+    EarCutter(std::vector<std::uint32_t> corners, TriangleMesh& mesh)
+        : corners_(std::move(corners)), mesh_(mesh), p_(mesh.points) {
+        const std::size_t n = corners_.size();
+        for (std::size_t k = 0; k < n; ++k)
+            normal_ += cross(p_[corners_[k]] - p_[corners_[0]],
+                             p_[corners_[(k + 1) % n]] - p_[corners_[0]]);
+    }
+
+    void cut() {
+        if (corners_.size() > 3)
+            for (std::size_t k = 0; k < corners_.size(); ++k) ears_.push_back(earAt(k));
+        while (corners_.size() > 3) {
+            std::size_t best = 0;
+            for (std::size_t k = 1; k < corners_.size(); ++k)
+                if (quality(ears_[k]) > quality(ears_[best])) best = k;
+            remove(best);
+        }
+        if (corners_.size() == 3)
+            mesh_.triangles.push_back({corners_[0], corners_[1], corners_[2]});
+    }
+
+private:
+    struct Ear {
+        std::array<std::uint32_t, 3> corners;
+        double shape;        ///< largest for an equilateral triangle, negative where it is concave
+        std::size_t inside;  ///< how many other corners it holds
+    };
+
+    Ear earAt(std::size_t k) const {
+        const std::size_t n = corners_.size();
+        Ear ear{{corners_[(k + n - 1) % n], corners_[k], corners_[(k + 1) % n]}, 0, 0};
+        const Vec3d &a = p_[ear.corners[0]], &b = p_[ear.corners[1]], &c = p_[ear.corners[2]];
+        const double sides = dot(b - a, b - a) + dot(c - b, c - b) + dot(a - c, a - c);
+        ear.shape = left(a, b, c) / std::max(sides, 1e-300);
+        ear.inside = std::size_t(std::count_if(corners_.begin(), corners_.end(),
+                                               [&](std::uint32_t i) { return holds(ear, i); }));
+        return ear;
+    }
+
+    double left(const Vec3d& from, const Vec3d& to, const Vec3d& q) const {
+        return dot(cross(to - from, q - from), normal_);
+    }
+
+    bool holds(const Ear& ear, std::uint32_t i) const {
+        const auto& [ia, ib, ic] = ear.corners;
+        if (i == ia || i == ib || i == ic) return false;
+        const Vec3d &a = p_[ia], &b = p_[ib], &c = p_[ic], &q = p_[i];
+        return left(a, b, q) >= 0 && left(b, c, q) >= 0 && left(c, a, q) >= 0;
+    }
+
+    double quality(const Ear& ear) const {
+        return ear.inside == 0 ? ear.shape : std::min(ear.shape, 0.0) - 1e6 * length(normal_);
+    }
+
+    void remove(std::size_t k) {
+        const std::uint32_t gone = corners_[k];
+        mesh_.triangles.push_back(ears_[k].corners);
+        corners_.erase(corners_.begin() + std::ptrdiff_t(k));
+        ears_.erase(ears_.begin() + std::ptrdiff_t(k));
+        for (Ear& ear : ears_)
+            if (holds(ear, gone)) --ear.inside;
+        const std::size_t n = corners_.size();
+        for (const std::size_t beside : {(k + n - 1) % n, k % n}) ears_[beside] = earAt(beside);
+    }
+
+    std::vector<std::uint32_t> corners_;
+    TriangleMesh& mesh_;
+    const std::vector<Vec3d>& p_;
+    Vec3d normal_;  ///< Newell's, of twice the area
+    std::vector<Ear> ears_;
+};
+
+void appendPolygon(const std::vector<std::uint32_t>& corners, TriangleMesh& mesh) {
+    // Some seconds.
+    constexpr std::size_t kMostCorners = 20000;
+    if (corners.size() > kMostCorners)
+        throw Error(Kind::BadInput,
+                    "a face of '" + mesh.file + "' has " + std::to_string(corners.size()) +
+                        " corners, more than " + std::to_string(kMostCorners),
+                    "cut it into triangles in the program that made it");
+    EarCutter(corners, mesh).cut();
+}
+
+void append(const aiMesh& from, const Affine& place, TriangleMesh& mesh) {
+    const std::size_t first = mesh.points.size();
+    requireRoom(first + from.mNumVertices, mesh.file);
+    for (unsigned i = 0; i < from.mNumVertices; ++i) {
+        const aiVector3D& v = from.mVertices[i];
+        mesh.points.push_back(place(Vec3d(v.x, v.y, v.z)));
+    }
+    std::vector<std::uint32_t> corners;
+    for (unsigned f = 0; f < from.mNumFaces; ++f) {
+        const aiFace& face = from.mFaces[f];
+        corners.clear();
+        for (unsigned k = 0; k < face.mNumIndices; ++k) {
+            if (face.mIndices[k] >= from.mNumVertices)
+                throw Error(Kind::BadInput,
+                            "a face of '" + mesh.file + "' names point " +
+                                std::to_string(face.mIndices[k]) + " of " +
+                                std::to_string(from.mNumVertices),
+                            "the file is cut off or broken: write it again");
+            corners.push_back(std::uint32_t(first + face.mIndices[k]));
+        }
+        if (place.mirrors()) std::reverse(corners.begin(), corners.end());
+        appendPolygon(corners, mesh);
+    }
+}
+
+void appendNode(const aiScene& scene, const aiNode& node, const Affine& above, TriangleMesh& mesh) {
+    const Affine place = above.after(node.mTransformation);
+    for (unsigned k = 0; k < node.mNumMeshes; ++k)
+        append(*scene.mMeshes[node.mMeshes[k]], place, mesh);
+    for (unsigned k = 0; k < node.mNumChildren; ++k)
+        appendNode(scene, *node.mChildren[k], place, mesh);
+}
+
+void readScene(TriangleMesh& mesh) {
+    Assimp::Importer importer;
+    const aiScene* scene = importer.ReadFile(mesh.file, 0);
+    if (!scene || !scene->mRootNode)
+        throw Error(Kind::BadInput,
+                    "cannot read '" + mesh.file + "' as a mesh: " + importer.GetErrorString(),
+                    std::string(kReadable) + "; points without faces go to --points");
+    appendNode(*scene, *scene->mRootNode, {}, mesh);
+}
+
+void readPly(TriangleMesh& mesh) {
+    std::ifstream in(mesh.file, std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(in), {});
+    Ply ply = readPlyFaces(mesh.file, bytes);
+    requireRoom(ply.points.size(), mesh.file);
+    mesh.points = std::move(ply.points);
+    for (const std::vector<std::uint32_t>& face : ply.faces) appendPolygon(face, mesh);
+}
+
+/// Points off by more than a voxel in 400 of a usual size.
+void warnOfRounding(TriangleMesh& mesh) {
+    constexpr double kMost = 1e-5, kSingle = 6e-8;
+    const Box box(mesh.points);
+    double furthest = 0;
+    for (int a = 0; a < 3; ++a)
+        furthest = std::max({furthest, std::abs(box.low[a]), std::abs(box.high[a])});
+    const double off = kSingle * furthest, size = length(box.size());
+    if (!(off > kMost * size)) return;
+    mesh.warnings.push_back(
+        format("coordinates up to %.4g on a mesh %.4g across: single precision puts points off "
+               "by %.2g; move the mesh to the origin",
+               furthest, size, off));
+}
+
+}  // namespace
+
+bool isMeshFile(const std::string& file) {
+    constexpr std::array<const char*, 6> kEndings{".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
+    const std::string ending = endingOf(file);
+    return std::any_of(kEndings.begin(), kEndings.end(),
+                       [&](const char* e) { return ending == e; });
+}
+
+TriangleMesh readMesh(const std::string& file) {
+    requireReadable(file);
+    if (!isMeshFile(file))
+        throw Error(Kind::BadInput, "'" + file + "' is no mesh by its name",
+                    std::string(kReadable) + "; level sets go with --sdf, clouds with --points");
+    TriangleMesh mesh;
+    mesh.file = file;
+    if (endingOf(file) == ".ply")
+        readPly(mesh);
+    else
+        readScene(mesh);
+    const std::size_t read = mesh.points.size();
+    if (mesh.triangles.empty())
+        throw Error(Kind::BadInput,
+                    "'" + file + "' holds " + std::to_string(read) + " points and no faces",
+                    "give points without faces to --points");
+    for (const Vec3d& p : mesh.points)
+        if (!std::isfinite(dot(p, p)))
+            throw Error(Kind::BadInput,
+                        "'" + file +
+                            "' has coordinates that are not finite: " + std::to_string(p.x) + ", " +
+                            std::to_string(p.y) + ", " + std::to_string(p.z),
+                        "export the mesh again");
+    weld(mesh);
+    if (mesh.triangles.empty())
+        throw Error(Kind::BadInput,
+                    "all triangles of '" + file + "' have shrunk to points or lines",
+                    "give a mesh with faces");
+    warnOfRounding(mesh);
+    return mesh;
+}
+
+}  // namespace igeo

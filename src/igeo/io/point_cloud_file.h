@@ -1,0 +1,30 @@
+/// Clouds of points from files.
+#pragma once
+
+#include <igeo/io/point_cloud.h>
+
+#include <string>
+
+namespace igeo {
+
+/// Whether a file is points by the ending of its name, and nothing else: .xyz .txt .csv .pts .asc,
+/// in any case.
+bool isPointFile(const std::string& file);
+
+/// Reads a cloud, by the ending of the file's name:
+///
+/// - `.ply`: text or binary of either byte order; x y z and, if all three are there, nx ny nz of
+///   the element `vertex`. Everything else is skipped.
+/// - `.xyz .txt .csv .pts .asc`: a point per line, x y z or x y z nx ny nz, with blanks, commas or
+///   semicolons between them; `#` begins a comment, and a first line without a number names the
+///   columns.
+/// - `.obj`: the lines `v`, and if there are as many, `vn`.
+/// - `.vdb`: a grid of points, FILE.vdb:GRID where there are several; normals are the attribute
+/// `N`.
+///
+/// @throws Error  Io where the file cannot be read; BadInput for another ending, a broken or
+///         truncated file (with line or byte), a coordinate that is not finite, a normal that is
+///         not finite or zero, or no points
+PointCloud readPointCloud(const std::string& file);
+
+}  // namespace igeo

@@ -1,0 +1,262 @@
+#include <igeo/io/point_list.h>
+
+#include <igeo/base/error.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace igeo {
+
+namespace {
+
+using Kind = Error::Kind;
+using nlohmann::json;
+
+/// A first line in which no field begins like a number names the columns.
+bool isHeader(const std::string& line) {
+    std::stringstream parts(line);
+    for (std::string part; std::getline(parts, part, ',');) {
+        char* end = nullptr;
+        std::strtod(part.c_str(), &end);
+        if (end != part.c_str()) return false;
+    }
+    return true;
+}
+
+/// Numbers line by line; `counts` of them may be on a line, as `shape` says in words.
+std::vector<std::vector<double>> rowsFromText(std::istream& in, const std::string& file,
+                                              const std::vector<std::size_t>& counts,
+                                              const std::string& shape) {
+    std::vector<std::vector<double>> rows;
+    std::size_t lineNumber = 0;
+    bool mayBeHeader = true;
+    for (std::string line; std::getline(in, line);) {
+        ++lineNumber;
+        // Spreadsheets begin UTF-8 files with a byte order mark.
+        if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
+        if (const auto hash = line.find('#'); hash != std::string::npos) line.erase(hash);
+        if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+        std::vector<double> v = parseNumbers(line);
+        if (std::count(counts.begin(), counts.end(), v.size()) > 0)
+            rows.push_back(std::move(v));
+        else if (!mayBeHeader || !isHeader(line))
+            throw Error(Kind::BadInput,
+                        file + ", line " + std::to_string(lineNumber) + ": '" + line.substr(0, 60) +
+                            "' is not " + shape,
+                        "write that many finite numbers with commas between them");
+        mayBeHeader = false;
+    }
+    return rows;
+}
+
+/// Three numbers of a list from one on.
+/// @throws std::invalid_argument
+Vec3d vectorFrom(const json& j, std::size_t first) {
+    Vec3d p;
+    for (int a = 0; a < 3; ++a) {
+        const json& number = j[first + std::size_t(a)];
+        if (!number.is_number()) throw std::invalid_argument("coordinates are numbers");
+        p[a] = number.get<double>();
+        if (!std::isfinite(p[a])) throw std::invalid_argument("coordinates are finite");
+    }
+    return p;
+}
+
+/// @throws std::invalid_argument
+Vec3d positionFrom(const json& j) {
+    if (!j.is_array() || j.size() != 3) throw std::invalid_argument("a position is [x, y, z]");
+    return vectorFrom(j, 0);
+}
+
+/// @throws std::invalid_argument
+AskedPoint pointFrom(const json& j) {
+    if (!j.is_object()) return {positionFrom(j), 0};
+    if (!j.contains("position")) throw std::invalid_argument("there is no \"position\"");
+    AskedPoint p{positionFrom(j["position"]), 0};
+    if (j.contains("start")) {
+        if (!j["start"].is_number()) throw std::invalid_argument("\"start\" is a number");
+        p.start = j["start"].get<double>();
+    }
+    return p;
+}
+
+/// The list that a .json file holds.
+json listFromJson(std::istream& in, const std::string& file, const char* what,
+                  const std::string& remedy) {
+    json all = json::parse(in, nullptr, /*allow_exceptions=*/false);
+    if (!all.is_array())
+        throw Error(Kind::BadInput, file + " is not a JSON list of " + what, remedy);
+    return all;
+}
+
+/// read(entry) of every entry; what it throws names the entry.
+template <typename Read>
+auto readEntries(const json& all, const std::string& file, const std::string& remedy,
+                 const Read& read) {
+    std::vector<decltype(read(all))> entries;
+    for (const json& j : all) {
+        try {
+            entries.push_back(read(j));
+        } catch (const std::invalid_argument& e) {
+            throw Error(Kind::BadInput,
+                        file + ", entry " + std::to_string(entries.size()) + ": " + e.what(),
+                        remedy);
+        }
+    }
+    return entries;
+}
+
+/// @throws std::invalid_argument
+Curve curveFrom(const json& j) {
+    // Isolines have it; geodesics keep theirs with the distances along them.
+    const json& holder = j.is_object() && j.contains("vertices") ? j["vertices"] : j;
+    if (!holder.is_object() || !holder.contains("position") || !holder["position"].is_array())
+        throw std::invalid_argument("there is no list \"position\"");
+    Curve curve;
+    for (const json& p : holder["position"]) curve.points.push_back(positionFrom(p));
+    if (curve.points.empty()) throw std::invalid_argument("\"position\" is empty");
+    if (j.contains("closed")) {
+        if (!j["closed"].is_boolean()) throw std::invalid_argument("\"closed\" is true or false");
+        curve.closed = j["closed"].get<bool>();
+    }
+    if (j.contains("start")) {
+        if (!j["start"].is_number()) throw std::invalid_argument("\"start\" is a number");
+        curve.start = j["start"].get<double>();
+        if (!(curve.start >= 0 && std::isfinite(curve.start)))
+            throw std::invalid_argument("\"start\" is finite and at least 0");
+    }
+    return curve;
+}
+
+std::vector<Curve> curvesFromJson(std::istream& in, const std::string& file) {
+    const std::string remedy =
+        R"(write [[x, y, z], ...] or [{"position": [[x, y, z], ...], "closed": true}, ...])";
+    const json document = json::parse(in, nullptr, /*allow_exceptions=*/false);
+    // No copy of it: that of a list in lists takes stack for each.
+    const json* list = &document;
+    for (const char* name : {"isolines", "paths"})
+        if (list->is_object() && list->contains(name)) list = &(*list)[name];
+    const json& all = *list;
+    if (!all.is_array() || all.empty())
+        throw Error(Kind::BadInput, file + " is not a JSON list of curves", remedy);
+    if (!all[0].is_array()) return readEntries(all, file, remedy, curveFrom);
+    Curve one;
+    one.points = readEntries(all, file, remedy, positionFrom);
+    return {one};
+}
+
+/// @throws std::invalid_argument
+AskedPair pairFrom(const json& j) {
+    if (!j.is_array() || j.size() != 6) throw std::invalid_argument("a pair is six numbers");
+    return {vectorFrom(j, 0), vectorFrom(j, 3)};
+}
+
+bool endsWith(const std::string& s, const std::string& end) {
+    return s.size() >= end.size() && s.compare(s.size() - end.size(), end.size(), end) == 0;
+}
+
+std::ifstream open(const std::string& file) {
+    errno = 0;
+    std::ifstream in(file, std::ios::binary);
+    if (!in)
+        throw Error(Kind::Io, "cannot read '" + file + "': " + std::strerror(errno),
+                    "check the name and the permissions");
+    if (std::filesystem::is_directory(file))
+        throw Error(Kind::Io, "cannot read '" + file + "': it is a folder",
+                    "give a .json or .csv file");
+    return in;
+}
+
+std::vector<AskedPoint> pointsFrom(std::ifstream& in, const std::string& file) {
+    if (endsWith(file, ".json")) {
+        const std::string remedy =
+            R"(write [[x, y, z], ...] or [{"position": [x, y, z], "start": s}, ...])";
+        return readEntries(listFromJson(in, file, "points", remedy), file, remedy, pointFrom);
+    }
+    std::vector<AskedPoint> points;
+    for (const auto& v : rowsFromText(in, file, {3, 4}, "x,y,z or x,y,z,start"))
+        points.push_back({{v[0], v[1], v[2]}, v.size() == 4 ? v[3] : 0.0});
+    return points;
+}
+
+}  // namespace
+
+std::vector<double> parseNumbers(const std::string& text) {
+    std::vector<double> out;
+    std::stringstream parts(text);
+    for (std::string part; std::getline(parts, part, ',');) {
+        // strtod also reads "nan" and "1x": both are refused here.
+        char* end = nullptr;
+        const double v = std::strtod(part.c_str(), &end);
+        const bool blank = part.find_first_not_of(" \t\r") == std::string::npos;
+        while (*end == ' ' || *end == '\t' || *end == '\r') ++end;
+        if (blank || *end != '\0' || !std::isfinite(v)) return {};
+        out.push_back(v);
+    }
+    if (!text.empty() && text.back() == ',') return {};
+    return out;
+}
+
+AskedPoint parsePoint(const std::string& text) {
+    const std::vector<double> v = parseNumbers(text);
+    if (v.size() != 3)
+        throw Error(Kind::InvalidArgument, "'" + text + "' is not a point",
+                    "write three finite numbers with commas between them, as in 0.1,0.2,0.3");
+    return {{v[0], v[1], v[2]}, 0};
+}
+
+std::vector<AskedPoint> readPoints(const std::string& file) {
+    std::ifstream in = open(file);
+    const std::vector<AskedPoint> points = pointsFrom(in, file);
+    if (points.empty())
+        throw Error(Kind::BadInput, file + " holds no points",
+                    "write one point per line: x,y,z or x,y,z,start");
+    for (const AskedPoint& p : points)
+        if (!(p.start >= 0 && std::isfinite(p.start)))
+            throw Error(Kind::BadInput,
+                        file + ": start value " + std::to_string(p.start) + " is negative",
+                        "start values are distances: finite and at least 0");
+    return points;
+}
+
+std::vector<Curve> readCurves(const std::string& file) {
+    std::ifstream in = open(file);
+    std::vector<Curve> curves;
+    if (endsWith(file, ".json")) {
+        curves = curvesFromJson(in, file);
+    } else {
+        Curve one;
+        for (const AskedPoint& p : readPoints(file)) one.points.push_back(p.position);
+        curves.push_back(one);
+    }
+    for (Curve& curve : curves) {
+        auto& points = curve.points;
+        if (points.size() < 2 || points.front() != points.back()) continue;
+        points.pop_back();
+        curve.closed = true;
+    }
+    return curves;
+}
+
+std::vector<AskedPair> readPairs(const std::string& file) {
+    std::ifstream in = open(file);
+    std::vector<AskedPair> pairs;
+    if (endsWith(file, ".json")) {
+        const std::string remedy = "write [[x, y, z, x, y, z], ...]";
+        pairs = readEntries(listFromJson(in, file, "pairs", remedy), file, remedy, pairFrom);
+    } else {
+        for (const auto& v : rowsFromText(in, file, {6}, "x,y,z,x,y,z"))
+            pairs.push_back({{v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
+    }
+    if (pairs.empty())
+        throw Error(Kind::BadInput, file + " holds no pairs",
+                    "write one pair per line: x,y,z,x,y,z");
+    return pairs;
+}
+
+}  // namespace igeo

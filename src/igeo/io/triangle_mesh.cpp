@@ -1,0 +1,297 @@
+#include <igeo/io/triangle_mesh.h>
+
+#include <igeo/base/detail/box.h>
+#include <igeo/base/detail/disjoint_sets.h>
+#include <igeo/base/detail/format.h>
+#include <igeo/base/error.h>
+
+#include <algorithm>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+namespace igeo {
+
+namespace {
+
+using Triangle = TriangleMesh::Triangle;
+constexpr std::uint32_t kNone = MeshTopology::kNone;
+
+/// Per point, the earliest within `tolerance` that is not itself taken for another.
+std::vector<std::uint32_t> earliestNear(const std::vector<Vec3d>& points, double tolerance) {
+    std::vector<std::uint32_t> same(points.size());
+    const Vec3d low = Box(points).low;
+    // Cells of four tolerances: most points look into one only. 21 bits hold their numbers.
+    const double cells = tolerance > 0 ? 1 / (4 * tolerance) : 0;
+    auto cellOf = [&](const Vec3d& p) {
+        std::array<std::uint64_t, 3> c{};
+        for (int a = 0; a < 3; ++a)
+            c[std::size_t(a)] = std::uint64_t(std::max(0.0, (p[a] - low[a]) * cells));
+        return c;
+    };
+    auto key = [](std::uint64_t x, std::uint64_t y, std::uint64_t z) {
+        return x << 42 | y << 21 | z;
+    };
+    // A chain per cell, through the points that stand for themselves.
+    std::unordered_map<std::uint64_t, std::uint32_t> newest;
+    std::vector<std::uint32_t> older(points.size(), kNone);
+    newest.reserve(points.size() / 2);
+    const Vec3d reach{tolerance, tolerance, tolerance};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        std::uint32_t found = kNone;
+        const auto from = cellOf(points[i] - reach), to = cellOf(points[i] + reach);
+        for (auto x = from[0]; x <= to[0]; ++x)
+            for (auto y = from[1]; y <= to[1]; ++y)
+                for (auto z = from[2]; z <= to[2]; ++z) {
+                    const auto at = newest.find(key(x, y, z));
+                    for (std::uint32_t j = at == newest.end() ? kNone : at->second; j != kNone;
+                         j = older[j])
+                        if (length(points[j] - points[i]) <= tolerance) found = std::min(found, j);
+                }
+        same[i] = found == kNone ? std::uint32_t(i) : found;
+        if (found != kNone) continue;
+        const auto c = cellOf(points[i]);
+        const auto [at, isNew] = newest.try_emplace(key(c[0], c[1], c[2]), std::uint32_t(i));
+        if (!isNew) older[i] = std::exchange(at->second, std::uint32_t(i));
+    }
+    return same;
+}
+
+/// One side of an edge.
+struct HalfEdge {
+    std::uint32_t low, high;
+    std::uint32_t triangle, corner;
+    bool up;  ///< from low to high
+
+    bool operator<(const HalfEdge& o) const {
+        return std::tie(low, high, triangle, corner) <
+               std::tie(o.low, o.high, o.triangle, o.corner);
+    }
+};
+
+/// Calls visit(first, last) for the half-edges of each edge, by triangle.
+template <typename Visit>
+void forEdges(const TriangleMesh& mesh, const Visit& visit) {
+    std::vector<HalfEdge> half;
+    half.reserve(3 * mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
+            half.push_back({std::min(a, b), std::max(a, b), std::uint32_t(t), k, a < b});
+        }
+    std::sort(half.begin(), half.end());
+    for (std::size_t begin = 0, end; begin < half.size(); begin = end) {
+        end = begin + 1;
+        while (end < half.size() && half[end].low == half[begin].low &&
+               half[end].high == half[begin].high)
+            ++end;
+        visit(half.data() + begin, half.data() + end);
+    }
+}
+
+/// Whether a triangle has to be turned to run with the first of its component; and which components
+/// cannot be made to.
+struct Turns {
+    std::vector<bool> turned;
+    std::vector<bool> oneSided;  ///< per component
+};
+
+/// Triangles joined through edges of two, turned alike.
+class Patches {
+public:
+    Patches(const TriangleMesh& mesh, const MeshTopology& topology, Turns& turns)
+        : mesh_(mesh), topology_(topology), turns_(turns), patch_(mesh.triangles.size(), kNone) {
+        for (std::uint32_t t = 0; t < patch_.size(); ++t)
+            if (patch_[t] == kNone) grow(t);
+        joinAtManyEdges();
+    }
+
+private:
+    void grow(std::uint32_t start) {
+        const auto number = std::uint32_t(members_.size());
+        std::vector<std::uint32_t> queue(1, start);
+        patch_[start] = number;
+        for (std::size_t at = 0; at < queue.size(); ++at) {
+            const std::uint32_t t = queue[at];
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t u = topology_.neighbour[t][k];
+                if (u == kNone || u == MeshTopology::kMany) continue;
+                const bool turn = turns_.turned[t] != runsAlike(t, u, k);
+                if (patch_[u] == kNone)
+                    patch_[u] = number, turns_.turned[u] = turn, queue.push_back(u);
+                else if (turns_.turned[u] != turn)
+                    turns_.oneSided[topology_.component[t]] = true;
+            }
+        }
+        if (2 * turnedOf(queue) > queue.size()) turnOver(queue);
+        members_.push_back(std::move(queue));
+    }
+
+    /// Where three or more meet, each goes on in the next, as far as that closes no circle. The
+    /// smaller part is turned.
+    void joinAtManyEdges() {
+        DisjointSets joined(members_.size());
+        forEdges(mesh_, [&](const HalfEdge* first, const HalfEdge* last) {
+            for (const HalfEdge* e = first; last - first > 2 && e + 1 < last; ++e) {
+                std::uint32_t a = joined.first(patch_[e[0].triangle]),
+                              b = joined.first(patch_[e[1].triangle]);
+                if (a == b) continue;
+                if (members_[a].size() < members_[b].size()) std::swap(a, b);
+                const bool alike = (e[0].up != turns_.turned[e[0].triangle]) ==
+                                   (e[1].up != turns_.turned[e[1].triangle]);
+                if (alike) turnOver(members_[b]);
+                members_[a].insert(members_[a].end(), members_[b].begin(), members_[b].end());
+                std::vector<std::uint32_t>().swap(members_[b]);
+                joined.join(a, b);
+                members_[joined.first(a)].swap(members_[a]);
+            }
+        });
+    }
+
+    bool runsAlike(std::uint32_t t, std::uint32_t u, std::size_t k) const {
+        const std::uint32_t from = mesh_.triangles[t][k], to = mesh_.triangles[t][(k + 1) % 3];
+        for (std::size_t m = 0; m < 3; ++m)
+            if (mesh_.triangles[u][m] == from && mesh_.triangles[u][(m + 1) % 3] == to) return true;
+        return false;
+    }
+    std::size_t turnedOf(const std::vector<std::uint32_t>& part) const {
+        return std::size_t(std::count_if(part.begin(), part.end(),
+                                         [&](std::uint32_t t) { return turns_.turned[t]; }));
+    }
+    void turnOver(const std::vector<std::uint32_t>& part) {
+        for (const std::uint32_t t : part) turns_.turned[t] = !turns_.turned[t];
+    }
+
+    const TriangleMesh& mesh_;
+    const MeshTopology& topology_;
+    Turns& turns_;
+    std::vector<std::uint32_t> patch_;                 ///< per triangle
+    std::vector<std::vector<std::uint32_t>> members_;  ///< per patch
+};
+
+Turns findTurns(const TriangleMesh& mesh, const MeshTopology& topology) {
+    Turns turns{std::vector<bool>(mesh.triangles.size()), std::vector<bool>(topology.components)};
+    const Patches patches(mesh, topology, turns);
+    return turns;
+}
+
+std::string number(double x) { return format("%.4g", x); }
+
+}  // namespace
+
+void weld(TriangleMesh& mesh) {
+    constexpr double kTolerance = 1e-6;
+    const Box box(mesh.points);
+    if (mesh.points.empty()) return;
+    const auto same = earliestNear(mesh.points, kTolerance * length(box.size()));
+    for (std::size_t i = 0; i < same.size(); ++i) mesh.merged += same[i] != i;
+    for (Triangle& t : mesh.triangles)
+        for (std::uint32_t& v : t) v = same[v];
+
+    // Of equal triangles the first stays.
+    std::vector<std::pair<Triangle, std::uint32_t>> sorted;
+    sorted.reserve(mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        sorted.emplace_back(mesh.triangles[t], std::uint32_t(t));
+        std::sort(sorted.back().first.begin(), sorted.back().first.end());
+    }
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<bool> drop(mesh.triangles.size());
+    for (std::size_t k = 0; k < sorted.size(); ++k) {
+        const auto& [a, b, c] = sorted[k].first;
+        if (a == b || b == c || (k > 0 && sorted[k].first == sorted[k - 1].first))
+            drop[sorted[k].second] = true;
+    }
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (!drop[t]) mesh.triangles[kept++] = mesh.triangles[t];
+    mesh.dropped += mesh.triangles.size() - kept;
+    mesh.triangles.resize(kept);
+
+    std::vector<std::uint32_t> name(mesh.points.size(), kNone);
+    for (const Triangle& t : mesh.triangles)
+        for (const std::uint32_t v : t) name[v] = 0;
+    std::uint32_t count = 0;
+    for (std::size_t i = 0; i < name.size(); ++i)
+        if (name[i] != kNone) mesh.points[count] = mesh.points[i], name[i] = count++;
+    mesh.points.resize(count);
+    for (Triangle& t : mesh.triangles)
+        for (std::uint32_t& v : t) v = name[v];
+}
+
+MeshTopology meshTopology(const TriangleMesh& mesh) {
+    MeshTopology topology;
+    topology.neighbour.assign(mesh.triangles.size(), {kNone, kNone, kNone});
+    DisjointSets joined(mesh.triangles.size());
+    forEdges(mesh, [&](const HalfEdge* first, const HalfEdge* last) {
+        topology.boundaryEdges += last - first == 1;
+        topology.nonManifoldEdges += last - first > 2;
+        for (const HalfEdge* e = first + 1; e < last; ++e)
+            joined.join(first->triangle, e->triangle);
+        if (last - first > 2)
+            for (const HalfEdge* e = first; e < last; ++e)
+                topology.neighbour[e->triangle][e->corner] = MeshTopology::kMany;
+        if (last - first != 2) return;
+        topology.turnedEdges += first[0].up == first[1].up;
+        topology.neighbour[first[0].triangle][first[0].corner] = first[1].triangle;
+        topology.neighbour[first[1].triangle][first[1].corner] = first[0].triangle;
+    });
+    topology.component.resize(mesh.triangles.size());
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        // The first of a set was numbered before.
+        const std::uint32_t root = joined.first(t);
+        topology.component[t] =
+            root == t ? std::uint32_t(topology.components++) : topology.component[root];
+    }
+    const Turns turns = findTurns(mesh, topology);
+    topology.nonOrientable =
+        std::size_t(std::count(turns.oneSided.begin(), turns.oneSided.end(), true));
+    return topology;
+}
+
+std::size_t orientConsistently(TriangleMesh& mesh) {
+    const Turns turns = findTurns(mesh, meshTopology(mesh));
+    std::size_t count = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (turns.turned[t]) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]), ++count;
+    return count;
+}
+
+double meshArea(const TriangleMesh& mesh) {
+    double area = 0;
+    for (const auto& [a, b, c] : mesh.triangles)
+        area += length(cross(mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a])) / 2;
+    return area;
+}
+
+double estimatedVoxels(const TriangleMesh& mesh, double dx, double halfWidth) {
+    return meshArea(mesh) / (dx * dx) * 2 * halfWidth;
+}
+
+void requireReasonable(const TriangleMesh& mesh, double dx, double halfWidth) {
+    using Kind = Error::Kind;
+    const std::string where = " (" + mesh.file + ")";
+    if (mesh.triangles.empty())
+        throw Error(Kind::BadInput, "the mesh has no triangles" + where, "give a surface");
+    if (!(dx > 0) || !std::isfinite(dx))
+        throw Error(Kind::InvalidArgument,
+                    "a voxel size of " + number(dx) + " is not a positive number" + where,
+                    "give a length in the units of the mesh");
+    const Box box(mesh.points);
+    constexpr double kMostVoxels = 1e9;
+    const double voxels = estimatedVoxels(mesh, dx, halfWidth);
+    if (!(voxels <= kMostVoxels))
+        throw Error(Kind::InvalidArgument,
+                    "at a voxel size of " + number(dx) + " the mesh fills about " + number(voxels) +
+                        " voxels, " + number(kMostVoxels) + " are the most" + where,
+                    "take a voxel size of " + number(dx * std::sqrt(voxels / kMostVoxels)) +
+                        " or more; its bounding box is " + number(length(box.size())) + " across");
+    if (const double farthest = box.farthest() / dx; !(farthest < kFarthestIndex))
+        throw Error(Kind::InvalidArgument,
+                    "at a voxel size of " + number(dx) + " the mesh lies " + number(farthest) +
+                        " voxels from the origin, " + number(kFarthestIndex) + " are the most" +
+                        where,
+                    "move the mesh to the origin, or take larger voxels");
+}
+
+}  // namespace igeo

@@ -1,0 +1,84 @@
+/// The distance a march leaves on the band, and how it is read at points of the surface.
+#pragma once
+
+#include <igeo/band/band.h>
+#include <igeo/band/surface_point.h>
+#include <igeo/base/types.h>
+#include <igeo/march/seeds.h>
+#include <igeo/metric/metric.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// Distances in voxels times weight; multiply by band.transform.dx for world units.
+struct Field {
+    std::vector<double> distance;  ///< per band node; +inf: not reached, or beyond an early stop
+    std::vector<Vec3f> gradient;   ///< per band node, along S, as long as the weight there (1 in
+                                   ///< G^-1 where the metric is a tensor G); may be empty
+                                   ///< (surfaceGradient)
+    bool atFootPoints = false;  ///< distance and gradient are those of the foot points (jet), not
+                                ///< of the voxels (godunov)
+    std::vector<std::uint32_t>
+        label;                        ///< per band node: the source it is nearest to; empty for one
+    std::vector<std::int8_t> side;    ///< per band node, of what the sources enclose (sides.h);
+                                      ///< empty: distances have no sign
+    std::size_t solved = 0;           ///< nodes that were marched (jet: of the core)
+    std::size_t guarded = 0;          ///< of those, solved by the guard (jet)
+    std::vector<SurfacePoint> seeds;  ///< where it starts
+    std::vector<std::uint32_t> source;  ///< per seed: the point, curve or region it belongs to
+    SeedsNear seedsNear;                ///< finds seeds by place
+    MetricPtr metric = std::make_shared<Metric>();  ///< what was marched with; never null
+    std::string scheme;                             ///< what computed it, e.g. "godunov, order 2"
+    double startRadius = 0;     ///< within it, distances around seeds are exact; voxels
+    std::size_t reached = 0;    ///< nodes with a finite distance
+    double first = 0;           ///< the least start value of its seeds
+    double maxDistance = 0;     ///< the largest finite distance
+    bool stoppedEarly = false;  ///< a limit ended the march: +inf need not mean unconnected
+
+    std::size_t sourceCount() const { return source.empty() ? 0 : source.back() + 1; }
+
+    /// Sets `reached`, `first`, `maxDistance`, `source` and `seedsNear`.
+    void summarise();
+};
+
+/// Gradient of the distance along S per node: M&S 4.1, grad d - (grad d . n) n, by differences of
+/// reached neighbours (central where both sides are reached, one-sided otherwise). Its length is
+/// the weight up to the scheme's error; zero where nothing is known. Voxel units, in parallel.
+std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field);
+
+/// Cost of the straight way from a point of S, where its normal is `normal`, to a seed next to it,
+/// at the seed's metric.
+double costToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIndex,
+                  const Vec3d& normal);
+
+/// The seed whose start disc holds a point of S where the distance is `d`, with nothing in between,
+/// or nullptr.
+/// @param normal of S at the point
+const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, const Vec3d& normal,
+                               double d);
+
+/// The cell around a point of S without the corners that lie on another sheet or behind an
+/// obstacle, and the normal blended from those left on the sheet.
+/// @param side normal of the sheet that is meant, where two face each other within a cell
+struct SurfaceCell : BandCell {
+    Vec3d normal;
+    SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pIndex, const Vec3d& side);
+};
+
+/// What the straight way between two points of S costs, a voxel or so apart: |b - a| by the metric,
+/// the mean of both ends; voxels times weight.
+/// @param side normal of their sheet
+double wayCost(const Band& band, const Metric& metric, const Vec3d& a, const Vec3d& b,
+               const Vec3d& side);
+
+/// d at a point of S: trilinear over the reached corners of its cell, +inf if there are none;
+/// within a start disc the straight distance to its seed, as trilinear interpolation blunts the
+/// cone there. Never below the least start value.
+/// @param side normal of the sheet that is meant, where two face each other within a cell
+double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
+                      const Vec3d& side = {});
+
+}  // namespace igeo

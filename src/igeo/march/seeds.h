@@ -1,0 +1,88 @@
+/// Seeds that are more than points: curves on S and regions of it.
+///
+/// A march starts from a list of seeds, each a point or a straight piece of a curve. Those of one
+/// curve or region follow each other in the list (SurfacePoint::joined) and are one *source*: their
+/// fronts are one front, with one label.
+#pragma once
+
+#include <igeo/band/band.h>
+#include <igeo/band/surface_point.h>
+#include <igeo/base/polyline.h>
+#include <igeo/metric/metric.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace igeo {
+
+/// Per seed the number of its source.
+std::vector<std::uint32_t> sourcesOf(const std::vector<SurfacePoint>& seeds);
+
+/// Finds the seeds near a place.
+class SeedsNear {
+public:
+    SeedsNear() = default;
+    /// @param radius within which they shall be found, voxels
+    SeedsNear(const std::vector<SurfacePoint>& seeds, double radius);
+
+    /// Calls visit(k) for every seed within the radius of p, and for some further away.
+    template <typename Visit>
+    void forNear(const Vec3d& p, const Visit& visit) const {
+        if (cells_.empty()) {
+            for (std::size_t k = 0; k < few_; ++k) visit(k);
+            return;
+        }
+        const Ijk c = cellOf(p);
+        for (int x = -1; x <= 1; ++x)
+            for (int y = -1; y <= 1; ++y)
+                for (int z = -1; z <= 1; ++z) {
+                    const std::uint64_t key = keyOf(c + Ijk{x, y, z});
+                    for (auto at = std::lower_bound(cells_.begin(), cells_.end(),
+                                                    std::pair(key, std::size_t(0)));
+                         at != cells_.end() && at->first == key; ++at)
+                        visit(at->second);
+                }
+    }
+
+private:
+    Ijk cellOf(const Vec3d& p) const {
+        auto cell = [&](double x) { return std::int32_t(std::floor(x / edge_)); };
+        return {cell(p.x), cell(p.y), cell(p.z)};
+    }
+    /// Cells 2^21 apart share a key, at the price of a needless visit.
+    static std::uint64_t keyOf(const Ijk& c) {
+        constexpr std::uint64_t kMask = (1 << 21) - 1;
+        return (std::uint64_t(std::uint32_t(c.x)) & kMask) << 42 |
+               (std::uint64_t(std::uint32_t(c.y)) & kMask) << 21 |
+               (std::uint64_t(std::uint32_t(c.z)) & kMask);
+    }
+
+    std::size_t few_ = 0;  ///< so few that all are visited
+    double edge_ = 1;
+    std::vector<std::pair<std::uint64_t, std::size_t>> cells_;  ///< sorted: key, seed
+};
+
+/// A curve as seeds: its points moved onto S, and the straight lines between them, at steps of half
+/// a voxel, as pieces from each to the next. Off by the height of S over chords of half a voxel,
+/// 0.03 / R voxels at curvature 1 / R.
+/// @param curve index space; `start` in voxels
+/// @param snap  how far its points may be from S, voxels
+/// @throws Error  InvalidArgument for a curve without points, a point further than `snap` from S,
+///         or a stretch between two points that S does not follow
+/// Time O(length).
+std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, double snap);
+
+/// The part of S inside a body, as seeds: points on its rim, where foot points of the core inside
+/// and outside are neighbours, found by bisection to a thousandth of a voxel. Some three points per
+/// voxel of the rim; distances are off by at most 0.05 voxels next to it and by less further out.
+/// @param region bodies in index space; only block(p, p, normal) is asked
+/// @return empty where no foot point is inside, or all are
+/// Time O(n) where the region may be, in parallel.
+std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region);
+
+/// Per node whether its foot point lies inside a body. Time O(n), in parallel.
+std::vector<std::uint8_t> nodesInside(const Band& band, const Obstacles& region);
+
+}  // namespace igeo

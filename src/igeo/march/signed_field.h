@@ -1,0 +1,33 @@
+/// Which side of closed curves and regions a node lies on.
+#pragma once
+
+#include <igeo/march/field.h>
+#include <igeo/metric/metric.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace igeo {
+
+/// Makes the distance from a region that of its outside: 0 at nodes inside.
+/// @param inside per node (nodesInside)
+void clearInside(const std::vector<std::uint8_t>& inside, Field& field);
+
+/// Makes it that of the rim, negative at nodes inside.
+void signInside(const std::vector<std::uint8_t>& inside, Field& field);
+
+/// -1 or +1 per node: what lies across a curve of the field's seeds from a node has the other sign,
+/// and of a connected part of S the smaller share, by nodes of the band, is negative. Of curves
+/// within curves it is every other ring. 0 where the distance is not known.
+///
+/// Next to a curve the side is that of its nearest piece, seen along the normal; from there it
+/// spreads from neighbour to neighbour.
+/// @throws Error  InvalidArgument where the seeds do not part S in two: an open curve, a point, or
+///         a closed curve that can be walked around (a meridian of a torus)
+/// Time O(n), one thread.
+std::vector<std::int8_t> sidesOfCurves(const Band& band, const Field& field);
+
+/// The sign of the distance at a point of S: that of the nearest node; 1 where there are no sides.
+double sideAt(const Band& band, const Field& field, const Vec3d& pIndex);
+
+}  // namespace igeo

@@ -1,0 +1,202 @@
+#include <igeo/metric/metric.h>
+
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+
+#include <cstdio>
+#include <string>
+
+namespace igeo {
+
+void Metric::setObstacles(const Band& band, std::shared_ptr<const Obstacles> set) {
+    // As far as a march, an extension or a trace looks from a node at once, and a voxel more.
+    constexpr double kSight = 5;
+    obstacles = std::move(set);
+    sight.clear();
+    if (!obstacles) return;
+    sight.resize(band.size());
+    parallelFor(band.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const auto i = NodeIndex(k);
+            const Vec3d foot = band.footPoint(i);
+            if (!obstacles->mayBeNear(foot, kSight)) continue;
+            sight[k] = obstacles->block(foot, foot, Vec3d(band.normal[i])) ? Inside : Beside;
+        }
+    });
+}
+
+std::string shortText(double x) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.6g", x);
+    return text.data();
+}
+
+std::string worldPlace(const Band& band, NodeIndex i) {
+    const Vec3d p = band.transform.worldFromIndex(band.footPoint(i));
+    return "(" + shortText(p.x) + ", " + shortText(p.y) + ", " + shortText(p.z) + ")";
+}
+
+namespace {
+
+/// Calls add(node, weight) for the corners left in a cell.
+/// @return the sum of the weights
+template <typename Add>
+double blend(const BandCell& cell, const Add& add) {
+    double total = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        if (cell.node[k] == kNoNode) continue;
+        // A corner alone at distance 1 still counts.
+        const double w = cell.weight[k] + 1e-6;
+        add(cell.node[k], w);
+        total += w;
+    }
+    return total;
+}
+
+/// Sylvester's criterion, by its Cholesky factors; false for NaN and infinity.
+bool positiveDefinite(const Tensor& g) {
+    const double xx = g.xx, xy = g.xy, xz = g.xz;
+    const double yy = g.yy - xy * xy / xx, yz = g.yz - xy * xz / xx;
+    const double zz = g.zz - xz * xz / xx - yz * yz / yy;
+    return xx > 0 && yy > 0 && zz > 0 && xx + yy + zz < kInfinity;
+}
+
+Tensor scaled(const Tensor& g, double s) {
+    return {float(s * g.xx), float(s * g.yy), float(s * g.zz),
+            float(s * g.xy), float(s * g.xz), float(s * g.yz)};
+}
+
+/// The least (`sign` 1) or largest (-1) of f(k) over 0 <= k < n, in parallel.
+template <typename F>
+double extreme(std::size_t n, double sign, const F& f) {
+    constexpr std::size_t kChunk = 1 << 14;
+    std::vector<double> parts((n + kChunk - 1) / kChunk, kInfinity);
+    parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c)
+            for (std::size_t k = c * kChunk; k < std::min(n, (c + 1) * kChunk); ++k)
+                parts[c] = std::min(parts[c], sign * f(k));
+    });
+    return sign * *std::min_element(parts.begin(), parts.end());
+}
+
+}  // namespace
+
+std::array<double, 3> eigenvalues(const Tensor& g) {
+    // Jacobi's rotations: each turns one off-diagonal entry to zero.
+    double a[3][3] = {{g.xx, g.xy, g.xz}, {g.xy, g.yy, g.yz}, {g.xz, g.yz, g.zz}};
+    for (int k = 0; k < 18; ++k) {
+        const int p = k % 3 == 2, q = k % 3 == 0 ? 1 : 2, r = 3 - p - q;
+        if (a[p][q] == 0) continue;
+        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+        const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+        a[p][p] -= t * a[p][q], a[q][q] += t * a[p][q];
+        a[p][q] = a[q][p] = 0;
+        const double rp = a[r][p], rq = a[r][q];
+        a[r][p] = a[p][r] = c * rp - s * rq;
+        a[r][q] = a[q][r] = s * rp + c * rq;
+    }
+    std::array<double, 3> e{a[0][0], a[1][1], a[2][2]};
+    std::sort(e.begin(), e.end());
+    return e;
+}
+
+double Metric::at(const BandCell& cell) const {
+    if (!tensor.empty()) return meanCost(tensorAt(cell));
+    if (weight.empty()) return 1;
+    double sum = 0;
+    const double total = blend(cell, [&](NodeIndex i, double w) { sum += w * double(weight[i]); });
+    return total > 0 ? sum / total : 1;
+}
+
+Tensor Metric::tensorAt(const BandCell& cell) const {
+    double xx = 0, yy = 0, zz = 0, xy = 0, xz = 0, yz = 0;
+    const double total = blend(cell, [&](NodeIndex i, double w) {
+        const Tensor& g = tensor[i];
+        xx += w * g.xx, yy += w * g.yy, zz += w * g.zz;
+        xy += w * g.xy, xz += w * g.xz, yz += w * g.yz;
+    });
+    if (!(total > 0)) return {1, 1, 1, 0, 0, 0};
+    return {float(xx / total), float(yy / total), float(zz / total),
+            float(xy / total), float(xz / total), float(yz / total)};
+}
+
+double Metric::meanCost(const Tensor& g) {
+    const auto e = eigenvalues(g);
+    return std::cbrt(std::sqrt(e[0]) * std::sqrt(e[1]) * std::sqrt(e[2]));
+}
+
+double Metric::stepCost(const BandCell& cell, const Vec3d& step) const {
+    if (tensor.empty()) return at(cell) * length(step);
+    return std::sqrt(product(tensorAt(cell), step, step));
+}
+
+PlaneMetric Metric::inPlane(const TangentFrame& frame, const Tensor& g) {
+    const Vec3d x(frame.axis(0)), y(frame.axis(1));
+    return {product(g, x, x), product(g, x, y), product(g, y, y)};
+}
+
+double Metric::least() const {
+    if (!tensor.empty())
+        return std::sqrt(
+            extreme(tensor.size(), 1, [&](std::size_t k) { return eigenvalues(tensor[k])[0]; }));
+    if (weight.empty()) return 1;
+    return extreme(weight.size(), 1, [&](std::size_t k) { return double(weight[k]); });
+}
+
+double Metric::largest() const {
+    if (!tensor.empty())
+        return std::sqrt(
+            extreme(tensor.size(), -1, [&](std::size_t k) { return eigenvalues(tensor[k])[2]; }));
+    if (weight.empty()) return 1;
+    return extreme(weight.size(), -1, [&](std::size_t k) { return double(weight[k]); });
+}
+
+void Metric::multiply(const std::vector<float>& factors) {
+    const std::size_t n = tensor.empty() ? weight.size() : tensor.size();
+    if (n != 0 && n != factors.size())
+        throw Error(Error::Kind::InvalidArgument, std::to_string(factors.size()) +
+                                                      " factors for a metric of " +
+                                                      std::to_string(n) + " nodes");
+    if (n == 0) weight.assign(factors.size(), 1);
+    for (std::size_t k = 0; k < weight.size(); ++k) weight[k] *= factors[k];
+    for (std::size_t k = 0; k < tensor.size(); ++k)
+        tensor[k] = scaled(tensor[k], double(factors[k]) * double(factors[k]));
+}
+
+void Metric::dropHiddenCorners(const Band& band, const Vec3d& pIndex, const Vec3d& n,
+                               BandCell& cell) const {
+    if (!obstacles) return;
+    for (NodeIndex& i : cell.node)
+        if (i != kNoNode && blocked(band, pIndex, n, i)) {
+            i = kNoNode;
+            cell.complete = false;
+        }
+}
+
+void Metric::check(const Band& band) const {
+    using Kind = Error::Kind;
+    const std::size_t n = band.size();
+    auto refuse = [](const std::string& what) { throw Error(Kind::InvalidArgument, what); };
+    auto count = [&](std::size_t m, const std::string& what) {
+        if (m != n)
+            refuse(std::to_string(m) + " " + what + " for a band of " + std::to_string(n) +
+                   " nodes");
+    };
+    if (obstacles && sight.size() != n) refuse("the obstacles were set for another band");
+    if (!weight.empty() && !tensor.empty()) refuse("a metric has weights or tensors, not both");
+    if (!weight.empty()) count(weight.size(), "weights");
+    if (!tensor.empty()) count(tensor.size(), "tensors");
+    for (const float w : weight)
+        if (!(w > 0 && w < float(kInfinity)))
+            refuse("weight " + std::to_string(w) + " is not positive and finite");
+    for (std::size_t k = 0; k < tensor.size(); ++k)
+        if (!positiveDefinite(tensor[k]))
+            throw Error(Kind::InvalidArgument,
+                        "the tensor at " + worldPlace(band, NodeIndex(k)) +
+                            " is not positive definite: its least eigenvalue is " +
+                            shortText(eigenvalues(tensor[k])[0]),
+                        "give a cost per unit length squared that is positive in all directions");
+}
+
+}  // namespace igeo

@@ -1,0 +1,275 @@
+#include <igeo/metric/obstacles.h>
+
+#include <igeo/base/error.h>
+#include <openvdb/tools/Interpolation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace igeo {
+
+namespace {
+
+using Kind = Error::Kind;
+using openvdb::Coord;
+using openvdb::CoordBBox;
+
+/// By how much the cube of a mask's voxel is grown to all sides: more than rounding and the turn of
+/// normals between neighbours, less than anybody could have meant to leave open. Mask voxels.
+constexpr double kFat = 0.1;
+/// How far above and below S a mask counts: half a voxel, and room for a psi that is 10 % off as
+/// the core has it. Mask voxels.
+constexpr double kReach = 0.6;
+/// S strays from a chord of length L by L^2 / (8 R); R is 2 voxels where it is sharpest.
+constexpr double kBulge = 1.0 / 16, kMostBulge = 1;
+/// Width of a cell of `near_`: a look-up 5 voxels around a point meets 2 to 3 per axis.
+constexpr double kCell = 8;
+
+template <typename Tree>
+using Reader = openvdb::tree::ValueAccessor<const Tree, false>;
+
+Vec3d absolute(const Vec3d& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+bool isFinite(const Vec3d& v) { return std::isfinite(v.x + v.y + v.z); }
+std::string text(const Vec3d& v) {
+    return std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z);
+}
+
+/// Ways that go there and back are one way, to the last bit.
+bool before(const Vec3d& a, const Vec3d& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
+/// Whether the parallelogram of points centre + s u + t v with |s|, |t| <= 1 meets boxes of one
+/// size with sides along the axes; both closed.
+///
+/// By separating axes: the centres of the boxes that it meets fill a zonotope, the sum of the
+/// segments +-u, +-v and the half sides, whose faces are spanned by two of these five.
+class Parallelogram {
+public:
+    Parallelogram(const Vec3d& centre, const Vec3d& u, const Vec3d& v, const Vec3d& halfSize)
+        : extent(absolute(u) + absolute(v) + halfSize), centre_(centre), normal_{cross(u, v),
+                                                                                 {0, -u.z, u.y},
+                                                                                 {u.z, 0, -u.x},
+                                                                                 {-u.y, u.x, 0},
+                                                                                 {0, -v.z, v.y},
+                                                                                 {v.z, 0, -v.x},
+                                                                                 {-v.y, v.x, 0}} {
+        for (std::size_t k = 0; k < normal_.size(); ++k)
+            reach_[k] = std::abs(dot(u, normal_[k])) + std::abs(dot(v, normal_[k])) +
+                        dot(halfSize, absolute(normal_[k]));
+    }
+    bool meetsBoxAt(const Vec3d& p) const {
+        const Vec3d d = p - centre_;
+        for (int a = 0; a < 3; ++a)
+            if (std::abs(d[a]) > extent[a]) return false;
+        for (std::size_t k = 0; k < normal_.size(); ++k)
+            if (std::abs(dot(d, normal_[k])) > reach_[k]) return false;
+        return true;
+    }
+
+    const Vec3d extent;  ///< half sides of the box around all centres that it meets
+
+private:
+    Vec3d centre_;
+    std::array<Vec3d, 7> normal_;
+    std::array<double, 7> reach_{};
+};
+
+/// Whether `test(voxel)` holds for some active voxel of the box [low, high]. Leaf by leaf: most
+/// boxes lie in one or two.
+template <typename Test>
+bool anyActive(const openvdb::MaskTree& tree, const Ijk& low, const Ijk& high, const Test& test) {
+    const Reader<openvdb::MaskTree> voxels(tree);
+    for (int X = low.x & ~7; X <= high.x; X += 8)
+        for (int Y = low.y & ~7; Y <= high.y; Y += 8)
+            for (int Z = low.z & ~7; Z <= high.z; Z += 8) {
+                const Coord origin(X, Y, Z);
+                const auto* leaf = voxels.probeConstLeaf(origin);
+                if (!leaf && !voxels.isValueOn(origin)) continue;
+                for (int x = std::max(X, low.x); x <= std::min(X + 7, high.x); ++x)
+                    for (int y = std::max(Y, low.y); y <= std::min(Y + 7, high.y); ++y)
+                        for (int z = std::max(Z, low.z); z <= std::min(Z + 7, high.z); ++z)
+                            if ((!leaf || leaf->isValueOn(Coord(x, y, z))) && test(Ijk{x, y, z}))
+                                return true;
+            }
+    return false;
+}
+
+double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+    const Vec3d along = b - a;
+    const double square = dot(along, along);
+    const double t = square > 0 ? std::clamp(dot(p - a, along) / square, 0.0, 1.0) : 0;
+    return length(p - a - t * along);
+}
+
+bool levelSetBlocks(const openvdb::FloatGrid& grid, const IndexMap& map, const Vec3d& a,
+                    const Vec3d& b) {
+    const Reader<openvdb::FloatTree> values(grid.constTree());
+    const Vec3d from = map(a), along = map.direction(b - a);
+    const int steps = int(std::ceil(4 * length(along)));
+    for (int k = 0; k <= steps; ++k) {
+        const Vec3d p = from + (steps ? double(k) / steps : 0.0) * along;
+        if (openvdb::tools::BoxSampler::sample(values, openvdb::Vec3d(p.x, p.y, p.z)) < 0)
+            return true;
+    }
+    return false;
+}
+
+/// Whether the strip centre +-u +-v meets the grown cube of a voxel of the mask.
+bool stripMeets(const openvdb::MaskTree& mask, const Vec3d& centre, const Vec3d& u,
+                const Vec3d& v) {
+    constexpr double kHalf = 0.5 + kFat;
+    const Parallelogram strip(centre, u, v, {kHalf, kHalf, kHalf});
+    const Ijk low = -floorToIjk(strip.extent - centre), high = floorToIjk(strip.extent + centre);
+    return anyActive(mask, low, high,
+                     [&](const Ijk& voxel) { return strip.meetsBoxAt(Vec3d(voxel)); });
+}
+
+bool maskBlocks(const openvdb::MaskTree& mask, const IndexMap& map, const Vec3d& a, const Vec3d& b,
+                const Vec3d& normal) {
+    const Vec3d from = map(a), along = map.direction(b - a), across = map.direction(normal);
+    const double bulge = std::min(kBulge * dot(b - a, b - a), kMostBulge);
+    const double perNormal = length(across);
+    const Vec3d v = perNormal > 0 ? (kReach / perNormal + bulge) * across : Vec3d{};
+    // A long strip lies in a box of mostly other voxels.
+    const int pieces = 1 + int(length(along) / 3);
+    const Vec3d step = (1.0 / pieces) * along;
+    for (int k = 0; k < pieces; ++k)
+        if (stripMeets(mask, from + (k + 0.5) * step, 0.5 * step, v)) return true;
+    return false;
+}
+
+}  // namespace
+
+ObstacleSet::ObstacleSet(const Similarity& transform)
+    : transform_(transform), near_(std::make_shared<openvdb::MaskTree>()) {}
+
+void ObstacleSet::addSphere(const Vec3d& centreWorld, double radiusWorld) {
+    if (!isFinite(centreWorld) || !(radiusWorld > 0) || !std::isfinite(radiusWorld))
+        throw Error(Kind::InvalidArgument,
+                    "a sphere about " + text(centreWorld) + " of radius " +
+                        std::to_string(radiusWorld) +
+                        "; the centre must be finite, the radius positive and finite");
+    spheres_.push_back({transform_.indexFromWorld(centreWorld), radiusWorld / transform_.dx});
+}
+
+void ObstacleSet::addBox(const Vec3d& low, const Vec3d& high) {
+    if (!isFinite(low) || !isFinite(high) || low.x > high.x || low.y > high.y || low.z > high.z)
+        throw Error(Kind::InvalidArgument, "a box from " + text(low) + " to " + text(high) +
+                                               "; the first corner must be the lower one in every "
+                                               "coordinate, and both finite");
+    boxes_.push_back(
+        {transform_.indexFromWorld(0.5 * (low + high)), (0.5 / transform_.dx) * (high - low)});
+}
+
+void ObstacleSet::addGrid(const ObstacleGrid& source) {
+    const std::string where = " (" + source.file + ", grid '" + source.name + "')";
+    const IndexMap map = indexMap(transform_, source.grid->transform(), where);
+    const std::size_t count = levelSets_.size() + masks_.size();
+    if (const auto mask = openvdb::gridConstPtrCast<openvdb::MaskGrid>(source.grid)) {
+        addMask(*mask, map, [](bool) { return true; });
+    } else if (const auto bools = openvdb::gridConstPtrCast<openvdb::BoolGrid>(source.grid)) {
+        addMask(*bools, map, [](bool value) { return value; });
+    } else if (const auto values = openvdb::gridConstPtrCast<openvdb::FloatGrid>(source.grid)) {
+        for (auto it = values->cbeginValueOn(); it; ++it)
+            if (std::isnan(*it))
+                throw Error(Kind::BadInput, "the obstacle holds values that are NaN" + where,
+                            "rebuild it from its source");
+        if (values->getGridClass() == openvdb::GRID_LEVEL_SET)
+            addLevelSet(values, map);
+        else
+            addMask(*values, map, [](float value) { return value > 0.5f; });
+    }
+    if (levelSets_.size() + masks_.size() == count)
+        throw Error(Kind::BadInput, "the obstacle blocks nothing" + where,
+                    "a level set blocks where it is negative, a mask in its active voxels, any "
+                    "other grid in active voxels that are true or above 0.5");
+}
+
+void ObstacleSet::addLevelSet(const openvdb::FloatGrid::ConstPtr& grid, const IndexMap& map) {
+    const IndexMap toBand = map.inverse();
+    bool any = grid->background() < 0;
+    everywhere_ |= any;
+    // What is negative reaches as far as to the next voxel.
+    const auto mark = [&](const CoordBBox& voxels) {
+        markNear(toBand, voxels, 1);
+        any = true;
+    };
+    for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf)
+        for (auto it = leaf->cbeginValueAll(); it; ++it)
+            if (*it < 0) {
+                mark(leaf->getNodeBoundingBox());
+                break;
+            }
+    auto tile = grid->cbeginValueAll();
+    for (tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1); tile; ++tile)
+        if (*tile < 0) mark(tile.getBoundingBox());
+    if (any) levelSets_.push_back({grid, map});
+}
+
+template <typename Grid, typename IsBlocked>
+void ObstacleSet::addMask(const Grid& grid, const IndexMap& map, const IsBlocked& isBlocked) {
+    const IndexMap toBand = map.inverse();
+    const auto blocked = std::make_shared<openvdb::MaskTree>();
+    for (auto it = grid.cbeginValueOn(); it; ++it) {
+        if (!isBlocked(*it)) continue;
+        blocked->addTile(it.getLevel(), it.getCoord(), true, true);
+        markNear(toBand, it.getBoundingBox(), 0.5 + kFat + kReach);
+    }
+    if (!blocked->empty()) masks_.push_back({blocked, map});
+}
+
+/// Marks the cells around a box of voxels grown to all sides, and a bulge more.
+void ObstacleSet::markNear(const IndexMap& toBand, const CoordBBox& voxels, double grown) {
+    const Coord &low = voxels.min(), &high = voxels.max();
+    const Vec3d centre = toBand(0.5 * Vec3d(low.x() + double(high.x()), low.y() + double(high.y()),
+                                            low.z() + double(high.z())));
+    Vec3d extent{kMostBulge, kMostBulge, kMostBulge};
+    for (std::size_t a = 0; a < 3; ++a)
+        extent += (0.5 * (high[a] - low[a]) + grown) * absolute(toBand.axis[a]);
+    const Ijk first = floorToIjk((centre - extent) * (1 / kCell)),
+              last = floorToIjk((centre + extent) * (1 / kCell));
+    near_->fill({{first.x, first.y, first.z}, {last.x, last.y, last.z}}, true, true);
+}
+
+bool ObstacleSet::gridMayBeNear(const Vec3d& p, double radius) const {
+    if (everywhere_) return true;
+    if (near_->empty()) return false;
+    const Vec3d around(radius, radius, radius);
+    const Ijk low = floorToIjk((p - around) * (1 / kCell)),
+              high = floorToIjk((p + around) * (1 / kCell));
+    return anyActive(*near_, low, high, [](const Ijk&) { return true; });
+}
+
+bool ObstacleSet::mayBeNear(const Vec3d& p, double radius) const {
+    for (const Sphere& s : spheres_)
+        if (length(p - s.centre) <= s.radius + radius) return true;
+    for (const Box& box : boxes_) {
+        const Vec3d d = absolute(transform_.worldFromIndexDirection(p - box.centre)) - box.halfSize;
+        if (length(Vec3d{std::max(d.x, 0.0), std::max(d.y, 0.0), std::max(d.z, 0.0)}) <= radius)
+            return true;
+    }
+    return gridMayBeNear(p, radius);
+}
+
+bool ObstacleSet::block(const Vec3d& oneEnd, const Vec3d& otherEnd, const Vec3d& normal) const {
+    const bool swap = before(otherEnd, oneEnd);
+    const Vec3d &a = swap ? otherEnd : oneEnd, &b = swap ? oneEnd : otherEnd;
+    const Vec3d middle = 0.5 * (a + b);
+    for (const Sphere& s : spheres_)
+        if (distanceToSegment(s.centre, a, b) <= s.radius) return true;
+    for (const Box& box : boxes_) {
+        const Vec3d centre = transform_.worldFromIndexDirection(middle - box.centre),
+                    half = transform_.worldFromIndexDirection(0.5 * (b - a));
+        if (Parallelogram(centre, half, {}, box.halfSize).meetsBoxAt({})) return true;
+    }
+    if (!gridMayBeNear(middle, 0.5 * length(b - a))) return false;
+    for (const LevelSetBody& body : levelSets_)
+        if (levelSetBlocks(*body.grid, body.map, a, b)) return true;
+    for (const MaskBody& body : masks_)
+        if (maskBlocks(*body.blocked, body.map, a, b, normal)) return true;
+    return false;
+}
+
+}  // namespace igeo

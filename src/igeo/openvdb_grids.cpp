@@ -1,8 +1,0 @@
-#include <igeo/openvdb_grids.h>
-
-namespace openvdb {
-OPENVDB_USE_VERSION_NAMESPACE
-namespace OPENVDB_VERSION_NAME {
-IGEO_GRIDS(template class)
-}  // namespace OPENVDB_VERSION_NAME
-}  // namespace openvdb

@@ -1,0 +1,43 @@
+#include <igeo/path/accuracy_estimate.h>
+
+#include <igeo/base/parallel.h>
+#include <igeo/path/straighten.h>
+
+#include <algorithm>
+
+namespace igeo {
+
+AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
+                                  const std::vector<Vec3f>& gradient, std::size_t samples) {
+    AccuracyEstimate e;
+    if (band.size() == 0) return e;
+    if (field.solved) e.guardedShare = double(field.guarded) / double(field.solved);
+    std::vector<double> error(samples, -1);
+    parallelFor(samples, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const auto i = NodeIndex((2 * k + 1) * band.size() / (2 * samples));
+            SurfacePoint target;
+            target.node = i;
+            target.pIndex = target.askedIndex = band.footPoint(i);
+            projectToSurface(band, target.pIndex);
+            Path path = tracePath(band, field, gradient, target);
+            straighten(band, field, path);
+            // Close to a seed the distance is exact by construction and would only flatter.
+            if (path.status != PathStatus::Reached || path.distance < 3 * field.startRadius)
+                continue;
+            const SurfacePoint& seed = field.seeds[path.seed];
+            const double length = seed.start + path.length;
+            error[k] = std::abs(length - path.distance) / path.distance;
+        }
+    });
+    for (const double x : error) {
+        if (x < 0) continue;
+        ++e.samples;
+        e.meanError += x;
+        e.largestError = std::max(e.largestError, x);
+    }
+    if (e.samples) e.meanError /= double(e.samples);
+    return e;
+}
+
+}  // namespace igeo

@@ -1,0 +1,283 @@
+#include <igeo/path/trace.h>
+
+#include <igeo/base/detail/steps.h>
+#include <igeo/base/parallel.h>
+
+#include <algorithm>
+
+namespace igeo {
+
+const char* toString(PathStatus status) {
+    switch (status) {
+        case PathStatus::Reached:
+            return "reached";
+        case PathStatus::Unreachable:
+            return "unreachable";
+        case PathStatus::Stalled:
+            break;
+    }
+    return "stalled";
+}
+
+namespace {
+
+class Tracer {
+public:
+    Tracer(const Band& band, const Field& field, const std::vector<Vec3f>& gradient,
+           const TraceOptions& options)
+        : band_(band), field_(field), gradient_(gradient), options_(options) {}
+
+    Path trace(const SurfacePoint& target);
+
+private:
+    /// The direction of -G^-1 grad_S d (-grad_S d where the metric is isotropic), unit, blended
+    /// from the corners of the cell; false where it vanishes.
+    bool direction(const Vec3d& p, Vec3d& v) const;
+    /// One accepted Runge-Kutta step from p, projected; false when the step would be below minStep.
+    bool stepAlongGradient(Vec3d& p, double& step) const;
+    /// A step along the rim of an obstacle: in the direction nearest to v that is free.
+    bool slide(Vec3d& p, const Vec3d& v, double step) const;
+    /// Nodes that a path may go through, and the next ones: each node's value came from a lower
+    /// one.
+    bool walkable(NodeIndex i) const;
+    /// The node in sight by which the way from p is shortest.
+    NodeIndex nodeAhead(const Vec3d& p) const;
+    NodeIndex lowestNeighbour(NodeIndex i) const;
+    /// The normal at p of the sheet the path is on.
+    Vec3d normalAt(const Vec3d& p) const;
+    void append(Path& path, const Vec3d& p, double d) const;
+    /// The seed to which a path at p, where the distance is d, may go straight.
+    const SurfacePoint* seedAhead(const Vec3d& p, double d) const;
+    void finishAtSeed(Path& path, const SurfacePoint& seed) const;
+
+    const Band& band_;
+    const Field& field_;
+    const std::vector<Vec3f>& gradient_;
+    const TraceOptions& options_;
+    Vec3d side_;  ///< normal of the sheet the path is on: where two face each other in a cell
+};
+
+Vec3d Tracer::normalAt(const Vec3d& p) const {
+    return SurfaceCell(band_, *field_.metric, p, side_).normal;
+}
+
+bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
+    const SurfaceCell cell(band_, *field_.metric, p, side_);
+    Vec3d g{};
+    double lengths = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        if (cell.node[k] == kNoNode) continue;
+        const Vec3d gk(gradient_[cell.node[k]]);
+        g += cell.weight[k] * gk;
+        lengths += cell.weight[k] * length(gk);
+    }
+    g = tangential(g, cell.normal);
+    const double len = length(g);
+    // Half of the front's gradient cancels where fronts meet at 120 degrees: no use beyond that.
+    if (!(len > 0.1 * lengths)) return false;
+    if (!field_.metric->anisotropic()) {
+        v = -(1 / len) * g;
+        return true;
+    }
+    const TangentFrame frame{Vec3f(cell.normal)};
+    const Stretch stretch = field_.metric->inPlane(frame, cell).stretch;
+    v = -normalized(Vec3d(frame.lift(stretch.wayBack(stretch.covector(frame.flat(Vec3f(g)))))));
+    return true;
+}
+
+bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
+    Vec3d k1, k2, k3, k4;
+    if (!direction(p, k1)) return false;
+    for (; step >= options_.minStep; step /= 2) {
+        if (!direction(p + (step / 2) * k1, k2) || !direction(p + (3 * step / 4) * k2, k3))
+            continue;
+        Vec3d q = p + step * ((2.0 / 9) * k1 + (1.0 / 3) * k2 + (4.0 / 9) * k3);
+        if (!direction(q, k4)) continue;
+        const double error =
+            step * length((-5.0 / 72) * k1 + (1.0 / 12) * k2 + (1.0 / 9) * k3 - (1.0 / 8) * k4);
+        const double ratio = error / options_.tolerance;
+        if (ratio > 1) continue;
+        const Vec3d free = q;
+        if (!projectToSurface(band_, q) || length(q - free) > step) continue;
+        if (field_.metric->blocked(p, q, side_)) {
+            return slide(p, k1, step);
+        }
+        p = q;
+        // Third-order local error: the step that would just meet the tolerance, with a margin.
+        const double growth = ratio > 0 ? 0.9 * std::cbrt(1 / ratio) : 2.0;
+        step = std::min(step * std::clamp(growth, 0.5, 2.0), options_.maxStep);
+        return true;
+    }
+    return false;
+}
+
+bool Tracer::slide(Vec3d& p, const Vec3d& v, double step) const {
+    constexpr double kStep = 0.5, kCoarse = 0.15, kWidest = 2, kFine = 0.005;  // voxels, radians
+    const Vec3d across = cross(side_, v);
+    Vec3d q;
+    auto isFree = [&](double angle) {
+        q = p + std::min(step, kStep) * (std::cos(angle) * v + std::sin(angle) * across);
+        return projectToSurface(band_, q) && !field_.metric->blocked(p, q, side_);
+    };
+    for (double angle = kCoarse; angle < kWidest; angle += kCoarse)
+        for (const double turn : {1.0, -1.0}) {
+            if (!isFree(turn * angle)) continue;
+            double blocked = angle - kCoarse, free = angle;
+            while (free - blocked > kFine) {
+                const double middle = (free + blocked) / 2;
+                (isFree(turn * middle) ? free : blocked) = middle;
+            }
+            isFree(turn * free);
+            p = q;
+            return true;
+        }
+    return false;
+}
+
+bool Tracer::walkable(NodeIndex i) const {
+    // Voxels further out would carry the path sideways to their foot points.
+    return field_.distance[i] < kInfinity &&
+           (field_.atFootPoints ? band_.inCore(i) : std::abs(band_.psi[i]) <= 1);
+}
+
+NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
+    const Ijk middle = roundToIjk(p);
+    NodeIndex best = kNoNode;
+    double least = kInfinity;
+    for (int x = -2; x <= 2; ++x)
+        for (int y = -2; y <= 2; ++y)
+            for (int z = -2; z <= 2; ++z) {
+                const NodeIndex j = band_.nodeAt(middle + Ijk{x, y, z});
+                if (j == kNoNode || !walkable(j) ||
+                    dot(Vec3f(side_), band_.normal[j]) < Band::kOtherSheet ||
+                    field_.metric->blocked(band_, p, side_, j))
+                    continue;
+                const double way =
+                    field_.distance[j] + field_.metric->at(j) * length(band_.footPoint(j) - p);
+                if (way < least) least = way, best = j;
+            }
+    return best;
+}
+
+NodeIndex Tracer::lowestNeighbour(NodeIndex i) const {
+    NodeIndex best = i;
+    band_.forNeighbours(&BandLeaf::band, band_.leaf[i], band_.offset[i],
+                        [&](NodeIndex j, int, int, int) {
+                            if (field_.distance[j] < field_.distance[best] && walkable(j) &&
+                                dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet &&
+                                !field_.metric->blocked(band_, i, j))
+                                best = j;
+                        });
+    return best == i ? kNoNode : best;
+}
+
+void Tracer::append(Path& path, const Vec3d& p, double d) const {
+    if (!path.vertices.empty()) {
+        const Vec3d& last = path.vertices.back().pIndex;
+        path.arcLength += length(p - last);
+        path.length += wayCost(band_, *field_.metric, last, p, side_);
+    }
+    path.vertices.push_back({p, path.arcLength, d});
+}
+
+const SurfacePoint* Tracer::seedAhead(const Vec3d& p, double d) const {
+    const SurfacePoint* around = seedAround(field_, p, side_, d);
+    if (around || !field_.metric->anisotropic()) return around;
+    // The rest of a start disc that tensors make long, where S is flat and the straight way as
+    // good as the distance: there the front bends faster than a cell can show.
+    constexpr double kRise = 1, kAgree = 0.02;
+    const TangentFrame frame{Vec3f(side_)};
+    for (const SurfacePoint& s : field_.seeds) {
+        const double cost = costToSeed(field_, s, p, side_);
+        if (std::abs(d - s.start - cost) <= kAgree * cost &&
+            std::abs(dot(side_, s.nearestTo(p) - p)) <= kRise &&
+            cost <= field_.startRadius * field_.metric->inPlane(frame, s.node).largest() &&
+            !field_.metric->blocked(p, s.nearestTo(p), side_))
+            return &s;
+    }
+    return nullptr;
+}
+
+void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
+    const Vec3d from = path.vertices.back().pIndex, end = seed.nearestTo(from), way = end - from;
+    double d = path.vertices.back().distance;
+    const int pieces = std::max(1, int(std::ceil(length(way) / options_.maxStep)));
+    for (int k = 1; k < pieces; ++k) {
+        Vec3d p = from + (double(k) / pieces) * way;
+        projectToSurface(band_, p);
+        // In a groove a point of the straight way may be put on the wall behind the one before.
+        d = std::min(d, seed.start + costToSeed(field_, seed, p, side_));
+        append(path, p, d);
+    }
+    append(path, end, seed.start);
+    path.seed = std::size_t(&seed - field_.seeds.data());
+    path.status = PathStatus::Reached;
+}
+
+Path Tracer::trace(const SurfacePoint& target) {
+    Path path;
+    path.target = target;
+    Vec3d p = target.pIndex;
+    side_ = Vec3d(band_.normal[target.node]);
+    double d = sampleDistance(band_, field_, p, side_);
+    path.distance = d;
+    if (!(d < kInfinity)) return path;
+    append(path, p, d);
+    path.status = PathStatus::Stalled;
+
+    constexpr double kFall = 1e-4;  // voxels
+    double step = options_.maxStep / 4;
+    NodeIndex node = kNoNode;  // where the path is, while it goes from node to node
+    while (true) {
+        if (const SurfacePoint* seed = seedAhead(p, d)) {
+            finishAtSeed(path, *seed);
+            return path;
+        }
+        // Where the gradient does not lead down (cut loci, creases) the path goes on from node to
+        // node. Either way something falls with every step, so that it ends.
+        Vec3d next = p;
+        const double lower =
+            stepAlongGradient(next, step) ? sampleDistance(band_, field_, next, side_) : kInfinity;
+        if (lower < d - kFall * field_.metric->at(cellAt(band_, p))) {
+            node = kNoNode;
+            p = next;
+            d = lower;
+        } else {
+            node = node == kNoNode ? nodeAhead(p) : lowestNeighbour(node);
+            if (node == kNoNode) return path;
+            p = band_.footPoint(node);
+            projectToSurface(band_, p);
+            side_ = Vec3d(band_.normal[node]);
+            // Values at points may lie below those of the nodes around them.
+            d = std::min(d, field_.distance[node]);
+            step = options_.maxStep / 4;
+        }
+        if (const Vec3d n = normalAt(p); n != Vec3d{}) side_ = n;
+        append(path, p, d);
+    }
+}
+
+}  // namespace
+
+Path tracePath(const Band& band, const Field& field, const std::vector<Vec3f>& gradient,
+               const SurfacePoint& target, const TraceOptions& options) {
+    return Tracer(band, field, gradient, options).trace(target);
+}
+
+std::vector<Path> tracePaths(const Band& band, const Field& field,
+                             const std::vector<Vec3f>& gradient,
+                             const std::vector<SurfacePoint>& targets, const TraceOptions& options,
+                             Progress& progress) {
+    std::vector<Path> paths(targets.size());
+    Steps steps(progress, "trace", targets.size());
+    parallelFor(targets.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end && !steps.cancelled(); ++k) {
+            paths[k] = tracePath(band, field, gradient, targets[k], options);
+            steps.add(1);
+        }
+    });
+    progress.throwIfCancelled();
+    return paths;
+}
+
+}  // namespace igeo

@@ -1,0 +1,63 @@
+/// Geodesics by back-tracking the distance (M&S 4.1).
+#pragma once
+
+#include <igeo/base/progress.h>
+#include <igeo/march/field.h>
+
+#include <vector>
+
+namespace igeo {
+
+enum class PathStatus {
+    Reached,      ///< ends at a seed
+    Unreachable,  ///< the target has no distance: no path in the band, or beyond an early stop
+    Stalled       ///< no way down was found before a seed
+};
+const char* toString(PathStatus status);
+
+/// A point on a geodesic.
+struct PathVertex {
+    Vec3d pIndex;          ///< on psi = 0, index space
+    double arcLength = 0;  ///< from the target, voxels
+    double distance = 0;   ///< d here, voxels times weight
+};
+
+/// A geodesic from a target down to the seed its distance comes from.
+struct Path {
+    SurfacePoint target;
+    PathStatus status = PathStatus::Unreachable;
+    std::size_t seed = 0;              ///< index of the seed reached, if Reached
+    std::vector<PathVertex> vertices;  ///< from the target on; empty if Unreachable
+    double length = 0;                 ///< by the metric: voxels times weight
+    double arcLength = 0;              ///< voxels; the same where there is no weight
+    double distance = kInfinity;       ///< d at the target, voxels times weight
+};
+
+struct TraceOptions {
+    double maxStep = 1.0;     ///< voxels
+    double minStep = 0.01;    ///< voxels; below it a path goes on from node to node
+    double tolerance = 1e-3;  ///< local error per step, voxels
+};
+
+/// Follows gamma' = -grad_S d / |grad_S d|, or -G^-1 grad_S d made unit where the metric is a
+/// tensor G, from `target` by the embedded Runge-Kutta pair 2(3) of Bogacki and Shampine with
+/// adaptive step, back on psi = 0 after every step, until it enters a seed's start disc, which it
+/// crosses straight on the surface.
+///
+/// Where an obstacle is in the way, it slides along its rim. Where the gradient gives no way down
+/// (cut loci, creases), it goes on over the foot points of
+/// nodes, each time to the neighbour of least distance. Distances never rise along a path.
+/// @param gradient surfaceGradient() of the same field
+/// @return vertices lie on psi = 0 of the trilinear interpolant to 1e-6 voxels where that converges
+/// Time O(length).
+Path tracePath(const Band& band, const Field& field, const std::vector<Vec3f>& gradient,
+               const SurfacePoint& target, const TraceOptions& options = {});
+
+/// tracePath for every target, in parallel; results in the order of the targets.
+std::vector<Path> tracePaths(const Band& band, const Field& field,
+                             const std::vector<Vec3f>& gradient,
+                             const std::vector<SurfacePoint>& targets,
+                             const TraceOptions& options = {},
+                             Progress& progress = Progress::none());
+
+}  // namespace igeo

@@ -1,0 +1,194 @@
+#include <igeo/results/detail/camera.h>
+
+#include <igeo/base/detail/format.h>
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+
+#include <array>
+#include <numbers>
+
+namespace igeo {
+
+namespace {
+
+/// Calls visit(pWorld, k) for the voxels at the surface, in parallel, k a slot per chunk of leaves.
+class SurfaceVoxels {
+public:
+    explicit SurfaceVoxels(const LevelSet& levelSet) : levelSet_(levelSet) {
+        levelSet.psi->tree().getNodes(leaves_);
+    }
+
+    /// The largest value of each of N functions: values(pWorld) is an array of them.
+    template <std::size_t N, typename Values>
+    std::array<double, N> largest(const Values& values) const {
+        std::array<double, N> none;
+        none.fill(-kInfinity);
+        std::vector<std::array<double, N>> parts((leaves_.size() + kChunk - 1) / kChunk, none);
+        const Similarity& t = levelSet_.transform;
+        parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t c = begin; c < end; ++c)
+                for (std::size_t l = c * kChunk; l < std::min(leaves_.size(), (c + 1) * kChunk);
+                     ++l)
+                    for (auto it = leaves_[l]->cbeginValueOn(); it; ++it) {
+                        if (std::abs(*it) > t.dx) continue;
+                        const openvdb::Coord ijk = it.getCoord();
+                        const auto v = values(
+                            t.worldFromIndex({double(ijk.x()), double(ijk.y()), double(ijk.z())}));
+                        for (std::size_t k = 0; k < N; ++k)
+                            parts[c][k] = std::max(parts[c][k], v[k]);
+                    }
+        });
+        for (const auto& part : parts)
+            for (std::size_t k = 0; k < N; ++k) none[k] = std::max(none[k], part[k]);
+        return none;
+    }
+
+private:
+    static constexpr std::size_t kChunk = 64;
+    const LevelSet& levelSet_;
+    std::vector<const openvdb::FloatTree::LeafNodeType*> leaves_;
+};
+
+/// Something worth to be seen.
+struct Sight {
+    Vec3d pIndex;
+    double weight;
+};
+
+/// Seeds, paths and the reached surface; paths count most.
+std::vector<Sight> sights(const Band& band, const Field& field, const std::vector<Path>& paths) {
+    constexpr std::size_t kMost = 128;  // of each
+    std::vector<Vec3d> seeds, vertices, reached;
+    for (const SurfacePoint& s : field.seeds) seeds.push_back(s.pIndex);
+    for (const Path& path : paths)
+        for (const PathVertex& v : path.vertices) vertices.push_back(v.pIndex);
+    const std::size_t stride = std::max<std::size_t>(band.size() / (8 * kMost), 1);
+    for (std::size_t i = 0; i < band.size(); i += stride)
+        if (field.distance[i] < kInfinity) reached.push_back(band.footPoint(NodeIndex(i)));
+
+    std::vector<Sight> all;
+    auto add = [&](const std::vector<Vec3d>& points, double weight) {
+        const std::size_t n = std::min(points.size(), kMost);
+        for (std::size_t k = 0; k < n; ++k)
+            all.push_back({points[k * points.size() / n], weight / double(n)});
+    };
+    add(seeds, 1);
+    add(vertices, 2);
+    add(reached, 1);
+    return all;
+}
+
+Vec3d indexDirection(const Similarity& t, const Vec3d& world) {
+    return {dot(t.axis[0], world), dot(t.axis[1], world), dot(t.axis[2], world)};
+}
+
+/// Axes of a camera that looks along -back.
+void aim(View& view, const Vec3d& back, const Vec3d& up) {
+    view.back = normalized(back);
+    view.right = normalized(cross(up, view.back));
+    view.up = cross(view.back, view.right);
+}
+
+/// Directions to an eye, the nicest first: around the object from a little above, from high above,
+/// and only then from below. In front is +z if up is y (Houdini), -y if up is z.
+std::vector<Vec3d> eyeDirections(const Vec3d& up) {
+    const Vec3d sideways = std::abs(up.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+    const Vec3d right = normalized(tangential(sideways, up)), front = cross(right, up);
+    std::vector<Vec3d> all;
+    auto add = [&](double azimuth, double elevation) {
+        const double a = azimuth * std::numbers::pi / 180, e = elevation * std::numbers::pi / 180;
+        all.push_back(std::cos(e) * (std::sin(a) * right + std::cos(a) * front) + std::sin(e) * up);
+    };
+    for (const double elevation : {30, 60, -30})
+        for (const double azimuth : {-45, 45, 0, -90, 90, -135, 135, 180}) {
+            add(azimuth, elevation);
+        }
+    add(0, 85);
+    add(0, -85);
+    return all;
+}
+
+/// The direction to the eye, world space.
+Vec3d chooseDirection(const LevelSet& levelSet, const SurfaceRays& rays,
+                      const std::vector<Sight>& seen, const Vec3d& up) {
+    constexpr double kAlmost = 0.9;
+    const std::vector<Vec3d> directions = eyeDirections(up);
+    std::vector<double> scores(directions.size());
+    parallelFor(directions.size(), 1, [&](std::size_t begin, std::size_t end) {
+        const SurfaceRays own = rays;
+        for (std::size_t k = begin; k < end; ++k) {
+            const Vec3d toEye = indexDirection(levelSet.transform, directions[k]);
+            for (const Sight& s : seen)
+                if (isVisible(own, s.pIndex, toEye))
+                    scores[k] += s.weight * std::abs(dot(own.normal(s.pIndex), toEye));
+        }
+    });
+    const double best = *std::max_element(scores.begin(), scores.end());
+    std::size_t k = 0;
+    while (scores[k] < kAlmost * best) ++k;
+    return directions[k];
+}
+
+}  // namespace
+
+bool isVisible(const SurfaceRays& rays, const Vec3d& p, const Vec3d& toEye) {
+    constexpr double kClear = 1.5;  // voxels: off its own surface
+    const Vec3d n = rays.normal(p);
+    return !rays.hit(p + (dot(n, toEye) < 0 ? -kClear : kClear) * n, toEye);
+}
+
+View chooseView(const LevelSet& levelSet, const SurfaceRays& rays, const Band& band,
+                const Field& field, const std::vector<Path>& paths, const PictureOptions& options,
+                double aspect) {
+    constexpr double kMargin = 1.06;
+    const SurfaceVoxels voxels(levelSet);
+    const auto box = voxels.largest<6>(
+        [](const Vec3d& p) { return std::array<double, 6>{p.x, p.y, p.z, -p.x, -p.y, -p.z}; });
+    const Vec3d middle = 0.5 * Vec3d{box[0] - box[3], box[1] - box[4], box[2] - box[5]};
+    const Vec3d target = options.lookAt.value_or(middle);
+    const Vec3d up = normalized(options.up);
+
+    View view;
+    if (options.eye) {
+        view.eye = *options.eye;
+        const Vec3d back = view.eye - target;
+        if (!(length(back) > 1e-6 * levelSet.transform.dx))
+            throw Error(Error::Kind::InvalidArgument,
+                        "the camera at " + format(view.eye) + " looks at itself",
+                        "give it another place or another point to look at");
+        if (!(length(cross(up, normalized(back))) > 1e-6))
+            throw Error(Error::Kind::InvalidArgument,
+                        "the camera looks along its up direction, " + format(options.up),
+                        "choose another up direction");
+        // A cut surface has no inside.
+        if (levelSet.stats.cutVoxels == 0 &&
+            rays.psi(levelSet.transform.indexFromWorld(view.eye)) < 0)
+            throw Error(Error::Kind::InvalidArgument,
+                        "the camera at " + format(view.eye) + " is inside the surface",
+                        "move it out; the middle of the surface is " + format(middle));
+        aim(view, back, up);
+    } else {
+        aim(view, chooseDirection(levelSet, rays, sights(band, field, paths), up), up);
+        // A point at (a, b, c) from the target along right, up and back is in the frame of an eye
+        // at (x, y, depth) if |a - x| <= T (depth - c) and the same of b.
+        const double tx = View::kHalfWidth / kMargin, ty = tx * aspect;
+        const auto need = voxels.largest<4>([&](const Vec3d& p) {
+            const Vec3d r = p - target;
+            const double a = dot(r, view.right), b = dot(r, view.up), c = dot(r, view.back);
+            return std::array<double, 4>{a + tx * c, -a + tx * c, b + ty * c, -b + ty * c};
+        });
+        double x = 0, y = 0, depth;
+        if (options.lookAt) {
+            depth = std::max(std::max(need[0], need[1]) / tx, std::max(need[2], need[3]) / ty);
+        } else {
+            x = (need[0] - need[1]) / 2;
+            y = (need[2] - need[3]) / 2;
+            depth = std::max((need[0] + need[1]) / (2 * tx), (need[2] + need[3]) / (2 * ty));
+        }
+        view.eye = target + x * view.right + y * view.up + depth * view.back;
+    }
+    view.depth = std::max(dot(view.eye - middle, view.back), 1e-3 * length(view.eye - middle));
+    return view;
+}
+
+}  // namespace igeo

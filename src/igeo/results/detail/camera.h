@@ -1,0 +1,36 @@
+/// Where a picture is taken from. Internal to the pictures.
+#pragma once
+
+#include <igeo/march/field.h>
+#include <igeo/path/trace.h>
+#include <igeo/results/detail/surface_rays.h>
+#include <igeo/results/picture_options.h>
+#include <igeo/surface/level_set.h>
+
+#include <vector>
+
+namespace igeo {
+
+/// A perspective camera in world space. Axes are unit vectors.
+struct View {
+    Vec3d eye, right, up, back;
+    double depth = 1;  ///< from the eye to the middle of the surface, world units
+
+    /// Half the width of what is seen, per depth: a lens of 75 mm on Houdini's film of 41.2136 mm.
+    static constexpr double kFocalLength = 75, kAperture = 41.2136;
+    static constexpr double kHalfWidth = kAperture / kFocalLength / 2;
+};
+
+/// The view asked for, or else the first of 26 directions, three-quarter views first, that shows
+/// the seeds, the paths and what is reached almost as well as the best of them, with all of the
+/// surface in the frame.
+/// @param aspect  height / width of the frame
+/// @throws Error  InvalidArgument for a view that shows nothing
+View chooseView(const LevelSet& levelSet, const SurfaceRays& rays, const Band& band,
+                const Field& field, const std::vector<Path>& paths, const PictureOptions& options,
+                double aspect);
+
+/// Whether nothing lies between a point of S and an eye in direction `toEye`; all in index space.
+bool isVisible(const SurfaceRays& rays, const Vec3d& p, const Vec3d& toEye);
+
+}  // namespace igeo

@@ -1,0 +1,28 @@
+/// Isolines and paths cut into the surface itself, for viewers that show level sets only.
+#pragma once
+
+#include <igeo/path/trace.h>
+#include <igeo/results/isolines.h>
+#include <igeo/surface/level_set.h>
+
+#include <vector>
+
+namespace igeo {
+
+/// Half the width of a groove that shows at any magnification that shows the voxels.
+constexpr double kGrooveRadius = 1.2;
+
+/// The level set with a groove along every line and path: S minus round tubes about them
+/// (OpenVDB's csgDifference, psi' = max(psi, radius - distance to the line)).
+///
+/// That maximum is the exact distance inside S and a lower bound outside, so the result is a level
+/// set of the same half-width without redistancing; further than radius + half-width from all
+/// lines it has the values of psi bit by bit. A wall thinner than the radius is cut through.
+/// @param radius depth and half the width of the grooves, voxels
+/// @return a grid of class level set with psi's transform, named <psi>_engraved
+/// @throws Error  InvalidArgument unless 0.5 <= radius <= 10
+/// Time O(length of the lines (radius + half-width)^2 + active voxels).
+openvdb::FloatGrid::Ptr engraved(const LevelSet& levelSet, const std::vector<Isoline>& lines,
+                                 const std::vector<Path>& paths, double radius = kGrooveRadius);
+
+}  // namespace igeo

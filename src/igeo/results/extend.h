@@ -1,0 +1,17 @@
+/// Distances beyond the band.
+#pragma once
+
+#include <igeo/band/band.h>
+#include <igeo/march/field.h>
+#include <igeo/surface/level_set.h>
+
+namespace igeo {
+
+/// Gives every active voxel of the level set outside the band the distance at its own foot point,
+/// so that the grid covers the whole narrow band (constant along normals).
+/// @param distance as distanceGrid() made it; world units
+/// Time O(active voxels), in parallel.
+void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, const Band& band,
+                    const Field& field);
+
+}  // namespace igeo

@@ -1,0 +1,151 @@
+#include <igeo/results/field_grids.h>
+
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+
+namespace igeo {
+
+namespace {
+
+/// Sets value(i) at every node i that is wanted. Leaves are made and added by one thread, filled by
+/// all.
+template <typename GridT, typename Wanted, typename ValueAt>
+void fill(GridT& grid, const Band& band, const Wanted& wanted, const ValueAt& valueAt) {
+    using Leaf = typename GridT::TreeType::LeafNodeType;
+    const auto background = grid.background();
+    std::vector<Leaf*> leaves(band.leaves.size(), nullptr);
+    parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            const BandLeaf& from = band.leaves[l];
+            for (NodeIndex i = from.band.first; i < from.band.first + from.band.count; ++i) {
+                if (!wanted(i)) continue;
+                if (!leaves[l])
+                    leaves[l] = new Leaf(
+                        openvdb::Coord(from.origin.x, from.origin.y, from.origin.z), background);
+                leaves[l]->setValueOn(openvdb::Index(band.offset[i]), valueAt(i));
+            }
+        }
+    });
+    for (Leaf* leaf : leaves)
+        if (leaf) grid.tree().addLeaf(leaf);
+}
+
+auto reached(const Field& field) {
+    return [&field](NodeIndex i) { return field.distance[i] < kInfinity; };
+}
+
+template <typename GridT>
+typename GridT::Ptr makeGrid(const typename GridT::ValueType& background,
+                             const openvdb::math::Transform& transform, const std::string& name) {
+    auto grid = GridT::create(background);
+    grid->setTransform(transform.copy());
+    grid->setName(name);
+    return grid;
+}
+
+}  // namespace
+
+openvdb::FloatGrid::Ptr distanceGrid(const Band& band, const Field& field,
+                                     const openvdb::math::Transform& transform,
+                                     const std::string& name) {
+    const double dx = band.transform.dx;
+    auto grid = makeGrid<openvdb::FloatGrid>(float(field.maxDistance * dx), transform, name);
+    fill(*grid, band, reached(field), [&](NodeIndex i) {
+        const bool negative = !field.side.empty() && field.side[i] < 0;
+        return float((negative ? -dx : dx) * field.distance[i]);
+    });
+    return grid;
+}
+
+openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
+                                     const std::vector<Vec3f>& gradient,
+                                     const openvdb::math::Transform& transform,
+                                     const std::string& name) {
+    auto grid = makeGrid<openvdb::Vec3SGrid>({}, transform, name);
+    grid->setVectorType(openvdb::VEC_COVARIANT);
+    fill(*grid, band, reached(field), [&](NodeIndex i) {
+        const Vec3d g = band.transform.worldFromIndexDirection(Vec3d(gradient[i]));
+        return openvdb::Vec3s(float(g.x), float(g.y), float(g.z));
+    });
+    return grid;
+}
+
+openvdb::FloatGrid::Ptr labelGrid(const Band& band, const Field& field,
+                                  const openvdb::math::Transform& transform,
+                                  const std::string& name) {
+    constexpr std::size_t kMostSeeds = 1 << 24;
+    if (field.sourceCount() > kMostSeeds)
+        throw Error(Error::Kind::InvalidArgument,
+                    "labels of " + std::to_string(field.sourceCount()) +
+                        " seeds; a grid of labels counts up to " + std::to_string(kMostSeeds),
+                    "leave the labels out, or give fewer seeds");
+    auto grid = makeGrid<openvdb::FloatGrid>(-1, transform, name);
+    fill(*grid, band, reached(field),
+         [&](NodeIndex i) { return field.label.empty() ? 0 : float(field.label[i]); });
+    return grid;
+}
+
+openvdb::FloatGrid::Ptr weightGrid(const Band& band, const Metric& metric,
+                                   const openvdb::math::Transform& transform,
+                                   const std::string& name) {
+    auto grid = makeGrid<openvdb::FloatGrid>(1, transform, name);
+    auto open = [&](NodeIndex i) { return !metric.inside(i); };
+    fill(*grid, band, open, [&](NodeIndex i) { return float(metric.at(i)); });
+    return grid;
+}
+
+std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curvature& curvature,
+                                                    const openvdb::math::Transform& transform,
+                                                    const std::string& psi) {
+    const double perUnit = 1 / band.transform.dx;
+    std::vector<openvdb::FloatGrid::Ptr> grids;
+    auto add = [&](const char* what, const auto& value) {
+        grids.push_back(makeGrid<openvdb::FloatGrid>(0, transform, psi + "_curvature_" + what));
+        fill(
+            *grids.back(), band, [](NodeIndex) { return true; }, value);
+    };
+    const auto &k1 = curvature.k1, &k2 = curvature.k2;
+    add("mean", [&](NodeIndex i) { return float((k1[i] + k2[i]) / 2 * perUnit); });
+    add("gaussian", [&](NodeIndex i) { return float(k1[i] * k2[i] * perUnit * perUnit); });
+    add("max", [&](NodeIndex i) { return float(k1[i] * perUnit); });
+    add("min", [&](NodeIndex i) { return float(k2[i] * perUnit); });
+    return grids;
+}
+
+openvdb::Vec3SGrid::Ptr colorGrid(const Band& band, const Field& field, const ColourMap& colours,
+                                  const openvdb::math::Transform& transform,
+                                  const std::string& name) {
+    constexpr float kUnreached = 0.7f;
+    auto grid = makeGrid<openvdb::Vec3SGrid>(openvdb::Vec3s(kUnreached), transform, name);
+    const double scale = field.maxDistance > 0 ? 1 / field.maxDistance : 0;
+    fill(*grid, band, reached(field), [&](NodeIndex i) {
+        const Vec3f c(srgbFromLinear(colours(field.distance[i] * scale)));
+        return openvdb::Vec3s(c.x, c.y, c.z);
+    });
+    return grid;
+}
+
+openvdb::FloatGrid::Ptr doubtGrid(const Band& band, const std::vector<float>& doubt,
+                                  const openvdb::math::Transform& transform,
+                                  const std::string& name) {
+    auto grid = makeGrid<openvdb::FloatGrid>(0, transform, name);
+    fill(
+        *grid, band, [&](NodeIndex i) { return doubt[i] > 0; },
+        [&](NodeIndex i) { return doubt[i]; });
+    return grid;
+}
+
+openvdb::Vec3SGrid::Ptr logMapGrid(const Band& band, const LogMap& map,
+                                   const openvdb::math::Transform& transform,
+                                   const std::string& name) {
+    const auto dx = float(band.transform.dx);
+    auto grid = makeGrid<openvdb::Vec3SGrid>({}, transform, name);
+    grid->setVectorType(openvdb::VEC_INVARIANT);
+    auto known = [&](NodeIndex i) { return !std::isnan(map.position[i].x); };
+    fill(*grid, band, known, [&](NodeIndex i) {
+        return openvdb::Vec3s(dx * map.position[i].x, dx * map.position[i].y, 0);
+    });
+    return grid;
+}
+
+}  // namespace igeo

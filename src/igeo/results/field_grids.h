@@ -1,0 +1,67 @@
+/// From the band back to volumes.
+#pragma once
+
+#include <igeo/band/band.h>
+#include <igeo/march/field.h>
+#include <igeo/metric/curvature.h>
+#include <igeo/results/color_map.h>
+#include <igeo/results/log_map.h>
+#include <openvdb/openvdb.h>
+
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// Distances as a grid in world units times weight, negative where Field::side is.
+///
+/// Active exactly at the nodes with a finite distance; everything else is inactive and holds the
+/// largest distance, as does the background, so that sublevel sets stay closed. Class unknown.
+/// @param transform the level set's own, so that both grids line up bit by bit
+openvdb::FloatGrid::Ptr distanceGrid(const Band& band, const Field& field,
+                                     const openvdb::math::Transform& transform,
+                                     const std::string& name);
+
+/// Gradients along S (surfaceGradient) as covariant vectors in world space, weight per unit length;
+/// active where the distance is known.
+openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
+                                     const std::vector<Vec3f>& gradient,
+                                     const openvdb::math::Transform& transform,
+                                     const std::string& name);
+
+/// The index of the nearest seed; active where the distance is known, background -1. As float,
+/// which every reader of VDB files knows (Python's module, as Debian packages it, reads no int32).
+/// @throws Error  InvalidArgument with more seeds than a float counts, 2^24
+openvdb::FloatGrid::Ptr labelGrid(const Band& band, const Field& field,
+                                  const openvdb::math::Transform& transform,
+                                  const std::string& name);
+
+/// The weight at the foot points of the band, obstacles left inactive; background 1.
+openvdb::FloatGrid::Ptr weightGrid(const Band& band, const Metric& metric,
+                                   const openvdb::math::Transform& transform,
+                                   const std::string& name);
+
+/// Curvature at the foot points of the band, per world unit: `<psi>_curvature_mean` (k1 + k2) / 2,
+/// `_gaussian` k1 k2 (per unit squared), `_max` k1 and `_min` k2; background 0.
+std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curvature& curvature,
+                                                    const openvdb::math::Transform& transform,
+                                                    const std::string& psi);
+/// Colours of the distances, sRGB in [0, 1], for `vdb_render -color`: the map from 0 to the largest
+/// distance where the distance is known; grey, and inactive, elsewhere.
+openvdb::Vec3SGrid::Ptr colorGrid(const Band& band, const Field& field, const ColourMap& colours,
+                                  const openvdb::math::Transform& transform,
+                                  const std::string& name);
+
+/// How doubtful results are (SurfaceSurvey::doubt), active where they are: 1 where a bound is just
+/// met, larger is worse. Background 0, class unknown.
+openvdb::FloatGrid::Ptr doubtGrid(const Band& band, const std::vector<float>& doubt,
+                                  const openvdb::math::Transform& transform,
+                                  const std::string& name);
+
+/// The logarithmic map (u, v, 0), world units times weight: of LogMap::frames, not of space. Active
+/// where it is known. Class unknown, vectors invariant.
+openvdb::Vec3SGrid::Ptr logMapGrid(const Band& band, const LogMap& map,
+                                   const openvdb::math::Transform& transform,
+                                   const std::string& name);
+
+}  // namespace igeo

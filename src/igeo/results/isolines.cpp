@@ -1,0 +1,292 @@
+#include <igeo/results/isolines.h>
+
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/io/detail/little_endian.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace igeo {
+
+namespace {
+
+constexpr int kMostLevels = 100000;
+
+/// A piece of a line, across one triangle: from an edge to another.
+struct Segment {
+    std::uint32_t from, to;
+    bool operator<(const Segment& o) const { return from < o.from; }
+};
+
+/// Edges in the order in which a line crosses them.
+struct Chain {
+    std::vector<std::uint32_t> edges;
+    bool closed = false;
+};
+
+/// Which triangles a line may cross: all distances known, no obstacle in between.
+bool passable(const Field& field, const SurfaceMesh& mesh, const SurfaceMesh::Triangle& t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = t[k], b = t[(k + 1) % 3];
+        if (!(mesh.distance[a] < kInfinity) ||
+            field.metric->blocked(mesh.position[a], mesh.position[b], Vec3d(mesh.normal[a])))
+            return false;
+    }
+    return true;
+}
+
+/// Per level the pieces of its lines, sorted by the edge they start at.
+std::vector<std::vector<Segment>> segmentsByLevel(const Field& field, const SurfaceMesh& mesh,
+                                                  const MeshEdges& edges,
+                                                  const std::vector<double>& levels) {
+    std::vector<std::vector<Segment>> segments(levels.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const SurfaceMesh::Triangle& v = mesh.triangles[t];
+        const std::array<double, 3> d{mesh.distance[v[0]], mesh.distance[v[1]],
+                                      mesh.distance[v[2]]};
+        const auto [least, most] = std::minmax_element(d.begin(), d.end());
+        auto level = std::upper_bound(levels.begin(), levels.end(), *least);
+        if (level == levels.end() || *level > *most || !passable(field, mesh, v)) continue;
+        for (; level != levels.end() && *level <= *most; ++level) {
+            Segment s{};
+            for (std::size_t k = 0; k < 3; ++k) {
+                const bool above = d[k] >= *level, nextAbove = d[(k + 1) % 3] >= *level;
+                // Counter-clockwise around the triangle, the line enters where values rise: so
+                // lower ones lie to its left.
+                if (!above && nextAbove) s.from = edges.ofTriangle[t][k];
+                if (above && !nextAbove) s.to = edges.ofTriangle[t][k];
+            }
+            segments[std::size_t(level - levels.begin())].push_back(s);
+        }
+    }
+    for (auto& s : segments) std::sort(s.begin(), s.end());
+    return segments;
+}
+
+/// Joins pieces. An edge has two triangles that see it in opposite directions, so at most one piece
+/// starts at it and at most one ends there.
+std::vector<Chain> chainsOf(const std::vector<Segment>& segments) {
+    constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> next(segments.size(), kNone);
+    std::vector<std::uint8_t> follows(segments.size()), done(segments.size());
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        const auto at =
+            std::lower_bound(segments.begin(), segments.end(), Segment{segments[i].to, 0});
+        if (at == segments.end() || at->from != segments[i].to) continue;
+        next[i] = std::size_t(at - segments.begin());
+        follows[next[i]] = 1;
+    }
+    std::vector<Chain> chains;
+    auto walk = [&](std::size_t first) {
+        Chain chain;
+        chain.edges.push_back(segments[first].from);
+        for (std::size_t i = first; i != kNone && !done[i]; i = next[i]) {
+            done[i] = 1;
+            chain.edges.push_back(segments[i].to);
+        }
+        chain.closed = follows[first];
+        if (chain.closed) chain.edges.pop_back();
+        chains.push_back(std::move(chain));
+    };
+    for (std::size_t i = 0; i < segments.size(); ++i)
+        if (!follows[i]) walk(i);
+    for (std::size_t i = 0; i < segments.size(); ++i)
+        if (!done[i]) walk(i);
+    return chains;
+}
+
+/// Where the distance equals `level` on the projection of an edge to S, by regula falsi (Illinois).
+Vec3d crossing(const Band& band, const Field& field, const SurfaceMesh& mesh,
+               const std::array<std::uint32_t, 2>& ends, double level) {
+    constexpr double kTolerance = 1e-6;  // voxels times weight
+    constexpr int kMostSteps = 30;
+    const auto [a, b] = ends;
+    double lo = 0, hi = 1, atLo = mesh.distance[a] - level, atHi = mesh.distance[b] - level;
+    if (atLo == 0) return mesh.position[a];
+    if (atHi == 0) return mesh.position[b];
+    const Vec3d side = normalized(Vec3d(mesh.normal[a] + mesh.normal[b]));
+    Vec3d p;
+    int last = 0;  // which end moved last
+    for (int step = 0; step < kMostSteps; ++step) {
+        const double t = lo + (hi - lo) * (atLo / (atLo - atHi));
+        const Vec3d onEdge = (1 - t) * mesh.position[a] + t * mesh.position[b];
+        p = onEdge;
+        if (!projectToSurface(band, p) || length(p - onEdge) >= 1) p = onEdge;
+        const double here = sampleDistance(band, field, p, side) - level;
+        if (std::abs(here) <= kTolerance || !(std::abs(here) < kInfinity)) break;
+        if ((here < 0) == (atLo < 0)) {
+            lo = t, atLo = here;
+            if (last == -1) atHi /= 2;
+            last = -1;
+        } else {
+            hi = t, atHi = here;
+            if (last == 1) atLo /= 2;
+            last = 1;
+        }
+    }
+    return p;
+}
+
+/// The line without points that repeat the one before, as where a vertex lies exactly at the level.
+Isoline lineOf(const std::vector<Vec3d>& points, double level, bool closed) {
+    constexpr double kSame = 1e-9;  // voxels
+    Isoline line;
+    line.level = level;
+    line.closed = closed;
+    for (const Vec3d& p : points)
+        if (line.points.empty() || length(p - line.points.back()) > kSame) line.points.push_back(p);
+    while (closed && line.points.size() > 1 &&
+           length(line.points.front() - line.points.back()) <= kSame)
+        line.points.pop_back();
+    for (std::size_t i = 1; i < line.points.size(); ++i)
+        line.length += length(line.points[i] - line.points[i - 1]);
+    if (closed) line.length += length(line.points.front() - line.points.back());
+    return line;
+}
+
+void checkLevels(const std::vector<double>& levels) {
+    for (const double level : levels)
+        if (!(level >= 0 && level < kInfinity))
+            throw Error(Error::Kind::InvalidArgument, "a level of " + std::to_string(level) +
+                                                          " for isolines; levels are finite, "
+                                                          "0 or more");
+}
+
+double leastStart(const Field& field) {
+    double least = kInfinity;
+    for (const SurfacePoint& s : field.seeds) least = std::min(least, s.start);
+    return least < kInfinity ? least : 0.0;
+}
+
+}  // namespace
+
+std::vector<Isoline> isolines(const Band& band, const Field& field, const SurfaceMesh& mesh,
+                              const std::vector<double>& levels, Progress& progress) {
+    checkLevels(levels);
+    std::vector<double> ascending = levels;
+    std::sort(ascending.begin(), ascending.end());
+    ascending.erase(std::unique(ascending.begin(), ascending.end()), ascending.end());
+
+    progress.update("isolines", 0);
+    const MeshEdges edges = meshEdges(mesh);
+    const auto segments = segmentsByLevel(field, mesh, edges, ascending);
+    std::vector<Isoline> lines;
+    for (std::size_t l = 0; l < ascending.size(); ++l) {
+        progress.update("isolines", double(l) / double(ascending.size()));
+        for (const Chain& chain : chainsOf(segments[l])) {
+            progress.throwIfCancelled();
+            std::vector<Vec3d> points(chain.edges.size());
+            parallelFor(points.size(), 64, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i)
+                    points[i] =
+                        crossing(band, field, mesh, edges.ends[chain.edges[i]], ascending[l]);
+            });
+            Isoline line = lineOf(points, ascending[l], chain.closed);
+            // A vertex at the level that is a peak makes a line of one point.
+            if (line.points.size() > (line.closed ? 2 : 1)) lines.push_back(std::move(line));
+        }
+    }
+    progress.update("isolines", 1);
+    return lines;
+}
+
+std::vector<double> levelsBySpacing(const Field& field, double spacing) {
+    const double first = std::floor(leastStart(field) / spacing) + 1;
+    const double count = std::floor(field.maxDistance / spacing) - first + 1;
+    if (!(spacing > 0 && spacing < kInfinity && count <= kMostLevels))
+        throw Error(Error::Kind::InvalidArgument,
+                    "isolines " + std::to_string(spacing) +
+                        " voxels apart; the spacing has to be "
+                        "positive and the number of levels " +
+                        std::to_string(kMostLevels) + " at most, for distances of up to " +
+                        std::to_string(field.maxDistance),
+                    "choose a larger spacing");
+    std::vector<double> levels;
+    for (double k = 0; k < count; ++k) levels.push_back((first + k) * spacing);
+    return levels;
+}
+
+std::vector<double> levelsByCount(const Field& field, int count) {
+    if (count < 1 || count > kMostLevels)
+        throw Error(Error::Kind::InvalidArgument, std::to_string(count) +
+                                                      " levels for isolines; allowed are 1 to " +
+                                                      std::to_string(kMostLevels));
+    const double least = leastStart(field), range = field.maxDistance - least;
+    std::vector<double> levels;
+    for (int k = 1; k <= count; ++k) levels.push_back(least + range * k / (count + 1));
+    return levels;
+}
+
+std::string isolinesObj(const std::vector<Isoline>& lines, const Similarity& transform) {
+    std::string text = "# isolines of the geodesic distance, world units\n";
+    std::array<char, 128> buffer{};
+    std::size_t first = 1;
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+        const Isoline& line = lines[k];
+        std::snprintf(buffer.data(), buffer.size(), "o isoline_%zu_at_%.9g\n", k,
+                      line.level * transform.dx);
+        text += buffer.data();
+        for (const Vec3d& v : line.points) {
+            const Vec3d p = transform.worldFromIndex(v);
+            std::snprintf(buffer.data(), buffer.size(), "v %.17g %.17g %.17g\n", p.x, p.y, p.z);
+            text += buffer.data();
+        }
+        text += "l";
+        for (std::size_t i = 0; i < line.points.size(); ++i)
+            text += " " + std::to_string(first + i);
+        if (line.closed) text += " " + std::to_string(first);
+        text += "\n";
+        first += line.points.size();
+    }
+    return text;
+}
+
+std::string isolinesPly(const std::vector<Isoline>& lines, const Similarity& transform) {
+    std::size_t vertices = 0, edges = 0;
+    for (const Isoline& line : lines) {
+        vertices += line.points.size();
+        edges += line.points.size() - (line.closed ? 0 : 1);
+    }
+    std::string bytes =
+        "ply\n"
+        "format binary_little_endian 1.0\n"
+        "comment isolines of the geodesic distance, world units\n"
+        "element vertex " +
+        std::to_string(vertices) +
+        "\n"
+        "property float x\nproperty float y\nproperty float z\nproperty float distance\n"
+        "element edge " +
+        std::to_string(edges) +
+        "\n"
+        "property int vertex1\nproperty int vertex2\n"
+        "end_header\n";
+    for (const Isoline& line : lines)
+        for (const Vec3d& v : line.points) {
+            const Vec3d p = transform.worldFromIndex(v);
+            for (int k = 0; k < 3; ++k) putLittleEndian(bytes, float(p[k]));
+            putLittleEndian(bytes, float(line.level * transform.dx));
+        }
+    std::size_t first = 0;
+    for (const Isoline& line : lines) {
+        const std::size_t n = line.points.size();
+        for (std::size_t i = 0; i < (line.closed ? n : n - 1); ++i) {
+            putLittleEndian(bytes, std::int32_t(first + i));
+            putLittleEndian(bytes, std::int32_t(first + (i + 1) % n));
+        }
+        first += n;
+    }
+    return bytes;
+}
+
+double roundSpacing(double range, double lines) {
+    const double exact = range / lines;
+    const double power = std::pow(10, std::floor(std::log10(exact)));
+    double best = power;
+    for (const double factor : {2.0, 5.0, 10.0})
+        if (std::abs(std::log(factor * power / exact)) < std::abs(std::log(best / exact)))
+            best = factor * power;
+    return best;
+}
+
+}  // namespace igeo

@@ -1,0 +1,60 @@
+/// Lines of equal distance on S (M&S, Fig. 8).
+#pragma once
+
+#include <igeo/band/band.h>
+#include <igeo/base/progress.h>
+#include <igeo/march/field.h>
+#include <igeo/results/surface_mesh.h>
+
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// A line on which the distance is `level`. What is nearer to the seeds lies to its left, seen from
+/// outside.
+struct Isoline {
+    double level = 0;           ///< voxels times weight
+    double length = 0;          ///< of the polyline, voxels
+    bool closed = false;        ///< the last point is joined to the first
+    std::vector<Vec3d> points;  ///< on psi = 0, index space; none twice
+};
+
+/// The isolines of `field` at some levels, in ascending order of level.
+///
+/// A line goes from triangle to triangle over the edges whose ends lie on two sides of the level (a
+/// value equal to it counts as above), so it can neither break nor branch: on a closed surface that
+/// is reached everywhere all lines are closed. They end at the rim of an open surface, and where
+/// distances are unknown or an obstacle stands. The point on an edge is where sampleDistance()
+/// equals the level along the edge's projection to psi = 0, to 1e-6 voxels (along the edge itself
+/// where a corner of the cell is not in the band).
+/// @param mesh   surfaceMesh() of the same field
+/// @param levels voxels times weight, finite and >= 0; beyond the largest distance there is none
+/// @throws Error  InvalidArgument for other levels; Cancelled through `progress`
+/// Time O(triangles log triangles + points), in parallel over points. Points are as accurate as
+/// the distance; a polyline with edges of length s on a line of curvature k is short by (k s)^2/24.
+std::vector<Isoline> isolines(const Band& band, const Field& field, const SurfaceMesh& mesh,
+                              const std::vector<double>& levels,
+                              Progress& progress = Progress::none());
+
+/// Multiples of `spacing`, from the least positive one that lies above the least start value of a
+/// seed up to the largest distance. Voxels times weight.
+/// @throws Error  InvalidArgument unless spacing is finite, > 0 and gives 100000 levels at most
+std::vector<double> levelsBySpacing(const Field& field, double spacing);
+
+/// `count` levels that cut the range of the distance into count + 1 equal parts.
+/// @throws Error  InvalidArgument unless 1 <= count <= 100000
+std::vector<double> levelsByCount(const Field& field, int count);
+
+/// Isolines as Wavefront OBJ polylines in world units, one object per line.
+std::string isolinesObj(const std::vector<Isoline>& lines, const Similarity& transform);
+
+/// Isolines as a binary PLY file of vertices (x y z distance, float) and edges (vertex1 vertex2,
+/// int). World units.
+std::string isolinesPly(const std::vector<Isoline>& lines, const Similarity& transform);
+
+/// The one of 1, 2 and 5 times the powers of ten that comes nearest, by ratio, to cutting `range` >
+/// 0 into so many parts.
+double roundSpacing(double range, double lines);
+
+}  // namespace igeo

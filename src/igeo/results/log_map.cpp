@@ -1,0 +1,377 @@
+#include <igeo/results/log_map.h>
+
+#include <igeo/band/tangent_frame.h>
+#include <igeo/base/detail/steps.h>
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/march/detail/jet_update.h>
+
+#include <algorithm>
+#include <array>
+
+namespace igeo {
+
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+float cross(Vec2f a, Vec2f b) { return a.x * b.y - a.y * b.x; }
+Vec2f normalized(Vec2f v) {
+    const float len = length(v);
+    return len > 0 ? (1 / len) * v : v;
+}
+Vec2f turned(Vec2f v, float angle) {
+    if (angle == 0) return v;
+    const float c = std::cos(angle), s = std::sin(angle);
+    return {c * v.x - s * v.y, s * v.x + c * v.y};
+}
+
+/// A frame that is parallel along the geodesic to a node, as its first axis.
+struct Carried {
+    Vec3f axis;      ///< 0: not known
+    float turn = 0;  ///< of the frames, counterclockwise per length (times weight) along the front
+                     ///< to the left
+    Vec3f logGradient;  ///< of the weight
+    bool known() const { return !(axis == Vec3f{}); }
+};
+
+/// The direction in which the geodesic to a node leaves its seed.
+struct Departure {
+    Vec2f way;        ///< unit; 0: not known
+    float slope = 0;  ///< of its angle, per length as above
+};
+
+/// A node's tangent plane, the direction of its geodesic there, and the weight's slope.
+struct Picture {
+    TangentFrame frame;
+    Vec2f way;
+    Vec3f logGradient;
+};
+
+/// A neighbour in that picture, and the chord from it to the node.
+struct Seen {
+    NodeIndex core;
+    float weight;  ///< for fits: the nearer the more
+    Vec2f way;     ///< the chord laid out in the picture, times the weight
+    float along;   ///< the same along the neighbour's geodesic
+    float side;    ///< and to its left
+    Vec3f chord;   ///< in space, voxels
+};
+
+/// The neighbours of one front.
+class AllSeen {
+public:
+    void add(const Seen& n) {
+        if (count_ < int(seen_.size())) seen_[std::size_t(count_++)] = n;
+    }
+    const Seen* begin() const { return seen_.data(); }
+    const Seen* end() const { return seen_.data() + count_; }
+
+private:
+    std::array<Seen, 27> seen_;
+    int count_ = 0;
+};
+
+/// Least squares for y = at + slope x.
+struct LineFit {
+    float s0 = 0, sx = 0, sxx = 0, b0 = 0, bx = 0;
+    void add(float w, float x, float y) {
+        s0 += w, sx += w * x, sxx += w * x * x;
+        b0 += w * y, bx += w * x * y;
+    }
+    /// @param pull towards a slope, as a weight relative to all others together
+    void solve(float pull, float slopeGuess, float& at, float& slope) const {
+        const float xx = sxx + pull * s0, x = bx + pull * s0 * slopeGuess;
+        const float det = s0 * xx - sx * sx;
+        at = (xx * b0 - sx * x) / det;
+        slope = (s0 * x - sx * b0) / det;
+    }
+};
+
+class LogMapper {
+public:
+    LogMapper(const Band& band, const Field& field, const std::vector<LogMap::Frame>& frames)
+        : band_(band), field_(field), frames_(frames), carried_(band.coreSize()) {
+        for (std::size_t k = 0; k < band.size(); ++k)
+            if (band.inCore(NodeIndex(k))) nodes_.push_back(NodeIndex(k));
+    }
+    std::vector<Vec2f> map(Progress& progress);
+
+private:
+    std::uint32_t label(NodeIndex i) const { return field_.label.empty() ? 0 : field_.label[i]; }
+    double distance(NodeIndex i) const { return field_.distance[i] - field_.seeds[label(i)].start; }
+    Vec3f logGradient(NodeIndex i) const;
+    Picture picture(NodeIndex i) const {
+        const TangentFrame frame(band_.normal[i], band_.faceted);
+        return {frame, frame.flat(normalized(field_.gradient[i])), logGradient(i)};
+    }
+
+    bool carryFromSeed(NodeIndex i, const Picture& here, Carried& out) const;
+    void see(NodeIndex i, const Picture& here, NodeIndex core, AllSeen& all) const;
+    AllSeen neighbours(NodeIndex i, const Picture& here) const;
+    void carry(NodeIndex i);
+    Departure measure(NodeIndex i, const Carried& frame) const;
+    Departure smooth(NodeIndex i) const;
+    Vec2f interpolate(NodeIndex i) const;
+    Vec2f position(NodeIndex i) const;
+
+    const Band& band_;
+    const Field& field_;
+    const std::vector<LogMap::Frame>& frames_;
+    // By core number:
+    std::vector<NodeIndex> nodes_;  ///< the band's number
+    std::vector<Carried> carried_;
+    std::vector<Departure> measured_, departures_;
+};
+
+Vec3f LogMapper::logGradient(NodeIndex i) const {
+    const Metric& metric = *field_.metric;
+    if (!metric.weighted()) return {};
+    const TangentFrame frame(band_.normal[i], band_.faceted);
+    float xx = 1e-6f, xy = 0, yy = 1e-6f;
+    Vec2f right;
+    band_.forNeighbours(
+        &BandLeaf::band, band_.leaf[i], band_.offset[i], [&](NodeIndex j, int, int, int) {
+            if (dot(band_.normal[i], band_.normal[j]) < 0.5f) return;
+            const Vec2f a = frame.flat(Vec3f(band_.footPoint(j) - band_.footPoint(i)));
+            const auto rise = float(std::log(metric.at(j) / metric.at(i)));
+            xx += a.x * a.x, xy += a.x * a.y, yy += a.y * a.y;
+            right = right + rise * a;
+        });
+    const float det = xx * yy - xy * xy;
+    return frame.lift((1 / det) * Vec2f{yy * right.x - xy * right.y, xx * right.y - xy * right.x});
+}
+
+/// The axis of a frame at the other end of a chord, carried here along it.
+Vec2f carriedAxis(const Picture& here, const Vec3f& chord, const Vec3f& normal,
+                  const Carried& there) {
+    const float cosine = igeo::dot(here.frame.normal(), normal);
+    const JetNeighbour n = flattened(here.frame, chord, normal, cosine, there.axis, 0);
+    const Vec2f slope = here.frame.flat(here.logGradient + there.logGradient);
+    return turned(n.g, cross(n.a, slope) / 2);
+}
+
+/// Near the seed its own frame, carried along the chord.
+bool LogMapper::carryFromSeed(NodeIndex i, const Picture& here, Carried& out) const {
+    const std::uint32_t k = label(i);
+    const SurfacePoint& seed = field_.seeds[k];
+    const Vec3f chord(band_.footPoint(i) - seed.pIndex);
+    const Vec3f normal(igeo::cross(frames_[k].u, frames_[k].v));
+    // The distance tells the seed's sheet from one close by.
+    if (length(chord) > float(field_.startRadius) ||
+        distance(i) > 1.5 * field_.startRadius * seed.weight ||
+        igeo::dot(normal, here.frame.normal()) < 0)
+        return false;
+    Carried there;
+    there.axis = Vec3f(frames_[k].u);
+    there.logGradient = here.logGradient;
+    out.axis = here.frame.lift(carriedAxis(here, chord, normal, there));
+    return true;
+}
+
+void LogMapper::see(NodeIndex i, const Picture& here, NodeIndex core, AllSeen& all) const {
+    const Carried& there = carried_[core];
+    const NodeIndex j = nodes_[core];
+    const Vec3f normal = band_.normal[j];
+    const float cosine = igeo::dot(here.frame.normal(), normal);
+    if (!there.known() || label(j) != label(i) || cosine < Band::kOtherSheet) return;
+    const Vec3f chord(band_.footPoint(i) - band_.footPoint(j));
+    const JetNeighbour n =
+        flattened(here.frame, chord, normal, cosine, normalized(field_.gradient[j]), 0);
+    // Geodesics of another front: frames are another's as well.
+    if (igeo::dot(n.g, here.way) < jet::kSameFront) return;
+    const Metric& metric = *field_.metric;
+    const Vec2f way = float((metric.at(i) + metric.at(j)) / 2) * n.a;
+    all.add({core, 1 / (dot(n.a, n.a) + 0.1f), way, dot(n.g, way), cross(n.g, way), chord});
+}
+
+AllSeen LogMapper::neighbours(NodeIndex i, const Picture& here) const {
+    AllSeen all;
+    band_.forNeighbours(&BandLeaf::core, band_.leaf[i], band_.offset[i],
+                        [&](NodeIndex core, int, int, int) { see(i, here, core, all); });
+    return all;
+}
+
+/// The frame at a core node from those of lower ones.
+void LogMapper::carry(NodeIndex i) {
+    constexpr float kPull = 0.005f;
+    const Picture here = picture(i);
+    Carried& out = carried_[band_.coreNode(i)];
+    Carried result;
+    if (!carryFromSeed(i, here, result)) {
+        // Angles are measured from the axis of one of them.
+        Vec2f from;
+        LineFit fit;
+        float turn = 0;
+        for (const Seen& n : neighbours(i, here)) {
+            const float along = dot(here.way, n.way);
+            if (!(along > 0)) continue;
+            const Carried& there = carried_[n.core];
+            const Vec2f axis = carriedAxis(here, n.chord, band_.normal[nodes_[n.core]], there);
+            if (fit.s0 == 0) from = axis;
+            const float w = along * along / dot(n.way, n.way) * n.weight;
+            const float angle = std::atan2(cross(from, axis), dot(from, axis));
+            fit.add(w, -cross(here.way, n.way) / 2, angle + there.turn * n.side / 2);
+            turn += w * there.turn;
+        }
+        if (!(fit.s0 > 0)) return;
+        float angle;
+        fit.solve(kPull, turn / fit.s0, angle, result.turn);
+        result.axis = here.frame.lift(normalized(turned(from, angle)));
+    }
+    out = result;
+    out.logGradient = here.logGradient;
+}
+
+/// The angle between geodesic and frame, which is the same all along.
+Departure LogMapper::measure(NodeIndex i, const Carried& frame) const {
+    const Vec3f g = normalized(field_.gradient[i]), n = band_.normal[i];
+    const Vec2f way{dot(frame.axis, g), igeo::dot(n, igeo::cross(frame.axis, g))};
+    return {normalized(way), float(1 / distance(i))};
+}
+
+/// A line along the front through what a core node and its neighbours measured; what does not fit
+/// in counts for little.
+Departure LogMapper::smooth(NodeIndex i) const {
+    constexpr int kRounds = 3;
+    constexpr float kScatter = 0.002f, kPull = 0.01f;
+    const NodeIndex core = band_.coreNode(i);
+    const Departure own = measured_[core];
+    const Picture here = picture(i);
+    Carried carried;
+    if (carryFromSeed(i, here, carried)) return own;
+    struct Said {
+        float weight, side, angle;
+    };
+    std::array<Said, 28> said;
+    std::size_t count = 0;
+    said[count++] = {1, 0, 0};
+    for (const Seen& n : neighbours(i, here)) {
+        const Departure& there = measured_[n.core];
+        const auto d = float(distance(nodes_[n.core]));
+        // Laid out flat about the seed, where straight lines are.
+        const Vec2f at = (d + n.along) * there.way + n.side * Vec2f{-there.way.y, there.way.x};
+        said[count++] = {n.weight, -n.side, std::atan2(cross(own.way, at), dot(own.way, at))};
+    }
+    float angle = 0, slope = 0;
+    for (int round = 0; round < kRounds; ++round) {
+        LineFit fit;
+        for (std::size_t k = 0; k < count; ++k) {
+            const float r = round == 0 ? 0 : said[k].angle - angle - slope * said[k].side;
+            fit.add(said[k].weight / std::sqrt(kScatter * kScatter + r * r), said[k].side,
+                    said[k].angle);
+        }
+        fit.solve(kPull, 0, angle, slope);
+    }
+    return {turned(own.way, angle), float(1 / distance(i)) + slope};
+}
+
+/// Between core nodes: what the nearest says, and all that agree with it.
+Vec2f LogMapper::interpolate(NodeIndex i) const {
+    constexpr float kAgree = 0.98f;
+    const Picture here = picture(i);
+    if (Carried carried; carryFromSeed(i, here, carried)) return measure(i, carried).way;
+    AllSeen all;
+    const Vec3f f = band_.foot[i];
+    const Ijk low{floorToInt(f.x), floorToInt(f.y), floorToInt(f.z)};
+    band_.forCorners(&BandLeaf::core, band_.leaf[i], band_.offset[i], low,
+                     [&](NodeIndex k, unsigned) { see(i, here, k, all); });
+    if (all.begin() == all.end()) all = neighbours(i, here);
+    if (all.begin() == all.end()) return {};
+    auto said = [&](const Seen& n) {
+        const Departure& there = departures_[n.core];
+        const auto r = float(distance(nodes_[n.core]));
+        return normalized((r + n.along) * there.way +
+                          r * there.slope * n.side * Vec2f{-there.way.y, there.way.x});
+    };
+    const Vec2f lead = said(*std::max_element(
+        all.begin(), all.end(), [](const Seen& a, const Seen& b) { return a.weight < b.weight; }));
+    Vec2f sum;
+    for (const Seen& n : all)
+        if (const Vec2f way = said(n); dot(way, lead) > kAgree) sum = sum + n.weight * way;
+    return normalized(sum);
+}
+
+Vec2f LogMapper::position(NodeIndex i) const {
+    const double d = distance(i);
+    if (!(d < kInfinity)) return {kUnknown, kUnknown};
+    const NodeIndex core = band_.coreNode(i);
+    const Vec2f way = core != kNoNode ? departures_[core].way : interpolate(i);
+    // At the seed itself there is no direction.
+    if (d > 1e-6 && way.x == 0 && way.y == 0) return {kUnknown, kUnknown};
+    return float(d) * way;
+}
+
+std::vector<Vec2f> LogMapper::map(Progress& progress) {
+    progress.update("logmap", 0);
+    std::vector<NodeIndex> order;
+    for (const NodeIndex i : nodes_)
+        if (field_.distance[i] < kInfinity) order.push_back(i);
+    std::sort(order.begin(), order.end(), [&](NodeIndex a, NodeIndex b) {
+        return std::pair(field_.distance[a], a) < std::pair(field_.distance[b], b);
+    });
+    constexpr std::size_t kAtOnce = 4096;
+    Steps carrying(progress, "logmap", order.size(), 0.05, 0.6);
+    for (std::size_t k = 0; k < order.size(); k += kAtOnce) {
+        const std::size_t end = std::min(k + kAtOnce, order.size());
+        for (std::size_t n = k; n < end; ++n) carry(order[n]);
+        carrying.add(end - k);
+        progress.throwIfCancelled();
+    }
+    auto forAll = [&](auto& out, double from, double to, const auto& value) {
+        Steps steps(progress, "logmap", out.size(), from, to);
+        parallelFor(out.size(), 1024, [&](std::size_t begin, std::size_t end) {
+            if (steps.cancelled()) return;
+            for (std::size_t k = begin; k < end; ++k) out[k] = value(NodeIndex(k));
+            steps.add(end - begin);
+        });
+        progress.throwIfCancelled();
+    };
+    measured_.resize(nodes_.size());
+    departures_.resize(nodes_.size());
+    forAll(measured_, 0.6, 0.62, [&](NodeIndex k) {
+        return carried_[k].known() ? measure(nodes_[k], carried_[k]) : Departure{};
+    });
+    forAll(departures_, 0.62, 0.85,
+           [&](NodeIndex k) { return carried_[k].known() ? smooth(nodes_[k]) : Departure{}; });
+    std::vector<Vec2f> positions(band_.size());
+    forAll(positions, 0.85, 1, [&](NodeIndex i) { return position(i); });
+    return positions;
+}
+
+LogMap::Frame frameAt(const Band& band, const Field& field, const SurfacePoint& seed,
+                      const Vec3d& reference) {
+    const Vec3d side(band.normal[seed.node]);
+    const Vec3d n = SurfaceCell(band, *field.metric, seed.pIndex, side).normal;
+    Vec3d u = tangential(reference, n);
+    if (!(length(u) > 1e-6 * length(reference))) {
+        int least = 0;
+        for (int a = 1; a < 3; ++a)
+            if (std::abs(n[a]) < std::abs(n[least])) least = a;
+        Vec3d axis;
+        axis[least] = 1;
+        u = tangential(axis, n);
+    }
+    u = normalized(u);
+    return {u, cross(n, u)};
+}
+
+}  // namespace
+
+LogMap logMap(const Band& band, const Field& field, const Vec3d& reference, Progress& progress) {
+    if (!field.atFootPoints || field.gradient.size() != band.size())
+        throw Error(Error::Kind::InvalidArgument,
+                    "the logarithmic map needs a field that has a gradient at foot points",
+                    "march with the scheme jet");
+    if (field.metric->anisotropic())
+        throw Error(Error::Kind::InvalidArgument,
+                    "the logarithmic map is not known for tensor metrics",
+                    "leave the tensor out, or use weights");
+    LogMap map;
+    for (const SurfacePoint& seed : field.seeds)
+        map.frames.push_back(frameAt(band, field, seed, reference));
+    map.position = LogMapper(band, field, map.frames).map(progress);
+    return map;
+}
+
+}  // namespace igeo

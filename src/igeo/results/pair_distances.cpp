@@ -1,0 +1,200 @@
+#include <igeo/results/pair_distances.h>
+
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/march/jet.h>
+#include <igeo/surface/level_set_band.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <tuple>
+
+namespace igeo {
+
+namespace {
+
+class PairSolver {
+public:
+    PairSolver(const PairSurface& surface, const std::vector<Vec3d>& sources,
+               const std::vector<Vec3d>& targets, double snap, Progress& progress)
+        : surface_(surface),
+          sources_(sources),
+          targets_(targets),
+          snap_(snap),
+          quiet_(progress),
+          pairs_(sources.size()) {}
+
+    std::vector<PairDistance> solve(Progress& progress);
+
+private:
+    /// Pairs of one source.
+    using Group = std::vector<std::size_t>;
+
+    std::vector<Group> groups() const;
+    double straight(std::size_t k) const { return length(targets_[k] - sources_[k]); }
+    /// Where ways of this length lie between a group's points, and all that a march looks at.
+    std::vector<Ball> region(const Group& group, double reach) const;
+    /// Solves a group near by; false if that takes the whole surface.
+    bool solveAround(const Group& group);
+    /// @return whether all targets are within `reach`, or a point is too far from S
+    bool solveOn(const Band& band, const Group& group, double reach);
+    bool snapTo(const Band& band, const Vec3d& asked, SurfacePoint& p) const;
+    void refuseFarPoints() const;
+
+    const PairSurface& surface_;
+    const std::vector<Vec3d>&sources_, &targets_;
+    const double snap_;
+    CancelOnly quiet_;
+    std::vector<PairDistance> pairs_;
+};
+
+std::vector<PairSolver::Group> PairSolver::groups() const {
+    std::map<std::tuple<double, double, double>, std::size_t> numbers;
+    std::vector<Group> groups;
+    for (std::size_t k = 0; k < sources_.size(); ++k) {
+        const Vec3d& s = sources_[k];
+        const auto at = numbers.try_emplace({s.x, s.y, s.z}, groups.size()).first;
+        if (at->second == groups.size()) groups.emplace_back();
+        groups[at->second].push_back(k);
+    }
+    return groups;
+}
+
+std::vector<Ball> PairSolver::region(const Group& group, double reach) const {
+    // The start disc, the nodes awaited around a target, the margin behind the front, and the cells
+    // and band around all that; and the scheme may be some percent short.
+    constexpr double kBeyond = 12, kShort = 1.1;
+    const double longest = kShort * reach / surface_.leastWeight;
+    std::vector<Ball> balls;
+    for (const std::size_t k : group)
+        balls.push_back({0.5 * (sources_[k] + targets_[k]), longest / 2 + snap_ + kBeyond});
+    return balls;
+}
+
+bool PairSolver::snapTo(const Band& band, const Vec3d& asked, SurfacePoint& p) const {
+    if (band.size() == 0) {
+        p.askedIndex = asked;
+        p.snapDistance = kInfinity;
+    } else {
+        p = surface_.nearest ? surface_.nearest(band, asked) : nearestSurfacePoint(band, asked);
+    }
+    return p.snapDistance <= snap_;
+}
+
+bool PairSolver::solveOn(const Band& band, const Group& group, double reach) {
+    SurfacePoint source;
+    bool snapped = snapTo(band, sources_[group.front()], source);
+    const MetricPtr metric = surface_.metric ? surface_.metric(band, quiet_) : nullptr;
+    JetOptions options;
+    // Room for the cells around a target at the very end.
+    options.maxDistance = reach + 2 * (metric ? metric->largest() : 1);
+    for (const std::size_t k : group) {
+        pairs_[k].source = source;
+        snapped = snapTo(band, targets_[k], pairs_[k].target) && snapped;
+        options.stopAt.push_back(pairs_[k].target);
+    }
+    if (!snapped) return true;
+    const Field field = marchJet(band, metric, {source}, options, quiet_);
+    bool found = true;
+    for (const std::size_t k : group) {
+        PairDistance& pair = pairs_[k];
+        pair.distance =
+            sampleDistance(band, field, pair.target.pIndex, Vec3d(band.normal[pair.target.node]));
+        found = found && pair.distance <= reach;
+    }
+    return found;
+}
+
+bool PairSolver::solveAround(const Group& group) {
+    double reach = 16;
+    for (const std::size_t k : group) reach = std::max(reach, 1.5 * straight(k));
+    reach *= surface_.leastWeight;
+    for (; reach < surface_.leastWeight * surface_.diagonal / 2; reach *= 2)
+        if (solveOn(*surface_.band(region(group, reach), quiet_), group, reach)) return true;
+    return false;
+}
+
+void PairSolver::refuseFarPoints() const {
+    for (std::size_t k = 0; k < pairs_.size(); ++k)
+        for (const SurfacePoint* p : {&pairs_[k].source, &pairs_[k].target})
+            if (!(p->snapDistance <= snap_))
+                throw Error(Error::Kind::InvalidArgument,
+                            std::string(p == &pairs_[k].source ? "source " : "target ") +
+                                std::to_string(k) + " is more than " + std::to_string(snap_) +
+                                " voxels from the surface",
+                            "move it to the surface, or allow for more");
+}
+
+std::vector<PairDistance> PairSolver::solve(Progress& progress) {
+    const std::vector<Group> all = groups();
+    std::vector<std::uint8_t> done(all.size(), 0);
+    std::atomic<std::size_t> count{0};
+    auto forAll = [&](const auto& solveGroup) {
+        parallelFor(all.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t g = begin; g < end; ++g) {
+                if (done[g]) continue;
+                done[g] = solveGroup(all[g]);
+                if (done[g]) progress.update("pairs", double(++count) / double(all.size()));
+            }
+        });
+        progress.throwIfCancelled();
+    };
+    forAll([&](const Group& group) { return solveAround(group); });
+    if (count < all.size()) {
+        const auto whole = surface_.band({}, quiet_);
+        forAll([&](const Group& group) { return solveOn(*whole, group, kInfinity); });
+    }
+    refuseFarPoints();
+    for (PairDistance& pair : pairs_) pair.source.node = pair.target.node = kNoNode;
+    return std::move(pairs_);
+}
+
+bool finite(const Vec3d& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+}  // namespace
+
+PairSurface pairSurface(const LevelSet& levelSet, double h) {
+    PairSurface surface;
+    surface.band = [&levelSet, h](const std::vector<Ball>& region, Progress& progress) {
+        return std::make_shared<Band>(bandFromLevelSet(levelSet, h, region, progress));
+    };
+    surface.diagonal =
+        std::sqrt(levelSet.psi->evalActiveVoxelBoundingBox().dim().asVec3d().lengthSqr());
+    return surface;
+}
+
+std::string pairsCsv(const std::vector<PairDistance>& pairs, double dx) {
+    std::string all = "pair,distance,sourceSnap,targetSnap\n";
+    std::array<char, 128> line{};
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const PairDistance& p = pairs[k];
+        std::snprintf(line.data(), line.size(), "%zu,%.17g,%.17g,%.17g\n", k, p.distance * dx,
+                      p.source.snapDistance * dx, p.target.snapDistance * dx);
+        all += line.data();
+    }
+    return all;
+}
+
+std::vector<PairDistance> pairDistances(const PairSurface& surface,
+                                        const std::vector<Vec3d>& sources,
+                                        const std::vector<Vec3d>& targets, double snap,
+                                        Progress& progress) {
+    using Kind = Error::Kind;
+    if (sources.size() != targets.size())
+        throw Error(Kind::InvalidArgument, std::to_string(sources.size()) + " sources and " +
+                                               std::to_string(targets.size()) +
+                                               " targets are no pairs");
+    if (!(snap >= 0)) throw Error(Kind::InvalidArgument, "points cannot be less than 0 from S");
+    for (std::size_t k = 0; k < sources.size(); ++k)
+        if (!finite(sources[k]) || !finite(targets[k]))
+            throw Error(Kind::InvalidArgument, "pair " + std::to_string(k) + " is not finite");
+    return PairSolver(surface, sources, targets, snap, progress).solve(progress);
+}
+
+}  // namespace igeo

@@ -1,0 +1,62 @@
+/// Distances between pairs of points, each found on the part of the surface around it.
+#pragma once
+
+#include <igeo/band/surface_point.h>
+#include <igeo/base/progress.h>
+#include <igeo/metric/metric.h>
+#include <igeo/surface/level_set.h>
+#include <igeo/surface/level_set_band.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+struct PairDistance {
+    /// As found on S; `node` is kNoNode, as the bands are gone.
+    SurfacePoint source, target;
+    double distance = kInfinity;  ///< voxels times weight; +inf: no way between them
+};
+
+/// A surface of which bands are made part by part, and the metric on them.
+struct PairSurface {
+    /// The band within some balls; of the whole surface where there are none. Asked for from
+    /// several threads at once.
+    std::function<std::shared_ptr<const Band>(const std::vector<Ball>&, Progress&)> band;
+    std::function<MetricPtr(const Band&, Progress&)> metric;  ///< none: Euclidean
+    /// The point of the surface nearest to one in index space; none: nearestSurfacePoint.
+    std::function<SurfacePoint(const Band&, const Vec3d&)> nearest;
+    double leastWeight = 1;  ///< no unit of length costs less; 0: not known, and every pair takes
+                             ///< the whole surface
+    double diagonal = 0;     ///< across the surface, voxels
+};
+/// Without weights.
+/// @param h half the band's thickness, voxels, as in bandFromLevelSet
+PairSurface pairSurface(const LevelSet& levelSet, double h);
+
+/// Distances from sources[k] to targets[k] by marchJet.
+///
+/// Pairs of one source share a march. A way of length L from s to t stays in the ball of radius L/2
+/// about their middle, and one of cost c is at most c / leastWeight long. So the march is on the
+/// band in such balls for a length of one and a half times the straight line, which doubles until
+/// all targets are found within it; what is found then is what a march on the whole surface finds.
+/// @param sources, targets  index space, as many of either
+/// @param snap    how far they may be from S, voxels
+/// @throws Error  InvalidArgument for lists of different lengths, positions that are not finite, or
+///         the first point that is too far from S; as bandFromLevelSet and marchJet; Cancelled
+/// Time O(the surface around each source and its targets, and the leaves of the level set) per
+/// source, side by side; what is far apart or not connected takes a march of the whole surface.
+/// Same bits for any number of threads.
+std::vector<PairDistance> pairDistances(const PairSurface& surface,
+                                        const std::vector<Vec3d>& sources,
+                                        const std::vector<Vec3d>& targets, double snap,
+                                        Progress& progress = Progress::none());
+
+/// Comma-separated: a first line `pair,distance,sourceSnap,targetSnap`, then a line per pair; `inf`
+/// where there is no way. Reading the numbers gives the same doubles.
+/// @param dx voxel size: lengths are written in world units, distances times weight
+std::string pairsCsv(const std::vector<PairDistance>& pairs, double dx);
+
+}  // namespace igeo

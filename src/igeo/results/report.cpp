@@ -1,0 +1,375 @@
+#include <igeo/results/report.h>
+
+#include <igeo/base/version.h>
+#include <igeo/results/survey.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace igeo {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+/// File and grid names may be no UTF-8; JSON is.
+std::string dump(const json& j, int indent) {
+    return j.dump(indent, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+json triple(const Vec3d& v) { return {v.x, v.y, v.z}; }
+
+/// JSON has no infinity: what is not known is null.
+json finiteOrNull(double v) { return std::isfinite(v) ? json(v) : json(nullptr); }
+
+json pointJson(const Band& band, const SurfacePoint& p) {
+    const Similarity& t = band.transform;
+    return {{"asked", triple(t.worldFromIndex(p.askedIndex))},
+            {"position", triple(t.worldFromIndex(p.pIndex))},
+            {"snapDistance", p.snapDistance * t.dx}};
+}
+
+json seedJson(const Band& band, const SurfacePoint& p, std::size_t index) {
+    json j = {{"index", index}};
+    j.update(pointJson(band, p));
+    j["start"] = p.start * band.transform.dx;
+    return j;
+}
+
+/// The seed at which a path ends; of a curve or region the point where it does.
+json seedOf(const Path& path, const Band& band, const Field& field) {
+    SurfacePoint seed = field.seeds[path.seed];
+    const bool several = path.seed + 1 < field.seeds.size() && field.seeds[path.seed + 1].joined;
+    if (seed.joined || several) {
+        seed.askedIndex = seed.pIndex = path.vertices.back().pIndex;
+        seed.snapDistance = 0;
+    }
+    return seedJson(band, seed, field.source[path.seed]);
+}
+
+/// Sources: points one by one, curves and regions as what they are made of.
+json seedsJson(const RunReport& r, const Band& band, const Field& field) {
+    json all = json::array();
+    for (std::size_t k = 0; k < field.seeds.size(); ++k) {
+        const std::size_t source = field.source[k];
+        if (source < all.size()) {
+            all[source]["pieces"] = all[source]["pieces"].get<std::size_t>() + 1;
+            continue;
+        }
+        json j;
+        if (source < r.sources.size() && !r.sources[source].empty())
+            j = {{"index", source},
+                 {"of", r.sources[source]},
+                 {"start", field.seeds[k].start * band.transform.dx},
+                 {"pieces", 1}};
+        else
+            j = seedJson(band, field.seeds[k], source);
+        if (r.cells) {
+            const double dx = band.transform.dx;
+            const VoronoiCell& cell = r.cells->cells[source];
+            j["cell"] = {{"area", cell.area * dx * dx}, {"boundary", cell.boundary * dx}};
+        }
+        all.push_back(std::move(j));
+    }
+    return all;
+}
+
+json header(const char* type) {
+    return {{"schema", 1},
+            {"type", type},
+            {"creator", std::string("implicit-geodesic ") + kVersion},
+            {"units", "lengths and distances in world units of the surface's transform"},
+            {"space", "world"}};
+}
+
+json surfaceJson(const RunReport& r, const Band& band) {
+    return {{"file", r.file}, {"grid", r.grid}, {"voxelSize", band.transform.dx}};
+}
+
+json parametersJson(const RunReport& r, const Band& band, const Field& field) {
+    const double dx = band.transform.dx;
+    return {{"scheme", field.scheme}, {"band", band.h * dx},
+            {"bandVoxels", band.h},   {"startRadius", field.startRadius * dx},
+            {"snap", r.snap},         {"maxDistance", finiteOrNull(r.maxDistance)}};
+}
+
+json metricJson(const RunReport& r, const Field& field) {
+    const Metric& metric = *field.metric;
+    return {{"weights", r.weights},
+            {"obstacles", r.obstacles},
+            {"least", metric.least()},
+            {"largest", metric.largest()},
+            {"blocked", metric.insideCount()}};
+}
+
+json verticesJson(const Path& path, const Band& band) {
+    const double dx = band.transform.dx;
+    json positions = json::array(), arcLengths = json::array(), distances = json::array();
+    for (const PathVertex& v : path.vertices) {
+        positions.push_back(triple(band.transform.worldFromIndex(v.pIndex)));
+        arcLengths.push_back(v.arcLength * dx);
+        distances.push_back(v.distance * dx);
+    }
+    return {{"position", positions}, {"arcLength", arcLengths}, {"distance", distances}};
+}
+
+json pathJson(const Path& path, const Band& band, const Field& field) {
+    const double dx = band.transform.dx;
+    json j;
+    j["status"] = toString(path.status);
+    j["target"] = pointJson(band, path.target);
+    const bool reached = path.status == PathStatus::Reached;
+    j["seed"] = reached ? seedOf(path, band, field) : json(nullptr);
+    j["length"] = path.vertices.empty() ? json(nullptr) : json(path.length * dx);
+    j["arcLength"] = path.vertices.empty() ? json(nullptr) : json(path.arcLength * dx);
+    j["distance"] = finiteOrNull(path.distance * dx);
+    j["vertices"] = verticesJson(path, band);
+    return j;
+}
+
+json walkJson(const Path& walk, const Band& band) {
+    return {{"status", walk.status == PathStatus::Reached ? "complete" : "cut short"},
+            {"start", pointJson(band, walk.target)},
+            {"length", walk.arcLength * band.transform.dx},
+            {"vertices", verticesJson(walk, band)}};
+}
+
+}  // namespace
+
+std::string geodesicsJson(const RunReport& r, const Band& band, const Field& field) {
+    json j = header("geodesics");
+    j["surface"] = surfaceJson(r, band);
+    j["parameters"] = parametersJson(r, band, field);
+    j["metric"] = metricJson(r, field);
+    j["paths"] = json::array();
+    for (const Path& path : r.paths) j["paths"].push_back(pathJson(path, band, field));
+    if (!r.walks.empty()) j["walks"] = json::array();
+    for (const Path& walk : r.walks) j["walks"].push_back(walkJson(walk, band));
+    return dump(j, -1);
+}
+
+std::string pairsJson(const RunReport& r, const Band& band) {
+    json j = header("pairs");
+    j["surface"] = surfaceJson(r, band);
+    j["pairs"] = json::array();
+    for (const PairDistance& p : r.pairs)
+        j["pairs"].push_back({{"source", pointJson(band, p.source)},
+                              {"target", pointJson(band, p.target)},
+                              {"distance", finiteOrNull(p.distance * band.transform.dx)}});
+    return dump(j, -1);
+}
+
+std::string isolinesJson(const RunReport& r, const Band& band, const Field& field,
+                         const std::vector<Isoline>& lines) {
+    const double dx = band.transform.dx;
+    json j = header("isolines");
+    j["surface"] = surfaceJson(r, band);
+    j["parameters"] = parametersJson(r, band, field);
+    j["isolines"] = json::array();
+    for (const Isoline& line : lines) {
+        json points = json::array();
+        for (const Vec3d& p : line.points)
+            points.push_back(triple(band.transform.worldFromIndex(p)));
+        j["isolines"].push_back({{"level", line.level * dx},
+                                 {"length", line.length * dx},
+                                 {"closed", line.closed},
+                                 {"position", std::move(points)}});
+    }
+    return dump(j, -1);
+}
+
+std::string reportJson(const RunReport& r, const Band& band, const Field& field) {
+    const double dx = band.transform.dx;
+    json j = header("report");
+    j["surface"] = surfaceJson(r, band);
+    j["surface"]["kind"] = r.kind;
+    j["surface"]["closed"] = r.closed ? json(*r.closed) : json(nullptr);
+    j["surface"]["activeVoxels"] = r.activeVoxels ? json(r.activeVoxels) : json(nullptr);
+    j["surface"]["halfWidthVoxels"] = r.halfWidth;
+    j["surface"]["largestCurvature"] = finiteOrNull(r.largestCurvature / dx);
+    j["parameters"] = parametersJson(r, band, field);
+    j["parameters"]["bandBoundsVoxels"] = {r.bandLower, r.bandUpper};
+    j["parameters"]["threads"] = r.threads;
+    j["metric"] = metricJson(r, field);
+    j["band"] = {
+        {"nodes", band.size()}, {"leaves", band.leaves.size()}, {"bytes", band.memUsage()}};
+    j["distance"] = {{"reached", field.reached},
+                     {"unreached", band.size() - field.reached},
+                     {"max", field.maxDistance * dx},
+                     {"stoppedEarly", field.stoppedEarly}};
+    const AccuracyEstimate& a = r.accuracy;
+    j["accuracy"] = {{"samples", a.samples},
+                     {"meanRelativeError", a.samples ? json(a.meanError) : json(nullptr)},
+                     {"largestRelativeError", a.samples ? json(a.largestError) : json(nullptr)},
+                     {"guardedShare", a.guardedShare}};
+    j["seeds"] = seedsJson(r, band, field);
+    if (r.cells)
+        j["cells"] = {{"area", r.cells->area * dx * dx},
+                      {"unreachedArea", r.cells->unreachedArea * dx * dx}};
+    j["targets"] = json::array();
+    for (const Path& path : r.paths) {
+        json t = pathJson(path, band, field);
+        t.erase("vertices");
+        j["targets"].push_back(t);
+    }
+    j["seconds"] = json::object();
+    for (const auto& [stage, seconds] : r.seconds) j["seconds"][stage] = seconds;
+    j["peakMemoryBytes"] = r.peakMemory;
+    j["outputs"] = json::object();
+    for (const auto& [kind, file] : r.outputs) j["outputs"][kind] = file;
+    j["warnings"] = r.warnings;
+    return dump(j, 2);
+}
+
+std::string matrixJson(const RunReport& r, const Band& band, const DistanceMatrix& m) {
+    json j = header("matrix");
+    j["surface"] = surfaceJson(r, band);
+    for (const auto& [name, points] : {std::pair("seeds", &m.seeds), {"targets", &m.targets}}) {
+        j[name] = json::array();
+        for (const SurfacePoint& p : *points) j[name].push_back(pointJson(band, p));
+    }
+    if (m.rows() < m.seeds.size() || std::isnan(m.asymmetry))
+        j["rows"] = {{"first", m.firstRow}, {"count", m.rows()}};
+    j["distance"] = json::array();
+    for (std::size_t s = m.firstRow; s < m.firstRow + m.rows(); ++s) {
+        json row = json::array();
+        for (std::size_t t = 0; t < m.targets.size(); ++t) row.push_back(finiteOrNull(m.at(s, t)));
+        j["distance"].push_back(std::move(row));
+    }
+    j["asymmetry"] = finiteOrNull(m.asymmetry);
+    return dump(j, -1);
+}
+
+namespace {
+
+json gridJson(const GridEntry& g) {
+    return {{"name", g.name},
+            {"type", g.type},
+            {"class", g.gridClass},
+            {"activeVoxels", g.activeVoxels ? json(*g.activeVoxels) : json(nullptr)},
+            {"surface", g.surface},
+            {"weight", g.weight},
+            {"obstacle", g.obstacle},
+            {"points", holdsPoints(g)}};
+}
+
+json boxJson(const Vec3d& low, const Vec3d& high) { return {triple(low), triple(high)}; }
+
+/// What a grid shows, as far as it was looked at.
+json levelSetJson(const FileSurvey& file) {
+    const LevelSet& s = file.levelSet;
+    const Similarity& t = s.transform;
+    json j = {{"grid", s.name}};
+    if (!(t.dx > 0)) return j;
+    j["voxelSize"] = t.dx;
+    j["axes"] = {triple(t.axis[0]), triple(t.axis[1]), triple(t.axis[2])};
+    j["origin"] = triple(t.origin);
+    if (s.stats.activeVoxels == 0) return j;
+    j["box"] = boxJson(file.low, file.high);
+    j["activeVoxels"] = s.stats.activeVoxels;
+    j["badVoxels"] = s.stats.badVoxels;
+    j["halfWidthVoxels"] = s.stats.halfWidth;
+    if (s.stats.nearSurface == 0) return j;
+    j["gradient"] = {{"median", s.stats.gradientMedian}, {"goodShare", s.stats.gradientShare}};
+    j["cutVoxels"] = s.stats.cutVoxels;
+    return j;
+}
+
+json pieceJson(const SurfacePiece& p, double dx) {
+    return {{"area", p.area * dx * dx},
+            {"box", boxJson(p.low, p.high)},
+            {"parts", p.parts},
+            {"rims", p.rims},
+            {"genus", p.genus}};
+}
+
+json meshJson(const MeshFacts& m) {
+    return {{"points", m.points},
+            {"triangles", m.triangles},
+            {"dropped", m.dropped},
+            {"components", m.components},
+            {"boundaryEdges", m.boundaryEdges},
+            {"nonManifoldEdges", m.nonManifoldEdges},
+            {"nonOrientable", m.nonOrientable},
+            {"closed", m.closed}};
+}
+
+json cloudJson(const CloudDensity& d) {
+    return {{"points", d.points},   {"duplicates", d.duplicates}, {"isolated", d.isolated},
+            {"spacing", d.spacing}, {"spacing99", d.spacing99},   {"scatter", d.noise},
+            {"pieces", d.pieces}};
+}
+
+json surfaceJson(const FileSurvey& file) {
+    const SurfaceSurvey& s = *file.surface;
+    const LevelSetStats& stats = file.levelSet.stats;
+    const double dx = file.levelSet.transform.dx;
+    const auto doubts = [&](Doubt kind) { return s.doubts[std::size_t(kind)]; };
+    json j = {{"voxelSize", dx}, {"area", s.area * dx * dx}, {"pieces", json::array()}};
+    for (const SurfacePiece& p : s.pieces) j["pieces"].push_back(pieceJson(p, dx));
+    j["curvature"] = {{"largest", s.largestCurvature / dx},
+                      {"percentile95", stats.largestCurvature / dx}};
+    j["reach"] = stats.reach < stats.halfWidth ? json(stats.reach * dx) : json(nullptr);
+    j["facingShare"] = s.facingShare;
+    j["room"] = {{"radius95", finiteOrNull(s.medialRadius * dx)},
+                 {"facingRadius99", finiteOrNull(s.facingRadius * dx)},
+                 {"resolvingVoxelSize", finiteOrNull(s.resolvingSize * dx)}};
+    j["band"] = {{"boundsVoxels", {s.bounds.lower, s.bounds.upper}},
+                 {"upperBoundFrom", s.bounds.why},
+                 {"resolved", s.bounds.resolved},
+                 {"jetVoxels", s.bounds.lower},
+                 {"godunovVoxels", s.godunovBand},
+                 {"nodes", file.band.size()}};
+    j["doubtful"] = {{"nodes", s.doubtful},
+                     {"share", double(s.doubtful) / double(file.band.size())},
+                     {"bend", doubts(Doubt::Bend)},
+                     {"facing", doubts(Doubt::Facing)},
+                     {"gradient", doubts(Doubt::Rough)},
+                     {"cut", doubts(Doubt::Cut)}};
+    j["estimate"] = {{"bytes", s.bytes}, {"secondsOnOneCore", s.seconds}};
+    return j;
+}
+
+}  // namespace
+
+std::string surveyJson(const FileSurvey& file) {
+    json j = header("info");
+    j["file"] = file.file;
+    j["grids"] = json::array();
+    for (const GridEntry& g : file.grids) j["grids"].push_back(gridJson(g));
+    j["mesh"] = file.mesh ? meshJson(*file.mesh) : json(nullptr);
+    j["points"] = file.points ? cloudJson(*file.points) : json(nullptr);
+    j["levelSet"] = file.ofGrid() ? levelSetJson(file) : json(nullptr);
+    j["surface"] = file.surface ? surfaceJson(file) : json(nullptr);
+    j["warnings"] = file.warnings;
+    j["usable"] = !file.refusal;
+    j["withCare"] = file.withCare();
+    j["verdict"] = file.verdict();
+    j["refusal"] = file.refusal
+                       ? json{{"what", file.refusal->what()}, {"remedy", file.refusal->remedy()}}
+                       : json(nullptr);
+    return dump(j, 2);
+}
+
+std::string geodesicsObj(const std::vector<Path>& paths, const Band& band) {
+    std::string text = "# geodesics, world units; from each target to its seed\n";
+    std::array<char, 128> line{};
+    std::size_t first = 1;
+    for (std::size_t k = 0; k < paths.size(); ++k) {
+        const auto& vertices = paths[k].vertices;
+        if (vertices.size() < 2) continue;
+        text += "o geodesic_" + std::to_string(k) + "\n";
+        for (const PathVertex& v : vertices) {
+            const Vec3d p = band.transform.worldFromIndex(v.pIndex);
+            std::snprintf(line.data(), line.size(), "v %.17g %.17g %.17g\n", p.x, p.y, p.z);
+            text += line.data();
+        }
+        text += "l";
+        for (std::size_t i = 0; i < vertices.size(); ++i) text += " " + std::to_string(first + i);
+        text += "\n";
+        first += vertices.size();
+    }
+    return text;
+}
+
+}  // namespace igeo

@@ -1,0 +1,76 @@
+/// S as triangles, with the distance at their corners.
+#pragma once
+
+#include <igeo/band/band.h>
+#include <igeo/base/progress.h>
+#include <igeo/march/field.h>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+struct LevelSet;
+
+constexpr std::uint32_t kNoLabel = std::numeric_limits<std::uint32_t>::max();
+
+/// Triangles on psi = 0, counter-clockwise seen from outside. Lengths in voxels, index space.
+struct SurfaceMesh {
+    using Triangle = std::array<std::uint32_t, 3>;
+
+    std::vector<Vec3d> position;
+    std::vector<Vec3f> normal;         ///< unit, outward
+    std::vector<double> distance;      ///< voxels times weight; +inf: not reached
+    std::vector<std::uint32_t> label;  ///< the nearest seed, kNoLabel: not reached
+    std::vector<Triangle> triangles;
+};
+
+/// psi = 0 as OpenVDB extracts it (tools::volumeToMesh, adaptivity 0: a vertex per crossed cell, or
+/// several where sheets share it, a quadrilateral per crossed lattice edge), then moved onto the
+/// zero set of the trilinear interpolant and cut along the better diagonal.
+///
+/// Closed surfaces give closed meshes. Where the surface is cut by the edge of the volume, the mesh
+/// ends within two voxels of it. Vertices in cells with a corner outside the band stay as
+/// extracted: all beyond a band of a region, and of a band of sqrt(3) voxels a few per cent, some
+/// thousandths of a voxel off.
+/// @param field distances are sampleDistance(); a label is that of the node whose jet says least
+/// @throws Error  Cancelled through `progress`
+/// Time O(active voxels), in parallel. Order and bits do not depend on the number of threads.
+SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field& field,
+                        Progress& progress = Progress::none());
+
+/// The same without distances and labels, normals being the mean of the triangles around.
+SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band,
+                        Progress& progress = Progress::none());
+
+/// Fills normal, distance and label of a mesh on S from its positions and triangles.
+/// @throws Error  Cancelled through `progress`
+void sampleField(SurfaceMesh& mesh, const Band& band, const Field& field,
+                 Progress& progress = Progress::none());
+
+/// The edges of a mesh, each between two triangles, or at the rim of one.
+///
+/// An edge that four triangles share becomes two edges, so that a walk from triangle to triangle
+/// always knows where to go.
+struct MeshEdges {
+    std::vector<std::array<std::uint32_t, 2>> ends;        ///< vertices, the lesser first
+    std::vector<std::array<std::uint32_t, 3>> ofTriangle;  ///< edge from corner k to corner k + 1
+};
+/// Time O(n log n).
+MeshEdges meshEdges(const SurfaceMesh& mesh);
+
+/// Colour (red, green, blue in [0, 1]) of a share of the largest distance, in [0, 1].
+using Colour = std::function<Vec3f(double)>;
+
+/// The mesh as a binary PLY file: x y z, nx ny nz (float), red green blue (uchar), distance
+/// (float), label (int); triangles. World units; unreached vertices are grey and have distance -1
+/// and label -1, since MeshLab does not cope with NaN.
+std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, const Colour& colour);
+
+/// The mesh as Wavefront OBJ, `v x y z r g b` (colours as Blender and MeshLab read them) and `f`.
+std::string surfaceObj(const SurfaceMesh& mesh, const Similarity& transform, const Colour& colour);
+
+}  // namespace igeo

@@ -1,0 +1,413 @@
+#include <igeo/results/survey.h>
+
+#include <igeo/base/detail/box.h>
+#include <igeo/base/detail/disjoint_sets.h>
+#include <igeo/base/detail/format.h>
+#include <igeo/base/detail/steps.h>
+#include <igeo/base/parallel.h>
+#include <igeo/results/surface_mesh.h>
+#include <igeo/surface/detail/leaf_block.h>
+#include <igeo/surface/level_set_band.h>
+#include <igeo/surface/medial_radii.h>
+#include <igeo/surface/mesh_band.h>
+#include <igeo/surface/point_band.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace igeo {
+
+namespace {
+
+/// Per core node, the number of its band node.
+std::vector<NodeIndex> coreNodes(const Band& band) {
+    std::vector<NodeIndex> nodes(band.coreSize());
+    for (NodeIndex i = 0; i < band.size(); ++i)
+        if (const NodeIndex c = band.coreNode(i); c != kNoNode) nodes[c] = i;
+    return nodes;
+}
+
+// Doubts
+
+/// Factors by which a core node misses what it should hold to; below 1: it does hold.
+struct Judgement {
+    std::array<float, kDoubts> factor{};
+    float curvature = 0;
+
+    void add(Doubt kind, double value) {
+        float& f = factor[std::size_t(kind)];
+        f = std::max(f, float(value));
+    }
+};
+
+/// Half the way to the nearest sheet that faces core node i, voxels.
+double reachAt(const Band& band, NodeIndex i) {
+    double least = kInfinity;
+    band.forBox(&BandLeaf::band, band.leaf[i], band.offset[i], {}, 2, [&](NodeIndex j, const Ijk&) {
+        if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet)
+            least = std::min(least, length(band.footPoint(j) - band.footPoint(i)) / 2);
+    });
+    return least;
+}
+
+std::vector<Judgement> judgeCore(const LevelSet& levelSet, const Band& band,
+                                 const std::vector<NodeIndex>& nodes, double lower,
+                                 Progress& progress) {
+    std::vector<Judgement> all(nodes.size());
+    Steps steps(progress, "survey", band.leaves.size(), 0, 0.3);
+    parallelFor(band.leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
+        if (steps.cancelled()) return;
+        LeafBlock block;
+        const LeafBlock::Accessor psi(levelSet.psi->constTree());
+        for (std::size_t l = begin; l < end; ++l) {
+            const BandLeaf& here = band.leaves[l];
+            if (here.core.count == 0) continue;
+            const Ijk& o = here.origin;
+            block.gather(psi, openvdb::Coord(o.x, o.y, o.z), band.transform.dx);
+            for (NodeIndex c = here.core.first; c < here.core.first + here.core.count; ++c) {
+                const NodeIndex i = nodes[c];
+                const int at = band.offset[i], x = at >> 6, y = at >> 3 & 7, z = at & 7;
+                Judgement& judged = all[c];
+                const PsiDifferences d(block, x, y, z);
+                if (cutBeside(d, band.psi[i], levelSet.stats.halfWidth)) judged.add(Doubt::Cut, 1);
+                if (d.complete()) {
+                    judged.add(Doubt::Rough,
+                               std::abs(length(d.central()) - 1) / kGradientTolerance);
+                    const double k = largestCurvature(block, x, y, z);
+                    if (!std::isnan(k)) {
+                        judged.curvature = float(k);
+                        judged.add(Doubt::Bend, k * lower);
+                    }
+                }
+                if (band.facing[i]) judged.add(Doubt::Facing, lower / reachAt(band, i));
+            }
+        }
+        steps.add(end - begin);
+    });
+    progress.throwIfCancelled();
+    return all;
+}
+
+/// Enters what the core says of itself, and the rest of the band takes from it.
+void spreadDoubts(const Band& band, const std::vector<Judgement>& core, SurfaceSurvey& s) {
+    s.doubt.assign(band.size(), 0);
+    std::vector<std::uint8_t> kinds(band.size());
+    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (auto i = NodeIndex(begin); i < end; ++i) {
+            auto take = [&](NodeIndex c) {
+                for (std::size_t k = 0; k < kDoubts; ++k) {
+                    const float f = core[c].factor[k];
+                    if (!(f >= 1)) continue;
+                    s.doubt[i] = std::max(s.doubt[i], f);
+                    kinds[i] = std::uint8_t(kinds[i] | 1u << k);
+                }
+            };
+            if (const NodeIndex c = band.coreNode(i); c != kNoNode)
+                take(c);
+            else
+                band.forCornersOfFoot(&BandLeaf::core, i, band.leaf[i], band.offset[i],
+                                      [&](NodeIndex j, float, const Vec3f&) { take(j); });
+        }
+    });
+    for (const std::uint8_t any : kinds) {
+        s.doubtful += any != 0;
+        for (std::size_t k = 0; k < kDoubts; ++k) s.doubts[k] += any >> k & 1;
+    }
+}
+
+// Room
+
+void measureRoom(const Band& band, const std::vector<NodeIndex>& nodes, SurfaceSurvey& s) {
+    // So many show any feature that a voxel can resolve on all but the largest surfaces.
+    constexpr std::size_t kMost = 2000000;
+    const std::size_t stride = nodes.size() / kMost + 1;
+    std::vector<Vec3d> points, normals;
+    for (std::size_t c = 0; c < nodes.size(); c += stride) {
+        points.push_back(band.footPoint(nodes[c]));
+        normals.push_back(Vec3d(band.normal[nodes[c]]));
+    }
+    const MedialRadii radii = medialRadii(points, normals);
+    s.medialRadius = MedialRadii::quantile(radii.radius, 0.05);
+    s.facingRadius = MedialRadii::quantile(radii.facing, 0.01);
+    s.resolvingSize = std::min(s.medialRadius, s.facingRadius) / std::sqrt(3.0);
+}
+
+// Pieces
+
+/// Per core node the least node that a front from there comes to.
+std::vector<NodeIndex> connect(const Band& band, const std::vector<NodeIndex>& nodes) {
+    DisjointSets sets(nodes.size());
+    for (NodeIndex c = 0; c < nodes.size(); ++c) {
+        const NodeIndex i = nodes[c];
+        band.forNeighbours(&BandLeaf::core, band.leaf[i], band.offset[i],
+                           [&](NodeIndex next, int, int, int) {
+                               if (next < c && band.linked(i, nodes[next])) sets.join(c, next);
+                           });
+    }
+    std::vector<NodeIndex> piece(nodes.size());
+    for (NodeIndex c = 0; c < nodes.size(); ++c) piece[c] = sets.first(c);
+    return piece;
+}
+
+/// Per vertex of the mesh, the piece of the core node that its cell's values come from most.
+std::vector<NodeIndex> piecesOfVertices(const Band& band, const SurfaceMesh& mesh,
+                                        const std::vector<NodeIndex>& piece) {
+    std::vector<NodeIndex> of(mesh.position.size(), kNoNode);
+    parallelFor(of.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            BandCell cell = cellAt(band, mesh.position[v]);
+            dropFacingCorners(band, cell, Vec3d(mesh.normal[v]));
+            double most = 0;
+            for (std::size_t k = 0; k < 8; ++k) {
+                const NodeIndex c = cell.node[k] == kNoNode ? kNoNode : band.coreNode(cell.node[k]);
+                if (c != kNoNode && cell.weight[k] > most) most = cell.weight[k], of[v] = piece[c];
+            }
+        }
+    });
+    return of;
+}
+
+/// A connected part of a mesh.
+struct MeshPart {
+    int euler = 0;  ///< corners - edges + triangles, corners being those of one fan of triangles
+    int rims = 0;
+    std::map<NodeIndex, double> area;  ///< by piece, square voxels
+};
+
+std::vector<MeshPart> partsOf(const SurfaceMesh& mesh, const std::vector<NodeIndex>& ofVertex) {
+    const MeshEdges edges = meshEdges(mesh);
+    const std::size_t corners = 3 * mesh.triangles.size();
+    // Corners are joined around a vertex from triangle to triangle, so that sheets which only touch
+    // in a vertex stay apart and every part is a manifold; then parts, and rims.
+    DisjointSets fans(corners), parts(mesh.triangles.size()), rims(corners);
+    constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> side(edges.ends.size(), kNone);  // 3 triangle + corner, seen first
+    std::vector<std::uint8_t> paired(edges.ends.size());
+    const auto next = [](std::uint32_t k) { return k % 3 == 2 ? k - 2 : k + 1; };
+    for (std::uint32_t k = 0; k < corners; ++k) {
+        const std::uint32_t e = edges.ofTriangle[k / 3][k % 3], other = side[e];
+        if (other == kNone) {
+            side[e] = k;
+            continue;
+        }
+        paired[e] = 1;
+        fans.join(k, next(other));
+        fans.join(next(k), other);
+        parts.join(k / 3, other / 3);
+    }
+    for (std::size_t e = 0; e < side.size(); ++e)
+        if (!paired[e]) rims.join(fans.first(side[e]), fans.first(next(side[e])));
+
+    std::map<std::uint32_t, MeshPart> found;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        MeshPart& part = found[parts.first(t)];
+        ++part.euler;
+        const auto& v = mesh.triangles[t];
+        const Vec3d &a = mesh.position[v[0]], &b = mesh.position[v[1]], &c = mesh.position[v[2]];
+        const auto known =
+            std::find_if(v.begin(), v.end(), [&](auto i) { return ofVertex[i] != kNoNode; });
+        part.area[known == v.end() ? kNoNode : ofVertex[*known]] += length(cross(b - a, c - a)) / 2;
+        for (std::uint32_t k = 3 * t; k < 3 * t + 3; ++k) part.euler += fans.first(k) == k;
+    }
+    std::vector<std::uint8_t> atRim(corners);
+    for (std::size_t e = 0; e < side.size(); ++e) {
+        --found[parts.first(side[e] / 3)].euler;
+        if (!paired[e]) atRim[rims.first(fans.first(side[e]))] = 1;
+    }
+    for (std::uint32_t k = 0; k < corners; ++k)
+        if (atRim[k]) ++found[parts.first(k / 3)].rims;
+
+    std::vector<MeshPart> all;
+    for (auto& [first, part] : found) all.push_back(std::move(part));
+    return all;
+}
+
+void findPieces(const Band& band, const SurfaceMesh& mesh, const std::vector<NodeIndex>& nodes,
+                SurfaceSurvey& s) {
+    const std::vector<NodeIndex> piece = connect(band, nodes);
+    std::map<NodeIndex, SurfacePiece> found;
+    for (const MeshPart& part : partsOf(mesh, piecesOfVertices(band, mesh, piece))) {
+        const auto most =
+            std::max_element(part.area.begin(), part.area.end(),
+                             [](const auto& a, const auto& b) { return a.second < b.second; });
+        for (const auto& [first, area] : part.area) {
+            s.area += area;
+            if (first != kNoNode) found[first].area += area;
+        }
+        if (most->first == kNoNode) continue;
+        SurfacePiece& p = found[most->first];
+        // A manifold without the rims filled has 2 - 2 genus - rims.
+        p.genus += (2 - part.euler - part.rims) / 2;
+        p.rims += part.rims;
+        ++p.parts;
+    }
+    for (std::size_t c = 0; c < nodes.size(); ++c) {
+        const auto p = found.find(piece[c]);
+        if (p == found.end()) continue;
+        const Vec3d q = band.transform.worldFromIndex(band.footPoint(nodes[c]));
+        for (int a = 0; a < 3; ++a) {
+            p->second.low[a] = std::min(p->second.low[a], q[a]);
+            p->second.high[a] = std::max(p->second.high[a], q[a]);
+        }
+    }
+    for (const auto& [first, p] : found) s.pieces.push_back(p);
+    std::stable_sort(s.pieces.begin(), s.pieces.end(),
+                     [](const auto& a, const auto& b) { return a.area > b.area; });
+}
+
+}  // namespace
+
+double facingShare(const Band& band) {
+    std::size_t facing = 0;
+    for (NodeIndex i = 0; i < band.size(); ++i) facing += band.facing[i] && band.inCore(i);
+    return band.coreSize() > 0 ? double(facing) / double(band.coreSize()) : 0;
+}
+
+SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, const SurfaceMesh& mesh,
+                     Progress& progress) {
+    const LevelSetStats& stats = levelSet.stats;
+    SurfaceSurvey s;
+    s.bounds = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
+    s.godunovBand = defaultBandWidth(2, stats.largestCurvature, s.bounds);
+    const std::vector<NodeIndex> nodes = coreNodes(band);
+    const std::vector<Judgement> judged =
+        judgeCore(levelSet, band, nodes, s.bounds.lower, progress);
+    for (const Judgement& j : judged)
+        s.largestCurvature = std::max(s.largestCurvature, double(j.curvature));
+    s.facingShare = facingShare(band);
+    spreadDoubts(band, judged, s);
+    measureRoom(band, nodes, s);
+    progress.throwIfCancelled();
+    findPieces(band, mesh, nodes, s);
+    progress.throwIfCancelled();
+    return s;
+}
+
+namespace {
+
+/// The box of the active voxels' centres, as it lies in the world.
+void measureBox(FileSurvey& file) {
+    const openvdb::CoordBBox box = file.levelSet.psi->evalActiveVoxelBoundingBox();
+    if (box.empty()) return;
+    const openvdb::Coord &lo = box.min(), &hi = box.max();
+    Box world;
+    for (int k = 0; k < 8; ++k)
+        world.include(file.levelSet.transform.worldFromIndex({double(k & 4 ? hi.x() : lo.x()),
+                                                              double(k & 2 ? hi.y() : lo.y()),
+                                                              double(k & 1 ? hi.z() : lo.z())}));
+    file.low = world.low, file.high = world.high;
+}
+
+/// Makes a level set of a surface that is no grid, to survey it on; `fill` makes its band of a
+/// width.
+template <typename Fill>
+void putOnGrid(FileSurvey& file, bool closed, const std::string& name, const Fill& fill,
+               Progress& progress) {
+    constexpr double kRoomForDifferences = 3;
+    file.levelSet = levelSetFromBand(fill(kRoomForDifferences), closed, file.file, name, progress);
+    // They speak of a volume, where a rim is a fault.
+    file.levelSet.warnings.clear();
+    measureBox(file);
+    file.band = fill(std::sqrt(3.0));
+}
+
+void estimate(FileSurvey& file, const RunCost& cost) {
+    const double n = double(file.band.size());
+    file.surface->bytes = std::uint64_t(kProgramBytes + cost.bytesPerNode * n);
+    file.surface->seconds = cost.secondsPerNode * n;
+}
+
+/// As it is, without normals.
+SurfaceMesh trianglesOf(const TriangleMesh& mesh, const Similarity& transform) {
+    SurfaceMesh surface;
+    for (const Vec3d& p : mesh.points) surface.position.push_back(transform.indexFromWorld(p));
+    surface.normal.resize(mesh.points.size());
+    surface.triangles = mesh.triangles;
+    return surface;
+}
+
+}  // namespace
+
+bool FileSurvey::withCare() const {
+    return surface && !(surface->bounds.resolved && warnings.empty());
+}
+
+std::string FileSurvey::verdict() const {
+    if (refusal) return std::string("not usable: ") + refusal->what() + "; " + refusal->remedy();
+    const std::vector<SurfacePiece>& pieces = surface->pieces;
+    int rims = 0, genus = 0;
+    for (const SurfacePiece& p : pieces) {
+        rims += p.rims;
+        genus += p.genus;
+    }
+    std::string line = withCare() ? "usable with care: " : "usable: ";
+    line += rims == 0 ? "closed surface, " : "surface with a rim, ";
+    line += std::to_string(pieces.size()) + (pieces.size() == 1 ? " piece" : " pieces");
+    line += ", genus " + std::to_string(genus) + (pieces.size() == 1 ? "" : " together");
+    if (surface->bounds.resolved) return line + ", resolved";
+    return line + "; in places the surface bends or folds within " +
+           format("%.2g voxels", surface->bounds.lower) + ", less than the grid resolves";
+}
+
+bool holdsPoints(const GridEntry& grid) {
+    return grid.type == openvdb::typeNameAsString<openvdb::PointDataIndex32>();
+}
+
+FileSurvey surveyFile(const GridSource& source, Progress& progress) {
+    FileSurvey file;
+    file.file = source.file == "-" ? "standard input" : source.file;
+    try {
+        progress.update("read", 0);
+        LoadedGrid loaded = readLevelSetGrid(source, &file.grids);
+        checkLevelSet(std::move(loaded), file.levelSet, progress);
+    } catch (const Error& e) {
+        if (e.kind() != Error::Kind::BadInput && e.kind() != Error::Kind::Io) throw;
+        file.refusal = e;
+    }
+    file.warnings = file.levelSet.warnings;
+    if (file.levelSet.transform.dx > 0 && file.levelSet.psi) measureBox(file);
+    if (file.refusal) return file;
+    const LevelSetStats& stats = file.levelSet.stats;
+    const BandBounds bounds = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
+    file.band = bandFromLevelSet(file.levelSet, bounds.lower, {}, progress);
+    file.surface =
+        survey(file.levelSet, file.band, surfaceMesh(file.levelSet, file.band, progress), progress);
+    estimate(file, kVolumeCost);
+    return file;
+}
+
+FileSurvey surveyMesh(const TriangleMesh& mesh, double dx, Progress& progress) {
+    const MeshTopology topology = meshTopology(mesh);
+    FileSurvey file;
+    file.file = mesh.file;
+    file.warnings = mesh.warnings;
+    file.mesh = MeshFacts{mesh.points.size(),     mesh.triangles.size(),  mesh.dropped,
+                          topology.components,    topology.boundaryEdges, topology.nonManifoldEdges,
+                          topology.nonOrientable, topology.closed()};
+    putOnGrid(
+        file, topology.closed(), "mesh",
+        [&](double h) { return bandFromMesh(mesh, dx, h, progress); }, progress);
+    file.surface =
+        survey(file.levelSet, file.band, trianglesOf(mesh, file.band.transform), progress);
+    estimate(file, kMeshCost);
+    file.surface->seconds += kSecondsPerTriangle * double(mesh.triangles.size());
+    return file;
+}
+
+FileSurvey surveyPoints(const PointSurface& surface, double dx, Progress& progress) {
+    FileSurvey file;
+    file.file = surface.file();
+    file.points = surface.density();
+    file.warnings = densityWarnings(surface.density(), surface.file());
+    putOnGrid(
+        file, /*closed=*/false, "points",
+        [&](double h) { return bandFromPoints(surface, PointBandKind::Fits, dx, h, progress); },
+        progress);
+    file.surface =
+        survey(file.levelSet, file.band, surfaceMesh(file.levelSet, file.band, progress), progress);
+    estimate(file, kPointsCost);
+    return file;
+}
+
+}  // namespace igeo

@@ -1,0 +1,151 @@
+#include <igeo/results/voronoi_cells.h>
+
+#include <igeo/base/error.h>
+
+namespace igeo {
+
+namespace {
+
+using Corner = std::size_t;  // 0 to 2
+
+/// A triangle with a jet at each corner.
+struct Piece {
+    std::array<Vec3d, 3> p;
+    std::array<double, 3> d{};
+    std::array<Vec3d, 3> g;
+    std::array<std::uint32_t, 3> label{};
+
+    /// The distance of corner k's seed at a point of the triangle.
+    double at(Corner k, const Vec3d& q) const { return d[k] + dot(g[k], q - p[k]); }
+
+    /// Where on the edge from corner i to j the two seeds are equally far.
+    Vec3d crossing(Corner i, Corner j) const {
+        double t = 0.5;
+        if (label[i] != kNoLabel && label[j] != kNoLabel) {
+            // The lead of i's seed falls from `ahead` to -`behind` along the edge.
+            const double ahead = at(j, p[i]) - d[i], behind = at(i, p[j]) - d[j];
+            if (ahead > 0 || behind > 0)
+                t = std::max(ahead, 0.0) / (std::max(ahead, 0.0) + std::max(behind, 0.0));
+        }
+        return (1 - t) * p[i] + t * p[j];
+    }
+
+    /// Where three seeds are equally far, or, if that is not in the triangle, the middle of the
+    /// crossings.
+    Vec3d triplePoint(const std::array<Vec3d, 3>& crossings) const {
+        const Vec3d middle = (1.0 / 3) * (crossings[0] + crossings[1] + crossings[2]);
+        for (const std::uint32_t l : label)
+            if (l == kNoLabel) return middle;
+        // q = p0 + s u + t v; the leads of seed 0 over 1 and 2 are linear in s and t.
+        const Vec3d u = p[1] - p[0], v = p[2] - p[0], g1 = g[1] - g[0], g2 = g[2] - g[0];
+        const double b1 = d[0] - at(1, p[0]), b2 = d[0] - at(2, p[0]);
+        const double a11 = dot(g1, u), a12 = dot(g1, v), a21 = dot(g2, u), a22 = dot(g2, v);
+        const double det = a11 * a22 - a12 * a21;
+        const double s = (b1 * a22 - b2 * a12) / det, t = (a11 * b2 - a21 * b1) / det;
+        return s >= 0 && t >= 0 && s + t <= 1 ? p[0] + s * u + t * v : middle;
+    }
+};
+
+double area(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    return length(cross(b - a, c - a)) / 2;
+}
+
+/// The gradient at a vertex, blended from the nodes around it that have its label.
+Vec3d gradientAt(const Band& band, const Field& field, const std::vector<Vec3f>& gradient,
+                 const SurfaceMesh& mesh, std::uint32_t v) {
+    const Vec3d n(mesh.normal[v]);
+    const SurfaceCell cell(band, *field.metric, mesh.position[v], n);
+    Vec3d sum;
+    double weight = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        const NodeIndex j = cell.node[k];
+        if (j == kNoNode || !(field.distance[j] < kInfinity) || field.label[j] != mesh.label[v])
+            continue;
+        sum += cell.weight[k] * Vec3d(gradient[j]);
+        weight += cell.weight[k];
+    }
+    return weight > 0 ? tangential(sum * (1 / weight), n) : Vec3d{};
+}
+
+class Sums {
+public:
+    explicit Sums(std::size_t seeds) { all_.cells.resize(seeds); }
+
+    void add(std::uint32_t label, double area) {
+        (label == kNoLabel ? all_.unreachedArea : all_.cells[label].area) += area;
+    }
+    void addBoundary(std::uint32_t a, std::uint32_t b, double length) {
+        if (a == kNoLabel || b == kNoLabel) return;
+        all_.cells[a].boundary += length;
+        all_.cells[b].boundary += length;
+    }
+    void addWhole(double area) { all_.area += area; }
+    const VoronoiCells& result() const { return all_; }
+
+private:
+    VoronoiCells all_;
+};
+
+/// A triangle with corner `alone` in one cell, the other two in another.
+void cutInTwo(const Piece& piece, Corner alone, Sums& sums) {
+    const Corner j = (alone + 1) % 3, k = (alone + 2) % 3;
+    const Vec3d q = piece.crossing(alone, j), r = piece.crossing(alone, k);
+    sums.add(piece.label[alone], area(piece.p[alone], q, r));
+    sums.add(piece.label[j], area(q, piece.p[j], piece.p[k]) + area(q, piece.p[k], r));
+    sums.addBoundary(piece.label[alone], piece.label[j], length(q - r));
+}
+
+void cutInThree(const Piece& piece, Sums& sums) {
+    std::array<Vec3d, 3> crossings;  // k: on the edge from corner k to k + 1
+    for (Corner k = 0; k < 3; ++k) crossings[k] = piece.crossing(k, (k + 1) % 3);
+    const Vec3d q = piece.triplePoint(crossings);
+    for (Corner k = 0; k < 3; ++k) {
+        sums.add(piece.label[k],
+                 area(piece.p[k], crossings[k], q) + area(piece.p[k], q, crossings[(k + 2) % 3]));
+        sums.addBoundary(piece.label[k], piece.label[(k + 1) % 3], length(crossings[k] - q));
+    }
+}
+
+}  // namespace
+
+VoronoiCells voronoiCells(const Band& band, const Field& field, const SurfaceMesh& mesh) {
+    if (field.sourceCount() > 1 && field.label.empty())
+        throw Error(Error::Kind::InvalidArgument,
+                    "the distance (" + field.scheme +
+                        ") does not know which seed is nearest, so "
+                        "there are no cells",
+                    "compute it with the scheme jet");
+    const std::vector<Vec3f> gradient =
+        field.label.empty() ? std::vector<Vec3f>{} : surfaceGradient(band, field);
+    Sums sums(field.sourceCount());
+    for (const SurfaceMesh::Triangle& v : mesh.triangles) {
+        Piece piece;
+        for (Corner k = 0; k < 3; ++k) {
+            piece.p[k] = mesh.position[v[k]];
+            piece.label[k] = mesh.label[v[k]];
+        }
+        const auto& label = piece.label;
+        const double whole = area(piece.p[0], piece.p[1], piece.p[2]);
+        sums.addWhole(whole);
+        if (label[0] == label[1] && label[1] == label[2]) {
+            sums.add(label[0], whole);
+            continue;
+        }
+        for (Corner k = 0; k < 3; ++k) {
+            if (label[k] == kNoLabel || field.label.empty()) continue;
+            piece.d[k] = mesh.distance[v[k]];
+            piece.g[k] = gradientAt(band, field, gradient, mesh, v[k]);
+        }
+        if (label[1] == label[2])
+            cutInTwo(piece, 0, sums);
+        else if (label[2] == label[0])
+            cutInTwo(piece, 1, sums);
+        else if (label[0] == label[1])
+            cutInTwo(piece, 2, sums);
+        else
+            cutInThree(piece, sums);
+    }
+    return sums.result();
+}
+
+}  // namespace igeo

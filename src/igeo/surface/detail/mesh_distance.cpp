@@ -1,0 +1,182 @@
+#include <igeo/surface/detail/mesh_distance.h>
+
+#include <igeo/base/parallel.h>
+
+#include <algorithm>
+#include <tuple>
+
+namespace igeo {
+
+namespace {
+
+using Triangle = TriangleMesh::Triangle;
+
+/// A triangle that comes near to a leaf.
+struct Meeting {
+    Ijk leaf;  ///< origin / 8
+    std::uint32_t triangle;
+
+    bool operator<(const Meeting& o) const {
+        return std::tie(leaf.x, leaf.y, leaf.z, triangle) <
+               std::tie(o.leaf.x, o.leaf.y, o.leaf.z, o.triangle);
+    }
+};
+
+NearestOnTriangle nearestOnSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b, int cornerA,
+                                   int cornerB, int edge) {
+    const Vec3d e = b - a;
+    const double l2 = dot(e, e), t = l2 > 0 ? dot(p - a, e) / l2 : 0;
+    if (t <= 0) return {a, cornerA};
+    if (t >= 1) return {b, cornerB};
+    return {a + t * e, edge};
+}
+
+struct Corners {
+    Vec3d a, b, c;
+    Vec3d low, high, normal;
+
+    Corners(const std::vector<Vec3d>& p, const Triangle& t) : a(p[t[0]]), b(p[t[1]]), c(p[t[2]]) {
+        for (int k = 0; k < 3; ++k) {
+            low[k] = std::min({a[k], b[k], c[k]});
+            high[k] = std::max({a[k], b[k], c[k]});
+        }
+        normal = normalized(cross(b - a, c - a));
+    }
+    /// Whether it may come within r of p: by its plane and its box.
+    bool mayReach(const Vec3d& p, double r) const {
+        if (std::abs(dot(normal, p - a)) > r) return false;
+        double d2 = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double d = std::max({low[k] - p[k], 0.0, p[k] - high[k]});
+            d2 += d * d;
+        }
+        return d2 <= r * r;
+    }
+};
+
+/// The leaves a triangle comes near to.
+void findMeetings(const Corners& t, std::uint32_t number, double reach, std::vector<Meeting>& out) {
+    constexpr double kHalfDiagonal = 3.5 * 1.7320508075688772;
+    const Vec3d margin{reach, reach, reach};
+    const Ijk from = floorToIjk(0.125 * (t.low - margin)),
+              to = floorToIjk(0.125 * (t.high + margin));
+    const bool one = from == to;
+    for (int x = from.x; x <= to.x; ++x)
+        for (int y = from.y; y <= to.y; ++y)
+            for (int z = from.z; z <= to.z; ++z) {
+                const Vec3d centre{8.0 * x + 3.5, 8.0 * y + 3.5, 8.0 * z + 3.5};
+                const double r = reach + kHalfDiagonal;
+                if (!one && !t.mayReach(centre, r)) continue;
+                // Triangles across many leaves: their boxes hold more than they meet.
+                if (!one && length(nearestOnTriangle(centre, t.a, t.b, t.c).point - centre) > r)
+                    continue;
+                out.push_back({{x, y, z}, number});
+            }
+}
+
+/// Nearest so far, per voxel of a leaf.
+struct Best {
+    double squared = kInfinity;
+    std::uint32_t triangle = 0;
+    NearestOnTriangle nearest;
+};
+
+void lookAt(const Corners& t, std::uint32_t number, const Ijk& origin, double reach,
+            std::vector<Best>& best) {
+    Ijk from, to;
+    for (int a = 0; a < 3; ++a) {
+        from[a] = std::max(0, int(std::ceil(t.low[a] - reach - origin[a])));
+        to[a] = std::min(7, int(std::floor(t.high[a] + reach - origin[a])));
+    }
+    for (int x = from.x; x <= to.x; ++x)
+        for (int y = from.y; y <= to.y; ++y)
+            for (int z = from.z; z <= to.z; ++z) {
+                Best& b = best[std::size_t(x << 6 | y << 3 | z)];
+                const Vec3d p(origin + Ijk{x, y, z});
+                const double r = std::min(reach, std::sqrt(b.squared));
+                if (!t.mayReach(p, r)) continue;
+                const NearestOnTriangle n = nearestOnTriangle(p, t.a, t.b, t.c);
+                const double d2 = dot(n.point - p, n.point - p);
+                if (d2 < reach * reach && d2 < b.squared) b = {d2, number, n};
+            }
+}
+
+}  // namespace
+
+NearestOnTriangle nearestOnTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b,
+                                    const Vec3d& c) {
+    const Vec3d ab = b - a, ac = c - a, ap = p - a, area = cross(ab, ac);
+    const double l2 = std::max({dot(ab, ab), dot(ac, ac), dot(c - b, c - b)});
+    if (!(dot(area, area) > 1e-20 * l2 * l2)) {
+        if (l2 == dot(ab, ab)) return nearestOnSegment(p, a, b, 0, 1, 3);
+        if (l2 == dot(ac, ac)) return nearestOnSegment(p, c, a, 2, 0, 5);
+        return nearestOnSegment(p, b, c, 1, 2, 4);
+    }
+    const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+    if (d1 <= 0 && d2 <= 0) return {a, 0};
+    const Vec3d bp = p - b;
+    const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+    if (d3 >= 0 && d4 <= d3) return {b, 1};
+    const Vec3d cp = p - c;
+    const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+    if (d6 >= 0 && d5 <= d6) return {c, 2};
+    const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+    const double sum = va + vb + vc;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return {a + (d1 / (d1 - d3)) * ab, 3};
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+        return {b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b), 4};
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return {a + (d2 / (d2 - d6)) * ac, 5};
+    return {a + (vb / sum) * ab + (vc / sum) * ac, 6};
+}
+
+std::vector<NearLeaf> voxelsNear(const std::vector<Vec3d>& points,
+                                 const std::vector<Triangle>& triangles, double reach,
+                                 Progress& progress) {
+    constexpr std::size_t kChunk = 1 << 14;
+    std::vector<std::vector<Meeting>> parts((triangles.size() + kChunk - 1) / kChunk);
+    parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end && !progress.cancelled(); ++c) {
+            const std::size_t last = std::min(triangles.size(), (c + 1) * kChunk);
+            for (std::size_t t = c * kChunk; t < last; ++t)
+                findMeetings(Corners(points, triangles[t]), std::uint32_t(t), reach, parts[c]);
+        }
+    });
+    progress.throwIfCancelled();
+    std::vector<Meeting> meetings;
+    for (auto& part : parts) {
+        meetings.insert(meetings.end(), part.begin(), part.end());
+        std::vector<Meeting>().swap(part);
+    }
+    std::sort(meetings.begin(), meetings.end());
+    std::vector<std::size_t> starts;
+    for (std::size_t k = 0; k < meetings.size(); ++k)
+        if (k == 0 || meetings[k].leaf != meetings[k - 1].leaf) starts.push_back(k);
+    starts.push_back(meetings.size());
+
+    std::vector<NearLeaf> all(starts.size() - 1);
+    parallelFor(all.size(), 16, [&](std::size_t begin, std::size_t end) {
+        std::vector<Best> best;
+        for (std::size_t l = begin; l < end && !progress.cancelled(); ++l) {
+            const Ijk at = meetings[starts[l]].leaf;
+            all[l].origin = {8 * at.x, 8 * at.y, 8 * at.z};
+            best.assign(512, {});
+            for (std::size_t k = starts[l]; k < starts[l + 1]; ++k)
+                lookAt(Corners(points, triangles[meetings[k].triangle]), meetings[k].triangle,
+                       all[l].origin, reach, best);
+            for (unsigned o = 0; o < 512; ++o) {
+                const Best& b = best[o];
+                if (!(b.squared < kInfinity)) continue;
+                const Vec3d p(all[l].origin + Ijk{int(o >> 6), int(o >> 3 & 7), int(o & 7)});
+                all[l].voxels.push_back({b.triangle, std::uint16_t(o),
+                                         std::uint8_t(b.nearest.feature), b.nearest.point - p});
+            }
+        }
+    });
+    progress.throwIfCancelled();
+    all.erase(
+        std::remove_if(all.begin(), all.end(), [](const NearLeaf& l) { return l.voxels.empty(); }),
+        all.end());
+    return all;
+}
+
+}  // namespace igeo

@@ -1,0 +1,43 @@
+/// The voxels around a triangle mesh, and the point of it nearest to each.
+#pragma once
+
+#include <igeo/base/progress.h>
+#include <igeo/io/triangle_mesh.h>
+
+#include <vector>
+
+namespace igeo {
+
+/// The point of a triangle nearest to p, and the part of the triangle it lies on.
+struct NearestOnTriangle {
+    Vec3d point;
+    /// 0, 1, 2: corner; 3, 4, 5: edge from corner k - 3 to the next; 6: inside.
+    int feature = 6;
+};
+/// By the regions of C. Ericson, Real-Time Collision Detection (2005), 5.1.5. Triangles without
+/// area are taken as their longest edge.
+NearestOnTriangle nearestOnTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c);
+
+/// A voxel near a mesh.
+struct NearVoxel {
+    std::uint32_t triangle;  ///< the nearest, of equals the first
+    std::uint16_t offset;    ///< in its leaf
+    std::uint8_t feature;    ///< NearestOnTriangle
+    Vec3d point;             ///< relative to the voxel, voxels
+};
+/// Those of 8^3 voxels, by offset.
+struct NearLeaf {
+    Ijk origin;
+    std::vector<NearVoxel> voxels;
+};
+
+/// All voxels less than `reach` voxels from the mesh, leaf by leaf in the order (x, y, z) of their
+/// origins; none is missed and every point is the nearest one.
+/// @param points     in index space
+/// @throws Error  Cancelled through `progress`
+/// Time O(triangles + voxels looked at), in parallel. The same bits on any number of threads.
+std::vector<NearLeaf> voxelsNear(const std::vector<Vec3d>& points,
+                                 const std::vector<TriangleMesh::Triangle>& triangles, double reach,
+                                 Progress& progress = Progress::none());
+
+}  // namespace igeo

@@ -1,0 +1,379 @@
+#include <igeo/surface/level_set.h>
+
+#include <igeo/base/detail/format.h>
+#include <igeo/base/detail/steps.h>
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/surface/detail/leaf_block.h>
+#include <openvdb/tools/FastSweeping.h>
+
+#include <algorithm>
+#include <mutex>
+
+namespace igeo {
+
+namespace {
+
+using Kind = Error::Kind;
+using Leaf = LeafBlock::Leaf;
+
+std::string where(const LevelSet& s) { return " (" + s.file + ", grid '" + s.name + "')"; }
+
+/// Counts over [0, 1) of some monotone scale: quantiles that do not depend on the order of adding.
+class Histogram {
+public:
+    void add(double x) {
+        const auto bin = std::size_t(std::clamp(x, 0.0, 0.999999) * double(kBins));
+        ++counts_[bin], ++total_;
+    }
+    void add(const Histogram& other) {
+        for (std::size_t k = 0; k < kBins; ++k) counts_[k] += other.counts_[k];
+        total_ += other.total_;
+    }
+    std::uint64_t total() const { return total_; }
+    /// Least x (the middle of its bin) with more than `count` entries at or below it; 1 if none.
+    double valueAfter(std::uint64_t count) const {
+        std::uint64_t sum = 0;
+        for (std::size_t k = 0; k < kBins; ++k)
+            if ((sum += counts_[k]) > count) return (double(k) + 0.5) / double(kBins);
+        return 1;
+    }
+    /// Share of the entries in [lo, hi]; 1 if there are none.
+    double share(double lo, double hi) const {
+        std::uint64_t sum = 0;
+        for (auto k = std::size_t(lo * double(kBins)); k < std::size_t(hi * double(kBins)); ++k)
+            sum += counts_[k];
+        return total_ ? double(sum) / double(total_) : 1;
+    }
+    double quantile(double q) const { return valueAfter(std::uint64_t(q * double(total_))); }
+
+private:
+    static constexpr std::size_t kBins = 4096;
+    std::vector<std::uint64_t> counts_ = std::vector<std::uint64_t>(kBins);
+    std::uint64_t total_ = 0;
+};
+
+// Curvatures from 1e-6 to 10 per voxel on a logarithmic scale, bins 0.4 % wide.
+double scaleOfCurvature(double k) { return (std::log10(std::max(k, 1e-6)) + 6) / 7; }
+double curvatureOfScale(double s) { return std::pow(10.0, 7 * s - 6); }
+constexpr double kGradientRange = 4;  // histogram of |grad psi| over [0, 4)
+constexpr double kReachRange = 16;    // histogram of |psi| at medial voxels, voxels
+
+/// What is counted leaf by leaf.
+struct Tally {
+    std::uint64_t nearSurface = 0, crossing = 0, cut = 0;
+    Histogram gradient, curvature, meeting;
+
+    void add(const Tally& o) {
+        nearSurface += o.nearSurface, crossing += o.crossing, cut += o.cut;
+        gradient.add(o.gradient), curvature.add(o.curvature), meeting.add(o.meeting);
+    }
+    void visit(const LeafBlock& b, int x, int y, int z, double halfWidth);
+};
+
+void Tally::visit(const LeafBlock& b, int x, int y, int z, double halfWidth) {
+    const double psi = b.at(x, y, z);
+    const PsiDifferences d(b, x, y, z);
+    const bool complete = d.complete();
+    if (complete) {
+        const double g = length(d.central());
+        gradient.add(g / kGradientRange);
+        // Where opposite sheets meet, central differences cancel; at creases they stay above 0.58.
+        if (g < 0.5) meeting.add(std::abs(psi) / kReachRange);
+    }
+    if (!(std::abs(psi) < 1)) return;
+    ++nearSurface;
+    auto otherSide = [&](double difference) {
+        return std::signbit(psi) != std::signbit(psi + difference);
+    };
+    for (int a = 0; a < 3; ++a)
+        if ((!std::isnan(d.backward[a]) && otherSide(-d.backward[a])) ||
+            (!std::isnan(d.forward[a]) && otherSide(d.forward[a]))) {
+            ++crossing;
+            break;
+        }
+    if (cutBeside(d, psi, halfWidth)) ++cut;
+    const double k = complete ? largestCurvature(b, x, y, z) : 0;
+    if (complete && !std::isnan(k)) curvature.add(scaleOfCurvature(k));
+}
+
+std::vector<const Leaf*> leavesOf(const openvdb::FloatGrid& grid) {
+    std::vector<const Leaf*> leaves;
+    grid.constTree().getNodes(leaves);
+    return leaves;
+}
+
+/// Finite values first: everything else assumes them.
+void measureRange(LevelSet& s) {
+    const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
+    LevelSetStats& st = s.stats;
+    std::vector<std::uint64_t> bad(leaves.size());
+    std::vector<std::uint64_t> negative(leaves.size()), active(leaves.size());
+    std::vector<float> widest(leaves.size());
+    parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l)
+            for (auto it = leaves[l]->cbeginValueOn(); it; ++it) {
+                ++active[l];
+                if (*it < 0) ++negative[l];
+                if (!std::isfinite(*it))
+                    ++bad[l];
+                else
+                    widest[l] = std::max(widest[l], std::abs(*it));
+            }
+    });
+    for (std::size_t l = 0; l < leaves.size(); ++l) {
+        if (bad[l] && !st.badVoxels)
+            for (auto it = leaves[l]->cbeginValueOn(); it; ++it)
+                if (!std::isfinite(*it)) {
+                    const auto c = it.getCoord();
+                    st.firstBad = {c.x(), c.y(), c.z()};
+                    break;
+                }
+        st.badVoxels += bad[l];
+        st.negative += negative[l];
+        st.activeVoxels += active[l];
+        st.halfWidth = std::max(st.halfWidth, widest[l] / s.transform.dx);
+    }
+}
+
+/// An active tile holds one value for 8^3 voxels or more. Far from the surface that is harmless and
+/// is switched off; nearer it is no distance, and becomes voxels that the checks will see.
+void removeActiveTiles(LevelSet& s) {
+    bool nearSurface = false;
+    auto it = s.psi->tree().beginValueOn();
+    it.setMaxDepth(openvdb::FloatTree::ValueOnIter::LEAF_DEPTH - 1);
+    for (; it; ++it) {
+        if (std::abs(*it) / s.transform.dx < s.stats.halfWidth * (1 - 1e-4))
+            nearSurface = true;
+        else
+            it.setActiveState(false);
+    }
+    if (nearSurface) s.psi->tree().voxelizeActiveTiles();
+}
+
+void measure(LevelSet& s, Progress& progress) {
+    const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
+    Tally all;
+    std::mutex mutex;  // sums of integers: the order of adding does not matter
+    Steps steps(progress, "check", leaves.size());
+    parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
+        if (steps.cancelled()) return;
+        Tally part;
+        LeafBlock block;
+        const LeafBlock::Accessor psi(s.psi->constTree());
+        for (std::size_t l = begin; l < end; ++l) {
+            block.gather(psi, leaves[l]->origin(), s.transform.dx);
+            for (auto it = leaves[l]->cbeginValueOn(); it; ++it) {
+                const int n = int(it.pos());
+                part.visit(block, n >> 6, n >> 3 & 7, n & 7, s.stats.halfWidth);
+            }
+        }
+        steps.add(end - begin);
+        std::lock_guard<std::mutex> lock(mutex);
+        all.add(part);
+    });
+    progress.throwIfCancelled();
+
+    LevelSetStats& st = s.stats;
+    st.nearSurface = all.nearSurface;
+    st.crossingShare = all.nearSurface ? double(all.crossing) / double(all.nearSurface) : 0;
+    st.cutVoxels = all.cut;
+    st.gradientMedian = all.gradient.quantile(0.5) * kGradientRange;
+    st.gradientShare = all.gradient.share((1 - kGradientTolerance) / kGradientRange,
+                                          (1 + kGradientTolerance) / kGradientRange);
+    st.largestCurvature =
+        all.curvature.total() ? curvatureOfScale(all.curvature.quantile(0.95)) : 0;
+    // One surface voxel in 200 may lie at a place where sheets meet before it counts.
+    const double meeting = all.meeting.valueAfter(all.nearSurface / 200) * kReachRange;
+    st.reach = std::min(meeting, st.halfWidth);
+}
+
+/// World from index as a similarity, or a refusal that names what the transform does instead.
+Similarity similarityOf(const openvdb::math::Transform& transform, const std::string& at) {
+    const std::string remedy =
+        "resample the grid to cubic voxels first, for instance with OpenVDB's "
+        "tools::resampleToMatch";
+    if (!transform.isLinear())
+        throw Error(
+            Kind::BadInput,
+            "the transform is a " + transform.mapType() +
+                " (not linear); only uniform scale, rotation and translation keep distances" + at,
+            remedy);
+    const auto m = transform.baseMap()->getAffineMap()->getMat4();
+    Similarity s;
+    std::array<double, 3> size{};
+    for (int a = 0; a < 3; ++a) {  // OpenVDB multiplies row vectors: row a is the image of axis a
+        s.axis[std::size_t(a)] = {m(a, 0), m(a, 1), m(a, 2)};
+        size[std::size_t(a)] = length(s.axis[std::size_t(a)]);
+    }
+    s.origin = {m(3, 0), m(3, 1), m(3, 2)};
+    // Of numbers between 1/2 and 1: std::cbrt may round the root of 8 x in another way than that of
+    // x, and distances should not depend on the unit.
+    int exponent = 0;
+    std::frexp(size[0], &exponent);
+    for (double& v : size) v = std::ldexp(v, -exponent);
+    s.dx = std::ldexp(std::cbrt(size[0] * size[1] * size[2]), exponent);
+    for (double& v : size) v = std::ldexp(v, exponent);
+    constexpr double kTolerance = 1e-5;
+    if (!(s.dx > 0) || !std::isfinite(s.dx))
+        throw Error(Kind::BadInput, "the voxel size is not a positive number" + at, remedy);
+    // Shear first: it makes the sizes differ as well.
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double cosine = dot(normalized(s.axis[a]), normalized(s.axis[(a + 1) % 3]));
+        if (std::abs(cosine) > kTolerance)
+            throw Error(Kind::BadInput,
+                        "the transform shears: index axes meet at " +
+                            format("%.4g degrees, not 90", std::acos(cosine) * 57.29577951) + at,
+                        remedy);
+    }
+    for (const double v : size)
+        if (std::abs(v / s.dx - 1) > kTolerance)
+            throw Error(Kind::BadInput,
+                        "voxels are not cubes: sizes " + format("%g, %g", size[0], size[1]) +
+                            format(", %g; all three must agree", size[2]) + at,
+                        remedy);
+    for (auto& axis : s.axis) axis *= 1 / s.dx;
+    // Exactly dx where the map says so: cbrt(dx^3) may be off in the last bit.
+    if (size[0] == size[1] && size[1] == size[2]) s.dx = size[0];
+    return s;
+}
+
+void judgeGradient(LevelSet& s) {
+    const LevelSetStats& st = s.stats;
+    if (std::abs(st.gradientMedian - 1) > 0.1 || st.gradientShare < 0.7) {
+        const std::string seen =
+            format("psi changes by %.3g per unit length (median), and %.0f %% of its voxels",
+                   st.gradientMedian, 100 * st.gradientShare) +
+            " lie in [0.75, 1.25]; a signed distance has 1 and at least 70 %";
+        throw Error(
+            Kind::BadInput, "psi is not a distance: " + seen + where(s),
+            "values in voxel units must be multiplied by the voxel size, those of a grid "
+            "whose transform was scaled by the same factor; anything else must be "
+            "redistanced: add --rebuild; what is too thin or too rough for its voxels stays none");
+    }
+    if (st.gradientShare < 0.95)
+        s.warnings.push_back(
+            format("%.1f %% of the voxels have |grad psi| outside [0.75, 1.25]: "
+                   "psi is a rough distance, and results near there are doubtful",
+                   100 * (1 - st.gradientShare)));
+}
+
+void judgeExtent(const LevelSet& s) {
+    for (const Leaf* leaf : leavesOf(*s.psi))
+        for (std::size_t a = 0; a < 3; ++a)
+            if (const openvdb::Coord o = leaf->origin();
+                o[a] <= -kFarthestIndex || o[a] >= kFarthestIndex)
+                throw Error(Kind::BadInput,
+                            "voxels at index " + std::to_string(o.x()) + "," +
+                                std::to_string(o.y()) + "," + std::to_string(o.z()) +
+                                ": indices must lie within -2^30 and 2^30 (" +
+                                std::to_string(kFarthestIndex) + ")" + where(s),
+                            "give the grid indices near 0 and put where it lies into its "
+                            "transform");
+}
+
+/// What the values alone show, before any stencil.
+void judgeRange(const LevelSet& s) {
+    const LevelSetStats& st = s.stats;
+    if (st.badVoxels)
+        throw Error(Kind::BadInput,
+                    std::to_string(st.badVoxels) +
+                        " voxels are NaN or infinite, the first at index " +
+                        std::to_string(st.firstBad.x) + "," + std::to_string(st.firstBad.y) + "," +
+                        std::to_string(st.firstBad.z) + where(s),
+                    "rebuild the level set from its source");
+    if (st.negative == 0 || st.negative == st.activeVoxels)
+        throw Error(
+            Kind::BadInput,
+            std::string("psi is ") + (st.negative ? "negative" : "positive") +
+                " everywhere: there is no surface where it changes sign" + where(s),
+            "give a signed distance, negative inside; of an unsigned one, --rebuild --iso D "
+            "makes the surface at distance D; open surfaces can be given as --mesh");
+    if (st.halfWidth < 0.9)
+        throw Error(
+            Kind::BadInput,
+            format("active voxels reach only %.3g voxels from the surface, 1 is the least",
+                   st.halfWidth) +
+                where(s),
+            "check that psi is in world units; rebuild the level set with a half-width of 3");
+}
+
+/// What differences of psi show.
+void judgeShape(LevelSet& s) {
+    const LevelSetStats& st = s.stats;
+    if (st.nearSurface == 0)
+        throw Error(
+            Kind::BadInput,
+            "no voxel lies within one voxel of the surface; the least |psi| is larger" + where(s),
+            "check that psi is in world units and zero on the surface");
+    judgeGradient(s);
+    if (st.crossingShare < 0.2)
+        throw Error(
+            Kind::BadInput,
+            format("only %.1f %% of the voxels next to the surface see the other sign "
+                   "(a closed surface: more than 50 %%): psi is hollow, as it becomes when an "
+                   "open mesh is turned into a level set",
+                   100 * st.crossingShare) +
+                where(s),
+            "give the mesh itself with --mesh, which may be open; or close it (fill its holes) "
+            "before converting it");
+    if (st.crossingShare < 0.45)
+        s.warnings.push_back(format(
+            "only %.0f %% of the voxels next to the surface see the other sign: parts of psi "
+            "look hollow, as from an open mesh",
+            100 * st.crossingShare));
+    if (st.cutVoxels)
+        s.warnings.push_back(std::to_string(st.cutVoxels) +
+                             " voxels of the surface lie at the edge of the volume: the surface is "
+                             "cut there, and no path passes");
+}
+
+}  // namespace
+
+LevelSet checkLevelSet(LoadedGrid loaded, Progress& progress) {
+    LevelSet s;
+    checkLevelSet(std::move(loaded), s, progress);
+    return s;
+}
+
+void checkLevelSet(LoadedGrid loaded, LevelSet& s, Progress& progress) {
+    s = {};
+    s.psi = loaded.grid;
+    s.file = loaded.file;
+    s.name = loaded.name;
+    s.warnings = loaded.warnings;
+    s.transform.dx = 0;
+    s.transform = similarityOf(s.psi->transform(), where(s));
+    if (!loaded.isLevelSetClass)
+        s.warnings.push_back(
+            "the grid's class is not 'level set': its values are taken as a signed "
+            "distance all the same");
+    if (s.psi->activeVoxelCount() == 0)
+        throw Error(Kind::BadInput, "the grid has no active voxels" + where(s),
+                    "a level set needs a narrow band of active voxels around its surface");
+    measureRange(s);
+    removeActiveTiles(s);
+    judgeExtent(s);
+    judgeRange(s);
+    // Differences need two voxels on each side of the surface.
+    if (s.stats.halfWidth < 2) widen(s, 3);
+    measure(s, progress);
+    judgeShape(s);
+}
+
+void widen(LevelSet& s, double halfWidth) {
+    // 3 dx / dx is 2.9999998 for some dx.
+    constexpr double kRounding = 1e-4;
+    if (halfWidth <= s.stats.halfWidth + kRounding) return;
+    // Layers grow through faces: along a space diagonal three of them gain sqrt(3) voxels.
+    const double missing = halfWidth - s.stats.halfWidth - kRounding;
+    const int layers = int(std::ceil(std::sqrt(3.0) * missing));
+    s.warnings.push_back(
+        format("the level set is %.4g voxels wide on each side and the band needs "
+               "%.4g: widened by fast sweeping (first order there)",
+               s.stats.halfWidth, halfWidth));
+    s.psi = openvdb::tools::dilateSdf(*s.psi, layers);
+    s.stats.halfWidth = halfWidth;
+}
+
+}  // namespace igeo

@@ -1,0 +1,63 @@
+/// A level set that has been looked at: is it a signed distance, how wide, how bent, where cut.
+#pragma once
+
+#include <igeo/base/progress.h>
+#include <igeo/base/types.h>
+#include <igeo/io/vdb_read.h>
+#include <openvdb/openvdb.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// How far from 1 |grad psi| of a good distance may be, at a voxel.
+constexpr double kGradientTolerance = 0.25;
+
+/// What the values of a level set show. Shares are in [0, 1], lengths and curvatures in voxels.
+struct LevelSetStats {
+    std::uint64_t activeVoxels = 0;
+    std::uint64_t badVoxels = 0;    ///< NaN or infinite
+    Ijk firstBad{};                 ///< the first of them
+    std::uint64_t negative = 0;     ///< active voxels inside
+    double halfWidth = 0;           ///< largest |psi| of an active voxel
+    std::uint64_t nearSurface = 0;  ///< |psi| < 1
+    double crossingShare = 0;       ///< of nearSurface: a face neighbour has the other sign
+    double gradientMedian = 0;      ///< of |grad psi|, central differences
+    double gradientShare = 0;       ///< of voxels with |grad psi| in [0.75, 1.25]
+    std::uint64_t cutVoxels = 0;    ///< at the surface, yet a neighbour that should be there is not
+    double largestCurvature = 0;    ///< 95th percentile of max |principal curvature| on S
+    double reach = 0;               ///< least |psi| at which sheets meet; halfWidth if they do not
+};
+
+/// A usable level set.
+struct LevelSet {
+    openvdb::FloatGrid::Ptr psi;  ///< signed distance, world units, no active tiles
+    Similarity transform;
+    std::string file, name;  ///< for messages and results
+    LevelSetStats stats;
+    std::vector<std::string> warnings;  ///< what a user should know, one sentence each
+};
+
+/// Checks a grid and describes it.
+///
+/// Asks for a transform of uniform scale, rotation and translation, indices within +-2^30, finite
+/// values, both signs, and |grad psi| near 1; judged by shares, since distances of real models have
+/// creases and medial axes. Fewer than 1 in 5 voxels next to the surface at a change of sign
+/// (closed surfaces: more than half) means an open surface was converted: psi is then next to
+/// nowhere negative.
+/// @throws Error  BadInput with what to do about it
+/// Time O(active voxels), in parallel.
+LevelSet checkLevelSet(LoadedGrid loaded, Progress& progress = Progress::none());
+
+/// The same into `levelSet`, which keeps what was found out before a refusal: `transform.dx` is 0
+/// where it did not come to that, `stats.activeVoxels` and `stats.nearSurface` likewise where
+/// values and differences were not looked at.
+void checkLevelSet(LoadedGrid loaded, LevelSet& levelSet, Progress& progress = Progress::none());
+
+/// Widens the narrow band to at least `halfWidth` voxels with OpenVDB's fast sweeping (first order
+/// in the new voxels) and adds a warning that says so; does nothing if it is as wide already.
+void widen(LevelSet& levelSet, double halfWidth);
+
+}  // namespace igeo

@@ -1,0 +1,154 @@
+#include <igeo/surface/level_set_band.h>
+
+#include <igeo/base/detail/steps.h>
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/surface/detail/leaf_block.h>
+#include <openvdb/tools/SignedFloodFill.h>
+
+#include <algorithm>
+
+namespace igeo {
+
+namespace {
+
+using Leaf = LeafBlock::Leaf;
+
+/// On the round side of an edge sharper than about 80 degrees, normals turn so fast that no front
+/// would pass from face to face (Band::linked). So around bends of less than kSharpRadius the core
+/// holds all voxels within kRim of S. Voxels.
+constexpr double kRim = 1, kSharpRadius = 2;
+
+bool meets(const Leaf& leaf, const std::vector<Ball>& region) {
+    const openvdb::Coord o = leaf.origin();
+    const Vec3d low(o.x(), o.y(), o.z());
+    return std::any_of(region.begin(), region.end(), [&](const Ball& ball) {
+        Vec3d r;  // from the nearest point of the leaf
+        for (int a = 0; a < 3; ++a)
+            r[a] = ball.centre[a] - std::clamp(ball.centre[a], low[a], low[a] + 7);
+        return length(r) <= ball.radius;
+    });
+}
+
+/// Leaves of the band: those of the level set that hold a voxel with |psi| < h, in tree order.
+std::vector<BandLeaf> bandLeaves(const std::vector<const Leaf*>& source, double hWorld,
+                                 std::vector<const Leaf*>& kept) {
+    std::vector<BandLeaf> all(source.size());
+    parallelFor(source.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            const openvdb::Coord o = source[l]->origin();
+            all[l].origin = {o.x(), o.y(), o.z()};
+            for (auto it = source[l]->cbeginValueOn(); it; ++it)
+                if (std::abs(*it) < hWorld) all[l].band.insert(it.pos());
+        }
+    });
+    std::vector<BandLeaf> leaves;
+    for (std::size_t l = 0; l < all.size(); ++l) {
+        std::uint64_t any = 0;
+        for (const std::uint64_t word : all[l].band.mask) any |= word;
+        if (!any) continue;
+        leaves.push_back(all[l]);
+        kept.push_back(source[l]);
+    }
+    return leaves;
+}
+
+}  // namespace
+
+Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball>& region,
+                      Progress& progress) {
+    if (!(h > 0) || h > levelSet.stats.halfWidth + 1e-3)
+        throw Error(Error::Kind::InvalidArgument,
+                    "a band of " + std::to_string(h) + " voxels does not fit a level set that is " +
+                        std::to_string(levelSet.stats.halfWidth) + " voxels wide on each side",
+                    "widen the level set first");
+    progress.update("band", 0);
+    std::vector<const Leaf*> source, kept;
+    levelSet.psi->constTree().getNodes(source);
+    if (!region.empty())
+        source.erase(std::remove_if(source.begin(), source.end(),
+                                    [&](const Leaf* l) { return !meets(*l, region); }),
+                     source.end());
+
+    Band band;
+    band.transform = levelSet.transform;
+    band.h = h;
+    const double dx = band.transform.dx;
+    band.leaves = bandLeaves(source, h * dx, kept);
+    band.buildTopology();
+
+    std::vector<std::vector<NodeIndex>> kinks(kept.size()), rims(kept.size());
+    Steps steps(progress, "band", kept.size(), 0.2, 0.8);
+    parallelFor(kept.size(), 32, [&](std::size_t begin, std::size_t end) {
+        if (steps.cancelled()) return;
+        LeafBlock block;
+        const LeafBlock::Accessor psi(levelSet.psi->constTree());
+        for (std::size_t l = begin; l < end; ++l) {
+            block.gatherCross(psi, kept[l]->origin(), dx);
+            const LeafNodes& nodes = band.leaves[l].band;
+            for (NodeIndex i = nodes.first; i < nodes.first + nodes.count; ++i) {
+                const int o = band.offset[i], x = o >> 6, y = o >> 3 & 7, z = o & 7;
+                const PsiDifferences d(block, x, y, z);
+                const double value = block.at(x, y, z);
+                const Vec3d n = normalized(psiGradient(d, value));
+                if (!d.smooth()) kinks[l].push_back(i);
+                if (std::abs(value) < kRim && d.laplacian(value < 0 ? -1 : 1) > 1 / kSharpRadius)
+                    rims[l].push_back(i);
+                band.psi[i] = float(value);
+                band.normal[i] = Vec3f(n);
+                band.foot[i] = Vec3f(-value * n);
+            }
+        }
+        steps.add(end - begin);
+    });
+    progress.throwIfCancelled();
+    parallelFor(kinks.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l)
+            for (const NodeIndex i : kinks[l]) band.markFacing(i);
+    });
+    std::vector<NodeIndex> rim;
+    for (const auto& part : rims) rim.insert(rim.end(), part.begin(), part.end());
+    band.numberCore(rim);
+    return band;
+}
+
+openvdb::math::Transform::Ptr gridTransform(const Similarity& t) {
+    openvdb::math::Mat4d matrix = openvdb::math::Mat4d::identity();
+    // Rows are the images of the axes.
+    for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < 3; ++b) matrix[a][b] = t.dx * t.axis[std::size_t(a)][b];
+        matrix[3][a] = t.origin[a];
+    }
+    return openvdb::math::Transform::createLinearTransform(matrix);
+}
+
+LevelSet levelSetFromBand(const Band& band, bool closed, const std::string& file,
+                          const std::string& name, Progress& progress) {
+    openvdb::initialize();
+    const Similarity& t = band.transform;
+    LoadedGrid loaded;
+    loaded.grid = openvdb::FloatGrid::create(float(band.h * t.dx));
+    loaded.file = file;
+    loaded.name = name;
+    loaded.isLevelSetClass = true;
+    openvdb::FloatGrid& grid = *loaded.grid;
+    grid.setTransform(gridTransform(t));
+    grid.setName(name);
+    grid.setGridClass(openvdb::GRID_LEVEL_SET);
+    // Topology by one thread, values by all.
+    std::vector<LeafBlock::Leaf*> leaves;
+    for (const BandLeaf& leaf : band.leaves)
+        leaves.push_back(
+            grid.tree().touchLeaf(openvdb::Coord(leaf.origin.x, leaf.origin.y, leaf.origin.z)));
+    parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            const LeafNodes& nodes = band.leaves[l].band;
+            for (NodeIndex i = nodes.first; i < nodes.first + nodes.count; ++i)
+                leaves[l]->setValueOn(band.offset[i], float(band.psi[i] * t.dx));
+        }
+    });
+    if (closed) openvdb::tools::signedFloodFill(grid.tree());
+    return checkLevelSet(std::move(loaded), progress);
+}
+
+}  // namespace igeo

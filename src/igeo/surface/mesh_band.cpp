@@ -1,0 +1,218 @@
+#include <igeo/surface/mesh_band.h>
+
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/surface/detail/mesh_distance.h>
+
+#include <algorithm>
+
+namespace igeo {
+
+namespace {
+
+using Triangle = TriangleMesh::Triangle;
+
+/// Around edges sharper than about 50 degrees the core holds all voxels within kRim of them, as in
+/// level_set_band.cpp: normals turn too fast there for a front to pass from face to face.
+constexpr double kRim = 1, kSharp = 0.9;
+
+/// How far beyond a boundary, along the plane there, a voxel still stands for a point on it.
+/// Without such voxels fronts would turn half a voxel before the boundary; with more, gaps close.
+/// Measured: docs/method.md.
+constexpr double kBeyond = 0.5;
+
+/// Angle of a triangle at corner a.
+double angleAt(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    return std::atan2(length(cross(b - a, c - a)), dot(b - a, c - a));
+}
+
+/// Normals of faces, edges and corners, and where the mesh ends.
+struct Pseudonormals {
+    std::vector<Vec3d> ofFace, ofCorner;
+    std::vector<std::uint8_t> atBoundary;  ///< per point
+    const TriangleMesh& mesh;
+    const MeshTopology& topology;
+
+    Pseudonormals(const TriangleMesh& aMesh, const MeshTopology& aTopology)
+        : ofFace(aMesh.triangles.size()),
+          ofCorner(aMesh.points.size()),
+          atBoundary(aMesh.points.size()),
+          mesh(aMesh),
+          topology(aTopology) {
+        const std::vector<Vec3d>& p = mesh.points;
+        for (std::size_t t = 0; t < ofFace.size(); ++t) {
+            const auto& [a, b, c] = mesh.triangles[t];
+            ofFace[t] = normalized(cross(p[b] - p[a], p[c] - p[a]));
+            ofCorner[a] += angleAt(p[a], p[b], p[c]) * ofFace[t];
+            ofCorner[b] += angleAt(p[b], p[c], p[a]) * ofFace[t];
+            ofCorner[c] += angleAt(p[c], p[a], p[b]) * ofFace[t];
+            for (std::size_t k = 0; k < 3; ++k)
+                if (topology.neighbour[t][k] == MeshTopology::kNone)
+                    atBoundary[mesh.triangles[t][k]] = atBoundary[mesh.triangles[t][(k + 1) % 3]] =
+                        1;
+        }
+        for (Vec3d& n : ofCorner) n = normalized(n);
+    }
+
+    bool ends(std::size_t t, int feature) const {
+        if (feature < 3) return atBoundary[mesh.triangles[t][std::size_t(feature)]];
+        return feature < 6 &&
+               topology.neighbour[t][std::size_t(feature - 3)] == MeshTopology::kNone;
+    }
+
+    /// Whether a point of a face lies next to an edge of three or more: the sheets there share out
+    /// the voxels, and the core of each has a gap.
+    bool nearMany(std::size_t t, const Vec3d& y) const {
+        constexpr double kNear = 2;
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (topology.neighbour[t][k] != MeshTopology::kMany) continue;
+            const Vec3d a = mesh.points[mesh.triangles[t][k]],
+                        b = mesh.points[mesh.triangles[t][(k + 1) % 3]];
+            if (length(nearestOnTriangle(y, a, b, a).point - y) < kNear) return true;
+        }
+        return false;
+    }
+
+    Vec3d at(std::size_t t, int feature) const {
+        Vec3d n = ofFace[t];
+        if (feature < 3) {
+            n = ofCorner[mesh.triangles[t][std::size_t(feature)]];
+        } else if (feature < 6) {
+            const std::uint32_t u = topology.neighbour[t][std::size_t(feature - 3)];
+            if (u < ofFace.size()) {
+                // Across the seam of a one-sided component normals are opposite.
+                const Vec3d sum = ofFace[t] + ofFace[u];
+                if (dot(sum, ofFace[t]) > 0.1) n = normalized(sum);
+            }
+        }
+        if (n == Vec3d{}) n = ofFace[t];
+        return n == Vec3d{} ? Vec3d{0, 0, 1} : n;
+    }
+};
+
+/// Takes out voxels beyond a boundary and leaves without voxels, and numbers the rest.
+void numberNodes(const Pseudonormals& normals, std::vector<NearLeaf>& nearLeaves, Band& band) {
+    auto beyond = [&](const NearVoxel& v) {
+        if (!normals.ends(v.triangle, v.feature)) return false;
+        return length(tangential(v.point, normals.at(v.triangle, v.feature))) > kBeyond;
+    };
+    parallelFor(nearLeaves.size(), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            auto& voxels = nearLeaves[l].voxels;
+            voxels.erase(std::remove_if(voxels.begin(), voxels.end(), beyond), voxels.end());
+        }
+    });
+    nearLeaves.erase(std::remove_if(nearLeaves.begin(), nearLeaves.end(),
+                                    [](const NearLeaf& l) { return l.voxels.empty(); }),
+                     nearLeaves.end());
+    band.leaves.resize(nearLeaves.size());
+    for (std::size_t l = 0; l < nearLeaves.size(); ++l) {
+        band.leaves[l].origin = nearLeaves[l].origin;
+        for (const NearVoxel& v : nearLeaves[l].voxels) band.leaves[l].band.insert(v.offset);
+    }
+    band.buildTopology();
+}
+
+/// Fills psi, foot points and normals.
+/// @return nodes around sharp bends and junctions, for the core
+std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
+                                 const std::vector<NearLeaf>& nearLeaves, Band& band) {
+    std::vector<std::vector<NodeIndex>> rims(nearLeaves.size());
+    parallelFor(nearLeaves.size(), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            NodeIndex i = band.leaves[l].band.first;
+            for (const NearVoxel& v : nearLeaves[l].voxels) {
+                Vec3d n = normals.at(v.triangle, v.feature);
+                double psi = -dot(v.point, n);
+                if (std::abs(psi) < kRim &&
+                    (dot(n, normals.ofFace[v.triangle]) < kSharp ||
+                     normals.nearMany(v.triangle, Vec3d(band.ijk(i)) + v.point)))
+                    rims[l].push_back(i);
+                if (!normals.ends(v.triangle, v.feature)) {
+                    psi = std::copysign(length(v.point), psi);
+                    // Along grad psi: between those of the two faces, off an edge.
+                    constexpr double kOff = 1e-3;
+                    if (std::abs(psi) > kOff) n = (-1 / psi) * v.point;
+                }
+                band.psi[i] = float(psi);
+                band.foot[i] = Vec3f(v.point);
+                band.normal[i] = Vec3f(n);
+                ++i;
+            }
+        }
+    });
+    std::vector<NodeIndex> rim;
+    for (const auto& part : rims) rim.insert(rim.end(), part.begin(), part.end());
+    return rim;
+}
+
+}  // namespace
+
+Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress) {
+    if (!(h >= 0.866 && h <= 8))
+        throw Error(Error::Kind::InvalidArgument,
+                    "a band of " + std::to_string(h) + " voxels; sqrt(3)/2 to 8 will do",
+                    "sqrt(3) is usual");
+    requireReasonable(given, dx, h);
+    progress.update("band", 0);
+    TriangleMesh mesh = given;
+    orientConsistently(mesh);
+    for (Vec3d& p : mesh.points) p *= 1 / dx;
+    const MeshTopology topology = meshTopology(mesh);
+    const Pseudonormals normals(mesh, topology);
+    std::vector<NearLeaf> nearLeaves = voxelsNear(mesh.points, mesh.triangles, h, progress);
+
+    progress.update("band", 0.5);
+    Band band;
+    band.transform.dx = dx;
+    band.h = h;
+    // In trials (docs/method.md): below this the arc is nearer the truth.
+    constexpr double kFaceWidth = 1;
+    band.faceted = meshArea(mesh) > kFaceWidth * kFaceWidth * double(mesh.triangles.size());
+    numberNodes(normals, nearLeaves, band);
+    if (band.size() == 0)
+        throw Error(
+            Error::Kind::BadInput,
+            "no voxel comes to lie on the mesh: it is smaller than one (" + given.file + ")",
+            "take smaller voxels");
+    const std::vector<NodeIndex> rim = fillNodes(normals, nearLeaves, band);
+    progress.throwIfCancelled();
+    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) band.markFacing(NodeIndex(i));
+    });
+    band.numberCore(rim);
+    progress.update("band", 1);
+    return band;
+}
+
+SurfacePoint nearestMeshPoint(const TriangleMesh& mesh, const Band& band, const Vec3d& pIndex) {
+    const Vec3d p = band.transform.worldFromIndex(pIndex);
+    struct Found {
+        Vec3d point;
+        double squared = kInfinity;
+    };
+    constexpr std::size_t kChunk = 1 << 14;
+    std::vector<Found> parts((mesh.triangles.size() + kChunk - 1) / kChunk);
+    parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c) {
+            const std::size_t last = std::min(mesh.triangles.size(), (c + 1) * kChunk);
+            for (std::size_t t = c * kChunk; t < last; ++t) {
+                const auto& [i, j, k] = mesh.triangles[t];
+                const Vec3d q =
+                    nearestOnTriangle(p, mesh.points[i], mesh.points[j], mesh.points[k]).point;
+                const double d2 = dot(q - p, q - p);
+                if (d2 < parts[c].squared) parts[c] = {q, d2};
+            }
+        }
+    });
+    Found best;
+    for (const Found& part : parts)
+        if (part.squared < best.squared) best = part;
+    SurfacePoint s = nearestSurfacePoint(band, band.transform.indexFromWorld(best.point));
+    s.askedIndex = pIndex;
+    s.pIndex = band.transform.indexFromWorld(best.point);
+    s.snapDistance = length(s.pIndex - pIndex);
+    return s;
+}
+
+}  // namespace igeo

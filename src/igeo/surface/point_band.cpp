@@ -1,0 +1,230 @@
+#include <igeo/surface/point_band.h>
+
+#include <igeo/base/detail/box.h>
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/surface/medial_radii.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <sstream>
+#include <tuple>
+
+namespace igeo {
+
+namespace {
+
+using Kind = Error::Kind;
+using Index = PointSurface::Index;
+
+/// Voxels finer than this part of the spacing show the fits, not the points.
+constexpr double kFinest = 8;
+/// Voxels along the cloud's longest side, at least.
+constexpr double kCoarsest = 8;
+
+std::string number(double x) {
+    std::ostringstream out;
+    out.precision(3);
+    out << x;
+    return out.str();
+}
+
+void requireRange(const PointSurface& surface, PointBandKind kind, double dx, double h) {
+    const CloudDensity& density = surface.density();
+    Box box;
+    for (std::size_t i = 0; i < surface.points().size(); ++i) box.include(surface.points()[i]);
+    const double side = box.longestSide();
+    if (!(dx >= density.spacing / kFinest * (1 - 1e-9)))
+        throw Error(Kind::InvalidArgument,
+                    surface.file() + ": voxels of " + number(dx) + " are too fine for points " +
+                        number(density.spacing) + " apart (median); allowed are " +
+                        number(density.spacing / kFinest) + " and more",
+                    "choose a voxel size near the spacing");
+    if (!(dx <= side / kCoarsest))
+        throw Error(Kind::InvalidArgument,
+                    surface.file() + ": voxels of " + number(dx) + " are too coarse for a cloud " +
+                        number(side) + " long; allowed are " + number(side / kCoarsest) +
+                        " and less",
+                    "choose a voxel size near the spacing, " + number(density.spacing));
+    const double least = kind == PointBandKind::Fits ? std::sqrt(3.0) / 2 : density.spacing99 / dx;
+    if (!(h >= least * (1 - 1e-9) && std::isfinite(h)))
+        throw Error(Kind::InvalidArgument,
+                    surface.file() + ": a band of " + number(h * dx) + " (" + number(h) +
+                        " voxels) has holes: points are up to " + number(density.spacing99) +
+                        " apart, it takes " + number(least * dx) + " (" + number(least) +
+                        " voxels) at least",
+                    "widen the band");
+    if (const double farthest = box.farthest(); !(farthest / dx < kFarthestIndex))
+        throw Error(Kind::BadInput,
+                    surface.file() + ": a coordinate of " + number(farthest) + " is " +
+                        number(farthest / dx) + " voxels from the origin; up to " +
+                        number(kFarthestIndex) + " can be numbered",
+                    "move the cloud to the origin");
+}
+
+/// Nodes of one leaf, before all are numbered.
+struct LeafPart {
+    BandLeaf leaf;
+    std::vector<float> psi;
+    std::vector<Vec3f> foot, normal;
+};
+
+class Filler {
+public:
+    Filler(const PointSurface& surface, PointBandKind kind, double dx, double h)
+        : surface_(surface), points_(surface.points()), kind_(kind), dx_(dx), h_(h) {}
+
+    /// How far, in world units, a voxel of the band may be from its nearest point i.
+    double reach(std::size_t i) const {
+        return kind_ == PointBandKind::Balls ? h_ * dx_ : std::hypot(h_ * dx_, points_.reach(i));
+    }
+
+    /// The leaves that come within the reach of a point, sorted.
+    std::vector<Ijk> candidates() const;
+    void fill(LeafPart& part) const;
+
+private:
+    bool fillVoxel(const Ijk& ijk, LeafPart& part) const;
+
+    const PointSurface& surface_;
+    const PointTree& points_;
+    PointBandKind kind_;
+    double dx_, h_;
+};
+
+bool before(const Ijk& a, const Ijk& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
+void sortUnique(std::vector<Ijk>& origins) {
+    std::sort(origins.begin(), origins.end(), before);
+    origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
+}
+
+std::vector<Ijk> Filler::candidates() const {
+    constexpr std::size_t kChunk = 1024;
+    std::vector<std::vector<Ijk>> parts((points_.size() + kChunk - 1) / kChunk);
+    parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c) {
+            for (std::size_t i = c * kChunk; i < std::min(points_.size(), (c + 1) * kChunk); ++i) {
+                const double r = reach(i) / dx_;
+                const Vec3d p = points_[i] * (1 / dx_), around{r, r, r};
+                const Ijk low = floorToIjk(p - around), high = floorToIjk(p + around);
+                for (int x = low.x & ~7; x <= high.x; x += 8)
+                    for (int y = low.y & ~7; y <= high.y; y += 8)
+                        for (int z = low.z & ~7; z <= high.z; z += 8) {
+                            const Vec3d corner(x, y, z);
+                            Vec3d d;
+                            for (int a = 0; a < 3; ++a)
+                                d[a] = p[a] - std::clamp(p[a], corner[a], corner[a] + 7);
+                            if (length(d) <= r) parts[c].push_back({x, y, z});
+                        }
+            }
+            // Neighbours in the tree are neighbours in space: most of it goes here.
+            sortUnique(parts[c]);
+        }
+    });
+    std::vector<Ijk> all;
+    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+    sortUnique(all);
+    return all;
+}
+
+bool Filler::fillVoxel(const Ijk& ijk, LeafPart& part) const {
+    const Vec3d x = dx_ * Vec3d(ijk);
+    const PointTree::Found nearest = points_.nearest(x);
+    const Index i = nearest.point;
+    PointSurface::Foot foot{true, points_[i], surface_.normal(i), 0};
+    if (kind_ == PointBandKind::Balls) {
+        if (!(nearest.squared < h_ * h_ * dx_ * dx_)) return false;
+        foot.psi = dot(x - foot.point, foot.normal);
+    } else {
+        if (!(nearest.squared < reach(i) * reach(i))) return false;
+        foot = surface_.project(x, h_ * dx_);
+        if (!foot.valid) return false;
+    }
+    part.psi.push_back(float(foot.psi / dx_));
+    part.foot.push_back(Vec3f((foot.point - x) * (1 / dx_)));
+    part.normal.push_back(Vec3f(foot.normal));
+    return true;
+}
+
+void Filler::fill(LeafPart& part) const {
+    // Most leaves lie off the surface if voxels are fine. All voxels are within kHalf of the
+    // middle.
+    constexpr double kHalf = 6.1;
+    const Vec3d middle = dx_ * (Vec3d(part.leaf.origin) + Vec3d{3.5, 3.5, 3.5});
+    const PointTree::Found nearest = points_.nearest(middle);
+    const double farthest = (kHalf + 1.25 * h_) * dx_ + points_.reach(nearest.point) / 8;
+    if (kind_ == PointBandKind::Fits && surface_.roughDistance(middle, nearest.point) > farthest)
+        return;
+    for (unsigned at = 0; at < 512; ++at) {
+        const Ijk step{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
+        if (fillVoxel(part.leaf.origin + step, part)) part.leaf.band.insert(at);
+    }
+}
+
+}  // namespace
+
+double defaultVoxelSize(const CloudDensity& density, PointBandKind kind) {
+    return kind == PointBandKind::Fits ? density.spacing / 2 : density.spacing;
+}
+
+double defaultBandWidth(const CloudDensity& density, PointBandKind kind, double dx) {
+    const double s = kind == PointBandKind::Balls ? density.spacing99 / dx : 0;
+    return std::sqrt(3 + s * s);
+}
+
+BandBounds bandBounds(const PointSurface& surface, PointBandKind kind, double dx) {
+    const std::size_t n = surface.points().size();
+    std::vector<Vec3d> points(n), normals(n);
+    for (std::size_t i = 0; i < n; ++i)
+        points[i] = surface.points()[i], normals[i] = surface.normal(i);
+    const double reach = MedialRadii::quantile(medialRadii(points, normals).facing, 0.01) / dx;
+    return bandBounds(surface.density().largestCurvature * dx, reach, kInfinity,
+                      defaultBandWidth(surface.density(), kind, dx));
+}
+
+Band bandFromPoints(const PointSurface& surface, PointBandKind kind, double dx, double h,
+                    Progress& progress) {
+    requireRange(surface, kind, dx, h);
+    const Filler filler(surface, kind, dx, h);
+    std::vector<LeafPart> parts;
+    for (const Ijk& origin : filler.candidates()) {
+        parts.emplace_back();
+        parts.back().leaf.origin = origin;
+    }
+    std::atomic<std::size_t> done{0};
+    parallelFor(parts.size(), 4, [&](std::size_t begin, std::size_t end) {
+        if (progress.cancelled()) return;
+        for (std::size_t l = begin; l < end; ++l) filler.fill(parts[l]);
+        progress.update("band", double(done += end - begin) / double(parts.size()));
+    });
+    progress.throwIfCancelled();
+    parts.erase(std::remove_if(parts.begin(), parts.end(),
+                               [](const LeafPart& part) { return part.psi.empty(); }),
+                parts.end());
+
+    Band band;
+    band.transform.dx = dx;
+    band.h = h;
+    for (const LeafPart& part : parts) band.leaves.push_back(part.leaf);
+    band.buildTopology();
+    parallelFor(parts.size(), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            const auto first = std::ptrdiff_t(band.leaves[l].band.first);
+            std::copy(parts[l].psi.begin(), parts[l].psi.end(), band.psi.begin() + first);
+            std::copy(parts[l].foot.begin(), parts[l].foot.end(), band.foot.begin() + first);
+            std::copy(parts[l].normal.begin(), parts[l].normal.end(), band.normal.begin() + first);
+        }
+    });
+    // psi of points has no kinks that differences would show: all nodes are looked at.
+    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) band.markFacing(NodeIndex(i));
+    });
+    band.numberCore();
+    return band;
+}
+
+}  // namespace igeo

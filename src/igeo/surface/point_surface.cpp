@@ -1,0 +1,402 @@
+#include <igeo/surface/point_surface.h>
+
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/surface/detail/orient_normals.h>
+#include <openvdb/math/Mat3.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+
+namespace igeo {
+
+namespace {
+
+using Kind = Error::Kind;
+
+constexpr std::size_t kLeastPoints = 16;
+/// Neighbours that tell the spacing and the first normal: two rings of a square lattice.
+constexpr std::size_t kNear = 12;
+/// Neighbours in a fit: few where points are exact, as details count; as many as it takes to
+/// average where they scatter by `noise` spacings.
+std::size_t fittedAt(double noise) {
+    return std::size_t(std::lround(std::min(double(kNear) + 240 * noise, 96.0)));
+}
+/// Of a fit in the blend, and of points that hold the surface, in spacings: 28 points on the
+/// average, of which all to one side of a line are once in ten million.
+constexpr double kReach = 3;
+/// Points with so many times the spacing of those around them are isolated, and those so many
+/// spacings off the surface that their neighbours show.
+constexpr double kIsolated = 3, kStray = 1.5;
+/// Cosine of the normals of two sheets, as Band::kOtherSheet.
+constexpr double kOtherSheet = -0.2;
+
+double quantile(std::vector<double> values, double share) {
+    if (values.empty()) return 0;
+    const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+double squared(double x) { return x * x; }
+double squaredLength(const Vec3d& v) { return dot(v, v); }
+
+struct Plane {
+    Vec3d normal;
+    double thickness, breadth;  ///< ratios of the variances: least to middle, middle to largest
+};
+
+/// Plane of least squares through points, by their covariance.
+Plane planeThrough(const PointTree& points, const std::vector<PointTree::Found>& neighbours,
+                   const std::vector<double>& weights) {
+    double total = 0;
+    Vec3d mean{};
+    const Vec3d origin = points[neighbours.front().point];
+    for (std::size_t k = 0; k < neighbours.size(); ++k) {
+        total += weights[k];
+        mean += weights[k] * (points[neighbours[k].point] - origin);
+    }
+    mean *= 1 / total;
+    openvdb::math::Mat3d covariance = openvdb::math::Mat3d::zero(), vectors;
+    for (std::size_t k = 0; k < neighbours.size(); ++k) {
+        const Vec3d d = points[neighbours[k].point] - origin - mean;
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) covariance(a, b) += weights[k] * d[a] * d[b];
+    }
+    // Of unit trace: the solver takes small numbers for zero.
+    openvdb::math::Vec3d values;
+    const double trace = covariance(0, 0) + covariance(1, 1) + covariance(2, 2);
+    openvdb::math::diagonalizeSymmetricMatrix(covariance * (1 / trace), vectors, values);
+    std::array<int, 3> by{0, 1, 2};
+    std::sort(by.begin(), by.end(), [&](int a, int b) { return values[a] < values[b]; });
+    auto ratio = [&](int a, int b) {
+        return values[b] > 0 ? std::max(values[a], 0.0) / values[b] : 0.0;
+    };
+    return {normalized(Vec3d{vectors(0, by[0]), vectors(1, by[0]), vectors(2, by[0])}),
+            ratio(by[0], by[1]), ratio(by[1], by[2])};
+}
+
+}  // namespace
+
+PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.file) {
+    requireUsable(cloud);
+    const std::size_t given = cloud.points.size();
+    cloud = distinctPoints(cloud);
+    density_.duplicates = given - cloud.points.size();
+    // Those far away first, as they spoil fits; then those that fits show to be off.
+    for (int round = 0; round < 3; ++round) {
+        if (cloud.points.size() < kLeastPoints)
+            throw Error(Kind::BadInput,
+                        file_ + ": " + std::to_string(cloud.points.size()) +
+                            " distinct points that belong together are too few, a surface takes " +
+                            std::to_string(kLeastPoints) + " at least",
+                        "give a denser cloud");
+        points_ = PointTree(cloud.points);
+        measureSpacing();
+        if (round > 0) build(cloud, progress);
+        const std::vector<char> off = strays();
+        if (round == 2) break;
+        PointCloud kept{cloud.file, {}, {}};
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+            if (off[i]) continue;
+            kept.points.push_back(points_[i]);
+            if (!cloud.normals.empty())
+                kept.normals.push_back(cloud.normals[points_.inputIndex(i)]);
+        }
+        const std::size_t lost = points_.size() - kept.points.size();
+        density_.isolated += lost;
+        if (round == 1 && lost == 0) break;
+        cloud = std::move(kept);
+    }
+    density_.points = points_.size();
+    density_.spacing = quantile(spacing_, 0.5);
+    density_.spacing95 = quantile(spacing_, 0.95);
+    density_.spacing99 = quantile(spacing_, 0.99);
+    density_.largestCurvature = quantile(curvature_, 0.95);
+    std::vector<double> reach = spacing_;
+    for (double& r : reach) r *= kReach;
+    points_.setReach(std::move(reach));
+}
+
+void PointSurface::measureSpacing() {
+    spacing_.resize(points_.size());
+    const double perRadius = std::sqrt(std::numbers::pi / double(kNear));
+    parallelFor(points_.size(), 512, [&](std::size_t begin, std::size_t end) {
+        std::vector<PointTree::Found> neighbours;
+        for (std::size_t i = begin; i < end; ++i) {
+            points_.nearest(points_[i], kNear + 1, neighbours);
+            spacing_[i] = perRadius * std::sqrt(neighbours.back().squared);
+        }
+    });
+}
+
+std::vector<char> PointSurface::strays() const {
+    std::vector<char> off(points_.size());
+    parallelFor(points_.size(), 512, [&](std::size_t begin, std::size_t end) {
+        std::vector<PointTree::Found> neighbours;
+        for (std::size_t i = begin; i < end; ++i) {
+            points_.nearest(points_[i], kNear + 1, neighbours);
+            std::vector<double> around;
+            for (const PointTree::Found& f : neighbours)
+                if (f.point != i) around.push_back(spacing_[f.point]);
+            const double usual = quantile(around, 0.5);
+            off[i] =
+                spacing_[i] > kIsolated * usual || (!fits_.empty() && off_[i] > kStray * usual);
+        }
+    });
+    return off;
+}
+
+void PointSurface::build(const PointCloud& cloud, Progress& progress) {
+    progress.update("fitting points", 0);
+    std::vector<Vec3f> given(cloud.normals.size());
+    for (std::size_t i = 0; i < given.size(); ++i) given[i] = cloud.normals[points_.inputIndex(i)];
+    fitNormals(given, kNear);
+    const double noise = measureNoise(progress);
+    density_.noise = noise * quantile(spacing_, 0.5);
+    const std::size_t count = fittedAt(noise);
+    if (count > 2 * kNear) fitNormals(given, count / 2);
+    fitQuadrics(count, progress);
+    density_.fitted = std::min(count, points_.size());
+}
+
+double PointSurface::measureNoise(Progress& progress) {
+    // What is left of a fit is scatter, which does not depend on how many points are fitted, and
+    // the shape a quadric cannot follow, which grows with them: on scans the square of it
+    // by 3 or more from 24 points to 48. So the two are told apart.
+    constexpr std::size_t kCount = 24;
+    constexpr double kGrowth = 3;
+    std::array<double, 2> left{};
+    const std::vector<Vec3d> normals = normals_;
+    for (std::size_t k = 0; k < 2; ++k) {
+        normals_ = normals;
+        fitQuadrics(kCount << k, progress);
+        std::vector<double> relative(scatter_.size());
+        for (std::size_t i = 0; i < relative.size(); ++i)
+            relative[i] = squared(scatter_[i] / spacing_[i]);
+        left[k] = quantile(relative, 0.5);
+    }
+    normals_ = normals;
+    return std::sqrt(std::max(0.0, (kGrowth * left[0] - left[1]) / (kGrowth - 1)));
+}
+
+void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count) {
+    const std::size_t n = points_.size();
+    normals_.resize(n);
+    std::vector<double> thickness(n), breadth(n);
+    parallelFor(n, 256, [&](std::size_t begin, std::size_t end) {
+        std::vector<PointTree::Found> neighbours;
+        std::vector<double> weights;
+        for (std::size_t i = begin; i < end; ++i) {
+            points_.nearest(points_[i], count + 1, neighbours);
+            const double radius2 = 1.2 * neighbours.back().squared;
+            weights.clear();
+            for (const PointTree::Found& f : neighbours) {
+                // Where normals are given they tell sheets apart.
+                const bool other = !given.empty() && dot(given[i], given[f.point]) <
+                                                         float(kOtherSheet) * length(given[i]) *
+                                                             length(given[f.point]);
+                weights.push_back(other ? 0 : squared(1 - f.squared / radius2));
+            }
+            const Plane plane = planeThrough(points_, neighbours, weights);
+            normals_[i] = plane.normal;
+            thickness[i] = plane.thickness;
+            breadth[i] = plane.breadth;
+        }
+    });
+    // Scatter of 0.4 spacings makes a plane 0.2 thick, points throughout a volume 0.5.
+    constexpr double kThick = 0.3, kNarrow = 0.01;
+    if (quantile(breadth, 0.5) < kNarrow)
+        throw Error(Kind::BadInput,
+                    file_ + ": the points lie along curves: half of them have neighbours in a line",
+                    "thin out points along scan lines, so that neighbours lie all around");
+    if (quantile(thickness, 0.5) > kThick)
+        throw Error(Kind::BadInput,
+                    file_ +
+                        ": the points fill a volume or scatter by more than their spacing; a "
+                        "surface cannot be told",
+                    "smooth or thin out the cloud");
+    Orientation orientation = orientNormals(points_, normals_);
+    density_.conflicts = orientation.conflicts;
+    if (!given.empty()) {
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            const double cosine = dot(normals_[i], normalized(Vec3d(given[i])));
+            orientation.sign[i] = cosine < 0 ? -1 : 1;
+            wrong += std::abs(cosine) < 0.5;
+        }
+        density_.conflicts = double(wrong) / double(n);
+    }
+    density_.pieces = orientation.pieces;
+    for (std::size_t i = 0; i < n; ++i) normals_[i] *= double(orientation.sign[i]);
+}
+
+bool PointSurface::sameSheet(std::size_t j, const Vec3d& n) const {
+    return dot(normals_[j], n) > kOtherSheet;
+}
+
+void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
+    const std::size_t n = points_.size();
+    fits_.resize(n);
+    scatter_.resize(n);
+    curvature_.resize(n);
+    off_.resize(n);
+    std::vector<Vec3d> fitted(n);
+    std::atomic<std::size_t> done{0};
+    parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
+        if (progress.cancelled()) return;
+        std::vector<PointTree::Found> neighbours;
+        for (std::size_t i = begin; i < end; ++i) {
+            // Twice as many, should half of them be on another sheet.
+            points_.nearest(points_[i], 2 * count, neighbours);
+            neighbours.erase(
+                std::remove_if(neighbours.begin(), neighbours.end(),
+                               [&](const auto& f) { return !sameSheet(f.point, normals_[i]); }),
+                neighbours.end());
+            if (neighbours.size() > count) neighbours.resize(count);
+            const double radius2 = 1.1 * neighbours.back().squared, radius = std::sqrt(radius2);
+            Vec3d normal = normals_[i];
+            // Over the first plane, and again over the tangent plane of what came out.
+            for (int round = 0; round < 2; ++round) {
+                QuadricFit fit(normal, radius);
+                double total = 0, squares = 0;
+                for (const PointTree::Found& f : neighbours) {
+                    const double w = squared(1 - f.squared / radius2);
+                    fit.add(points_[f.point] - points_[i], w);
+                    total += w, squares += w * w;
+                }
+                fit.solve();
+                normal = fit.normal();
+                if (round == 0) continue;
+                fits_[i] = fit.quadric();
+                curvature_[i] = fit.curvature();
+                off_[i] = std::abs(fits_[i].value) / std::max(1e-3, 1 - fit.ownShare());
+                double sum = 0;
+                for (const PointTree::Found& f : neighbours)
+                    sum += squared(1 - f.squared / radius2) *
+                           squared(fit.residual(points_[f.point] - points_[i]));
+                // Six unknowns take their share of the scatter.
+                const double free = 1 - 6 * squares / (total * total);
+                scatter_[i] = free > 0.1 ? std::sqrt(sum / total / free) : 0;
+            }
+            fitted[i] = normal;
+        }
+        progress.update("fitting points", double(done += end - begin) / double(n));
+    });
+    progress.throwIfCancelled();
+    normals_ = std::move(fitted);
+}
+
+PointSurface::Blend PointSurface::blend(const Vec3d& y, const Vec3d& n,
+                                        const std::vector<Index>& neighbours) const {
+    double sum = 0, value = 0;
+    Vec3d sumSlope{}, slope{};
+    for (const Index j : neighbours) {
+        const Vec3d d = y - points_[j];
+        const double reach2 = squared(points_.reach(j)), left = 1 - dot(d, d) / reach2;
+        if (!(left > 0) || !sameSheet(j, n)) continue;
+        const double w = left * left * left;
+        const Vec3d dw = (-6 * left * left / reach2) * d;
+        const Vec3d bent = fits_[j].bend(d);
+        const double f = fits_[j].value + dot(fits_[j].gradient + bent, d);
+        sum += w;
+        value += w * f;
+        sumSlope += dw;
+        slope += w * (fits_[j].gradient + 2.0 * bent) + f * dw;
+    }
+    if (!(sum > 0)) return {};
+    value /= sum;
+    return {sum, value, (slope - value * sumSlope) * (1 / sum)};
+}
+
+bool PointSurface::within(const Vec3d& y, const Vec3d& n,
+                          const std::vector<Index>& neighbours) const {
+    // Directions in the tangent plane. Points in all eight octants settle it without angles.
+    const QuadricFit plane(n, 1);
+    std::vector<double> angles;
+    for (const bool exact : {false, true}) {
+        unsigned octants = 0;
+        for (const Index j : neighbours) {
+            const Vec3d d = points_[j] - y;
+            if (dot(d, d) >= squared(points_.reach(j)) || !sameSheet(j, n)) continue;
+            const auto [u, v] = plane.flat(d);
+            octants |= 1u << (4 * (u < 0) + 2 * (v < 0) + (std::abs(u) < std::abs(v)));
+            if (exact) angles.push_back(std::atan2(v, u));
+        }
+        if (octants == 0xff) return true;
+    }
+    if (angles.size() < 3) return false;
+    std::sort(angles.begin(), angles.end());
+    double gap = angles.front() + 2 * std::numbers::pi - angles.back();
+    for (std::size_t k = 1; k < angles.size(); ++k) gap = std::max(gap, angles[k] - angles[k - 1]);
+    // The outermost points themselves are on the surface.
+    return gap <= std::numbers::pi * (1 + 1e-6);
+}
+
+double PointSurface::roughDistance(const Vec3d& x, Index nearest) const {
+    const Vec3d d = x - points_[nearest];
+    const Quadric& f = fits_[nearest];
+    return std::abs(f.value + dot(f.gradient + f.bend(d), d));
+}
+
+PointSurface::Index PointSurface::nearestSheet(const Vec3d& x) const {
+    // Between two sheets the nearest point may be on the farther one, straight above a gap of the
+    // nearer.
+    constexpr std::size_t kAround = 5;
+    thread_local std::vector<PointTree::Found> neighbours;
+    points_.nearest(x, kAround, neighbours);
+    const Index first = neighbours.front().point;
+    Index best = first;
+    double least = roughDistance(x, first);
+    for (const PointTree::Found& f : neighbours) {
+        if (sameSheet(f.point, normals_[first])) continue;
+        const double rough = roughDistance(x, f.point);
+        if (rough < least) least = rough, best = f.point;
+    }
+    return best;
+}
+
+PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest) const {
+    const Index nearest = nearestSheet(x);
+    // Each step goes to F = 0 along grad F, and along the surface to where x is straight above.
+    // That is off by psi times curvature of what it was off before; but wherever it ends is on F =
+    // 0 to second order in `flat`.
+    constexpr int kSteps = 12;
+    const double spacing = spacing_[nearest], flat = 1e-4 * spacing, straight = 2e-3 * spacing;
+    const Vec3d d = x - points_[nearest];
+    const Quadric& first = fits_[nearest];
+    if (roughDistance(x, nearest) > 1.25 * farthest + spacing / 4) return {};
+    Vec3d n = normalized(first.gradient + 2.0 * first.bend(d));
+    Vec3d y = x - (first.value + dot(first.gradient + first.bend(d), d)) * n;
+
+    thread_local std::vector<Index> neighbours;
+    neighbours.clear();
+    const double margin = spacing / 2;
+    const Vec3d middle = y;
+    points_.forReaching(y, margin, [&](Index j) { neighbours.push_back(j); });
+    for (int step = 0;; ++step) {
+        if (squaredLength(y - middle) > margin * margin && step < kSteps / 2) {
+            // Far from where it began: begin anew from here.
+            neighbours.clear();
+            points_.forReaching(y, margin, [&](Index j) { neighbours.push_back(j); });
+        }
+        const Blend f = blend(y, n, neighbours);
+        const double slope = length(f.gradient);
+        if (!(f.weight > 0) || !(slope > 0.1)) return {};
+        n = f.gradient * (1 / slope);
+        y -= (f.value / slope) * n;
+        const Vec3d aside = tangential(x - y, n);
+        if (step == kSteps ||
+            (squaredLength(aside) < straight * straight && std::abs(f.value) < flat * slope))
+            break;
+        y += aside;
+    }
+    const double psi = dot(x - y, n);
+    if (!(std::abs(psi) < farthest) || !within(y, n, neighbours)) return {};
+    return {true, y, n, psi};
+}
+
+}  // namespace igeo

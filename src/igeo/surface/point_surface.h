@@ -1,0 +1,90 @@
+/// The smooth surface that a cloud of points shows.
+#pragma once
+
+#include <igeo/base/point_tree.h>
+#include <igeo/base/progress.h>
+#include <igeo/base/types.h>
+#include <igeo/io/point_cloud.h>
+#include <igeo/surface/cloud_density.h>
+#include <igeo/surface/quadric_fit.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// The surface F = 0 of a cloud: at each point a quadric is fitted to its neighbours by least
+/// squares, and F blends them where they overlap,
+///
+///     F(y) = sum_j w_j(y) f_j(y) / sum_j w_j(y),   w_j = (1 - |y - p_j|^2 / reach_j^2)^3
+///
+/// (a partition of unity as in Ohtake, Belyaev, Alexa, Turk and Seidel, Multi-level partition of
+/// unity implicits, SIGGRAPH 2003, but around the points themselves; reach_j is three spacings). F
+/// is twice differentiable, so foot points lie on one smooth surface, and their normals are those
+/// of that surface.
+///
+/// It ends where the points end: at y there is a surface if y, seen along the normal, lies within
+/// the convex hull of the points that reach it. So rims follow the outermost points and holes of
+/// less than about three spacings in radius are closed.
+///
+/// Sheets: points whose normals are at a cosine below -0.2 are on another one, and are left out of
+/// fits and blends. Without normals in the file that takes normals fitted to the 12 nearest points,
+/// so two sheets nearer to each other than two spacings come out as one in between, or are refused
+/// as points that fill a volume.
+///
+/// The result depends on the set of points only: not on their order, nor on the number of threads.
+class PointSurface {
+public:
+    using Index = PointTree::Index;
+
+    /// @throws Error  as requireUsable; BadInput for fewer than 16 distinct points, or for points
+    ///         along curves or throughout a volume; Cancelled through `progress`
+    /// Time O(n log n), parallel but for the signs of normals; about 300 bytes per point.
+    explicit PointSurface(PointCloud cloud, Progress& progress = Progress::none());
+
+    const CloudDensity& density() const { return density_; }
+    const std::string& file() const { return file_; }
+    const PointTree& points() const { return points_; }
+    /// Of the fit at a point; all on one side of the surface where it has two.
+    const Vec3d& normal(std::size_t i) const { return normals_[i]; }
+
+    /// A foot point, world units.
+    struct Foot {
+        bool valid = false;  ///< false: no surface there, or not within the points
+        Vec3d point, normal;
+        double psi = 0;  ///< signed distance of what was projected
+    };
+    /// The point of the surface nearest to x, on the sheet of the fit that passes nearest to x.
+    /// @param farthest  not valid beyond
+    Foot project(const Vec3d& x, double farthest) const;
+    /// About how far x is from the surface, by the fit at the point nearest to x alone.
+    double roughDistance(const Vec3d& x, Index nearest) const;
+
+private:
+    struct Blend {
+        double weight = 0, value = 0;
+        Vec3d gradient;
+    };
+    void measureSpacing();
+    void fitNormals(const std::vector<Vec3f>& given, std::size_t count);
+    double measureNoise(Progress& progress);
+    void fitQuadrics(std::size_t count, Progress& progress);
+    std::vector<char> strays() const;
+    void build(const PointCloud& cloud, Progress& progress);
+    Index nearestSheet(const Vec3d& x) const;
+    bool sameSheet(std::size_t j, const Vec3d& n) const;
+    Blend blend(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbours) const;
+    bool within(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbours) const;
+
+    std::string file_;
+    PointTree points_;
+    std::vector<double> spacing_;
+    std::vector<Vec3d> normals_;
+    std::vector<Quadric> fits_;
+    std::vector<double> scatter_, curvature_;  ///< per fit
+    std::vector<double> off_;  ///< per point: distance to the surface that its neighbours show
+    CloudDensity density_;
+};
+
+}  // namespace igeo

@@ -1,0 +1,125 @@
+/// A quadric through points that lie almost in a plane, by least squares.
+#pragma once
+
+#include <igeo/base/types.h>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace igeo {
+
+/// f(d) = value + gradient . d + d . H d, d from the middle of the fit: about the signed distance
+/// to the fitted surface.
+struct Quadric {
+    double value = 0;
+    Vec3d gradient;
+    Vec3d diagonal, mixed;  ///< H: xx, yy, zz; xy, xz, yz
+
+    Vec3d bend(const Vec3d& d) const {
+        return {diagonal.x * d.x + mixed.x * d.y + mixed.y * d.z,
+                mixed.x * d.x + diagonal.y * d.y + mixed.z * d.z,
+                mixed.y * d.x + mixed.z * d.y + diagonal.z * d.z};
+    }
+};
+
+/// Least squares for the height over a plane, z = c0 + c1 u + c2 v + c3 u^2 + c4 u v + c5 v^2.
+class QuadricFit {
+public:
+    /// @param radius  by which u and v are divided, so that all terms are of the same size
+    QuadricFit(const Vec3d& normal, double radius) : n_(normal), radius_(radius) {
+        s_ = anyNormalTo(n_);
+        t_ = cross(n_, s_);
+    }
+
+    /// @param d  a point, from the middle
+    void add(const Vec3d& d, double weight) {
+        const auto phi = basis(d);
+        const double z = dot(n_, d);
+        for (std::size_t a = 0; a < 6; ++a) {
+            for (std::size_t b = 0; b <= a; ++b) matrix_[a][b] += weight * phi[a] * phi[b];
+            right_[a] += weight * phi[a] * z;
+        }
+    }
+
+    /// The coefficients in units of the radius; then all below is known.
+    void solve() {
+        // Terms that the points do not tell apart come out small; others lose 1e-6 of themselves.
+        // Half as much for u v makes it the norm of the Hessian, which turns of the plane keep.
+        const double ridge = 1e-6 * matrix_[0][0];
+        for (const std::size_t a : {1u, 2u, 3u, 5u}) matrix_[a][a] += ridge;
+        matrix_[4][4] += ridge / 2;
+        for (std::size_t a = 0; a < 6; ++a)
+            for (std::size_t b = 0; b <= a; ++b) {
+                double& m = matrix_[a][b];
+                for (std::size_t k = 0; k < b; ++k) m -= matrix_[a][k] * matrix_[b][k];
+                m = a == b ? std::sqrt(m) : m / matrix_[b][b];
+            }
+        c_ = solved(right_);
+    }
+
+    /// The share that the point in the middle, of weight 1, has in its own height: without it
+    /// the fit would pass so much farther from it, by 1 / (1 - share).
+    double ownShare() const { return solved({1, 0, 0, 0, 0, 0})[0]; }
+
+    /// Coordinates along the plane.
+    std::array<double, 2> flat(const Vec3d& d) const { return {dot(s_, d), dot(t_, d)}; }
+
+    /// Height of a point over the fitted surface.
+    double residual(const Vec3d& d) const {
+        const auto phi = basis(d);
+        double z = dot(n_, d);
+        for (std::size_t a = 0; a < 6; ++a) z -= c_[a] * phi[a];
+        return z;
+    }
+    /// Unit normal of the fitted surface above the middle.
+    Vec3d normal() const {
+        return normalized(n_ - (c_[1] / radius_) * s_ - (c_[2] / radius_) * t_);
+    }
+    /// The larger principal curvature there, without sign; for small slopes.
+    double curvature() const {
+        const double half = c_[3] - c_[5], middle = c_[3] + c_[5];
+        return (std::abs(middle) + std::hypot(half, c_[4])) / (radius_ * radius_);
+    }
+    /// The fitted surface as f = 0 with |grad f| = 1 in the middle.
+    Quadric quadric() const {
+        const Vec3d g = n_ - (c_[1] / radius_) * s_ - (c_[2] / radius_) * t_;
+        const double scale = 1 / length(g), bend = -scale / (radius_ * radius_);
+        const double uu = bend * c_[3], uv = bend * c_[4] / 2, vv = bend * c_[5];
+        auto entry = [&](int a, int b) {
+            return uu * s_[a] * s_[b] + uv * (s_[a] * t_[b] + t_[a] * s_[b]) + vv * t_[a] * t_[b];
+        };
+        return {-scale * c_[0],
+                scale * g,
+                {entry(0, 0), entry(1, 1), entry(2, 2)},
+                {entry(0, 1), entry(0, 2), entry(1, 2)}};
+    }
+
+private:
+    using Terms = std::array<double, 6>;
+
+    /// By the Cholesky factor in matrix_.
+    Terms solved(Terms x) const {
+        for (std::size_t a = 0; a < 6; ++a) {
+            for (std::size_t k = 0; k < a; ++k) x[a] -= matrix_[a][k] * x[k];
+            x[a] /= matrix_[a][a];
+        }
+        for (std::size_t a = 6; a-- > 0;) {
+            for (std::size_t b = a + 1; b < 6; ++b) x[a] -= matrix_[b][a] * x[b];
+            x[a] /= matrix_[a][a];
+        }
+        return x;
+    }
+
+    Terms basis(const Vec3d& d) const {
+        const double u = dot(s_, d) / radius_, v = dot(t_, d) / radius_;
+        return {1, u, v, u * u, u * v, v * v};
+    }
+
+    Vec3d n_, s_, t_;
+    double radius_;
+    std::array<Terms, 6> matrix_{};  ///< lower half; once solved, its Cholesky factor
+    Terms right_{}, c_{};
+};
+
+}  // namespace igeo

@@ -1,0 +1,74 @@
+#include <igeo/surface/rebuild.h>
+
+#include <igeo/base/detail/format.h>
+#include <igeo/base/error.h>
+#include <openvdb/tools/Count.h>
+#include <openvdb/tools/LevelSetRebuild.h>
+
+#include <cmath>
+#include <string>
+
+namespace igeo {
+
+namespace {
+
+std::string where(const LoadedGrid& volume) {
+    return " (file '" + volume.file + "', grid '" + volume.name + "')";
+}
+
+/// Inactive values count: the way to triangles looks at them.
+void requireFinite(const LoadedGrid& volume) {
+    for (auto it = volume.grid->tree().cbeginValueAll(); it; ++it) {
+        if (std::isfinite(*it)) continue;
+        const openvdb::Coord at = it.getCoord();
+        throw Error(Error::Kind::BadInput,
+                    format("the value at index %.0f,%.0f,%.0f", at.x(), at.y(), at.z()) +
+                        format(" is %g", double(*it)) + where(volume),
+                    "make the volume again from its source, without NaN and infinite values");
+    }
+}
+
+/// The same voxels with voxel 0 at the origin of the world: OpenVDB rebuilds in single precision.
+openvdb::FloatGrid::Ptr atOrigin(const LoadedGrid& volume) {
+    const openvdb::CoordBBox box = volume.grid->evalActiveVoxelBoundingBox();
+    if (!box.empty())
+        for (std::size_t a = 0; a < 3; ++a)
+            if (box.min()[a] < -kFarthestInFloat || box.max()[a] > kFarthestInFloat)
+                throw Error(Error::Kind::BadInput,
+                            "voxels at index " + std::to_string(box.min()[a]) + " to " +
+                                std::to_string(box.max()[a]) +
+                                ": a volume is rebuilt in single "
+                                "precision, which is good for indices up to " +
+                                std::to_string(kFarthestInFloat) + where(volume),
+                            "give the grid indices near 0 and put where it lies into its "
+                            "transform");
+    openvdb::math::Transform::Ptr transform = volume.grid->transform().copy();
+    if (transform->isLinear())
+        transform->postTranslate(-transform->indexToWorld(openvdb::Vec3d(0.0)));
+    const auto grid = openvdb::FloatGrid::create(volume.grid->treePtr());
+    grid->setTransform(transform);
+    return grid;
+}
+
+}  // namespace
+
+LoadedGrid rebuilt(const LoadedGrid& volume, double iso) {
+    constexpr float kHalfWidth = 3;
+    requireFinite(volume);
+    LoadedGrid result = volume;
+    result.grid = openvdb::tools::levelSetRebuild(*atOrigin(volume), float(iso), kHalfWidth);
+    result.grid->setTransform(volume.grid->transform().copy());
+    if (result.grid->activeVoxelCount() == 0) {
+        const auto range = openvdb::tools::minMax(volume.grid->tree());
+        throw Error(Error::Kind::BadInput,
+                    format("no surface has the value %.6g: the volume goes from %.6g to %.6g", iso,
+                           double(range.min()), double(range.max())) +
+                        where(volume),
+                    "give a value in between with --iso");
+    }
+    result.grid->setName(volume.grid->getName());
+    result.isLevelSetClass = true;
+    return result;
+}
+
+}  // namespace igeo

@@ -1,0 +1,207 @@
+#include <igeo/io/mesh_file.h>
+#include <support/catch.h>
+#include <support/expect_error.h>
+#include <support/mesh_shapes.h>
+#include <support/temp_dir.h>
+
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+namespace igeo {
+namespace {
+
+using Kind = Error::Kind;
+using test::TempDir;
+
+std::string write(const TempDir& dir, const std::string& name, const std::string& text) {
+    std::ofstream(dir / name, std::ios::binary) << text;
+    return dir / name;
+}
+
+double volume(const TriangleMesh& mesh) {
+    double v = 0;
+    for (const auto& [a, b, c] : mesh.triangles)
+        v += dot(mesh.points[a], cross(mesh.points[b], mesh.points[c])) / 6;
+    return v;
+}
+
+TEST_CASE("every format gives the same mesh", "[mesh]") {
+    const TempDir dir;
+    const TriangleMesh sphere = test::sphereMesh({0.3, -0.2, 0.1}, 1.5, 3);
+    struct Case {
+        const char* name;
+        bool text;
+        double scale;
+        Vec3d shift;
+    };
+    for (const Case& c :
+         {Case{"a.obj", false, 1, {}}, Case{"a.off", false, 1, {}}, Case{"a.ply", false, 1, {}},
+          Case{"b.ply", true, 1, {}}, Case{"a.stl", false, 1, {}}, Case{"b.stl", true, 1, {}},
+          Case{"a.gltf", false, 2, {1, 2, 3}}}) {
+        INFO(c.name << (c.text ? " as text" : ""));
+        test::writeMesh(sphere, dir / c.name, c.text);
+        const TriangleMesh mesh = readMesh(dir / c.name);
+        CHECK(mesh.file == dir / c.name);
+        CHECK(mesh.points.size() == sphere.points.size());
+        CHECK(mesh.triangles.size() == sphere.triangles.size());
+        CHECK(mesh.dropped == 0);
+        CHECK(meshTopology(mesh).closed());
+        // Single precision is good to 6e-8 of a coordinate, here at most 8.
+        double off = 0;
+        for (std::size_t t = 0; t < sphere.triangles.size() && t < mesh.triangles.size(); ++t)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Vec3d p = c.scale * sphere.points[sphere.triangles[t][k]] + c.shift;
+                off = std::max(off, length(mesh.points[mesh.triangles[t][k]] - p));
+            }
+        CHECK(off < 1e-6);
+        CHECK(mesh.warnings.empty());
+    }
+}
+
+TEST_CASE("polygons of many corners are cut, of too many refused", "[mesh]") {
+    // A star: every second corner is concave. Its area is that of n triangles of two radii.
+    const TempDir dir;
+    auto star = [&](int corners) {
+        std::ostringstream out;
+        for (int k = 0; k < corners; ++k) {
+            const double radius = k % 2 == 0 ? 1 : 0.75, angle = 2 * M_PI * k / corners;
+            out << "v " << radius * std::cos(angle) << " " << radius * std::sin(angle) << " 0\n";
+        }
+        out << "f";
+        for (int k = 0; k < corners; ++k) out << " " << k + 1;
+        return write(dir, "star.obj", out.str() + "\n");
+    };
+    for (const int corners : {6, 200, 2000}) {
+        const TriangleMesh mesh = readMesh(star(corners));
+        CHECK(mesh.triangles.size() == std::size_t(corners - 2));
+        // Written with six digits: each corner is off by 1e-6 at most.
+        CHECK(meshArea(mesh) ==
+              Approx(0.5 * 0.75 * corners * std::sin(2 * M_PI / corners)).epsilon(1e-5));
+    }
+    test::expectError(Kind::BadInput, {"star.obj", "20002 corners", "20000"},
+                      [&] { readMesh(star(20002)); });
+}
+
+TEST_CASE("polygons become triangles and a mirroring node keeps the outside outside", "[mesh]") {
+    const TempDir dir;
+    const std::string cube = write(dir, "cube.OBJ",
+                                   "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 "
+                                   "1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 "
+                                   "8 7\nf 4 1 5 8\n");
+    const TriangleMesh mesh = readMesh(cube);
+    CHECK(mesh.points.size() == 8);
+    CHECK(mesh.triangles.size() == 12);
+    CHECK(volume(mesh) == Approx(1));
+    CHECK(meshArea(mesh) == Approx(6));
+
+    // An L, whose corner 5 is in the middle of a fan from corner 1.
+    const TriangleMesh bent = readMesh(write(
+        dir, "bent.ply",
+        "ply\nformat ascii 1.0\nelement vertex 6\nproperty double x\nproperty double y\n"
+        "property uchar red\nproperty double z\nelement face 1\nproperty list uchar int "
+        "vertex_index\nproperty float quality\nend_header\n0 0 9 1\n3 0 9 1\n3 1 9 1\n1 1 9 1\n"
+        "1 3 9 1\n0 3 9 1\n6 1 2 3 4 5 0 0.5\n"));
+    CHECK(bent.triangles.size() == 4);
+    CHECK(meshArea(bent) == Approx(5));
+    CHECK(meshTopology(bent).turnedEdges == 0);
+
+    test::writeMesh(mesh, dir / "mirrored.gltf");
+    std::ifstream in(dir / "mirrored.gltf");
+    std::stringstream text;
+    text << in.rdbuf();
+    std::string turned = text.str();
+    const std::string scale = "[2,2,2]";
+    turned.replace(turned.find(scale), scale.size(), "[-2,2,2]");
+    CHECK(volume(readMesh(write(dir, "turned.gltf", turned))) == Approx(8));
+}
+
+TEST_CASE("what makes no triangle is left out", "[mesh]") {
+    const TempDir dir;
+    // A point that is off by rounding, a triangle twice, one without area, a line, a lone point.
+    const TriangleMesh mesh =
+        readMesh(write(dir, "odd.obj",
+                       "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 1.0000002 0 0\nv 7 7 0.5\n"
+                       "f 1 2 3\nf 5 4 3\nf 3 2 1\nf 1 2 5\nl 1 4\n"));
+    CHECK(mesh.points.size() == 4);
+    CHECK(mesh.triangles.size() == 2);
+    CHECK(mesh.dropped == 2);
+    CHECK(meshTopology(mesh).boundaryEdges == 4);
+}
+
+TEST_CASE("coordinates far from the origin are warned of", "[mesh]") {
+    const TempDir dir;
+    const TriangleMesh far = test::moved(test::sphereMesh({}, 100, 1), [](const Vec3d& p) {
+        return p + Vec3d{4.5e6, 0, 0};
+    });
+    test::writeMesh(far, dir / "far.stl", true);
+    const TriangleMesh mesh = readMesh(dir / "far.stl");
+    REQUIRE(mesh.warnings.size() == 1);
+    CHECK(mesh.warnings[0].find("4.5e+06") != std::string::npos);
+    CHECK(mesh.warnings[0].find("origin") != std::string::npos);
+}
+
+TEST_CASE("files that are no meshes are refused", "[mesh]") {
+    const TempDir dir;
+    std::ostringstream printed;
+    auto* before = std::cerr.rdbuf(printed.rdbuf());
+    auto* beforeOut = std::cout.rdbuf(printed.rdbuf());
+    using test::expectError;
+    expectError(Kind::Io, {"none.obj", "No such file"}, [&] { readMesh(dir / "none.obj"); });
+    expectError(Kind::Io, {"folder"}, [&] { readMesh(dir.path().string()); });
+    expectError(Kind::BadInput, {"empty"}, [&] { readMesh(write(dir, "empty.ply", "")); });
+    expectError(Kind::BadInput, {"a.txt", ".obj", ".glb"},
+                [&] { readMesh(write(dir, "a.txt", "v 0 0 0\n")); });
+    for (const char* name :
+         {"junk.obj", "junk.ply", "junk.stl", "junk.off", "junk.gltf", "junk.glb"}) {
+        INFO(name);
+        std::string junk = "\x01\x02 nothing of the kind \xff\n";
+        for (int k = 0; k < 6; ++k) junk += junk;
+        expectError(Kind::BadInput, {name}, [&] { readMesh(write(dir, name, junk)); });
+    }
+    expectError(Kind::BadInput, {"--points"}, [&] {
+        readMesh(write(dir, "points.ply",
+                       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
+                       "y\nproperty float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n"));
+    });
+    for (const char* corner : {"3", "-1", "0.5", "nan"})
+        expectError(Kind::BadInput, {"corner.ply, byte", corner + std::string(" of 3")}, [&] {
+            readMesh(write(dir, "corner.ply",
+                           "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar float "
+                           "vertex_indices\nelement vertex 3\nproperty float x\nproperty float "
+                           "y\nproperty float z\nend_header\n3 0 1 " +
+                               std::string(corner) + "\n0 0 0\n1 0 0\n0 1 0\n"));
+        });
+    expectError(Kind::BadInput, {"--points"},
+                [&] { readMesh(write(dir, "points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")); });
+    expectError(Kind::BadInput, {"not finite", "nan"}, [&] {
+        readMesh(write(dir, "nan.off", "OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"));
+    });
+    expectError(Kind::BadInput, {"shrunk"},
+                [&] { readMesh(write(dir, "dot.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n")); });
+    // Cut off anywhere: an error where the format knows how much there should be, never a crash.
+    const TriangleMesh sphere = test::sphereMesh({}, 1, 2);
+    for (const char* name : {"cut.ply", "cut.stl", "cut.gltf", "cut.off", "cut.obj"})
+        for (int part = 1; part < 8; ++part) {
+            INFO(name << ", " << part << " eighths");
+            test::writeMesh(sphere, dir / name, part % 2 == 0);
+            const auto size = std::filesystem::file_size(dir / name);
+            std::filesystem::resize_file(dir / name, size * std::uintmax_t(part) / 8);
+            const std::string ending = std::filesystem::path(name).extension().string();
+            if (ending == ".obj" || ending == ".off" || (ending == ".stl" && part % 2 == 0)) {
+                try {
+                    readMesh(dir / name);
+                } catch (const Error& e) {
+                    CHECK(e.kind() == Kind::BadInput);
+                }
+            } else {
+                expectError(Kind::BadInput, {name}, [&] { readMesh(dir / name); });
+            }
+        }
+    std::cerr.rdbuf(before);
+    std::cout.rdbuf(beforeOut);
+    CHECK(printed.str().empty());
+}
+
+}  // namespace
+}  // namespace igeo

@@ -1,0 +1,203 @@
+// Files of points: what is read, and what is refused with words that help.
+#include <igeo/io/point_cloud_file.h>
+#include <support/clouds.h>
+#include <support/expect_error.h>
+#include <support/openvdb.h>
+#include <support/temp_dir.h>
+
+#include <openvdb/points/PointConversion.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+namespace igeo::test {
+namespace {
+
+using Kind = Error::Kind;
+
+void write(const std::string& file, const std::string& bytes) {
+    std::ofstream(file, std::ios::binary) << bytes;
+}
+
+template <typename T>
+std::string bytesOf(T value, bool bigEndian) {
+    std::string bytes(sizeof value, '\0');
+    std::memcpy(bytes.data(), &value, sizeof value);
+    const std::uint16_t one = 1;
+    if ((*reinterpret_cast<const char*>(&one) == 0) != bigEndian)
+        std::reverse(bytes.begin(), bytes.end());
+    return bytes;
+}
+
+/// Coordinates of a survey: a float would round them to 0.03.
+PointCloud surveyed() {
+    CloudOptions options;
+    options.normals = true;
+    return sphereCloud(40, 1.7, {431234.567891, 5412345.678, 312.25}, options);
+}
+
+std::string text(double value) {
+    char buffer[32];
+    std::snprintf(buffer, sizeof buffer, "%.17g", value);
+    return buffer;
+}
+
+std::string row(const PointCloud& cloud, std::size_t i, const std::string& between) {
+    const Vec3d p = cloud.points[i], n(cloud.normals[i]);
+    return text(p.x) + between + text(p.y) + between + text(p.z) + between + text(n.x) + between +
+           text(n.y) + between + text(n.z);
+}
+
+void checkSame(const PointCloud& read, const PointCloud& cloud) {
+    REQUIRE(read.points.size() == cloud.points.size());
+    REQUIRE(read.normals.size() == cloud.normals.size());
+    CHECK(read.points == cloud.points);
+    CHECK(read.normals == cloud.normals);
+}
+
+/// A PLY with an element before the vertices, lists, other properties and faces after.
+std::string ply(const PointCloud& cloud, const std::string& format) {
+    const bool big = format == "binary_big_endian", ascii = format == "ascii";
+    std::string bytes = "ply\r\nformat " + format +
+                        " 1.0\ncomment made by a test\nelement camera 1\nproperty list uchar int "
+                        "ids\nproperty float64 zoom\nelement vertex " +
+                        std::to_string(cloud.points.size()) +
+                        "\nproperty double x\nproperty uchar red\nproperty float64 y\nproperty "
+                        "double z\nproperty list uint8 int16 tags\nproperty float nx\nproperty "
+                        "float ny\nproperty float32 nz\nelement face 1\nproperty list uchar int "
+                        "vertex_indices\nend_header\n";
+    auto put = [&](auto value) {
+        if (ascii)
+            bytes += text(double(value)) + (value > 100 ? "\n" : " ");
+        else
+            bytes += bytesOf(value, big);
+    };
+    put(std::uint8_t(2)), put(std::int32_t(-7)), put(std::int32_t(8)), put(1.5);
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+        put(cloud.points[i].x), put(std::uint8_t(200)), put(cloud.points[i].y);
+        put(cloud.points[i].z), put(std::uint8_t(1)), put(std::int16_t(-3));
+        for (int a = 0; a < 3; ++a) put(cloud.normals[i][a]);
+    }
+    put(std::uint8_t(3)), put(std::int32_t(0)), put(std::int32_t(1)), put(std::int32_t(2));
+    return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("Clouds come back from every kind of file to the last bit") {
+    const TempDir dir;
+    const PointCloud cloud = surveyed();
+    for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+        INFO(format);
+        write(dir / "a.PLY", ply(cloud, format));
+        checkSame(readPointCloud(dir / "a.PLY"), cloud);
+    }
+    for (const std::string& between : std::vector<std::string>{" ", ",", " ,\t", ";"}) {
+        std::string lines = "\xEF\xBB\xBF# a comment\nx" + between + "y" + between + "z\r\n\n";
+        for (std::size_t i = 0; i < cloud.points.size(); ++i)
+            lines += row(cloud, i, between) + (i % 2 ? " # and more\n" : "\r\n");
+        for (const char* name : {"a.xyz", "a.csv", "a.txt"}) {
+            write(dir / name, lines);
+            checkSame(readPointCloud(dir / name), cloud);
+        }
+    }
+    std::string obj = "o cloud\n";
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) obj += "v " + row(cloud, i, " ") + "\n";
+    write(dir / "a.obj", obj);
+    PointCloud bare = cloud;
+    bare.normals.clear();  // six numbers after `v` are a position and a colour
+    checkSame(readPointCloud(dir / "a.obj"), bare);
+}
+
+TEST_CASE("Clouds are read from VDB grids of points") {
+    const TempDir dir;
+    const PointCloud cloud = sphereCloud(500, 2, {1, 2, 3});
+    std::vector<openvdb::Vec3d> positions;
+    for (const Vec3d& p : cloud.points) positions.emplace_back(p.x, p.y, p.z);
+    const auto transform = openvdb::math::Transform::createLinearTransform(0.1);
+    openvdb::points::PointAttributeVector<openvdb::Vec3d> source(positions);
+    const auto index =
+        openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(source, *transform);
+    const auto grid = openvdb::points::createPointDataGrid<openvdb::points::NullCodec,
+                                                           openvdb::points::PointDataGrid>(
+        *index, source, *transform);
+    grid->setName("points");
+    openvdb::io::File file(dir / "a.vdb");
+    file.write({grid, openvdb::FloatGrid::create()});
+    file.close();
+
+    for (const std::string& name : {dir / "a.vdb", dir / "a.vdb:points"}) {
+        const PointCloud read = readPointCloud(name);
+        REQUIRE(read.points.size() == 500);
+        // Positions are floats within a voxel of 0.1: off by 2^-25 of it, and rounding at 5.
+        for (const Vec3d& p : read.points) {
+            double nearest = kInfinity;
+            for (const Vec3d& q : cloud.points) nearest = std::min(nearest, length(p - q));
+            CHECK(nearest < 1e-8);
+        }
+    }
+    expectError(Kind::BadInput, {"a.vdb' has no grid 'other'", "'points'"},
+                [&] { readPointCloud(dir / "a.vdb:other"); });
+    openvdb::io::File(dir / "b.vdb").write({openvdb::FloatGrid::create()});
+    expectError(Kind::BadInput, {"b.vdb' holds no point grid", "float"},
+                [&] { readPointCloud(dir / "b.vdb"); });
+    write(dir / "c.vdb", "no grid");
+    expectError(Kind::BadInput, {"c.vdb"}, [&] { readPointCloud(dir / "c.vdb"); });
+}
+
+TEST_CASE("Broken files of points are refused with the place") {
+    const TempDir dir;
+    auto refused = [&](const std::string& name, const std::string& bytes,
+                       const std::vector<std::string>& phrases) {
+        INFO(name << ": " << bytes.substr(0, 200));
+        write(dir / name, bytes);
+        expectError(Kind::BadInput, phrases, [&] { readPointCloud(dir / name); });
+    };
+    refused("a.xyz", "1 2 3\n4 5\n", {"a.xyz, line 2", "'4 5'", "x y z"});
+    refused("a.xyz", "1 2 3\n4 5 6 0 0 1\n", {"line 2", "has 6 numbers", "have 3"});
+    refused("a.xyz", "1 2 3\n4 5 six\n", {"line 2", "'4 5 six'"});
+    refused("a.xyz", "1 2 3 4\n", {"line 1", "neither"});
+    refused("a.xyz", "1 2 3\n4,5,\n", {"line 2"});
+    refused("a.xyz", "x y z\nx y z\n", {"line 2"});
+    refused("a.xyz", "# nothing\n", {"holds no points"});
+    refused("a.xyz", "1 2 3\n4 nan 6\n", {"point 2 of 2", "not finite"});
+    refused("a.csv", "1,2,3\n4,5,1e999\n", {"line 2"});
+    refused("a.csv", "1,2,3,0,0,0\n", {"point 1 of 1", "zero"});
+    refused("a.obj", "v 1 2\n", {"line 1", "three numbers"});
+    refused("a.obj", "f 1 2 3\n", {"holds no points"});
+    refused("a.stl", "solid\n", {"'.stl' is no ending", ".ply"});
+    refused("noending", "1 2 3\n", {"is no ending"});
+
+    const std::string good = ply(surveyed(), "binary_little_endian");
+    refused("a.ply", good.substr(0, good.size() - 200), {"a.ply, byte", "ends before"});
+    refused("a.ply", good.substr(0, 100), {"header does not end"});
+    refused("a.ply", "plx\n", {"begins with 'ply'"});
+    refused("a.ply", "ply\nformat binary 1.0\n", {"format 'binary' is unknown"});
+    const std::string head = "ply\nformat ascii 1.0\n",
+                      xyz = "property float x\nproperty float y\n";
+    refused("a.ply", head + "element vertex 1\n" + xyz + "end_header\n1 2\n", {"lack x, y or z"});
+    refused("a.ply", head + "element vertex many\n", {"has no count"});
+    refused("a.ply", head + "element face 0\nend_header\n", {"no element 'vertex'"});
+    refused("a.ply", head + "element vertex 1\nproperty half x\n", {"'half' is no type"});
+    refused("a.ply",
+            head + "element vertex 99999999999\n" + xyz + "property float z\nend_header\n1 2 3\n",
+            {"99999999999 of 'vertex' are announced"});
+    refused("a.ply", head + "element vertex 1\n" + xyz + "property float z\nend_header\n1 two 3\n",
+            {"'two' is no number"});
+    refused("a.ply", good.substr(0, good.size() - 1), {"ends before"});  // within the face
+    refused("a.ply", head + "element vertex 1\nelement vertex 1\n", {"'vertex' is there twice"});
+    for (const char* count : {"-1", "1.5", "nan", "1e300"})
+        refused("a.ply",
+                head + "element vertex 1\n" + xyz +
+                    "property float z\nproperty list double int tags\nend_header\n1 2 3 " + count +
+                    " 4\n",
+                {"a list", " entries"});
+    expectError(Kind::Io, {"none.ply", "No such file"}, [&] { readPointCloud(dir / "none.ply"); });
+    expectError(Kind::Io, {"none.vdb"}, [&] { readPointCloud(dir / "none.vdb"); });
+    std::filesystem::create_directory(dir / "folder.xyz");
+    expectError(Kind::Io, {"folder"}, [&] { readPointCloud(dir / "folder.xyz"); });
+}
+
+}  // namespace igeo::test

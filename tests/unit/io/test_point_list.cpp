@@ -1,0 +1,187 @@
+#include <igeo/io/point_list.h>
+#include <support/catch.h>
+#include <support/expect_error.h>
+#include <support/temp_dir.h>
+
+#include <fstream>
+
+namespace igeo::test {
+namespace {
+
+/// Reads `content` from a file of this name.
+std::vector<AskedPoint> read(const std::string& name, const std::string& content) {
+    const TempDir folder;
+    std::ofstream(folder / name, std::ios::binary) << content;
+    return readPoints(folder / name);
+}
+
+void refuse(const std::string& name, const std::string& content,
+            const std::vector<std::string>& phrases) {
+    INFO(content);
+    expectError(Error::Kind::BadInput, phrases, [&] { read(name, content); });
+}
+
+}  // namespace
+
+TEST_CASE("parsePoint: three finite numbers") {
+    CHECK(parsePoint("1,2,3").position == Vec3d{1, 2, 3});
+    CHECK(parsePoint(" -1.5 , 2e-3 ,+.25 ").position == Vec3d{-1.5, 2e-3, 0.25});
+    CHECK(parsePoint("0.1,0.2,0.3").start == 0);
+    for (const char* bad : {"", "1", "1,2", "1,2,3,4", "1,2,", ",1,2", "1,,2", "1,2,3,", "a,b,c",
+                            "1,2,3x", "nan,0,0", "0,inf,0", "1e999,0,0", "1 2 3", "1;2;3"})
+        expectError(Error::Kind::InvalidArgument, {"'" + std::string(bad) + "'", "0.1,0.2,0.3"},
+                    [&] { parsePoint(bad); });
+}
+
+TEST_CASE("readPoints: text") {
+    const auto points = read("p.csv",
+                             "x, y, z, start\n"
+                             "# a comment\n"
+                             "1,2,3\n"
+                             "\n"
+                             "  -4 , 5e1, .5 , 7.5  # and one behind\r\n"
+                             "\t\r\n"
+                             "0,0,0");
+    REQUIRE(points.size() == 3);
+    CHECK(points[0].position == Vec3d{1, 2, 3});
+    CHECK(points[0].start == 0);
+    CHECK(points[1].position == Vec3d{-4, 50, 0.5});
+    CHECK(points[1].start == 7.5);
+    CHECK(points[2].position == Vec3d{0, 0, 0});
+    // Any ending but .json; a byte order mark as spreadsheets write it; digits in a header.
+    CHECK(read("points", "1,2,3\n").size() == 1);
+    CHECK(read("p.csv",
+               "\xEF\xBB\xBF"
+               "1,2,3\n4,5,6\n")
+              .size() == 2);
+    CHECK(read("p.csv", "x1,y1,z1\n4,5,6\n").size() == 1);
+}
+
+TEST_CASE("readPoints: text that is no points") {
+    refuse("p.csv", "1,2,3\n4,5\n", {"line 2", "'4,5'", "x,y,z,start"});
+    refuse("p.csv", "1,2,3\nx,y,z\n", {"line 2"});
+    refuse("p.csv", "# nothing\n\n1,2,3\n1,2,3,4,5\n", {"line 4"});
+    refuse("p.csv", "1,2,3\n1,nan,3\n", {"line 2"});
+    refuse("p.csv", "1,2,3\n1,2,3,-1\n", {"start value", "negative"});
+    refuse("p.csv", "", {"holds no points"});
+    refuse("p.csv", "x,y,z\n", {"holds no points"});
+    // A mistake in the first line is no header: it would cost a point without a word.
+    refuse("p.csv", "1,2\n1,2,3\n", {"line 1"});
+    refuse("p.csv", "1;2;3\n1,2,3\n", {"line 1"});
+    refuse("p.csv", "1,2,oops\n1,2,3\n", {"line 1"});
+}
+
+TEST_CASE("readPoints: of a line without end only the beginning is told") {
+    const TempDir folder;
+    std::ofstream(folder / "p.csv") << "1,2,3\n" << std::string(1000000, '9') << "\n";
+    try {
+        readPoints(folder / "p.csv");
+        FAIL("no error");
+    } catch (const Error& e) {
+        CHECK(std::string(e.what()).find("line 2: '9999") != std::string::npos);
+        CHECK(std::string(e.what()).size() < 500);
+    }
+}
+
+TEST_CASE("lists in lists without end are refused, and take no stack") {
+    // The stack has 8 MB, and a call takes 50 bytes at least.
+    const std::size_t deep = 200000;
+    const std::string lists = std::string(deep, '[') + std::string(deep, ']');
+    const TempDir folder;
+    const auto expectRefused = [&](const std::string& content, const auto& read) {
+        std::ofstream(folder / "deep.json") << content;
+        expectError(Error::Kind::BadInput, {"deep.json"}, [&] { read(folder / "deep.json"); });
+    };
+    expectRefused(lists, readPoints);
+    expectRefused(lists, readCurves);
+    expectRefused(R"({"isolines": )" + lists + "}", readCurves);
+    expectRefused("[[" + lists + ", 1, 2, 3, 4, 5]]", readPairs);
+}
+
+TEST_CASE("readPoints: JSON") {
+    const auto points =
+        read("p.json",
+             R"([[1, 2, 3], {"position": [-1.5, 2e3, 0]}, {"start": 4, "position": [0, 0, 1]}])");
+    REQUIRE(points.size() == 3);
+    CHECK(points[0].position == Vec3d{1, 2, 3});
+    CHECK(points[1].position == Vec3d{-1.5, 2000, 0});
+    CHECK(points[1].start == 0);
+    CHECK(points[2].start == 4);
+}
+
+TEST_CASE("readPoints: JSON that is no points") {
+    const std::string remedy = "[[x, y, z], ...]";
+    refuse("p.json", "", {"not a JSON list", remedy});
+    refuse("p.json", "[[1, 2, 3]", {"not a JSON list"});
+    refuse("p.json", R"({"position": [1, 2, 3]})", {"not a JSON list"});
+    refuse("p.json", "[]", {"holds no points"});
+    refuse("p.json", "[[1, 2, 3], [1, 2]]", {"entry 1", remedy});
+    refuse("p.json", "[[1, 2, null]]", {"entry 0"});
+    refuse("p.json", R"([[1, 2, "3"]])", {"entry 0"});
+    refuse("p.json", "[1, 2, 3]", {"entry 0"});
+    refuse("p.json", R"([{"point": [1, 2, 3]}])", {"entry 0", "position"});
+    refuse("p.json", R"([{"position": [1, 2, 3], "start": "x"}])", {"entry 0", "start"});
+    refuse("p.json", R"([{"position": [1, 2, 3], "start": -1}])", {"start value", "negative"});
+    refuse("p.json", "[[1, 2, NaN]]", {"not a JSON list"});
+    refuse("p.json", "[[1, 2, 1e999]]", {});
+}
+
+TEST_CASE("readPoints: files that cannot be read") {
+    const TempDir folder;
+    const auto kind = Error::Kind::Io;
+    expectError(kind, {"nowhere.csv", "No such file"}, [&] { readPoints(folder / "nowhere.csv"); });
+    expectError(kind, {"folder"}, [&] { readPoints(folder.path().string()); });
+}
+
+TEST_CASE("readCurves: lists, objects, and what the program writes") {
+    auto curves = [](const std::string& name, const std::string& content) {
+        const TempDir folder;
+        std::ofstream(folder / name) << content;
+        return readCurves(folder / name);
+    };
+    const auto text = curves("c.csv", "x,y,z\n1,2,3\n4,5,6\n");
+    REQUIRE(text.size() == 1);
+    CHECK(text[0].points == std::vector<Vec3d>{{1, 2, 3}, {4, 5, 6}});
+    CHECK_FALSE(text[0].closed);
+    const auto list = curves("c.json", "[[0,0,0],[1,0,0],[1,1,0],[0,0,0]]");
+    REQUIRE(list.size() == 1);
+    CHECK(list[0].closed);  // it ends where it begins
+    CHECK(list[0].points.size() == 3);
+    const auto two = curves("c.json", R"([{"position": [[1,2,3]], "start": 2},
+                                          {"position": [[0,0,0],[1,0,0]], "closed": true}])");
+    REQUIRE(two.size() == 2);
+    CHECK(two[0].start == 2);
+    CHECK(two[1].closed);
+    CHECK(curves("c.json", R"({"isolines": [{"position": [[1,2,3]], "closed": false}]})").size() ==
+          1);
+    CHECK(curves("c.json", R"({"paths": [{"vertices": {"position": [[1,2,3],[2,2,3]]}}]})")[0]
+              .points.size() == 2);
+    for (const char* bad : {"{}", "[]", "[1]", "[{}]", R"([{"position": []}])", "[[1,2]]",
+                            R"([{"position": [[1,2,3]], "closed": 1}])", "nonsense",
+                            R"([{"position": [[1,2,3]], "start": -1}])",
+                            R"([{"position": [[1,2,3]], "start": "x"}])", "[[1,2,3],{}]"}) {
+        INFO(bad);
+        expectError(Error::Kind::BadInput, {"c.json", "position"}, [&] { curves("c.json", bad); });
+    }
+}
+
+TEST_CASE("readPairs: six numbers each") {
+    auto pairs = [](const std::string& name, const std::string& content) {
+        const TempDir folder;
+        std::ofstream(folder / name) << content;
+        return readPairs(folder / name);
+    };
+    for (const auto& [name, content] :
+         {std::pair("p.csv", "a,b,c,d,e,f\n1,2,3,4,5,6\n"), {"p.json", "[[1,2,3,4,5,6]]"}}) {
+        const auto read = pairs(name, content);
+        REQUIRE(read.size() == 1);
+        CHECK(read[0].source == Vec3d{1, 2, 3});
+        CHECK(read[0].target == Vec3d{4, 5, 6});
+    }
+    expectError(Error::Kind::BadInput, {"line 2", "x,y,z,x,y,z"},
+                [&] { pairs("p.csv", "1,2,3,4,5,6\n1,2,3\n"); });
+    expectError(Error::Kind::BadInput, {"entry 0", "six"}, [&] { pairs("p.json", "[[1,2,3]]"); });
+    expectError(Error::Kind::BadInput, {"no pairs"}, [&] { pairs("p.csv", "# none\n"); });
+}
+
+}  // namespace igeo::test

@@ -1,0 +1,137 @@
+// The local solve of jet against fronts known in closed form.
+#include <igeo/band/tangent_frame.h>
+#include <igeo/march/detail/jet_update.h>
+#include <support/catch.h>
+
+#include <cmath>
+#include <random>
+
+namespace igeo {
+namespace {
+
+/// A neighbour at `p`, seen from a node at the origin, on the circular front about `source`.
+JetNeighbour onCircle(Vec2f p, Vec2f source, double start = 0) {
+    const Vec2f r = p - source;
+    return {-1.0f * p, (1 / length(r)) * r, start + double(length(r))};
+}
+
+/// Single precision: values to some 1e-7 of the few voxels between node and neighbours, and
+/// distances to sources to 1e-7 of themselves.
+float rounding(float distance) { return 4e-7f * (4 + distance); }
+
+}  // namespace
+
+TEST_CASE("jetUpdate is exact for circular fronts, near and far") {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> angle(0, 6.2831853f), jitter(-0.4f, 0.4f);
+    for (const float distance : {4.0f, 10.0f, 100.0f, 3000.0f}) {
+        const float a = angle(random);
+        const Vec2f source{distance * std::cos(a), distance * std::sin(a)};
+        JetNeighbours all;
+        for (int x = -1; x <= 1; ++x)
+            for (int y = -1; y <= 1; ++y) {
+                const Vec2f p{float(x) + jitter(random), float(y) + jitter(random)};
+                // Accepted before the node: nearer to the source.
+                if (length(p - source) < distance - 0.3f) all.add(onCircle(p, source));
+            }
+        REQUIRE(all.count() >= 2);
+        const Jet jet = jetUpdate(all);
+        INFO("source at " << distance << ", " << all.count() << " neighbours");
+        CHECK(!jet.guarded);
+        // The direction is predicted exactly for such fronts, so only roundings are left.
+        CHECK(std::abs(jet.u - double(distance)) < double(rounding(distance)));
+        CHECK(length(jet.g + (1 / distance) * source) < 1e-3f);
+    }
+}
+
+TEST_CASE("jetUpdate takes the lesser of two fronts") {
+    JetNeighbours all;
+    const Vec2f left{-9, 0}, right{9.3f, 0};
+    for (const float y : {-1.0f, 0.0f, 1.0f}) all.add(onCircle({-1, y}, left));
+    for (const float y : {-1.0f, 0.0f, 1.0f}) all.add(onCircle({1, y}, right));
+    const Jet jet = jetUpdate(all);
+    CHECK(std::abs(jet.u - 9) < double(rounding(9)));
+    CHECK(jet.g.x > 0.999f);
+}
+
+TEST_CASE("jetUpdate with one neighbour goes straight on, with none nowhere") {
+    JetNeighbours all;
+    CHECK(jetUpdate(all).u == kInfinity);
+    all.add({{0.6f, 0.8f}, {0.6f, 0.8f}, 5});
+    const Jet jet = jetUpdate(all);
+    CHECK(std::abs(jet.u - 6) < 1e-6);
+    CHECK(jet.guarded);
+    CHECK(length(jet.g - Vec2f{0.6f, 0.8f}) < 1e-6f);
+}
+
+TEST_CASE(
+    "guardedUpdate is never below the values it starts from, and never above a straight way") {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> at(-1.7f, 1.7f), angle(0, 6.2831853f);
+    for (int k = 0; k < 1000; ++k) {
+        JetNeighbours all;
+        double least = kInfinity, bound = kInfinity;
+        for (int n = 0; n < 6; ++n) {
+            const float a = angle(random);
+            const Vec2f p{at(random), at(random)};
+            const double u = 20 + double(at(random));
+            all.add({p, {std::cos(a), std::sin(a)}, u});
+            least = std::min(least, u);
+            bound = std::min(bound, u + double(length(p)));
+        }
+        const Jet jet = guardedUpdate(all);
+        INFO("case " << k);
+        REQUIRE(jet.u <= bound + 1e-5);
+        // Hermite values may undershoot their ends: by 4/27 of a segment's length and slope at
+        // most.
+        REQUIRE(jet.u > least - 2 * 4.0 / 27 * 1.6);
+        REQUIRE(std::abs(length(jet.g) - 1) < 1e-5f);
+    }
+}
+
+TEST_CASE("blendJets interpolates a circular front exactly and keeps two fronts apart") {
+    JetNeighbours around;
+    std::array<float, JetNeighbours::kMax> weight{};
+    const Vec2f source{-7, 3};
+    for (const Vec2f p : {Vec2f{-0.5f, -0.5f}, {0.5f, -0.5f}, {-0.5f, 0.5f}, {0.5f, 0.5f}}) {
+        weight[std::size_t(around.count())] = 0.25f;
+        around.add(onCircle(p, source));
+    }
+    const Jet jet = blendJets(around, weight);
+    // The blended direction is off by a share of the spread squared, (0.7 / 7.6)^2 / 8, times half
+    // a voxel; across the front only.
+    CHECK(std::abs(jet.u - double(length(source))) < 1e-3);
+
+    JetNeighbours both;
+    both.add(onCircle({-0.5f, 0}, {-8, 0}));
+    both.add(onCircle({0.5f, 0}, {8.5f, 0}));
+    CHECK(std::abs(blendJets(both, weight).u - 8) < double(rounding(8)));
+}
+
+TEST_CASE("TangentFrame: the way along a sphere is the arc") {
+    for (const double radius : {5.0, 20.0, 100.0}) {
+        const Vec3d n0{0, 0, 1}, n1 = normalized(Vec3d{0.6 / radius, 1.1 / radius, 1});
+        const double arc = radius * std::acos(dot(n0, n1));
+        const TangentFrame frame{Vec3f(n0)};
+        const auto cosine = float(dot(n0, n1));
+        const Vec2f way = frame.way(Vec3f(radius * (n0 - n1)), Vec3f(n1), cosine);
+        INFO("radius " << radius);
+        // What the series leaves out is (c / R)^6 of the chord c; chords carry roundings of 1e-7.
+        CHECK(std::abs(double(length(way)) - arc) < 2e-6 * arc + arc * std::pow(arc / radius, 6));
+    }
+}
+
+TEST_CASE("TangentFrame: over a sharp edge the way is unfolded") {
+    // Faces z = 0 (y < 0) and y = 0 (z < 0) of a box meet along the x axis.
+    const Vec3f top{0, 0, 1}, front{0, 1, 0};
+    const Vec3f onTop{0.2f, -0.7f, 0}, onFront{1.1f, 0, -0.4f};
+    const TangentFrame frame(front);
+    const Vec2f way = frame.way(onFront - onTop, top, 0);
+    CHECK(std::abs(length(way) - std::hypot(0.9f, 1.1f)) < 1e-6f);
+    // A gradient that goes straight over the edge still goes away from it behind.
+    const JetNeighbour n = flattened(frame, onFront - onTop, top, 0, Vec3f{0, 1, 0}, 3);
+    const Vec3f turned = frame.lift(n.g);
+    CHECK(length(turned - Vec3f{0, 0, -1}) < 1e-6f);
+}
+
+}  // namespace igeo

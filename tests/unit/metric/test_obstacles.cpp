@@ -1,0 +1,599 @@
+#include <igeo/base/parallel.h>
+#include <igeo/metric/obstacles.h>
+#include <support/analytic_band.h>
+#include <support/catch.h>
+#include <support/expect_error.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+#include <set>
+#include <tuple>
+
+namespace igeo::test {
+namespace {
+
+/// Random numbers that are the same everywhere.
+class Dice {
+public:
+    explicit Dice(unsigned seed) : engine_(seed) {}
+    double between(double low, double high) {
+        return low + (high - low) * double(engine_()) / 4294967296.0;
+    }
+    Vec3d inCube(double half) {
+        const double x = between(-half, half), y = between(-half, half);
+        return {x, y, between(-half, half)};
+    }
+    Vec3d unit() {
+        for (;;) {
+            const Vec3d v = inCube(1);
+            if (length(v) < 1 && length(v) > 0.1) return normalized(v);
+        }
+    }
+
+private:
+    std::mt19937 engine_;
+};
+
+Vec3d anyOrthogonal(const Vec3d& n) {
+    return normalized(cross(n, std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
+}
+
+/// A placement of index space that is anything but plain.
+Similarity placed() {
+    const auto m = rotatedTransform(0.25, {1, -2, 3}, 40, {10, -20, 5});
+    const auto image = [&](const openvdb::Vec3d& p) {
+        const openvdb::Vec3d q = m->indexToWorld(p);
+        return Vec3d{q.x(), q.y(), q.z()};
+    };
+    Similarity s;
+    s.dx = 0.25;
+    s.origin = image({0, 0, 0});
+    s.axis = {(image({1, 0, 0}) - s.origin) * 4.0, (image({0, 1, 0}) - s.origin) * 4.0,
+              (image({0, 0, 1}) - s.origin) * 4.0};
+    return s;
+}
+
+ObstacleGrid source(const openvdb::GridBase::Ptr& grid) { return {grid, "o.vdb", "wall"}; }
+
+openvdb::MaskGrid::Ptr maskOf(const std::vector<Ijk>& voxels) {
+    const auto mask = openvdb::MaskGrid::create();
+    for (const Ijk& v : voxels) mask->tree().setValueOn({v.x, v.y, v.z});
+    return mask;
+}
+
+ObstacleSet only(const openvdb::GridBase::Ptr& grid, const Similarity& transform = {}) {
+    ObstacleSet set(transform);
+    set.addGrid(source(grid));
+    return set;
+}
+
+bool blocksPoint(const ObstacleSet& set, const Vec3d& p, const Vec3d& n = {0, 0, 1}) {
+    return set.block(p, p, n);
+}
+
+/// The links that a front may take, of the core or of the whole band.
+class Links {
+public:
+    enum Which { Core, Faces };
+
+    Links(const Band& band, const Obstacles& obstacles, Which which,
+          const std::function<bool(const Vec3d&)>& domain)
+        : band_(band), obstacles_(obstacles), which_(which) {
+        for (NodeIndex i = 0; i < band.size(); ++i) {
+            const bool takesPart = which == Faces || band.inCore(i);
+            const Vec3d foot = band.footPoint(i);
+            open_.push_back(takesPart && domain(foot) &&
+                            !obstacles.block(foot, foot, Vec3d(band.normal[i])));
+        }
+    }
+    bool open(NodeIndex i) const { return open_[i]; }
+    bool takesPart(NodeIndex i) const { return which_ == Faces || band_.inCore(i); }
+
+    /// The nodes that can be reached from the open node whose foot point is nearest to p.
+    std::vector<bool> flood(const Vec3d& p) const {
+        NodeIndex start = kNoNode;
+        for (NodeIndex i = 0; i < band_.size(); ++i)
+            if (open(i) && (start == kNoNode ||
+                            length(band_.footPoint(i) - p) < length(band_.footPoint(start) - p)))
+                start = i;
+        std::vector<bool> reached(band_.size());
+        std::vector<NodeIndex> front{start};
+        reached[start] = true;
+        while (!front.empty()) {
+            const NodeIndex i = front.back();
+            front.pop_back();
+            forLinked(i, [&](NodeIndex j) {
+                if (reached[j] || !open(j) || blocked(i, j)) return;
+                reached[j] = true;
+                front.push_back(j);
+            });
+        }
+        return reached;
+    }
+
+    template <typename Visit>
+    void forLinked(NodeIndex i, const Visit& visit) const {
+        if (which_ == Faces) {
+            for (int side = 0; side < 6; ++side) {
+                const NodeIndex j = band_.neighbour(i, Band::faceStep(side));
+                if (j != kNoNode && band_.linked(i, j)) visit(j);
+            }
+            return;
+        }
+        band_.forNeighbours(&BandLeaf::core, band_.leaf[i], band_.offset[i],
+                            [&](NodeIndex, int dx, int dy, int dz) {
+                                const NodeIndex j = band_.neighbour(i, dx, dy, dz);
+                                if (dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet)
+                                    visit(j);
+                            });
+    }
+
+private:
+    bool blocked(NodeIndex i, NodeIndex j) const {
+        const Vec3d n = normalized(Vec3d(band_.normal[i]) + Vec3d(band_.normal[j]));
+        return obstacles_.block(band_.footPoint(i), band_.footPoint(j), n);
+    }
+    const Band& band_;
+    const Obstacles& obstacles_;
+    Which which_;
+    std::vector<bool> open_;
+};
+
+/// What comes of a wall that should part p from q.
+struct Parting {
+    bool leaks = false;        ///< there is a way from p to q
+    double swallowed = 0;      ///< how far from the wall a node belongs to neither side, voxels
+    std::size_t p = 0, q = 0;  ///< nodes of either side
+};
+
+Parting part(const Band& band, const openvdb::MaskGrid::Ptr& wall, const Vec3d& p, const Vec3d& q,
+             Links::Which which, const std::function<bool(const Vec3d&)>& judged) {
+    const ObstacleSet set = only(wall);
+    const Links links(band, set, which, judged);
+    const auto fromP = links.flood(p), fromQ = links.flood(q);
+    std::vector<Vec3d> voxels;
+    for (auto it = wall->cbeginValueOn(); it; ++it) {
+        const openvdb::Vec3d w = wall->indexToWorld(it.getCoord());
+        voxels.emplace_back(w.x(), w.y(), w.z());
+    }
+    Parting result;
+    for (NodeIndex i = 0; i < band.size(); ++i) {
+        result.leaks |= fromP[i] && fromQ[i];
+        result.p += fromP[i], result.q += fromQ[i];
+        const Vec3d foot = band.footPoint(i);
+        if (fromP[i] || fromQ[i] || !links.takesPart(i) || !judged(foot)) continue;
+        double nearest = kInfinity;
+        for (const Vec3d& v : voxels) nearest = std::min(nearest, length(foot - v));
+        result.swallowed = std::max(result.swallowed, nearest);
+    }
+    return result;
+}
+
+/// Half the width of a voxel across a plane, along the axis nearest to its normal and in all.
+double halfEdge(const Vec3d& n) {
+    return std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) / 2;
+}
+double halfWidth(const Vec3d& n) { return (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) / 2; }
+
+/// A surface in general position and what a wall on it needs.
+struct Ground {
+    Band band;
+    Vec3d centre;                             ///< a point of S, far from every cut
+    std::function<Vec3d(const Vec3d&)> onto;  ///< the nearest point of S
+    std::function<bool(const Vec3d&)> farFromCut;
+    double across;  ///< how far from the centre to start on either side of a wall through it
+
+    Vec3d normalAtCentre() const { return Vec3d(band.normal[band.nodeAt(roundToIjk(centre))]); }
+};
+
+constexpr double kPatch = 11, kRadius = 7;
+
+Ground randomGround(Dice& dice, bool round) {
+    const Vec3d shift = dice.inCube(0.5), n = dice.unit();
+    if (round) {
+        const Vec3d middle = shift;
+        return {sphereBand(middle, kRadius, 1.8), middle + kRadius * n,
+                [=](const Vec3d& p) { return middle + kRadius * normalized(p - middle); },
+                [](const Vec3d&) { return true; }, 5};
+    }
+    return {planeBand(n, dot(n, shift), {-11, -11, -11}, {11, 11, 11}, 1.8), shift,
+            [=](const Vec3d& p) { return p - dot(n, p - shift) * n; },
+            [=](const Vec3d& p) { return length(p - shift) < kPatch - 2; }, 6};
+}
+
+/// A plane through the centre of the ground that meets S at 60 degrees at least.
+Vec3d wallNormal(Dice& dice, const Ground& g) {
+    for (;;) {
+        const Vec3d w = dice.unit();
+        if (std::abs(dot(w, g.normalAtCentre())) < 0.5) return w;
+    }
+}
+
+/// The nodes whose voxels come within `half` of the wall's plane, and that `takes` takes.
+openvdb::MaskGrid::Ptr wallOf(const Ground& g, const Vec3d& w, double half,
+                              const std::function<bool(NodeIndex)>& takes) {
+    const auto wall = openvdb::MaskGrid::create();
+    for (NodeIndex i = 0; i < g.band.size(); ++i) {
+        const Ijk v = g.band.ijk(i);
+        if (std::abs(dot(w, Vec3d(v) - g.centre)) <= half && takes(i))
+            wall->tree().setValueOn({v.x, v.y, v.z});
+    }
+    return wall;
+}
+
+/// Voxels of the core from one to another, each within one step of the last, as few as can be.
+void appendPath(const Links& core, const Band& band, NodeIndex from, NodeIndex to,
+                std::vector<Ijk>& path) {
+    std::vector<NodeIndex> before(band.size(), kNoNode), queue{to};
+    before[to] = to;
+    for (std::size_t k = 0; before[from] == kNoNode; ++k) {
+        REQUIRE(k < queue.size());
+        core.forLinked(queue[k], [&](NodeIndex j) {
+            if (before[j] != kNoNode) return;
+            before[j] = queue[k];
+            queue.push_back(j);
+        });
+    }
+    for (NodeIndex i = from; i != to; i = before[i]) path.push_back(band.ijk(i));
+}
+
+/// A closed curve of the core, each voxel with at least a corner in common with the next, through
+/// the voxels nearest to points around the ground's centre.
+std::vector<Ijk> curveVoxels(const Ground& g, double radius, int points, double start) {
+    const ObstacleSet none{Similarity{}};
+    const Links core(g.band, none, Links::Core, g.farFromCut);
+    const Vec3d n = g.normalAtCentre(), x = anyOrthogonal(n), y = cross(n, x);
+    std::vector<NodeIndex> corners;
+    for (int k = 0; k < points; ++k) {
+        const double angle = start + 2 * M_PI * k / points;
+        const Vec3d p =
+            g.onto(g.centre + radius * std::cos(angle) * x + radius * std::sin(angle) * y);
+        NodeIndex nearest = kNoNode;
+        for (NodeIndex i = 0; i < g.band.size(); ++i)
+            if (g.band.inCore(i) &&
+                (nearest == kNoNode ||
+                 length(Vec3d(g.band.ijk(i)) - p) < length(Vec3d(g.band.ijk(nearest)) - p)))
+                nearest = i;
+        corners.push_back(nearest);
+    }
+    std::vector<Ijk> path;
+    for (std::size_t k = 0; k < corners.size(); ++k)
+        appendPath(core, g.band, corners[k], corners[(k + 1) % corners.size()], path);
+    return path;
+}
+
+/// No wall leaks, and none takes more than its surroundings.
+struct Tally {
+    int walls = 0, leaks = 0;
+    double swallowed = 0;
+
+    void add(const Ground& g, const openvdb::MaskGrid::Ptr& wall, const Vec3d& p, const Vec3d& q) {
+        for (const auto which : {Links::Core, Links::Faces}) {
+            const Parting parting = part(g.band, wall, p, q, which, g.farFromCut);
+            leaks += parting.leaks;
+            swallowed = std::max(swallowed, parting.swallowed);
+        }
+        ++walls;
+    }
+};
+
+/// Whether voxels that share at least a corner lead from one end of the ground to the other.
+bool leadsAcross(const openvdb::MaskGrid& wall, const Ground& g, const Vec3d& along, double reach) {
+    std::set<std::tuple<int, int, int>> left;
+    for (auto it = wall.cbeginValueOn(); it; ++it)
+        left.insert({it.getCoord().x(), it.getCoord().y(), it.getCoord().z()});
+    while (!left.empty()) {
+        double low = kInfinity, high = -kInfinity;
+        std::vector<std::tuple<int, int, int>> front{*left.begin()};
+        left.erase(left.begin());
+        while (!front.empty()) {
+            const auto [x, y, z] = front.back();
+            front.pop_back();
+            const double at = dot(along, Vec3d(x, y, z) - g.centre);
+            low = std::min(low, at), high = std::max(high, at);
+            for (int k = 0; k < 27; ++k)
+                if (const auto v = std::make_tuple(x + k / 9 - 1, y + k / 3 % 3 - 1, z + k % 3 - 1);
+                    left.erase(v))
+                    front.push_back(v);
+        }
+        if (low < -reach && high > reach) return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+TEST_CASE("obstacles: a wall of voxels parts the surface") {
+    Dice dice(1);
+    Tally whole, alongS, core;
+    for (int k = 0; k < 150; ++k) {
+        const Ground g = randomGround(dice, k % 2);
+        const Vec3d w = wallNormal(dice, g);
+        const Vec3d p = g.onto(g.centre + g.across * w), q = g.onto(g.centre - g.across * w);
+        // One voxel thick: those next to each other share an edge at least.
+        whole.add(g, wallOf(g, w, halfEdge(w), [](NodeIndex) { return true; }), p, q);
+        // Of these the voxels that S passes; S is bent by 0.05 across a voxel.
+        alongS.add(g,
+                   wallOf(g, w, halfEdge(w),
+                          [&](NodeIndex i) {
+                              return std::abs(g.band.psi[i]) <=
+                                     halfWidth(Vec3d(g.band.normal[i])) + 0.05;
+                          }),
+                   p, q);
+        // All voxels of the core that the wall passes.
+        core.add(g, wallOf(g, w, halfWidth(w), [&](NodeIndex i) { return g.band.inCore(i); }), p,
+                 q);
+    }
+    for (const Tally& t : {whole, alongS, core}) {
+        CHECK(t.walls == 150);
+        CHECK(t.leaks == 0);
+        // Half a wall, half the diagonal of a grown cube, and a link that is cut.
+        CHECK(t.swallowed < 2);
+    }
+}
+
+TEST_CASE("obstacles: a curve of voxels drawn on S shuts in what it surrounds") {
+    Dice dice(2);
+    Tally circles, polygons;
+    for (int k = 0; k < 300; ++k) {
+        const Ground g = randomGround(dice, k % 2);
+        const Vec3d n = g.normalAtCentre();
+        const Vec3d far = g.onto(g.centre - (k % 2 ? kRadius : 0) * n + 8.0 * anyOrthogonal(n));
+        const double start = dice.between(0, 6.3);
+        circles.add(g, maskOf(curveVoxels(g, 4.5, 90, start)), g.centre, far);
+        polygons.add(g, maskOf(curveVoxels(g, 5, 6, start)), g.centre, far);
+    }
+    for (const Tally& t : {circles, polygons}) {
+        CHECK(t.walls == 300);
+        CHECK(t.leaks == 0);
+        CHECK(t.swallowed < 2);
+    }
+}
+
+TEST_CASE("obstacles: the thinnest wall of the core parts it wherever its voxels touch") {
+    // Planes one voxel thick, in a core one voxel thick, may miss each other's voxels altogether.
+    Dice dice(3);
+    int touching = 0;
+    for (int k = 0; k < 100; ++k) {
+        const Ground g = randomGround(dice, false);
+        const Vec3d w = wallNormal(dice, g);
+        const auto wall = wallOf(g, w, halfEdge(w), [&](NodeIndex i) { return g.band.inCore(i); });
+        if (!leadsAcross(*wall, g, normalized(cross(w, g.normalAtCentre())), kPatch - 2)) continue;
+        ++touching;
+        Tally tally;
+        tally.add(g, wall, g.onto(g.centre + g.across * w), g.onto(g.centre - g.across * w));
+        CHECK(tally.leaks == 0);
+    }
+    CHECK(touching > 20);
+}
+
+TEST_CASE("obstacles: a curve shuts in whatever the voxels of its mask") {
+    Dice dice(4);
+    for (const double size : {0.04, 0.35, 1.0, 2.6})
+        for (int k = 0; k < 10; ++k) {
+            // Bent as strongly as a band allows: S strays from the chords of its links.
+            const Vec3d shift = dice.inCube(0.5), n = dice.unit(), x = anyOrthogonal(n);
+            const double radius = size > 1 ? 9 : 4;
+            const Ground g{sphereBand(shift, radius, 1.8), shift + radius * n, nullptr,
+                           [](const Vec3d&) { return true; }, 0};
+            const auto mask = openvdb::MaskGrid::create();
+            const Vec3d turn = dice.unit();
+            mask->setTransform(rotatedTransform(size, {turn.x, turn.y, turn.z}, 77, {1, 2, 3}));
+            for (double angle = 0; angle < 2 * M_PI; angle += 0.002) {
+                const Vec3d side = std::cos(angle) * x + std::sin(angle) * cross(n, x);
+                const Vec3d p = shift + radius * (0.6 * n + 0.8 * side);
+                mask->tree().setValueOn(openvdb::Coord::round(
+                    mask->transform().worldToIndex(openvdb::Vec3d(p.x, p.y, p.z))));
+            }
+            INFO("voxels of " << size);
+            for (const auto which : {Links::Core, Links::Faces}) {
+                const Parting parting =
+                    part(g.band, mask, g.centre, shift - radius * n, which, g.farFromCut);
+                CHECK(!parting.leaks);
+                CHECK(parting.p > 0);
+                CHECK(parting.q > 2 * parting.p);
+                CHECK(parting.swallowed < 0.5 + 1.8 * size + 1);
+            }
+        }
+}
+
+TEST_CASE("obstacles: a mask's voxel blocks the strips that its grown cube meets") {
+    // Against the points of the strip, one by one.
+    Dice dice(5);
+    const Ijk voxel{3, -2, 5};
+    const ObstacleSet set = only(maskOf({voxel}));
+    int hits = 0;
+    for (int k = 0; k < 2000; ++k) {
+        const Vec3d a = Vec3d(voxel) + dice.inCube(2.2), n = dice.unit();
+        const Vec3d b = k % 5 ? a + dice.inCube(1.2) : a;
+        // As documented: 0.6 voxels, and L^2 / 16 for the bulge, above and below; grown by 0.1.
+        const double sweep = 0.6 + dot(b - a, b - a) / 16;
+        double least = kInfinity;
+        constexpr int kSteps = 60;
+        for (int i = 0; i <= kSteps; ++i)
+            for (int j = -kSteps; j <= kSteps; ++j) {
+                const Vec3d d =
+                    a + (double(i) / kSteps) * (b - a) + (sweep * j / kSteps) * n - Vec3d(voxel);
+                least = std::min(least, std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}));
+            }
+        const double between = (length(b - a) + 2 * sweep) / kSteps;
+        const bool blocked = set.block(a, b, n);
+        hits += blocked;
+        if (blocked != (least <= 0.6) && std::abs(least - 0.6) > between)
+            FAIL(least << " voxels away, blocked: " << blocked);
+    }
+    CHECK(hits > 100);
+    CHECK(set.block({2, -2, 5}, {4, -2, 5}, {}));  // no normal: no sweep
+}
+
+TEST_CASE("obstacles: spheres and boxes are exact") {
+    Dice dice(6);
+    const Similarity transform = placed();
+    // In the world, which is 0.25 per voxel.
+    const Vec3d middle = transform.worldFromIndex({3, -2, 5}), half{0.3, 0.1, 0.55};
+    ObstacleSet sphere(transform), box(transform);
+    CHECK(sphere.empty());
+    sphere.addSphere(middle, 0.4);
+    box.addBox(middle - half, middle + half);
+    CHECK(!sphere.empty());
+    int hits = 0;
+    for (int k = 0; k < 3000; ++k) {
+        const Vec3d a = Vec3d{3, -2, 5} + dice.inCube(4), b = k % 5 ? a + dice.inCube(2) : a;
+        double fromCentre = kInfinity, fromBox = kInfinity;
+        constexpr int kSteps = 1000;
+        for (int i = 0; i <= kSteps; ++i) {
+            const Vec3d d = transform.worldFromIndex(a + (double(i) / kSteps) * (b - a)) - middle;
+            fromCentre = std::min(fromCentre, length(d));
+            fromBox = std::min(fromBox, std::max({std::abs(d.x) - half.x, std::abs(d.y) - half.y,
+                                                  std::abs(d.z) - half.z}));
+        }
+        const double between = 0.25 * length(b - a) / kSteps + 1e-12;
+        const bool inSphere = sphere.block(a, b, {0, 0, 1}), inBox = box.block(a, b, {0, 0, 1});
+        hits += inSphere + inBox;
+        if (std::abs(fromCentre - 0.4) > between) REQUIRE(inSphere == (fromCentre < 0.4));
+        if (std::abs(fromBox) > between) REQUIRE(inBox == (fromBox < 0));
+    }
+    CHECK(hits > 100);
+    // Closed, and as thin as nothing.
+    ObstacleSet plain{Similarity{}};
+    plain.addSphere({0, 0, 0}, 2);
+    plain.addBox({5, 0, 0}, {5, 4, 4});
+    CHECK(plain.block({2, -1, 0}, {2, 1, 0}, {0, 0, 1}));
+    CHECK(!plain.block({2.0001, -1, 0}, {2.0001, 1, 0}, {0, 0, 1}));
+    CHECK(plain.block({4.5, 1, 1}, {5.5, 1, 1}, {0, 0, 1}));
+    CHECK(plain.block({4, 4, 1}, {6, 4, 1}, {0, 0, 1}));
+    CHECK(!plain.block({4, 4.0001, 1}, {6, 4.0001, 1}, {0, 0, 1}));
+
+    const auto bad = Error::Kind::InvalidArgument;
+    expectError(bad, {"radius 0"}, [&] { plain.addSphere({0, 0, 0}, 0); });
+    expectError(bad, {"sphere"}, [&] { plain.addSphere({0, std::nan(""), 0}, 1); });
+    expectError(bad, {"radius inf"}, [&] { plain.addSphere({0, 0, 0}, kInfinity); });
+    expectError(bad, {"lower"}, [&] { plain.addBox({0, 1, 0}, {1, 0, 1}); });
+    expectError(bad, {"finite"}, [&] { plain.addBox({0, 0, 0}, {1, kInfinity, 1}); });
+}
+
+TEST_CASE("obstacles: a level set blocks its inside, tiles and all") {
+    const Similarity transform = placed();
+    const openvdb::Vec3d centre(11, -19, 6);
+    const auto grid =
+        makeLevelSet(sphere(centre, 3.2), *rotatedTransform(0.1, {1, 0, 2}, 15, {1, 2, 3}), 3);
+    const ObstacleSet set = only(grid, transform);
+    const auto inverted = grid->deepCopy();
+    for (auto it = inverted->beginValueAll(); it; ++it) it.setValue(-*it);
+    inverted->tree().root().setBackground(-grid->background(), /*updateChildNodes=*/false);
+    const ObstacleSet outside = only(inverted, transform);
+    const Vec3d middle = transform.indexFromWorld({11, -19, 6});
+    Dice dice(7);
+    int crossing = 0;
+    for (int k = 0; k < 5000; ++k) {
+        const Vec3d a = middle + dice.inCube(16), b = a + dice.inCube(1);
+        const auto [low, high] = std::minmax({length(a - middle), length(b - middle)});
+        // The radius is 12.8 voxels; trilinear values are off by (0.1 / 0.25)^2 / 12.8 of one, and
+        // a chord strays by a quarter of its length squared over 25.6.
+        if (std::abs(low - 12.8) < 0.1 || std::abs(high - 12.8) < 0.1) continue;
+        REQUIRE(set.block(a, b, {0, 0, 1}) == (low < 12.8));
+        REQUIRE(outside.block(a, b, {0, 0, 1}) == (high > 12.8));
+        crossing += low < 12.8 && high > 12.8;
+    }
+    CHECK(crossing > 50);
+    CHECK(blocksPoint(outside, {5000, 0, 0}));
+    CHECK(outside.mayBeNear({5000, 0, 0}, 1));
+    CHECK(!set.mayBeNear({5000, 0, 0}, 1));
+    // The interpolant of -1 in one voxel and 1 around it is negative half way to the next.
+    const auto single = openvdb::FloatGrid::create(1);
+    single->setGridClass(openvdb::GRID_LEVEL_SET);
+    single->setTransform(openvdb::math::Transform::createLinearTransform(100));
+    single->tree().setValueOn({0, 0, 0}, -1);
+    const ObstacleSet large = only(single);
+    CHECK(blocksPoint(large, {-49, 0, 0}));
+    CHECK(large.mayBeNear({-49, 0, 0}, 0));
+    CHECK(!blocksPoint(large, {-51, 0, 0}));
+}
+
+TEST_CASE("obstacles: which voxels of a grid block") {
+    const auto floats = openvdb::FloatGrid::create(0);
+    floats->setGridClass(openvdb::GRID_FOG_VOLUME);
+    floats->tree().setValueOn({0, 0, 0}, 0.51f);
+    floats->tree().setValueOn({10, 0, 0}, 0.5f);
+    floats->tree().setValueOff({20, 0, 0}, 1);
+    const ObstacleSet fog = only(floats);
+    CHECK(blocksPoint(fog, {0, 0, 0}));
+    CHECK(!blocksPoint(fog, {10, 0, 0}));
+    CHECK(!blocksPoint(fog, {20, 0, 0}));
+    const auto bools = openvdb::BoolGrid::create(false);
+    bools->tree().setValueOn({0, 0, 0}, true);
+    bools->tree().setValueOn({10, 0, 0}, false);
+    bools->tree().setValueOff({20, 0, 0}, true);
+    const ObstacleSet mask = only(bools);
+    CHECK(blocksPoint(mask, {0, 0, 0}));
+    CHECK(!blocksPoint(mask, {10, 0, 0}));
+    CHECK(!blocksPoint(mask, {20, 0, 0}));
+    const auto tiles = openvdb::MaskGrid::create();
+    tiles->sparseFill({{0, 0, 0}, {255, 255, 255}}, true);
+    const ObstacleSet solid = only(tiles);
+    CHECK(blocksPoint(solid, {100.3, 200.2, 17.1}));
+    CHECK(blocksPoint(solid, {-0.59, 3, 3}, {0, 0, 1}));
+    CHECK(!blocksPoint(solid, {-0.61, 3, 3}, {0, 0, 1}));
+    CHECK(blocksPoint(solid, {-1.19, 3, 3}, {1, 0, 0}));
+    CHECK(!blocksPoint(solid, {-1.21, 3, 3}, {1, 0, 0}));
+
+    const auto bad = Error::Kind::BadInput;
+    expectError(bad, {"blocks nothing", "o.vdb", "'wall'"},
+                [&] { only(openvdb::MaskGrid::create()); });
+    const auto hollow = makeLevelSet(sphere({0, 0, 0}, 1), 0.1, 3);
+    for (auto it = hollow->beginValueAll(); it; ++it) it.setValue(std::abs(*it));
+    expectError(bad, {"blocks nothing"}, [&] { only(hollow); });
+    floats->tree().setValueOn({0, 0, 0}, std::nanf(""));
+    expectError(bad, {"NaN"}, [&] { only(floats); });
+    bools->setTransform(openvdb::math::Transform::createFrustumTransform(
+        openvdb::BBoxd(openvdb::Vec3d(-30.0), openvdb::Vec3d(30.0)), 0.5, 60, 1));
+    expectError(bad, {"not linear"}, [&] { only(bools); });
+}
+
+TEST_CASE(
+    "obstacles: the same both ways and on any thread; nothing is blocked where none is near") {
+    const Similarity transform = placed();
+    ObstacleSet set(transform);
+    set.addSphere(transform.worldFromIndex({5, 0, 0}), 0.5);
+    set.addBox(transform.worldFromIndex({0, 30, 0}),
+               transform.worldFromIndex({0, 30, 0}) + Vec3d{1, 2, 0});
+    set.addGrid(source(makeLevelSet(sphere({12, -20, 5}, 2.5), 0.9, 3)));
+    Dice dice(8);
+    const auto mask = openvdb::MaskGrid::create();
+    mask->setTransform(rotatedTransform(0.4, {1, 1, 3}, 50, {10, -20, 5}));
+    for (int k = 0; k < 300; ++k) {
+        const Vec3d p = dice.inCube(12);
+        mask->tree().setValueOn({int(p.x), int(p.y), int(p.z)});
+    }
+    set.addGrid(source(mask));
+    struct Way {
+        Vec3d a, b, n;
+    };
+    std::vector<Way> ways;
+    for (int k = 0; k < 40000; ++k) {
+        const Vec3d a = dice.inCube(45);
+        ways.push_back({a, k % 4 ? a + dice.inCube(1.7) : a, dice.unit()});
+    }
+    std::vector<char> blocked(ways.size());
+    parallelFor(ways.size(), 100, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+            blocked[k] = set.block(ways[k].a, ways[k].b, ways[k].n);
+    });
+    int hits = 0, near = 0;
+    for (std::size_t k = 0; k < ways.size(); ++k) {
+        const auto& [a, b, n] = ways[k];
+        hits += blocked[k];
+        near += set.mayBeNear(a, length(b - a));
+        REQUIRE(set.block(a, b, n) == bool(blocked[k]));
+        REQUIRE(set.block(b, a, n) == bool(blocked[k]));
+        REQUIRE(set.block(b, a, -n) == bool(blocked[k]));
+        if (blocked[k]) REQUIRE(set.mayBeNear(a, length(b - a)));
+    }
+    CHECK(hits > 200);
+    CHECK(near < 30000);
+}
+
+}  // namespace igeo::test

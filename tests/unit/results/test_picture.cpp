@@ -1,0 +1,537 @@
+// Pictures of a sphere with exact distances, decoded again and held against where its points are.
+#include <igeo/base/atomic_file.h>
+#include <igeo/base/parallel.h>
+#include <igeo/results/color_map.h>
+#include <igeo/results/detail/camera.h>
+#include <igeo/results/detail/canvas.h>
+#include <igeo/results/field_grids.h>
+#include <igeo/results/isolines.h>
+#include <igeo/results/picture.h>
+#include <igeo/surface/level_set_band.h>
+#include <png.h>
+#include <support/catch.h>
+#include <support/expect_error.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+#include <support/temp_dir.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <stdexcept>
+
+namespace igeo::test {
+namespace {
+
+openvdb::Vec3d vdb(const Vec3d& p) { return {p.x, p.y, p.z}; }
+
+struct Image {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> rgba;
+
+    explicit Image(const std::string& bytes) {
+        png_image image{};
+        image.version = PNG_IMAGE_VERSION;
+        REQUIRE(png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()));
+        image.format = PNG_FORMAT_RGBA;
+        rgba.resize(PNG_IMAGE_SIZE(image));
+        REQUIRE(png_image_finish_read(&image, nullptr, rgba.data(), 0, nullptr));
+        width = int(image.width), height = int(image.height);
+    }
+    const std::uint8_t* at(int x, int y) const {
+        if (x < 0 || x >= width || y < 0 || y >= height) throw std::out_of_range("no such pixel");
+        return &rgba[std::size_t(4 * (y * width + x))];
+    }
+    /// Linear light.
+    Vec3d light(int x, int y) const {
+        auto decode = [](std::uint8_t byte) {
+            const double c = byte / 255.0;
+            return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+        };
+        const std::uint8_t* p = at(x, y);
+        return {decode(p[0]), decode(p[1]), decode(p[2])};
+    }
+    bool isWhite(int x, int y) const {
+        return at(x, y)[0] == 255 && at(x, y)[1] == 255 && at(x, y)[2] == 255;
+    }
+};
+
+/// A sphere with the exact distances from one of its points.
+struct Scene {
+    Vec3d centre;
+    double radius;
+    LevelSet levelSet;
+    Band band;
+    Field field;
+
+    explicit Scene(const Vec3d& toSeed, double dx = 0.05, const Vec3d& middle = {0.3, -0.2, 0.5},
+                   openvdb::math::Transform::Ptr transform = nullptr)
+        : centre(middle), radius(20 * dx) {
+        if (!transform) transform = openvdb::math::Transform::createLinearTransform(dx);
+        LoadedGrid loaded;
+        loaded.grid = makeLevelSet(sphere(vdb(centre), radius), *transform, 3);
+        levelSet = checkLevelSet(std::move(loaded));
+        band = bandFromLevelSet(levelSet, 2);
+        SurfacePoint seed = nearestSurfacePoint(band, index(pointAt(toSeed)));
+        field.seeds = {seed};
+        field.startRadius = 2;
+        const Vec3d s = world(seed.pIndex);
+        for (std::size_t i = 0; i < band.size(); ++i)
+            field.distance.push_back(distance(s, world(Vec3d(band.ijk(NodeIndex(i))))) / dx);
+        field.summarise();
+    }
+    Vec3d index(const Vec3d& p) const { return levelSet.transform.indexFromWorld(p); }
+    Vec3d world(const Vec3d& p) const { return levelSet.transform.worldFromIndex(p); }
+    Vec3d pointAt(const Vec3d& direction) const { return centre + radius * normalized(direction); }
+    double distance(const Vec3d& p, const Vec3d& q) const {
+        const Vec3d a = p - centre, b = q - centre;
+        return radius * std::atan2(length(cross(a, b)), dot(a, b));
+    }
+    double fromSeed(const Vec3d& p) const { return distance(world(field.seeds[0].pIndex), p); }
+
+    /// A great circle from `from` over `via`, `angle` long.
+    Path arc(const Vec3d& from, const Vec3d& via, double angle) const {
+        Path path;
+        const Vec3d u = normalized(from), v = normalized(tangential(via, u));
+        for (int k = 0; k <= 60; ++k) {
+            const double a = angle * k / 60;
+            path.vertices.push_back({index(pointAt(std::cos(a) * u + std::sin(a) * v)), 0, 0});
+        }
+        return path;
+    }
+
+    std::string render(const PictureOptions& options, const std::vector<Path>& paths = {}) const {
+        const TempDir folder;
+        writeFile(folder / "a.png", renderPng(levelSet, band, field, paths, options));
+        std::ifstream in(folder / "a.png", std::ios::binary);
+        return {std::istreambuf_iterator<char>(in), {}};
+    }
+    /// Options for an eye in front, at distance 6, that sees nothing but the plain surface.
+    PictureOptions plain() const {
+        PictureOptions o;
+        o.width = 320, o.height = 240;
+        o.legend = false;
+        o.isolineSpacing = -1;
+        o.eye = centre + Vec3d{0, 0, 6 * radius};
+        o.lookAt = centre;
+        return o;
+    }
+    /// Where plain(), or one of another width, shows a point; pixels from the upper left corner.
+    std::pair<double, double> pixelOf(const Vec3d& p, int width = 320) const {
+        const Vec3d r = p - (centre + Vec3d{0, 0, 6 * radius});
+        const double scale = width / (2 * View::kHalfWidth) / -r.z;
+        return {width / 2 + scale * r.x, width * 3 / 8 - scale * r.y};
+    }
+};
+
+}  // namespace
+
+TEST_CASE("renderPng: every point has the colour of its distance") {
+    for (const std::string& name : {std::string("lagoon"), std::string("sunset")}) {
+        const Scene scene({-1, 0.3, 0.2});
+        PictureOptions options = scene.plain();
+        options.colourMap = name;
+        const Image image(scene.render(options));
+        REQUIRE(image.width == 320);
+        REQUIRE(image.height == 240);
+        for (const auto& [x, y] : {std::pair{0, 0}, {319, 0}, {0, 239}, {319, 239}})
+            CHECK(image.isWhite(x, y));
+        const ColourMap map(name);
+        for (const Vec3d& way : {Vec3d{0, 0, 1}, {0.5, 0, 1}, {0.4, 0.3, 1}, {-0.3, -0.5, 1}}) {
+            const Vec3d p = scene.pointAt(way);
+            const auto [x, y] = scene.pixelOf(p);
+            // Light changes how bright a colour is, not its ratios; white shine is below 0.003
+            // there. A byte is good to 2.4 / 100 / 2 of linear light from 100 on, and the point
+            // to a pixel, 0.02 radii of 3.1.
+            const Vec3d seen = normalized(image.light(int(x), int(y)));
+            const Vec3d expected =
+                normalized(map(scene.fromSeed(p) / (scene.field.maxDistance * 0.05)));
+            INFO(name << ": seen " << seen.x << " " << seen.y << " " << seen.z << ", expected "
+                      << expected.x << " " << expected.y << " " << expected.z);
+            CHECK(length(seen - expected) < 0.03);
+        }
+    }
+}
+
+TEST_CASE("renderPng: a seed is a white dot with a dark ring, wherever the voxels are") {
+    const Vec3d toSeed{0.2, 0.4, 1};
+    const Vec3d middle{0.3, -0.2, 0.5};
+    auto mirrored = openvdb::math::Transform::createLinearTransform(0.05);
+    mirrored->preScale(openvdb::Vec3d(-1, 1, 1));
+    for (const auto& transform :
+         {openvdb::math::Transform::createLinearTransform(0.05),
+          rotatedTransform(0.05, {1, 1, 1}, 40, {0.01, 0.02, 0.03}), mirrored}) {
+        const Scene scene(toSeed, 0.05, middle, transform);
+        PictureOptions options = scene.plain();
+        options.width = 640, options.height = 480;
+        const Image image(scene.render(options));
+        const auto [x, y] = scene.pixelOf(scene.pointAt(toSeed), 640);
+        CHECK(dot(image.light(int(x), int(y)), {1, 1, 1}) > 3 * 0.9);
+        // The radius is 0.0075 of the width in the depth of the middle, so 5.6 pixels here, of
+        // which the outer quarter is the ring.
+        for (const auto& [dx, dy] : {std::pair{5, 0}, {-5, 0}, {0, 5}, {0, -5}})
+            CHECK(dot(image.light(int(x) + dx, int(y) + dy), {1, 1, 1}) < 3 * 0.2);
+        CHECK(!image.isWhite(int(x) + 8, int(y)));
+    }
+    // From behind it is not seen.
+    const Scene behind({0, 0, -1});
+    const Image image(behind.render(behind.plain()));
+    const auto [x, y] = behind.pixelOf(behind.centre);
+    CHECK(dot(image.light(int(x), int(y)), {1, 1, 1}) < 3 * 0.9);
+}
+
+TEST_CASE("renderPng: isolines lie at the multiples of their spacing") {
+    const Scene scene({0, 0, 1});
+    PictureOptions options = scene.plain();
+    options.width = 640, options.height = 480;
+    const Image smooth(scene.render(options));
+    options.isolineSpacing = 0.15;
+    const Image lined(scene.render(options));
+    const double half = 320 / View::kHalfWidth;
+    std::set<int> met;
+    for (int x = 330; x < 640; ++x) {  // from beside the seed on
+        // The ray through the pixel's middle and the sphere, in radii.
+        const double s = (x + 0.5 - 320) / half, a = 1 + s * s, b = 36 - a * 35;
+        if (b <= 0) break;
+        const double depth = (6 - std::sqrt(b)) / a, d = std::asin(s * depth);
+        const double level = std::round(d / 0.15);
+        // A pixel with a tenth of line in it is darker by 0.088.
+        const bool dark =
+            dot(lined.light(x, 240), {1, 1, 1}) < 0.92 * dot(smooth.light(x, 240), {1, 1, 1});
+        if (!dark) continue;
+        // Half a pixel, which is longer on the surface where that is seen from the side, and half
+        // a line: 0.0009 of the width in the depth of the middle.
+        const double facing = (std::cos(d) - s * std::sin(d)) / std::sqrt(a);
+        INFO("column " << x << ", distance " << d);
+        CHECK(std::abs(d - level * 0.15) <
+              0.5 * depth / half / facing + 0.0009 * 640 * 6 / half + 0.0005);
+        CHECK(level > 0);
+        met.insert(int(level));
+    }
+    // Lines are 1.15 pixels wide from in front. The seventh is seen at cosine 0.35, 0.2 pixels in
+    // each of two at worst; then comes the horizon, at acos(1 / 6) = 1.40.
+    for (int k = 1; k <= 7; ++k) CHECK(met.count(k) == 1);
+}
+
+TEST_CASE("renderPng: paths are drawn where they are seen and nowhere else") {
+    const Scene scene({-1, 0, -1});
+    PictureOptions options = scene.plain();
+    const std::string without = scene.render(options);
+    CHECK((scene.render(options, {scene.arc({0.5, 0, -1}, {0, 1, -1}, 1)}) == without));
+    CHECK((scene.render(options, {Path{}}) == without));
+
+    const Path path = scene.arc({-0.3, -0.5, 1}, {0.5, 0.3, 1}, 1);
+    const Image image(scene.render(options, {path}));
+    for (std::size_t k = 10; k <= 60; k += 10) {
+        const auto [x, y] = scene.pixelOf(scene.world(path.vertices[k].pIndex));
+        CHECK(dot(image.light(int(x), int(y)), {1, 1, 1}) > 3 * 0.5);
+    }
+    // Its target has a dark dot.
+    const auto [x, y] = scene.pixelOf(scene.world(path.vertices[0].pIndex));
+    CHECK(dot(image.light(int(x), int(y)), {1, 1, 1}) < 3 * 0.1);
+}
+
+TEST_CASE("renderPng: a path does not show through a thin sheet") {
+    const double dx = 0.05, thickness = 4 * dx;
+    LoadedGrid loaded;
+    loaded.grid = makeLevelSet(thinSheet({0, 0, 0}, 0.8, 0.8, thickness), dx, 3);
+    const LevelSet levelSet = checkLevelSet(std::move(loaded));
+    const Band band = bandFromLevelSet(levelSet, 1.8);
+    Field field;
+    field.distance.assign(band.size(), 1.0);
+    field.summarise();
+    // A path is at least 1.8 pixels wide to either side, more than the sheet is thick here.
+    PictureOptions options;
+    options.width = options.height = 16;
+    options.legend = false;
+    options.eye = Vec3d{0, 0, 4};
+    const TempDir folder;
+    auto render = [&](double side) {
+        Path path;
+        for (int k = -10; side != 0 && k <= 10; ++k)
+            path.vertices.push_back(
+                {levelSet.transform.indexFromWorld({0.04 * k, 0, side * thickness / 2}), 0, 0});
+        writeFile(folder / "a.png", renderPng(levelSet, band, field, {path}, options));
+        std::ifstream in(folder / "a.png", std::ios::binary);
+        return std::string{std::istreambuf_iterator<char>(in), {}};
+    };
+    CHECK((render(-1) == render(0)));
+    CHECK((render(1) != render(0)));
+}
+
+TEST_CASE("renderPng: what is not reached is grey, and an early stop ends in a smooth line") {
+    const Vec3d toSeed = normalized(Vec3d{-1, 0, 1}), u{0, 1, 0}, v = cross(toSeed, u);
+    Scene scene(toSeed);
+    for (double& d : scene.field.distance)
+        if (d > 20) d = kInfinity;
+    scene.field.stoppedEarly = true;
+    scene.field.summarise();
+    const bool jets = GENERATE(false, true);
+    INFO("jets " << jets);
+    scene.field.atFootPoints = jets;
+    for (std::size_t i = 0; i < scene.band.size(); ++i) {
+        const Vec3d n = normalized(Vec3d(scene.band.normal[i]));
+        scene.field.gradient.emplace_back(normalized(tangential(-toSeed, n)));
+    }
+    PictureOptions options = scene.plain();
+    options.width = 640, options.height = 480;
+    const Image image(scene.render(options));
+    // The last distance is one radius, 20 voxels; cells are known in part 1.7 voxels around it.
+    const double last = jets ? 1 : 0.9;
+    for (double turn = 0; turn < 2 * M_PI; turn += 0.05)
+        for (const double angle : {0.3, last - 0.02, last + 0.03, 1.03, 1.06, 1.5}) {
+            const Vec3d n = std::cos(angle) * toSeed +
+                            std::sin(angle) * (std::cos(turn) * u + std::sin(turn) * v);
+            if (n.z < 0.4) continue;  // behind the horizon, or close to it
+            const auto [x, y] = scene.pixelOf(scene.pointAt(n), 640);
+            const std::uint8_t* p = image.at(int(x), int(y));
+            INFO("angle " << angle << ", turn " << turn);
+            CHECK((p[0] == p[1] && p[1] == p[2]) == (angle > last));
+        }
+}
+
+TEST_CASE("renderPng: the same bytes for any number of threads, and once more") {
+    const Scene scene({0, 1, 0});
+    PictureOptions options;
+    options.width = 400, options.height = 300;
+    const std::vector<Path> paths{scene.arc({0.3, 0, 1}, {0, 1, 0}, 1.2)};
+    std::vector<std::string> pictures;
+    for (const int threads : {1, 2, 2}) {
+        const ThreadLimit limit(threads);
+        pictures.push_back(scene.render(options, paths));
+    }
+    CHECK((pictures[0] == pictures[1]));
+    CHECK((pictures[1] == pictures[2]));
+    // Its chunks hold no time, and name the colour space.
+    CHECK((pictures[0].find("sRGB") != std::string::npos));
+    CHECK((pictures[0].find("tIME") == std::string::npos));
+    CHECK(pictures[0].substr(pictures[0].size() - 8, 4) == "IEND");
+}
+
+TEST_CASE("renderPng: the chosen view shows the seed, and all of the surface, at any size") {
+    PictureOptions options;
+    options.width = 120, options.height = 90;
+    options.legend = false, options.transparent = true;
+    for (const Vec3d& up : {Vec3d{0, 1, 0}, {0, 0, 1}, {1, 0, 0}})
+        for (const Vec3d& toSeed :
+             {Vec3d{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
+            const Scene scene(toSeed);
+            options.up = up;
+            const Image image(scene.render(options));
+            int white = 0, onEdge = 0, top = image.height, bottom = 0;
+            for (int y = 0; y < image.height; ++y)
+                for (int x = 0; x < image.width; ++x) {
+                    const bool edge =
+                        x == 0 || y == 0 || x == image.width - 1 || y == image.height - 1;
+                    onEdge += edge && image.at(x, y)[3] != 0;
+                    if (!image.at(x, y)[3]) continue;
+                    top = std::min(top, y), bottom = std::max(bottom, y);
+                    white += dot(image.light(x, y), {1, 1, 1}) > 3 * 0.9;
+                }
+            CHECK(onEdge == 0);
+            CHECK(white >= 9);
+            // A margin of 6 %, and the voxels within one of 20 around the sphere; and a pixel.
+            CHECK(bottom - top + 2 > image.height / (1.06 * 1.05));
+        }
+    // Nothing but numbers depends on the unit of length. Powers of two, so that no rounding does.
+    options.transparent = false;
+    options.isolineSpacing = -1;
+    const std::string unit = Scene({1, 1, 1}, 1.0, {0, 0, 0}).render(options);
+    for (const double dx : {std::ldexp(1.0, -15), std::ldexp(1.0, 30)})
+        CHECK((Scene({1, 1, 1}, dx, {0, 0, 0}).render(options) == unit));
+}
+
+TEST_CASE("renderPng: transparent where nothing is") {
+    const Scene scene({0, 0, 1});
+    PictureOptions options = scene.plain();
+    options.transparent = true;
+    const Image image(scene.render(options));
+    CHECK(image.at(0, 0)[3] == 0);
+    CHECK(image.at(160, 60)[3] == 255);
+    bool between = false;
+    for (int x = 0; x < 160; ++x) between |= image.at(x, 120)[3] % 255 != 0;
+    CHECK(between);
+}
+
+TEST_CASE("renderPng: the legend is the colour map, and is left out where there is no room") {
+    const Scene scene({0, 0, 1});
+    PictureOptions options = scene.plain();
+    options.width = 400, options.height = 400;
+    options.legend = true;
+    const Image image(scene.render(options));
+    // The bar's upper end: the first row, right of the sphere, that is neither white nor dark.
+    const ColourMap map(options.colourMap);
+    auto is = [&](int x, int y, const Vec3d& colour) {
+        return length(image.light(x, y) - colour) < 0.02;
+    };
+    int bars = 0;
+    for (int x = 300; x < 400; ++x) {
+        int first = 0, last = 399;
+        while (first < 399 && !is(x, first, map(1))) ++first;
+        while (last > 0 && !is(x, last, map(0))) --last;
+        if (last - first < 200) continue;
+        ++bars;
+        for (int y = first; y <= last; ++y) CHECK(is(x, y, map(double(last - y) / (last - first))));
+    }
+    CHECK(bars == 14);
+
+    options.width = 120, options.height = 90;
+    const std::string small = scene.render(options);
+    options.legend = false;
+    CHECK((scene.render(options) == small));
+}
+
+TEST_CASE("renderPng: a cut surface ends where its data ends") {
+    const double dx = 0.05;
+    LoadedGrid loaded;
+    loaded.grid = makeLevelSet(planePatch({0.01, 0.02, 0.03}, {0, 0, 1}, 2), dx, 3);
+    const LevelSet levelSet = checkLevelSet(std::move(loaded));
+    REQUIRE(levelSet.stats.cutVoxels > 0);
+    const Band band = bandFromLevelSet(levelSet, 2);
+    Field field;
+    field.distance.assign(band.size(), 1.0);
+    field.summarise();
+    PictureOptions options;
+    options.width = 300, options.height = 300;
+    options.legend = false, options.isolineSpacing = -1;
+    options.eye = Vec3d{0, 0, 8};
+    options.lookAt = Vec3d{0, 0, 0};
+    const TempDir folder;
+    // From in front, and from the side, where a wall at the edge would be seen.
+    for (const Vec3d& eye : {Vec3d{0, 0, 8}, {0, -8, 0.4}}) {
+        options.eye = eye;
+        writeFile(folder / "a.png", renderPng(levelSet, band, field, {}, options));
+        std::ifstream in(folder / "a.png", std::ios::binary);
+        const Image image(std::string{std::istreambuf_iterator<char>(in), {}});
+        CHECK(!image.isWhite(150, 150));
+        const Vec3d back = normalized(eye), right{1, 0, 0}, up = cross(back, right);
+        const double scale = 150 / View::kHalfWidth;
+        int wall = 0, hole = 0;
+        for (int y = 0; y < 300; ++y)
+            for (int x = 0; x < 300; ++x) {
+                const Vec3d dir =
+                    (x + 0.5 - 150) / scale * right + (150 - y - 0.5) / scale * up - back;
+                const Vec3d p = eye + (0.03 - eye.z) / dir.z * dir;
+                const double out = std::max(std::abs(p.x - 0.01), std::abs(p.y - 0.02)) - 1;
+                // A pixel, and the voxel around the last value.
+                const double blur = (8.1 / scale) / std::abs(normalized(dir).z);
+                wall += out > blur && !image.isWhite(x, y);
+                hole += out < -2 * dx - blur && image.isWhite(x, y);
+            }
+        CHECK(wall == 0);
+        CHECK(hole == 0);
+    }
+}
+
+TEST_CASE("renderPng: options out of range are refused") {
+    const Scene scene({0, 0, 1});
+    auto refused = [&](const std::vector<std::string>& phrases, auto change) {
+        PictureOptions options;
+        options.width = 32, options.height = 24;
+        change(options);
+        expectError(Error::Kind::InvalidArgument, phrases,
+                    [&] { renderPng(scene.levelSet, scene.band, scene.field, {}, options); });
+    };
+    refused({"0 x 24", "16384"}, [](auto& o) { o.width = 0; });
+    refused({"32 x -1", "16384"}, [](auto& o) { o.height = -1; });
+    refused({"16385", "16384"}, [](auto& o) { o.width = 16385; });
+    refused({"0 samples", "16"}, [](auto& o) { o.samples = 0; });
+    refused({"17 samples"}, [](auto& o) { o.samples = 17; });
+    refused({"'jet'", "lagoon, sunset"}, [](auto& o) { o.colourMap = "jet"; });
+    refused({"isoline"}, [](auto& o) { o.isolineSpacing = std::nan(""); });
+    refused({"looks at itself", "1,2,3"}, [](auto& o) { o.eye = o.lookAt = Vec3d{1, 2, 3}; });
+    refused({"looks at itself"}, [&](auto& o) { o.eye = o.lookAt = scene.centre; });
+    refused({"inside the surface", "0.3,-0.2,0.5"}, [&](auto& o) {
+        o.eye = scene.pointAt({1, 0, 0}) - Vec3d{0.4, 0, 0};
+    });
+    refused({"along its up direction"}, [](auto& o) { o.eye = {0, 9, 0}, o.lookAt = {0, 0, 0}; });
+    refused({"up direction"}, [](auto& o) { o.up = {0, 0, 0}; });
+    refused({"position or target"}, [](auto& o) { o.eye = {0, kInfinity, 0}; });
+}
+
+TEST_CASE("renderPng: stops when asked to, and reports how far it is") {
+    struct Stop : Progress {
+        bool stop = false;
+        std::atomic<int> calls{0};
+        void update(const char*, double fraction) override {
+            ++calls;
+            if (!(fraction >= 0 && fraction <= 1)) calls = -1000000;
+        }
+        bool cancelled() const override { return stop; }
+    } progress;
+    const Scene scene({0, 0, 1});
+    PictureOptions options;
+    options.width = 32, options.height = 24;
+    auto render = [&] {
+        renderPng(scene.levelSet, scene.band, scene.field, {}, options, progress);
+    };
+    progress.stop = true;
+    expectError(Error::Kind::Cancelled, {}, render);
+    progress.stop = false;
+    render();
+    CHECK(progress.calls >= 2 * options.height);
+}
+
+TEST_CASE("roundSpacing: 1, 2 or 5 times a power of ten, nearest by ratio") {
+    CHECK(roundSpacing(16, 16) == Approx(1));
+    CHECK(roundSpacing(M_PI, 16) == Approx(0.2));
+    CHECK(roundSpacing(8e-7, 16) == Approx(5e-8));
+    CHECK(roundSpacing(1.5e9, 16) == Approx(1e8));
+    for (double range = 1e-3; range < 1e3; range *= 1.07) {
+        const double lines = range / roundSpacing(range, 16);
+        CHECK(lines >= 16 / std::sqrt(2.5) * (1 - 1e-9));
+        CHECK(lines <= 16 * std::sqrt(2.5) * (1 + 1e-9));
+    }
+}
+
+TEST_CASE("colorGrid: the colours of the distances, grey elsewhere") {
+    Scene scene({0, 0, 1});
+    scene.field.distance[7] = kInfinity;
+    const ColourMap map("ice");
+    const auto grid = colorGrid(scene.band, scene.field, map, scene.levelSet.psi->transform(), "c");
+    CHECK(grid->getName() == "c");
+    CHECK(grid->transform() == scene.levelSet.psi->transform());
+    CHECK(grid->activeVoxelCount() == scene.band.size() - 1);
+    auto at = [&](NodeIndex i) {
+        const Ijk p = scene.band.ijk(i);
+        const openvdb::Vec3s c = grid->tree().getValue({p.x, p.y, p.z});
+        return Vec3d{c.x(), c.y(), c.z()};
+    };
+    const Vec3d grey = at(7);
+    CHECK(grey.x == grey.y);
+    CHECK(grey.y == grey.z);
+    for (const NodeIndex i : {NodeIndex(0), NodeIndex(100), NodeIndex(scene.band.size() - 1)}) {
+        const Vec3d expected =
+            srgbFromLinear(map(scene.field.distance[i] / scene.field.maxDistance));
+        CHECK(length(at(i) - expected) < 1e-6);
+    }
+}
+
+TEST_CASE("Canvas: text is as wide as it says, and stays inside the picture") {
+    for (const std::string& s : {std::string("distance (world units)"), std::string("0.25"),
+                                 std::string("-1e+06"), std::string("1 1")}) {
+        const int scale = 2, width = Canvas::textWidth(s, scale);
+        Canvas canvas(width + 20, 40);
+        canvas.fill(0, 0, width + 20, 40, {1, 1, 1});
+        canvas.text(10, 10, s, scale, {0, 0, 0});
+        const Image image(canvas.png());
+        int first = image.width, last = -1;
+        for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x)
+                if (!image.isWhite(x, y)) {
+                    first = std::min(first, x), last = std::max(last, x);
+                    CHECK(y >= 10);
+                    CHECK(y < 10 + 9 * scale);
+                }
+        CHECK(first == 10);
+        CHECK(last == 10 + width - 1);
+    }
+    Canvas small(4, 4);
+    small.text(-5, -5, "88888", 3, {1, 0, 0});
+    small.fill(3, 3, 100, 100, {0, 1, 0});
+    CHECK(Image(small.png()).at(3, 3)[1] == 255);
+}
+
+}  // namespace igeo::test

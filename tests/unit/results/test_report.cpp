@@ -1,0 +1,181 @@
+#include <igeo/results/report.h>
+#include <support/analytic_band.h>
+#include <support/catch.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace igeo::test {
+namespace {
+
+using nlohmann::json;
+
+/// A run with a path of each status; everything that can be infinite is.
+struct Run {
+    Band band = planeBand({0, 0, 1}, 0, {-4, -4, -3}, {4, 4, 3}, 2);
+    Field field;
+    RunReport report;
+
+    Run() {
+        band.transform.dx = 0.5;
+        band.transform.origin = {10, 20, 30};
+        field.distance.assign(band.size(), 3.0);
+        field.distance[0] = kInfinity;
+        field.scheme = "test";
+        field.startRadius = 2;
+        SurfacePoint seed;
+        seed.askedIndex = {1, 0, 0.5}, seed.pIndex = {1, 0, 0};
+        seed.snapDistance = 0.5, seed.start = 4;
+        field.seeds = {seed};
+        field.summarise();
+
+        Path reached;
+        reached.status = PathStatus::Reached;
+        reached.target.pIndex = reached.target.askedIndex = {3, 0, 0};
+        reached.vertices = {{{3, 0, 0}, 0, 6}, {{1, 0, 0}, 2, 4}};
+        reached.length = 2, reached.distance = 6;
+        Path stalled;
+        stalled.status = PathStatus::Stalled;
+        stalled.vertices = {{{0.1, 0, 0}, 0, 3}};
+        stalled.distance = 3;
+        report.paths = {reached, stalled, Path{}};
+        report.file = "a.vdb", report.grid = "psi";
+        report.seconds = {{"read", 0.25}};
+        report.outputs = {{"geodesics", "g.json"}};
+        report.warnings = {"mind the gap"};
+    }
+};
+
+/// Numbers are finite by JSON's own grammar; the parser refuses NaN and Infinity.
+json parse(const std::string& text) {
+    CHECK(text.back() == '\n');
+    return json::parse(text);
+}
+
+}  // namespace
+
+TEST_CASE("geodesicsJson: world units, null for what is not known") {
+    const Run run;
+    const json j = parse(geodesicsJson(run.report, run.band, run.field));
+    CHECK(j["schema"] == 1);
+    CHECK(j["type"] == "geodesics");
+    CHECK(j["surface"]["file"] == "a.vdb");
+    CHECK(j["surface"]["voxelSize"] == 0.5);
+    CHECK(j["parameters"]["band"] == 1);
+    CHECK(j["parameters"]["bandVoxels"] == 2);
+    CHECK(j["parameters"]["startRadius"] == 1);
+    CHECK(j["parameters"]["maxDistance"].is_null());
+    REQUIRE(j["paths"].size() == 3);
+
+    const json& reached = j["paths"][0];
+    CHECK(reached["status"] == "reached");
+    CHECK(reached["length"] == 1);
+    CHECK(reached["distance"] == 3);
+    CHECK(reached["seed"]["index"] == 0);
+    CHECK(reached["seed"]["start"] == 2);
+    CHECK(reached["seed"]["snapDistance"] == 0.25);
+    CHECK(reached["seed"]["asked"] == json({10.5, 20, 30.25}));
+    CHECK(reached["vertices"]["position"] == json({{11.5, 20, 30}, {10.5, 20, 30}}));
+    CHECK(reached["vertices"]["arcLength"] == json({0, 1}));
+    CHECK(reached["vertices"]["distance"] == json({3, 2}));
+
+    CHECK(j["paths"][1]["status"] == "stalled");
+    CHECK(j["paths"][1]["seed"].is_null());
+    CHECK(j["paths"][1]["length"] == 0);
+    const json& unreached = j["paths"][2];
+    CHECK(unreached["status"] == "unreachable");
+    CHECK(unreached["distance"].is_null());
+    CHECK(unreached["length"].is_null());
+    CHECK(unreached["vertices"]["position"].empty());
+}
+
+TEST_CASE("reportJson: the account of a run") {
+    const Run run;
+    const json j = parse(reportJson(run.report, run.band, run.field));
+    CHECK(j["type"] == "report");
+    CHECK(j["band"]["nodes"] == run.band.size());
+    CHECK(j["distance"]["reached"] == run.band.size() - 1);
+    CHECK(j["distance"]["unreached"] == 1);
+    CHECK(j["distance"]["max"] == 1.5);
+    CHECK(j["distance"]["stoppedEarly"] == false);
+    CHECK(j["seeds"].size() == 1);
+    REQUIRE(j["targets"].size() == 3);
+    CHECK(!j["targets"][0].contains("vertices"));
+    CHECK(j["seconds"]["read"] == 0.25);
+    CHECK(j["outputs"]["geodesics"] == "g.json");
+    CHECK(j["warnings"] == json({"mind the gap"}));
+}
+
+TEST_CASE("reports: doubles survive the way through text") {
+    Run run;
+    run.report.paths[0].vertices[0].pIndex = {1.0 / 3, std::sqrt(2.0), 1e-17};
+    run.band.transform = {};
+    const json j = parse(geodesicsJson(run.report, run.band, run.field));
+    const json& p = j["paths"][0]["vertices"]["position"][0];
+    CHECK(p[0].get<double>() == 1.0 / 3);
+    CHECK(p[1].get<double>() == std::sqrt(2.0));
+    CHECK(p[2].get<double>() == 1e-17);
+    // Also as OBJ.
+    std::istringstream obj(geodesicsObj(run.report.paths, run.band));
+    for (std::string line; std::getline(obj, line);)
+        if (line.compare(0, 2, "v ") == 0) {
+            double x = 0;
+            std::istringstream(line.substr(2)) >> x;
+            CHECK(x == 1.0 / 3);
+            break;
+        }
+}
+
+TEST_CASE("reports: names that are no UTF-8 still make valid JSON") {
+    Run run;
+    run.report.file = "caf\xE9.vdb";
+    run.report.grid = "\xFF";
+    const json geodesics = parse(geodesicsJson(run.report, run.band, run.field));
+    CHECK(geodesics["surface"]["file"].get<std::string>().substr(0, 3) == "caf");
+    CHECK_NOTHROW(parse(reportJson(run.report, run.band, run.field)));
+}
+
+TEST_CASE("geodesicsObj: one object per path with two vertices or more") {
+    const Run run;
+    CHECK(geodesicsObj(run.report.paths, run.band) ==
+          "# geodesics, world units; from each target to its seed\n"
+          "o geodesic_0\n"
+          "v 11.5 20 30\n"
+          "v 10.5 20 30\n"
+          "l 1 2\n");
+    // Vertices are counted across objects.
+    const std::string two =
+        geodesicsObj({run.report.paths[0], run.report.paths[2], run.report.paths[0]}, run.band);
+    CHECK(two.find("o geodesic_2\n") != std::string::npos);
+    CHECK(two.find("l 3 4\n") != std::string::npos);
+}
+
+TEST_CASE("matrixJson: world units, null where there is no way") {
+    const Run run;
+    DistanceMatrix m;
+    m.seeds = {run.field.seeds[0]};
+    m.targets.resize(3);
+    m.targets[2].pIndex = {3, 0, 0};
+    m.distance = {0, kInfinity, 1.0 / 3};
+    m.asymmetry = 0.25;
+    const json j = parse(matrixJson(run.report, run.band, m));
+    CHECK(j["type"] == "matrix");
+    CHECK(j["surface"]["grid"] == "psi");
+    REQUIRE(j["seeds"].size() == 1);
+    REQUIRE(j["targets"].size() == 3);
+    CHECK(j["seeds"][0]["position"] == json({10.5, 20, 30}));
+    CHECK(j["seeds"][0]["snapDistance"] == 0.25);
+    CHECK(j["targets"][2]["position"] == json({11.5, 20, 30}));
+    CHECK(j["distance"] == json({{0.0, nullptr, 1.0 / 3}}));
+    CHECK(j["asymmetry"] == 0.25);
+    CHECK(!j.contains("rows"));
+
+    m.firstRow = 4;
+    m.asymmetry = std::nan("");
+    const json part = parse(matrixJson(run.report, run.band, m));
+    CHECK(part["rows"] == json({{"first", 4}, {"count", 1}}));
+    CHECK(part["distance"] == j["distance"]);
+    CHECK(part["asymmetry"].is_null());
+}
+
+}  // namespace igeo::test

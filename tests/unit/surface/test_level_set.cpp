@@ -1,0 +1,168 @@
+// What checkLevelSet measures; test_level_set_refusals.cpp has what it refuses.
+#include <igeo/surface/level_set.h>
+#include <support/catch.h>
+#include <support/errors.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+
+namespace igeo::test {
+namespace {
+
+const openvdb::Vec3d kCenter(0.137, -0.291, 0.413);
+
+LevelSetStats statsOf(const Shape& shape, double dx, double halfWidth = 3) {
+    return checkedLevelSet(makeLevelSet(shape, dx, halfWidth)).stats;
+}
+
+}  // namespace
+
+TEST_CASE("checkLevelSet: counts and widths of a sphere") {
+    const double dx = 0.05;
+    const auto grid = makeLevelSet(sphere(kCenter, 1), dx, 3);
+    const LevelSet s = checkedLevelSet(grid);
+    CHECK(s.warnings.empty());
+    CHECK(s.stats.activeVoxels == grid->activeVoxelCount());
+    std::uint64_t negative = 0, near = 0;
+    for (auto it = grid->cbeginValueOn(); it; ++it) {
+        negative += *it < 0;
+        near += std::abs(*it / dx) < 1;
+    }
+    CHECK(s.stats.negative == negative);
+    CHECK(s.stats.nearSurface == near);
+    CHECK(s.stats.badVoxels == 0);
+    CHECK(s.stats.cutVoxels == 0);
+    // Thousands of voxels: some lie within a hundredth of the edge at 3.
+    CHECK(s.stats.halfWidth < 3);
+    CHECK(s.stats.halfWidth > 2.99);
+    CHECK(s.stats.reach == s.stats.halfWidth);
+    // Central differences of |x| are short by at most 1 / (2 R^2), R > 17; bins are 0.001 wide.
+    CHECK(std::abs(s.stats.gradientMedian - 1) < 0.5 / (17 * 17) + 0.001);
+    CHECK(s.stats.gradientShare == 1);
+}
+
+TEST_CASE("checkLevelSet: 95th percentile of curvature within 1 percent on a sphere") {
+    // Second differences of |x| are off by (dx / R)^2 times a number below 1: 1/400 at R = 20
+    // voxels; the bins of the histogram are 0.4 % wide.
+    for (const double radius : {20.0, 33.3, 60.0}) {
+        const double k = statsOf(sphere(kCenter, radius * 0.05), 0.05).largestCurvature;
+        CHECK(k * radius == Approx(1).epsilon(0.01));
+    }
+}
+
+TEST_CASE("checkLevelSet: 95th percentile of curvature on a torus is that of the tube") {
+    // The tube bends by 1/r everywhere, the inner equator by 1/(R - r), which is less here. Errors
+    // are (dx / r)^2 again, 1/256 and less.
+    for (const double r : {16.0, 24.0}) {
+        const double dx = 0.4 / r;
+        const double k = statsOf(torus(kCenter, 1, 0.4), dx).largestCurvature;
+        CHECK(k * r == Approx(1).epsilon(0.01));
+    }
+}
+
+TEST_CASE("checkLevelSet: a twentieth of the surface may bend more") {
+    // Two spheres of radii 30 and r voxels: the small one has r^2 / (900 + r^2) of the area.
+    for (const auto& [r, expected] : {std::pair<double, double>{10, 10}, {6, 30}}) {
+        const auto both =
+            twoSpheres(kCenter, 30 * 0.05, kCenter + openvdb::Vec3d(3, 0, 0), r * 0.05);
+        INFO("share " << r * r / (900 + r * r));
+        // (dx / r)^2 of error at r = 10, and bins of 0.4 %.
+        CHECK(statsOf(both, 0.05).largestCurvature * expected == Approx(1).epsilon(0.015));
+    }
+}
+
+TEST_CASE("checkLevelSet: a plane has no curvature to speak of") {
+    // Second differences of floats near 3: 1e-6 of rounding each. Enough to bend within a band.
+    const auto st = statsOf(planePatch(kCenter, {0.36, 0.48, -0.8}, 2), 0.05);
+    CHECK(st.largestCurvature < 1e-5);
+}
+
+TEST_CASE("checkLevelSet: reach of a thin sheet is half its thickness") {
+    // Sheets meet where psi = -thickness / 2; voxels that see it lie up to half a voxel off.
+    for (const double thickness : {2.4, 3.0, 4.1}) {
+        const auto st = statsOf(thinSheet(kCenter, 1, 1, thickness * 0.05), 0.05);
+        INFO("thickness " << thickness << ", reach " << st.reach);
+        CHECK(std::abs(st.reach - thickness / 2) < 0.6);
+    }
+    // Thicker than the narrow band: nothing to see.
+    const auto thick = statsOf(thinSheet(kCenter, 1, 1, 8 * 0.05), 0.05);
+    CHECK(thick.reach == thick.halfWidth);
+}
+
+TEST_CASE("checkLevelSet: closed surfaces see the other sign next to them") {
+    // A plane whose normal is the space diagonal has the least: voxels within 1/sqrt(3) of 1.
+    for (const Shape& shape :
+         {sphere(kCenter, 1), torus(kCenter, 1, 0.4), box(kCenter, {1, 0.8, 0.7}),
+          cylinder(kCenter, 0.6, 0.7), trefoilTube(kCenter, 0.5, 0.25),
+          thinSheet(kCenter, 1, 1, 0.2), planePatch(kCenter, {1, 1, 1}, 2)}) {
+        const auto st = statsOf(shape, 0.05);
+        INFO(shape.name << ": " << st.crossingShare);
+        CHECK(st.crossingShare > 0.45);
+    }
+}
+
+TEST_CASE("checkLevelSet: the transform becomes a similarity") {
+    const openvdb::Vec3d shift(5, -7, 11);
+    const auto transform = rotatedTransform(0.05, {1, 2, 3}, 77, shift);
+    const LevelSet s = checkedLevelSet(makeLevelSet(sphere({4.9, -7.1, 11.2}, 1), *transform, 3));
+    CHECK(s.transform.dx == Approx(0.05).epsilon(1e-14));
+    for (const Vec3d& p : {Vec3d{0, 0, 0}, Vec3d{10, 0, 0}, Vec3d{-3, 7.5, 100}}) {
+        const openvdb::Vec3d w = transform->indexToWorld(openvdb::Vec3d(p.x, p.y, p.z));
+        // A hundred voxels of 0.05, a few roundings.
+        CHECK(length(s.transform.worldFromIndex(p) - Vec3d{w.x(), w.y(), w.z()}) < 1e-13);
+    }
+    // Exactly dx where the map says so, and mirrored grids are fine.
+    CHECK(checkedLevelSet(makeLevelSet(sphere(kCenter, 1), 0.07, 3)).transform.dx == 0.07);
+    openvdb::Mat4d mirror = openvdb::Mat4d::identity();
+    mirror(0, 0) = mirror(1, 1) = 0.05, mirror(2, 2) = -0.05;
+    const auto mirrored = openvdb::math::Transform::createLinearTransform(mirror);
+    CHECK(checkedLevelSet(makeLevelSet(sphere(kCenter, 1), *mirrored, 3)).warnings.empty());
+}
+
+TEST_CASE("checkLevelSet: a narrow level set is widened to take differences") {
+    const LevelSet s = checkedLevelSet(makeLevelSet(sphere(kCenter, 1), 0.05, 1.5));
+    CHECK(s.stats.halfWidth == 3);
+    REQUIRE(s.warnings.size() == 1);
+    CHECK(s.warnings[0].find("widened by fast sweeping") != std::string::npos);
+}
+
+TEST_CASE("widen: fills the band up to the width asked for") {
+    const double dx = 0.05;
+    for (const Shape& shape : {sphere(kCenter, 1), torus(kCenter, 1, 0.5)}) {
+        for (const double width : {3.5, 5.0, 6.2}) {
+            LevelSet s = checkedLevelSet(makeLevelSet(shape, dx, 3));
+            widen(s, width);
+            INFO(shape.name << ", " << width << " voxels");
+            CHECK(s.stats.halfWidth == width);
+            const auto exact = makeLevelSet(shape, dx, width);
+            std::size_t missing = 0, total = 0;
+            double worst = 0;
+            for (auto it = exact->cbeginValueOn(); it; ++it, ++total) {
+                float value = 0;
+                // Sweeping is off by less than its step to the edge: look half a voxel inside.
+                if (std::abs(*it) > (width - 0.5) * dx) continue;
+                if (!s.psi->tree().probeValue(it.getCoord(), value))
+                    ++missing;
+                else
+                    worst = std::max(worst, double(std::abs(value - *it) / dx));
+            }
+            CHECK(total > 1000);
+            CHECK(missing == 0);
+            // First order over the new voxels, at most 3.2 of them, at radii above 4 voxels: a
+            // tenth of a voxel per voxel.
+            CHECK(worst < 0.1 * (width - 3) + 0.05);
+        }
+    }
+}
+
+TEST_CASE("widen: does nothing to a level set that is wide enough") {
+    LevelSet s = checkedLevelSet(makeLevelSet(sphere(kCenter, 1), 0.05, 3));
+    const auto before = s.psi;
+    widen(s, s.stats.halfWidth);
+    widen(s, 2);
+    // 3 dx / dx is 2.9999998 for some dx.
+    widen(s, s.stats.halfWidth + 5e-5);
+    CHECK(s.psi == before);
+    CHECK(s.warnings.empty());
+}
+
+}  // namespace igeo::test
