@@ -178,7 +178,7 @@ def model(tools, folder, name, mesh, n, seed_name):
 
 
 def picture(tools, folder, sdf, seed, exact, name, *options):
-    """docs/images/accuracy/NAME.png: the error of jet as colours."""
+    """docs/images/accuracy/NAME.png: the error of jet as colors."""
     file = folder / "picture.csv"
     solve(tools, "jet", sdf, seed, file)
     exact([file])

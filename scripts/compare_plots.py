@@ -6,7 +6,7 @@ import matplotlib
 matplotlib.use("svg")
 from matplotlib import pyplot  # noqa: E402  after the choice of a backend without display
 
-# One look per method in all plots; colours that differ in lightness too.
+# One look per method in all plots; colors that differ in lightness too.
 LOOKS = {"jet": ("`jet`", "#0b5fa5", "o", "-"), "godunov2": ("`godunov`, order 2", "#3d9970", "s", "-"),
          "godunov1": ("`godunov`, order 1", "#9bc53d", "D", "-"), "heat": ("heat method", "#c8553d", "^", "--"),
          "dijkstra": ("Dijkstra on edges", "#8d8d8d", "x", ":"),
@@ -34,8 +34,8 @@ def legend_below(figure, axes, height):
 
 
 def line(axes, method, xs, ys, **more):
-    label, colour, mark, style = LOOKS[method]
-    axes.loglog(xs, ys, color=colour, marker=mark, linestyle=style, markersize=5, linewidth=1.5,
+    label, color, mark, style = LOOKS[method]
+    axes.loglog(xs, ys, color=color, marker=mark, linestyle=style, markersize=5, linewidth=1.5,
                 label=label.replace("`", ""), **more)
 
 

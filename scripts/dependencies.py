@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Lists what the program is made of: Debian packages, their versions and licences.
+"""Lists what the program is made of: Debian packages, their versions and licenses.
 
 usage: scripts/dependencies.py [PROGRAM] [--check docs/dependencies.md]
 
-The libraries are those that the dynamic linker loads; versions come from dpkg, licences from the packages'
-own copyright files. With --check, compares packages and licences with the tables of a page; versions there are those
+The libraries are those that the dynamic linker loads; versions come from dpkg, licenses from the packages'
+own copyright files. With --check, compares packages and licenses with the tables of a page; versions there are those
 that were tested, and change with security updates. Exit code 77 where there is no dpkg, another Debian, or a system
 without the copyright files.
 """
@@ -36,14 +36,14 @@ def package_of(library: str) -> str:
     raise SystemExit(f"dependencies.py: {library} is of no package")
 
 
-def licence_of(package: str) -> str:
+def license_of(package: str) -> str:
     text = pathlib.Path("/usr/share/doc", package, "copyright").read_text(errors="replace")
     found = re.search(r"^Files:\s*\*.*?^License:[ \t]*([^\n]+)", text, re.MULTILINE | re.DOTALL)
     return found[1].strip() if found else BY_HAND.get(package, "unknown")
 
 
 def rows(packages: list[str]) -> list[tuple[str, str, str]]:
-    return [(p, output("dpkg-query", "-W", "-f", "${Version}", p), licence_of(p)) for p in packages]
+    return [(p, output("dpkg-query", "-W", "-f", "${Version}", p), license_of(p)) for p in packages]
 
 
 def libraries(program: pathlib.Path) -> list[str]:
@@ -52,12 +52,12 @@ def libraries(program: pathlib.Path) -> list[str]:
 
 
 def table(lines: list[tuple[str, str, str]]) -> str:
-    head = "| package | version | licence |\n|---|---|---|\n"
-    return head + "".join(f"| {p} | {v} | {licence} |\n" for p, v, licence in lines)
+    head = "| package | version | license |\n|---|---|---|\n"
+    return head + "".join(f"| {p} | {v} | {license} |\n" for p, v, license in lines)
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description="Dependencies of the program, with versions and licences.")
+    parser = argparse.ArgumentParser(description="Dependencies of the program, with versions and licenses.")
     parser.add_argument("program", nargs="?", type=pathlib.Path, default=PROGRAM)
     parser.add_argument("--check", type=pathlib.Path, help="a page to compare with")
     options = parser.parse_args()
@@ -74,8 +74,8 @@ def main() -> int:
         print(table(loaded) + "\n" + table(headers), end="")
         return 0
     page = re.findall(r"^\| (\S+) \| (\d\S*-\S+) \| (.+) \|$", options.check.read_text(), re.MULTILINE)
-    there = {(p, licence) for p, _, licence in loaded + headers}
-    said = {(p, licence) for p, _, licence in page}
+    there = {(p, license) for p, _, license in loaded + headers}
+    said = {(p, license) for p, _, license in page}
     for row in sorted(there - said):
         print("not on the page:", *row)
     for row in sorted(said - there):

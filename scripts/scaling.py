@@ -174,8 +174,8 @@ def draw(runs):
     compare_plots.setup()
     figure, panes = pyplot.subplots(1, 2, figsize=(9.2, 4.2), sharey=True)
     for axes, network in zip(panes, NETWORKS):
-        for n, colour in zip(runs.sizes, ("#c6dbef", "#9ecae1", "#6baed6", "#3182bd", "#08519c")):
-            axes.loglog(runs.parts, [runs.best(n, 1, p, network) for p in runs.parts], "o-", color=colour,
+        for n, color in zip(runs.sizes, ("#c6dbef", "#9ecae1", "#6baed6", "#3182bd", "#08519c")):
+            axes.loglog(runs.parts, [runs.best(n, 1, p, network) for p in runs.parts], "o-", color=color,
                         markersize=5, label=f"N = {n}")
         axes.loglog(runs.parts, [runs.best(runs.sizes[-1], 100, p, network) for p in runs.parts], "s--",
                     color="#c8553d", markersize=5, label=f"N = {runs.sizes[-1]}, 100 seeds")

@@ -3,8 +3,8 @@
 #
 # usage: scripts/setup.sh [--dev] [--viewer] [--slurm]
 #   --dev      also what scripts/check.sh needs: clang, clang-format, clang-tidy, lintian, valgrind
-#   --viewer   also what the tests labelled viewer need: an X server without a screen, OpenGL
-#   --slurm    also what the test labelled slurm needs: Slurm and MUNGE, run without a service
+#   --viewer   also what the tests labeled viewer need: an X server without a screen, OpenGL
+#   --slurm    also what the test labeled slurm needs: Slurm and MUNGE, run without a service
 #
 # Uses sudo unless root. Does and prints nothing when everything is there.
 

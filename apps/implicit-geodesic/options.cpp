@@ -458,7 +458,7 @@ void addOptions(CLI::App& app, Options& o) {
         ->excludes(levels)
         ->group(results);
     app.add_option("--mesh-out", o.meshOut,
-                   "The surface as triangles with distance, label and colour: .ply or .obj; - "
+                   "The surface as triangles with distance, label and color: .ply or .obj; - "
                    "writes PLY to stdout")
         ->type_name("FILE")
         ->group(results);
@@ -496,11 +496,11 @@ void addOptions(CLI::App& app, Options& o) {
         ->type_name("AXIS")
         ->check(oneOf({"y", "z"}))
         ->group(picture);
-    app.add_option("--color-map", o.colourMap,
-                   "Colours of picture, mesh and color grid: lagoon, sunset, ember, ice, grey "
+    app.add_option("--color-map", o.colorMap,
+                   "Colors of picture, mesh and color grid: lagoon, sunset, ember, ice, gray "
                    "[lagoon]")
         ->type_name("NAME")
-        ->check(oneOf(igeo::ColourMap::names()))
+        ->check(oneOf(igeo::ColorMap::names()))
         ->group(picture);
 
     app.add_option("--json", o.json,

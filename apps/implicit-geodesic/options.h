@@ -93,7 +93,7 @@ struct Options : SurfaceOptions, MetricOptions {
     std::string matrixRows;  ///< "k/n"; empty: all
     int levels = 0;          ///< of isolines; 0: by spacing
     double spacing = 0;      ///< of isolines, world units times weight; 0: chosen
-    std::string imageSize, camera, colourMap;
+    std::string imageSize, camera, colorMap;
     bool upZ = false;
     bool straighten = false;
 

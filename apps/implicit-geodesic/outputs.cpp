@@ -39,8 +39,8 @@ igeo::PictureOptions pictureOptions(const Options& options) {
         if (v.size() == 6) picture.lookAt = Vec3d{v[3], v[4], v[5]};
     }
     if (options.upZ) picture.up = {0, 0, 1};
-    if (!options.colourMap.empty()) picture.colourMap = options.colourMap;
-    igeo::ColourMap{picture.colourMap};
+    if (!options.colorMap.empty()) picture.colorMap = options.colorMap;
+    igeo::ColorMap{picture.colorMap};
     return picture;
 }
 
@@ -129,7 +129,7 @@ void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
     if (options_.asked("label"))
         grids.push_back(igeo::labelGrid(band, field, transform, name + "_label"));
     if (options_.asked("color"))
-        grids.push_back(igeo::colorGrid(band, field, colourMap(), transform, base + "_color"));
+        grids.push_back(igeo::colorGrid(band, field, colorMap(), transform, base + "_color"));
     if (options_.asked("logmap"))
         grids.push_back(igeo::logMapGrid(band, igeo::logMap(band, field, {}, progress), transform,
                                          name + "_logmap"));
@@ -159,11 +159,11 @@ void Outputs::writeDocuments(const Result& r, igeo::Progress& progress) {
               endingOf(file) == ".obj" ? igeo::geodesicsObj(r.lines(), r.band)
                                        : igeo::geodesicsJson(r.report, r.band, r.field));
     if (const std::string& file = options_.meshOut; !file.empty()) {
-        const igeo::ColourMap colours = colourMap();
-        auto colour = [&](double t) { return igeo::Vec3f(igeo::srgbFromLinear(colours(t))); };
+        const igeo::ColorMap colors = colorMap();
+        auto color = [&](double t) { return igeo::Vec3f(igeo::srgbFromLinear(colors(t))); };
         write("mesh", file,
-              endingOf(file) == ".obj" ? igeo::surfaceObj(mesh(r, progress), transform, colour)
-                                       : igeo::surfacePly(mesh(r, progress), transform, colour));
+              endingOf(file) == ".obj" ? igeo::surfaceObj(mesh(r, progress), transform, color)
+                                       : igeo::surfacePly(mesh(r, progress), transform, color));
     }
     if (const std::string& file = options_.isolines; !file.empty()) {
         const auto& lines = isolines(r, progress);
@@ -204,4 +204,4 @@ void Outputs::writeDocuments(const Result& r, igeo::Progress& progress) {
     }
 }
 
-igeo::ColourMap Outputs::colourMap() const { return igeo::ColourMap(picture_.colourMap); }
+igeo::ColorMap Outputs::colorMap() const { return igeo::ColorMap(picture_.colorMap); }

@@ -54,7 +54,7 @@ public:
 private:
     const igeo::SurfaceMesh& mesh(const Result& result, igeo::Progress& progress);
     const std::vector<igeo::Isoline>& isolines(const Result& result, igeo::Progress& progress);
-    igeo::ColourMap colourMap() const;
+    igeo::ColorMap colorMap() const;
 
     const Options& options_;
     igeo::PictureOptions picture_;

@@ -65,7 +65,7 @@ private:
     void shoot();
     void solvePairs();
     void writeResults();
-    int summarise();
+    int summarize();
 
     Vec3d indexOf(const Vec3d& p) const {
         return options_.indexSpace ? p : surface_.transform().indexFromWorld(p);
@@ -360,7 +360,7 @@ void Job::writeResults() {
         writeDocument(options_.json, igeo::reportJson(report_, band(), field_));
 }
 
-int Job::summarise() {
+int Job::summarize() {
     const double dx = surface_.transform().dx;
     for (const std::string& w : report_.warnings) console_.warning(w);
     int code = kDone;
@@ -441,7 +441,7 @@ int Job::run() {
     shoot();
     solvePairs();
     writeResults();
-    return summarise();
+    return summarize();
 }
 
 }  // namespace

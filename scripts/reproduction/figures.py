@@ -107,7 +107,7 @@ def on_mesh(bench, mesh, seed, points):
 
 
 def draw_differences(points, values):
-    """Three views of points coloured by values, the nearest on top."""
+    """Three views of points colored by values, the nearest on top."""
     def draw(figure):
         figure.set_size_inches(7.5, 2.6)
         for axes, (right, near) in zip(figure.subplots(1, 3), (((0, 0, 1), (-1, 0, 0)),
@@ -233,13 +233,13 @@ def fig11(bench):
     model = bench.model("bunny")
     words = [*bench.level_set(model, model.fine), "--seed", model.seed, "--target", model.past,
              "--snap", 1e3, "--up", model.up, "--camera=" + model.side]
-    *centre, radius = model.ball
+    *center, radius = model.ball
     ball = ["--obstacle-sphere", ",".join(map(str, model.ball))]
     figures, images = {}, []
     for key, options in (("natural", []), ("around", ball)):
         report = bench.picture(f"fig11-{key}", *words, *options)
         found = path(bench, *words, *options)
-        away = min(math.dist(p, centre) for p in found["vertices"]["position"])
+        away = min(math.dist(p, center) for p in found["vertices"]["position"])
         figures[key] = {"length": found["arcLength"],
                         "clear": (away - radius) / report["surface"]["voxelSize"]}
         images.append(image(f"fig11-{key}.png", f"the path, {key}"))

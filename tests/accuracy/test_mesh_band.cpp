@@ -184,17 +184,17 @@ TEST_CASE("a plane with a slit", "[mesh]") {
 
 TEST_CASE("a closed mesh: its band agrees with its level set, and is nearer to the sphere",
           "[mesh]") {
-    const Vec3d centre{0.013, -0.021, 0.008}, n = normalized(Vec3d{0.5, 0.3, 0.6});
-    const TriangleMesh mesh = test::sphereMesh(centre, 0.4, 6);
+    const Vec3d center{0.013, -0.021, 0.008}, n = normalized(Vec3d{0.5, 0.3, 0.6});
+    const TriangleMesh mesh = test::sphereMesh(center, 0.4, 6);
     auto exact = [&](const Vec3d& p) {
-        const Vec3d r = p - centre;
+        const Vec3d r = p - center;
         return 0.4 * std::atan2(length(cross(r, n)), dot(r, n));
     };
     const double dx = 0.01;
-    const InVoxels fromMesh = errorsOn(mesh, dx, centre + 0.4 * n, exact);
+    const InVoxels fromMesh = errorsOn(mesh, dx, center + 0.4 * n, exact);
     const LevelSet levelSet = levelSetFromBand(bandFromMesh(mesh, dx, 3), true, "sphere", "psi");
     const Band band = bandFromLevelSet(levelSet, std::sqrt(3.0));
-    const Vec3d seed = centre + 0.4 * n;
+    const Vec3d seed = center + 0.4 * n;
     const Field field =
         marchJet(band, nullptr, {nearestSurfacePoint(band, band.transform.indexFromWorld(seed))});
     const Errors e = test::errorsOnSurface(

@@ -33,7 +33,7 @@ double aroundDisc(const Vec3d& c, double r, const Vec3d& p, const Vec3d& q) {
 }
 
 /// Shortest way on a unit sphere around a cap of angular radius alpha, by Napier's rules for the
-/// right-angled triangle of centre, point and point of tangency.
+/// right-angled triangle of center, point and point of tangency.
 double aroundCap(const Vec3d& c, double alpha, const Vec3d& p, const Vec3d& q) {
     const double bp = angleBetween(c, p), bq = angleBetween(c, q);
     const Vec3d tp = (p - c.dot(p) * c).unit(), tq = (q - c.dot(q) * c).unit();

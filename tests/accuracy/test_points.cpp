@@ -16,8 +16,8 @@ namespace igeo::test {
 namespace {
 
 constexpr PointBandKind kFits = PointBandKind::Fits, kBalls = PointBandKind::Balls;
-const Vec3d kCentre{0.51, 0.48, 0.53};
-const openvdb::Vec3d kCentreVdb(0.51, 0.48, 0.53);
+const Vec3d kCenter{0.51, 0.48, 0.53};
+const openvdb::Vec3d kCenterVdb(0.51, 0.48, 0.53);
 
 struct Solution {
     Band band;
@@ -49,13 +49,13 @@ TEST_CASE("jet on the cloud of a sphere is as good as on its level set") {
     for (const bool normals : {false, true}) {
         CloudOptions options;
         options.normals = normals;
-        const PointCloud cloud = sphereCloud(20000, 0.4, kCentre, options);
+        const PointCloud cloud = sphereCloud(20000, 0.4, kCenter, options);
         auto exact = [&](const Solution& s) {
             return [&s](const openvdb::Vec3d& p) {
-                return geodesicOnSphere(kCentreVdb, 0.4, s.seed, p);
+                return geodesicOnSphere(kCenterVdb, 0.4, s.seed, p);
             };
         };
-        const openvdb::Vec3d seed = kCentreVdb + 0.4 * genericDirection();
+        const openvdb::Vec3d seed = kCenterVdb + 0.4 * genericDirection();
         // What test_jet.cpp asks for of level sets at as many voxels per radius, 39 and 77.
         const struct {
             double spacings, mean, max;
@@ -89,10 +89,10 @@ TEST_CASE("jet on a cloud that scatters by a third of its spacing stays below 0.
     options.noise = 0.3;
     for (const bool normals : {false, true}) {
         options.normals = normals;
-        const Solution s = solve(sphereCloud(20000, 0.4, kCentre, options), kFits,
-                                 kCentreVdb + 0.4 * genericDirection());
+        const Solution s = solve(sphereCloud(20000, 0.4, kCenter, options), kFits,
+                                 kCenterVdb + 0.4 * genericDirection());
         const Errors e = errorsOnSurface(s.band, s.field, [&](const openvdb::Vec3d& p) {
-            return geodesicOnSphere(kCentreVdb, 0.4, s.seed, p);
+            return geodesicOnSphere(kCenterVdb, 0.4, s.seed, p);
         });
         print("sphere that scatters", s, e);
         CHECK(e.unreached == 0);
@@ -105,10 +105,10 @@ TEST_CASE("jet on a cloud that scatters by a third of its spacing stays below 0.
 TEST_CASE("jet on the cloud of a torus") {
     // Points independent of each other: the spacing varies by a half.
     const double major = 0.35, minor = 0.12;
-    const openvdb::Vec3d seed = kCentreVdb + openvdb::Vec3d(0.31, 0.26, 0.1);
+    const openvdb::Vec3d seed = kCenterVdb + openvdb::Vec3d(0.31, 0.26, 0.1);
     for (const PointBandKind kind : {kFits, kBalls}) {
-        const Solution s = solve(torusCloud(20000, major, minor, kCentre), kind, seed);
-        const TorusGeodesics torus(kCentreVdb, major, minor, s.seed);
+        const Solution s = solve(torusCloud(20000, major, minor, kCenter), kind, seed);
+        const TorusGeodesics torus(kCenterVdb, major, minor, s.seed);
         const Errors e = errorsOnSurface(
             s.band, s.field, [&](const openvdb::Vec3d& p) { return torus.distance(p); },
             s.band.size() / 1000);
@@ -139,7 +139,7 @@ TEST_CASE("jet on a square of points is exact but for its rim") {
     const double mean = sum / double(s.band.size());
     std::printf("points, square: mean %.6f, max %.6f of %.2f\n", mean, worst, largest);
     CHECK(largest > 30);
-    // Straight ways and circular fronts are exact for jet. Along the rim, where neighbours are on
+    // Straight ways and circular fronts are exact for jet. Along the rim, where neighbors are on
     // one side only, its guard is off by a part of a voxel.
     CHECK(worst < dx);
     CHECK(mean < 1e-4 * largest);

@@ -129,9 +129,9 @@ TEST_CASE("jet with the tensor of a map measures between the images") {
 }
 
 TEST_CASE("jet: a tensor w^2 along S is the weight w, whatever it is across S") {
-    const Vec3d centre(0.2, 0.1, 0.3);
-    const Band band = sphereBand(centre, 25, std::sqrt(3.0));
-    const SurfacePoint seed = nearestSurfacePoint(band, centre + 25 * kGeneral);
+    const Vec3d center(0.2, 0.1, 0.3);
+    const Band band = sphereBand(center, 25, std::sqrt(3.0));
+    const SurfacePoint seed = nearestSurfacePoint(band, center + 25 * kGeneral);
     const auto weights = std::make_shared<Metric>(), tensors = std::make_shared<Metric>();
     for (NodeIndex i = 0; i < band.size(); ++i) {
         const Vec3d p = band.footPoint(i), n(band.normal[i]);

@@ -12,7 +12,7 @@ namespace igeo::test {
 void benchSolve(const Arguments& args);
 
 /// --sdf F --seed x,y,z --exact IN.csv --image OUT.png [--most P] [--camera x,y,z] [--up x,y,z]:
-/// the error of `jet` in % of the largest distance as colours, from 0 (dark) to P or more (pale).
+/// the error of `jet` in % of the largest distance as colors, from 0 (dark) to P or more (pale).
 /// IN.csv: exact distances at all points that `solve` writes.
 void benchPicture(const Arguments& args);
 

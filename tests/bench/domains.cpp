@@ -41,7 +41,7 @@ void halve(const Band& band, Leaves::iterator begin, Leaves::iterator end) {
 /// The domains that hold copies of the nodes of a leaf if whole leaves are copied.
 std::set<std::uint32_t> ownersAround(const Band& band, const Domains& domains, LeafIndex l) {
     std::set<std::uint32_t> owners;
-    for (const LeafIndex m : band.leaves[l].neighbour)
+    for (const LeafIndex m : band.leaves[l].neighbor)
         if (m != kNoLeaf) owners.insert(domains.owner[m]);
     owners.erase(domains.owner[l]);
     return owners;
@@ -52,7 +52,7 @@ std::set<std::uint32_t> ownersBeside(const Band& band, const Domains& domains, L
                                      unsigned offset) {
     std::set<std::uint32_t> owners;
     const Ijk here{int(offset >> 6), int(offset >> 3 & 7), int(offset & 7)};
-    band.forNeighbours(&BandLeaf::core, l, offset, [&](NodeIndex, int dx, int dy, int dz) {
+    band.forNeighbors(&BandLeaf::core, l, offset, [&](NodeIndex, int dx, int dy, int dz) {
         const LeafIndex m =
             band.leafBeside(l, (here.x + dx) >> 3, (here.y + dy) >> 3, (here.z + dz) >> 3);
         owners.insert(domains.owner[m]);

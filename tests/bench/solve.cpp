@@ -138,11 +138,11 @@ void benchPicture(const Arguments& args) {
         const double off = std::abs(field.distance[near[k]] * dx - exact[k]);
         if (off < kInfinity) error.distance[near[k]] = std::min(100 * off / largest, most);
     }
-    error.summarise();
+    error.summarize();
     error.maxDistance = most;
     PictureOptions options;
     options.width = 800, options.height = 600;
-    options.colourMap = "ember";
+    options.colorMap = "ember";
     options.isolineSpacing = -1;
     options.legend = false;  // it would speak of a distance
     if (args.has("camera")) options.eye = args.point("camera");

@@ -39,7 +39,7 @@ Field Sweep::field() const {
     const auto swept = swept_.getConstAccessor();
     for (NodeIndex i = 0; i < band_.size(); ++i)
         field.distance.push_back(double(swept.getValue(coordOf(band_, i))) + kZero);
-    field.summarise();
+    field.summarize();
     return field;
 }
 

@@ -24,14 +24,14 @@ struct BadLine {
 
 TEST_CASE("a wrong option is refused by its name, with the values allowed") {
     const BadLine bad = GENERATE(
-        BadLine{"--colour", {"--colour", "--help"}}, BadLine{"other.vdb", {"other.vdb", "--help"}},
+        BadLine{"--color", {"--color", "--help"}}, BadLine{"other.vdb", {"other.vdb", "--help"}},
         BadLine{"--max-distance", {"--max-distance", "missing"}},
         BadLine{"--order 3", {"--order", "3", "1 to 2"}}, BadLine{"--order two", {"--order"}},
         BadLine{"--threads -1", {"--threads", "-1", "0 to 4096"}},
         BadLine{"--threads all", {"--threads", "all"}},
         BadLine{"--scheme dijkstra", {"--scheme", "dijkstra", "jet", "godunov"}},
         BadLine{"--space local", {"--space", "local", "world", "index"}},
-        BadLine{"--with colour", {"--with", "colour", "surface", "gradient"}},
+        BadLine{"--with color", {"--with", "color", "surface", "gradient"}},
         BadLine{"--progress sometimes", {"--progress", "auto", "always", "never"}},
         BadLine{"--band -0.2", {"--band", "-0.2", "above 0"}},
         BadLine{"--band nan", {"--band", "nan", "above 0"}},

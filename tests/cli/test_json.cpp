@@ -102,7 +102,7 @@ TEST_CASE("the schemas refuse what does not belong") {
     };
     CHECK(exitCodeOf(good) == 0);
     json more = good, less = good, wrong = good;
-    more["paths"][0]["colour"] = "red";
+    more["paths"][0]["color"] = "red";
     less["paths"][0].erase("distance");
     wrong["paths"][0]["status"] = "lost";
     CHECK(exitCodeOf(more) == 1);

@@ -61,7 +61,7 @@ TEST_CASE("a constant weight scales distances and lengths") {
     CHECK(largestDifference(*a, *b) == 0);
     CHECK(b->metaValue<std::string>("geodesic_weight") == "w.vdb");
     const json &before = plain["targets"][0], &after = heavy["targets"][0];
-    // Between voxels directions are normalised in single precision.
+    // Between voxels directions are normalized in single precision.
     CHECK(after["distance"].get<double>() ==
           Approx(4 * before["distance"].get<double>()).epsilon(1e-6));
     CHECK(after["length"].get<double>() == Approx(4 * before["length"].get<double>()));

@@ -128,7 +128,7 @@ class Pipelines(unittest.TestCase):
 
     def test_vdb_render_paints_the_distance(self):
         self.shell(f"geodesic --sdf {ROOT}/data/sphere.vdb --seed 0,0,1 --with surface,color"
-                   " --color-map grey -q -o out.vdb && vdb_render out.vdb out.png -name psi"
+                   " --color-map gray -q -o out.vdb && vdb_render out.vdb out.png -name psi"
                    " -color psi_geodesic_color -camera ortho -frame 2.5 -translate 0,0,3"
                    " -lookat 0,0,0 -shader matte -res 250x250")
         rows = images.read_png(self.path("out.png"))
@@ -140,13 +140,13 @@ class Pipelines(unittest.TestCase):
                 if r > 1.03:
                     self.assertEqual(pixel, (0, 0, 0))
                 elif r < 0.95:
-                    # From above the seed, distance asin r. Grey is lightness 0.35 to 0.95, its cube
-                    # the linear colour; the grid holds that as sRGB, which vdb_render writes as it
-                    # is. It takes the nearest voxel, at most half a diagonal away; a grey level is
+                    # From above the seed, distance asin r. Gray is lightness 0.35 to 0.95, its cube
+                    # the linear color; the grid holds that as sRGB, which vdb_render writes as it
+                    # is. It takes the nearest voxel, at most half a diagonal away; a gray level is
                     # up to 0.012 of distance.
                     self.assertEqual(len(set(pixel)), 1)
-                    grey = (pixel[0] + 0.5) / 255
-                    lightness = (((grey + 0.055) / 1.055) ** 2.4) ** (1 / 3)
+                    gray = (pixel[0] + 0.5) / 255
+                    lightness = (((gray + 0.055) / 1.055) ** 2.4) ** (1 / 3)
                     distance = (lightness - 0.35) / 0.6 * math.pi
                     self.assertAlmostEqual(distance, math.asin(r), delta=0.05 * math.sqrt(3) / 2 + 0.012)
                     seen += 1

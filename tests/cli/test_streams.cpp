@@ -94,7 +94,7 @@ TEST_CASE("messages: none with -q, one line per result without, the stages with 
     CHECK_THAT(verbose, contains("half-width 3 voxels") && contains("nodes"));
 }
 
-TEST_CASE("stderr that is no terminal gets neither colours nor progress") {
+TEST_CASE("stderr that is no terminal gets neither colors nor progress") {
     const Desk desk;
     desk.make("in.vdb", "torus --voxel-size 0.02");
     const Result result = requireDone(desk, "--sdf in.vdb --seed 1.4,0,0 -o out.vdb");

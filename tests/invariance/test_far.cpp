@@ -111,7 +111,7 @@ TEST_CASE("far: voxels at 2^30 and beyond are refused") {
                 checkedLevelSet(grid);
             });
         }
-    // One leaf alone at the very ends, where a neighbour has no number.
+    // One leaf alone at the very ends, where a neighbor has no number.
     for (const openvdb::Coord end : {openvdb::Coord::max(), openvdb::Coord::min()}) {
         const auto grid = torusGrid();
         grid->tree().setValueOn(end, 1.0f);

@@ -64,7 +64,7 @@ TEST_CASE("several seeds give the least of their single distances") {
         // most.
         if (order == kJet) CHECK(std::max(above, below) < 1 - std::sqrt(0.5));
         // Where fronts meet, an update mixes one axis of each: less than both by at most
-        // 1 - 1/sqrt(3) of a voxel (three equal neighbours against one).
+        // 1 - 1/sqrt(3) of a voxel (three equal neighbors against one).
         CHECK(below < 1 - 1 / std::sqrt(3.0));
     }
 }
@@ -133,7 +133,7 @@ TEST_CASE("there is as far as back, within the scheme's error") {
             }
 }
 
-TEST_CASE("every accepted node has a linked neighbour nearer to a seed") {
+TEST_CASE("every accepted node has a linked neighbor nearer to a seed") {
     const Band torusBand = bandOf(torusGrid(), kH);
     const openvdb::Vec3d center(0.137, -0.291, 0.413);
     const Band sheet = bandOf(makeLevelSet(thinSheet(center, 15, 12, 2), 1, 3), std::sqrt(3.0));
@@ -151,7 +151,7 @@ TEST_CASE("every accepted node has a linked neighbour nearer to a seed") {
                 for (int side = 0; side < 6; ++side) {
                     Ijk step{};
                     step[side / 2] = side % 2 ? 1 : -1;
-                    const NodeIndex j = band->neighbour(i, step.x, step.y, step.z);
+                    const NodeIndex j = band->neighbor(i, step.x, step.y, step.z);
                     found = found || (j != kNoNode && band->linked(i, j) &&
                                       field.distance[j] < field.distance[k]);
                 }

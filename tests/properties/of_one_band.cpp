@@ -47,7 +47,7 @@ double detour(const RandomCase& c) {
         queue.pop();
         const NodeIndex i = top.second;
         if (top.first > way[i]) continue;
-        band.forNeighbours(&BandLeaf::band, band.leaf[i], band.offset[i],
+        band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
                            [&](NodeIndex j, int, int, int) {
                                if (band.inCore(j)) offer(j, way[i] + wayBetween(band, i, j));
                            });
@@ -154,7 +154,7 @@ double godunovMissed(const RandomCase& c) {
             const NodeIndex i = front.back();
             front.pop_back();
             for (int side = 0; side < 6; ++side) {
-                const NodeIndex j = c.band.neighbour(i, Band::faceStep(side));
+                const NodeIndex j = c.band.neighbor(i, Band::faceStep(side));
                 if (j == kNoNode || known[j] || !c.band.linked(i, j)) continue;
                 known[j] = true;
                 front.push_back(j);
@@ -180,7 +180,7 @@ double godunovSeveral(const RandomCase& c) {
     return worst / c.allGodunov.maxDistance;
 }
 
-/// Nodes of one bucket, half a voxel wide, are solved without each other; a neighbour of an earlier
+/// Nodes of one bucket, half a voxel wide, are solved without each other; a neighbor of an earlier
 /// one bounds a value by the way from there and 0.001 voxels.
 constexpr double kBucket = 0.5 + 1e-3;
 /// On a tube of radius R the arc-corrected chord c / sinc(t/2) to a point t around it and z along
@@ -192,9 +192,9 @@ constexpr double kTooFar = 0.26 + 0.12;
 /// within two voxels; nodes off the core take their jets from a voxel away, and as much again.
 constexpr double kTooNear = 0.5;
 /// Fronts of two seeds are never fitted together: a node between them may be left with one
-/// neighbour of its own front, sqrt(3) voxels away at most, and up to 45 degrees off its way.
+/// neighbor of its own front, sqrt(3) voxels away at most, and up to 45 degrees off its way.
 const double kMeeting = std::sqrt(3.0) * (1 - std::sqrt(0.5));
-/// A node takes the label of one of its neighbours, sqrt(3) voxels away at most, and over a voxel
+/// A node takes the label of one of its neighbors, sqrt(3) voxels away at most, and over a voxel
 /// the distances from seeds whose fronts are taken for one part by 2 sin(45 degrees / 2).
 const double kLabel = 2 * std::sin(M_PI / 8) * std::sqrt(3.0);
 
@@ -207,7 +207,7 @@ const std::vector<Property> kOfOneBand{
     {"every marched node has one below", stuck, 0},
     {"below the straight line", shortcut, kTooNear},
     {"below the straight line, all nodes", shortcutAll, 2 * kTooNear},
-    {"neighbours further apart than their way", jump, kBucket},
+    {"neighbors further apart than their way", jump, kBucket},
     {"beyond the way from node to node", detour, kBucket},
     {"there and back", symmetryOfJet, kTooFar + kTooNear, kMeasured},
     {"triangle inequality", triangle, kTooFar + kTooNear, kMeasured},

@@ -26,7 +26,7 @@ void add(PointCloud& cloud, const Vec3d& p, const Vec3d& normal, const CloudOpti
 
 }  // namespace
 
-PointCloud sphereCloud(std::size_t count, double radius, const Vec3d& centre,
+PointCloud sphereCloud(std::size_t count, double radius, const Vec3d& center,
                        const CloudOptions& options) {
     std::mt19937 random(options.seed);
     PointCloud cloud{"sphere", {}, {}};
@@ -37,13 +37,13 @@ PointCloud sphereCloud(std::size_t count, double radius, const Vec3d& centre,
         const Vec3d jitter{uniform(random), uniform(random), uniform(random)};
         const Vec3d n =
             normalized(Vec3d{r * std::cos(turn), r * std::sin(turn), z} + (0.3 * spacing) * jitter);
-        add(cloud, centre + radius * n, n, options, radius * spacing, random);
+        add(cloud, center + radius * n, n, options, radius * spacing, random);
     }
     return cloud;
 }
 
 PointCloud torusCloud(std::size_t count, double majorRadius, double minorRadius,
-                      const Vec3d& centre, const CloudOptions& options) {
+                      const Vec3d& center, const CloudOptions& options) {
     std::mt19937 random(options.seed);
     PointCloud cloud{"torus", {}, {}};
     const double spacing = 2 * kPi * std::sqrt(majorRadius * minorRadius / double(count));
@@ -53,7 +53,7 @@ PointCloud torusCloud(std::size_t count, double majorRadius, double minorRadius,
         if ((uniform(random) + 1) / 2 * (majorRadius + minorRadius) > axis) continue;
         const Vec3d n{std::cos(u) * std::cos(v), std::sin(u) * std::cos(v), std::sin(v)};
         const Vec3d p{axis * std::cos(u), axis * std::sin(u), minorRadius * std::sin(v)};
-        add(cloud, centre + p, n, options, spacing, random);
+        add(cloud, center + p, n, options, spacing, random);
     }
     return cloud;
 }

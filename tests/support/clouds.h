@@ -16,12 +16,12 @@ struct CloudOptions {
 };
 
 /// About evenly spread (a Fibonacci spiral), each moved along the surface by up to 0.3 spacings.
-PointCloud sphereCloud(std::size_t count, double radius, const Vec3d& centre,
+PointCloud sphereCloud(std::size_t count, double radius, const Vec3d& center,
                        const CloudOptions& options = {});
 
 /// Independent points, uniform by area, about the z axis.
 PointCloud torusCloud(std::size_t count, double majorRadius, double minorRadius,
-                      const Vec3d& centre, const CloudOptions& options = {});
+                      const Vec3d& center, const CloudOptions& options = {});
 
 /// The lattice of (n + 1)^2 points on [0, n spacing]^2 in the plane z = 0, each inner one moved
 /// within it by up to 0.3 spacings; the outermost stay in place.

@@ -24,7 +24,7 @@ struct Motion {
     Vec3d operator()(const Vec3d& x) const { return turn(x) + shift; }
 };
 
-/// Unfolds a box centred at the origin; a face is its axis and side, normal = sign e_axis.
+/// Unfolds a box centered at the origin; a face is its axis and side, normal = sign e_axis.
 class BoxUnfolding {
 public:
     struct Face {

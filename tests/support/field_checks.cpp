@@ -17,7 +17,7 @@ std::vector<bool> connectedWithSeeds(const Band& band, const Field& field) {
     while (!front.empty()) {
         const NodeIndex i = front.back();
         front.pop_back();
-        band.forNeighbours(
+        band.forNeighbors(
             &BandLeaf::band, band.leaf[i], band.offset[i], [&](NodeIndex j, int, int, int) {
                 if (connected[j] || !band.linked(i, j) || !(wayBetween(band, i, j) < kInfinity))
                     return;
@@ -32,7 +32,7 @@ bool isStuck(const Band& band, const Field& field, NodeIndex i) {
     for (const SurfacePoint& s : field.seeds)
         if (length(band.footPoint(i) - s.pIndex) <= field.startRadius) return false;
     bool lower = false;
-    band.forNeighbours(&BandLeaf::band, band.leaf[i], band.offset[i],
+    band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
                        [&](NodeIndex j, int, int, int) {
                            lower |= band.inCore(j) && field.distance[j] < field.distance[i];
                        });
@@ -85,7 +85,7 @@ FieldChecks checkField(const Band& band, const Field& field, Nodes nodes) {
             straight = std::min(straight, length(band.footPoint(i) - s.pIndex));
         c.shortcut = std::max(c.shortcut, straight - d);
         for (const int side : {1, 3, 5}) {
-            const NodeIndex j = band.neighbour(i, Band::faceStep(side));
+            const NodeIndex j = band.neighbor(i, Band::faceStep(side));
             if (j != kNoNode && band.linked(i, j) && wayBetween(band, i, j) < kInfinity &&
                 counts(j))
                 c.jump = std::max(c.jump, std::abs(field.distance[i] - field.distance[j]) -

@@ -15,14 +15,14 @@ enum class Nodes { Marched, All };
 struct FieldChecks {
     std::size_t notNumbers = 0;  ///< NaN, or a gradient that is none; of all nodes
     std::size_t missed = 0;      ///< marched, connected with a seed, but not reached
-    std::size_t stuck = 0;       ///< marched, outside the start discs, and no neighbour lies lower
+    std::size_t stuck = 0;       ///< marched, outside the start discs, and no neighbor lies lower
     std::size_t negative = 0;
     double shortcut = 0;  ///< |foot - nearest seed| - d
-    double jump = 0;  ///< |d_i - d_j| - way between the foot points, over linked face neighbours
+    double jump = 0;  ///< |d_i - d_j| - way between the foot points, over linked face neighbors
 
     void keepWorst(const FieldChecks& other);
 };
-/// The longest that the way between the foot points of neighbours may be: where normals are at an
+/// The longest that the way between the foot points of neighbors may be: where normals are at an
 /// angle t, that over a crease between two planes is at most chord / cos(t/2), and an arc is
 /// shorter than that. Infinity where they lie on two sheets, or across a gap, by the rules of jet.
 double wayBetween(const Band& band, NodeIndex i, NodeIndex j);

@@ -14,8 +14,8 @@ def read_png(path):
         size, kind = struct.unpack(">I4s", data[at:at + 8])
         body = data[at + 8:at + 8 + size]
         if kind == b"IHDR":
-            width, height, depth, colour = struct.unpack(">IIBB", body[:10])
-            if (depth, colour) != (8, 2):
+            width, height, depth, color = struct.unpack(">IIBB", body[:10])
+            if (depth, color) != (8, 2):
                 raise ValueError(f"{path} is not 8-bit RGB")
         elif kind == b"IDAT":
             packed += body
@@ -57,10 +57,10 @@ def read_framebuffer(path):
     with open(path, "rb") as file:
         data = file.read()
     header = struct.unpack(">20I", data[:80])
-    size, width, height, order, bits, stride, colours = (header[k] for k in (0, 4, 5, 7, 11, 12, 19))
+    size, width, height, order, bits, stride, colors = (header[k] for k in (0, 4, 5, 7, 11, 12, 19))
     if (order, bits) != (0, 32):
         raise ValueError(f"{path}: pixels are not 32 bits with the low byte first")
-    start = size + 12 * colours
+    start = size + 12 * colors
     return [_pixels(data[start + y * stride:start + y * stride + 4 * width], 4, (2, 1, 0))
             for y in range(height)]
 

@@ -29,7 +29,7 @@ TriangleMesh sheet(std::size_t nu, std::size_t nv, const std::function<Vec3d(dou
     return mesh;
 }
 
-TriangleMesh sphereMesh(const Vec3d& centre, double radius, int rounds) {
+TriangleMesh sphereMesh(const Vec3d& center, double radius, int rounds) {
     TriangleMesh mesh;
     mesh.file = "sphere";
     const double g = (1 + std::sqrt(5.0)) / 2;
@@ -58,7 +58,7 @@ TriangleMesh sphereMesh(const Vec3d& centre, double radius, int rounds) {
                 y = normalized(cross(x, Vec3d{0.2, 0.9, 0.4})), z = cross(x, y);
     for (Vec3d& p : mesh.points) {
         const Vec3d n = normalized(p);
-        p = centre + radius * (n.x * x + n.y * y + n.z * z);
+        p = center + radius * (n.x * x + n.y * y + n.z * z);
     }
     return mesh;
 }

@@ -13,8 +13,8 @@ namespace igeo::test {
 TriangleMesh sheet(std::size_t nu, std::size_t nv, const std::function<Vec3d(double, double)>& f,
                    const std::function<bool(double, double)>& keep = nullptr);
 
-/// Sphere about `centre`: an icosahedron whose triangles are cut in four `rounds` times.
-TriangleMesh sphereMesh(const Vec3d& centre, double radius, int rounds);
+/// Sphere about `center`: an icosahedron whose triangles are cut in four `rounds` times.
+TriangleMesh sphereMesh(const Vec3d& center, double radius, int rounds);
 
 /// Moebius strip of a turn of `radius`, `width` across, in n pieces.
 TriangleMesh moebius(double radius, double width, std::size_t n);

@@ -65,7 +65,7 @@ private:
         const double half = 0.5 * (size - 1);
         const Vec3d middle = origin.asVec3d() + Vec3d(half);
         const Vec3d pWorld = transform_.indexToWorld(middle);
-        double radius = 0;  // of the cube's voxel centres: the longest of the four half diagonals
+        double radius = 0;  // of the cube's voxel centers: the longest of the four half diagonals
         for (const Vec3d& corner :
              {Vec3d(1, 1, 1), Vec3d(-1, 1, 1), Vec3d(1, -1, 1), Vec3d(1, 1, -1)}) {
             const Vec3d diagonal = transform_.indexToWorld(middle + half * corner) - pWorld;

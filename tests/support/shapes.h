@@ -67,7 +67,7 @@ openvdb::math::Transform::Ptr rotatedTransform(double dx, const openvdb::Vec3d& 
                                                double angleDegrees,
                                                const openvdb::Vec3d& translation);
 
-/// Samples the signed distance at the voxel centres worldFromIndex(ijk).
+/// Samples the signed distance at the voxel centers worldFromIndex(ijk).
 ///
 /// Active where |psi| < halfWidthVoxels dx; inactive values are +-background = +-halfWidthVoxels
 /// dx with the sign of psi (outside the leaves of an open shape: +background). The class is
@@ -76,7 +76,7 @@ openvdb::math::Transform::Ptr rotatedTransform(double dx, const openvdb::Vec3d& 
 openvdb::FloatGrid::Ptr makeLevelSet(const Shape& shape, const openvdb::math::Transform& transform,
                                      double halfWidthVoxels, const std::string& name = "psi");
 
-/// The same with the voxel centres at dx ijk.
+/// The same with the voxel centers at dx ijk.
 openvdb::FloatGrid::Ptr makeLevelSet(const Shape& shape, double dx, double halfWidthVoxels,
                                      const std::string& name = "psi");
 

@@ -8,7 +8,7 @@ namespace igeo::test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kDirections = 256;    // before more are put in where neighbours part
+constexpr int kDirections = 256;    // before more are put in where neighbors part
 constexpr double kFanSteps = 8;     // per tube radius, enough for starting values
 constexpr double kExactSteps = 96;  // per tube radius; Runge-Kutta's error is then below 1e-9
 constexpr int kMaxDepth = 24;       // halvings of the angle between directions
@@ -136,7 +136,7 @@ bool TorusGeodesics::isPastCut(const State& s, double length) const {
     return length > shortest * (1 + 1e-9);
 }
 
-/// Appends `first` and rays up to, without, `lastDirection`, neighbours at most two steps apart.
+/// Appends `first` and rays up to, without, `lastDirection`, neighbors at most two steps apart.
 void TorusGeodesics::traceBetween(const Ray& first, double lastDirection, int depth) {
     double spread = 0;
     for (const State& state : first.states) spread = std::max(spread, std::abs(state.j));
@@ -157,7 +157,7 @@ double TorusGeodesics::gap(const State& s, const Angles& target) const {
                       minorRadius_ * wrap(target.v - s.v));
 }
 
-/// Whether no neighbour in the fan, along the ray or on the next rays, is nearer to the query.
+/// Whether no neighbor in the fan, along the ray or on the next rays, is nearer to the query.
 bool TorusGeodesics::isNearest(std::size_t ray, std::size_t at,
                                const std::vector<double>& gaps) const {
     const double here = gaps[firstGap_[ray] + at];

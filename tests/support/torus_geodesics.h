@@ -11,7 +11,7 @@ namespace igeo::test {
 ///
 /// With angles u about the axis and v about the tube, and d = majorRadius + minorRadius cos v,
 /// unit-speed geodesics obey Clairaut's relation d^2 u' = constant and
-/// v'' = -d sin v u'^2 / minorRadius; neighbours spread by j, j'' = -K j (Jacobi's equation) with
+/// v'' = -d sin v u'^2 / minorRadius; neighbors spread by j, j'' = -K j (Jacobi's equation) with
 /// K = cos v / (minorRadius d). A fan of geodesics from the seed, each followed until it surely is
 /// no shortest way any more, gives starting values for Newton's method on (direction, length);
 /// the shortest geodesic that hits the query is the distance.

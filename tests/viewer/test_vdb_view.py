@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """What a person sees in OpenVDB's vdb_view: the surface with isolines and geodesics cut into it, and
-the distances as coloured voxels. On a display of its own, in software; screenshots go to IGEO_SHOTS.
+the distances as colored voxels. On a display of its own, in software; screenshots go to IGEO_SHOTS.
 
 usage: IGEO_PROGRAM=build/release/bin/implicit-geodesic tests/viewer/test_vdb_view.py [-v]
 
@@ -110,13 +110,13 @@ class Viewer:
 
 
 def drawn(picture, background):
-    """Where two pictures differ: {(x, y): colour}."""
+    """Where two pictures differ: {(x, y): color}."""
     return {(x, y): p for y, row in enumerate(picture)
             for x, p in enumerate(row) if p != background[y][x]}
 
 
-def grey(colour):
-    return sum(colour) / 3
+def gray(color):
+    return sum(color) / 3
 
 
 class WhatOneSees(unittest.TestCase):
@@ -143,7 +143,7 @@ class WhatOneSees(unittest.TestCase):
             images.write_png(os.path.join(SHOTS, name + ".png"), picture)
 
     def surface(self, file, name):
-        """The surface that vdb_view shows of a file's first grid: {(x, y): colour}."""
+        """The surface that vdb_view shows of a file's first grid: {(x, y): color}."""
         viewer = self.view(file)
         background = self.screen.still()
         picture = viewer.press("2")
@@ -163,12 +163,12 @@ class WhatOneSees(unittest.TestCase):
         self.assertLess(len(engraved.keys() - plain.keys()), 0.002 * len(plain))
         self.assertGreater(len(plain.keys() - engraved.keys()), 0.005 * len(plain))
         both = plain.keys() & engraved.keys()
-        changed = sum(abs(grey(plain[at]) - grey(engraved[at])) > 10 for at in both) / len(both)
+        changed = sum(abs(gray(plain[at]) - gray(engraved[at])) > 10 for at in both) / len(both)
         print(f"engraved: {len(engraved)} of {len(plain)} pixels, {100 * changed:.0f} % shaded anew,"
               f" {len(engraved.keys() - plain.keys())} new", file=sys.stderr)
         self.assertGreater(changed, 0.1)
 
-    def test_distances_as_colours(self):
+    def test_distances_as_colors(self):
         viewer = self.view(self.run_program("--with", "surface"))
         viewer.screen.xdotool("key", "Right")
         self.assertIn("psi_geodesic (2 of 2)", viewer.title_with("(2 of 2)"))
@@ -181,7 +181,7 @@ class WhatOneSees(unittest.TestCase):
         blue = sum(b > r + 30 for r, g, b in seen.values()) / len(seen)
         yellow = sum(r > b + 30 for r, g, b in seen.values()) / len(seen)
         print(f"distances: {len(seen)} pixels, {100 * blue:.0f} % blue, {100 * yellow:.0f} % yellow,"
-              f" {len(set(seen.values()))} colours", file=sys.stderr)
+              f" {len(set(seen.values()))} colors", file=sys.stderr)
         self.assertGreater(len(seen), 0.1 * WIDTH * HEIGHT)
         self.assertGreater(blue, 0.05)
         self.assertGreater(yellow, 0.05)

@@ -79,7 +79,7 @@ void Band::buildTopology() {
             for (int dx = -8; dx <= 8; dx += 8)
                 for (int dy = -8; dy <= 8; dy += 8)
                     for (int dz = -8; dz <= 8; dz += 8)
-                        here.neighbour[k++] = leafAt(here.origin + Ijk{dx, dy, dz});
+                        here.neighbor[k++] = leafAt(here.origin + Ijk{dx, dy, dz});
             NodeIndex node = here.band.first;
             for (unsigned x = 0; x < 8; ++x)
                 for (std::uint64_t word = here.band.mask[x]; word; word &= word - 1, ++node) {
@@ -100,7 +100,7 @@ void Band::numberCore(const std::vector<NodeIndex>& rim) {
         Ijk step{};
         const int axis = std::abs(n.x) == most ? 0 : std::abs(n.y) == most ? 1 : 2;
         step[axis] = (n[axis] < 0) == (psi[i] < 0) ? -1 : 1;
-        const NodeIndex j = neighbour(i, step);
+        const NodeIndex j = neighbor(i, step);
         return j != kNoNode && dot(n, normal[j]) < kOtherSheet;
     };
     parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
@@ -131,7 +131,7 @@ void Band::markFacing(NodeIndex i) {
         Ijk d{};
         constexpr std::array<int, 4> kSteps{-2, -1, 1, 2};
         d[step / 4] = kSteps[std::size_t(step % 4)];
-        const NodeIndex j = neighbour(i, d.x, d.y, d.z);
+        const NodeIndex j = neighbor(i, d.x, d.y, d.z);
         if (j == kNoNode || (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j))) continue;
         // Several threads may set one flag: always to 1.
         std::atomic_ref(facing[i]).store(1, std::memory_order_relaxed);

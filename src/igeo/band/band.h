@@ -51,11 +51,11 @@ struct BandLeaf {
     Ijk origin;      ///< smallest voxel, a multiple of 8
     LeafNodes band;  ///< the leaf's nodes
     LeafNodes core;  ///< those of the core (Band::numberCore), with numbers of their own
-    std::array<LeafIndex, 27> neighbour{};  ///< leaf at step (dx,dy,dz): 9(dx+1)+3(dy+1)+dz+1
+    std::array<LeafIndex, 27> neighbor{};  ///< leaf at step (dx,dy,dz): 9(dx+1)+3(dy+1)+dz+1
 };
 
 /// Whether two foot points, `chord` apart, lie on sheets one on top of the other with normals
-/// alike, as open surfaces have them: neighbours on one sheet are never a voxel apart along both
+/// alike, as open surfaces have them: neighbors on one sheet are never a voxel apart along both
 /// normals.
 inline bool stacked(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
     const float alongA = dot(a, chord), alongB = dot(b, chord);
@@ -67,8 +67,8 @@ inline bool stacked(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
 ///
 /// The core is the thinnest part of the band that is still closed: the nearer end of every lattice
 /// edge that S crosses along the axis its normal is closest to. For a plane these are the voxels
-/// with |psi| <= max(|n_x|, |n_y|, |n_z|) / 2, one per lattice column, so that neighbours of the
-/// core are neighbours along S (26 steps); about a quarter of a band of h = sqrt(3).
+/// with |psi| <= max(|n_x|, |n_y|, |n_z|) / 2, one per lattice column, so that neighbors of the
+/// core are neighbors along S (26 steps); about a quarter of a band of h = sqrt(3).
 ///
 /// M&S (14) keeps h below W, the distance at which two sheets of the surface meet, so that a front
 /// never jumps from one to the other. Real surfaces have places where no grid affords that
@@ -89,7 +89,7 @@ struct Band {
     std::vector<Vec3f> normal;          ///< per node: unit normal at the foot point, along grad psi
 
     std::vector<std::uint8_t>
-        facing;  ///< per node: 1 where a neighbour lies on a sheet that faces it
+        facing;  ///< per node: 1 where a neighbor lies on a sheet that faces it
 
     std::size_t size() const { return psi.size(); }
 
@@ -101,12 +101,12 @@ struct Band {
     Vec3d footPoint(NodeIndex i) const { return Vec3d(ijk(i)) + Vec3d(foot[i]); }
 
     /// The node at step (dx, dy, dz) from node i, or kNoNode. O(1); fastest within 8 voxels.
-    NodeIndex neighbour(NodeIndex i, int dx, int dy, int dz) const {
-        return neighbour(&BandLeaf::band, leaf[i], offset[i], {dx, dy, dz});
+    NodeIndex neighbor(NodeIndex i, int dx, int dy, int dz) const {
+        return neighbor(&BandLeaf::band, leaf[i], offset[i], {dx, dy, dz});
     }
     /// The same from the voxel at an offset of leaf l.
     /// @param nodes  &BandLeaf::band, or &BandLeaf::core for the core's numbers
-    NodeIndex neighbour(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
+    NodeIndex neighbor(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
                         const Ijk& step) const {
         const int x = int(at >> 6) + step.x, y = int(at >> 3 & 7) + step.y,
                   z = int(at & 7) + step.z;
@@ -127,8 +127,8 @@ struct Band {
     static unsigned offsetOf(int x, int y, int z) {
         return unsigned((x & 7) << 6 | (y & 7) << 3 | (z & 7));
     }
-    NodeIndex neighbour(NodeIndex i, const Ijk& step) const {
-        return neighbour(i, step.x, step.y, step.z);
+    NodeIndex neighbor(NodeIndex i, const Ijk& step) const {
+        return neighbor(i, step.x, step.y, step.z);
     }
     /// The step across face 0 to 5 of a voxel: -x, +x, -y, +y, -z, +z.
     static Ijk faceStep(int side) {
@@ -138,11 +138,11 @@ struct Band {
     }
 
     /// Calls visit(j, dx, dy, dz) for the nodes j within one voxel of a voxel in every axis (itself
-    /// left out), in the order of the steps. Faster than 26 calls of neighbour().
+    /// left out), in the order of the steps. Faster than 26 calls of neighbor().
     /// @param nodes  &BandLeaf::band, or &BandLeaf::core for the core's numbers
     /// @param l, at  leaf and offset of the voxel
     template <typename Visit>
-    void forNeighbours(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
+    void forNeighbors(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
                        const Visit& visit) const;
 
     /// Calls visit(j, corner) for the nodes j among the 8 voxels at low + {0, 1}^3, corner (a, b,
@@ -180,12 +180,12 @@ struct Band {
             for (int y = -reach; y <= reach; ++y)
                 for (int z = -reach; z <= reach; ++z) {
                     const Ijk step = middle + Ijk{x, y, z};
-                    const NodeIndex j = neighbour(nodes, l, at, step);
+                    const NodeIndex j = neighbor(nodes, l, at, step);
                     if (j != kNoNode) visit(j, step);
                 }
     }
 
-    /// Whether a front may pass between neighbours i and j: not if their normals oppose, for then
+    /// Whether a front may pass between neighbors i and j: not if their normals oppose, for then
     /// they belong to two sheets that face each other, nor if one sheet lies on top of the other.
     bool linked(NodeIndex i, NodeIndex j) const {
         return !(facing[i] & facing[j]) ||
@@ -198,7 +198,7 @@ struct Band {
         return igeo::stacked(Vec3f(ijk(j) - ijk(i)) + foot[j] - foot[i], normal[i], normal[j]);
     }
 
-    /// Marks i and its neighbours up to two voxels along the axes as `facing` where normals oppose
+    /// Marks i and its neighbors up to two voxels along the axes as `facing` where normals oppose
     /// or sheets are stacked.
     /// May be called for many nodes in parallel; call it for every node at which psi has a kink.
     void markFacing(NodeIndex i);
@@ -207,7 +207,7 @@ struct Band {
     LeafIndex leafBeside(LeafIndex l, int dx, int dy, int dz) const {
         if (std::max({std::abs(dx), std::abs(dy), std::abs(dz)}) > 1)
             return leafAt(leaves[l].origin + Ijk{8 * dx, 8 * dy, 8 * dz});
-        return leaves[l].neighbour[std::size_t(9 * dx + 3 * dy + dz + 13)];
+        return leaves[l].neighbor[std::size_t(9 * dx + 3 * dy + dz + 13)];
     }
     /// The leaf that holds a voxel, or kNoLeaf.
     LeafIndex leafAt(const Ijk& ijk) const;
@@ -244,14 +244,14 @@ private:
 };
 
 template <typename Visit>
-void Band::forNeighbours(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
+void Band::forNeighbors(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
                          const Visit& visit) const {
     const int x = int(at >> 6), y = int(at >> 3 & 7), z = int(at & 7);
     const BandLeaf& here = leaves[l];
     // The voxels of slice x + dx in the leaf at step (sy, sz) that lie in `rows`.
     auto slice = [&](int dx, int sy, int sz, std::uint64_t rows) {
         const int nx = x + dx, step = 9 * (nx >> 3) + 3 * sy + sz + 13;
-        const LeafIndex m = step == 13 ? l : here.neighbour[std::size_t(step)];
+        const LeafIndex m = step == 13 ? l : here.neighbor[std::size_t(step)];
         if (m == kNoLeaf) return;
         const LeafNodes& in = leaves[m].*nodes;
         const unsigned first = unsigned(nx & 7) << 6;
@@ -302,7 +302,7 @@ void Band::forCorners(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at, cons
     }
     for (unsigned k = 0; k < 8; ++k) {
         const Ijk corner{int(k >> 2), int(k >> 1 & 1), int(k & 1)};
-        const NodeIndex j = neighbour(nodes, l, at, low + corner);
+        const NodeIndex j = neighbor(nodes, l, at, low + corner);
         if (j != kNoNode) visit(j, k);
     }
 }

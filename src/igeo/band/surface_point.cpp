@@ -39,11 +39,11 @@ Nearest nearestAround(const Band& band, const Vec3d& p) {
     Nearest best;
     // Far outside the range of Ijk no voxel can be near.
     if (!hasIjk(p)) return best;
-    const Ijk centre = roundToIjk(p);
+    const Ijk center = roundToIjk(p);
     for (int x = -2; x <= 2; ++x)
         for (int y = -2; y <= 2; ++y)
             for (int z = -2; z <= 2; ++z) {
-                const NodeIndex i = band.nodeAt(centre + Ijk{x, y, z});
+                const NodeIndex i = band.nodeAt(center + Ijk{x, y, z});
                 if (i != kNoNode) best.consider(band, i, p);
             }
     // A foot point beyond 1.5 voxels may not be the nearest: its rival's voxel may lie outside.
@@ -87,7 +87,7 @@ std::vector<NodeIndex> nodesAround(const Band& band, const SurfacePoint& p, doub
     std::vector<NodeIndex> seen{p.node};  // sorted: discs hold a few hundred nodes
     for (std::size_t k = 0; k < found.size(); ++k) {
         for (int side = 0; side < 6; ++side) {
-            const NodeIndex j = band.neighbour(found[k], Band::faceStep(side));
+            const NodeIndex j = band.neighbor(found[k], Band::faceStep(side));
             if (!within(j) || !band.linked(found[k], j)) continue;
             const auto at = std::lower_bound(seen.begin(), seen.end(), j);
             if (at != seen.end() && *at == j) continue;

@@ -5,7 +5,7 @@
 
 namespace igeo {
 
-/// The tangent plane of a foot point, and what its neighbours look like in it.
+/// The tangent plane of a foot point, and what its neighbors look like in it.
 class TangentFrame {
 public:
     /// @param faceted as Band::faceted

@@ -122,7 +122,7 @@ PointCloud pointsFromObj(const std::string& file, const std::string& bytes) {
     forLines(bytes, [&](std::string_view line, std::size_t number) {
         const bool isNormal = line.substr(0, 3) == "vn ";
         if (!isNormal && line.substr(0, 2) != "v ") return;
-        // A weight or a colour may follow the position.
+        // A weight or a color may follow the position.
         const std::vector<double> v = numbersIn(line.substr(isNormal ? 3 : 2));
         if (v.size() < 3) failAt(file, number, line, "does not hold three numbers");
         if (isNormal)

@@ -114,7 +114,7 @@ private:
         for (std::size_t at = 0; at < queue.size(); ++at) {
             const std::uint32_t t = queue[at];
             for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t u = topology_.neighbour[t][k];
+                const std::uint32_t u = topology_.neighbor[t][k];
                 if (u == kNone || u == MeshTopology::kMany) continue;
                 const bool turn = turns_.turned[t] != runsAlike(t, u, k);
                 if (patch_[u] == kNone)
@@ -221,7 +221,7 @@ void weld(TriangleMesh& mesh) {
 
 MeshTopology meshTopology(const TriangleMesh& mesh) {
     MeshTopology topology;
-    topology.neighbour.assign(mesh.triangles.size(), {kNone, kNone, kNone});
+    topology.neighbor.assign(mesh.triangles.size(), {kNone, kNone, kNone});
     DisjointSets joined(mesh.triangles.size());
     forEdges(mesh, [&](const HalfEdge* first, const HalfEdge* last) {
         topology.boundaryEdges += last - first == 1;
@@ -230,11 +230,11 @@ MeshTopology meshTopology(const TriangleMesh& mesh) {
             joined.join(first->triangle, e->triangle);
         if (last - first > 2)
             for (const HalfEdge* e = first; e < last; ++e)
-                topology.neighbour[e->triangle][e->corner] = MeshTopology::kMany;
+                topology.neighbor[e->triangle][e->corner] = MeshTopology::kMany;
         if (last - first != 2) return;
         topology.turnedEdges += first[0].up == first[1].up;
-        topology.neighbour[first[0].triangle][first[0].corner] = first[1].triangle;
-        topology.neighbour[first[1].triangle][first[1].corner] = first[0].triangle;
+        topology.neighbor[first[0].triangle][first[0].corner] = first[1].triangle;
+        topology.neighbor[first[1].triangle][first[1].corner] = first[0].triangle;
     });
     topology.component.resize(mesh.triangles.size());
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {

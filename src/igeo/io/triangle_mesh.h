@@ -22,14 +22,14 @@ struct TriangleMesh {
     std::vector<std::string> warnings;  ///< what a user should know, one sentence each
 };
 
-/// Makes one point of those that are equal, so that triangles know their neighbours; drops
+/// Makes one point of those that are equal, so that triangles know their neighbors; drops
 /// triangles left with fewer than three corners, triangles that are there twice (in any
 /// orientation) and points that nothing uses.
 ///
 /// A point within 1e-6 of the bounding box's diagonal from an earlier one is taken for it. Files
 /// with a point per corner (STL) hold each point several times, rounded in different ways: single
 /// precision is good to 6e-8 of the coordinate. A triangle of three corners on one line stays: it
-/// holds its neighbours together. Keeps the order of what is left. Time O(n).
+/// holds its neighbors together. Keeps the order of what is left. Time O(n).
 void weld(TriangleMesh& mesh);
 
 /// Which triangles meet along which edges.
@@ -39,7 +39,7 @@ struct MeshTopology {
 
     /// Per triangle, the one beyond the edge from corner k to k + 1; kNone at a boundary, kMany
     /// where three or more meet.
-    std::vector<std::array<std::uint32_t, 3>> neighbour;
+    std::vector<std::array<std::uint32_t, 3>> neighbor;
     std::vector<std::uint32_t> component;  ///< per triangle, from 0 on, by first triangle
     std::size_t components = 0;            ///< joined through edges of any kind
     std::size_t boundaryEdges = 0;         ///< of one triangle
@@ -53,7 +53,7 @@ struct MeshTopology {
 /// Time O(n log n).
 MeshTopology meshTopology(const TriangleMesh& mesh);
 
-/// Turns triangles over, so that neighbours run along their edge in opposite ways: in each part
+/// Turns triangles over, so that neighbors run along their edge in opposite ways: in each part
 /// joined through edges of two triangles as most of it had it. Where three or more meet, each goes
 /// on in the next. Where a component has one side only, as a Moebius strip, some edges stay as they
 /// are.

@@ -6,7 +6,7 @@
 
 namespace igeo {
 
-void Field::summarise() {
+void Field::summarize() {
     constexpr std::size_t kChunk = 1 << 16;
     struct Part {
         std::size_t reached = 0;
@@ -37,17 +37,17 @@ void Field::summarise() {
 
 namespace {
 
-/// Difference along one axis over reached neighbours in sight; 0 where neither side is one.
+/// Difference along one axis over reached neighbors in sight; 0 where neither side is one.
 double axisDifference(const Band& band, const Field& field, NodeIndex i, int axis) {
     const std::vector<double>& d = field.distance;
-    const NodeIndex lo = band.neighbour(i, Band::faceStep(2 * axis));
-    const NodeIndex hi = band.neighbour(i, Band::faceStep(2 * axis + 1));
+    const NodeIndex lo = band.neighbor(i, Band::faceStep(2 * axis));
+    const NodeIndex hi = band.neighbor(i, Band::faceStep(2 * axis + 1));
     auto counts = [&](NodeIndex j) {
         return j != kNoNode && d[j] < kInfinity && !field.metric->blocked(band, i, j);
     };
     const bool hasLo = counts(lo), hasHi = counts(hi);
     if (hasLo && hasHi) {
-        // A front meets itself between two neighbours that both lie below d[i]: there the central
+        // A front meets itself between two neighbors that both lie below d[i]: there the central
         // difference cancels, and either side is a way down.
         if (d[lo] < d[i] && d[hi] < d[i]) return d[lo] <= d[hi] ? d[i] - d[lo] : d[hi] - d[i];
         return (d[hi] - d[lo]) / 2;
@@ -140,8 +140,8 @@ double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field,
     else
         plane.weight = metric.at(cell);
     const double here = plane.weight;
-    JetNeighbours all;
-    std::array<float, JetNeighbours::kMax> weight{};
+    JetNeighbors all;
+    std::array<float, JetNeighbors::kMax> weight{};
     for (std::size_t k = 0; k < 8; ++k) {
         const NodeIndex j = cell.node[k];
         if (j == kNoNode || !(field.distance[j] < kInfinity)) continue;
@@ -156,7 +156,7 @@ double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field,
             chord *= float((1 + metric.at(j) / here) / 2);
             g = normalized(g);
         }
-        const JetNeighbour n = flattened(frame, chord, nj, cosine, g, field.distance[j] / here);
+        const JetNeighbor n = flattened(frame, chord, nj, cosine, g, field.distance[j] / here);
         all.add(metric.anisotropic() ? stretched(plane.stretch, n) : n);
     }
     return here * blendJets(all, weight).u;

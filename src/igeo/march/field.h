@@ -41,11 +41,11 @@ struct Field {
     std::size_t sourceCount() const { return source.empty() ? 0 : source.back() + 1; }
 
     /// Sets `reached`, `first`, `maxDistance`, `source` and `seedsNear`.
-    void summarise();
+    void summarize();
 };
 
 /// Gradient of the distance along S per node: M&S 4.1, grad d - (grad d . n) n, by differences of
-/// reached neighbours (central where both sides are reached, one-sided otherwise). Its length is
+/// reached neighbors (central where both sides are reached, one-sided otherwise). Its length is
 /// the weight up to the scheme's error; zero where nothing is known. Voxel units, in parallel.
 std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field);
 

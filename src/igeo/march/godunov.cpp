@@ -9,21 +9,21 @@ namespace igeo {
 
 namespace {
 
-/// The face neighbours of every node at sides -x, +x, -y, +y, -z, +z. Nodes without one, or with
+/// The face neighbors of every node at sides -x, +x, -y, +y, -z, +z. Nodes without one, or with
 /// one on a facing sheet (Band::linked) or behind an obstacle, have node n there, which never holds
 /// a distance: so the solve asks no questions.
-class FaceNeighbours {
+class FaceNeighbors {
 public:
     using Six = std::array<NodeIndex, 6>;
 
-    FaceNeighbours(const Band& band, const Metric& metric) : table_(band.size() + 1) {
+    FaceNeighbors(const Band& band, const Metric& metric) : table_(band.size() + 1) {
         const auto none = NodeIndex(band.size());
         table_.back().fill(none);
         parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k)
                 for (int side = 0; side < 6; ++side) {
                     const auto i = NodeIndex(k);
-                    const NodeIndex j = band.neighbour(i, Band::faceStep(side));
+                    const NodeIndex j = band.neighbor(i, Band::faceStep(side));
                     const bool open =
                         j != kNoNode && band.linked(i, j) && !metric.blocked(band, i, j);
                     table_[k][std::size_t(side)] = open ? j : none;
@@ -52,7 +52,7 @@ public:
           anisotropic_(metric_->anisotropic()),
           options_(options),
           leastStart_(leastStart),
-          neighbours_(band, *metric_),
+          neighbors_(band, *metric_),
           accepted_(band.size() + 1, kInfinity),
           trial_(band.size() + 1, kInfinity),
           started_(band.size()) {}
@@ -81,7 +81,7 @@ public:
         field.seeds = std::move(seeds_);
         field.startRadius = options_.startRadius;
         field.scheme = options_.order == 1 ? "godunov, order 1" : "godunov, order 2";
-        field.summarise();
+        field.summarize();
         return field;
     }
 
@@ -103,7 +103,7 @@ private:
         return started_[j];
     }
 
-    /// Solves M&S (13) at node i from its Accepted neighbours.
+    /// Solves M&S (13) at node i from its Accepted neighbors.
     template <int Order>
     double solve(NodeIndex i) const;
 
@@ -115,7 +115,7 @@ private:
     const bool anisotropic_;
     const GodunovOptions& options_;
     const double leastStart_;
-    const FaceNeighbours neighbours_;
+    const FaceNeighbors neighbors_;
     std::vector<SurfacePoint> seeds_;
     std::vector<double> accepted_, trial_;
     std::vector<bool> started_;  ///< in a start disc
@@ -126,7 +126,7 @@ private:
 
 template <int Order>
 double Godunov::solve(NodeIndex i) const {
-    const FaceNeighbours::Six& faces = neighbours_[i];
+    const FaceNeighbors::Six& faces = neighbors_[i];
     std::array<UpwindTerm, 3> terms;
     int n = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -139,8 +139,8 @@ double Godunov::solve(NodeIndex i) const {
         if (Order == 2) {
             // With equal sides the smaller second value decides, so that the axis has no direction.
             double mm = kInfinity;
-            if (dLo == m) mm = accepted_[neighbours_[lo][2 * axis]];
-            if (dHi == m) mm = std::min(mm, accepted_[neighbours_[hi][2 * axis + 1]]);
+            if (dLo == m) mm = accepted_[neighbors_[lo][2 * axis]];
+            if (dHi == m) mm = std::min(mm, accepted_[neighbors_[hi][2 * axis + 1]]);
             if (mm <= m) term = secondOrderTerm(m, mm);
         }
         // M&S (22) for a diagonal tensor: sum_j (T - m_j)^2 / G_jj = 1.
@@ -174,7 +174,7 @@ void Godunov::march(Progress& progress) {
             progress.throwIfCancelled();
             progress.update("march", double(done) / double(band_.size()));
         }
-        for (const NodeIndex j : neighbours_[i])
+        for (const NodeIndex j : neighbors_[i])
             if (j != band_.size() && accepted_[j] == kInfinity && !keepsStart(j))
                 lower(j, solve<Order>(j));
     }

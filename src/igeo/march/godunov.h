@@ -20,7 +20,7 @@ struct GodunovOptions {
 
 /// Marches the weighted distance outward from `seeds` until every reachable band voxel is Accepted.
 ///
-/// Solves |grad d| = weight in the band (M&S (8)) by the upwind scheme M&S (13), where a neighbour
+/// Solves |grad d| = weight in the band (M&S (8)) by the upwind scheme M&S (13), where a neighbor
 /// counts only if it lies in the band (section 3 of the paper). Order 2 uses the difference over
 /// two upwind voxels where both are Accepted and ordered. Around each seed all nodes within
 /// `startRadius` start from their straight distance to it.

@@ -14,7 +14,7 @@ namespace igeo {
 namespace {
 
 /// An early stop marches this far beyond its limit, so that the nodes within it have all the
-/// neighbours that a full march would give them.
+/// neighbors that a full march would give them.
 constexpr double kMargin = 3;
 
 /// Buckets are counted from the smallest start value; kNoBucket is beyond all.
@@ -74,7 +74,7 @@ private:
     /// The nodes of the first bucket, and of those behind it that need not wait for its values.
     /// @param last  the last of these buckets
     std::vector<NodeIndex> nextNodes(std::uint32_t& last);
-    /// Solves a node from its accepted neighbours; if it belongs into this bucket, puts the others
+    /// Solves a node from its accepted neighbors; if it belongs into this bucket, puts the others
     /// into the buckets where its jet says they belong.
     /// @param last  no node goes into a bucket up to this one
     Solved visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last, Chunk& out);
@@ -150,7 +150,7 @@ void JetMarch::startDisc(std::uint32_t k) {
                       });
     for (std::size_t at = 0; at < found.size(); ++at) {
         const Node& node = core_.nodes[found[at]];
-        core_.band.forNeighbours(
+        core_.band.forNeighbors(
             &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
                 const Node& other = core_.nodes[j];
                 const Vec3f chord = node.foot - other.foot - Vec3f(Ijk{dx, dy, dz});
@@ -383,7 +383,7 @@ Field JetMarch::take() {
     field.stoppedEarly = stopped_ || options_.below;
     field.solved = accepted_;
     field.guarded = guarded_;
-    field.summarise();
+    field.summarize();
     return field;
 }
 

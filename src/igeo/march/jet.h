@@ -24,14 +24,14 @@ struct JetOptions {
 /// Marches the jet of the distance (value and gradient along S) outward from `seeds`.
 ///
 /// Every band node stands for its foot point y_i on S, so the band needs no room for paths
-/// (h = sqrt(3) voxels is enough) and no neighbour is outside. The nodes of the core (Band) go
+/// (h = sqrt(3) voxels is enough) and no neighbor is outside. The nodes of the core (Band) go
 /// through buckets of equal width in the distance; all nodes of a bucket are solved (jet_update.h)
 /// from nodes of earlier buckets only and accepted together. So the work is linear in the number of
 /// nodes, every bucket is a parallel loop, and the result has the same bits for any number of
 /// threads. The other nodes take their jets from the core around their foot points.
 /// @param band   any h >= sqrt(3)/2 voxels
 /// With tensors each solve is done in coordinates in which the metric of its tangent plane is
-/// Euclidean. Where that stretches the plane by more than 2, nodes look beyond their 26 neighbours
+/// Euclidean. Where that stretches the plane by more than 2, nodes look beyond their 26 neighbors
 /// to those of Selling's reduction (selling.h). Within a start disc are the foot points whose cost
 /// is at most that of `startRadius` voxels where they are dearest.
 /// @param metric weights or tensors, obstacles, or null

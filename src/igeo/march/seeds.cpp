@@ -44,7 +44,7 @@ std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, doubl
     const std::size_t n = curve.points.size();
     std::vector<SurfacePoint> seeds;
     auto add = [&](const SurfacePoint& p) {
-        // Snapping moves neighbours together and apart, but not to another sheet.
+        // Snapping moves neighbors together and apart, but not to another sheet.
         constexpr double kFar = 4 * kPiece;
         if (!seeds.empty()) {
             SurfacePoint& last = seeds.back();
@@ -113,9 +113,9 @@ std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region)
                 const unsigned at = band.offset[i];
                 if (leaf.core.node(at) == kNoNode || !inside[i]) continue;
                 const Vec3d normal(band.normal[i]), in = band.footPoint(i);
-                band.forNeighbours(
+                band.forNeighbors(
                     &BandLeaf::core, LeafIndex(l), at, [&](NodeIndex, int dx, int dy, int dz) {
-                        const NodeIndex j = band.neighbour(i, dx, dy, dz);
+                        const NodeIndex j = band.neighbor(i, dx, dy, dz);
                         if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet || inside[j])
                             return;
                         const Vec3d way = band.footPoint(j) - in;

@@ -75,7 +75,7 @@ private:
 std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, double snap);
 
 /// The part of S inside a body, as seeds: points on its rim, where foot points of the core inside
-/// and outside are neighbours, found by bisection to a thousandth of a voxel. Some three points per
+/// and outside are neighbors, found by bisection to a thousandth of a voxel. Some three points per
 /// voxel of the rim; distances are off by at most 0.05 voxels next to it and by less further out.
 /// @param region bodies in index space; only block(p, p, normal) is asked
 /// @return empty where no foot point is inside, or all are

@@ -75,7 +75,7 @@ void clearInside(const std::vector<std::uint8_t>& inside, Field& field) {
             field.distance[i] = 0;
             if (!field.gradient.empty()) field.gradient[i] = {};
         }
-    field.summarise();
+    field.summarize();
 }
 
 void signInside(const std::vector<std::uint8_t>& inside, Field& field) {
@@ -99,7 +99,7 @@ std::vector<std::int8_t> sidesOfCurves(const Band& band, const Field& field) {
     auto known = [&](NodeIndex i) { return field.distance[i] < kInfinity; };
     for (NodeIndex i = 0; i < n; ++i) {
         if (!known(i)) continue;
-        band.forNeighbours(&BandLeaf::band, band.leaf[i], band.offset[i],
+        band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
                            [&](NodeIndex j, int, int, int) {
                                if (j < i || !known(j) || !band.linked(i, j)) return;
                                if (sideOf[i] * sideOf[j] < 0)

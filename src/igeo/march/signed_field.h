@@ -21,7 +21,7 @@ void signInside(const std::vector<std::uint8_t>& inside, Field& field);
 /// within curves it is every other ring. 0 where the distance is not known.
 ///
 /// Next to a curve the side is that of its nearest piece, seen along the normal; from there it
-/// spreads from neighbour to neighbour.
+/// spreads from neighbor to neighbor.
 /// @throws Error  InvalidArgument where the seeds do not part S in two: an open curve, a point, or
 ///         a closed curve that can be walked around (a meridian of a torus)
 /// Time O(n), one thread.

@@ -49,7 +49,7 @@ public:
         constexpr double kRidge = 1e-5;
         const double ridge = kRidge * matrix_[0][0];
         for (std::size_t a = 0; a < kTerms; ++a) matrix_[a][a] += ridge;
-        factorise();
+        factorize();
         // Back substitution as far as the linear terms.
         std::array<std::array<double, 2>, kTerms> c{};
         for (std::size_t a = kTerms; a-- > 1;)
@@ -65,7 +65,7 @@ private:
     static constexpr std::size_t kTerms = 6;
 
     /// Cholesky, the right sides along with it.
-    void factorise() {
+    void factorize() {
         for (std::size_t a = 0; a < kTerms; ++a) {
             for (std::size_t b = 0; b <= a; ++b) {
                 double sum = matrix_[a][b];
@@ -84,8 +84,8 @@ private:
     std::array<std::array<double, 2>, kTerms> right_{};
 };
 
-/// Whether neighbours, their foot points `chord` apart, are on different sheets: their normals
-/// oppose, or both are along a chord that is longer than between neighbours on one sheet (sqrt(3),
+/// Whether neighbors, their foot points `chord` apart, are on different sheets: their normals
+/// oppose, or both are along a chord that is longer than between neighbors on one sheet (sqrt(3),
 /// and a bit), as those that psi bends in a gap.
 bool onOtherSheet(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
     constexpr float kFar2 = 3.2f, kAlong2 = 0.25f;
@@ -108,7 +108,7 @@ private:
     struct Node {
         Vec3f foot, normal;
         Ijk ijk;
-        std::size_t links = 0;  ///< where its neighbours begin in links_
+        std::size_t links = 0;  ///< where its neighbors begin in links_
     };
     /// A walk around a foot point. One per thread, used again and again.
     struct Walk {
@@ -132,7 +132,7 @@ private:
     double reach_;                  ///< of a walk, voxels
     int half_;                      ///< half the box it stays in, voxels
     std::vector<Node> core_;        ///< by core number, and one more: the end of the links
-    std::vector<NodeIndex> links_;  ///< core neighbours on the same sheet
+    std::vector<NodeIndex> links_;  ///< core neighbors on the same sheet
     std::vector<Bend> bend_;        ///< by core number
 };
 
@@ -160,7 +160,7 @@ void CoreCurvature::forLinks(const Visit& visit) const {
                 const NodeIndex i = band_.leaves[l].core.node(at);
                 if (i == kNoNode) continue;
                 const Node& node = core_[i];
-                band_.forNeighbours(
+                band_.forNeighbors(
                     &BandLeaf::core, LeafIndex(l), at, [&](NodeIndex j, int dx, int dy, int dz) {
                         const Vec3f chord =
                             core_[j].foot - node.foot + Vec3f{float(dx), float(dy), float(dz)};

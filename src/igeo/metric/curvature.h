@@ -34,7 +34,7 @@ constexpr double kDefaultCurvatureScale = 2;
 /// Hessian on the tangent plane). c and Q take up what W should not answer for: the noise of n_i,
 /// and a curvature that varies, however unevenly the y_j lie. On spheres and cylinders normals are
 /// linear in the chord's tangential part, so large angles do no harm. The y_j are those found from
-/// neighbour to neighbour within sqrt(8) scale of y_i, never across a gap, nor where normals oppose
+/// neighbor to neighbor within sqrt(8) scale of y_i, never across a gap, nor where normals oppose
 /// that of y_i (Band::kOtherSheet). Nodes outside the core take the blend of the core around their
 /// foot points.
 /// @param scale standard deviation of the least-squares weights along a tangent, voxels, 1 to 16

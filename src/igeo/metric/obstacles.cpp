@@ -16,7 +16,7 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 
 /// By how much the cube of a mask's voxel is grown to all sides: more than rounding and the turn of
-/// normals between neighbours, less than anybody could have meant to leave open. Mask voxels.
+/// normals between neighbors, less than anybody could have meant to leave open. Mask voxels.
 constexpr double kFat = 0.1;
 /// How far above and below S a mask counts: half a voxel, and room for a psi that is 10 % off as
 /// the core has it. Mask voxels.
@@ -40,15 +40,15 @@ bool before(const Vec3d& a, const Vec3d& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
 
-/// Whether the parallelogram of points centre + s u + t v with |s|, |t| <= 1 meets boxes of one
+/// Whether the parallelogram of points center + s u + t v with |s|, |t| <= 1 meets boxes of one
 /// size with sides along the axes; both closed.
 ///
-/// By separating axes: the centres of the boxes that it meets fill a zonotope, the sum of the
+/// By separating axes: the centers of the boxes that it meets fill a zonotope, the sum of the
 /// segments +-u, +-v and the half sides, whose faces are spanned by two of these five.
 class Parallelogram {
 public:
-    Parallelogram(const Vec3d& centre, const Vec3d& u, const Vec3d& v, const Vec3d& halfSize)
-        : extent(absolute(u) + absolute(v) + halfSize), centre_(centre), normal_{cross(u, v),
+    Parallelogram(const Vec3d& center, const Vec3d& u, const Vec3d& v, const Vec3d& halfSize)
+        : extent(absolute(u) + absolute(v) + halfSize), center_(center), normal_{cross(u, v),
                                                                                  {0, -u.z, u.y},
                                                                                  {u.z, 0, -u.x},
                                                                                  {-u.y, u.x, 0},
@@ -60,7 +60,7 @@ public:
                         dot(halfSize, absolute(normal_[k]));
     }
     bool meetsBoxAt(const Vec3d& p) const {
-        const Vec3d d = p - centre_;
+        const Vec3d d = p - center_;
         for (int a = 0; a < 3; ++a)
             if (std::abs(d[a]) > extent[a]) return false;
         for (std::size_t k = 0; k < normal_.size(); ++k)
@@ -68,10 +68,10 @@ public:
         return true;
     }
 
-    const Vec3d extent;  ///< half sides of the box around all centres that it meets
+    const Vec3d extent;  ///< half sides of the box around all centers that it meets
 
 private:
-    Vec3d centre_;
+    Vec3d center_;
     std::array<Vec3d, 7> normal_;
     std::array<double, 7> reach_{};
 };
@@ -116,12 +116,12 @@ bool levelSetBlocks(const openvdb::FloatGrid& grid, const IndexMap& map, const V
     return false;
 }
 
-/// Whether the strip centre +-u +-v meets the grown cube of a voxel of the mask.
-bool stripMeets(const openvdb::MaskTree& mask, const Vec3d& centre, const Vec3d& u,
+/// Whether the strip center +-u +-v meets the grown cube of a voxel of the mask.
+bool stripMeets(const openvdb::MaskTree& mask, const Vec3d& center, const Vec3d& u,
                 const Vec3d& v) {
     constexpr double kHalf = 0.5 + kFat;
-    const Parallelogram strip(centre, u, v, {kHalf, kHalf, kHalf});
-    const Ijk low = -floorToIjk(strip.extent - centre), high = floorToIjk(strip.extent + centre);
+    const Parallelogram strip(center, u, v, {kHalf, kHalf, kHalf});
+    const Ijk low = -floorToIjk(strip.extent - center), high = floorToIjk(strip.extent + center);
     return anyActive(mask, low, high,
                      [&](const Ijk& voxel) { return strip.meetsBoxAt(Vec3d(voxel)); });
 }
@@ -145,13 +145,13 @@ bool maskBlocks(const openvdb::MaskTree& mask, const IndexMap& map, const Vec3d&
 ObstacleSet::ObstacleSet(const Similarity& transform)
     : transform_(transform), near_(std::make_shared<openvdb::MaskTree>()) {}
 
-void ObstacleSet::addSphere(const Vec3d& centreWorld, double radiusWorld) {
-    if (!isFinite(centreWorld) || !(radiusWorld > 0) || !std::isfinite(radiusWorld))
+void ObstacleSet::addSphere(const Vec3d& centerWorld, double radiusWorld) {
+    if (!isFinite(centerWorld) || !(radiusWorld > 0) || !std::isfinite(radiusWorld))
         throw Error(Kind::InvalidArgument,
-                    "a sphere about " + text(centreWorld) + " of radius " +
+                    "a sphere about " + text(centerWorld) + " of radius " +
                         std::to_string(radiusWorld) +
-                        "; the centre must be finite, the radius positive and finite");
-    spheres_.push_back({transform_.indexFromWorld(centreWorld), radiusWorld / transform_.dx});
+                        "; the center must be finite, the radius positive and finite");
+    spheres_.push_back({transform_.indexFromWorld(centerWorld), radiusWorld / transform_.dx});
 }
 
 void ObstacleSet::addBox(const Vec3d& low, const Vec3d& high) {
@@ -223,13 +223,13 @@ void ObstacleSet::addMask(const Grid& grid, const IndexMap& map, const IsBlocked
 /// Marks the cells around a box of voxels grown to all sides, and a bulge more.
 void ObstacleSet::markNear(const IndexMap& toBand, const CoordBBox& voxels, double grown) {
     const Coord &low = voxels.min(), &high = voxels.max();
-    const Vec3d centre = toBand(0.5 * Vec3d(low.x() + double(high.x()), low.y() + double(high.y()),
+    const Vec3d center = toBand(0.5 * Vec3d(low.x() + double(high.x()), low.y() + double(high.y()),
                                             low.z() + double(high.z())));
     Vec3d extent{kMostBulge, kMostBulge, kMostBulge};
     for (std::size_t a = 0; a < 3; ++a)
         extent += (0.5 * (high[a] - low[a]) + grown) * absolute(toBand.axis[a]);
-    const Ijk first = floorToIjk((centre - extent) * (1 / kCell)),
-              last = floorToIjk((centre + extent) * (1 / kCell));
+    const Ijk first = floorToIjk((center - extent) * (1 / kCell)),
+              last = floorToIjk((center + extent) * (1 / kCell));
     near_->fill({{first.x, first.y, first.z}, {last.x, last.y, last.z}}, true, true);
 }
 
@@ -244,9 +244,9 @@ bool ObstacleSet::gridMayBeNear(const Vec3d& p, double radius) const {
 
 bool ObstacleSet::mayBeNear(const Vec3d& p, double radius) const {
     for (const Sphere& s : spheres_)
-        if (length(p - s.centre) <= s.radius + radius) return true;
+        if (length(p - s.center) <= s.radius + radius) return true;
     for (const Box& box : boxes_) {
-        const Vec3d d = absolute(transform_.worldFromIndexDirection(p - box.centre)) - box.halfSize;
+        const Vec3d d = absolute(transform_.worldFromIndexDirection(p - box.center)) - box.halfSize;
         if (length(Vec3d{std::max(d.x, 0.0), std::max(d.y, 0.0), std::max(d.z, 0.0)}) <= radius)
             return true;
     }
@@ -258,11 +258,11 @@ bool ObstacleSet::block(const Vec3d& oneEnd, const Vec3d& otherEnd, const Vec3d&
     const Vec3d &a = swap ? otherEnd : oneEnd, &b = swap ? oneEnd : otherEnd;
     const Vec3d middle = 0.5 * (a + b);
     for (const Sphere& s : spheres_)
-        if (distanceToSegment(s.centre, a, b) <= s.radius) return true;
+        if (distanceToSegment(s.center, a, b) <= s.radius) return true;
     for (const Box& box : boxes_) {
-        const Vec3d centre = transform_.worldFromIndexDirection(middle - box.centre),
+        const Vec3d center = transform_.worldFromIndexDirection(middle - box.center),
                     half = transform_.worldFromIndexDirection(0.5 * (b - a));
-        if (Parallelogram(centre, half, {}, box.halfSize).meetsBoxAt({})) return true;
+        if (Parallelogram(center, half, {}, box.halfSize).meetsBoxAt({})) return true;
     }
     if (!gridMayBeNear(middle, 0.5 * length(b - a))) return false;
     for (const LevelSetBody& body : levelSets_)

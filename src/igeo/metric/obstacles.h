@@ -20,7 +20,7 @@ namespace igeo {
 /// voxels with |psi| <= 1/2 of which each shares at least a corner with the next. Then the way to
 /// look for it is not the segment from a to b but the strip that the segment sweeps along the
 /// normal, 0.6 voxels of the mask to both sides and as far as S may bulge between a and b. The
-/// broken line through the voxels' centres runs within their cubes (midpoints between neighbours
+/// broken line through the voxels' centers runs within their cubes (midpoints between neighbors
 /// are on shared faces, edges or corners) and nowhere further than 1/2 from S, so no strip gets
 /// past it: a curve that closes around a point of S shuts it in. Voxels that do not touch leave a
 /// gap: of a wall across the core of a band (Band::numberCore) all voxels that it passes must be
@@ -32,9 +32,9 @@ public:
     ObstacleSet(ObstacleSet&&) = default;  // no copies: two would mark one tree
     ObstacleSet& operator=(ObstacleSet&&) = default;
 
-    /// @throws Error  InvalidArgument unless the centre is finite and the radius positive and
+    /// @throws Error  InvalidArgument unless the center is finite and the radius positive and
     /// finite
-    void addSphere(const Vec3d& centreWorld, double radiusWorld);
+    void addSphere(const Vec3d& centerWorld, double radiusWorld);
 
     /// A box with sides along the world's axes; a flat one is a wall as thin as nothing.
     /// @throws Error  InvalidArgument unless the corners are finite and low <= high
@@ -59,11 +59,11 @@ public:
 
 private:
     struct Sphere {
-        Vec3d centre;
+        Vec3d center;
         double radius;
     };
     struct Box {
-        Vec3d centre, halfSize;  ///< in the world's axes, in voxels
+        Vec3d center, halfSize;  ///< in the world's axes, in voxels
     };
     struct LevelSetBody {
         openvdb::FloatGrid::ConstPtr grid;

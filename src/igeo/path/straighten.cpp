@@ -125,7 +125,7 @@ std::vector<double> Relaxation::shifts() {
     for (std::size_t k = 1; k + 1 < n; ++k)
         side_[k] = normalized(cross(normalAt(band_, c_[k]), c_[k + 1] - c_[k - 1]));
     // Length of segment k = (c[k], c[k + 1]) and its variations. A metric gives a norm C(step) at
-    // every point; all that is needed of it follows by polarisation: with A = C(s)^2, E = C(e)^2,
+    // every point; all that is needed of it follows by polarization: with A = C(s)^2, E = C(e)^2,
     // B = (C(e + s)^2 - C(e - s)^2) / 4 the length C(e) has the derivatives B / sqrt(E) and
     // (A - B^2 / E) / sqrt(E) along s.
     for (std::size_t k = 0; k + 1 < n; ++k) {
@@ -203,7 +203,7 @@ bool Relaxation::shifted(const std::vector<double>& shift, double share, Curve& 
 void Relaxation::moveSingly(bool all) {
     for (std::size_t k = 1; k + 1 < c_.size(); ++k) {
         if (!all && stopped_[k] == 0) continue;
-        // Onto the chord of its neighbours, or as near as there is room.
+        // Onto the chord of its neighbors, or as near as there is room.
         const Vec3d &a = c_[k - 1], &b = c_[k + 1];
         const double whole = dot(a + 0.5 * (b - a) - c_[k], side_[k]);
         const double before = costOf({a, c_[k], b});

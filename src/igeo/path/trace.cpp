@@ -42,7 +42,7 @@ private:
     bool walkable(NodeIndex i) const;
     /// The node in sight by which the way from p is shortest.
     NodeIndex nodeAhead(const Vec3d& p) const;
-    NodeIndex lowestNeighbour(NodeIndex i) const;
+    NodeIndex lowestNeighbor(NodeIndex i) const;
     /// The normal at p of the sheet the path is on.
     Vec3d normalAt(const Vec3d& p) const;
     void append(Path& path, const Vec3d& p, double d) const;
@@ -159,9 +159,9 @@ NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
     return best;
 }
 
-NodeIndex Tracer::lowestNeighbour(NodeIndex i) const {
+NodeIndex Tracer::lowestNeighbor(NodeIndex i) const {
     NodeIndex best = i;
-    band_.forNeighbours(&BandLeaf::band, band_.leaf[i], band_.offset[i],
+    band_.forNeighbors(&BandLeaf::band, band_.leaf[i], band_.offset[i],
                         [&](NodeIndex j, int, int, int) {
                             if (field_.distance[j] < field_.distance[best] && walkable(j) &&
                                 dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet &&
@@ -243,7 +243,7 @@ Path Tracer::trace(const SurfacePoint& target) {
             p = next;
             d = lower;
         } else {
-            node = node == kNoNode ? nodeAhead(p) : lowestNeighbour(node);
+            node = node == kNoNode ? nodeAhead(p) : lowestNeighbor(node);
             if (node == kNoNode) return path;
             p = band_.footPoint(node);
             projectToSurface(band_, p);

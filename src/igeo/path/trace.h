@@ -46,7 +46,7 @@ struct TraceOptions {
 ///
 /// Where an obstacle is in the way, it slides along its rim. Where the gradient gives no way down
 /// (cut loci, creases), it goes on over the foot points of
-/// nodes, each time to the neighbour of least distance. Distances never rise along a path.
+/// nodes, each time to the neighbor of least distance. Distances never rise along a path.
 /// @param gradient surfaceGradient() of the same field
 /// @return vertices lie on psi = 0 of the trilinear interpolant to 1e-6 voxels where that converges
 /// Time O(length).

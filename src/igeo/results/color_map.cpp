@@ -20,7 +20,7 @@ constexpr Arc kArcs[] = {
     {"sunset", 0.42, 0.90, 285, 455, 0.150, 0.120, 0.145},
     {"ember", 0.38, 0.94, 360, 460, 0.130, 0.100, 0.155},
     {"ice", 0.40, 0.95, 275, 200, 0.140, 0.040, 0.100},
-    {"grey", 0.35, 0.95, 0, 0, 0, 0, 0},
+    {"gray", 0.35, 0.95, 0, 0, 0, 0, 0},
 };
 
 Vec3d linearFromOklab(double lightness, double a, double b) {
@@ -35,7 +35,7 @@ Vec3d linearFromOklab(double lightness, double a, double b) {
 
 double clamped(double t) { return t > 0 ? std::min(t, 1.0) : 0.0; }  // NaN: 0
 
-Vec3d colourOn(const Arc& arc, double t) {
+Vec3d colorOn(const Arc& arc, double t) {
     auto mix = [t](double at0, double at1) { return at0 + t * (at1 - at0); };
     const double bulge = arc.chromaMiddle - (arc.chroma0 + arc.chroma1) / 2;
     const double chroma = mix(arc.chroma0, arc.chroma1) + 4 * t * (1 - t) * bulge;
@@ -55,26 +55,26 @@ Vec3d srgbFromLinear(const Vec3d& linear) {
     return {encode(linear.x), encode(linear.y), encode(linear.z)};
 }
 
-ColourMap::ColourMap(const std::string& name) {
+ColorMap::ColorMap(const std::string& name) {
     constexpr int kSteps = 1024;  // linear in between: off by less than half of 1 / 255
     for (const Arc& arc : kArcs)
         if (arc.name == name)
-            for (int k = 0; k <= kSteps; ++k) table_.push_back(colourOn(arc, double(k) / kSteps));
+            for (int k = 0; k <= kSteps; ++k) table_.push_back(colorOn(arc, double(k) / kSteps));
     if (!table_.empty()) return;
     std::string known;
     for (const std::string& n : names()) known += (known.empty() ? "" : ", ") + n;
-    throw Error(Error::Kind::InvalidArgument, "there is no colour map '" + name + "'",
+    throw Error(Error::Kind::InvalidArgument, "there is no color map '" + name + "'",
                 "choose one of " + known);
 }
 
-Vec3d ColourMap::operator()(double t) const {
+Vec3d ColorMap::operator()(double t) const {
     const double at = clamped(t) * double(table_.size() - 1);
     const auto k = std::min(std::size_t(at), table_.size() - 2);
     const double s = at - double(k);
     return (1 - s) * table_[k] + s * table_[k + 1];
 }
 
-std::vector<std::string> ColourMap::names() {
+std::vector<std::string> ColorMap::names() {
     std::vector<std::string> all;
     for (const Arc& arc : kArcs) all.push_back(arc.name);
     return all;

@@ -1,4 +1,4 @@
-/// Colours for numbers from 0 to 1.
+/// Colors for numbers from 0 to 1.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -8,19 +8,19 @@
 
 namespace igeo {
 
-/// Gamma-encoded sRGB of a colour in linear light, components clamped to [0, 1].
+/// Gamma-encoded sRGB of a color in linear light, components clamped to [0, 1].
 Vec3d srgbFromLinear(const Vec3d& linear);
 
-/// A colour map: an arc in the polar form of Oklab (B. Ottosson, "A perceptual color space for
+/// A color map: an arc in the polar form of Oklab (B. Ottosson, "A perceptual color space for
 /// image processing", 2020), where equal steps look equal. Lightness rises and hue turns linearly,
-/// chroma is a parabola; so every map reads in grey, too, and none has the false edges of a
+/// chroma is a parabola; so every map reads in gray, too, and none has the false edges of a
 /// rainbow.
-class ColourMap {
+class ColorMap {
 public:
     /// @throws Error  InvalidArgument for a name that is not among names()
-    explicit ColourMap(const std::string& name);
+    explicit ColorMap(const std::string& name);
 
-    /// The colour for t, clamped to [0, 1], in linear light. O(1), from a table.
+    /// The color for t, clamped to [0, 1], in linear light. O(1), from a table.
     Vec3d operator()(double t) const;
 
     /// The maps there are; the first is the default.

@@ -48,17 +48,17 @@ struct Picture {
     Vec3f logGradient;
 };
 
-/// A neighbour in that picture, and the chord from it to the node.
+/// A neighbor in that picture, and the chord from it to the node.
 struct Seen {
     NodeIndex core;
     float weight;  ///< for fits: the nearer the more
     Vec2f way;     ///< the chord laid out in the picture, times the weight
-    float along;   ///< the same along the neighbour's geodesic
+    float along;   ///< the same along the neighbor's geodesic
     float side;    ///< and to its left
     Vec3f chord;   ///< in space, voxels
 };
 
-/// The neighbours of one front.
+/// The neighbors of one front.
 class AllSeen {
 public:
     void add(const Seen& n) {
@@ -79,7 +79,7 @@ struct LineFit {
         s0 += w, sx += w * x, sxx += w * x * x;
         b0 += w * y, bx += w * x * y;
     }
-    /// @param pull towards a slope, as a weight relative to all others together
+    /// @param pull toward a slope, as a weight relative to all others together
     void solve(float pull, float slopeGuess, float& at, float& slope) const {
         const float xx = sxx + pull * s0, x = bx + pull * s0 * slopeGuess;
         const float det = s0 * xx - sx * sx;
@@ -108,7 +108,7 @@ private:
 
     bool carryFromSeed(NodeIndex i, const Picture& here, Carried& out) const;
     void see(NodeIndex i, const Picture& here, NodeIndex core, AllSeen& all) const;
-    AllSeen neighbours(NodeIndex i, const Picture& here) const;
+    AllSeen neighbors(NodeIndex i, const Picture& here) const;
     void carry(NodeIndex i);
     Departure measure(NodeIndex i, const Carried& frame) const;
     Departure smooth(NodeIndex i) const;
@@ -130,7 +130,7 @@ Vec3f LogMapper::logGradient(NodeIndex i) const {
     const TangentFrame frame(band_.normal[i], band_.faceted);
     float xx = 1e-6f, xy = 0, yy = 1e-6f;
     Vec2f right;
-    band_.forNeighbours(
+    band_.forNeighbors(
         &BandLeaf::band, band_.leaf[i], band_.offset[i], [&](NodeIndex j, int, int, int) {
             if (dot(band_.normal[i], band_.normal[j]) < 0.5f) return;
             const Vec2f a = frame.flat(Vec3f(band_.footPoint(j) - band_.footPoint(i)));
@@ -146,7 +146,7 @@ Vec3f LogMapper::logGradient(NodeIndex i) const {
 Vec2f carriedAxis(const Picture& here, const Vec3f& chord, const Vec3f& normal,
                   const Carried& there) {
     const float cosine = igeo::dot(here.frame.normal(), normal);
-    const JetNeighbour n = flattened(here.frame, chord, normal, cosine, there.axis, 0);
+    const JetNeighbor n = flattened(here.frame, chord, normal, cosine, there.axis, 0);
     const Vec2f slope = here.frame.flat(here.logGradient + there.logGradient);
     return turned(n.g, cross(n.a, slope) / 2);
 }
@@ -176,7 +176,7 @@ void LogMapper::see(NodeIndex i, const Picture& here, NodeIndex core, AllSeen& a
     const float cosine = igeo::dot(here.frame.normal(), normal);
     if (!there.known() || label(j) != label(i) || cosine < Band::kOtherSheet) return;
     const Vec3f chord(band_.footPoint(i) - band_.footPoint(j));
-    const JetNeighbour n =
+    const JetNeighbor n =
         flattened(here.frame, chord, normal, cosine, normalized(field_.gradient[j]), 0);
     // Geodesics of another front: frames are another's as well.
     if (igeo::dot(n.g, here.way) < jet::kSameFront) return;
@@ -185,9 +185,9 @@ void LogMapper::see(NodeIndex i, const Picture& here, NodeIndex core, AllSeen& a
     all.add({core, 1 / (dot(n.a, n.a) + 0.1f), way, dot(n.g, way), cross(n.g, way), chord});
 }
 
-AllSeen LogMapper::neighbours(NodeIndex i, const Picture& here) const {
+AllSeen LogMapper::neighbors(NodeIndex i, const Picture& here) const {
     AllSeen all;
-    band_.forNeighbours(&BandLeaf::core, band_.leaf[i], band_.offset[i],
+    band_.forNeighbors(&BandLeaf::core, band_.leaf[i], band_.offset[i],
                         [&](NodeIndex core, int, int, int) { see(i, here, core, all); });
     return all;
 }
@@ -203,7 +203,7 @@ void LogMapper::carry(NodeIndex i) {
         Vec2f from;
         LineFit fit;
         float turn = 0;
-        for (const Seen& n : neighbours(i, here)) {
+        for (const Seen& n : neighbors(i, here)) {
             const float along = dot(here.way, n.way);
             if (!(along > 0)) continue;
             const Carried& there = carried_[n.core];
@@ -230,7 +230,7 @@ Departure LogMapper::measure(NodeIndex i, const Carried& frame) const {
     return {normalized(way), float(1 / distance(i))};
 }
 
-/// A line along the front through what a core node and its neighbours measured; what does not fit
+/// A line along the front through what a core node and its neighbors measured; what does not fit
 /// in counts for little.
 Departure LogMapper::smooth(NodeIndex i) const {
     constexpr int kRounds = 3;
@@ -246,7 +246,7 @@ Departure LogMapper::smooth(NodeIndex i) const {
     std::array<Said, 28> said;
     std::size_t count = 0;
     said[count++] = {1, 0, 0};
-    for (const Seen& n : neighbours(i, here)) {
+    for (const Seen& n : neighbors(i, here)) {
         const Departure& there = measured_[n.core];
         const auto d = float(distance(nodes_[n.core]));
         // Laid out flat about the seed, where straight lines are.
@@ -276,7 +276,7 @@ Vec2f LogMapper::interpolate(NodeIndex i) const {
     const Ijk low{floorToInt(f.x), floorToInt(f.y), floorToInt(f.z)};
     band_.forCorners(&BandLeaf::core, band_.leaf[i], band_.offset[i], low,
                      [&](NodeIndex k, unsigned) { see(i, here, k, all); });
-    if (all.begin() == all.end()) all = neighbours(i, here);
+    if (all.begin() == all.end()) all = neighbors(i, here);
     if (all.begin() == all.end()) return {};
     auto said = [&](const Seen& n) {
         const Departure& there = departures_[n.core];

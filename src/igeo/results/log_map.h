@@ -19,8 +19,8 @@ struct LogMap {
     };
     std::vector<Frame> frames;    ///< per seed
     std::vector<Vec2f> position;  ///< per band node, of its foot point: d (cos, sin) of the angle
-                                  ///< from u towards v, voxels times weight; NaN: not reached, or
-                                  ///< no neighbour to take a direction from
+                                  ///< from u toward v, voxels times weight; NaN: not reached, or
+                                  ///< no neighbor to take a direction from
 };
 
 /// The logarithmic map of a field of marchJet, about the seed that each node is nearest to.
@@ -29,12 +29,12 @@ struct LogMap {
 /// carried from the seed outwards, parallel along every geodesic, and a node's angle is that of its
 /// gradient in its frame: the gradient's error is not carried on, and the frame is smooth, also at
 /// the seed, where angles are not. In order of distance each node of the core takes the frame e and
-/// its change w along the front from lower neighbours, by least squares over the equations
+/// its change w along the front from lower neighbors, by least squares over the equations
 ///     angle(e_i) - w_i (t_i . a_ij) / 2 = angle(P e_j) + w_j (t_j . a_ij) / 2,
 /// the trapezoid rule along the chord a_ij, with P the least rotation of one tangent plane into the
 /// other and t across the geodesics; a weight g adds a_ij x (grad ln g_i + grad ln g_j) / 2 on the
 /// right (the connection of a conformal metric). The angles are then fitted by a line along the
-/// front over the neighbours of each node, in which stray gradients count for little, and the other
+/// front over the neighbors of each node, in which stray gradients count for little, and the other
 /// nodes take theirs from the lines of the core around. Second order.
 /// @param reference index space; u is its part along S at each seed. Zero, or normal to S: the
 ///                  coordinate axis least along the normal takes its place

@@ -117,19 +117,19 @@ private:
 
 /// A ball that always shows its full disc; index space.
 struct Dot {
-    Vec3d centre;
+    Vec3d center;
     double radius;
-    Vec3d colour;
+    Vec3d color;
 };
 
-/// What comes along a ray: colour, alpha, and between which isolines it came from.
+/// What comes along a ray: color, alpha, and between which isolines it came from.
 struct Light {
-    Film::RGBA colour{0.0, 0.0, 0.0, 0.0};
+    Film::RGBA color{0.0, 0.0, 0.0, 0.0};
     int step = -1;
 
     Light() = default;
     explicit Light(const Vec3d& c, int isolineStep = -1)
-        : colour(c.x, c.y, c.z), step(isolineStep) {}
+        : color(c.x, c.y, c.z), step(isolineStep) {}
 };
 
 /// The scene, in index space: gives the light that comes along a ray. One per thread.
@@ -154,8 +154,8 @@ public:
         outline_ = std::max(0.8 * pixel, 0.001 * frame);
         marks_ = std::make_shared<PathMarks>(paths, field.seeds, rays, pathHalf_ + outline_);
         const double seedRadius = std::max(3 * pixel, 0.0075 * frame);
-        auto dotAt = [&](const Vec3d& p, double radius, const Vec3d& colour) {
-            if (isVisible(rays, p, normalized(eye_ - p))) dots_.push_back({p, radius, colour});
+        auto dotAt = [&](const Vec3d& p, double radius, const Vec3d& color) {
+            if (isVisible(rays, p, normalized(eye_ - p))) dots_.push_back({p, radius, color});
         };
         for (const Path& path : paths)
             if (!path.vertices.empty()) dotAt(path.vertices.front().pIndex, 0.6 * seedRadius, kInk);
@@ -183,15 +183,15 @@ public:
         double nearest = kInfinity, off = 0;
         for (const std::uint32_t k : dots) {
             const Dot& dot_ = dots_[k];
-            const Vec3d r = dot_.centre - eye_;
+            const Vec3d r = dot_.center - eye_;
             const double along = dot(r, dir), miss = length(r - along * dir);
-            // A dot lies on the surface, which may bulge towards the eye a little.
+            // A dot lies on the surface, which may bulge toward the eye a little.
             if (miss < dot_.radius && along < nearest && along < depth + 2 * dot_.radius)
                 front = &dot_, nearest = along, off = miss / dot_.radius;
         }
         if (front) {
             constexpr double kRing = 0.74;
-            seen = Light(off > kRing ? kInk : (1 - 0.25 * off * off) * front->colour);
+            seen = Light(off > kRing ? kInk : (1 - 0.25 * off * off) * front->color);
         }
         return seen;
     }
@@ -200,7 +200,7 @@ private:
     Light surface(const Vec3d& p, Vec3d n, const Vec3d& dir) const {
         double d = sampleDistance(band_, field_, p, n);
         if (field_.stoppedEarly && d > lastKnown(p)) d = kInfinity;
-        Vec3d c = d < kInfinity ? scale_.colour(d) : kUnreached;
+        Vec3d c = d < kInfinity ? scale_.color(d) : kUnreached;
         const double path = marks_->distance(p, n);
         if (path < pathHalf_)
             return Light(0.6 * kWhite + 0.4 * lit(kWhite, dot(n, dir) > 0 ? -n : n, dir));
@@ -213,7 +213,7 @@ private:
         return Light(lit(c, n, dir), scale_.step(d));
     }
 
-    /// Where an early stop ends the colours, so that they end along a line and not cell by cell:
+    /// Where an early stop ends the colors, so that they end along a line and not cell by cell:
     /// jets reach beyond the last node, means of voxels fall short where some are missing.
     double lastKnown(const Vec3d& p) const {
         return field_.maxDistance - (field_.atFootPoints ? 0 : 2 * weightAt(p));
@@ -244,7 +244,7 @@ private:
     std::vector<Dot> dots_;
 };
 
-/// Fills a film: one ray per pixel, then more where a pixel differs from its neighbours.
+/// Fills a film: one ray per pixel, then more where a pixel differs from its neighbors.
 class Renderer {
 public:
     Renderer(const LevelSet& levelSet, const SurfaceRays& rays, const View& view,
@@ -267,7 +267,7 @@ public:
         std::vector<Light> first(width * film_.height());
         rows(0, [&](const SurfaceRays& rays, std::size_t i, std::size_t j) {
             first[j * width + i] = light(rays, i, j, 0.5, 0.5);
-            film_.pixel(i, j) = first[j * width + i].colour;
+            film_.pixel(i, j) = first[j * width + i].color;
         });
         if (samples_ == 1) return;
         rows(1, [&](const SurfaceRays& rays, std::size_t i, std::size_t j) {
@@ -283,7 +283,7 @@ private:
         const auto rowCount = double(film_.height());
         for (std::size_t k = 0; k < scene_.dots().size(); ++k) {
             const Dot& d = scene_.dots()[k];
-            const Vec3d r = levelSet_.transform.worldFromIndex(d.centre) - view.eye;
+            const Vec3d r = levelSet_.transform.worldFromIndex(d.center) - view.eye;
             const double depth = -dot(r, view.back);
             if (!(depth > 0)) continue;
             const double row = rowCount / 2 - scale * dot(r, view.up) / depth;
@@ -324,12 +324,12 @@ private:
         Film::RGBA sum(0.0, 0.0, 0.0, 0.0);
         for (int a = 0; a < samples_; ++a)
             for (int b = 0; b < samples_; ++b)
-                sum += light(rays, i, j, (a + (b + 0.5) / n) / n, (b + (a + 0.5) / n) / n).colour;
+                sum += light(rays, i, j, (a + (b + 0.5) / n) / n, (b + (a + 0.5) / n) / n).color;
         const auto share = float(1 / (n * n));
         return {sum.r * share, sum.g * share, sum.b * share, sum.a * share};
     }
 
-    /// Whether a pixel of the first pass, a film of its size, differs from a neighbour.
+    /// Whether a pixel of the first pass, a film of its size, differs from a neighbor.
     bool onEdge(const std::vector<Light>& first, std::size_t i, std::size_t j) const {
         constexpr float kVisible = 0.03f;  // of square roots, which are near what the eye sees
         const std::size_t width = film_.width(), at = j * width + i;
@@ -338,8 +338,8 @@ private:
             auto differ = [](float p, float q) {
                 return std::abs(std::sqrt(p) - std::sqrt(q)) > kVisible;
             };
-            return a.step != b.step || a.colour.a != b.colour.a || differ(a.colour.r, b.colour.r) ||
-                   differ(a.colour.g, b.colour.g) || differ(a.colour.b, b.colour.b);
+            return a.step != b.step || a.color.a != b.color.a || differ(a.color.r, b.color.r) ||
+                   differ(a.color.g, b.color.g) || differ(a.color.b, b.color.b);
         };
         return (i > 0 && differs(at - 1)) || (i + 1 < width && differs(at + 1)) ||
                (j > 0 && differs(at - width)) || (j + 1 < film_.height() && differs(at + width));

@@ -11,7 +11,7 @@ namespace igeo {
 struct PictureOptions {
     int width = 1280, height = 960;    ///< pixels, 1 to 16384
     int samples = 3;                   ///< per axis in pixels with an edge, 1 to 16
-    std::string colourMap = "lagoon";  ///< ColourMap::names()
+    std::string colorMap = "lagoon";  ///< ColorMap::names()
     double isolineSpacing = 0;    ///< world units times weight; 0: a round one that gives 10 to
                                   ///< 25 lines, negative: no lines
     bool legend = true;           ///< where there is room for it

@@ -249,9 +249,9 @@ MeshEdges meshEdges(const SurfaceMesh& mesh) {
 
 namespace {
 
-/// Calls visit(i, world position, colour) per vertex.
+/// Calls visit(i, world position, color) per vertex.
 template <typename Visit>
-void forVertices(const SurfaceMesh& mesh, const Similarity& transform, const Colour& colour,
+void forVertices(const SurfaceMesh& mesh, const Similarity& transform, const Color& color,
                  const Visit& visit) {
     double largest = 0;
     for (const double d : mesh.distance)
@@ -259,14 +259,14 @@ void forVertices(const SurfaceMesh& mesh, const Similarity& transform, const Col
     for (std::size_t i = 0; i < mesh.position.size(); ++i) {
         const double d = mesh.distance[i];
         const Vec3f c = !(d < kInfinity) ? Vec3f{0.5f, 0.5f, 0.5f}
-                                         : colour(largest > 0 ? std::max(d, 0.0) / largest : 0.0);
+                                         : color(largest > 0 ? std::max(d, 0.0) / largest : 0.0);
         visit(i, transform.worldFromIndex(mesh.position[i]), c);
     }
 }
 
 }  // namespace
 
-std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, const Colour& colour) {
+std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, const Color& color) {
     std::string bytes =
         "ply\n"
         "format binary_little_endian 1.0\n"
@@ -284,7 +284,7 @@ std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, con
         "property list uchar int vertex_indices\n"
         "end_header\n";
     bytes.reserve(bytes.size() + 35 * mesh.position.size() + 13 * mesh.triangles.size());
-    forVertices(mesh, transform, colour, [&](std::size_t i, const Vec3d& p, const Vec3f& c) {
+    forVertices(mesh, transform, color, [&](std::size_t i, const Vec3d& p, const Vec3f& c) {
         const Vec3d n = transform.worldFromIndexDirection(Vec3d(mesh.normal[i]));
         for (int k = 0; k < 3; ++k) putLittleEndian(bytes, float(p[k]));
         for (int k = 0; k < 3; ++k) putLittleEndian(bytes, float(n[k]));
@@ -303,14 +303,14 @@ std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, con
     return bytes;
 }
 
-std::string surfaceObj(const SurfaceMesh& mesh, const Similarity& transform, const Colour& colour) {
-    std::string text = "# surface, world units; colours are shares of the largest distance\n";
+std::string surfaceObj(const SurfaceMesh& mesh, const Similarity& transform, const Color& color) {
+    std::string text = "# surface, world units; colors are shares of the largest distance\n";
     std::array<char, 160> line{};
     auto add = [&](const char* format, auto... values) {
         std::snprintf(line.data(), line.size(), format, values...);
         text += line.data();
     };
-    forVertices(mesh, transform, colour, [&](std::size_t, const Vec3d& p, const Vec3f& c) {
+    forVertices(mesh, transform, color, [&](std::size_t, const Vec3d& p, const Vec3f& c) {
         add("v %.12g %.12g %.12g %.4g %.4g %.4g\n", p.x, p.y, p.z, double(c.x), double(c.y),
             double(c.z));
     });

@@ -62,15 +62,15 @@ struct MeshEdges {
 /// Time O(n log n).
 MeshEdges meshEdges(const SurfaceMesh& mesh);
 
-/// Colour (red, green, blue in [0, 1]) of a share of the largest distance, in [0, 1].
-using Colour = std::function<Vec3f(double)>;
+/// Color (red, green, blue in [0, 1]) of a share of the largest distance, in [0, 1].
+using Color = std::function<Vec3f(double)>;
 
 /// The mesh as a binary PLY file: x y z, nx ny nz (float), red green blue (uchar), distance
-/// (float), label (int); triangles. World units; unreached vertices are grey and have distance -1
+/// (float), label (int); triangles. World units; unreached vertices are gray and have distance -1
 /// and label -1, since MeshLab does not cope with NaN.
-std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, const Colour& colour);
+std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, const Color& color);
 
-/// The mesh as Wavefront OBJ, `v x y z r g b` (colours as Blender and MeshLab read them) and `f`.
-std::string surfaceObj(const SurfaceMesh& mesh, const Similarity& transform, const Colour& colour);
+/// The mesh as Wavefront OBJ, `v x y z r g b` (colors as Blender and MeshLab read them) and `f`.
+std::string surfaceObj(const SurfaceMesh& mesh, const Similarity& transform, const Color& color);
 
 }  // namespace igeo

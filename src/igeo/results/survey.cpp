@@ -140,7 +140,7 @@ std::vector<NodeIndex> connect(const Band& band, const std::vector<NodeIndex>& n
     DisjointSets sets(nodes.size());
     for (NodeIndex c = 0; c < nodes.size(); ++c) {
         const NodeIndex i = nodes[c];
-        band.forNeighbours(&BandLeaf::core, band.leaf[i], band.offset[i],
+        band.forNeighbors(&BandLeaf::core, band.leaf[i], band.offset[i],
                            [&](NodeIndex next, int, int, int) {
                                if (next < c && band.linked(i, nodes[next])) sets.join(c, next);
                            });
@@ -286,7 +286,7 @@ SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, const SurfaceMe
 
 namespace {
 
-/// The box of the active voxels' centres, as it lies in the world.
+/// The box of the active voxels' centers, as it lies in the world.
 void measureBox(FileSurvey& file) {
     const openvdb::CoordBBox box = file.levelSet.psi->evalActiveVoxelBoundingBox();
     if (box.empty()) return;

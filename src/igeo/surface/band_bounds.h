@@ -25,7 +25,7 @@ BandBounds bandBounds(double largestCurvature, double reach, double halfWidth,
 /// The half-width, voxels, at which `godunov` errs least: max(sqrt(3), (R/dx)^e), R = 1/M_S, held
 /// within the bounds.
 ///
-/// Narrower, and fronts miss upwind neighbours at the edge of the band (distances too long); wider,
+/// Narrower, and fronts miss upwind neighbors at the edge of the band (distances too long); wider,
 /// and paths take short cuts through it (too short, by order h times curvature). At order 1 both
 /// errors are large and cancel best for e = 0.3; at order 2 the first is small and e = 0.12 is best
 /// (docs/method.md has the trials).

@@ -27,7 +27,7 @@ std::vector<std::string> densityWarnings(const CloudDensity& density, const std:
                            " at the 99th percentile; thin parts may end or merge");
     if (density.conflicts > 0.01)
         warnings.push_back(file + ": " + percent(density.conflicts) +
-                           " of the normals disagree with their neighbours; where the surface is "
+                           " of the normals disagree with their neighbors; where the surface is "
                            "one-sided or too thin for the points, no front passes");
     return warnings;
 }

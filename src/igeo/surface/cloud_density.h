@@ -10,7 +10,7 @@ namespace igeo {
 /// How densely and how well points show their surface. Lengths in world units.
 ///
 /// The spacing at a point is the side of the square it has for itself: sqrt(pi / 12) times the
-/// distance to its 12th neighbour, which in a square lattice is its edge (within 3 %).
+/// distance to its 12th neighbor, which in a square lattice is its edge (within 3 %).
 struct CloudDensity {
     std::size_t points = 0;      ///< distinct ones that are used
     std::size_t duplicates = 0;  ///< points left out because another has the same position
@@ -19,8 +19,8 @@ struct CloudDensity {
     double spacing95 = 0, spacing99 = 0;  ///< percentiles
     double noise = 0;                     ///< scatter about the surface, root of the mean square
     std::size_t fitted = 0;               ///< points in a fit, more where there is noise
-    std::size_t pieces = 0;               ///< of the surface, as far as neighbours connect them
-    double conflicts = 0;  ///< share of neighbours whose normals disagree (Orientation, or normals
+    std::size_t pieces = 0;               ///< of the surface, as far as neighbors connect them
+    double conflicts = 0;  ///< share of neighbors whose normals disagree (Orientation, or normals
                            ///< in the file that are no normals of the surface)
     double largestCurvature = 0;  ///< 95th percentile, 1 / world length
 };

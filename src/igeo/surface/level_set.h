@@ -23,10 +23,10 @@ struct LevelSetStats {
     std::uint64_t negative = 0;     ///< active voxels inside
     double halfWidth = 0;           ///< largest |psi| of an active voxel
     std::uint64_t nearSurface = 0;  ///< |psi| < 1
-    double crossingShare = 0;       ///< of nearSurface: a face neighbour has the other sign
+    double crossingShare = 0;       ///< of nearSurface: a face neighbor has the other sign
     double gradientMedian = 0;      ///< of |grad psi|, central differences
     double gradientShare = 0;       ///< of voxels with |grad psi| in [0.75, 1.25]
-    std::uint64_t cutVoxels = 0;    ///< at the surface, yet a neighbour that should be there is not
+    std::uint64_t cutVoxels = 0;    ///< at the surface, yet a neighbor that should be there is not
     double largestCurvature = 0;    ///< 95th percentile of max |principal curvature| on S
     double reach = 0;               ///< least |psi| at which sheets meet; halfWidth if they do not
 };

@@ -25,7 +25,7 @@ bool meets(const Leaf& leaf, const std::vector<Ball>& region) {
     return std::any_of(region.begin(), region.end(), [&](const Ball& ball) {
         Vec3d r;  // from the nearest point of the leaf
         for (int a = 0; a < 3; ++a)
-            r[a] = ball.centre[a] - std::clamp(ball.centre[a], low[a], low[a] + 7);
+            r[a] = ball.center[a] - std::clamp(ball.center[a], low[a], low[a] + 7);
         return length(r) <= ball.radius;
     });
 }

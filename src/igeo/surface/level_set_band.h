@@ -12,7 +12,7 @@ namespace igeo {
 
 /// A part of space, in index coordinates.
 struct Ball {
-    Vec3d centre;
+    Vec3d center;
     double radius = 0;
 };
 

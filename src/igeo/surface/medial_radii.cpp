@@ -11,7 +11,7 @@ namespace igeo {
 
 namespace {
 
-/// Cosines of the angle that a ball's two touching points make at its centre, which is that of the
+/// Cosines of the angle that a ball's two touching points make at its center, which is that of the
 /// normals there. Above kSmooth (40 degrees) the surface between them is taken for smooth. A ball
 /// through a point beyond an edge that is not its last shows up to twice the edge's angle: below
 /// kTwice (80) it can be no smooth one.

@@ -47,7 +47,7 @@ struct Pseudonormals {
             ofCorner[b] += angleAt(p[b], p[c], p[a]) * ofFace[t];
             ofCorner[c] += angleAt(p[c], p[a], p[b]) * ofFace[t];
             for (std::size_t k = 0; k < 3; ++k)
-                if (topology.neighbour[t][k] == MeshTopology::kNone)
+                if (topology.neighbor[t][k] == MeshTopology::kNone)
                     atBoundary[mesh.triangles[t][k]] = atBoundary[mesh.triangles[t][(k + 1) % 3]] =
                         1;
         }
@@ -57,7 +57,7 @@ struct Pseudonormals {
     bool ends(std::size_t t, int feature) const {
         if (feature < 3) return atBoundary[mesh.triangles[t][std::size_t(feature)]];
         return feature < 6 &&
-               topology.neighbour[t][std::size_t(feature - 3)] == MeshTopology::kNone;
+               topology.neighbor[t][std::size_t(feature - 3)] == MeshTopology::kNone;
     }
 
     /// Whether a point of a face lies next to an edge of three or more: the sheets there share out
@@ -65,7 +65,7 @@ struct Pseudonormals {
     bool nearMany(std::size_t t, const Vec3d& y) const {
         constexpr double kNear = 2;
         for (std::size_t k = 0; k < 3; ++k) {
-            if (topology.neighbour[t][k] != MeshTopology::kMany) continue;
+            if (topology.neighbor[t][k] != MeshTopology::kMany) continue;
             const Vec3d a = mesh.points[mesh.triangles[t][k]],
                         b = mesh.points[mesh.triangles[t][(k + 1) % 3]];
             if (length(nearestOnTriangle(y, a, b, a).point - y) < kNear) return true;
@@ -78,7 +78,7 @@ struct Pseudonormals {
         if (feature < 3) {
             n = ofCorner[mesh.triangles[t][std::size_t(feature)]];
         } else if (feature < 6) {
-            const std::uint32_t u = topology.neighbour[t][std::size_t(feature - 3)];
+            const std::uint32_t u = topology.neighbor[t][std::size_t(feature - 3)];
             if (u < ofFace.size()) {
                 // Across the seam of a one-sided component normals are opposite.
                 const Vec3d sum = ofFace[t] + ofFace[u];

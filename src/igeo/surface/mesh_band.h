@@ -21,7 +21,7 @@ namespace igeo {
 /// itself. Holes so remain, and ways lead around them; gaps narrower than about 1.5 voxels are
 /// stepped over. Where a component has one side only (Moebius), the band is cut along one line
 /// across it.
-/// @param dx  voxel size, in the mesh's units; voxel centres at dx (i, j, k)
+/// @param dx  voxel size, in the mesh's units; voxel centers at dx (i, j, k)
 /// @param h   half the band's thickness, voxels, sqrt(3)/2 to 8
 /// @throws Error  InvalidArgument for h or dx out of range (requireReasonable), BadInput for too
 ///         many voxels or none, Cancelled through `progress`

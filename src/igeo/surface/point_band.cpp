@@ -121,7 +121,7 @@ std::vector<Ijk> Filler::candidates() const {
                             if (length(d) <= r) parts[c].push_back({x, y, z});
                         }
             }
-            // Neighbours in the tree are neighbours in space: most of it goes here.
+            // Neighbors in the tree are neighbors in space: most of it goes here.
             sortUnique(parts[c]);
         }
     });

@@ -18,9 +18,9 @@ namespace {
 using Kind = Error::Kind;
 
 constexpr std::size_t kLeastPoints = 16;
-/// Neighbours that tell the spacing and the first normal: two rings of a square lattice.
+/// Neighbors that tell the spacing and the first normal: two rings of a square lattice.
 constexpr std::size_t kNear = 12;
-/// Neighbours in a fit: few where points are exact, as details count; as many as it takes to
+/// Neighbors in a fit: few where points are exact, as details count; as many as it takes to
 /// average where they scatter by `noise` spacings.
 std::size_t fittedAt(double noise) {
     return std::size_t(std::lround(std::min(double(kNear) + 240 * noise, 96.0)));
@@ -29,7 +29,7 @@ std::size_t fittedAt(double noise) {
 /// average, of which all to one side of a line are once in ten million.
 constexpr double kReach = 3;
 /// Points with so many times the spacing of those around them are isolated, and those so many
-/// spacings off the surface that their neighbours show.
+/// spacings off the surface that their neighbors show.
 constexpr double kIsolated = 3, kStray = 1.5;
 /// Cosine of the normals of two sheets, as Band::kOtherSheet.
 constexpr double kOtherSheet = -0.2;
@@ -50,19 +50,19 @@ struct Plane {
 };
 
 /// Plane of least squares through points, by their covariance.
-Plane planeThrough(const PointTree& points, const std::vector<PointTree::Found>& neighbours,
+Plane planeThrough(const PointTree& points, const std::vector<PointTree::Found>& neighbors,
                    const std::vector<double>& weights) {
     double total = 0;
     Vec3d mean{};
-    const Vec3d origin = points[neighbours.front().point];
-    for (std::size_t k = 0; k < neighbours.size(); ++k) {
+    const Vec3d origin = points[neighbors.front().point];
+    for (std::size_t k = 0; k < neighbors.size(); ++k) {
         total += weights[k];
-        mean += weights[k] * (points[neighbours[k].point] - origin);
+        mean += weights[k] * (points[neighbors[k].point] - origin);
     }
     mean *= 1 / total;
     openvdb::math::Mat3d covariance = openvdb::math::Mat3d::zero(), vectors;
-    for (std::size_t k = 0; k < neighbours.size(); ++k) {
-        const Vec3d d = points[neighbours[k].point] - origin - mean;
+    for (std::size_t k = 0; k < neighbors.size(); ++k) {
+        const Vec3d d = points[neighbors[k].point] - origin - mean;
         for (int a = 0; a < 3; ++a)
             for (int b = 0; b < 3; ++b) covariance(a, b) += weights[k] * d[a] * d[b];
     }
@@ -125,10 +125,10 @@ void PointSurface::measureSpacing() {
     spacing_.resize(points_.size());
     const double perRadius = std::sqrt(std::numbers::pi / double(kNear));
     parallelFor(points_.size(), 512, [&](std::size_t begin, std::size_t end) {
-        std::vector<PointTree::Found> neighbours;
+        std::vector<PointTree::Found> neighbors;
         for (std::size_t i = begin; i < end; ++i) {
-            points_.nearest(points_[i], kNear + 1, neighbours);
-            spacing_[i] = perRadius * std::sqrt(neighbours.back().squared);
+            points_.nearest(points_[i], kNear + 1, neighbors);
+            spacing_[i] = perRadius * std::sqrt(neighbors.back().squared);
         }
     });
 }
@@ -136,11 +136,11 @@ void PointSurface::measureSpacing() {
 std::vector<char> PointSurface::strays() const {
     std::vector<char> off(points_.size());
     parallelFor(points_.size(), 512, [&](std::size_t begin, std::size_t end) {
-        std::vector<PointTree::Found> neighbours;
+        std::vector<PointTree::Found> neighbors;
         for (std::size_t i = begin; i < end; ++i) {
-            points_.nearest(points_[i], kNear + 1, neighbours);
+            points_.nearest(points_[i], kNear + 1, neighbors);
             std::vector<double> around;
-            for (const PointTree::Found& f : neighbours)
+            for (const PointTree::Found& f : neighbors)
                 if (f.point != i) around.push_back(spacing_[f.point]);
             const double usual = quantile(around, 0.5);
             off[i] =
@@ -188,20 +188,20 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
     normals_.resize(n);
     std::vector<double> thickness(n), breadth(n);
     parallelFor(n, 256, [&](std::size_t begin, std::size_t end) {
-        std::vector<PointTree::Found> neighbours;
+        std::vector<PointTree::Found> neighbors;
         std::vector<double> weights;
         for (std::size_t i = begin; i < end; ++i) {
-            points_.nearest(points_[i], count + 1, neighbours);
-            const double radius2 = 1.2 * neighbours.back().squared;
+            points_.nearest(points_[i], count + 1, neighbors);
+            const double radius2 = 1.2 * neighbors.back().squared;
             weights.clear();
-            for (const PointTree::Found& f : neighbours) {
+            for (const PointTree::Found& f : neighbors) {
                 // Where normals are given they tell sheets apart.
                 const bool other = !given.empty() && dot(given[i], given[f.point]) <
                                                          float(kOtherSheet) * length(given[i]) *
                                                              length(given[f.point]);
                 weights.push_back(other ? 0 : squared(1 - f.squared / radius2));
             }
-            const Plane plane = planeThrough(points_, neighbours, weights);
+            const Plane plane = planeThrough(points_, neighbors, weights);
             normals_[i] = plane.normal;
             thickness[i] = plane.thickness;
             breadth[i] = plane.breadth;
@@ -211,8 +211,8 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
     constexpr double kThick = 0.3, kNarrow = 0.01;
     if (quantile(breadth, 0.5) < kNarrow)
         throw Error(Kind::BadInput,
-                    file_ + ": the points lie along curves: half of them have neighbours in a line",
-                    "thin out points along scan lines, so that neighbours lie all around");
+                    file_ + ": the points lie along curves: half of them have neighbors in a line",
+                    "thin out points along scan lines, so that neighbors lie all around");
     if (quantile(thickness, 0.5) > kThick)
         throw Error(Kind::BadInput,
                     file_ +
@@ -248,22 +248,22 @@ void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
     std::atomic<std::size_t> done{0};
     parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
-        std::vector<PointTree::Found> neighbours;
+        std::vector<PointTree::Found> neighbors;
         for (std::size_t i = begin; i < end; ++i) {
             // Twice as many, should half of them be on another sheet.
-            points_.nearest(points_[i], 2 * count, neighbours);
-            neighbours.erase(
-                std::remove_if(neighbours.begin(), neighbours.end(),
+            points_.nearest(points_[i], 2 * count, neighbors);
+            neighbors.erase(
+                std::remove_if(neighbors.begin(), neighbors.end(),
                                [&](const auto& f) { return !sameSheet(f.point, normals_[i]); }),
-                neighbours.end());
-            if (neighbours.size() > count) neighbours.resize(count);
-            const double radius2 = 1.1 * neighbours.back().squared, radius = std::sqrt(radius2);
+                neighbors.end());
+            if (neighbors.size() > count) neighbors.resize(count);
+            const double radius2 = 1.1 * neighbors.back().squared, radius = std::sqrt(radius2);
             Vec3d normal = normals_[i];
             // Over the first plane, and again over the tangent plane of what came out.
             for (int round = 0; round < 2; ++round) {
                 QuadricFit fit(normal, radius);
                 double total = 0, squares = 0;
-                for (const PointTree::Found& f : neighbours) {
+                for (const PointTree::Found& f : neighbors) {
                     const double w = squared(1 - f.squared / radius2);
                     fit.add(points_[f.point] - points_[i], w);
                     total += w, squares += w * w;
@@ -275,7 +275,7 @@ void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
                 curvature_[i] = fit.curvature();
                 off_[i] = std::abs(fits_[i].value) / std::max(1e-3, 1 - fit.ownShare());
                 double sum = 0;
-                for (const PointTree::Found& f : neighbours)
+                for (const PointTree::Found& f : neighbors)
                     sum += squared(1 - f.squared / radius2) *
                            squared(fit.residual(points_[f.point] - points_[i]));
                 // Six unknowns take their share of the scatter.
@@ -291,10 +291,10 @@ void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
 }
 
 PointSurface::Blend PointSurface::blend(const Vec3d& y, const Vec3d& n,
-                                        const std::vector<Index>& neighbours) const {
+                                        const std::vector<Index>& neighbors) const {
     double sum = 0, value = 0;
     Vec3d sumSlope{}, slope{};
-    for (const Index j : neighbours) {
+    for (const Index j : neighbors) {
         const Vec3d d = y - points_[j];
         const double reach2 = squared(points_.reach(j)), left = 1 - dot(d, d) / reach2;
         if (!(left > 0) || !sameSheet(j, n)) continue;
@@ -313,13 +313,13 @@ PointSurface::Blend PointSurface::blend(const Vec3d& y, const Vec3d& n,
 }
 
 bool PointSurface::within(const Vec3d& y, const Vec3d& n,
-                          const std::vector<Index>& neighbours) const {
+                          const std::vector<Index>& neighbors) const {
     // Directions in the tangent plane. Points in all eight octants settle it without angles.
     const QuadricFit plane(n, 1);
     std::vector<double> angles;
     for (const bool exact : {false, true}) {
         unsigned octants = 0;
-        for (const Index j : neighbours) {
+        for (const Index j : neighbors) {
             const Vec3d d = points_[j] - y;
             if (dot(d, d) >= squared(points_.reach(j)) || !sameSheet(j, n)) continue;
             const auto [u, v] = plane.flat(d);
@@ -346,12 +346,12 @@ PointSurface::Index PointSurface::nearestSheet(const Vec3d& x) const {
     // Between two sheets the nearest point may be on the farther one, straight above a gap of the
     // nearer.
     constexpr std::size_t kAround = 5;
-    thread_local std::vector<PointTree::Found> neighbours;
-    points_.nearest(x, kAround, neighbours);
-    const Index first = neighbours.front().point;
+    thread_local std::vector<PointTree::Found> neighbors;
+    points_.nearest(x, kAround, neighbors);
+    const Index first = neighbors.front().point;
     Index best = first;
     double least = roughDistance(x, first);
-    for (const PointTree::Found& f : neighbours) {
+    for (const PointTree::Found& f : neighbors) {
         if (sameSheet(f.point, normals_[first])) continue;
         const double rough = roughDistance(x, f.point);
         if (rough < least) least = rough, best = f.point;
@@ -372,18 +372,18 @@ PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest) const 
     Vec3d n = normalized(first.gradient + 2.0 * first.bend(d));
     Vec3d y = x - (first.value + dot(first.gradient + first.bend(d), d)) * n;
 
-    thread_local std::vector<Index> neighbours;
-    neighbours.clear();
+    thread_local std::vector<Index> neighbors;
+    neighbors.clear();
     const double margin = spacing / 2;
     const Vec3d middle = y;
-    points_.forReaching(y, margin, [&](Index j) { neighbours.push_back(j); });
+    points_.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
     for (int step = 0;; ++step) {
         if (squaredLength(y - middle) > margin * margin && step < kSteps / 2) {
             // Far from where it began: begin anew from here.
-            neighbours.clear();
-            points_.forReaching(y, margin, [&](Index j) { neighbours.push_back(j); });
+            neighbors.clear();
+            points_.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
         }
-        const Blend f = blend(y, n, neighbours);
+        const Blend f = blend(y, n, neighbors);
         const double slope = length(f.gradient);
         if (!(f.weight > 0) || !(slope > 0.1)) return {};
         n = f.gradient * (1 / slope);
@@ -395,7 +395,7 @@ PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest) const 
         y += aside;
     }
     const double psi = dot(x - y, n);
-    if (!(std::abs(psi) < farthest) || !within(y, n, neighbours)) return {};
+    if (!(std::abs(psi) < farthest) || !within(y, n, neighbors)) return {};
     return {true, y, n, psi};
 }
 

@@ -14,7 +14,7 @@
 
 namespace igeo {
 
-/// The surface F = 0 of a cloud: at each point a quadric is fitted to its neighbours by least
+/// The surface F = 0 of a cloud: at each point a quadric is fitted to its neighbors by least
 /// squares, and F blends them where they overlap,
 ///
 ///     F(y) = sum_j w_j(y) f_j(y) / sum_j w_j(y),   w_j = (1 - |y - p_j|^2 / reach_j^2)^3
@@ -74,8 +74,8 @@ private:
     void build(const PointCloud& cloud, Progress& progress);
     Index nearestSheet(const Vec3d& x) const;
     bool sameSheet(std::size_t j, const Vec3d& n) const;
-    Blend blend(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbours) const;
-    bool within(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbours) const;
+    Blend blend(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
+    bool within(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
 
     std::string file_;
     PointTree points_;
@@ -83,7 +83,7 @@ private:
     std::vector<Vec3d> normals_;
     std::vector<Quadric> fits_;
     std::vector<double> scatter_, curvature_;  ///< per fit
-    std::vector<double> off_;  ///< per point: distance to the surface that its neighbours show
+    std::vector<double> off_;  ///< per point: distance to the surface that its neighbors show
     CloudDensity density_;
 };
 

@@ -51,7 +51,7 @@ TEST_CASE("Band: nodeAt finds the voxels of the band and no others") {
     }
 }
 
-TEST_CASE("Band: neighbour agrees with nodeAt across leaf borders") {
+TEST_CASE("Band: neighbor agrees with nodeAt across leaf borders") {
     for (const Ijk& low :
          {Ijk{-12, -12, -12}, Ijk{kFar - 12, -kFar - 12, 5}, Ijk{-kFar, kFar, -kFar}}) {
         // Sparse enough that leaves are missing, dense enough that most steps find a node.
@@ -71,8 +71,8 @@ TEST_CASE("Band: neighbour agrees with nodeAt across leaf borders") {
             Ijk d{step(random), step(random), step(random)};
             if (trial % 2) d = {d.x / 4, d.y / 4, d.z / 4};
             if (trial % 7 == 0) d.y *= 3;  // beyond the leaves next to it
-            const NodeIndex j = band.neighbour(i, d.x, d.y, d.z);
-            if (j != band.nodeAt(band.ijk(i) + d)) FAIL("neighbour and nodeAt differ");
+            const NodeIndex j = band.neighbor(i, d.x, d.y, d.z);
+            if (j != band.nodeAt(band.ijk(i) + d)) FAIL("neighbor and nodeAt differ");
             found += j != kNoNode;
         }
         CHECK(found > 50000);
@@ -80,7 +80,7 @@ TEST_CASE("Band: neighbour agrees with nodeAt across leaf borders") {
 }
 
 TEST_CASE(
-    "Band: forNeighbours and forCorners visit what neighbour finds, in the order of the steps") {
+    "Band: forNeighbors and forCorners visit what neighbor finds, in the order of the steps") {
     Band band = bandOfVoxels(randomVoxels({-12, -12, -12}, 24, 0.4, 7));
     // A core of its own numbers: every other node.
     for (std::size_t k = 0; k < band.size(); ++k) {
@@ -97,10 +97,10 @@ TEST_CASE(
             Found expected, seen;
             for (int k = 0; k < 27; ++k) {
                 const Ijk step{k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1};
-                const NodeIndex j = band.neighbour(nodes, l, at, step);
+                const NodeIndex j = band.neighbor(nodes, l, at, step);
                 if (k != 13 && j != kNoNode) expected.emplace_back(j, step.x, step.y, step.z);
             }
-            band.forNeighbours(nodes, l, at, [&](NodeIndex j, int dx, int dy, int dz) {
+            band.forNeighbors(nodes, l, at, [&](NodeIndex j, int dx, int dy, int dz) {
                 seen.emplace_back(j, dx, dy, dz);
             });
             REQUIRE(seen == expected);
@@ -109,7 +109,7 @@ TEST_CASE(
             expected.clear(), seen.clear();
             for (int k = 0; k < 8; ++k) {
                 const NodeIndex j =
-                    band.neighbour(nodes, l, at, low + Ijk{k >> 2, k >> 1 & 1, k & 1});
+                    band.neighbor(nodes, l, at, low + Ijk{k >> 2, k >> 1 & 1, k & 1});
                 if (j != kNoNode) expected.emplace_back(j, k, 0, 0);
             }
             band.forCorners(nodes, l, at, low,
@@ -126,7 +126,7 @@ TEST_CASE("Band: the core is closed and in one piece") {
         for (NodeIndex i = 0; i < band.size(); ++i) {
             if (band.inCore(i)) start = i, ++count;
             for (int side = 1; side < 6; side += 2) {
-                const NodeIndex j = band.neighbour(i, Band::faceStep(side));
+                const NodeIndex j = band.neighbor(i, Band::faceStep(side));
                 if (j == kNoNode || std::signbit(band.psi[i]) == std::signbit(band.psi[j]))
                     continue;
                 ++crossings;
@@ -144,7 +144,7 @@ TEST_CASE("Band: the core is closed and in one piece") {
             stack.pop_back();
             --count;
             for (int k = 0; k < 27; ++k) {
-                const NodeIndex j = band.neighbour(i, k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
+                const NodeIndex j = band.neighbor(i, k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
                 if (j == kNoNode || seen[j] || !band.inCore(j)) continue;
                 seen[j] = true;
                 stack.push_back(j);
@@ -286,7 +286,7 @@ TEST_CASE("Band: linked cuts between sheets that face each other") {
     const Band slab = analyticBand(psi, normal, {0, 0, -5}, {9, 9, 5}, 3);
     for (std::size_t k = 0; k < slab.size(); ++k) {
         const auto i = NodeIndex(k);
-        const NodeIndex above = slab.neighbour(i, 0, 0, 1), beside = slab.neighbour(i, 1, 0, 0);
+        const NodeIndex above = slab.neighbor(i, 0, 0, 1), beside = slab.neighbor(i, 1, 0, 0);
         if (above != kNoNode) {
             const bool acrossMiddle = slab.ijk(i).z == -1;
             CHECK(slab.linked(i, above) == !acrossMiddle);

@@ -107,7 +107,7 @@ TEST_CASE("Clouds come back from every kind of file to the last bit") {
     for (std::size_t i = 0; i < cloud.points.size(); ++i) obj += "v " + row(cloud, i, " ") + "\n";
     write(dir / "a.obj", obj);
     PointCloud bare = cloud;
-    bare.normals.clear();  // six numbers after `v` are a position and a colour
+    bare.normals.clear();  // six numbers after `v` are a position and a color
     checkSame(readPointCloud(dir / "a.obj"), bare);
 }
 

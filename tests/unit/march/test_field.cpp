@@ -18,7 +18,7 @@ Field fieldOf(const Band& band, const Value& value) {
     Field field;
     for (std::size_t k = 0; k < band.size(); ++k)
         field.distance.push_back(value(band.footPoint(NodeIndex(k))));
-    field.summarise();
+    field.summarize();
     return field;
 }
 
@@ -29,11 +29,11 @@ Band plane() { return planeBand(kNormal, kOffset, {-12, -12, -12}, {12, 12, 12},
 TEST_CASE("Field: summary counts what is reached") {
     Field field;
     field.distance = {3, kInfinity, 0, 7.5, kInfinity};
-    field.summarise();
+    field.summarize();
     CHECK(field.reached == 3);
     CHECK(field.maxDistance == 7.5);
     field.distance = {kInfinity};
-    field.summarise();
+    field.summarize();
     CHECK(field.reached == 0);
     CHECK(field.maxDistance == 0);
 }
@@ -44,7 +44,7 @@ TEST_CASE("surfaceGradient: exact for a linear distance on a plane") {
     const Field field = fieldOf(band, [&](const Vec3d& p) { return 20 + dot(slope, p); });
     const auto gradient = surfaceGradient(band, field);
     for (std::size_t k = 0; k < band.size(); ++k) {
-        // Central and one-sided differences are exact, but an axis without neighbours counts 0.
+        // Central and one-sided differences are exact, but an axis without neighbors counts 0.
         const Ijk v = band.ijk(NodeIndex(k));
         if (std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) > 10) continue;
         // Foot points are floats below 3, off by 1.2e-7 per coordinate.
@@ -78,7 +78,7 @@ TEST_CASE("surfaceGradient: one-sided at unreached nodes, zero where nothing is 
         const Ijk v = band.ijk(NodeIndex(k));
         if (v.x > 2) REQUIRE(gradient[k] == Vec3f{});
         if (v.x < -10 || v.x > 2 || std::abs(v.y) > 10 || std::abs(v.z) > 10) continue;
-        if (v.x == 2 && band.neighbour(NodeIndex(k), -1, 0, 0) == kNoNode) continue;
+        if (v.x == 2 && band.neighbor(NodeIndex(k), -1, 0, 0) == kNoNode) continue;
         REQUIRE(length(Vec3d(gradient[k]) - slope) < 1e-6);
     }
     // A node alone knows no direction.
@@ -133,7 +133,7 @@ TEST_CASE("sampleDistance: straight to the seed within its start disc") {
     seed.pIndex = at, seed.start = 5, seed.weight = 2;
     field.seeds = {seed};
     field.startRadius = 3.5;
-    field.summarise();
+    field.summarize();
     for (const Vec3d& p : {at, at + Vec3d{0.1, 0, 0}, at + Vec3d{2, -2, 0}})
         CHECK(sampleDistance(band, field, p) == 5 + 2 * length(p - at));
     CHECK(seedAround(field, at + Vec3d{3.4, 0, 0}, {0, 0, 1}, 5 + 6.8) == &field.seeds[0]);
@@ -147,7 +147,7 @@ TEST_CASE("distanceGrid: world units at reached nodes, the largest elsewhere") {
     band.transform.dx = 0.25;
     Field field = fieldOf(band, [](const Vec3d& p) { return 30 + p.x; });
     field.distance[7] = kInfinity;
-    field.summarise();
+    field.summarize();
     const auto transform = openvdb::math::Transform::createLinearTransform(0.25);
     const auto grid = distanceGrid(band, field, *transform, "d");
     CHECK(grid->getName() == "d");

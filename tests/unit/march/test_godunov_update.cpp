@@ -129,7 +129,7 @@ TEST_CASE("eikonal: the order of the axes does not matter") {
     std::mt19937 random(4);
     for (int trial = 0; trial < 5000; ++trial) {
         auto terms = randomTerms(random, 3, 1);
-        // Equal neighbours of two axes, one of them at order 2: on a plane of symmetry.
+        // Equal neighbors of two axes, one of them at order 2: on a plane of symmetry.
         if (trial % 3 == 0) {
             terms[0] = firstOrderTerm(10);
             terms[1] = secondOrderTerm(10, 10 - 0.25 * (trial % 5));

@@ -9,13 +9,13 @@
 namespace igeo {
 namespace {
 
-/// A neighbour at `p`, seen from a node at the origin, on the circular front about `source`.
-JetNeighbour onCircle(Vec2f p, Vec2f source, double start = 0) {
+/// A neighbor at `p`, seen from a node at the origin, on the circular front about `source`.
+JetNeighbor onCircle(Vec2f p, Vec2f source, double start = 0) {
     const Vec2f r = p - source;
     return {-1.0f * p, (1 / length(r)) * r, start + double(length(r))};
 }
 
-/// Single precision: values to some 1e-7 of the few voxels between node and neighbours, and
+/// Single precision: values to some 1e-7 of the few voxels between node and neighbors, and
 /// distances to sources to 1e-7 of themselves.
 float rounding(float distance) { return 4e-7f * (4 + distance); }
 
@@ -27,7 +27,7 @@ TEST_CASE("jetUpdate is exact for circular fronts, near and far") {
     for (const float distance : {4.0f, 10.0f, 100.0f, 3000.0f}) {
         const float a = angle(random);
         const Vec2f source{distance * std::cos(a), distance * std::sin(a)};
-        JetNeighbours all;
+        JetNeighbors all;
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y) {
                 const Vec2f p{float(x) + jitter(random), float(y) + jitter(random)};
@@ -36,7 +36,7 @@ TEST_CASE("jetUpdate is exact for circular fronts, near and far") {
             }
         REQUIRE(all.count() >= 2);
         const Jet jet = jetUpdate(all);
-        INFO("source at " << distance << ", " << all.count() << " neighbours");
+        INFO("source at " << distance << ", " << all.count() << " neighbors");
         CHECK(!jet.guarded);
         // The direction is predicted exactly for such fronts, so only roundings are left.
         CHECK(std::abs(jet.u - double(distance)) < double(rounding(distance)));
@@ -45,7 +45,7 @@ TEST_CASE("jetUpdate is exact for circular fronts, near and far") {
 }
 
 TEST_CASE("jetUpdate takes the lesser of two fronts") {
-    JetNeighbours all;
+    JetNeighbors all;
     const Vec2f left{-9, 0}, right{9.3f, 0};
     for (const float y : {-1.0f, 0.0f, 1.0f}) all.add(onCircle({-1, y}, left));
     for (const float y : {-1.0f, 0.0f, 1.0f}) all.add(onCircle({1, y}, right));
@@ -54,8 +54,8 @@ TEST_CASE("jetUpdate takes the lesser of two fronts") {
     CHECK(jet.g.x > 0.999f);
 }
 
-TEST_CASE("jetUpdate with one neighbour goes straight on, with none nowhere") {
-    JetNeighbours all;
+TEST_CASE("jetUpdate with one neighbor goes straight on, with none nowhere") {
+    JetNeighbors all;
     CHECK(jetUpdate(all).u == kInfinity);
     all.add({{0.6f, 0.8f}, {0.6f, 0.8f}, 5});
     const Jet jet = jetUpdate(all);
@@ -69,7 +69,7 @@ TEST_CASE(
     std::mt19937 random(11);
     std::uniform_real_distribution<float> at(-1.7f, 1.7f), angle(0, 6.2831853f);
     for (int k = 0; k < 1000; ++k) {
-        JetNeighbours all;
+        JetNeighbors all;
         double least = kInfinity, bound = kInfinity;
         for (int n = 0; n < 6; ++n) {
             const float a = angle(random);
@@ -90,8 +90,8 @@ TEST_CASE(
 }
 
 TEST_CASE("blendJets interpolates a circular front exactly and keeps two fronts apart") {
-    JetNeighbours around;
-    std::array<float, JetNeighbours::kMax> weight{};
+    JetNeighbors around;
+    std::array<float, JetNeighbors::kMax> weight{};
     const Vec2f source{-7, 3};
     for (const Vec2f p : {Vec2f{-0.5f, -0.5f}, {0.5f, -0.5f}, {-0.5f, 0.5f}, {0.5f, 0.5f}}) {
         weight[std::size_t(around.count())] = 0.25f;
@@ -102,7 +102,7 @@ TEST_CASE("blendJets interpolates a circular front exactly and keeps two fronts 
     // a voxel; across the front only.
     CHECK(std::abs(jet.u - double(length(source))) < 1e-3);
 
-    JetNeighbours both;
+    JetNeighbors both;
     both.add(onCircle({-0.5f, 0}, {-8, 0}));
     both.add(onCircle({0.5f, 0}, {8.5f, 0}));
     CHECK(std::abs(blendJets(both, weight).u - 8) < double(rounding(8)));
@@ -129,7 +129,7 @@ TEST_CASE("TangentFrame: over a sharp edge the way is unfolded") {
     const Vec2f way = frame.way(onFront - onTop, top, 0);
     CHECK(std::abs(length(way) - std::hypot(0.9f, 1.1f)) < 1e-6f);
     // A gradient that goes straight over the edge still goes away from it behind.
-    const JetNeighbour n = flattened(frame, onFront - onTop, top, 0, Vec3f{0, 1, 0}, 3);
+    const JetNeighbor n = flattened(frame, onFront - onTop, top, 0, Vec3f{0, 1, 0}, 3);
     const Vec3f turned = frame.lift(n.g);
     CHECK(length(turned - Vec3f{0, 0, -1}) < 1e-6f);
 }

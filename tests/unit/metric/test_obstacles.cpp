@@ -118,14 +118,14 @@ public:
     void forLinked(NodeIndex i, const Visit& visit) const {
         if (which_ == Faces) {
             for (int side = 0; side < 6; ++side) {
-                const NodeIndex j = band_.neighbour(i, Band::faceStep(side));
+                const NodeIndex j = band_.neighbor(i, Band::faceStep(side));
                 if (j != kNoNode && band_.linked(i, j)) visit(j);
             }
             return;
         }
-        band_.forNeighbours(&BandLeaf::core, band_.leaf[i], band_.offset[i],
+        band_.forNeighbors(&BandLeaf::core, band_.leaf[i], band_.offset[i],
                             [&](NodeIndex, int dx, int dy, int dz) {
-                                const NodeIndex j = band_.neighbour(i, dx, dy, dz);
+                                const NodeIndex j = band_.neighbor(i, dx, dy, dz);
                                 if (dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet)
                                     visit(j);
                             });
@@ -181,12 +181,12 @@ double halfWidth(const Vec3d& n) { return (std::abs(n.x) + std::abs(n.y) + std::
 /// A surface in general position and what a wall on it needs.
 struct Ground {
     Band band;
-    Vec3d centre;                             ///< a point of S, far from every cut
+    Vec3d center;                             ///< a point of S, far from every cut
     std::function<Vec3d(const Vec3d&)> onto;  ///< the nearest point of S
     std::function<bool(const Vec3d&)> farFromCut;
-    double across;  ///< how far from the centre to start on either side of a wall through it
+    double across;  ///< how far from the center to start on either side of a wall through it
 
-    Vec3d normalAtCentre() const { return Vec3d(band.normal[band.nodeAt(roundToIjk(centre))]); }
+    Vec3d normalAtCenter() const { return Vec3d(band.normal[band.nodeAt(roundToIjk(center))]); }
 };
 
 constexpr double kPatch = 11, kRadius = 7;
@@ -204,11 +204,11 @@ Ground randomGround(Dice& dice, bool round) {
             [=](const Vec3d& p) { return length(p - shift) < kPatch - 2; }, 6};
 }
 
-/// A plane through the centre of the ground that meets S at 60 degrees at least.
+/// A plane through the center of the ground that meets S at 60 degrees at least.
 Vec3d wallNormal(Dice& dice, const Ground& g) {
     for (;;) {
         const Vec3d w = dice.unit();
-        if (std::abs(dot(w, g.normalAtCentre())) < 0.5) return w;
+        if (std::abs(dot(w, g.normalAtCenter())) < 0.5) return w;
     }
 }
 
@@ -218,7 +218,7 @@ openvdb::MaskGrid::Ptr wallOf(const Ground& g, const Vec3d& w, double half,
     const auto wall = openvdb::MaskGrid::create();
     for (NodeIndex i = 0; i < g.band.size(); ++i) {
         const Ijk v = g.band.ijk(i);
-        if (std::abs(dot(w, Vec3d(v) - g.centre)) <= half && takes(i))
+        if (std::abs(dot(w, Vec3d(v) - g.center)) <= half && takes(i))
             wall->tree().setValueOn({v.x, v.y, v.z});
     }
     return wall;
@@ -241,16 +241,16 @@ void appendPath(const Links& core, const Band& band, NodeIndex from, NodeIndex t
 }
 
 /// A closed curve of the core, each voxel with at least a corner in common with the next, through
-/// the voxels nearest to points around the ground's centre.
+/// the voxels nearest to points around the ground's center.
 std::vector<Ijk> curveVoxels(const Ground& g, double radius, int points, double start) {
     const ObstacleSet none{Similarity{}};
     const Links core(g.band, none, Links::Core, g.farFromCut);
-    const Vec3d n = g.normalAtCentre(), x = anyOrthogonal(n), y = cross(n, x);
+    const Vec3d n = g.normalAtCenter(), x = anyOrthogonal(n), y = cross(n, x);
     std::vector<NodeIndex> corners;
     for (int k = 0; k < points; ++k) {
         const double angle = start + 2 * M_PI * k / points;
         const Vec3d p =
-            g.onto(g.centre + radius * std::cos(angle) * x + radius * std::sin(angle) * y);
+            g.onto(g.center + radius * std::cos(angle) * x + radius * std::sin(angle) * y);
         NodeIndex nearest = kNoNode;
         for (NodeIndex i = 0; i < g.band.size(); ++i)
             if (g.band.inCore(i) &&
@@ -292,7 +292,7 @@ bool leadsAcross(const openvdb::MaskGrid& wall, const Ground& g, const Vec3d& al
         while (!front.empty()) {
             const auto [x, y, z] = front.back();
             front.pop_back();
-            const double at = dot(along, Vec3d(x, y, z) - g.centre);
+            const double at = dot(along, Vec3d(x, y, z) - g.center);
             low = std::min(low, at), high = std::max(high, at);
             for (int k = 0; k < 27; ++k)
                 if (const auto v = std::make_tuple(x + k / 9 - 1, y + k / 3 % 3 - 1, z + k % 3 - 1);
@@ -312,7 +312,7 @@ TEST_CASE("obstacles: a wall of voxels parts the surface") {
     for (int k = 0; k < 150; ++k) {
         const Ground g = randomGround(dice, k % 2);
         const Vec3d w = wallNormal(dice, g);
-        const Vec3d p = g.onto(g.centre + g.across * w), q = g.onto(g.centre - g.across * w);
+        const Vec3d p = g.onto(g.center + g.across * w), q = g.onto(g.center - g.across * w);
         // One voxel thick: those next to each other share an edge at least.
         whole.add(g, wallOf(g, w, halfEdge(w), [](NodeIndex) { return true; }), p, q);
         // Of these the voxels that S passes; S is bent by 0.05 across a voxel.
@@ -340,11 +340,11 @@ TEST_CASE("obstacles: a curve of voxels drawn on S shuts in what it surrounds") 
     Tally circles, polygons;
     for (int k = 0; k < 300; ++k) {
         const Ground g = randomGround(dice, k % 2);
-        const Vec3d n = g.normalAtCentre();
-        const Vec3d far = g.onto(g.centre - (k % 2 ? kRadius : 0) * n + 8.0 * anyOrthogonal(n));
+        const Vec3d n = g.normalAtCenter();
+        const Vec3d far = g.onto(g.center - (k % 2 ? kRadius : 0) * n + 8.0 * anyOrthogonal(n));
         const double start = dice.between(0, 6.3);
-        circles.add(g, maskOf(curveVoxels(g, 4.5, 90, start)), g.centre, far);
-        polygons.add(g, maskOf(curveVoxels(g, 5, 6, start)), g.centre, far);
+        circles.add(g, maskOf(curveVoxels(g, 4.5, 90, start)), g.center, far);
+        polygons.add(g, maskOf(curveVoxels(g, 5, 6, start)), g.center, far);
     }
     for (const Tally& t : {circles, polygons}) {
         CHECK(t.walls == 300);
@@ -361,10 +361,10 @@ TEST_CASE("obstacles: the thinnest wall of the core parts it wherever its voxels
         const Ground g = randomGround(dice, false);
         const Vec3d w = wallNormal(dice, g);
         const auto wall = wallOf(g, w, halfEdge(w), [&](NodeIndex i) { return g.band.inCore(i); });
-        if (!leadsAcross(*wall, g, normalized(cross(w, g.normalAtCentre())), kPatch - 2)) continue;
+        if (!leadsAcross(*wall, g, normalized(cross(w, g.normalAtCenter())), kPatch - 2)) continue;
         ++touching;
         Tally tally;
-        tally.add(g, wall, g.onto(g.centre + g.across * w), g.onto(g.centre - g.across * w));
+        tally.add(g, wall, g.onto(g.center + g.across * w), g.onto(g.center - g.across * w));
         CHECK(tally.leaks == 0);
     }
     CHECK(touching > 20);
@@ -391,7 +391,7 @@ TEST_CASE("obstacles: a curve shuts in whatever the voxels of its mask") {
             INFO("voxels of " << size);
             for (const auto which : {Links::Core, Links::Faces}) {
                 const Parting parting =
-                    part(g.band, mask, g.centre, shift - radius * n, which, g.farFromCut);
+                    part(g.band, mask, g.center, shift - radius * n, which, g.farFromCut);
                 CHECK(!parting.leaks);
                 CHECK(parting.p > 0);
                 CHECK(parting.q > 2 * parting.p);
@@ -442,18 +442,18 @@ TEST_CASE("obstacles: spheres and boxes are exact") {
     int hits = 0;
     for (int k = 0; k < 3000; ++k) {
         const Vec3d a = Vec3d{3, -2, 5} + dice.inCube(4), b = k % 5 ? a + dice.inCube(2) : a;
-        double fromCentre = kInfinity, fromBox = kInfinity;
+        double fromCenter = kInfinity, fromBox = kInfinity;
         constexpr int kSteps = 1000;
         for (int i = 0; i <= kSteps; ++i) {
             const Vec3d d = transform.worldFromIndex(a + (double(i) / kSteps) * (b - a)) - middle;
-            fromCentre = std::min(fromCentre, length(d));
+            fromCenter = std::min(fromCenter, length(d));
             fromBox = std::min(fromBox, std::max({std::abs(d.x) - half.x, std::abs(d.y) - half.y,
                                                   std::abs(d.z) - half.z}));
         }
         const double between = 0.25 * length(b - a) / kSteps + 1e-12;
         const bool inSphere = sphere.block(a, b, {0, 0, 1}), inBox = box.block(a, b, {0, 0, 1});
         hits += inSphere + inBox;
-        if (std::abs(fromCentre - 0.4) > between) REQUIRE(inSphere == (fromCentre < 0.4));
+        if (std::abs(fromCenter - 0.4) > between) REQUIRE(inSphere == (fromCenter < 0.4));
         if (std::abs(fromBox) > between) REQUIRE(inBox == (fromBox < 0));
     }
     CHECK(hits > 100);
@@ -477,9 +477,9 @@ TEST_CASE("obstacles: spheres and boxes are exact") {
 
 TEST_CASE("obstacles: a level set blocks its inside, tiles and all") {
     const Similarity transform = placed();
-    const openvdb::Vec3d centre(11, -19, 6);
+    const openvdb::Vec3d center(11, -19, 6);
     const auto grid =
-        makeLevelSet(sphere(centre, 3.2), *rotatedTransform(0.1, {1, 0, 2}, 15, {1, 2, 3}), 3);
+        makeLevelSet(sphere(center, 3.2), *rotatedTransform(0.1, {1, 0, 2}, 15, {1, 2, 3}), 3);
     const ObstacleSet set = only(grid, transform);
     const auto inverted = grid->deepCopy();
     for (auto it = inverted->beginValueAll(); it; ++it) it.setValue(-*it);

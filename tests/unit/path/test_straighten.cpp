@@ -97,7 +97,7 @@ TEST_CASE("extendDistance covers the narrow band with the values of the foot poi
     for (auto it = grid->cbeginValueOn(); it; ++it) {
         const auto c = it.getCoord();
         if (old.isValueOn(c)) REQUIRE(old.getValue(c) == *it);
-        // On a sphere foot points lie on the ray from the centre.
+        // On a sphere foot points lie on the ray from the center.
         worst = std::max(
             worst, std::abs(*it - geodesicOnSphere(kCenter, kRadius, seed, grid->indexToWorld(c))));
     }

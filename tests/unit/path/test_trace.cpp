@@ -25,7 +25,7 @@ struct Sphere {
         field.startRadius = kStartRadius;
         for (std::size_t k = 0; k < band.size(); ++k)
             field.distance.push_back(start + geodesic(seed.pIndex, band.footPoint(NodeIndex(k))));
-        field.summarise();
+        field.summarize();
         gradient = surfaceGradient(band, field);
     }
     SurfacePoint at(const Vec3d& direction) const {
@@ -51,7 +51,7 @@ void checkConsistent(const Sphere& s, const Path& path) {
         const PathVertex &a = path.vertices[k - 1], &b = path.vertices[k];
         const double step = length(b.pIndex - a.pIndex);
         REQUIRE(std::abs(b.arcLength - a.arcLength - step) < 1e-12 * (1 + b.arcLength));
-        // maxStep, a projection back to the surface, or a step between neighbouring nodes.
+        // maxStep, a projection back to the surface, or a step between neighboring nodes.
         REQUIRE(step < 2.5);
         REQUIRE(std::abs(samplePsi(s.band, b.pIndex).psi) < 1e-5);
     }
@@ -148,7 +148,7 @@ TEST_CASE("tracePath: from node to node where the gradient is of no use") {
         CHECK(path.status == PathStatus::Reached);
         checkConsistent(s, path);
         CHECK(path.length > exact * (1 - 1.1e-3) - 0.01);
-        // Ways along the 26 neighbours of a lattice are longer than straight ones by at most
+        // Ways along the 26 neighbors of a lattice are longer than straight ones by at most
         // sqrt(1 + (sqrt 2 - 1)^2 + (sqrt 3 - sqrt 2)^2) = 1.128, and a voxel at each end; foot
         // points of voxels within 1 of the surface are spread by at most R / (R - 1).
         CHECK(path.length < 1.128 * kRadius / (kRadius - 1) * exact + 2);
@@ -162,7 +162,7 @@ TEST_CASE("tracePath: the nearest of several seeds, by number") {
     for (std::size_t k = 0; k < s.band.size(); ++k)
         s.field.distance[k] = std::min(
             s.field.distance[k], Sphere::geodesic(second.pIndex, s.band.footPoint(NodeIndex(k))));
-    s.field.summarise();
+    s.field.summarize();
     s.gradient = surfaceGradient(s.band, s.field);
     for (const auto& [direction, seed] :
          {std::pair<Vec3d, std::size_t>{{0.2, 0.3, 1}, 0}, {{0.2, 1, 0.3}, 1}}) {

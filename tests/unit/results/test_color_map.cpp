@@ -25,10 +25,10 @@ TEST_CASE("srgbFromLinear: fixed points, the standard's middle, clamped") {
     CHECK(srgbFromLinear({-1, 0.001, 7}).z == Approx(1));
 }
 
-TEST_CASE("ColourMap: lightness rises evenly from one end to the other") {
-    REQUIRE(ColourMap::names().size() >= 4);
-    for (const std::string& name : ColourMap::names()) {
-        const ColourMap map(name);
+TEST_CASE("ColorMap: lightness rises evenly from one end to the other") {
+    REQUIRE(ColorMap::names().size() >= 4);
+    for (const std::string& name : ColorMap::names()) {
+        const ColorMap map(name);
         const double first = lightness(map(0)), last = lightness(map(1));
         INFO(name << ": " << first << " to " << last);
         // White lines stand out at one end and black ones at the other.
@@ -40,15 +40,15 @@ TEST_CASE("ColourMap: lightness rises evenly from one end to the other") {
             const double t = double(k) / kSteps, light = lightness(map(t));
             CHECK(light > before);
             before = light;
-            // Off the line only where a colour is clamped to sRGB: less than one sees.
+            // Off the line only where a color is clamped to sRGB: less than one sees.
             CHECK(std::abs(light - (first + t * (last - first))) < 0.01);
         }
     }
 }
 
-TEST_CASE("ColourMap: no two distances look the same") {
-    for (const std::string& name : ColourMap::names()) {
-        const ColourMap map(name);
+TEST_CASE("ColorMap: no two distances look the same") {
+    for (const std::string& name : ColorMap::names()) {
+        const ColorMap map(name);
         for (int k = 0; k < 32; ++k) {
             const Vec3d a = srgbFromLinear(map(k / 32.0)), b = srgbFromLinear(map((k + 1) / 32.0));
             CHECK(length(b - a) > 3.0 / 255);
@@ -57,8 +57,8 @@ TEST_CASE("ColourMap: no two distances look the same") {
     }
 }
 
-TEST_CASE("ColourMap: beyond the ends it stays at them") {
-    const ColourMap map("lagoon");
+TEST_CASE("ColorMap: beyond the ends it stays at them") {
+    const ColorMap map("lagoon");
     CHECK(map(-1) == map(0));
     CHECK(map(-kInfinity) == map(0));
     CHECK(map(std::nan("")) == map(0));
@@ -67,11 +67,11 @@ TEST_CASE("ColourMap: beyond the ends it stays at them") {
     CHECK(map(0) != map(1));
 }
 
-TEST_CASE("ColourMap: an unknown name is refused with those there are") {
-    std::vector<std::string> phrases = ColourMap::names();
+TEST_CASE("ColorMap: an unknown name is refused with those there are") {
+    std::vector<std::string> phrases = ColorMap::names();
     phrases.push_back("'rainbow'");
-    expectError(Error::Kind::InvalidArgument, phrases, [] { ColourMap("rainbow"); });
-    expectError(Error::Kind::InvalidArgument, {"lagoon"}, [] { ColourMap(""); });
+    expectError(Error::Kind::InvalidArgument, phrases, [] { ColorMap("rainbow"); });
+    expectError(Error::Kind::InvalidArgument, {"lagoon"}, [] { ColorMap(""); });
 }
 
 }  // namespace igeo::test

@@ -57,16 +57,16 @@ double spacing(const std::vector<Vec3d>& points, std::size_t k) {
 
 /// A ball that no path may enter.
 struct BallObstacle : Obstacles {
-    Vec3d centre{};
+    Vec3d center{};
     double radius = 0;
     bool block(const Vec3d& a, const Vec3d& b, const Vec3d&) const override {
         const Vec3d way = b - a;
         const double l2 = dot(way, way);
-        const double t = l2 > 0 ? std::clamp(dot(centre - a, way) / l2, 0.0, 1.0) : 0;
-        return length(a + t * way - centre) < radius;
+        const double t = l2 > 0 ? std::clamp(dot(center - a, way) / l2, 0.0, 1.0) : 0;
+        return length(a + t * way - center) < radius;
     }
     bool mayBeNear(const Vec3d& p, double r) const override {
-        return length(p - centre) < radius + r;
+        return length(p - center) < radius + r;
     }
 };
 
@@ -159,11 +159,11 @@ TEST_CASE("farthestPoints: a constant weight changes nothing, obstacles are kept
     for (std::size_t k = 0; k < 20; ++k) CHECK(plain[k].node == heavy[k].node);
 
     const auto ball = std::make_shared<BallObstacle>();
-    ball->centre = kCenter + Vec3d{12, 0, 0}, ball->radius = 6;
+    ball->center = kCenter + Vec3d{12, 0, 0}, ball->radius = 6;
     const auto metric = std::make_shared<Metric>();
     metric->setObstacles(band, ball);
     for (const SurfacePoint& p : farthestPoints(band, metric, {}, 60))
-        CHECK(length(band.footPoint(p.node) - ball->centre) >= 6);
+        CHECK(length(band.footPoint(p.node) - ball->center) >= 6);
 }
 
 TEST_CASE("farthestPoints: every foot point once, and no more") {
@@ -202,7 +202,7 @@ TEST_CASE("JetOptions::below: only the cell is marched, and as ever") {
         // The margin of three voxels, and a node of the band outside the core.
         if (second.distance[i] > first.distance[i] + 6) REQUIRE(cell.distance[i] == kInfinity);
     }
-    // At its edge a node may miss neighbours, as at the edge of any march.
+    // At its edge a node may miss neighbors, as at the edge of any march.
     CHECK(worst < 0.02);
     CHECK(cell.solved < 0.65 * double(second.solved));
     CHECK(cell.stoppedEarly);

@@ -69,7 +69,7 @@ TEST_CASE("logMap: each node in the frame of the seed it is nearest to; starts a
     const Field field = marchJet(band, {}, {nearestSurfacePoint(band, {9, -4, 0}), late});
     const LogMap map = logMap(band, field);
     REQUIRE(map.frames.size() == 2);
-    // Where fronts meet, nodes lack the neighbours on the other side, and gradients are off by
+    // Where fronts meet, nodes lack the neighbors on the other side, and gradients are off by
     // some 2e-3.
     CHECK(worstOnPlane(band, field, map) < 0.05);
     std::size_t second = 0;

@@ -60,7 +60,7 @@ struct Image {
 
 /// A sphere with the exact distances from one of its points.
 struct Scene {
-    Vec3d centre;
+    Vec3d center;
     double radius;
     LevelSet levelSet;
     Band band;
@@ -68,10 +68,10 @@ struct Scene {
 
     explicit Scene(const Vec3d& toSeed, double dx = 0.05, const Vec3d& middle = {0.3, -0.2, 0.5},
                    openvdb::math::Transform::Ptr transform = nullptr)
-        : centre(middle), radius(20 * dx) {
+        : center(middle), radius(20 * dx) {
         if (!transform) transform = openvdb::math::Transform::createLinearTransform(dx);
         LoadedGrid loaded;
-        loaded.grid = makeLevelSet(sphere(vdb(centre), radius), *transform, 3);
+        loaded.grid = makeLevelSet(sphere(vdb(center), radius), *transform, 3);
         levelSet = checkLevelSet(std::move(loaded));
         band = bandFromLevelSet(levelSet, 2);
         SurfacePoint seed = nearestSurfacePoint(band, index(pointAt(toSeed)));
@@ -80,13 +80,13 @@ struct Scene {
         const Vec3d s = world(seed.pIndex);
         for (std::size_t i = 0; i < band.size(); ++i)
             field.distance.push_back(distance(s, world(Vec3d(band.ijk(NodeIndex(i))))) / dx);
-        field.summarise();
+        field.summarize();
     }
     Vec3d index(const Vec3d& p) const { return levelSet.transform.indexFromWorld(p); }
     Vec3d world(const Vec3d& p) const { return levelSet.transform.worldFromIndex(p); }
-    Vec3d pointAt(const Vec3d& direction) const { return centre + radius * normalized(direction); }
+    Vec3d pointAt(const Vec3d& direction) const { return center + radius * normalized(direction); }
     double distance(const Vec3d& p, const Vec3d& q) const {
-        const Vec3d a = p - centre, b = q - centre;
+        const Vec3d a = p - center, b = q - center;
         return radius * std::atan2(length(cross(a, b)), dot(a, b));
     }
     double fromSeed(const Vec3d& p) const { return distance(world(field.seeds[0].pIndex), p); }
@@ -114,13 +114,13 @@ struct Scene {
         o.width = 320, o.height = 240;
         o.legend = false;
         o.isolineSpacing = -1;
-        o.eye = centre + Vec3d{0, 0, 6 * radius};
-        o.lookAt = centre;
+        o.eye = center + Vec3d{0, 0, 6 * radius};
+        o.lookAt = center;
         return o;
     }
     /// Where plain(), or one of another width, shows a point; pixels from the upper left corner.
     std::pair<double, double> pixelOf(const Vec3d& p, int width = 320) const {
-        const Vec3d r = p - (centre + Vec3d{0, 0, 6 * radius});
+        const Vec3d r = p - (center + Vec3d{0, 0, 6 * radius});
         const double scale = width / (2 * View::kHalfWidth) / -r.z;
         return {width / 2 + scale * r.x, width * 3 / 8 - scale * r.y};
     }
@@ -128,21 +128,21 @@ struct Scene {
 
 }  // namespace
 
-TEST_CASE("renderPng: every point has the colour of its distance") {
+TEST_CASE("renderPng: every point has the color of its distance") {
     for (const std::string& name : {std::string("lagoon"), std::string("sunset")}) {
         const Scene scene({-1, 0.3, 0.2});
         PictureOptions options = scene.plain();
-        options.colourMap = name;
+        options.colorMap = name;
         const Image image(scene.render(options));
         REQUIRE(image.width == 320);
         REQUIRE(image.height == 240);
         for (const auto& [x, y] : {std::pair{0, 0}, {319, 0}, {0, 239}, {319, 239}})
             CHECK(image.isWhite(x, y));
-        const ColourMap map(name);
+        const ColorMap map(name);
         for (const Vec3d& way : {Vec3d{0, 0, 1}, {0.5, 0, 1}, {0.4, 0.3, 1}, {-0.3, -0.5, 1}}) {
             const Vec3d p = scene.pointAt(way);
             const auto [x, y] = scene.pixelOf(p);
-            // Light changes how bright a colour is, not its ratios; white shine is below 0.003
+            // Light changes how bright a color is, not its ratios; white shine is below 0.003
             // there. A byte is good to 2.4 / 100 / 2 of linear light from 100 on, and the point
             // to a pixel, 0.02 radii of 3.1.
             const Vec3d seen = normalized(image.light(int(x), int(y)));
@@ -178,7 +178,7 @@ TEST_CASE("renderPng: a seed is a white dot with a dark ring, wherever the voxel
     // From behind it is not seen.
     const Scene behind({0, 0, -1});
     const Image image(behind.render(behind.plain()));
-    const auto [x, y] = behind.pixelOf(behind.centre);
+    const auto [x, y] = behind.pixelOf(behind.center);
     CHECK(dot(image.light(int(x), int(y)), {1, 1, 1}) < 3 * 0.9);
 }
 
@@ -241,7 +241,7 @@ TEST_CASE("renderPng: a path does not show through a thin sheet") {
     const Band band = bandFromLevelSet(levelSet, 1.8);
     Field field;
     field.distance.assign(band.size(), 1.0);
-    field.summarise();
+    field.summarize();
     // A path is at least 1.8 pixels wide to either side, more than the sheet is thick here.
     PictureOptions options;
     options.width = options.height = 16;
@@ -261,13 +261,13 @@ TEST_CASE("renderPng: a path does not show through a thin sheet") {
     CHECK((render(1) != render(0)));
 }
 
-TEST_CASE("renderPng: what is not reached is grey, and an early stop ends in a smooth line") {
+TEST_CASE("renderPng: what is not reached is gray, and an early stop ends in a smooth line") {
     const Vec3d toSeed = normalized(Vec3d{-1, 0, 1}), u{0, 1, 0}, v = cross(toSeed, u);
     Scene scene(toSeed);
     for (double& d : scene.field.distance)
         if (d > 20) d = kInfinity;
     scene.field.stoppedEarly = true;
-    scene.field.summarise();
+    scene.field.summarize();
     const bool jets = GENERATE(false, true);
     INFO("jets " << jets);
     scene.field.atFootPoints = jets;
@@ -304,7 +304,7 @@ TEST_CASE("renderPng: the same bytes for any number of threads, and once more") 
     }
     CHECK((pictures[0] == pictures[1]));
     CHECK((pictures[1] == pictures[2]));
-    // Its chunks hold no time, and name the colour space.
+    // Its chunks hold no time, and name the color space.
     CHECK((pictures[0].find("sRGB") != std::string::npos));
     CHECK((pictures[0].find("tIME") == std::string::npos));
     CHECK(pictures[0].substr(pictures[0].size() - 8, 4) == "IEND");
@@ -355,16 +355,16 @@ TEST_CASE("renderPng: transparent where nothing is") {
     CHECK(between);
 }
 
-TEST_CASE("renderPng: the legend is the colour map, and is left out where there is no room") {
+TEST_CASE("renderPng: the legend is the color map, and is left out where there is no room") {
     const Scene scene({0, 0, 1});
     PictureOptions options = scene.plain();
     options.width = 400, options.height = 400;
     options.legend = true;
     const Image image(scene.render(options));
     // The bar's upper end: the first row, right of the sphere, that is neither white nor dark.
-    const ColourMap map(options.colourMap);
-    auto is = [&](int x, int y, const Vec3d& colour) {
-        return length(image.light(x, y) - colour) < 0.02;
+    const ColorMap map(options.colorMap);
+    auto is = [&](int x, int y, const Vec3d& color) {
+        return length(image.light(x, y) - color) < 0.02;
     };
     int bars = 0;
     for (int x = 300; x < 400; ++x) {
@@ -392,7 +392,7 @@ TEST_CASE("renderPng: a cut surface ends where its data ends") {
     const Band band = bandFromLevelSet(levelSet, 2);
     Field field;
     field.distance.assign(band.size(), 1.0);
-    field.summarise();
+    field.summarize();
     PictureOptions options;
     options.width = 300, options.height = 300;
     options.legend = false, options.isolineSpacing = -1;
@@ -439,10 +439,10 @@ TEST_CASE("renderPng: options out of range are refused") {
     refused({"16385", "16384"}, [](auto& o) { o.width = 16385; });
     refused({"0 samples", "16"}, [](auto& o) { o.samples = 0; });
     refused({"17 samples"}, [](auto& o) { o.samples = 17; });
-    refused({"'jet'", "lagoon, sunset"}, [](auto& o) { o.colourMap = "jet"; });
+    refused({"'jet'", "lagoon, sunset"}, [](auto& o) { o.colorMap = "jet"; });
     refused({"isoline"}, [](auto& o) { o.isolineSpacing = std::nan(""); });
     refused({"looks at itself", "1,2,3"}, [](auto& o) { o.eye = o.lookAt = Vec3d{1, 2, 3}; });
-    refused({"looks at itself"}, [&](auto& o) { o.eye = o.lookAt = scene.centre; });
+    refused({"looks at itself"}, [&](auto& o) { o.eye = o.lookAt = scene.center; });
     refused({"inside the surface", "0.3,-0.2,0.5"}, [&](auto& o) {
         o.eye = scene.pointAt({1, 0, 0}) - Vec3d{0.4, 0, 0};
     });
@@ -486,10 +486,10 @@ TEST_CASE("roundSpacing: 1, 2 or 5 times a power of ten, nearest by ratio") {
     }
 }
 
-TEST_CASE("colorGrid: the colours of the distances, grey elsewhere") {
+TEST_CASE("colorGrid: the colors of the distances, gray elsewhere") {
     Scene scene({0, 0, 1});
     scene.field.distance[7] = kInfinity;
-    const ColourMap map("ice");
+    const ColorMap map("ice");
     const auto grid = colorGrid(scene.band, scene.field, map, scene.levelSet.psi->transform(), "c");
     CHECK(grid->getName() == "c");
     CHECK(grid->transform() == scene.levelSet.psi->transform());
@@ -499,9 +499,9 @@ TEST_CASE("colorGrid: the colours of the distances, grey elsewhere") {
         const openvdb::Vec3s c = grid->tree().getValue({p.x, p.y, p.z});
         return Vec3d{c.x(), c.y(), c.z()};
     };
-    const Vec3d grey = at(7);
-    CHECK(grey.x == grey.y);
-    CHECK(grey.y == grey.z);
+    const Vec3d gray = at(7);
+    CHECK(gray.x == gray.y);
+    CHECK(gray.y == gray.z);
     for (const NodeIndex i : {NodeIndex(0), NodeIndex(100), NodeIndex(scene.band.size() - 1)}) {
         const Vec3d expected =
             srgbFromLinear(map(scene.field.distance[i] / scene.field.maxDistance));

@@ -27,7 +27,7 @@ struct Run {
         seed.askedIndex = {1, 0, 0.5}, seed.pIndex = {1, 0, 0};
         seed.snapDistance = 0.5, seed.start = 4;
         field.seeds = {seed};
-        field.summarise();
+        field.summarize();
 
         Path reached;
         reached.status = PathStatus::Reached;

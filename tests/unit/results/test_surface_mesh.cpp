@@ -288,12 +288,12 @@ TEST_CASE("surfacePly and surfaceObj: world units, outward, also in a mirror") {
         std::string kind;
         words >> kind;
         if (kind == "v") {
-            openvdb::Vec3d p, colour;
-            words >> p.x() >> p.y() >> p.z() >> colour.x() >> colour.y() >> colour.z();
+            openvdb::Vec3d p, color;
+            words >> p.x() >> p.y() >> p.z() >> color.x() >> color.y() >> color.z();
             REQUIRE(words);
             const Vec3d exact = m.band.transform.worldFromIndex(m.mesh.position[v]);
             CHECK((p - openvdb::Vec3d(exact.x, exact.y, exact.z)).length() < 1e-10);
-            CHECK(colour.x() == Approx(m.mesh.distance[v] / largest).margin(1e-3));
+            CHECK(color.x() == Approx(m.mesh.distance[v] / largest).margin(1e-3));
             ++v;
         } else if (kind == "f") {
             std::size_t a, b, c;

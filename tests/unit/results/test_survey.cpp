@@ -147,7 +147,7 @@ TEST_CASE("survey: a plane patch has one rim, and is doubtful along it only") {
         if (s.survey.doubt[i] == 0) continue;
         CHECK(s.survey.doubt[i] == 1);
         // The domain is a square in the plane: within three voxels of its boundary, the diagonal
-        // of a voxel for the missing neighbour and as much again for nodes that take it over.
+        // of a voxel for the missing neighbor and as much again for nodes that take it over.
         const openvdb::Vec3d p = worldOf(s.band, s.band.footPoint(i)) - kCenter;
         const double outward = std::sqrt(p.dot(p));
         if (outward < size / 2 - 2 * std::sqrt(3.0) * dx) FAIL_CHECK("a doubt at " << p.str());
@@ -224,7 +224,7 @@ TEST_CASE("survey: a box is doubtful at its edges, everywhere there, and nowhere
 
 TEST_CASE("survey: a rough distance is doubtful where it is rough") {
     auto grid = makeLevelSet(sphere(kCenter, 1), 0.05, 3);
-    // psi^3-like on one side: |grad psi| = 1.5 at S for x above the centre by 0.8.
+    // psi^3-like on one side: |grad psi| = 1.5 at S for x above the center by 0.8.
     for (auto it = grid->beginValueOn(); it; ++it)
         if (grid->indexToWorld(it.getCoord()).x() > kCenter.x() + 0.8) it.setValue(1.5f * *it);
     const Surveyed s = surveyed(grid);

@@ -71,7 +71,7 @@ TEST_CASE("bandFromLevelSet: a plane's normals and foot points are exact") {
     const openvdb::Vec3d n = openvdb::Vec3d(0.36, 0.48, -0.8);
     const Band band = bandOf(planePatch(kCenter, n, 1.5), 0.05, 2, 3);
     for (std::size_t k = 0; k < band.size(); ++k) {
-        // At the cut neighbours are missing.
+        // At the cut neighbors are missing.
         const openvdb::Vec3d fromCenter = worldOf(band, Vec3d(band.ijk(NodeIndex(k)))) - kCenter;
         if (fromCenter.length() > 0.7) continue;
         // psi / dx is a float below 4, off by 2.4e-7 with the rounding of the input; a difference
@@ -150,7 +150,7 @@ TEST_CASE("bandFromLevelSet: sheets that face each other are not linked") {
             const openvdb::Vec3d p = worldOf(band, Vec3d(band.ijk(i))) - center;
             // Away from the rim, where the way around is.
             if (std::abs(p.x()) > 0.7 || std::abs(p.y()) > 0.7) continue;
-            const NodeIndex above = band.neighbour(i, 0, 0, 1);
+            const NodeIndex above = band.neighbor(i, 0, 0, 1);
             if (above == kNoNode) continue;
             const bool isCut = !band.linked(i, above);
             const bool opposed = band.normal[i].z < 0 && band.normal[above].z > 0;
@@ -178,7 +178,7 @@ TEST_CASE("bandFromLevelSet: a region holds what the whole band holds there") {
         const Vec3d p(whole.ijk(i));
         const NodeIndex j = part.nodeAt(whole.ijk(i));
         for (const Ball& ball : region)
-            if (length(p - ball.centre) <= ball.radius) {
+            if (length(p - ball.center) <= ball.radius) {
                 ++within;
                 REQUIRE(j != kNoNode);
             }

@@ -20,22 +20,22 @@ struct Samples {
 constexpr double kGolden = 2.399963229728653;  // radians
 
 /// n points on a sphere, evenly.
-Samples sphere(const Vec3d& centre, double radius, int n) {
+Samples sphere(const Vec3d& center, double radius, int n) {
     Samples s;
     for (int k = 0; k < n; ++k) {
         const double z = 1 - (2 * k + 1) / double(n), r = std::sqrt(1 - z * z);
         const Vec3d up{r * std::cos(kGolden * k), r * std::sin(kGolden * k), z};
-        s.add(centre + radius * up, up);
+        s.add(center + radius * up, up);
     }
     return s;
 }
 
-/// A square of side 2 about `centre`, spanned by a and b, with points 0.05 apart; it looks along
+/// A square of side 2 about `center`, spanned by a and b, with points 0.05 apart; it looks along
 /// a x b.
-void addSquare(Samples& s, const Vec3d& centre, const Vec3d& a, const Vec3d& b) {
+void addSquare(Samples& s, const Vec3d& center, const Vec3d& a, const Vec3d& b) {
     for (int i = -20; i <= 20; ++i)
         for (int j = -20; j <= 20; ++j)
-            s.add(centre + 0.05 * i * a + 0.05 * j * b, normalized(cross(a, b)));
+            s.add(center + 0.05 * i * a + 0.05 * j * b, normalized(cross(a, b)));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ TEST_CASE("Normals of closed surfaces turn outward, each piece by itself") {
 }
 
 TEST_CASE("Sheets that face each other are turned apart") {
-    // A spacing and a quarter apart: neighbourhoods go across.
+    // A spacing and a quarter apart: neighborhoods go across.
     CloudOptions options;
     options.normals = true;
     const PointCloud lower = squareCloud(20, 1, options);
@@ -64,7 +64,7 @@ TEST_CASE("A one-sided surface shows as conflicts") {
     const PointTree tree(strip.points);
     Orientation result;
     oriented(strip, tree, result);
-    // One seam across 11 of 2200 points; a tenth of their neighbours at the least are beyond it.
+    // One seam across 11 of 2200 points; a tenth of their neighbors at the least are beyond it.
     CHECK(result.conflicts > 0.0005);
     CHECK(result.conflicts < 0.05);
 }

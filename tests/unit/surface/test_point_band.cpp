@@ -27,8 +27,8 @@ bool sameBytes(const Band& a, const Band& b) {
 }  // namespace
 
 TEST_CASE("The band of fits holds the voxels near the surface, all of them, and no others") {
-    const Vec3d centre{0.31, -0.2, 0.1};
-    const PointSurface surface(sphereCloud(3000, 1, centre));
+    const Vec3d center{0.31, -0.2, 0.1};
+    const PointSurface surface(sphereCloud(3000, 1, center));
     const double spacing = surface.density().spacing;
     for (const double dx : {spacing / 4, spacing, 2 * spacing}) {
         const Band band = bandFromPoints(surface, kFits, dx, kRoot3);
@@ -40,7 +40,7 @@ TEST_CASE("The band of fits holds the voxels near the surface, all of them, and 
         for (int x = -reach; x <= reach; ++x)
             for (int y = -reach; y <= reach; ++y)
                 for (int z = -reach; z <= reach; ++z) {
-                    const Vec3d r = Vec3d(x, y, z) - (1 / dx) * centre;
+                    const Vec3d r = Vec3d(x, y, z) - (1 / dx) * center;
                     const double psi = length(r) - 1 / dx;
                     if (std::abs(psi) < kRoot3 - off) {
                         ++expected;
@@ -50,7 +50,7 @@ TEST_CASE("The band of fits holds the voxels near the surface, all of them, and 
         CHECK(band.size() >= expected);
         CHECK(double(band.size()) <= double(expected) * (1 + 4 * off));
         for (NodeIndex i = 0; i < band.size(); ++i) {
-            const Vec3d x = Vec3d(band.ijk(i)) - (1 / dx) * centre;
+            const Vec3d x = Vec3d(band.ijk(i)) - (1 / dx) * center;
             REQUIRE(std::abs(band.psi[i] - (length(x) - 1 / dx)) < off);
             REQUIRE(dot(Vec3d(band.normal[i]), normalized(x)) > 0.99);
         }
@@ -147,7 +147,7 @@ TEST_CASE("Sheets that face each other are marked") {
     std::size_t across = 0;
     for (NodeIndex i = 0; i < band.size(); ++i)
         for (int side = 0; side < 6; ++side) {
-            const NodeIndex j = band.neighbour(i, Band::faceStep(side));
+            const NodeIndex j = band.neighbor(i, Band::faceStep(side));
             if (j == kNoNode || band.normal[i].z * band.normal[j].z > 0) continue;
             ++across;
             REQUIRE(!band.linked(i, j));

@@ -10,7 +10,7 @@ namespace igeo {
 /// One axis of the upwind difference: the one-sided derivative at the unknown T is
 /// coefficient * (T - base), and it counts only where it is positive.
 struct UpwindTerm {
-    double base;         ///< m_j of M&S (13), the smaller neighbour along the axis, at order 1;
+    double base;         ///< m_j of M&S (13), the smaller neighbor along the axis, at order 1;
                          ///< (4 m_j - m'_j) / 3 at order 2, m'_j one voxel further: at least m_j
     double coefficient;  ///< 1 at order 1, 3/2 at order 2
 };

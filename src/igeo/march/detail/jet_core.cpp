@@ -16,7 +16,7 @@ Jet Surroundings::update(std::uint32_t& from) const {
     while (next != kNoBucket) {
         const std::uint32_t current = next;
         next = kNoBucket;
-        JetNeighbours part;
+        JetNeighbors part;
         part.smooth = all.smooth;
         part.rim = all.rim;
         part.pull = all.pull;
@@ -128,7 +128,7 @@ void JetCore::placeRimNodes() {
         const Vec3d normal(node.normal);
         float nearest = float(kInfinity);
         Vec3f place;
-        band.forNeighbours(&BandLeaf::core, node.leaf, node.offset,
+        band.forNeighbors(&BandLeaf::core, node.leaf, node.offset,
                            [&](NodeIndex j, int dx, int dy, int dz) {
                                const Node& outside = nodes[j];
                                if (outside.sight == Metric::Inside ||

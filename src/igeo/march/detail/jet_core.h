@@ -16,7 +16,7 @@
 namespace igeo {
 
 /// Costs along the two axes of a metric in a tangent plane may differ by this much before links are
-/// too few neighbours, and by this much at all: measured, docs/method.md.
+/// too few neighbors, and by this much at all: measured, docs/method.md.
 constexpr float kLinksRatio = 2, kLargestRatio = 20;
 
 constexpr std::uint32_t kNoBucket = std::numeric_limits<std::uint32_t>::max();
@@ -33,17 +33,17 @@ struct Solved {
 /// Nodes around a foot point that have a jet, as the local solve sees them, and whose fronts they
 /// belong to.
 struct Surroundings {
-    JetNeighbours all;
-    std::array<std::uint32_t, JetNeighbours::kMax> label;
+    JetNeighbors all;
+    std::array<std::uint32_t, JetNeighbors::kMax> label;
     bool oneLabel = true;
 
-    void add(const JetNeighbour& n, std::uint32_t from) {
+    void add(const JetNeighbor& n, std::uint32_t from) {
         const auto k = std::size_t(all.count());
         label[k] = from;
         oneLabel &= from == label[0];
         all.add(n);
     }
-    bool full() const { return all.count() == JetNeighbours::kMax; }
+    bool full() const { return all.count() == JetNeighbors::kMax; }
     /// jetUpdate; fronts of different sources are never fitted together, the lesser value counts,
     /// and the earlier source where they are equal. In the picture's coordinates.
     Jet update(std::uint32_t& from) const;
@@ -57,7 +57,7 @@ struct Place {
 };
 
 /// Whether two foot points, `chord` apart, lie on either side of a gap or a plate rather than of a
-/// crease: both normals along the chord, and the chord longer than between neighbours on one sheet
+/// crease: both normals along the chord, and the chord longer than between neighbors on one sheet
 /// (sqrt(3), and a bit). In gaps of about two voxels psi bends normals away from each other, and
 /// Band::kOtherSheet alone does not tell.
 inline bool acrossGap(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
@@ -98,7 +98,7 @@ struct JetCore {
     std::vector<Node> nodes;
     std::vector<Stretch> stretch;      ///< per core node; empty: isotropic
     std::vector<std::uint32_t> label;  ///< per core node; empty for one source
-    /// The neighbours of node i from stencilFirst[i] on, where links are not enough (kLinksRatio);
+    /// The neighbors of node i from stencilFirst[i] on, where links are not enough (kLinksRatio);
     /// empty: links. If j is one of i's, i is one of j's: an accepted node keys whoever sees it.
     std::vector<NodeIndex> stencil;
     std::vector<std::uint32_t> stencilFirst;
@@ -137,7 +137,7 @@ struct JetCore {
     template <typename Visit>
     void forLinks(NodeIndex i, const Visit& visit) const {
         const Node& node = nodes[i];
-        band.forNeighbours(
+        band.forNeighbors(
             &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
                 const Node& other = nodes[j];
                 const float cosine = igeo::dot(node.normal, other.normal);
@@ -202,11 +202,11 @@ struct JetCore {
     /// What a place knows from what it sees.
     Solved solve(const Place& place, Surroundings& known) const {
         if (!stretch.empty()) {
-            // In the picture the lattice is stretched, and segments between neighbours with it.
+            // In the picture the lattice is stretched, and segments between neighbors with it.
             const float l = place.stretch.largest();
             known.all.far2 *= l * l;
         }
-        // Neighbours far to the sides say little about g, and fits would swing.
+        // Neighbors far to the sides say little about g, and fits would swing.
         if (!stencil.empty()) known.all.pull = 0.1f;
         std::uint32_t from = 0;
         const Jet jet = known.update(from);

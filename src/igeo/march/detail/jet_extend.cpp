@@ -105,7 +105,7 @@ bool Extension::carryInSpace(NodeIndex i, const Corners& corners, const Vec3f& s
 Solved Extension::carryInPlane(NodeIndex i, const Corners& corners, std::uint32_t label) const {
     const Place place = core_.placeInBand(i);
     Surroundings around;
-    std::array<float, JetNeighbours::kMax> weight{};
+    std::array<float, JetNeighbors::kMax> weight{};
     for (std::size_t c = 0; c < corners.count; ++c) {
         const auto& [node, w, chord] = corners.corner[c];
         weight[c] = w;
@@ -180,7 +180,7 @@ std::vector<std::uint8_t> leavesReached(const JetCore& core) {
     for (const JetCore::Node& node : core.nodes)
         if (node.u < kInfinity) reached[node.leaf] = 1;
     for (std::size_t l = 0; l < beside.size(); ++l)
-        for (const LeafIndex m : leaves[l].neighbour)
+        for (const LeafIndex m : leaves[l].neighbor)
             if (m != kNoLeaf && reached[m]) beside[l] = 1;
     return beside;
 }

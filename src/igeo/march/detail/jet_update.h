@@ -1,8 +1,8 @@
 /// The local solve of scheme `jet`, alone: no grid, no states, no surface.
 ///
-/// A node and its neighbours are seen in the node's tangent plane, the surface between them laid
-/// out flat: the node at the origin, neighbour j at -a_j, its gradient turned along with it. There
-/// the solve looks for the jet (value and gradient) at the origin that continues its neighbours'
+/// A node and its neighbors are seen in the node's tangent plane, the surface between them laid
+/// out flat: the node at the origin, neighbor j at -a_j, its gradient turned along with it. There
+/// the solve looks for the jet (value and gradient) at the origin that continues its neighbors'
 /// jets.
 #pragma once
 
@@ -15,16 +15,16 @@
 
 namespace igeo {
 
-/// A neighbour in the flat picture.
-struct JetNeighbour {
-    Vec2f a;       ///< from the neighbour to the node
-    Vec2f g;       ///< direction of travel at the neighbour, unit; 0 at a seed
+/// A neighbor in the flat picture.
+struct JetNeighbor {
+    Vec2f a;       ///< from the neighbor to the node
+    Vec2f g;       ///< direction of travel at the neighbor, unit; 0 at a seed
     double u = 0;  ///< its value over the weight
 };
 
 /// A node with foot point `chord` back from that of `frame`, normal `nj` (cosine = n . nj),
 /// gradient and value, as the local solve sees it.
-inline JetNeighbour flattened(const TangentFrame& frame, const Vec3f& chord, const Vec3f& nj,
+inline JetNeighbor flattened(const TangentFrame& frame, const Vec3f& chord, const Vec3f& nj,
                               float cosine, const Vec3f& gradient, double value) {
     // The gradient turned along with the plane: the least rotation that takes nj to n.
     const Vec2f g =
@@ -32,10 +32,10 @@ inline JetNeighbour flattened(const TangentFrame& frame, const Vec3f& chord, con
     return {frame.way(chord, nj, cosine), g, value};
 }
 
-/// A neighbour as a front sees it after the stretch.
+/// A neighbor as a front sees it after the stretch.
 /// @param n  its gradient in units of the weight here: as long as the metric there is larger
 ///           than the one here, in the direction of travel
-inline JetNeighbour stretched(const Stretch& stretch, JetNeighbour n) {
+inline JetNeighbor stretched(const Stretch& stretch, JetNeighbor n) {
     const Vec2f q = stretch.covector(n.g);
     const float len = length(q);
     // Along the direction of travel, not along the chord: the two ends then count as in the
@@ -49,19 +49,19 @@ inline JetNeighbour stretched(const Stretch& stretch, JetNeighbour n) {
 struct Jet {
     double u = kInfinity;
     Vec2f g;
-    int from = -1;         ///< a neighbour whose front it continues
+    int from = -1;         ///< a neighbor whose front it continues
     bool guarded = false;  ///< from the guard, not from the fit
-    bool between = false;  ///< fit: neighbours lie on both sides of the way it came
+    bool between = false;  ///< fit: neighbors lie on both sides of the way it came
 };
 
-/// Up to 26 neighbours, each quantity in an array of its own, in groups of four for the vector
+/// Up to 26 neighbors, each quantity in an array of its own, in groups of four for the vector
 /// units. Values are kept relative to the first one's, so single precision (1e-7 of a voxel) is
 /// enough.
-class JetNeighbours {
+class JetNeighbors {
 public:
     static constexpr int kMax = 28;
 
-    void add(const JetNeighbour& n) {
+    void add(const JetNeighbor& n) {
         const auto k = std::size_t(count_);
         if (k % 4 == 0) pad(k);
         if (k == 0) base_ = n.u;
@@ -113,7 +113,7 @@ private:
 
 namespace jet {
 
-using Four = JetNeighbours::Four;
+using Four = JetNeighbors::Four;
 
 inline float sum(Four v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
@@ -127,18 +127,18 @@ inline float circularStep(Vec2f gi, Vec2f gj, Vec2f a) {
     return dot(gi + gj, a) / (1 + dot(gi, gj));
 }
 
-/// Value carried forward from neighbour k alone along the circle about a source at distance u,
-/// relative to base(); to second order, which is enough to compare neighbours.
-inline float carry(const JetNeighbours& all, int k, float len) {
+/// Value carried forward from neighbor k alone along the circle about a source at distance u,
+/// relative to base(); to second order, which is enough to compare neighbors.
+inline float carry(const JetNeighbors& all, int k, float len) {
     const float along = dot(all.g(k), all.a(k));
     if (along <= 0) return all.u(k) + len;
     const float r = float(all.base()) + all.u(k) + along;
     return all.u(k) + along + (len * len - along * along) / (2 * std::max(r, 1.0f));
 }
 
-/// Where the neighbours' directions, bent as circles about a source at distance u, point at the
-/// origin; weighted mean over the neighbours of the front of direction `start`. Not normalised.
-inline Vec2f predictDirection(const JetNeighbours& all, Vec2f start) {
+/// Where the neighbors' directions, bent as circles about a source at distance u, point at the
+/// origin; weighted mean over the neighbors of the front of direction `start`. Not normalized.
+inline Vec2f predictDirection(const JetNeighbors& all, Vec2f start) {
     Four x{}, y{};
     for (int k = 0; k < all.groups(); ++k) {
         const auto n = all.group(k);
@@ -154,16 +154,16 @@ inline Vec2f predictDirection(const JetNeighbours& all, Vec2f start) {
     return {sum(x), sum(y)};
 }
 
-/// Weighted least squares for the jet at the origin over the neighbours of one front.
+/// Weighted least squares for the jet at the origin over the neighbors of one front.
 ///
 /// Equations u - f a.g = u_j + f a.g_j, f = 1 / (1 + g.g_j) (circularStep), linear in (u, g) once f
 /// is taken from the last round. Weights: cos^2 of the angle between a_j and the direction of
-/// travel over |a|^2 + 0.1, so that neighbours straight behind the node decide. A small Tikhonov
-/// term pulls g to the predicted direction where the neighbours leave it open.
+/// travel over |a|^2 + 0.1, so that neighbors straight behind the node decide. A small Tikhonov
+/// term pulls g to the predicted direction where the neighbors leave it open.
 /// @param start    direction of the front
 /// @param residual weighted root mean square of the equations' misfits
-/// @return u = +inf where fewer than two neighbours are behind the node, or they do not agree
-inline Jet fitFront(const JetNeighbours& all, Vec2f start, float& residual) {
+/// @return u = +inf where fewer than two neighbors are behind the node, or they do not agree
+inline Jet fitFront(const JetNeighbors& all, Vec2f start, float& residual) {
     constexpr int kRounds = 2;
     Jet jet;
     const Vec2f mean = predictDirection(all, start);
@@ -202,7 +202,7 @@ inline Jet fitFront(const JetNeighbours& all, Vec2f start, float& residual) {
         if (!(len > 0) || dot(next, g) < kSameFront * len) return jet;
         g = (1 / len) * next;
     }
-    // Neighbours to the left and right of the way the front came; straight behind counts for both.
+    // Neighbors to the left and right of the way the front came; straight behind counts for both.
     constexpr float kStraight = 0.03f;
     Four total{}, value{}, square{};
     int left = 0, right = 0;
@@ -228,11 +228,11 @@ inline Jet fitFront(const JetNeighbours& all, Vec2f start, float& residual) {
     return jet;
 }
 
-/// Least value over the segment between neighbours p and q: cubic Hermite values on it, straight on
+/// Least value over the segment between neighbors p and q: cubic Hermite values on it, straight on
 /// from there to the origin (Fermat's principle, as in the jet marching of Potter and Cameron
 /// 2021).
 /// @return whether it is below `best`, relative to base(), which is then updated
-inline bool lowerBySegment(const JetNeighbours& all, int p, int q, float& best, Vec2f& direction) {
+inline bool lowerBySegment(const JetNeighbors& all, int p, int q, float& best, Vec2f& direction) {
     // Between directions further apart than that a front may fold: no interpolation.
     if (dot(all.g(p), all.g(q)) < kSameFront) return false;
     const Vec2f ap = all.a(p), e = ap - all.a(q);  // from p to q, as both are at -a
@@ -267,9 +267,9 @@ inline bool lowerBySegment(const JetNeighbours& all, int p, int q, float& best, 
 
 }  // namespace jet
 
-/// The guard: the least of u_j + |a_j| over the neighbours, and over the segments between them.
+/// The guard: the least of u_j + |a_j| over the neighbors, and over the segments between them.
 /// Never below the values it starts from; first order at worst, second where the front is smooth.
-inline Jet guardedUpdate(const JetNeighbours& all) {
+inline Jet guardedUpdate(const JetNeighbors& all) {
     Jet jet;
     jet.guarded = true;
     float best = float(kInfinity);
@@ -296,17 +296,17 @@ inline Jet guardedUpdate(const JetNeighbours& all) {
 
 /// The jet at the origin.
 ///
-/// Fits the front of the neighbour that carries the least value; where other neighbours belong to
+/// Fits the front of the neighbor that carries the least value; where other neighbors belong to
 /// another front (a cut locus), fits theirs as well and takes the lesser. A fit that does not agree
-/// with its neighbours, or says more than the straight way from one of them, is held against the
+/// with its neighbors, or says more than the straight way from one of them, is held against the
 /// guard, as is every fit over a crease: it stands if they agree within 0.01.
-/// @return u = +inf without neighbours
-inline Jet jetUpdate(const JetNeighbours& all) {
+/// @return u = +inf without neighbors
+inline Jet jetUpdate(const JetNeighbors& all) {
     constexpr float kResidual = 0.02f, kDoubt = 2e-3f, kSlack = 1e-3f, kFocus = 0.2f;
     constexpr double kAgree = 0.01;
     Jet best;
     if (all.count() == 0) return best;
-    std::array<float, JetNeighbours::kMax> carried;
+    std::array<float, JetNeighbors::kMax> carried;
     float bound = float(kInfinity), straight = float(kInfinity), worst = 0;
     bool between = true;  // or in the open, where it makes no difference
     int first = 0;
@@ -322,7 +322,7 @@ inline Jet jetUpdate(const JetNeighbours& all) {
         Jet jet = jet::fitFront(all, all.g(k), residual);
         jet.from = k;
         if (!(jet.u - all.base() <= double(bound + kSlack)) || residual > kResidual) return false;
-        // Below all straight fronts: two neighbours always agree, however wrong.
+        // Below all straight fronts: two neighbors always agree, however wrong.
         if (jet.u - all.base() < double(straight - kFocus)) worst = kDoubt;
         worst = std::max(worst, residual);
         between &= jet.between || !all.rim;
@@ -339,20 +339,20 @@ inline Jet jetUpdate(const JetNeighbours& all) {
         trusted = tryFront(second) && trusted;
     if (trusted && between && all.smooth && worst < kDoubt) return best;
     const Jet guard = guardedUpdate(all);
-    // Extrapolated from one side: around a rim a front has no way there but by the last neighbour.
+    // Extrapolated from one side: around a rim a front has no way there but by the last neighbor.
     if (!between && all.smooth) return guard;
     return trusted && std::abs(best.u - guard.u) < kAgree ? best : guard;
 }
 
 namespace jet {
 
-/// blendJets for neighbours that may belong to two fronts.
-inline Jet blendFronts(const JetNeighbours& all,
-                       const std::array<float, JetNeighbours::kMax>& weight) {
+/// blendJets for neighbors that may belong to two fronts.
+inline Jet blendFronts(const JetNeighbors& all,
+                       const std::array<float, JetNeighbors::kMax>& weight) {
     Jet best;
-    std::array<bool, JetNeighbours::kMax> done{};
+    std::array<bool, JetNeighbors::kMax> done{};
     for (int front = 0; front < 2; ++front) {
-        // The front of the neighbour that says least of those not blended yet.
+        // The front of the neighbor that says least of those not blended yet.
         int lead = -1;
         float least = float(kInfinity);
         for (int k = 0; k < all.count(); ++k) {
@@ -382,11 +382,11 @@ inline Jet blendFronts(const JetNeighbours& all,
 
 /// The jet at the origin among jets on all sides of it: interpolation, not marching.
 ///
-/// Every neighbour carries its jet to the origin; the results are blended. Where two fronts meet,
+/// Every neighbor carries its jet to the origin; the results are blended. Where two fronts meet,
 /// each is blended by itself and the lesser value counts.
-/// @param weight one per neighbour, > 0; further entries 0
-inline Jet blendJets(const JetNeighbours& all,
-                     const std::array<float, JetNeighbours::kMax>& weight) {
+/// @param weight one per neighbor, > 0; further entries 0
+inline Jet blendJets(const JetNeighbors& all,
+                     const std::array<float, JetNeighbors::kMax>& weight) {
     if (all.count() == 0) return {};
     jet::Four gx{}, gy{}, total{};
     for (int k = 0; k < all.groups(); ++k) {

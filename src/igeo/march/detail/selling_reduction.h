@@ -3,7 +3,7 @@
 /// A superbase is three integer vectors of sum zero, any two of which are a basis of the lattice.
 /// Where it is obtuse (no two at an acute angle in the metric G), its six vectors +-e_k are those
 /// by which the dual metric decomposes, G^-1 = sum_k rho_k e_k e_k^T with rho_k >= 0, and
-/// neighbouring ones enclose no obtuse angle: the stencil of J.-M. Mirebeau, Anisotropic fast
+/// neighboring ones enclose no obtuse angle: the stencil of J.-M. Mirebeau, Anisotropic fast
 /// marching on Cartesian grids using lattice basis reduction, SIAM J. Numer. Anal. 52 (2014), and
 /// Riemannian fast marching on Cartesian grids using Voronoi's first reduction of quadratic forms,
 /// SIAM J. Numer. Anal. 57 (2019).

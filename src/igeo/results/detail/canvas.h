@@ -10,7 +10,7 @@
 
 namespace igeo {
 
-/// 8-bit sRGB with an alpha channel, not premultiplied. Colours come in linear light and x, y count
+/// 8-bit sRGB with an alpha channel, not premultiplied. Colors come in linear light and x, y count
 /// from the upper left; what lies outside the picture is cut off.
 class Canvas {
 public:

@@ -12,7 +12,7 @@ std::string text(double value) { return format("%.6g", value); }
 }  // namespace
 
 Scale::Scale(const Field& field, double dx, const PictureOptions& options)
-    : colours(options.colourMap), high(field.maxDistance) {
+    : colors(options.colorMap), high(field.maxDistance) {
     low = kInfinity;
     for (const SurfacePoint& s : field.seeds) low = std::min(low, s.start);
     low = std::min(low, high);
@@ -45,7 +45,7 @@ void Legend::draw(Canvas& canvas) const {
         const double d = atRow(j + 0.5);
         const double half = 0.5 * (scale_.high - scale_.low) / height_ * 0.6 * u;
         const bool line = scale_.spacing > 0 && scale_.fromIsoline(d) <= half;
-        canvas.fill(x, y + j, kBar * u, 1, (line ? 0.12 : 1.0) * scale_.colour(d));
+        canvas.fill(x, y + j, kBar * u, 1, (line ? 0.12 : 1.0) * scale_.color(d));
     }
     drawTicks(canvas, x + kBar * u, y);
     y += height_ + 14 * u;

@@ -1,4 +1,4 @@
-/// What the colours of a picture mean. Internal.
+/// What the colors of a picture mean. Internal.
 #pragma once
 
 #include <igeo/march/field.h>
@@ -17,12 +17,12 @@ const Vec3d kUnreached{0.48, 0.48, 0.48};
 
 /// Distances and what they look like: in voxels times weight.
 struct Scale {
-    ColourMap colours;
+    ColorMap colors;
     double low = 0, high = 0;
     double spacing = 0;  ///< of isolines; 0: none
 
     Scale(const Field& field, double dx, const PictureOptions& options);
-    Vec3d colour(double d) const { return colours(high > low ? (d - low) / (high - low) : 0); }
+    Vec3d color(double d) const { return colors(high > low ? (d - low) / (high - low) : 0); }
     /// The number of the isoline below d.
     int step(double d) const {
         return spacing > 0 && d < kInfinity ? int(std::min(d / spacing, 1e9)) : -1;
@@ -34,7 +34,7 @@ struct Scale {
     }
 };
 
-/// The colour bar and its words, at the right edge.
+/// The color bar and its words, at the right edge.
 class Legend {
 public:
     /// No legend where it would take more than a third of the width, or is not wanted.

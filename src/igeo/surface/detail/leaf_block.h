@@ -62,7 +62,7 @@ private:
 
 /// Differences of psi at a voxel of a block, along each axis.
 struct PsiDifferences {
-    Vec3d backward, forward;  ///< NaN where the neighbour is missing
+    Vec3d backward, forward;  ///< NaN where the neighbor is missing
 
     PsiDifferences(const LeafBlock& b, int x, int y, int z) {
         const double c = b.at(x, y, z);
@@ -83,7 +83,7 @@ struct PsiDifferences {
 };
 
 /// Largest |principal curvature| of S at the foot point, from the Hessian of psi: the eigenvalues
-/// on the tangent plane, moved from psi to 0 by k / (1 - psi k). NaN where a neighbour is missing.
+/// on the tangent plane, moved from psi to 0 by k / (1 - psi k). NaN where a neighbor is missing.
 inline double largestCurvature(const LeafBlock& b, int x, int y, int z) {
     auto d2 = [&](int i, int j, int k) {
         return b.at(x + i, y + j, z + k) - 2 * b.at(x, y, z) + b.at(x - i, y - j, z - k);
@@ -112,7 +112,7 @@ inline double largestCurvature(const LeafBlock& b, int x, int y, int z) {
     return std::isnan(root + trace) ? std::numeric_limits<double>::quiet_NaN() : largest;
 }
 
-/// Whether a neighbour is missing that the level set has elsewhere: S is cut at this voxel.
+/// Whether a neighbor is missing that the level set has elsewhere: S is cut at this voxel.
 /// @param psi, halfWidth  voxels
 inline bool cutBeside(const PsiDifferences& d, double psi, double halfWidth) {
     return !d.complete() && std::abs(psi) + 1.01 < halfWidth;
@@ -124,7 +124,7 @@ inline bool cutBeside(const PsiDifferences& d, double psi, double halfWidth) {
 /// level sets are round (they turn fast, but they do not break: the direction of the central
 /// difference holds), and has a concave kink on the other, the medial axis. There a central
 /// difference mixes two faces (|grad psi| < 1), and each axis takes the side that makes the length
-/// come out best. Missing neighbours leave the other side; an axis with neither gives 0.
+/// come out best. Missing neighbors leave the other side; an axis with neither gives 0.
 inline Vec3d psiGradient(const PsiDifferences& d, double psi) {
     const Vec3d central = d.central();
     if (d.smooth()) return central;

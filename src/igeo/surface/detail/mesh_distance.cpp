@@ -64,11 +64,11 @@ void findMeetings(const Corners& t, std::uint32_t number, double reach, std::vec
     for (int x = from.x; x <= to.x; ++x)
         for (int y = from.y; y <= to.y; ++y)
             for (int z = from.z; z <= to.z; ++z) {
-                const Vec3d centre{8.0 * x + 3.5, 8.0 * y + 3.5, 8.0 * z + 3.5};
+                const Vec3d center{8.0 * x + 3.5, 8.0 * y + 3.5, 8.0 * z + 3.5};
                 const double r = reach + kHalfDiagonal;
-                if (!one && !t.mayReach(centre, r)) continue;
+                if (!one && !t.mayReach(center, r)) continue;
                 // Triangles across many leaves: their boxes hold more than they meet.
-                if (!one && length(nearestOnTriangle(centre, t.a, t.b, t.c).point - centre) > r)
+                if (!one && length(nearestOnTriangle(center, t.a, t.b, t.c).point - center) > r)
                     continue;
                 out.push_back({{x, y, z}, number});
             }

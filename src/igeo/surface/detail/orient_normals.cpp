@@ -24,8 +24,8 @@ struct Edge {
 };
 
 std::vector<Edge> edges(const PointTree& points, const std::vector<Vec3d>& normals,
-                        std::size_t neighbours) {
-    const std::size_t k = std::min(neighbours, points.size() - 1);
+                        std::size_t neighbors) {
+    const std::size_t k = std::min(neighbors, points.size() - 1);
     std::vector<Edge> all(points.size() * k);
     parallelFor(points.size(), 512, [&](std::size_t begin, std::size_t end) {
         std::vector<PointTree::Found> found;
@@ -56,13 +56,13 @@ std::vector<Edge> edges(const PointTree& points, const std::vector<Vec3d>& norma
 }  // namespace
 
 Orientation orientNormals(const PointTree& points, const std::vector<Vec3d>& normals,
-                          std::size_t neighbours) {
+                          std::size_t neighbors) {
     constexpr float kSure = 0.5f;
     const Vec3d outward = normalized(Vec3d{0.31, 0.17, 0.94});  // along no axis
     const std::size_t n = points.size();
     SidedSets sides(n);
     std::size_t sure = 0, wrong = 0;
-    for (const Edge& e : edges(points, normals, neighbours)) {
+    for (const Edge& e : edges(points, normals, neighbors)) {
         const bool known = sides.find(e.a).first == sides.find(e.b).first;
         const bool agrees = sides.join(e.a, e.b, e.turned);
         if (known && e.doubt < kSure) ++sure, wrong += !agrees;
