@@ -20,7 +20,7 @@ import statistics
 import sys
 
 import compare_tables
-import lab
+import measure
 
 MODELS = {"bunny": "bunny.obj", "knot": "knot.obj", "blub": "blub.obj", "cad-anchor": "cad-anchor.obj",
           "brain": "brain-pial-left.ply"}
@@ -52,7 +52,7 @@ class Tools:
     @staticmethod
     def say(*command):
         """What a program prints, one line of JSON."""
-        return json.loads(lab.run(command).stdout)
+        return json.loads(measure.run(command).stdout)
 
     def vertex(self, *of):
         """A vertex of a mesh, as x,y,z."""
@@ -152,7 +152,7 @@ def shape(tools, folder, name, n):
     """A level set, the seed on it, and what writes exact distances beside files of points."""
     sdf = folder / f"{name}{n}.vdb"
     parameters = [word for p in ["center=0.5,0.5,0.5", *SHAPES[name].split()] for word in ("--param", p)]
-    lab.run([tools.make_shape, name, "-o", sdf, "--voxel-size", 1 / n, *parameters])
+    measure.run([tools.make_shape, name, "-o", sdf, "--voxel-size", 1 / n, *parameters])
     seed = tools.vertex("--sdf", sdf, "--seed", point(SHAPE_SEEDS[name]))
 
     def exact(files):
@@ -166,7 +166,7 @@ def model(tools, folder, name, mesh, n, seed_name):
     """The same of a mesh file."""
     sdf = folder / f"{name}{n}.vdb"
     if not sdf.exists():
-        lab.run(["vdb_tool", "-quiet", "-read", mesh, "-mesh2ls", f"dim={n}", "width=3", "name=psi",
+        measure.run(["vdb_tool", "-quiet", "-read", mesh, "-mesh2ls", f"dim={n}", "width=3", "name=psi",
                  "-write", sdf])
     asked = tools.vertex("--mesh", mesh, "--share", SEED_SHARES[seed_name])
     seed = tools.vertex("--sdf", sdf, "--seed", asked)
@@ -243,10 +243,10 @@ def measure(options):
     results = {"cases": {}}
     for name, case in plan(options, peers):
         done = results["cases"][name] = case()
-        best = ", ".join(f"{method} {lab.number(run['errors']['mean'])} % {run['total']['cpu']:.2f} s"
+        best = ", ".join(f"{method} {measure.number(run['errors']['mean'])} % {run['total']['cpu']:.2f} s"
                          for method, run in done.items())
         print(f"{name}: {best}", flush=True)
-        lab.save(results, options.saved)
+        measure.save(results, options.saved)
     if not options.quick and not options.only:
         results["growth"] = growth(options.tools, (100, 200, 400, 800) + ((1700,) if options.full else ()))
     return results
@@ -262,7 +262,7 @@ def main():
     parser.add_argument("--only", metavar="CASES", help="cases that begin so, with commas between; "
                         "not into docs/")
     parser.add_argument("--rounds", type=int, default=3, help="of which times are medians [3]")
-    parser.add_argument("--build", type=pathlib.Path, default=lab.ROOT / "build" / "release",
+    parser.add_argument("--build", type=pathlib.Path, default=measure.ROOT / "build" / "release",
                         help="build folder [build/release]")
     parser.add_argument("--from", type=pathlib.Path, metavar="FILE", dest="again",
                         help="measure nothing: tables and plots of saved results")
@@ -273,7 +273,7 @@ def main():
         options.folder = options.saved.with_suffix("")
         shutil.rmtree(options.folder, ignore_errors=True)
         options.folder.mkdir()
-        lab.save(measure(options), options.saved)
+        measure.save(measure(options), options.saved)
         print(f"results: {options.saved}")
     results = json.loads((options.again or options.saved).read_text())
     compare_tables.derive(results)
@@ -284,7 +284,7 @@ def main():
         compare_tables.draw(results)
         if options.models:
             pictures(options.tools, options.folder, options.models)
-    sys.exit(not lab.check(results, "scripts/compare.py"))
+    sys.exit(not measure.check(results, "scripts/compare.py"))
 
 
 if __name__ == "__main__":

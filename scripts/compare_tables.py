@@ -1,9 +1,9 @@
 """What scripts/compare.py says of its results: tables, sentences, plots."""
-import lab
+import measure
 
-ACCURACY = lab.ROOT / "docs" / "accuracy.md"
-README = lab.ROOT / "README.md"
-IMAGES = lab.ROOT / "docs" / "images" / "accuracy"
+ACCURACY = measure.ROOT / "docs" / "accuracy.md"
+README = measure.ROOT / "README.md"
+IMAGES = measure.ROOT / "docs" / "images" / "accuracy"
 
 NAMES = {"jet": "`jet`", "jet-2": "`jet`, 2 threads", "godunov2": "`godunov`, order 2",
          "godunov1": "`godunov`, order 1", "sweep": "maskSdf", "heat": "heat",
@@ -48,7 +48,7 @@ def bold_least(values, show):
 def errors_of(case, methods):
     """A cell `mean / 99 % / max` per method, the least of each in bold."""
     columns = [bold_least([case[m]["errors"][key] if m in case else None for m in methods],
-                          lambda v: lab.number(v, 2)) for key in MEASURES]
+                          lambda v: measure.number(v, 2)) for key in MEASURES]
     return ["-" if cell[0] == "-" else " / ".join(cell) for cell in zip(*columns)]
 
 
@@ -56,13 +56,13 @@ def shape_errors(results):
     methods = ("jet", "godunov2", "godunov1", *OTHERS)
     cases = {name: case for name, case in results["cases"].items() if is_shape(name)}
     columns = [errors_of(case, methods) for case in cases.values()]
-    return lab.table(["method", *map(title, cases)],
+    return measure.table(["method", *map(title, cases)],
                      [[NAMES[m], *(column[k] for column in columns)] for k, m in enumerate(methods)])
 
 
 def model_errors(results):
     methods = ("jet", "godunov2", "sweep", "heat", "heat-id", "dijkstra")
-    return lab.table(["model, voxels, seed", *(NAMES[m] for m in methods)],
+    return measure.table(["model, voxels, seed", *(NAMES[m] for m in methods)],
                      [[title(name), *errors_of(case, methods)]
                       for name, case in results["cases"].items() if not is_shape(name)])
 
@@ -76,14 +76,14 @@ def timed(results):
 def figures(results, value, show):
     """A row per case, a column per method, the least in bold."""
     methods = list(NAMES)
-    return lab.table(["", *NAMES.values()],
+    return measure.table(["", *NAMES.values()],
                      [[title(name), *bold_least([value(case[m]) if m in case else None
                                                  for m in methods], show)]
                       for name, case in timed(results).items()])
 
 
 def seconds(x):
-    return lab.number(x, 2)
+    return measure.number(x, 2)
 
 
 def times(results):
@@ -112,7 +112,7 @@ def stages(results, name):
     columns = {"read": ["read"], "check and band, or extraction": ["check", "band", "surface"],
                "set-up": ["setup"], "first seed": ["first"], "all": ["total"],
                "further seed": ["further"]}
-    return lab.table(["method", *columns, "peak, MB"],
+    return measure.table(["method", *columns, "peak, MB"],
                      [[NAMES[m], *(cell(run, keys) for keys in columns.values()),
                        f"{run['peakBytes'] / 1e6:.0f}"]
                       for m, run in ((m, results["cases"][name][m]) for m in NAMES
@@ -131,8 +131,8 @@ def ahead(results):
     for measure, (value, unit) in measures.items():
         cases = timed(results) if unit != "%" else results["cases"]
         for method in OTHERS:
-            where = [f"{title(name)} ({lab.number(value(case[method]), 2)} against "
-                     f"{lab.number(value(case['jet']), 2)} {unit})"
+            where = [f"{title(name)} ({measure.number(value(case[method]), 2)} against "
+                     f"{measure.number(value(case['jet']), 2)} {unit})"
                      for name, case in cases.items()
                      if method in case and value(case[method]) < value(case["jet"])]
             if where:
@@ -152,7 +152,7 @@ def readme(results):
         spent = [f"{seconds(case[m]['total']['cpu'])} s" for m in ("jet", "heat") if m in case]
         rows.append([title(name).removesuffix(", seed A"), *errors_of(case, methods),
                      " / ".join(spent)])
-    return lab.table(["", *(NAMES[m] for m in methods), "time of `jet` / heat"], rows)
+    return measure.table(["", *(NAMES[m] for m in methods), "time of `jet` / heat"], rows)
 
 
 def overview(results):
@@ -169,8 +169,8 @@ def write_documents(results):
              "stages-bunny": lambda r: stages(r, "bunny-256-A"),
              "machine": lambda r: f"Measured on: {r['machine']}; command: `{r['command']}`."}
     for name, make in parts.items():
-        lab.rewrite(ACCURACY, f"compare-{name}", make(results))
-    lab.rewrite(README, "compare", readme(results))
+        measure.rewrite(ACCURACY, f"compare-{name}", make(results))
+    measure.rewrite(README, "compare", readme(results))
 
 
 def draw(results):

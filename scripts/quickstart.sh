@@ -101,8 +101,8 @@ seed=${SEED:-$seed}
 targetOptions=()
 for target in "${targets[@]}"; do targetOptions+=(--target "$target"); done
 command=(build/release/bin/implicit-geodesic --sdf "$surface" --seed "$seed" "${targetOptions[@]}"
-    -o "out/${name}_geodesic.vdb" --with surface --paths "out/${name}_paths.json"
-    --json "out/${name}_report.json" --image "out/$name.png" "${view[@]}")
+    -o "out/${name}_geodesic.vdb" --grids surface --paths "out/${name}_paths.json"
+    --report "out/${name}_report.json" --image "out/$name.png" "${view[@]}")
 say "${command[*]}"
 "${command[@]}"
 

@@ -15,7 +15,7 @@ import pathlib
 import sys
 import tempfile
 
-import lab
+import measure
 from reproduction import figures, tables
 from reproduction.bench import Bench, Missing, left_out
 
@@ -48,7 +48,7 @@ QUICK = (
 def quick_holds(results):
     holds = True
     for figure, least, largest in QUICK:
-        value = lab.look_up(results, figure)
+        value = measure.look_up(results, figure)
         if value is None:
             continue
         good = least <= value <= largest
@@ -73,7 +73,7 @@ def arguments():
     if not options.build:
         program = os.environ.get("IGEO_PROGRAM")
         options.build = pathlib.Path(program).resolve().parents[1] if program else \
-            lab.ROOT / "build" / "release"
+            measure.ROOT / "build" / "release"
     options.build = options.build.resolve()
     if not (options.build / "bin" / "implicit-geodesic").exists():
         sys.exit(f"{options.build}/bin/implicit-geodesic is not there: run scripts/build.sh release")
@@ -82,10 +82,10 @@ def arguments():
 
 def main():
     options = arguments()
-    out = options.build / "reproduction" if options.quick else lab.ROOT / "docs"
+    out = options.build / "reproduction" if options.quick else measure.ROOT / "docs"
     document = out / "reproduction.md"
     if options.quick:
-        lab.write(document, (lab.ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8"))
+        measure.write(document, (measure.ROOT / "docs" / "reproduction.md").read_text(encoding="utf-8"))
 
     results = {}
     with tempfile.TemporaryDirectory(dir=options.build) as work:
@@ -95,12 +95,12 @@ def main():
                 results[name], text = EXPERIMENTS[name](bench)
             except Missing as missing:
                 text = left_out(missing)
-            lab.rewrite(document, name, text)
+            measure.rewrite(document, name, text)
             print(f"{name}: {'done' if name in results else text}", flush=True)
     if "table1" in results:
-        lab.rewrite(document, "machine", f"Times: {lab.machine()}; one thread, least of five runs.")
-    lab.save(results, options.build / f"reproduction{'-quick' if options.quick else ''}.json")
-    holds = lab.check(results, SCRIPT)
+        measure.rewrite(document, "machine", f"Times: {measure.machine()}; one thread, least of five runs.")
+    measure.save(results, options.build / f"reproduction{'-quick' if options.quick else ''}.json")
+    holds = measure.check(results, SCRIPT)
     if options.quick:
         holds = quick_holds(results) and holds
     sys.exit(0 if holds else 1)

@@ -14,10 +14,10 @@ import math
 import pathlib
 import sys
 
-import lab
+import measure
 
-DOCUMENT = lab.ROOT / "docs" / "scaling.md"
-PLOT = lab.ROOT / "docs" / "images" / "scaling" / "speed.svg"
+DOCUMENT = measure.ROOT / "docs" / "scaling.md"
+PLOT = measure.ROOT / "docs" / "images" / "scaling" / "speed.svg"
 
 SIZES, PARTS, PIECES, SEEDS = (100, 200, 400, 800, 1600), (4, 16, 64, 256, 1024), (1, 16, 64), (1, 100)
 SHAPES = ("sphere", "torus", "trefoil")
@@ -42,7 +42,7 @@ def measure(bench, quick):
     for shape in SHAPES[:1] if quick else SHAPES:
         for n in sizes if shape == "sphere" else (800,):
             for seeds in SEEDS:
-                done = lab.run([bench, "domains", "--shape", shape, "--n", n, "--seeds", seeds, "--parts",
+                done = measure.run([bench, "domains", "--shape", shape, "--n", n, "--seeds", seeds, "--parts",
                                 ",".join(map(str, parts)), "--pieces", ",".join(map(str, pieces))])
                 runs += [{"shape": shape, "n": n, **json.loads(line)} for line in done.stdout.splitlines()]
                 print(f"{shape}, N = {n}, {seeds} seeds: {runs[-1]['nodes']} core nodes, "
@@ -93,7 +93,7 @@ def efficiency(run):
 
 
 def percent(x):
-    return f"{lab.number(100 * x, 2)} %"
+    return f"{measure.number(100 * x, 2)} %"
 
 
 def growth(runs):
@@ -107,7 +107,7 @@ def growth(runs):
     rows = [[r["n"], *(f"{value(r):,}" for value in columns.values())] for r in picked]
     powers = [math.log(value(picked[-1]) / value(picked[-2])) / math.log(picked[-1]["n"] / picked[-2]["n"])
               for value in columns.values()]
-    return lab.table(["N", *columns], [*rows, ["grows as N to", *(f"{p:.2f}" for p in powers)]])
+    return measure.table(["N", *columns], [*rows, ["grows as N to", *(f"{p:.2f}" for p in powers)]])
 
 
 def balance(runs):
@@ -119,7 +119,7 @@ def balance(runs):
         run = runs.all["sphere", runs.sizes[-1], seeds, parts, k]
         return " / ".join(percent(x) for x in (efficiency(run), run["links"]["records"] / run["nodes"],
                                                run["halo"]["records"] / run["nodes"]))
-    return lab.table(["P", *head], [[p, *(cell(p, *c) for c in columns)] for p in runs.parts])
+    return measure.table(["P", *head], [[p, *(cell(p, *c) for c in columns)] for p in runs.parts])
 
 
 def shapes(runs):
@@ -128,9 +128,9 @@ def shapes(runs):
     rows = []
     for shape in SHAPES:
         front = runs.all[shape, 800, 1, 64, 1]
-        rows.append([shape, lab.number(front["nodes"] / front["steps"])]
+        rows.append([shape, measure.number(front["nodes"] / front["steps"])]
                     + [percent(efficiency(runs.all[shape, 800, seeds, 64, k])) for seeds, k in columns])
-    return lab.table(["N = 800, P = 64", "nodes per superstep", "one seed, patches", "64 pieces",
+    return measure.table(["N = 800, P = 64", "nodes per superstep", "one seed, patches", "64 pieces",
                       "100 seeds, patches", "64 pieces"], rows)
 
 
@@ -139,9 +139,9 @@ def speed(runs, beyond):
     def row(n, seeds):
         name = f"{n}" + (", extrapolated" if n not in runs.sizes else "") + (
             "" if seeds == 1 else f", {seeds} seeds")
-        return [name, *(" / ".join(lab.number(runs.best(n, seeds, p, network), 2) for network in NETWORKS)
+        return [name, *(" / ".join(measure.number(runs.best(n, seeds, p, network), 2) for network in NETWORKS)
                         for p in runs.parts)]
-    return lab.table(["N", *(f"P = {p}" for p in runs.parts)],
+    return measure.table(["N", *(f"P = {p}" for p in runs.parts)],
                      [*(row(n, 1) for n in (*runs.sizes, *beyond)), row(runs.sizes[-1], 100)])
 
 
@@ -193,7 +193,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="two small spheres, not into docs/")
-    parser.add_argument("--build", type=pathlib.Path, default=lab.ROOT / "build" / "release",
+    parser.add_argument("--build", type=pathlib.Path, default=measure.ROOT / "build" / "release",
                         help="build folder [build/release]")
     parser.add_argument("--from", type=pathlib.Path, metavar="FILE", dest="again",
                         help="count nothing: tables and plot of saved results")
@@ -203,7 +203,7 @@ def main():
         bench = options.build / "tests" / "igeo_bench"
         if not bench.exists():
             sys.exit(f"{bench} is not there: run scripts/build.sh release first")
-        lab.save({"runs": measure(bench, options.quick)}, saved)
+        measure.save({"runs": measure(bench, options.quick)}, saved)
         print(f"results: {saved}")
     results = json.loads(saved.read_text())
     runs = derive(results)
@@ -212,9 +212,9 @@ def main():
     else:
         for name, text in (("growth", growth(runs)), ("balance", balance(runs)), ("shapes", shapes(runs)),
                            ("speed", speed(runs, BEYOND))):
-            lab.rewrite(DOCUMENT, f"scaling-{name}", text)
+            measure.rewrite(DOCUMENT, f"scaling-{name}", text)
         draw(runs)
-    sys.exit(not lab.check(results, "scripts/scaling.py"))
+    sys.exit(not measure.check(results, "scripts/scaling.py"))
 
 
 if __name__ == "__main__":

@@ -76,9 +76,9 @@ private:
 
     void refuseConflicts() const;
     template <typename Part>
-    std::vector<Numbers> alike(const Numbers& jobs) const;
+    std::vector<Numbers> groupBy(const Numbers& jobs) const;
     void chooseShard();
-    void takeOver(const Summary& earlier);
+    void reuseFinishedJobs(const Summary& earlier);
     std::string digestOf(const BatchJob& job);
     void print() const;
 
@@ -146,12 +146,12 @@ Batch::Batch(const Options& options, Console& console, ConsoleProgress& progress
             job.digest = digestOf(jobs_[k]);
         }
     std::error_code ignored;
-    if (fs::exists(summaryFile_, ignored)) takeOver(readSummary(summaryFile_));
+    if (fs::exists(summaryFile_, ignored)) reuseFinishedJobs(readSummary(summaryFile_));
 }
 
 /// Jobs that agree in a part of their options together, each lot in the order of the manifest.
 template <typename Part>
-std::vector<Batch::Numbers> Batch::alike(const Numbers& jobs) const {
+std::vector<Batch::Numbers> Batch::groupBy(const Numbers& jobs) const {
     std::vector<Numbers> lots;
     for (const std::size_t k : jobs) {
         const Part& own = jobs_[k].options;
@@ -198,10 +198,10 @@ void Batch::refuseConflicts() const {
 void Batch::chooseShard() {
     Numbers everything(jobs_.size());
     std::iota(everything.begin(), everything.end(), std::size_t(0));
-    std::vector<Numbers> all = alike<SurfaceOptions>(everything);
+    std::vector<Numbers> all = groupBy<SurfaceOptions>(everything);
     for (Numbers& surface : all) {
         Numbers ordered;
-        for (const Numbers& metric : alike<MetricOptions>(surface))
+        for (const Numbers& metric : groupBy<MetricOptions>(surface))
             ordered.insert(ordered.end(), metric.begin(), metric.end());
         surface = ordered;
     }
@@ -234,7 +234,7 @@ std::string Batch::digestOf(const BatchJob& job) {
 
 /// Jobs that were done with the same program, options and inputs, and whose outputs are still
 /// theirs.
-void Batch::takeOver(const Summary& earlier) {
+void Batch::reuseFinishedJobs(const Summary& earlier) {
     std::map<std::string, const JobRecord*> known;
     for (const JobRecord& job : earlier.jobs) known[job.name] = &job;
     std::vector<std::pair<JobRecord*, const JobRecord*>> candidates;
@@ -304,7 +304,7 @@ void Batch::runGroup(const Numbers& group) {
     progress_.update("batch", double(ended_) / double(records_.size()));
     // Each metric lives until the last of its jobs is done.
     std::vector<std::shared_ptr<MetricInput>> metrics;
-    for (const Numbers& lot : alike<MetricOptions>(group))
+    for (const Numbers& lot : groupBy<MetricOptions>(group))
         metrics.insert(metrics.end(), lot.size(),
                        std::make_shared<MetricInput>(jobs_[lot.front()].options));
     std::atomic<std::size_t> next{0};

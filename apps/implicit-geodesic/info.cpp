@@ -162,14 +162,14 @@ void printSurface(Table& table, const FileSurvey& file) {
     table.row("", "by default jet takes " +
                       format("%.4g, godunov %.4g voxels", s.bounds.lower, s.godunovBand));
     std::string why;
-    constexpr std::array<const char*, igeo::kDoubts> kWhy{"bends", "facing sheets", "|grad psi|",
-                                                          "cuts"};
-    for (std::size_t k = 0; k < igeo::kDoubts; ++k)
-        if (s.doubts[k] > 0)
+    constexpr std::array<const char*, igeo::kUnreliableCauses> kWhy{"bends", "facing sheets",
+                                                                    "|grad psi|", "cuts"};
+    for (std::size_t k = 0; k < igeo::kUnreliableCauses; ++k)
+        if (s.unreliableBy[k] > 0)
             why += (why.empty() ? ": " : ", ") + std::string(kWhy[k]) + " " +
-                   std::to_string(s.doubts[k]);
-    table.row("doubtful", format("%.0f of %.0f band voxels (", double(s.doubtful), n) +
-                              percent(double(s.doubtful) / n) + ")" + why);
+                   std::to_string(s.unreliableBy[k]);
+    table.row("unreliable", format("%.0f of %.0f band voxels (", double(s.unreliable), n) +
+                                percent(double(s.unreliable) / n) + ")" + why);
     table.row("a run",
               format("about %.3g MB, %.2g s on one core", double(s.bytes) / 1e6, s.seconds));
 }
@@ -239,7 +239,7 @@ FileSurvey surveyOf(const Options& options, igeo::Progress& progress) {
 
 int info(const Options& options, Console& console, ConsoleProgress& progress) {
     const std::string& problems = options.problems;
-    if (problems == "-") usageError("--problems -: stdout is for the survey", "give a file");
+    if (problems == "-") usageError("--unreliable -: stdout is for the survey", "give a file");
     checkOutputFiles(options);
     const auto start = std::chrono::steady_clock::now();
     const FileSurvey file = surveyOf(options, progress);
@@ -248,15 +248,17 @@ int info(const Options& options, Console& console, ConsoleProgress& progress) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const bool asked = file.surface && !problems.empty();
     if (asked)
-        igeo::writeVdb(problems, {igeo::doubtGrid(file.band, file.surface->doubt,
-                                                  file.levelSet.psi->transform(),
-                                                  file.levelSet.psi->getName() + "_doubt")});
+        igeo::writeVdb(problems,
+                       {igeo::unreliableGrid(file.band, file.surface->unreliability,
+                                             file.levelSet.psi->transform(),
+                                             file.levelSet.psi->getName() + "_unreliable")});
     progress.clear();
     console.detail(format("surveyed in %.3f s", seconds.count()));
     if (options.infoJson)
         writeDocument("-", igeo::surveyJson(file));
     else
         print(file);
-    if (asked) console.info(count(file.surface->doubtful, "doubtful voxel") + " in " + problems);
+    if (asked)
+        console.info(count(file.surface->unreliable, "unreliable voxel") + " in " + problems);
     return file.refusal ? kUnusable : kDone;
 }

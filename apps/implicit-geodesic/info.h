@@ -5,7 +5,7 @@
 #include "options.h"
 
 /// Prints a survey of Options::sdf on stdout, for people or as JSON, and writes the places where
-/// results are doubtful if they are asked for.
+/// results are unreliable if they are asked for.
 /// @return kDone; kUnusable where the file cannot be used, which the survey says
-/// @throws igeo::Error  for options, and where --problems cannot be written
+/// @throws igeo::Error  for options, and where --unreliable cannot be written
 int info(const Options& options, Console& console, ConsoleProgress& progress);

@@ -88,10 +88,10 @@ BatchJob jobOf(const Json& entry, const Values& defaults, const std::string& fil
 
 std::vector<BatchJob> readManifest(const std::string& file) {
     const Json manifest = readJson(file);
-    if (!manifest.is_object() || !manifest.contains("version") || manifest["version"] != 1 ||
+    if (!manifest.is_object() || !manifest.contains("version") || manifest["version"] != 2 ||
         !manifest.contains("jobs") || !manifest["jobs"].is_array())
-        inputError(file + " is no manifest of version 1",
-                   "write {\"version\": 1, \"defaults\": {...}, \"jobs\": [{\"name\": ...}, ...]}");
+        inputError(file + " is no manifest of version 2",
+                   "write {\"version\": 2, \"defaults\": {...}, \"jobs\": [{\"name\": ...}, ...]}");
     for (const auto& [key, value] : manifest.items())
         if (key != "version" && key != "defaults" && key != "jobs" && key != "$schema")
             inputError(file + ": '" + key + "' is no member of a manifest",

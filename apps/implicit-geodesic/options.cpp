@@ -39,13 +39,13 @@ const Ending kEndings[] = {
       {"implicit-geodesic --sdf data/sphere.vdb --seed 0,0,1 --target 0.6,0,-0.8 --paths path.json",
        "the geodesic between two points; its length is printed and in path.json"},
       {"implicit-geodesic --sdf data/torus.vdb --seeds data/torus_seeds.csv --max-distance 0.2 "
-       "-o near.vdb --json -",
+       "-o near.vdb --report -",
        "distances up to 0.2 from the nearest of several seeds; the report goes to stdout"}}},
     {"implicit-geodesic info",
      {{0, "usable"}, {1, "failed"}, {2, "wrong usage"}, {3, "not usable"}, {130, "interrupted"}},
      {{"implicit-geodesic info data/torus.vdb", "whether the torus will do"},
-      {"implicit-geodesic info data/box.vdb --problems doubtful.vdb",
-       "where results on a box are doubtful: along its edges"},
+      {"implicit-geodesic info data/box.vdb --unreliable unreliable.vdb",
+       "where results on a box are unreliable: along its edges"},
       {"implicit-geodesic info model.obj --resolution 400",
        "whether voxels of 1/400 of a mesh's longest side show all of it"}}},
     {"implicit-geodesic batch",
@@ -180,8 +180,8 @@ void addInfo(CLI::App& app, Options& o) {
         ->required();
     addVoxelSize(*info, o);
     info->add_flag("--json", o.infoJson, "Print JSON (docs/info.schema.json)")->group("Results");
-    info->add_option("--problems", o.problems,
-                     "Where results are doubtful, as a grid: 1 where a bound is just met, larger "
+    info->add_option("--unreliable", o.problems,
+                     "Where results are unreliable, as a grid: 1 where a bound is just met, larger "
                      "is worse")
         ->type_name("FILE.vdb")
         ->group("Results");
@@ -415,7 +415,7 @@ void addOptions(CLI::App& app, Options& o) {
                    "Distances as a VDB file; - writes to stdout [<sdf>_geodesic.vdb, here]")
         ->type_name("FILE.vdb")
         ->group(results);
-    app.add_option("--with", o.with,
+    app.add_option("--grids", o.with,
                    "More grids in the output: surface (psi, first), gradient (of the distance), "
                    "label (nearest seed), color, logmap, weight, curvature, engraved (isolines and "
                    "paths cut into psi)")
@@ -503,7 +503,7 @@ void addOptions(CLI::App& app, Options& o) {
         ->check(oneOf(igeo::ColorMap::names()))
         ->group(picture);
 
-    app.add_option("--json", o.json,
+    app.add_option("--report", o.json,
                    "Report: parameters, counts, snap distances, timings; - writes to stdout")
         ->type_name("FILE")
         ->group(results);

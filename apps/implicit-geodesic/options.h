@@ -69,7 +69,7 @@ struct BatchOptions {
 struct Options : SurfaceOptions, MetricOptions {
     bool info = false;      ///< the subcommand: nothing below counts but the next two, and the last
     bool infoJson = false;  ///< its report as JSON
-    std::string problems;   ///< its volume of doubtful places; empty: none
+    std::string problems;   ///< its volume of unreliable places; empty: none
 
     std::vector<std::string> seeds, targets;  ///< "x,y,z"
     std::string seedFile, targetFile;
@@ -113,7 +113,7 @@ struct Options : SurfaceOptions, MetricOptions {
         return !output.empty() || !with.empty() || extend || !meshOut.empty() ||
                !isolines.empty() || !matrix.empty() || !targets.empty() || !targetFile.empty();
     }
-    /// By --with.
+    /// By --grids.
     bool asked(const char* grid) const { return std::count(with.begin(), with.end(), grid) > 0; }
     /// What else than paths reads the gradient of the distance.
     bool needsGradient() const {

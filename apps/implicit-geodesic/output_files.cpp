@@ -33,12 +33,12 @@ std::vector<Output> outputsOf(const Options& o) {
         all.push_back({"-o", distanceFile(o, ""), ""});
     const std::string pairs = o.pairsOut.empty() && !o.pairs.empty() ? "-" : o.pairsOut;
     for (const Output& output : std::vector<Output>{{"--paths", o.paths, ".json .obj"},
-                                                    {"--json", o.json, ""},
+                                                    {"--report", o.json, ""},
                                                     {"--mesh-out", o.meshOut, ".ply .obj"},
                                                     {"--isolines", o.isolines, ".json .obj .ply"},
                                                     {"--matrix", o.matrix, ".csv .json .npy"},
                                                     {"--pairs-out", pairs, ".csv .json"},
-                                                    {"--problems", o.problems, ".vdb"},
+                                                    {"--unreliable", o.problems, ".vdb"},
                                                     {"--image", o.image, ".png"}})
         if (!output.file.empty()) all.push_back(output);
     return all;

@@ -55,7 +55,7 @@ Outputs::Outputs(const Options& options)
                    "parts are written as JSON; batch merge --matrix makes any format of them");
     for (const char* grid : {"label", "logmap"})
         if (options.asked(grid) && options.scheme != "jet")
-            usageError(std::string("--with ") + grid + " needs --scheme jet",
+            usageError(std::string("--grids ") + grid + " needs --scheme jet",
                        "godunov does not know where a front came from");
     const bool extended = !(options.seedCurves.empty() && options.seedMasks.empty());
     if (!options.matrix.empty() && extended)
@@ -65,10 +65,10 @@ Outputs::Outputs(const Options& options)
         usageError("--pairs-out without --pairs", "add --pairs FILE");
     if (!options.asked("logmap")) return;
     if (!(options.metric.empty() && options.metricCurvature.empty()))
-        usageError("--with logmap does not go with tensors (--metric, --metric-curvature)",
+        usageError("--grids logmap does not go with tensors (--metric, --metric-curvature)",
                    "the logarithmic map is known for weights only");
     if (extended)
-        usageError("--with logmap does not go with --seed-curve and --seed-mask",
+        usageError("--grids logmap does not go with --seed-curve and --seed-mask",
                    "polar coordinates are those about a point");
 }
 

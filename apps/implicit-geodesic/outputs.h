@@ -46,7 +46,7 @@ public:
 
     /// Areas and boundaries of the cells of the seeds, for the report, if labels are asked for.
     void countCells(const Result& result, igeo::Progress& progress);
-    /// The distance, with the grids of --with.
+    /// The distance, with the grids of --grids.
     void writeVolume(const Result& result, igeo::Progress& progress);
     /// Paths, mesh, isolines, matrix, pairs and picture.
     void writeDocuments(const Result& result, igeo::Progress& progress);

@@ -104,8 +104,8 @@ void Job::makeBand(const std::vector<igeo::Ball>& region) {
     console_.detail(format("band: h = %.6g (%.4g voxels), %.0f nodes",
                            band().h * band().transform.dx, band().h, double(band().size())) +
                     (wholeBand_ ? "" : ", not of the whole surface"));
-    const std::string doubt = wholeBand_ ? surface_.doubtOf(band()) : "";
-    if (!doubt.empty()) report_.warnings.push_back(doubt);
+    const std::string unreliable = wholeBand_ ? surface_.unreliableShare(band()) : "";
+    if (!unreliable.empty()) report_.warnings.push_back(unreliable);
     finished("band");
 }
 
@@ -368,12 +368,13 @@ int Job::summarize() {
         const igeo::Path& p = report_.paths[k];
         const std::string name = "target " + std::to_string(k);
         if (p.status == igeo::PathStatus::Reached) {
-            console_.info(name + (field_.metric->weighted()
-                                      ? format(": distance %.6g, geodesic %.6g by the metric, %.6g "
-                                               "long",
-                                               p.distance * dx, p.length * dx, p.arcLength * dx)
-                                      : format(": distance %.6g, geodesic %.6g long",
-                                               p.distance * dx, p.length * dx)));
+            console_.info(name +
+                          (field_.metric->weighted()
+                               ? format(": distance %.6g, geodesic %.6g by the metric, %.6g "
+                                        "long",
+                                        p.distance * dx, p.weightedLength * dx, p.length * dx)
+                               : format(": distance %.6g, geodesic %.6g long", p.distance * dx,
+                                        p.weightedLength * dx)));
             continue;
         }
         code = kUnreached;
@@ -387,7 +388,7 @@ int Job::summarize() {
         const igeo::Path& walk = report_.walks[k];
         const igeo::Similarity& t = surface_.transform();
         const std::string said = "walk " + std::to_string(k) + ": " +
-                                 format("%.6g long, ends at ", walk.arcLength * t.dx) +
+                                 format("%.6g long, ends at ", walk.length * t.dx) +
                                  text(t.worldFromIndex(walk.vertices.back().pIndex));
         if (walk.status == igeo::PathStatus::Reached)
             console_.info(said);
@@ -452,16 +453,18 @@ void checkRun(const Options& options) {
     if (!options.hasSeeds() && !pairsOrWalks)
         usageError("no seed is given", "add --seed x,y,z, --seeds FILE or --sample K");
     if (!options.hasSeeds() && options.needsSeeds())
-        usageError("results that need distances are asked for, but no seed is given",
-                   "add --seed x,y,z; without seeds only --paths, --pairs-out, --image and --json "
-                   "are written");
+        usageError(
+            "results that need distances are asked for, but no seed is given",
+            "add --seed x,y,z; without seeds only --paths, --pairs-out, --image and --report "
+            "are written");
     // Each row and each pair is a march of its own, for which only jet is quick and exact enough.
     const bool manyMarches = !options.matrix.empty() || !options.pairs.empty();
     if (manyMarches && options.scheme != "jet")
-        usageError(std::string(options.pairs.empty() ? "--matrix" : "--pairs") +
-                       " is marched with jet, and --scheme " + options.scheme + " is asked for",
-                   "leave --scheme out; for distances by godunov take a run per seed, whose --json "
-                   "has those of its targets");
+        usageError(
+            std::string(options.pairs.empty() ? "--matrix" : "--pairs") +
+                " is marched with jet, and --scheme " + options.scheme + " is asked for",
+            "leave --scheme out; for distances by godunov take a run per seed, whose --report "
+            "has those of its targets");
     Outputs{options};
     checkOutputFiles(options);
 }

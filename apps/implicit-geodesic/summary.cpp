@@ -66,7 +66,7 @@ JobRecord recordOf(const Json& j) {
 }  // namespace
 
 std::string Summary::text() const {
-    Json j = {{"schema", 1},          {"type", "summary"}, {"creator", creator},
+    Json j = {{"schema", 2},          {"type", "summary"}, {"creator", creator},
               {"manifest", manifest}, {"digest", digest},  {"count", count}};
     j["shard"] =
         shard.whole() ? Json(nullptr) : Json{{"number", shard.number}, {"count", shard.count}};
@@ -78,7 +78,7 @@ std::string Summary::text() const {
 Summary readSummary(const std::string& file) {
     const Json j = readJson(file);
     try {
-        if (j.at("schema") != 1 || j.at("type") != "summary")
+        if (j.at("schema") != 2 || j.at("type") != "summary")
             inputError(file + " is no summary of a batch", "name another file");
         Summary summary;
         j.at("creator").get_to(summary.creator);

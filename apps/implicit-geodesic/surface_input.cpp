@@ -110,7 +110,7 @@ public:
         requireMemory(memoryLimit);
         return igeo::surveyMesh(mesh_, transform_.dx, progress);
     }
-    std::string doubtOf(const igeo::Band& band) const override {
+    std::string unreliableShare(const igeo::Band& band) const override {
         // Less is next to sharp edges.
         constexpr double kMuch = 0.02;
         const double share = igeo::facingShare(band);

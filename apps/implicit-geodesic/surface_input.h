@@ -44,7 +44,7 @@ public:
     /// whole all the same.
     BandPtr band(const std::vector<igeo::Ball>& region, igeo::Progress& progress) const;
     /// What else a user should know, now that there is a band of the whole surface; empty: nothing.
-    virtual std::string doubtOf(const igeo::Band&) const { return {}; }
+    virtual std::string unreliableShare(const igeo::Band&) const { return {}; }
     /// How many nodes the band of the whole surface has, about.
     virtual double estimatedNodes() const = 0;
     /// How much memory a job on the whole surface takes, about, GiB.

@@ -7,7 +7,7 @@ import pathlib
 import struct
 import sys
 
-import lab
+import measure
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Bench:
         """The report of a run."""
         program = self.build / "bin" / "implicit-geodesic"
         # Exit code 4: a target is unreached, which the report says as well.
-        done = lab.run([program, *words, "-q", "-o", "/dev/null", "--json", "-"], expect=(0, 4))
+        done = measure.run([program, *words, "-q", "-o", "/dev/null", "--report", "-"], expect=(0, 4))
         return json.loads(done.stdout)
 
     def model(self, name):
@@ -82,7 +82,7 @@ class Bench:
     def file(self, model):
         """None if no folder of models was given."""
         if model.file.endswith(".vdb"):
-            return lab.ROOT / "data" / model.file
+            return measure.ROOT / "data" / model.file
         return self.models / model.file if self.models else None
 
     def level_set(self, model, voxels):
@@ -95,7 +95,7 @@ class Bench:
         to = self.work / f"{file.stem}{voxels}.vdb"
         if not to.exists():
             # Its dim counts the band of three voxels on both sides.
-            lab.run(["vdb_tool", "-quiet", "-read", file, "-mesh2ls", f"dim={voxels + 6}", "width=3",
+            measure.run(["vdb_tool", "-quiet", "-read", file, "-mesh2ls", f"dim={voxels + 6}", "width=3",
                      "name=psi", "-write", to])
         return ["--sdf", to]
 
@@ -115,7 +115,7 @@ class Bench:
         to = self.work / f"{key}.vdb"
         words = [word for parameter in parameters for word in ("--param", parameter)]
         if not to.exists():
-            lab.run([self.build / "bin" / "make_shape", name, "--voxel-size", repr(voxel),
+            measure.run([self.build / "bin" / "make_shape", name, "--voxel-size", repr(voxel),
                      "--half-width", half_width, *words, "-o", to])
         return ["--sdf", to]
 

@@ -4,7 +4,7 @@ import math
 import pathlib
 import random
 
-import lab
+import measure
 from reproduction.bench import (MIDDLE, RADIUS, SEEDS, SHAPES, Missing, at_points, cross, difference,
                                 dot, image, left_out, mesh_points, on_sphere, plot, side_by_side,
                                 surface_values)
@@ -101,7 +101,7 @@ def on_mesh(bench, mesh, seed, points):
         return found, f"`--mesh` at {resolution} voxels"
     file = bench.work / "mesh.csv"
     file.write_text("".join("{!r},{!r},{!r},0\n".format(*p) for p in points))
-    lab.run([peer, "--method", "oracle", "--mesh", mesh, "--seed", seed, "--points", file])
+    measure.run([peer, "--method", "oracle", "--mesh", mesh, "--seed", seed, "--points", file])
     rows = pathlib.Path(f"{file}.exact").read_text().split()
     return [float(row.split(",")[3]) for row in rows], "exact polyhedral distances (`igeo_peer`)"
 
@@ -141,10 +141,10 @@ def fig7(bench):
         found, _ = at_points(bench, points, *bench.level_set(model, voxels), *seed, *options)
         percent = [100 * abs(a - b) / largest for a, b in zip(found, truth)]
         figures[key] = {"mean": sum(percent) / len(percent), "max": max(percent)}
-        rows.append([name, voxels, *(lab.number(figures[key][k], 2) for k in ("mean", "max"))])
+        rows.append([name, voxels, *(measure.number(figures[key][k], 2) for k in ("mean", "max"))])
         if key == "godunov 1":
             first = percent
-    text = lab.table(["method", "voxels", "mean, %", "largest, %"], rows)
+    text = measure.table(["method", "voxels", "mean, %", "largest, %"], rows)
     text += f"\n\nThe mesh's side: {how}, at {len(points)} vertices."
     if plot(draw_differences(points, first), bench.images / "fig7-difference.png"):
         text += "\n\n" + image("fig7-difference.png", "where the distances differ")
@@ -196,12 +196,12 @@ def fig9(bench):
     for key, (name, words) in runs.items():
         found = path(bench, *words)
         figures[key] = {"distance": 100 * (found["distance"] / exact - 1),
-                        "length": 100 * (found["arcLength"] / exact - 1),
+                        "length": 100 * (found["length"] / exact - 1),
                         "apart": farthest(found, reference) / voxel}
         rows.append([name, f"{found['distance']:.5g}", f"{figures[key]['distance']:+.2f}",
-                     f"{found['arcLength']:.5g}", f"{figures[key]['length']:+.2f}",
-                     lab.number(figures[key]["apart"], 2)])
-    text = lab.table(["surface and scheme", "distance", "%", "length of the path", "%",
+                     f"{found['length']:.5g}", f"{figures[key]['length']:+.2f}",
+                     measure.number(figures[key]["apart"], 2)])
+    text = measure.table(["surface and scheme", "distance", "%", "length of the path", "%",
                       "apart at most, voxels"], rows)
     text += f"\n\nPercentages are of {exact:.5g}: {how}."
     return {pathlib.Path(model.file).stem: figures}, \
@@ -217,14 +217,14 @@ def fig10(bench):
     for key, options in (("natural", []), ("valley", valley)):
         report = bench.picture(f"fig10-{key}", *words, *options, size="480x360")
         found = path(bench, *words, *options)
-        figures[key] = {"length": found["arcLength"], "cost": found["length"] / found["arcLength"],
+        figures[key] = {"length": found["length"], "cost": found["weightedLength"] / found["length"],
                         "largest": report["metric"]["largest"]}
         images.append(image(f"fig10-{key}.png", f"the {key} path"))
     figures["longer"] = figures["valley"]["length"] / figures["natural"]["length"]
     text = (f"The natural path is {figures['natural']['length']:.1f} mm long, that in the valley "
             f"{figures['valley']['length']:.1f} mm. Its mean cost per mm is "
             f"{figures['valley']['cost']:.0f}, where the surface has up to "
-            f"{lab.number(figures['valley']['largest'])}.")
+            f"{measure.number(figures['valley']['largest'])}.")
     return {pathlib.Path(model.file).stem: figures}, \
         side_by_side(images, ["g = 1", "g of the mean curvature"]) + "\n\n" + text
 
@@ -240,7 +240,7 @@ def fig11(bench):
         report = bench.picture(f"fig11-{key}", *words, *options)
         found = path(bench, *words, *options)
         away = min(math.dist(p, center) for p in found["vertices"]["position"])
-        figures[key] = {"length": found["arcLength"],
+        figures[key] = {"length": found["length"],
                         "clear": (away - radius) / report["surface"]["voxelSize"]}
         images.append(image(f"fig11-{key}.png", f"the path, {key}"))
     text = (f"The path is {figures['natural']['length']:.4g} long without and {figures['around']['length']:.4g} "
@@ -295,7 +295,7 @@ def fig12(bench):
             axes.hist(lengths[h], bins=[0.5 + 0.02 * k for k in range(36)], histtype="stepfilled")
             axes.set_title(f"h = {h:g} voxels", fontsize=8)
 
-    text = lab.table(["h, voxels", "5 %", "median", "95 %", "between 5 and 95 %", "1 - h/R"], rows)
+    text = measure.table(["h, voxels", "5 %", "median", "95 %", "between 5 and 95 %", "1 - h/R"], rows)
     if plot(draw, bench.images / "fig12.svg"):
         text = image("fig12.svg", "histograms of the length of the gradient") + "\n\n" + text
     return {"narrowest": figures[str(widths[0])], "widest": figures[str(widths[-1])]}, text

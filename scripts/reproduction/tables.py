@@ -2,7 +2,7 @@
 import concurrent.futures
 import math
 
-import lab
+import measure
 from reproduction.bench import (MIDDLE, RADIUS, SEEDS, SHAPES, Missing, cross, difference, dot, image,
                                 left_out, on_sphere, plot, slope, surface_values)
 
@@ -55,7 +55,7 @@ def table1_row(bench, name):
     figures = {"points": ours["band"]["nodes"], "h": our_h, "godunov": godunov, "jet": jet,
                "ratio": ours["band"]["nodes"] / points}
     row = [name, size, box_of_band(bench, words, voxel, our_h), points, figures["points"], h,
-           lab.number(our_h, 3), seconds, lab.number(godunov, 2), lab.number(jet, 2)]
+           measure.number(our_h, 3), seconds, measure.number(godunov, 2), measure.number(jet, 2)]
     return figures, row
 
 
@@ -69,7 +69,7 @@ def table1(bench):
             notes.append(left_out(missing))
     # The knot has another h than the paper's, and with it other points.
     figures["points"] = max(abs(figures[name]["ratio"] - 1) for name in figures if name != "knot")
-    text = lab.table(["model", "size, paper", "ours", "points, paper", "ours", "h, paper", "ours",
+    text = measure.table(["model", "size, paper", "ours", "points, paper", "ours", "h, paper", "ours",
                       "time, paper", "`godunov`, order 1", "`jet`"], rows)
     return figures, "\n\n".join([text, *notes])
 
@@ -142,7 +142,7 @@ def table2(bench):
     columns = {"paper": "paper", "axis": "order 1, seed on an axis", "general": "order 1",
                "shortcut": "band alone", "order 2": "order 2", "jet": "`jet`"}
     rates = {c: slope((1 / n, found[n][c]) for n in sizes) for c in columns}
-    rows = [[n, lab.number(paper_h(n), 5), *(lab.number(found[n][c], 3) for c in columns)]
+    rows = [[n, measure.number(paper_h(n), 5), *(measure.number(found[n][c], 3) for c in columns)]
             for n in sizes]
     rows.append(["fitted rate", "", *(f"{rates[c]:.3f}" for c in columns)])
     ratios = [found[n]["axis"] / found[n]["paper"] for n in sizes]
@@ -163,9 +163,9 @@ def table2(bench):
         axes.set_ylabel("largest error")
         axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1, 0.5), title="rate")
 
-    text = lab.table(["N", "h", *columns.values()], rows)
+    text = measure.table(["N", "h", *columns.values()], rows)
     text += "\n\nOrder 1 at N = 100, seed on an axis, by the radius of the sphere: " + ", ".join(
-        f"{r}: {lab.number(error, 3)}" for r, error in radii.items()) + "."
+        f"{r}: {measure.number(error, 3)}" for r, error in radii.items()) + "."
     if plot(draw, bench.images / "table2.svg"):
         text += "\n\n" + image("table2.svg", "The errors of the table over the voxel size")
     return figures, text

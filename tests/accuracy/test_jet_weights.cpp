@@ -108,19 +108,19 @@ TEST_CASE("paths under the stereographic weight are circles, and their length is
     const Vec3d from = onSphere(seed), to = onSphere(target);
     const double exact = std::atan2(from.cross(to).length(), from.dot(to)) * kN,
                  straight = kScale * 0.36 * kN;
-    const double traced = path.length;
+    const double traced = path.weightedLength;
     straighten(patch.band, field, path);
     std::printf("stereographic path: distance %+.4f %%, traced %+.4f %%, straightened %+.4f %%\n",
                 100 * (path.distance / exact - 1), 100 * (traced / exact - 1),
-                100 * (path.length / exact - 1));
+                100 * (path.weightedLength / exact - 1));
     // Chords of half a voxel with the weight's mean at their ends are 1 / 8 of its second
     // difference off: (dx / 2)^2 / 8 * 2 s^2 = 4e-5 where it is largest, on the straight line. The
     // trilinear weight adds as much.
-    CHECK(path.length < traced * (1 + 1e-9));
-    CHECK(std::abs(path.length / exact - 1) < 1e-4);
+    CHECK(path.weightedLength < traced * (1 + 1e-9));
+    CHECK(std::abs(path.weightedLength / exact - 1) < 1e-4);
     // It bends away from the middle, where the weight is largest.
-    CHECK(path.arcLength > 1.02 * 0.36 * kN);
-    CHECK(path.arcLength < straight);
+    CHECK(path.length > 1.02 * 0.36 * kN);
+    CHECK(path.length < straight);
     for (const PathVertex& vertex : path.vertices) {
         const auto [u, v] = patch.flat(worldOf(patch.band, vertex.pIndex));
         const Vec3d onGreatCircle = onUnitSphere(kScale * u, kScale * v);

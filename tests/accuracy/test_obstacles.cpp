@@ -137,14 +137,14 @@ TEST_CASE("obstacles: distances and paths lead around a ball") {
             Path path = tracePath(s.band, field, gradient, s.target);
             REQUIRE(path.status == PathStatus::Reached);
             const double exact = s.exact(worldOf(s.band, s.target.pIndex)) / dx,
-                         traced = path.length;
+                         traced = path.weightedLength;
             straighten(s.band, field, path);
             std::printf("  path: distance %+.3f %%, traced %+.3f %%, straightened %+.3f %%\n",
                         100 * (path.distance / exact - 1), 100 * (traced / exact - 1),
-                        100 * (path.length / exact - 1));
-            CHECK(path.length <= traced);
-            CHECK(std::abs(path.length / exact - 1) < 0.005);
-            CHECK(path.length == Approx(path.arcLength));
+                        100 * (path.weightedLength / exact - 1));
+            CHECK(path.weightedLength <= traced);
+            CHECK(std::abs(path.weightedLength / exact - 1) < 0.005);
+            CHECK(path.weightedLength == Approx(path.length));
             // Chords of a voxel between points on the rim dip by 1 / (8 r), r = 30 voxels here.
             for (std::size_t k = 0; k < path.vertices.size(); ++k)
                 REQUIRE(!s.inBall(worldOf(s.band, path.vertices[k].pIndex), 1e-6));

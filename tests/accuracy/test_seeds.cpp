@@ -109,7 +109,7 @@ TEST_CASE("seeds along the outer equator of a torus: arcs of its tube") {
     // 1 / (8 R) voxels below S, as above, and the sagitta.
     const Vec3d end = worldOf(band, path.vertices.back().pIndex) - kCenter;
     CHECK(end.dot(Vec3d(-0.6, 0.8, 0)) == Approx(0.42).margin(0.01 * 1.5 / (8 * 12)));
-    CHECK(path.length / 100 == Approx(0.12 * M_PI / 2).epsilon(0.002));
+    CHECK(path.weightedLength / 100 == Approx(0.12 * M_PI / 2).epsilon(0.002));
 }
 
 TEST_CASE("seeds around a region: its inside is 0, its rim where the body's is") {

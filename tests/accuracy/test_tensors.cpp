@@ -193,7 +193,7 @@ TEST_CASE("paths under a constant tensor are straight, not along the gradient") 
                 // Every step may turn by its tolerance, 1e-3 voxels, and gradients by the error of
                 // the field over a voxel.
                 CHECK(aside <= 0.3);
-                CHECK(path.arcLength <= 1.001 * length(seed.pIndex - target.pIndex));
+                CHECK(path.length <= 1.001 * length(seed.pIndex - target.pIndex));
             }
         }
 }

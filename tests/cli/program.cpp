@@ -35,7 +35,7 @@ void writeBytes(const std::string& path, const std::string& bytes) {
     if (!out.flush()) throw std::runtime_error("cannot write " + path);
 }
 
-void Desk::make(const std::string& file, const std::string& shape) const {
+void TempWorkspace::make(const std::string& file, const std::string& shape) const {
     Command command;
     command.program = IGEO_MAKE_SHAPE;
     command.args = split(shape + " -o " + file);
@@ -45,7 +45,7 @@ void Desk::make(const std::string& file, const std::string& shape) const {
     REQUIRE(made.exitCode == 0);
 }
 
-Command Desk::command(const std::string& line) const {
+Command TempWorkspace::command(const std::string& line) const {
     Command command;
     command.program = IGEO_PROGRAM;
     command.args = split(line);
@@ -53,7 +53,7 @@ Command Desk::command(const std::string& line) const {
     return command;
 }
 
-std::map<std::string, std::string> Desk::files() const {
+std::map<std::string, std::string> TempWorkspace::files() const {
     std::map<std::string, std::string> all;
     for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
         const std::string name = entry.path().lexically_relative(folder_.path()).string();
@@ -67,7 +67,7 @@ std::map<std::string, std::string> Desk::files() const {
 
 void allowLeaks(Command& command) { command.environment["ASAN_OPTIONS"] = "detect_leaks=0"; }
 
-Result requireDone(const Desk& desk, const std::string& line) {
+Result requireDone(const TempWorkspace& desk, const std::string& line) {
     Result result = desk.run(line);
     INFO(line << "\n" << result.err);
     CHECK(result.out.empty());
@@ -77,7 +77,7 @@ Result requireDone(const Desk& desk, const std::string& line) {
 
 namespace {
 
-void requireUnchanged(const Desk& desk, const std::map<std::string, std::string>& before) {
+void requireUnchanged(const TempWorkspace& desk, const std::map<std::string, std::string>& before) {
     const auto after = desk.files();
     for (const auto& [name, bytes] : after) {
         INFO("file " << name);
@@ -87,7 +87,7 @@ void requireUnchanged(const Desk& desk, const std::map<std::string, std::string>
     REQUIRE(after.size() == before.size());
 }
 
-void requireRefusedOnce(const Desk& desk, const Command& command, int exitCode,
+void requireRefusedOnce(const TempWorkspace& desk, const Command& command, int exitCode,
                         const std::vector<std::string>& says) {
     const auto before = desk.files();
     const Result result = run(command);
@@ -114,7 +114,7 @@ void requireRefusedOnce(const Desk& desk, const Command& command, int exitCode,
 
 }  // namespace
 
-void requireRefused(const Desk& desk, const Command& command, int exitCode,
+void requireRefused(const TempWorkspace& desk, const Command& command, int exitCode,
                     const std::vector<std::string>& says) {
     requireRefusedOnce(desk, command, exitCode, says);
     std::vector<std::string> placed;
@@ -127,12 +127,13 @@ void requireRefused(const Desk& desk, const Command& command, int exitCode,
     for (const std::string& name : placed) fs::remove(name);
 }
 
-void requireRefused(const Desk& desk, const std::string& line, int exitCode,
+void requireRefused(const TempWorkspace& desk, const std::string& line, int exitCode,
                     const std::vector<std::string>& says) {
     requireRefused(desk, desk.command(line), exitCode, says);
 }
 
-bool validBySchema(const Desk& desk, const std::string& schema, const std::string& document) {
+bool validBySchema(const TempWorkspace& desk, const std::string& schema,
+                   const std::string& document) {
     Command command;
     command.program = "/usr/bin/python3";
     command.args = {IGEO_SOURCE_DIR "/tests/cli/validate_json.py",

@@ -19,7 +19,7 @@ std::string readBytes(const std::string& path);
 void writeBytes(const std::string& path, const std::string& bytes);
 
 /// A temporary folder that a program works in.
-class Desk {
+class TempWorkspace {
 public:
     /// Path of a file in the folder.
     std::string operator/(const std::string& name) const { return folder_ / name; }
@@ -42,11 +42,12 @@ private:
 void allowLeaks(Command& command);
 
 /// Runs a command that must succeed: exit code 0, and nothing on stdout.
-Result requireDone(const Desk& desk, const std::string& line);
+Result requireDone(const TempWorkspace& desk, const std::string& line);
 
 /// Whether a JSON document holds to one of docs/*.schema.json; true where python3-jsonschema is
 /// missing.
-bool validBySchema(const Desk& desk, const std::string& schema, const std::string& document);
+bool validBySchema(const TempWorkspace& desk, const std::string& schema,
+                   const std::string& document);
 
 /// Runs a command that must be refused, once in the folder as it is and once with outputs out.vdb
 /// and out.json in place from before.
@@ -54,9 +55,9 @@ bool validBySchema(const Desk& desk, const std::string& schema, const std::strin
 /// Checks the exit code; that stderr is one line "implicit-geodesic: error: ..." and one with the
 /// way out, that both together hold all of `says` and no name of an exception class; that stdout is
 /// empty and no file was made, changed or removed.
-void requireRefused(const Desk& desk, const Command& command, int exitCode,
+void requireRefused(const TempWorkspace& desk, const Command& command, int exitCode,
                     const std::vector<std::string>& says);
-void requireRefused(const Desk& desk, const std::string& line, int exitCode,
+void requireRefused(const TempWorkspace& desk, const std::string& line, int exitCode,
                     const std::vector<std::string>& says);
 
 }  // namespace igeo::test

@@ -26,7 +26,7 @@ std::vector<std::size_t> cuts(std::size_t size) {
 }  // namespace
 
 TEST_CASE("what is no VDB file is refused") {
-    const Desk desk;
+    const TempWorkspace desk;
     std::filesystem::create_directory(desk / "folder");
     writeBytes(desk / "text.vdb", "# Wavefront OBJ\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     writeBytes(desk / "empty.vdb", "");
@@ -47,7 +47,7 @@ TEST_CASE("what is no VDB file is refused") {
 TEST_CASE("a file that is cut off is refused wherever it was cut") {
     const std::string shape = GENERATE("sphere --voxel-size 0.1", "trefoil --voxel-size 0.04");
     const bool asPipe = GENERATE(false, true);
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("whole.vdb", shape);
     const std::string whole = readBytes(desk / "whole.vdb");
     // Any point will do as a seed, so that nothing but the cut can be refused.
@@ -71,7 +71,7 @@ TEST_CASE("a file that is cut off is refused wherever it was cut") {
 
 TEST_CASE("a file that was written to a stream is read, and refused when it is cut off") {
     // Such a file says in its header that it has no directory of grids.
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("file.vdb", "sphere --voxel-size 0.1");
     openvdb::io::File file(desk / "file.vdb");
     file.open();

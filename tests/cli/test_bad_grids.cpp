@@ -16,11 +16,11 @@ struct BadGrid {
 
 /// Refused in a file, and the same from standard input.
 void requireGridRefused(const BadGrid& bad) {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "bad " + bad.kind);
     auto says = bad.says;
     says.push_back("in.vdb");
-    requireRefused(desk, "--sdf in.vdb --seed 1,0,0 -o out.vdb --json out.json", kUnusable, says);
+    requireRefused(desk, "--sdf in.vdb --seed 1,0,0 -o out.vdb --report out.json", kUnusable, says);
 
     Command piped = desk.command("--sdf - --seed 1,0,0 -o out.vdb");
     piped.stdinBytes = readBytes(desk / "in.vdb");
@@ -61,7 +61,7 @@ TEST_CASE("a transform that does not keep distances is refused by its name") {
 }
 
 TEST_CASE("among several level sets one has to be named") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("two.vdb", "bad two-level-sets");
     desk.make("same.vdb", "bad same-name");
     const std::string rest = " --seed 1,0,0 -q -o out.vdb";
@@ -76,7 +76,7 @@ TEST_CASE("among several level sets one has to be named") {
 }
 
 TEST_CASE("a grid of the wrong kind is refused when it is named as well") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("fog.vdb", "bad fog");
     desk.make("vector.vdb", "bad vector");
     requireRefused(desk, "--sdf fog.vdb:density --seed 1,0,0 -o out.vdb", kUnusable,

@@ -12,7 +12,7 @@ namespace {
 
 const int kUsage = 2, kUnusable = 3;
 
-struct Sphere : Desk {
+struct Sphere : TempWorkspace {
     Sphere() { make("in.vdb", "sphere --voxel-size 0.1"); }
 };
 

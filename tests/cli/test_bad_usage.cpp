@@ -11,7 +11,7 @@ namespace {
 
 const int kUsage = 2;
 
-struct Sphere : Desk {
+struct Sphere : TempWorkspace {
     Sphere() { make("in.vdb", "sphere --voxel-size 0.1"); }
 };
 
@@ -31,7 +31,7 @@ TEST_CASE("a wrong option is refused by its name, with the values allowed") {
         BadLine{"--threads all", {"--threads", "all"}},
         BadLine{"--scheme dijkstra", {"--scheme", "dijkstra", "jet", "godunov"}},
         BadLine{"--space local", {"--space", "local", "world", "index"}},
-        BadLine{"--with color", {"--with", "color", "surface", "gradient"}},
+        BadLine{"--grids color", {"--grids", "color", "surface", "gradient"}},
         BadLine{"--progress sometimes", {"--progress", "auto", "always", "never"}},
         BadLine{"--band -0.2", {"--band", "-0.2", "above 0"}},
         BadLine{"--band nan", {"--band", "nan", "above 0"}},
@@ -39,14 +39,14 @@ TEST_CASE("a wrong option is refused by its name, with the values allowed") {
         BadLine{"--max-distance inf", {"--max-distance", "inf", "above 0"}},
         BadLine{"--snap -1", {"--snap", "-1", "at least 0"}},
         BadLine{"--band 0.2 --band-voxels 2", {"--band", "--band-voxels", "excludes"}},
-        BadLine{"--matrix m.csv --scheme godunov", {"--matrix", "jet", "godunov", "--json"}},
-        BadLine{"--pairs p.csv --scheme godunov", {"--pairs", "jet", "godunov", "--json"}});
+        BadLine{"--matrix m.csv --scheme godunov", {"--matrix", "jet", "godunov", "--report"}},
+        BadLine{"--pairs p.csv --scheme godunov", {"--pairs", "jet", "godunov", "--report"}});
     const Sphere desk;
     requireRefused(desk, "--sdf in.vdb --seed 0,0,1 -o out.vdb " + bad.line, kUsage, bad.says);
 }
 
 TEST_CASE("a run without a surface is refused") {
-    const Desk desk;
+    const TempWorkspace desk;
     requireRefused(desk, "", kUsage, {"--sdf", "--help"});
     requireRefused(desk, "--seed 0,0,1", kUsage, {"--sdf", "--help"});
 }
@@ -67,8 +67,8 @@ TEST_CASE("an output that has nowhere to go is refused before any work") {
     const std::string run = "--sdf in.vdb --seed 0,0,1 ";
     requireRefused(desk, run + "-o none/out.vdb", kUsage, {"-o none/out.vdb", "no folder 'none'"});
     requireRefused(desk, run + "-o folder", kUsage, {"-o folder", "that is a folder"});
-    requireRefused(desk, run + "-o out.vdb --json none/out.json", kUsage,
-                   {"--json none/out.json", "no folder 'none'"});
+    requireRefused(desk, run + "-o out.vdb --report none/out.json", kUsage,
+                   {"--report none/out.json", "no folder 'none'"});
     for (const std::string paths : {"out.ply", "out", "out.vdb"})
         requireRefused(desk, run + "-o o.vdb --target 1,0,0 --paths " + paths, kUsage,
                        {"--paths " + paths, ".json", ".obj"});
@@ -84,14 +84,14 @@ TEST_CASE("an output never replaces an input") {
     for (const std::string out :
          {"in.vdb", "./in.vdb", "folder/../in.vdb", "link.vdb", "hard.vdb"}) {
         requireRefused(desk, run + "-o " + out, kUsage, {"-o " + out, "overwrite", "'in.vdb'"});
-        requireRefused(desk, run + "-o out.vdb --json " + out, kUsage,
-                       {"--json " + out, "overwrite", "'in.vdb'", "another name"});
+        requireRefused(desk, run + "-o out.vdb --report " + out, kUsage,
+                       {"--report " + out, "overwrite", "'in.vdb'", "another name"});
     }
     requireRefused(desk, "--sdf link.vdb --seed 0,0,1 -o in.vdb", kUsage, {"-o in.vdb"});
     requireRefused(desk, run + "-o out.vdb --targets points.json --paths points.json", kUsage,
                    {"--paths points.json", "overwrite", "'points.json'"});
-    requireRefused(desk, run + "-o out.vdb --seeds points.json --json points.json", kUsage,
-                   {"--json points.json", "overwrite", "'points.json'"});
+    requireRefused(desk, run + "-o out.vdb --seeds points.json --report points.json", kUsage,
+                   {"--report points.json", "overwrite", "'points.json'"});
 }
 
 TEST_CASE("two outputs never go to one place") {
@@ -100,7 +100,7 @@ TEST_CASE("two outputs never go to one place") {
     std::filesystem::create_symlink("existing", desk / "link");
     const std::string run = "--sdf in.vdb --seed 0,0,1 ";
     const std::string outputs =
-        GENERATE("-o out.json --json out.json", "-o out.json --json ./out.json",
-                 "-o existing --json link", "-o - --json -", "--json - --paths -");
+        GENERATE("-o out.json --report out.json", "-o out.json --report ./out.json",
+                 "-o existing --report link", "-o - --report -", "--report - --paths -");
     requireRefused(desk, run + outputs, kUsage, {"one place", "its own name"});
 }

@@ -49,10 +49,10 @@ def ball(corners: int) -> str:
 
 # Every kind of surface and result; two jobs and more on each surface.
 JOBS = {
-    "version": 1,
+    "version": 2,
     "defaults": {"sdf": "torus.vdb", "straighten": True},
     "jobs": [
-        {"name": "far", "seed": [1.4, 0, 0], "output": "far.vdb", "with": ["gradient", "label"], "extend": True},
+        {"name": "far", "seed": [1.4, 0, 0], "output": "far.vdb", "grids": ["gradient", "label"], "extend": True},
         {"name": "ball", "sdf": False, "mesh": "ball.obj", "resolution": 40, "seed": "0,0,1",
          "target": [[0, 1, 0], "0,0,-1"], "output": "ball.vdb", "paths": "ball.json", "image": "ball.png",
          "image-size": "160x120"},
@@ -62,7 +62,7 @@ JOBS = {
          "output": "way.vdb", "--name": "d", "paths": "way.obj"},
         {"name": "paper", "seed": [1.4, 0, 0], "scheme": "godunov", "band-voxels": 2.5, "output": "paper.vdb"},
         {"name": "ball-mesh", "sdf": False, "mesh": "ball.obj", "resolution": 40, "seed": [1, 0, 0],
-         "output": "ball-mesh.vdb", "mesh-out": "ball-mesh.ply", "with": "engraved"},
+         "output": "ball-mesh.vdb", "mesh-out": "ball-mesh.ply", "grids": "engraved"},
         {"name": "pairs", "pairs": "pairs.csv", "pairs-out": "pairs.json", "straighten": False},
         {"name": "samples", "sample": 6, "matrix": "samples.csv", "output": "samples.vdb"},
         # Two metrics, by turns; the second of the last two may ask for a part of the band only.
@@ -78,7 +78,7 @@ JOBS = {
 COUNT = len(JOBS["jobs"])
 
 
-class Desk(unittest.TestCase):
+class TempWorkspace(unittest.TestCase):
     """A folder with inputs and jobs.json."""
 
     def setUp(self):
@@ -145,7 +145,7 @@ class Desk(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(self.folder)), before)
 
 
-class Batch(Desk):
+class Batch(TempWorkspace):
     def single_runs(self):
         """The commands that --dry-run prints, one by one; then their outputs are taken away."""
         printed = self.program("batch", "jobs.json", "--dry-run").stdout
@@ -259,17 +259,17 @@ class Batch(Desk):
         good = {"name": "a", "sdf": "torus.vdb", "seed": [1.4, 0, 0], "output": "a.vdb"}
 
         def with_job(*more, **options):
-            return {"version": 1, "jobs": [{**good, **options}, *more]}
+            return {"version": 2, "jobs": [{**good, **options}, *more]}
 
-        self.refused('{"version": 1, "jobs": [', UNUSABLE, "jobs.json is no JSON", "line 1")
-        self.refused('{"version": 1, "jobs": [{"name": "a", "snap": 1e999}]}', UNUSABLE, "jobs.json is no JSON", "1e999")
-        self.refused("[]", UNUSABLE, "no manifest of version 1")
-        self.refused({"version": 2, "jobs": [good]}, UNUSABLE, "no manifest of version 1")
-        self.refused({"version": 1, "jobs": []}, UNUSABLE, "no jobs")
-        self.refused({"version": 1, "job": [], "jobs": [good]}, UNUSABLE, "'job' is no member")
-        self.refused({"version": 1, "jobs": [{"seed": "1,0,0"}]}, UNUSABLE, "job 0", "has no name")
-        self.refused({"version": 1, "defaults": {"name": "a"}, "jobs": [good]}, UNUSABLE, '"--name"')
-        self.refused('{"version": 1, "jobs": [{"name": "a", "seed": "1,0,0", "seed": "0,1,0"}]}', UNUSABLE,
+        self.refused('{"version": 2, "jobs": [', UNUSABLE, "jobs.json is no JSON", "line 1")
+        self.refused('{"version": 2, "jobs": [{"name": "a", "snap": 1e999}]}', UNUSABLE, "jobs.json is no JSON", "1e999")
+        self.refused("[]", UNUSABLE, "no manifest of version 2")
+        self.refused({"version": 9, "jobs": [good]}, UNUSABLE, "no manifest of version 2")
+        self.refused({"version": 2, "jobs": []}, UNUSABLE, "no jobs")
+        self.refused({"version": 2, "job": [], "jobs": [good]}, UNUSABLE, "'job' is no member")
+        self.refused({"version": 2, "jobs": [{"seed": "1,0,0"}]}, UNUSABLE, "job 0", "has no name")
+        self.refused({"version": 2, "defaults": {"name": "a"}, "jobs": [good]}, UNUSABLE, '"--name"')
+        self.refused('{"version": 2, "jobs": [{"name": "a", "seed": "1,0,0", "seed": "0,1,0"}]}', UNUSABLE,
                      "'seed' stands twice")
         self.refused(with_job(good), UNUSABLE, "two jobs are named 'a'")
         self.refused(with_job(sead="1,0,0"), USAGE, "job 'a'", "--sead=1,0,0")
@@ -298,7 +298,7 @@ class Batch(Desk):
         self.refused(with_job(), USAGE, "--shard: '1'", words=("--shard", "1"))
         self.refused(with_job(), USAGE, "reads 'torus.vdb', which is the summary", words=("--summary", "torus.vdb"))
         self.refused(with_job(), UNUSABLE, "ball.obj is no JSON", words=("--summary", "ball.obj"))
-        self.write({"schema": 1}, "other.json")
+        self.write({"schema": 2}, "other.json")
         self.refused(with_job(), UNUSABLE, "other.json is no summary", words=("--summary", "other.json"))
         done = self.program("batch")
         self.assertEqual(done.returncode, USAGE)
@@ -340,7 +340,7 @@ class Batch(Desk):
 
     def test_no_more_jobs_at_once_than_memory_holds(self):
         def said(limit):
-            self.write({"version": 1, "defaults": {"sdf": "torus.vdb", "memory-limit": limit}, "jobs": [
+            self.write({"version": 2, "defaults": {"sdf": "torus.vdb", "memory-limit": limit}, "jobs": [
                 {"name": f"j{k}", "seed": [1.4, 0, 0], "output": f"j{k}.vdb"} for k in range(5)]})
             return self.program("batch", "jobs.json", "-v", "--threads", 4).stderr
 
@@ -381,7 +381,7 @@ class Batch(Desk):
             jobs = [{**both, "name": f"{kind}-{n}", "matrix": f"{kind}.{n}"} for n in ("csv", "json", "npy")]
             jobs += [{**both, "name": f"{kind}-{k}", "matrix": f"{kind}-{k}.json", "matrix-rows": f"{k}/3"}
                      for k in (1, 2, 3)]
-            self.write({"version": 1, "jobs": jobs})
+            self.write({"version": 2, "jobs": jobs})
             self.batch()
             self.valid("matrix.schema.json", f"{kind}-2.json")
             parts = [f"{kind}-{k}.json" for k in (3, 1, 2)]
@@ -410,13 +410,13 @@ class Batch(Desk):
         self.assertIn("--matrix-rows", done.stderr)
 
 
-class Interruptions(Desk):
+class Interruptions(TempWorkspace):
     """Jobs enough for a second, so that a signal finds some done and some not."""
 
     def setUp(self):
         super().setUp()
         self.names = [f"j{k}" for k in range(24)]
-        self.write({"version": 1, "defaults": {"sdf": "torus.vdb", "with": "gradient"}, "jobs": [
+        self.write({"version": 2, "defaults": {"sdf": "torus.vdb", "grids": "gradient"}, "jobs": [
             {"name": n, "seed": [1.4, 0, 0], "max-distance": 1 + k / 100, "output": f"{n}.vdb"}
             for k, n in enumerate(self.names)]})
         start = time.monotonic()
@@ -494,7 +494,7 @@ class Interruptions(Desk):
 
 
 @unittest.skipUnless(shutil.which("parallel"), "parallel not found (Debian: parallel)")
-class GnuParallel(Desk):
+class GnuParallel(TempWorkspace):
     def test_shards_side_by_side(self):
         self.batch()
         whole, outputs = (self.folder / "jobs.summary.json").read_bytes(), self.outputs()

@@ -46,7 +46,7 @@ std::pair<std::size_t, std::size_t> counts(const std::string& err) {
 }  // namespace
 
 TEST_CASE("the distance grid has the surface's transform, active where a distance is known") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "two-spheres --rotate 1,1,1,40 --translate 0.3,0.2,0.1");
     const auto psi = readVdb(desk / "in.vdb").get<FloatGrid>("psi");
     const Result result = desk.run(
@@ -74,9 +74,9 @@ TEST_CASE("the distance grid has the surface's transform, active where a distanc
 }
 
 TEST_CASE("more grids come in a fixed order, the surface first") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.1 --name shell");
-    requireDone(desk, "--sdf in.vdb --seed 0,0,1 --with gradient,surface --name d -o out.vdb -q");
+    requireDone(desk, "--sdf in.vdb --seed 0,0,1 --grids gradient,surface --name d -o out.vdb -q");
     // A stream gives the grids as they lie in the file, io::File sorts them by name.
     const VdbFile file = readVdbBytes(readBytes(desk / "out.vdb"));
     REQUIRE(file.grids.size() == 3);
@@ -99,14 +99,14 @@ TEST_CASE("more grids come in a fixed order, the surface first") {
         if (!(value->length() < 2)) FAIL("a gradient of length " << value->length());
 
     // By their own names they sort the same way: vdb_render takes the first float grid.
-    requireDone(desk, "--sdf in.vdb --seed 0,0,1 --with gradient,surface -o out.vdb -q");
+    requireDone(desk, "--sdf in.vdb --seed 0,0,1 --grids gradient,surface -o out.vdb -q");
     std::vector<std::string> names;
     for (const auto& grid : readVdb(desk / "out.vdb").grids) names.push_back(grid->getName());
     CHECK(names == std::vector<std::string>{"shell", "shell_geodesic", "shell_geodesic_gradient"});
 }
 
 TEST_CASE("float, double and half grids give the same distances") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("float.vdb", "sphere --voxel-size 0.1");
     desk.make("double.vdb", "sphere --voxel-size 0.1 --double");
     desk.make("half.vdb", "sphere --voxel-size 0.1 --half");
@@ -123,7 +123,7 @@ TEST_CASE("float, double and half grids give the same distances") {
 }
 
 TEST_CASE("rotated voxels, active tiles and a grid of class unknown are taken") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("rotated.vdb", "sphere --rotate 1,2,3,40 --translate 5,6,7");
     desk.make("tiles.vdb", "bad tiles");
     desk.make("unknown.vdb", "sphere --grid-class unknown");
@@ -144,7 +144,7 @@ TEST_CASE("rotated voxels, active tiles and a grid of class unknown are taken") 
 }
 
 TEST_CASE("a surface that the volume's edge cuts gives a warning") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("cut.vdb", "bad cut");
     const Result result = requireDone(desk, "--sdf cut.vdb --seed 1,0,0 -o out.vdb");
     CHECK_THAT(result.err, startsWith("implicit-geodesic: warning: ") &&
@@ -153,7 +153,7 @@ TEST_CASE("a surface that the volume's edge cuts gives a warning") {
 
 TEST_CASE("a thin level set is widened with a warning") {
     const int halfWidth = GENERATE(1, 2);
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("thin.vdb", "sphere --half-width " + std::to_string(halfWidth));
     desk.make("plain.vdb", "sphere");
     const Result result =
@@ -167,7 +167,7 @@ TEST_CASE("a thin level set is widened with a warning") {
 }
 
 TEST_CASE("a level set 2^30 voxels from its origin gives the distances of one at it") {
-    const Desk desk;
+    const TempWorkspace desk;
     const auto write = [&](const std::string& name, std::int32_t at) {
         const auto grid = mapVoxels(*torusGrid(), [&](const igeo::Ijk& v) {
             return v + igeo::Ijk{at, -at, 0};
@@ -184,7 +184,7 @@ TEST_CASE("a level set 2^30 voxels from its origin gives the distances of one at
     write("beyond.vdb", 1 << 30);
     requireDone(desk, "--sdf near.vdb --seed " + place(23, 0) + " -o near_d.vdb");
     requireDone(desk, "--sdf far.vdb --seed " + place(23, at) + " --target " + place(-17, at) +
-                          " -o far_d.vdb --paths far.obj --mesh-out far.ply --json far.json");
+                          " -o far_d.vdb --paths far.obj --mesh-out far.ply --report far.json");
     const auto near = readDistance(desk / "near_d.vdb"), far = readDistance(desk / "far_d.vdb");
     CHECK(near->activeVoxelCount() == far->activeVoxelCount());
     for (auto it = near->cbeginValueOn(); it; ++it)

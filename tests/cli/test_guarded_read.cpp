@@ -126,7 +126,7 @@ TEST_CASE("what a reader throws becomes a refusal that names the file") {
 }
 
 TEST_CASE("a mesh that runs assimp out of its stack is refused") {
-    const Desk desk;
+    const TempWorkspace desk;
     const std::size_t levels = 200000;
     std::string nested;
     for (std::size_t k = 0; k < levels; ++k) nested += R"({"a":)";

@@ -21,7 +21,7 @@ std::vector<std::string> examples(const std::string& help) {
 }  // namespace
 
 TEST_CASE("help and version go to stdout, in the spelling of any tool") {
-    const Desk desk;
+    const TempWorkspace desk;
     const Result help = desk.run("--help"), version = desk.run("--version");
     CHECK(help.exitCode == 0);
     CHECK(help.err.empty());
@@ -43,7 +43,7 @@ TEST_CASE("help and version go to stdout, in the spelling of any tool") {
 }
 
 TEST_CASE("every option that takes a length says its unit, and the help ends with examples") {
-    const Desk desk;
+    const TempWorkspace desk;
     const std::string help = desk.run("--help").out;
     for (const std::string option : {"--band ", "--snap ", "--max-distance "}) {
         const auto at = help.find("  " + option);
@@ -59,7 +59,7 @@ TEST_CASE("every option that takes a length says its unit, and the help ends wit
 }
 
 TEST_CASE("the examples of the help run as they are") {
-    const Desk desk;
+    const TempWorkspace desk;
     fs::copy(IGEO_SOURCE_DIR "/data", desk / "data", fs::copy_options::recursive);
     const auto inputs = desk.files().size();
     const auto commands = examples(desk.run("--help").out);

@@ -17,7 +17,7 @@ using nlohmann::json;
 namespace {
 
 /// The JSON, valid by its schema; the words for people end with its verdict.
-json surveyed(const Desk& desk, const std::string& source, int exitCode) {
+json surveyed(const TempWorkspace& desk, const std::string& source, int exitCode) {
     const Result asJson = desk.run("info " + source + " --json");
     const Result words = desk.run("info " + source);
     INFO(source << "\n" << words.out << asJson.err << words.err);
@@ -49,7 +49,7 @@ igeo::TriangleMesh plates(double gap) {
 }  // namespace
 
 TEST_CASE("info: shapes are what they are") {
-    const Desk desk;
+    const TempWorkspace desk;
     struct Case {
         std::string shape;
         std::vector<int> genus, rims;
@@ -87,10 +87,10 @@ TEST_CASE("info: shapes are what they are") {
 }
 
 TEST_CASE("info: what it says of the surface is what a run says") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "torus");
     const json survey = surveyed(desk, "in.vdb", 0), &s = survey["surface"];
-    requireDone(desk, "--sdf in.vdb --seed 1.4,0,0 -q -o out.vdb --json r.json --with label");
+    requireDone(desk, "--sdf in.vdb --seed 1.4,0,0 -q -o out.vdb --report r.json --grids label");
     const json report = json::parse(readBytes(desk / "r.json"));
     CHECK(s["band"]["nodes"] == report["band"]["nodes"]);
     CHECK(s["band"]["jetVoxels"] == report["parameters"]["bandVoxels"]);
@@ -99,7 +99,7 @@ TEST_CASE("info: what it says of the surface is what a run says") {
     CHECK(s["area"].get<double>() == Approx(report["cells"]["area"].get<double>()).epsilon(1e-9));
     CHECK(survey["levelSet"]["activeVoxels"] == report["surface"]["activeVoxels"]);
     CHECK(survey["grids"][0]["activeVoxels"] == report["surface"]["activeVoxels"]);
-    requireDone(desk, "--sdf in.vdb --seed 1.4,0,0 -q -o out.vdb --json g.json --scheme godunov");
+    requireDone(desk, "--sdf in.vdb --seed 1.4,0,0 -q -o out.vdb --report g.json --scheme godunov");
     const json godunov = json::parse(readBytes(desk / "g.json"));
     CHECK(s["band"]["godunovVoxels"] == godunov["parameters"]["bandVoxels"]);
 
@@ -115,7 +115,7 @@ TEST_CASE("info: what it says of the surface is what a run says") {
 }
 
 TEST_CASE("info: a mesh, closed or open") {
-    const Desk desk;
+    const TempWorkspace desk;
     const double dx = 0.05;
     writeMesh(igeo::test::sphereMesh({1, 2, 3}, 1, 4), desk / "in.ply");
     const json ball = surveyed(desk, "in.ply --voxel-size 0.05", 0);
@@ -135,7 +135,7 @@ TEST_CASE("info: a mesh, closed or open") {
     CHECK(room["radius95"].get<double>() == Approx(1).epsilon(0.06));
     CHECK(room["resolvingVoxelSize"].get<double>() == Approx(1 / std::sqrt(3.0)).epsilon(0.06));
     // What a run of it says.
-    requireDone(desk, "--mesh in.ply --voxel-size 0.05 --seed 1,2,4 -q -o out.vdb --json r.json");
+    requireDone(desk, "--mesh in.ply --voxel-size 0.05 --seed 1,2,4 -q -o out.vdb --report r.json");
     CHECK(s["band"]["nodes"] == json::parse(readBytes(desk / "r.json"))["band"]["nodes"]);
     // By default 256 voxels across.
     CHECK(surveyed(desk, "in.ply", 0)["surface"]["voxelSize"].get<double>() ==
@@ -164,7 +164,7 @@ TEST_CASE("info: a mesh, closed or open") {
 }
 
 TEST_CASE("info: which voxels would tell the sheets of a mesh apart") {
-    const Desk desk;
+    const TempWorkspace desk;
     writeMesh(plates(0.1), desk / "in.ply");
     // M&S (14): half the gap is at least sqrt(3) voxels.
     const double wanted = 0.05 / std::sqrt(3.0);
@@ -182,7 +182,7 @@ TEST_CASE("info: which voxels would tell the sheets of a mesh apart") {
 }
 
 TEST_CASE("info: points, as text, PLY and in a volume") {
-    const Desk desk;
+    const TempWorkspace desk;
     const igeo::PointCloud cloud = igeo::test::sphereCloud(1000, 1, {0, 0, 0});
     writeBytes(desk / "in.xyz", xyz(cloud));
     const json text = surveyed(desk, "in.xyz", 0);
@@ -221,7 +221,7 @@ TEST_CASE("info: points, as text, PLY and in a volume") {
 }
 
 TEST_CASE("info: bad files are told apart, and what can be known of them is said") {
-    const Desk desk;
+    const TempWorkspace desk;
     const auto refused = [&](const std::string& kind, const std::string& says) {
         desk.make("in.vdb", "bad " + kind);
         const json j = surveyed(desk, "in.vdb", 3);
@@ -276,7 +276,7 @@ TEST_CASE("info: bad files are told apart, and what can be known of them is said
 }
 
 TEST_CASE("info: a grid that is named is chosen, as by --sdf") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "bad two-level-sets");
     const json j = surveyed(desk, "in.vdb:psi_b", 0);
     CHECK(j["levelSet"]["grid"] == "psi_b");
@@ -287,18 +287,18 @@ TEST_CASE("info: a grid that is named is chosen, as by --sdf") {
     CHECK_THAT(words, contains("(chosen)"));
 }
 
-TEST_CASE("info: doubtful places as a volume") {
-    const Desk desk;
+TEST_CASE("info: unreliable places as a volume") {
+    const TempWorkspace desk;
     desk.make("in.vdb", "box --name shell");
-    const Result result = desk.run("info in.vdb --json --problems out.vdb");
+    const Result result = desk.run("info in.vdb --json --unreliable out.vdb");
     INFO(result.err);
     REQUIRE(result.exitCode == 0);
     CHECK_THAT(result.err, contains("in out.vdb"));
-    CHECK(desk.run("info in.vdb --problems out.vdb -q").err.empty());
-    const json doubtful = json::parse(result.out)["surface"]["doubtful"];
-    const auto grid = readVdb(desk / "out.vdb").get<openvdb::FloatGrid>("shell_doubt");
+    CHECK(desk.run("info in.vdb --unreliable out.vdb -q").err.empty());
+    const json unreliable = json::parse(result.out)["surface"]["unreliable"];
+    const auto grid = readVdb(desk / "out.vdb").get<openvdb::FloatGrid>("shell_unreliable");
     const auto psi = readVdb(desk / "in.vdb").get<openvdb::FloatGrid>("shell");
-    CHECK(grid->activeVoxelCount() == doubtful["nodes"].get<std::uint64_t>());
+    CHECK(grid->activeVoxelCount() == unreliable["nodes"].get<std::uint64_t>());
     CHECK(grid->activeVoxelCount() > 0);
     CHECK(grid->transform() == psi->transform());
     // Not in the middle of a face, on edges only: two coordinates near the half sides.
@@ -312,12 +312,12 @@ TEST_CASE("info: doubtful places as a volume") {
     // A refused file leaves what is there.
     desk.make("bad.vdb", "bad nan");
     const std::string before = readBytes(desk / "out.vdb");
-    CHECK(desk.run("info bad.vdb --problems out.vdb").exitCode == 3);
+    CHECK(desk.run("info bad.vdb --unreliable out.vdb").exitCode == 3);
     CHECK((readBytes(desk / "out.vdb") == before));
 }
 
 TEST_CASE("info: wrong usage") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.1");
     requireRefused(desk, "info", 2, {"required"});
     requireRefused(desk, "info in.vdb --seed 0,0,1", 2, {"--seed"});
@@ -326,11 +326,11 @@ TEST_CASE("info: wrong usage") {
     requireRefused(desk, "info in.vdb --voxel-size 0.1", 2, {"--voxel-size", "meshes"});
     writeBytes(desk / "in.xyz", xyz(igeo::test::sphereCloud(400, 1, {0, 0, 0})));
     requireRefused(desk, "info in.xyz --voxel-size 1e-5", 2, {"GiB of memory", "would fit"});
-    requireRefused(desk, "info in.vdb --problems -", 2, {"--problems", "stdout"});
-    requireRefused(desk, "info in.vdb --problems in.vdb", 2, {"overwrite"});
-    requireRefused(desk, "info in.vdb --problems none/out.vdb", 2, {"no folder 'none'"});
+    requireRefused(desk, "info in.vdb --unreliable -", 2, {"--unreliable", "stdout"});
+    requireRefused(desk, "info in.vdb --unreliable in.vdb", 2, {"overwrite"});
+    requireRefused(desk, "info in.vdb --unreliable none/out.vdb", 2, {"no folder 'none'"});
     // A name is no subcommand.
     CHECK(desk.run("--sdf in.vdb --seed 0,0,1 --name info -o out.vdb -q").exitCode == 0);
     CHECK(desk.run("info -help").out == desk.run("info --help").out);
-    CHECK_THAT(desk.run("info --help").out, contains("--problems"));
+    CHECK_THAT(desk.run("info --help").out, contains("--unreliable"));
 }

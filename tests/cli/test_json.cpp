@@ -21,7 +21,8 @@ Result validate(const std::string& schema, const std::string& document) {
     return run(command);
 }
 
-void requireValid(const Desk& desk, const std::string& schema, const std::string& document) {
+void requireValid(const TempWorkspace& desk, const std::string& schema,
+                  const std::string& document) {
     const Result result = validate(kSchemas + schema, desk / document);
     if (result.exitCode == 77 || result.exitCode == 127) {
         WARN("skipped: needs /usr/bin/python3 with jsonschema (Debian: python3-jsonschema)");
@@ -70,15 +71,15 @@ void requireConsistent(const json& path, double dx) {
 
 TEST_CASE("reports and paths are valid by their schemas") {
     const std::string options =
-        GENERATE("", "--target 0.7,0,0.5", "--target 0.7,0,0.5 --target -1.2,0,0 --with gradient",
+        GENERATE("", "--target 0.7,0,0.5", "--target 0.7,0,0.5 --target -1.2,0,0 --grids gradient",
                  "--target 0.2,0,0 --max-distance 0.3",
                  "--target 0.7,0,0.5 --stop-at-targets --scheme godunov",
                  "--target 0.7,0,0.5 --weight-curvature valley --obstacle-sphere 3,0,0,1",
                  "--target 0.7,0,0.5 --metric-curvature avoid --straighten");
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "two-spheres --grid-class unknown");  // with a warning
     const Result result = desk.run(
-        "--sdf in.vdb --seed 1.2,0,0 -q --json report.json -o out.vdb "
+        "--sdf in.vdb --seed 1.2,0,0 -q --report report.json -o out.vdb "
         "--paths paths.json " +
         options);
     INFO(options << "\n" << result.err);
@@ -91,7 +92,7 @@ TEST_CASE("reports and paths are valid by their schemas") {
 }
 
 TEST_CASE("the schemas refuse what does not belong") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.1");
     requireDone(desk, "--sdf in.vdb --seed 0,0,1 -q --target 1,0,0 -o out.vdb --paths p.json");
     if (validate(kSchemas + "geodesics.schema.json", desk / "p.json").exitCode != 0) return;
@@ -112,14 +113,14 @@ TEST_CASE("the schemas refuse what does not belong") {
 
 TEST_CASE("a path runs from its target to its seed, downhill, on the surface") {
     const std::string shape = GENERATE("sphere", "torus", "trefoil --voxel-size 0.03");
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", shape);
     const std::string seed = shape == "torus"    ? "1.4,0,0"
                              : shape == "sphere" ? "0,0,1"
                                                  : "0,-.42,0";
     requireDone(desk, "--sdf in.vdb --seed " + seed +
                           " --target 0.2,0.95,0.3 --target -0.4,0.9,0.2 --target 0.6,-0.8,0.1 "
-                          "--snap 2 -q -o out.vdb --paths p.json --json r.json");
+                          "--snap 2 -q -o out.vdb --paths p.json --report r.json");
     const json paths = json::parse(readBytes(desk / "p.json"));
     const json report = json::parse(readBytes(desk / "r.json"));
     const double dx = paths["surface"]["voxelSize"];
@@ -137,7 +138,7 @@ TEST_CASE("a path runs from its target to its seed, downhill, on the surface") {
 }
 
 TEST_CASE("a target without a distance has a path without vertices") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "two-spheres");
     CHECK(desk.run("--sdf in.vdb --seed 1.2,0,0 --target -1.2,0,0 -q -o o.vdb --paths p.json")
               .exitCode == 4);
@@ -150,7 +151,7 @@ TEST_CASE("a target without a distance has a path without vertices") {
 }
 
 TEST_CASE("OBJ paths have the vertices of the JSON, bit by bit") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere");
     const std::string base = "--sdf in.vdb --seed 0,0,1 --target 1,0,0 --target 0,0.6,-0.8 -q ";
     requireDone(desk, base + "-o out.vdb --paths p.json");

@@ -35,21 +35,21 @@ FloatGrid::Ptr weightGrid(const std::function<double(const openvdb::Vec3d&)>& va
 }
 
 /// A desk with the unit sphere of 20 voxels and a constant weight.
-struct SphereDesk : Desk {
+struct SphereDesk : TempWorkspace {
     explicit SphereDesk(double weight = 1) {
         make("in.vdb", "sphere --voxel-size 0.05");
         writeVdb(*this / "w.vdb", {weightGrid([=](auto&) { return weight; })});
     }
 };
 
-json report(const Desk& desk) { return json::parse(readBytes(desk / "r.json")); }
+json report(const TempWorkspace& desk) { return json::parse(readBytes(desk / "r.json")); }
 
 }  // namespace
 
 TEST_CASE("a constant weight scales distances and lengths") {
     const SphereDesk desk(4);
     const std::string query =
-        "--sdf in.vdb --seed 0,0,1 --target 0.6,0,-0.8 --json r.json -q --scheme " +
+        "--sdf in.vdb --seed 0,0,1 --target 0.6,0,-0.8 --report r.json -q --scheme " +
         GENERATE(as<std::string>(), "jet", "godunov");
     requireDone(desk, query + " -o plain.vdb");
     const json plain = report(desk);
@@ -64,9 +64,10 @@ TEST_CASE("a constant weight scales distances and lengths") {
     // Between voxels directions are normalized in single precision.
     CHECK(after["distance"].get<double>() ==
           Approx(4 * before["distance"].get<double>()).epsilon(1e-6));
-    CHECK(after["length"].get<double>() == Approx(4 * before["length"].get<double>()));
-    CHECK(after["arcLength"].get<double>() == Approx(before["arcLength"].get<double>()));
-    CHECK(before["length"] == before["arcLength"]);
+    CHECK(after["weightedLength"].get<double>() ==
+          Approx(4 * before["weightedLength"].get<double>()));
+    CHECK(after["length"].get<double>() == Approx(before["length"].get<double>()));
+    CHECK(before["weightedLength"] == before["length"]);
     CHECK(heavy["metric"]["weights"] == json({"w.vdb"}));
     CHECK(heavy["metric"]["least"] == 4);
     CHECK(heavy["metric"]["largest"] == 4);
@@ -78,7 +79,7 @@ TEST_CASE("a constant weight scales distances and lengths") {
 }
 
 TEST_CASE("weights multiply, from the same file by name as well") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("psi.vdb", "sphere --voxel-size 0.05");
     const auto psi = readVdb(desk / "psi.vdb").get<FloatGrid>("psi");
     const auto two = weightGrid([](auto&) { return 2.0; }),
@@ -87,7 +88,7 @@ TEST_CASE("weights multiply, from the same file by name as well") {
     writeVdb(desk / "all.vdb", {psi, two, three});
     requireDone(desk,
                 "--sdf all.vdb:psi --seed 0,0,1 --weight all.vdb:two --weight all.vdb:three -q "
-                "-o six.vdb --json r.json");
+                "-o six.vdb --report r.json");
     CHECK(report(desk)["metric"]["least"] == 6);
     CHECK(report(desk)["distance"]["max"].get<double>() == Approx(6 * M_PI).epsilon(2e-3));
     requireRefused(desk, "--sdf all.vdb:psi --seed 0,0,1 --weight all.vdb -o out.vdb", kUnusable,
@@ -97,18 +98,19 @@ TEST_CASE("weights multiply, from the same file by name as well") {
 }
 
 TEST_CASE("a weight that varies makes ways bend, and near queries agree with whole ones") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.05");
     // Light near the equator, so that it pays to walk along it.
     writeVdb(desk / "w.vdb",
              {weightGrid([](const openvdb::Vec3d& p) { return 0.5 + 4 * p.z() * p.z(); })});
-    const std::string seed = "--sdf in.vdb --weight w.vdb --seed 0.8,0,0.6 -q --json r.json ",
+    const std::string seed = "--sdf in.vdb --weight w.vdb --seed 0.8,0,0.6 -q --report r.json ",
                       query = seed + "--target -0.8,0,0.6 ";
     requireDone(desk, query + "-o whole.vdb --straighten");
     const json path = report(desk)["targets"][0];
-    CHECK(path["length"].get<double>() == Approx(path["distance"].get<double>()).epsilon(5e-3));
+    CHECK(path["weightedLength"].get<double>() ==
+          Approx(path["distance"].get<double>()).epsilon(5e-3));
     // Over the top it is 2 acos(0.6) = 1.85 long.
-    CHECK(path["arcLength"].get<double>() > 2);
+    CHECK(path["length"].get<double>() > 2);
     CHECK(report(desk)["accuracy"]["meanRelativeError"].get<double>() < 5e-3);
 
     requireDone(desk, seed + "-o near.vdb --max-distance 1");
@@ -122,7 +124,7 @@ TEST_CASE("a weight that varies makes ways bend, and near queries agree with who
 }
 
 TEST_CASE("weights that are none are refused with value and place") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.05");
     struct Bad {
         double value;
@@ -133,12 +135,12 @@ TEST_CASE("weights that are none are refused with value and place") {
                              Bad{std::numeric_limits<double>::infinity(), "inf"});
     writeVdb(desk / "w.vdb",
              {weightGrid([&](const openvdb::Vec3d& p) { return p.x() > 0.3 ? bad.value : 1; })});
-    requireRefused(desk, "--sdf in.vdb --seed 0,0,1 --weight w.vdb -o out.vdb --json out.json",
+    requireRefused(desk, "--sdf in.vdb --seed 0,0,1 --weight w.vdb -o out.vdb --report out.json",
                    kUnusable, {"w.vdb", "'weight'", bad.says, "0."});
 }
 
 TEST_CASE("a weight that does not cover the surface is refused") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.05");
     writeVdb(desk / "small.vdb", {weightGrid([](auto&) { return 1.0; }, 0.7)});
     requireRefused(desk, "--sdf in.vdb --seed 0,0,1 --weight small.vdb -o out.vdb", kUnusable,
@@ -157,11 +159,12 @@ TEST_CASE("a weight that does not cover the surface is refused") {
 }
 
 TEST_CASE("curvature comes as grids and as a weight") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "torus --voxel-size 0.05");
-    requireDone(desk,
-                "--sdf in.vdb --seed 1.4,0,0 --target -1.4,0,0 -q -o out.vdb --json r.json --with "
-                "curvature,weight --weight-curvature crest,eps=0.1,p=1 --curvature-scale 2");
+    requireDone(
+        desk,
+        "--sdf in.vdb --seed 1.4,0,0 --target -1.4,0,0 -q -o out.vdb --report r.json --grids "
+        "curvature,weight --weight-curvature crest,eps=0.1,p=1 --curvature-scale 2");
     const VdbFile file = readVdb(desk / "out.vdb");
     const auto most = file.get<FloatGrid>("psi_curvature_max"),
                least = file.get<FloatGrid>("psi_curvature_min"),
@@ -190,7 +193,7 @@ TEST_CASE("curvature comes as grids and as a weight") {
 }
 
 TEST_CASE("paths lead around obstacles of every kind") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.05");
     desk.make("ball.vdb", "sphere --voxel-size 0.02 --param radius=0.4 --param center=1,0,0");
     // The same ball as a mask of coarse voxels.
@@ -209,7 +212,7 @@ TEST_CASE("paths lead around obstacles of every kind") {
                  "--obstacle-box 0.7,-0.25,-0.25,1.3,0.25,0.25 --obstacle-sphere 1,0,0,0.4");
     const std::string ends = " --seed 0.6,0,0.8 --target 0.6,0,-0.8";
     INFO(obstacle);
-    requireDone(desk, "--sdf in.vdb -q --straighten -o out.vdb --json r.json " + obstacle + ends);
+    requireDone(desk, "--sdf in.vdb -q --straighten -o out.vdb --report r.json " + obstacle + ends);
     const json r = report(desk);
     // The cap has the angular radius 2 asin(0.2) = 0.403; the ends are 0.927 from its middle.
     const double alpha = 2 * std::asin(0.2), beta = std::acos(0.6),
@@ -219,14 +222,15 @@ TEST_CASE("paths lead around obstacles of every kind") {
     // reach half their diagonal, 0.035, further out: 1.2 %.
     const double slack = obstacle.find("mask") == std::string::npos ? 0.004 : 0.016;
     CHECK(r["targets"][0]["distance"].get<double>() == Approx(exact).epsilon(slack));
-    CHECK(r["targets"][0]["length"].get<double>() == Approx(exact).epsilon(slack));
+    CHECK(r["targets"][0]["weightedLength"].get<double>() == Approx(exact).epsilon(slack));
     CHECK(r["metric"]["blocked"] > 100);
     CHECK(r["metric"]["obstacles"].size() >= 1);
 
-    requireRefused(desk, "--sdf in.vdb -o out.vdb --json out.json " + obstacle + " --seed 1,0,0.05",
+    requireRefused(desk,
+                   "--sdf in.vdb -o out.vdb --report out.json " + obstacle + " --seed 1,0,0.05",
                    kUsage, {"seed 0", "inside an obstacle", "move it"});
     requireRefused(
-        desk, "--sdf in.vdb -o out.vdb --json out.json " + obstacle + ends + " --target 1,0,0.05",
+        desk, "--sdf in.vdb -o out.vdb --report out.json " + obstacle + ends + " --target 1,0,0.05",
         kUsage, {"target 1", "inside an obstacle"});
 }
 
@@ -234,7 +238,7 @@ TEST_CASE("a wall leaves what is behind it unreached") {
     const SphereDesk desk;
     const Result result = desk.run(
         "--sdf in.vdb --seed 0,0,1 --target 0,0,-1 --obstacle-box -2,-2,-0.01,2,2,0.01 "
-        "-o out.vdb --json r.json");
+        "-o out.vdb --report r.json");
     CHECK(result.exitCode == kUnreached);
     CHECK_THAT(result.err, contains("no path on the surface joins it to a seed"));
     const auto grid = readDistance(desk / "out.vdb");
@@ -244,7 +248,7 @@ TEST_CASE("a wall leaves what is behind it unreached") {
 }
 
 TEST_CASE("a tensor makes one direction dearer than another") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "plane-patch --voxel-size 0.02 --param size=1.6");
     // Along x a step costs three times as much.
     auto tensor = [](const std::string& name, const openvdb::Vec3f& value) {
@@ -258,14 +262,14 @@ TEST_CASE("a tensor makes one direction dearer than another") {
     const std::string scheme = GENERATE(as<std::string>(), "jet", "godunov");
     requireDone(desk,
                 "--sdf in.vdb --metric g.vdb --seed 0.01,0.01,0 --target 0.51,0.01,0 --target "
-                "0.01,0.51,0 --target 0.31,0.41,0 -q -o out.vdb --json r.json --scheme " +
+                "0.01,0.51,0 --target 0.31,0.41,0 -q -o out.vdb --report r.json --scheme " +
                     scheme);
     const json targets = report(desk)["targets"];
     const double slack = scheme == "jet" ? 2e-3 : 2e-2;
     CHECK(targets[0]["distance"].get<double>() == Approx(1.5).epsilon(slack));
     CHECK(targets[1]["distance"].get<double>() == Approx(0.5).epsilon(slack));
     CHECK(targets[2]["distance"].get<double>() == Approx(std::hypot(0.9, 0.4)).epsilon(slack));
-    CHECK(targets[2]["arcLength"].get<double>() == Approx(0.5).epsilon(slack));
+    CHECK(targets[2]["length"].get<double>() == Approx(0.5).epsilon(slack));
 
     writeVdb(desk / "bad.vdb", {tensor("diagonal", {1, -1, 1})});
     requireRefused(desk, "--sdf in.vdb --metric bad.vdb --seed 0,0,0 -o out.vdb", kUnusable,
@@ -275,12 +279,12 @@ TEST_CASE("a tensor makes one direction dearer than another") {
 }
 
 TEST_CASE("bending around a cylinder is avoided or preferred") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "cylinder --voxel-size 0.05");
     // Radius 0.5; a quarter of the way around, and 0.4 up. With L = 0.5 sqrt(3) bends count twice.
     const std::string query =
         "--sdf in.vdb --seed 0.5,0,0 --target 0,0.5,0 --target 0.5,0,0.4 --target 0,-0.5,0.3 -q -o "
-        "out.vdb --json r.json --metric-curvature ";
+        "out.vdb --report r.json --metric-curvature ";
     auto distances = [&](const std::string& kind) {
         requireDone(desk, query + kind + ",length=0.8660254");
         std::vector<double> d;
@@ -310,7 +314,7 @@ TEST_CASE("bending around a cylinder is avoided or preferred") {
 
 TEST_CASE("obstacles that are none are refused") {
     const SphereDesk desk;
-    const std::string query = "--sdf in.vdb --seed 0,0,1 -o out.vdb --json out.json ";
+    const std::string query = "--sdf in.vdb --seed 0,0,1 -o out.vdb --report out.json ";
     requireRefused(desk, query + "--obstacle-sphere 1,2,3", kUsage, {"1,2,3", "x,y,z,r"});
     requireRefused(desk, query + "--obstacle-sphere 1,2,3,-1", kUsage, {"-1", "not above 0"});
     requireRefused(desk, query + "--obstacle-box 1,2,3,4", kUsage, {"1,2,3,4", "corners"});

@@ -31,7 +31,7 @@ constexpr const char* kNewer = "written by a newer OpenVDB, 13.";
 }  // namespace
 
 TEST_CASE("stdout holds the result alone, also for a file of a newer OpenVDB") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.1");
     const std::string given = readBytes(desk / "in.vdb");
     const std::string run = "--sdf in.vdb --seed 0,0,1 --target 1,0,0 -o ";
@@ -52,7 +52,7 @@ TEST_CASE("stdout holds the result alone, also for a file of a newer OpenVDB") {
 }
 
 TEST_CASE("reports say that a file is of a newer OpenVDB") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.1");
     writeBytes(desk / "in.vdb", asFormat225(readBytes(desk / "in.vdb")));
     SECTION("of a surface, a weight and an obstacle") {
@@ -60,11 +60,11 @@ TEST_CASE("reports say that a file is of a newer OpenVDB") {
             writeBytes(desk / file, readBytes(desk / "in.vdb"));
         desk.make("sound.vdb", "sphere --voxel-size 0.1");
         const Result run = desk.run(
-            "--sdf sound.vdb --seed 0,0,1 -o out.vdb --obstacle wall.vdb --json - --snap 9");
+            "--sdf sound.vdb --seed 0,0,1 -o out.vdb --obstacle wall.vdb --report - --snap 9");
         CHECK_THAT(run.err, contains("'wall.vdb' was " + std::string(kNewer)));
     }
     SECTION("of a run") {
-        const Result run = desk.run("--sdf in.vdb --seed 0,0,1 -o out.vdb --json -");
+        const Result run = desk.run("--sdf in.vdb --seed 0,0,1 -o out.vdb --report -");
         CHECK(run.exitCode == 0);
         const json warnings = json::parse(run.out)["warnings"];
         REQUIRE(warnings.size() == 1);
@@ -80,7 +80,7 @@ TEST_CASE("reports say that a file is of a newer OpenVDB") {
 }
 
 TEST_CASE("a grid of an unknown type is listed, and the others are read") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("two.vdb", "bad two-level-sets");
     desk.make("one.vdb", "sphere --voxel-size 0.1");
     const std::string run = " --seed 1,0,0 -o out.vdb";

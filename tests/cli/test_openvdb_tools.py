@@ -50,7 +50,7 @@ class Pipelines(unittest.TestCase):
             with self.subTest(codec=codec):
                 self.shell(
                     f"vdb_tool -quiet -sphere dim=64 radius=1 name=ball -write stdout.vdb codec={codec}"
-                    " | geodesic --sdf - --seed 0,0,1 --with surface,gradient,label,color,engraved -o -"
+                    " | geodesic --sdf - --seed 0,0,1 --grids surface,gradient,label,color,engraved -o -"
                     " | vdb_tool -read stdin.vdb -print")
                 found = self.grids(self.stderr)
                 self.assertEqual(set(found), {
@@ -61,7 +61,7 @@ class Pipelines(unittest.TestCase):
 
     def test_half_floats(self):
         line = ("vdb_tool -quiet -sphere dim=64 radius=1 -write stdout.vdb bits={}"
-                " | geodesic --sdf - --seed 0,0,1 --target 0,0,-1 -q -o /dev/null --json -"
+                " | geodesic --sdf - --seed 0,0,1 --target 0,0,-1 -q -o /dev/null --report -"
                 " | python3 -c 'import json, sys; print(json.load(sys.stdin)[\"targets\"][0][\"distance\"])'")
         whole, half = (float(self.shell(line.format(bits))) for bits in (32, 16))
         # Halves have 11 bits: psi, below 3 voxels, is off by at most 2^-11 of that at each voxel.
@@ -101,7 +101,7 @@ class Pipelines(unittest.TestCase):
     def test_mesh_in_mesh_out(self):
         self.shell("vdb_tool -quiet -sphere dim=64 radius=1 -ls2mesh -write ball.ply &&"
                    " vdb_tool -quiet -read ball.ply -mesh2ls dim=64 name=psi -write stdout.vdb"
-                   " | geodesic --sdf - --seed 0,0,1 --with engraved -o out.vdb &&"
+                   " | geodesic --sdf - --seed 0,0,1 --grids engraved -o out.vdb &&"
                    " vdb_tool -quiet -read out.vdb grids=psi_engraved -ls2mesh -write engraved.obj")
         radii = []
         with open(self.path("engraved.obj"), encoding="ascii") as file:
@@ -127,7 +127,7 @@ class Pipelines(unittest.TestCase):
         self.assertEqual(float(re.search(r"geodesic_max: (\S+)", long)[1]), values[1])
 
     def test_vdb_render_paints_the_distance(self):
-        self.shell(f"geodesic --sdf {ROOT}/data/sphere.vdb --seed 0,0,1 --with surface,color"
+        self.shell(f"geodesic --sdf {ROOT}/data/sphere.vdb --seed 0,0,1 --grids surface,color"
                    " --color-map gray -q -o out.vdb && vdb_render out.vdb out.png -name psi"
                    " -color psi_geodesic_color -camera ortho -frame 2.5 -translate 0,0,3"
                    " -lookat 0,0,0 -shader matte -res 250x250")
@@ -154,7 +154,7 @@ class Pipelines(unittest.TestCase):
 
     def test_vdb_render_needs_no_name(self):
         # It takes the first float grid, and psi comes first.
-        line = f"geodesic --sdf {ROOT}/data/trefoil.vdb --seed 0,-1.02,0 -q -o out.vdb --with surface"
+        line = f"geodesic --sdf {ROOT}/data/trefoil.vdb --seed 0,-1.02,0 -q -o out.vdb --grids surface"
         render = "-translate 0,-2,3 -lookat 0,0,0 -res 160x120"
         self.shell(f"{line} && vdb_render out.vdb first.png {render} &&"
                    f" vdb_render out.vdb named.png -name psi {render}")

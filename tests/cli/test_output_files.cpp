@@ -18,12 +18,12 @@ namespace {
 const int kUsage = 2, kUnusable = 3;
 const std::string kRun = "--sdf in.vdb --seed 0,0,1 -q ";
 
-struct Sphere : Desk {
+struct Sphere : TempWorkspace {
     Sphere() { make("in.vdb", "sphere --voxel-size 0.1"); }
 };
 
 /// The same run started by a shell after `setup`.
-Command throughShell(const Desk& desk, const std::string& setup, const std::string& line) {
+Command throughShell(const TempWorkspace& desk, const std::string& setup, const std::string& line) {
     Command command = desk.command("");
     command.args = {"-c", setup + " && exec \"$0\" \"$@\"", command.program};
     for (const std::string& word : split(line)) command.args.push_back(word);
@@ -37,7 +37,7 @@ unsigned permissions(const std::string& file) {
 
 /// A character device of the test's own, like /dev/null (minor 3) or /dev/full (7): run by root, a
 /// program that replaces its output would replace the machine's. Others cannot, and get that one.
-std::string makeDevice(const Desk& desk, const std::string& name, unsigned minor) {
+std::string makeDevice(const TempWorkspace& desk, const std::string& name, unsigned minor) {
     if (::geteuid() != 0) return "/dev/" + name;
     const std::string path = desk / name;
     const bool made = ::mknod(path.c_str(), S_IFCHR | 0666, makedev(1, minor)) == 0;
@@ -141,7 +141,7 @@ TEST_CASE("a folder without permission to write is refused") {
 
 TEST_CASE("a new output has the permissions that umask asks for, an old one keeps its own") {
     const Sphere desk;
-    const std::string line = kRun + "-o out.vdb --json out.json --target 1,0,0 --paths out.obj";
+    const std::string line = kRun + "-o out.vdb --report out.json --target 1,0,0 --paths out.obj";
     REQUIRE(run(throughShell(desk, "umask 027", line)).exitCode == 0);
     for (const char* name : {"out.vdb", "out.json", "out.obj"}) {
         CHECK(permissions(desk / name) == 0640u);
@@ -181,7 +181,7 @@ TEST_CASE("a device takes all results and stays a device") {
         return;
     }
     const auto before = desk.files().size();
-    requireDone(desk, kRun + "-o " + null + " --json " + null);
+    requireDone(desk, kRun + "-o " + null + " --report " + null);
     CHECK(fs::is_character_file(null));
     CHECK(desk.files().size() == before);
 }

@@ -1,4 +1,4 @@
-// Pictures, meshes, isolines, matrices and the grids of --with, as the program writes them.
+// Pictures, meshes, isolines, matrices and the grids of --grids, as the program writes them.
 #include <support/catch.h>
 
 #include <cmath>
@@ -31,12 +31,12 @@ unsigned bigEndian(const std::string& bytes, std::size_t at) {
 }  // namespace
 
 TEST_CASE("one run writes picture, mesh, isolines, matrix and all grids") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.05");
     requireDone(desk,
                 "--sdf in.vdb --seed 0,0,1 --seed 0,0.6,-0.8 --target 1,0,0 -q -o out.vdb "
                 "--image p.png --image-size 160x120 --mesh-out m.ply --isolines i.json --spacing "
-                "0.25 --matrix d.json --json r.json --with "
+                "0.25 --matrix d.json --report r.json --grids "
                 "surface,gradient,label,color,logmap,weight,curvature,engraved");
     const std::string png = readBytes(desk / "p.png");
     CHECK(png.substr(1, 3) == "PNG");
@@ -83,10 +83,11 @@ TEST_CASE("one run writes picture, mesh, isolines, matrix and all grids") {
 }
 
 TEST_CASE("samples are seeds, and their distances a symmetric matrix") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.05");
     const Result result = desk.run(
-        "--sdf in.vdb --sample 6 --obstacle-sphere 3,0,0,1 --matrix - -o out.vdb --json r.json -q "
+        "--sdf in.vdb --sample 6 --obstacle-sphere 3,0,0,1 --matrix - -o out.vdb --report r.json "
+        "-q "
         "--threads 2");
     REQUIRE(result.exitCode == 0);
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
@@ -110,9 +111,9 @@ TEST_CASE("samples are seeds, and their distances a symmetric matrix") {
 }
 
 TEST_CASE("output options that cannot work are refused before any work") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.1");
-    const std::string query = "--sdf in.vdb --seed 0,0,1 -o out.vdb --json out.json ";
+    const std::string query = "--sdf in.vdb --seed 0,0,1 -o out.vdb --report out.json ";
     requireRefused(desk, query + "--image p.jpg", kUsage, {"p.jpg", ".png"});
     requireRefused(desk, query + "--image p.png --image-size 10", kUsage, {"'10'", "1280x960"});
     requireRefused(desk, query + "--image p.png --image-size 0x10", kUsage, {"0x10", "16384"});
@@ -123,6 +124,6 @@ TEST_CASE("output options that cannot work are refused before any work") {
     requireRefused(desk, query + "--matrix d.txt", kUsage, {"d.txt", ".npy"});
     requireRefused(desk, query + "--isolines x.obj --mesh-out x.obj", kUsage,
                    {"x.obj", "one place"});
-    requireRefused(desk, query + "--with label --scheme godunov", kUsage, {"label", "jet"});
+    requireRefused(desk, query + "--grids label --scheme godunov", kUsage, {"label", "jet"});
     requireRefused(desk, query + "--levels 3 --spacing 1 --isolines i.obj", kUsage, {"--levels"});
 }

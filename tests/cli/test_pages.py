@@ -57,7 +57,7 @@ class Help(unittest.TestCase):
         self.assertEqual(OPTIONS["--sdf"][0], "FILE[:GRID]")
         self.assertEqual(OPTIONS["--scheme"][0], "NAME")
         self.assertEqual(OPTIONS["--quiet"], ("", "Print errors only"))
-        self.assertEqual(set(INFO_OPTIONS) - set(OPTIONS), {"--problems"})
+        self.assertEqual(set(INFO_OPTIONS) - set(OPTIONS), {"--unreliable"})
         self.assertEqual(INFO_OPTIONS["--json"][0], "")
         self.assertEqual(set(COMMAND_OPTIONS["batch"]) - set(OPTIONS), {"--shard", "--summary", "--dry-run"})
         self.assertEqual(set(COMMAND_OPTIONS["batch merge"]), {"--output", "--matrix", "--help"})
@@ -87,7 +87,7 @@ class Dump(unittest.TestCase):
         self.assertEqual(self.options["--band"]["range"], "above 0")
         self.assertEqual(self.options["--scheme"]["choices"], ["jet", "godunov"])
         self.assertEqual(self.options["--metric-curvature"]["choices"], ["avoid", "prefer"])
-        self.assertEqual(self.options["--with"]["separator"], ",")
+        self.assertEqual(self.options["--grids"]["separator"], ",")
         self.assertEqual(self.options["--iso"]["needs"], ["--rebuild"])
         self.assertEqual(self.options["--spacing"]["excludes"], ["--levels"])
         self.assertEqual(self.options["--levels"]["excludes"], ["--spacing"])
@@ -229,14 +229,14 @@ class BashCompletion(Completion):
         self.assertEqual(self.after("--seeds", "s"), ["seeds.csv", "seeds.json"])
         self.assertEqual(self.after("--paths", "m"), ["model.obj", "models"])
         self.assertEqual(self.after("--image", ""), ["models"])
-        self.assertIn("notes.md", self.after("--json", ""))
+        self.assertIn("notes.md", self.after("--report", ""))
 
     def test_subcommand(self):
         self.assertEqual(self.after("in"), ["info"])
         self.assertEqual(self.after("--straighten", "in"), [])
         self.assertEqual(self.after("info", ""), ["a.vdb", "b c.vdb", "model.obj", "models", "seeds.csv"])
-        self.assertEqual(self.after("info", "a.vdb", "--p"), ["--problems", "--progress"])
-        self.assertEqual(self.after("info", "--problems", "a"), ["a.vdb"])
+        self.assertEqual(self.after("info", "a.vdb", "--p"), ["--unreliable", "--progress"])
+        self.assertEqual(self.after("info", "--unreliable", "a"), ["a.vdb"])
         self.assertEqual(self.after("info", "--json", "b"), ["b c.vdb"])
         self.assertEqual(self.after("info", "--progress", "n"), ["never"])
 
@@ -257,12 +257,12 @@ class BashCompletion(Completion):
         self.assertEqual(self.after("--color-map", "l"), ["lagoon"])
         self.assertEqual(self.after("--metric-curvature", ""), ["avoid", "prefer"])
         self.assertEqual(self.after("--weight-curvature", "c"), ["crest"])
-        self.assertEqual(self.after("--with", "lo"), ["logmap"])
-        self.assertEqual(self.after("--with", "surface,c"), ["surface,color", "surface,curvature"])
+        self.assertEqual(self.after("--grids", "lo"), ["logmap"])
+        self.assertEqual(self.after("--grids", "surface,c"), ["surface,color", "surface,curvature"])
         self.assertEqual(self.after("--seed", ""), [])
 
     def test_values_are_those_the_program_takes(self):
-        for option in ("--scheme", "--space", "--up", "--color-map", "--progress", "--with", "--weight-curvature",
+        for option in ("--scheme", "--space", "--up", "--color-map", "--progress", "--grids", "--weight-curvature",
                        "--metric-curvature"):
             for value in self.after(option, ""):
                 # Refused, but for another reason.
@@ -288,7 +288,7 @@ class FishCompletion(Completion):
 
     def test_options(self):
         self.assertEqual([word for word in self.after("--") if word.startswith("--")], sorted(OPTIONS))
-        self.assertEqual(self.after("info a.vdb --p"), ["--problems", "--progress"])
+        self.assertEqual(self.after("info a.vdb --p"), ["--unreliable", "--progress"])
         self.assertEqual(self.after("batch merge seeds.json --"), ["--help", "--matrix", "--output"])
 
     def test_subcommands(self):
@@ -300,9 +300,9 @@ class FishCompletion(Completion):
         self.assertEqual(self.after("--sdf "), ["a.vdb", "b c.vdb", "models/"])
         self.assertEqual(self.after("--sdf=a"), ["--sdf=a.vdb"])
         self.assertEqual(self.after("info "), ["a.vdb", "b c.vdb", "model.obj", "models/", "seeds.csv"])
-        self.assertIn("notes.md", self.after("--json "))
+        self.assertIn("notes.md", self.after("--report "))
         self.assertEqual(self.after("--scheme "), ["godunov", "jet"])
-        self.assertEqual(self.after("--with surface,c"), ["surface,color", "surface,curvature"])
+        self.assertEqual(self.after("--grids surface,c"), ["surface,color", "surface,curvature"])
         self.assertEqual(self.after("--seed "), [])
 
 
@@ -355,7 +355,7 @@ class ZshCompletion(Completion):
     def test_options(self):
         self.assertEqual([word for word in self.after("--") if word.startswith("--")], sorted(OPTIONS))
         self.assertEqual(self.after("--band 1 --band"), [])  # one excludes the other
-        self.assertEqual(self.after("info a.vdb --p"), ["--problems", "--progress"])
+        self.assertEqual(self.after("info a.vdb --p"), ["--unreliable", "--progress"])
         self.assertEqual(self.after("batch merge seeds.json --"), ["--help", "--matrix", "--output"])
 
     def test_subcommands(self):
@@ -366,7 +366,7 @@ class ZshCompletion(Completion):
         self.assertEqual(self.after("--sdf "), ["a.vdb", "b c.vdb", "models"])
         self.assertEqual(self.after("info "), ["a.vdb", "b c.vdb", "model.obj", "models", "seeds.csv"])
         self.assertEqual(self.after("--scheme=g"), ["godunov"])
-        self.assertEqual(self.after("--with surface,c"), ["color", "curvature"])
+        self.assertEqual(self.after("--grids surface,c"), ["color", "curvature"])
         self.assertEqual(self.after("--seed "), [])
 
 

@@ -38,7 +38,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "out.vdb")
         subprocess.run([PROGRAM, "--sdf", str(ROOT / "data/sphere.vdb"), "--seed", "0,0,1", "--seed", "0,0,-1",
-                        "--seed", "1,0,0", "--with", ALL, "-o", out, "-q"], check=True)
+                        "--seed", "1,0,0", "--grids", ALL, "-o", out, "-q"], check=True)
         done = subprocess.run([PYTHON, "-c", READ, out], capture_output=True, text=True, check=False)
         if done.returncode != 0:
             print(done.stderr)

@@ -42,11 +42,11 @@ json timeless(const std::string& text) {
 TEST_CASE("option --max-distance gives the part of the full result within it") {
     const std::string limit = GENERATE("0.05", "0.5", "1.7");
     const std::string scheme = GENERATE("jet", "godunov");
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "torus");
     const std::string base = "--sdf in.vdb --seed 1.4,0,0 -q --scheme " + scheme + " ";
-    requireDone(desk, base + "-o full.vdb --json full.json");
-    requireDone(desk, base + "-o near.vdb --json near.json --max-distance " + limit);
+    requireDone(desk, base + "-o full.vdb --report full.json");
+    requireDone(desk, base + "-o near.vdb --report near.json --max-distance " + limit);
     const auto full = readDistance(desk / "full.vdb"), near = readDistance(desk / "near.vdb");
     CHECK(near->activeVoxelCount() > 0);
     CHECK(near->activeVoxelCount() < full->activeVoxelCount());
@@ -62,7 +62,7 @@ TEST_CASE("option --max-distance gives the part of the full result within it") {
 
 TEST_CASE("option --stop-at-targets changes neither distances nor paths") {
     const std::string scheme = GENERATE("jet", "godunov");
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "torus");
     const std::string base =
         "--sdf in.vdb --seed 1.4,0,0 --target 1,0.1,0.4 --target 0,1.4,0 -q --scheme " + scheme +
@@ -76,12 +76,12 @@ TEST_CASE("option --stop-at-targets changes neither distances nor paths") {
 }
 
 TEST_CASE("several seeds give the least of their distances, start values added") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere");
     writeBytes(desk / "seeds.csv", "\xEF\xBB\xBFx,y,z,start\r\n0,0,1,0\r\n0,0,-1,0.75 # late\r\n");
     writeBytes(desk / "seeds.json",
                "[[0, 0, 1], {\"position\": [0, 0, -1], \"start\": 0.75, \"label\": \"late\"}]");
-    const std::string rest = " --target 0,0,-1 -q --json report.json -o ";
+    const std::string rest = " --target 0,0,-1 -q --report report.json -o ";
     requireDone(desk, "--sdf in.vdb --seeds seeds.csv" + rest + "csv.vdb");
     const json report = json::parse(readBytes(desk / "report.json"));
     CHECK(report["seeds"].size() == 2);
@@ -95,7 +95,7 @@ TEST_CASE("several seeds give the least of their distances, start values added")
 }
 
 TEST_CASE("points in index space mean the same as their world positions") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere");  // index 20 is 1 in the world
     requireDone(desk, "--sdf in.vdb --seed 0,0,1 --target 1,0,0 -q -o world.vdb --paths w.obj");
     requireDone(desk,
@@ -107,14 +107,14 @@ TEST_CASE("points in index space mean the same as their world positions") {
 
 TEST_CASE("the same run gives the same bytes, on one thread and on two") {
     const std::string scheme = GENERATE("jet", "godunov --order 1", "godunov --order 2");
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "trefoil --voxel-size 0.03 --rotate 1,2,3,30");
     const std::string base =
         "--sdf in.vdb --seed 0,-0.42,0 --target 0.05,0.9,0.1 --target -0.6,0.3,-0.2 --snap 1 "
-        "--with surface,gradient -q --scheme " +
+        "--grids surface,gradient -q --scheme " +
         scheme;
     const auto outputs = [](const std::string& n) {
-        return " -o " + n + ".vdb --paths " + n + ".json --json " + n + "_report.json";
+        return " -o " + n + ".vdb --paths " + n + ".json --report " + n + "_report.json";
     };
     requireDone(desk, base + outputs("one") + " --threads 1");
     requireDone(desk, base + outputs("two") + " --threads 2");

@@ -30,7 +30,7 @@ float valueAt(const openvdb::FloatGrid& grid, double x, double y, double z) {
     return grid.tree().getValue(openvdb::Coord::round(grid.worldToIndex({x, y, z})));
 }
 
-struct SphereDesk : Desk {
+struct SphereDesk : TempWorkspace {
     SphereDesk() { make("in.vdb", "sphere --voxel-size 0.05"); }
     openvdb::FloatGrid::Ptr distance() const {
         return readVdb(*this / "out.vdb").get<openvdb::FloatGrid>("psi_geodesic");
@@ -45,7 +45,7 @@ TEST_CASE("seed-curve: distances from a curve, by file or as isolines of another
     writeBytes(desk / "curve.json", json({{{"position", parallel()}, {"closed", true}}}).dump());
     requireDone(desk, "--sdf in.vdb --seed 0,0,1 --isolines lines.json --levels 4 -q -o pole.vdb");
     requireDone(desk,
-                "--sdf in.vdb --seed-curve curve.json --target 0,1,0 -q -o out.vdb --json "
+                "--sdf in.vdb --seed-curve curve.json --target 0,1,0 -q -o out.vdb --report "
                 "r.json --paths p.json");
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
     CHECK(validBySchema(desk, "geodesics.schema.json", "p.json"));
@@ -60,7 +60,7 @@ TEST_CASE("seed-curve: distances from a curve, by file or as isolines of another
     CHECK(path["seed"]["position"][2].get<double>() == Approx(0.6).margin(0.005));
 
     requireDone(desk,
-                "--sdf in.vdb --seed-curve lines.json --target 0,0,1 -q -o out.vdb --json "
+                "--sdf in.vdb --seed-curve lines.json --target 0,0,1 -q -o out.vdb --report "
                 "r.json");
     CHECK(desk.report()["seeds"].size() == 4);
     CHECK(desk.report()["targets"][0]["distance"].get<double>() == Approx(M_PI / 5).epsilon(0.01));
@@ -71,7 +71,7 @@ TEST_CASE("seed-mask: 0 inside a level set, and --signed negative there") {
     // Cuts the sphere at z = 0.6.
     desk.make("mask.vdb", "sphere --voxel-size 0.03 --param center=0,0,1 --param radius=" +
                               std::to_string(std::sqrt(0.8)));
-    requireDone(desk, "--sdf in.vdb --seed-mask mask.vdb -q -o out.vdb --json r.json");
+    requireDone(desk, "--sdf in.vdb --seed-mask mask.vdb -q -o out.vdb --report r.json");
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
     CHECK(desk.report()["seeds"][0]["of"] == "mask mask.vdb");
     CHECK(valueAt(*desk.distance(), 0, 0, 1) == 0);
@@ -118,13 +118,13 @@ TEST_CASE("seeds that are no points: refusals") {
     requireRefused(desk, in + "--seed-mask away.vdb", kUsage,
                    {"away.vdb", "does not cross the surface"});
     requireRefused(desk, in + "--seed-curve open.csv --matrix -", kUsage, {"--matrix"});
-    requireRefused(desk, in + "--seed-curve open.csv --with logmap", kUsage, {"logmap"});
+    requireRefused(desk, in + "--seed-curve open.csv --grids logmap", kUsage, {"logmap"});
 }
 
 TEST_CASE("with label: areas and boundaries of the cells are in the report") {
     const SphereDesk desk;
     requireDone(desk,
-                "--sdf in.vdb --seed 0,0,1 --seed 0,0,-1 --with label -q -o out.vdb --json "
+                "--sdf in.vdb --seed 0,0,1 --seed 0,0,-1 --grids label -q -o out.vdb --report "
                 "r.json");
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
     const json report = desk.report();
@@ -150,7 +150,7 @@ TEST_CASE("pairs: CSV on stdout or in a file, JSON by its schema, weights count"
     CHECK(desk.files().size() == 2);  // no volume without a seed
 
     writeBytes(desk / "pairs.json", "[[0, 0, 1, 0.6, 0, 0.8]]");
-    requireDone(desk, "--sdf in.vdb --pairs pairs.json -q --pairs-out out.json --json r.json");
+    requireDone(desk, "--sdf in.vdb --pairs pairs.json -q --pairs-out out.json --report r.json");
     CHECK(validBySchema(desk, "pairs.schema.json", "out.json"));
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
     CHECK(desk.report()["outputs"]["pairs"] == "out.json");
@@ -158,14 +158,14 @@ TEST_CASE("pairs: CSV on stdout or in a file, JSON by its schema, weights count"
     // With an obstacle the way is longer, as a march from the one to the other says too.
     const std::string wall = "--sdf in.vdb -q --obstacle-box 0.25,-0.2,0,0.35,0.2,2 ";
     requireDone(desk, wall + "--pairs pairs.json --pairs-out out.json");
-    requireDone(desk, wall + "--seed 0,0,1 --target 0.6,0,0.8 -o out.vdb --json r.json");
+    requireDone(desk, wall + "--seed 0,0,1 --target 0.6,0,0.8 -o out.vdb --report r.json");
     const double around = json::parse(readBytes(desk / "out.json"))["pairs"][0]["distance"];
     CHECK(around > 1.05 * std::acos(0.8));
     CHECK(around == Approx(desk.report()["targets"][0]["distance"].get<double>()).epsilon(1e-6));
 }
 
 TEST_CASE("pairs: unreached pairs end with 4, wrong files are refused") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "two-spheres");
     writeBytes(desk / "p.csv", "-1.2,0,0,1.2,0,0\n");
     const Result result = desk.run("--sdf in.vdb --pairs p.csv");

@@ -12,7 +12,7 @@ using namespace igeo::test;
 namespace {
 
 /// A torus with enough voxels for a run of seconds, and how long that run takes here.
-struct LongRun : Desk {
+struct LongRun : TempWorkspace {
     LongRun() {
         make("in.vdb", "torus --voxel-size 0.005");
         const Result whole = run(kLine);
@@ -94,9 +94,9 @@ TEST_CASE("an interrupted run keeps the output of an earlier one") {
 }
 
 TEST_CASE("a reader of stdout that has gone is an error, not a death") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere");
-    const std::string output = GENERATE("-o -", "-o out.vdb --json -");
+    const std::string output = GENERATE("-o -", "-o out.vdb --report -");
     Command command = desk.command("");
     command.program = "sh";
     command.args = {"-c", "{ \"$@\"; echo $? >code; } | true", "sh", IGEO_PROGRAM};

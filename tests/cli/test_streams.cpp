@@ -11,14 +11,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Sphere : Desk {
+struct Sphere : TempWorkspace {
     Sphere() { make("in.vdb", "sphere --voxel-size 0.1"); }
 };
 
 }  // namespace
 
 TEST_CASE("without -o the result is named after the input, in the current folder") {
-    const Desk desk;
+    const TempWorkspace desk;
     fs::create_directory(desk / "models");
     desk.make("models/two.vdb", "bad two-level-sets");
     const Result result = requireDone(desk, "--sdf models/two.vdb:psi_b --seed 1,0,0");
@@ -62,7 +62,7 @@ TEST_CASE("stdout can be the VDB, the report or the paths, and then holds nothin
               readVdb(desk / "out.vdb").metadata["creator"]->str());
     }
     SECTION("report") {
-        const Result result = desk.run(base + "-o out.vdb --json -");
+        const Result result = desk.run(base + "-o out.vdb --report -");
         REQUIRE(result.exitCode == 0);
         CHECK(result.out.front() == '{');
         CHECK(result.out.substr(result.out.size() - 2) == "}\n");
@@ -95,7 +95,7 @@ TEST_CASE("messages: none with -q, one line per result without, the stages with 
 }
 
 TEST_CASE("stderr that is no terminal gets neither colors nor progress") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "torus --voxel-size 0.02");
     const Result result = requireDone(desk, "--sdf in.vdb --seed 1.4,0,0 -o out.vdb");
     CHECK(result.err.find('\033') == std::string::npos);
@@ -104,11 +104,11 @@ TEST_CASE("stderr that is no terminal gets neither colors nor progress") {
 }
 
 TEST_CASE("a target on another piece is reported with exit code 4, all else is written") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "two-spheres");
     const Result result = desk.run(
         "--sdf in.vdb --seed 1.2,0,0 --target -1.2,0,0 --target 0.7,0,0.5 -o out.vdb "
-        "--paths out.json --json report.json");
+        "--paths out.json --report report.json");
     INFO(result.err);
     CHECK(result.exitCode == 4);
     const auto told = lines(result.err);

@@ -43,20 +43,20 @@ std::string spherePoints(int n) {
     return xyz.str();
 }
 
-json report(const Desk& desk) { return json::parse(readBytes(desk / "r.json")); }
-double distanceOf(const Desk& desk, std::size_t target) {
+json report(const TempWorkspace& desk) { return json::parse(readBytes(desk / "r.json")); }
+double distanceOf(const TempWorkspace& desk, std::size_t target) {
     return report(desk)["targets"][target]["distance"];
 }
 
 }  // namespace
 
 TEST_CASE("the same sphere as level set, mesh and points: the same distances") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.02");
     writeBytes(desk / "in.xyz", spherePoints(8000));
     const std::string asked =
         " --seed 0,0,1 --target 1,0,0 --target 0,0.6,-0.8 -q -o out.vdb "
-        "--json r.json";
+        "--report r.json";
     requireDone(desk, "--sdf in.vdb --mesh-out in.ply" + asked);
     const double quarter = distanceOf(desk, 0), far = distanceOf(desk, 1);
     CHECK(quarter == Approx(M_PI / 2).epsilon(5e-4));
@@ -78,14 +78,14 @@ TEST_CASE("the same sphere as level set, mesh and points: the same distances") {
 }
 
 TEST_CASE("an open mesh: ways lead around its hole, and every result is there") {
-    const Desk desk;
+    const TempWorkspace desk;
     writeBytes(desk / "in.obj", sheet(40, [](double x, double y) {
                    return std::abs(x - 0.5) < 0.1 && std::abs(y - 0.5) < 0.3;
                }));
     requireDone(desk,
                 "--mesh in.obj --resolution 120 --seed 0.2,0.5,0.02 --target 0.8,0.5,0.08 "
-                "--straighten -q -o out.vdb --json r.json --mesh-out m.ply --isolines i.json "
-                "--image p.png --image-size 80x60 --with surface,label,color,engraved,curvature "
+                "--straighten -q -o out.vdb --report r.json --mesh-out m.ply --isolines i.json "
+                "--image p.png --image-size 80x60 --grids surface,label,color,engraved,curvature "
                 "--extend");
     // Around the corners of the hole, at |x - 0.5| = 0.1, |y - 0.5| = 0.3.
     const double slope = std::hypot(1, 0.1);
@@ -99,7 +99,7 @@ TEST_CASE("an open mesh: ways lead around its hole, and every result is there") 
 }
 
 TEST_CASE("meshes and points: godunov, pairs and walks") {
-    const Desk desk;
+    const TempWorkspace desk;
     writeBytes(desk / "in.xyz", spherePoints(4000));
     writeBytes(desk / "in.obj", sheet(10, [](double, double) { return false; }));
     writeBytes(desk / "p.csv", "0.1,0.2,0.01,0.7,0.9,0.07\n");
@@ -113,7 +113,7 @@ TEST_CASE("meshes and points: godunov, pairs and walks") {
     for (const std::string surface : {"--points in.xyz", "--mesh in.obj --resolution 60"}) {
         const std::string ends =
             surface[2] == 'p' ? " --seed 0,0,1 --target 1,0,0" : " --seed 0,0,0 --target 1,1,0.1";
-        requireDone(desk, surface + " --scheme godunov -q -o out.vdb --json r.json" + ends);
+        requireDone(desk, surface + " --scheme godunov -q -o out.vdb --report r.json" + ends);
         CHECK(
             distanceOf(desk, 0) ==
             Approx(surface[2] == 'p' ? M_PI / 2 : std::hypot(std::hypot(1, 0.1), 1)).epsilon(0.03));
@@ -121,7 +121,7 @@ TEST_CASE("meshes and points: godunov, pairs and walks") {
 }
 
 TEST_CASE("rebuild: fog volumes, other values and unsigned distances") {
-    const Desk desk;
+    const TempWorkspace desk;
     // Positive inside and twice as steep as a distance.
     desk.make("in.vdb", "sphere --voxel-size 0.04 --half-width 6");
     const auto grid = readVdb(desk / "in.vdb").get<openvdb::FloatGrid>("psi");
@@ -141,7 +141,7 @@ TEST_CASE("rebuild: fog volumes, other values and unsigned distances") {
     // At an inactive voxel, where no check of level sets looks.
     grid->tree().setValueOff({0, 0, 0}, std::numeric_limits<float>::infinity());
     write("infinite.vdb", openvdb::GRID_UNKNOWN, [](float psi) { return psi; });
-    const std::string ends = " --snap 0.3 --seed 0,0,1 --target 1,0,0 -o out.vdb --json r.json";
+    const std::string ends = " --snap 0.3 --seed 0,0,1 --target 1,0,0 -o out.vdb --report r.json";
     for (const auto& [given, radius] : {std::pair("fog.vdb --rebuild", 1.0),
                                         {"fog.vdb --rebuild --iso 0.25", 1.05},
                                         {"steep.vdb --rebuild --iso 0.1", 1.0},
@@ -164,7 +164,7 @@ TEST_CASE("rebuild: fog volumes, other values and unsigned distances") {
 }
 
 TEST_CASE("surfaces that are none: refusals") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.1");
     writeBytes(desk / "in.obj", sheet(10, [](double, double) { return false; }));
     writeBytes(desk / "broken.ply", "ply\nformat ascii 1.0\nelement vertex 3\n");
@@ -188,7 +188,7 @@ TEST_CASE("surfaces that are none: refusals") {
 }
 
 TEST_CASE("a band that needs too much memory is refused with a voxel size that fits") {
-    const Desk desk;
+    const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.02");
     writeBytes(desk / "in.obj", sheet(10, [](double, double) { return false; }));
     writeBytes(desk / "in.xyz", spherePoints(4000));

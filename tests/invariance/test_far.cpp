@@ -69,7 +69,7 @@ TEST_CASE("far: paths are those at the origin but for the rounding of positions"
     CHECK(far.status == PathStatus::Reached);
     // 2^-23 voxels at each of some 60 vertices; the steps are good to 1e-3 (TraceOptions).
     CHECK(far.vertices.size() == near.vertices.size());
-    CHECK(far.length == Approx(near.length).margin(1e-4));
+    CHECK(far.weightedLength == Approx(near.weightedLength).margin(1e-4));
     CHECK(far.distance == Approx(near.distance).margin(1e-5));
 }
 

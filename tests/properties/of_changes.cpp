@@ -39,7 +39,7 @@ double unequalPaths(const std::vector<Path>& a, const std::vector<Path>& b) {
         std::vector<Vec3d> p, q;
         for (const PathVertex& v : a[k].vertices) p.push_back(v.pIndex);
         for (const PathVertex& v : b[k].vertices) q.push_back(v.pIndex);
-        count += unequal(p, q) + (a[k].length != b[k].length);
+        count += unequal(p, q) + (a[k].weightedLength != b[k].weightedLength);
     }
     return count;
 }

@@ -48,9 +48,9 @@ double detour(const RandomCase& c) {
         const NodeIndex i = top.second;
         if (top.first > way[i]) continue;
         band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
-                           [&](NodeIndex j, int, int, int) {
-                               if (band.inCore(j)) offer(j, way[i] + wayBetween(band, i, j));
-                           });
+                          [&](NodeIndex j, int, int, int) {
+                              if (band.inCore(j)) offer(j, way[i] + wayBetween(band, i, j));
+                          });
     }
     return worstOver(c, Nodes::Marched, [&](NodeIndex i) { return field.distance[i] - way[i]; });
 }
@@ -120,18 +120,20 @@ double worstPath(const RandomCase& c, const Misfit& misfit) {
 }
 double pathsStraight(const RandomCase& c) {
     return worstPath(c, [](const Path& path, const Field&) {
-        return length(path.vertices.front().pIndex - path.vertices.back().pIndex) - path.length;
+        return length(path.vertices.front().pIndex - path.vertices.back().pIndex) -
+               path.weightedLength;
     });
 }
 double pathsLength(const RandomCase& c) {
-    return worstPath(
-        c, [](const Path& path, const Field&) { return std::abs(path.length - path.distance); });
+    return worstPath(c, [](const Path& path, const Field&) {
+        return std::abs(path.weightedLength - path.distance);
+    });
 }
 double pathsStraightened(const RandomCase& c) {
     return worstPath(c, [&](Path path, const Field& field) {
-        const double before = path.length;
+        const double before = path.weightedLength;
         straighten(c.band, field, path);
-        return path.length - before;
+        return path.weightedLength - before;
     });
 }
 double pathsShortest(const RandomCase& c) {
@@ -139,7 +141,7 @@ double pathsShortest(const RandomCase& c) {
     constexpr double kShort = 1 / (6 * kLeastRadius * kLeastRadius);
     return worstPath(c, [&](Path path, const Field& field) {
         straighten(c.band, field, path);
-        return path.distance * (1 - kShort) - path.length;
+        return path.distance * (1 - kShort) - path.weightedLength;
     });
 }
 

@@ -157,7 +157,7 @@ def list_files() -> list[Sound]:
         ("seeds.json", "seeds", dump([list(points[0]), {"position": list(points[1]), "start": 0.5}])),
         ("curve.csv", "curve", "".join(row(p, ",") + "\n" for p in ring)),
         ("curve.json", "curve", dump([{"position": ring, "closed": True, "start": 0.25}])),
-        ("isolines.json", "curve", dump({"schema": 1, "type": "isolines", "isolines": [
+        ("isolines.json", "curve", dump({"schema": 2, "type": "isolines", "isolines": [
             {"level": 1.0, "closed": True, "position": ring}]})),
         ("pairs.csv", "pairs", "".join(row(a + b, ",") + "\n" for a, b in zip(points[:4], points[2:]))),
         ("pairs.json", "pairs", dump([a + b for a, b in zip(points[:4], points[2:])])),

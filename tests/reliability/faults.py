@@ -22,13 +22,13 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = os.path.abspath(os.environ.get("IGEO_PROGRAM", ROOT / "build/release/bin/implicit-geodesic"))
 EARLIER = b"written by an earlier run"
 NAMES = ("out.vdb", "paths.json", "mesh.ply", "lines.obj", "picture.png")
-LINE = ("--sdf {surface} --seed 0,-1.02,0 --target 0.5,0.73,0.237 --snap 0.5 -q -o out.vdb --with surface,gradient "
+LINE = ("--sdf {surface} --seed 0,-1.02,0 --target 0.5,0.73,0.237 --snap 0.5 -q -o out.vdb --grids surface,gradient "
         "--paths paths.json --mesh-out mesh.ply --isolines lines.obj --image picture.png --image-size 320x240")
 
 failures: list[str] = []
 
 
-class Desk:
+class TempWorkspace:
     """A folder with a surface of some 50000 voxels and outputs of an earlier run."""
 
     def __init__(self, good: dict[str, bytes], at: pathlib.Path | None = None):
@@ -73,7 +73,7 @@ def check(what: str, good: bool, told: object = "") -> None:
         print(f"FAILED {what}: {told}", flush=True)
 
 
-def check_failed(what: str, desk: Desk, code: int, err: str, codes: tuple[int, ...]) -> None:
+def check_failed(what: str, desk: TempWorkspace, code: int, err: str, codes: tuple[int, ...]) -> None:
     """A failure that the program reports itself."""
     check(what, code in codes, f"exit code {code}, not {codes}; {err}")
     check(what, "implicit-geodesic: error: " in err, f"no sentence in {err!r}")
@@ -82,7 +82,7 @@ def check_failed(what: str, desk: Desk, code: int, err: str, codes: tuple[int, .
 
 def undisturbed() -> tuple[dict[str, bytes], float]:
     folder = pathlib.Path(tempfile.mkdtemp(prefix="igeo-faults-"))
-    desk = Desk({}, folder)
+    desk = TempWorkspace({}, folder)
     start = time.monotonic()
     code, err = desk.run()
     assert code == 0, err
@@ -96,13 +96,13 @@ def full_disk(good: dict[str, bytes]) -> int:
     largest = max(len(b) for b in good.values())
     limits = [0, 1, 100, 4096] + [largest * k // 8 for k in range(1, 8)] + [largest - 1]
     for limit in limits:
-        with Desk(good) as desk:
+        with TempWorkspace(good) as desk:
             code, err = desk.run(preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
             if limit >= largest:
                 continue
             check_failed(f"files of at most {limit} bytes", desk, code, err, (3,))
     for option in ("-o", "--paths", "--image"):
-        with Desk(good) as desk:
+        with TempWorkspace(good) as desk:
             name = {"-o": "/dev/full", "--paths": "full.json", "--image": "full.png"}[option]
             if name != "/dev/full":
                 (desk.folder / name).symlink_to("/dev/full")
@@ -125,7 +125,7 @@ def small_disk(good: dict[str, bytes]) -> int:
                           capture_output=True, check=False).returncode != 0:
             break
         try:
-            desk = Desk(good, folder)
+            desk = TempWorkspace(good, folder)
             code, err = desk.run()
             check_failed(f"a disk of {size} kB", desk, code, err, (3,))
             check(f"a disk of {size} kB", "No space left" in err, err)
@@ -138,7 +138,7 @@ def small_disk(good: dict[str, bytes]) -> int:
 
 def read_only_folder(good: dict[str, bytes]) -> int:
     """Root may write anywhere: as somebody else, where that is possible."""
-    with Desk(good) as desk:
+    with TempWorkspace(good) as desk:
         os.chmod(desk.folder, 0o555)
         how = {"user": 65534, "group": 65534} if os.geteuid() == 0 else {}
         code, err = desk.run(**how)
@@ -152,7 +152,7 @@ def killed(good: dict[str, bytes], seconds: float, count: int, seed: int) -> int
     r = random.Random(seed)
     remains = finished = 0
     for k in range(count):
-        with Desk(good) as desk:
+        with TempWorkspace(good) as desk:
             process = desk.start()
             time.sleep(r.random() * seconds * 1.1)
             process.kill()
@@ -170,7 +170,7 @@ def signalled(good: dict[str, bytes], seconds: float, count: int, seed: int) -> 
     r = random.Random(seed)
     for k in range(count):
         number = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)[k % 3]
-        with Desk(good) as desk:
+        with TempWorkspace(good) as desk:
             process = desk.start(preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
             time.sleep(0.3 * seconds + r.random() * 0.8 * seconds)
             process.send_signal(number)
@@ -187,7 +187,7 @@ def out_of_memory(good: dict[str, bytes]) -> int:
     """Too little at any stage, from the start of the threads on."""
     done = 0
     for limit in (m * 10 ** 6 for m in range(60, 400, 10)):
-        with Desk(good) as desk:
+        with TempWorkspace(good) as desk:
             def little():
                 resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
             # Libraries take memory and start threads before the program's first instruction.
@@ -207,22 +207,22 @@ def out_of_memory(good: dict[str, bytes]) -> int:
 def closed_streams(good: dict[str, bytes]) -> int:
     """Outputs must not take the places of streams that are closed."""
     for closed in ((0,), (1,), (2,), (0, 1, 2)):
-        with Desk(good) as desk:
+        with TempWorkspace(good) as desk:
             code, err = desk.run([w for w in desk.words() if w != "-q"],
                                  preexec_fn=lambda: [os.close(fd) for fd in closed])
             whole = all((desk.folder / name).read_bytes() == good[name] for name in NAMES)
             check(f"closed {closed}", code == 0 and whole and not desk.left(), (code, err, desk.torn()))
-    with Desk(good) as desk:
+    with TempWorkspace(good) as desk:
         words = desk.words()
         words[words.index("-o") + 1] = "-"
         code, err = desk.run(words, preexec_fn=lambda: os.close(1))
         check_failed("-o - with stdout closed", desk, code, err, (3,))
-    with Desk(good) as desk:
+    with TempWorkspace(good) as desk:
         words = desk.words()
         words[words.index("--sdf") + 1] = "-"
         code, err = desk.run(words, preexec_fn=lambda: os.close(0))
         check_failed("--sdf - with stdin closed", desk, code, err, (3,))
-    with Desk(good) as desk:
+    with TempWorkspace(good) as desk:
         words = desk.words()
         words[words.index("-o") + 1] = "-"
         reading, writing = os.pipe()
@@ -236,7 +236,7 @@ def closed_streams(good: dict[str, bytes]) -> int:
 def together(good: dict[str, bytes], count: int) -> int:
     """Two runs that write the same files at once."""
     for k in range(count):
-        with Desk(good) as desk:
+        with TempWorkspace(good) as desk:
             for process in [desk.start() for _ in range(2)]:
                 _, err = process.communicate(timeout=300)
                 check(f"two at once {k}", process.returncode == 0, err.decode())

@@ -13,13 +13,13 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = os.path.abspath(os.environ.get("IGEO_PROGRAM", ROOT / "build/release/bin/implicit-geodesic"))
-RESULTS = ("-o out.vdb --with surface,gradient,label,color,curvature,engraved,weight --extend --paths paths.json "
+RESULTS = ("-o out.vdb --grids surface,gradient,label,color,curvature,engraved,weight --extend --paths paths.json "
            "--isolines lines.ply --mesh-out mesh.ply --matrix matrix.npy --image picture.png --image-size 200x150")
 RUNS = {
     "volume": ("trefoil.vdb", "--sdf trefoil.vdb --seed 0,-1.02,0 --sample 3 --target 0.5,0.73,0.237 --snap 0.5 "
                "--weight-curvature valley " + RESULTS),
     "reference scheme": ("torus.vdb", "--sdf torus.vdb --seed 1.4,0,0 --target -1.4,0,0 --scheme godunov "
-                         "-o out.vdb --with surface,gradient --paths paths.obj --straighten"),
+                         "-o out.vdb --grids surface,gradient --paths paths.obj --straighten"),
     "mesh": ("mesh.obj", "--mesh mesh.obj --resolution 48 --seed 0,0,1 -o out.vdb --mesh-out mesh.ply"),
     "points": ("cloud.xyz", "--points cloud.xyz --seed 0,0,1 -o out.vdb --isolines lines.json"),
 }

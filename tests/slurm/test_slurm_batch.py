@@ -25,7 +25,7 @@ MERGED = "jobs.summary.json"
 
 
 def jobs(count: int) -> dict:
-    return {"version": 1, "defaults": {"sdf": "torus.vdb"}, "jobs": [
+    return {"version": 2, "defaults": {"sdf": "torus.vdb"}, "jobs": [
         {"name": f"j{k}", "seed": [1.4, 0, 0], "max-distance": 1 + k / 100, "output": f"j{k}.vdb"}
         for k in range(count)]}
 

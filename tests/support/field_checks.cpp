@@ -33,9 +33,9 @@ bool isStuck(const Band& band, const Field& field, NodeIndex i) {
         if (length(band.footPoint(i) - s.pIndex) <= field.startRadius) return false;
     bool lower = false;
     band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
-                       [&](NodeIndex j, int, int, int) {
-                           lower |= band.inCore(j) && field.distance[j] < field.distance[i];
-                       });
+                      [&](NodeIndex j, int, int, int) {
+                          lower |= band.inCore(j) && field.distance[j] < field.distance[i];
+                      });
     return !lower;
 }
 

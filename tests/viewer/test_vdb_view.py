@@ -153,7 +153,7 @@ class WhatOneSees(unittest.TestCase):
 
     def test_grooves_on_the_surface(self):
         plain = self.surface(f"{ROOT}/data/trefoil.vdb", "plain")
-        engraved = self.surface(self.run_program("--with", "engraved"), "engraved")
+        engraved = self.surface(self.run_program("--grids", "engraved"), "engraved")
         for seen in (plain, engraved):
             share = len(seen) / (WIDTH * HEIGHT)
             self.assertGreater(share, 0.1)
@@ -169,7 +169,7 @@ class WhatOneSees(unittest.TestCase):
         self.assertGreater(changed, 0.1)
 
     def test_distances_as_colors(self):
-        viewer = self.view(self.run_program("--with", "surface"))
+        viewer = self.view(self.run_program("--grids", "surface"))
         viewer.screen.xdotool("key", "Right")
         self.assertIn("psi_geodesic (2 of 2)", viewer.title_with("(2 of 2)"))
         background = self.screen.still()

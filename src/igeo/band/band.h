@@ -107,7 +107,7 @@ struct Band {
     /// The same from the voxel at an offset of leaf l.
     /// @param nodes  &BandLeaf::band, or &BandLeaf::core for the core's numbers
     NodeIndex neighbor(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
-                        const Ijk& step) const {
+                       const Ijk& step) const {
         const int x = int(at >> 6) + step.x, y = int(at >> 3 & 7) + step.y,
                   z = int(at & 7) + step.z;
         if ((x | y | z) & ~7) {
@@ -143,7 +143,7 @@ struct Band {
     /// @param l, at  leaf and offset of the voxel
     template <typename Visit>
     void forNeighbors(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
-                       const Visit& visit) const;
+                      const Visit& visit) const;
 
     /// Calls visit(j, corner) for the nodes j among the 8 voxels at low + {0, 1}^3, corner (a, b,
     /// c) numbered 4 a + 2 b + c, in that order.
@@ -245,7 +245,7 @@ private:
 
 template <typename Visit>
 void Band::forNeighbors(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
-                         const Visit& visit) const {
+                        const Visit& visit) const {
     const int x = int(at >> 6), y = int(at >> 3 & 7), z = int(at & 7);
     const BandLeaf& here = leaves[l];
     // The voxels of slice x + dx in the leaf at step (sy, sz) that lie in `rows`.

@@ -100,13 +100,13 @@ std::vector<std::int8_t> sidesOfCurves(const Band& band, const Field& field) {
     for (NodeIndex i = 0; i < n; ++i) {
         if (!known(i)) continue;
         band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
-                           [&](NodeIndex j, int, int, int) {
-                               if (j < i || !known(j) || !band.linked(i, j)) return;
-                               if (sideOf[i] * sideOf[j] < 0)
-                                   crossings.emplace_back(i, j);
-                               else
-                                   parts.join(i, j, false);
-                           });
+                          [&](NodeIndex j, int, int, int) {
+                              if (j < i || !known(j) || !band.linked(i, j)) return;
+                              if (sideOf[i] * sideOf[j] < 0)
+                                  crossings.emplace_back(i, j);
+                              else
+                                  parts.join(i, j, false);
+                          });
     }
     std::map<std::pair<NodeIndex, NodeIndex>, std::size_t> votes;
     for (const auto& [i, j] : crossings) {

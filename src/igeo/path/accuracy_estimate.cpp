@@ -26,7 +26,7 @@ AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
             if (path.status != PathStatus::Reached || path.distance < 3 * field.startRadius)
                 continue;
             const SurfacePoint& seed = field.seeds[path.seed];
-            const double length = seed.start + path.length;
+            const double length = seed.start + path.weightedLength;
             error[k] = std::abs(length - path.distance) / path.distance;
         }
     });

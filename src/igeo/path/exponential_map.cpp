@@ -121,10 +121,10 @@ Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, 
             path.status = PathStatus::Stalled;
             break;
         }
-        path.length = path.arcLength = length * double(k) / double(steps);
-        path.vertices.push_back({walker.p, path.length, path.length});
+        path.weightedLength = path.length = length * double(k) / double(steps);
+        path.vertices.push_back({walker.p, path.weightedLength, path.weightedLength});
     }
-    path.distance = path.length;
+    path.distance = path.weightedLength;
     return path;
 }
 

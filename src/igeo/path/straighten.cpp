@@ -54,7 +54,7 @@ private:
 Relaxation::Relaxation(const Band& band, const Metric& metric, const Path& path)
     : band_(band),
       metric_(metric),
-      pieces_(std::size_t(std::max(2.0, std::ceil(2 * path.arcLength)))) {
+      pieces_(std::size_t(std::max(2.0, std::ceil(2 * path.length)))) {
     for (const PathVertex& v : path.vertices) c_.push_back(v.pIndex);
     c_ = metric_.obstacles ? respaced(c_) : resampled(c_);
     cost_ = costOf(c_);
@@ -252,23 +252,23 @@ void straighten(const Band& band, const Field& field, Path& path) {
         const double before = curve.cost();
         if (!curve.shorten() || before - curve.cost() < kSettled * before) break;
     }
-    if (curve.cost() >= path.length) return;
+    if (curve.cost() >= path.weightedLength) return;
     path.vertices.clear();
-    path.length = path.arcLength = 0;
+    path.weightedLength = path.length = 0;
     std::vector<double> lengths;
     for (std::size_t k = 0; k < curve.curve().size(); ++k) {
         const Vec3d& p = curve.curve()[k];
         if (k) {
             const Vec3d& last = curve.curve()[k - 1];
-            path.arcLength += length(p - last);
-            path.length += wayCost(band, *field.metric, last, p, normalAt(band, p));
+            path.length += length(p - last);
+            path.weightedLength += wayCost(band, *field.metric, last, p, normalAt(band, p));
         }
-        lengths.push_back(path.length);
-        path.vertices.push_back({p, path.arcLength, 0});
+        lengths.push_back(path.weightedLength);
+        path.vertices.push_back({p, path.length, 0});
     }
     const double start = field.seeds[path.seed].start;
     for (std::size_t k = 0; k < lengths.size(); ++k)
-        path.vertices[k].distance = start + (path.length - lengths[k]);
+        path.vertices[k].distance = start + (path.weightedLength - lengths[k]);
 }
 
 }  // namespace igeo

@@ -162,22 +162,22 @@ NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
 NodeIndex Tracer::lowestNeighbor(NodeIndex i) const {
     NodeIndex best = i;
     band_.forNeighbors(&BandLeaf::band, band_.leaf[i], band_.offset[i],
-                        [&](NodeIndex j, int, int, int) {
-                            if (field_.distance[j] < field_.distance[best] && walkable(j) &&
-                                dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet &&
-                                !field_.metric->blocked(band_, i, j))
-                                best = j;
-                        });
+                       [&](NodeIndex j, int, int, int) {
+                           if (field_.distance[j] < field_.distance[best] && walkable(j) &&
+                               dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet &&
+                               !field_.metric->blocked(band_, i, j))
+                               best = j;
+                       });
     return best == i ? kNoNode : best;
 }
 
 void Tracer::append(Path& path, const Vec3d& p, double d) const {
     if (!path.vertices.empty()) {
         const Vec3d& last = path.vertices.back().pIndex;
-        path.arcLength += length(p - last);
-        path.length += wayCost(band_, *field_.metric, last, p, side_);
+        path.length += length(p - last);
+        path.weightedLength += wayCost(band_, *field_.metric, last, p, side_);
     }
-    path.vertices.push_back({p, path.arcLength, d});
+    path.vertices.push_back({p, path.length, d});
 }
 
 const SurfacePoint* Tracer::seedAhead(const Vec3d& p, double d) const {

@@ -28,8 +28,8 @@ struct Path {
     PathStatus status = PathStatus::Unreachable;
     std::size_t seed = 0;              ///< index of the seed reached, if Reached
     std::vector<PathVertex> vertices;  ///< from the target on; empty if Unreachable
-    double length = 0;                 ///< by the metric: voxels times weight
-    double arcLength = 0;              ///< voxels; the same where there is no weight
+    double weightedLength = 0;         ///< by the metric: voxels times weight
+    double length = 0;                 ///< voxels; the same where there is no weight
     double distance = kInfinity;       ///< d at the target, voxels times weight
 };
 

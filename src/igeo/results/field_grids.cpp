@@ -125,13 +125,13 @@ openvdb::Vec3SGrid::Ptr colorGrid(const Band& band, const Field& field, const Co
     return grid;
 }
 
-openvdb::FloatGrid::Ptr doubtGrid(const Band& band, const std::vector<float>& doubt,
-                                  const openvdb::math::Transform& transform,
-                                  const std::string& name) {
+openvdb::FloatGrid::Ptr unreliableGrid(const Band& band, const std::vector<float>& unreliability,
+                                       const openvdb::math::Transform& transform,
+                                       const std::string& name) {
     auto grid = makeGrid<openvdb::FloatGrid>(0, transform, name);
     fill(
-        *grid, band, [&](NodeIndex i) { return doubt[i] > 0; },
-        [&](NodeIndex i) { return doubt[i]; });
+        *grid, band, [&](NodeIndex i) { return unreliability[i] > 0; },
+        [&](NodeIndex i) { return unreliability[i]; });
     return grid;
 }
 

@@ -52,11 +52,11 @@ openvdb::Vec3SGrid::Ptr colorGrid(const Band& band, const Field& field, const Co
                                   const openvdb::math::Transform& transform,
                                   const std::string& name);
 
-/// How doubtful results are (SurfaceSurvey::doubt), active where they are: 1 where a bound is just
-/// met, larger is worse. Background 0, class unknown.
-openvdb::FloatGrid::Ptr doubtGrid(const Band& band, const std::vector<float>& doubt,
-                                  const openvdb::math::Transform& transform,
-                                  const std::string& name);
+/// How unreliable results are (SurfaceSurvey::unreliability), active where they are: 1 where a
+/// bound is just met, larger is worse. Background 0, class unknown.
+openvdb::FloatGrid::Ptr unreliableGrid(const Band& band, const std::vector<float>& unreliability,
+                                       const openvdb::math::Transform& transform,
+                                       const std::string& name);
 
 /// The logarithmic map (u, v, 0), world units times weight: of LogMap::frames, not of space. Active
 /// where it is known. Class unknown, vectors invariant.

@@ -188,7 +188,7 @@ void LogMapper::see(NodeIndex i, const Picture& here, NodeIndex core, AllSeen& a
 AllSeen LogMapper::neighbors(NodeIndex i, const Picture& here) const {
     AllSeen all;
     band_.forNeighbors(&BandLeaf::core, band_.leaf[i], band_.offset[i],
-                        [&](NodeIndex core, int, int, int) { see(i, here, core, all); });
+                       [&](NodeIndex core, int, int, int) { see(i, here, core, all); });
     return all;
 }
 

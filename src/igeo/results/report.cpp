@@ -75,7 +75,7 @@ json seedsJson(const RunReport& r, const Band& band, const Field& field) {
 }
 
 json header(const char* type) {
-    return {{"schema", 1},
+    return {{"schema", 2},
             {"type", type},
             {"creator", std::string("implicit-geodesic ") + kVersion},
             {"units", "lengths and distances in world units of the surface's transform"},
@@ -120,8 +120,8 @@ json pathJson(const Path& path, const Band& band, const Field& field) {
     j["target"] = pointJson(band, path.target);
     const bool reached = path.status == PathStatus::Reached;
     j["seed"] = reached ? seedOf(path, band, field) : json(nullptr);
+    j["weightedLength"] = path.vertices.empty() ? json(nullptr) : json(path.weightedLength * dx);
     j["length"] = path.vertices.empty() ? json(nullptr) : json(path.length * dx);
-    j["arcLength"] = path.vertices.empty() ? json(nullptr) : json(path.arcLength * dx);
     j["distance"] = finiteOrNull(path.distance * dx);
     j["vertices"] = verticesJson(path, band);
     return j;
@@ -130,7 +130,7 @@ json pathJson(const Path& path, const Band& band, const Field& field) {
 json walkJson(const Path& walk, const Band& band) {
     return {{"status", walk.status == PathStatus::Reached ? "complete" : "cut short"},
             {"start", pointJson(band, walk.target)},
-            {"length", walk.arcLength * band.transform.dx},
+            {"length", walk.length * band.transform.dx},
             {"vertices", verticesJson(walk, band)}};
 }
 
@@ -304,7 +304,7 @@ json surfaceJson(const FileSurvey& file) {
     const SurfaceSurvey& s = *file.surface;
     const LevelSetStats& stats = file.levelSet.stats;
     const double dx = file.levelSet.transform.dx;
-    const auto doubts = [&](Doubt kind) { return s.doubts[std::size_t(kind)]; };
+    const auto unreliableBy = [&](Unreliable kind) { return s.unreliableBy[std::size_t(kind)]; };
     json j = {{"voxelSize", dx}, {"area", s.area * dx * dx}, {"pieces", json::array()}};
     for (const SurfacePiece& p : s.pieces) j["pieces"].push_back(pieceJson(p, dx));
     j["curvature"] = {{"largest", s.largestCurvature / dx},
@@ -320,12 +320,12 @@ json surfaceJson(const FileSurvey& file) {
                  {"jetVoxels", s.bounds.lower},
                  {"godunovVoxels", s.godunovBand},
                  {"nodes", file.band.size()}};
-    j["doubtful"] = {{"nodes", s.doubtful},
-                     {"share", double(s.doubtful) / double(file.band.size())},
-                     {"bend", doubts(Doubt::Bend)},
-                     {"facing", doubts(Doubt::Facing)},
-                     {"gradient", doubts(Doubt::Rough)},
-                     {"cut", doubts(Doubt::Cut)}};
+    j["unreliable"] = {{"nodes", s.unreliable},
+                       {"share", double(s.unreliable) / double(file.band.size())},
+                       {"bend", unreliableBy(Unreliable::Bend)},
+                       {"facing", unreliableBy(Unreliable::Facing)},
+                       {"gradient", unreliableBy(Unreliable::Rough)},
+                       {"cut", unreliableBy(Unreliable::Cut)}};
     j["estimate"] = {{"bytes", s.bytes}, {"secondsOnOneCore", s.seconds}};
     return j;
 }

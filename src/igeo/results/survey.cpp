@@ -32,10 +32,10 @@ std::vector<NodeIndex> coreNodes(const Band& band) {
 
 /// Factors by which a core node misses what it should hold to; below 1: it does hold.
 struct Judgement {
-    std::array<float, kDoubts> factor{};
+    std::array<float, kUnreliableCauses> factor{};
     float curvature = 0;
 
-    void add(Doubt kind, double value) {
+    void add(Unreliable kind, double value) {
         float& f = factor[std::size_t(kind)];
         f = std::max(f, float(value));
     }
@@ -70,17 +70,18 @@ std::vector<Judgement> judgeCore(const LevelSet& levelSet, const Band& band,
                 const int at = band.offset[i], x = at >> 6, y = at >> 3 & 7, z = at & 7;
                 Judgement& judged = all[c];
                 const PsiDifferences d(block, x, y, z);
-                if (cutBeside(d, band.psi[i], levelSet.stats.halfWidth)) judged.add(Doubt::Cut, 1);
+                if (cutBeside(d, band.psi[i], levelSet.stats.halfWidth))
+                    judged.add(Unreliable::Cut, 1);
                 if (d.complete()) {
-                    judged.add(Doubt::Rough,
+                    judged.add(Unreliable::Rough,
                                std::abs(length(d.central()) - 1) / kGradientTolerance);
                     const double k = largestCurvature(block, x, y, z);
                     if (!std::isnan(k)) {
                         judged.curvature = float(k);
-                        judged.add(Doubt::Bend, k * lower);
+                        judged.add(Unreliable::Bend, k * lower);
                     }
                 }
-                if (band.facing[i]) judged.add(Doubt::Facing, lower / reachAt(band, i));
+                if (band.facing[i]) judged.add(Unreliable::Facing, lower / reachAt(band, i));
             }
         }
         steps.add(end - begin);
@@ -91,15 +92,15 @@ std::vector<Judgement> judgeCore(const LevelSet& levelSet, const Band& band,
 
 /// Enters what the core says of itself, and the rest of the band takes from it.
 void spreadDoubts(const Band& band, const std::vector<Judgement>& core, SurfaceSurvey& s) {
-    s.doubt.assign(band.size(), 0);
+    s.unreliability.assign(band.size(), 0);
     std::vector<std::uint8_t> kinds(band.size());
     parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (auto i = NodeIndex(begin); i < end; ++i) {
             auto take = [&](NodeIndex c) {
-                for (std::size_t k = 0; k < kDoubts; ++k) {
+                for (std::size_t k = 0; k < kUnreliableCauses; ++k) {
                     const float f = core[c].factor[k];
                     if (!(f >= 1)) continue;
-                    s.doubt[i] = std::max(s.doubt[i], f);
+                    s.unreliability[i] = std::max(s.unreliability[i], f);
                     kinds[i] = std::uint8_t(kinds[i] | 1u << k);
                 }
             };
@@ -111,8 +112,8 @@ void spreadDoubts(const Band& band, const std::vector<Judgement>& core, SurfaceS
         }
     });
     for (const std::uint8_t any : kinds) {
-        s.doubtful += any != 0;
-        for (std::size_t k = 0; k < kDoubts; ++k) s.doubts[k] += any >> k & 1;
+        s.unreliable += any != 0;
+        for (std::size_t k = 0; k < kUnreliableCauses; ++k) s.unreliableBy[k] += any >> k & 1;
     }
 }
 
@@ -141,9 +142,9 @@ std::vector<NodeIndex> connect(const Band& band, const std::vector<NodeIndex>& n
     for (NodeIndex c = 0; c < nodes.size(); ++c) {
         const NodeIndex i = nodes[c];
         band.forNeighbors(&BandLeaf::core, band.leaf[i], band.offset[i],
-                           [&](NodeIndex next, int, int, int) {
-                               if (next < c && band.linked(i, nodes[next])) sets.join(c, next);
-                           });
+                          [&](NodeIndex next, int, int, int) {
+                              if (next < c && band.linked(i, nodes[next])) sets.join(c, next);
+                          });
     }
     std::vector<NodeIndex> piece(nodes.size());
     for (NodeIndex c = 0; c < nodes.size(); ++c) piece[c] = sets.first(c);

@@ -33,14 +33,14 @@ struct SurfacePiece {
     int rims = 0, genus = 0;
 };
 
-/// Why results near a voxel are doubtful.
-enum class Doubt {
+/// Why results near a voxel are unreliable.
+enum class Unreliable {
     Bend,    ///< sqrt(3) voxels are more than the radius of curvature, M&S (14); by what factor
     Facing,  ///< or more than half the way to a sheet that faces this one; by what factor
     Rough,   ///< | |grad psi| - 1 | exceeds kGradientTolerance; by what factor
     Cut      ///< S is cut here: 1
 };
-constexpr std::size_t kDoubts = 4;
+constexpr std::size_t kUnreliableCauses = 4;
 
 /// Lengths and curvatures in voxels.
 struct SurfaceSurvey {
@@ -51,9 +51,9 @@ struct SurfaceSurvey {
     BandBounds bounds;                 ///< M&S (14)
     double godunovBand = 0;            ///< h by default; that of `jet` is bounds.lower
 
-    std::vector<float> doubt;                   ///< per band node: the largest factor; 0: none
-    std::size_t doubtful = 0;                   ///< nodes with any
-    std::array<std::size_t, kDoubts> doubts{};  ///< nodes with each
+    std::vector<float> unreliability;  ///< per band node: the largest factor; 0: none
+    std::size_t unreliable = 0;        ///< nodes with any
+    std::array<std::size_t, kUnreliableCauses> unreliableBy{};  ///< nodes with each
 
     /// 95 % of the surface has room for balls of this radius, and 99 % is twice `facingRadius` or
     /// more from sheets that face it (MedialRadii). Of a level set only what its voxels show.

@@ -254,7 +254,7 @@ void judgeGradient(LevelSet& s) {
     if (st.gradientShare < 0.95)
         s.warnings.push_back(
             format("%.1f %% of the voxels have |grad psi| outside [0.75, 1.25]: "
-                   "psi is a rough distance, and results near there are doubtful",
+                   "psi is a rough distance, and results near there are unreliable",
                    100 * (1 - st.gradientShare)));
 }
 

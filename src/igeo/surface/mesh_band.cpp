@@ -56,8 +56,7 @@ struct Pseudonormals {
 
     bool ends(std::size_t t, int feature) const {
         if (feature < 3) return atBoundary[mesh.triangles[t][std::size_t(feature)]];
-        return feature < 6 &&
-               topology.neighbor[t][std::size_t(feature - 3)] == MeshTopology::kNone;
+        return feature < 6 && topology.neighbor[t][std::size_t(feature - 3)] == MeshTopology::kNone;
     }
 
     /// Whether a point of a face lies next to an edge of three or more: the sheets there share out

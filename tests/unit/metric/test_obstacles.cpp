@@ -16,9 +16,9 @@ namespace igeo::test {
 namespace {
 
 /// Random numbers that are the same everywhere.
-class Dice {
+class Random {
 public:
-    explicit Dice(unsigned seed) : engine_(seed) {}
+    explicit Random(unsigned seed) : engine_(seed) {}
     double between(double low, double high) {
         return low + (high - low) * double(engine_()) / 4294967296.0;
     }
@@ -124,11 +124,11 @@ public:
             return;
         }
         band_.forNeighbors(&BandLeaf::core, band_.leaf[i], band_.offset[i],
-                            [&](NodeIndex, int dx, int dy, int dz) {
-                                const NodeIndex j = band_.neighbor(i, dx, dy, dz);
-                                if (dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet)
-                                    visit(j);
-                            });
+                           [&](NodeIndex, int dx, int dy, int dz) {
+                               const NodeIndex j = band_.neighbor(i, dx, dy, dz);
+                               if (dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet)
+                                   visit(j);
+                           });
     }
 
 private:
@@ -191,8 +191,8 @@ struct Ground {
 
 constexpr double kPatch = 11, kRadius = 7;
 
-Ground randomGround(Dice& dice, bool round) {
-    const Vec3d shift = dice.inCube(0.5), n = dice.unit();
+Ground randomGround(Random& random, bool round) {
+    const Vec3d shift = random.inCube(0.5), n = random.unit();
     if (round) {
         const Vec3d middle = shift;
         return {sphereBand(middle, kRadius, 1.8), middle + kRadius * n,
@@ -205,9 +205,9 @@ Ground randomGround(Dice& dice, bool round) {
 }
 
 /// A plane through the center of the ground that meets S at 60 degrees at least.
-Vec3d wallNormal(Dice& dice, const Ground& g) {
+Vec3d wallNormal(Random& random, const Ground& g) {
     for (;;) {
-        const Vec3d w = dice.unit();
+        const Vec3d w = random.unit();
         if (std::abs(dot(w, g.normalAtCenter())) < 0.5) return w;
     }
 }
@@ -307,11 +307,11 @@ bool leadsAcross(const openvdb::MaskGrid& wall, const Ground& g, const Vec3d& al
 }  // namespace
 
 TEST_CASE("obstacles: a wall of voxels parts the surface") {
-    Dice dice(1);
+    Random random(1);
     Tally whole, alongS, core;
     for (int k = 0; k < 150; ++k) {
-        const Ground g = randomGround(dice, k % 2);
-        const Vec3d w = wallNormal(dice, g);
+        const Ground g = randomGround(random, k % 2);
+        const Vec3d w = wallNormal(random, g);
         const Vec3d p = g.onto(g.center + g.across * w), q = g.onto(g.center - g.across * w);
         // One voxel thick: those next to each other share an edge at least.
         whole.add(g, wallOf(g, w, halfEdge(w), [](NodeIndex) { return true; }), p, q);
@@ -336,13 +336,13 @@ TEST_CASE("obstacles: a wall of voxels parts the surface") {
 }
 
 TEST_CASE("obstacles: a curve of voxels drawn on S shuts in what it surrounds") {
-    Dice dice(2);
+    Random random(2);
     Tally circles, polygons;
     for (int k = 0; k < 300; ++k) {
-        const Ground g = randomGround(dice, k % 2);
+        const Ground g = randomGround(random, k % 2);
         const Vec3d n = g.normalAtCenter();
         const Vec3d far = g.onto(g.center - (k % 2 ? kRadius : 0) * n + 8.0 * anyOrthogonal(n));
-        const double start = dice.between(0, 6.3);
+        const double start = random.between(0, 6.3);
         circles.add(g, maskOf(curveVoxels(g, 4.5, 90, start)), g.center, far);
         polygons.add(g, maskOf(curveVoxels(g, 5, 6, start)), g.center, far);
     }
@@ -355,11 +355,11 @@ TEST_CASE("obstacles: a curve of voxels drawn on S shuts in what it surrounds") 
 
 TEST_CASE("obstacles: the thinnest wall of the core parts it wherever its voxels touch") {
     // Planes one voxel thick, in a core one voxel thick, may miss each other's voxels altogether.
-    Dice dice(3);
+    Random random(3);
     int touching = 0;
     for (int k = 0; k < 100; ++k) {
-        const Ground g = randomGround(dice, false);
-        const Vec3d w = wallNormal(dice, g);
+        const Ground g = randomGround(random, false);
+        const Vec3d w = wallNormal(random, g);
         const auto wall = wallOf(g, w, halfEdge(w), [&](NodeIndex i) { return g.band.inCore(i); });
         if (!leadsAcross(*wall, g, normalized(cross(w, g.normalAtCenter())), kPatch - 2)) continue;
         ++touching;
@@ -371,16 +371,16 @@ TEST_CASE("obstacles: the thinnest wall of the core parts it wherever its voxels
 }
 
 TEST_CASE("obstacles: a curve shuts in whatever the voxels of its mask") {
-    Dice dice(4);
+    Random random(4);
     for (const double size : {0.04, 0.35, 1.0, 2.6})
         for (int k = 0; k < 10; ++k) {
             // Bent as strongly as a band allows: S strays from the chords of its links.
-            const Vec3d shift = dice.inCube(0.5), n = dice.unit(), x = anyOrthogonal(n);
+            const Vec3d shift = random.inCube(0.5), n = random.unit(), x = anyOrthogonal(n);
             const double radius = size > 1 ? 9 : 4;
             const Ground g{sphereBand(shift, radius, 1.8), shift + radius * n, nullptr,
                            [](const Vec3d&) { return true; }, 0};
             const auto mask = openvdb::MaskGrid::create();
-            const Vec3d turn = dice.unit();
+            const Vec3d turn = random.unit();
             mask->setTransform(rotatedTransform(size, {turn.x, turn.y, turn.z}, 77, {1, 2, 3}));
             for (double angle = 0; angle < 2 * M_PI; angle += 0.002) {
                 const Vec3d side = std::cos(angle) * x + std::sin(angle) * cross(n, x);
@@ -402,13 +402,13 @@ TEST_CASE("obstacles: a curve shuts in whatever the voxels of its mask") {
 
 TEST_CASE("obstacles: a mask's voxel blocks the strips that its grown cube meets") {
     // Against the points of the strip, one by one.
-    Dice dice(5);
+    Random random(5);
     const Ijk voxel{3, -2, 5};
     const ObstacleSet set = only(maskOf({voxel}));
     int hits = 0;
     for (int k = 0; k < 2000; ++k) {
-        const Vec3d a = Vec3d(voxel) + dice.inCube(2.2), n = dice.unit();
-        const Vec3d b = k % 5 ? a + dice.inCube(1.2) : a;
+        const Vec3d a = Vec3d(voxel) + random.inCube(2.2), n = random.unit();
+        const Vec3d b = k % 5 ? a + random.inCube(1.2) : a;
         // As documented: 0.6 voxels, and L^2 / 16 for the bulge, above and below; grown by 0.1.
         const double sweep = 0.6 + dot(b - a, b - a) / 16;
         double least = kInfinity;
@@ -430,7 +430,7 @@ TEST_CASE("obstacles: a mask's voxel blocks the strips that its grown cube meets
 }
 
 TEST_CASE("obstacles: spheres and boxes are exact") {
-    Dice dice(6);
+    Random random(6);
     const Similarity transform = placed();
     // In the world, which is 0.25 per voxel.
     const Vec3d middle = transform.worldFromIndex({3, -2, 5}), half{0.3, 0.1, 0.55};
@@ -441,7 +441,7 @@ TEST_CASE("obstacles: spheres and boxes are exact") {
     CHECK(!sphere.empty());
     int hits = 0;
     for (int k = 0; k < 3000; ++k) {
-        const Vec3d a = Vec3d{3, -2, 5} + dice.inCube(4), b = k % 5 ? a + dice.inCube(2) : a;
+        const Vec3d a = Vec3d{3, -2, 5} + random.inCube(4), b = k % 5 ? a + random.inCube(2) : a;
         double fromCenter = kInfinity, fromBox = kInfinity;
         constexpr int kSteps = 1000;
         for (int i = 0; i <= kSteps; ++i) {
@@ -486,10 +486,10 @@ TEST_CASE("obstacles: a level set blocks its inside, tiles and all") {
     inverted->tree().root().setBackground(-grid->background(), /*updateChildNodes=*/false);
     const ObstacleSet outside = only(inverted, transform);
     const Vec3d middle = transform.indexFromWorld({11, -19, 6});
-    Dice dice(7);
+    Random random(7);
     int crossing = 0;
     for (int k = 0; k < 5000; ++k) {
-        const Vec3d a = middle + dice.inCube(16), b = a + dice.inCube(1);
+        const Vec3d a = middle + random.inCube(16), b = a + random.inCube(1);
         const auto [low, high] = std::minmax({length(a - middle), length(b - middle)});
         // The radius is 12.8 voxels; trilinear values are off by (0.1 / 0.25)^2 / 12.8 of one, and
         // a chord strays by a quarter of its length squared over 25.6.
@@ -561,11 +561,11 @@ TEST_CASE(
     set.addBox(transform.worldFromIndex({0, 30, 0}),
                transform.worldFromIndex({0, 30, 0}) + Vec3d{1, 2, 0});
     set.addGrid(source(makeLevelSet(sphere({12, -20, 5}, 2.5), 0.9, 3)));
-    Dice dice(8);
+    Random random(8);
     const auto mask = openvdb::MaskGrid::create();
     mask->setTransform(rotatedTransform(0.4, {1, 1, 3}, 50, {10, -20, 5}));
     for (int k = 0; k < 300; ++k) {
-        const Vec3d p = dice.inCube(12);
+        const Vec3d p = random.inCube(12);
         mask->tree().setValueOn({int(p.x), int(p.y), int(p.z)});
     }
     set.addGrid(source(mask));
@@ -574,8 +574,8 @@ TEST_CASE(
     };
     std::vector<Way> ways;
     for (int k = 0; k < 40000; ++k) {
-        const Vec3d a = dice.inCube(45);
-        ways.push_back({a, k % 4 ? a + dice.inCube(1.7) : a, dice.unit()});
+        const Vec3d a = random.inCube(45);
+        ways.push_back({a, k % 4 ? a + random.inCube(1.7) : a, random.unit()});
     }
     std::vector<char> blocked(ways.size());
     parallelFor(ways.size(), 100, [&](std::size_t begin, std::size_t end) {

@@ -21,7 +21,7 @@ TEST_CASE("shoot: straight on a plane, whatever the length and the normal part o
     for (const Vec3d& direction : {along, 1e6 * along, 1e-6 * along, along + 5.0 * kNormal}) {
         const Path path = shoot(band, start, direction, 11.3);
         CHECK(path.status == PathStatus::Reached);
-        CHECK(path.length == 11.3);
+        CHECK(path.weightedLength == 11.3);
         CHECK(path.distance == 11.3);
         CHECK(path.target.pIndex == start.pIndex);
         CHECK(path.vertices.size() == 24);  // steps of at most half a voxel
@@ -34,7 +34,7 @@ TEST_CASE("shoot: straight on a plane, whatever the length and the normal part o
     const Path none = shoot(band, start, along, 0);
     CHECK(none.status == PathStatus::Reached);
     CHECK(none.vertices.size() == 1);
-    CHECK(none.length == 0);
+    CHECK(none.weightedLength == 0);
 }
 
 TEST_CASE("shoot: stops where the surface ends") {
@@ -43,10 +43,10 @@ TEST_CASE("shoot: stops where the surface ends") {
     const Path path = shoot(band, start, {0, 1, 0}, 100);
     CHECK(path.status == PathStatus::Stalled);
     // The last nodes are at y = 20 and stand for half a voxel more.
-    CHECK(path.length > 19.5);
-    CHECK(path.length < 20.6);
-    CHECK(path.vertices.back().arcLength == path.length);
-    CHECK(path.vertices.back().pIndex.y == Approx(path.length).margin(1e-4));
+    CHECK(path.weightedLength > 19.5);
+    CHECK(path.weightedLength < 20.6);
+    CHECK(path.vertices.back().arcLength == path.weightedLength);
+    CHECK(path.vertices.back().pIndex.y == Approx(path.weightedLength).margin(1e-4));
 }
 
 TEST_CASE("shoot: back from the end leads to the start") {

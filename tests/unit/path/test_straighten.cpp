@@ -28,7 +28,7 @@ struct Solved {
 double lengthError(const Solved& s, const Path& path) {
     const double exact = geodesicOnSphere(kCenter, kRadius, worldOf(s.band, s.seed.pIndex),
                                           worldOf(s.band, s.target.pIndex));
-    return path.length * kDx / exact - 1;
+    return path.weightedLength * kDx / exact - 1;
 }
 
 }  // namespace
@@ -49,9 +49,9 @@ TEST_CASE("straighten removes a detour and the march's error from a path") {
                               samplePsi(s.band, p).gradient));
         REQUIRE(projectToSurface(s.band, p));
     }
-    path.length = 0;
+    path.weightedLength = 0;
     for (std::size_t k = 1; k < n; ++k)
-        path.length += length(path.vertices[k].pIndex - path.vertices[k - 1].pIndex);
+        path.weightedLength += length(path.vertices[k].pIndex - path.vertices[k - 1].pIndex);
     const double before = lengthError(s, path);
     straighten(s.band, field, path);
     INFO("before " << before << ", after " << lengthError(s, path));
@@ -59,7 +59,7 @@ TEST_CASE("straighten removes a detour and the march's error from a path") {
     // The trilinear zero set is 1 / (6 R^2) = 4.2e-4 short at R = 20; chords of half a voxel
     // another 0.25 / (24 R^2) = 3e-5. Allowed for both with a half more.
     CHECK(std::abs(lengthError(s, path)) < 7e-4);
-    CHECK(path.vertices.back().arcLength == path.length);
+    CHECK(path.vertices.back().arcLength == path.weightedLength);
     CHECK(path.vertices.back().distance == 0);
     for (const PathVertex& v : path.vertices)
         REQUIRE(std::abs(samplePsi(s.band, v.pIndex).psi) < 1e-5);

@@ -46,7 +46,7 @@ void checkConsistent(const Sphere& s, const Path& path) {
     CHECK(path.vertices.front().pIndex == path.target.pIndex);
     CHECK(path.vertices.front().arcLength == 0);
     CHECK(path.vertices.front().distance == path.distance);
-    CHECK(path.vertices.back().arcLength == path.length);
+    CHECK(path.vertices.back().arcLength == path.weightedLength);
     for (std::size_t k = 1; k < path.vertices.size(); ++k) {
         const PathVertex &a = path.vertices[k - 1], &b = path.vertices[k];
         const double step = length(b.pIndex - a.pIndex);
@@ -94,7 +94,7 @@ TEST_CASE("tracePath: great circles on the sphere") {
         // Length: half the square of those angles; chords of 1 voxel are short by 1 / (24 R^2) of
         // it; the interpolant's zero lies up to 1 / (4 R) off the sphere, which stretches the
         // path by that over R. Together below 1.1e-3 of the length, and 1e-2 at the start disc.
-        CHECK(std::abs(path.length - exact) < 1.1e-3 * exact + 0.01);
+        CHECK(std::abs(path.weightedLength - exact) < 1.1e-3 * exact + 0.01);
         // Trilinear sampling of d: 1 / 8 of second derivatives of at most 1 / r + 1 / R per axis.
         CHECK(std::abs(path.distance - exact) < 0.25 * (1 / kStartRadius + 1 / kRadius));
     }
@@ -111,15 +111,15 @@ TEST_CASE("tracePath: targets within the start disc go straight") {
     CHECK(path.distance == 4 + chord);
     // On the surface: longer than the chord, by c^3 / (24 R^2) and the interpolant's 1 / (4 R) ups
     // and downs over each of the 3 pieces.
-    CHECK(path.length >= chord);
-    CHECK(path.length < chord + 3 * (0.25 / kRadius) * (0.25 / kRadius) + 0.01);
+    CHECK(path.weightedLength >= chord);
+    CHECK(path.weightedLength < chord + 3 * (0.25 / kRadius) * (0.25 / kRadius) + 0.01);
 }
 
 TEST_CASE("tracePath: a target at the seed is a path of length 0") {
     const Sphere s({-1, 2, 0.5}, 1.5);
     const Path path = s.trace(s.field.seeds[0]);
     CHECK(path.status == PathStatus::Reached);
-    CHECK(path.length == 0);
+    CHECK(path.weightedLength == 0);
     CHECK(path.distance == 1.5);
     checkConsistent(s, path);
 }
@@ -131,10 +131,10 @@ TEST_CASE("tracePath: from the antipode some shortest way") {
     CHECK(path.status == PathStatus::Reached);
     checkConsistent(s, path);
     const double exact = kRadius * M_PI;
-    CHECK(path.length > exact * (1 - 1e-3) - 0.2);
+    CHECK(path.weightedLength > exact * (1 - 1e-3) - 0.2);
     // Until the gradient is of use, some 3 voxels from the antipode, steps lead from node to node:
     // at most sqrt(3) of them per voxel of descent.
-    CHECK(path.length < exact * (1 + 1e-3) + 3 * (std::sqrt(3.0) - 1) + 1);
+    CHECK(path.weightedLength < exact * (1 + 1e-3) + 3 * (std::sqrt(3.0) - 1) + 1);
 }
 
 TEST_CASE("tracePath: from node to node where the gradient is of no use") {
@@ -144,14 +144,14 @@ TEST_CASE("tracePath: from node to node where the gradient is of no use") {
         const SurfacePoint target = s.at(direction);
         const Path path = s.trace(target);
         const double exact = Sphere::geodesic(target.pIndex, s.field.seeds[0].pIndex);
-        INFO("length " << path.length << ", exact " << exact);
+        INFO("length " << path.weightedLength << ", exact " << exact);
         CHECK(path.status == PathStatus::Reached);
         checkConsistent(s, path);
-        CHECK(path.length > exact * (1 - 1.1e-3) - 0.01);
+        CHECK(path.weightedLength > exact * (1 - 1.1e-3) - 0.01);
         // Ways along the 26 neighbors of a lattice are longer than straight ones by at most
         // sqrt(1 + (sqrt 2 - 1)^2 + (sqrt 3 - sqrt 2)^2) = 1.128, and a voxel at each end; foot
         // points of voxels within 1 of the surface are spread by at most R / (R - 1).
-        CHECK(path.length < 1.128 * kRadius / (kRadius - 1) * exact + 2);
+        CHECK(path.weightedLength < 1.128 * kRadius / (kRadius - 1) * exact + 2);
     }
 }
 
@@ -181,7 +181,7 @@ TEST_CASE("tracePath: an unreached target has no path") {
     const Path path = s.trace(s.at({-1, 0, 0}));
     CHECK(path.status == PathStatus::Unreachable);
     CHECK(path.vertices.empty());
-    CHECK(path.length == 0);
+    CHECK(path.weightedLength == 0);
     CHECK(path.distance == kInfinity);
     CHECK(std::string(toString(path.status)) == "unreachable");
 }
@@ -215,7 +215,7 @@ TEST_CASE("tracePaths: the paths of tracePath, in order") {
     REQUIRE(paths.size() == 3);
     for (std::size_t k = 0; k < 3; ++k) {
         CHECK(paths[k].target.pIndex == targets[k].pIndex);
-        CHECK(paths[k].length == s.trace(targets[k]).length);
+        CHECK(paths[k].weightedLength == s.trace(targets[k]).weightedLength);
     }
     CHECK(tracePaths(s.band, s.field, s.gradient, {}).empty());
     struct Stop : Progress {

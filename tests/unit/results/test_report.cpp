@@ -33,7 +33,7 @@ struct Run {
         reached.status = PathStatus::Reached;
         reached.target.pIndex = reached.target.askedIndex = {3, 0, 0};
         reached.vertices = {{{3, 0, 0}, 0, 6}, {{1, 0, 0}, 2, 4}};
-        reached.length = 2, reached.distance = 6;
+        reached.weightedLength = 2, reached.distance = 6;
         Path stalled;
         stalled.status = PathStatus::Stalled;
         stalled.vertices = {{{0.1, 0, 0}, 0, 3}};
@@ -57,7 +57,7 @@ json parse(const std::string& text) {
 TEST_CASE("geodesicsJson: world units, null for what is not known") {
     const Run run;
     const json j = parse(geodesicsJson(run.report, run.band, run.field));
-    CHECK(j["schema"] == 1);
+    CHECK(j["schema"] == 2);
     CHECK(j["type"] == "geodesics");
     CHECK(j["surface"]["file"] == "a.vdb");
     CHECK(j["surface"]["voxelSize"] == 0.5);
@@ -69,7 +69,7 @@ TEST_CASE("geodesicsJson: world units, null for what is not known") {
 
     const json& reached = j["paths"][0];
     CHECK(reached["status"] == "reached");
-    CHECK(reached["length"] == 1);
+    CHECK(reached["weightedLength"] == 1);
     CHECK(reached["distance"] == 3);
     CHECK(reached["seed"]["index"] == 0);
     CHECK(reached["seed"]["start"] == 2);

@@ -20,7 +20,7 @@ struct Surveyed {
     Band band;
     SurfaceSurvey survey;
 
-    std::size_t count(Doubt kind) const { return survey.doubts[std::size_t(kind)]; }
+    std::size_t count(Unreliable kind) const { return survey.unreliableBy[std::size_t(kind)]; }
     double area() const { return survey.area * levelSet.transform.dx * levelSet.transform.dx; }
 };
 
@@ -57,7 +57,7 @@ TEST_CASE("survey: a sphere is one closed piece of genus 0, its area right to se
         // The Hessian is off by a part of the order of 1 / r^2; it is at most 1 here.
         CHECK(s.survey.largestCurvature == Approx(1 / r).epsilon(1 / (r * r) + 0.02));
         CHECK(s.survey.bounds.resolved);
-        CHECK(s.survey.doubtful == 0);
+        CHECK(s.survey.unreliable == 0);
         CHECK(s.survey.facingShare == 0);
         // A voxel size at which 1 / curvature is sqrt(3) voxels; curvature in bins of 0.4 %.
         CHECK(s.survey.resolvingSize == Approx(r / std::sqrt(3.0)).epsilon(0.02));
@@ -93,7 +93,7 @@ TEST_CASE("survey: handles, pieces, and a placement that does not matter") {
     CHECK(two.survey.pieces[1].high[0] == Approx(-0.3).margin(0.01));
 }
 
-TEST_CASE("survey: spheres that nearly touch are two pieces, and doubtful where they do") {
+TEST_CASE("survey: spheres that nearly touch are two pieces, and unreliable where they do") {
     // A fifth of a voxel apart.
     const Surveyed s = surveyed(twoSpheres({-0.505, 0, 0}, 0.5, {0.505, 0, 0}, 0.5), 0.05);
     REQUIRE(s.survey.pieces.size() == 2);
@@ -103,13 +103,13 @@ TEST_CASE("survey: spheres that nearly touch are two pieces, and doubtful where 
         CHECK(p.rims == 0);
     }
     CHECK(s.area() == Approx(2 * M_PI).epsilon(1.5 / 100));
-    CHECK(s.count(Doubt::Facing) > 0);
+    CHECK(s.count(Unreliable::Facing) > 0);
     for (NodeIndex i = 0; i < s.band.size(); ++i) {
         // Sheets less than 2 sqrt(3) voxels apart: r (1 - cos) on either side is half of it less a
         // tenth, so sin^2 < 2 (sqrt(3) - 0.1) / 10 and y^2 + z^2 < (0.29)^2; and a voxel for nodes
         // that take it over.
         const openvdb::Vec3d p = worldOf(s.band, s.band.footPoint(i));
-        if (s.survey.doubt[i] > 0 && std::hypot(p.y(), p.z()) > 0.29 + 0.05)
+        if (s.survey.unreliability[i] > 0 && std::hypot(p.y(), p.z()) > 0.29 + 0.05)
             FAIL_CHECK("a doubt at " << p.str());
     }
 }
@@ -131,7 +131,7 @@ TEST_CASE("survey: faces side by side are one piece of two parts") {
     CHECK(s.survey.pieces[0].high[0] - s.survey.pieces[0].low[0] == Approx(2.05).margin(dx));
 }
 
-TEST_CASE("survey: a plane patch has one rim, and is doubtful along it only") {
+TEST_CASE("survey: a plane patch has one rim, and is unreliable along it only") {
     const double dx = 0.05, size = 2;
     const openvdb::Vec3d n = openvdb::Vec3d(1, 1, 2).unit();
     const Surveyed s = surveyed(planePatch(kCenter, n, size), dx);
@@ -141,11 +141,11 @@ TEST_CASE("survey: a plane patch has one rim, and is doubtful along it only") {
     // The mesh ends within two voxels of the cut (surface_mesh.h).
     CHECK(s.area() <= size * size);
     CHECK(s.area() >= std::pow(size - 4 * dx, 2));
-    CHECK(s.count(Doubt::Cut) > 4 * 30);  // 40 voxels a side
-    CHECK(s.count(Doubt::Cut) == s.survey.doubtful);
+    CHECK(s.count(Unreliable::Cut) > 4 * 30);  // 40 voxels a side
+    CHECK(s.count(Unreliable::Cut) == s.survey.unreliable);
     for (NodeIndex i = 0; i < s.band.size(); ++i) {
-        if (s.survey.doubt[i] == 0) continue;
-        CHECK(s.survey.doubt[i] == 1);
+        if (s.survey.unreliability[i] == 0) continue;
+        CHECK(s.survey.unreliability[i] == 1);
         // The domain is a square in the plane: within three voxels of its boundary, the diagonal
         // of a voxel for the missing neighbor and as much again for nodes that take it over.
         const openvdb::Vec3d p = worldOf(s.band, s.band.footPoint(i)) - kCenter;
@@ -162,7 +162,7 @@ TEST_CASE("survey: the sheets of a plate that is too thin are found, and how far
     // rim; all of the surface has the half-round rim as well.
     const double flat = 2 * (1.5 - 4 * dx) * (1.1 - 4 * dx),
                  all = 2 * 1.5 * 1.1 + M_PI * 0.05 * (2 * 1.5 + 2 * 1.1 + 2 * M_PI * 0.05);
-    CHECK(double(thin.count(Doubt::Facing)) > flat / all * double(thin.band.size()));
+    CHECK(double(thin.count(Unreliable::Facing)) > flat / all * double(thin.band.size()));
     CHECK(thin.survey.facingShare > flat / all);
     REQUIRE(thin.survey.pieces.size() == 1);
     CHECK(thin.survey.pieces[0].genus == 0);
@@ -172,8 +172,8 @@ TEST_CASE("survey: the sheets of a plate that is too thin are found, and how far
         const openvdb::Vec3d p = worldOf(thin.band, thin.band.footPoint(i)) - kCenter;
         if (std::abs(p.x()) > 0.6 || std::abs(p.y()) > 0.4) continue;
         ++middle;
-        if (std::abs(double(thin.survey.doubt[i]) - std::sqrt(3.0)) > 0.02)
-            FAIL_CHECK("doubt " << thin.survey.doubt[i] << " at " << p.str());
+        if (std::abs(double(thin.survey.unreliability[i]) - std::sqrt(3.0)) > 0.02)
+            FAIL_CHECK("doubt " << thin.survey.unreliability[i] << " at " << p.str());
     }
     CHECK(middle > 1000);
     CHECK(thin.survey.resolvingSize < 1);
@@ -181,11 +181,11 @@ TEST_CASE("survey: the sheets of a plate that is too thin are found, and how far
     // 6 voxels apart the sheets are further than the band sees.
     const Surveyed thick = surveyed(thinSheet(kCenter, 0.8, 0.6, 0.3), dx);
     CHECK(thick.survey.bounds.resolved);
-    CHECK(thick.count(Doubt::Facing) == 0);
-    CHECK(thick.survey.doubtful == 0);
+    CHECK(thick.count(Unreliable::Facing) == 0);
+    CHECK(thick.survey.unreliable == 0);
 }
 
-TEST_CASE("survey: a box is doubtful at its edges, everywhere there, and nowhere else") {
+TEST_CASE("survey: a box is unreliable at its edges, everywhere there, and nowhere else") {
     const double dx = 0.05;
     const openvdb::Vec3d half(0.9, 0.7, 0.5);
     const Surveyed s = surveyed(box(kCenter, half), dx);
@@ -193,11 +193,11 @@ TEST_CASE("survey: a box is doubtful at its edges, everywhere there, and nowhere
     CHECK(s.survey.pieces[0].genus == 0);
     // Edges are rounded off within a voxel: less than a voxel of area along their 33.6 length.
     CHECK(s.area() == Approx(8 * (0.9 * 0.7 + 0.7 * 0.5 + 0.9 * 0.5)).margin(33.6 * dx));
-    CHECK(s.count(Doubt::Bend) > 0);
+    CHECK(s.count(Unreliable::Bend) > 0);
     std::vector<std::uint8_t> alongX(100);  // bins of 0.018 beside the edge y, z = +half
     for (NodeIndex i = 0; i < s.band.size(); ++i) {
-        if (s.survey.doubt[i] == 0) continue;
-        CHECK(s.survey.doubt[i] >= 1);
+        if (s.survey.unreliability[i] == 0) continue;
+        CHECK(s.survey.unreliability[i] >= 1);
         const openvdb::Vec3d p = worldOf(s.band, Vec3d(s.band.ijk(i))) - kCenter;
         std::array<double, 3> off;  // from the planes of the faces; an edge lies in two of them
         for (int a = 0; a < 3; ++a) off[std::size_t(a)] = half[a] - std::abs(p[a]);
@@ -211,8 +211,9 @@ TEST_CASE("survey: a box is doubtful at its edges, everywhere there, and nowhere
     }
     CHECK(std::count(alongX.begin(), alongX.end(), 1) == 36);
 
-    const auto grid = doubtGrid(s.band, s.survey.doubt, s.levelSet.psi->transform(), "doubt");
-    CHECK(grid->activeVoxelCount() == s.survey.doubtful);
+    const auto grid =
+        unreliableGrid(s.band, s.survey.unreliability, s.levelSet.psi->transform(), "doubt");
+    CHECK(grid->activeVoxelCount() == s.survey.unreliable);
     CHECK(grid->transform() == s.levelSet.psi->transform());
     CHECK(grid->getGridClass() == openvdb::GRID_UNKNOWN);
     float least = 9, largest = 0;
@@ -222,19 +223,21 @@ TEST_CASE("survey: a box is doubtful at its edges, everywhere there, and nowhere
     CHECK(largest > 1);
 }
 
-TEST_CASE("survey: a rough distance is doubtful where it is rough") {
+TEST_CASE("survey: a rough distance is unreliable where it is rough") {
     auto grid = makeLevelSet(sphere(kCenter, 1), 0.05, 3);
     // psi^3-like on one side: |grad psi| = 1.5 at S for x above the center by 0.8.
     for (auto it = grid->beginValueOn(); it; ++it)
         if (grid->indexToWorld(it.getCoord()).x() > kCenter.x() + 0.8) it.setValue(1.5f * *it);
     const Surveyed s = surveyed(grid);
-    CHECK(s.count(Doubt::Rough) > 100);
+    CHECK(s.count(Unreliable::Rough) > 100);
     for (NodeIndex i = 0; i < s.band.size(); ++i) {
         const openvdb::Vec3d p = worldOf(s.band, Vec3d(s.band.ijk(i))) - kCenter;
-        if (s.survey.doubt[i] > 0 && p.x() < 0.8 - 4 * 0.05) FAIL_CHECK("a doubt at " << p.str());
+        if (s.survey.unreliability[i] > 0 && p.x() < 0.8 - 4 * 0.05)
+            FAIL_CHECK("a doubt at " << p.str());
         // |1.5 - 1| / 0.25.
-        if (std::abs(s.band.psi[i]) < 0.5 && p.x() > 0.9 && std::abs(s.survey.doubt[i] - 2) > 0.05)
-            FAIL_CHECK("doubt " << s.survey.doubt[i] << " at " << p.str());
+        if (std::abs(s.band.psi[i]) < 0.5 && p.x() > 0.9 &&
+            std::abs(s.survey.unreliability[i] - 2) > 0.05)
+            FAIL_CHECK("doubt " << s.survey.unreliability[i] << " at " << p.str());
     }
 }
 
@@ -246,7 +249,7 @@ TEST_CASE("survey: the same bits for any number of threads") {
             surveyed(twoSpheres({-0.7, 0, 0}, 0.4, {0.7, 0, 0}, 0.5), 0.05).survey;
         if (threads == 1) first = s;
         CHECK(s.area == first.area);
-        CHECK(s.doubt == first.doubt);
+        CHECK(s.unreliability == first.unreliability);
         CHECK(s.largestCurvature == first.largestCurvature);
         CHECK(s.pieces[1].area == first.pieces[1].area);
         CHECK(s.pieces[1].high == first.pieces[1].high);

@@ -92,7 +92,7 @@ TEST_CASE("checkLevelSet refuses what an open mesh becomes") {
     expectRefusal(bad("hollow"), {"hollow", "open mesh", "--mesh"});
 }
 
-TEST_CASE("checkLevelSet warns of doubtful input and goes on") {
+TEST_CASE("checkLevelSet warns of unreliable input and goes on") {
     auto unknown = soundSphere();
     unknown->setGridClass(openvdb::GRID_UNKNOWN);
     CHECK(anyHolds(warningsOf(unknown), "class is not 'level set'"));

@@ -129,25 +129,25 @@ void JetCore::placeRimNodes() {
         float nearest = float(kInfinity);
         Vec3f place;
         band.forNeighbors(&BandLeaf::core, node.leaf, node.offset,
-                           [&](NodeIndex j, int dx, int dy, int dz) {
-                               const Node& outside = nodes[j];
-                               if (outside.sight == Metric::Inside ||
-                                   igeo::dot(node.normal, outside.normal) < Band::kOtherSheet)
-                                   return;
-                               const Vec3f step = node.foot - outside.foot - Vec3f(Ijk{dx, dy, dz});
-                               const Vec3d from = footOf(outside);
-                               // To a thousandth of a voxel.
-                               float free = 0, blocked = 1;
-                               for (int round = 0; round < 10; ++round) {
-                                   const float t = (free + blocked) / 2;
-                                   const Vec3d p = from + Vec3d(t * step);
-                                   (metric.blocked(p, p, normal) ? blocked : free) = t;
-                               }
-                               const float len = igeo::length(step), back = (1 - free) * len + kOff;
-                               if (back > len || back >= nearest) return;
-                               nearest = back;
-                               place = node.foot - (back / len) * step;
-                           });
+                          [&](NodeIndex j, int dx, int dy, int dz) {
+                              const Node& outside = nodes[j];
+                              if (outside.sight == Metric::Inside ||
+                                  igeo::dot(node.normal, outside.normal) < Band::kOtherSheet)
+                                  return;
+                              const Vec3f step = node.foot - outside.foot - Vec3f(Ijk{dx, dy, dz});
+                              const Vec3d from = footOf(outside);
+                              // To a thousandth of a voxel.
+                              float free = 0, blocked = 1;
+                              for (int round = 0; round < 10; ++round) {
+                                  const float t = (free + blocked) / 2;
+                                  const Vec3d p = from + Vec3d(t * step);
+                                  (metric.blocked(p, p, normal) ? blocked : free) = t;
+                              }
+                              const float len = igeo::length(step), back = (1 - free) * len + kOff;
+                              if (back > len || back >= nearest) return;
+                              nearest = back;
+                              place = node.foot - (back / len) * step;
+                          });
         if (nearest < float(kInfinity)) rim.emplace_back(i, place);
     }
     for (const auto& [i, place] : rim) nodes[i].foot = place, nodes[i].sight = Metric::Beside;

@@ -25,7 +25,7 @@ struct JetNeighbor {
 /// A node with foot point `chord` back from that of `frame`, normal `nj` (cosine = n . nj),
 /// gradient and value, as the local solve sees it.
 inline JetNeighbor flattened(const TangentFrame& frame, const Vec3f& chord, const Vec3f& nj,
-                              float cosine, const Vec3f& gradient, double value) {
+                             float cosine, const Vec3f& gradient, double value) {
     // The gradient turned along with the plane: the least rotation that takes nj to n.
     const Vec2f g =
         frame.flat(gradient) - (dot(gradient, frame.normal()) / (1 + cosine)) * frame.flat(nj);
@@ -385,8 +385,7 @@ inline Jet blendFronts(const JetNeighbors& all,
 /// Every neighbor carries its jet to the origin; the results are blended. Where two fronts meet,
 /// each is blended by itself and the lesser value counts.
 /// @param weight one per neighbor, > 0; further entries 0
-inline Jet blendJets(const JetNeighbors& all,
-                     const std::array<float, JetNeighbors::kMax>& weight) {
+inline Jet blendJets(const JetNeighbors& all, const std::array<float, JetNeighbors::kMax>& weight) {
     if (all.count() == 0) return {};
     jet::Four gx{}, gy{}, total{};
     for (int k = 0; k < all.groups(); ++k) {

@@ -1,4 +1,4 @@
-"""What the measuring scripts share (scripts/lab.py): processes, tables, documents, claims."""
+"""What the measuring scripts share (scripts/measure.py): processes, tables, documents, claims."""
 import json
 import pathlib
 import sys
@@ -6,7 +6,7 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
-import lab  # noqa: E402
+import measure  # noqa: E402
 
 DOCUMENT = """before
 <!-- errors: begin (made by scripts/x.py) -->
@@ -22,7 +22,7 @@ class Processes(unittest.TestCase):
         script = ("import sys, time\nx = bytearray(b'1') * 2**26\n"
                   "while time.process_time() < 0.2: pass\n"
                   "print(sys.stdin.read()); print('e', file=sys.stderr); sys.exit(3)")
-        done = lab.run([sys.executable, "-c", script], expect=(3,), stdin="in")
+        done = measure.run([sys.executable, "-c", script], expect=(3,), stdin="in")
         self.assertEqual((done.stdout, done.stderr, done.code), ("in\n", "e\n", 3))
         self.assertGreaterEqual(done.cpu, 0.2)
         self.assertGreaterEqual(done.wall, 0.15)
@@ -30,21 +30,21 @@ class Processes(unittest.TestCase):
 
     def test_a_failure_names_the_command_and_its_words(self):
         with self.assertRaisesRegex(RuntimeError, r"(?s)exit code 2 of sh -c .*oh no"):
-            lab.run(["sh", "-c", "echo oh no >&2; exit 2"])
+            measure.run(["sh", "-c", "echo oh no >&2; exit 2"])
 
     def test_a_signal_is_a_negative_code(self):
-        self.assertEqual(lab.run(["sh", "-c", "kill -9 $$"], expect=(-9,)).code, -9)
+        self.assertEqual(measure.run(["sh", "-c", "kill -9 $$"], expect=(-9,)).code, -9)
 
 
 class Tables(unittest.TestCase):
     def test_numbers_keep_their_digits(self):
-        shown = [lab.number(x) for x in (0.000734, 9.996, 123.4, 56789, 0, None, -0.5)]
+        shown = [measure.number(x) for x in (0.000734, 9.996, 123.4, 56789, 0, None, -0.5)]
         self.assertEqual(shown, ["0.000734", "10.0", "123", "56789", "0", "-", "-0.500"])
 
     def test_a_table_is_markdown(self):
-        self.assertEqual(lab.table(["a", "b"], [["x", 1]]), "| a | b |\n| --- | ---: |\n| x | 1 |")
+        self.assertEqual(measure.table(["a", "b"], [["x", 1]]), "| a | b |\n| --- | ---: |\n| x | 1 |")
         with self.assertRaises(ValueError):
-            lab.table(["a", "b"], [["x"]])
+            measure.table(["a", "b"], [["x"]])
 
 
 class Documents(unittest.TestCase):
@@ -55,21 +55,21 @@ class Documents(unittest.TestCase):
         self.file.write_text(DOCUMENT)
 
     def test_what_stands_between_the_marks_is_replaced(self):
-        lab.rewrite(self.file, "errors", r"new \1")
+        measure.rewrite(self.file, "errors", r"new \1")
         self.assertEqual(self.file.read_text(), DOCUMENT.replace("old", r"new \1"))
 
     def test_an_unchanged_document_is_left_alone(self):
         before = self.file.stat()
-        lab.rewrite(self.file, "errors", "old")
+        measure.rewrite(self.file, "errors", "old")
         self.assertEqual(self.file.stat().st_ino, before.st_ino)
         self.assertEqual(list(self.file.parent.iterdir()), [self.file])
 
     def test_missing_and_doubled_marks_are_refused(self):
         with self.assertRaisesRegex(ValueError, "0 times"):
-            lab.rewrite(self.file, "times", "new")
+            measure.rewrite(self.file, "times", "new")
         self.file.write_text(DOCUMENT * 2)
         with self.assertRaisesRegex(ValueError, "2 times"):
-            lab.rewrite(self.file, "errors", "new")
+            measure.rewrite(self.file, "errors", "new")
 
 
 class Claims(unittest.TestCase):
@@ -83,7 +83,7 @@ class Claims(unittest.TestCase):
         self.page.write_text("So: It is fast. Indeed.")
 
     def verdict(self, results, **changes):
-        return lab.judge({**self.CLAIM, "where": str(self.page), **changes}, results)[0]
+        return measure.judge({**self.CLAIM, "where": str(self.page), **changes}, results)[0]
 
     def test_a_bound_is_held_against_the_figure(self):
         self.assertIs(self.verdict({"march": {"seconds": 2}}), True)
@@ -98,19 +98,19 @@ class Claims(unittest.TestCase):
         self.assertIs(self.verdict({"march": {"seconds": 1}}, says="It is slow."), False)
 
     def test_the_claims_of_this_repository_stand_where_they_say(self):
-        for claim in json.loads(lab.CLAIMS.read_text()):
+        for claim in json.loads(measure.CLAIMS.read_text()):
             with self.subTest(claim["id"]):
-                self.assertIsNone(lab.judge(claim, {})[0], lab.judge(claim, {})[1])
-                self.assertTrue((lab.ROOT / claim["command"].split()[0]).is_file())
+                self.assertIsNone(measure.judge(claim, {})[0], measure.judge(claim, {})[1])
+                self.assertTrue((measure.ROOT / claim["command"].split()[0]).is_file())
                 self.assertTrue({"at most", "at least"} & set(claim))
 
 
 class Machine(unittest.TestCase):
     def test_it_is_one_line_without_names_of_folders(self):
-        line = lab.machine()
+        line = measure.machine()
         self.assertNotIn("\n", line)
         self.assertNotIn("/home", line)
-        self.assertNotIn(str(lab.ROOT), line)
+        self.assertNotIn(str(measure.ROOT), line)
 
 
 if __name__ == "__main__":
