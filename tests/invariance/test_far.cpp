@@ -153,8 +153,8 @@ TEST_CASE("far: weights that lie beyond all indices do not cover the surface") {
     const Band band = bandOf(torusGrid(), kH);
     LoadedGrid weight;
     weight.grid = openvdb::FloatGrid::create(0.0f);
-    weight.grid->tree().setValueOn({0, 0, 0}, 2.0f);
-    weight.grid->setTransform(openvdb::math::Transform::createLinearTransform(1e-4));
+    editable(weight).tree().setValueOn({0, 0, 0}, 2.0f);
+    editable(weight).setTransform(openvdb::math::Transform::createLinearTransform(1e-4));
     weight.grid->transform().postTranslate({1e9, 0, 0});
     weight.file = "weight.vdb";
     expectError(Error::Kind::BadInput, {"weight.vdb"}, [&] { sampleWeight(weight, band); });

@@ -15,6 +15,8 @@ public:
         (void)name;
         (void)fraction;
     }
+    /// The work since the last call was the stage `name`; for accounts of what takes how long.
+    virtual void finished(const char* name) { (void)name; }
     virtual bool cancelled() const { return false; }
 
     void throwIfCancelled() const {

@@ -22,7 +22,7 @@ GridSource parseGridSource(const std::string& text);
 
 /// A scalar grid as read, before any check of its values.
 struct LoadedGrid {
-    openvdb::FloatGrid::Ptr grid;
+    openvdb::FloatGrid::ConstPtr grid;
     std::string file;  ///< as named, for messages
     std::string name;  ///< unique in the file: the second of two grids `psi` is `psi[1]`
     bool isLevelSetClass = false;            ///< the file says so

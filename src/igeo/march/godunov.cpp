@@ -220,7 +220,9 @@ Field marchGodunov(const Band& band, MetricPtr metric, const std::vector<Surface
         march.march<1>(progress);
     else
         march.march<2>(progress);
-    return march.take();
+    Field field = march.take();
+    field.gradient = surfaceGradient(band, field);
+    return field;
 }
 
 }  // namespace igeo

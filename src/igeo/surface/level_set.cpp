@@ -139,8 +139,10 @@ void measureRange(LevelSet& s) {
 /// An active tile holds one value for 8^3 voxels or more. Far from the surface that is harmless and
 /// is switched off; nearer it is no distance, and becomes voxels that the checks will see.
 void removeActiveTiles(LevelSet& s) {
+    if (!s.psi->tree().hasActiveTiles()) return;
+    const openvdb::FloatGrid::Ptr psi = s.psi->deepCopy();
     bool nearSurface = false;
-    auto it = s.psi->tree().beginValueOn();
+    auto it = psi->tree().beginValueOn();
     it.setMaxDepth(openvdb::FloatTree::ValueOnIter::LEAF_DEPTH - 1);
     for (; it; ++it) {
         if (std::abs(*it) / s.transform.dx < s.stats.halfWidth * (1 - 1e-4))
@@ -148,7 +150,8 @@ void removeActiveTiles(LevelSet& s) {
         else
             it.setActiveState(false);
     }
-    if (nearSurface) s.psi->tree().voxelizeActiveTiles();
+    if (nearSurface) psi->tree().voxelizeActiveTiles();
+    s.psi = psi;
 }
 
 void measure(LevelSet& s, Progress& progress) {

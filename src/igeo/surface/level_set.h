@@ -33,14 +33,15 @@ struct LevelSetStats {
 
 /// A usable level set.
 struct LevelSet {
-    openvdb::FloatGrid::Ptr psi;  ///< signed distance, world units, no active tiles
+    openvdb::FloatGrid::ConstPtr psi;  ///< signed distance, world units, no active tiles
     Similarity transform;
     std::string file, name;  ///< for messages and results
     LevelSetStats stats;
     std::vector<std::string> warnings;  ///< what a user should know, one sentence each
 };
 
-/// Checks a grid and describes it.
+/// Checks a grid and describes it. The grid is left as it is: where it has active tiles, or is too
+/// narrow, the level set has a copy.
 ///
 /// Asks for a transform of uniform scale, rotation and translation, indices within +-2^30, finite
 /// values, both signs, and |grad psi| near 1; judged by shares, since distances of real models have

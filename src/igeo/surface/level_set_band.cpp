@@ -127,11 +127,12 @@ LevelSet levelSetFromBand(const Band& band, bool closed, const std::string& file
     openvdb::initialize();
     const Similarity& t = band.transform;
     LoadedGrid loaded;
-    loaded.grid = openvdb::FloatGrid::create(float(band.h * t.dx));
+    const openvdb::FloatGrid::Ptr psi = openvdb::FloatGrid::create(float(band.h * t.dx));
+    loaded.grid = psi;
     loaded.file = file;
     loaded.name = name;
     loaded.isLevelSetClass = true;
-    openvdb::FloatGrid& grid = *loaded.grid;
+    openvdb::FloatGrid& grid = *psi;
     grid.setTransform(gridTransform(t));
     grid.setName(name);
     grid.setGridClass(openvdb::GRID_LEVEL_SET);

@@ -29,7 +29,7 @@ void requireFinite(const LoadedGrid& volume) {
 }
 
 /// The same voxels with voxel 0 at the origin of the world: OpenVDB rebuilds in single precision.
-openvdb::FloatGrid::Ptr atOrigin(const LoadedGrid& volume) {
+openvdb::FloatGrid::ConstPtr atOrigin(const LoadedGrid& volume) {
     const openvdb::CoordBBox box = volume.grid->evalActiveVoxelBoundingBox();
     if (!box.empty())
         for (std::size_t a = 0; a < 3; ++a)
@@ -45,9 +45,8 @@ openvdb::FloatGrid::Ptr atOrigin(const LoadedGrid& volume) {
     openvdb::math::Transform::Ptr transform = volume.grid->transform().copy();
     if (transform->isLinear())
         transform->postTranslate(-transform->indexToWorld(openvdb::Vec3d(0.0)));
-    const auto grid = openvdb::FloatGrid::create(volume.grid->treePtr());
-    grid->setTransform(transform);
-    return grid;
+    return openvdb::gridConstPtrCast<openvdb::FloatGrid>(
+        volume.grid->copyGridReplacingTransform(transform));
 }
 
 }  // namespace
@@ -56,8 +55,11 @@ LoadedGrid rebuilt(const LoadedGrid& volume, double iso) {
     constexpr float kHalfWidth = 3;
     requireFinite(volume);
     LoadedGrid result = volume;
-    result.grid = openvdb::tools::levelSetRebuild(*atOrigin(volume), float(iso), kHalfWidth);
-    result.grid->setTransform(volume.grid->transform().copy());
+    const openvdb::FloatGrid::Ptr psi =
+        openvdb::tools::levelSetRebuild(*atOrigin(volume), float(iso), kHalfWidth);
+    psi->setTransform(volume.grid->transform().copy());
+    psi->setName(volume.grid->getName());
+    result.grid = psi;
     if (result.grid->activeVoxelCount() == 0) {
         const auto range = openvdb::tools::minMax(volume.grid->tree());
         throw Error(Error::Kind::BadInput,
@@ -66,7 +68,6 @@ LoadedGrid rebuilt(const LoadedGrid& volume, double iso) {
                         where(volume),
                     "give a value in between with --iso");
     }
-    result.grid->setName(volume.grid->getName());
     result.isLevelSetClass = true;
     return result;
 }

@@ -131,7 +131,7 @@ TEST_CASE("sampleWeight: constant along normals, and the same on any number of t
 TEST_CASE("sampleWeight: voxels that are not active count as the background") {
     const Band band = sphereBand(kCenter, kRadius, 1.8);
     LoadedGrid half = constant(2, 5, kLow, {1, 20, 20});
-    half.grid->tree().setValueOff({3, -3, 10}, 77);  // inactive, and not to be seen
+    editable(half).tree().setValueOff({3, -3, 10}, 77);  // inactive, and not to be seen
     const auto weight = sampleWeight(half, band);
     for (NodeIndex i = 0; i < band.size(); ++i) {
         const double x = band.footPoint(i).x;
@@ -144,10 +144,10 @@ TEST_CASE("sampleWeight: refuses what is no weight, with place, value and way ou
     const auto bad = Error::Kind::BadInput;
     const auto put = [&](float value, float background = 0) {
         LoadedGrid w = constant(2, background, kLow, kHigh);
-        w.grid->setTransform(rotatedTransform(0.25, {1, -2, 3}, 40, {10, -20, 5}));
+        editable(w).setTransform(rotatedTransform(0.25, {1, -2, 3}, 40, {10, -20, 5}));
         // Around the foot point of node 1234.
         const Ijk v = floorToIjk(band.footPoint(1234));
-        w.grid->denseFill({{v.x, v.y, v.z}, {v.x + 1, v.y + 1, v.z + 1}}, value);
+        editable(w).denseFill({{v.x, v.y, v.z}, {v.x + 1, v.y + 1, v.z + 1}}, value);
         return w;
     };
     expectError(bad, {"the weight is 0 there", "w.vdb", "'cost'", "positive", "--obstacle"},
@@ -157,12 +157,12 @@ TEST_CASE("sampleWeight: refuses what is no weight, with place, value and way ou
     expectError(bad, {"inf"}, [&] { sampleWeight(put(float(kInfinity)), band); });
     // Not where the surface is.
     LoadedGrid far = put(2);
-    far.grid->tree().setValueOn({1, -3, 4}, -1);
+    editable(far).tree().setValueOn({1, -3, 4}, -1);
     CHECK_NOTHROW(sampleWeight(far, band));
 
     // The first place in node order and how many, whatever the number of threads.
     LoadedGrid half = constant(2, 0, kLow, {1, 20, 20});
-    half.grid->setTransform(rotatedTransform(0.25, {1, -2, 3}, 40, {10, -20, 5}));
+    editable(half).setTransform(rotatedTransform(0.25, {1, -2, 3}, 40, {10, -20, 5}));
     NodeIndex first = kNoNode;
     int count = 0;
     for (NodeIndex i = 0; i < band.size(); ++i)
@@ -193,7 +193,7 @@ TEST_CASE("sampleWeight: refuses a grid that lies elsewhere or nowhere") {
     expectError(bad, {"no active voxels"},
                 [&] { sampleWeight(weightOf(openvdb::FloatGrid::create(1)), band); });
     LoadedGrid frustum = constant(2, 1, kLow, kHigh);
-    frustum.grid->setTransform(openvdb::math::Transform::createFrustumTransform(
+    editable(frustum).setTransform(openvdb::math::Transform::createFrustumTransform(
         openvdb::BBoxd(openvdb::Vec3d(-30.0), openvdb::Vec3d(30.0)), 0.5, 60, 1));
     expectError(bad, {"not linear", "resample"}, [&] { sampleWeight(frustum, band); });
 }
@@ -201,9 +201,9 @@ TEST_CASE("sampleWeight: refuses a grid that lies elsewhere or nowhere") {
 TEST_CASE("leastWeight bounds the weights from below") {
     LoadedGrid w = constant(2, 5, {0, 0, 0}, {3, 3, 3});
     CHECK(leastWeight(w) == 2);
-    w.grid->tree().setValueOn({1, 1, 1}, std::nanf(""));
-    w.grid->tree().setValueOn({100, 1, 1}, 1.5f);
-    w.grid->tree().setValueOff({101, 1, 1}, 0.1f);
+    editable(w).tree().setValueOn({1, 1, 1}, std::nanf(""));
+    editable(w).tree().setValueOn({100, 1, 1}, 1.5f);
+    editable(w).tree().setValueOff({101, 1, 1}, 0.1f);
     CHECK(leastWeight(w) == 1.5);
     CHECK(leastWeight(constant(2, 0.5f, kLow, kHigh)) == 0.5);
     // A background that is refused where it is met does not count; a weight that would be does.

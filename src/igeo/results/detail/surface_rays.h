@@ -67,11 +67,14 @@ private:
     /// without rotation. The size of its voxels only says which values are near 0; there is none
     /// below 1e-5 for OpenVDB.
     static Grid::ConstPtr levelSetClass(const LevelSet& levelSet) {
-        Grid::Ptr grid = levelSet.psi->copy();
-        grid->setGridClass(openvdb::GRID_LEVEL_SET);
-        grid->setTransform(
-            openvdb::math::Transform::createLinearTransform(std::max(levelSet.transform.dx, 1e-4)));
-        return grid;
+        openvdb::MetaMap meta;
+        meta.insertMeta(openvdb::GridBase::META_GRID_CLASS,
+                        openvdb::StringMetadata(
+                            openvdb::GridBase::gridClassToString(openvdb::GRID_LEVEL_SET)));
+        return openvdb::gridConstPtrCast<Grid>(
+            levelSet.psi->copyGridReplacingMetadataAndTransform(
+                meta, openvdb::math::Transform::createLinearTransform(
+                          std::max(levelSet.transform.dx, 1e-4))));
     }
 
     /// Whether psi is known on the cell around p; beyond the edge of a cut surface a zero means

@@ -1,0 +1,125 @@
+/// Geodesic distances on a surface: one solver, many seeds.
+#pragma once
+
+#include <igeo/distance.h>
+#include <igeo/metric/metric_definition.h>
+#include <igeo/results/distance_matrix.h>
+#include <igeo/results/pair_distances.h>
+#include <igeo/surface.h>
+
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace igeo {
+
+/// What positions given to a solver mean. Lengths are in world units either way.
+enum class Space { World, Index };
+
+struct SolverOptions {
+    Scheme scheme = Scheme::Jet;
+    int order = 2;            ///< of godunov's differences, 1 or 2
+    double band = 0;          ///< h, world units; 0: the one with which the scheme errs least
+    double bandVoxels = 0;    ///< the same in voxels
+    MetricDefinition metric;  ///< Euclidean unless filled
+    double maxSnap = -1;      ///< how far points may be from the surface, world units; less than
+                              ///< 0: SurfaceFacts::snap
+    Space space = Space::World;
+    double memoryLimit = kInfinity;  ///< bytes that a march of the whole surface may take
+};
+
+/// A point that a front starts from.
+struct Seed {
+    Vec3d position;
+    double start = 0;  ///< distance there, world units times weight, >= 0
+
+    Seed() = default;
+    Seed(const Vec3d& p, double startAt = 0) : position(p), start(startAt) {}
+    Seed(double x, double y, double z, double startAt = 0) : position(x, y, z), start(startAt) {}
+};
+
+/// Where the distance is 0.
+struct Seeds {
+    std::vector<Seed> points;
+    std::vector<Curve> curves;                              ///< `start` in world units
+    std::vector<std::shared_ptr<const Obstacles>> regions;  ///< the part of the surface inside
+    std::size_t samples = 0;  ///< further seeds, each as far from all others as can be
+    /// Negative distances inside regions, or on the smaller side of closed curves.
+    bool isSigned = false;
+
+    Seeds() = default;
+    Seeds(std::vector<Seed> p) : points(std::move(p)) {}
+    Seeds(std::initializer_list<Seed> p) : points(p) {}
+
+    /// Whether there are curves or regions.
+    bool extended() const { return !curves.empty() || !regions.empty(); }
+    bool empty() const { return points.empty() && !extended() && samples == 0; }
+};
+
+/// How far a march goes, and the points that it is for.
+struct MarchLimits {
+    double maxDistance = kInfinity;  ///< world units times weight
+    std::vector<Vec3d> targets = {};
+    bool stopAtTargets = false;  ///< once all of them are reached
+};
+
+/// Everything that does not depend on the seeds: the band, the metric on it, their bounds. Cheap to
+/// copy; may be used by several threads at once.
+class GeodesicSolver {
+public:
+    /// @throws Error  as Surface::bandWidth; InvalidArgument for an order or a metric out of range
+    explicit GeodesicSolver(Surface surface, SolverOptions options = {},
+                            Progress& progress = Progress::none());
+
+    /// The distance from seeds: second order in the voxel size with `jet`.
+    ///
+    /// Where a limit keeps the march near the seeds, only the band there is made: with a maximal
+    /// distance at once, with targets to stop at by a reach that doubles until all are found, at no
+    /// more than twice the cost of the last. No path is shorter than the straight line at the least
+    /// weight, so what is found is what a march of the whole surface finds.
+    /// @throws Error  InvalidArgument without seeds, for a point farther from the surface than
+    ///         maxSnap or inside an obstacle, for `isSigned` with other seeds; as seedsAlong,
+    ///         sidesOfCurves, marchJet, marchGodunov; Cancelled
+    /// Time O(n) with jet, O(n log n) with godunov; n nodes of the band that is looked at. The same
+    /// bits for any number of threads.
+    Distance distance(const Seeds& seeds, const MarchLimits& limits = {},
+                      Progress& progress = Progress::none()) const;
+
+    /// Distances between pairs of points by `jet`, each found on the part of the surface around it
+    /// (pair_distances.h).
+    /// @throws Error  InvalidArgument for a point farther from the surface than maxSnap; as
+    /// marchJet
+    std::vector<PairDistance> pairs(const std::vector<Vec3d>& sources,
+                                    const std::vector<Vec3d>& targets,
+                                    Progress& progress = Progress::none()) const;
+
+    /// The geodesic that leaves a point in a direction (shoot), on the band around it.
+    /// @param length  world units
+    /// @throws Error  as shoot; InvalidArgument for a point farther from the surface than maxSnap
+    Path shoot(const Vec3d& from, const Vec3d& direction, double length,
+               Progress& progress = Progress::none()) const;
+
+    /// Nothing was marched: all is unreached.
+    /// @param whole  with the band of the whole surface, else without nodes
+    Distance unreached(bool whole, Progress& progress = Progress::none()) const;
+
+    const Surface& surface() const;
+    const SolverOptions& options() const;
+    const BandWidth& bandWidth() const;
+    double maxSnap() const;  ///< world units
+    /// The band of the whole surface.
+    /// @throws Error  InvalidArgument where that would take more memory than allowed
+    std::shared_ptr<const Band> wholeBand(Progress& progress = Progress::none()) const;
+    /// The metric on it; null where it is Euclidean.
+    MetricPtr wholeMetric(Progress& progress = Progress::none()) const;
+    Vec3d indexOf(const Vec3d& position) const;
+
+    struct Setup;
+
+private:
+    std::shared_ptr<const Setup> setup_;
+};
+
+}  // namespace igeo

@@ -1,0 +1,23 @@
+/// All of igeo: the front door first.
+#pragma once
+
+#include <igeo/distance.h>
+#include <igeo/geodesic_solver.h>
+#include <igeo/surface.h>
+
+#include <igeo/base/version.h>
+#include <igeo/io/mesh_file.h>
+#include <igeo/io/point_cloud_file.h>
+#include <igeo/io/point_list.h>
+#include <igeo/io/vdb_read.h>
+#include <igeo/io/vdb_write.h>
+#include <igeo/results/color_map.h>
+#include <igeo/results/engrave.h>
+#include <igeo/results/extend.h>
+#include <igeo/results/farthest_points.h>
+#include <igeo/results/field_grids.h>
+#include <igeo/results/isolines.h>
+#include <igeo/results/log_map.h>
+#include <igeo/results/picture.h>
+#include <igeo/results/voronoi_cells.h>
+#include <igeo/surface/rebuild.h>

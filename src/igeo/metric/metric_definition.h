@@ -1,0 +1,56 @@
+/// A metric that is yet to be put on a band: what a step along the surface shall cost.
+#pragma once
+
+#include <igeo/band/band.h>
+#include <igeo/base/progress.h>
+#include <igeo/io/vdb_read.h>
+#include <igeo/metric/curvature.h>
+#include <igeo/metric/metric.h>
+#include <igeo/metric/obstacles.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace igeo {
+
+/// A weight made of curvature (curvatureWeights).
+struct CurvatureWeight {
+    CurvatureKind kind = CurvatureKind::Valley;
+    double epsilon = kDefaultCurvatureEpsilon, power = kDefaultCurvaturePower;
+};
+
+/// A tensor made of the principal curvatures (curvatureTensor).
+struct BendingCost {
+    Bending bending = Bending::Avoid;
+    double length = 0;  ///< L, world units; 0: kCurvatureUnit voxels
+};
+
+/// All that a cost is made of; several weights multiply. As it is here, Euclidean.
+struct MetricDefinition {
+    std::vector<LoadedGrid> weights;           ///< cost per unit length
+    std::optional<CurvatureWeight> curvature;  ///< another weight
+    std::optional<TensorGrids> tensor;         ///< instead of a bending cost
+    std::optional<BendingCost> bending;
+    double curvatureScale = kDefaultCurvatureScale;  ///< radius of averages, voxels
+    std::shared_ptr<const ObstacleSet> obstacles;    ///< null: none
+
+    bool euclidean() const {
+        return weights.empty() && !curvature && !tensor && !bending && !obstacles;
+    }
+};
+
+/// The metric on a band; null where it is Euclidean.
+/// @throws Error  as sampleWeight, sampleTensor, curvature, curvatureWeights, curvatureTensor
+/// Time O(n), in parallel.
+MetricPtr metricOn(const MetricDefinition& definition, const Band& band,
+                   Progress& progress = Progress::none());
+
+/// A bound: no unit of length costs less, on any band; 0 where none is known. O(active voxels of
+/// the weights).
+double leastWeight(const MetricDefinition& definition);
+
+/// Whether values depend on the whole surface, so that a band of a part of it would give others.
+bool needsWholeSurface(const MetricDefinition& definition);
+
+}  // namespace igeo

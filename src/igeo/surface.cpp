@@ -1,0 +1,372 @@
+#include <igeo/surface.h>
+
+#include <igeo/base/detail/box.h>
+#include <igeo/base/detail/format.h>
+#include <igeo/base/error.h>
+#include <igeo/results/refined_mesh.h>
+#include <igeo/results/survey.h>
+#include <igeo/surface/band_bounds.h>
+#include <igeo/surface/level_set_band.h>
+#include <igeo/surface/mesh_band.h>
+#include <igeo/surface/point_band.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <utility>
+
+namespace igeo {
+
+namespace {
+
+/// Half the width of the level set that is made of a mesh or points, voxels: room for differences.
+constexpr double kLevelSetWidth = 3;
+
+/// The name of the grids of a surface that comes from no grid.
+std::string stemOf(const std::string& file) { return std::filesystem::path(file).stem().string(); }
+
+void warnUnresolved(const BandBounds& bounds, BandWidth& width) {
+    if (!bounds.resolved)
+        width.warnings.push_back(
+            "in places the surface bends or folds within " + format("%.2g voxels", bounds.lower) +
+            ", less than the grid resolves: distances are less accurate there than elsewhere");
+}
+
+/// h within M&S (14): as asked for, or the best.
+BandWidth choose(Scheme scheme, const BandBounds& bounds, double best, double asked, double dx) {
+    BandWidth width{scheme, best, bounds.lower, bounds.upper};
+    if (asked > 0) width.h = requireBandWidth(asked, bounds, dx);
+    warnUnresolved(bounds, width);
+    return width;
+}
+
+BandWidth chooseByStats(Scheme scheme, int order, double asked, const LevelSetStats& stats,
+                        double dx) {
+    const BandBounds bounds = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
+    // jet works on foot points, for which the narrowest band is enough.
+    const double best = scheme == Scheme::Jet
+                            ? bounds.lower
+                            : defaultBandWidth(order, stats.largestCurvature, bounds);
+    return choose(scheme, bounds, best, asked, dx);
+}
+
+}  // namespace
+
+/// What a kind of surface does in its own way. What is made when asked for is made once, by the
+/// first who asks, and the others wait.
+class Surface::Shape {
+public:
+    virtual ~Shape() = default;
+
+    virtual BandWidth bandWidth(Scheme scheme, int order, double h, Progress& progress) const = 0;
+    virtual double estimatedNodes(double h) const = 0;
+    virtual const LevelSet& levelSet(double h, Progress& progress) const = 0;
+    virtual SurfacePoint nearest(const Band& band, const Vec3d& p) const {
+        return nearestSurfacePoint(band, p);
+    }
+    virtual SurfaceMesh mesh(double h, const Band& band, const Field& field,
+                             Progress& progress) const {
+        return surfaceMesh(levelSet(h, progress), band, field, progress);
+    }
+    virtual std::string facingWarning(const Band&) const { return {}; }
+    virtual std::string gridName() const { return facts.name; }
+    virtual openvdb::math::Transform::ConstPtr gridTransform() const {
+        return igeo::gridTransform(transform);
+    }
+    virtual const TriangleMesh* triangles() const { return nullptr; }
+    virtual const PointSurface* points() const { return nullptr; }
+
+    std::shared_ptr<const Band> band(const BandWidth& width, const std::vector<Ball>& region,
+                                     Progress& progress) const {
+        if (!region.empty() && makesParts())
+            return std::make_shared<Band>(makeBand(width, region, progress));
+        const std::lock_guard<std::mutex> lock(bandMutex_);
+        std::shared_ptr<const Band>& whole = wholeBands_[{width.scheme, width.h}];
+        if (!whole) whole = std::make_shared<Band>(makeBand(width, {}, progress));
+        return whole;
+    }
+
+    SurfaceFacts facts;
+    Similarity transform;
+
+protected:
+    virtual bool makesParts() const { return false; }
+    virtual Band makeBand(const BandWidth& width, const std::vector<Ball>& region,
+                          Progress& progress) const = 0;
+
+    mutable std::mutex levelSetMutex_;
+
+private:
+    mutable std::mutex bandMutex_;
+    mutable std::map<std::pair<Scheme, double>, std::shared_ptr<const Band>> wholeBands_;
+};
+
+namespace {
+
+class Volume final : public Surface::Shape {
+public:
+    Volume(LoadedGrid loaded, Progress& progress) {
+        levelSet_ = checkLevelSet(std::move(loaded), progress);
+        const LevelSetStats& stats = levelSet_.stats;
+        transform = levelSet_.transform;
+        facts.file = levelSet_.file;
+        facts.name = levelSet_.name;
+        facts.activeVoxels = stats.activeVoxels;
+        facts.halfWidth = stats.halfWidth;
+        facts.largestCurvature = stats.largestCurvature;
+        facts.diagonal =
+            std::sqrt(levelSet_.psi->evalActiveVoxelBoundingBox().dim().asVec3d().lengthSqr());
+        facts.snap = stats.halfWidth * transform.dx;
+        facts.summary = format("half-width %.4g voxels, radius of curvature at least %.4g voxels",
+                               stats.halfWidth, 1 / stats.largestCurvature);
+        facts.warnings = levelSet_.warnings;
+    }
+
+    BandWidth bandWidth(Scheme scheme, int order, double h, Progress& progress) const override {
+        BandWidth width = chooseByStats(scheme, order, h, levelSet_.stats, transform.dx);
+        const LevelSet& wide = levelSet(width.h, progress);
+        width.warnings.insert(width.warnings.end(),
+                              wide.warnings.begin() + std::ptrdiff_t(levelSet_.warnings.size()),
+                              wide.warnings.end());
+        return width;
+    }
+    double estimatedNodes(double h) const override {
+        const LevelSetStats& stats = levelSet_.stats;
+        return double(stats.activeVoxels) * std::min(1.0, h / stats.halfWidth);
+    }
+    /// As read, or widened.
+    const LevelSet& levelSet(double h, Progress&) const override {
+        const std::lock_guard<std::mutex> lock(levelSetMutex_);
+        if (h <= levelSet_.stats.halfWidth) return levelSet_;
+        const auto at = wide_.find(h);
+        if (at != wide_.end()) return at->second;
+        LevelSet& wide = wide_[h];
+        wide = levelSet_;
+        widen(wide, h);
+        return wide;
+    }
+    std::string gridName() const override { return levelSet_.psi->getName(); }
+    openvdb::math::Transform::ConstPtr gridTransform() const override {
+        return levelSet_.psi->transformPtr();
+    }
+
+private:
+    bool makesParts() const override { return true; }
+    Band makeBand(const BandWidth& width, const std::vector<Ball>& region,
+                  Progress& progress) const override {
+        return bandFromLevelSet(levelSet(width.h, progress), width.h, region, progress);
+    }
+
+    LevelSet levelSet_;
+    mutable std::map<double, LevelSet> wide_;
+};
+
+/// What a mesh and points have in common: a level set is made of their band.
+class MadeLevelSet : public Surface::Shape {
+public:
+    const LevelSet& levelSet(double, Progress& progress) const override {
+        const std::lock_guard<std::mutex> lock(levelSetMutex_);
+        if (!levelSet_) levelSet_ = makeLevelSet(progress);
+        return *levelSet_;
+    }
+
+private:
+    virtual LevelSet makeLevelSet(Progress& progress) const = 0;
+    mutable std::optional<LevelSet> levelSet_;
+};
+
+/// Foot points on triangles are exact, which no level set of them is.
+class Triangles final : public MadeLevelSet {
+public:
+    Triangles(TriangleMesh mesh, const VoxelOptions& voxels) : mesh_(std::move(mesh)) {
+        constexpr int kResolution = 256;
+        const Box box(mesh_.points);
+        transform.dx =
+            voxels.size > 0
+                ? voxels.size
+                : box.longestSide() / (voxels.resolution > 0 ? voxels.resolution : kResolution);
+        requireReasonable(mesh_, transform.dx);
+        const MeshTopology topology = meshTopology(mesh_);
+        facts.kind = SurfaceFacts::Kind::Mesh;
+        facts.file = mesh_.file;
+        facts.name = stemOf(mesh_.file);
+        facts.closed = topology.closed();
+        facts.halfWidth = kLevelSetWidth;
+        facts.diagonal = length(box.size()) / transform.dx;
+        facts.snap = kLevelSetWidth * transform.dx;
+        facts.warnings = mesh_.warnings;
+        facts.summary =
+            std::to_string(mesh_.triangles.size()) + " triangles, " +
+            (*facts.closed
+                 ? "closed"
+                 : "open: " + std::to_string(topology.boundaryEdges) + " boundary edges, " +
+                       std::to_string(topology.nonManifoldEdges) + " of three triangles or more");
+        if (topology.nonOrientable > 0)
+            facts.warnings.push_back(
+                "the mesh has one side only in places (as a Moebius strip): "
+                "it is cut along a line there, which paths go around");
+    }
+
+    BandWidth bandWidth(Scheme scheme, int order, double h, Progress& progress) const override {
+        // jet needs the narrowest band, and nothing that only a level set shows.
+        const double least = std::sqrt(3.0);
+        if (scheme == Scheme::Jet && h == 0) return {scheme, least, least, least};
+        return chooseByStats(scheme, order, h, levelSet(h, progress).stats, transform.dx);
+    }
+    double estimatedNodes(double h) const override {
+        return estimatedVoxels(mesh_, transform.dx, h);
+    }
+    SurfacePoint nearest(const Band& band, const Vec3d& p) const override {
+        return nearestMeshPoint(mesh_, band, p);
+    }
+    SurfaceMesh mesh(double, const Band& band, const Field& field,
+                     Progress& progress) const override {
+        return refinedMesh(mesh_, band, field, 1, progress);
+    }
+    std::string facingWarning(const Band& band) const override {
+        // Less is next to sharp edges.
+        constexpr double kMuch = 0.02;
+        const double share = facingShare(band);
+        if (share < kMuch) return {};
+        return format(
+            "sheets face each other within two voxels on %.2g %% of the surface: distances "
+            "are less accurate there; info says which voxels would tell them apart",
+            100 * share);
+    }
+    const TriangleMesh* triangles() const override { return &mesh_; }
+
+private:
+    Band makeBand(const BandWidth& width, const std::vector<Ball>&,
+                  Progress& progress) const override {
+        return bandFromMesh(mesh_, transform.dx, width.h, progress);
+    }
+    LevelSet makeLevelSet(Progress& progress) const override {
+        return levelSetFromBand(bandFromMesh(mesh_, transform.dx, kLevelSetWidth, progress),
+                                *facts.closed, mesh_.file, facts.name, progress);
+    }
+
+    TriangleMesh mesh_;
+};
+
+/// For jet a surface fitted to points, for godunov the paper's union of balls.
+class Cloud final : public MadeLevelSet {
+public:
+    Cloud(PointCloud cloud, const VoxelOptions& voxels, Progress& progress) {
+        const Box box(cloud.points);
+        facts.kind = SurfaceFacts::Kind::Points;
+        facts.file = cloud.file;
+        facts.name = stemOf(cloud.file);
+        facts.warnings = cloud.warnings;
+        surface_ = std::make_unique<PointSurface>(std::move(cloud), progress);
+        const CloudDensity& density = surface_->density();
+        transform.dx = voxels.size > 0         ? voxels.size
+                       : voxels.resolution > 0 ? box.longestSide() / voxels.resolution
+                                               : defaultVoxelSize(density, kindFor(voxels.scheme));
+        facts.diagonal = length(box.size()) / transform.dx;
+        facts.snap = std::max(3 * transform.dx, 3 * density.spacing);
+        facts.largestCurvature = density.largestCurvature * transform.dx;
+        facts.summary = std::to_string(density.points) + " points, " +
+                        format("spacing %.4g, scatter %.2g, %.0f pieces", density.spacing,
+                               density.noise, double(density.pieces));
+        for (const std::string& w : densityWarnings(density, facts.file))
+            facts.warnings.push_back(w);
+    }
+
+    BandWidth bandWidth(Scheme scheme, int, double h, Progress&) const override {
+        const BandBounds bounds = bandBounds(*surface_, kindFor(scheme), transform.dx);
+        return choose(scheme, bounds, bounds.lower, h, transform.dx);
+    }
+    double estimatedNodes(double h) const override {
+        const CloudDensity& density = surface_->density();
+        const double side = density.spacing / transform.dx;
+        return double(density.points) * side * side * 2 * h;
+    }
+    const PointSurface* points() const override { return surface_.get(); }
+
+private:
+    static PointBandKind kindFor(Scheme scheme) {
+        return scheme == Scheme::Jet ? PointBandKind::Fits : PointBandKind::Balls;
+    }
+    Band makeBand(const BandWidth& width, const std::vector<Ball>&,
+                  Progress& progress) const override {
+        return bandFromPoints(*surface_, kindFor(width.scheme), transform.dx, width.h, progress);
+    }
+    LevelSet makeLevelSet(Progress& progress) const override {
+        return levelSetFromBand(
+            bandFromPoints(*surface_, PointBandKind::Fits, transform.dx, kLevelSetWidth, progress),
+            /*closed=*/false, surface_->file(), facts.name, progress);
+    }
+
+    std::unique_ptr<PointSurface> surface_;
+};
+
+/// A grid of the caller's, shared.
+LoadedGrid loadedFrom(const openvdb::FloatGrid& psi) {
+    openvdb::initialize();
+    return {openvdb::gridConstPtrCast<openvdb::FloatGrid>(psi.copyGrid()), "memory", psi.getName(),
+            psi.getGridClass() == openvdb::GRID_LEVEL_SET};
+}
+
+}  // namespace
+
+Surface::Surface(const openvdb::FloatGrid& psi, Progress& progress)
+    : Surface(loadedFrom(psi), progress) {}
+Surface::Surface(LoadedGrid psi, Progress& progress)
+    : shape_(std::make_shared<Volume>(std::move(psi), progress)) {}
+Surface::Surface(TriangleMesh mesh, const VoxelOptions& voxels, Progress&)
+    : shape_(std::make_shared<Triangles>(std::move(mesh), voxels)) {}
+Surface::Surface(PointCloud cloud, const VoxelOptions& voxels, Progress& progress)
+    : shape_(std::make_shared<Cloud>(std::move(cloud), voxels, progress)) {}
+
+const SurfaceFacts& Surface::facts() const { return shape_->facts; }
+const Similarity& Surface::transform() const { return shape_->transform; }
+openvdb::math::Transform::ConstPtr Surface::gridTransform() const {
+    return shape_->gridTransform();
+}
+std::string Surface::gridName() const { return shape_->gridName(); }
+
+BandWidth Surface::bandWidth(Scheme scheme, int order, double h, Progress& progress) const {
+    return shape_->bandWidth(scheme, order, h, progress);
+}
+std::shared_ptr<const Band> Surface::band(const BandWidth& width, const std::vector<Ball>& region,
+                                          Progress& progress) const {
+    return shape_->band(width, region, progress);
+}
+double Surface::estimatedNodes(const BandWidth& width) const {
+    return shape_->estimatedNodes(width.h);
+}
+double Surface::estimatedMemory(const BandWidth& width) const {
+    // Band, march and one grid of results; godunov somewhat more than jet.
+    constexpr double kBytesPerNode = 110;
+    return estimatedNodes(width) * kBytesPerNode;
+}
+void Surface::requireMemory(const BandWidth& width, double limit) const {
+    constexpr double kGiB = 1 << 30;
+    const double needed = estimatedMemory(width);
+    if (needed <= limit) return;
+    // The band grows with the area in voxels.
+    const double factor = std::sqrt(needed / limit);
+    throw Error(Error::Kind::InvalidArgument,
+                "the band of " + facts().name + " has about " +
+                    format("%.3g", estimatedNodes(width)) + " voxels and needs about " +
+                    format("%.3g GiB of memory, %.3g are allowed", needed / kGiB, limit / kGiB),
+                "voxels of " + format("%.3g", 1.1 * factor * transform().dx) +
+                    " or more would fit; or stay near the seeds with maxDistance");
+}
+std::string Surface::facingWarning(const Band& band) const { return shape_->facingWarning(band); }
+
+SurfacePoint Surface::nearest(const Band& band, const Vec3d& pIndex) const {
+    return shape_->nearest(band, pIndex);
+}
+SurfaceMesh Surface::mesh(const BandWidth& width, const Band& band, const Field& field,
+                          Progress& progress) const {
+    return shape_->mesh(width.h, band, field, progress);
+}
+const LevelSet& Surface::levelSet(const BandWidth& width, Progress& progress) const {
+    return shape_->levelSet(width.h, progress);
+}
+const TriangleMesh* Surface::triangles() const { return shape_->triangles(); }
+const PointSurface* Surface::points() const { return shape_->points(); }
+
+}  // namespace igeo

@@ -1,0 +1,119 @@
+/// The surface to walk on: of a level set, a triangle mesh or points.
+#pragma once
+
+#include <igeo/band/band.h>
+#include <igeo/band/surface_point.h>
+#include <igeo/base/ball.h>
+#include <igeo/base/progress.h>
+#include <igeo/io/point_cloud.h>
+#include <igeo/io/triangle_mesh.h>
+#include <igeo/io/vdb_read.h>
+#include <igeo/march/scheme.h>
+#include <igeo/results/surface_mesh.h>
+#include <igeo/surface/level_set.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// How finely a mesh or points are put on voxels; a level set has its own.
+struct VoxelOptions {
+    double size = 0;     ///< world units; 0: by `resolution`
+    int resolution = 0;  ///< voxels along the longest side; 0: of a mesh 256, of points half their
+                         ///< spacing (godunov: their spacing)
+    Scheme scheme = Scheme::Jet;  ///< what points are put on voxels for
+};
+
+/// What is known of a surface before any march.
+struct SurfaceFacts {
+    enum class Kind { LevelSet, Mesh, Points };
+    Kind kind = Kind::LevelSet;
+    std::string file, name;               ///< for messages and results
+    std::optional<bool> closed;           ///< of a mesh: every edge has two triangles
+    std::uint64_t activeVoxels = 0;       ///< of a level set
+    double halfWidth = 0;                 ///< of the level set, voxels
+    double largestCurvature = kInfinity;  ///< per voxel (LevelSetStats); +inf: not known
+    double diagonal = 0;                  ///< across the surface, voxels
+    double snap = 0;                      ///< how far points may be off by default, world units
+    std::string summary;                  ///< in a few words
+    std::vector<std::string> warnings;    ///< what a user should know, one sentence each
+};
+
+/// Half the thickness of a band within M&S (14).
+struct BandWidth {
+    Scheme scheme = Scheme::Jet;         ///< that it is for
+    double h = 0, lower = 0, upper = 0;  ///< voxels; the bounds: lower <= h < upper
+    std::vector<std::string> warnings = {};
+};
+
+/// A surface that was read and checked, of which bands are made.
+///
+/// Cheap to copy: copies share what is made when it is first asked for. May be used by several
+/// threads at once.
+class Surface {
+public:
+    /// A signed distance in world units (checkLevelSet). The grid is not changed; its tree is
+    /// shared, so it must not change either.
+    /// @throws Error  as checkLevelSet
+    explicit Surface(const openvdb::FloatGrid& psi, Progress& progress = Progress::none());
+    explicit Surface(LoadedGrid psi, Progress& progress = Progress::none());
+    /// Triangles, open or closed, welded (readMesh does).
+    /// @throws Error  as requireReasonable
+    explicit Surface(TriangleMesh mesh, const VoxelOptions& voxels = {},
+                     Progress& progress = Progress::none());
+    /// Points on a surface, with or without normals: for `jet` the surface fitted to them, for
+    /// `godunov` the union of balls about them (M&S 5.2).
+    /// @throws Error  as PointSurface
+    explicit Surface(PointCloud cloud, const VoxelOptions& voxels = {},
+                     Progress& progress = Progress::none());
+
+    const SurfaceFacts& facts() const;
+    const Similarity& transform() const;  ///< world from index; dx is the voxel size
+    /// The same for grids; a level set's own, so that results line up with it bit by bit.
+    openvdb::math::Transform::ConstPtr gridTransform() const;
+    std::string gridName() const;  ///< what results are named after
+
+    /// The band's width for a scheme.
+    /// @param order  of godunov
+    /// @param h      asked for, voxels; 0: the one with which the scheme errs least
+    /// @throws Error  as requireBandWidth
+    BandWidth bandWidth(Scheme scheme, int order = 2, double h = 0,
+                        Progress& progress = Progress::none()) const;
+    /// The band in some balls (index space), where the surface is a level set and there are balls;
+    /// else of the whole surface, made once per width.
+    std::shared_ptr<const Band> band(const BandWidth& width, const std::vector<Ball>& region = {},
+                                     Progress& progress = Progress::none()) const;
+    /// How many nodes the band of the whole surface has, about, and the memory of a march and one
+    /// grid of results on it, bytes.
+    double estimatedNodes(const BandWidth& width) const;
+    double estimatedMemory(const BandWidth& width) const;
+    /// @param limit  bytes
+    /// @throws Error  InvalidArgument where estimatedMemory is more
+    void requireMemory(const BandWidth& width, double limit) const;
+    /// Sheets that face each other within two voxels, where that makes distances unreliable: a
+    /// sentence with their share of the surface, or nothing.
+    /// @param band  of the whole surface
+    std::string facingWarning(const Band& band) const;
+
+    /// The point of the surface nearest to one in index space.
+    SurfacePoint nearest(const Band& band, const Vec3d& pIndex) const;
+    /// The surface as triangles that carry the distance: the mesh given, refined, or psi = 0.
+    SurfaceMesh mesh(const BandWidth& width, const Band& band, const Field& field,
+                     Progress& progress = Progress::none()) const;
+    /// As a level set at least as wide as the band; of a mesh or points made when first asked for.
+    const LevelSet& levelSet(const BandWidth& width, Progress& progress = Progress::none()) const;
+
+    /// What it is made of; null: of something else.
+    const TriangleMesh* triangles() const;
+    const class PointSurface* points() const;
+
+    class Shape;
+
+private:
+    std::shared_ptr<const Shape> shape_;
+};
+
+}  // namespace igeo

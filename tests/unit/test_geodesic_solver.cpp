@@ -1,0 +1,197 @@
+// The front door: Surface, GeodesicSolver, Distance, in world units.
+#include <igeo/base/parallel.h>
+#include <igeo/igeo.h>
+#include <support/catch.h>
+#include <support/clouds.h>
+#include <support/expect_error.h>
+#include <support/mesh_shapes.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+
+#include <atomic>
+#include <numbers>
+
+namespace igeo::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+const openvdb::Vec3d kCenter(3, -1, 2);
+
+openvdb::FloatGrid::Ptr ball(double dx, double halfWidth = 3) {
+    return makeLevelSet(sphere(kCenter, 1), *rotatedTransform(dx, {1, 2, 3}, 25, {0.1, 0.2, 0.3}),
+                        halfWidth);
+}
+Vec3d on(double x, double y, double z) {
+    const Vec3d n = normalized(Vec3d{x, y, z});
+    return {kCenter.x() + n.x, kCenter.y() + n.y, kCenter.z() + n.z};
+}
+
+/// Asks to stop after so many updates.
+struct StopAfter : Progress {
+    explicit StopAfter(int updates) : left(updates) {}
+    void update(const char*, double) override { --left; }
+    bool cancelled() const override { return left <= 0; }
+    std::atomic<int> left;
+};
+
+}  // namespace
+
+TEST_CASE("GeodesicSolver: distances and paths on a turned sphere, in world units") {
+    const auto grid = ball(0.05);
+    const GeodesicSolver solver{Surface(*grid)};
+    for (const Vec3d& seed : {on(0, 0, 1), on(1, 2, -1)}) {
+        const igeo::Distance d = solver.distance({seed});
+        const Vec3d target = on(-1, 0.5, 0.3);
+        const Vec3d c{kCenter.x(), kCenter.y(), kCenter.z()};
+        const double exact = std::acos(dot(seed - c, target - c));
+        // Measured: 2.3e-4 and 5e-5 of the length; paths inherit that.
+        CHECK(d.at(target) == Approx(exact).epsilon(3.5e-4));
+        const Polyline path = d.path(target, /*straighten=*/true);
+        REQUIRE(path.status == PathStatus::Reached);
+        CHECK(path.length == Approx(exact).epsilon(1e-3));
+        CHECK(path.weightedLength == path.length);
+        CHECK(length(path.points.front() - target) < 1e-3);
+        CHECK(length(path.points.back() - seed) < 1e-3);
+        CHECK(path.distance.front() >= path.distance.back());
+        CHECK(d.largest() == Approx(kPi).epsilon(0.008));
+        const auto result = d.grid();
+        CHECK(result->getName() == "psi_geodesic");
+        CHECK(result->activeVoxelCount() == d.band().size());
+        CHECK(result->transform() == grid->transform());
+    }
+}
+
+TEST_CASE("Surface: the caller's grid stays as it is") {
+    const auto narrow = ball(0.05, 1.5);  // to be widened
+    const auto tiles = ball(0.05);
+    tiles->tree().addTile(1, openvdb::Coord(4096, 0, 0), tiles->background(), true);
+    for (const auto& grid : {narrow, tiles}) {
+        const openvdb::FloatGrid::ConstPtr before = grid->deepCopy();
+        const GeodesicSolver solver{Surface(*grid)};
+        solver.distance({on(0, 0, 1)});
+        CHECK(grid->constTree().hasSameTopology(before->constTree()));
+        for (auto it = before->cbeginValueOn(); it; ++it)
+            if (grid->constTree().getValue(it.getCoord()) != *it) FAIL("a value has changed");
+        CHECK(grid->getGridClass() == before->getGridClass());
+        CHECK(grid->transform() == before->transform());
+    }
+}
+
+TEST_CASE("Surface: a mesh and points through the same door") {
+    const TriangleMesh mesh = sphereMesh({0, 0, 0}, 1, 4);
+    const igeo::Distance onMesh =
+        GeodesicSolver(Surface(mesh, {.size = 0.05})).distance({{0, 0, 1}});
+    CHECK(onMesh.at({1, 0, 0}) == Approx(kPi / 2).epsilon(2e-3));
+    CHECK(onMesh.path({1, 0, 0}).length == Approx(kPi / 2).epsilon(5e-3));
+    CHECK(onMesh.surface().facts().kind == SurfaceFacts::Kind::Mesh);
+
+    PointCloud cloud;
+    cloud.points = mesh.points;
+    const igeo::Distance onPoints = GeodesicSolver(Surface(cloud)).distance({{0, 0, 1}});
+    CHECK(onPoints.at({1, 0, 0}) == Approx(kPi / 2).epsilon(2e-3));
+    CHECK(onPoints.surface().facts().kind == SurfaceFacts::Kind::Points);
+}
+
+TEST_CASE("GeodesicSolver: a point too far from the surface is refused, with the nearest one") {
+    SolverOptions options;
+    options.maxSnap = 0.1;
+    const GeodesicSolver solver{Surface(*ball(0.05)), options};
+    const Vec3d off = on(0, 0, 1) + Vec3d{0, 0, 0.2}, near = on(0, 0, 1) + Vec3d{0, 0, 0.09};
+    using Kind = Error::Kind;
+    expectError(Kind::InvalidArgument, {"seed 0", "0.2", "0.1", "maxSnap"},
+                [&] { solver.distance({off}); });
+    expectError(Kind::InvalidArgument, {"target 1", "0.2", "maxSnap"}, [&] {
+        solver.distance({near}, {.maxDistance = 0.5, .targets = {near, off}});
+    });
+    const igeo::Distance d = solver.distance({near});
+    CHECK(d.at(near) == Approx(0).margin(1e-9));
+    expectError(Kind::InvalidArgument, {"0.2", "maxSnap"}, [&] { d.at(off); });
+    expectError(Kind::InvalidArgument, {"0.2", "maxSnap"}, [&] { d.path(off); });
+    expectError(Kind::InvalidArgument, {"start", "maxSnap"},
+                [&] { solver.shoot(off, {1, 0, 0}, 1); });
+    expectError(Kind::InvalidArgument, {"no seed"}, [&] { solver.distance(Seeds{}); });
+}
+
+TEST_CASE("GeodesicSolver: what is found near the seeds is what the whole surface gives") {
+    const GeodesicSolver solver{Surface(*ball(0.02))};
+    const Vec3d seed = on(0, 0, 1), target = on(0.3, 0.1, 1);
+    const igeo::Distance whole = solver.distance({seed}),
+                         near = solver.distance({seed}, {.maxDistance = 0.4}),
+                         stopped = solver.distance(
+                             {seed}, {.targets = {target}, .stopAtTargets = true});
+    CHECK(whole.ofWholeSurface());
+    CHECK_FALSE(near.ofWholeSurface());
+    CHECK_FALSE(stopped.ofWholeSurface());
+    CHECK(near.band().size() < whole.band().size() / 4);
+    CHECK(near.at(target) == whole.at(target));
+    CHECK(stopped.at(target) == whole.at(target));
+    CHECK(solver.pairs({seed}, {target})[0].distance * 0.02 == Approx(whole.at(target)));
+    CHECK(near.at(on(1, 0, 1)) == kInfinity);
+}
+
+TEST_CASE("GeodesicSolver: several kinds of seeds and a sign") {
+    const Surface surface(*ball(0.04));
+    const GeodesicSolver solver(surface);
+    Curve equator;
+    equator.closed = true;
+    for (int k = 0; k < 90; ++k)
+        equator.points.push_back(on(std::cos(k * kPi / 45), std::sin(k * kPi / 45), 0));
+    Seeds seeds;
+    seeds.curves = {equator};
+    CHECK(solver.distance(seeds).at(on(0, 0, 1)) == Approx(kPi / 2).epsilon(2e-3));
+
+    auto region = std::make_shared<ObstacleSet>(surface.transform());
+    region->addSphere(on(0, 0, 1), 2 * std::sin(0.5 / 2));  // the cap within 0.5 of the pole
+    seeds = {};
+    seeds.regions = {region};
+    CHECK(solver.distance(seeds).at(on(0, 0, 1)) == 0);
+    CHECK(solver.distance(seeds).at(on(1, 0, 0)) == Approx(kPi / 2 - 0.5).epsilon(3e-3));
+    seeds.isSigned = true;
+    CHECK(solver.distance(seeds).at(on(0, 0, 1)) == Approx(-0.5).epsilon(6e-3));
+    seeds.points = {on(1, 0, 0)};
+    expectError(Error::Kind::InvalidArgument, {"signed"}, [&] { solver.distance(seeds); });
+}
+
+TEST_CASE("GeodesicSolver: both schemes, weights, obstacles; one set-up for many seeds") {
+    const Surface surface(*ball(0.05));
+    for (const Scheme scheme : {Scheme::Jet, Scheme::Godunov}) {
+        SolverOptions options;
+        options.scheme = scheme;
+        auto wall = std::make_shared<ObstacleSet>(surface.transform());
+        wall->addBox({-100, -100, kCenter.z() - 0.1}, {100, kCenter.y() + 0.5, kCenter.z() + 0.1});
+        options.metric.obstacles = wall;
+        const GeodesicSolver around(surface, options);
+        CHECK(around.distance({on(0, 0, 1)}).at(on(0, -1, -1)) > 1.1 * 3 * kPi / 4);
+        CHECK(around.wholeMetric() == around.wholeMetric());
+        CHECK(around.wholeBand() == around.wholeBand());
+        expectError(Error::Kind::InvalidArgument, {"seed 0", "obstacle"},
+                    [&] { around.distance({on(0, -1, 0)}); });
+        const igeo::Distance d = around.distance({on(0, 0, 1)});
+        CHECK(d.field().gradient.size() == d.band().size());  // a field is complete
+    }
+}
+
+TEST_CASE("GeodesicSolver: the same bits for any number of threads; stops when asked to") {
+    const GeodesicSolver solver{Surface(*ball(0.03))};
+    std::vector<double> one, four;
+    for (const auto& [threads, found] : {std::pair(1, &one), std::pair(4, &four)}) {
+        const ThreadLimit limit(threads);
+        *found = solver.distance({on(1, 1, 1), on(0, 0, -1)}).field().distance;
+    }
+    CHECK(one == four);
+    StopAfter stop(1);
+    expectError(Error::Kind::Cancelled, {}, [&] {
+        GeodesicSolver(Surface(*ball(0.03))).distance({on(0, 0, 1)}, {}, stop);
+    });
+}
+
+TEST_CASE("GeodesicSolver: refuses a band that takes more memory than allowed") {
+    SolverOptions options;
+    options.memoryLimit = 1e5;
+    const GeodesicSolver solver{Surface(*ball(0.03)), options};
+    expectError(Error::Kind::InvalidArgument, {"GiB", "allowed", "maxDistance"},
+                [&] { solver.distance({on(0, 0, 1)}); });
+    CHECK_NOTHROW(solver.distance({on(0, 0, 1)}, {.maxDistance = 0.1}));
+}
+
+}  // namespace igeo::test
