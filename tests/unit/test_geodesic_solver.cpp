@@ -1,6 +1,7 @@
 // The front door: Surface, GeodesicSolver, Distance, in world units.
 #include <igeo/base/parallel.h>
 #include <igeo/igeo.h>
+#include <igeo/io/openvdb_interrupter.h>
 #include <support/catch.h>
 #include <support/clouds.h>
 #include <support/expect_error.h>
@@ -107,8 +108,9 @@ TEST_CASE("GeodesicSolver: a point too far from the surface is refused, with the
     CHECK(d.at(near) == Approx(0).margin(1e-9));
     expectError(Kind::InvalidArgument, {"0.2", "maxSnap"}, [&] { d.at(off); });
     expectError(Kind::InvalidArgument, {"0.2", "maxSnap"}, [&] { d.path(off); });
-    expectError(Kind::InvalidArgument, {"start", "maxSnap"},
-                [&] { solver.shoot(off, {1, 0, 0}, 1); });
+    expectError(Kind::InvalidArgument, {"start", "maxSnap"}, [&] {
+        solver.shoot(off, {1, 0, 0}, 1);
+    });
     expectError(Kind::InvalidArgument, {"no seed"}, [&] { solver.distance(Seeds{}); });
 }
 
@@ -117,8 +119,8 @@ TEST_CASE("GeodesicSolver: what is found near the seeds is what the whole surfac
     const Vec3d seed = on(0, 0, 1), target = on(0.3, 0.1, 1);
     const igeo::Distance whole = solver.distance({seed}),
                          near = solver.distance({seed}, {.maxDistance = 0.4}),
-                         stopped = solver.distance(
-                             {seed}, {.targets = {target}, .stopAtTargets = true});
+                         stopped =
+                             solver.distance({seed}, {.targets = {target}, .stopAtTargets = true});
     CHECK(whole.ofWholeSurface());
     CHECK_FALSE(near.ofWholeSurface());
     CHECK_FALSE(stopped.ofWholeSurface());
@@ -180,9 +182,8 @@ TEST_CASE("GeodesicSolver: the same bits for any number of threads; stops when a
     }
     CHECK(one == four);
     StopAfter stop(1);
-    expectError(Error::Kind::Cancelled, {}, [&] {
-        GeodesicSolver(Surface(*ball(0.03))).distance({on(0, 0, 1)}, {}, stop);
-    });
+    expectError(Error::Kind::Cancelled, {},
+                [&] { GeodesicSolver(Surface(*ball(0.03))).distance({on(0, 0, 1)}, {}, stop); });
 }
 
 TEST_CASE("GeodesicSolver: refuses a band that takes more memory than allowed") {
@@ -192,6 +193,29 @@ TEST_CASE("GeodesicSolver: refuses a band that takes more memory than allowed") 
     expectError(Error::Kind::InvalidArgument, {"GiB", "allowed", "maxDistance"},
                 [&] { solver.distance({on(0, 0, 1)}); });
     CHECK_NOTHROW(solver.distance({on(0, 0, 1)}, {.maxDistance = 0.1}));
+}
+
+TEST_CASE("InterrupterProgress and OpenVdbInterrupter: either stops the other's work") {
+    struct Host : openvdb::util::NullInterrupter {
+        int asked = 0, started = 0, ended = 0;
+        void start(const char*) override { ++started; }
+        void end() override { ++ended; }
+        bool wasInterrupted(int) override { return ++asked > 2; }
+    } host;
+    {
+        InterrupterProgress<Host> progress(host);
+        expectError(Error::Kind::Cancelled, {}, [&] {
+            GeodesicSolver(Surface(*ball(0.03))).distance({on(0, 0, 1)}, {}, progress);
+        });
+        CHECK(host.started == 1);
+        CHECK(progress.cancelled());
+    }
+    CHECK(host.ended == 1);
+
+    LoadedGrid fog;
+    fog.grid = ball(0.03);
+    StopAfter stop(0);
+    expectError(Error::Kind::Cancelled, {}, [&] { rebuilt(fog, 0, stop); });
 }
 
 }  // namespace igeo::test

@@ -21,6 +21,14 @@ void parallelFor(std::size_t n, std::size_t grain,
                       });
 }
 
+void parallelFor(std::size_t n, std::size_t grain, const Progress& progress,
+                 const std::function<void(std::size_t, std::size_t)>& body) {
+    parallelFor(n, grain, [&](std::size_t begin, std::size_t end) {
+        if (!progress.cancelled()) body(begin, end);
+    });
+    progress.throwIfCancelled();
+}
+
 struct ThreadLimit::Impl {
     explicit Impl(std::size_t n) : control(tbb::global_control::max_allowed_parallelism, n) {}
     tbb::global_control control;

@@ -4,6 +4,8 @@
 /// results do not depend on the number of threads.
 #pragma once
 
+#include <igeo/base/progress.h>
+
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -14,6 +16,11 @@ namespace igeo {
 /// `grain` items but for the last; exceptions from `body` reach the caller. Loops may be nested; a
 /// thread is in one body of a loop at a time.
 void parallelFor(std::size_t n, std::size_t grain,
+                 const std::function<void(std::size_t, std::size_t)>& body);
+
+/// The same for work that may be cancelled, looked at before each range.
+/// @throws Error  Cancelled
+void parallelFor(std::size_t n, std::size_t grain, const Progress& progress,
                  const std::function<void(std::size_t, std::size_t)>& body);
 
 /// Limits the threads of the process while it lives; for programs, never used inside the library.

@@ -8,12 +8,13 @@
 namespace igeo {
 
 AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
-                                  const std::vector<Vec3f>& gradient, std::size_t samples) {
+                                  const std::vector<Vec3f>& gradient, std::size_t samples,
+                                  Progress& progress) {
     AccuracyEstimate e;
     if (band.size() == 0) return e;
     if (field.solved) e.guardedShare = double(field.guarded) / double(field.solved);
     std::vector<double> error(samples, -1);
-    parallelFor(samples, 1, [&](std::size_t begin, std::size_t end) {
+    parallelFor(samples, 1, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const auto i = NodeIndex((2 * k + 1) * band.size() / (2 * samples));
             SurfacePoint target;

@@ -22,6 +22,7 @@ struct AccuracyEstimate {
 /// where the distances are better than that the estimate errs high. It says nothing of how well psi
 /// shows the surface it was made from. Time O(samples * length), in parallel.
 AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
-                                  const std::vector<Vec3f>& gradient, std::size_t samples = 8);
+                                  const std::vector<Vec3f>& gradient, std::size_t samples = 8,
+                                  Progress& progress = Progress::none());
 
 }  // namespace igeo

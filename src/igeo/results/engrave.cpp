@@ -59,13 +59,15 @@ private:
 }  // namespace
 
 openvdb::FloatGrid::Ptr engraved(const LevelSet& levelSet, const std::vector<Isoline>& lines,
-                                 const std::vector<Path>& paths, double radius) {
+                                 const std::vector<Path>& paths, double radius,
+                                 Progress& progress) {
     if (!(radius >= 0.5 && radius <= 10))
         throw Error(Error::Kind::InvalidArgument, "a groove of radius " + std::to_string(radius) +
                                                       " voxels; allowed are 0.5 to 10");
     const openvdb::FloatGrid& psi = *levelSet.psi;
     Tubes tubes(radius, levelSet);
     for (const Isoline& line : lines) {
+        progress.throwIfCancelled();
         for (std::size_t i = 1; i < line.points.size(); ++i)
             tubes.add(line.points[i - 1], line.points[i]);
         if (line.closed) tubes.add(line.points.back(), line.points.front());

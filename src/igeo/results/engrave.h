@@ -1,6 +1,7 @@
 /// Isolines and paths cut into the surface itself, for viewers that show level sets only.
 #pragma once
 
+#include <igeo/base/progress.h>
 #include <igeo/path/trace.h>
 #include <igeo/results/isolines.h>
 #include <igeo/surface/level_set.h>
@@ -20,9 +21,10 @@ constexpr double kGrooveRadius = 1.2;
 /// lines it has the values of psi bit by bit. A wall thinner than the radius is cut through.
 /// @param radius depth and half the width of the grooves, voxels
 /// @return a grid of class level set with psi's transform, named <psi>_engraved
-/// @throws Error  InvalidArgument unless 0.5 <= radius <= 10
+/// @throws Error  InvalidArgument unless 0.5 <= radius <= 10; Cancelled through `progress`
 /// Time O(length of the lines (radius + half-width)^2 + active voxels).
 openvdb::FloatGrid::Ptr engraved(const LevelSet& levelSet, const std::vector<Isoline>& lines,
-                                 const std::vector<Path>& paths, double radius = kGrooveRadius);
+                                 const std::vector<Path>& paths, double radius = kGrooveRadius,
+                                 Progress& progress = Progress::none());
 
 }  // namespace igeo

@@ -7,7 +7,7 @@
 namespace igeo {
 
 void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, const Band& band,
-                    const Field& field) {
+                    const Field& field, Progress& progress) {
     using Leaf = LeafBlock::Leaf;
     const double dx = band.transform.dx;
     std::vector<const Leaf*> source;
@@ -16,7 +16,7 @@ void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, cons
     std::vector<Leaf*> target;
     for (const Leaf* leaf : source) target.push_back(distance.tree().touchLeaf(leaf->origin()));
 
-    parallelFor(source.size(), 16, [&](std::size_t begin, std::size_t end) {
+    parallelFor(source.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
         LeafBlock block;
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
         for (std::size_t l = begin; l < end; ++l) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band/band.h>
+#include <igeo/base/progress.h>
 #include <igeo/march/field.h>
 #include <igeo/surface/level_set.h>
 
@@ -10,8 +11,9 @@ namespace igeo {
 /// Gives every active voxel of the level set outside the band the distance at its own foot point,
 /// so that the grid covers the whole narrow band (constant along normals).
 /// @param distance as distanceGrid() made it; world units
+/// @throws Error  Cancelled through `progress`
 /// Time O(active voxels), in parallel.
 void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, const Band& band,
-                    const Field& field);
+                    const Field& field, Progress& progress = Progress::none());
 
 }  // namespace igeo

@@ -1,5 +1,6 @@
 #include <igeo/results/voronoi_cells.h>
 
+#include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 
 namespace igeo {
@@ -108,17 +109,20 @@ void cutInThree(const Piece& piece, Sums& sums) {
 
 }  // namespace
 
-VoronoiCells voronoiCells(const Band& band, const Field& field, const SurfaceMesh& mesh) {
+VoronoiCells voronoiCells(const Band& band, const Field& field, const SurfaceMesh& mesh,
+                          Progress& progress) {
     if (field.sourceCount() > 1 && field.label.empty())
         throw Error(Error::Kind::InvalidArgument,
                     "the distance (" + field.scheme +
                         ") does not know which seed is nearest, so "
                         "there are no cells",
                     "compute it with the scheme jet");
-    const std::vector<Vec3f> gradient =
-        field.label.empty() ? std::vector<Vec3f>{} : surfaceGradient(band, field);
+    const std::vector<Vec3f>& gradient = field.gradient;
     Sums sums(field.sourceCount());
+    Steps steps(progress, "cells", mesh.triangles.size());
+    std::size_t done = 0;
     for (const SurfaceMesh::Triangle& v : mesh.triangles) {
+        if (++done % 65536 == 0) steps.add(65536), progress.throwIfCancelled();
         Piece piece;
         for (Corner k = 0; k < 3; ++k) {
             piece.p[k] = mesh.position[v[k]];

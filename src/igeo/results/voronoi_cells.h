@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band/band.h>
+#include <igeo/base/progress.h>
 #include <igeo/march/field.h>
 #include <igeo/results/surface_mesh.h>
 
@@ -28,7 +29,9 @@ struct VoronoiCells {
 /// end is.
 /// @param mesh surfaceMesh() of the same field
 /// @throws Error  InvalidArgument for several seeds without labels (Field::label)
+///         Cancelled through `progress`
 /// Time O(triangles). The cells' areas are those of flat triangles: second order in dx.
-VoronoiCells voronoiCells(const Band& band, const Field& field, const SurfaceMesh& mesh);
+VoronoiCells voronoiCells(const Band& band, const Field& field, const SurfaceMesh& mesh,
+                          Progress& progress = Progress::none());
 
 }  // namespace igeo

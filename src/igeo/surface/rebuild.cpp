@@ -2,6 +2,7 @@
 
 #include <igeo/base/detail/format.h>
 #include <igeo/base/error.h>
+#include <igeo/io/openvdb_interrupter.h>
 #include <openvdb/tools/Count.h>
 #include <openvdb/tools/LevelSetRebuild.h>
 
@@ -51,12 +52,14 @@ openvdb::FloatGrid::ConstPtr atOrigin(const LoadedGrid& volume) {
 
 }  // namespace
 
-LoadedGrid rebuilt(const LoadedGrid& volume, double iso) {
+LoadedGrid rebuilt(const LoadedGrid& volume, double iso, Progress& progress) {
     constexpr float kHalfWidth = 3;
     requireFinite(volume);
     LoadedGrid result = volume;
-    const openvdb::FloatGrid::Ptr psi =
-        openvdb::tools::levelSetRebuild(*atOrigin(volume), float(iso), kHalfWidth);
+    OpenVdbInterrupter interrupter(progress);
+    const openvdb::FloatGrid::Ptr psi = openvdb::tools::levelSetRebuild(
+        *atOrigin(volume), float(iso), kHalfWidth, kHalfWidth, nullptr, interrupter.pointer());
+    progress.throwIfCancelled();
     psi->setTransform(volume.grid->transform().copy());
     psi->setName(volume.grid->getName());
     result.grid = psi;

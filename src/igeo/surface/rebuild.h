@@ -1,6 +1,7 @@
 /// A signed distance made of a volume that is none.
 #pragma once
 
+#include <igeo/base/progress.h>
 #include <igeo/io/vdb_read.h>
 
 namespace igeo {
@@ -9,8 +10,8 @@ namespace igeo {
 /// `iso`: OpenVDB's tools::levelSetRebuild, by way of triangles. What the surface encloses is
 /// inside, whatever the values there. To be looked at as any other (checkLevelSet).
 /// @throws Error  BadInput for a value that is not finite, at an inactive voxel as well, and where
-///         nothing has that value
+///         nothing has that value; Cancelled through `progress`
 /// Time O(voxels in leaves).
-LoadedGrid rebuilt(const LoadedGrid& volume, double iso);
+LoadedGrid rebuilt(const LoadedGrid& volume, double iso, Progress& progress = Progress::none());
 
 }  // namespace igeo
