@@ -1,6 +1,7 @@
 /// The surface around a foot point, laid out flat in its tangent plane, and metrics there.
 #pragma once
 
+#include <igeo/base/symmetric_eigen.h>
 #include <igeo/base/types.h>
 
 namespace igeo {
@@ -82,10 +83,9 @@ public:
 
     /// The largest of |B a| / |a|; the least is its reciprocal.
     float largest() const {
-        // s^2 and 1 / s^2 are the eigenvalues of B^T B, and 1 + e is their half sum; so written, no
-        // digits are lost next to 1.
-        const float d = a_ - 1 / a_, e = (d * d + b_ * b_) / 2;
-        return std::sqrt(1 + e + std::sqrt(e * (e + 2)));
+        // Its square and the reciprocal are the eigenvalues of B^T B.
+        const float d = a_ - 1 / a_, excess = (d * d + b_ * b_) / 2;
+        return std::sqrt(largestEigenvalueOfUnitDeterminant(excess));
     }
 
 private:

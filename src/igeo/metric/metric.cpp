@@ -2,6 +2,7 @@
 
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
+#include <igeo/base/symmetric_eigen.h>
 
 #include <cstdio>
 #include <string>
@@ -82,23 +83,7 @@ double extreme(std::size_t n, double sign, const F& f) {
 }  // namespace
 
 std::array<double, 3> eigenvalues(const Tensor& g) {
-    // Jacobi's rotations: each turns one off-diagonal entry to zero.
-    double a[3][3] = {{g.xx, g.xy, g.xz}, {g.xy, g.yy, g.yz}, {g.xz, g.yz, g.zz}};
-    for (int k = 0; k < 18; ++k) {
-        const int p = k % 3 == 2, q = k % 3 == 0 ? 1 : 2, r = 3 - p - q;
-        if (a[p][q] == 0) continue;
-        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-        const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
-        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
-        a[p][p] -= t * a[p][q], a[q][q] += t * a[p][q];
-        a[p][q] = a[q][p] = 0;
-        const double rp = a[r][p], rq = a[r][q];
-        a[r][p] = a[p][r] = c * rp - s * rq;
-        a[r][q] = a[q][r] = s * rp + c * rq;
-    }
-    std::array<double, 3> e{a[0][0], a[1][1], a[2][2]};
-    std::sort(e.begin(), e.end());
-    return e;
+    return symmetricEigenvalues({g.xx, g.yy, g.zz, g.xy, g.xz, g.yz});
 }
 
 double Metric::at(const BandCell& cell) const {
