@@ -21,7 +21,7 @@ constexpr LeafIndex kNoLeaf = std::numeric_limits<LeafIndex>::max();
 struct LeafNodes {
     std::array<std::uint64_t, 8> mask{};    ///< which voxels have a number
     std::array<std::uint16_t, 8> before{};  ///< numbered voxels before slice x
-    NodeIndex first = 0;                    ///< number of the first
+    NodeIndex firstNode = 0;                ///< number of the first
     NodeIndex count = 0;
 
     void insert(unsigned offset) { mask[offset >> 6] |= std::uint64_t(1) << (offset & 63); }
@@ -35,7 +35,7 @@ struct LeafNodes {
     /// The same for a voxel known to be in the mask.
     NodeIndex numberOf(unsigned offset) const {
         const std::uint64_t lower = (std::uint64_t(1) << (offset & 63)) - 1;
-        return first + before[offset >> 6] + bitCount(mask[offset >> 6] & lower);
+        return firstNode + before[offset >> 6] + bitCount(mask[offset >> 6] & lower);
     }
     /// By hand: the instruction for it is not in every x86-64.
     static unsigned bitCount(std::uint64_t bits) {
@@ -131,9 +131,9 @@ struct Band {
         return neighbor(i, step.x, step.y, step.z);
     }
     /// The step across face 0 to 5 of a voxel: -x, +x, -y, +y, -z, +z.
-    static Ijk faceStep(int side) {
+    static Ijk faceStep(int face) {
         Ijk step{};
-        step[side / 2] = side % 2 ? 1 : -1;
+        step[face / 2] = face % 2 ? 1 : -1;
         return step;
     }
 
@@ -319,9 +319,10 @@ BandCell cellAt(const Band& band, const Vec3d& pIndex);
 
 /// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, so that
 /// values of two sheets are never blended.
-/// @param side normal of the sheet that is meant, where it is known; zero: that of most corners
+/// @param sheetNormal normal of the sheet that is meant, where it is known; zero: that of most
+/// corners
 /// @return the unit normal blended from the corners that are left; zero if there are none
-Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& side = {});
+Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNormal = {});
 
 /// psi and its gradient at a position, from the trilinear interpolant of the band's psi.
 struct PsiSample {

@@ -11,17 +11,18 @@ namespace igeo {
 
 void Metric::setObstacles(const Band& band, std::shared_ptr<const Obstacles> set) {
     // As far as a march, an extension or a trace looks from a node at once, and a voxel more.
-    constexpr double kSight = 5;
+    constexpr double kReach = 5;
     obstacles = std::move(set);
-    sight.clear();
+    obstacleState.clear();
     if (!obstacles) return;
-    sight.resize(band.size());
+    obstacleState.resize(band.size());
     parallelFor(band.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const auto i = NodeIndex(k);
             const Vec3d foot = band.footPoint(i);
-            if (!obstacles->mayBeNear(foot, kSight)) continue;
-            sight[k] = obstacles->block(foot, foot, Vec3d(band.normal[i])) ? Inside : Beside;
+            if (!obstacles->mayBeNear(foot, kReach)) continue;
+            obstacleState[k] =
+                obstacles->block(foot, foot, Vec3d(band.normal[i])) ? Inside : Beside;
         }
     });
 }
@@ -168,7 +169,7 @@ void Metric::check(const Band& band) const {
             refuse(std::to_string(m) + " " + what + " for a band of " + std::to_string(n) +
                    " nodes");
     };
-    if (obstacles && sight.size() != n) refuse("the obstacles were set for another band");
+    if (obstacles && obstacleState.size() != n) refuse("the obstacles were set for another band");
     if (!weight.empty() && !tensor.empty()) refuse("a metric has weights or tensors, not both");
     if (!weight.empty()) count(weight.size(), "weights");
     if (!tensor.empty()) count(tensor.size(), "tensors");

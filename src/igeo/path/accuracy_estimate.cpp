@@ -11,7 +11,7 @@ AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
                                   const std::vector<Vec3f>& gradient, std::size_t samples) {
     AccuracyEstimate e;
     if (band.size() == 0) return e;
-    if (field.solved) e.guardedShare = double(field.guarded) / double(field.solved);
+    if (field.solved) e.fallbackShare = double(field.fallbackCount) / double(field.solved);
     std::vector<double> error(samples, -1);
     parallelFor(samples, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {

@@ -11,10 +11,10 @@ namespace igeo {
 
 /// An estimate from the result itself, not a bound.
 struct AccuracyEstimate {
-    std::size_t samples = 0;  ///< points at which the distance was held against a geodesic
-    double meanError = 0;     ///< mean of |d - length| / d
-    double largestError = 0;  ///< largest of them
-    double guardedShare = 0;  ///< of the nodes solved: by the first-order guard (jet)
+    std::size_t samples = 0;   ///< points at which the distance was held against a geodesic
+    double meanError = 0;      ///< mean of |d - length| / d
+    double largestError = 0;   ///< largest of them
+    double fallbackShare = 0;  ///< of the nodes solved: by the first-order fallback (jet)
 };
 
 /// Traces geodesics from `samples` nodes spread over the surface, straightens them, and compares

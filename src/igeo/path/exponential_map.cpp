@@ -20,13 +20,13 @@ struct Local {
     Vec3d normal;
 };
 
-Local localSurface(const Band& band, const Vec3d& p, const Vec3d& side) {
+Local localSurface(const Band& band, const Vec3d& p, const Vec3d& sheetNormal) {
     BandCell cell = cellAt(band, p);
     Local s;
     double present = 0, weight = 0;
     for (std::size_t k = 0; k < 8; ++k)
         if (cell.node[k] != kNoNode) present += cell.weight[k];
-    const Vec3d n = dropFacingCorners(band, cell, side);
+    const Vec3d n = dropFacingCorners(band, cell, sheetNormal);
     std::array<double, 8> height{};
     Vec3d gradient;
     for (std::size_t k = 0; k < 8; ++k) {

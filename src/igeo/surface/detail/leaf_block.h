@@ -28,7 +28,7 @@ public:
     /// The same without edges and corners: enough for differences along the axes.
     void gatherCross(const Accessor& psi, const openvdb::Coord& origin, double dx) {
         copyFrom(psi, origin, {}, 1 / dx);
-        for (int side = 0; side < 6; ++side) copyFrom(psi, origin, Band::faceStep(side), 1 / dx);
+        for (int face = 0; face < 6; ++face) copyFrom(psi, origin, Band::faceStep(face), 1 / dx);
     }
 
     /// psi at voxel (x, y, z) of the leaf, each in [-1, 8].
