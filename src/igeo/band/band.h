@@ -77,7 +77,7 @@ struct Band {
     Similarity transform;  ///< world from index; transform.dx is the voxel size
     double h = 0;          ///< half the band's thickness, voxels
     /// S is a polyhedron with faces about as wide as voxels or wider, and normals are those of the
-    /// faces: between two of them a way runs over both planes, however small the angle, where it
+    /// faces: between two of them a path runs over both planes, however small the angle, where it
     /// would follow an arc on a smooth surface.
     bool faceted = false;
 
@@ -153,8 +153,8 @@ struct Band {
                     const Visit& visit) const;
 
     /// Calls visit(j, weight, from) for the nodes j at the corners around the foot point of node i:
-    /// trilinear weight, corners that hardly count left out, and the way from the corner's voxel to
-    /// the foot point.
+    /// trilinear weight, corners that hardly count left out, and the vector from the corner's voxel
+    /// to the foot point.
     /// @param l, at  leaf and offset of the node
     template <typename Visit>
     void forCornersOfFoot(LeafNodes BandLeaf::*nodes, NodeIndex i, LeafIndex l, unsigned at,

@@ -92,9 +92,9 @@ private:
         heap_.push(value - leastStart_, i);
     }
 
-    /// Whether the start value at node j stands. A difference over two voxels across the seed would
-    /// undercut it; one over one voxel never does, as distances from a point are convex. If it
-    /// does all the same, the front of another seed has come, and j is a node like others from
+    /// Whether the start value at node j is kept. A difference over two voxels across the seed
+    /// would undercut it; one over one voxel never does, as distances from a point are convex. If
+    /// it does all the same, the front of another seed has come, and j is a node like others from
     /// then on.
     bool keepsStart(NodeIndex j) {
         constexpr double kRounding = 1e-6;  // voxels

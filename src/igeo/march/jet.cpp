@@ -92,8 +92,8 @@ private:
     void gather(NodeIndex i, const LocalFrame& local, double cost, Gathered& around) const;
     /// The jet of its start disc, unless the front of another seed was there before.
     Solved exactNearSeed(NodeIndex core, const Solved& s) const;
-    /// Puts node i into the bucket where a jet nearby says it belongs, after the batch at the
-    /// earliest.
+    /// Puts node i into the bucket of the value that a jet nearby carries to it, after the batch at
+    /// the earliest.
     /// @param from, chord  the foot point with that jet, and the chord from there to node i
     void enqueue(NodeIndex i, const LocalFrame& from, const Vec3f& chord, const Solved& jet,
                  const Batch& batch, Chunk& chunk);
@@ -200,7 +200,7 @@ void JetMarch::solveChunk(const Batch& batch, std::size_t begin, std::size_t end
         if (s.isFinal) {
             chunk.accepted.emplace_back(i, s);
         } else if (s.u < kInfinity) {
-            // Half the way to its bucket: soon, with what is known then, but not in every bucket in
+            // Half as far as its bucket: soon, with what is known then, but not in every bucket in
             // between, of which there are many where weights differ by much.
             const std::uint32_t half = batch.first + (bucketOf(s.u) - batch.first + 1) / 2;
             chunk.deferred.push_back({std::max(batch.last + 1, half), i});

@@ -56,7 +56,7 @@ Local localSurface(const Band& band, const Vec3d& p, const Vec3d& sheetNormal) {
     return s;
 }
 
-/// A point of S on its way, with its unit velocity.
+/// A point of a geodesic, with its unit velocity.
 struct Walker {
     Vec3d p, v, n;
 

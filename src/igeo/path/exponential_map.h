@@ -15,8 +15,8 @@ namespace igeo {
 /// trilinear interpolant is off by 1 / (8 R) voxels at curvature 1 / R.
 /// @param direction index space; its part along S counts, not its length
 /// @param length    voxels, >= 0; weights and obstacles play no part
-/// @return status Reached: of the full length. Stalled: S ends before, at the edge of the band;
-///         Path::length says where. `target` is the start; the vertices' `distance` is their arc
+/// @return status Reached: of the full length. Stalled: S ends before, at the edge of the band,
+///         after Path::length. `target` is the start; the vertices' `distance` is their arc
 ///         length, as is Path::distance. Vertices are on S as described
 /// @throws Error  InvalidArgument for a direction without a part along S, or a length that is
 ///         negative or not finite; BadInput where S has no band around the start

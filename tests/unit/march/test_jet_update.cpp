@@ -65,7 +65,8 @@ TEST_CASE("jetUpdate with one neighbor goes straight on, with none nowhere") {
     CHECK(length(jet.g - Vec2f{0.6f, 0.8f}) < 1e-6f);
 }
 
-TEST_CASE("fermatUpdate is never below the values it starts from, and never above a straight way") {
+TEST_CASE(
+    "fermatUpdate is never below the values it starts from, and never above a straight line") {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> at(-1.7f, 1.7f), angle(0, 6.2831853f);
     for (int k = 0; k < 1000; ++k) {
@@ -108,26 +109,26 @@ TEST_CASE("blendJets interpolates a circular front exactly and keeps two fronts 
     CHECK(std::abs(blendJets(both, weight).u - 8) < double(rounding(8)));
 }
 
-TEST_CASE("TangentFrame: the way along a sphere is the arc") {
+TEST_CASE("TangentFrame: a geodesic of a sphere unfolds to its arc") {
     for (const double radius : {5.0, 20.0, 100.0}) {
         const Vec3d n0{0, 0, 1}, n1 = normalized(Vec3d{0.6 / radius, 1.1 / radius, 1});
         const double arc = radius * std::acos(dot(n0, n1));
         const TangentFrame frame{Vec3f(n0)};
         const auto cosine = float(dot(n0, n1));
-        const Vec2f way = frame.unfold(Vec3f(radius * (n0 - n1)), Vec3f(n1), cosine);
+        const Vec2f a = frame.unfold(Vec3f(radius * (n0 - n1)), Vec3f(n1), cosine);
         INFO("radius " << radius);
         // What the series leaves out is (c / R)^6 of the chord c; chords carry roundings of 1e-7.
-        CHECK(std::abs(double(length(way)) - arc) < 2e-6 * arc + arc * std::pow(arc / radius, 6));
+        CHECK(std::abs(double(length(a)) - arc) < 2e-6 * arc + arc * std::pow(arc / radius, 6));
     }
 }
 
-TEST_CASE("TangentFrame: over a sharp edge the way is unfolded") {
+TEST_CASE("TangentFrame: over a sharp edge both faces unfold") {
     // Faces z = 0 (y < 0) and y = 0 (z < 0) of a box meet along the x axis.
     const Vec3f top{0, 0, 1}, front{0, 1, 0};
     const Vec3f onTop{0.2f, -0.7f, 0}, onFront{1.1f, 0, -0.4f};
     const TangentFrame frame(front);
-    const Vec2f way = frame.unfold(onFront - onTop, top, 0);
-    CHECK(std::abs(length(way) - std::hypot(0.9f, 1.1f)) < 1e-6f);
+    const Vec2f a = frame.unfold(onFront - onTop, top, 0);
+    CHECK(std::abs(length(a) - std::hypot(0.9f, 1.1f)) < 1e-6f);
     // A gradient that goes straight over the edge still goes away from it behind.
     const JetNeighbor n = flattened(frame, onFront - onTop, top, 0, Vec3f{0, 1, 0}, 3);
     const Vec3f turned = frame.lift(n.g);

@@ -1,4 +1,4 @@
-/// Which fronts the neighbors of a node belong to, and what each neighbor alone says of the node.
+/// Which fronts the neighbors of a node belong to, and the value at the node by each one alone.
 #pragma once
 
 #include <igeo/march/detail/jet_neighbors.h>
@@ -15,8 +15,9 @@ inline float carry(const JetNeighbors& all, int k, float len) {
     return all.u(k) + along + (len * len - along * along) / (2 * std::max(r, 1.0f));
 }
 
-/// What the neighbors say one by one, relative to base(). Two fronts at most are told apart: that
-/// of the neighbor that carries the least value, and the best of those that disagree with it.
+/// The values by the neighbors one by one, relative to base(). Two fronts at most are
+/// distinguished: that of the neighbor that carries the least value, and the best of those that
+/// disagree with it.
 struct Fronts {
     std::array<float, JetNeighbors::kMax> carried;  ///< per neighbor, by carry()
     float bound = float(kInfinity);                 ///< least u_j + |a_j|: no value lies above it
