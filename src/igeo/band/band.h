@@ -319,8 +319,8 @@ BandCell cellAt(const Band& band, const Vec3d& pIndex);
 
 /// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, so that
 /// values of two sheets are never blended.
-/// @param sheetNormal normal of the sheet that is meant, where it is known; zero: that of most
-/// corners
+/// @param sheetNormal  normal of the sheet that is meant, where it is known; zero: that of most of
+///        the corners
 /// @return the unit normal blended from the corners that are left; zero if there are none
 Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNormal = {});
 

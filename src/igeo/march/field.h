@@ -62,7 +62,7 @@ const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, const Ve
 
 /// The cell around a point of S without the corners that lie on another sheet or behind an
 /// obstacle, and the normal blended from those left on the sheet.
-/// @param sheetNormal normal of the sheet that is meant, where two face each other within a cell
+/// @param sheetNormal of the sheet that is meant, where two face each other within a cell
 struct SurfaceCell : BandCell {
     Vec3d normal;
     SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pIndex,
@@ -71,14 +71,14 @@ struct SurfaceCell : BandCell {
 
 /// Cost of the segment between two points of S, a voxel or so apart: |b - a| by the metric, the
 /// mean of both ends; voxels times weight.
-/// @param sheetNormal normal of their sheet
+/// @param sheetNormal of their sheet
 double segmentCost(const Band& band, const Metric& metric, const Vec3d& a, const Vec3d& b,
                    const Vec3d& sheetNormal);
 
 /// d at a point of S: trilinear over the reached corners of its cell, +inf if there are none;
 /// within a start disc the straight distance to its seed, as trilinear interpolation blunts the
 /// cone there. Never below the least start value.
-/// @param sheetNormal normal of the sheet that is meant, where two face each other within a cell
+/// @param sheetNormal of the sheet that is meant, where two face each other within a cell
 double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
                       const Vec3d& sheetNormal = {});
 

@@ -255,11 +255,11 @@ Solved JetMarch::exactNearSeed(NodeIndex i, const Solved& s) const {
 
 void JetMarch::enqueue(NodeIndex i, const LocalFrame& from, const Vec3f& chord, const Solved& jet,
                        const Batch& batch, Chunk& chunk) {
-    const std::uint32_t seen = queue_.bucketOf(i), next = batch.last + 1;
+    const std::uint32_t current = queue_.bucketOf(i), next = batch.last + 1;
     // In this batch, or taken out of it just now: its next bucket is settled in collect(). Without
     // tensors such nodes come back soon enough.
-    const bool inBatch = seen < next;
-    if (seen == next || (inBatch && core_.stretch.empty())) return;
+    const bool inBatch = current < next;
+    if (current == next || (inBatch && core_.stretch.empty())) return;
     // The circular step by chords: good enough to know the bucket.
     const Vec3f c = float(from.weight) * chord;
     const double along = dot(jet.g, c), c2 = squaredCost(core_, from, c);
@@ -269,7 +269,7 @@ void JetMarch::enqueue(NodeIndex i, const LocalFrame& from, const Vec3f& chord, 
     const std::uint32_t to = std::max(next, bucketOf(core_.seeds.leastStart + carried));
     if (inBatch)
         chunk.requeueLater.push_back({to, i});
-    else if (queue_.lower(i, to, seen))
+    else if (queue_.lower(i, to, current))
         chunk.queued.push_back({to, i});
 }
 

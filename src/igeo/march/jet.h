@@ -42,8 +42,8 @@ struct JetOptions {
 ///              the source of a node (the earlier one where they tie), and fronts of different
 ///              seeds are never fitted together
 /// @return distances in voxels times weight, +inf where no front comes: second order in dx where S
-/// is
-///         smooth, first order at creases. Field::gradient is set
+///         is smooth, first order at creases. Field::gradient is set. In Field::fallbackCount:
+///         nodes of the core whose jet is from the fallback, of first order at worst
 /// @throws Error  InvalidArgument for options or a metric out of range (tensors: costs in a tangent
 ///         plane more than 20 times apart), a narrower band, start values 1e9 voxels apart, or
 ///         distances beyond 2e9 voxels of the least weight; Cancelled through `progress`

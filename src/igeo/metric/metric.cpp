@@ -10,7 +10,7 @@
 namespace igeo {
 
 void Metric::setObstacles(const Band& band, std::shared_ptr<const Obstacles> set) {
-    // As far as a march, an extension or a trace looks from a node at once, and a voxel more.
+    // The longest segment from a node in a march, an extension or a trace, and a voxel more.
     constexpr double kReach = 5;
     obstacles = std::move(set);
     obstacleState.clear();

@@ -47,7 +47,7 @@ std::array<double, 3> eigenvalues(const Tensor& g);
 struct Metric {
     std::vector<float> weight;  ///< cost per unit length per band node, > 0; empty: 1 everywhere
     /// Per band node, positive definite; empty: isotropic. Never beside `weight`. Marches along S
-    /// see its part in the tangent plane only.
+    /// use its part in the tangent plane only.
     std::vector<Tensor> tensor;
 
     std::shared_ptr<const Obstacles> obstacles;  ///< none: null

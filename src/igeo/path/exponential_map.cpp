@@ -15,8 +15,8 @@ struct Local {
     bool valid = false;  ///< false beyond the edge of the band
     /// Mean of (p - f) . (m + n) / 2, n the mean normal: how far p lies above S, exact on spheres.
     double height = 0;
-    /// The gradient of that, unit. Not n: only a normal of the surface that the walk is held to
-    /// keeps it straight there.
+    /// The gradient of that, unit. Not n: only a normal of the surface that the path is projected
+    /// to keeps it straight there.
     Vec3d normal;
 };
 

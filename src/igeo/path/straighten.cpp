@@ -40,7 +40,7 @@ private:
     /// polarization: with A = C(s)^2, E = C(e)^2, B = (C(e + s)^2 - C(e - s)^2) / 4 the length C(e)
     /// has the derivatives B / sqrt(E) and (A - B^2 / E) / sqrt(E) along s.
     struct Variation {
-        double slope, bend;  ///< first and second derivative, the metric held
+        double slope, bend;  ///< first and second derivative, at a constant metric
         double drift;        ///< first derivative by the change of the metric
     };
     Variation variation(std::size_t end, const Vec3d& e) const;

@@ -345,8 +345,8 @@ std::vector<Vec2f> LogMapper::map(Progress& progress) {
 
 LogMap::Frame frameAt(const Band& band, const Field& field, const SurfacePoint& seed,
                       const Vec3d& reference) {
-    const Vec3d side(band.normal[seed.node]);
-    const Vec3d n = SurfaceCell(band, *field.metric, seed.pIndex, side).normal;
+    const Vec3d sheetNormal(band.normal[seed.node]);
+    const Vec3d n = SurfaceCell(band, *field.metric, seed.pIndex, sheetNormal).normal;
     Vec3d u = tangential(reference, n);
     if (!(length(u) > 1e-6 * length(reference))) {
         int least = 0;

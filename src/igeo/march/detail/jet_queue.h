@@ -34,13 +34,12 @@ struct Batch {
 ///    both use relaxed order: the final value, a minimum, is the same for every order of the
 ///    threads, and it carries no other data. Jets (u, g, label) are read in this phase and not
 ///    written. So are all other fields of a node.
-/// 2. *Accept*, in parallel. Jets of accepted nodes and buckets of deferred ones are written, by
-/// the
-///    one thread that owns the node through take(). No thread reads them.
+/// 2. *Accept*, in parallel. Jets of accepted nodes and buckets of deferred ones are written, each
+///    by the one thread that has its chunk. No thread reads them.
 /// 3. *Collect*, on one thread: add() and requeue() fill the lists.
 ///
 /// The end of a parallelFor orders each phase before the next, so plain reads and writes are enough
-/// in phases 2 and 3.
+/// in phases 2 and 3, and before the first batch, where start discs are enqueued.
 class BucketQueue {
 public:
     explicit BucketQueue(std::vector<JetNode>& nodes) : nodes_(nodes) {}
@@ -50,22 +49,23 @@ public:
     /// Phase 1: takes a node out, unless another thread has, or a front has put it elsewhere.
     bool take(NodeIndex i, std::uint32_t first, std::uint32_t last) {
         const std::atomic_ref bucket(nodes_[i].bucket);
-        std::uint32_t seen = bucket.load(std::memory_order_relaxed);
-        return seen >= first && seen <= last &&
-               bucket.compare_exchange_strong(seen, 0, std::memory_order_relaxed);
+        std::uint32_t expected = bucket.load(std::memory_order_relaxed);
+        return expected >= first && expected <= last &&
+               bucket.compare_exchange_strong(expected, 0, std::memory_order_relaxed);
     }
     /// Phase 1: the bucket of a node as it is now.
     std::uint32_t bucketOf(NodeIndex i) const {
         return std::atomic_ref(nodes_[i].bucket).load(std::memory_order_relaxed);
     }
     /// Phase 1: puts a node into a bucket if that is earlier than its own.
-    /// @param seen  what bucketOf() gave
+    /// @param expected  what bucketOf() gave
     /// @return whether it was; then add() has to follow in phase 3
-    bool lower(NodeIndex i, std::uint32_t to, std::uint32_t seen) {
+    bool lower(NodeIndex i, std::uint32_t to, std::uint32_t expected) {
         const std::atomic_ref bucket(nodes_[i].bucket);
-        while (to < seen && !bucket.compare_exchange_weak(seen, to, std::memory_order_relaxed)) {
+        while (to < expected &&
+               !bucket.compare_exchange_weak(expected, to, std::memory_order_relaxed)) {
         }
-        return to < seen;
+        return to < expected;
     }
 
     /// Phase 3: lists a node whose bucket is set already.
