@@ -87,7 +87,7 @@ void SeedInput::finish(const igeo::Band& band, igeo::Field& field) const {
     if (!regions_.empty())
         (signed_ ? igeo::signInside : igeo::clearInside)(inside(band), field);
     else if (signed_)
-        field.side = igeo::sidesOfCurves(band, field);
+        field.sign = igeo::signsOfCurves(band, field);
 }
 
 std::vector<std::string> SeedInput::names() const {

@@ -40,8 +40,9 @@ Solution solve(const Shape& shape, int n, const Vec3d& seedWorld, double halfWid
 }
 
 void print(const char* shape, int n, const Solution& s, const Errors& e) {
-    std::printf("jet, %s N = %3d: mean %.5f %%, p99 %.5f %%, max %.5f %%, guarded %.3f %%\n", shape,
-                n, e.mean, e.p99, e.max, 100.0 * double(s.field.guarded) / double(s.field.solved));
+    std::printf("jet, %s N = %3d: mean %.5f %%, p99 %.5f %%, max %.5f %%, fallback %.3f %%\n",
+                shape, n, e.mean, e.p99, e.max,
+                100.0 * double(s.field.fallbackCount) / double(s.field.solved));
 }
 
 /// What chords a voxel long lose on an arc of `radius`, in % of the arc. A scheme that knows of

@@ -140,7 +140,7 @@ TEST_CASE("jet on a square of points is exact but for its rim") {
     std::printf("points, square: mean %.6f, max %.6f of %.2f\n", mean, worst, largest);
     CHECK(largest > 30);
     // Straight ways and circular fronts are exact for jet. Along the rim, where neighbors are on
-    // one side only, its guard is off by a part of a voxel.
+    // one side only, its fallback is off by a part of a voxel.
     CHECK(worst < dx);
     CHECK(mean < 1e-4 * largest);
 }

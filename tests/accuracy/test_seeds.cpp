@@ -125,7 +125,7 @@ TEST_CASE("seeds around a region: its inside is 0, its rim where the body's is")
         const auto inside = nodesInside(band, region);
         Field withSign = field;
         signInside(inside, withSign);
-        CHECK(withSign.side[pointOn(band, pole).node] == -1);
+        CHECK(withSign.sign[pointOn(band, pole).node] == -1);
         clearInside(inside, field);
         // Between nodes as well; a cell that the rim cuts has corners outside, a voxel off or so.
         for (const double voxels : {0.5, 4.0, 0.5 * n * kRadius}) {
@@ -143,13 +143,13 @@ TEST_CASE("seeds around a region: its inside is 0, its rim where the body's is")
         // Points a third of a voxel apart: 0.05 voxels next to the rim.
         const double voxel = 100.0 / n / (kRadius * (M_PI / 2 + kLatitude));
         CHECK(both.mean < 0.02 * voxel);
-        // At the far pole the front comes in from all sides at once, and the guard decides.
+        // At the far pole the front comes in from all sides at once, and the fallback decides.
         CHECK(both.max < voxel);
         CHECK(out.mean < 0.02 * voxel);
     }
 }
 
-TEST_CASE("sides of curves: the smaller part is negative, and rings alternate") {
+TEST_CASE("signs of curves: the smaller part is negative, and rings alternate") {
     const Band band = bandOf(sphere(kCenter, kRadius), 60);
     auto seeds = seedsAlong(band, parallel(band), 1);
     const Axes a;
@@ -158,12 +158,12 @@ TEST_CASE("sides of curves: the smaller part is negative, and rings alternate") 
         1);
     auto wrong = [&](const std::vector<SurfacePoint>& from, const auto& inside) {
         const Field field = marchJet(band, {}, from);
-        const auto side = sidesOfCurves(band, field);
+        const auto sign = signsOfCurves(band, field);
         std::size_t count = 0;
         for (NodeIndex i = 0; i < band.size(); ++i) {
             const double t = latitudeOf(worldOf(band, band.footPoint(i)));
             // Closer than this to a curve, pieces half a voxel long decide.
-            if (field.distance[i] > 0.05) count += (side[i] < 0) != inside(t);
+            if (field.distance[i] > 0.05) count += (sign[i] < 0) != inside(t);
         }
         return count;
     };
@@ -172,10 +172,10 @@ TEST_CASE("sides of curves: the smaller part is negative, and rings alternate") 
     CHECK(wrong(seeds, [](double t) { return t > kLatitude || t < -0.9; }) == 0);
 }
 
-TEST_CASE("sides of curves: what parts nothing is refused") {
+TEST_CASE("signs of curves: what parts nothing is refused") {
     const Band band = bandOf(torus(kCenter, 0.3, 0.12), 60);
-    auto sides = [&](const std::vector<SurfacePoint>& seeds) {
-        return sidesOfCurves(band, marchJet(band, {}, seeds));
+    auto signs = [&](const std::vector<SurfacePoint>& seeds) {
+        return signsOfCurves(band, marchJet(band, {}, seeds));
     };
     const Axes flat{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, upright{{0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
     const Curve meridian = circleOf(band, kCenter + Vec3d(0.3, 0, 0), 0.12, upright);
@@ -184,13 +184,13 @@ TEST_CASE("sides of curves: what parts nothing is refused") {
                 inner = circleOf(band, kCenter, 0.18, flat);
     for (const Curve& curve : {meridian, open, equator})
         expectError(Error::Kind::InvalidArgument, {"inside and an outside", "--signed"},
-                    [&] { sides(seedsAlong(band, curve, 1)); });
+                    [&] { signs(seedsAlong(band, curve, 1)); });
     expectError(Error::Kind::InvalidArgument, {"--signed"},
-                [&] { sides({pointOn(band, kCenter + Vec3d(0.42, 0, 0))}); });
+                [&] { signs({pointOn(band, kCenter + Vec3d(0.42, 0, 0))}); });
     // Two equators do part it.
     auto both = seedsAlong(band, equator, 1);
     for (const SurfacePoint& s : seedsAlong(band, inner, 1)) both.push_back(s);
-    CHECK_NOTHROW(sides(both));
+    CHECK_NOTHROW(signs(both));
 }
 
 }  // namespace igeo::test

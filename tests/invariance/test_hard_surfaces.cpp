@@ -169,7 +169,7 @@ TEST_CASE("hard surfaces: a seed given twice counts once") {
     const Field once = march(band, {kOnTorus}), twice = march(band, {kOnTorus, kOnTorus});
     CHECK(twice.distance == once.distance);
     CHECK(twice.gradient == once.gradient);
-    CHECK(twice.guarded == once.guarded);
+    CHECK(twice.fallbackCount == once.fallbackCount);
     for (const std::uint32_t label : twice.label) REQUIRE(label == 0);
 }
 

@@ -25,8 +25,8 @@ Band bandOf(const openvdb::FloatGrid::Ptr& grid, double h, int order = 2);
 constexpr int kJet = 0;
 
 /// How far roundings may move a result, as a share of its largest distance. jet decides by
-/// thresholds (which bucket, fit or guard); a rounding that tips one changes a value by up to the
-/// 0.01 voxels within which its two answers count as one.
+/// thresholds (which bucket, fit or fallback); a rounding that tips one changes a value by up to
+/// the 0.01 voxels within which its two answers count as one.
 inline double roundingTolerance(const Field& field, int order, double godunov) {
     return order == kJet ? 0.01 / field.maxDistance : godunov;
 }

@@ -39,7 +39,7 @@ LeafIndex Band::leafAt(const Ijk& ijk) const {
 }
 
 void LeafNodes::number(NodeIndex start) {
-    first = start;
+    firstNode = start;
     count = 0;
     for (std::size_t x = 0; x < 8; ++x) {
         before[x] = std::uint16_t(count);
@@ -80,7 +80,7 @@ void Band::buildTopology() {
                 for (int dy = -8; dy <= 8; dy += 8)
                     for (int dz = -8; dz <= 8; dz += 8)
                         here.neighbor[k++] = leafAt(here.origin + Ijk{dx, dy, dz});
-            NodeIndex node = here.band.first;
+            NodeIndex node = here.band.firstNode;
             for (unsigned x = 0; x < 8; ++x)
                 for (std::uint64_t word = here.band.mask[x]; word; word &= word - 1, ++node) {
                     leaf[node] = LeafIndex(l);
@@ -108,7 +108,7 @@ void Band::numberCore(const std::vector<NodeIndex>& rim) {
             LeafNodes& core = leaves[l].core;
             const LeafNodes& nodes = leaves[l].band;
             core.mask = {};
-            for (NodeIndex i = nodes.first; i < nodes.first + nodes.count; ++i) {
+            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
                 const Vec3f n = normal[i];
                 const float most = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
                 const float edges = std::abs(psi[i]);
@@ -159,14 +159,14 @@ BandCell cellAt(const Band& band, const Vec3d& p) {
     return cell;
 }
 
-Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& side) {
+Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNormal) {
     auto blended = [&] {
         Vec3d sum{};
         for (std::size_t k = 0; k < 8; ++k)
             if (cell.node[k] != kNoNode) sum += cell.weight[k] * Vec3d(band.normal[cell.node[k]]);
         return normalized(sum);
     };
-    const Vec3f n(side == Vec3d{} ? blended() : side);
+    const Vec3f n(sheetNormal == Vec3d{} ? blended() : sheetNormal);
     for (std::size_t k = 0; k < 8; ++k) {
         NodeIndex& i = cell.node[k];
         if (i == kNoNode) continue;
@@ -177,7 +177,7 @@ Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& side) {
             cell.complete = false;
         }
     }
-    return side == Vec3d{} ? Vec3d(n) : blended();
+    return sheetNormal == Vec3d{} ? Vec3d(n) : blended();
 }
 
 PsiSample samplePsi(const Band& band, const Vec3d& p) {

@@ -21,7 +21,7 @@ constexpr LeafIndex kNoLeaf = std::numeric_limits<LeafIndex>::max();
 struct LeafNodes {
     std::array<std::uint64_t, 8> mask{};    ///< which voxels have a number
     std::array<std::uint16_t, 8> before{};  ///< numbered voxels before slice x
-    NodeIndex first = 0;                    ///< number of the first
+    NodeIndex firstNode = 0;                ///< number of the first
     NodeIndex count = 0;
 
     void insert(unsigned offset) { mask[offset >> 6] |= std::uint64_t(1) << (offset & 63); }
@@ -35,7 +35,7 @@ struct LeafNodes {
     /// The same for a voxel known to be in the mask.
     NodeIndex numberOf(unsigned offset) const {
         const std::uint64_t lower = (std::uint64_t(1) << (offset & 63)) - 1;
-        return first + before[offset >> 6] + bitCount(mask[offset >> 6] & lower);
+        return firstNode + before[offset >> 6] + bitCount(mask[offset >> 6] & lower);
     }
     /// By hand: the instruction for it is not in every x86-64.
     static unsigned bitCount(std::uint64_t bits) {
@@ -77,7 +77,7 @@ struct Band {
     Similarity transform;  ///< world from index; transform.dx is the voxel size
     double h = 0;          ///< half the band's thickness, voxels
     /// S is a polyhedron with faces about as wide as voxels or wider, and normals are those of the
-    /// faces: between two of them a way runs over both planes, however small the angle, where it
+    /// faces: between two of them a path runs over both planes, however small the angle, where it
     /// would follow an arc on a smooth surface.
     bool faceted = false;
 
@@ -131,9 +131,9 @@ struct Band {
         return neighbor(i, step.x, step.y, step.z);
     }
     /// The step across face 0 to 5 of a voxel: -x, +x, -y, +y, -z, +z.
-    static Ijk faceStep(int side) {
+    static Ijk faceStep(int face) {
         Ijk step{};
-        step[side / 2] = side % 2 ? 1 : -1;
+        step[face / 2] = face % 2 ? 1 : -1;
         return step;
     }
 
@@ -153,8 +153,8 @@ struct Band {
                     const Visit& visit) const;
 
     /// Calls visit(j, weight, from) for the nodes j at the corners around the foot point of node i:
-    /// trilinear weight, corners that hardly count left out, and the way from the corner's voxel to
-    /// the foot point.
+    /// trilinear weight, corners that hardly count left out, and the vector from the corner's voxel
+    /// to the foot point.
     /// @param l, at  leaf and offset of the node
     template <typename Visit>
     void forCornersOfFoot(LeafNodes BandLeaf::*nodes, NodeIndex i, LeafIndex l, unsigned at,
@@ -319,9 +319,10 @@ BandCell cellAt(const Band& band, const Vec3d& pIndex);
 
 /// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, so that
 /// values of two sheets are never blended.
-/// @param side normal of the sheet that is meant, where it is known; zero: that of most corners
+/// @param sheetNormal  normal of the sheet that is meant, where it is known; zero: that of most of
+///        the corners
 /// @return the unit normal blended from the corners that are left; zero if there are none
-Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& side = {});
+Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNormal = {});
 
 /// psi and its gradient at a position, from the trilinear interpolant of the band's psi.
 struct PsiSample {

@@ -86,8 +86,8 @@ std::vector<NodeIndex> nodesAround(const Band& band, const SurfacePoint& p, doub
     };
     std::vector<NodeIndex> seen{p.node};  // sorted: discs hold a few hundred nodes
     for (std::size_t k = 0; k < found.size(); ++k) {
-        for (int side = 0; side < 6; ++side) {
-            const NodeIndex j = band.neighbor(found[k], Band::faceStep(side));
+        for (int face = 0; face < 6; ++face) {
+            const NodeIndex j = band.neighbor(found[k], Band::faceStep(face));
             if (!within(j) || !band.linked(found[k], j)) continue;
             const auto at = std::lower_bound(seen.begin(), seen.end(), j);
             if (at != seen.end() && *at == j) continue;

@@ -17,15 +17,16 @@ struct SurfacePoint {
     double start = 0;          ///< distance at which a seed starts, voxels times weight
     double weight = 1;         ///< the metric's weight here, set by the march
 
-    /// A seed may be a straight piece of a curve (seeds.h): all points up to pIndex + piece.
-    Vec3d piece;
+    /// A seed may be a straight segment of a curve (seeds.h): all points up to pIndex + segment.
+    Vec3d segment;
     bool joined = false;  ///< belongs to one curve or region with the seed before it in the list
     bool rim = false;     ///< of a region on which the distance does not rise (clearInside)
 
     /// The point of the seed that is nearest to p.
     Vec3d nearestTo(const Vec3d& p) const {
-        const double l2 = dot(piece, piece);
-        return l2 > 0 ? pIndex + std::clamp(dot(p - pIndex, piece) / l2, 0.0, 1.0) * piece : pIndex;
+        const double l2 = dot(segment, segment);
+        return l2 > 0 ? pIndex + std::clamp(dot(p - pIndex, segment) / l2, 0.0, 1.0) * segment
+                      : pIndex;
     }
 };
 

@@ -1,11 +1,13 @@
-/// The surface around a foot point, laid out flat in its tangent plane, and metrics there.
+/// The chart of a foot point: the surface around it laid out flat in its tangent plane, and metrics
+/// there.
 #pragma once
 
+#include <igeo/base/symmetric_eigen.h>
 #include <igeo/base/types.h>
 
 namespace igeo {
 
-/// The tangent plane of a foot point, and what its neighbors look like in it.
+/// The tangent plane of a foot point, and where its neighbors lie in it.
 class TangentFrame {
 public:
     /// @param faceted as Band::faceted
@@ -19,11 +21,14 @@ public:
     Vec2f flat(const Vec3f& v) const { return {igeo::dot(v, t1_), igeo::dot(v, t2_)}; }
     Vec3f lift(Vec2f v) const { return v.x * t1_ + v.y * t2_; }
 
-    /// The way along S from a foot point with normal `nj` to this one, `chord` away: the chord
-    /// turned into the plane and lengthened to the arc; over a crease, the way across both planes.
-    Vec2f way(const Vec3f& chord, const Vec3f& nj, float cosine) const {
-        Vec2f across;
-        if (cosine < crease_ && wayOverCrease(chord, nj, across)) return across;
+    /// The geodesic from a foot point with normal `nj` to this one, `chord` away, as a vector of
+    /// the plane: the chord turned into the plane and lengthened to the arc of the circle through
+    /// both normals; over a crease, the straight line over both planes, unfolded (docs/method.md,
+    /// jet, 1).
+    /// @param cosine  n . nj
+    Vec2f unfold(const Vec3f& chord, const Vec3f& nj, float cosine) const {
+        Vec2f over;
+        if (cosine < crease_ && unfoldOverCrease(chord, nj, over)) return over;
         const Vec2f in = flat(chord);
         const float in2 = dot(in, in), rise = igeo::dot(n_, chord);
         // Foot points of one voxel column coincide; a chord along n otherwise leads nowhere on S.
@@ -40,7 +45,7 @@ private:
     static constexpr float kCrease = 0.8f;   ///< 37 degrees from voxel to voxel
     static constexpr float kEdge = 0.9999f;  ///< 0.8 degrees: less is rounding and hardly a bend
 
-    bool wayOverCrease(const Vec3f& chord, const Vec3f& nj, Vec2f& way) const {
+    bool unfoldOverCrease(const Vec3f& chord, const Vec3f& nj, Vec2f& over) const {
         const Vec3f e = normalized(cross(n_, nj));
         const Vec3f ti = cross(n_, e), tj = cross(nj, e);
         // From each foot point to the line in which the planes meet.
@@ -48,7 +53,7 @@ private:
         const float si = -igeo::dot(nj, chord) / igeo::dot(nj, ti);
         // The crease must lie between the two, else the foot points do not belong to two faces.
         if (!(sj * si <= 0.05f) || std::abs(sj) + std::abs(si) > 8) return false;
-        way = flat((sj - si) * ti + igeo::dot(chord, e) * e);
+        over = flat((sj - si) * ti + igeo::dot(chord, e) * e);
         return true;
     }
 
@@ -61,20 +66,20 @@ private:
 inline float meanWeight(float from, float to) { return from == to ? 1 : (1 + from / to) / 2; }
 
 /// A linear map B of a tangent plane, det B = 1, after which its metric is a multiple of the
-/// Euclidean one: ways become B a, covectors B^-T p. Upper triangular, the Cholesky factor.
+/// Euclidean one: vectors become B a, covectors B^-T p. Upper triangular, the Cholesky factor.
 class Stretch {
 public:
     Stretch() = default;
     /// @param xx, xy  of the metric, which has determinant 1
     Stretch(double xx, double xy) : a_(float(std::sqrt(xx))), b_(float(xy / std::sqrt(xx))) {}
 
-    Vec2f way(Vec2f v) const { return {a_ * v.x + b_ * v.y, v.y / a_}; }
+    Vec2f vector(Vec2f v) const { return {a_ * v.x + b_ * v.y, v.y / a_}; }
     Vec2f covector(Vec2f p) const {
         const float x = p.x / a_;
         return {x, a_ * (p.y - b_ * x)};
     }
     /// The inverses of the two.
-    Vec2f wayBack(Vec2f v) const {
+    Vec2f vectorBack(Vec2f v) const {
         const float y = a_ * v.y;
         return {(v.x - b_ * y) / a_, y};
     }
@@ -82,10 +87,9 @@ public:
 
     /// The largest of |B a| / |a|; the least is its reciprocal.
     float largest() const {
-        // s^2 and 1 / s^2 are the eigenvalues of B^T B, and 1 + e is their half sum; so written, no
-        // digits are lost next to 1.
-        const float d = a_ - 1 / a_, e = (d * d + b_ * b_) / 2;
-        return std::sqrt(1 + e + std::sqrt(e * (e + 2)));
+        // Its square and the reciprocal are the eigenvalues of B^T B.
+        const float d = a_ - 1 / a_, excess = (d * d + b_ * b_) / 2;
+        return std::sqrt(largestEigenvalueOfUnitDeterminant(excess));
     }
 
 private:
@@ -104,8 +108,8 @@ struct PlaneMetric {
         weight = std::sqrt(det);
         stretch = {xx / det, xy / det};
     }
-    /// Cost of a way in the plane.
-    double cost(Vec2f way) const { return weight * double(length(stretch.way(way))); }
+    /// Cost of a vector in the plane.
+    double cost(Vec2f v) const { return weight * double(length(stretch.vector(v))); }
     double least() const { return weight / double(stretch.largest()); }
     double largest() const { return weight * double(stretch.largest()); }
 };

@@ -2,7 +2,7 @@
 
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/parallel.h>
-#include <igeo/march/detail/jet_update.h>
+#include <igeo/march/detail/jet_blend.h>
 
 namespace igeo {
 
@@ -24,9 +24,9 @@ void Field::summarize() {
     source = sourcesOf(seeds);
     seedsNear = SeedsNear(seeds, startRadius);
     if (!seeds.empty())
-        first = std::min_element(seeds.begin(), seeds.end(), [](auto& a, auto& b) {
-                    return a.start < b.start;
-                })->start;
+        leastStart = std::min_element(seeds.begin(), seeds.end(), [](auto& a, auto& b) {
+                         return a.start < b.start;
+                     })->start;
     reached = 0;
     maxDistance = 0;
     for (const Part& part : parts) {
@@ -37,7 +37,7 @@ void Field::summarize() {
 
 namespace {
 
-/// Difference along one axis over reached neighbors in sight; 0 where neither side is one.
+/// Difference along one axis over reached neighbors that no obstacle hides; 0 where there is none.
 double axisDifference(const Band& band, const Field& field, NodeIndex i, int axis) {
     const std::vector<double>& d = field.distance;
     const NodeIndex lo = band.neighbor(i, Band::faceStep(2 * axis));
@@ -48,7 +48,7 @@ double axisDifference(const Band& band, const Field& field, NodeIndex i, int axi
     const bool hasLo = counts(lo), hasHi = counts(hi);
     if (hasLo && hasHi) {
         // A front meets itself between two neighbors that both lie below d[i]: there the central
-        // difference cancels, and either side is a way down.
+        // difference cancels, and d falls to both sides.
         if (d[lo] < d[i] && d[hi] < d[i]) return d[lo] <= d[hi] ? d[i] - d[lo] : d[hi] - d[i];
         return (d[hi] - d[lo]) / 2;
     }
@@ -102,16 +102,16 @@ const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, const Ve
 }
 
 SurfaceCell::SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pIndex,
-                         const Vec3d& side)
-    : BandCell(cellAt(band, pIndex)), normal(dropFacingCorners(band, *this, side)) {
+                         const Vec3d& sheetNormal)
+    : BandCell(cellAt(band, pIndex)), normal(dropFacingCorners(band, *this, sheetNormal)) {
     metric.dropHiddenCorners(band, pIndex, normal, *this);
 }
 
-double wayCost(const Band& band, const Metric& metric, const Vec3d& a, const Vec3d& b,
-               const Vec3d& side) {
+double segmentCost(const Band& band, const Metric& metric, const Vec3d& a, const Vec3d& b,
+                   const Vec3d& sheetNormal) {
     if (!metric.weighted()) return length(b - a);
-    return (metric.stepCost(SurfaceCell(band, metric, a, side), b - a) +
-            metric.stepCost(SurfaceCell(band, metric, b, side), b - a)) /
+    return (metric.stepCost(SurfaceCell(band, metric, a, sheetNormal), b - a) +
+            metric.stepCost(SurfaceCell(band, metric, b, sheetNormal), b - a)) /
            2;
 }
 
@@ -141,7 +141,7 @@ double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field,
         plane.weight = metric.at(cell);
     const double here = plane.weight;
     JetNeighbors all;
-    std::array<float, JetNeighbors::kMax> weight{};
+    BlendWeights weight{};
     for (std::size_t k = 0; k < 8; ++k) {
         const NodeIndex j = cell.node[k];
         if (j == kNoNode || !(field.distance[j] < kInfinity)) continue;
@@ -165,12 +165,12 @@ double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field,
 }  // namespace
 
 double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
-                      const Vec3d& side) {
-    const SurfaceCell cell(band, *field.metric, pIndex, side);
+                      const Vec3d& sheetNormal) {
+    const SurfaceCell cell(band, *field.metric, pIndex, sheetNormal);
     // Beside a seed in a groove jets are carried on past it.
     const double d =
-        std::max(field.first, field.atFootPoints ? sampleJets(band, cell, field, pIndex)
-                                                 : sampleVoxels(cell, field));
+        std::max(field.leastStart, field.atFootPoints ? sampleJets(band, cell, field, pIndex)
+                                                      : sampleVoxels(cell, field));
     const SurfacePoint* const s = seedAround(field, pIndex, cell.normal, d);
     if (!s) return d;
     const double straight = s->start + costToSeed(field, *s, pIndex, cell.normal);

@@ -23,10 +23,10 @@ struct Field {
                                 ///< of the voxels (godunov)
     std::vector<std::uint32_t>
         label;                        ///< per band node: the source it is nearest to; empty for one
-    std::vector<std::int8_t> side;    ///< per band node, of what the sources enclose (sides.h);
-                                      ///< empty: distances have no sign
+    std::vector<std::int8_t> sign;    ///< per band node, of what the sources enclose
+                                      ///< (signed_field.h); empty: distances have no sign
     std::size_t solved = 0;           ///< nodes that were marched (jet: of the core)
-    std::size_t guarded = 0;          ///< of those, solved by the guard (jet)
+    std::size_t fallbackCount = 0;    ///< of those, solved by the fallback (jet)
     std::vector<SurfacePoint> seeds;  ///< where it starts
     std::vector<std::uint32_t> source;  ///< per seed: the point, curve or region it belongs to
     SeedsNear seedsNear;                ///< finds seeds by place
@@ -34,13 +34,13 @@ struct Field {
     std::string scheme;                             ///< what computed it, e.g. "godunov, order 2"
     double startRadius = 0;     ///< within it, distances around seeds are exact; voxels
     std::size_t reached = 0;    ///< nodes with a finite distance
-    double first = 0;           ///< the least start value of its seeds
+    double leastStart = 0;      ///< the least start value of its seeds
     double maxDistance = 0;     ///< the largest finite distance
     bool stoppedEarly = false;  ///< a limit ended the march: +inf need not mean unconnected
 
     std::size_t sourceCount() const { return source.empty() ? 0 : source.back() + 1; }
 
-    /// Sets `reached`, `first`, `maxDistance`, `source` and `seedsNear`.
+    /// Sets `reached`, `leastStart`, `maxDistance`, `source` and `seedsNear`.
     void summarize();
 };
 
@@ -49,7 +49,7 @@ struct Field {
 /// the weight up to the scheme's error; zero where nothing is known. Voxel units, in parallel.
 std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field);
 
-/// Cost of the straight way from a point of S, where its normal is `normal`, to a seed next to it,
+/// Cost of the segment from a point of S, where its normal is `normal`, to a seed next to it,
 /// at the seed's metric.
 double costToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIndex,
                   const Vec3d& normal);
@@ -62,23 +62,24 @@ const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, const Ve
 
 /// The cell around a point of S without the corners that lie on another sheet or behind an
 /// obstacle, and the normal blended from those left on the sheet.
-/// @param side normal of the sheet that is meant, where two face each other within a cell
+/// @param sheetNormal of the sheet that is meant, where two face each other within a cell
 struct SurfaceCell : BandCell {
     Vec3d normal;
-    SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pIndex, const Vec3d& side);
+    SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pIndex,
+                const Vec3d& sheetNormal);
 };
 
-/// What the straight way between two points of S costs, a voxel or so apart: |b - a| by the metric,
-/// the mean of both ends; voxels times weight.
-/// @param side normal of their sheet
-double wayCost(const Band& band, const Metric& metric, const Vec3d& a, const Vec3d& b,
-               const Vec3d& side);
+/// Cost of the segment between two points of S, a voxel or so apart: |b - a| by the metric, the
+/// mean of both ends; voxels times weight.
+/// @param sheetNormal of their sheet
+double segmentCost(const Band& band, const Metric& metric, const Vec3d& a, const Vec3d& b,
+                   const Vec3d& sheetNormal);
 
 /// d at a point of S: trilinear over the reached corners of its cell, +inf if there are none;
 /// within a start disc the straight distance to its seed, as trilinear interpolation blunts the
 /// cone there. Never below the least start value.
-/// @param side normal of the sheet that is meant, where two face each other within a cell
+/// @param sheetNormal of the sheet that is meant, where two face each other within a cell
 double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
-                      const Vec3d& side = {});
+                      const Vec3d& sheetNormal = {});
 
 }  // namespace igeo

@@ -9,7 +9,7 @@ namespace igeo {
 
 namespace {
 
-/// The face neighbors of every node at sides -x, +x, -y, +y, -z, +z. Nodes without one, or with
+/// The face neighbors of every node at faces -x, +x, -y, +y, -z, +z. Nodes without one, or with
 /// one on a facing sheet (Band::linked) or behind an obstacle, have node n there, which never holds
 /// a distance: so the solve asks no questions.
 class FaceNeighbors {
@@ -21,12 +21,12 @@ public:
         table_.back().fill(none);
         parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k)
-                for (int side = 0; side < 6; ++side) {
+                for (int face = 0; face < 6; ++face) {
                     const auto i = NodeIndex(k);
-                    const NodeIndex j = band.neighbor(i, Band::faceStep(side));
+                    const NodeIndex j = band.neighbor(i, Band::faceStep(face));
                     const bool open =
                         j != kNoNode && band.linked(i, j) && !metric.blocked(band, i, j);
-                    table_[k][std::size_t(side)] = open ? j : none;
+                    table_[k][std::size_t(face)] = open ? j : none;
                 }
         });
     }
@@ -92,9 +92,9 @@ private:
         heap_.push(value - leastStart_, i);
     }
 
-    /// Whether the start value at node j stands. A difference over two voxels across the seed would
-    /// undercut it; one over one voxel never does, as distances from a point are convex. If it
-    /// does all the same, the front of another seed has come, and j is a node like others from
+    /// Whether the start value at node j is kept. A difference over two voxels across the seed
+    /// would undercut it; one over one voxel never does, as distances from a point are convex. If
+    /// it does all the same, the front of another seed has come, and j is a node like others from
     /// then on.
     bool keepsStart(NodeIndex j) {
         constexpr double kRounding = 1e-6;  // voxels
@@ -108,7 +108,7 @@ private:
     double solve(NodeIndex i) const;
 
     /// Marks the nodes whose distance the early stop waits for.
-    void watchTargets();
+    void initStopNodes();
 
     const Band& band_;
     MetricPtr metric_;
@@ -149,7 +149,7 @@ double Godunov::solve(NodeIndex i) const {
     return godunovSolve(terms, n, anisotropic_ ? 1 : metric_->at(i));
 }
 
-void Godunov::watchTargets() {
+void Godunov::initStopNodes() {
     if (options_.stopAt.empty()) return;
     awaited_.assign(band_.size(), false);
     for (const SurfacePoint& p : options_.stopAt) {
@@ -161,7 +161,7 @@ void Godunov::watchTargets() {
 
 template <int Order>
 void Godunov::march(Progress& progress) {
-    watchTargets();
+    initStopNodes();
     const bool waits = awaitedCount_ > 0;
     std::size_t done = 0;
     while (!heap_.empty()) {

@@ -2,12 +2,12 @@
 
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
-#include <igeo/march/detail/jet_core.h>
+#include <igeo/march/detail/jet_extend.h>
+#include <igeo/march/detail/jet_neighborhood.h>
+#include <igeo/march/detail/jet_queue.h>
+#include <igeo/march/detail/jet_start.h>
 
 #include <algorithm>
-#include <atomic>
-#include <map>
-#include <set>
 
 namespace igeo {
 
@@ -17,300 +17,266 @@ namespace {
 /// neighbors that a full march would give them.
 constexpr double kMargin = 3;
 
-/// Buckets are counted from the smallest start value; kNoBucket is beyond all.
-/// Values beyond this bucket do not fit: 2e9 voxels of the least weight.
-constexpr std::uint32_t kLastBucket = kNoBucket - 2;
-
-/// The march goes over the core of the band; the other nodes then take the jets of the core around
-/// their foot points.
+/// The march over the core of a band, batch by batch: the nodes of the first buckets are solved
+/// from nodes accepted before, accepted together, and put their neighbors into later buckets.
 class JetMarch {
 public:
     JetMarch(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
              const JetOptions& options);
     void march(Progress& progress);
-    /// The field on the whole band.
+    /// The field on the whole band; the march is over then.
     Field take();
 
 private:
-    using Node = JetCore::Node;
     struct Queued {
         std::uint32_t bucket;
         NodeIndex node;
     };
-    /// Part of a bucket, for one thread: what is accepted, and who waits for what bucket now.
+    /// A node without a jet next to one that is solved. Bare numbers, which cost nothing until they
+    /// are set.
+    struct Waiting {
+        NodeIndex node;
+        float x, y, z;  ///< the chord from its foot point to the other
+    };
+    /// The neighbors of a node that is solved.
+    struct Gathered {
+        Neighborhood known;
+        std::array<Waiting, JetStencil::kMax> waiting;
+        std::size_t waitingCount = 0;
+        double leastAround;  ///< the least cost per unit length of the node and its neighbors
+    };
+    /// Part of a batch, for one thread: what it found out, to be written once all are solved.
     struct Chunk {
         std::vector<std::pair<NodeIndex, Solved>> accepted;
-        std::vector<Queued> queued, tooEarly;
-        std::vector<Queued> again;  ///< where jets of this bucket put nodes that are in it as well
+        std::vector<Queued> queued;        ///< neighbors, into an earlier bucket than before
+        std::vector<Queued> deferred;      ///< nodes of the batch that are not final
+        std::vector<Queued> requeueLater;  ///< neighbors that are in the batch themselves
+
+        void clear() { accepted.clear(), queued.clear(), deferred.clear(), requeueLater.clear(); }
     };
 
     std::uint32_t bucketOf(double u) const {
-        return std::uint32_t(
-            std::min(std::max(0.0, (u - core_.first) / bucketWidth_), double(kLastBucket)));
+        return std::uint32_t(std::min(std::max(0.0, (u - core_.seeds.leastStart) / bucketWidth_),
+                                      double(kLastBucket)));
     }
-    /// How far beyond a bucket's start a value may lie to stand, found from all that was accepted
-    /// before: nodes still to come lie beyond the start, and a step from one of them costs more
-    /// than half a voxel at the mean of both costs. One bucket where costs are least, and many
-    /// where they are large, which need not be gone through one by one.
+    double startOf(std::uint32_t bucket) const {
+        return core_.seeds.leastStart + bucket * bucketWidth_;
+    }
+    /// How far beyond the start of a batch a value may lie and be final: nodes still to come lie
+    /// beyond the start, and a step from one of them costs more than half a voxel at the mean of
+    /// both costs. One bucket where costs are least, and many where they are large, so that these
+    /// need no march bucket by bucket.
     double slackOf(double cost, double leastAround) const {
         return options_.bucketWidth * (cost + leastAround) / 2;
     }
-    /// Whether a front that comes to a core node with this value is wanted (JetOptions::below).
-    bool wanted(NodeIndex core, double u) const {
+    /// Whether a value at a core node is within JetOptions::below, or next to it.
+    bool withinLimit(NodeIndex core, double u) const {
         if (!options_.below) return true;
-        const Node& node = core_.nodes[core];
+        const JetNode& node = core_.nodes[core];
         const NodeIndex i = core_.band.leaves[node.leaf].band.numberOf(node.offset);
-        return u < (*options_.below)[i] + kMargin * core_.largestCost(core);
+        return u < (*options_.below)[i] + kMargin * core_.largestCostAt(core);
     }
-    void startDisc(std::uint32_t seed);
-    void watchTargets();
-    /// The queue's list of a bucket also holds nodes that an earlier front has put elsewhere since.
-    /// Which ones depends on the order of the threads: nothing may be decided by them.
-    bool waitsIn(std::uint32_t bucket, NodeIndex i) const {
-        return core_.nodes[i].bucket == bucket;
-    }
-    /// Whether the queue holds a node that waits; drops first buckets that hold none.
-    bool anyWaits();
-    /// The nodes of the first bucket, and of those behind it that need not wait for its values.
-    /// @param last  the last of these buckets
-    std::vector<NodeIndex> nextNodes(std::uint32_t& last);
-    /// Solves a node from its accepted neighbors; if it belongs into this bucket, puts the others
-    /// into the buckets where its jet says they belong.
-    /// @param last  no node goes into a bucket up to this one
-    Solved visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last, Chunk& out);
-    /// @param from, way  a place with that jet, and the chord from there to node i
-    void key(NodeIndex i, const Place& from, const Vec3f& way, const Solved& jet,
-             std::uint32_t last, Chunk& out);
-    void process(std::uint32_t bucket, std::uint32_t last, const std::vector<NodeIndex>& nodes);
 
-    /// Start discs are exact, unless the front of another seed was there before.
-    Solved preferDisc(NodeIndex core, const Solved& s) const;
+    void enqueueStartDiscs();
+    void initStopNodes();
+    Batch nextBatch();
 
-    const MetricPtr held_;
+    // The three phases of a batch: BucketQueue.
+    void solve(const Batch& batch);
+    void accept(std::size_t chunkCount);
+    void collect(std::size_t chunkCount);
+
+    void solveChunk(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk);
+    /// Solves a node from its accepted neighbors; if the result is final, enqueues the others.
+    Solved solveNode(NodeIndex i, const Batch& batch, Chunk& chunk);
+    void gather(NodeIndex i, const LocalFrame& local, double cost, Gathered& around) const;
+    /// The jet of its start disc, unless the front of another seed was there before.
+    Solved exactNearSeed(NodeIndex core, const Solved& s) const;
+    /// Puts node i into the bucket of the value that a jet nearby carries to it, after the batch at
+    /// the earliest.
+    /// @param from, chord  the foot point with that jet, and the chord from there to node i
+    void enqueue(NodeIndex i, const LocalFrame& from, const Vec3f& chord, const Solved& jet,
+                 const Batch& batch, Chunk& chunk);
+
+    const MetricPtr metric_;
     const JetOptions& options_;
     JetCore core_;
-    double bucketWidth_;   ///< half a voxel at the least cost
-    double heaviest_ = 0;  ///< the largest cost per unit length accepted so far
-    std::map<std::uint32_t, std::vector<NodeIndex>> queue_;
+    BucketQueue queue_;
+    const StartDiscs discs_;
+    const double bucketWidth_;  ///< half a voxel at the least cost
+    double heaviest_ = 0;       ///< the largest cost per unit length accepted so far
+    double limit_;              ///< larger distances are left out
+    bool stopped_ = false;      ///< the limit ended the march
     std::vector<Chunk> chunks_;
-    std::map<NodeIndex, Solved> discs_;  ///< jets around the seeds, by core node
-    double limit_;                       ///< distances beyond it are not wanted
-    bool stopped_ = false;               ///< the limit ended the march
-    std::vector<bool> awaited_;
-    std::size_t awaitedCount_ = 0, accepted_ = 0, guarded_ = 0;
+    std::vector<bool> stopNodes_;  ///< nodes of the core that the march has to reach; empty: all
+    std::size_t stopNodesLeft_ = 0, accepted_ = 0, fallbackCount_ = 0;
 };
 
 JetMarch::JetMarch(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
                    const JetOptions& options)
-    : held_(std::move(metric)),
+    : metric_(std::move(metric)),
       options_(options),
-      core_(band, *held_, seeds, options.startRadius),
+      core_(buildJetCore(band, *metric_, seeds, options.startRadius)),
+      queue_(core_.nodes),
+      discs_(startDiscs(core_)),
       bucketWidth_(options.bucketWidth * core_.leastCost),
       limit_(options.maxDistance) {
-    const auto [first, last] = std::minmax_element(
-        seeds.begin(), seeds.end(), [](auto& a, auto& b) { return a.start < b.start; });
+    const auto last = std::max_element(seeds.begin(), seeds.end(),
+                                       [](auto& a, auto& b) { return a.start < b.start; });
     // Buckets are numbered in 32 bits.
-    if (!(last->start - first->start < 1e9 * core_.leastCost))
+    if (!(last->start - core_.seeds.leastStart < 1e9 * core_.leastCost))
         throw Error(Error::Kind::InvalidArgument,
                     "start values of seeds differ by more than 1e9 voxels",
                     "give seeds that no front comes near to a run of their own");
-    for (std::size_t k = 0; k < seeds.size(); ++k) startDisc(std::uint32_t(k));
+    enqueueStartDiscs();
+    initStopNodes();
 }
 
-void JetMarch::startDisc(std::uint32_t k) {
-    const SurfacePoint& seed = core_.seeds[k];
-    auto put = [&](NodeIndex i, const Solved& s) {
-        core_.discEnd = std::max(core_.discEnd, s.u);
-        const auto [at, isNew] = discs_.try_emplace(i, s);
-        if (!isNew && s.u < at->second.u) at->second = s;
-        const std::uint32_t b = bucketOf(s.u);
-        if (b < core_.nodes[i].bucket) core_.nodes[i].bucket = b, queue_[b].push_back(i);
-    };
-    // Outward from the seed over the core, so that no disc reaches a surface close by.
-    std::vector<NodeIndex> found;
-    std::set<NodeIndex> seen;
-    NodeIndex nearest = kNoNode;
-    double least = kInfinity;
-    auto visit = [&](NodeIndex i) {
-        if (!seen.insert(i).second) return;
-        const Vec3d foot = core_.footOf(core_.nodes[i]), from = seed.nearestTo(foot);
-        if (core_.nodes[i].sight == Metric::Inside ||
-            held_->blocked(from, foot, Vec3d(core_.seedNormal[k])))
-            return;
-        if (const double r = length(foot - from); r < least) least = r, nearest = i;
-        if (Solved s; core_.discJet(k, core_.placeOf(i), foot, s)) put(i, s), found.push_back(i);
-    };
-    const Vec3f side = core_.band.normal[seed.node];
-    core_.band.forBox(&BandLeaf::core, core_.band.leaf[seed.node], core_.band.offset[seed.node], {},
-                      2, [&](NodeIndex i, const Ijk&) {
-                          const Node& node = core_.nodes[i];
-                          if (igeo::dot(node.normal, side) >= Band::kOtherSheet &&
-                              !stacked(Vec3f(core_.footOf(node) - seed.pIndex), node.normal, side))
-                              visit(i);
-                      });
-    for (std::size_t at = 0; at < found.size(); ++at) {
-        const Node& node = core_.nodes[found[at]];
-        core_.band.forNeighbors(
-            &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
-                const Node& other = core_.nodes[j];
-                const Vec3f chord = node.foot - other.foot - Vec3f(Ijk{dx, dy, dz});
-                if (igeo::dot(node.normal, other.normal) >= Band::kOtherSheet &&
-                    !stacked(chord, node.normal, other.normal))
-                    visit(j);
-            });
+void JetMarch::enqueueStartDiscs() {
+    for (const auto& [i, s] : discs_) {
+        core_.nodes[i].bucket = bucketOf(s.u);
+        queue_.add(i, core_.nodes[i].bucket);
     }
-    // A seed in a corner that no node near it can see: straight to the nearest.
-    if (found.empty() && nearest != kNoNode)
-        put(nearest, {seed.start + seed.weight * least, {}, core_.source[k], false});
 }
 
-Solved JetMarch::preferDisc(NodeIndex i, const Solved& s) const {
+void JetMarch::initStopNodes() {
+    if (options_.stopAt.empty()) return;
+    stopNodes_.assign(core_.nodes.size(), false);
+    for (const SurfacePoint& p : options_.stopAt)
+        for (const NodeIndex i : nodesAround(core_.band, p, 3.0)) {
+            const NodeIndex core = core_.band.coreNode(i);
+            if (core != kNoNode && !stopNodes_[core] && !metric_->inside(i))
+                stopNodes_[core] = true, ++stopNodesLeft_;
+        }
+}
+
+void JetMarch::march(Progress& progress) {
+    bool mayStop = stopNodesLeft_ > 0;
+    while (queue_.anyWaits()) {
+        const std::uint32_t bucket = queue_.firstBucket();
+        if (bucket >= kLastBucket)
+            throw Error(Error::Kind::InvalidArgument,
+                        "a distance is more than 2e9 times the least weight, in voxels",
+                        "raise the least weights: they make no difference beside the largest");
+        if (startOf(bucket) > limit_ + kMargin * heaviest_) {
+            stopped_ = true;
+            return;
+        }
+        const Batch batch = nextBatch();
+        solve(batch);
+        if (mayStop && stopNodesLeft_ == 0) {
+            limit_ = std::min(limit_, startOf(batch.last + 1));
+            mayStop = false;
+        }
+        progress.throwIfCancelled();
+        progress.update("march", double(accepted_) / double(core_.nodes.size()));
+    }
+}
+
+Batch JetMarch::nextBatch() {
+    if (!core_.variableCost) return queue_.popFirst();
+    return queue_.popTogether(bucketWidth_,
+                              [&](NodeIndex i) { return slackOf(core_.leastCostAt(i), 0); });
+}
+
+void JetMarch::solve(const Batch& batch) {
+    constexpr std::size_t kChunk = 64;
+    const std::size_t size = batch.nodes.size(), count = (size + kChunk - 1) / kChunk;
+    if (chunks_.size() < count) chunks_.resize(count);
+    parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c)
+            solveChunk(batch, c * kChunk, std::min(size, (c + 1) * kChunk), chunks_[c]);
+    });
+    accept(count);
+    collect(count);
+}
+
+void JetMarch::solveChunk(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk) {
+    chunk.clear();
+    for (std::size_t k = begin; k < end; ++k) {
+        const NodeIndex i = batch.nodes[k];
+        if (!queue_.take(i, batch.first, batch.last)) continue;
+        const Solved s = solveNode(i, batch, chunk);
+        if (s.isFinal) {
+            chunk.accepted.emplace_back(i, s);
+        } else if (s.u < kInfinity) {
+            // Half as far as its bucket: soon, with what is known then, but not in every bucket in
+            // between, of which there are many where weights differ by much.
+            const std::uint32_t half = batch.first + (bucketOf(s.u) - batch.first + 1) / 2;
+            chunk.deferred.push_back({std::max(batch.last + 1, half), i});
+        }
+    }
+}
+
+Solved JetMarch::solveNode(NodeIndex i, const Batch& batch, Chunk& chunk) {
+    const LocalFrame local = core_.localFrame(i);
+    const double cost = core_.leastCostAt(i);
+    Gathered around;
+    gather(i, local, cost, around);
+    Solved s = solveJet(core_, local, around.known);
+    // Nodes of a disc wait in its buckets or earlier.
+    if (batch.first <= bucketOf(core_.seeds.largestInDisc)) s = exactNearSeed(i, s);
+    if (!withinLimit(i, s.u)) s.u = kInfinity;
+    const double slack = slackOf(cost, around.leastAround);
+    s.isFinal = s.u < kInfinity && bucketOf(s.u - (slack - bucketWidth_)) <= batch.first;
+    if (s.isFinal)
+        for (std::size_t k = 0; k < around.waitingCount; ++k) {
+            const Waiting& w = around.waiting[k];
+            enqueue(w.node, local, -Vec3f(w.x, w.y, w.z), s, batch, chunk);
+        }
+    return s;
+}
+
+void JetMarch::gather(NodeIndex i, const LocalFrame& local, double cost, Gathered& around) const {
+    around.leastAround = cost;
+    forStencil(core_, i, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
+        if (core_.variableCost)
+            around.leastAround = std::min(around.leastAround, core_.leastCostAt(j));
+        if (!(core_.nodes[j].u < kInfinity))
+            around.waiting[around.waitingCount++] = {j, chord.x, chord.y, chord.z};
+        else if (!around.known.full())
+            addNeighbor(core_, j, chord, cosine, local, around.known);
+    });
+    // One per lattice column: on a surface that goes on all around these are eight, or nearly so.
+    // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
+    // saves.
+    constexpr std::size_t kAllAround = 7;
+    JetNeighbors& all = around.known.all;
+    all.rim =
+        core_.nodes[i].obstacleState != Metric::Clear ||
+        (core_.stretch.empty() && std::size_t(all.count()) + around.waitingCount < kAllAround);
+}
+
+Solved JetMarch::exactNearSeed(NodeIndex i, const Solved& s) const {
     const auto disc = discs_.find(i);
     if (disc == discs_.end() || (s.u < disc->second.u && s.label != disc->second.label)) return s;
     return disc->second;
 }
 
-Solved JetMarch::visit(NodeIndex i, std::uint32_t bucket, std::uint32_t last, Chunk& out) {
-    const Place place = core_.placeOf(i);
-    Surroundings known;
-    // Bare numbers, which cost nothing until they are set.
-    struct Waiting {
-        NodeIndex node;
-        float x, y, z;  ///< the chord from its foot point to this one
-    };
-    std::array<Waiting, JetCore::kMaxStencil> waiting;
-    std::size_t waitingCount = 0;
-    const double cost = core_.leastCostAt(i);
-    double leastAround = cost;
-    auto look = [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
-        if (core_.varied) leastAround = std::min(leastAround, core_.leastCostAt(j));
-        if (!(core_.nodes[j].u < kInfinity))
-            waiting[waitingCount++] = {j, chord.x, chord.y, chord.z};
-        else if (!known.full())
-            core_.see(j, chord, cosine, place, known);
-    };
-    if (core_.stencil.empty())
-        core_.forLinks(i, look);
-    else
-        core_.forStencil(i, look);
-    // One per lattice column: on a surface that goes on all around these are eight, or nearly so.
-    // Tensors squeeze the picture, and at a straight rim the guard would err by more than it saves.
-    constexpr std::size_t kAllAround = 7;
-    known.all.rim =
-        core_.nodes[i].sight != Metric::Clear ||
-        (core_.stretch.empty() && std::size_t(known.all.count()) + waitingCount < kAllAround);
-    Solved s = core_.solve(place, known);
-    // Nodes of a disc wait in its buckets or earlier.
-    if (bucket <= bucketOf(core_.discEnd)) s = preferDisc(i, s);
-    if (!wanted(i, s.u)) s.u = kInfinity;
-    s.stands =
-        s.u < kInfinity && bucketOf(s.u - (slackOf(cost, leastAround) - bucketWidth_)) <= bucket;
-    if (s.stands)
-        for (std::size_t k = 0; k < waitingCount; ++k)
-            key(waiting[k].node, place, -Vec3f(waiting[k].x, waiting[k].y, waiting[k].z), s, last,
-                out);
-    return s;
-}
-
-void JetMarch::key(NodeIndex i, const Place& from, const Vec3f& way, const Solved& jet,
-                   std::uint32_t last, Chunk& out) {
-    // Several threads may key one node: the least bucket wins, whoever comes first.
-    const std::atomic_ref waitsIn(core_.nodes[i].bucket);
-    std::uint32_t seen = waitsIn.load(std::memory_order_relaxed);
-    // In this bucket, or taken out of it just now: where it goes next is settled afterwards.
-    // Without tensors nodes come back soon enough.
-    const bool inBucket = seen <= last;
-    if (seen == last + 1 || (inBucket && core_.stretch.empty())) return;
-    // As jet::carry, by chords: good enough to know the bucket.
-    const Vec3f chord = float(from.weight) * way;
-    const double along = igeo::dot(jet.g, chord), c2 = core_.squaredCost(from, chord);
-    const double r = jet.u - core_.first + std::max(along, 0.0);
+void JetMarch::enqueue(NodeIndex i, const LocalFrame& from, const Vec3f& chord, const Solved& jet,
+                       const Batch& batch, Chunk& chunk) {
+    const std::uint32_t current = queue_.bucketOf(i), next = batch.last + 1;
+    // In this batch, or taken out of it just now: its next bucket is settled in collect(). Without
+    // tensors such nodes come back soon enough.
+    const bool inBatch = current < next;
+    if (current == next || (inBatch && core_.stretch.empty())) return;
+    // The circular step by chords: good enough to know the bucket.
+    const Vec3f c = float(from.weight) * chord;
+    const double along = dot(jet.g, c), c2 = squaredCost(core_, from, c);
+    const double r = jet.u - core_.seeds.leastStart + std::max(along, 0.0);
     const double carried =
         along > 0 ? std::sqrt(r * r + std::max(c2 - along * along, 0.0)) : r + std::sqrt(c2);
-    const std::uint32_t b = std::max(last + 1, bucketOf(core_.first + carried));
-    if (inBucket) {
-        out.again.push_back({b, i});
-        return;
-    }
-    while (b < seen && !waitsIn.compare_exchange_weak(seen, b, std::memory_order_relaxed)) {
-    }
-    if (b < seen) out.queued.push_back({b, i});
+    const std::uint32_t to = std::max(next, bucketOf(core_.seeds.leastStart + carried));
+    if (inBatch)
+        chunk.requeueLater.push_back({to, i});
+    else if (queue_.lower(i, to, current))
+        chunk.queued.push_back({to, i});
 }
 
-bool JetMarch::anyWaits() {
-    for (; !queue_.empty(); queue_.erase(queue_.begin())) {
-        const auto& [bucket, list] = *queue_.begin();
-        for (const NodeIndex i : list)
-            if (waitsIn(bucket, i)) return true;
-    }
-    return false;
-}
-
-std::vector<NodeIndex> JetMarch::nextNodes(std::uint32_t& last) {
-    const std::uint32_t first = queue_.begin()->first;
-    std::vector<NodeIndex> nodes;
-    if (!core_.varied) {
-        last = first;
-        nodes = std::move(queue_.begin()->second);
-        queue_.erase(queue_.begin());
-        return nodes;
-    }
-    // Together with the next buckets, up to the slack that every node has.
-    double slack = kInfinity;
-    do {
-        const auto& [bucket, list] = *queue_.begin();
-        const std::size_t before = nodes.size();
-        for (const NodeIndex i : list)
-            if (waitsIn(bucket, i)) {
-                nodes.push_back(i);
-                slack = std::min(slack, slackOf(core_.leastCostAt(i), 0));
-            }
-        if (bucket > first && (bucket - first + 1) * bucketWidth_ > slack) {
-            nodes.resize(before);
-            break;
-        }
-        last = bucket;
-        queue_.erase(queue_.begin());
-    } while (anyWaits());
-    return nodes;
-}
-
-void JetMarch::process(std::uint32_t bucket, std::uint32_t last,
-                       const std::vector<NodeIndex>& nodes) {
-    constexpr std::size_t kChunk = 64;
-    const std::size_t count = (nodes.size() + kChunk - 1) / kChunk;
-    if (chunks_.size() < count) chunks_.resize(count);
-    parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
+void JetMarch::accept(std::size_t chunkCount) {
+    parallelFor(chunkCount, 4, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c) {
-            Chunk& chunk = chunks_[c];
-            chunk.accepted.clear(), chunk.queued.clear(), chunk.tooEarly.clear(),
-                chunk.again.clear();
-            for (std::size_t k = c * kChunk; k < std::min(nodes.size(), (c + 1) * kChunk); ++k) {
-                // Taken out of its bucket by whoever is first: it may be queued twice. Or it was
-                // queued here before a front came to it from elsewhere, and earlier.
-                const std::atomic_ref waitsIn(core_.nodes[nodes[k]].bucket);
-                std::uint32_t seen = waitsIn.load(std::memory_order_relaxed);
-                if (seen < bucket || seen > last ||
-                    !waitsIn.compare_exchange_strong(seen, 0, std::memory_order_relaxed))
-                    continue;
-                const Solved s = visit(nodes[k], bucket, last, chunk);
-                if (s.stands) {
-                    chunk.accepted.emplace_back(nodes[k], s);
-                } else if (s.u < kInfinity) {
-                    // Again with what is known then: soon, but not in every bucket on the way, of
-                    // which there are many where weights differ by much.
-                    const std::uint32_t next =
-                        std::max(last + 1, bucket + (bucketOf(s.u) - bucket + 1) / 2);
-                    chunk.tooEarly.push_back({next, nodes[k]});
-                }
-            }
-        }
-    });
-    // Accepted together: nobody has seen a value of this bucket before, nor a node that waits
-    // again.
-    parallelFor(count, 4, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t c = begin; c < end; ++c) {
-            for (const Queued& q : chunks_[c].tooEarly) core_.nodes[q.node].bucket = q.bucket;
+            for (const Queued& q : chunks_[c].deferred) core_.nodes[q.node].bucket = q.bucket;
             for (const auto& [i, s] : chunks_[c].accepted) {
                 core_.nodes[i].u = s.u;
                 core_.nodes[i].g = s.g;
@@ -318,57 +284,20 @@ void JetMarch::process(std::uint32_t bucket, std::uint32_t last,
             }
         }
     });
-    for (std::size_t c = 0; c < count; ++c) {
-        accepted_ += chunks_[c].accepted.size();
-        for (const auto& [i, s] : chunks_[c].accepted) {
-            guarded_ += s.guarded;
-            heaviest_ = std::max(heaviest_, core_.largestCost(i));
-            if (!awaited_.empty() && awaited_[i]) --awaitedCount_;
-        }
-        for (const auto* list : {&chunks_[c].queued, &chunks_[c].tooEarly})
-            for (const Queued& q : *list) queue_[q.bucket].push_back(q.node);
-        for (const Queued& q : chunks_[c].again) {
-            Node& node = core_.nodes[q.node];
-            if (node.u < kInfinity || node.bucket <= q.bucket) continue;
-            node.bucket = q.bucket;
-            queue_[q.bucket].push_back(q.node);
-        }
-    }
 }
 
-void JetMarch::watchTargets() {
-    if (options_.stopAt.empty()) return;
-    awaited_.assign(core_.nodes.size(), false);
-    for (const SurfacePoint& p : options_.stopAt)
-        for (const NodeIndex i : nodesAround(core_.band, p, 3.0)) {
-            const NodeIndex core = core_.band.coreNode(i);
-            if (core != kNoNode && !awaited_[core] && !held_->inside(i))
-                awaited_[core] = true, ++awaitedCount_;
+void JetMarch::collect(std::size_t chunkCount) {
+    for (std::size_t c = 0; c < chunkCount; ++c) {
+        const Chunk& chunk = chunks_[c];
+        accepted_ += chunk.accepted.size();
+        for (const auto& [i, s] : chunk.accepted) {
+            fallbackCount_ += s.usedFallback;
+            heaviest_ = std::max(heaviest_, core_.largestCostAt(i));
+            if (!stopNodes_.empty() && stopNodes_[i]) --stopNodesLeft_;
         }
-}
-
-void JetMarch::march(Progress& progress) {
-    watchTargets();
-    bool waits = awaitedCount_ > 0;
-    while (anyWaits()) {
-        const std::uint32_t bucket = queue_.begin()->first;
-        if (bucket >= kLastBucket)
-            throw Error(Error::Kind::InvalidArgument,
-                        "a distance is more than 2e9 times the least weight, in voxels",
-                        "raise the least weights: they make no difference beside the largest");
-        if (core_.first + bucket * bucketWidth_ > limit_ + kMargin * heaviest_) {
-            stopped_ = true;
-            return;
-        }
-        std::uint32_t last = bucket;
-        const std::vector<NodeIndex> nodes = nextNodes(last);
-        process(bucket, last, nodes);
-        if (waits && awaitedCount_ == 0) {
-            limit_ = std::min(limit_, core_.first + (last + 1) * bucketWidth_);
-            waits = false;
-        }
-        progress.throwIfCancelled();
-        progress.update("march", double(accepted_) / double(core_.nodes.size()));
+        for (const auto* list : {&chunk.queued, &chunk.deferred})
+            for (const Queued& q : *list) queue_.add(q.node, q.bucket);
+        for (const Queued& q : chunk.requeueLater) queue_.requeue(q.node, q.bucket);
     }
 }
 
@@ -376,13 +305,13 @@ Field JetMarch::take() {
     Field field;
     extendJets(core_, limit_, /*everywhere=*/accepted_ == core_.nodes.size(), field);
     field.atFootPoints = true;
-    field.metric = held_;
-    field.seeds = std::move(core_.seeds);
+    field.metric = metric_;
+    field.seeds = std::move(core_.seeds.points);
     field.scheme = "jet";
     field.startRadius = options_.startRadius;
     field.stoppedEarly = stopped_ || options_.below;
     field.solved = accepted_;
-    field.guarded = guarded_;
+    field.fallbackCount = fallbackCount_;
     field.summarize();
     return field;
 }

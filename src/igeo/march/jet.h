@@ -16,29 +16,34 @@ struct JetOptions {
     double bucketWidth = 0.5;        ///< of a voxel: nodes solved and accepted together
     double maxDistance = kInfinity;  ///< stop beyond this distance, voxels times weight
     std::vector<SurfacePoint> stopAt;  ///< stop when d is known around all of these; empty: do not
-    /// Per band node: d is wanted where it is below this, and the front goes no more than a few
-    /// voxels further; null: everywhere.
+    /// Per band node: the march covers d below this, and a few voxels more; null: all d.
     const std::vector<double>* below = nullptr;
 };
 
 /// Marches the jet of the distance (value and gradient along S) outward from `seeds`.
 ///
-/// Every band node stands for its foot point y_i on S, so the band needs no room for paths
+/// Every band node carries the jet of its foot point y_i on S, so the band needs no room for paths
 /// (h = sqrt(3) voxels is enough) and no neighbor is outside. The nodes of the core (Band) go
-/// through buckets of equal width in the distance; all nodes of a bucket are solved (jet_update.h)
-/// from nodes of earlier buckets only and accepted together. So the work is linear in the number of
-/// nodes, every bucket is a parallel loop, and the result has the same bits for any number of
-/// threads. The other nodes take their jets from the core around their foot points.
+/// through buckets of equal width in the distance; all nodes of a bucket are solved
+/// (detail/jet_update.h) from nodes of earlier buckets only and accepted together. So the work is
+/// linear in the number of nodes, every bucket is a parallel loop, and the result has the same bits
+/// for any number of threads. The other nodes take their jets from the core around their foot
+/// points.
+///
+/// The equation is |grad_S d| = g (M&S (7)), or G^-1[grad_S d, grad_S d] = 1 where the metric is a
+/// tensor G (M&S 5.1). With tensors each solve is done in coordinates in which the metric of its
+/// tangent plane is Euclidean. Where that stretches the plane by more than 2, nodes use beyond
+/// their 26 neighbors those of Selling's reduction (detail/selling_reduction.h). Within a start
+/// disc are the foot points whose cost is at most that of `startRadius` voxels in the dearest
+/// direction.
 /// @param band   any h >= sqrt(3)/2 voxels
-/// With tensors each solve is done in coordinates in which the metric of its tangent plane is
-/// Euclidean. Where that stretches the plane by more than 2, nodes look beyond their 26 neighbors
-/// to those of Selling's reduction (selling.h). Within a start disc are the foot points whose cost
-/// is at most that of `startRadius` voxels where they are dearest.
 /// @param metric weights or tensors, obstacles, or null
-/// @param seeds  at least one; a seed may start at a distance > 0. With several, Field::label says
-///              whose a node is (the earlier seed where they tie), and fronts of different seeds
-///              are never fitted together
-/// @return second order in dx where S is smooth; first order at creases. Field::gradient is set.
+/// @param seeds  at least one; a seed may start at a distance > 0. With several, Field::label is
+///              the source of a node (the earlier one where they tie), and fronts of different
+///              seeds are never fitted together
+/// @return distances in voxels times weight, +inf where no front comes: second order in dx where S
+///         is smooth, first order at creases. Field::gradient is set. In Field::fallbackCount:
+///         nodes of the core whose jet is from the fallback, of first order at worst
 /// @throws Error  InvalidArgument for options or a metric out of range (tensors: costs in a tangent
 ///         plane more than 20 times apart), a narrower band, start values 1e9 voxels apart, or
 ///         distances beyond 2e9 voxels of the least weight; Cancelled through `progress`

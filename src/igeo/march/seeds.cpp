@@ -11,7 +11,7 @@ namespace igeo {
 
 namespace {
 
-constexpr double kPiece = 0.5;  ///< length of a piece of a curve, voxels
+constexpr double kSegment = 0.5;  ///< length of a segment of a curve, voxels
 
 }  // namespace
 
@@ -30,7 +30,7 @@ SeedsNear::SeedsNear(const std::vector<SurfacePoint>& seeds, double radius) {
     few_ = seeds.size();
     if (few_ <= kFew) return;
     double longest = 0;
-    for (const SurfacePoint& s : seeds) longest = std::max(longest, length(s.piece));
+    for (const SurfacePoint& s : seeds) longest = std::max(longest, length(s.segment));
     edge_ = std::max(radius, 1.0) + longest;
     cells_.reserve(seeds.size());
     for (std::size_t k = 0; k < seeds.size(); ++k)
@@ -38,58 +38,83 @@ SeedsNear::SeedsNear(const std::vector<SurfacePoint>& seeds, double radius) {
     std::sort(cells_.begin(), cells_.end());
 }
 
-std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, double snap) {
-    using Kind = Error::Kind;
-    if (curve.points.empty()) throw Error(Kind::InvalidArgument, "a curve has no points");
-    const std::size_t n = curve.points.size();
-    std::vector<SurfacePoint> seeds;
-    auto add = [&](const SurfacePoint& p) {
-        // Snapping moves neighbors together and apart, but not to another sheet.
-        constexpr double kFar = 4 * kPiece;
-        if (!seeds.empty()) {
-            SurfacePoint& last = seeds.back();
-            last.piece = p.pIndex - last.pIndex;
-            if (length(last.piece) > kFar) return false;
-        }
-        seeds.push_back(p);
-        seeds.back().start = curve.start;
-        seeds.back().joined = seeds.size() > 1;
-        return true;
-    };
+namespace {
+
+/// The points of a curve, moved onto S.
+std::vector<Vec3d> cornersOnSurface(const Band& band, const Curve& curve, double snap) {
     std::vector<Vec3d> corners;
-    for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t k = 0; k < curve.points.size(); ++k) {
         const SurfacePoint p = nearestSurfacePoint(band, curve.points[k]);
         if (!(p.snapDistance <= snap))
-            throw Error(Kind::InvalidArgument,
+            throw Error(Error::Kind::InvalidArgument,
                         "point " + std::to_string(k) + " of a curve is " +
                             std::to_string(p.snapDistance) + " voxels from the surface, " +
                             std::to_string(snap) + " are allowed",
                         "move it there or raise --snap");
         corners.push_back(p.pIndex);
     }
-    const std::size_t stretches = curve.closed && n > 2 ? n : n - 1;
-    add(nearestSurfacePoint(band, corners[0]));
-    for (std::size_t k = 0; k < stretches; ++k) {
-        // Between points of S, so that there are no more steps than the surface is wide.
-        const Vec3d &a = corners[k], &b = corners[(k + 1) % n];
-        auto staysOnSurface = [&] {
-            // No way of so many voxels runs over fewer nodes.
-            if (length(b - a) > 2 * double(band.size())) return false;
-            const auto steps = std::max(1, int(std::ceil(length(b - a) / kPiece)));
-            for (int s = 1; s <= steps; ++s)
-                if (!add(nearestSurfacePoint(band, a + (double(s) / steps) * (b - a))))
-                    return false;
-            return true;
-        };
-        if (!staysOnSurface())
+    return corners;
+}
+
+/// The seeds of a curve, point by point.
+class CurveSeeds {
+public:
+    CurveSeeds(const Band& band, double start) : band_(band), start_(start) {}
+
+    /// Adds the point of S nearest to p, and the segment to it from the point before.
+    /// @return false where that segment is too long: snapping moves neighbors together and apart,
+    ///         but not to another sheet
+    bool add(const Vec3d& p) {
+        constexpr double kFar = 4 * kSegment;
+        const SurfacePoint next = nearestSurfacePoint(band_, p);
+        if (!seeds.empty()) {
+            SurfacePoint& last = seeds.back();
+            last.segment = next.pIndex - last.pIndex;
+            if (length(last.segment) > kFar) return false;
+        }
+        seeds.push_back(next);
+        seeds.back().start = start_;
+        seeds.back().joined = seeds.size() > 1;
+        return true;
+    }
+    /// Adds points up to b in steps of half a voxel.
+    /// @return false where S does not follow the line from a to b, two points of S
+    bool addLine(const Vec3d& a, const Vec3d& b) {
+        // No path on S of so many voxels runs over fewer nodes.
+        if (length(b - a) > 2 * double(band_.size())) return false;
+        const auto steps = std::max(1, int(std::ceil(length(b - a) / kSegment)));
+        for (int s = 1; s <= steps; ++s)
+            if (!add(a + (double(s) / steps) * (b - a))) return false;
+        return true;
+    }
+
+    std::vector<SurfacePoint> seeds;
+
+private:
+    const Band& band_;
+    double start_;
+};
+
+}  // namespace
+
+std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, double snap) {
+    using Kind = Error::Kind;
+    if (curve.points.empty()) throw Error(Kind::InvalidArgument, "a curve has no points");
+    const std::size_t n = curve.points.size();
+    const std::vector<Vec3d> corners = cornersOnSurface(band, curve, snap);
+    const std::size_t lines = curve.closed && n > 2 ? n : n - 1;
+    CurveSeeds found(band, curve.start);
+    found.add(corners[0]);
+    // Between points of S, so that there are no more steps than the surface is wide.
+    for (std::size_t k = 0; k < lines; ++k)
+        if (!found.addLine(corners[k], corners[(k + 1) % n]))
             throw Error(Kind::InvalidArgument,
                         "between points " + std::to_string(k) + " and " +
                             std::to_string((k + 1) % n) + " a curve leaves the surface",
                         "give more points along the surface there");
-    }
-    // Back where it began.
-    if (stretches == n) seeds.pop_back();
-    return seeds;
+    // A closed curve ends where it began.
+    if (lines == n) found.seeds.pop_back();
+    return std::move(found.seeds);
 }
 
 std::vector<std::uint8_t> nodesInside(const Band& band, const Obstacles& region) {
@@ -103,35 +128,46 @@ std::vector<std::uint8_t> nodesInside(const Band& band, const Obstacles& region)
     return in;
 }
 
+namespace {
+
+/// The point of S where the segment from a foot point inside a region to one outside leaves it, by
+/// bisection.
+SurfacePoint rimPoint(const Band& band, const Obstacles& region, NodeIndex inside,
+                      NodeIndex outside) {
+    const Vec3d normal(band.normal[inside]), in = band.footPoint(inside);
+    const Vec3d segment = band.footPoint(outside) - in;
+    double low = 0, high = 1;
+    for (int round = 0; round < 10; ++round) {
+        const double t = (low + high) / 2;
+        const Vec3d p = in + t * segment;
+        (region.block(p, p, normal) ? low : high) = t;
+    }
+    SurfacePoint s;
+    s.pIndex = in + (low + high) / 2 * segment;
+    projectToSurface(band, s.pIndex);
+    s.askedIndex = s.pIndex;
+    s.node = inside;
+    s.rim = true;
+    return s;
+}
+
+}  // namespace
+
 std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region) {
     const std::vector<std::uint8_t> inside = nodesInside(band, region);
     std::vector<std::vector<SurfacePoint>> found(band.leaves.size());
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
-            for (NodeIndex i = leaf.band.first; i < leaf.band.first + leaf.band.count; ++i) {
+            for (NodeIndex i = leaf.band.firstNode; i < leaf.band.firstNode + leaf.band.count;
+                 ++i) {
                 const unsigned at = band.offset[i];
                 if (leaf.core.node(at) == kNoNode || !inside[i]) continue;
-                const Vec3d normal(band.normal[i]), in = band.footPoint(i);
                 band.forNeighbors(
                     &BandLeaf::core, LeafIndex(l), at, [&](NodeIndex, int dx, int dy, int dz) {
                         const NodeIndex j = band.neighbor(i, dx, dy, dz);
-                        if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet || inside[j])
-                            return;
-                        const Vec3d way = band.footPoint(j) - in;
-                        double low = 0, high = 1;
-                        for (int round = 0; round < 10; ++round) {
-                            const double t = (low + high) / 2;
-                            const Vec3d p = in + t * way;
-                            (region.block(p, p, normal) ? low : high) = t;
-                        }
-                        SurfacePoint s;
-                        s.pIndex = in + (low + high) / 2 * way;
-                        projectToSurface(band, s.pIndex);
-                        s.askedIndex = s.pIndex;
-                        s.node = i;
-                        s.rim = true;
-                        found[l].push_back(s);
+                        if (dot(band.normal[i], band.normal[j]) >= Band::kOtherSheet && !inside[j])
+                            found[l].push_back(rimPoint(band, region, i, j));
                     });
             }
         }

@@ -1,6 +1,6 @@
 /// Seeds that are more than points: curves on S and regions of it.
 ///
-/// A march starts from a list of seeds, each a point or a straight piece of a curve. Those of one
+/// A march starts from a list of seeds, each a point or a straight segment of a curve. Those of one
 /// curve or region follow each other in the list (SurfacePoint::joined) and are one *source*: their
 /// fronts are one front, with one label.
 #pragma once
@@ -65,7 +65,7 @@ private:
 };
 
 /// A curve as seeds: its points moved onto S, and the straight lines between them, at steps of half
-/// a voxel, as pieces from each to the next. Off by the height of S over chords of half a voxel,
+/// a voxel, as segments from each to the next. Off by the height of S over chords of half a voxel,
 /// 0.03 / R voxels at curvature 1 / R.
 /// @param curve index space; `start` in voxels
 /// @param snap  how far its points may be from S, voxels

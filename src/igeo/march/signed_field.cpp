@@ -14,9 +14,9 @@ namespace igeo {
 namespace {
 
 /// The side of the nearest curve next to a node: -1, +1, or 0 where none is near.
-class CurveSides {
+class CurveSigns {
 public:
-    CurveSides(const Band& band, const Field& field) : band_(band), field_(field) {}
+    CurveSigns(const Band& band, const Field& field) : band_(band), field_(field) {}
 
     std::int8_t of(NodeIndex i) const {
         const Vec3d p = band_.footPoint(i), normal(band_.normal[i]);
@@ -24,7 +24,7 @@ public:
         std::size_t nearest = field_.seeds.size();
         field_.seedsNear.forNear(p, [&](std::size_t k) {
             const SurfacePoint& s = field_.seeds[k];
-            if (s.piece == Vec3d{} || dot(band_.normal[i], band_.normal[s.node]) < 0) return;
+            if (s.segment == Vec3d{} || dot(band_.normal[i], band_.normal[s.node]) < 0) return;
             if (const double r = length(p - s.nearestTo(p)); r < least) least = r, nearest = k;
         });
         if (nearest == field_.seeds.size()) return 0;
@@ -33,20 +33,20 @@ public:
     }
 
 private:
-    /// Along the curve at a point of piece k; where two pieces meet, the mean of both, as then the
-    /// side is right on either side of the corner.
+    /// Along the curve at a point of segment k; where two segments meet, the mean of both, as then
+    /// the side is right on either side of the corner.
     Vec3d tangentAt(std::size_t k, const Vec3d& p) const {
         const std::vector<SurfacePoint>& s = field_.seeds;
         constexpr double kSame = 1e-6;
-        const Vec3d own = normalized(s[k].piece);
+        const Vec3d own = normalized(s[k].segment);
         auto with = [&](std::size_t other, const Vec3d& joint) {
-            const Vec3d& piece = s[other].piece;
-            return field_.source[other] == field_.source[k] && piece != Vec3d{} &&
+            const Vec3d& segment = s[other].segment;
+            return field_.source[other] == field_.source[k] && segment != Vec3d{} &&
                            length(joint - p) < kSame
-                       ? own + normalized(piece)
+                       ? own + normalized(segment)
                        : own;
         };
-        const Vec3d begin = s[k].pIndex, end = begin + s[k].piece;
+        const Vec3d begin = s[k].pIndex, end = begin + s[k].segment;
         auto firstOf = [&](std::size_t j) {
             while (s[j].joined) --j;
             return j;
@@ -79,38 +79,50 @@ void clearInside(const std::vector<std::uint8_t>& inside, Field& field) {
 }
 
 void signInside(const std::vector<std::uint8_t>& inside, Field& field) {
-    field.side.clear();
-    for (const std::uint8_t in : inside) field.side.push_back(in ? -1 : 1);
+    field.sign.clear();
+    for (const std::uint8_t in : inside) field.sign.push_back(in ? -1 : 1);
     for (SurfacePoint& s : field.seeds) s.rim = false;
 }
 
-std::vector<std::int8_t> sidesOfCurves(const Band& band, const Field& field) {
-    const std::size_t n = band.size();
-    std::vector<std::int8_t> sideOf(n, 0);
-    const CurveSides curves(band, field);
-    parallelFor(n, 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) sideOf[i] = curves.of(NodeIndex(i));
-    });
+namespace {
 
-    // What is joined without crossing a curve is one part. Votes, and not single crossings, decide
-    // which parts are opposite: next to a corner of a curve a node may be taken for the other side.
-    SidedSets parts(n);
-    std::vector<std::pair<NodeIndex, NodeIndex>> crossings;
-    auto known = [&](NodeIndex i) { return field.distance[i] < kInfinity; };
+bool isKnown(const Field& field, NodeIndex i) { return field.distance[i] < kInfinity; }
+
+/// The parts of S between curves: nodes joined without crossing one.
+struct CurveParts {
+    SidedSets sets;
+    std::vector<std::pair<NodeIndex, NodeIndex>> crossings;  ///< neighbors across a curve
+};
+
+CurveParts partsBetweenCurves(const Band& band, const Field& field) {
+    const std::size_t n = band.size();
+    std::vector<std::int8_t> signOf(n, 0);
+    const CurveSigns curves(band, field);
+    parallelFor(n, 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) signOf[i] = curves.of(NodeIndex(i));
+    });
+    CurveParts parts{SidedSets(n), {}};
     for (NodeIndex i = 0; i < n; ++i) {
-        if (!known(i)) continue;
+        if (!isKnown(field, i)) continue;
         band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
                           [&](NodeIndex j, int, int, int) {
-                              if (j < i || !known(j) || !band.linked(i, j)) return;
-                              if (sideOf[i] * sideOf[j] < 0)
-                                  crossings.emplace_back(i, j);
+                              if (j < i || !isKnown(field, j) || !band.linked(i, j)) return;
+                              if (signOf[i] * signOf[j] < 0)
+                                  parts.crossings.emplace_back(i, j);
                               else
-                                  parts.join(i, j, false);
+                                  parts.sets.join(i, j, false);
                           });
     }
+    return parts;
+}
+
+/// Makes parts across a curve opposite to each other. Votes, and not single crossings, decide which
+/// they are: next to a corner of a curve a node may be taken for the other side.
+/// @return the crossings that are outvoted
+std::size_t joinAcrossCurves(CurveParts& parts) {
     std::map<std::pair<NodeIndex, NodeIndex>, std::size_t> votes;
-    for (const auto& [i, j] : crossings) {
-        const NodeIndex a = parts.find(i).first, b = parts.find(j).first;
+    for (const auto& [i, j] : parts.crossings) {
+        const NodeIndex a = parts.sets.find(i).first, b = parts.sets.find(j).first;
         ++votes[std::minmax(a, b)];
     }
     std::vector<std::pair<std::size_t, std::pair<NodeIndex, NodeIndex>>> order;
@@ -119,34 +131,43 @@ std::vector<std::int8_t> sidesOfCurves(const Band& band, const Field& field) {
                      [](const auto& a, const auto& b) { return a.first > b.first; });
     std::size_t against = 0;
     for (const auto& [count, pair] : order)
-        if (!parts.join(pair.first, pair.second, true)) against += count;
+        if (!parts.sets.join(pair.first, pair.second, true)) against += count;
+    return against;
+}
+
+}  // namespace
+
+std::vector<std::int8_t> signsOfCurves(const Band& band, const Field& field) {
     constexpr std::size_t kStray = 20;  // one crossing in so many may be wrong
-    if (crossings.empty() || against * kStray > crossings.size())
+    CurveParts parts = partsBetweenCurves(band, field);
+    if (const std::size_t against = joinAcrossCurves(parts);
+        parts.crossings.empty() || against * kStray > parts.crossings.size())
         throw Error(Error::Kind::InvalidArgument,
                     "the seeds do not part the surface into an inside and an outside",
                     "close the curve, or leave out --signed");
 
-    std::vector<std::int8_t> side(n, 0);
+    const std::size_t n = band.size();
+    std::vector<std::int8_t> sign(n, 0);
     std::map<NodeIndex, std::ptrdiff_t> balance;
     for (NodeIndex i = 0; i < n; ++i) {
-        if (!known(i)) continue;
-        const SidedSets::Member at = parts.find(i);
-        side[i] = at.turned ? -1 : 1;
-        balance[at.first] += side[i];
+        if (!isKnown(field, i)) continue;
+        const SidedSets::Member at = parts.sets.find(i);
+        sign[i] = at.turned ? -1 : 1;
+        balance[at.first] += sign[i];
     }
     for (NodeIndex i = 0; i < n; ++i)
-        if (side[i] && balance[parts.find(i).first] < 0) side[i] = std::int8_t(-side[i]);
-    return side;
+        if (sign[i] && balance[parts.sets.find(i).first] < 0) sign[i] = std::int8_t(-sign[i]);
+    return sign;
 }
 
-double sideAt(const Band& band, const Field& field, const Vec3d& pIndex) {
-    if (field.side.empty()) return 1;
+double signAt(const Band& band, const Field& field, const Vec3d& pIndex) {
+    if (field.sign.empty()) return 1;
     NodeIndex i = band.nodeAt(roundToIjk(pIndex));
     if (i == kNoNode) {
         const BandCell cell = cellAt(band, pIndex);
         for (std::size_t k = 0; k < 8 && i == kNoNode; ++k) i = cell.node[k];
     }
-    return i == kNoNode || field.side[i] == 0 ? 1 : field.side[i];
+    return i == kNoNode || field.sign[i] == 0 ? 1 : field.sign[i];
 }
 
 }  // namespace igeo

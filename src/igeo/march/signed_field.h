@@ -20,14 +20,14 @@ void signInside(const std::vector<std::uint8_t>& inside, Field& field);
 /// and of a connected part of S the smaller share, by nodes of the band, is negative. Of curves
 /// within curves it is every other ring. 0 where the distance is not known.
 ///
-/// Next to a curve the side is that of its nearest piece, seen along the normal; from there it
+/// Next to a curve the side is that of its nearest segment, seen along the normal; from there it
 /// spreads from neighbor to neighbor.
 /// @throws Error  InvalidArgument where the seeds do not part S in two: an open curve, a point, or
 ///         a closed curve that can be walked around (a meridian of a torus)
 /// Time O(n), one thread.
-std::vector<std::int8_t> sidesOfCurves(const Band& band, const Field& field);
+std::vector<std::int8_t> signsOfCurves(const Band& band, const Field& field);
 
 /// The sign of the distance at a point of S: that of the nearest node; 1 where there are no sides.
-double sideAt(const Band& band, const Field& field, const Vec3d& pIndex);
+double signAt(const Band& band, const Field& field, const Vec3d& pIndex);
 
 }  // namespace igeo

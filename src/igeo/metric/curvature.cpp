@@ -3,6 +3,7 @@
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
+#include <igeo/base/symmetric_eigen.h>
 
 #include <algorithm>
 #include <array>
@@ -180,15 +181,15 @@ void CoreCurvature::link() {
 }
 
 void CoreCurvature::walkAround(NodeIndex i, Walk& walk) const {
-    const int side = 2 * half_ + 1;
+    const int width = 2 * half_ + 1;
     const auto reach2 = float(reach_ * reach_);
-    if (++walk.number == 1) walk.seen.assign(std::size_t(side * side * side), 0);
+    if (++walk.number == 1) walk.seen.assign(std::size_t(width * width * width), 0);
     const Node& middle = core_[i];
     // Whether a node was met before; outside the box all were.
     auto meet = [&](const Ijk& step) {
         const int x = step.x + half_, y = step.y + half_, z = step.z + half_;
-        if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= side) return true;
-        std::uint32_t& seen = walk.seen[std::size_t((x * side + y) * side + z)];
+        if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= width) return true;
+        std::uint32_t& seen = walk.seen[std::size_t((x * width + y) * width + z)];
         return std::exchange(seen, walk.number) == walk.number;
     };
     meet({});
@@ -216,11 +217,10 @@ Bend CoreCurvature::solve(NodeIndex i, Walk& walk) const {
         fit.add(frame.flat(stop.chord), frame.flat(core_[stop.node].normal), left * left);
     }
     const auto [xx, xy, yy] = fit.solve();
-    const double half = (xx - yy) / 2, middle = (xx + yy) / 2, r = std::hypot(half, xy);
-    // The longer of the two ways to write the first eigenvector.
-    const Vec3f d = half > 0 ? frame.lift({float(half + r), float(xy)})
-                             : frame.lift({float(xy), float(r - half)});
-    return {float(middle + r), float(middle - r), r > 0 ? normalized(d) : frame.lift({1, 0})};
+    const SymmetricEigen2 e = symmetricEigen(xx, xy, yy);
+    const Vec3f d =
+        e.radius > 0 ? normalized(frame.lift({float(e.x), float(e.y)})) : frame.lift({1, 0});
+    return {float(e.largest()), float(e.least()), d};
 }
 
 void CoreCurvature::compute(Progress& progress) {

@@ -1,4 +1,4 @@
-/// Curvature of S, and weights made of it: ways along valleys, along crests, around bends.
+/// Curvature of S, and weights made of it: for paths along valleys, along crests, around bends.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -48,19 +48,19 @@ Curvature curvature(const Band& band, double scale = kDefaultCurvatureScale,
                     Progress& progress = Progress::none());
 
 enum class CurvatureKind {
-    Valley,    ///< eps + (M - min M)^p: ways keep to valleys (M&S 4.1, figure 10)
+    Valley,    ///< eps + (M - min M)^p: paths keep to valleys (M&S 4.1, figure 10)
     Crest,     ///< the same with -M
-    Mean,      ///< eps + |M|^p, M = k1 + k2: ways keep to minimal surface
-    Gaussian,  ///< eps + |K|^p, K = k1 k2: ways keep to what unrolls into a plane
-    Principal  ///< eps + max(|k1|, |k2|)^p: ways keep to flat parts
+    Mean,      ///< eps + |M|^p, M = k1 + k2: paths keep to minimal surface
+    Gaussian,  ///< eps + |K|^p, K = k1 k2: paths keep to what unrolls into a plane
+    Principal  ///< eps + max(|k1|, |k2|)^p: paths keep to flat parts
 };
 
 /// Unit of length in which curvatureWeights takes curvatures, voxels.
 ///
 /// M&S give eps = 100 and p = 3 but no unit for M. Were it 1/voxel, (M - min M)^3 would vary by
-/// about 1 where S is well resolved, and every way would be the unweighted one; M&S figure 10 shows
-/// the opposite. On a cortex of 1 mm voxels, ways with this unit are in valleys for most of their
-/// length, and larger ones change little. A unit f times as long is the same as eps / f^p.
+/// about 1 where S is well resolved, and every path would be the unweighted one; M&S figure 10
+/// shows the opposite. On a cortex of 1 mm voxels, paths with this unit are in valleys for most of
+/// their length, and larger ones change little. A unit f times as long is the same as eps / f^p.
 constexpr double kCurvatureUnit = 10;
 
 /// What M&S used in figure 10.
@@ -80,7 +80,7 @@ std::vector<float> curvatureWeights(const Curvature& curvature, CurvatureKind ki
                                     double power = kDefaultCurvaturePower);
 
 enum class Bending {
-    Avoid,  ///< ways that bend with the surface are dear: along a cylinder rather than around it
+    Avoid,  ///< paths that bend with the surface cost more: along a cylinder rather than around it
     Prefer  ///< they are cheap: around rather than along
 };
 

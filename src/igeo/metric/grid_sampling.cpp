@@ -4,6 +4,7 @@
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
+#include <igeo/base/symmetric_eigen.h>
 #include <igeo/metric/index_map.h>
 #include <openvdb/math/Mat3.h>
 
@@ -124,7 +125,7 @@ public:
     }
     static const char* remedy() {
         return "give symmetric tensors with three positive eigenvalues all along the surface; for "
-               "places nobody may enter use --obstacle";
+               "places that no path may enter use --obstacle";
     }
 
 private:
@@ -161,11 +162,8 @@ private:
         return std::isfinite(sum);
     }
     static std::pair<double, double> eigenvalues(const Matrix& g) {
-        Matrix vectors;
-        openvdb::Vec3d values;
-        openvdb::math::diagonalizeSymmetricMatrix(g, vectors, values);
-        return {std::min({values[0], values[1], values[2]}),
-                std::max({values[0], values[1], values[2]})};
+        const auto e = symmetricEigenvalues({g(0, 0), g(1, 1), g(2, 2), g(0, 1), g(0, 2), g(1, 2)});
+        return {e[0], e[2]};
     }
     static bool isPositive(const std::pair<double, double>& e) {
         return e.first > 1e-6 * e.second && e.second > 0;

@@ -2,6 +2,7 @@
 
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
+#include <igeo/base/symmetric_eigen.h>
 
 #include <cstdio>
 #include <string>
@@ -9,18 +10,19 @@
 namespace igeo {
 
 void Metric::setObstacles(const Band& band, std::shared_ptr<const Obstacles> set) {
-    // As far as a march, an extension or a trace looks from a node at once, and a voxel more.
-    constexpr double kSight = 5;
+    // The longest segment from a node in a march, an extension or a trace, and a voxel more.
+    constexpr double kReach = 5;
     obstacles = std::move(set);
-    sight.clear();
+    obstacleState.clear();
     if (!obstacles) return;
-    sight.resize(band.size());
+    obstacleState.resize(band.size());
     parallelFor(band.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const auto i = NodeIndex(k);
             const Vec3d foot = band.footPoint(i);
-            if (!obstacles->mayBeNear(foot, kSight)) continue;
-            sight[k] = obstacles->block(foot, foot, Vec3d(band.normal[i])) ? Inside : Beside;
+            if (!obstacles->mayBeNear(foot, kReach)) continue;
+            obstacleState[k] =
+                obstacles->block(foot, foot, Vec3d(band.normal[i])) ? Inside : Beside;
         }
     });
 }
@@ -82,23 +84,7 @@ double extreme(std::size_t n, double sign, const F& f) {
 }  // namespace
 
 std::array<double, 3> eigenvalues(const Tensor& g) {
-    // Jacobi's rotations: each turns one off-diagonal entry to zero.
-    double a[3][3] = {{g.xx, g.xy, g.xz}, {g.xy, g.yy, g.yz}, {g.xz, g.yz, g.zz}};
-    for (int k = 0; k < 18; ++k) {
-        const int p = k % 3 == 2, q = k % 3 == 0 ? 1 : 2, r = 3 - p - q;
-        if (a[p][q] == 0) continue;
-        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-        const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
-        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
-        a[p][p] -= t * a[p][q], a[q][q] += t * a[p][q];
-        a[p][q] = a[q][p] = 0;
-        const double rp = a[r][p], rq = a[r][q];
-        a[r][p] = a[p][r] = c * rp - s * rq;
-        a[r][q] = a[q][r] = s * rp + c * rq;
-    }
-    std::array<double, 3> e{a[0][0], a[1][1], a[2][2]};
-    std::sort(e.begin(), e.end());
-    return e;
+    return symmetricEigenvalues({g.xx, g.yy, g.zz, g.xy, g.xz, g.yz});
 }
 
 double Metric::at(const BandCell& cell) const {
@@ -183,7 +169,7 @@ void Metric::check(const Band& band) const {
             refuse(std::to_string(m) + " " + what + " for a band of " + std::to_string(n) +
                    " nodes");
     };
-    if (obstacles && sight.size() != n) refuse("the obstacles were set for another band");
+    if (obstacles && obstacleState.size() != n) refuse("the obstacles were set for another band");
     if (!weight.empty() && !tensor.empty()) refuse("a metric has weights or tensors, not both");
     if (!weight.empty()) count(weight.size(), "weights");
     if (!tensor.empty()) count(tensor.size(), "tensors");

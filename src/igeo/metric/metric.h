@@ -1,4 +1,4 @@
-/// What a step along the surface costs, and where there is no way.
+/// What a step along the surface costs, and what no path may enter.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -18,7 +18,7 @@ class Obstacles {
 public:
     virtual ~Obstacles() = default;
 
-    /// Whether the straight way between two points of S, a few voxels apart at most, meets the
+    /// Whether the segment between two points of S, a few voxels apart at most, meets the
     /// obstacles; the same for both directions. With a = b: whether the point lies inside.
     /// @param normal of S about there, unit: what lies just above or below S counts as well where
     ///               an obstacle is made of voxels
@@ -47,13 +47,14 @@ std::array<double, 3> eigenvalues(const Tensor& g);
 struct Metric {
     std::vector<float> weight;  ///< cost per unit length per band node, > 0; empty: 1 everywhere
     /// Per band node, positive definite; empty: isotropic. Never beside `weight`. Marches along S
-    /// see its part in the tangent plane only.
+    /// use its part in the tangent plane only.
     std::vector<Tensor> tensor;
 
     std::shared_ptr<const Obstacles> obstacles;  ///< none: null
-    /// Per band node, where there are obstacles: what of them its foot point sees (setObstacles).
-    enum Sight : std::uint8_t { Clear, Beside, Inside };
-    std::vector<Sight> sight;
+    /// Per band node, where there are obstacles: whether its foot point is clear of them, beside
+    /// one or inside (setObstacles).
+    enum ObstacleState : std::uint8_t { Clear, Beside, Inside };
+    std::vector<ObstacleState> obstacleState;
 
     /// The weight; of a tensor the geometric mean of the costs along its three axes.
     double at(NodeIndex i) const {
@@ -94,11 +95,11 @@ struct Metric {
     void setObstacles(const Band& band, std::shared_ptr<const Obstacles> set);
 
     std::size_t insideCount() const {
-        return std::size_t(std::count(sight.begin(), sight.end(), Inside));
+        return std::size_t(std::count(obstacleState.begin(), obstacleState.end(), Inside));
     }
-    bool inside(NodeIndex i) const { return !sight.empty() && sight[i] == Inside; }
-    /// Whether no obstacle comes near the foot point of a node, so that nobody need ask.
-    bool clear(NodeIndex i) const { return sight.empty() || sight[i] == Clear; }
+    bool inside(NodeIndex i) const { return !obstacleState.empty() && obstacleState[i] == Inside; }
+    /// Whether no obstacle comes near the foot point of a node, so that no test is needed.
+    bool clear(NodeIndex i) const { return obstacleState.empty() || obstacleState[i] == Clear; }
     /// Whether an obstacle lies between two points of S, or around one of them; n: normal there.
     bool blocked(const Vec3d& a, const Vec3d& b, const Vec3d& n) const {
         return obstacles && obstacles->block(a, b, n);

@@ -16,7 +16,7 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 
 /// By how much the cube of a mask's voxel is grown to all sides: more than rounding and the turn of
-/// normals between neighbors, less than anybody could have meant to leave open. Mask voxels.
+/// normals between neighbors, less than an opening that is meant. Mask voxels.
 constexpr double kFat = 0.1;
 /// How far above and below S a mask counts: half a voxel, and room for a psi that is 10 % off as
 /// the core has it. Mask voxels.
@@ -35,7 +35,7 @@ std::string text(const Vec3d& v) {
     return std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z);
 }
 
-/// Ways that go there and back are one way, to the last bit.
+/// A segment and its reverse give the same result, to the last bit.
 bool before(const Vec3d& a, const Vec3d& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }

@@ -17,8 +17,8 @@ namespace igeo {
 ///
 /// Masks block in the cubes of their voxels, each grown by a tenth of a voxel, so that voxels which
 /// share only an edge or a corner leave no slit. A mask may be as thin as a curve drawn on S:
-/// voxels with |psi| <= 1/2 of which each shares at least a corner with the next. Then the way to
-/// look for it is not the segment from a to b but the strip that the segment sweeps along the
+/// voxels with |psi| <= 1/2 of which each shares at least a corner with the next. Then it is
+/// tested not with the segment from a to b but with the strip that the segment sweeps along the
 /// normal, 0.6 voxels of the mask to both sides and as far as S may bulge between a and b. The
 /// broken line through the voxels' centers runs within their cubes (midpoints between neighbors
 /// are on shared faces, edges or corners) and nowhere further than 1/2 from S, so no strip gets

@@ -12,7 +12,7 @@ AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
                                   Progress& progress) {
     AccuracyEstimate e;
     if (band.size() == 0) return e;
-    if (field.solved) e.guardedShare = double(field.guarded) / double(field.solved);
+    if (field.solved) e.fallbackShare = double(field.fallbackCount) / double(field.solved);
     std::vector<double> error(samples, -1);
     parallelFor(samples, 1, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {

@@ -1,4 +1,4 @@
-/// How far off a result is, told with the result.
+/// An estimate of the error of a result, from the result.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -11,16 +11,17 @@ namespace igeo {
 
 /// An estimate from the result itself, not a bound.
 struct AccuracyEstimate {
-    std::size_t samples = 0;  ///< points at which the distance was held against a geodesic
-    double meanError = 0;     ///< mean of |d - length| / d
-    double largestError = 0;  ///< largest of them
-    double guardedShare = 0;  ///< of the nodes solved: by the first-order guard (jet)
+    std::size_t samples = 0;   ///< points at which the distance was compared with a geodesic
+    double meanError = 0;      ///< mean of |d - length| / d
+    double largestError = 0;   ///< largest of them
+    double fallbackShare = 0;  ///< of the nodes solved: by the first-order fallback (jet)
 };
 
 /// Traces geodesics from `samples` nodes spread over the surface, straightens them, and compares
 /// their lengths with the distances. Lengths have the small error of straighten() themselves, so
-/// where the distances are better than that the estimate errs high. It says nothing of how well psi
-/// shows the surface it was made from. Time O(samples * length), in parallel.
+/// where the distances are better than that the estimate errs high. The error of psi
+/// itself, against the surface it was made from, is no part of it. Time O(samples * length), in
+/// parallel.
 AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
                                   const std::vector<Vec3f>& gradient, std::size_t samples = 8,
                                   Progress& progress = Progress::none());

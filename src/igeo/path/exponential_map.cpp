@@ -15,18 +15,18 @@ struct Local {
     bool valid = false;  ///< false beyond the edge of the band
     /// Mean of (p - f) . (m + n) / 2, n the mean normal: how far p lies above S, exact on spheres.
     double height = 0;
-    /// The gradient of that, unit. Not n: only a normal of the surface that the walk is held to
-    /// keeps it straight there.
+    /// The gradient of that, unit. Not n: only a normal of the surface that the path is projected
+    /// to keeps it straight there.
     Vec3d normal;
 };
 
-Local localSurface(const Band& band, const Vec3d& p, const Vec3d& side) {
+Local localSurface(const Band& band, const Vec3d& p, const Vec3d& sheetNormal) {
     BandCell cell = cellAt(band, p);
     Local s;
     double present = 0, weight = 0;
     for (std::size_t k = 0; k < 8; ++k)
         if (cell.node[k] != kNoNode) present += cell.weight[k];
-    const Vec3d n = dropFacingCorners(band, cell, side);
+    const Vec3d n = dropFacingCorners(band, cell, sheetNormal);
     std::array<double, 8> height{};
     Vec3d gradient;
     for (std::size_t k = 0; k < 8; ++k) {
@@ -56,7 +56,7 @@ Local localSurface(const Band& band, const Vec3d& p, const Vec3d& side) {
     return s;
 }
 
-/// A point of S on its way, with its unit velocity.
+/// A point of a geodesic, with its unit velocity.
 struct Walker {
     Vec3d p, v, n;
 

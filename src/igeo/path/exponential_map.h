@@ -8,15 +8,15 @@ namespace igeo {
 /// The geodesic that leaves `start` in a given direction: acceleration along the normal of S only.
 ///
 /// Steps of half a voxel by a constrained leapfrog (RATTLE: Andersen, J. Comput. Phys. 52, 1983):
-/// each step is a chord in the plane of velocity and normal that ends on S, as long as its arc
-/// wants it; the new velocity is the chord, freed of its normal part there. The scheme is
+/// each step is a chord in the plane of velocity and normal that ends on S, with an arc of
+/// the length of the step; the new velocity is the chord, less its normal part there. The scheme is
 /// symmetric, so that errors do not add up turn by turn. S is read from the foot points and normals
 /// of the nodes around, as a blend of spheres: third order between nodes, where psi = 0 of the
 /// trilinear interpolant is off by 1 / (8 R) voxels at curvature 1 / R.
 /// @param direction index space; its part along S counts, not its length
 /// @param length    voxels, >= 0; weights and obstacles play no part
-/// @return status Reached: of the full length. Stalled: S ends before, at the edge of the band;
-///         Path::length says where. `target` is the start; the vertices' `distance` is their arc
+/// @return status Reached: of the full length. Stalled: S ends before, at the edge of the band,
+///         after Path::length. `target` is the start; the vertices' `distance` is their arc
 ///         length, as is Path::distance. Vertices are on S as described
 /// @throws Error  InvalidArgument for a direction without a part along S, or a length that is
 ///         negative or not finite; BadInput where S has no band around the start

@@ -40,7 +40,7 @@ private:
     /// Nodes that a path may go through, and the next ones: each node's value came from a lower
     /// one.
     bool walkable(NodeIndex i) const;
-    /// The node in sight by which the way from p is shortest.
+    /// The node by which the path from p is shortest, of those that no obstacle hides.
     NodeIndex nodeAhead(const Vec3d& p) const;
     NodeIndex lowestNeighbor(NodeIndex i) const;
     /// The normal at p of the sheet the path is on.
@@ -49,20 +49,31 @@ private:
     /// The seed to which a path at p, where the distance is d, may go straight.
     const SurfacePoint* seedAhead(const Vec3d& p, double d) const;
     void finishAtSeed(Path& path, const SurfacePoint& seed) const;
+    /// Where a path is.
+    struct State {
+        Vec3d p;
+        double d, step;
+        NodeIndex node;  ///< while it goes from node to node, else kNoNode
+    };
+    /// A step along the gradient; where that does not lead down (cut loci, creases), the next node.
+    /// With both the distance falls, so that the path ends.
+    /// @return false where no neighbor lies lower
+    bool advance(State& at) const;
 
     const Band& band_;
     const Field& field_;
     const std::vector<Vec3f>& gradient_;
     const TraceOptions& options_;
-    Vec3d side_;  ///< normal of the sheet the path is on: where two face each other in a cell
+    Vec3d
+        sheetNormal_;  ///< normal of the sheet the path is on: where two face each other in a cell
 };
 
 Vec3d Tracer::normalAt(const Vec3d& p) const {
-    return SurfaceCell(band_, *field_.metric, p, side_).normal;
+    return SurfaceCell(band_, *field_.metric, p, sheetNormal_).normal;
 }
 
 bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
-    const SurfaceCell cell(band_, *field_.metric, p, side_);
+    const SurfaceCell cell(band_, *field_.metric, p, sheetNormal_);
     Vec3d g{};
     double lengths = 0;
     for (std::size_t k = 0; k < 8; ++k) {
@@ -81,7 +92,7 @@ bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
     }
     const TangentFrame frame{Vec3f(cell.normal)};
     const Stretch stretch = field_.metric->inPlane(frame, cell).stretch;
-    v = -normalized(Vec3d(frame.lift(stretch.wayBack(stretch.covector(frame.flat(Vec3f(g)))))));
+    v = -normalized(Vec3d(frame.lift(stretch.vectorBack(stretch.covector(frame.flat(Vec3f(g)))))));
     return true;
 }
 
@@ -99,7 +110,7 @@ bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
         if (ratio > 1) continue;
         const Vec3d free = q;
         if (!projectToSurface(band_, q) || length(q - free) > step) continue;
-        if (field_.metric->blocked(p, q, side_)) {
+        if (field_.metric->blocked(p, q, sheetNormal_)) {
             return slide(p, k1, step);
         }
         p = q;
@@ -113,11 +124,11 @@ bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
 
 bool Tracer::slide(Vec3d& p, const Vec3d& v, double step) const {
     constexpr double kStep = 0.5, kCoarse = 0.15, kWidest = 2, kFine = 0.005;  // voxels, radians
-    const Vec3d across = cross(side_, v);
+    const Vec3d across = cross(sheetNormal_, v);
     Vec3d q;
     auto isFree = [&](double angle) {
         q = p + std::min(step, kStep) * (std::cos(angle) * v + std::sin(angle) * across);
-        return projectToSurface(band_, q) && !field_.metric->blocked(p, q, side_);
+        return projectToSurface(band_, q) && !field_.metric->blocked(p, q, sheetNormal_);
     };
     for (double angle = kCoarse; angle < kWidest; angle += kCoarse)
         for (const double turn : {1.0, -1.0}) {
@@ -149,12 +160,12 @@ NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
             for (int z = -2; z <= 2; ++z) {
                 const NodeIndex j = band_.nodeAt(middle + Ijk{x, y, z});
                 if (j == kNoNode || !walkable(j) ||
-                    dot(Vec3f(side_), band_.normal[j]) < Band::kOtherSheet ||
-                    field_.metric->blocked(band_, p, side_, j))
+                    dot(Vec3f(sheetNormal_), band_.normal[j]) < Band::kOtherSheet ||
+                    field_.metric->blocked(band_, p, sheetNormal_, j))
                     continue;
-                const double way =
+                const double d =
                     field_.distance[j] + field_.metric->at(j) * length(band_.footPoint(j) - p);
-                if (way < least) least = way, best = j;
+                if (d < least) least = d, best = j;
             }
     return best;
 }
@@ -175,38 +186,38 @@ void Tracer::append(Path& path, const Vec3d& p, double d) const {
     if (!path.vertices.empty()) {
         const Vec3d& last = path.vertices.back().pIndex;
         path.length += length(p - last);
-        path.weightedLength += wayCost(band_, *field_.metric, last, p, side_);
+        path.weightedLength += segmentCost(band_, *field_.metric, last, p, sheetNormal_);
     }
     path.vertices.push_back({p, path.length, d});
 }
 
 const SurfacePoint* Tracer::seedAhead(const Vec3d& p, double d) const {
-    const SurfacePoint* around = seedAround(field_, p, side_, d);
+    const SurfacePoint* around = seedAround(field_, p, sheetNormal_, d);
     if (around || !field_.metric->anisotropic()) return around;
-    // The rest of a start disc that tensors make long, where S is flat and the straight way as
+    // The rest of a start disc that tensors make long, where S is flat and the straight line as
     // good as the distance: there the front bends faster than a cell can show.
     constexpr double kRise = 1, kAgree = 0.02;
-    const TangentFrame frame{Vec3f(side_)};
+    const TangentFrame frame{Vec3f(sheetNormal_)};
     for (const SurfacePoint& s : field_.seeds) {
-        const double cost = costToSeed(field_, s, p, side_);
+        const double cost = costToSeed(field_, s, p, sheetNormal_);
         if (std::abs(d - s.start - cost) <= kAgree * cost &&
-            std::abs(dot(side_, s.nearestTo(p) - p)) <= kRise &&
+            std::abs(dot(sheetNormal_, s.nearestTo(p) - p)) <= kRise &&
             cost <= field_.startRadius * field_.metric->inPlane(frame, s.node).largest() &&
-            !field_.metric->blocked(p, s.nearestTo(p), side_))
+            !field_.metric->blocked(p, s.nearestTo(p), sheetNormal_))
             return &s;
     }
     return nullptr;
 }
 
 void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
-    const Vec3d from = path.vertices.back().pIndex, end = seed.nearestTo(from), way = end - from;
+    const Vec3d from = path.vertices.back().pIndex, end = seed.nearestTo(from), line = end - from;
     double d = path.vertices.back().distance;
-    const int pieces = std::max(1, int(std::ceil(length(way) / options_.maxStep)));
-    for (int k = 1; k < pieces; ++k) {
-        Vec3d p = from + (double(k) / pieces) * way;
+    const int segments = std::max(1, int(std::ceil(length(line) / options_.maxStep)));
+    for (int k = 1; k < segments; ++k) {
+        Vec3d p = from + (double(k) / segments) * line;
         projectToSurface(band_, p);
-        // In a groove a point of the straight way may be put on the wall behind the one before.
-        d = std::min(d, seed.start + costToSeed(field_, seed, p, side_));
+        // In a groove a point of the line may be put on the wall behind the one before.
+        d = std::min(d, seed.start + costToSeed(field_, seed, p, sheetNormal_));
         append(path, p, d);
     }
     append(path, end, seed.start);
@@ -214,46 +225,46 @@ void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
     path.status = PathStatus::Reached;
 }
 
+bool Tracer::advance(State& at) const {
+    constexpr double kFall = 1e-4;  // voxels
+    Vec3d next = at.p;
+    const double lower = stepAlongGradient(next, at.step)
+                             ? sampleDistance(band_, field_, next, sheetNormal_)
+                             : kInfinity;
+    if (lower < at.d - kFall * field_.metric->at(cellAt(band_, at.p))) {
+        at = {next, lower, at.step, kNoNode};
+        return true;
+    }
+    at.node = at.node == kNoNode ? nodeAhead(at.p) : lowestNeighbor(at.node);
+    return at.node != kNoNode;
+}
+
 Path Tracer::trace(const SurfacePoint& target) {
     Path path;
     path.target = target;
-    Vec3d p = target.pIndex;
-    side_ = Vec3d(band_.normal[target.node]);
-    double d = sampleDistance(band_, field_, p, side_);
-    path.distance = d;
-    if (!(d < kInfinity)) return path;
-    append(path, p, d);
+    sheetNormal_ = Vec3d(band_.normal[target.node]);
+    State at{target.pIndex, sampleDistance(band_, field_, target.pIndex, sheetNormal_),
+             options_.maxStep / 4, kNoNode};
+    path.distance = at.d;
+    if (!(at.d < kInfinity)) return path;
+    append(path, at.p, at.d);
     path.status = PathStatus::Stalled;
-
-    constexpr double kFall = 1e-4;  // voxels
-    double step = options_.maxStep / 4;
-    NodeIndex node = kNoNode;  // where the path is, while it goes from node to node
     while (true) {
-        if (const SurfacePoint* seed = seedAhead(p, d)) {
+        if (const SurfacePoint* seed = seedAhead(at.p, at.d)) {
             finishAtSeed(path, *seed);
             return path;
         }
-        // Where the gradient does not lead down (cut loci, creases) the path goes on from node to
-        // node. Either way something falls with every step, so that it ends.
-        Vec3d next = p;
-        const double lower =
-            stepAlongGradient(next, step) ? sampleDistance(band_, field_, next, side_) : kInfinity;
-        if (lower < d - kFall * field_.metric->at(cellAt(band_, p))) {
-            node = kNoNode;
-            p = next;
-            d = lower;
-        } else {
-            node = node == kNoNode ? nodeAhead(p) : lowestNeighbor(node);
-            if (node == kNoNode) return path;
-            p = band_.footPoint(node);
-            projectToSurface(band_, p);
-            side_ = Vec3d(band_.normal[node]);
+        if (!advance(at)) return path;
+        if (at.node != kNoNode) {
+            at.p = band_.footPoint(at.node);
+            projectToSurface(band_, at.p);
+            sheetNormal_ = Vec3d(band_.normal[at.node]);
             // Values at points may lie below those of the nodes around them.
-            d = std::min(d, field_.distance[node]);
-            step = options_.maxStep / 4;
+            at.d = std::min(at.d, field_.distance[at.node]);
+            at.step = options_.maxStep / 4;
         }
-        if (const Vec3d n = normalAt(p); n != Vec3d{}) side_ = n;
-        append(path, p, d);
+        if (const Vec3d n = normalAt(at.p); n != Vec3d{}) sheetNormal_ = n;
+        append(path, at.p, at.d);
     }
 }
 

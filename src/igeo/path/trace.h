@@ -11,7 +11,7 @@ namespace igeo {
 enum class PathStatus {
     Reached,      ///< ends at a seed
     Unreachable,  ///< the target has no distance: no path in the band, or beyond an early stop
-    Stalled       ///< no way down was found before a seed
+    Stalled       ///< no lower point was found before a seed
 };
 const char* toString(PathStatus status);
 
@@ -44,9 +44,9 @@ struct TraceOptions {
 /// adaptive step, back on psi = 0 after every step, until it enters a seed's start disc, which it
 /// crosses straight on the surface.
 ///
-/// Where an obstacle is in the way, it slides along its rim. Where the gradient gives no way down
-/// (cut loci, creases), it goes on over the foot points of
-/// nodes, each time to the neighbor of least distance. Distances never rise along a path.
+/// Where an obstacle blocks a step, the path slides along its rim. Where no step along the gradient
+/// leads down (cut loci, creases), it goes on over the foot points of nodes, each time to the
+/// neighbor of least distance. Distances never rise along a path.
 /// @param gradient surfaceGradient() of the same field
 /// @return vertices lie on psi = 0 of the trilinear interpolant to 1e-6 voxels where that converges
 /// Time O(length).

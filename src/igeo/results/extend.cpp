@@ -31,7 +31,7 @@ void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, cons
                 const Vec3d foot = Vec3d(Ijk{c.x(), c.y(), c.z()}) - value * n;
                 const double d = sampleDistance(band, field, foot, n);
                 if (d < kInfinity)
-                    target[l]->setValueOn(o, float(d * dx * sideAt(band, field, foot)));
+                    target[l]->setValueOn(o, float(d * dx * signAt(band, field, foot)));
             }
         }
     });

@@ -17,7 +17,8 @@ void fill(GridT& grid, const Band& band, const Wanted& wanted, const ValueAt& va
     parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& from = band.leaves[l];
-            for (NodeIndex i = from.band.first; i < from.band.first + from.band.count; ++i) {
+            for (NodeIndex i = from.band.firstNode; i < from.band.firstNode + from.band.count;
+                 ++i) {
                 if (!wanted(i)) continue;
                 if (!leaves[l])
                     leaves[l] = new Leaf(
@@ -51,7 +52,7 @@ openvdb::FloatGrid::Ptr distanceGrid(const Band& band, const Field& field,
     const double dx = band.transform.dx;
     auto grid = makeGrid<openvdb::FloatGrid>(float(field.maxDistance * dx), transform, name);
     fill(*grid, band, reached(field), [&](NodeIndex i) {
-        const bool negative = !field.side.empty() && field.side[i] < 0;
+        const bool negative = !field.sign.empty() && field.sign[i] < 0;
         return float((negative ? -dx : dx) * field.distance[i]);
     });
     return grid;

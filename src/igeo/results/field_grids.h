@@ -13,7 +13,7 @@
 
 namespace igeo {
 
-/// Distances as a grid in world units times weight, negative where Field::side is.
+/// Distances as a grid in world units times weight, negative where Field::sign is.
 ///
 /// Active exactly at the nodes with a finite distance; everything else is inactive and holds the
 /// largest distance, as does the background, so that sublevel sets stay closed. Class unknown.

@@ -105,7 +105,7 @@ Vec3d crossing(const Band& band, const Field& field, const SurfaceMesh& mesh,
     double lo = 0, hi = 1, atLo = mesh.distance[a] - level, atHi = mesh.distance[b] - level;
     if (atLo == 0) return mesh.position[a];
     if (atHi == 0) return mesh.position[b];
-    const Vec3d side = normalized(Vec3d(mesh.normal[a] + mesh.normal[b]));
+    const Vec3d sheetNormal = normalized(Vec3d(mesh.normal[a] + mesh.normal[b]));
     Vec3d p;
     int last = 0;  // which end moved last
     for (int step = 0; step < kMostSteps; ++step) {
@@ -113,7 +113,7 @@ Vec3d crossing(const Band& band, const Field& field, const SurfaceMesh& mesh,
         const Vec3d onEdge = (1 - t) * mesh.position[a] + t * mesh.position[b];
         p = onEdge;
         if (!projectToSurface(band, p) || length(p - onEdge) >= 1) p = onEdge;
-        const double here = sampleDistance(band, field, p, side) - level;
+        const double here = sampleDistance(band, field, p, sheetNormal) - level;
         if (std::abs(here) <= kTolerance || !(std::abs(here) < kInfinity)) break;
         if ((here < 0) == (atLo < 0)) {
             lo = t, atLo = here;

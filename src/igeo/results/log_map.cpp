@@ -4,7 +4,7 @@
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
-#include <igeo/march/detail/jet_update.h>
+#include <igeo/march/detail/jet_neighbors.h>
 
 #include <algorithm>
 #include <array>
@@ -37,38 +37,38 @@ struct Carried {
 
 /// The direction in which the geodesic to a node leaves its seed.
 struct Departure {
-    Vec2f way;        ///< unit; 0: not known
+    Vec2f direction;  ///< unit; 0: not known
     float slope = 0;  ///< of its angle, per length as above
 };
 
 /// A node's tangent plane, the direction of its geodesic there, and the weight's slope.
-struct Picture {
+struct Chart {
     TangentFrame frame;
-    Vec2f way;
+    Vec2f direction;
     Vec3f logGradient;
 };
 
-/// A neighbor in that picture, and the chord from it to the node.
-struct Seen {
+/// A neighbor in that chart, and the chord from it to the node.
+struct FrontNeighbor {
     NodeIndex core;
     float weight;  ///< for fits: the nearer the more
-    Vec2f way;     ///< the chord laid out in the picture, times the weight
+    Vec2f vector;  ///< the chord laid out in the chart, times the weight
     float along;   ///< the same along the neighbor's geodesic
-    float side;    ///< and to its left
+    float left;    ///< and to its left
     Vec3f chord;   ///< in space, voxels
 };
 
 /// The neighbors of one front.
-class AllSeen {
+class FrontNeighbors {
 public:
-    void add(const Seen& n) {
-        if (count_ < int(seen_.size())) seen_[std::size_t(count_++)] = n;
+    void add(const FrontNeighbor& n) {
+        if (count_ < int(all_.size())) all_[std::size_t(count_++)] = n;
     }
-    const Seen* begin() const { return seen_.data(); }
-    const Seen* end() const { return seen_.data() + count_; }
+    const FrontNeighbor* begin() const { return all_.data(); }
+    const FrontNeighbor* end() const { return all_.data() + count_; }
 
 private:
-    std::array<Seen, 27> seen_;
+    std::array<FrontNeighbor, 27> all_;
     int count_ = 0;
 };
 
@@ -101,14 +101,14 @@ private:
     std::uint32_t label(NodeIndex i) const { return field_.label.empty() ? 0 : field_.label[i]; }
     double distance(NodeIndex i) const { return field_.distance[i] - field_.seeds[label(i)].start; }
     Vec3f logGradient(NodeIndex i) const;
-    Picture picture(NodeIndex i) const {
+    Chart chart(NodeIndex i) const {
         const TangentFrame frame(band_.normal[i], band_.faceted);
         return {frame, frame.flat(normalized(field_.gradient[i])), logGradient(i)};
     }
 
-    bool carryFromSeed(NodeIndex i, const Picture& here, Carried& out) const;
-    void see(NodeIndex i, const Picture& here, NodeIndex core, AllSeen& all) const;
-    AllSeen neighbors(NodeIndex i, const Picture& here) const;
+    bool carryFromSeed(NodeIndex i, const Chart& here, Carried& out) const;
+    void addNeighbor(NodeIndex i, const Chart& here, NodeIndex core, FrontNeighbors& all) const;
+    FrontNeighbors neighbors(NodeIndex i, const Chart& here) const;
     void carry(NodeIndex i);
     Departure measure(NodeIndex i, const Carried& frame) const;
     Departure smooth(NodeIndex i) const;
@@ -143,7 +143,7 @@ Vec3f LogMapper::logGradient(NodeIndex i) const {
 }
 
 /// The axis of a frame at the other end of a chord, carried here along it.
-Vec2f carriedAxis(const Picture& here, const Vec3f& chord, const Vec3f& normal,
+Vec2f carriedAxis(const Chart& here, const Vec3f& chord, const Vec3f& normal,
                   const Carried& there) {
     const float cosine = igeo::dot(here.frame.normal(), normal);
     const JetNeighbor n = flattened(here.frame, chord, normal, cosine, there.axis, 0);
@@ -152,7 +152,7 @@ Vec2f carriedAxis(const Picture& here, const Vec3f& chord, const Vec3f& normal,
 }
 
 /// Near the seed its own frame, carried along the chord.
-bool LogMapper::carryFromSeed(NodeIndex i, const Picture& here, Carried& out) const {
+bool LogMapper::carryFromSeed(NodeIndex i, const Chart& here, Carried& out) const {
     const std::uint32_t k = label(i);
     const SurfacePoint& seed = field_.seeds[k];
     const Vec3f chord(band_.footPoint(i) - seed.pIndex);
@@ -169,7 +169,8 @@ bool LogMapper::carryFromSeed(NodeIndex i, const Picture& here, Carried& out) co
     return true;
 }
 
-void LogMapper::see(NodeIndex i, const Picture& here, NodeIndex core, AllSeen& all) const {
+void LogMapper::addNeighbor(NodeIndex i, const Chart& here, NodeIndex core,
+                            FrontNeighbors& all) const {
     const Carried& there = carried_[core];
     const NodeIndex j = nodes_[core];
     const Vec3f normal = band_.normal[j];
@@ -179,23 +180,23 @@ void LogMapper::see(NodeIndex i, const Picture& here, NodeIndex core, AllSeen& a
     const JetNeighbor n =
         flattened(here.frame, chord, normal, cosine, normalized(field_.gradient[j]), 0);
     // Geodesics of another front: frames are another's as well.
-    if (igeo::dot(n.g, here.way) < jet::kSameFront) return;
+    if (igeo::dot(n.g, here.direction) < jet::kSameFront) return;
     const Metric& metric = *field_.metric;
-    const Vec2f way = float((metric.at(i) + metric.at(j)) / 2) * n.a;
-    all.add({core, 1 / (dot(n.a, n.a) + 0.1f), way, dot(n.g, way), cross(n.g, way), chord});
+    const Vec2f v = float((metric.at(i) + metric.at(j)) / 2) * n.a;
+    all.add({core, 1 / (dot(n.a, n.a) + 0.1f), v, dot(n.g, v), cross(n.g, v), chord});
 }
 
-AllSeen LogMapper::neighbors(NodeIndex i, const Picture& here) const {
-    AllSeen all;
+FrontNeighbors LogMapper::neighbors(NodeIndex i, const Chart& here) const {
+    FrontNeighbors all;
     band_.forNeighbors(&BandLeaf::core, band_.leaf[i], band_.offset[i],
-                       [&](NodeIndex core, int, int, int) { see(i, here, core, all); });
+                       [&](NodeIndex core, int, int, int) { addNeighbor(i, here, core, all); });
     return all;
 }
 
 /// The frame at a core node from those of lower ones.
 void LogMapper::carry(NodeIndex i) {
     constexpr float kPull = 0.005f;
-    const Picture here = picture(i);
+    const Chart here = chart(i);
     Carried& out = carried_[band_.coreNode(i)];
     Carried result;
     if (!carryFromSeed(i, here, result)) {
@@ -203,15 +204,15 @@ void LogMapper::carry(NodeIndex i) {
         Vec2f from;
         LineFit fit;
         float turn = 0;
-        for (const Seen& n : neighbors(i, here)) {
-            const float along = dot(here.way, n.way);
+        for (const FrontNeighbor& n : neighbors(i, here)) {
+            const float along = dot(here.direction, n.vector);
             if (!(along > 0)) continue;
             const Carried& there = carried_[n.core];
             const Vec2f axis = carriedAxis(here, n.chord, band_.normal[nodes_[n.core]], there);
             if (fit.s0 == 0) from = axis;
-            const float w = along * along / dot(n.way, n.way) * n.weight;
+            const float w = along * along / dot(n.vector, n.vector) * n.weight;
             const float angle = std::atan2(cross(from, axis), dot(from, axis));
-            fit.add(w, -cross(here.way, n.way) / 2, angle + there.turn * n.side / 2);
+            fit.add(w, -cross(here.direction, n.vector) / 2, angle + there.turn * n.left / 2);
             turn += w * there.turn;
         }
         if (!(fit.s0 > 0)) return;
@@ -226,8 +227,8 @@ void LogMapper::carry(NodeIndex i) {
 /// The angle between geodesic and frame, which is the same all along.
 Departure LogMapper::measure(NodeIndex i, const Carried& frame) const {
     const Vec3f g = normalized(field_.gradient[i]), n = band_.normal[i];
-    const Vec2f way{dot(frame.axis, g), igeo::dot(n, igeo::cross(frame.axis, g))};
-    return {normalized(way), float(1 / distance(i))};
+    const Vec2f direction{dot(frame.axis, g), igeo::dot(n, igeo::cross(frame.axis, g))};
+    return {normalized(direction), float(1 / distance(i))};
 }
 
 /// A line along the front through what a core node and its neighbors measured; what does not fit
@@ -237,58 +238,61 @@ Departure LogMapper::smooth(NodeIndex i) const {
     constexpr float kScatter = 0.002f, kPull = 0.01f;
     const NodeIndex core = band_.coreNode(i);
     const Departure own = measured_[core];
-    const Picture here = picture(i);
+    const Chart here = chart(i);
     Carried carried;
     if (carryFromSeed(i, here, carried)) return own;
-    struct Said {
-        float weight, side, angle;
+    struct Estimate {
+        float weight, left, angle;
     };
-    std::array<Said, 28> said;
+    std::array<Estimate, 28> estimates;
     std::size_t count = 0;
-    said[count++] = {1, 0, 0};
-    for (const Seen& n : neighbors(i, here)) {
+    estimates[count++] = {1, 0, 0};
+    for (const FrontNeighbor& n : neighbors(i, here)) {
         const Departure& there = measured_[n.core];
         const auto d = float(distance(nodes_[n.core]));
         // Laid out flat about the seed, where straight lines are.
-        const Vec2f at = (d + n.along) * there.way + n.side * Vec2f{-there.way.y, there.way.x};
-        said[count++] = {n.weight, -n.side, std::atan2(cross(own.way, at), dot(own.way, at))};
+        const Vec2f at =
+            (d + n.along) * there.direction + n.left * Vec2f{-there.direction.y, there.direction.x};
+        estimates[count++] = {n.weight, -n.left,
+                              std::atan2(cross(own.direction, at), dot(own.direction, at))};
     }
     float angle = 0, slope = 0;
     for (int round = 0; round < kRounds; ++round) {
         LineFit fit;
         for (std::size_t k = 0; k < count; ++k) {
-            const float r = round == 0 ? 0 : said[k].angle - angle - slope * said[k].side;
-            fit.add(said[k].weight / std::sqrt(kScatter * kScatter + r * r), said[k].side,
-                    said[k].angle);
+            const float r = round == 0 ? 0 : estimates[k].angle - angle - slope * estimates[k].left;
+            fit.add(estimates[k].weight / std::sqrt(kScatter * kScatter + r * r), estimates[k].left,
+                    estimates[k].angle);
         }
         fit.solve(kPull, 0, angle, slope);
     }
-    return {turned(own.way, angle), float(1 / distance(i)) + slope};
+    return {turned(own.direction, angle), float(1 / distance(i)) + slope};
 }
 
 /// Between core nodes: what the nearest says, and all that agree with it.
 Vec2f LogMapper::interpolate(NodeIndex i) const {
     constexpr float kAgree = 0.98f;
-    const Picture here = picture(i);
-    if (Carried carried; carryFromSeed(i, here, carried)) return measure(i, carried).way;
-    AllSeen all;
+    const Chart here = chart(i);
+    if (Carried carried; carryFromSeed(i, here, carried)) return measure(i, carried).direction;
+    FrontNeighbors all;
     const Vec3f f = band_.foot[i];
     const Ijk low{floorToInt(f.x), floorToInt(f.y), floorToInt(f.z)};
     band_.forCorners(&BandLeaf::core, band_.leaf[i], band_.offset[i], low,
-                     [&](NodeIndex k, unsigned) { see(i, here, k, all); });
+                     [&](NodeIndex k, unsigned) { addNeighbor(i, here, k, all); });
     if (all.begin() == all.end()) all = neighbors(i, here);
     if (all.begin() == all.end()) return {};
-    auto said = [&](const Seen& n) {
+    auto estimate = [&](const FrontNeighbor& n) {
         const Departure& there = departures_[n.core];
         const auto r = float(distance(nodes_[n.core]));
-        return normalized((r + n.along) * there.way +
-                          r * there.slope * n.side * Vec2f{-there.way.y, there.way.x});
+        return normalized((r + n.along) * there.direction +
+                          r * there.slope * n.left * Vec2f{-there.direction.y, there.direction.x});
     };
-    const Vec2f lead = said(*std::max_element(
-        all.begin(), all.end(), [](const Seen& a, const Seen& b) { return a.weight < b.weight; }));
+    const Vec2f lead = estimate(*std::max_element(
+        all.begin(), all.end(),
+        [](const FrontNeighbor& a, const FrontNeighbor& b) { return a.weight < b.weight; }));
     Vec2f sum;
-    for (const Seen& n : all)
-        if (const Vec2f way = said(n); dot(way, lead) > kAgree) sum = sum + n.weight * way;
+    for (const FrontNeighbor& n : all)
+        if (const Vec2f v = estimate(n); dot(v, lead) > kAgree) sum = sum + n.weight * v;
     return normalized(sum);
 }
 
@@ -296,10 +300,10 @@ Vec2f LogMapper::position(NodeIndex i) const {
     const double d = distance(i);
     if (!(d < kInfinity)) return {kUnknown, kUnknown};
     const NodeIndex core = band_.coreNode(i);
-    const Vec2f way = core != kNoNode ? departures_[core].way : interpolate(i);
+    const Vec2f v = core != kNoNode ? departures_[core].direction : interpolate(i);
     // At the seed itself there is no direction.
-    if (d > 1e-6 && way.x == 0 && way.y == 0) return {kUnknown, kUnknown};
-    return float(d) * way;
+    if (d > 1e-6 && v.x == 0 && v.y == 0) return {kUnknown, kUnknown};
+    return float(d) * v;
 }
 
 std::vector<Vec2f> LogMapper::map(Progress& progress) {
@@ -341,8 +345,8 @@ std::vector<Vec2f> LogMapper::map(Progress& progress) {
 
 LogMap::Frame frameAt(const Band& band, const Field& field, const SurfacePoint& seed,
                       const Vec3d& reference) {
-    const Vec3d side(band.normal[seed.node]);
-    const Vec3d n = SurfaceCell(band, *field.metric, seed.pIndex, side).normal;
+    const Vec3d sheetNormal(band.normal[seed.node]);
+    const Vec3d n = SurfaceCell(band, *field.metric, seed.pIndex, sheetNormal).normal;
     Vec3d u = tangential(reference, n);
     if (!(length(u) > 1e-6 * length(reference))) {
         int least = 0;

@@ -50,8 +50,8 @@ public:
               const SurfaceRays& rays, double radius)
         : radius_(radius), cell_(std::max(2 * radius, 2.0)) {
         for (std::size_t k = 0; k < seeds.size(); ++k)
-            if (seeds[k].piece != Vec3d{})
-                insert({seeds[k].pIndex, seeds[k].pIndex + seeds[k].piece,
+            if (seeds[k].segment != Vec3d{})
+                insert({seeds[k].pIndex, seeds[k].pIndex + seeds[k].segment,
                         rays.normal(seeds[k].pIndex)});
         for (const Path& path : paths)
             for (std::size_t k = 0; k + 1 < path.vertices.size(); ++k) {

@@ -201,7 +201,7 @@ std::string reportJson(const RunReport& r, const Band& band, const Field& field)
     j["accuracy"] = {{"samples", a.samples},
                      {"meanRelativeError", a.samples ? json(a.meanError) : json(nullptr)},
                      {"largestRelativeError", a.samples ? json(a.largestError) : json(nullptr)},
-                     {"guardedShare", a.guardedShare}};
+                     {"fallbackShare", a.fallbackShare}};
     j["seeds"] = seedsJson(r, band, field);
     if (r.cells)
         j["cells"] = {{"area", r.cells->area * dx * dx},

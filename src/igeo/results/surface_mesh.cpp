@@ -195,10 +195,10 @@ void sampleField(SurfaceMesh& mesh, const Band& band, const Field& field, Progre
     parallelFor(n, 1024, [&](std::size_t begin, std::size_t end) {
         if (reading.cancelled()) return;
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3d p = mesh.position[i], side(mesh.normal[i]);
-            const SurfaceCell cell(band, *field.metric, p, side);
+            const Vec3d p = mesh.position[i], sheetNormal(mesh.normal[i]);
+            const SurfaceCell cell(band, *field.metric, p, sheetNormal);
             if (cell.normal != Vec3d{}) mesh.normal[i] = Vec3f(cell.normal);
-            mesh.distance[i] = sampleDistance(band, field, p, side);
+            mesh.distance[i] = sampleDistance(band, field, p, sheetNormal);
             mesh.label[i] = labelAt(band, field, cell, p);
         }
         reading.add(end - begin);

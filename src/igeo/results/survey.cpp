@@ -65,7 +65,8 @@ std::vector<Judgement> judgeCore(const LevelSet& levelSet, const Band& band,
             if (here.core.count == 0) continue;
             const Ijk& o = here.origin;
             block.gather(psi, openvdb::Coord(o.x, o.y, o.z), band.transform.dx);
-            for (NodeIndex c = here.core.first; c < here.core.first + here.core.count; ++c) {
+            for (NodeIndex c = here.core.firstNode; c < here.core.firstNode + here.core.count;
+                 ++c) {
                 const NodeIndex i = nodes[c];
                 const int at = band.offset[i], x = at >> 6, y = at >> 3 & 7, z = at & 7;
                 Judgement& judged = all[c];

@@ -86,7 +86,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
         for (std::size_t l = begin; l < end; ++l) {
             block.gatherCross(psi, kept[l]->origin(), dx);
             const LeafNodes& nodes = band.leaves[l].band;
-            for (NodeIndex i = nodes.first; i < nodes.first + nodes.count; ++i) {
+            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
                 const int o = band.offset[i], x = o >> 6, y = o >> 3 & 7, z = o & 7;
                 const PsiDifferences d(block, x, y, z);
                 const double value = block.at(x, y, z);
@@ -144,7 +144,7 @@ LevelSet levelSetFromBand(const Band& band, bool closed, const std::string& file
     parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const LeafNodes& nodes = band.leaves[l].band;
-            for (NodeIndex i = nodes.first; i < nodes.first + nodes.count; ++i)
+            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i)
                 leaves[l]->setValueOn(band.offset[i], float(band.psi[i] * t.dx));
         }
     });

@@ -119,7 +119,7 @@ std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
     std::vector<std::vector<NodeIndex>> rims(nearLeaves.size());
     parallelFor(nearLeaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
-            NodeIndex i = band.leaves[l].band.first;
+            NodeIndex i = band.leaves[l].band.firstNode;
             for (const NearVoxel& v : nearLeaves[l].voxels) {
                 Vec3d n = normals.at(v.triangle, v.feature);
                 double psi = -dot(v.point, n);

@@ -213,7 +213,7 @@ Band bandFromPoints(const PointSurface& surface, PointBandKind kind, double dx, 
     band.buildTopology();
     parallelFor(parts.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
-            const auto first = std::ptrdiff_t(band.leaves[l].band.first);
+            const auto first = std::ptrdiff_t(band.leaves[l].band.firstNode);
             std::copy(parts[l].psi.begin(), parts[l].psi.end(), band.psi.begin() + first);
             std::copy(parts[l].foot.begin(), parts[l].foot.end(), band.foot.begin() + first);
             std::copy(parts[l].normal.begin(), parts[l].normal.end(), band.normal.begin() + first);

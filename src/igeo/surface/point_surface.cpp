@@ -2,8 +2,8 @@
 
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
+#include <igeo/base/symmetric_eigen.h>
 #include <igeo/surface/detail/orient_normals.h>
-#include <openvdb/math/Mat3.h>
 
 #include <algorithm>
 #include <array>
@@ -60,23 +60,17 @@ Plane planeThrough(const PointTree& points, const std::vector<PointTree::Found>&
         mean += weights[k] * (points[neighbors[k].point] - origin);
     }
     mean *= 1 / total;
-    openvdb::math::Mat3d covariance = openvdb::math::Mat3d::zero(), vectors;
+    SymmetricMatrix3 covariance;
     for (std::size_t k = 0; k < neighbors.size(); ++k) {
+        const double w = weights[k];
         const Vec3d d = points[neighbors[k].point] - origin - mean;
-        for (int a = 0; a < 3; ++a)
-            for (int b = 0; b < 3; ++b) covariance(a, b) += weights[k] * d[a] * d[b];
+        covariance.xx += w * d.x * d.x, covariance.yy += w * d.y * d.y;
+        covariance.zz += w * d.z * d.z, covariance.xy += w * d.x * d.y;
+        covariance.xz += w * d.x * d.z, covariance.yz += w * d.y * d.z;
     }
-    // Of unit trace: the solver takes small numbers for zero.
-    openvdb::math::Vec3d values;
-    const double trace = covariance(0, 0) + covariance(1, 1) + covariance(2, 2);
-    openvdb::math::diagonalizeSymmetricMatrix(covariance * (1 / trace), vectors, values);
-    std::array<int, 3> by{0, 1, 2};
-    std::sort(by.begin(), by.end(), [&](int a, int b) { return values[a] < values[b]; });
-    auto ratio = [&](int a, int b) {
-        return values[b] > 0 ? std::max(values[a], 0.0) / values[b] : 0.0;
-    };
-    return {normalized(Vec3d{vectors(0, by[0]), vectors(1, by[0]), vectors(2, by[0])}),
-            ratio(by[0], by[1]), ratio(by[1], by[2])};
+    const SymmetricEigen3 e = symmetricEigen(covariance);
+    auto ratio = [&](double a, double b) { return b > 0 ? std::max(a, 0.0) / b : 0.0; };
+    return {normalized(e.vector[0]), ratio(e.value[0], e.value[1]), ratio(e.value[1], e.value[2])};
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 /// A quadric through points that lie almost in a plane, by least squares.
 #pragma once
 
+#include <igeo/base/symmetric_eigen.h>
 #include <igeo/base/types.h>
 
 #include <array>
@@ -78,8 +79,7 @@ public:
     }
     /// The larger principal curvature there, without sign; for small slopes.
     double curvature() const {
-        const double half = c_[3] - c_[5], middle = c_[3] + c_[5];
-        return (std::abs(middle) + std::hypot(half, c_[4])) / (radius_ * radius_);
+        return symmetricEigen(2 * c_[3], c_[4], 2 * c_[5]).largestMagnitude() / (radius_ * radius_);
     }
     /// The fitted surface as f = 0 with |grad f| = 1 in the middle.
     Quadric quadric() const {

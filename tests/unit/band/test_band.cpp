@@ -164,7 +164,7 @@ TEST_CASE("Band: nodes are numbered leaf by leaf, by offset") {
     }
     std::size_t count = 0;
     for (const BandLeaf& leaf : band.leaves) {
-        CHECK(leaf.band.first == count);
+        CHECK(leaf.band.firstNode == count);
         count += leaf.band.count;
     }
     CHECK(count == band.size());

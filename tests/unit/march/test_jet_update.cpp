@@ -1,5 +1,6 @@
 // The local solve of jet against fronts known in closed form.
 #include <igeo/band/tangent_frame.h>
+#include <igeo/march/detail/jet_blend.h>
 #include <igeo/march/detail/jet_update.h>
 #include <support/catch.h>
 
@@ -37,7 +38,7 @@ TEST_CASE("jetUpdate is exact for circular fronts, near and far") {
         REQUIRE(all.count() >= 2);
         const Jet jet = jetUpdate(all);
         INFO("source at " << distance << ", " << all.count() << " neighbors");
-        CHECK(!jet.guarded);
+        CHECK(!jet.usedFallback);
         // The direction is predicted exactly for such fronts, so only roundings are left.
         CHECK(std::abs(jet.u - double(distance)) < double(rounding(distance)));
         CHECK(length(jet.g + (1 / distance) * source) < 1e-3f);
@@ -60,12 +61,12 @@ TEST_CASE("jetUpdate with one neighbor goes straight on, with none nowhere") {
     all.add({{0.6f, 0.8f}, {0.6f, 0.8f}, 5});
     const Jet jet = jetUpdate(all);
     CHECK(std::abs(jet.u - 6) < 1e-6);
-    CHECK(jet.guarded);
+    CHECK(jet.usedFallback);
     CHECK(length(jet.g - Vec2f{0.6f, 0.8f}) < 1e-6f);
 }
 
 TEST_CASE(
-    "guardedUpdate is never below the values it starts from, and never above a straight way") {
+    "fermatUpdate is never below the values it starts from, and never above a straight line") {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> at(-1.7f, 1.7f), angle(0, 6.2831853f);
     for (int k = 0; k < 1000; ++k) {
@@ -79,7 +80,7 @@ TEST_CASE(
             least = std::min(least, u);
             bound = std::min(bound, u + double(length(p)));
         }
-        const Jet jet = guardedUpdate(all);
+        const Jet jet = fermatUpdate(all);
         INFO("case " << k);
         REQUIRE(jet.u <= bound + 1e-5);
         // Hermite values may undershoot their ends: by 4/27 of a segment's length and slope at
@@ -108,26 +109,26 @@ TEST_CASE("blendJets interpolates a circular front exactly and keeps two fronts 
     CHECK(std::abs(blendJets(both, weight).u - 8) < double(rounding(8)));
 }
 
-TEST_CASE("TangentFrame: the way along a sphere is the arc") {
+TEST_CASE("TangentFrame: a geodesic of a sphere unfolds to its arc") {
     for (const double radius : {5.0, 20.0, 100.0}) {
         const Vec3d n0{0, 0, 1}, n1 = normalized(Vec3d{0.6 / radius, 1.1 / radius, 1});
         const double arc = radius * std::acos(dot(n0, n1));
         const TangentFrame frame{Vec3f(n0)};
         const auto cosine = float(dot(n0, n1));
-        const Vec2f way = frame.way(Vec3f(radius * (n0 - n1)), Vec3f(n1), cosine);
+        const Vec2f a = frame.unfold(Vec3f(radius * (n0 - n1)), Vec3f(n1), cosine);
         INFO("radius " << radius);
         // What the series leaves out is (c / R)^6 of the chord c; chords carry roundings of 1e-7.
-        CHECK(std::abs(double(length(way)) - arc) < 2e-6 * arc + arc * std::pow(arc / radius, 6));
+        CHECK(std::abs(double(length(a)) - arc) < 2e-6 * arc + arc * std::pow(arc / radius, 6));
     }
 }
 
-TEST_CASE("TangentFrame: over a sharp edge the way is unfolded") {
+TEST_CASE("TangentFrame: over a sharp edge both faces unfold") {
     // Faces z = 0 (y < 0) and y = 0 (z < 0) of a box meet along the x axis.
     const Vec3f top{0, 0, 1}, front{0, 1, 0};
     const Vec3f onTop{0.2f, -0.7f, 0}, onFront{1.1f, 0, -0.4f};
     const TangentFrame frame(front);
-    const Vec2f way = frame.way(onFront - onTop, top, 0);
-    CHECK(std::abs(length(way) - std::hypot(0.9f, 1.1f)) < 1e-6f);
+    const Vec2f a = frame.unfold(onFront - onTop, top, 0);
+    CHECK(std::abs(length(a) - std::hypot(0.9f, 1.1f)) < 1e-6f);
     // A gradient that goes straight over the edge still goes away from it behind.
     const JetNeighbor n = flattened(frame, onFront - onTop, top, 0, Vec3f{0, 1, 0}, 3);
     const Vec3f turned = frame.lift(n.g);

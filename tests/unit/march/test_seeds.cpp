@@ -29,10 +29,10 @@ TEST_CASE("seeds: what follows joined belongs to the source before it") {
     CHECK(sourcesOf({at(o, true), at(o, true)}) == std::vector<std::uint32_t>{0, 0});
 }
 
-TEST_CASE("seeds: nearestTo a piece and its ends") {
+TEST_CASE("seeds: nearestTo a segment and its ends") {
     SurfacePoint s = at({1, 2, 3});
     CHECK(s.nearestTo({9, 9, 9}) == Vec3d{1, 2, 3});
-    s.piece = {2, 0, 0};
+    s.segment = {2, 0, 0};
     CHECK(s.nearestTo({0, 5, 5}) == Vec3d{1, 2, 3});
     CHECK(s.nearestTo({7, 5, 5}) == Vec3d{3, 2, 3});
     CHECK(s.nearestTo({2.5, 5, 5}) == Vec3d{2.5, 2, 3});
@@ -49,7 +49,7 @@ TEST_CASE("SeedsNear: finds all within the radius, far from the origin as well")
             };
             std::vector<SurfacePoint> seeds;
             for (std::size_t k = 0; k < count; ++k) seeds.push_back(at(somewhere()));
-            seeds[0].piece = {1.5, 0, 0};
+            seeds[0].segment = {1.5, 0, 0};
             const SeedsNear near(seeds, kNear);
             for (int round = 0; round < 50; ++round) {
                 const Vec3d p = somewhere();
@@ -65,7 +65,7 @@ TEST_CASE("SeedsNear: finds all within the radius, far from the origin as well")
     }
 }
 
-TEST_CASE("seedsAlong: pieces of half a voxel from end to end") {
+TEST_CASE("seedsAlong: segments of half a voxel from end to end") {
     const Band band = plane();
     Curve curve;
     curve.points = {{-5, 0, 0}, {5, 0.3, 1}, {5, 6, 0.2}};
@@ -77,10 +77,10 @@ TEST_CASE("seedsAlong: pieces of half a voxel from end to end") {
         for (const SurfacePoint& s : seeds) {
             CHECK(length(s.pIndex - end) < 1e-9);
             CHECK(std::abs(s.pIndex.z - 0.2) < 1e-6);
-            CHECK(length(s.piece) < 0.5 + 1e-9);
+            CHECK(length(s.segment) < 0.5 + 1e-9);
             CHECK(s.start == 2);
             CHECK(s.joined == (&s != &seeds.front()));
-            end = s.pIndex + s.piece;
+            end = s.pIndex + s.segment;
         }
         CHECK(length(end - (closed ? seeds.front().pIndex : Vec3d{5, 6, 0.2})) < 1e-6);
     }
@@ -88,7 +88,7 @@ TEST_CASE("seedsAlong: pieces of half a voxel from end to end") {
     CHECK(seedsAlong(band, curve, 1).size() == 1);
 }
 
-TEST_CASE("seedsAlong: a point far away makes no more pieces than the surface is wide") {
+TEST_CASE("seedsAlong: a point far away makes no more segments than the surface is wide") {
     const Band sphere = sphereBand({0, 0, 0}, 10, 1.8);
     const auto seeds = seedsAlong(sphere, {{{10, 0, 0}, {2e5, 2e4, 0}}, false, 0}, 1e6);
     // atan(0.1) of 10 voxels, twice per voxel, the start, and one for rounding up.

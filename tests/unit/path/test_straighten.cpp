@@ -80,7 +80,7 @@ TEST_CASE("estimateAccuracy tells a good field from a poor one") {
     // The lengths themselves are good to 7e-4 here; godunov at order 1 is off by about 2 %.
     CHECK(good.largestError < 1e-3);
     CHECK(poor.meanError > 5e-3);
-    CHECK(good.guardedShare < 0.01);
+    CHECK(good.fallbackShare < 0.01);
 }
 
 TEST_CASE("extendDistance covers the narrow band with the values of the foot points") {

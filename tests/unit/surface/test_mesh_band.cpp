@@ -257,7 +257,7 @@ TEST_CASE("where a mesh lies in space makes no difference", "[mesh]") {
     }
     CHECK(missing == 0);
     CHECK(psiOff < 1e-5);
-    // Rounding decides here and there between a fit and its guard, of first order.
+    // Rounding decides here and there between a fit and its fallback, of first order.
     CHECK(off < 0.5);
     CHECK(sum / double(band.size()) < 0.005);
 }

@@ -46,7 +46,7 @@ public:
         bool turned = false;
         while (parent_[first] != first) turned ^= turned_[first] != 0, first = parent_[first];
         const Member found{first, turned};
-        // Everybody on the way points to the first from now on.
+        // Path compression: all members passed point to the first from now on.
         while (parent_[i] != first) {
             const Index next = parent_[i];
             const bool here = turned;

@@ -1,5 +1,9 @@
+#include <igeo/march/detail/jet_extend.h>
+
 #include <igeo/base/parallel.h>
-#include <igeo/march/detail/jet_core.h>
+#include <igeo/march/detail/jet_blend.h>
+#include <igeo/march/detail/jet_neighborhood.h>
+#include <igeo/march/detail/jet_start.h>
 
 namespace igeo {
 
@@ -15,19 +19,19 @@ public:
     Solved extendTo(NodeIndex i, LeafIndex l, unsigned at) const;
 
     double weightOf(NodeIndex i) const {
-        return metric_.anisotropic() ? core_.placeInBand(i).weight : metric_.at(i);
+        return metric_.anisotropic() ? core_.localFrameInBand(i).weight : metric_.at(i);
     }
 
 private:
     double largestCost(NodeIndex i) const {
         if (!metric_.anisotropic()) return metric_.at(i);
-        const Place place = core_.placeInBand(i);
-        return place.weight * double(place.stretch.largest());
+        const LocalFrame local = core_.localFrameInBand(i);
+        return local.weight * double(local.stretch.largest());
     }
     /// Core nodes beside a foot point.
     struct Corners {
         struct Corner {
-            const JetCore::Node* node;
+            const JetNode* node;
             float weight;  ///< trilinear
             Vec3f chord;   ///< from its foot point
         };
@@ -35,23 +39,23 @@ private:
         std::size_t count = 0;
     };
 
-    /// Every corner carries its jet to the foot point as along a circle (jet::circularStep).
+    /// Every corner carries its jet to the foot point by the circular step (jet_fit.h).
     /// @param sum  of their gradients, weighted
     /// @return false where they are not of one front
     bool carryInSpace(NodeIndex i, const Corners& corners, const Vec3f& sum, Solved& s) const;
     /// The same with tensors.
     Solved carryInPlane(NodeIndex i, const Corners& corners, std::uint32_t label) const;
-    /// Where the core around the foot point is not of one smooth front: as the march would.
-    Solved solveOutside(NodeIndex i, LeafIndex l, unsigned at) const;
-    /// The core around a node, as far as it is reached.
+    /// Where the core around the foot point is not of one smooth front: as in the march.
+    Solved solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const;
+    /// Adds the nodes of the core around a node that have a jet.
     /// @return whether any of it is on the node's sheet, reached or not
     bool gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,
-                      const Place& place, Surroundings& found) const;
-    Solved preferDisc(NodeIndex i, const Solved& s) const {
+                      const LocalFrame& local, Neighborhood& found) const;
+    /// The jet of the start disc that holds the foot point; s where none does.
+    Solved exactNearSeed(NodeIndex i, const Solved& s) const {
         constexpr double kMargin = 3;  // voxels
-        return s.u > core_.discEnd + kMargin * largestCost(i) ? s : inDisc(i, s);
+        return s.u > core_.seeds.largestInDisc + kMargin * largestCost(i) ? s : inDisc(i, s);
     }
-    /// Start discs are exact.
     Solved inDisc(NodeIndex i, const Solved& s) const;
 
     const JetCore& core_;
@@ -62,13 +66,13 @@ private:
 Solved Extension::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
     constexpr float kFlat = 0.8f;
     const Vec3f n = band_.normal[i];
-    // The corners around the foot point that are in the core, and what they say together.
+    // The corners around the foot point that are in the core, and their mean gradient.
     Corners corners;
     Solved s;
     Vec3f sum;
     bool simple = true;
     band_.forCornersOfFoot(&BandLeaf::core, i, l, at, [&](NodeIndex j, float w, const Vec3f& from) {
-        const JetCore::Node& node = core_.nodes[j];
+        const JetNode& node = core_.nodes[j];
         if (corners.count == 0) s.label = core_.labelOf(j);
         simple &= node.u < kInfinity && core_.labelOf(j) == s.label && dot(n, node.normal) >= kFlat;
         corners.corner[corners.count++] = {&node, w, from - node.foot};
@@ -79,14 +83,13 @@ Solved Extension::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
         s = carryInPlane(i, corners, s.label);
     else if (simple)
         simple = carryInSpace(i, corners, sum, s);
-    return simple ? preferDisc(i, s) : solveOutside(i, l, at);
+    return simple ? exactNearSeed(i, s) : solveFromCore(i, l, at);
 }
 
 bool Extension::carryInSpace(NodeIndex i, const Corners& corners, const Vec3f& sum,
                              Solved& s) const {
     s.g = normalized(tangential(sum, band_.normal[i]));
-    // That these directions are in space, not in one plane, changes the step by (k c)^2 / 12 at
-    // curvature k.
+    // Directions in space, not in one plane, change the step by (k c)^2 / 12 at curvature k.
     const double origin = corners.corner[0].node->u, weight = metric_.at(i);
     float value = 0, total = 0;
     for (std::size_t c = 0; c < corners.count; ++c) {
@@ -103,39 +106,39 @@ bool Extension::carryInSpace(NodeIndex i, const Corners& corners, const Vec3f& s
 }
 
 Solved Extension::carryInPlane(NodeIndex i, const Corners& corners, std::uint32_t label) const {
-    const Place place = core_.placeInBand(i);
-    Surroundings around;
-    std::array<float, JetNeighbors::kMax> weight{};
+    const LocalFrame local = core_.localFrameInBand(i);
+    Neighborhood around;
+    BlendWeights weight{};
     for (std::size_t c = 0; c < corners.count; ++c) {
         const auto& [node, w, chord] = corners.corner[c];
         weight[c] = w;
-        core_.see(NodeIndex(node - core_.nodes.data()), chord, dot(band_.normal[i], node->normal),
-                  place, around);
+        addNeighbor(core_, NodeIndex(node - core_.nodes.data()), chord,
+                    dot(band_.normal[i], node->normal), local, around);
     }
-    return core_.fromPicture(place, blendJets(around.all, weight), label);
+    return fromChart(core_, local, blendJets(around.all, weight), label);
 }
 
 Solved Extension::inDisc(NodeIndex i, const Solved& s) const {
     // The core around such a node has been reached from its seed, so that it is on the same sheet;
-    // in the long discs of tensors it may have been by another way.
-    constexpr double kOtherWay = 1.2;
+    // in the long discs of tensors it may have been along another path.
+    constexpr double kOtherPath = 1.2;
     const Vec3d foot = band_.footPoint(i);
     Solved best;
     double leastStart = kInfinity;
-    auto look = [&](std::size_t k) {
-        const SurfacePoint& seed = core_.seeds[k];
-        if (core_.source[k] != s.label) return;
+    auto visit = [&](std::size_t k) {
+        const SurfacePoint& seed = core_.seeds.points[k];
+        if (core_.seeds.source[k] != s.label) return;
         leastStart = std::min(leastStart, seed.start);
         const Vec3d from = seed.nearestTo(foot);
         Solved disc;
-        if (!metric_.blocked(from, foot, Vec3d(core_.seedNormal[k])) &&
-            core_.discJet(std::uint32_t(k), core_.placeInBand(i), foot, disc) &&
-            (length(foot - from) <= core_.startRadius ||
-             s.u - seed.start <= kOtherWay * (disc.u - seed.start)) &&
+        if (!metric_.blocked(from, foot, Vec3d(core_.seeds.normal[k])) &&
+            seedNeighborhoodJet(core_, std::uint32_t(k), core_.localFrameInBand(i), foot, disc) &&
+            (length(foot - from) <= core_.seeds.startRadius ||
+             s.u - seed.start <= kOtherPath * (disc.u - seed.start)) &&
             disc.u < best.u)
             best = disc;
     };
-    core_.seedsNear.forNear(foot, look);
+    core_.seeds.near.forNear(foot, visit);
     if (best.u < kInfinity) return best;
     best = s;
     if (leastStart < kInfinity) best.u = std::max(s.u, leastStart);
@@ -143,41 +146,41 @@ Solved Extension::inDisc(NodeIndex i, const Solved& s) const {
 }
 
 bool Extension::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,
-                             const Place& place, Surroundings& found) const {
+                             const LocalFrame& local, Neighborhood& found) const {
     // Further off than a cell's diagonal it may be another surface.
     constexpr float kNear2 = 3;
-    const Vec3f& normal = place.frame.normal();
-    bool anybody = false;
+    const Vec3f& normal = local.frame.normal();
+    bool onSheet = false;
     band_.forBox(&BandLeaf::core, l, at, middle, reach, [&](NodeIndex j, const Ijk& step) {
-        const JetCore::Node& other = core_.nodes[j];
+        const JetNode& other = core_.nodes[j];
         const float cosine = dot(normal, other.normal);
         const Vec3f chord = band_.foot[i] - other.foot - Vec3f(step);
         if (cosine < Band::kOtherSheet || dot(chord, chord) > kNear2 ||
             stacked(chord, normal, other.normal))
             return;
-        if (!metric_.clear(i) && core_.hidden(other, band_.footPoint(i), normal + other.normal))
+        if (!metric_.clear(i) && isHidden(core_, other, band_.footPoint(i), normal + other.normal))
             return;
-        anybody = true;
+        onSheet = true;
         if (!(other.u < kInfinity) || found.full()) return;
-        core_.see(j, chord, cosine, place, found);
+        addNeighbor(core_, j, chord, cosine, local, found);
     });
-    return anybody;
+    return onSheet;
 }
 
-Solved Extension::solveOutside(NodeIndex i, LeafIndex l, unsigned at) const {
-    const Place place = core_.placeInBand(i);
-    Surroundings around;
+Solved Extension::solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const {
+    const LocalFrame local = core_.localFrameInBand(i);
+    Neighborhood around;
     // Where the foot point is off, the core passes within two voxels all the same.
-    if (!gatherAround(i, l, at, roundToIjk(Vec3d(band_.foot[i])), 1, place, around))
-        gatherAround(i, l, at, {}, 2, place, around);
-    return preferDisc(i, core_.solve(place, around));
+    if (!gatherAround(i, l, at, roundToIjk(Vec3d(band_.foot[i])), 1, local, around))
+        gatherAround(i, l, at, {}, 2, local, around);
+    return exactNearSeed(i, solveJet(core_, local, around));
 }
 
 /// Per leaf: whether it or one beside it has been reached, so that its nodes may have a jet.
 std::vector<std::uint8_t> leavesReached(const JetCore& core) {
     const std::vector<BandLeaf>& leaves = core.band.leaves;
     std::vector<std::uint8_t> reached(leaves.size()), beside(reached);
-    for (const JetCore::Node& node : core.nodes)
+    for (const JetNode& node : core.nodes)
         if (node.u < kInfinity) reached[node.leaf] = 1;
     for (std::size_t l = 0; l < beside.size(); ++l)
         for (const LeafIndex m : leaves[l].neighbor)
@@ -190,7 +193,7 @@ std::vector<std::uint8_t> leavesReached(const JetCore& core) {
 void extendJets(const JetCore& core, double limit, bool everywhere, Field& field) {
     const Band& band = core.band;
     const Extension extension(core);
-    // Side by side: the first touch of fresh memory costs more than what is written there.
+    // In parallel: the first touch of fresh memory costs more than what is written there.
     parallelFor(3, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             if (k == 0) field.distance.resize(band.size());
@@ -203,19 +206,21 @@ void extendJets(const JetCore& core, double limit, bool everywhere, Field& field
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
             if (!everywhere && !beside[l]) {
-                std::fill_n(field.distance.begin() + leaf.band.first, leaf.band.count, kInfinity);
+                std::fill_n(field.distance.begin() + leaf.band.firstNode, leaf.band.count,
+                            kInfinity);
                 continue;
             }
-            for (NodeIndex i = leaf.band.first; i < leaf.band.first + leaf.band.count; ++i) {
+            for (NodeIndex i = leaf.band.firstNode; i < leaf.band.firstNode + leaf.band.count;
+                 ++i) {
                 const unsigned at = band.offset[i];
                 const NodeIndex k = leaf.core.node(at);
                 const Solved s = core.metric.inside(i) ? Solved{}
                                  : k == kNoNode        ? extension.extendTo(i, LeafIndex(l), at)
                                                        : Solved{core.nodes[k].u, core.nodes[k].g,
                                                          core.labelOf(k), false};
-                const bool wanted = s.u <= limit;
-                field.distance[i] = wanted ? s.u : kInfinity;
-                field.gradient[i] = wanted ? float(extension.weightOf(i)) * s.g : Vec3f();
+                const bool withinLimit = s.u <= limit;
+                field.distance[i] = withinLimit ? s.u : kInfinity;
+                field.gradient[i] = withinLimit ? float(extension.weightOf(i)) * s.g : Vec3f();
                 if (!core.label.empty()) field.label[i] = s.label;
             }
         }

@@ -21,116 +21,143 @@ public:
         }
     }
     /// The metric of the lattice, its vectors laid on the tangent plane.
-    Form2 form(const Place& place) const {
-        const Vec2f a = flat(place, 0), b = flat(place, 1);
+    Form2 form(const LocalFrame& local) const {
+        const Vec2f a = flat(local, 0), b = flat(local, 1);
         return {dot(a, a), dot(a, b), dot(b, b)};
     }
     Vec2i columnOf(const Ijk& step) const { return {step[axisOf(0)], step[axisOf(1)]}; }
 
 private:
     int axisOf(int k) const { return (up_ + 1 + k) % 3; }
-    Vec2f flat(const Place& place, int k) const {
-        return place.stretch.way(place.frame.flat(Vec3f(along_[std::size_t(k)])));
+    Vec2f flat(const LocalFrame& local, int k) const {
+        return local.stretch.vector(local.frame.flat(Vec3f(along_[std::size_t(k)])));
     }
     int up_;
     std::array<Vec3d, 2> along_;
 };
 
-/// Whom a node sees at the twelve offsets +-e_k, +-(e_k - e_l) of its superbase.
+/// The nodes at the twelve offsets +-e_k, +-(e_k - e_l) of a node's superbase.
 using Forward = std::array<NodeIndex, 12>;
 
-/// From a core node over links to a column, nearest to the straight line; kNoNode where there is
-/// no way, or an obstacle on the chord.
+/// The part of a step to an offset that follows step k - 1 of `steps` straight ones, rounded; the
+/// same in both directions.
+int moveAlong(int whole, int k, int steps) {
+    auto at = [&](int step) {  // whole step / steps
+        return (whole < 0 ? -1 : 1) * ((2 * std::abs(whole) * step + steps) / (2 * steps));
+    };
+    return at(k) - at(k - 1);
+}
+
+/// The node linked to another in the column at `move`, nearest to S; kNoNode where there is none.
+NodeIndex linkedInColumn(const JetCore& core, NodeIndex from, const Columns& columns, Vec2i move) {
+    NodeIndex next = kNoNode;
+    float least = float(kInfinity);
+    forLinks(core, from, [&](NodeIndex j, const Ijk& step, const Vec3f&, float) {
+        const Vec2i column = columns.columnOf(step);
+        if (column.x != move.x || column.y != move.y) return;
+        const Vec3f& foot = core.nodes[j].foot;
+        if (const float off = dot(foot, foot); off < least) least = off, next = j;
+    });
+    return next;
+}
+
+/// From a core node over links to a column, nearest to the straight line; kNoNode where links do
+/// not lead there, or an obstacle lies on the chord.
 NodeIndex walk(const JetCore& core, NodeIndex from, const Columns& columns, Vec2i offset) {
     const int steps = std::max(std::abs(offset.x), std::abs(offset.y));
-    auto along = [&](int whole, int k) {  // whole k / steps, rounded; the same in both directions
-        const int doubled = 2 * std::abs(whole) * k + steps;
-        return (whole < 0 ? -1 : 1) * (doubled / (2 * steps));
-    };
     NodeIndex at = from;
-    bool clear = core.nodes[from].sight == Metric::Clear;
+    bool clear = core.nodes[from].obstacleState == Metric::Clear;
     for (int k = 1; k <= steps; ++k) {
-        const Vec2i move{along(offset.x, k) - along(offset.x, k - 1),
-                         along(offset.y, k) - along(offset.y, k - 1)};
-        NodeIndex next = kNoNode;
-        float least = float(kInfinity);
-        core.forLinks(at, [&](NodeIndex j, const Ijk& step, const Vec3f&, float) {
-            const Vec2i column = columns.columnOf(step);
-            if (column.x != move.x || column.y != move.y) return;
-            const Vec3f& foot = core.nodes[j].foot;
-            if (const float off = dot(foot, foot); off < least) least = off, next = j;
-        });
-        if (next == kNoNode) return kNoNode;
-        at = next;
-        clear &= core.nodes[at].sight == Metric::Clear;
+        at = linkedInColumn(core, at, columns,
+                            {moveAlong(offset.x, k, steps), moveAlong(offset.y, k, steps)});
+        if (at == kNoNode) return kNoNode;
+        clear &= core.nodes[at].obstacleState == Metric::Clear;
     }
-    const JetCore::Node &a = core.nodes[from], &b = core.nodes[at];
-    // No link of the way comes near an obstacle: nor does the chord.
+    const JetNode &a = core.nodes[from], &b = core.nodes[at];
+    // Where no link of the walk comes near an obstacle, neither does the chord.
     if (!clear &&
         core.metric.blocked(core.footOf(a), core.footOf(b), Vec3d(normalized(a.normal + b.normal))))
         return kNoNode;
     return at;
 }
 
-Forward stencilOf(const JetCore& core, NodeIndex i) {
+Forward forwardOf(const JetCore& core, NodeIndex i) {
     const Columns columns(core.nodes[i].normal);
-    const Superbase e = obtuseSuperbase(columns.form(core.placeOf(i)));
+    const Superbase e = obtuseSuperbase(columns.form(core.localFrame(i)));
     Forward found;
     std::size_t n = 0;
     for (std::size_t k = 0; k < 3; ++k)
         for (const Vec2i offset : {e[k], e[k] - e[(k + 1) % 3]})
-            for (const Vec2i way : {offset, -offset}) found[n++] = walk(core, i, columns, way);
+            for (const Vec2i o : {offset, -offset}) found[n++] = walk(core, i, columns, o);
     return found;
+}
+
+/// Per node the nodes that have it in their forward list.
+struct Backward {
+    std::vector<std::uint32_t> begin;
+    std::vector<NodeIndex> node;  ///< those of node i from begin[i] to begin[i + 1]
+
+    explicit Backward(const std::vector<Forward>& forward) : begin(forward.size() + 1) {
+        for (const Forward& f : forward)
+            for (const NodeIndex j : f)
+                if (j != kNoNode) ++begin[j + 1];
+        for (std::size_t i = 0; i < forward.size(); ++i) begin[i + 1] += begin[i];
+        node.resize(begin.back());
+        std::vector<std::uint32_t> fill(begin.begin(), begin.end() - 1);
+        for (std::size_t i = 0; i < forward.size(); ++i)
+            for (const NodeIndex j : forward[i])
+                if (j != kNoNode) node[fill[j]++] = NodeIndex(i);
+    }
+};
+
+/// The neighbors of one node, each once.
+struct NeighborList {
+    std::array<NodeIndex, JetStencil::kMax> node;
+    std::size_t count = 0;
+
+    void add(NodeIndex j) {
+        const auto end = node.begin() + std::ptrdiff_t(count);
+        if (count < node.size() && std::find(node.begin(), end, j) == end) node[count++] = j;
+    }
+};
+
+/// Both directions, and the links: where a walk fails fronts still pass.
+NeighborList neighborsOf(const JetCore& core, NodeIndex i, const std::vector<Forward>& forward,
+                         const Backward& backward) {
+    NeighborList list;
+    auto add = [&](NodeIndex j) {
+        if (j != kNoNode && j != i) list.add(j);
+    };
+    for (const NodeIndex j : forward[i]) add(j);
+    forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f&, float) { add(j); });
+    for (std::size_t k = backward.begin[i]; k < backward.begin[i + 1]; ++k) add(backward.node[k]);
+    return list;
 }
 
 }  // namespace
 
-void JetCore::buildStencils() {
-    const std::size_t n = nodes.size();
-    std::vector<Forward> forward(n);
-    parallelFor(n, 256, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) forward[i] = stencilOf(*this, NodeIndex(i));
-    });
-    // Who looks at whom, the other way round.
-    std::vector<std::uint32_t> firstBack(n + 1);
-    for (const Forward& f : forward)
-        for (const NodeIndex j : f)
-            if (j != kNoNode) ++firstBack[j + 1];
-    for (std::size_t i = 0; i < n; ++i) firstBack[i + 1] += firstBack[i];
-    std::vector<NodeIndex> back(firstBack[n]);
-    std::vector<std::uint32_t> fill(firstBack.begin(), firstBack.end() - 1);
-    for (std::size_t i = 0; i < n; ++i)
-        for (const NodeIndex j : forward[i])
-            if (j != kNoNode) back[fill[j]++] = NodeIndex(i);
-    // Both, and the links: where a walk fails fronts still pass.
-    auto collect = [&](NodeIndex i, std::array<NodeIndex, kMaxStencil>& list) {
-        std::size_t count = 0;
-        auto add = [&](NodeIndex j) {
-            if (j != kNoNode && j != i && count < kMaxStencil &&
-                std::find(list.begin(), list.begin() + std::ptrdiff_t(count), j) ==
-                    list.begin() + std::ptrdiff_t(count))
-                list[count++] = j;
-        };
-        for (const NodeIndex j : forward[i]) add(j);
-        forLinks(i, [&](NodeIndex j, const Ijk&, const Vec3f&, float) { add(j); });
-        for (std::size_t k = firstBack[i]; k < firstBack[i + 1]; ++k) add(back[k]);
-        return count;
+JetStencil buildStencil(const JetCore& core) {
+    const std::size_t n = core.nodes.size();
+    auto forNodes = [&](const auto& visit) {
+        parallelFor(n, 256, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) visit(NodeIndex(i));
+        });
     };
-    stencilFirst.assign(n + 1, 0);
-    parallelFor(n, 256, [&](std::size_t begin, std::size_t end) {
-        std::array<NodeIndex, kMaxStencil> list;
-        for (std::size_t i = begin; i < end; ++i)
-            stencilFirst[i + 1] = std::uint32_t(collect(NodeIndex(i), list));
+    std::vector<Forward> forward(n);
+    forNodes([&](NodeIndex i) { forward[i] = forwardOf(core, i); });
+    const Backward backward(forward);
+    JetStencil stencil;
+    stencil.begin.assign(n + 1, 0);
+    forNodes([&](NodeIndex i) {
+        stencil.begin[i + 1] = std::uint32_t(neighborsOf(core, i, forward, backward).count);
     });
-    for (std::size_t i = 0; i < n; ++i) stencilFirst[i + 1] += stencilFirst[i];
-    stencil.resize(stencilFirst[n]);
-    parallelFor(n, 256, [&](std::size_t begin, std::size_t end) {
-        std::array<NodeIndex, kMaxStencil> list;
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::size_t count = collect(NodeIndex(i), list);
-            std::copy_n(list.begin(), count, stencil.begin() + stencilFirst[i]);
-        }
+    for (std::size_t i = 0; i < n; ++i) stencil.begin[i + 1] += stencil.begin[i];
+    stencil.node.resize(stencil.begin[n]);
+    forNodes([&](NodeIndex i) {
+        const NeighborList list = neighborsOf(core, i, forward, backward);
+        std::copy_n(list.node.begin(), list.count, stencil.node.begin() + stencil.begin[i]);
     });
+    return stencil;
 }
 
 }  // namespace igeo

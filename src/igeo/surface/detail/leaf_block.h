@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band/band.h>
+#include <igeo/base/symmetric_eigen.h>
 #include <igeo/base/types.h>
 #include <openvdb/openvdb.h>
 
@@ -27,7 +28,7 @@ public:
     /// The same without edges and corners: enough for differences along the axes.
     void gatherCross(const Accessor& psi, const openvdb::Coord& origin, double dx) {
         copyFrom(psi, origin, {}, 1 / dx);
-        for (int side = 0; side < 6; ++side) copyFrom(psi, origin, Band::faceStep(side), 1 / dx);
+        for (int face = 0; face < 6; ++face) copyFrom(psi, origin, Band::faceStep(face), 1 / dx);
     }
 
     /// psi at voxel (x, y, z) of the leaf, each in [-1, 8].
@@ -97,19 +98,19 @@ inline double largestCurvature(const LeafBlock& b, int x, int y, int z) {
     const double xy = mixed(1, 0, 0, 0, 1, 0), xz = mixed(1, 0, 0, 0, 0, 1),
                  yz = mixed(0, 1, 0, 0, 0, 1);
     const Vec3d hx{d2(1, 0, 0), xy, xz}, hy{xy, d2(0, 1, 0), yz}, hz{xz, yz, d2(0, 0, 1)};
-    // Trace and squared norm of P H P, P = I - n n^T: sums and squares of the two eigenvalues.
+    // Trace and squared norm of P H P, P = I - n n^T.
     const Vec3d hn{dot(hx, n), dot(hy, n), dot(hz, n)};
     const double nhn = dot(n, hn);
     const double trace = hx.x + hy.y + hz.z - nhn;
     const double norm2 = dot(hx, hx) + dot(hy, hy) + dot(hz, hz) - 2 * dot(hn, hn) + nhn * nhn;
-    const double root = std::sqrt(std::max(2 * norm2 - trace * trace, 0.0));
     const double psi = b.at(x, y, z);
     double largest = 0;
-    for (const double k : {(trace - root) / 2, (trace + root) / 2}) {
+    const std::array<double, 2> curvatures = eigenvaluesOfInvariants(trace, norm2);
+    for (const double k : curvatures) {
         const double shift = 1 - psi * k;
         largest = std::max(largest, std::abs(k) / std::max(shift, 0.1));
     }
-    return std::isnan(root + trace) ? std::numeric_limits<double>::quiet_NaN() : largest;
+    return std::isnan(curvatures[1]) ? std::numeric_limits<double>::quiet_NaN() : largest;
 }
 
 /// Whether a neighbor is missing that the level set has elsewhere: S is cut at this voxel.

@@ -1,0 +1,126 @@
+#include <igeo/march/detail/jet_start.h>
+
+#include <set>
+
+namespace igeo {
+
+namespace {
+
+/// Cost of a chord at seed k, turned into its tangent plane.
+double seedCost(const JetCore& core, std::uint32_t k, const Vec3f& chord) {
+    const JetSeeds& seeds = core.seeds;
+    const Vec2f flat = TangentFrame(core.band.normal[seeds.points[k].node]).flat(chord);
+    const float l = length(flat);
+    return l > 0 ? seeds.plane[k].cost((length(chord) / l) * flat) : 0;
+}
+
+/// The start disc of one seed, found outward from the seed over the core, so that it reaches no
+/// surface close by.
+class StartDisc {
+public:
+    StartDisc(const JetCore& core, std::uint32_t k)
+        : core_(core), k_(k), seed_(core.seeds.points[k]) {
+        visitAroundSeed();
+        for (std::size_t at = 0; at < found_.size(); ++at) visitNeighbors(found_[at].first);
+        // A seed in a corner that obstacles hide from all nodes near it: straight to the nearest.
+        if (found_.empty() && nearest_ != kNoNode)
+            found_.emplace_back(
+                nearest_,
+                Solved{seed_.start + seed_.weight * least_, {}, core.seeds.source[k], false});
+    }
+    const std::vector<std::pair<NodeIndex, Solved>>& jets() const { return found_; }
+
+private:
+    void visitAroundSeed() {
+        const Vec3f sheetNormal = core_.band.normal[seed_.node];
+        core_.band.forBox(
+            &BandLeaf::core, core_.band.leaf[seed_.node], core_.band.offset[seed_.node], {}, 2,
+            [&](NodeIndex i, const Ijk&) {
+                const JetNode& node = core_.nodes[i];
+                if (dot(node.normal, sheetNormal) >= Band::kOtherSheet &&
+                    !stacked(Vec3f(core_.footOf(node) - seed_.pIndex), node.normal, sheetNormal))
+                    visit(i);
+            });
+    }
+    void visitNeighbors(NodeIndex i) {
+        const JetNode& node = core_.nodes[i];
+        core_.band.forNeighbors(
+            &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
+                const JetNode& other = core_.nodes[j];
+                const Vec3f chord = node.foot - other.foot - Vec3f(Ijk{dx, dy, dz});
+                if (dot(node.normal, other.normal) >= Band::kOtherSheet &&
+                    !stacked(chord, node.normal, other.normal))
+                    visit(j);
+            });
+    }
+    void visit(NodeIndex i) {
+        if (!visited_.insert(i).second) return;
+        const Vec3d foot = core_.footOf(core_.nodes[i]), from = seed_.nearestTo(foot);
+        if (core_.nodes[i].obstacleState == Metric::Inside ||
+            core_.metric.blocked(from, foot, Vec3d(core_.seeds.normal[k_])))
+            return;
+        if (const double r = length(foot - from); r < least_) least_ = r, nearest_ = i;
+        if (Solved s; seedNeighborhoodJet(core_, k_, core_.localFrame(i), foot, s))
+            found_.emplace_back(i, s);
+    }
+
+    const JetCore& core_;
+    const std::uint32_t k_;
+    const SurfacePoint& seed_;
+    std::set<NodeIndex> visited_;
+    std::vector<std::pair<NodeIndex, Solved>> found_;
+    NodeIndex nearest_ = kNoNode;
+    double least_ = kInfinity;  ///< distance of nearest_, voxels
+};
+
+}  // namespace
+
+bool seedNeighborhoodJet(const JetCore& core, std::uint32_t k, const LocalFrame& local,
+                         const Vec3d& foot, Solved& s) {
+    const JetSeeds& seeds = core.seeds;
+    const SurfacePoint& seed = seeds.points[k];
+    const TangentFrame& frame = local.frame;
+    const Vec3f chord(foot - seed.nearestTo(foot)), &normal = frame.normal();
+    const float cosine = dot(normal, seeds.normal[k]), c = length(chord);
+    const bool isotropic = core.stretch.empty();
+    // With tensors as far in cost as such a chord in the dearest direction: along the cheap axis
+    // the lattice is coarse beside the bends of the front, further out than elsewhere.
+    const double costThere = isotropic ? 0 : seedCost(core, k, chord);
+    if (c > float(seeds.startRadius) &&
+        (isotropic || costThere > seeds.startRadius * seeds.plane[k].largest()))
+        return false;
+    // Across a crease chords say nothing, and the march begins next to the seed; but a seed on the
+    // crease itself lies in the planes of all its faces.
+    constexpr float kSmooth = 0.8f, kInPlane = 0.05f;
+    if (cosine < kSmooth && std::abs(dot(normal, chord)) >= kInPlane * c) return false;
+    const Vec2f a =
+        cosine < kSmooth ? frame.flat(chord) : frame.unfold(chord, seeds.normal[k], cosine);
+    const float arc = length(a);
+    s = {seed.start, {}, seeds.source[k], false};
+    if (isotropic) {
+        s.u += (seed.weight + local.weight) / 2 * double(arc);
+        if (arc > 1e-6f) s.g = frame.lift((1 / arc) * a);
+        return true;
+    }
+    // The mean of the costs at both ends, each in its own plane.
+    const Vec2f here = local.stretch.vector(a);
+    const double ratio = c > 0 ? double(arc / c) : 1;
+    s.u += (local.weight * double(length(here)) + ratio * costThere) / 2;
+    if (arc > 1e-6f) s.g = frame.lift(local.stretch.covectorBack((1 / length(here)) * here));
+    return true;
+}
+
+StartDiscs startDiscs(JetCore& core) {
+    StartDiscs discs;
+    for (std::size_t k = 0; k < core.seeds.points.size(); ++k) {
+        const StartDisc disc(core, std::uint32_t(k));
+        for (const auto& [i, s] : disc.jets()) {
+            core.seeds.largestInDisc = std::max(core.seeds.largestInDisc, s.u);
+            const auto [at, isNew] = discs.try_emplace(i, s);
+            if (!isNew && s.u < at->second.u) at->second = s;
+        }
+    }
+    return discs;
+}
+
+}  // namespace igeo

@@ -1,0 +1,25 @@
+/// Where scheme `jet` starts: the start discs around the seeds, in which jets are known.
+#pragma once
+
+#include <igeo/march/detail/jet_core.h>
+
+#include <map>
+
+namespace igeo {
+
+/// The jet of a foot point that lies within the start disc of seed k: value and gradient of the
+/// straight line to the seed, its chord lengthened to the arc, at the mean of the costs at both
+/// ends.
+/// @param foot  the foot point, index space; `local` its chart
+/// @return false where it lies outside of the disc, or across a crease from the seed
+bool seedNeighborhoodJet(const JetCore& core, std::uint32_t k, const LocalFrame& local,
+                         const Vec3d& foot, Solved& s);
+
+/// Jets by core node.
+using StartDiscs = std::map<NodeIndex, Solved>;
+
+/// The start discs of all seeds, each connected to its seed over links of the core; the least value
+/// where they overlap, and the earlier seed where they are equal. Sets JetSeeds::largestInDisc.
+StartDiscs startDiscs(JetCore& core);
+
+}  // namespace igeo
