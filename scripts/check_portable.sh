@@ -22,12 +22,12 @@ trap 'rm -rf "$scratch"' EXIT
 sources=("$@")
 [[ $# -gt 0 ]] || mapfile -t sources < <(find src apps -name '*.cpp' | sort)
 
-mkdir -p "$scratch/igeo" "$scratch/headers"
+mkdir -p "$scratch/igeo/base" "$scratch/headers"
 sed 's/@PROJECT_VERSION@/0/' src/igeo/base/version.h.in >"$scratch/igeo/base/version.h"
 # As the build makes it.
 echo 'constexpr const char* kCommit = "none";' >"$scratch/implicit_geodesic_commit.h"
 # Those of the C library must not be found beside them.
-for header in openvdb tbb oneapi boost Imath assimp nlohmann CLI png.h pngconf.h pnglibconf.h; do
+for header in openvdb tbb oneapi boost Imath assimp nlohmann CLI fmt xxhash.h png.h pngconf.h pnglibconf.h; do
     ln -s "/usr/include/$header" "$scratch/headers/"
 done
 

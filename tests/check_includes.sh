@@ -27,6 +27,9 @@ CLI/       src apps tests  apps/implicit-geodesic/options.cpp
 nlohmann/  src apps        src/igeo/results/report.cpp src/igeo/io/point_list.cpp apps/implicit-geodesic/json_file.h
 png.h      src apps        src/igeo/results/detail/canvas.cpp
 assimp/    src apps        src/igeo/io/mesh_file.cpp
+xxhash     src apps        src/igeo/base/digest.cpp
+fmt/format.h  src apps
+fmt/printf.h  src apps
 tbb/       src apps        src/igeo/base/parallel.h src/igeo/base/parallel.cpp apps/implicit-geodesic/version_text.cpp
 fcntl.h    src apps        src/igeo/base/detail/system_posix.cpp src/igeo/base/detail/system_windows.cpp apps/implicit-geodesic/process_posix.cpp
 sys/       src apps        src/igeo/base/detail/system_posix.cpp src/igeo/base/detail/system_windows.cpp apps/implicit-geodesic/process_posix.cpp

@@ -63,6 +63,5 @@ cd "$scratch/copy"
 for document in out/*.json; do
     kind=$(python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["type"])' "$document")
     echo "== $document: docs/$kind.schema.json" >&2
-    # 77: no python3-jsonschema here.
-    /usr/bin/python3 tests/cli/validate_json.py "docs/$kind.schema.json" "$document" || [[ $? -eq 77 ]]
+    /usr/bin/python3 tests/cli/validate_json.py "docs/$kind.schema.json" "$document"  # 77: cannot
 done

@@ -497,8 +497,8 @@ void addOptions(CLI::App& app, Options& o) {
         ->check(oneOf({"y", "z"}))
         ->group(picture);
     app.add_option("--color-map", o.colorMap,
-                   "Colors of picture, mesh and color grid: lagoon, sunset, ember, ice, gray "
-                   "[lagoon]")
+                   "Colors of picture, mesh and color grid: viridis, magma, cividis, turbo, gray "
+                   "[viridis]")
         ->type_name("NAME")
         ->check(oneOf(igeo::ColorMap::names()))
         ->group(picture);

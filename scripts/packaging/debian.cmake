@@ -23,8 +23,8 @@ foreach(stage IN LISTS stages)
 "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 Upstream-Name: implicit-geodesic
 Upstream-Contact: ${CPACK_PACKAGE_CONTACT}
-Comment: The program has CLI11 (BSD-3-clause) and nlohmann-json (Expat) compiled in, the library
- nlohmann-json.
+Comment: The program has CLI11 (BSD-3-clause), nlohmann-json (Expat) and xxHash (BSD-2-clause)
+ compiled in, the library nlohmann-json and xxHash.
 
 Files: *
 Copyright: 2026 ${CPACK_PACKAGE_VENDOR}

@@ -65,7 +65,7 @@ TEST_CASE("godunov order 2 in its default band") {
     const Errors e = solveSphere(200, 0, 2);
     CHECK(e.unreached == 0);
     CHECK(e.max <= 0.6);
-    CHECK(e.mean <= 0.2);
+    CHECK(e.mean <= 0.136);  // measured 0.0902
 }
 
 TEST_CASE("godunov does not converge at order 1 in a band of fixed voxels") {

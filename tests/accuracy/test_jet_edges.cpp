@@ -96,7 +96,7 @@ TEST_CASE("jet passes sharp edges everywhere along them") {
             // to go on to the next voxel that is out: less than two along the edge. A gap in the
             // core would cost that and more at every node behind it.
             CHECK(sum / double(count) < 0.6);
-            CHECK(most < 1.5);
+            CHECK(most < 1.06);  // measured 0.70
         }
 }
 

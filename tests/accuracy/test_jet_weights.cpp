@@ -82,9 +82,9 @@ TEST_CASE("jet with the weight 2 s / (1 + s^2 |x|^2) measures on the stereograph
         std::printf("jet, stereographic N = %d: mean %.4f %%, max %.4f %%\n", n, mean,
                     100 * most / largest);
         if (n == 200) {
-            CHECK(mean <= 0.03);
+            CHECK(mean <= 0.0214);  // measured 0.0142
             // At least of first order: the disc around the seed takes the weight as constant.
-            CHECK(mean < last / 1.8);
+            CHECK(mean < last / 3.2);  // measured 1 / 4.9
         }
         last = mean;
     }
@@ -117,15 +117,16 @@ TEST_CASE("paths under the stereographic weight are circles, and their length is
     // difference off: (dx / 2)^2 / 8 * 2 s^2 = 4e-5 where it is largest, on the straight line. The
     // trilinear weight adds as much.
     CHECK(path.weightedLength < traced * (1 + 1e-9));
-    CHECK(std::abs(path.weightedLength / exact - 1) < 1e-4);
+    CHECK(std::abs(path.weightedLength / exact - 1) < 1.2e-5);  // measured 7.7e-6
     // It bends away from the middle, where the weight is largest.
     CHECK(path.length > 1.02 * 0.36 * kN);
     CHECK(path.length < straight);
     for (const PathVertex& vertex : path.vertices) {
         const auto [u, v] = patch.flat(worldOf(patch.band, vertex.pIndex));
         const Vec3d onGreatCircle = onUnitSphere(kScale * u, kScale * v);
-        // Angle out of the plane of the great circle; a voxel is at most 2 s dx = 0.05.
-        REQUIRE(std::abs(onGreatCircle.dot(from.cross(to).unit())) < 0.05);
+        // Angle out of the plane of the great circle; a voxel is at most 2 s dx = 0.05. Measured:
+        // 0.00086.
+        REQUIRE(std::abs(onGreatCircle.dot(from.cross(to).unit())) < 0.0013);
     }
 }
 
@@ -143,7 +144,7 @@ TEST_CASE("jet: a constant weight scales the distance") {
                     1e-5f);
         }
         // Powers of two leave the roundings as they are.
-        CHECK(worst <= (w == 1 || w == 4 ? 0 : 1e-4));
+        CHECK(worst <= (w == 1 || w == 4 ? 0 : 4.9e-6));  // measured 3.2e-6
     }
 }
 
@@ -206,7 +207,7 @@ TEST_CASE("jet refracts between half planes as Snell has it, at any contrast") {
         }
         std::printf("jet, weights 1 and %g: %.3f %% beyond a voxel at the border\n", heavy,
                     100 * worst);
-        CHECK(worst < 0.01);
+        CHECK(worst < 0.0017);  // measured 0.0011
     }
 }
 

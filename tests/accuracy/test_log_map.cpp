@@ -114,7 +114,7 @@ TEST_CASE("logMap on the sphere: directions to half a degree up to 0.9 of the wa
         const Summary s(off);
         std::printf("logMap, sphere N = %3d: directions off by %.4f, p99 %.4f, max %.4f degrees\n",
                     n, s.mean, s.p99, s.max);
-        if (n >= 100) CHECK(s.max < 0.5);
+        if (n >= 100) CHECK(s.max < 0.254);  // measured 0.169
         dx.push_back(1.0 / n), mean.push_back(s.mean);
     }
     CHECK(fittedRate(dx, mean) > 1.4);
@@ -143,7 +143,7 @@ TEST_CASE("logMap on the torus: geodesics that leave by it come to the point") {
         misses.print(("torus N = " + std::to_string(n)).c_str());
         const Summary s(misses.degrees);
         // At the cut locus single nodes may mix two fronts.
-        if (n >= 100) CHECK(s.p99 < 0.5);
+        if (n >= 100) CHECK(s.p99 < 0.346);  // measured 0.230
         dx.push_back(1.0 / n), mean.push_back(s.mean);
     }
     CHECK(fittedRate(dx, mean) > 1.4);
@@ -182,7 +182,7 @@ TEST_CASE("logMap on a knot and on a bumpy sphere: shooting by it comes to the p
         CHECK(unknown < misses.degrees.size() / 100);
         const Summary s(misses.degrees);
         // Two approximations held against each other, over saddles that drive geodesics apart.
-        CHECK(s.median < 0.25);
+        CHECK(s.median < 0.129);  // measured 0.086
     }
 }
 
@@ -222,7 +222,7 @@ TEST_CASE("logMap with a weight that varies: great circles in stereographic proj
             "degrees\n",
             n, s.mean, s.p99, s.max);
         if (n == 200) {
-            CHECK(s.mean < last / 1.8);
+            CHECK(s.mean < last / 3.4);  // measured 1 / 5.1
             CHECK(s.p99 < 0.5);
         }
         last = s.mean;

@@ -128,7 +128,7 @@ TEST_CASE("obstacles: distances and paths lead around a ball") {
             std::printf("obstacle on a %s, %s: mean %.4f %%, max %.3f %%\n", s.name,
                         field.scheme.c_str(), e.mean, e.max);
             CHECK(e.unreached == 0);
-            if (jet) CHECK(e.max < 0.5);
+            if (jet) CHECK(e.max < 0.109);  // measured 0.072
             for (NodeIndex i = 0; i < s.band.size(); ++i)
                 if (s.inBall(worldOf(s.band, s.band.footPoint(i))))
                     REQUIRE(field.distance[i] == kInfinity);
@@ -143,7 +143,7 @@ TEST_CASE("obstacles: distances and paths lead around a ball") {
                         100 * (path.distance / exact - 1), 100 * (traced / exact - 1),
                         100 * (path.weightedLength / exact - 1));
             CHECK(path.weightedLength <= traced);
-            CHECK(std::abs(path.weightedLength / exact - 1) < 0.005);
+            CHECK(std::abs(path.weightedLength / exact - 1) < 5.6e-4);  // measured 3.7e-4
             CHECK(path.weightedLength == Approx(path.length));
             // Chords of a voxel between points on the rim dip by 1 / (8 r), r = 30 voxels here.
             for (std::size_t k = 0; k < path.vertices.size(); ++k)
@@ -184,7 +184,7 @@ TEST_CASE("around a hole in an open sheet the way is as long as around a disc") 
     std::printf("around a hole of 30 voxels: %+.2f to %+.2f voxels\n", least, most);
     // The last voxels stand up to a voxel off the rim, and the way turns by pi at most.
     CHECK(most < 3.2);
-    CHECK(least > -0.5);
+    CHECK(least > -0.052);  // measured -0.034
 }
 
 }  // namespace igeo::test

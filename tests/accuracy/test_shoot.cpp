@@ -70,7 +70,7 @@ TEST_CASE("shoot on the sphere: three turns") {
         const Band band = bandOf(sphere(kCenter, radius), n);
         const Miss m(band, kCenter + radius * genericDirection(), length, exact);
         std::printf("shoot, sphere N = %3d: mean %.5f %%, worst %.5f %%\n", n, m.mean, m.worst);
-        CHECK(m.worst < 0.1);
+        CHECK(m.worst < 0.003);  // measured 0.0020
         dx.push_back(1.0 / n), mean.push_back(m.mean);
     }
     CHECK(fittedRate(dx, mean) > 1.8);
@@ -96,7 +96,7 @@ TEST_CASE("shoot on the torus: several turns") {
             sum += m.mean / 3, worst = std::max(worst, m.worst);
         }
         std::printf("shoot, torus N = %3d: mean %.5f %%, worst %.5f %%\n", n, sum, worst);
-        if (n >= 100) CHECK(worst < 0.1);
+        if (n >= 100) CHECK(worst < 0.057);  // measured 0.037
         dx.push_back(1.0 / n), mean.push_back(sum);
     }
     CHECK(fittedRate(dx, mean) > 1.4);

@@ -89,8 +89,8 @@ TEST_CASE("jet with a constant tensor measures the sheared plane, whatever its a
             }
             std::printf("jet, %s plane, tensors of ratio %g: mean %.4f %%, max %.4f %%\n",
                         normal == kUp ? "axis-parallel" : "general", ratio, worst.mean, worst.max);
-            CHECK(worst.max <= (ratio <= 2 ? 0.3 : 1));
-            CHECK(worst.mean <= (ratio <= 2 ? 0.03 : 0.1));
+            CHECK(worst.max <= (ratio <= 2 ? 0.3 : 0.61));        // measured 0.195, 0.40
+            CHECK(worst.mean <= (ratio <= 2 ? 0.0032 : 0.0257));  // measured 0.0021, 0.0171
         }
     }
 }
@@ -120,8 +120,8 @@ TEST_CASE("jet with the tensor of a map measures between the images") {
             std::printf("jet, %s plane, sheared by a map, %d voxels: mean %.4f %%, max %.4f %%\n",
                         normal == kUp ? "axis-parallel" : "general", 2 * half, e.mean, e.max);
             if (half == 100) {
-                CHECK(e.mean <= 0.1);
-                CHECK(e.mean < last / 2);
+                CHECK(e.mean <= 0.055);      // measured 0.036
+                CHECK(e.mean < last / 3.2);  // measured 1 / 4.9
             }
             last = e.mean;
         }
@@ -154,10 +154,10 @@ TEST_CASE("jet: a tensor w^2 along S is the weight w, whatever it is across S") 
     std::printf("jet, tensor against weight: core %.1e, rest %.1e voxels, gradients %.1e\n", worst,
                 outside, turned);
     // Some 50 steps in single precision, and thresholds that a last digit may cross.
-    CHECK(worst <= 1e-4);
+    CHECK(worst <= 1.25e-5);  // measured 8.1e-6
     // Carried in the plane there, in space here: (k c)^2 / 12 of a step, and the weight's change.
-    CHECK(outside <= 1e-3);
-    CHECK(turned <= 1e-3);
+    CHECK(outside <= 2e-4);   // measured 1.3e-4
+    CHECK(turned <= 7.5e-4);  // measured 5.0e-4
 }
 
 TEST_CASE("jet: the gradient of a tensor field has length 1 in the dual metric") {
@@ -192,7 +192,7 @@ TEST_CASE("paths under a constant tensor are straight, not along the gradient") 
                 INFO("ratio " << ratio << ", angle " << angle);
                 // Every step may turn by its tolerance, 1e-3 voxels, and gradients by the error of
                 // the field over a voxel.
-                CHECK(aside <= 0.3);
+                CHECK(aside <= 0.062);  // measured 0.041
                 CHECK(path.length <= 1.001 * length(seed.pIndex - target.pIndex));
             }
         }
@@ -277,7 +277,7 @@ TEST_CASE("godunov takes diagonal tensors, M&S (22)") {
                 ratio, 2 * half, e.mean, e.max);
             if (half == 60) {
                 CHECK(e.mean < last / 1.5);
-                CHECK(e.max <= 1);
+                CHECK(e.max <= 0.69);  // measured 0.457
             }
             last = e.mean;
         }

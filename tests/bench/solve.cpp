@@ -142,7 +142,7 @@ void benchPicture(const Arguments& args) {
     error.maxDistance = most;
     PictureOptions options;
     options.width = 800, options.height = 600;
-    options.colorMap = "ember";
+    options.colorMap = "magma";
     options.isolineSpacing = -1;
     options.legend = false;  // it would speak of a distance
     if (args.has("camera")) options.eye = args.point("camera");

@@ -140,8 +140,9 @@ bool validBySchema(const TempWorkspace& desk, const std::string& schema,
                     IGEO_SOURCE_DIR "/docs/" + schema, desk / document};
     const Result result = run(command);
     INFO(result.out << result.err);
-    // 77, 127: no python3-jsonschema here.
-    return result.exitCode == 0 || result.exitCode == 77 || result.exitCode == 127;
+    if (result.exitCode != 77 && result.exitCode != 127) return result.exitCode == 0;
+    markSkipped("a document was not held against its schema, as python3-jsonschema is missing");
+    return true;
 }
 
 }  // namespace igeo::test

@@ -25,7 +25,7 @@ void requireValid(const TempWorkspace& desk, const std::string& schema,
                   const std::string& document) {
     const Result result = validate(kSchemas + schema, desk / document);
     if (result.exitCode == 77 || result.exitCode == 127) {
-        WARN("skipped: needs /usr/bin/python3 with jsonschema (Debian: python3-jsonschema)");
+        markSkipped("a document was not held against its schema: python3-jsonschema is missing");
         return;
     }
     INFO(document << "\n" << result.out << result.err);
@@ -95,7 +95,8 @@ TEST_CASE("the schemas refuse what does not belong") {
     const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.1");
     requireDone(desk, "--sdf in.vdb --seed 0,0,1 -q --target 1,0,0 -o out.vdb --paths p.json");
-    if (validate(kSchemas + "geodesics.schema.json", desk / "p.json").exitCode != 0) return;
+    const int valid = validate(kSchemas + "geodesics.schema.json", desk / "p.json").exitCode;
+    if (valid == 77 || valid == 127) return markSkipped("python3-jsonschema is missing");
     const json good = json::parse(readBytes(desk / "p.json"));
     const auto exitCodeOf = [&](const json& changed) {
         writeBytes(desk / "changed.json", changed.dump());

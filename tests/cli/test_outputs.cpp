@@ -118,7 +118,7 @@ TEST_CASE("output options that cannot work are refused before any work") {
     requireRefused(desk, query + "--image p.png --image-size 10", kUsage, {"'10'", "1280x960"});
     requireRefused(desk, query + "--image p.png --image-size 0x10", kUsage, {"0x10", "16384"});
     requireRefused(desk, query + "--image p.png --camera 1,2", kUsage, {"1,2", "x,y,z"});
-    requireRefused(desk, query + "--image p.png --color-map jet", kUsage, {"jet", "lagoon"});
+    requireRefused(desk, query + "--image p.png --color-map jet", kUsage, {"jet", "viridis"});
     requireRefused(desk, query + "--mesh-out m.stl", kUsage, {"m.stl", ".ply"});
     requireRefused(desk, query + "--isolines i.csv", kUsage, {"i.csv", ".json"});
     requireRefused(desk, query + "--matrix d.txt", kUsage, {"d.txt", ".npy"});

@@ -34,10 +34,10 @@ done
 holds implicit-geodesic.contents 'root/root .*/bin/implicit-geodesic$' /man1/implicit-geodesic.1.gz \
     /bash-completion/completions/implicit-geodesic /schemas/report.schema.json /data/sphere.vdb /copyright
 holds implicit-geodesic.archive '^implicit-geodesic-[^/]*/bin/implicit-geodesic$' /LICENSE /data/torus_seeds.csv
-holds implicit-geodesic.depends libopenvdb libtbb libassimp libpng
+holds implicit-geodesic.depends libopenvdb libtbb libassimp libpng libfmt
 holds libigeo-dev.contents /libigeo.a /igeoConfig.cmake /pkgconfig/igeo.pc /include/igeo/base/version.h /copyright
 holds libigeo-dev.archive '^implicit-geodesic-[^/]*/include/igeo/base/version.h$' /LICENSE
-holds libigeo-dev.depends libopenvdb-dev libtbb-dev libboost-iostreams-dev zlib1g-dev libpng-dev libassimp-dev
+holds libigeo-dev.depends libopenvdb-dev libtbb-dev libboost-iostreams-dev zlib1g-dev libpng-dev libassimp-dev libfmt-dev
 ! grep -qE '/include/|\.a$' implicit-geodesic.contents || complain "implicit-geodesic has files of the library"
 ! grep -qE '/bin/' libigeo-dev.contents || complain "libigeo-dev has files of the program"
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iomanip>
 #include <map>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -181,6 +182,14 @@ std::string lines(const TriangleMesh& mesh, bool obj) {
 }
 
 }  // namespace
+
+std::size_t turnedEdges(const TriangleMesh& mesh) {
+    std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+    std::size_t count = 0;
+    for (const auto& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) count += !edges.insert({t[k], t[(k + 1) % 3]}).second;
+    return count;
+}
 
 void writeMesh(const TriangleMesh& mesh, const std::string& file, bool text) {
     const std::string ending = file.substr(file.rfind('.'));

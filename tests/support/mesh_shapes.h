@@ -25,6 +25,9 @@ TriangleMesh together(TriangleMesh a, const TriangleMesh& b);
 /// Every point moved.
 TriangleMesh moved(TriangleMesh mesh, const std::function<Vec3d(const Vec3d&)>& place);
 
+/// Edges along which two triangles run the same way.
+std::size_t turnedEdges(const TriangleMesh& mesh);
+
 /// Writes a mesh by the ending of the name: .obj, .off, .ply (binary), .stl (binary), .gltf (with
 /// its numbers inside; a node moves all points by (1, 2, 3) and doubles them first).
 /// @param text  .ply and .stl as text

@@ -11,8 +11,10 @@ class ImplicitGeodesic < Formula
   depends_on "cmake" => :build
   depends_on "ninja" => :build
   depends_on "nlohmann-json" => :build
+  depends_on "xxhash" => :build
   depends_on "assimp"
   depends_on "boost"
+  depends_on "fmt"
   depends_on "libpng"
   depends_on "openvdb"
   depends_on "tbb"

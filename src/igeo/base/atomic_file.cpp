@@ -1,5 +1,6 @@
 #include <igeo/base/atomic_file.h>
 
+#include <fmt/core.h>
 #include <igeo/base/detail/system.h>
 #include <igeo/base/error.h>
 
@@ -66,8 +67,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(resolv
     }
     int error = EEXIST;
     for (int attempt = 0; attempt < 100 && error == EEXIST; ++attempt) {
-        temporary_ =
-            finalPath_ + ".tmp-" + std::to_string(processId()) + "-" + std::to_string(attempt);
+        temporary_ = fmt::format("{}.tmp-{}-{}", finalPath_, processId(), attempt);
         std::lock_guard<std::mutex> lock(registryMutex());
         error = createFile(temporary_);
         if (error == 0) registry().insert(temporary_);

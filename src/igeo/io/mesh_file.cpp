@@ -1,7 +1,7 @@
 #include <igeo/io/mesh_file.h>
 
+#include <fmt/core.h>
 #include <igeo/base/detail/box.h>
-#include <igeo/base/detail/format.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/ply_reader.h>
 
@@ -151,8 +151,8 @@ void appendPolygon(const std::vector<std::uint32_t>& corners, TriangleMesh& mesh
     constexpr std::size_t kMostCorners = 20000;
     if (corners.size() > kMostCorners)
         throw Error(Kind::BadInput,
-                    "a face of '" + mesh.file + "' has " + std::to_string(corners.size()) +
-                        " corners, more than " + std::to_string(kMostCorners),
+                    fmt::format("a face of '{}' has {} corners, more than {}", mesh.file,
+                                corners.size(), kMostCorners),
                     "cut it into triangles in the program that made it");
     EarCutter(corners, mesh).cut();
 }
@@ -171,9 +171,8 @@ void append(const aiMesh& from, const Affine& place, TriangleMesh& mesh) {
         for (unsigned k = 0; k < face.mNumIndices; ++k) {
             if (face.mIndices[k] >= from.mNumVertices)
                 throw Error(Kind::BadInput,
-                            "a face of '" + mesh.file + "' names point " +
-                                std::to_string(face.mIndices[k]) + " of " +
-                                std::to_string(from.mNumVertices),
+                            fmt::format("a face of '{}' names point {} of {}", mesh.file,
+                                        face.mIndices[k], from.mNumVertices),
                             "the file is cut off or broken: write it again");
             corners.push_back(std::uint32_t(first + face.mIndices[k]));
         }
@@ -219,9 +218,9 @@ void warnOfRounding(TriangleMesh& mesh) {
     const double off = kSingle * furthest, size = length(box.size());
     if (!(off > kMost * size)) return;
     mesh.warnings.push_back(
-        format("coordinates up to %.4g on a mesh %.4g across: single precision puts points off "
-               "by %.2g; move the mesh to the origin",
-               furthest, size, off));
+        fmt::format("coordinates up to {:.4g} on a mesh {:.4g} across: single precision puts "
+                    "points off by {:.2g}; move the mesh to the origin",
+                    furthest, size, off));
 }
 
 }  // namespace
@@ -246,15 +245,13 @@ TriangleMesh readMesh(const std::string& file) {
         readScene(mesh);
     const std::size_t read = mesh.points.size();
     if (mesh.triangles.empty())
-        throw Error(Kind::BadInput,
-                    "'" + file + "' holds " + std::to_string(read) + " points and no faces",
+        throw Error(Kind::BadInput, fmt::format("'{}' holds {} points and no faces", file, read),
                     "give points without faces to --points");
     for (const Vec3d& p : mesh.points)
         if (!std::isfinite(dot(p, p)))
             throw Error(Kind::BadInput,
-                        "'" + file +
-                            "' has coordinates that are not finite: " + std::to_string(p.x) + ", " +
-                            std::to_string(p.y) + ", " + std::to_string(p.z),
+                        fmt::format("'{}' has coordinates that are not finite: {:f}, {:f}, {:f}",
+                                    file, p.x, p.y, p.z),
                         "export the mesh again");
     weld(mesh);
     if (mesh.triangles.empty())

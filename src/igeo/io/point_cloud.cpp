@@ -1,5 +1,6 @@
 #include <igeo/io/point_cloud.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 
 #include <algorithm>
@@ -17,17 +18,16 @@ void requireUsable(const PointCloud& cloud) {
         return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
     };
     auto fail = [&](std::size_t i, const std::string& what) {
-        throw Error(Kind::BadInput,
-                    cloud.file + ": point " + std::to_string(i + 1) + " of " +
-                        std::to_string(cloud.points.size()) + " " + what,
-                    "take such points or all normals out of the file");
+        throw Error(
+            Kind::BadInput,
+            fmt::format("{}: point {} of {} {}", cloud.file, i + 1, cloud.points.size(), what),
+            "take such points or all normals out of the file");
     };
     if (cloud.points.empty())
         throw Error(Kind::BadInput, cloud.file + " holds no points", "give a file with points");
     if (!cloud.normals.empty() && cloud.normals.size() != cloud.points.size())
-        throw Error(Kind::InvalidArgument,
-                    cloud.file + ": " + std::to_string(cloud.normals.size()) + " normals for " +
-                        std::to_string(cloud.points.size()) + " points");
+        throw Error(Kind::InvalidArgument, fmt::format("{}: {} normals for {} points", cloud.file,
+                                                       cloud.normals.size(), cloud.points.size()));
     for (std::size_t i = 0; i < cloud.points.size(); ++i)
         if (!isFinite(cloud.points[i])) fail(i, "has a coordinate that is not finite");
     for (std::size_t i = 0; i < cloud.normals.size(); ++i)

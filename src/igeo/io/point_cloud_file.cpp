@@ -1,5 +1,6 @@
 #include <igeo/io/point_cloud_file.h>
 
+#include <fmt/core.h>
 #include <igeo/base/detail/numbers.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/ply_reader.h>
@@ -87,8 +88,7 @@ std::vector<double> numbersIn(std::string_view line) {
 [[noreturn]] void failAt(const std::string& file, std::size_t number, std::string_view line,
                          const std::string& what) {
     throw Error(Kind::BadInput,
-                file + ", line " + std::to_string(number) + ": '" +
-                    std::string(line.substr(0, 60)) + "' " + what,
+                fmt::format("{}, line {}: '{}' {}", file, number, line.substr(0, 60), what),
                 "write x y z or x y z nx ny nz on every line, with blanks or commas between them");
 }
 
@@ -108,8 +108,7 @@ PointCloud pointsFromText(const std::string& file, const std::string& bytes) {
             failAt(file, number, line, "is neither x y z nor x y z nx ny nz");
         if (columns != 0 && v.size() != columns)
             failAt(file, number, line,
-                   "has " + std::to_string(v.size()) + " numbers, the lines before have " +
-                       std::to_string(columns));
+                   fmt::format("has {} numbers, the lines before have {}", v.size(), columns));
         columns = v.size();
         cloud.points.push_back({v[0], v[1], v[2]});
         if (columns == 6) cloud.normals.push_back(Vec3f(Vec3d{v[3], v[4], v[5]}));

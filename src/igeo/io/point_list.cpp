@@ -1,5 +1,6 @@
 #include <igeo/io/point_list.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 
 #include <algorithm>
@@ -46,8 +47,8 @@ std::vector<std::vector<double>> rowsFromText(std::istream& in, const std::strin
             rows.push_back(std::move(v));
         else if (!mayBeHeader || !isHeader(line))
             throw Error(Kind::BadInput,
-                        file + ", line " + std::to_string(lineNumber) + ": '" + line.substr(0, 60) +
-                            "' is not " + shape,
+                        fmt::format("{}, line {}: '{}' is not {}", file, lineNumber,
+                                    line.substr(0, 60), shape),
                         "write that many finite numbers with commas between them");
         mayBeHeader = false;
     }
@@ -104,8 +105,7 @@ auto readEntries(const json& all, const std::string& file, const std::string& re
             entries.push_back(read(j));
         } catch (const std::invalid_argument& e) {
             throw Error(Kind::BadInput,
-                        file + ", entry " + std::to_string(entries.size()) + ": " + e.what(),
-                        remedy);
+                        fmt::format("{}, entry {}: {}", file, entries.size(), e.what()), remedy);
         }
     }
     return entries;
@@ -219,7 +219,7 @@ std::vector<AskedPoint> readPoints(const std::string& file) {
     for (const AskedPoint& p : points)
         if (!(p.start >= 0 && std::isfinite(p.start)))
             throw Error(Kind::BadInput,
-                        file + ": start value " + std::to_string(p.start) + " is negative",
+                        fmt::format("{}: start value {:f} is negative", file, p.start),
                         "start values are distances: finite and at least 0");
     return points;
 }

@@ -1,8 +1,8 @@
 #include <igeo/io/triangle_mesh.h>
 
+#include <fmt/core.h>
 #include <igeo/base/detail/box.h>
 #include <igeo/base/detail/disjoint_sets.h>
-#include <igeo/base/detail/format.h>
 #include <igeo/base/error.h>
 
 #include <algorithm>
@@ -175,8 +175,6 @@ Turns findTurns(const TriangleMesh& mesh, const MeshTopology& topology) {
     return turns;
 }
 
-std::string number(double x) { return format("%.4g", x); }
-
 }  // namespace
 
 void weld(TriangleMesh& mesh) {
@@ -184,7 +182,6 @@ void weld(TriangleMesh& mesh) {
     const Box box(mesh.points);
     if (mesh.points.empty()) return;
     const auto same = earliestNear(mesh.points, kTolerance * length(box.size()));
-    for (std::size_t i = 0; i < same.size(); ++i) mesh.merged += same[i] != i;
     for (Triangle& t : mesh.triangles)
         for (std::uint32_t& v : t) v = same[v];
 
@@ -232,7 +229,6 @@ MeshTopology meshTopology(const TriangleMesh& mesh) {
             for (const HalfEdge* e = first; e < last; ++e)
                 topology.neighbor[e->triangle][e->corner] = MeshTopology::kMany;
         if (last - first != 2) return;
-        topology.turnedEdges += first[0].up == first[1].up;
         topology.neighbor[first[0].triangle][first[0].corner] = first[1].triangle;
         topology.neighbor[first[1].triangle][first[1].corner] = first[0].triangle;
     });
@@ -275,22 +271,24 @@ void requireReasonable(const TriangleMesh& mesh, double dx, double halfWidth) {
         throw Error(Kind::BadInput, "the mesh has no triangles" + where, "give a surface");
     if (!(dx > 0) || !std::isfinite(dx))
         throw Error(Kind::InvalidArgument,
-                    "a voxel size of " + number(dx) + " is not a positive number" + where,
+                    fmt::format("a voxel size of {:.4g} is not a positive number{}", dx, where),
                     "give a length in the units of the mesh");
     const Box box(mesh.points);
     constexpr double kMostVoxels = 1e9;
     const double voxels = estimatedVoxels(mesh, dx, halfWidth);
     if (!(voxels <= kMostVoxels))
-        throw Error(Kind::InvalidArgument,
-                    "at a voxel size of " + number(dx) + " the mesh fills about " + number(voxels) +
-                        " voxels, " + number(kMostVoxels) + " are the most" + where,
-                    "take a voxel size of " + number(dx * std::sqrt(voxels / kMostVoxels)) +
-                        " or more; its bounding box is " + number(length(box.size())) + " across");
+        throw Error(
+            Kind::InvalidArgument,
+            fmt::format("at a voxel size of {:.4g} the mesh fills about {:.4g} voxels, {:.4g} are "
+                        "the most{}",
+                        dx, voxels, kMostVoxels, where),
+            fmt::format("take a voxel size of {:.4g} or more; its bounding box is {:.4g} across",
+                        dx * std::sqrt(voxels / kMostVoxels), length(box.size())));
     if (const double farthest = box.farthest() / dx; !(farthest < kFarthestIndex))
         throw Error(Kind::InvalidArgument,
-                    "at a voxel size of " + number(dx) + " the mesh lies " + number(farthest) +
-                        " voxels from the origin, " + number(kFarthestIndex) + " are the most" +
-                        where,
+                    fmt::format("at a voxel size of {:.4g} the mesh lies {:.4g} voxels from the "
+                                "origin, {:.4g} are the most{}",
+                                dx, farthest, double(kFarthestIndex), where),
                     "move the mesh to the origin, or take larger voxels");
 }
 

@@ -17,7 +17,6 @@ struct TriangleMesh {
     std::string file;           ///< as named, for messages
     std::vector<Vec3d> points;  ///< in the file's units
     std::vector<Triangle> triangles;
-    std::size_t merged = 0;             ///< points that were equal to an earlier one
     std::size_t dropped = 0;            ///< triangles with two equal corners, or there twice
     std::vector<std::string> warnings;  ///< what a user should know, one sentence each
 };
@@ -44,8 +43,7 @@ struct MeshTopology {
     std::size_t components = 0;            ///< joined through edges of any kind
     std::size_t boundaryEdges = 0;         ///< of one triangle
     std::size_t nonManifoldEdges = 0;      ///< of three or more
-    std::size_t turnedEdges = 0;           ///< of two triangles that run along it the same way
-    std::size_t nonOrientable = 0;         ///< components in which no turning helps (turnedEdges)
+    std::size_t nonOrientable = 0;         ///< components in which no turning helps
 
     /// Every edge has two triangles, so that the mesh has an inside.
     bool closed() const { return boundaryEdges == 0 && nonManifoldEdges == 0; }

@@ -1,5 +1,6 @@
 #include <igeo/io/vdb_read.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/vdb_archive.h>
 #include <openvdb/io/Stream.h>
@@ -19,11 +20,9 @@ namespace {
 using Kind = Error::Kind;
 using openvdb::GridBase;
 
-std::string quoted(const std::string& s) { return "'" + s + "'"; }
-
 /// The file for messages, as the object of a sentence.
 std::string nameOf(const GridSource& source) {
-    return source.file == "-" ? "standard input" : "file " + quoted(source.file);
+    return source.file == "-" ? "standard input" : fmt::format("file '{}'", source.file);
 }
 
 /// One grid of a file, as far as its metadata tells.
@@ -46,7 +45,7 @@ struct Candidate {
     }
     std::string className() const { return GridBase::gridClassToString(gridClass()); }
     std::string describe() const {
-        return quoted(name) + " (" + type() + (grid ? ", " + className() : "") + ")";
+        return fmt::format("'{}' ({}{})", name, type(), grid ? ", " + className() : "");
     }
 };
 using Candidates = std::vector<Candidate>;
@@ -138,7 +137,7 @@ const Candidate* find(const Candidates& all, const std::string& name) {
 const Candidate& named(const Candidates& all, const std::string& name, const GridSource& source,
                        const std::string& advice = "") {
     if (const Candidate* c = find(all, name)) return *c;
-    throw Error(Kind::BadInput, nameOf(source) + " has no grid " + quoted(name),
+    throw Error(Kind::BadInput, fmt::format("{} has no grid '{}'", nameOf(source), name),
                 "it holds " + describeAll(all) + advice);
 }
 
@@ -161,10 +160,10 @@ const Candidate& meant(const Candidates& all, const Wanted& wanted, const GridSo
                 : std::string("give a ") + wanted.values + " grid" +
                       (wanted.fogToo ? "" : " of class level set"));
     }
-    throw Error(Kind::BadInput,
-                where + " holds " + std::to_string(fits.size()) + " " + wanted.noun +
-                    "s: " + describeAll(all),
-                "name one: " + source.file + ":" + fits.front()->name);
+    throw Error(
+        Kind::BadInput,
+        fmt::format("{} holds {} {}s: {}", where, fits.size(), wanted.noun, describeAll(all)),
+        "name one: " + source.file + ":" + fits.front()->name);
 }
 
 /// The grid asked for, or the only one that can be meant.
@@ -184,21 +183,23 @@ Choice checked(const Candidates& all, const Wanted& wanted, const GridSource& so
     const Choice chosen = choice(all);
     for (const Candidate* c : chosen) {
         if (!c->grid)
-            throw Error(Kind::BadInput,
-                        "grid " + quoted(c->name) + " is of type " + c->unknownType +
-                            ", which OpenVDB " + OPENVDB_LIBRARY_VERSION_STRING +
-                            " of this program does not know (" + nameOf(source) + ")",
-                        "write the grid as float; the file holds " + describeAll(all));
+            throw Error(
+                Kind::BadInput,
+                fmt::format(
+                    "grid '{}' is of type {}, which OpenVDB {} of this program does not know ({})",
+                    c->name, c->unknownType, OPENVDB_LIBRARY_VERSION_STRING, nameOf(source)),
+                "write the grid as float; the file holds " + describeAll(all));
         if (!wanted.fits(*c))
             throw Error(Kind::BadInput,
-                        "grid " + quoted(c->name) + " holds " + c->grid->valueType() +
-                            " values in a tree of type " + c->grid->type() + "; " + wanted.one() +
-                            " holds " + wanted.values + " in a 5_4_3 tree (" + nameOf(source) + ")",
+                        fmt::format("grid '{}' holds {} values in a tree of type {}; {} holds {} "
+                                    "in a 5_4_3 tree ({})",
+                                    c->name, c->grid->valueType(), c->grid->type(), wanted.one(),
+                                    wanted.values, nameOf(source)),
                         "the file holds " + describeAll(all));
         if (isFog(*c) && !wanted.fogToo)
             throw Error(Kind::BadInput,
-                        "grid " + quoted(c->name) + " is a fog volume: density, not distance (" +
-                            nameOf(source) + ")",
+                        fmt::format("grid '{}' is a fog volume: density, not distance ({})",
+                                    c->name, nameOf(source)),
                         std::string("convert it to a level set first, ") + kFromFog);
     }
     return chosen;
@@ -215,11 +216,11 @@ std::vector<std::string> warningsOf(const GridSource& source, std::ios_base& in)
     const std::uint32_t format = openvdb::io::getFormatVersion(in);
     if (format <= openvdb::OPENVDB_FILE_VERSION) return {};
     const openvdb::VersionId library = openvdb::io::getLibraryVersion(in);
-    return {nameOf(source) + " was written by a newer OpenVDB, " + std::to_string(library.first) +
-            "." + std::to_string(library.second) + " (file format " + std::to_string(format) +
-            "); this program has OpenVDB " + OPENVDB_LIBRARY_VERSION_STRING + " (file format " +
-            std::to_string(openvdb::OPENVDB_FILE_VERSION) +
-            "): check that the results are as expected"};
+    return {
+        fmt::format("{} was written by a newer OpenVDB, {}.{} (file format {}); this program has "
+                    "OpenVDB {} (file format {}): check that the results are as expected",
+                    nameOf(source), library.first, library.second, format,
+                    OPENVDB_LIBRARY_VERSION_STRING, openvdb::OPENVDB_FILE_VERSION)};
 }
 
 /// A stream has no directory: all its grids are read. `in` must throw at its end, or OpenVDB would
@@ -236,7 +237,7 @@ std::vector<NamedGrid> readFromStream(const GridSource& source, std::istream& in
     const auto grids = stream.getGrids();
     for (const GridBase::Ptr& g : *grids) {
         const int n = seen[g->getName()]++;
-        all.push_back({n ? g->getName() + "[" + std::to_string(n) + "]" : g->getName(), g, {}});
+        all.push_back({n ? fmt::format("{}[{}]", g->getName(), n) : g->getName(), g, {}});
     }
     std::vector<NamedGrid> chosen;
     for (const Candidate* c : choice(all))
@@ -266,15 +267,15 @@ void requireReadable(const std::string& name, const Wanted& wanted) {
     errno = 0;
     std::ifstream in(name, std::ios::binary);
     if (!in)
-        throw Error(Kind::Io, "cannot read " + quoted(name) + ": " + std::strerror(errno),
+        throw Error(Kind::Io, fmt::format("cannot read '{}': {}", name, std::strerror(errno)),
                     "check the name and the permissions");
     if (std::filesystem::is_directory(name))
-        throw Error(Kind::Io, "cannot read " + quoted(name) + ": it is a folder",
+        throw Error(Kind::Io, fmt::format("cannot read '{}': it is a folder", name),
                     "give a .vdb file");
     std::array<unsigned char, 4> magic{};
     in.read(reinterpret_cast<char*>(magic.data()), magic.size());
     if (!in || std::memcmp(magic.data(), " BDV", 4) != 0)
-        throw Error(Kind::BadInput, quoted(name) + " is not a VDB file",
+        throw Error(Kind::BadInput, fmt::format("'{}' is not a VDB file", name),
                     "give " + wanted.one() + " written by OpenVDB, Houdini, Blender or vdb_tool");
 }
 
@@ -292,8 +293,8 @@ void requireInvertible(const NamedGrid& read, const GridSource& source) {
     }
     if (!sound)
         throw Error(Kind::BadInput,
-                    "the transform of grid " + quoted(read.name) + " has no inverse (" +
-                        nameOf(source) + ")",
+                    fmt::format("the transform of grid '{}' has no inverse ({})", read.name,
+                                nameOf(source)),
                     "the file may be damaged; write it again");
 }
 

@@ -1,11 +1,11 @@
 #include <igeo/io/vdb_write.h>
 
+#include <fmt/core.h>
 #include <igeo/base/atomic_file.h>
 #include <igeo/base/digest.h>
 #include <igeo/base/version.h>
 #include <openvdb/io/Archive.h>
 
-#include <array>
 #include <cerrno>
 #include <filesystem>
 #include <sstream>
@@ -36,11 +36,9 @@ void stampUuid(std::iostream& file) {
     while (file.read(buffer.data(), std::streamsize(buffer.size())), file.gcount() > 0)
         digest.add({buffer.data(), std::size_t(file.gcount())});
     const auto [a, b] = digest.value();
-    std::array<char, 40> text{};
-    std::snprintf(text.data(), text.size(), "%08x-%04x-%04x-%04x-%012llx", unsigned(a >> 32),
-                  unsigned(a >> 16 & 0xffff), unsigned((a & 0x0fff) | 0x8000),
-                  unsigned((b >> 48 & 0x3fff) | 0x8000),
-                  static_cast<unsigned long long>(b & 0xffffffffffffULL));
+    const std::string text =
+        fmt::format("{:08x}-{:04x}-{:04x}-{:04x}-{:012x}", a >> 32, a >> 16 & 0xffff,
+                    (a & 0x0fff) | 0x8000, (b >> 48 & 0x3fff) | 0x8000, b & 0xffffffffffffULL);
     file.clear();
     file.seekp(kUuidPosition);
     file.write(text.data(), 36);

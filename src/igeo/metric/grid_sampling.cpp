@@ -1,7 +1,7 @@
 #include <igeo/metric/grid_sampling.h>
 
-#include <igeo/base/detail/format.h>
 #include <igeo/base/detail/steps.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/base/symmetric_eigen.h>
@@ -77,9 +77,9 @@ public:
     std::string fault(const Vec3d& foot) const {
         const auto s = grid_.at(foot);
         if (!s.covered && !isWeight(background_))
-            return format("the weight does not cover the surface there: background is %g",
-                          background_);
-        return format("the weight is %g there; it must be positive and finite", s.value);
+            return fmt::format("the weight does not cover the surface there: background is {:g}",
+                               background_);
+        return fmt::format("the weight is {:g} there; it must be positive and finite", s.value);
     }
     static const char* remedy() {
         return "give positive weights all along the surface, or a positive background; for places "
@@ -118,9 +118,9 @@ public:
                    background_.str();
         if (!isFinite(turned(g.matrix))) return "the tensor is NaN or infinite there";
         const auto [least, largest] = eigenvalues(g.matrix);
-        return format(
-            "the tensor is not positive definite there: its least eigenvalue is %g, its largest "
-            "%g; the least must be above 1e-6 of the largest",
+        return fmt::format(
+            "the tensor is not positive definite there: its least eigenvalue is {:g}, its largest "
+            "{:g}; the least must be above 1e-6 of the largest",
             least, largest);
     }
     static const char* remedy() {
@@ -182,7 +182,7 @@ struct WorldBox {
         for (int a = 0; a < 3; ++a)
             low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
     }
-    std::string describe() const { return format(low) + " to " + format(high); }
+    std::string describe() const { return fmt::format("{} to {}", textOf(low), textOf(high)); }
 };
 
 WorldBox boxOf(const Band& band) {
@@ -237,9 +237,9 @@ std::vector<typename Reader::Value> readAll(const Reader& reader, const openvdb:
     if (first == good.end()) return values;
     const Vec3d foot = band.footPoint(NodeIndex(first - good.begin()));
     throw Error(Kind::BadInput,
-                "at " + format(band.transform.worldFromIndex(foot)) + ", the first of " +
-                    std::to_string(std::count(first, good.end(), 0)) + " bad places, " +
-                    reader.fault(foot) + where,
+                fmt::format("at {}, the first of {} bad places, {}{}",
+                            textOf(band.transform.worldFromIndex(foot)),
+                            std::count(first, good.end(), 0), reader.fault(foot), where),
                 Reader::remedy());
 }
 

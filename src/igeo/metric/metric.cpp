@@ -1,10 +1,10 @@
 #include <igeo/metric/metric.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/base/symmetric_eigen.h>
 
-#include <cstdio>
 #include <string>
 
 namespace igeo {
@@ -27,15 +27,11 @@ void Metric::setObstacles(const Band& band, std::shared_ptr<const Obstacles> set
     });
 }
 
-std::string shortText(double x) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.6g", x);
-    return text.data();
-}
+std::string shortText(double x) { return fmt::format("{:.6g}", x); }
 
 std::string worldPlace(const Band& band, NodeIndex i) {
     const Vec3d p = band.transform.worldFromIndex(band.footPoint(i));
-    return "(" + shortText(p.x) + ", " + shortText(p.y) + ", " + shortText(p.z) + ")";
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z);
 }
 
 namespace {
@@ -178,11 +174,12 @@ void Metric::check(const Band& band) const {
             refuse("weight " + std::to_string(w) + " is not positive and finite");
     for (std::size_t k = 0; k < tensor.size(); ++k)
         if (!positiveDefinite(tensor[k]))
-            throw Error(Kind::InvalidArgument,
-                        "the tensor at " + worldPlace(band, NodeIndex(k)) +
-                            " is not positive definite: its least eigenvalue is " +
-                            shortText(eigenvalues(tensor[k])[0]),
-                        "give a cost per unit length squared that is positive in all directions");
+            throw Error(
+                Kind::InvalidArgument,
+                fmt::format(
+                    "the tensor at {} is not positive definite: its least eigenvalue is {:.6g}",
+                    worldPlace(band, NodeIndex(k)), eigenvalues(tensor[k])[0]),
+                "give a cost per unit length squared that is positive in all directions");
 }
 
 }  // namespace igeo

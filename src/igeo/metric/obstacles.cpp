@@ -1,5 +1,6 @@
 #include <igeo/metric/obstacles.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <openvdb/tools/Interpolation.h>
 
@@ -31,9 +32,7 @@ using Reader = openvdb::tree::ValueAccessor<const Tree, false>;
 
 Vec3d absolute(const Vec3d& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
 bool isFinite(const Vec3d& v) { return std::isfinite(v.x + v.y + v.z); }
-std::string text(const Vec3d& v) {
-    return std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z);
-}
+std::string text(const Vec3d& v) { return fmt::format("{:f},{:f},{:f}", v.x, v.y, v.z); }
 
 /// A segment and its reverse give the same result, to the last bit.
 bool before(const Vec3d& a, const Vec3d& b) {

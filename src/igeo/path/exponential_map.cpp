@@ -1,5 +1,6 @@
 #include <igeo/path/exponential_map.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 
 #include <algorithm>
@@ -94,10 +95,11 @@ Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, 
     constexpr double kStep = 0.5, kAlong = 1e-6;  // normals are floats
     using Kind = Error::Kind;
     if (!(length >= 0 && length < kInfinity))
-        throw Error(Kind::InvalidArgument,
-                    "a path of length " + std::to_string(length) +
-                        " was asked for; it has to be finite and not negative",
-                    length < 0 ? "turn the direction round to walk backwards" : "");
+        throw Error(
+            Kind::InvalidArgument,
+            fmt::format("a path of length {:f} was asked for; it has to be finite and not negative",
+                        length),
+            length < 0 ? "turn the direction round to walk backwards" : "");
     Vec3d p = start.pIndex;
     Local at = localSurface(band, p, Vec3d(band.normal[start.node]));
     // psi = 0 of the interpolant is not quite S.

@@ -11,10 +11,9 @@ namespace igeo {
 /// Gamma-encoded sRGB of a color in linear light, components clamped to [0, 1].
 Vec3d srgbFromLinear(const Vec3d& linear);
 
-/// A color map: an arc in the polar form of Oklab (B. Ottosson, "A perceptual color space for
-/// image processing", 2020), where equal steps look equal. Lightness rises and hue turns linearly,
-/// chroma is a parabola; so every map reads in gray, too, and none has the false edges of a
-/// rainbow.
+/// A color map that others have published: viridis, magma and cividis, in which lightness rises
+/// evenly and which read in gray and with color blindness, too; turbo, a rainbow that tells more
+/// values apart and is dark at both ends; gray.
 class ColorMap {
 public:
     /// @throws Error  InvalidArgument for a name that is not among names()

@@ -1,13 +1,12 @@
 #include <igeo/results/distance_matrix.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 
@@ -73,15 +72,12 @@ DistanceMatrix distances(const Band& band, const MetricPtr& metric,
 
 std::string matrixCsv(const DistanceMatrix& m) {
     std::string text = "seed";
-    for (std::size_t t = 0; t < m.targets.size(); ++t) text += "," + std::to_string(t);
+    for (std::size_t t = 0; t < m.targets.size(); ++t) text += fmt::format(",{}", t);
     text += "\n";
-    std::array<char, 32> number{};
     for (std::size_t s = m.firstRow; s < m.firstRow + m.rows(); ++s) {
         text += std::to_string(s);
-        for (std::size_t t = 0; t < m.targets.size(); ++t) {
-            std::snprintf(number.data(), number.size(), ",%.17g", m.at(s, t));
-            text += number.data();
-        }
+        for (std::size_t t = 0; t < m.targets.size(); ++t)
+            text += fmt::format(",{:.17g}", m.at(s, t));
         text += "\n";
     }
     return text;
@@ -90,9 +86,9 @@ std::string matrixCsv(const DistanceMatrix& m) {
 std::string matrixNpy(const DistanceMatrix& m) {
     // Magic, version, length of the header; the header fills the rest of a multiple of 64 bytes.
     constexpr std::size_t kFixed = 10, kAlign = 64;
-    std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (" +
-                         std::to_string(m.rows()) + ", " + std::to_string(m.targets.size()) +
-                         "), }";
+    std::string header =
+        fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {}), }}", m.rows(),
+                    m.targets.size());
     header.resize((kFixed + header.size() + 1 + kAlign - 1) / kAlign * kAlign - kFixed - 1, ' ');
     header += '\n';
     std::string bytes = "\x93NUMPY";

@@ -1,5 +1,6 @@
 #include <igeo/results/engrave.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 
 #include <openvdb/tools/Composite.h>
@@ -62,8 +63,8 @@ openvdb::FloatGrid::Ptr engraved(const LevelSet& levelSet, const std::vector<Iso
                                  const std::vector<Path>& paths, double radius,
                                  Progress& progress) {
     if (!(radius >= 0.5 && radius <= 10))
-        throw Error(Error::Kind::InvalidArgument, "a groove of radius " + std::to_string(radius) +
-                                                      " voxels; allowed are 0.5 to 10");
+        throw Error(Error::Kind::InvalidArgument,
+                    fmt::format("a groove of radius {:f} voxels; allowed are 0.5 to 10", radius));
     const openvdb::FloatGrid& psi = *levelSet.psi;
     Tubes tubes(radius, levelSet);
     for (const Isoline& line : lines) {

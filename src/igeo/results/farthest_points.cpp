@@ -1,5 +1,6 @@
 #include <igeo/results/farthest_points.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
@@ -93,8 +94,8 @@ std::vector<SurfacePoint> farthestPoints(const Band& band, const MetricPtr& metr
     Farthest farthest(band, metric);
     if (count == 0 || count > farthest.candidates())
         throw Error(Error::Kind::InvalidArgument,
-                    std::to_string(count) + " points asked for; there is room for 1 to " +
-                        std::to_string(farthest.candidates()),
+                    fmt::format("{} points asked for; there is room for 1 to {}", count,
+                                farthest.candidates()),
                     "ask for fewer points, or give a finer level set");
     CancelOnly quiet(progress);
     const std::size_t given = !start.empty();  // the march from them

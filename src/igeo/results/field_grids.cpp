@@ -1,5 +1,6 @@
 #include <igeo/results/field_grids.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 
@@ -77,8 +78,8 @@ openvdb::FloatGrid::Ptr labelGrid(const Band& band, const Field& field,
     constexpr std::size_t kMostSeeds = 1 << 24;
     if (field.sourceCount() > kMostSeeds)
         throw Error(Error::Kind::InvalidArgument,
-                    "labels of " + std::to_string(field.sourceCount()) +
-                        " seeds; a grid of labels counts up to " + std::to_string(kMostSeeds),
+                    fmt::format("labels of {} seeds; a grid of labels counts up to {}",
+                                field.sourceCount(), kMostSeeds),
                     "leave the labels out, or give fewer seeds");
     auto grid = makeGrid<openvdb::FloatGrid>(-1, transform, name);
     fill(*grid, band, reached(field),

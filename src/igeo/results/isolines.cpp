@@ -1,11 +1,11 @@
 #include <igeo/results/isolines.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/io/detail/little_endian.h>
 
 #include <algorithm>
-#include <cstdio>
 
 namespace igeo {
 
@@ -148,9 +148,9 @@ Isoline lineOf(const std::vector<Vec3d>& points, double level, bool closed) {
 void checkLevels(const std::vector<double>& levels) {
     for (const double level : levels)
         if (!(level >= 0 && level < kInfinity))
-            throw Error(Error::Kind::InvalidArgument, "a level of " + std::to_string(level) +
-                                                          " for isolines; levels are finite, "
-                                                          "0 or more");
+            throw Error(
+                Error::Kind::InvalidArgument,
+                fmt::format("a level of {:f} for isolines; levels are finite, 0 or more", level));
 }
 
 double leastStart(const Field& field) {
@@ -196,11 +196,9 @@ std::vector<double> levelsBySpacing(const Field& field, double spacing) {
     const double count = std::floor(field.maxDistance / spacing) - first + 1;
     if (!(spacing > 0 && spacing < kInfinity && count <= kMostLevels))
         throw Error(Error::Kind::InvalidArgument,
-                    "isolines " + std::to_string(spacing) +
-                        " voxels apart; the spacing has to be "
-                        "positive and the number of levels " +
-                        std::to_string(kMostLevels) + " at most, for distances of up to " +
-                        std::to_string(field.maxDistance),
+                    fmt::format("isolines {:f} voxels apart; the spacing has to be positive and "
+                                "the number of levels {} at most, for distances of up to {:f}",
+                                spacing, kMostLevels, field.maxDistance),
                     "choose a larger spacing");
     std::vector<double> levels;
     for (double k = 0; k < count; ++k) levels.push_back((first + k) * spacing);
@@ -209,9 +207,8 @@ std::vector<double> levelsBySpacing(const Field& field, double spacing) {
 
 std::vector<double> levelsByCount(const Field& field, int count) {
     if (count < 1 || count > kMostLevels)
-        throw Error(Error::Kind::InvalidArgument, std::to_string(count) +
-                                                      " levels for isolines; allowed are 1 to " +
-                                                      std::to_string(kMostLevels));
+        throw Error(Error::Kind::InvalidArgument,
+                    fmt::format("{} levels for isolines; allowed are 1 to {}", count, kMostLevels));
     const double least = leastStart(field), range = field.maxDistance - least;
     std::vector<double> levels;
     for (int k = 1; k <= count; ++k) levels.push_back(least + range * k / (count + 1));
@@ -220,22 +217,17 @@ std::vector<double> levelsByCount(const Field& field, int count) {
 
 std::string isolinesObj(const std::vector<Isoline>& lines, const Similarity& transform) {
     std::string text = "# isolines of the geodesic distance, world units\n";
-    std::array<char, 128> buffer{};
     std::size_t first = 1;
     for (std::size_t k = 0; k < lines.size(); ++k) {
         const Isoline& line = lines[k];
-        std::snprintf(buffer.data(), buffer.size(), "o isoline_%zu_at_%.9g\n", k,
-                      line.level * transform.dx);
-        text += buffer.data();
+        text += fmt::format("o isoline_{}_at_{:.9g}\n", k, line.level * transform.dx);
         for (const Vec3d& v : line.points) {
             const Vec3d p = transform.worldFromIndex(v);
-            std::snprintf(buffer.data(), buffer.size(), "v %.17g %.17g %.17g\n", p.x, p.y, p.z);
-            text += buffer.data();
+            text += fmt::format("v {:.17g} {:.17g} {:.17g}\n", p.x, p.y, p.z);
         }
         text += "l";
-        for (std::size_t i = 0; i < line.points.size(); ++i)
-            text += " " + std::to_string(first + i);
-        if (line.closed) text += " " + std::to_string(first);
+        for (std::size_t i = 0; i < line.points.size(); ++i) text += fmt::format(" {}", first + i);
+        if (line.closed) text += fmt::format(" {}", first);
         text += "\n";
         first += line.points.size();
     }
@@ -248,19 +240,16 @@ std::string isolinesPly(const std::vector<Isoline>& lines, const Similarity& tra
         vertices += line.points.size();
         edges += line.points.size() - (line.closed ? 0 : 1);
     }
-    std::string bytes =
+    std::string bytes = fmt::format(
         "ply\n"
         "format binary_little_endian 1.0\n"
         "comment isolines of the geodesic distance, world units\n"
-        "element vertex " +
-        std::to_string(vertices) +
-        "\n"
+        "element vertex {}\n"
         "property float x\nproperty float y\nproperty float z\nproperty float distance\n"
-        "element edge " +
-        std::to_string(edges) +
-        "\n"
+        "element edge {}\n"
         "property int vertex1\nproperty int vertex2\n"
-        "end_header\n";
+        "end_header\n",
+        vertices, edges);
     for (const Isoline& line : lines)
         for (const Vec3d& v : line.points) {
             const Vec3d p = transform.worldFromIndex(v);

@@ -1,14 +1,13 @@
 #include <igeo/results/pair_distances.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
 #include <igeo/surface/level_set_band.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <cstdio>
 #include <map>
 #include <string>
 #include <tuple>
@@ -123,9 +122,8 @@ void PairSolver::refuseFarPoints() const {
         for (const SurfacePoint* p : {&pairs_[k].source, &pairs_[k].target})
             if (!(p->snapDistance <= snap_))
                 throw Error(Error::Kind::InvalidArgument,
-                            std::string(p == &pairs_[k].source ? "source " : "target ") +
-                                std::to_string(k) + " is more than " + std::to_string(snap_) +
-                                " voxels from the surface",
+                            fmt::format("{}{} is more than {:f} voxels from the surface",
+                                        p == &pairs_[k].source ? "source " : "target ", k, snap_),
                             "move it to the surface, or allow for more");
 }
 
@@ -159,24 +157,12 @@ bool finite(const Vec3d& p) {
 
 }  // namespace
 
-PairSurface pairSurface(const LevelSet& levelSet, double h) {
-    PairSurface surface;
-    surface.band = [&levelSet, h](const std::vector<Ball>& region, Progress& progress) {
-        return std::make_shared<Band>(bandFromLevelSet(levelSet, h, region, progress));
-    };
-    surface.diagonal =
-        std::sqrt(levelSet.psi->evalActiveVoxelBoundingBox().dim().asVec3d().lengthSqr());
-    return surface;
-}
-
 std::string pairsCsv(const std::vector<PairDistance>& pairs, double dx) {
     std::string all = "pair,distance,sourceSnap,targetSnap\n";
-    std::array<char, 128> line{};
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         const PairDistance& p = pairs[k];
-        std::snprintf(line.data(), line.size(), "%zu,%.17g,%.17g,%.17g\n", k, p.distance * dx,
-                      p.source.snapDistance * dx, p.target.snapDistance * dx);
-        all += line.data();
+        all += fmt::format("{},{:.17g},{:.17g},{:.17g}\n", k, p.distance * dx,
+                           p.source.snapDistance * dx, p.target.snapDistance * dx);
     }
     return all;
 }
@@ -187,13 +173,12 @@ std::vector<PairDistance> pairDistances(const PairSurface& surface,
                                         Progress& progress) {
     using Kind = Error::Kind;
     if (sources.size() != targets.size())
-        throw Error(Kind::InvalidArgument, std::to_string(sources.size()) + " sources and " +
-                                               std::to_string(targets.size()) +
-                                               " targets are no pairs");
+        throw Error(Kind::InvalidArgument, fmt::format("{} sources and {} targets are no pairs",
+                                                       sources.size(), targets.size()));
     if (!(snap >= 0)) throw Error(Kind::InvalidArgument, "points cannot be less than 0 from S");
     for (std::size_t k = 0; k < sources.size(); ++k)
         if (!finite(sources[k]) || !finite(targets[k]))
-            throw Error(Kind::InvalidArgument, "pair " + std::to_string(k) + " is not finite");
+            throw Error(Kind::InvalidArgument, fmt::format("pair {} is not finite", k));
     return PairSolver(surface, sources, targets, snap, progress).solve(progress);
 }
 

@@ -32,9 +32,6 @@ struct PairSurface {
                              ///< the whole surface
     double diagonal = 0;     ///< across the surface, voxels
 };
-/// Without weights.
-/// @param h half the band's thickness, voxels, as in bandFromLevelSet
-PairSurface pairSurface(const LevelSet& levelSet, double h);
 
 /// Distances from sources[k] to targets[k] by marchJet.
 ///

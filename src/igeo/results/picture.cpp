@@ -1,5 +1,6 @@
 #include <igeo/results/picture.h>
 
+#include <fmt/core.h>
 #include <igeo/base/parallel.h>
 #include <igeo/results/detail/camera.h>
 #include <igeo/results/detail/canvas.h>
@@ -8,7 +9,6 @@
 #include <openvdb/tools/RayTracer.h>
 
 #include <atomic>
-#include <cstdio>
 #include <unordered_map>
 
 namespace igeo {
@@ -24,16 +24,12 @@ void require(bool good, const std::string& what, const std::string& remedy) {
 }
 
 void checkOptions(const PictureOptions& o) {
-    constexpr int kLargest = 16384, kMostSamples = 16;
-    auto inRange = [](int n, int largest) { return n >= 1 && n <= largest; };
-    require(inRange(o.width, kLargest) && inRange(o.height, kLargest),
-            "a picture of " + std::to_string(o.width) + " x " + std::to_string(o.height) +
-                " pixels; both may be 1 to " + std::to_string(kLargest),
+    constexpr int kLargest = 16384;
+    auto inRange = [](int n) { return n >= 1 && n <= kLargest; };
+    require(inRange(o.width) && inRange(o.height),
+            fmt::format("a picture of {} x {} pixels; both may be 1 to {}", o.width, o.height,
+                        kLargest),
             "choose a size in that range");
-    require(inRange(o.samples, kMostSamples),
-            std::to_string(o.samples) + " samples per axis of a pixel; 1 to " +
-                std::to_string(kMostSamples) + " are allowed",
-            "3 is enough for smooth edges");
     require(std::isfinite(o.isolineSpacing), "the isoline spacing is not a number",
             "give a positive one, 0 for a round one, or a negative one for no lines");
     auto finite = [](const Vec3d& p) { return std::isfinite(dot(p, p)); };
@@ -208,7 +204,7 @@ private:
             c = kInk;
         else if (scale_.spacing > 0 && d < kInfinity &&
                  scale_.fromIsoline(d) < isolineHalf_ * weightAt(p))
-            c *= 0.12;
+            c = Scale::lineOn(c);
         if (dot(n, dir) > 0) n = -n;  // the back of an open surface
         return Light(lit(c, n, dir), scale_.step(d));
     }
@@ -248,11 +244,10 @@ private:
 class Renderer {
 public:
     Renderer(const LevelSet& levelSet, const SurfaceRays& rays, const View& view,
-             const Scene& scene, int samples, Film& film, Progress& progress)
+             const Scene& scene, Film& film, Progress& progress)
         : levelSet_(levelSet),
           rays_(rays),
           scene_(scene),
-          samples_(samples),
           film_(film),
           camera_(film, openvdb::Vec3d(0), vdb(view.eye), View::kFocalLength, View::kAperture,
                   /*nearPlane, which no ray here heeds*/ 1e-3),
@@ -269,13 +264,14 @@ public:
             first[j * width + i] = light(rays, i, j, 0.5, 0.5);
             film_.pixel(i, j) = first[j * width + i].color;
         });
-        if (samples_ == 1) return;
         rows(1, [&](const SurfaceRays& rays, std::size_t i, std::size_t j) {
             if (onEdge(first, i, j)) film_.pixel(i, j) = mean(rays, i, j);
         });
     }
 
 private:
+    static constexpr int kSamples = 3;  ///< per axis in pixels with an edge
+
     static openvdb::Vec3d vdb(const Vec3d& p) { return {p.x, p.y, p.z}; }
 
     void placeDots(const View& view) {
@@ -318,12 +314,12 @@ private:
         return scene_.along(rays, dir, dotsInRow_[j]);
     }
 
-    /// Over samples^2 points, no two of them in one row or column.
+    /// Over kSamples^2 points, no two of them in one row or column.
     Film::RGBA mean(const SurfaceRays& rays, std::size_t i, std::size_t j) const {
-        const double n = samples_;
+        constexpr double n = kSamples;
         Film::RGBA sum(0.0, 0.0, 0.0, 0.0);
-        for (int a = 0; a < samples_; ++a)
-            for (int b = 0; b < samples_; ++b)
+        for (int a = 0; a < kSamples; ++a)
+            for (int b = 0; b < kSamples; ++b)
                 sum += light(rays, i, j, (a + (b + 0.5) / n) / n, (b + (a + 0.5) / n) / n).color;
         const auto share = float(1 / (n * n));
         return {sum.r * share, sum.g * share, sum.b * share, sum.a * share};
@@ -348,24 +344,19 @@ private:
     const LevelSet& levelSet_;
     const SurfaceRays& rays_;
     const Scene& scene_;
-    int samples_;
     Film& film_;
     openvdb::tools::PerspectiveCamera camera_;
     Progress& progress_;
     std::vector<std::vector<std::uint32_t>> dotsInRow_;
 };
 
-/// The film over the background, at the left of the canvas.
-void develop(const Film& film, bool transparent, Canvas& canvas) {
+/// The film over white, at the left of the canvas.
+void develop(const Film& film, Canvas& canvas) {
     for (std::size_t j = 0; j < film.height(); ++j)
         for (std::size_t i = 0; i < film.width(); ++i) {
             const Film::RGBA& c = film.pixel(i, j);
             const Vec3d light{c.r, c.g, c.b};
-            const double alpha = double(c.a);
-            if (transparent)
-                canvas.set(int(i), int(j), alpha > 0 ? light * (1 / alpha) : kWhite, alpha);
-            else
-                canvas.set(int(i), int(j), light + (1 - alpha) * kWhite);
+            canvas.set(int(i), int(j), light + (1 - double(c.a)) * kWhite);
         }
 }
 
@@ -387,11 +378,11 @@ std::string renderPng(const LevelSet& levelSet, const Band& band, const Field& f
     const double pixel = 2 * View::kHalfWidth * view.depth / width / dx;
     const Scene scene(levelSet, band, field, paths, scale, rays, view, pixel, options.width);
     Film film{std::size_t(width), std::size_t(options.height)};
-    Renderer(levelSet, rays, view, scene, options.samples, film, progress).render();
+    Renderer(levelSet, rays, view, scene, film, progress).render();
 
     Canvas canvas(options.width, options.height);
-    if (!options.transparent) canvas.fill(0, 0, options.width, options.height, kWhite);
-    develop(film, options.transparent, canvas);
+    canvas.fill(0, 0, options.width, options.height, kWhite);
+    develop(film, canvas);
     legend.draw(canvas);
     return canvas.png();
 }

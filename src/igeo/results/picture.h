@@ -23,7 +23,7 @@ namespace igeo {
 /// @throws Error  InvalidArgument for options out of range, a view from inside a closed surface or
 ///         along `up`; Cancelled through `progress`
 /// The same bytes for any number of threads. Time O(pixels), in parallel, about a microsecond per
-/// ray; pixels whose neighbors differ take samples^2 rays more, the others one. Memory: about 50
+/// ray; pixels whose neighbors differ take 9 rays more, the others one. Memory: about 50
 /// bytes per pixel.
 std::string renderPng(const LevelSet& levelSet, const Band& band, const Field& field,
                       const std::vector<Path>& paths, const PictureOptions& options = {},

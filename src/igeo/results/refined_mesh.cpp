@@ -1,5 +1,6 @@
 #include <igeo/results/refined_mesh.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 
 #include <string>
@@ -73,7 +74,7 @@ SurfaceMesh refinedMesh(const TriangleMesh& given, const Band& band, const Field
                         double longest, Progress& progress) {
     if (!(longest > 0))
         throw Error(Error::Kind::InvalidArgument,
-                    "edges of at most " + std::to_string(longest) + " voxels; more than 0 will do",
+                    fmt::format("edges of at most {:f} voxels; more than 0 will do", longest),
                     "1 is usual");
     constexpr std::size_t kMost = std::size_t(1) << 31;
     progress.update("mesh", 0);
@@ -87,10 +88,11 @@ SurfaceMesh refinedMesh(const TriangleMesh& given, const Band& band, const Field
     while (halve(mesh, longest)) {
         progress.throwIfCancelled();
         if (mesh.triangles.size() > kMost / 4)
-            throw Error(Error::Kind::InvalidArgument,
-                        "edges of at most " + std::to_string(longest) +
-                            " voxels make more than 2147483648 triangles",
-                        "allow longer edges");
+            throw Error(
+                Error::Kind::InvalidArgument,
+                fmt::format("edges of at most {:f} voxels make more than 2147483648 triangles",
+                            longest),
+                "allow longer edges");
     }
     progress.update("mesh", 0.5);
     sampleField(mesh, band, field, progress);

@@ -1,9 +1,9 @@
 #include <igeo/results/report.h>
 
+#include <fmt/core.h>
 #include <igeo/base/version.h>
 #include <igeo/results/survey.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace igeo {
@@ -353,19 +353,17 @@ std::string surveyJson(const FileSurvey& file) {
 
 std::string geodesicsObj(const std::vector<Path>& paths, const Band& band) {
     std::string text = "# geodesics, world units; from each target to its seed\n";
-    std::array<char, 128> line{};
     std::size_t first = 1;
     for (std::size_t k = 0; k < paths.size(); ++k) {
         const auto& vertices = paths[k].vertices;
         if (vertices.size() < 2) continue;
-        text += "o geodesic_" + std::to_string(k) + "\n";
+        text += fmt::format("o geodesic_{}\n", k);
         for (const PathVertex& v : vertices) {
             const Vec3d p = band.transform.worldFromIndex(v.pIndex);
-            std::snprintf(line.data(), line.size(), "v %.17g %.17g %.17g\n", p.x, p.y, p.z);
-            text += line.data();
+            text += fmt::format("v {:.17g} {:.17g} {:.17g}\n", p.x, p.y, p.z);
         }
         text += "l";
-        for (std::size_t i = 0; i < vertices.size(); ++i) text += " " + std::to_string(first + i);
+        for (std::size_t i = 0; i < vertices.size(); ++i) text += fmt::format(" {}", first + i);
         text += "\n";
         first += vertices.size();
     }

@@ -1,5 +1,6 @@
 #include <igeo/results/surface_mesh.h>
 
+#include <fmt/core.h>
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
@@ -29,10 +30,9 @@ Extracted extract(const openvdb::FloatGrid& psi) {
     const openvdb::CoordBBox box = psi.evalActiveVoxelBoundingBox();
     if (box.dim()[box.maxExtent()] > kFarthestInFloat)
         throw Error(Error::Kind::BadInput,
-                    "the surface is " + std::to_string(box.dim()[box.maxExtent()]) +
-                        " voxels across; OpenVDB places the vertices of meshes in single "
-                        "precision, which is good for " +
-                        std::to_string(kFarthestInFloat),
+                    fmt::format("the surface is {} voxels across; OpenVDB places the vertices of "
+                                "meshes in single precision, which is good for {}",
+                                box.dim()[box.maxExtent()], kFarthestInFloat),
                     "ask for no mesh of it, or for each of its pieces by itself");
     const openvdb::Coord low = box.min();
     const auto grid =
@@ -267,22 +267,19 @@ void forVertices(const SurfaceMesh& mesh, const Similarity& transform, const Col
 }  // namespace
 
 std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, const Color& color) {
-    std::string bytes =
+    std::string bytes = fmt::format(
         "ply\n"
         "format binary_little_endian 1.0\n"
         "comment geodesic distance, world units; -1: not reached\n"
-        "element vertex " +
-        std::to_string(mesh.position.size()) +
-        "\n"
+        "element vertex {}\n"
         "property float x\nproperty float y\nproperty float z\n"
         "property float nx\nproperty float ny\nproperty float nz\n"
         "property uchar red\nproperty uchar green\nproperty uchar blue\n"
         "property float distance\nproperty int label\n"
-        "element face " +
-        std::to_string(mesh.triangles.size()) +
-        "\n"
+        "element face {}\n"
         "property list uchar int vertex_indices\n"
-        "end_header\n";
+        "end_header\n",
+        mesh.position.size(), mesh.triangles.size());
     bytes.reserve(bytes.size() + 35 * mesh.position.size() + 13 * mesh.triangles.size());
     forVertices(mesh, transform, color, [&](std::size_t i, const Vec3d& p, const Vec3f& c) {
         const Vec3d n = transform.worldFromIndexDirection(Vec3d(mesh.normal[i]));
@@ -305,19 +302,14 @@ std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, con
 
 std::string surfaceObj(const SurfaceMesh& mesh, const Similarity& transform, const Color& color) {
     std::string text = "# surface, world units; colors are shares of the largest distance\n";
-    std::array<char, 160> line{};
-    auto add = [&](const char* format, auto... values) {
-        std::snprintf(line.data(), line.size(), format, values...);
-        text += line.data();
-    };
     forVertices(mesh, transform, color, [&](std::size_t, const Vec3d& p, const Vec3f& c) {
-        add("v %.12g %.12g %.12g %.4g %.4g %.4g\n", p.x, p.y, p.z, double(c.x), double(c.y),
-            double(c.z));
+        text += fmt::format("v {:.12g} {:.12g} {:.12g} {:.4g} {:.4g} {:.4g}\n", p.x, p.y, p.z, c.x,
+                            c.y, c.z);
     });
     const bool mirrored = transform.mirrors();  // turns triangles over
     for (auto [a, b, c] : mesh.triangles) {
         if (mirrored) std::swap(b, c);
-        add("f %u %u %u\n", a + 1, b + 1, c + 1);
+        text += fmt::format("f {} {} {}\n", a + 1, b + 1, c + 1);
     }
     return text;
 }

@@ -1,8 +1,8 @@
 #include <igeo/results/survey.h>
 
+#include <fmt/core.h>
 #include <igeo/base/detail/box.h>
 #include <igeo/base/detail/disjoint_sets.h>
-#include <igeo/base/detail/format.h>
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
 #include <igeo/results/surface_mesh.h>
@@ -345,11 +345,13 @@ std::string FileSurvey::verdict() const {
     }
     std::string line = withCare() ? "usable with care: " : "usable: ";
     line += rims == 0 ? "closed surface, " : "surface with a rim, ";
-    line += std::to_string(pieces.size()) + (pieces.size() == 1 ? " piece" : " pieces");
-    line += ", genus " + std::to_string(genus) + (pieces.size() == 1 ? "" : " together");
+    line += fmt::format("{}{}", pieces.size(), pieces.size() == 1 ? " piece" : " pieces");
+    line += fmt::format(", genus {}{}", genus, pieces.size() == 1 ? "" : " together");
     if (surface->bounds.resolved) return line + ", resolved";
-    return line + "; in places the surface bends or folds within " +
-           format("%.2g voxels", surface->bounds.lower) + ", less than the grid resolves";
+    return fmt::format(
+        "{}; in places the surface bends or folds within {:.2g} voxels, less than the grid "
+        "resolves",
+        line, surface->bounds.lower);
 }
 
 bool holdsPoints(const GridEntry& grid) {

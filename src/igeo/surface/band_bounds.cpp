@@ -1,11 +1,10 @@
 #include <igeo/surface/band_bounds.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace igeo {
 
@@ -44,17 +43,16 @@ double requireBandWidth(double h, const BandBounds& bounds, double dx) {
     constexpr double kRounding = 1e-3;
     if (h >= bounds.lower - kRounding && (h < bounds.upper || h <= bounds.lower + kRounding))
         return std::max(h, bounds.lower);
-    std::array<char, 400> text{};
-    std::snprintf(text.data(), text.size(),
-                  "a band of h = %.6g (%.4g voxels) is outside the bounds of M&S (14): at least "
-                  "%.6g (%s) and below %.6g (%.4g voxels), %s",
-                  h * dx, h, bounds.lower * dx,
-                  bounds.lower == std::sqrt(3.0) ? "sqrt(3) voxels" : "so that balls overlap",
-                  bounds.upper * dx, bounds.upper, bounds.why.c_str());
-    throw Error(Error::Kind::InvalidArgument, text.data(),
-                bounds.resolved ? "leave --band out for the best width within the bounds"
-                                : "the grid resolves no wider band: leave --band out, or use a "
-                                  "finer level set");
+    throw Error(
+        Error::Kind::InvalidArgument,
+        fmt::format("a band of h = {:.6g} ({:.4g} voxels) is outside the bounds of M&S (14): at "
+                    "least {:.6g} ({}) and below {:.6g} ({:.4g} voxels), {}",
+                    h * dx, h, bounds.lower * dx,
+                    bounds.lower == std::sqrt(3.0) ? "sqrt(3) voxels" : "so that balls overlap",
+                    bounds.upper * dx, bounds.upper, bounds.why),
+        bounds.resolved ? "leave --band out for the best width within the bounds"
+                        : "the grid resolves no wider band: leave --band out, or use a "
+                          "finer level set");
 }
 
 }  // namespace igeo

@@ -1,5 +1,6 @@
 #include <igeo/surface/cloud_density.h>
 
+#include <fmt/core.h>
 #include <cmath>
 
 namespace igeo {
@@ -7,24 +8,23 @@ namespace igeo {
 std::vector<std::string> densityWarnings(const CloudDensity& density, const std::string& file) {
     std::vector<std::string> warnings;
     auto percent = [](double share) {
-        const double p = std::round(1000 * share) / 10;
-        std::string text = std::to_string(p);
-        return text.substr(0, text.find('.') + 2) + " %";
+        return fmt::format("{:.1f} %", std::round(1000 * share) / 10);
     };
     const double all = double(density.points + density.isolated);
     if (double(density.isolated) > 0.001 * all)
-        warnings.push_back(file + ": " + std::to_string(density.isolated) + " points (" +
-                           percent(double(density.isolated) / all) +
-                           ") are far from the others or from the surface; they are left out");
+        warnings.push_back(fmt::format(
+            "{}: {} points ({}) are far from the others or from the surface; they are left out",
+            file, density.isolated, percent(double(density.isolated) / all)));
     if (density.noise > 0.1 * density.spacing)
-        warnings.push_back(file + ": points scatter by " +
-                           percent(density.noise / density.spacing) +
-                           " of their spacing about the surface; each fit averages over " +
-                           std::to_string(density.fitted));
+        warnings.push_back(
+            fmt::format("{}: points scatter by {} of their spacing about the surface; each fit "
+                        "averages over {}",
+                        file, percent(density.noise / density.spacing), density.fitted));
     if (density.spacing99 > 3 * density.spacing)
-        warnings.push_back(file + ": the spacing is uneven: " + std::to_string(density.spacing) +
-                           " in the median, " + std::to_string(density.spacing99) +
-                           " at the 99th percentile; thin parts may end or merge");
+        warnings.push_back(
+            fmt::format("{}: the spacing is uneven: {:f} in the median, {:f} at the 99th "
+                        "percentile; thin parts may end or merge",
+                        file, density.spacing, density.spacing99));
     if (density.conflicts > 0.01)
         warnings.push_back(file + ": " + percent(density.conflicts) +
                            " of the normals disagree with their neighbors; where the surface is "

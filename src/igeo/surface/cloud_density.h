@@ -16,10 +16,10 @@ struct CloudDensity {
     std::size_t duplicates = 0;  ///< points left out because another has the same position
     std::size_t isolated = 0;    ///< left out: far from the others, or from the surface they show
     double spacing = 0;          ///< median
-    double spacing95 = 0, spacing99 = 0;  ///< percentiles
-    double noise = 0;                     ///< scatter about the surface, root of the mean square
-    std::size_t fitted = 0;               ///< points in a fit, more where there is noise
-    std::size_t pieces = 0;               ///< of the surface, as far as neighbors connect them
+    double spacing99 = 0;        ///< percentile
+    double noise = 0;            ///< scatter about the surface, root of the mean square
+    std::size_t fitted = 0;      ///< points in a fit, more where there is noise
+    std::size_t pieces = 0;      ///< of the surface, as far as neighbors connect them
     double conflicts = 0;  ///< share of neighbors whose normals disagree (Orientation, or normals
                            ///< in the file that are no normals of the surface)
     double largestCurvature = 0;  ///< 95th percentile, 1 / world length

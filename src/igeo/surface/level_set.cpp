@@ -1,6 +1,6 @@
 #include <igeo/surface/level_set.h>
 
-#include <igeo/base/detail/format.h>
+#include <fmt/core.h>
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
@@ -224,17 +224,19 @@ Similarity similarityOf(const openvdb::math::Transform& transform, const std::st
     for (std::size_t a = 0; a < 3; ++a) {
         const double cosine = dot(normalized(s.axis[a]), normalized(s.axis[(a + 1) % 3]));
         if (std::abs(cosine) > kTolerance)
-            throw Error(Kind::BadInput,
-                        "the transform shears: index axes meet at " +
-                            format("%.4g degrees, not 90", std::acos(cosine) * 57.29577951) + at,
-                        remedy);
+            throw Error(
+                Kind::BadInput,
+                fmt::format("the transform shears: index axes meet at {:.4g} degrees, not 90{}",
+                            std::acos(cosine) * 57.29577951, at),
+                remedy);
     }
     for (const double v : size)
         if (std::abs(v / s.dx - 1) > kTolerance)
-            throw Error(Kind::BadInput,
-                        "voxels are not cubes: sizes " + format("%g, %g", size[0], size[1]) +
-                            format(", %g; all three must agree", size[2]) + at,
-                        remedy);
+            throw Error(
+                Kind::BadInput,
+                fmt::format("voxels are not cubes: sizes {:g}, {:g}, {:g}; all three must agree{}",
+                            size[0], size[1], size[2], at),
+                remedy);
     for (auto& axis : s.axis) axis *= 1 / s.dx;
     // Exactly dx where the map says so: cbrt(dx^3) may be off in the last bit.
     if (size[0] == size[1] && size[1] == size[2]) s.dx = size[0];
@@ -244,10 +246,10 @@ Similarity similarityOf(const openvdb::math::Transform& transform, const std::st
 void judgeGradient(LevelSet& s) {
     const LevelSetStats& st = s.stats;
     if (std::abs(st.gradientMedian - 1) > 0.1 || st.gradientShare < 0.7) {
-        const std::string seen =
-            format("psi changes by %.3g per unit length (median), and %.0f %% of its voxels",
-                   st.gradientMedian, 100 * st.gradientShare) +
-            " lie in [0.75, 1.25]; a signed distance has 1 and at least 70 %";
+        const std::string seen = fmt::format(
+            "psi changes by {:.3g} per unit length (median), and {:.0f} % of its voxels lie in "
+            "[0.75, 1.25]; a signed distance has 1 and at least 70 %",
+            st.gradientMedian, 100 * st.gradientShare);
         throw Error(
             Kind::BadInput, "psi is not a distance: " + seen + where(s),
             "values in voxel units must be multiplied by the voxel size, those of a grid "
@@ -256,9 +258,9 @@ void judgeGradient(LevelSet& s) {
     }
     if (st.gradientShare < 0.95)
         s.warnings.push_back(
-            format("%.1f %% of the voxels have |grad psi| outside [0.75, 1.25]: "
-                   "psi is a rough distance, and results near there are unreliable",
-                   100 * (1 - st.gradientShare)));
+            fmt::format("{:.1f} % of the voxels have |grad psi| outside [0.75, 1.25]: psi is a "
+                        "rough distance, and results near there are unreliable",
+                        100 * (1 - st.gradientShare)));
 }
 
 void judgeExtent(const LevelSet& s) {
@@ -266,25 +268,24 @@ void judgeExtent(const LevelSet& s) {
         for (std::size_t a = 0; a < 3; ++a)
             if (const openvdb::Coord o = leaf->origin();
                 o[a] <= -kFarthestIndex || o[a] >= kFarthestIndex)
-                throw Error(Kind::BadInput,
-                            "voxels at index " + std::to_string(o.x()) + "," +
-                                std::to_string(o.y()) + "," + std::to_string(o.z()) +
-                                ": indices must lie within -2^30 and 2^30 (" +
-                                std::to_string(kFarthestIndex) + ")" + where(s),
-                            "give the grid indices near 0 and put where it lies into its "
-                            "transform");
+                throw Error(
+                    Kind::BadInput,
+                    fmt::format(
+                        "voxels at index {},{},{}: indices must lie within -2^30 and 2^30 ({}){}",
+                        o.x(), o.y(), o.z(), kFarthestIndex, where(s)),
+                    "give the grid indices near 0 and put where it lies into its "
+                    "transform");
 }
 
 /// What the values alone show, before any stencil.
 void judgeRange(const LevelSet& s) {
     const LevelSetStats& st = s.stats;
     if (st.badVoxels)
-        throw Error(Kind::BadInput,
-                    std::to_string(st.badVoxels) +
-                        " voxels are NaN or infinite, the first at index " +
-                        std::to_string(st.firstBad.x) + "," + std::to_string(st.firstBad.y) + "," +
-                        std::to_string(st.firstBad.z) + where(s),
-                    "rebuild the level set from its source");
+        throw Error(
+            Kind::BadInput,
+            fmt::format("{} voxels are NaN or infinite, the first at index {},{},{}{}",
+                        st.badVoxels, st.firstBad.x, st.firstBad.y, st.firstBad.z, where(s)),
+            "rebuild the level set from its source");
     if (st.negative == 0 || st.negative == st.activeVoxels)
         throw Error(
             Kind::BadInput,
@@ -295,9 +296,8 @@ void judgeRange(const LevelSet& s) {
     if (st.halfWidth < 0.9)
         throw Error(
             Kind::BadInput,
-            format("active voxels reach only %.3g voxels from the surface, 1 is the least",
-                   st.halfWidth) +
-                where(s),
+            fmt::format("active voxels reach only {:.3g} voxels from the surface, 1 is the least{}",
+                        st.halfWidth, where(s)),
             "check that psi is in world units; rebuild the level set with a half-width of 3");
 }
 
@@ -313,22 +313,22 @@ void judgeShape(LevelSet& s) {
     if (st.crossingShare < 0.2)
         throw Error(
             Kind::BadInput,
-            format("only %.1f %% of the voxels next to the surface see the other sign "
-                   "(a closed surface: more than 50 %%): psi is hollow, as it becomes when an "
-                   "open mesh is turned into a level set",
-                   100 * st.crossingShare) +
-                where(s),
+            fmt::format("only {:.1f} % of the voxels next to the surface see the other sign (a "
+                        "closed surface: more than 50 %): psi is hollow, as it becomes when an "
+                        "open mesh is turned into a level set{}",
+                        100 * st.crossingShare, where(s)),
             "give the mesh itself with --mesh, which may be open; or close it (fill its holes) "
             "before converting it");
     if (st.crossingShare < 0.45)
-        s.warnings.push_back(format(
-            "only %.0f %% of the voxels next to the surface see the other sign: parts of psi "
-            "look hollow, as from an open mesh",
-            100 * st.crossingShare));
+        s.warnings.push_back(
+            fmt::format("only {:.0f} % of the voxels next to the surface see the other sign: parts "
+                        "of psi look hollow, as from an open mesh",
+                        100 * st.crossingShare));
     if (st.cutVoxels)
-        s.warnings.push_back(std::to_string(st.cutVoxels) +
-                             " voxels of the surface lie at the edge of the volume: the surface is "
-                             "cut there, and no path passes");
+        s.warnings.push_back(
+            fmt::format("{} voxels of the surface lie at the edge of the volume: the surface is "
+                        "cut there, and no path passes",
+                        st.cutVoxels));
 }
 
 }  // namespace
@@ -372,9 +372,9 @@ void widen(LevelSet& s, double halfWidth) {
     const double missing = halfWidth - s.stats.halfWidth - kRounding;
     const int layers = int(std::ceil(std::sqrt(3.0) * missing));
     s.warnings.push_back(
-        format("the level set is %.4g voxels wide on each side and the band needs "
-               "%.4g: widened by fast sweeping (first order there)",
-               s.stats.halfWidth, halfWidth));
+        fmt::format("the level set is {:.4g} voxels wide on each side and the band needs {:.4g}: "
+                    "widened by fast sweeping (first order there)",
+                    s.stats.halfWidth, halfWidth));
     s.psi = openvdb::tools::dilateSdf(*s.psi, layers);
     s.stats.halfWidth = halfWidth;
 }

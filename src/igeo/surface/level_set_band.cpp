@@ -1,5 +1,6 @@
 #include <igeo/surface/level_set_band.h>
 
+#include <fmt/core.h>
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
@@ -59,8 +60,9 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
                       Progress& progress) {
     if (!(h > 0) || h > levelSet.stats.halfWidth + 1e-3)
         throw Error(Error::Kind::InvalidArgument,
-                    "a band of " + std::to_string(h) + " voxels does not fit a level set that is " +
-                        std::to_string(levelSet.stats.halfWidth) + " voxels wide on each side",
+                    fmt::format("a band of {:f} voxels does not fit a level set that is {:f} "
+                                "voxels wide on each side",
+                                h, levelSet.stats.halfWidth),
                     "widen the level set first");
     progress.update("band", 0);
     std::vector<const Leaf*> source, kept;

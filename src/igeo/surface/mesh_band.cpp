@@ -1,5 +1,6 @@
 #include <igeo/surface/mesh_band.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/surface/detail/mesh_distance.h>
@@ -150,7 +151,7 @@ std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
 Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress) {
     if (!(h >= 0.866 && h <= 8))
         throw Error(Error::Kind::InvalidArgument,
-                    "a band of " + std::to_string(h) + " voxels; sqrt(3)/2 to 8 will do",
+                    fmt::format("a band of {:f} voxels; sqrt(3)/2 to 8 will do", h),
                     "sqrt(3) is usual");
     requireReasonable(given, dx, h);
     progress.update("band", 0);

@@ -1,5 +1,6 @@
 #include <igeo/surface/point_band.h>
 
+#include <fmt/core.h>
 #include <igeo/base/detail/box.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <sstream>
 #include <tuple>
 
 namespace igeo {
@@ -23,13 +23,6 @@ constexpr double kFinest = 8;
 /// Voxels along the cloud's longest side, at least.
 constexpr double kCoarsest = 8;
 
-std::string number(double x) {
-    std::ostringstream out;
-    out.precision(3);
-    out << x;
-    return out.str();
-}
-
 void requireRange(const PointSurface& surface, PointBandKind kind, double dx, double h) {
     const CloudDensity& density = surface.density();
     Box box;
@@ -37,29 +30,28 @@ void requireRange(const PointSurface& surface, PointBandKind kind, double dx, do
     const double side = box.longestSide();
     if (!(dx >= density.spacing / kFinest * (1 - 1e-9)))
         throw Error(Kind::InvalidArgument,
-                    surface.file() + ": voxels of " + number(dx) + " are too fine for points " +
-                        number(density.spacing) + " apart (median); allowed are " +
-                        number(density.spacing / kFinest) + " and more",
+                    fmt::format("{}: voxels of {:.3g} are too fine for points {:.3g} apart "
+                                "(median); allowed are {:.3g} and more",
+                                surface.file(), dx, density.spacing, density.spacing / kFinest),
                     "choose a voxel size near the spacing");
     if (!(dx <= side / kCoarsest))
         throw Error(Kind::InvalidArgument,
-                    surface.file() + ": voxels of " + number(dx) + " are too coarse for a cloud " +
-                        number(side) + " long; allowed are " + number(side / kCoarsest) +
-                        " and less",
-                    "choose a voxel size near the spacing, " + number(density.spacing));
+                    fmt::format("{}: voxels of {:.3g} are too coarse for a cloud {:.3g} long; "
+                                "allowed are {:.3g} and less",
+                                surface.file(), dx, side, side / kCoarsest),
+                    fmt::format("choose a voxel size near the spacing, {:.3g}", density.spacing));
     const double least = kind == PointBandKind::Fits ? std::sqrt(3.0) / 2 : density.spacing99 / dx;
     if (!(h >= least * (1 - 1e-9) && std::isfinite(h)))
         throw Error(Kind::InvalidArgument,
-                    surface.file() + ": a band of " + number(h * dx) + " (" + number(h) +
-                        " voxels) has holes: points are up to " + number(density.spacing99) +
-                        " apart, it takes " + number(least * dx) + " (" + number(least) +
-                        " voxels) at least",
+                    fmt::format("{}: a band of {:.3g} ({:.3g} voxels) has holes: points are up to "
+                                "{:.3g} apart, it takes {:.3g} ({:.3g} voxels) at least",
+                                surface.file(), h * dx, h, density.spacing99, least * dx, least),
                     "widen the band");
     if (const double farthest = box.farthest(); !(farthest / dx < kFarthestIndex))
         throw Error(Kind::BadInput,
-                    surface.file() + ": a coordinate of " + number(farthest) + " is " +
-                        number(farthest / dx) + " voxels from the origin; up to " +
-                        number(kFarthestIndex) + " can be numbered",
+                    fmt::format("{}: a coordinate of {:.3g} is {:.3g} voxels from the origin; up "
+                                "to {:.3g} can be numbered",
+                                surface.file(), farthest, farthest / dx, double(kFarthestIndex)),
                     "move the cloud to the origin");
 }
 

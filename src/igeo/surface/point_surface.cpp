@@ -1,5 +1,6 @@
 #include <igeo/surface/point_surface.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/base/symmetric_eigen.h>
@@ -84,9 +85,9 @@ PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.f
     for (int round = 0; round < 3; ++round) {
         if (cloud.points.size() < kLeastPoints)
             throw Error(Kind::BadInput,
-                        file_ + ": " + std::to_string(cloud.points.size()) +
-                            " distinct points that belong together are too few, a surface takes " +
-                            std::to_string(kLeastPoints) + " at least",
+                        fmt::format("{}: {} distinct points that belong together are too few, a "
+                                    "surface takes {} at least",
+                                    file_, cloud.points.size(), kLeastPoints),
                         "give a denser cloud");
         points_ = PointTree(cloud.points);
         measureSpacing();
@@ -107,7 +108,6 @@ PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.f
     }
     density_.points = points_.size();
     density_.spacing = quantile(spacing_, 0.5);
-    density_.spacing95 = quantile(spacing_, 0.95);
     density_.spacing99 = quantile(spacing_, 0.99);
     density_.largestCurvature = quantile(curvature_, 0.95);
     std::vector<double> reach = spacing_;

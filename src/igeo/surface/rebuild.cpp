@@ -1,8 +1,9 @@
 #include <igeo/surface/rebuild.h>
 
-#include <igeo/base/detail/format.h>
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/io/openvdb_interrupter.h>
+#include <igeo/base/types.h>
 #include <openvdb/tools/Count.h>
 #include <openvdb/tools/LevelSetRebuild.h>
 
@@ -23,8 +24,8 @@ void requireFinite(const LoadedGrid& volume) {
         if (std::isfinite(*it)) continue;
         const openvdb::Coord at = it.getCoord();
         throw Error(Error::Kind::BadInput,
-                    format("the value at index %.0f,%.0f,%.0f", at.x(), at.y(), at.z()) +
-                        format(" is %g", double(*it)) + where(volume),
+                    fmt::format("the value at index {},{},{} is {:g}{}", at.x(), at.y(), at.z(),
+                                double(*it), where(volume)),
                     "make the volume again from its source, without NaN and infinite values");
     }
 }
@@ -35,14 +36,13 @@ openvdb::FloatGrid::ConstPtr atOrigin(const LoadedGrid& volume) {
     if (!box.empty())
         for (std::size_t a = 0; a < 3; ++a)
             if (box.min()[a] < -kFarthestInFloat || box.max()[a] > kFarthestInFloat)
-                throw Error(Error::Kind::BadInput,
-                            "voxels at index " + std::to_string(box.min()[a]) + " to " +
-                                std::to_string(box.max()[a]) +
-                                ": a volume is rebuilt in single "
-                                "precision, which is good for indices up to " +
-                                std::to_string(kFarthestInFloat) + where(volume),
-                            "give the grid indices near 0 and put where it lies into its "
-                            "transform");
+                throw Error(
+                    Error::Kind::BadInput,
+                    fmt::format("voxels at index {} to {}: a volume is rebuilt in single "
+                                "precision, which is good for indices up to {}{}",
+                                box.min()[a], box.max()[a], kFarthestInFloat, where(volume)),
+                    "give the grid indices near 0 and put where it lies into its "
+                    "transform");
     openvdb::math::Transform::Ptr transform = volume.grid->transform().copy();
     if (transform->isLinear())
         transform->postTranslate(-transform->indexToWorld(openvdb::Vec3d(0.0)));
@@ -65,11 +65,11 @@ LoadedGrid rebuilt(const LoadedGrid& volume, double iso, Progress& progress) {
     result.grid = psi;
     if (result.grid->activeVoxelCount() == 0) {
         const auto range = openvdb::tools::minMax(volume.grid->tree());
-        throw Error(Error::Kind::BadInput,
-                    format("no surface has the value %.6g: the volume goes from %.6g to %.6g", iso,
-                           double(range.min()), double(range.max())) +
-                        where(volume),
-                    "give a value in between with --iso");
+        throw Error(
+            Error::Kind::BadInput,
+            fmt::format("no surface has the value {:.6g}: the volume goes from {:.6g} to {:.6g}{}",
+                        iso, double(range.min()), double(range.max()), where(volume)),
+            "give a value in between with --iso");
     }
     result.isLevelSetClass = true;
     return result;

@@ -115,7 +115,7 @@ TEST_CASE("AtomicFile: keeps permissions, and gives new files those of the umask
     CHECK((info.st_mode & 0777) == 0640);
 
     // The superuser may write anything.
-    if (::geteuid() == 0) return;
+    if (::geteuid() == 0) return markSkipped("run by root, no file is read-only");
     REQUIRE(::chmod((folder / "out").c_str(), 0440) == 0);
     expectError(Error::Kind::Io, {"Permission denied"}, [&] { writeFile(folder / "out", "x"); });
     CHECK(contentOf(folder / "out") == "new");

@@ -104,7 +104,7 @@ TEST_CASE("polygons become triangles and a mirroring node keeps the outside outs
         "1 3 9 1\n0 3 9 1\n6 1 2 3 4 5 0 0.5\n"));
     CHECK(bent.triangles.size() == 4);
     CHECK(meshArea(bent) == Approx(5));
-    CHECK(meshTopology(bent).turnedEdges == 0);
+    CHECK(test::turnedEdges(bent) == 0);
 
     test::writeMesh(mesh, dir / "mirrored.gltf");
     std::ifstream in(dir / "mirrored.gltf");

@@ -12,7 +12,7 @@ TEST_CASE("edges are counted by their triangles", "[mesh]") {
     const MeshTopology sphere = meshTopology(test::sphereMesh({}, 1, 2));
     CHECK(sphere.closed());
     CHECK(sphere.components == 1);
-    CHECK(sphere.turnedEdges == 0);
+    CHECK(test::turnedEdges(test::sphereMesh({}, 1, 2)) == 0);
 
     const TriangleMesh patch = test::sheet(5, 4, square);
     const MeshTopology open = meshTopology(patch);
@@ -28,7 +28,7 @@ TEST_CASE("edges are counted by their triangles", "[mesh]") {
     };
     TriangleMesh corner = test::together(patch, page(1)), tee = test::together(patch, page(0.4));
     weld(corner), weld(tee);
-    CHECK(corner.merged == 5);
+    CHECK(corner.points.size() == 2 * patch.points.size() - 5);
     CHECK(meshTopology(corner).boundaryEdges == 18 + 18 - 8);
     CHECK(meshTopology(corner).components == 1);
     CHECK(meshTopology(tee).nonManifoldEdges == 4);
@@ -46,9 +46,9 @@ TEST_CASE("triangles are turned to agree", "[mesh]") {
     TriangleMesh mixed = sphere;
     for (std::size_t t = 0; t < mixed.triangles.size(); t += 3)
         std::swap(mixed.triangles[t][0], mixed.triangles[t][1]);
-    CHECK(meshTopology(mixed).turnedEdges > 0);
+    CHECK(test::turnedEdges(mixed) > 0);
     CHECK(orientConsistently(mixed) == (mixed.triangles.size() + 2) / 3);
-    CHECK(meshTopology(mixed).turnedEdges == 0);
+    CHECK(test::turnedEdges(mixed) == 0);
     // As most were: outward.
     for (const auto& [a, b, c] : mixed.triangles)
         CHECK(dot(mixed.points[a], cross(mixed.points[b], mixed.points[c])) > 0);
@@ -56,7 +56,7 @@ TEST_CASE("triangles are turned to agree", "[mesh]") {
     TriangleMesh strip = test::moebius(1, 0.5, 40);
     CHECK(meshTopology(strip).nonOrientable == 1);
     orientConsistently(strip);
-    CHECK(meshTopology(strip).turnedEdges > 0);
+    CHECK(test::turnedEdges(strip) > 0);
 }
 
 TEST_CASE("points are welded within a millionth of the diagonal", "[mesh]") {

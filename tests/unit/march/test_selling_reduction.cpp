@@ -16,6 +16,12 @@ Form2 form(double angle, double ratio) {
 
 int determinant(Vec2i a, Vec2i b) { return a.x * b.y - a.y * b.x; }
 
+/// The weights rho_k >= 0 of G^-1 = sum_k rho_k e_k e_k^T for an obtuse superbase of G.
+std::array<double, 3> dualWeights(const Form2& g, const Superbase& e) {
+    const double det = g.xx * g.yy - g.xy * g.xy;
+    return {-g(e[1], e[2]) / det, -g(e[2], e[0]) / det, -g(e[0], e[1]) / det};
+}
+
 }  // namespace
 
 TEST_CASE("Selling's superbase is obtuse, and decomposes the dual metric with weights >= 0") {

@@ -33,6 +33,17 @@ struct Surface {
     }
 };
 
+/// Without weights.
+PairSurface pairSurface(const LevelSet& levelSet, double h) {
+    PairSurface surface;
+    surface.band = [&levelSet, h](const std::vector<Ball>& region, Progress& progress) {
+        return std::make_shared<Band>(bandFromLevelSet(levelSet, h, region, progress));
+    };
+    surface.diagonal =
+        std::sqrt(levelSet.psi->evalActiveVoxelBoundingBox().dim().asVec3d().lengthSqr());
+    return surface;
+}
+
 openvdb::Vec3d onTorus(double u, double v) {
     const double d = 0.3 + 0.12 * std::cos(v);
     return kCenter + openvdb::Vec3d(d * std::cos(u), d * std::sin(u), 0.12 * std::sin(v));

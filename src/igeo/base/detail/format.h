@@ -1,4 +1,5 @@
-/// Numbers in sentences.
+/// Numbers in sentences, for the program alone: the library uses libfmt, and this goes once the
+/// program does.
 #pragma once
 
 #include <igeo/base/types.h>

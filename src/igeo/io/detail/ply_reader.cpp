@@ -1,5 +1,6 @@
 #include <igeo/io/detail/ply_reader.h>
 
+#include <fmt/core.h>
 #include <igeo/base/detail/numbers.h>
 #include <igeo/base/error.h>
 
@@ -7,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <iomanip>
 #include <sstream>
 
 namespace igeo {
@@ -44,12 +44,6 @@ struct Element {
     }
 };
 
-std::string text(double value) {
-    std::ostringstream out;
-    out << std::setprecision(10) << value;
-    return out.str();
-}
-
 /// Per property its numbers: one, or those of a list.
 using Row = std::vector<std::vector<double>>;
 
@@ -76,7 +70,7 @@ public:
 
 private:
     [[noreturn]] void fail(const std::string& what) const {
-        throw Error(Error::Kind::BadInput, file_ + ", byte " + std::to_string(at_) + ": " + what,
+        throw Error(Error::Kind::BadInput, fmt::format("{}, byte {}: {}", file_, at_, what),
                     "the file is cut off or broken: export it again, as text or binary PLY");
     }
 
@@ -202,8 +196,8 @@ private:
         // Rows without a property hold nothing.
         if (properties.empty()) return;
         if (!hasRoom(double(element.count) * double(properties.size())))
-            fail(std::to_string(element.count) + " of '" + element.name +
-                 "' are announced, more than the file holds");
+            fail(fmt::format("{} of '{}' are announced, more than the file holds", element.count,
+                             element.name));
         Row row(properties.size());
         for (std::size_t i = 0; i < element.count; ++i) {
             for (std::size_t p = 0; p < row.size(); ++p) {
@@ -211,7 +205,7 @@ private:
                 if (properties[p].isList) {
                     count = number(properties[p].countType);
                     if (!(count >= 0 && count == std::floor(count) && hasRoom(count)))
-                        fail("a list has " + text(count) + " entries");
+                        fail(fmt::format("a list has {:.10g} entries", count));
                 }
                 row[p].resize(std::size_t(count));
                 for (double& value : row[p]) value = number(properties[p].type);
@@ -243,7 +237,7 @@ private:
             if (column == row.size()) return;
             for (const double v : row[column])
                 if (!(v >= 0 && v < end && v == std::floor(v)))
-                    fail("a face names point " + text(v) + " of " + std::to_string(points));
+                    fail(fmt::format("a face names point {:.10g} of {}", v, points));
             ply.faces.emplace_back(row[column].begin(), row[column].end());
         });
     }

@@ -1,5 +1,6 @@
 #include <igeo/io/detail/vdb_archive.h>
 
+#include <fmt/core.h>
 #include <igeo/base/error.h>
 
 #include <array>
@@ -72,14 +73,15 @@ void VdbArchive::readDirectory() {
         const std::int64_t begin = d.getGridPos(), end = d.getEndPos();
         // In order, or a grid that "ends" before it begins would be read for ever.
         if (begin < in_.tellg() || end < begin)
-            throw Error(Kind::BadInput,
-                        "file '" + file_ + "' is damaged: by its directory a grid lies from byte " +
-                            std::to_string(begin) + " to " + std::to_string(end),
-                        "copy or write it again");
+            throw Error(
+                Kind::BadInput,
+                fmt::format("file '{}' is damaged: by its directory a grid lies from byte {} to {}",
+                            file_, begin, end),
+                "copy or write it again");
         if (end > size)
             throw Error(Kind::BadInput,
-                        "file '" + file_ + "' is cut off: it has " + std::to_string(size) +
-                            " bytes, its grids end at " + std::to_string(end),
+                        fmt::format("file '{}' is cut off: it has {} bytes, its grids end at {}",
+                                    file_, size, end),
                         "copy or write it again");
         grids_.push_back(d);
         in_.seekg(end);

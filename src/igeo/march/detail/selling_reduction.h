@@ -49,10 +49,4 @@ inline Superbase obtuseSuperbase(const Form2& g) {
     return e;
 }
 
-/// The weights rho_k >= 0 of G^-1 = sum_k rho_k e_k e_k^T for an obtuse superbase of G.
-inline std::array<double, 3> dualWeights(const Form2& g, const Superbase& e) {
-    const double det = g.xx * g.yy - g.xy * g.xy;
-    return {-g(e[1], e[2]) / det, -g(e[2], e[0]) / det, -g(e[0], e[1]) / det};
-}
-
 }  // namespace igeo

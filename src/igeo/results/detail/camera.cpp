@@ -1,6 +1,6 @@
 #include <igeo/results/detail/camera.h>
 
-#include <igeo/base/detail/format.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 
@@ -154,18 +154,20 @@ View chooseView(const LevelSet& levelSet, const SurfaceRays& rays, const Band& b
         const Vec3d back = view.eye - target;
         if (!(length(back) > 1e-6 * levelSet.transform.dx))
             throw Error(Error::Kind::InvalidArgument,
-                        "the camera at " + format(view.eye) + " looks at itself",
+                        fmt::format("the camera at {} looks at itself", textOf(view.eye)),
                         "give it another place or another point to look at");
         if (!(length(cross(up, normalized(back))) > 1e-6))
-            throw Error(Error::Kind::InvalidArgument,
-                        "the camera looks along its up direction, " + format(options.up),
-                        "choose another up direction");
+            throw Error(
+                Error::Kind::InvalidArgument,
+                fmt::format("the camera looks along its up direction, {}", textOf(options.up)),
+                "choose another up direction");
         // A cut surface has no inside.
         if (levelSet.stats.cutVoxels == 0 &&
             rays.psi(levelSet.transform.indexFromWorld(view.eye)) < 0)
-            throw Error(Error::Kind::InvalidArgument,
-                        "the camera at " + format(view.eye) + " is inside the surface",
-                        "move it out; the middle of the surface is " + format(middle));
+            throw Error(
+                Error::Kind::InvalidArgument,
+                fmt::format("the camera at {} is inside the surface", textOf(view.eye)),
+                fmt::format("move it out; the middle of the surface is {}", textOf(middle)));
         aim(view, back, up);
     } else {
         aim(view, chooseDirection(levelSet, rays, sights(band, field, paths), up), up);

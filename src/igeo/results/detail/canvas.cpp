@@ -76,19 +76,18 @@ std::uint8_t byteOf(double x) { return std::uint8_t(255 * std::clamp(x, 0.0, 1.0
 }  // namespace
 
 Canvas::Canvas(int width, int height)
-    : width_(width), height_(height), rgba_(4 * std::size_t(width) * std::size_t(height)) {}
+    : width_(width), height_(height), rgb_(3 * std::size_t(width) * std::size_t(height)) {}
 
-void Canvas::set(int x, int y, const Vec3d& linear, double alpha) {
+void Canvas::set(int x, int y, const Vec3d& linear) {
     if (x < 0 || y < 0 || x >= width_ || y >= height_) return;
-    std::uint8_t* pixel = &rgba_[4 * (std::size_t(y) * std::size_t(width_) + std::size_t(x))];
+    std::uint8_t* pixel = &rgb_[3 * (std::size_t(y) * std::size_t(width_) + std::size_t(x))];
     const Vec3d c = srgbFromLinear(linear);
     for (int k = 0; k < 3; ++k) pixel[k] = byteOf(c[k]);
-    pixel[3] = byteOf(alpha);
 }
 
-void Canvas::fill(int x, int y, int width, int height, const Vec3d& linear, double alpha) {
+void Canvas::fill(int x, int y, int width, int height, const Vec3d& linear) {
     for (int j = y; j < y + height; ++j)
-        for (int i = x; i < x + width; ++i) set(i, j, linear, alpha);
+        for (int i = x; i < x + width; ++i) set(i, j, linear);
 }
 
 void Canvas::text(int x, int y, const std::string& text, int scale, const Vec3d& linear) {
@@ -100,30 +99,16 @@ void Canvas::text(int x, int y, const std::string& text, int scale, const Vec3d&
     }
 }
 
-int Canvas::textWidth(const std::string& text, int scale) {
-    int columns = 0;
-    for (const char c : text) columns += glyphWidth(c) + 1;
-    return scale * std::max(columns - 1, 0);
-}
-
 std::string Canvas::png() const {
-    bool opaque = true;
-    for (std::size_t k = 3; k < rgba_.size(); k += 4) opaque &= rgba_[k] == 255;
-    std::vector<std::uint8_t> rgb;
-    if (opaque) {
-        rgb.reserve(rgba_.size() / 4 * 3);
-        for (std::size_t k = 0; k < rgba_.size(); k += 4)
-            rgb.insert(rgb.end(), &rgba_[k], &rgba_[k] + 3);
-    }
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = png_uint_32(width_);
     image.height = png_uint_32(height_);
-    image.format = opaque ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
+    image.format = PNG_FORMAT_RGB;
     png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(image);
     std::string file(bytes, '\0');
-    if (!png_image_write_to_memory(&image, file.data(), &bytes, /*convert_to_8_bit=*/0,
-                                   (opaque ? rgb : rgba_).data(), /*row_stride=*/0, nullptr))
+    if (!png_image_write_to_memory(&image, file.data(), &bytes, /*convert_to_8_bit=*/0, rgb_.data(),
+                                   /*row_stride=*/0, nullptr))
         throw Error(Error::Kind::Internal, std::string("libpng: ") + image.message);
     file.resize(bytes);
     return file;

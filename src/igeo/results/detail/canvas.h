@@ -10,8 +10,8 @@
 
 namespace igeo {
 
-/// 8-bit sRGB with an alpha channel, not premultiplied. Colors come in linear light and x, y count
-/// from the upper left; what lies outside the picture is cut off.
+/// 8-bit sRGB, black at first. Colors come in linear light and x, y count from the upper left; what
+/// lies outside the picture is cut off.
 class Canvas {
 public:
     Canvas(int width, int height);
@@ -19,22 +19,20 @@ public:
     int width() const { return width_; }
     int height() const { return height_; }
 
-    void set(int x, int y, const Vec3d& linear, double alpha = 1);
+    void set(int x, int y, const Vec3d& linear);
     /// Fills width x height pixels from (x, y) on.
-    void fill(int x, int y, int width, int height, const Vec3d& linear, double alpha = 1);
+    void fill(int x, int y, int width, int height, const Vec3d& linear);
     /// Text of letters (shown small), digits and .,-+():/ in a font of its own, each of the font's
     /// pixels a square of scale x scale; the first one's upper left corner is (x, y).
     void text(int x, int y, const std::string& text, int scale, const Vec3d& linear);
-    static int textWidth(const std::string& text, int scale);
     static constexpr int kDigitHeight = 7;  ///< of a digit; letters reach 2 below it
 
-    /// As a PNG file: RGB, or RGBA where a pixel is not opaque; marked as sRGB; the same bytes for
-    /// the same pixels.
+    /// As a PNG file, marked as sRGB; the same bytes for the same pixels.
     std::string png() const;
 
 private:
     int width_, height_;
-    std::vector<std::uint8_t> rgba_;
+    std::vector<std::uint8_t> rgb_;
 };
 
 }  // namespace igeo

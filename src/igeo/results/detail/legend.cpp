@@ -1,13 +1,13 @@
 #include <igeo/results/detail/legend.h>
 
-#include <igeo/base/detail/format.h>
+#include <fmt/core.h>
 #include <igeo/results/isolines.h>
 
 namespace igeo {
 
 namespace {
 
-std::string text(double value) { return format("%.6g", value); }
+std::string text(double value) { return fmt::format("{:.6g}", value); }
 
 }  // namespace
 
@@ -45,7 +45,8 @@ void Legend::draw(Canvas& canvas) const {
         const double d = atRow(j + 0.5);
         const double half = 0.5 * (scale_.high - scale_.low) / height_ * 0.6 * u;
         const bool line = scale_.spacing > 0 && scale_.fromIsoline(d) <= half;
-        canvas.fill(x, y + j, kBar * u, 1, (line ? 0.12 : 1.0) * scale_.color(d));
+        const Vec3d color = scale_.color(d);
+        canvas.fill(x, y + j, kBar * u, 1, line ? Scale::lineOn(color) : color);
     }
     drawTicks(canvas, x + kBar * u, y);
     y += height_ + 14 * u;

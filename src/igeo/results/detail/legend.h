@@ -23,6 +23,12 @@ struct Scale {
 
     Scale(const Field& field, double dx, const PictureOptions& options);
     Vec3d color(double d) const { return colors(high > low ? (d - low) / (high - low) : 0); }
+    /// Of an isoline on a color: white on dark ones, black on light ones, both tinted.
+    static Vec3d lineOn(const Vec3d& c) {
+        constexpr double kMiddle = 0.18;  // luminance that black and white stand out from alike
+        const bool dark = dot(c, {0.2126, 0.7152, 0.0722}) < kMiddle;
+        return dark ? 0.3 * c + Vec3d{0.7, 0.7, 0.7} : 0.12 * c;
+    }
     /// The number of the isoline below d.
     int step(double d) const {
         return spacing > 0 && d < kInfinity ? int(std::min(d / spacing, 1e9)) : -1;
