@@ -1,6 +1,7 @@
 #include <igeo/distance.h>
 
-#include <igeo/base/detail/format.h>
+#include <fmt/core.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/march/signed_field.h>
 #include <igeo/path/straighten.h>
@@ -25,8 +26,8 @@ SurfacePoint Distance::nearest(const Vec3d& pWorld) const {
     const double snap = p.snapDistance * band_->transform.dx;
     if (!(snap <= maxSnap_ * (1 + 1e-6)))
         throw Error(Error::Kind::InvalidArgument,
-                    "the point " + format(pWorld) + " is " +
-                        format("%.6g from the surface, %.6g is allowed", snap, maxSnap_),
+                    "the point " + textOf(pWorld) + " is " +
+                        fmt::format("{:.6g} from the surface, {:.6g} is allowed", snap, maxSnap_),
                     "move it to the surface or raise maxSnap");
     return p;
 }
@@ -34,7 +35,7 @@ SurfacePoint Distance::nearest(const Vec3d& pWorld) const {
 double Distance::at(const Vec3d& pWorld) const {
     const SurfacePoint p = nearest(pWorld);
     return sampleDistance(*band_, *field_, p.pIndex, Vec3d(band_->normal[p.node])) *
-           sideAt(*band_, *field_, p.pIndex) * band_->transform.dx;
+           signAt(*band_, *field_, p.pIndex) * band_->transform.dx;
 }
 
 Polyline Distance::path(const Vec3d& pWorld, bool straightened) const {

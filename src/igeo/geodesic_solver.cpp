@@ -1,6 +1,7 @@
 #include <igeo/geodesic_solver.h>
 
-#include <igeo/base/detail/format.h>
+#include <fmt/core.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/march/godunov.h>
 #include <igeo/march/jet.h>
@@ -41,7 +42,7 @@ void finishInside(const Seeds& seeds, const Band& band, Field& field) {
     if (!seeds.regions.empty())
         (seeds.isSigned ? signInside : clearInside)(insideAny(seeds, band), field);
     else if (seeds.isSigned)
-        field.side = sidesOfCurves(band, field);
+        field.sign = signsOfCurves(band, field);
 }
 
 }  // namespace
@@ -93,11 +94,10 @@ void GeodesicSolver::Setup::requireNear(const SurfacePoint& p, const Vec3d& aske
     if (!tooFar(p)) return;
     const Vec3d nearest = transform().worldFromIndex(p.pIndex);
     throw Error(Kind::InvalidArgument,
-                what + " (" + format("%.9g,%.9g,%.9g", asked.x, asked.y, asked.z) + ") is " +
-                    format("%.6g from the surface, %.6g is allowed",
-                           p.snapDistance * transform().dx, maxSnap),
-                "the nearest point of the surface is " +
-                    format("%.9g,%.9g,%.9g", nearest.x, nearest.y, nearest.z) +
+                what + " (" + textOf(asked, 9) + ") is " +
+                    fmt::format("{:.6g} from the surface, {:.6g} is allowed",
+                                p.snapDistance * transform().dx, maxSnap),
+                "the nearest point of the surface is " + textOf(nearest, 9) +
                     " (world); move it there or raise maxSnap");
 }
 
@@ -210,8 +210,7 @@ void Query::requireFree(const std::vector<SurfacePoint>& points, const char* wha
         if (!metric_->blocked(p, p, Vec3d(band().normal[points[k].node]))) continue;
         const Vec3d world = band().transform.worldFromIndex(p);
         throw Error(Kind::InvalidArgument,
-                    std::string(what) + " " + std::to_string(k) + " (" +
-                        format("%.9g,%.9g,%.9g", world.x, world.y, world.z) +
+                    std::string(what) + " " + std::to_string(k) + " (" + textOf(world, 9) +
                         ") lies inside an obstacle",
                     "move it, or leave the obstacle out");
     }

@@ -80,8 +80,8 @@ public:
     /// more than twice the cost of the last. No path is shorter than the straight line at the least
     /// weight, so what is found is what a march of the whole surface finds.
     /// @throws Error  InvalidArgument without seeds, for a point farther from the surface than
-    ///         maxSnap or inside an obstacle, for `isSigned` with other seeds; as seedsAlong,
-    ///         sidesOfCurves, marchJet, marchGodunov; Cancelled
+    ///         maxSnap or inside an obstacle, for `isSigned` with other seeds; 
+    ///         signsOfCurves, marchJet, marchGodunov; Cancelled
     /// Time O(n) with jet, O(n log n) with godunov; n nodes of the band that is looked at. The same
     /// bits for any number of threads.
     Distance distance(const Seeds& seeds, const MarchLimits& limits = {},

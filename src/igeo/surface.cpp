@@ -1,7 +1,7 @@
 #include <igeo/surface.h>
 
+#include <fmt/core.h>
 #include <igeo/base/detail/box.h>
-#include <igeo/base/detail/format.h>
 #include <igeo/base/error.h>
 #include <igeo/results/refined_mesh.h>
 #include <igeo/results/survey.h>
@@ -29,7 +29,8 @@ std::string stemOf(const std::string& file) { return std::filesystem::path(file)
 void warnUnresolved(const BandBounds& bounds, BandWidth& width) {
     if (!bounds.resolved)
         width.warnings.push_back(
-            "in places the surface bends or folds within " + format("%.2g voxels", bounds.lower) +
+            "in places the surface bends or folds within " +
+            fmt::format("{:.2g} voxels", bounds.lower) +
             ", less than the grid resolves: distances are less accurate there than elsewhere");
 }
 
@@ -118,8 +119,9 @@ public:
         facts.diagonal =
             std::sqrt(levelSet_.psi->evalActiveVoxelBoundingBox().dim().asVec3d().lengthSqr());
         facts.snap = stats.halfWidth * transform.dx;
-        facts.summary = format("half-width %.4g voxels, radius of curvature at least %.4g voxels",
-                               stats.halfWidth, 1 / stats.largestCurvature);
+        facts.summary =
+            fmt::format("half-width {:.4g} voxels, radius of curvature at least {:.4g} voxels",
+                        stats.halfWidth, 1 / stats.largestCurvature);
         facts.warnings = levelSet_.warnings;
     }
 
@@ -229,8 +231,8 @@ public:
         constexpr double kMuch = 0.02;
         const double share = facingShare(band);
         if (share < kMuch) return {};
-        return format(
-            "sheets face each other within two voxels on %.2g %% of the surface: distances "
+        return fmt::format(
+            "sheets face each other within two voxels on {:.2g} % of the surface: distances "
             "are less accurate there; info says which voxels would tell them apart",
             100 * share);
     }
@@ -267,8 +269,8 @@ public:
         facts.snap = std::max(3 * transform.dx, 3 * density.spacing);
         facts.largestCurvature = density.largestCurvature * transform.dx;
         facts.summary = std::to_string(density.points) + " points, " +
-                        format("spacing %.4g, scatter %.2g, %.0f pieces", density.spacing,
-                               density.noise, double(density.pieces));
+                        fmt::format("spacing {:.4g}, scatter {:.2g}, {:.0f} pieces",
+                                    density.spacing, density.noise, double(density.pieces));
         for (const std::string& w : densityWarnings(density, facts.file))
             facts.warnings.push_back(w);
     }
@@ -347,12 +349,13 @@ void Surface::requireMemory(const BandWidth& width, double limit) const {
     if (needed <= limit) return;
     // The band grows with the area in voxels.
     const double factor = std::sqrt(needed / limit);
-    throw Error(Error::Kind::InvalidArgument,
-                "the band of " + facts().name + " has about " +
-                    format("%.3g", estimatedNodes(width)) + " voxels and needs about " +
-                    format("%.3g GiB of memory, %.3g are allowed", needed / kGiB, limit / kGiB),
-                "voxels of " + format("%.3g", 1.1 * factor * transform().dx) +
-                    " or more would fit; or stay near the seeds with maxDistance");
+    throw Error(
+        Error::Kind::InvalidArgument,
+        "the band of " + facts().name + " has about " +
+            fmt::format("{:.3g}", estimatedNodes(width)) + " voxels and needs about " +
+            fmt::format("{:.3g} GiB of memory, {:.3g} are allowed", needed / kGiB, limit / kGiB),
+        "voxels of " + fmt::format("{:.3g}", 1.1 * factor * transform().dx) +
+            " or more would fit; or stay near the seeds with maxDistance");
 }
 std::string Surface::facingWarning(const Band& band) const { return shape_->facingWarning(band); }
 

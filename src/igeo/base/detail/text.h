@@ -8,8 +8,8 @@
 
 namespace igeo {
 
-inline std::string textOf(const Vec3d& p) {
-    return fmt::format("{:.6g},{:.6g},{:.6g}", p.x, p.y, p.z);
+inline std::string textOf(const Vec3d& p, int digits = 6) {
+    return fmt::format("{:.{}g},{:.{}g},{:.{}g}", p.x, digits, p.y, digits, p.z, digits);
 }
 
 }  // namespace igeo
