@@ -22,7 +22,7 @@ trap 'rm -rf "$scratch"' EXIT
 sources=("$@")
 [[ $# -gt 0 ]] || mapfile -t sources < <(find src apps -name '*.cpp' | sort)
 
-mkdir -p "$scratch/igeo" "$scratch/headers"
+mkdir -p "$scratch/igeo/base" "$scratch/headers"
 sed 's/@PROJECT_VERSION@/0/' src/igeo/base/version.h.in >"$scratch/igeo/base/version.h"
 # As the build makes it.
 echo 'constexpr const char* kCommit = "none";' >"$scratch/implicit_geodesic_commit.h"
@@ -39,7 +39,8 @@ compile() {
     printf '%-28s' "$name"
     if (cd "$scratch" && printf "$root/%s\n" "${sources[@]}" | grep -v "_$other.cpp" |
         xargs -P"$(nproc)" -n1 "$@" -std=c++20 -c -Wall -Wextra -Wpedantic -Wshadow -Werror \
-            -DIGEO_COMPILER='"none"' -I"$root/src" -I"$scratch") >"$scratch/log" 2>&1; then
+            -DIGEO_COMPILER='"none"' -I"$root/src" -I"$root/apps/implicit-geodesic" \
+            -I"$scratch") >"$scratch/log" 2>&1; then
         echo "ok ($((SECONDS - start)) s)"
     else
         echo "FAILED ($((SECONDS - start)) s)"

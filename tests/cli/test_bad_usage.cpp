@@ -25,7 +25,7 @@ struct BadLine {
 TEST_CASE("a wrong option is refused by its name, with the values allowed") {
     const BadLine bad = GENERATE(
         BadLine{"--color", {"--color", "--help"}}, BadLine{"other.vdb", {"other.vdb", "--help"}},
-        BadLine{"--max-distance", {"--max-distance", "missing"}},
+        BadLine{"--max-distance", {"--max-distance", "D is missing"}},
         BadLine{"--order 3", {"--order", "3", "1 to 2"}}, BadLine{"--order two", {"--order"}},
         BadLine{"--threads -1", {"--threads", "-1", "0 to 4096"}},
         BadLine{"--threads all", {"--threads", "all"}},

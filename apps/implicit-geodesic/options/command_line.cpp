@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <map>
 
 #include "options/command_description.h"
 #include "results.h"
@@ -38,6 +37,15 @@ public:
     }
     const Command& command() const { return command_; }
 
+    /// CLI11 misses a value; its message begins with the option.
+    [[noreturn]] void refuseMissing(const std::string& message) const {
+        const std::string name = message.substr(0, message.find(':'));
+        for (const Given& given : given_)
+            if (given.option->longName() == name)
+                usageError(name + ": its value " + given.option->value + " is missing",
+                           "write " + name + " " + given.option->value);
+        refuse(message, command_);
+    }
     /// Nothing of this command goes with one below it.
     void refuseBefore(const Command& below) const {
         for (const Given& given : given_)
@@ -97,7 +105,6 @@ void Words::declare(const Option& option) {
         given.parsed = app_.add_option(names, given.one)->take_last();  // refused if given twice
     const bool isArgument = option.names.front().front() != '-';
     if (option.reads.repeatable && !isArgument) given.parsed->allow_extra_args(false);
-    if (!option.reads.isFlag && !option.value.empty()) given.parsed->type_name(option.value);
 }
 
 void Words::refuseConflicts() const {
@@ -155,6 +162,8 @@ const Command* readCommandLine(const Command& command, std::vector<std::string> 
     } catch (const CLI::CallForVersion&) {
         results() << versionText() << "\n";
         return nullptr;
+    } catch (const CLI::ArgumentMismatch& e) {
+        parsed.named().back()->refuseMissing(e.what());
     } catch (const CLI::ParseError& e) {
         usageError(e.what(), "see " + parsed.named().back()->command().name + " --help");
     }

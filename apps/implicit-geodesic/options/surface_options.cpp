@@ -1,7 +1,5 @@
 #include "options/surface_options.h"
 
-#include <utility>
-
 #include "options/command.h"
 
 namespace {
