@@ -39,7 +39,8 @@ compile() {
     printf '%-28s' "$name"
     if (cd "$scratch" && printf "$root/%s\n" "${sources[@]}" | grep -v "_$other.cpp" |
         xargs -P"$(nproc)" -n1 "$@" -std=c++20 -c -Wall -Wextra -Wpedantic -Wshadow -Werror \
-            -DIGEO_COMPILER='"none"' -I"$root/src" -I"$scratch") >"$scratch/log" 2>&1; then
+            -DIGEO_COMPILER='"none"' -I"$root/src" -I"$root/apps/implicit-geodesic" \
+            -I"$scratch") >"$scratch/log" 2>&1; then
         echo "ok ($((SECONDS - start)) s)"
     else
         echo "FAILED ($((SECONDS - start)) s)"

@@ -23,7 +23,7 @@ no_openvdb='base band march path'
 # Headers that cost seconds per file or that not every system has: the prefix, where the rule holds,
 # and the files excepted. Tests may use TBB, JSON and POSIX directly.
 guarded='
-CLI/       src apps tests  apps/implicit-geodesic/options.cpp
+CLI/       src apps tests  apps/implicit-geodesic/options/command_line.cpp
 nlohmann/  src apps        src/igeo/results/report.cpp src/igeo/io/point_list.cpp apps/implicit-geodesic/json_file.h
 png.h      src apps        src/igeo/results/detail/canvas.cpp
 assimp/    src apps        src/igeo/io/mesh_file.cpp

@@ -50,9 +50,9 @@ void Console::error(const std::string& what, const std::string& remedy) {
     print("error: " + what + (remedy.empty() ? "" : "\n  " + remedy));
 }
 
-ConsoleProgress::ConsoleProgress(const std::string& when) {
+ConsoleProgress::ConsoleProgress(ProgressWhen when) {
     terminal_ = stderrIsTerminal() && !std::getenv("NO_COLOR");
-    enabled_ = when == "always" || (when == "auto" && terminal_);
+    enabled_ = when == ProgressWhen::Always || (when == ProgressWhen::Auto && terminal_);
     if (enabled_) shower_ = std::thread([this] { show(); });
 }
 

@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "options/process_options.h"
 #include "time_left.h"
 
 /// Messages on stderr, in one shape.
@@ -33,8 +34,8 @@ private:
 /// second on a terminal, else a new line every second.
 class ConsoleProgress : public igeo::Progress {
 public:
-    /// @param when "auto" (only on a terminal and without NO_COLOR), "always" or "never"
-    explicit ConsoleProgress(const std::string& when);
+    /// @param when Auto: only on a terminal and without NO_COLOR
+    explicit ConsoleProgress(ProgressWhen when);
     ~ConsoleProgress() override;
 
     void update(const char* name, double fraction) override;

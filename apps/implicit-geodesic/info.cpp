@@ -20,7 +20,6 @@
 #include "output_files.h"
 #include "results.h"
 #include "surface_input.h"
-#include "usage_error.h"
 
 using igeo::FileSurvey;
 using igeo::format;
@@ -201,64 +200,79 @@ void print(const FileSurvey& file) {
     results() << file.verdict() << std::endl;
 }
 
-/// Surveys what --mesh or --points takes.
-FileSurvey surveyAs(std::string Options::*kind, Options options, igeo::Progress& progress) {
-    std::swap(options.sdf, options.*kind);
-    FileSurvey file;
-    file.file = options.*kind;
+SurfaceOptions surfaceOf(const InfoOptions& options, SurfaceKind kind) {
+    SurfaceOptions surface;
+    surface.kind = kind;
+    surface.source = options.source;
+    surface.voxelSize = options.voxelSize;
+    surface.resolution = options.resolution;
+    return surface;
+}
+
+/// A survey of the file as a kind of surface.
+FileSurvey surveyAs(SurfaceKind kind, const InfoOptions& options, igeo::Progress& progress) {
+    return SurfaceInput::of(surfaceOf(options, kind))->survey(/*memoryLimit=*/0, progress);
+}
+
+/// The same where a refusal is part of it.
+FileSurvey tryAs(SurfaceKind kind, const InfoOptions& options, igeo::Progress& progress) {
     try {
-        return SurfaceInput::of(options)->survey(options.memoryLimit, progress);
+        return surveyAs(kind, options, progress);
     } catch (const igeo::Error& e) {
         if (e.kind() != igeo::Error::Kind::BadInput && e.kind() != igeo::Error::Kind::Io) throw;
+        FileSurvey file;
+        file.file = options.source.text();
         file.refusal = e;
+        return file;
     }
-    return file;
 }
 
 /// Surveys a file by what it holds.
-FileSurvey surveyOf(const Options& options, igeo::Progress& progress) {
-    if (igeo::isPointFile(options.sdf)) return surveyAs(&Options::points, options, progress);
-    if (!igeo::isMeshFile(options.sdf)) {
-        FileSurvey file = SurfaceInput::of(options)->survey(options.memoryLimit, progress);
+FileSurvey surveyOf(const InfoOptions& options, igeo::Progress& progress) {
+    const std::string name = options.source.text();
+    if (igeo::isPointFile(name)) return tryAs(SurfaceKind::Points, options, progress);
+    if (!igeo::isMeshFile(name)) {
+        // A volume says itself why it is refused.
+        FileSurvey file = surveyAs(SurfaceKind::Volume, options, progress);
         const bool points = std::any_of(file.grids.begin(), file.grids.end(), igeo::holdsPoints);
         const bool surface = std::any_of(file.grids.begin(), file.grids.end(),
                                          [](const igeo::GridEntry& g) { return g.surface; });
         if (!file.refusal || surface || !points) return file;
-        FileSurvey asPoints = surveyAs(&Options::points, options, progress);
+        FileSurvey asPoints = tryAs(SurfaceKind::Points, options, progress);
         asPoints.grids = file.grids;
         return asPoints;
     }
-    FileSurvey mesh = surveyAs(&Options::mesh, options, progress);
+    FileSurvey mesh = tryAs(SurfaceKind::Mesh, options, progress);
     if (!mesh.refusal) return mesh;
     // .ply and .obj hold points as well.
-    FileSurvey points = surveyAs(&Options::points, options, progress);
+    FileSurvey points = tryAs(SurfaceKind::Points, options, progress);
     return points.refusal ? mesh : points;
 }
 
 }  // namespace
 
-int info(const Options& options, Console& console, ConsoleProgress& progress) {
-    const std::string& problems = options.problems;
-    if (problems == "-") usageError("--unreliable -: stdout is for the survey", "give a file");
-    checkOutputFiles(options);
+int info(const InfoOptions& options, Console& console, ConsoleProgress& progress) {
+    const std::string& unreliable = options.unreliable;
+    if (!unreliable.empty())
+        checkOutputFiles({{"--unreliable", unreliable, ".vdb"}}, {options.source.file});
     const auto start = std::chrono::steady_clock::now();
     const FileSurvey file = surveyOf(options, progress);
     // A refusal is data here; the reader may have left the heap in ruins all the same.
-    const FileGuard reporting(options.sdf, FileGuard::kNoLimit);
+    const FileGuard reporting(options.source.text(), FileGuard::kNoLimit);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    const bool asked = file.surface && !problems.empty();
+    const bool asked = file.surface && !unreliable.empty();
     if (asked)
-        igeo::writeVdb(problems,
+        igeo::writeVdb(unreliable,
                        {igeo::unreliableGrid(file.band, file.surface->unreliability,
                                              file.levelSet.psi->transform(),
                                              file.levelSet.psi->getName() + "_unreliable")});
     progress.clear();
     console.detail(format("surveyed in %.3f s", seconds.count()));
-    if (options.infoJson)
+    if (options.json)
         writeDocument("-", igeo::surveyJson(file));
     else
         print(file);
     if (asked)
-        console.info(count(file.surface->unreliable, "unreliable voxel") + " in " + problems);
+        console.info(count(file.surface->unreliable, "unreliable voxel") + " in " + unreliable);
     return file.refusal ? kUnusable : kDone;
 }

@@ -1,45 +1,53 @@
 /// implicit-geodesic: distance and geodesics along a level set.
 #include <igeo/base/parallel.h>
 
-#include "batch.h"
+#include "batch/batch.h"
 #include "console.h"
 #include "exit_code.h"
 #include "failure.h"
 #include "guarded_read.h"
 #include "info.h"
-#include "options.h"
+#include "options/options.h"
 #include "process.h"
 #include "results.h"
 #include "run.h"
 
 namespace {
 
-int runCommand(const Options& options, Console& console, ConsoleProgress& progress) {
-    if (options.info) return info(options, console, progress);
-    if (options.batch.merge) return merge(options.batch, console);
-    if (options.batch.asked) return batch(options, console, progress);
-    return run(options, console, progress);
-}
-
-int start(int argc, char** argv) {
-    Options options;
-    switch (parseOptions(argc, argv, options)) {
-        case ParseResult::Done:
-            return kDone;
-        case ParseResult::Usage:
-            return kUsage;
-        case ParseResult::Run:
-            break;
-    }
+/// Runs a command, once the process is set up as asked for.
+template <typename Work>
+int withProcess(const ProcessOptions& options, double memoryLimit, const Work& work) {
     const InterruptGuard interrupts;
     const igeo::ThreadLimit threads(options.threads);
-    limitMemory(options.memoryLimit > 0 ? options.memoryLimit * kGiB : machineMemory(),
+    limitMemory(memoryLimit > 0 ? memoryLimit * kGiB : machineMemory(),
                 igeo::ThreadLimit::current());
     Console console(options.quiet     ? Console::Level::Quiet
                     : options.verbose ? Console::Level::Verbose
                                       : Console::Level::Normal);
     ConsoleProgress progress(options.progress);
-    return runCommand(options, console, progress);
+    return work(console, progress);
+}
+
+int start(const RunOptions& options) {
+    return withProcess(options, options.memoryLimit, [&](auto& console, auto& progress) {
+        return run(options, console, progress);
+    });
+}
+
+int start(const InfoOptions& options) {
+    return withProcess(options, 0, [&](auto& console, auto& progress) {
+        return info(options, console, progress);
+    });
+}
+
+int start(const BatchOptions& options) {
+    return withProcess(options, 0, [&](auto& console, auto& progress) {
+        return batch(options, console, progress);
+    });
+}
+
+int start(const MergeOptions& options) {
+    return withProcess({}, 0, [&](auto& console, auto&) { return merge(options, console); });
 }
 
 }  // namespace
@@ -49,7 +57,9 @@ int main(int argc, char** argv) {
     reserveStdout();
     catchFaults();
     try {
-        return start(argc, argv);
+        const std::optional<Options> options = parseOptions(argc, argv);
+        if (!options) return kDone;
+        return std::visit([](const auto& asked) { return start(asked); }, *options);
     } catch (...) {
         const Failure failure = currentFailure();
         Console::error(failure.what, failure.remedy);

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "options.h"
+#include "options/metric_options.h"
 
 class MetricInput {
 public:
@@ -34,7 +34,7 @@ public:
     double leastWeight() const { return leastWeight_; }
     /// Whether values depend on the whole surface, so that a part of the band will not do.
     bool needsWholeSurface() const {
-        return curvature_ || tensor_ || bending_ || !(leastWeight_ > 0);
+        return options_.weightCurvature || options_.hasTensor() || !(leastWeight_ > 0);
     }
 
     /// Curvature at the scale asked for.
@@ -48,16 +48,6 @@ public:
     const std::vector<std::string>& warnings() const { return warnings_; }
 
 private:
-    struct CurvatureWeight {
-        igeo::CurvatureKind kind = igeo::CurvatureKind::Valley;
-        double epsilon = igeo::kDefaultCurvatureEpsilon, power = igeo::kDefaultCurvaturePower;
-    };
-    struct BendingCost {
-        igeo::Bending bending;
-        double length;  ///< voxels
-    };
-    static CurvatureWeight parseCurvature(const std::string& text);
-    static BendingCost parseBending(const std::string& text, double dx);
     void readAll(const igeo::Similarity& transform);
     void readObstacles(const igeo::Similarity& transform);
     void warn(const std::vector<std::string>& more) {
@@ -69,9 +59,8 @@ private:
     bool isRead_ = false;
     mutable std::optional<igeo::MetricPtr> onWhole_;
     std::vector<igeo::LoadedGrid> weights_;
-    std::optional<CurvatureWeight> curvature_;
     std::optional<igeo::TensorGrids> tensor_;
-    std::optional<BendingCost> bending_;
+    double bendingLength_ = 0;  ///< voxels
     double curvatureScale_ = igeo::kDefaultCurvatureScale;
     std::shared_ptr<igeo::ObstacleSet> obstacles_;  ///< null: none
     double leastWeight_ = 1;

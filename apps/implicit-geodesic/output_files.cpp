@@ -2,7 +2,6 @@
 
 #include <igeo/base/atomic_file.h>
 #include <igeo/base/detail/system.h>
-#include <igeo/io/vdb_read.h>
 #include <igeo/io/vdb_write.h>
 
 #include <algorithm>
@@ -19,53 +18,45 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A file asked for, and the endings that it may have, if not any.
-struct Output {
-    const char* option;
-    std::string file;
-    const char* endings;
-};
-
-std::vector<Output> outputsOf(const Options& o) {
-    std::vector<Output> all;
+std::vector<OutputFile> outputsOf(const RunOptions& o) {
+    std::vector<OutputFile> all;
     // The name for a level set from standard input is not known yet; it comes from the grid.
-    if (o.hasSeeds() && (igeo::parseGridSource(o.surface()).file != "-" || !o.output.empty()))
+    if (o.hasSeeds() && (o.source.file != "-" || !o.output.empty()))
         all.push_back({"-o", distanceFile(o, ""), ""});
     const std::string pairs = o.pairsOut.empty() && !o.pairs.empty() ? "-" : o.pairsOut;
-    for (const Output& output : std::vector<Output>{{"--paths", o.paths, ".json .obj"},
-                                                    {"--report", o.json, ""},
-                                                    {"--mesh-out", o.meshOut, ".ply .obj"},
-                                                    {"--isolines", o.isolines, ".json .obj .ply"},
-                                                    {"--matrix", o.matrix, ".csv .json .npy"},
-                                                    {"--pairs-out", pairs, ".csv .json"},
-                                                    {"--unreliable", o.problems, ".vdb"},
-                                                    {"--image", o.image, ".png"}})
+    for (const OutputFile& output :
+         std::vector<OutputFile>{{"--paths", o.paths, ".json .obj"},
+                                 {"--report", o.report, ""},
+                                 {"--mesh-out", o.meshOut, ".ply .obj"},
+                                 {"--isolines", o.isolines, ".json .obj .ply"},
+                                 {"--matrix", o.matrix, ".csv .json .npy"},
+                                 {"--pairs-out", pairs, ".csv .json"},
+                                 {"--image", o.image, ".png"}})
         if (!output.file.empty()) all.push_back(output);
     return all;
 }
 
 }  // namespace
 
-std::vector<std::string> inputFiles(const Options& o) {
-    std::vector<std::string> files{igeo::parseGridSource(o.surface()).file, o.seedFile,
-                                   o.targetFile, o.pairs};
+std::vector<std::string> inputFiles(const RunOptions& o) {
+    std::vector<std::string> files{o.source.file, o.seedFile, o.targetFile, o.pairs};
     files.insert(files.end(), o.seedCurves.begin(), o.seedCurves.end());
     for (const auto* list : {&o.weights, &o.obstacles, &o.seedMasks})
-        for (const std::string& given : *list) files.push_back(igeo::parseGridSource(given).file);
-    if (!o.metric.empty()) files.push_back(igeo::parseGridSource(o.metric).file);
+        for (const igeo::GridSource& source : *list) files.push_back(source.file);
+    if (o.metric) files.push_back(o.metric->file);
     files.erase(std::remove(files.begin(), files.end(), ""), files.end());
     return files;
 }
 
-std::vector<std::string> outputFiles(const Options& options) {
+std::vector<std::string> outputFiles(const RunOptions& options) {
     std::vector<std::string> files;
-    for (const Output& output : outputsOf(options)) files.push_back(output.file);
+    for (const OutputFile& output : outputsOf(options)) files.push_back(output.file);
     return files;
 }
 
 namespace {
 
-void checkEnding(const Output& output) {
+void checkEnding(const OutputFile& output) {
     const std::string ending = endingOf(output.file), allowed = output.endings;
     if (allowed.empty() || output.file == "-") return;
     if (ending.empty() || (" " + allowed + " ").find(" " + ending + " ") == std::string::npos)
@@ -76,26 +67,25 @@ void checkEnding(const Output& output) {
 
 }  // namespace
 
-std::string endingOf(const std::string& file) {
-    const auto dot = file.rfind('.');
-    return dot == std::string::npos ? "" : file.substr(dot);
-}
-
-std::string distanceFile(const Options& options, const std::string& grid) {
+std::string distanceFile(const RunOptions& options, const std::string& grid) {
     if (!options.output.empty()) return options.output;
-    const std::string file = igeo::parseGridSource(options.surface()).file;
+    const std::string& file = options.source.file;
     return (file == "-" ? grid : fs::path(file).stem().string()) + "_geodesic.vdb";
 }
 
-void checkOutputFiles(const Options& options) {
+void checkOutputFiles(const RunOptions& options) {
     const std::vector<std::string> inputs = inputFiles(options);
     if (const auto n = std::count(inputs.begin(), inputs.end(), "-"); n > 1)
         usageError(
             "standard input is named for " + std::to_string(n) + " inputs, and can be read once",
             "give the others as files");
+    checkOutputFiles(outputsOf(options), inputs);
+}
 
+void checkOutputFiles(const std::vector<OutputFile>& outputs,
+                      const std::vector<std::string>& inputs) {
     std::vector<std::string> taken;
-    for (const Output& output : outputsOf(options)) {
+    for (const OutputFile& output : outputs) {
         const std::string &file = output.file, named = std::string(output.option) + " " + file;
         checkEnding(output);
         std::error_code ignored;

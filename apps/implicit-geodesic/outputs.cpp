@@ -18,59 +18,25 @@ namespace {
 
 using igeo::Vec3d;
 
-igeo::PictureOptions pictureOptions(const Options& options) {
+igeo::PictureOptions pictureOptions(const PictureOptions& options) {
     igeo::PictureOptions picture;
-    if (!options.imageSize.empty()) {
-        char rest = 0;
-        if (std::sscanf(options.imageSize.c_str(), "%dx%d%c", &picture.width, &picture.height,
-                        &rest) != 2 ||
-            picture.width < 1 || picture.height < 1 || picture.width > 16384 ||
-            picture.height > 16384)
-            usageError("--image-size: '" + options.imageSize +
-                           "' is not WIDTHxHEIGHT, each 1 to 16384 pixels",
-                       "write for instance 1280x960");
+    if (options.imageSize) {
+        picture.width = options.imageSize->width;
+        picture.height = options.imageSize->height;
     }
-    if (!options.camera.empty()) {
-        const std::vector<double> v = igeo::parseNumbers(options.camera);
-        if (v.size() != 3 && v.size() != 6)
-            usageError("--camera: '" + options.camera + "' is not x,y,z or x,y,z,x,y,z",
-                       "give where the camera is and, if you like, what it looks at");
-        picture.eye = Vec3d{v[0], v[1], v[2]};
-        if (v.size() == 6) picture.lookAt = Vec3d{v[3], v[4], v[5]};
+    if (options.camera) {
+        picture.eye = options.camera->eye;
+        picture.lookAt = options.camera->lookAt;
     }
-    if (options.upZ) picture.up = {0, 0, 1};
+    if (options.up == UpAxis::Z) picture.up = {0, 0, 1};
     if (!options.colorMap.empty()) picture.colorMap = options.colorMap;
-    igeo::ColorMap{picture.colorMap};
     return picture;
 }
 
 }  // namespace
 
-Outputs::Outputs(const Options& options)
-    : options_(options),
-      picture_(pictureOptions(options)),
-      rows_(Part::parse("--matrix-rows", options.matrixRows)) {
-    if (!options.matrixRows.empty() && endingOf(options.matrix) != ".json")
-        usageError("--matrix-rows without --matrix FILE.json",
-                   "parts are written as JSON; batch merge --matrix makes any format of them");
-    for (const char* grid : {"label", "logmap"})
-        if (options.asked(grid) && options.scheme != "jet")
-            usageError(std::string("--grids ") + grid + " needs --scheme jet",
-                       "godunov does not know where a front came from");
-    const bool extended = !(options.seedCurves.empty() && options.seedMasks.empty());
-    if (!options.matrix.empty() && extended)
-        usageError("--matrix does not go with --seed-curve and --seed-mask",
-                   "a matrix is made of distances between points");
-    if (!options.pairsOut.empty() && options.pairs.empty())
-        usageError("--pairs-out without --pairs", "add --pairs FILE");
-    if (!options.asked("logmap")) return;
-    if (!(options.metric.empty() && options.metricCurvature.empty()))
-        usageError("--grids logmap does not go with tensors (--metric, --metric-curvature)",
-                   "the logarithmic map is known for weights only");
-    if (extended)
-        usageError("--grids logmap does not go with --seed-curve and --seed-mask",
-                   "polar coordinates are those about a point");
-}
+Outputs::Outputs(const RunOptions& options)
+    : options_(options), picture_(pictureOptions(options)) {}
 
 const igeo::SurfaceMesh& Outputs::mesh(const Result& r, igeo::Progress& progress) {
     if (!mesh_) mesh_ = r.surface.mesh(r.band, r.field, r.report, progress);
@@ -93,7 +59,7 @@ const std::vector<igeo::Isoline>& Outputs::isolines(const Result& r, igeo::Progr
 }
 
 void Outputs::countCells(const Result& r, igeo::Progress& progress) {
-    if (options_.asked("label"))
+    if (options_.asked(Grid::Label))
         r.report.cells = igeo::voronoiCells(r.band, r.field, mesh(r, progress));
 }
 
@@ -121,25 +87,25 @@ void Outputs::writeVolume(const Result& r, igeo::Progress& progress) {
 
     openvdb::GridCPtrVec grids;
     // vdb_render shows the first float grid of a file.
-    if (options_.asked("surface")) grids.push_back(r.levelSet(progress).psi);
+    if (options_.asked(Grid::Surface)) grids.push_back(r.levelSet(progress).psi);
     grids.push_back(distance);
-    if (options_.asked("gradient"))
+    if (options_.asked(Grid::Gradient))
         grids.push_back(
             igeo::gradientGrid(band, field, field.gradient, transform, base + "_gradient"));
-    if (options_.asked("label"))
+    if (options_.asked(Grid::Label))
         grids.push_back(igeo::labelGrid(band, field, transform, name + "_label"));
-    if (options_.asked("color"))
+    if (options_.asked(Grid::Color))
         grids.push_back(igeo::colorGrid(band, field, colorMap(), transform, base + "_color"));
-    if (options_.asked("logmap"))
+    if (options_.asked(Grid::LogMap))
         grids.push_back(igeo::logMapGrid(band, igeo::logMap(band, field, {}, progress), transform,
                                          name + "_logmap"));
-    if (options_.asked("weight"))
+    if (options_.asked(Grid::Weight))
         grids.push_back(igeo::weightGrid(band, *field.metric, transform, name + "_weight"));
-    if (options_.asked("curvature"))
+    if (options_.asked(Grid::Curvature))
         for (const auto& grid :
              igeo::curvatureGrids(band, r.metric.curvatureOf(band, progress), transform, name))
             grids.push_back(grid);
-    if (options_.asked("engraved"))
+    if (options_.asked(Grid::Engraved))
         grids.push_back(igeo::engraved(r.levelSet(progress), isolines(r, progress), r.lines()));
     progress.throwIfCancelled();
     const std::string file = distanceFile(options_, r.surface.name());
@@ -177,10 +143,11 @@ void Outputs::writeDocuments(const Result& r, igeo::Progress& progress) {
         const std::vector<igeo::SurfacePoint>& seeds = r.field.seeds;
         const std::size_t n = seeds.size();
         const igeo::DistanceMatrix matrix =
-            options_.matrixRows.empty()
+            !options_.matrixRows
                 ? igeo::distances(r.band, r.field.metric, seeds, r.targets, progress)
-                : igeo::distanceRows(r.band, r.field.metric, seeds, r.targets, rows_.begin(n),
-                                     rows_.end(n), progress);
+                : igeo::distanceRows(r.band, r.field.metric, seeds, r.targets,
+                                     options_.matrixRows->begin(n), options_.matrixRows->end(n),
+                                     progress);
         const std::string ending = endingOf(file);
         write("matrix", file,
               ending == ".json"  ? igeo::matrixJson(r.report, r.band, matrix)

@@ -13,8 +13,7 @@
 #include <vector>
 
 #include "metric_input.h"
-#include "options.h"
-#include "part.h"
+#include "options/run_options.h"
 #include "surface_input.h"
 
 /// All that outputs are made of.
@@ -41,8 +40,7 @@ struct Result {
 /// made once.
 class Outputs {
 public:
-    /// Refuses options that can only fail later.
-    explicit Outputs(const Options& options);
+    explicit Outputs(const RunOptions& options);
 
     /// Areas and boundaries of the cells of the seeds, for the report, if labels are asked for.
     void countCells(const Result& result, igeo::Progress& progress);
@@ -56,9 +54,8 @@ private:
     const std::vector<igeo::Isoline>& isolines(const Result& result, igeo::Progress& progress);
     igeo::ColorMap colorMap() const;
 
-    const Options& options_;
+    const RunOptions& options_;
     igeo::PictureOptions picture_;
-    Part rows_;  ///< of the matrix
     std::optional<igeo::SurfaceMesh> mesh_;
     std::optional<std::vector<igeo::Isoline>> isolines_;
 };

@@ -39,8 +39,8 @@ std::string text(const Vec3d& p) { return format("%.9g,%.9g,%.9g", p.x, p.y, p.z
 /// A job on a surface: what its stages hand on.
 class Job {
 public:
-    Job(const SurfaceInput& surface, MetricInput& metric, const Options& options, Console& console,
-        ConsoleProgress& progress, Stages stages)
+    Job(const SurfaceInput& surface, MetricInput& metric, const RunOptions& options,
+        Console& console, ConsoleProgress& progress, Stages stages)
         : surface_(surface),
           metricInput_(metric),
           options_(options),
@@ -68,7 +68,7 @@ private:
     int summarize();
 
     Vec3d indexOf(const Vec3d& p) const {
-        return options_.indexSpace ? p : surface_.transform().indexFromWorld(p);
+        return options_.indexSpace() ? p : surface_.transform().indexFromWorld(p);
     }
     std::vector<igeo::SurfacePoint> snapped(const std::vector<igeo::AskedPoint>& asked) const;
     bool tooFar(const igeo::SurfacePoint& p) const {
@@ -80,7 +80,7 @@ private:
 
     const SurfaceInput& surface_;
     MetricInput& metricInput_;
-    const Options& options_;
+    const RunOptions& options_;
     Console& console_;
     ConsoleProgress& progress_;
     Stages stages_;
@@ -251,7 +251,7 @@ void Job::addSeeds() {
 
 void Job::march(double maxDistance) {
     const auto stopAt = options_.stopAtTargets ? targets_ : std::vector<igeo::SurfacePoint>{};
-    if (options_.scheme == "jet") {
+    if (options_.scheme == Scheme::Jet) {
         igeo::JetOptions jet;
         jet.maxDistance = maxDistance;
         jet.stopAt = stopAt;
@@ -267,7 +267,7 @@ void Job::march(double maxDistance) {
 }
 
 void Job::trace() {
-    const bool wantsAccuracy = options_.verbose || !options_.json.empty();
+    const bool wantsAccuracy = options_.verbose || !options_.report.empty();
     if (targets_.empty() && !wantsAccuracy && !options_.needsGradient()) return;
     if (field_.gradient.empty()) field_.gradient = igeo::surfaceGradient(band(), field_);
     report_.paths = igeo::tracePaths(band(), field_, field_.gradient, targets_, {}, progress_);
@@ -297,31 +297,25 @@ void Job::estimateAccuracy() {
 void Job::shoot() {
     constexpr double kBeyond = 8;  // voxels that a step and its cells look at
     const igeo::Similarity& t = surface_.transform();
-    for (std::size_t k = 0; k < options_.shoots.size(); ++k) {
-        const std::string &given = options_.shoots[k], what = "--shoot " + given;
-        const std::vector<double> v = igeo::parseNumbers(given);
-        if (v.size() != 7 || !(v[6] >= 0))
-            usageError("--shoot: '" + given +
-                           "' is not x,y,z,dx,dy,dz,length with a length of at "
-                           "least 0",
-                       "give a point, a direction and how far to go");
-        const Vec3d asked{v[0], v[1], v[2]}, way{v[3], v[4], v[5]}, from = indexOf(asked);
-        const double length = options_.indexSpace ? v[6] : v[6] / t.dx;
+    for (const Shot& shot : options_.shots) {
+        const std::string what = "--shoot " + shot.text;
+        const Vec3d from = indexOf(shot.from);
+        const double length = options_.indexSpace() ? shot.length : shot.length / t.dx;
         SurfaceInput::BandPtr around = band_;
         if (!wholeBand_) {
             around = surface_.band({{from, report_.snap / t.dx + length + kBeyond}}, progress_);
             if (around->size() == 0) around = surface_.band({}, progress_);
         }
         const igeo::SurfacePoint start = surface_.nearest(*around, from);
-        tell(start, asked, what);
+        tell(start, shot.from, what);
         try {
             report_.walks.push_back(
-                igeo::shoot(*around, start, indexOf(asked + way) - from, length));
+                igeo::shoot(*around, start, indexOf(shot.from + shot.direction) - from, length));
         } catch (const igeo::Error& e) {
             throw igeo::Error(e.kind(), what + ": " + e.what(), e.remedy());
         }
     }
-    if (!options_.shoots.empty()) finished("shoot");
+    if (!options_.shots.empty()) finished("shoot");
 }
 
 void Job::solvePairs() {
@@ -356,8 +350,8 @@ void Job::writeResults() {
     report_.seconds = stages_.seconds();
     report_.peakMemory = peakMemory();
     report_.threads = igeo::ThreadLimit::current();
-    if (!options_.json.empty())
-        writeDocument(options_.json, igeo::reportJson(report_, band(), field_));
+    if (!options_.report.empty())
+        writeDocument(options_.report, igeo::reportJson(report_, band(), field_));
 }
 
 int Job::summarize() {
@@ -414,9 +408,9 @@ int Job::summarize() {
 }
 
 int Job::run() {
-    report_.snap = options_.snap >= 0 ? options_.snap : surface_.snap();
+    report_.snap = options_.snap.value_or(surface_.snap());
     seedInput_.read(options_, surface_.transform());
-    askedTargets_ = askedPoints(options_.targets, options_.targetFile, "target");
+    askedTargets_ = askedPoints(options_.targets, options_.targetFile);
     metricInput_.read(surface_.transform());
     for (const auto* warnings : {&seedInput_.warnings(), &metricInput_.warnings()})
         report_.warnings.insert(report_.warnings.end(), warnings->begin(), warnings->end());
@@ -437,7 +431,7 @@ int Job::run() {
             band_ = none;
         }
         field_.distance.assign(band().size(), igeo::kInfinity);
-        field_.scheme = options_.scheme;
+        field_.scheme = nameOf(options_.scheme);
     }
     shoot();
     solvePairs();
@@ -447,29 +441,9 @@ int Job::run() {
 
 }  // namespace
 
-void checkRun(const Options& options) {
-    SurfaceInput::of(options);
-    const bool pairsOrWalks = !options.pairs.empty() || !options.shoots.empty();
-    if (!options.hasSeeds() && !pairsOrWalks)
-        usageError("no seed is given", "add --seed x,y,z, --seeds FILE or --sample K");
-    if (!options.hasSeeds() && options.needsSeeds())
-        usageError(
-            "results that need distances are asked for, but no seed is given",
-            "add --seed x,y,z; without seeds only --paths, --pairs-out, --image and --report "
-            "are written");
-    // Each row and each pair is a march of its own, for which only jet is quick and exact enough.
-    const bool manyMarches = !options.matrix.empty() || !options.pairs.empty();
-    if (manyMarches && options.scheme != "jet")
-        usageError(
-            std::string(options.pairs.empty() ? "--matrix" : "--pairs") +
-                " is marched with jet, and --scheme " + options.scheme + " is asked for",
-            "leave --scheme out; for distances by godunov take a run per seed, whose --report "
-            "has those of its targets");
-    Outputs{options};
-    checkOutputFiles(options);
-}
+void checkRun(const RunOptions& options) { checkOutputFiles(options); }
 
-int run(const Options& options, Console& console, ConsoleProgress& progress) {
+int run(const RunOptions& options, Console& console, ConsoleProgress& progress) {
     checkRun(options);
     Stages stages(console, progress);
     const std::unique_ptr<SurfaceInput> surface = SurfaceInput::of(options);
@@ -484,7 +458,7 @@ int run(const Options& options, Console& console, ConsoleProgress& progress) {
     return Job(*surface, metric, options, console, progress, std::move(stages)).run();
 }
 
-int runOn(const SurfaceInput& surface, MetricInput& metric, const Options& options,
+int runOn(const SurfaceInput& surface, MetricInput& metric, const RunOptions& options,
           Console& console, ConsoleProgress& progress) {
     return Job(surface, metric, options, console, progress, Stages(console, progress)).run();
 }

@@ -9,46 +9,34 @@
 
 using igeo::Error;
 
-std::vector<igeo::AskedPoint> askedPoints(const std::vector<std::string>& given,
-                                          const std::string& file, const char* what) {
-    std::vector<igeo::AskedPoint> points;
-    for (const std::string& s : given) {
-        try {
-            points.push_back(igeo::parsePoint(s));
-        } catch (const Error& e) {
-            throw Error(e.kind(), std::string("--") + what + ": " + e.what(), e.remedy());
-        }
-    }
+std::vector<igeo::AskedPoint> askedPoints(const std::vector<igeo::AskedPoint>& given,
+                                          const std::string& file) {
+    std::vector<igeo::AskedPoint> points = given;
     if (!file.empty())
         for (const igeo::AskedPoint& p : guardedRead(file, [&] { return igeo::readPoints(file); }))
             points.push_back(p);
     return points;
 }
 
-void SeedInput::read(const Options& options, const igeo::Similarity& transform) {
-    points_ = askedPoints(options.seeds, options.seedFile, "seed");
+void SeedInput::read(const SeedOptions& options, const igeo::Similarity& transform) {
+    points_ = askedPoints(options.seeds, options.seedFile);
     samples_ = options.sample;
     signed_ = options.withSign;
     for (const std::string& file : options.seedCurves)
         for (igeo::Curve curve : guardedRead(file, [&] { return igeo::readCurves(file); })) {
-            if (!options.indexSpace)
+            if (!options.indexSpace())
                 for (igeo::Vec3d& p : curve.points) p = transform.indexFromWorld(p);
             curve.start /= transform.dx;
             curves_.push_back({"curve " + file, curve});
         }
-    for (const std::string& given : options.seedMasks) {
+    for (const igeo::GridSource& source : options.seedMasks) {
         auto body = std::make_shared<igeo::ObstacleSet>(transform);
-        const igeo::GridSource source = igeo::parseGridSource(given);
         const igeo::ObstacleGrid grid =
             guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); });
         body->addGrid(grid);
         warnings_.insert(warnings_.end(), grid.warnings.begin(), grid.warnings.end());
-        regions_.push_back({"mask " + given, body});
+        regions_.push_back({"mask " + source.text(), body});
     }
-    if (!signed_) return;
-    if (!points_.empty() || samples_ > 0 || curves_.empty() == regions_.empty())
-        usageError("--signed needs closed curves or masks, and seeds of one kind only",
-                   "give either --seed-curve or --seed-mask, and no other seed");
 }
 
 std::vector<igeo::SurfacePoint> SeedInput::extendedSeeds(const igeo::Band& band,

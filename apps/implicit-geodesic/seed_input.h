@@ -10,18 +10,17 @@
 #include <string>
 #include <vector>
 
-#include "options.h"
+#include "options/seed_options.h"
 
 /// Points of an option and of a file, in that order.
-/// @param what names the option in messages
-std::vector<igeo::AskedPoint> askedPoints(const std::vector<std::string>& given,
-                                          const std::string& file, const char* what);
+std::vector<igeo::AskedPoint> askedPoints(const std::vector<igeo::AskedPoint>& given,
+                                          const std::string& file);
 
 class SeedInput {
 public:
     /// Reads and checks all that the options name.
     /// @param transform of the surface
-    void read(const Options& options, const igeo::Similarity& transform);
+    void read(const SeedOptions& options, const igeo::Similarity& transform);
 
     const std::vector<igeo::AskedPoint>& points() const { return points_; }
     /// Whether no march starts from anything.

@@ -34,7 +34,7 @@ public:
     explicit Volume(const SurfaceOptions& options) : SurfaceInput(options) {}
 
     void read() override {
-        const igeo::GridSource source = igeo::parseGridSource(options_.sdf);
+        const igeo::GridSource& source = options_.source;
         if (!options_.rebuild) {
             loaded_ = guardedRead(source.file, [&] { return igeo::readLevelSetGrid(source); });
             return;
@@ -51,7 +51,7 @@ public:
         if (options_.voxelSize > 0 || options_.resolution > 0)
             usageError("--voxel-size and --resolution are for meshes and points",
                        "a volume has the voxels that it has: leave them out");
-        const igeo::GridSource source = igeo::parseGridSource(options_.sdf);
+        const igeo::GridSource& source = options_.source;
         return guardedRead(source.file, [&] { return igeo::surveyFile(source, progress); });
     }
     double estimatedNodes() const override {
@@ -101,7 +101,8 @@ public:
     explicit Mesh(const SurfaceOptions& options) : SurfaceInput(options) {}
 
     void read() override {
-        mesh_ = guardedRead(options_.mesh, [&] { return igeo::readMesh(options_.mesh); });
+        const std::string file = options_.source.text();
+        mesh_ = guardedRead(file, [&] { return igeo::readMesh(file); });
     }
 
     igeo::FileSurvey survey(double memoryLimit, igeo::Progress& progress) override {
@@ -157,7 +158,7 @@ private:
         report_.grid = stemOf(mesh_.file);
         report_.halfWidth = kLevelSetWidth;
         // jet needs the narrowest band, and nothing that only a level set shows.
-        if (options_.scheme == "jet" && options_.band == 0 && options_.bandVoxels == 0) {
+        if (options_.scheme == Scheme::Jet && options_.band == 0 && options_.bandVoxels == 0) {
             h_ = report_.bandLower = report_.bandUpper = std::sqrt(3.0);
             return;
         }
@@ -182,11 +183,12 @@ class Points : public SurfaceInput {
 public:
     explicit Points(const SurfaceOptions& options)
         : SurfaceInput(options),
-          kind_(options.scheme == "jet" ? igeo::PointBandKind::Fits : igeo::PointBandKind::Balls) {}
+          kind_(options.scheme == Scheme::Jet ? igeo::PointBandKind::Fits
+                                              : igeo::PointBandKind::Balls) {}
 
     void read() override {
-        cloud_ =
-            guardedRead(options_.points, [&] { return igeo::readPointCloud(options_.points); });
+        const std::string file = options_.source.text();
+        cloud_ = guardedRead(file, [&] { return igeo::readPointCloud(file); });
     }
 
     igeo::FileSurvey survey(double memoryLimit, igeo::Progress& progress) override {
@@ -243,18 +245,14 @@ private:
 }  // namespace
 
 std::unique_ptr<SurfaceInput> SurfaceInput::of(const SurfaceOptions& options) {
-    if (!options.mesh.empty()) return std::make_unique<Mesh>(options);
-    if (!options.points.empty()) return std::make_unique<Points>(options);
-    if (options.sdf.empty())
-        usageError(
-            "no surface is given",
-            "add --sdf FILE.vdb, --mesh FILE or --points FILE; see implicit-geodesic --help");
+    if (options.kind == SurfaceKind::Mesh) return std::make_unique<Mesh>(options);
+    if (options.kind == SurfaceKind::Points) return std::make_unique<Points>(options);
     return std::make_unique<Volume>(options);
 }
 
 void SurfaceInput::prepare(igeo::Progress& progress) {
     {
-        const FileGuard guard(options_.surface(), FileGuard::kNoLimit);
+        const FileGuard guard(options_.source.text(), FileGuard::kNoLimit);
         examine(progress);
     }
     if (levelSet_)
@@ -312,7 +310,7 @@ void SurfaceInput::chooseBandWidth(const igeo::LevelSetStats& stats) {
         igeo::bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
     // jet works on foot points, for which the narrowest band is enough.
     chooseBandWidth(bounds,
-                    options_.scheme == "jet"
+                    options_.scheme == Scheme::Jet
                         ? bounds.lower
                         : igeo::defaultBandWidth(options_.order, stats.largestCurvature, bounds));
 }

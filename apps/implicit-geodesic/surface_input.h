@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "options.h"
+#include "options/surface_options.h"
 
 /// Once read, it is looked at only, and by any number of jobs side by side; what not every job
 /// needs is made when first asked for.

@@ -25,7 +25,7 @@ struct BadLine {
 TEST_CASE("a wrong option is refused by its name, with the values allowed") {
     const BadLine bad = GENERATE(
         BadLine{"--color", {"--color", "--help"}}, BadLine{"other.vdb", {"other.vdb", "--help"}},
-        BadLine{"--max-distance", {"--max-distance", "missing"}},
+        BadLine{"--max-distance", {"--max-distance", "D is missing"}},
         BadLine{"--order 3", {"--order", "3", "1 to 2"}}, BadLine{"--order two", {"--order"}},
         BadLine{"--threads -1", {"--threads", "-1", "0 to 4096"}},
         BadLine{"--threads all", {"--threads", "all"}},
@@ -43,6 +43,28 @@ TEST_CASE("a wrong option is refused by its name, with the values allowed") {
         BadLine{"--pairs p.csv --scheme godunov", {"--pairs", "jet", "godunov", "--report"}});
     const Sphere desk;
     requireRefused(desk, "--sdf in.vdb --seed 0,0,1 -o out.vdb " + bad.line, kUsage, bad.says);
+}
+
+TEST_CASE("a malformed value is refused before any file is read") {
+    const BadLine bad = GENERATE(
+        BadLine{"--seed 1,2", {"--seed", "'1,2'", "three finite numbers"}},
+        BadLine{"--target 1,2,nan", {"--target", "'1,2,nan'", "three finite numbers"}},
+        BadLine{"--shoot 1,2", {"--shoot", "'1,2'", "x,y,z,dx,dy,dz,length"}},
+        BadLine{"--shoot 0,0,1,0,0,0,1", {"--shoot", "direction"}},
+        BadLine{"--rebuild --iso x", {"--iso", "x", "number"}},
+        BadLine{"--obstacle-sphere 1,2,3", {"--obstacle-sphere", "'1,2,3'", "x,y,z,r", "4"}},
+        BadLine{"--obstacle-sphere 1,2,3,0", {"--obstacle-sphere", "'1,2,3,0'", "above 0"}},
+        BadLine{"--obstacle-box 1,2,3", {"--obstacle-box", "'1,2,3'", "two corners", "6"}},
+        BadLine{"--weight-curvature hill", {"--weight-curvature", "hill", "valley", "principal"}},
+        BadLine{"--weight-curvature valley,q=1", {"--weight-curvature", "'q=1'", "eps=E", "p=P"}},
+        BadLine{"--metric-curvature seek", {"--metric-curvature", "seek", "avoid", "prefer"}},
+        BadLine{"--metric-curvature avoid,2", {"--metric-curvature", "'avoid,2'", "length="}},
+        BadLine{"--image-size 640", {"--image-size", "'640'", "1280x960"}},
+        BadLine{"--camera 1,2", {"--camera", "'1,2'", "x,y,z"}},
+        BadLine{"--matrix m.json --matrix-rows 0/2", {"--matrix-rows", "'0/2'", "1/4"}},
+        BadLine{"--scheme jet --scheme jet", {"--scheme", "2 times", "once"}});
+    const TempWorkspace desk;
+    requireRefused(desk, "--sdf none.vdb --seed 0,0,1 -o out.vdb " + bad.line, kUsage, bad.says);
 }
 
 TEST_CASE("a run without a surface is refused") {

@@ -285,17 +285,25 @@ class Batch(TempWorkspace):
         self.refused(with_job(resolution=5), USAGE, "job 'a'", "--resolution")
         self.refused(with_job(scheme="jetty"), USAGE, "job 'a'", "--scheme", "godunov")
         self.refused(with_job(seed=False), USAGE, "job 'a'", "no seed is given")
+        # Whatever a value says is read before the first job runs.
+        for option, value in (("seed", "1,2"), ("target", "x"), ("shoot", "1,2"), ("camera", "1,2"),
+                              ("image-size", "10"), ("obstacle-sphere", "0,0,0,-1"), ("obstacle-box", "1,2,3"),
+                              ("weight-curvature", "hill"), ("weight-curvature", "valley,eps=0"),
+                              ("metric-curvature", "avoid,length=0"), ("matrix-rows", "3/2"), ("iso", "x")):
+            bad = {**good, "name": "b", "output": "b.vdb", "matrix": "b.json", "rebuild": True, option: value}
+            self.refused(with_job(bad), USAGE, "job 'b'", f"--{option}", value.split(",")[0])
+        self.refused(with_job({**good, "name": "b", "output": "b.vdb", "signed": True}), USAGE, "job 'b'", "--signed")
         self.refused(with_job(paths="nowhere/a.json"), USAGE, "job 'a'", "--paths", "no folder 'nowhere'")
         self.refused(with_job({**good, "name": "b", "output": "./a.vdb"}), USAGE, "job 'b'", "job 'a'", "a.vdb")
         self.refused(with_job({"name": "b", "sdf": "torus.vdb", "seed": [1.4, 0, 0]}, output=False), USAGE,
                      "job 'b'", "job 'a'", "torus_geodesic.vdb")
         self.refused(with_job({**good, "name": "b", "output": "b.vdb", "weight": "a.vdb"}), USAGE,
                      "job 'b' reads 'a.vdb', which job 'a' writes")
-        self.refused(with_job(json="-"), USAGE, "job 'a' writes to standard output")
+        self.refused(with_job(report="-"), USAGE, "job 'a' writes to standard output")
         self.refused(with_job(sdf="-"), USAGE, "job 'a' reads standard input")
         self.refused(with_job(pairs="pairs.csv"), USAGE, "job 'a' writes to standard output")
-        self.refused(with_job(json="jobs.summary.json"), USAGE, "the summary")
-        self.refused(with_job(json="jobs.json"), USAGE, "which is the manifest")
+        self.refused(with_job(report="jobs.summary.json"), USAGE, "the summary")
+        self.refused(with_job(report="jobs.json"), USAGE, "which is the manifest")
         self.refused(with_job(), USAGE, "--shard: '3/2' is not K/N", words=("--shard", "3/2"))
         self.refused(with_job(), USAGE, "--shard: '0/2'", words=("--shard", "0/2"))
         self.refused(with_job(), USAGE, "--shard: '1'", words=("--shard", "1"))

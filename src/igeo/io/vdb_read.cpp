@@ -388,13 +388,6 @@ LoadedGrid readScalars(const GridSource& source, const Wanted& wanted,
 
 }  // namespace
 
-GridSource parseGridSource(const std::string& text) {
-    std::error_code ignored;
-    const auto colon = text.rfind(':');
-    if (colon == std::string::npos || std::filesystem::exists(text, ignored)) return {text, ""};
-    return {text.substr(0, colon), text.substr(colon + 1)};
-}
-
 LoadedGrid readLevelSetGrid(const GridSource& source, std::vector<GridEntry>* entries) {
     return readScalars(source, kLevelSet, entries);
 }

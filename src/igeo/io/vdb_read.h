@@ -1,6 +1,7 @@
 /// VDB files in: which grid to take.
 #pragma once
 
+#include <igeo/io/grid_source.h>
 #include <openvdb/openvdb.h>
 
 #include <cstdint>
@@ -9,16 +10,6 @@
 #include <vector>
 
 namespace igeo {
-
-/// A grid in a file: FILE[:GRID]. The file "-" is standard input.
-struct GridSource {
-    std::string file;
-    std::string grid;  ///< empty: the only one that can be meant; of a tensor: what its names begin
-                       ///< with
-};
-
-/// Splits FILE[:GRID] at the last colon; a file whose whole name exists wins.
-GridSource parseGridSource(const std::string& text);
 
 /// A scalar grid as read, before any check of its values.
 struct LoadedGrid {

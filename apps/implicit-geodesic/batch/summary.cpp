@@ -1,4 +1,4 @@
-#include "summary.h"
+#include "batch/summary.h"
 
 #include <algorithm>
 #include <set>
@@ -96,6 +96,9 @@ Summary readSummary(const std::string& file) {
     }
 }
 
+namespace {
+
+/// "a, b and 3 more"
 std::string listed(const std::vector<std::string>& names) {
     constexpr std::size_t kMost = 8;
     std::string text;
@@ -104,8 +107,6 @@ std::string listed(const std::vector<std::string>& names) {
     if (names.size() > kMost) text += " and " + std::to_string(names.size() - kMost) + " more";
     return text;
 }
-
-namespace {
 
 /// Jobs that no summary has, by the shards that they are in.
 void refuseMissing(const Summary& whole, const std::vector<Part>& shards) {
@@ -153,4 +154,18 @@ Summary mergedSummary(const std::vector<std::string>& files) {
     for (auto& [index, job] : jobs) whole.jobs.push_back(std::move(job.first));
     refuseMissing(whole, shards);
     return whole;
+}
+
+void tell(const Summary& summary, const std::string& file, Console& console) {
+    const std::vector<std::string> failed = summary.namesOf("failed"),
+                                   unreached = summary.namesOf("unreached");
+    const std::string all = std::to_string(summary.jobs.size()) + " jobs";
+    if (!failed.empty())
+        Console::error(std::to_string(failed.size()) + " of " + all + " failed: " + listed(failed),
+                       "'" + file + "' says why; the next run of the batch goes on with them");
+    else if (!unreached.empty())
+        console.warning("all " + all + " are done, but targets are unreached in " +
+                        listed(unreached));
+    else
+        console.info("all " + all + " are done");
 }

@@ -1,12 +1,11 @@
-#include "matrix_parts.h"
+#include "batch/matrix_parts.h"
 
 #include <igeo/results/distance_matrix.h>
 
 #include <algorithm>
 
+#include "file_ending.h"
 #include "json_file.h"
-#include "output_files.h"
-#include "usage_error.h"
 
 namespace {
 
@@ -71,9 +70,6 @@ std::size_t requireAllRows(const std::vector<MatrixPart>& parts) {
 
 std::string joinedMatrix(const std::vector<std::string>& files, const std::string& output) {
     const std::string ending = output == "-" ? ".csv" : endingOf(output);
-    if (ending != ".csv" && ending != ".json" && ending != ".npy")
-        usageError("-o " + output + ": the ending is none of .csv .json .npy",
-                   "name the file with one of them");
     std::vector<MatrixPart> parts;
     for (const std::string& file : files) {
         parts.push_back(readPart(file));

@@ -10,16 +10,16 @@
 struct Part {
     std::size_t number = 1, count = 1;  ///< the first of 3: 1 and 3
 
-    /// "1/3"; empty: all there is.
-    static Part parse(const char* option, const std::string& text) {
+    /// "1/3"
+    /// @throws igeo::Error  InvalidArgument
+    static Part parse(const std::string& text) {
         Part part;
-        if (text.empty()) return part;
         constexpr std::size_t kMost = 1000000;
         char rest = 0;
         if (text.find('-') != std::string::npos ||
             std::sscanf(text.c_str(), "%zu/%zu%c", &part.number, &part.count, &rest) != 2 ||
             part.number < 1 || part.number > part.count || part.count > kMost)
-            usageError(std::string(option) + ": '" + text + "' is not K/N with K from 1 to N",
+            usageError("'" + text + "' is not K/N with K from 1 to N",
                        "write for instance 1/4, 2/4, 3/4 and 4/4 for the parts of a whole");
         return part;
     }

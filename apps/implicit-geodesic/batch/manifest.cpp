@@ -1,6 +1,4 @@
-#include "manifest.h"
-
-#include <igeo/base/error.h>
+#include "batch/manifest.h"
 
 #include <map>
 #include <set>
@@ -64,29 +62,24 @@ void addArguments(const std::string& option, const Json& value, const std::strin
         arguments.push_back("--" + option + "=" + wordOf(item, where + ": '" + option + "'"));
 }
 
-BatchJob jobOf(const Json& entry, const Values& defaults, const std::string& file,
-               std::size_t number) {
+ManifestJob jobOf(const Json& entry, const Values& defaults, const std::string& file,
+                  std::size_t number) {
     const std::string place = file + ": job " + std::to_string(number);
     if (!entry.is_object() || !entry.contains("name") || !entry["name"].is_string() ||
         entry["name"].get<std::string>().empty())
         inputError(place + " (counted from 0) has no name", "give it a \"name\", a string");
-    BatchJob job;
+    ManifestJob job;
     job.name = entry["name"].get<std::string>();
     const std::string where = file + ": " + job.quoted();
     Values values = valuesOf(entry, where);
     values.insert(defaults.begin(), defaults.end());  // of those that the job does not give
     for (const auto& [option, value] : values) addArguments(option, value, where, job.arguments);
-    try {
-        job.options = parseJob(job.arguments);
-    } catch (const igeo::Error& e) {
-        throw igeo::Error(e.kind(), where + ": " + e.what(), e.remedy());
-    }
     return job;
 }
 
 }  // namespace
 
-std::vector<BatchJob> readManifest(const std::string& file) {
+std::vector<ManifestJob> readManifest(const std::string& file) {
     const Json manifest = readJson(file);
     if (!manifest.is_object() || !manifest.contains("version") || manifest["version"] != 2 ||
         !manifest.contains("jobs") || !manifest["jobs"].is_array())
@@ -104,7 +97,7 @@ std::vector<BatchJob> readManifest(const std::string& file) {
                        "names belong to jobs; the option --name is written \"--name\"");
         defaults = valuesOf(given, file + ": defaults");
     }
-    std::vector<BatchJob> jobs;
+    std::vector<ManifestJob> jobs;
     std::set<std::string> names;
     for (const Json& entry : manifest["jobs"]) {
         jobs.push_back(jobOf(entry, defaults, file, jobs.size()));

@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "part.h"
+#include "batch/part.h"
+#include "console.h"
 
 struct JobRecord {
     std::size_t index = 0;  ///< in the manifest
@@ -48,5 +49,6 @@ Summary readSummary(const std::string& file);
 ///         other, and missing jobs
 Summary mergedSummary(const std::vector<std::string>& files);
 
-/// "a, b and 3 more"
-std::string listed(const std::vector<std::string>& names);
+/// One sentence on the whole.
+/// @param file where the summary is
+void tell(const Summary& summary, const std::string& file, Console& console);

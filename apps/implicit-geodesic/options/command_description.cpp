@@ -1,4 +1,4 @@
-#include "command_description.h"
+#include "options/command_description.h"
 
 #include <igeo/base/version.h>
 
@@ -40,65 +40,68 @@ std::string entry(const std::string& head, const std::string& text) {
     return out + wrapped(text, kTextColumn);
 }
 
-std::string headOf(const OptionDescription& option) {
+std::string headOf(const Option& option) {
     const std::string names = joined(option.names, ", ");
     return option.value.empty() ? names : names + " " + option.value;
 }
 
 /// FILE[:GRID]; PARTS... for several.
-std::string headOfArgument(const OptionDescription& argument) {
-    return argument.names.front() + argument.value + (argument.repeatable ? "..." : "");
+std::string headOfArgument(const Option& argument) {
+    return argument.names.front() + argument.value + (argument.reads.repeatable ? "..." : "");
 }
 
 /// The text and, in parentheses, what goes with the option.
-std::string textOf(const OptionDescription& option) {
+std::string textOf(const Option& option, const Command& command) {
+    const std::vector<std::string> excluded = command.excludedBy(option);
     std::vector<std::string> notes;
-    if (!option.range.empty()) notes.push_back(option.range);
+    if (!option.reads.range.empty()) notes.push_back(option.reads.range);
     if (!option.needs.empty()) notes.push_back("needs " + joined(option.needs, ", "));
-    if (!option.excludes.empty()) notes.push_back("not with " + joined(option.excludes, ", "));
+    if (!excluded.empty()) notes.push_back("not with " + joined(excluded, ", "));
     return option.text + (notes.empty() ? "" : " (" + joined(notes, "; ") + ")");
 }
 
-std::string usage(const CommandDescription& command) {
+std::string usage(const Command& command) {
     std::string text = command.name;
-    for (const OptionDescription& argument : command.arguments)
-        text += " " + headOfArgument(argument);
+    for (const Option& argument : command.arguments) text += " " + headOfArgument(argument);
     return text + " [options]\n";
 }
 
 /// Groups are in the order of their first options.
-std::string optionGroups(const CommandDescription& command) {
+std::string optionGroups(const Command& command) {
     std::vector<std::pair<std::string, std::string>> groups;
-    for (const OptionDescription& option : command.options) {
+    for (const Option& option : command.options) {
         auto group = std::find_if(groups.begin(), groups.end(),
                                   [&](const auto& g) { return g.first == option.group; });
         if (group == groups.end()) group = groups.insert(group, {option.group, ""});
-        group->second += entry(headOf(option), textOf(option));
+        group->second += entry(headOf(option), textOf(option, command));
     }
     std::string text;
     for (const auto& [name, entries] : groups) text += "\n" + name + ":\n" + entries;
     return text;
 }
 
-Json toJson(const OptionDescription& o) {
-    return {{"names", o.names},
-            {"value", o.value},
-            {"choices", o.choices},
-            {"range", o.range},
-            {"separator", o.separator ? std::string(1, o.separator) : ""},
-            {"repeatable", o.repeatable},
-            {"required", o.required},
-            {"needs", o.needs},
-            {"excludes", o.excludes},
-            {"group", o.group},
-            {"text", o.text}};
+Json optionsJson(const std::vector<Option>& options, const Command& command) {
+    Json list = Json::array();
+    for (const Option& o : options)
+        list.push_back({{"names", o.names},
+                        {"value", o.value},
+                        {"choices", o.reads.choices},
+                        {"range", o.reads.range},
+                        {"separator", o.reads.separator ? std::string(1, o.reads.separator) : ""},
+                        {"repeatable", o.reads.repeatable},
+                        {"required", o.required},
+                        {"needs", o.needs},
+                        {"excludes", command.excludedBy(o)},
+                        {"group", o.group},
+                        {"text", o.text}});
+    return list;
 }
 
-Json toJson(const ExitCode& e) { return {{"code", e.code}, {"meaning", e.meaning}}; }
+Json toJson(const ExitMeaning& e) { return {{"code", e.code}, {"meaning", e.meaning}}; }
 
 Json toJson(const Example& e) { return {{"command", e.command}, {"meaning", e.meaning}}; }
 
-Json toJson(const CommandDescription& c);
+Json toJson(const Command& c);
 
 template <class Item>
 Json listOf(const std::vector<Item>& items) {
@@ -107,11 +110,11 @@ Json listOf(const std::vector<Item>& items) {
     return list;
 }
 
-Json toJson(const CommandDescription& c) {
+Json toJson(const Command& c) {
     return {{"name", c.name},
             {"about", c.about},
-            {"arguments", listOf(c.arguments)},
-            {"options", listOf(c.options)},
+            {"arguments", optionsJson(c.arguments, c)},
+            {"options", optionsJson(c.options, c)},
             {"exit_codes", listOf(c.exitCodes)},
             {"examples", listOf(c.examples)},
             {"commands", listOf(c.commands)}};
@@ -119,21 +122,20 @@ Json toJson(const CommandDescription& c) {
 
 }  // namespace
 
-std::string helpText(const CommandDescription& command) {
+std::string helpText(const Command& command) {
     std::string text;
     std::istringstream about(command.about);
     for (std::string line; std::getline(about, line);) text += wrapped(line, 0);
     text += "\nUsage: " + usage(command);
-    for (const CommandDescription& below : command.commands) text += "       " + usage(below);
+    for (const Command& below : command.commands) text += "       " + usage(below);
     if (!command.arguments.empty()) text += "\nArguments:\n";
-    for (const OptionDescription& argument : command.arguments)
-        text += entry(headOfArgument(argument), textOf(argument));
+    for (const Option& argument : command.arguments)
+        text += entry(headOfArgument(argument), textOf(argument, command));
     text += optionGroups(command);
     if (!command.commands.empty()) text += "\nCommands:\n";
-    for (const CommandDescription& below : command.commands)
-        text += entry(below.name.substr(command.name.size() + 1), below.about);
+    for (const Command& below : command.commands) text += entry(below.lastName(), below.about);
     text += "\nExit codes:\n";
-    for (const ExitCode& e : command.exitCodes) {
+    for (const ExitMeaning& e : command.exitCodes) {
         const std::string code = std::to_string(e.code);
         text += "  " + code + std::string(5 - code.size(), ' ') + e.meaning + "\n";
     }
@@ -143,7 +145,7 @@ std::string helpText(const CommandDescription& command) {
     return text;
 }
 
-std::string descriptionJson(const CommandDescription& command) {
+std::string descriptionJson(const Command& command) {
     Json all = toJson(command);
     all["version"] = igeo::kVersion;
     return all.dump(2) + "\n";

@@ -1,0 +1,275 @@
+#include "batch/batch.h"
+
+#include <igeo/base/atomic_file.h>
+#include <igeo/base/digest.h>
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "batch/manifest.h"
+#include "batch/matrix_parts.h"
+#include "batch/plan.h"
+#include "batch/summary.h"
+#include "exit_code.h"
+#include "failure.h"
+#include "metric_input.h"
+#include "output_files.h"
+#include "process.h"
+#include "run.h"
+#include "surface_input.h"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What writing the summary may take of the time, so that many quick jobs are not held up by it.
+constexpr int kWritingShare = 20;
+
+/// jobs.json: jobs.summary.json, for shards jobs.summary-2-of-3.json, beside it.
+std::string defaultSummary(const fs::path& manifest, const Part& shard) {
+    const std::string which =
+        shard.whole() ? ""
+                      : "-" + std::to_string(shard.number) + "-of-" + std::to_string(shard.count);
+    return (manifest.parent_path() / (manifest.stem().string() + ".summary" + which + ".json"))
+        .string();
+}
+
+/// A plan at work.
+class Batch {
+public:
+    Batch(const BatchPlan& plan, const std::string& summaryFile, bool verbose, Console& console,
+          ConsoleProgress& progress)
+        : plan_(plan),
+          summaryFile_(summaryFile),
+          verbose_(verbose),
+          console_(console),
+          progress_(progress),
+          summary_(plan.summary),
+          records_(plan.records),
+          ended_(plan.doneBefore) {}
+    int run();
+
+private:
+    void runGroup(const JobNumbers& group);
+    std::unique_ptr<SurfaceInput> readSurface(const JobNumbers& group);
+    void makeWhatAllNeed(const SurfaceInput& surface, const JobNumbers& group);
+    double memoryFor(const JobNumbers& group) const;
+    std::size_t jobsAtOnce(const SurfaceInput& surface, const JobNumbers& group) const;
+    void runJob(const SurfaceInput& surface, MetricInput& metric, std::size_t number);
+    void record(std::size_t number, JobRecord outcome);
+    void writeSummary();
+    int tellEnd();
+
+    const BatchPlan& plan_;
+    const std::string summaryFile_;
+    const bool verbose_;
+    Console& console_;
+    ConsoleProgress& progress_;
+    Summary summary_;
+    std::map<std::size_t, JobRecord> records_;  ///< of the shard
+    std::size_t ended_;
+    std::vector<std::size_t> unsaid_;  ///< of the records that the file does not have yet
+    Clock::time_point nextWrite_{};
+    std::mutex mutex_;  ///< of records_, ended_ and the summary
+};
+
+int Batch::run() {
+    writeSummary();
+    if (plan_.doneBefore > 0)
+        console_.info(std::to_string(plan_.doneBefore) + " of " + std::to_string(records_.size()) +
+                      " jobs are done already");
+    for (JobNumbers group : plan_.groups) {
+        group.erase(
+            std::remove_if(group.begin(), group.end(),
+                           [&](std::size_t k) { return records_.at(k).exitCode.has_value(); }),
+            group.end());
+        if (!group.empty()) runGroup(group);
+    }
+    if (!unsaid_.empty()) writeSummary();
+    return tellEnd();
+}
+
+void Batch::runGroup(const JobNumbers& group) {
+    const std::unique_ptr<SurfaceInput> surface = readSurface(group);
+    if (!surface) return;
+    makeWhatAllNeed(*surface, group);
+    const std::size_t atOnce = jobsAtOnce(*surface, group);
+    console_.detail("surface " + surface->name() + ": " + surface->summary() + "; " +
+                    std::to_string(group.size()) + " jobs, " + std::to_string(atOnce) + " at once");
+    progress_.update("batch", double(ended_) / double(records_.size()));
+    // Each metric lives until the last of its jobs is done.
+    std::vector<std::shared_ptr<MetricInput>> metrics;
+    for (const JobNumbers& lot : groupBy<MetricOptions>(plan_.jobs, group))
+        metrics.insert(metrics.end(), lot.size(),
+                       std::make_shared<MetricInput>(plan_.jobs[lot.front()].options));
+    std::atomic<std::size_t> next{0};
+    std::exception_ptr stop;
+    // No exception may leave the loop: TBB would cut short the loops of the other jobs, which would
+    // not know and write what they have.
+    igeo::parallelFor(atOnce, 1, [&](std::size_t, std::size_t) {
+        try {
+            for (std::size_t k = next++; k < group.size(); k = next++) {
+                const std::shared_ptr<MetricInput> metric = std::move(metrics[k]);
+                runJob(*surface, *metric, group[k]);
+            }
+        } catch (...) {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            if (!stop) stop = std::current_exception();
+            next = group.size();
+        }
+    });
+    if (!stop) return;
+    try {
+        if (!unsaid_.empty()) writeSummary();
+    } catch (const std::exception&) {
+        // The first trouble is the one to tell of.
+    }
+    std::rethrow_exception(stop);
+}
+
+/// @return null if it cannot be used, and all jobs of the group have failed
+std::unique_ptr<SurfaceInput> Batch::readSurface(const JobNumbers& group) {
+    try {
+        auto surface = SurfaceInput::of(plan_.jobs[group.front()].options);
+        progress_.update("read", 0);
+        surface->read();
+        surface->prepare(progress_);
+        return surface;
+    } catch (...) {
+        const Failure failure = currentFailure();
+        progress_.throwIfCancelled();
+        for (const std::size_t k : group) {
+            JobRecord outcome = records_[k];
+            outcome.exitCode = failure.exitCode;
+            outcome.what = failure.what;
+            outcome.remedy = failure.remedy;
+            record(k, outcome);
+        }
+        return nullptr;
+    }
+}
+
+/// The band of the whole surface, if a job is sure to ask for it: by all threads at once.
+void Batch::makeWhatAllNeed(const SurfaceInput& surface, const JobNumbers& group) {
+    const bool everywhere = std::any_of(group.begin(), group.end(), [&](std::size_t k) {
+        const RunOptions& o = plan_.jobs[k].options;
+        return o.hasSeeds() && !(o.maxDistance > 0) && !o.stopAtTargets;
+    });
+    if (!everywhere) return;
+    if (surface.estimatedMemory() > memoryFor(group)) return;
+    try {
+        surface.band({}, progress_);
+    } catch (const std::exception&) {
+        progress_.throwIfCancelled();
+        // Each job that needs it says why it cannot be made.
+    }
+}
+
+/// GiB: of the machine, or the least that a job allows.
+double Batch::memoryFor(const JobNumbers& group) const {
+    double memory = machineMemory() / kGiB;
+    for (const std::size_t k : group)
+        if (const double limit = plan_.jobs[k].options.memoryLimit; limit > 0)
+            memory = std::min(memory, limit);
+    return memory;
+}
+
+/// As many as there are threads, and as memory holds.
+std::size_t Batch::jobsAtOnce(const SurfaceInput& surface, const JobNumbers& group) const {
+    const auto fit = std::size_t(std::min(memoryFor(group) / surface.estimatedMemory(), 1e6));
+    return std::max<std::size_t>(
+        1, std::min({group.size(), std::size_t(igeo::ThreadLimit::current()), fit}));
+}
+
+void Batch::runJob(const SurfaceInput& surface, MetricInput& metric, std::size_t number) {
+    const BatchJob& job = plan_.jobs[number];
+    JobRecord outcome = records_.at(number);
+    try {
+        Console console(verbose_ ? Console::Level::Verbose : Console::Level::Quiet,
+                        job.quoted() + ": ");
+        ConsoleProgress quiet(ProgressWhen::Never);
+        outcome.exitCode = runOn(surface, metric, job.options, console, quiet);
+        for (const std::string& file : outputFiles(job.options))
+            outcome.outputs[file] = igeo::digestOfFile(file);
+    } catch (...) {
+        progress_.throwIfCancelled();
+        const Failure failure = currentFailure();
+        outcome.exitCode = failure.exitCode;
+        outcome.what = failure.what;
+        outcome.remedy = failure.remedy;
+    }
+    record(number, outcome);
+}
+
+void Batch::record(std::size_t number, JobRecord outcome) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!outcome.done()) outcome.outputs.clear();
+    records_.at(number) = std::move(outcome);
+    unsaid_.push_back(number);
+    if (Clock::now() >= nextWrite_) writeSummary();
+    progress_.update("batch", double(++ended_) / double(records_.size()));
+}
+
+/// Only what is recorded is said to be done.
+void Batch::writeSummary() {
+    const Clock::time_point begin = Clock::now();
+    summary_.jobs.clear();
+    for (const auto& [k, job] : records_) summary_.jobs.push_back(job);
+    igeo::writeFile(summaryFile_, summary_.text());
+    nextWrite_ = Clock::now() + (kWritingShare - 1) * (Clock::now() - begin);
+    for (const std::size_t k : unsaid_) {
+        const JobRecord& job = records_.at(k);
+        const std::string name = plan_.jobs[k].quoted();
+        if (!job.done())
+            Console::error(name + ": " + job.what, job.remedy);
+        else if (job.exitCode == kUnreached)
+            console_.warning(name + " is done, but a target is unreached");
+        else
+            console_.info(name + " is done");
+    }
+    unsaid_.clear();
+}
+
+int Batch::tellEnd() {
+    progress_.clear();
+    tell(summary_, fs::path(summaryFile_).filename().string(), console_);
+    return summary_.exitCode();
+}
+
+}  // namespace
+
+int batch(const BatchOptions& options, Console& console, ConsoleProgress& progress) {
+    const std::string manifest = wholeName(options.manifest);
+    const std::string summary = options.summary.empty() ? defaultSummary(manifest, options.shard)
+                                                        : wholeName(options.summary);
+    const std::vector<ManifestJob> jobs = readManifest(options.manifest);
+    // Jobs then name their files as single runs in that folder do, in reports as well.
+    fs::current_path(fs::path(manifest).parent_path());
+    const BatchPlan plan = planBatch(jobs, {manifest, summary}, options.shard, progress);
+    if (options.dryRun) {
+        printPlan(plan);
+        return kDone;
+    }
+    return Batch(plan, summary, options.verbose, console, progress).run();
+}
+
+int merge(const MergeOptions& options, Console& console) {
+    if (options.matrix) {
+        writeDocument(options.output, joinedMatrix(options.parts, options.output));
+        return kDone;
+    }
+    const Summary summary = mergedSummary(options.parts);
+    writeDocument(options.output, summary.text());
+    tell(summary, options.output, console);
+    return summary.exitCode();
+}

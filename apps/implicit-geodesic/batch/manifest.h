@@ -1,0 +1,18 @@
+/// The file of the jobs of a batch.
+#pragma once
+
+#include <string>
+#include <vector>
+
+struct ManifestJob {
+    std::string name;
+    /// Of an ordinary run: --option=value, in alphabetical order.
+    std::vector<std::string> arguments;
+
+    std::string quoted() const { return "job '" + name + "'"; }
+};
+
+/// Reads docs/batch.schema.json. Each job becomes the arguments of an ordinary run, so it takes
+/// every option that a run takes, and is refused in the same words.
+/// @throws igeo::Error  Io, BadInput
+std::vector<ManifestJob> readManifest(const std::string& file);

@@ -1,0 +1,201 @@
+#include "batch/plan.h"
+
+#include <igeo/base/digest.h>
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/base/version.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+#include <utility>
+
+#include "options/options.h"
+#include "output_files.h"
+#include "results.h"
+#include "run.h"
+#include "usage_error.h"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const char* const kCreator = "implicit-geodesic ";
+
+/// What `check` throws names the job.
+template <typename Check>
+void naming(const std::string& job, const Check& check) {
+    try {
+        check();
+    } catch (const igeo::Error& e) {
+        throw igeo::Error(e.kind(), job + ": " + e.what(), e.remedy());
+    }
+}
+
+std::vector<BatchJob> parsedJobs(const std::vector<ManifestJob>& jobs) {
+    std::vector<BatchJob> parsed;
+    for (const ManifestJob& job : jobs) {
+        parsed.push_back({job, {}});
+        naming(job.quoted(), [&] { parsed.back().options = parseJob(job.arguments); });
+    }
+    return parsed;
+}
+
+/// What jobs may not do since they run in any order, side by side and without a terminal.
+void refuseConflicts(const std::vector<BatchJob>& jobs, const BatchFiles& files) {
+    std::map<std::string, std::string> writers{{files.manifest, "is the manifest"},
+                                               {files.summary, "is the summary"}};
+    std::error_code ignored;
+    for (const BatchJob& job : jobs)
+        for (const std::string& file : outputFiles(job.options)) {
+            if (file == "-")
+                usageError(job.quoted() + " writes to standard output",
+                           "give each of its results a file");
+            const bool device = fs::exists(file, ignored) && !fs::is_regular_file(file, ignored);
+            if (device) continue;
+            const auto [other, fresh] = writers.emplace(wholeName(file), job.quoted() + " writes");
+            if (!fresh)
+                usageError(job.quoted() + " writes '" + file + "', which " + other->second,
+                           "give each its own files, the distances (\"output\") as well");
+        }
+    for (const BatchJob& job : jobs)
+        for (const std::string& file : inputFiles(job.options)) {
+            if (file == "-") usageError(job.quoted() + " reads standard input", "give it a file");
+            const auto writer = writers.find(wholeName(file));
+            if (writer != writers.end())
+                usageError(job.quoted() + " reads '" + file + "', which " + writer->second,
+                           "jobs run in no order: put this one into a batch that follows");
+        }
+}
+
+/// Jobs in the order of their surfaces, on one surface in that of their metrics, cut into shards:
+/// so few shards read the same files.
+std::vector<JobNumbers> groupsOf(const std::vector<BatchJob>& jobs, const Part& shard) {
+    JobNumbers everything(jobs.size());
+    std::iota(everything.begin(), everything.end(), std::size_t(0));
+    const std::size_t begin = shard.begin(jobs.size()), end = shard.end(jobs.size());
+    std::vector<JobNumbers> groups;
+    std::size_t position = 0;
+    for (const JobNumbers& surface : groupBy<SurfaceOptions>(jobs, everything)) {
+        JobNumbers own;
+        for (const JobNumbers& metric : groupBy<MetricOptions>(jobs, surface))
+            for (const std::size_t k : metric) {
+                if (position >= begin && position < end) own.push_back(k);
+                ++position;
+            }
+        if (!own.empty()) groups.push_back(own);
+    }
+    return groups;
+}
+
+/// Of the names and options of all jobs.
+std::string digestOf(const std::vector<BatchJob>& jobs) {
+    igeo::Digest digest;
+    for (const BatchJob& job : jobs) {
+        digest.addWord(job.name);
+        for (const std::string& argument : job.arguments) digest.addWord(argument);
+        digest.addWord("");
+    }
+    return digest.hex();
+}
+
+/// Of the program, a job's options and the content of its inputs. Content is looked at before the
+/// job: what changes meanwhile is found by the next batch.
+/// @param known digests of files, to which those of this job are added
+std::string digestOf(const BatchJob& job, const std::string& creator,
+                     std::map<std::string, std::string>& known) {
+    igeo::Digest digest;
+    digest.addWord(creator);
+    for (const std::string& argument : job.arguments) digest.addWord(argument);
+    for (const std::string& file : inputFiles(job.options)) {
+        if (known.count(file) == 0) known[file] = igeo::digestOfFile(file);
+        digest.addWord(known[file]);
+    }
+    return digest.hex();
+}
+
+/// Jobs that were done with the same program, options and inputs, and whose outputs are still
+/// theirs.
+void reuseFinishedJobs(const Summary& earlier, BatchPlan& plan, ConsoleProgress& progress) {
+    std::map<std::string, const JobRecord*> known;
+    for (const JobRecord& job : earlier.jobs) known[job.name] = &job;
+    std::vector<std::pair<JobRecord*, const JobRecord*>> candidates;
+    for (auto& [number, job] : plan.records) {
+        const auto before = known.find(job.name);
+        if (before != known.end() && before->second->done() && before->second->digest == job.digest)
+            candidates.emplace_back(&job, before->second);
+    }
+    std::vector<char> same(candidates.size());
+    igeo::parallelFor(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const auto& outputs = candidates[k].second->outputs;
+            same[k] = std::all_of(outputs.begin(), outputs.end(), [&](const auto& output) {
+                progress.throwIfCancelled();
+                return igeo::digestOfFile(output.first) == output.second;
+            });
+        }
+    });
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+        if (!same[k]) continue;
+        const std::size_t index = candidates[k].first->index;
+        *candidates[k].first = *candidates[k].second;
+        candidates[k].first->index = index;
+        ++plan.doneBefore;
+    }
+}
+
+/// A word as a shell reads it.
+std::string shellWord(const std::string& word) {
+    const bool plain = word.find_first_not_of(
+                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=./:,"
+                           "+") == std::string::npos;
+    if (plain) return word;
+    std::string quoted = "'";
+    for (const char c : word) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    return quoted + "'";
+}
+
+}  // namespace
+
+std::string wholeName(const std::string& file) {
+    std::error_code ignored;
+    return fs::weakly_canonical(fs::absolute(file), ignored).string();
+}
+
+BatchPlan planBatch(const std::vector<ManifestJob>& jobs, const BatchFiles& files,
+                    const Part& shard, ConsoleProgress& progress) {
+    BatchPlan plan;
+    plan.jobs = parsedJobs(jobs);
+    refuseConflicts(plan.jobs, files);
+    plan.groups = groupsOf(plan.jobs, shard);
+    plan.summary.creator = std::string(kCreator) + igeo::kVersion;
+    plan.summary.manifest = fs::path(files.manifest).filename().string();
+    plan.summary.count = plan.jobs.size();
+    plan.summary.digest = digestOf(plan.jobs);
+    plan.summary.shard = shard;
+    std::map<std::string, std::string> inputDigests;
+    for (const JobNumbers& group : plan.groups)
+        for (const std::size_t k : group) {
+            const BatchJob& job = plan.jobs[k];
+            naming(job.quoted(), [&] { checkRun(job.options); });
+            JobRecord& record = plan.records[k];
+            record.index = k;
+            record.name = job.name;
+            record.digest = digestOf(job, plan.summary.creator, inputDigests);
+        }
+    std::error_code ignored;
+    if (fs::exists(files.summary, ignored))
+        reuseFinishedJobs(readSummary(files.summary), plan, progress);
+    return plan;
+}
+
+void printPlan(const BatchPlan& plan) {
+    for (const auto& [number, job] : plan.records) {
+        results() << job.name << ": " << (job.exitCode ? "done before" : "to do") << "\n ";
+        results() << " implicit-geodesic";
+        for (const std::string& argument : plan.jobs[number].arguments)
+            results() << " " << shellWord(argument);
+        results() << "\n";
+    }
+    results() << std::flush;
+}

@@ -1,0 +1,42 @@
+#include "options/batch_options.h"
+
+#include "options/command.h"
+
+Command batchCommand(BatchOptions& o) {
+    Command command{
+        .name = "implicit-geodesic batch",
+        .about = "Many jobs in one go; what is done already is not done again",
+        .arguments = {{.names = {"JOBS"},
+                       .text = "The jobs (docs/batch.schema.json); .json",
+                       .reads = text(o.manifest)}},
+        .exitCodes = {{0, "all jobs are done"},
+                      {1, "failed; of several jobs that failed, the largest code counts"},
+                      {2, "wrong usage"},
+                      {3, "unusable input or output"},
+                      {4, "all jobs are done, but a target is unreached"},
+                      {130, "interrupted"}},
+        .examples = {
+            {"implicit-geodesic batch jobs.json",
+             "all jobs of jobs.json; once more after an interruption: those that are left"},
+            {"implicit-geodesic batch jobs.json --shard 2/8 --threads 1",
+             "the second of eight parts of them, for eight processes on any machines"}}};
+    command.add("Jobs",
+                {{.names = {"--shard"},
+                  .value = "K/N",
+                  .text = "Only the K-th of N parts of the jobs; all N are the whole",
+                  .reads = parsed(o.shard, Part::parse)},
+                 {.names = {"--summary"},
+                  .value = "FILE",
+                  .text = "What became of each job, as JSON [beside the jobs: jobs.summary.json]",
+                  .reads = text(o.summary)},
+                 {.names = {"--dry-run"},
+                  .text = "Check all, and print each job, whether it is to do, and its command",
+                  .reads = flag(o.dryRun)}});
+    addProcessOptions(command, o);
+    command.add("Run", {helpOption()});
+    command.check = [&o] {
+        if (o.manifest.empty())
+            usageError("no manifest is given", "name a file of jobs; see docs/formats.md");
+    };
+    return command;
+}

@@ -1,0 +1,177 @@
+#include "options/command_line.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <deque>
+
+#include "options/command_description.h"
+#include "results.h"
+#include "usage_error.h"
+#include "version_text.h"
+
+namespace {
+
+/// A command as CLI11 knows it, which splits the words: values are text here, and all judgment of
+/// them is ours. (Its own says what it takes in other words from version to version, and lets "nan"
+/// pass.)
+class Words {
+public:
+    Words(const Command& command, CLI::App& app) : command_(command), app_(app) {
+        app.set_help_flag();
+        for (const Option& argument : command.arguments) declare(argument);
+        for (const Option& option : command.options) declare(option);
+        for (const Command& below : command.commands)
+            below_.emplace_back(below, *app.add_subcommand(below.lastName()));
+    }
+    Words(const Words&) = delete;
+    Words& operator=(const Words&) = delete;
+
+    /// The commands that the words name, each below the one before it.
+    std::vector<const Words*> named() const {
+        std::vector<const Words*> chain{this};
+        for (const Words& below : below_)
+            if (below.app_.parsed())
+                for (const Words* words : below.named()) chain.push_back(words);
+        return chain;
+    }
+    const Command& command() const { return command_; }
+
+    /// CLI11 misses a value; its message begins with the option.
+    [[noreturn]] void refuseMissing(const std::string& message) const {
+        const std::string name = message.substr(0, message.find(':'));
+        for (const Given& given : given_)
+            if (given.option->longName() == name)
+                usageError(name + ": its value " + given.option->value + " is missing",
+                           "write " + name + " " + given.option->value);
+        refuse(message, command_);
+    }
+    /// Nothing of this command goes with one below it.
+    void refuseBefore(const Command& below) const {
+        for (const Given& given : given_)
+            if (given.here())
+                refuse(below.lastName() + " goes before all options, and " +
+                           given.option->longName() + " stands before it",
+                       below);
+    }
+    void refuseConflicts() const;
+    /// Sets the fields.
+    void read() const;
+
+private:
+    /// An option and its words.
+    struct Given {
+        const Option* option;
+        std::string one = {};
+        std::vector<std::string> several = {};
+        bool flag = false;
+        CLI::Option* parsed = nullptr;
+
+        bool here() const { return parsed->count() > 0; }
+    };
+
+    void declare(const Option& option);
+    bool has(const std::string& name) const {
+        return std::any_of(given_.begin(), given_.end(), [&](const Given& given) {
+            return given.option->longName() == name && given.here();
+        });
+    }
+    [[noreturn]] static void refuse(const std::string& what, const Command& command) {
+        usageError(what, "see " + command.name + " --help");
+    }
+
+    const Command& command_;
+    CLI::App& app_;
+    std::deque<Given> given_;  // CLI11 keeps the addresses
+    std::deque<Words> below_;
+};
+
+void Words::declare(const Option& option) {
+    std::string names;
+    for (const std::string& name : option.names) names += (names.empty() ? "" : ",") + name;
+    if (!option.reads.read) {
+        if (option.longName() == "--help")
+            app_.set_help_flag(names);
+        else
+            app_.set_version_flag(names, versionText);
+        return;
+    }
+    Given& given = given_.emplace_back(Given{&option});
+    if (option.reads.isFlag)
+        given.parsed = app_.add_flag(names, given.flag);
+    else if (option.reads.repeatable)
+        given.parsed = app_.add_option(names, given.several);
+    else
+        given.parsed = app_.add_option(names, given.one)->take_last();  // refused if given twice
+    const bool isArgument = option.names.front().front() != '-';
+    if (option.reads.repeatable && !isArgument) given.parsed->allow_extra_args(false);
+}
+
+void Words::refuseConflicts() const {
+    for (const Given& given : given_) {
+        const Option& option = *given.option;
+        const std::string name = option.longName();
+        if (option.required && !given.here()) refuse(name + " is required", command_);
+        if (!given.here()) continue;
+        const bool once = !option.reads.repeatable && !option.reads.isFlag;
+        if (const auto times = given.parsed->count(); times > 1 && once)
+            usageError(name + " is given " + std::to_string(times) + " times", "give it once");
+        for (const std::string& needed : option.needs)
+            if (!has(needed))
+                usageError(name + " needs " + needed, "add it, or leave " + name + " out");
+        for (const std::string& excluded : option.excludes)
+            if (has(excluded)) usageError(name + " excludes " + excluded, "give one of the two");
+    }
+}
+
+void Words::read() const {
+    for (const Given& given : given_) {
+        const Option& option = *given.option;
+        std::vector<std::string> words = given.several;
+        if (option.reads.isFlag ? given.flag : given.here() && !option.reads.repeatable)
+            words = {given.one};
+        try {
+            for (const std::string& word : words) option.reads.read(word);
+        } catch (const igeo::Error& e) {
+            const std::string what = option.longName() + ": " + e.what();
+            if (e.remedy().empty()) refuse(what, command_);
+            throw igeo::Error(e.kind(), what, e.remedy());
+        }
+    }
+}
+
+/// OpenVDB's tools spell their options with one dash: -help and -version work here as well.
+std::vector<std::string> withTwoDashes(std::vector<std::string> words) {
+    for (std::string& word : words)
+        if (word == "-help" || word == "-version") word = "-" + word;
+    return words;
+}
+
+}  // namespace
+
+const Command* readCommandLine(const Command& command, std::vector<std::string> words) {
+    CLI::App app("", command.name);
+    const Words parsed(command, app);
+    try {
+        words = withTwoDashes(words);
+        std::reverse(words.begin(), words.end());  // CLI11 takes them last first
+        app.parse(words);
+    } catch (const CLI::CallForHelp&) {
+        results() << helpText(parsed.named().back()->command());
+        return nullptr;
+    } catch (const CLI::CallForVersion&) {
+        results() << versionText() << "\n";
+        return nullptr;
+    } catch (const CLI::ArgumentMismatch& e) {
+        parsed.named().back()->refuseMissing(e.what());
+    } catch (const CLI::ParseError& e) {
+        usageError(e.what(), "see " + parsed.named().back()->command().name + " --help");
+    }
+    const std::vector<const Words*> chain = parsed.named();
+    for (std::size_t k = 0; k + 1 < chain.size(); ++k)
+        chain[k]->refuseBefore(chain[k + 1]->command());
+    chain.back()->refuseConflicts();
+    chain.back()->read();
+    if (chain.back()->command().check) chain.back()->command().check();
+    return &chain.back()->command();
+}

@@ -1,0 +1,44 @@
+#include "options/info_options.h"
+
+#include "options/command.h"
+#include "options/surface_options.h"
+
+Command infoCommand(InfoOptions& o) {
+    Command command{
+        .name = "implicit-geodesic info",
+        .about =
+            "What a file holds, whether it will do as a surface, and what a run on it would "
+            "take",
+        .arguments = {{.names = {"FILE"},
+                       .value = "[:GRID]",
+                       .text = "A volume and a grid of it, a mesh or points: .vdb .obj .ply .stl "
+                               ".off .gltf .glb .xyz .csv .txt",
+                       .reads = parsed(o.source, igeo::parseGridSource),
+                       .required = true}},
+        .exitCodes = {{0, "usable"},
+                      {1, "failed"},
+                      {2, "wrong usage"},
+                      {3, "not usable"},
+                      {130, "interrupted"}},
+        .examples = {{"implicit-geodesic info data/torus.vdb", "whether the torus will do"},
+                     {"implicit-geodesic info data/box.vdb --unreliable unreliable.vdb",
+                      "where results on a box are unreliable: along its edges"},
+                     {"implicit-geodesic info model.obj --resolution 400",
+                      "whether voxels of 1/400 of a mesh's longest side show all of it"}}};
+    addVoxelSizeOptions(command, o.voxelSize, o.resolution);
+    command.add(
+        "Results",
+        {{.names = {"--json"}, .text = "Print JSON (docs/info.schema.json)", .reads = flag(o.json)},
+         {.names = {"--unreliable"},
+          .value = "FILE.vdb",
+          .text = "Where results are unreliable, as a grid: 1 where a bound is "
+                  "just met, larger is worse",
+          .reads = text(o.unreliable)}});
+    addProcessOptions(command, o);
+    command.add("Run", {helpOption()});
+    command.check = [&o] {
+        if (o.unreliable == "-")
+            usageError("--unreliable -: stdout is for the survey", "give a file");
+    };
+    return command;
+}

@@ -1,0 +1,141 @@
+#include "options/metric_options.h"
+
+#include <igeo/io/point_list.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "options/command.h"
+
+namespace {
+
+const Names<igeo::CurvatureKind> kCurvatureKinds{{"valley", igeo::CurvatureKind::Valley},
+                                                 {"crest", igeo::CurvatureKind::Crest},
+                                                 {"mean", igeo::CurvatureKind::Mean},
+                                                 {"gaussian", igeo::CurvatureKind::Gaussian},
+                                                 {"principal", igeo::CurvatureKind::Principal}};
+const Names<igeo::Bending> kBendings{{"avoid", igeo::Bending::Avoid},
+                                     {"prefer", igeo::Bending::Prefer}};
+
+/// The number above 0 behind "key=" in a word.
+std::optional<double> valueOf(const std::string& key, const std::string& word) {
+    if (word.rfind(key + "=", 0) != 0) return std::nullopt;
+    const std::vector<double> number = igeo::parseNumbers(word.substr(key.size() + 1));
+    if (number.size() != 1 || !(number[0] > 0)) return std::nullopt;
+    return number[0];
+}
+
+CurvatureWeight curvatureWeightOf(const std::string& word) {
+    std::stringstream parts(word);
+    std::string part;
+    std::getline(parts, part, ',');
+    CurvatureWeight weight;
+    weight.text = word;
+    weight.kind = valueNamed(part, kCurvatureKinds);
+    while (std::getline(parts, part, ',')) {
+        if (const auto epsilon = valueOf("eps", part))
+            weight.epsilon = *epsilon;
+        else if (const auto power = valueOf("p", part))
+            weight.power = *power;
+        else
+            usageError("'" + part + "' is neither eps=E nor p=P, both above 0",
+                       "write for instance valley,eps=100,p=3");
+    }
+    return weight;
+}
+
+BendingCost bendingCostOf(const std::string& word) {
+    const auto comma = word.find(',');
+    BendingCost cost{valueNamed(word.substr(0, comma), kBendings), {}, word};
+    if (comma == std::string::npos) return cost;
+    cost.length = valueOf("length", word.substr(comma + 1));
+    if (!cost.length)
+        usageError("'" + word + "' has no length=L above 0 behind its comma",
+                   "write for instance avoid,length=0.5");
+    return cost;
+}
+
+/// `count` numbers.
+std::vector<double> numbersOf(const std::string& word, std::size_t count, const char* shape) {
+    std::vector<double> v = igeo::parseNumbers(word);
+    if (v.size() != count)
+        usageError("'" + word + "' is not " + shape,
+                   "write " + std::to_string(count) + " finite numbers with commas between them");
+    return v;
+}
+
+ObstacleSphere sphereOf(const std::string& word) {
+    const std::vector<double> v = numbersOf(word, 4, "x,y,z,r");
+    if (!(v[3] > 0)) usageError("the radius of '" + word + "' is not above 0", "give a larger one");
+    return {{v[0], v[1], v[2]}, v[3], word};
+}
+
+ObstacleBox boxOf(const std::string& word) {
+    const std::vector<double> v = numbersOf(word, 6, "two corners x,y,z,x,y,z");
+    return {{std::min(v[0], v[3]), std::min(v[1], v[4]), std::min(v[2], v[5])},
+            {std::max(v[0], v[3]), std::max(v[1], v[4]), std::max(v[2], v[5])},
+            word};
+}
+
+Reader curvatureWeight(std::optional<CurvatureWeight>& field) {
+    Reader reader = parsed(field, curvatureWeightOf);
+    reader.choices = namesIn(kCurvatureKinds);
+    return reader;
+}
+
+Reader bendingCost(std::optional<BendingCost>& field) {
+    Reader reader = parsed(field, bendingCostOf);
+    reader.choices = namesIn(kBendings);
+    return reader;
+}
+
+std::vector<Option> costOptions(MetricOptions& o) {
+    return {{.names = {"--weight"},
+             .value = "FILE[:GRID]",
+             .text = "Cost per unit length: a positive float grid of its own resolution, sampled "
+                     "on the surface; several multiply",
+             .reads = parsedEach(o.weights, igeo::parseGridSource)},
+            {.names = {"--weight-curvature"},
+             .value = "KIND[,eps=E][,p=P]",
+             .text = "Cost from curvature: cheap in a valley, along a crest, or where mean, "
+                     "gaussian or principal curvature is small [eps=100,p=3]",
+             .reads = curvatureWeight(o.weightCurvature)},
+            {.names = {"--curvature-scale"},
+             .value = "N",
+             .text = "Radius over which curvature is averaged, voxels, 1 to 16 [2]",
+             .reads = numberAboveZero(o.curvatureScale)},
+            {.names = {"--metric-curvature"},
+             .value = "avoid|prefer[,length=L]",
+             .text = "Cost by direction: avoid bending with the surface, or prefer it; L is the "
+                     "radius at which it counts, world units [length: 10 voxels]",
+             .reads = bendingCost(o.metricCurvature)},
+            {.names = {"--metric"},
+             .value = "FILE[:PREFIX]",
+             .text = "A tensor G, cost sqrt(G[v, v]) of a step v, in world axes: vector grids "
+                     "PREFIXdiagonal (xx, yy, zz) and PREFIXoffdiagonal (xy, xz, yz)",
+             .reads = parsed(o.metric, igeo::parseGridSource),
+             .excludes = {"--metric-curvature"}}};
+}
+
+std::vector<Option> obstacleOptions(MetricOptions& o) {
+    return {{.names = {"--obstacle"},
+             .value = "FILE[:GRID]",
+             .text = "No way through: a mask (active voxels), a level set (inside) or a fog volume "
+                     "(above 0.5)",
+             .reads = parsedEach(o.obstacles, igeo::parseGridSource)},
+            {.names = {"--obstacle-sphere"},
+             .value = "X,Y,Z,R",
+             .text = "No way through a ball; repeatable",
+             .reads = parsedEach(o.obstacleSpheres, sphereOf)},
+            {.names = {"--obstacle-box"},
+             .value = "X,Y,Z,X,Y,Z",
+             .text = "No way through a box given by two opposite corners; repeatable",
+             .reads = parsedEach(o.obstacleBoxes, boxOf)}};
+}
+
+}  // namespace
+
+void addMetricOptions(Command& command, MetricOptions& o) {
+    command.add("Metric", costOptions(o));
+    command.add("Metric", obstacleOptions(o));
+}

@@ -1,0 +1,74 @@
+/// How the word of an option becomes a typed value.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "usage_error.h"
+
+/// Sets a field of an options struct, and says what words it takes.
+struct Reader {
+    /// @throws igeo::Error  InvalidArgument for a word that is none of its values; where the remedy
+    ///         is empty, the help has it
+    std::function<void(const std::string& word)> read = {};
+    std::string range = {};                 ///< "1 to 2"; empty: any value
+    std::vector<std::string> choices = {};  ///< what a word is, or begins with
+    bool isFlag = false, repeatable = false;
+    char separator = 0;  ///< between several values in one word; 0: one value
+};
+
+Reader flag(bool& field);
+Reader text(std::string& field);
+Reader texts(std::vector<std::string>& field);
+Reader numberAboveZero(double& field);
+Reader numberFromZero(std::optional<double>& field);
+Reader number(std::optional<double>& field);
+Reader wholeNumber(int& field, int least, int most);
+
+/// The finite number that a word is.
+std::optional<double> numberOf(const std::string& word);
+
+/// By a function from a word to a value, which throws as Reader::read does.
+template <typename Field, typename Parse>
+Reader parsed(Field& field, const Parse& parse) {
+    return {.read = [&field, parse](const std::string& word) { field = parse(word); }};
+}
+
+/// The same for an option that may be repeated.
+template <typename Value, typename Parse>
+Reader parsedEach(std::vector<Value>& field, const Parse& parse) {
+    return {.read = [&field, parse](const std::string& word) { field.push_back(parse(word)); },
+            .repeatable = true};
+}
+
+/// Values by their names.
+template <typename Value>
+using Names = std::vector<std::pair<std::string, Value>>;
+
+template <typename Value>
+std::vector<std::string> namesIn(const Names<Value>& values) {
+    std::vector<std::string> names;
+    for (const auto& entry : values) names.push_back(entry.first);
+    return names;
+}
+
+/// "a,b,c"
+std::string commaList(const std::vector<std::string>& words);
+
+template <typename Value>
+Value valueNamed(const std::string& word, const Names<Value>& values) {
+    for (const auto& [name, value] : values)
+        if (name == word) return value;
+    usageError(word + " is none of " + commaList(namesIn(values)), "");
+}
+
+template <typename Value>
+Reader choice(Value& field, const Names<Value>& values) {
+    Reader reader =
+        parsed(field, [values](const std::string& word) { return valueNamed(word, values); });
+    reader.choices = namesIn(values);
+    return reader;
+}

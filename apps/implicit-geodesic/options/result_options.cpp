@@ -1,0 +1,163 @@
+#include "options/result_options.h"
+
+#include <igeo/io/point_list.h>
+#include <igeo/results/color_map.h>
+
+#include <cstdio>
+#include <sstream>
+
+#include "options/command.h"
+
+namespace {
+
+const Names<Grid> kGrids{{"surface", Grid::Surface},     {"gradient", Grid::Gradient},
+                         {"label", Grid::Label},         {"color", Grid::Color},
+                         {"logmap", Grid::LogMap},       {"weight", Grid::Weight},
+                         {"curvature", Grid::Curvature}, {"engraved", Grid::Engraved}};
+const Names<UpAxis> kUpAxes{{"y", UpAxis::Y}, {"z", UpAxis::Z}};
+
+Reader gridList(std::set<Grid>& field) {
+    auto read = [&field](const std::string& word) {
+        std::istringstream in(word);
+        for (std::string name; std::getline(in, name, ',');) field.insert(valueNamed(name, kGrids));
+    };
+    return {.read = read, .choices = namesIn(kGrids), .repeatable = true, .separator = ','};
+}
+
+ImageSize imageSizeOf(const std::string& word) {
+    constexpr int kMost = 16384;
+    ImageSize size;
+    char rest = 0;
+    if (std::sscanf(word.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2 ||
+        size.width < 1 || size.height < 1 || size.width > kMost || size.height > kMost)
+        usageError("'" + word + "' is not WIDTHxHEIGHT, each 1 to 16384 pixels",
+                   "write for instance 1280x960");
+    return size;
+}
+
+Camera cameraOf(const std::string& word) {
+    const std::vector<double> v = igeo::parseNumbers(word);
+    if (v.size() != 3 && v.size() != 6)
+        usageError("'" + word + "' is not x,y,z or x,y,z,x,y,z",
+                   "give where the camera is and, if you like, what it looks at");
+    Camera camera{{v[0], v[1], v[2]}, {}};
+    if (v.size() == 6) camera.lookAt = igeo::Vec3d{v[3], v[4], v[5]};
+    return camera;
+}
+
+Reader colorMap(std::string& field) {
+    Names<std::string> names;
+    for (const std::string& name : igeo::ColorMap::names()) names.emplace_back(name, name);
+    return choice(field, names);
+}
+
+std::vector<Option> volumeOptions(ResultOptions& o) {
+    return {{.names = {"-o", "--output"},
+             .value = "FILE.vdb",
+             .text = "Distances as a VDB file; - writes to stdout [<sdf>_geodesic.vdb, here]",
+             .reads = text(o.output)},
+            {.names = {"--grids"},
+             .value = "LIST",
+             .text = "More grids in the output: surface (psi, first), gradient (of the distance), "
+                     "label (nearest seed), color, logmap, weight, curvature, engraved (isolines "
+                     "and paths cut into psi)",
+             .reads = gridList(o.grids)},
+            {.names = {"--extend"},
+             .text = "Cover the whole narrow band of the level set, not only the band marched",
+             .reads = flag(o.extend)},
+            {.names = {"--name"},
+             .value = "GRID",
+             .text = "Name of the distance grid [<psi>_geodesic]",
+             .reads = text(o.name)}};
+}
+
+std::vector<Option> curveOptions(ResultOptions& o) {
+    return {{.names = {"--paths"},
+             .value = "FILE",
+             .text = "Geodesics from all targets, and walks of --shoot, as polylines: .json "
+                     "(docs/geodesics.schema.json) or .obj; - writes JSON to stdout",
+             .reads = text(o.paths)},
+            {.names = {"--straighten"},
+             .text = "Relax the geodesics to locally shortest curves, free of the march's error",
+             .reads = flag(o.straighten)},
+            {.names = {"--isolines"},
+             .value = "FILE",
+             .text = "Lines of equal distance on the surface: .json (docs/isolines.schema.json), "
+                     ".obj or .ply; - writes JSON to stdout",
+             .reads = text(o.isolines)},
+            {.names = {"--levels"},
+             .value = "N",
+             .text = "How many levels isolines have",
+             .reads = wholeNumber(o.levels, 1, 100000)},
+            {.names = {"--spacing"},
+             .value = "D",
+             .text = "Distance between isolines, world units times weight [a round one, about 16 "
+                     "lines]",
+             .reads = numberAboveZero(o.spacing),
+             .excludes = {"--levels"}}};
+}
+
+std::vector<Option> meshAndTableOptions(ResultOptions& o) {
+    return {{.names = {"--mesh-out"},
+             .value = "FILE",
+             .text = "The surface as triangles with distance, label and color: .ply or .obj; - "
+                     "writes PLY to stdout",
+             .reads = text(o.meshOut)},
+            {.names = {"--matrix"},
+             .value = "FILE",
+             .text = "All distances from seeds to targets, or between the seeds if there is no "
+                     "target: .csv, .json or .npy; - writes CSV to stdout",
+             .reads = text(o.matrix)},
+            {.names = {"--matrix-rows"},
+             .value = "K/N",
+             .text = "Only the K-th of N parts of the rows, as .json; batch merge --matrix joins "
+                     "them",
+             .reads = parsed(o.matrixRows, Part::parse)},
+            {.names = {"--pairs-out"},
+             .value = "FILE",
+             .text = "Distances of --pairs: .csv or .json (docs/pairs.schema.json); - writes CSV "
+                     "to stdout [-]",
+             .reads = text(o.pairsOut)}};
+}
+
+}  // namespace
+
+void addResultOptions(Command& command, ResultOptions& o) {
+    command.add("Results", volumeOptions(o));
+    command.add("Results", curveOptions(o));
+    command.add("Results", meshAndTableOptions(o));
+}
+
+void addReportOption(Command& command, ResultOptions& o) {
+    command.add("Results",
+                {{.names = {"--report"},
+                  .value = "FILE",
+                  .text = "Report: parameters, counts, snap distances, timings; - writes to stdout",
+                  .reads = text(o.report)}});
+}
+
+void addPictureOptions(Command& command, PictureOptions& o) {
+    command.add(
+        "Picture",
+        {{.names = {"--image"},
+          .value = "FILE.png",
+          .text = "The surface as a picture: distances, isolines, paths",
+          .reads = text(o.image)},
+         {.names = {"--image-size"},
+          .value = "WxH",
+          .text = "In pixels [1280x960]",
+          .reads = parsed(o.imageSize, imageSizeOf)},
+         {.names = {"--camera"},
+          .value = "X,Y,Z[,X,Y,Z]",
+          .text = "Where the camera is and what it looks at, world units [chosen; the middle]",
+          .reads = parsed(o.camera, cameraOf)},
+         {.names = {"--up"},
+          .value = "AXIS",
+          .text = "The axis that points up: y or z [y]",
+          .reads = choice(o.up, kUpAxes)},
+         {.names = {"--color-map"},
+          .value = "NAME",
+          .text = "Colors of picture, mesh and color grid: viridis, magma, cividis, turbo, gray "
+                  "[viridis]",
+          .reads = colorMap(o.colorMap)}});
+}

@@ -1,0 +1,54 @@
+/// What a run writes.
+#pragma once
+
+#include <igeo/base/types.h>
+
+#include <optional>
+#include <set>
+#include <string>
+
+#include "batch/part.h"
+
+struct Command;
+
+/// A grid that goes into the output beside the distance.
+enum class Grid { Surface, Gradient, Label, Color, LogMap, Weight, Curvature, Engraved };
+
+enum class UpAxis { Y, Z };
+
+struct ImageSize {
+    int width = 0, height = 0;  ///< pixels
+};
+
+struct Camera {
+    igeo::Vec3d eye;                    ///< world
+    std::optional<igeo::Vec3d> lookAt;  ///< world; none: the middle of the surface
+};
+
+struct PictureOptions {
+    std::string image;                   ///< file; empty: none
+    std::optional<ImageSize> imageSize;  ///< none: default
+    std::optional<Camera> camera;        ///< none: chosen
+    UpAxis up = UpAxis::Y;
+    std::string colorMap;  ///< of igeo::ColorMap::names(); empty: default
+};
+
+/// Files are empty where none is asked for.
+struct ResultOptions {
+    std::string output;  ///< empty: <input>_geodesic.vdb in the current folder
+    std::set<Grid> grids;
+    std::string name;  ///< of the distance grid; empty: <psi>_geodesic
+    bool extend = false;
+    std::string paths, isolines, meshOut, matrix, pairsOut, report;
+    bool straighten = false;
+    int levels = 0;                  ///< of isolines; 0: by spacing
+    double spacing = 0;              ///< of isolines, world units times weight; 0: chosen
+    std::optional<Part> matrixRows;  ///< none: all
+
+    /// By --grids.
+    bool asked(Grid grid) const { return grids.count(grid) > 0; }
+};
+
+void addResultOptions(Command& command, ResultOptions& options);
+void addPictureOptions(Command& command, PictureOptions& options);
+void addReportOption(Command& command, ResultOptions& options);

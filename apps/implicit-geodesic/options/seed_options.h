@@ -1,0 +1,46 @@
+/// Where distances begin and paths end.
+#pragma once
+
+#include <igeo/base/types.h>
+#include <igeo/io/grid_source.h>
+#include <igeo/io/point_list.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+struct Command;
+
+enum class Space { World, Index };
+
+/// A walk straight on.
+struct Shot {
+    igeo::Vec3d from, direction;  ///< in the space of the seeds
+    double length = 0;
+    std::string text;  ///< as given
+};
+
+struct SeedOptions {
+    std::vector<igeo::AskedPoint> seeds, targets;
+    std::string seedFile, targetFile;
+    std::vector<std::string> seedCurves;  ///< files of polylines
+    std::vector<igeo::GridSource> seedMasks;
+    bool withSign = false;
+    Space space = Space::World;
+    std::optional<double> snap;  ///< world units; none: the narrow band
+    int sample = 0;              ///< further seeds, as far from all others as can be
+    bool stopAtTargets = false;
+    double maxDistance = 0;   ///< world units times weight; 0: none
+    std::string pairs;        ///< file of pairs
+    std::vector<Shot> shots;  ///< of --shoot
+
+    bool indexSpace() const { return space == Space::Index; }
+    /// Seeds that are more than points.
+    bool hasExtendedSeeds() const { return !seedCurves.empty() || !seedMasks.empty(); }
+    bool hasSeeds() const {
+        return !seeds.empty() || !seedFile.empty() || hasExtendedSeeds() || sample > 0;
+    }
+    bool hasTargets() const { return !targets.empty() || !targetFile.empty(); }
+};
+
+void addSeedOptions(Command& command, SeedOptions& options);

@@ -1,0 +1,101 @@
+#include "options/surface_options.h"
+
+#include "options/command.h"
+
+namespace {
+
+const Names<Scheme> kSchemes{{"jet", Scheme::Jet}, {"godunov", Scheme::Godunov}};
+
+Reader volume(SurfaceOptions& options) {
+    return {.read = [&options](const std::string& word) {
+        options.kind = SurfaceKind::Volume;
+        options.source = igeo::parseGridSource(word);
+    }};
+}
+
+Reader file(SurfaceOptions& options, SurfaceKind kind) {
+    return {.read = [&options, kind](const std::string& word) {
+        options.kind = kind;
+        options.source = {word, ""};
+    }};
+}
+
+}  // namespace
+
+const char* nameOf(Scheme scheme) { return scheme == Scheme::Jet ? "jet" : "godunov"; }
+
+void addVoxelSizeOptions(Command& command, double& voxelSize, int& resolution) {
+    command.add(
+        "Surface",
+        {{.names = {"--voxel-size"},
+          .value = "S",
+          .text = "Of a mesh or points, world units [longest side / 256; points: half their "
+                  "spacing]",
+          .reads = numberAboveZero(voxelSize)},
+         {.names = {"--resolution"},
+          .value = "N",
+          .text = "The same as voxels along the longest side",
+          .reads = wholeNumber(resolution, 8, 1 << 20),
+          .excludes = {"--voxel-size"}}});
+}
+
+void addSurfaceOptions(Command& command, SurfaceOptions& o) {
+    command.add(
+        "Surface",
+        {{.names = {"--sdf"},
+          .value = "FILE[:GRID]",
+          .text = "Level set to walk on: a .vdb file, its grid if it holds several; - reads stdin",
+          .reads = volume(o),
+          .excludes = {"--voxel-size", "--resolution"}},
+         {.names = {"--mesh"},
+          .value = "FILE",
+          .text = "Instead: triangles or polygons, open or closed; .obj .ply .stl .off .gltf .glb",
+          .reads = file(o, SurfaceKind::Mesh),
+          .excludes = {"--sdf"}},
+         {.names = {"--points"},
+          .value = "FILE",
+          .text = "Instead: points on a surface, with or without normals; .ply .xyz .csv .txt .obj "
+                  "or points in a .vdb",
+          .reads = file(o, SurfaceKind::Points),
+          .excludes = {"--sdf", "--mesh"}}});
+    addVoxelSizeOptions(command, o.voxelSize, o.resolution);
+    command.add("Surface",
+                {{.names = {"--rebuild"},
+                  .text = "Make a signed distance of a volume that is none: a fog volume, another "
+                          "function, an unsigned distance",
+                  .reads = flag(o.rebuild),
+                  .needs = {"--sdf"}},
+                 {.names = {"--iso"},
+                  .value = "V",
+                  .text = "The value that is the surface, for --rebuild [0; fog: 0.5]",
+                  .reads = number(o.iso),
+                  .needs = {"--rebuild"}}});
+}
+
+void addBandOptions(Command& command, SurfaceOptions& o) {
+    command.add(
+        "Band",
+        {{.names = {"--band"},
+          .value = "H",
+          .text = "Half-width h of the band |psi| < h, world units; at least sqrt(3) voxels, less "
+                  "than the smallest radius of curvature [jet: sqrt(3) voxels, godunov: from "
+                  "curvature]",
+          .reads = numberAboveZero(o.band)},
+         {.names = {"--band-voxels"},
+          .value = "N",
+          .text = "The same in voxels",
+          .reads = numberAboveZero(o.bandVoxels),
+          .excludes = {"--band"}}});
+}
+
+void addSchemeOptions(Command& command, SurfaceOptions& o) {
+    command.add("Scheme", {{.names = {"--scheme"},
+                            .value = "NAME",
+                            .text = "How to solve: jet (value and gradient on foot points) or "
+                                    "godunov (Memoli & Sapiro 2001) [jet]",
+                            .reads = choice(o.scheme, kSchemes)},
+                           {.names = {"--order"},
+                            .value = "N",
+                            .text = "Order of godunov's differences, 1 or 2 [2]",
+                            .reads = wholeNumber(o.order, 1, 2)}});
+}

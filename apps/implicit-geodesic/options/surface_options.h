@@ -1,0 +1,39 @@
+/// The surface, its band and the scheme.
+#pragma once
+
+#include <igeo/io/grid_source.h>
+
+#include <optional>
+#include <string>
+
+struct Command;
+
+enum class SurfaceKind { None, Volume, Mesh, Points };
+
+enum class Scheme { Jet, Godunov };
+const char* nameOf(Scheme scheme);
+
+/// What decides on a surface and its bands: jobs that agree in it may share both.
+struct SurfaceOptions {
+    SurfaceKind kind = SurfaceKind::None;
+    igeo::GridSource source;    ///< only of a volume with a grid
+    double voxelSize = 0;       ///< of a mesh or points; 0: by resolution
+    int resolution = 0;         ///< voxels along the longest side; 0: default
+    bool rebuild = false;       ///< redistance the volume
+    std::optional<double> iso;  ///< the value that becomes the surface; none: by class
+
+    double band = 0;        ///< world units; 0: default
+    double bandVoxels = 0;  ///< voxels; 0: default
+
+    Scheme scheme = Scheme::Jet;
+    int order = 2;  ///< of godunov's differences
+
+    bool operator==(const SurfaceOptions&) const = default;
+};
+
+void addSurfaceOptions(Command& command, SurfaceOptions& options);
+void addBandOptions(Command& command, SurfaceOptions& options);
+void addSchemeOptions(Command& command, SurfaceOptions& options);
+
+/// --voxel-size and --resolution
+void addVoxelSizeOptions(Command& command, double& voxelSize, int& resolution);
