@@ -13,7 +13,7 @@ std::optional<double> numberOf(const std::string& word) {
 
 std::string commaList(const std::vector<std::string>& words) {
     std::string list;
-    for (const std::string& word : words) list += (list.empty() ? "" : ",") + word;
+    for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
     return list;
 }
 

@@ -55,14 +55,14 @@ std::vector<std::string> namesIn(const Names<Value>& values) {
     return names;
 }
 
-/// "a,b,c"
+/// "a, b, c"
 std::string commaList(const std::vector<std::string>& words);
 
 template <typename Value>
 Value valueNamed(const std::string& word, const Names<Value>& values) {
     for (const auto& [name, value] : values)
         if (name == word) return value;
-    usageError(word + " is none of " + commaList(namesIn(values)), "");
+    usageError("'" + word + "' is none of " + commaList(namesIn(values)), "");
 }
 
 template <typename Value>
