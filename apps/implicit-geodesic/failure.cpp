@@ -8,6 +8,7 @@
 
 #include "console.h"
 #include "exit_code.h"
+#include "option_words.h"
 
 namespace {
 
@@ -34,7 +35,7 @@ Failure currentFailure() {
     try {
         throw;
     } catch (const igeo::Error& e) {
-        return {exitCodeFor(e.kind()), e.what(), e.remedy()};
+        return {exitCodeFor(e.kind()), inOptionWords(e.what()), inOptionWords(e.remedy())};
     } catch (const std::bad_alloc&) {
         return {kFailed, "out of memory",
                 "use a narrower band, a coarser level set, a larger --memory-limit or a larger "

@@ -1,12 +1,13 @@
 #include "info.h"
 
-#include <igeo/base/detail/format.h>
+#include <fmt/core.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/io/mesh_file.h>
 #include <igeo/io/point_cloud_file.h>
 #include <igeo/io/vdb_write.h>
 #include <igeo/results/field_grids.h>
-#include <igeo/results/report.h>
 #include <igeo/results/survey.h>
+#include "output/report.h"
 
 #include <algorithm>
 #include <chrono>
@@ -16,13 +17,14 @@
 #include <utility>
 
 #include "exit_code.h"
-#include "guarded_read.h"
-#include "output_files.h"
-#include "results.h"
-#include "surface_input.h"
+#include "input/guarded_read.h"
+#include "input/surface_input.h"
+#include "option_words.h"
+#include "output/output_files.h"
+#include "output/stdout.h"
+#include "process.h"
 
 using igeo::FileSurvey;
-using igeo::format;
 using igeo::SurfacePiece;
 using igeo::Vec3d;
 
@@ -32,11 +34,11 @@ std::string count(std::uint64_t n, const char* one) {
     return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
 }
 
-std::string percent(double share) { return format("%.2g %%", 100 * share); }
+std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
 
 /// A length given in voxels.
 std::string lengthOf(double voxels, double dx) {
-    return format("%.4g voxels (%.4g)", voxels, voxels * dx);
+    return fmt::format("{:.4g} voxels ({:.4g})", voxels, voxels * dx);
 }
 
 std::string radiusOf(double curvature, double dx) {
@@ -71,8 +73,8 @@ std::string describe(const igeo::MeshFacts& mesh) {
 
 std::string describe(const igeo::CloudDensity& cloud) {
     std::string line = count(cloud.points, "point") +
-                       format(", %.4g apart (99 %%: %.4g), scatter %.2g", cloud.spacing,
-                              cloud.spacing99, cloud.noise) +
+                       fmt::format(", {:.4g} apart (99 %: {:.4g}), scatter {:.2g}", cloud.spacing,
+                                   cloud.spacing99, cloud.noise) +
                        ", " + count(cloud.pieces, "piece");
     if (cloud.duplicates > 0) line += "; " + count(cloud.duplicates, "duplicate");
     if (cloud.isolated > 0) line += "; " + std::to_string(cloud.isolated) + " left out";
@@ -88,14 +90,14 @@ std::string describe(const igeo::Similarity& t) {
     std::string words = "uniform scale";
     if (t.mirrors()) words += ", reflected";
     // acos near 1: rounding of 1e-12 in the trace is 1e-4 degrees.
-    if (degrees > 1e-3) words += format(", rotated by %.4g degrees", degrees);
-    return words + format(", voxel size dx %.6g", t.dx);
+    if (degrees > 1e-3) words += fmt::format(", rotated by {:.4g} degrees", degrees);
+    return words + fmt::format(", voxel size dx {:.6g}", t.dx);
 }
 
 std::string describe(const SurfacePiece& p, double dx) {
     const Vec3d size = p.high - p.low;
-    std::string line = format("area %.6g, box %.4g", p.area * dx * dx, size.x) +
-                       format(" x %.4g x %.4g", size.y, size.z);
+    std::string line = fmt::format("area {:.6g}, box {:.4g}", p.area * dx * dx, size.x) +
+                       fmt::format(" x {:.4g} x {:.4g}", size.y, size.z);
     if (p.parts == 0) return line + ", cut off from a larger piece by sheets that face each other";
     line += p.rims == 0 ? ", closed" : ", cut along " + count(std::uint64_t(p.rims), "rim");
     line += ", genus " + std::to_string(p.genus);
@@ -118,7 +120,8 @@ private:
 void printPieces(Table& table, const igeo::SurfaceSurvey& s, double dx) {
     constexpr std::size_t kMost = 8;
     if (s.pieces.size() == 1) return table.row("1 piece", describe(s.pieces[0], dx));
-    table.row(std::to_string(s.pieces.size()) + " pieces", format("area %.6g", s.area * dx * dx));
+    table.row(std::to_string(s.pieces.size()) + " pieces",
+              fmt::format("area {:.6g}", s.area * dx * dx));
     for (std::size_t k = 0; k < std::min(s.pieces.size(), kMost); ++k)
         table.row("", describe(s.pieces[k], dx));
     if (s.pieces.size() > kMost)
@@ -133,11 +136,12 @@ void printRoom(Table& table, const igeo::SurfaceSurvey& s, double dx) {
     if (s.facingRadius < igeo::kInfinity)
         table.row("", "99 % is " + lengthOf(2 * s.facingRadius, dx) +
                           " or more from sheets that face it");
-    std::string advice = format("voxels of up to %.4g show all of this", s.resolvingSize * dx);
+    std::string advice =
+        fmt::format("voxels of up to {:.4g} show all of this", s.resolvingSize * dx);
     // Sharp edges ask for more than any grid has; sheets are what must be told apart.
     if (s.facingRadius < igeo::kInfinity && s.facingRadius > s.medialRadius)
-        advice +=
-            format(", of up to %.4g tell its sheets apart", s.facingRadius / std::sqrt(3.0) * dx);
+        advice += fmt::format(", of up to {:.4g} tell its sheets apart",
+                              s.facingRadius / std::sqrt(3.0) * dx);
     table.row("", advice);
 }
 
@@ -159,7 +163,7 @@ void printSurface(Table& table, const FileSurvey& file) {
                                               lengthOf(s.bounds.upper, dx) + ", " + s.bounds.why
                                         : "h = " + least + ", more than " + s.bounds.why);
     table.row("", "by default jet takes " +
-                      format("%.4g, godunov %.4g voxels", s.bounds.lower, s.godunovBand));
+                      fmt::format("{:.4g}, godunov {:.4g} voxels", s.bounds.lower, s.godunovBand));
     std::string why;
     constexpr std::array<const char*, igeo::kUnreliableCauses> kWhy{"bends", "facing sheets",
                                                                     "|grad psi|", "cuts"};
@@ -167,10 +171,10 @@ void printSurface(Table& table, const FileSurvey& file) {
         if (s.unreliableBy[k] > 0)
             why += (why.empty() ? ": " : ", ") + std::string(kWhy[k]) + " " +
                    std::to_string(s.unreliableBy[k]);
-    table.row("unreliable", format("%.0f of %.0f band voxels (", double(s.unreliable), n) +
+    table.row("unreliable", fmt::format("{} of {:.0f} band voxels (", s.unreliable, n) +
                                 percent(double(s.unreliable) / n) + ")" + why);
-    table.row("a run",
-              format("about %.3g MB, %.2g s on one core", double(s.bytes) / 1e6, s.seconds));
+    table.row("a run", fmt::format("about {:.3g} MB, {:.2g} s on one core", double(s.bytes) / 1e6,
+                                   s.seconds));
 }
 
 void print(const FileSurvey& file) {
@@ -183,35 +187,40 @@ void print(const FileSurvey& file) {
         table.row("grid", describe(grid, levelSet.psi && grid.name == levelSet.name));
     if (file.mesh) table.row("mesh", describe(*file.mesh));
     if (file.points) table.row("points", describe(*file.points));
-    if (levelSet.psi && !file.ofGrid()) table.row("voxels", format("of %.6g", dx));
+    if (levelSet.psi && !file.ofGrid()) table.row("voxels", fmt::format("of {:.6g}", dx));
     if (file.ofGrid())
         table.row("transform", dx > 0 ? describe(levelSet.transform) : "refused, see below");
     if (stats.activeVoxels > 0) {
         if (file.ofGrid()) table.row("half-width", lengthOf(stats.halfWidth, dx));
         table.row(file.ofGrid() ? "volume" : "within",
-                  format(file.low) + " to " + format(file.high));
+                  igeo::textOf(file.low) + " to " + igeo::textOf(file.high));
     }
     if (file.ofGrid() && stats.nearSurface > 0)
         table.row("|grad psi|",
-                  format("%.3f (median), within [0.75, 1.25] at %.1f %% of the voxels",
-                         stats.gradientMedian, 100 * stats.gradientShare));
+                  fmt::format("{:.3f} (median), within [0.75, 1.25] at {:.1f} % of the voxels",
+                              stats.gradientMedian, 100 * stats.gradientShare));
     if (file.surface) printSurface(table, file);
     for (const std::string& warning : file.warnings) table.row("warning", warning);
-    results() << file.verdict() << std::endl;
-}
-
-SurfaceOptions surfaceOf(const InfoOptions& options, SurfaceKind kind) {
-    SurfaceOptions surface;
-    surface.kind = kind;
-    surface.source = options.source;
-    surface.voxelSize = options.voxelSize;
-    surface.resolution = options.resolution;
-    return surface;
+    results() << inOptionWords(file.verdict()) << std::endl;
 }
 
 /// A survey of the file as a kind of surface.
 FileSurvey surveyAs(SurfaceKind kind, const InfoOptions& options, igeo::Progress& progress) {
-    return SurfaceInput::of(surfaceOf(options, kind))->survey(/*memoryLimit=*/0, progress);
+    if (kind == SurfaceKind::Volume)
+        return guardedRead(options.source.file,
+                           [&] { return igeo::surveyFile(options.source, progress); });
+    SurfaceOptions surfaceOptions;
+    surfaceOptions.kind = kind;
+    surfaceOptions.source = options.source;
+    surfaceOptions.voxelSize = options.voxelSize;
+    surfaceOptions.resolution = options.resolution;
+    const igeo::Surface surface = readSurface(surfaceOptions, progress);
+    surface.requireMemory(surface.bandWidth(igeo::Scheme::Jet), machineMemory());
+    const double dx = surface.transform().dx;
+    if (surface.triangles()) return igeo::surveyMesh(*surface.triangles(), dx, progress);
+    FileSurvey survey = igeo::surveyPoints(*surface.points(), dx, progress);
+    survey.warnings = surface.facts().warnings;
+    return survey;
 }
 
 /// The same where a refusal is part of it.
@@ -232,6 +241,9 @@ FileSurvey surveyOf(const InfoOptions& options, igeo::Progress& progress) {
     const std::string name = options.source.text();
     if (igeo::isPointFile(name)) return tryAs(SurfaceKind::Points, options, progress);
     if (!igeo::isMeshFile(name)) {
+        if (options.voxelSize > 0 || options.resolution > 0)
+            usageError("--voxel-size and --resolution are for meshes and points",
+                       "a volume has a fixed voxel size: leave them out");
         // A volume says itself why it is refused.
         FileSurvey file = surveyAs(SurfaceKind::Volume, options, progress);
         const bool points = std::any_of(file.grids.begin(), file.grids.end(), igeo::holdsPoints);
@@ -267,9 +279,9 @@ int info(const InfoOptions& options, Console& console, ConsoleProgress& progress
                                              file.levelSet.psi->transform(),
                                              file.levelSet.psi->getName() + "_unreliable")});
     progress.clear();
-    console.detail(format("surveyed in %.3f s", seconds.count()));
+    console.detail(fmt::format("surveyed in {:.3f} s", seconds.count()));
     if (options.json)
-        writeDocument("-", igeo::surveyJson(file));
+        writeDocument("-", surveyJson(file));
     else
         print(file);
     if (asked)

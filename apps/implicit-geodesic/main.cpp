@@ -5,11 +5,11 @@
 #include "console.h"
 #include "exit_code.h"
 #include "failure.h"
-#include "guarded_read.h"
 #include "info.h"
+#include "input/guarded_read.h"
 #include "options/options.h"
+#include "output/stdout.h"
 #include "process.h"
-#include "results.h"
 #include "run.h"
 
 namespace {

@@ -1,24 +1,33 @@
-/// The job: from a level set to distances and geodesics.
+/// The main job: from a surface to distances and geodesics.
 #pragma once
 
+#include <igeo/geodesic_solver.h>
+
+#include <string>
+#include <vector>
+
 #include "console.h"
+#include "input/metric_input.h"
 #include "options/run_options.h"
+#include "stages.h"
 
-class MetricInput;
-class SurfaceInput;
+/// A surface and a metric on it, set up once for all jobs that agree in them.
+struct PreparedSolver {
+    igeo::GeodesicSolver solver;
+    MetricInput metric;  ///< its names and warnings
+};
 
-/// Refuses files that cannot be read or written, before any is read; what options say against each
-/// other was refused when they were parsed.
-/// @throws igeo::Error  InvalidArgument
-void checkRun(const RunOptions& options);
+/// Reads the metric, and sets up the solver.
+/// @param memoryLimit  bytes
+PreparedSolver prepareSolver(const igeo::Surface& surface, const RunOptions& options,
+                             igeo::Progress& progress);
 
-/// Checks, then walks the street: read, check, band, seeds, march, trace, write.
+/// Reads, solves, writes: all of a job.
 /// @return kDone or kUnreached
 /// @throws igeo::Error
-int run(const RunOptions& options, Console& console, ConsoleProgress& progress);
+int run(const RunOptions& options, const Console& console, ConsoleProgress& progress);
 
-/// The street from the band on, for options that were checked, on a surface with the SurfaceOptions
-/// of the job and a metric with its MetricOptions, read or not. Jobs may share both and run side by
-/// side; each writes what `run` would.
-int runOn(const SurfaceInput& surface, MetricInput& metric, const RunOptions& options,
-          Console& console, ConsoleProgress& progress);
+/// The same from the seeds on, with a solver for the job's surface, band and metric. Jobs may share
+/// one and run side by side; each writes what `run` would.
+int runOn(const PreparedSolver& prepared, const RunOptions& options, const Console& console,
+          Stages& stages);

@@ -1,9 +1,8 @@
 /// What the stages of a job cost.
 #pragma once
 
-#include <igeo/base/detail/format.h>
+#include <igeo/base/progress.h>
 
-#include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -11,30 +10,25 @@
 
 #include "console.h"
 
-class Stages {
+/// Shows progress, and keeps an account of the stages.
+class Stages final : public igeo::Progress {
 public:
-    Stages(Console& console, ConsoleProgress& progress) : console_(console), progress_(progress) {}
+    Stages(const Console& console, ConsoleProgress& progress)
+        : console_(console), progress_(progress) {}
 
-    /// Ends a stage: its name, and the time since the last one ended.
-    void finished(const char* stage) {
-        const auto now = std::chrono::steady_clock::now();
-        const double seconds = std::chrono::duration<double>(now - start_).count();
-        start_ = now;
-        const auto same = std::find_if(seconds_.begin(), seconds_.end(),
-                                       [&](const auto& entry) { return entry.first == stage; });
-        if (same == seconds_.end())
-            seconds_.emplace_back(stage, seconds);
-        else
-            same->second += seconds;
-        progress_.clear();
-        console_.detail(std::string(stage) + igeo::format(": %.3f s", seconds));
-    }
+    void update(const char* name, double fraction) override { progress_.update(name, fraction); }
+    bool cancelled() const override { return progress_.cancelled(); }
+    /// The time since the last stage ended is that of this one; stages of one name add up.
+    void finished(const char* stage) override;
+
     /// Wall time by stage, in the order in which they first ended.
     const std::vector<std::pair<std::string, double>>& seconds() const { return seconds_; }
 
 private:
-    Console& console_;
+    using Clock = std::chrono::steady_clock;
+
+    const Console& console_;
     ConsoleProgress& progress_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    Clock::time_point start_ = Clock::now();
     std::vector<std::pair<std::string, double>> seconds_;
 };

@@ -55,21 +55,41 @@ struct GeodesicSolver::Setup {
               options.scheme, options.order,
               options.band > 0 ? options.band / transform().dx : options.bandVoxels, progress)),
           leastWeight(igeo::leastWeight(options.metric)),
-          maxSnap(options.maxSnap >= 0 ? options.maxSnap : surface.facts().snap),
-          needsWholeSurface(igeo::needsWholeSurface(options.metric) || !(leastWeight > 0)) {}
+          needsWholeSurface(igeo::needsWholeSurface(options.metric) || !(leastWeight > 0)) {
+        follow(options.rules);
+    }
+    /// The same, with other rules.
+    Setup(const Setup& other, const QueryRules& rules)
+        : surface(other.surface),
+          options(other.options),
+          width(other.width),
+          leastWeight(other.leastWeight),
+          needsWholeSurface(other.needsWholeSurface),
+          cache(other.cache) {
+        follow(rules);
+    }
 
     const Surface surface;
-    const SolverOptions options;
+    SolverOptions options;
     const BandWidth width;
-    const double leastWeight, maxSnap;
+    const double leastWeight;
     const bool needsWholeSurface;  ///< for the metric
+    double maxSnap = 0;
 
-    mutable std::mutex mutex;
-    mutable std::optional<MetricPtr> wholeMetric;
+    /// What is made when first asked for, by whoever asks; the others wait.
+    struct Cache {
+        std::mutex mutex;
+        std::optional<MetricPtr> wholeMetric;
+    };
+    std::shared_ptr<Cache> cache = std::make_shared<Cache>();
 
+    void follow(const QueryRules& rules) {
+        options.rules = rules;
+        maxSnap = rules.maxSnap >= 0 ? rules.maxSnap : surface.facts().snap;
+    }
     const Similarity& transform() const { return surface.transform(); }
     Vec3d indexOf(const Vec3d& p) const {
-        return options.space == Space::Index ? p : transform().indexFromWorld(p);
+        return options.rules.space == Space::Index ? p : transform().indexFromWorld(p);
     }
     double snapVoxels() const { return maxSnap / transform().dx; }
     bool tooFar(const SurfacePoint& p) const {
@@ -77,15 +97,15 @@ struct GeodesicSolver::Setup {
     }
     void requireNear(const SurfacePoint& p, const Vec3d& asked, const std::string& what) const;
     std::shared_ptr<const Band> wholeBand(Progress& progress) const {
-        surface.requireMemory(width, options.memoryLimit);
+        surface.requireMemory(width, options.rules.memoryLimit);
         return surface.band(width, {}, progress);
     }
     /// The metric on the whole band is made once.
     MetricPtr metricOf(const Band& band, bool whole, Progress& progress) const {
         if (!whole) return metricOn(options.metric, band, progress);
-        const std::lock_guard<std::mutex> lock(mutex);
-        if (!wholeMetric) wholeMetric = metricOn(options.metric, band, progress);
-        return *wholeMetric;
+        const std::lock_guard<std::mutex> lock(cache->mutex);
+        if (!cache->wholeMetric) cache->wholeMetric = metricOn(options.metric, band, progress);
+        return *cache->wholeMetric;
     }
 };
 
@@ -315,6 +335,12 @@ Distance Query::solve(const Surface& surface) {
 GeodesicSolver::GeodesicSolver(Surface surface, SolverOptions options, Progress& progress)
     : setup_(std::make_shared<const Setup>(std::move(surface), std::move(options), progress)) {}
 
+GeodesicSolver GeodesicSolver::with(const QueryRules& rules) const {
+    GeodesicSolver other = *this;
+    other.setup_ = std::make_shared<const Setup>(*setup_, rules);
+    return other;
+}
+
 Distance GeodesicSolver::distance(const Seeds& seeds, const MarchLimits& limits,
                                   Progress& progress) const {
     if (seeds.empty())
@@ -348,7 +374,8 @@ Path GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double dis
     constexpr double kBeyond = 8;  // voxels that a step and its cells look at
     const Setup& s = *setup_;
     const Vec3d start = s.indexOf(from), along = s.indexOf(from + direction) - start;
-    const double voxels = s.options.space == Space::Index ? distance : distance / s.transform().dx;
+    const double voxels =
+        s.options.rules.space == Space::Index ? distance : distance / s.transform().dx;
     std::shared_ptr<const Band> band =
         s.surface.band(s.width, {{start, s.snapVoxels() + voxels + kBeyond}}, progress);
     if (band->size() == 0) band = s.wholeBand(progress);

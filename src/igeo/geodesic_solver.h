@@ -1,6 +1,7 @@
 /// Geodesic distances on a surface: one solver, many seeds.
 #pragma once
 
+#include <igeo/base/space.h>
 #include <igeo/distance.h>
 #include <igeo/metric/metric_definition.h>
 #include <igeo/results/distance_matrix.h>
@@ -15,8 +16,13 @@
 
 namespace igeo {
 
-/// What positions given to a solver mean. Lengths are in world units either way.
-enum class Space { World, Index };
+/// What points have to keep to, and what a march may take.
+struct QueryRules {
+    double maxSnap = -1;  ///< how far points may be from the surface, world units; less than 0:
+                          ///< SurfaceFacts::snap
+    Space space = Space::World;
+    double memoryLimit = kInfinity;  ///< bytes that a march of the whole surface may take
+};
 
 struct SolverOptions {
     Scheme scheme = Scheme::Jet;
@@ -24,10 +30,7 @@ struct SolverOptions {
     double band = 0;          ///< h, world units; 0: the one with which the scheme errs least
     double bandVoxels = 0;    ///< the same in voxels
     MetricDefinition metric;  ///< Euclidean unless filled
-    double maxSnap = -1;      ///< how far points may be from the surface, world units; less than
-                              ///< 0: SurfaceFacts::snap
-    Space space = Space::World;
-    double memoryLimit = kInfinity;  ///< bytes that a march of the whole surface may take
+    QueryRules rules;
 };
 
 /// A point that a front starts from.
@@ -73,6 +76,9 @@ public:
     explicit GeodesicSolver(Surface surface, SolverOptions options = {},
                             Progress& progress = Progress::none());
 
+    /// The same solver, band and metric included, with other rules.
+    GeodesicSolver with(const QueryRules& rules) const;
+
     /// The distance from seeds: second order in the voxel size with `jet`.
     ///
     /// Where a limit keeps the march near the seeds, only the band there is made: with a maximal
@@ -80,7 +86,7 @@ public:
     /// more than twice the cost of the last. No path is shorter than the straight line at the least
     /// weight, so what is found is what a march of the whole surface finds.
     /// @throws Error  InvalidArgument without seeds, for a point farther from the surface than
-    ///         maxSnap or inside an obstacle, for `isSigned` with other seeds; 
+    ///         maxSnap or inside an obstacle, for `isSigned` with other seeds;
     ///         signsOfCurves, marchJet, marchGodunov; Cancelled
     /// Time O(n) with jet, O(n log n) with godunov; n nodes of the band that is looked at. The same
     /// bits for any number of threads.

@@ -1,6 +1,6 @@
 // What a fault of a library does while a file is read, and what sizes without sense do.
-#include <implicit-geodesic/guarded_read.h>
-#include <implicit-geodesic/process.h>
+#include <input/guarded_read.h>
+#include <process.h>
 #include <support/catch.h>
 #include <sys/wait.h>
 #include <unistd.h>

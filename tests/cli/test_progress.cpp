@@ -1,7 +1,7 @@
 // What a person is told of the time left.
 #include <support/catch.h>
 
-#include <implicit-geodesic/time_left.h>
+#include <time_left.h>
 
 TEST_CASE("time left is what the pace says, and what has passed since is taken off") {
     TimeLeft t;

@@ -95,7 +95,7 @@ TEST_CASE("Surface: a mesh and points through the same door") {
 
 TEST_CASE("GeodesicSolver: a point too far from the surface is refused, with the nearest one") {
     SolverOptions options;
-    options.maxSnap = 0.1;
+    options.rules.maxSnap = 0.1;
     const GeodesicSolver solver{Surface(*ball(0.05)), options};
     const Vec3d off = on(0, 0, 1) + Vec3d{0, 0, 0.2}, near = on(0, 0, 1) + Vec3d{0, 0, 0.09};
     using Kind = Error::Kind;
@@ -188,7 +188,7 @@ TEST_CASE("GeodesicSolver: the same bits for any number of threads; stops when a
 
 TEST_CASE("GeodesicSolver: refuses a band that takes more memory than allowed") {
     SolverOptions options;
-    options.memoryLimit = 1e5;
+    options.rules.memoryLimit = 1e5;
     const GeodesicSolver solver{Surface(*ball(0.03)), options};
     expectError(Error::Kind::InvalidArgument, {"GiB", "allowed", "maxDistance"},
                 [&] { solver.distance({on(0, 0, 1)}); });

@@ -1,5 +1,6 @@
 #include "batch/batch.h"
 
+#include <fmt/core.h>
 #include <igeo/base/atomic_file.h>
 #include <igeo/base/digest.h>
 #include <igeo/base/error.h>
@@ -12,6 +13,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "batch/manifest.h"
@@ -20,11 +22,11 @@
 #include "batch/summary.h"
 #include "exit_code.h"
 #include "failure.h"
-#include "metric_input.h"
-#include "output_files.h"
+#include "input/surface_input.h"
+#include "output/output_files.h"
+#include "output/result_checks.h"
 #include "process.h"
 #include "run.h"
-#include "surface_input.h"
 
 namespace fs = std::filesystem;
 
@@ -44,6 +46,21 @@ std::string defaultSummary(const fs::path& manifest, const Part& shard) {
         .string();
 }
 
+/// The solver of jobs that agree in surface and metric, made by the first that needs it.
+class SharedSolver {
+public:
+    PreparedSolver prepared(const igeo::Surface& surface, const RunOptions& options,
+                            igeo::Progress& progress) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (!prepared_) prepared_ = prepareSolver(surface, options, progress);
+        return *prepared_;
+    }
+
+private:
+    std::mutex mutex_;
+    std::optional<PreparedSolver> prepared_;
+};
+
 /// A plan at work.
 class Batch {
 public:
@@ -61,11 +78,10 @@ public:
 
 private:
     void runGroup(const JobNumbers& group);
-    std::unique_ptr<SurfaceInput> readSurface(const JobNumbers& group);
-    void makeWhatAllNeed(const SurfaceInput& surface, const JobNumbers& group);
+    std::optional<igeo::Surface> surfaceOf(const JobNumbers& group);
+    std::size_t prepareBand(const igeo::Surface& surface, const JobNumbers& group);
     double memoryFor(const JobNumbers& group) const;
-    std::size_t jobsAtOnce(const SurfaceInput& surface, const JobNumbers& group) const;
-    void runJob(const SurfaceInput& surface, MetricInput& metric, std::size_t number);
+    void runJob(const igeo::Surface& surface, SharedSolver& solver, std::size_t number);
     void record(std::size_t number, JobRecord outcome);
     void writeSummary();
     int tellEnd();
@@ -100,18 +116,16 @@ int Batch::run() {
 }
 
 void Batch::runGroup(const JobNumbers& group) {
-    const std::unique_ptr<SurfaceInput> surface = readSurface(group);
+    const std::optional<igeo::Surface> surface = surfaceOf(group);
     if (!surface) return;
-    makeWhatAllNeed(*surface, group);
-    const std::size_t atOnce = jobsAtOnce(*surface, group);
-    console_.detail("surface " + surface->name() + ": " + surface->summary() + "; " +
-                    std::to_string(group.size()) + " jobs, " + std::to_string(atOnce) + " at once");
+    const std::size_t atOnce = prepareBand(*surface, group);
+    console_.detail(fmt::format("surface {}: {}; {} jobs, {} at once", surface->facts().name,
+                                surface->facts().summary, group.size(), atOnce));
     progress_.update("batch", double(ended_) / double(records_.size()));
-    // Each metric lives until the last of its jobs is done.
-    std::vector<std::shared_ptr<MetricInput>> metrics;
+    // Each solver, and with it its metric, lives until the last of its jobs is done.
+    std::vector<std::shared_ptr<SharedSolver>> solvers;
     for (const JobNumbers& lot : groupBy<MetricOptions>(plan_.jobs, group))
-        metrics.insert(metrics.end(), lot.size(),
-                       std::make_shared<MetricInput>(plan_.jobs[lot.front()].options));
+        solvers.insert(solvers.end(), lot.size(), std::make_shared<SharedSolver>());
     std::atomic<std::size_t> next{0};
     std::exception_ptr stop;
     // No exception may leave the loop: TBB would cut short the loops of the other jobs, which would
@@ -119,8 +133,8 @@ void Batch::runGroup(const JobNumbers& group) {
     igeo::parallelFor(atOnce, 1, [&](std::size_t, std::size_t) {
         try {
             for (std::size_t k = next++; k < group.size(); k = next++) {
-                const std::shared_ptr<MetricInput> metric = std::move(metrics[k]);
-                runJob(*surface, *metric, group[k]);
+                const std::shared_ptr<SharedSolver> solver = std::move(solvers[k]);
+                runJob(*surface, *solver, group[k]);
             }
         } catch (...) {
             const std::lock_guard<std::mutex> lock(mutex_);
@@ -137,14 +151,10 @@ void Batch::runGroup(const JobNumbers& group) {
     std::rethrow_exception(stop);
 }
 
-/// @return null if it cannot be used, and all jobs of the group have failed
-std::unique_ptr<SurfaceInput> Batch::readSurface(const JobNumbers& group) {
+/// @return nothing if it cannot be used, and all jobs of the group have failed
+std::optional<igeo::Surface> Batch::surfaceOf(const JobNumbers& group) {
     try {
-        auto surface = SurfaceInput::of(plan_.jobs[group.front()].options);
-        progress_.update("read", 0);
-        surface->read();
-        surface->prepare(progress_);
-        return surface;
+        return readSurface(plan_.jobs[group.front()].options, progress_);
     } catch (...) {
         const Failure failure = currentFailure();
         progress_.throwIfCancelled();
@@ -155,50 +165,51 @@ std::unique_ptr<SurfaceInput> Batch::readSurface(const JobNumbers& group) {
             outcome.remedy = failure.remedy;
             record(k, outcome);
         }
-        return nullptr;
+        return std::nullopt;
     }
 }
 
-/// The band of the whole surface, if a job is sure to ask for it: by all threads at once.
-void Batch::makeWhatAllNeed(const SurfaceInput& surface, const JobNumbers& group) {
-    const bool everywhere = std::any_of(group.begin(), group.end(), [&](std::size_t k) {
-        const RunOptions& o = plan_.jobs[k].options;
-        return o.hasSeeds() && !(o.maxDistance > 0) && !o.stopAtTargets;
-    });
-    if (!everywhere) return;
-    if (surface.estimatedMemory() > memoryFor(group)) return;
+/// Makes the band of the whole surface, if a job is sure to ask for it, by all threads at once.
+/// @return how many jobs may run at once: as many as there are threads, and as memory holds
+std::size_t Batch::prepareBand(const igeo::Surface& surface, const JobNumbers& group) {
+    const RunOptions& o = plan_.jobs[group.front()].options;
+    const double h = o.band > 0 ? o.band / surface.transform().dx : o.bandVoxels;
     try {
-        surface.band({}, progress_);
+        const igeo::BandWidth width = surface.bandWidth(o.scheme, o.order.value_or(2), h);
+        const double memory = surface.estimatedMemory(width), limit = memoryFor(group);
+        const bool everywhere = std::any_of(group.begin(), group.end(), [&](std::size_t k) {
+            const RunOptions& job = plan_.jobs[k].options;
+            return job.hasSeeds() && !(job.maxDistance > 0) && !job.stopAtTargets;
+        });
+        if (everywhere && memory <= limit) surface.band(width, {}, progress_);
+        const auto fit = std::size_t(std::min(limit / memory, 1e6));
+        return std::max<std::size_t>(
+            1, std::min({group.size(), std::size_t(igeo::ThreadLimit::current()), fit}));
     } catch (const std::exception&) {
         progress_.throwIfCancelled();
-        // Each job that needs it says why it cannot be made.
+        return 1;  // each job that needs the band says why it cannot be made
     }
 }
 
-/// GiB: of the machine, or the least that a job allows.
+/// Bytes: of the machine, or the least that a job allows.
 double Batch::memoryFor(const JobNumbers& group) const {
-    double memory = machineMemory() / kGiB;
+    double memory = machineMemory();
     for (const std::size_t k : group)
         if (const double limit = plan_.jobs[k].options.memoryLimit; limit > 0)
-            memory = std::min(memory, limit);
+            memory = std::min(memory, limit * kGiB);
     return memory;
 }
 
-/// As many as there are threads, and as memory holds.
-std::size_t Batch::jobsAtOnce(const SurfaceInput& surface, const JobNumbers& group) const {
-    const auto fit = std::size_t(std::min(memoryFor(group) / surface.estimatedMemory(), 1e6));
-    return std::max<std::size_t>(
-        1, std::min({group.size(), std::size_t(igeo::ThreadLimit::current()), fit}));
-}
-
-void Batch::runJob(const SurfaceInput& surface, MetricInput& metric, std::size_t number) {
+void Batch::runJob(const igeo::Surface& surface, SharedSolver& solver, std::size_t number) {
     const BatchJob& job = plan_.jobs[number];
     JobRecord outcome = records_.at(number);
     try {
         Console console(verbose_ ? Console::Level::Verbose : Console::Level::Quiet,
                         job.quoted() + ": ");
         ConsoleProgress quiet(ProgressWhen::Never);
-        outcome.exitCode = runOn(surface, metric, job.options, console, quiet);
+        Stages stages(console, quiet);
+        outcome.exitCode =
+            runOn(solver.prepared(surface, job.options, stages), job.options, console, stages);
         for (const std::string& file : outputFiles(job.options))
             outcome.outputs[file] = igeo::digestOfFile(file);
     } catch (...) {

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "options/options.h"
-#include "output_files.h"
-#include "results.h"
-#include "run.h"
+#include "output/output_files.h"
+#include "output/result_checks.h"
+#include "output/stdout.h"
 #include "usage_error.h"
 
 namespace fs = std::filesystem;
@@ -177,7 +177,7 @@ BatchPlan planBatch(const std::vector<ManifestJob>& jobs, const BatchFiles& file
     for (const JobNumbers& group : plan.groups)
         for (const std::size_t k : group) {
             const BatchJob& job = plan.jobs[k];
-            naming(job.quoted(), [&] { checkRun(job.options); });
+            naming(job.quoted(), [&] { checkFiles(job.options); });
             JobRecord& record = plan.records[k];
             record.index = k;
             record.name = job.name;

@@ -6,7 +6,7 @@
 #include <deque>
 
 #include "options/command_description.h"
-#include "results.h"
+#include "output/stdout.h"
 #include "usage_error.h"
 #include "version_text.h"
 

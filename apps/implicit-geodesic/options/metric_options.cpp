@@ -25,12 +25,11 @@ std::optional<double> valueOf(const std::string& key, const std::string& word) {
     return number[0];
 }
 
-CurvatureWeight curvatureWeightOf(const std::string& word) {
+Given<igeo::CurvatureWeight> curvatureWeightOf(const std::string& word) {
     std::stringstream parts(word);
     std::string part;
     std::getline(parts, part, ',');
-    CurvatureWeight weight;
-    weight.text = word;
+    igeo::CurvatureWeight weight;
     weight.kind = valueNamed(part, kCurvatureKinds);
     while (std::getline(parts, part, ',')) {
         if (const auto epsilon = valueOf("eps", part))
@@ -41,18 +40,19 @@ CurvatureWeight curvatureWeightOf(const std::string& word) {
             usageError("'" + part + "' is neither eps=E nor p=P, both above 0",
                        "write for instance valley,eps=100,p=3");
     }
-    return weight;
+    return {weight, word};
 }
 
-BendingCost bendingCostOf(const std::string& word) {
+Given<igeo::BendingCost> bendingCostOf(const std::string& word) {
     const auto comma = word.find(',');
-    BendingCost cost{valueNamed(word.substr(0, comma), kBendings), {}, word};
-    if (comma == std::string::npos) return cost;
-    cost.length = valueOf("length", word.substr(comma + 1));
-    if (!cost.length)
+    igeo::BendingCost cost{valueNamed(word.substr(0, comma), kBendings)};
+    if (comma == std::string::npos) return {cost, word};
+    const auto length = valueOf("length", word.substr(comma + 1));
+    if (!length)
         usageError("'" + word + "' has no length=L above 0 behind its comma",
                    "write for instance avoid,length=0.5");
-    return cost;
+    cost.length = *length;
+    return {cost, word};
 }
 
 /// `count` numbers.
@@ -77,13 +77,13 @@ ObstacleBox boxOf(const std::string& word) {
             word};
 }
 
-Reader curvatureWeight(std::optional<CurvatureWeight>& field) {
+Reader curvatureWeight(std::optional<Given<igeo::CurvatureWeight>>& field) {
     Reader reader = parsed(field, curvatureWeightOf);
     reader.choices = namesIn(kCurvatureKinds);
     return reader;
 }
 
-Reader bendingCost(std::optional<BendingCost>& field) {
+Reader bendingCost(std::optional<Given<igeo::BendingCost>>& field) {
     Reader reader = parsed(field, bendingCostOf);
     reader.choices = namesIn(kBendings);
     return reader;

@@ -3,7 +3,7 @@
 
 #include <igeo/base/types.h>
 #include <igeo/io/grid_source.h>
-#include <igeo/metric/curvature.h>
+#include <igeo/metric/curvature_cost.h>
 
 #include <optional>
 #include <string>
@@ -11,22 +11,13 @@
 
 struct Command;
 
-/// A weight made of curvature.
-struct CurvatureWeight {
-    igeo::CurvatureKind kind = igeo::CurvatureKind::Valley;
-    double epsilon = igeo::kDefaultCurvatureEpsilon, power = igeo::kDefaultCurvaturePower;
-    std::string text;  ///< as given
+/// A value with the word that it was read from.
+template <typename Value>
+struct Given {
+    Value value;
+    std::string text;
 
-    bool operator==(const CurvatureWeight&) const = default;
-};
-
-/// A tensor made of curvature.
-struct BendingCost {
-    igeo::Bending bending = igeo::Bending::Avoid;
-    std::optional<double> length;  ///< world units; none: igeo::kCurvatureUnit voxels
-    std::string text;              ///< as given
-
-    bool operator==(const BendingCost&) const = default;
+    bool operator==(const Given&) const = default;
 };
 
 struct ObstacleSphere {
@@ -47,13 +38,13 @@ struct ObstacleBox {
 /// What decides on the cost of ways: jobs on one surface that agree in it share what is read.
 struct MetricOptions {
     std::vector<igeo::GridSource> weights;
-    std::optional<CurvatureWeight> weightCurvature;
+    std::optional<Given<igeo::CurvatureWeight>> weightCurvature;
     double curvatureScale = 0;  ///< voxels; 0: default
     std::vector<igeo::GridSource> obstacles;
     std::vector<ObstacleSphere> obstacleSpheres;
     std::vector<ObstacleBox> obstacleBoxes;
     std::optional<igeo::GridSource> metric;  ///< of a tensor
-    std::optional<BendingCost> metricCurvature;
+    std::optional<Given<igeo::BendingCost>> metricCurvature;
 
     bool hasTensor() const { return metric || metricCurvature; }
     bool operator==(const MetricOptions&) const = default;

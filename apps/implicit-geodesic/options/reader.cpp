@@ -57,7 +57,10 @@ Reader number(std::optional<double>& field) {
     });
 }
 
-Reader wholeNumber(int& field, int least, int most) {
+namespace {
+
+template <typename Field>
+Reader wholeNumberInto(Field& field, int least, int most) {
     const std::string range = std::to_string(least) + " to " + std::to_string(most);
     Reader reader = parsed(field, [=](const std::string& word) {
         int v = 0;
@@ -69,4 +72,11 @@ Reader wholeNumber(int& field, int least, int most) {
     });
     reader.range = range;
     return reader;
+}
+
+}  // namespace
+
+Reader wholeNumber(int& field, int least, int most) { return wholeNumberInto(field, least, most); }
+Reader wholeNumber(std::optional<int>& field, int least, int most) {
+    return wholeNumberInto(field, least, most);
 }

@@ -27,6 +27,7 @@ Reader numberAboveZero(double& field);
 Reader numberFromZero(std::optional<double>& field);
 Reader number(std::optional<double>& field);
 Reader wholeNumber(int& field, int least, int most);
+Reader wholeNumber(std::optional<int>& field, int least, int most);
 
 /// The finite number that a word is.
 std::optional<double> numberOf(const std::string& word);

@@ -30,7 +30,7 @@ struct PictureOptions {
     std::optional<ImageSize> imageSize;  ///< none: default
     std::optional<Camera> camera;        ///< none: chosen
     UpAxis up = UpAxis::Y;
-    std::string colorMap;  ///< of igeo::ColorMap::names(); empty: default
+    std::string colorMap;  ///< of igeo::ColorMap::names(); empty: viridis
 };
 
 /// Files are empty where none is asked for.

@@ -16,17 +16,6 @@ struct RunOptions : SurfaceOptions,
                     PictureOptions,
                     ProcessOptions {
     double memoryLimit = 0;  ///< GiB; 0: what the machine has
-
-    /// Whether results are asked for that a run without seeds does not have.
-    bool needsSeeds() const {
-        return !output.empty() || !grids.empty() || extend || !meshOut.empty() ||
-               !isolines.empty() || !matrix.empty() || hasTargets();
-    }
-    /// What else than paths reads the gradient of the distance.
-    bool needsGradient() const {
-        return !meshOut.empty() || !isolines.empty() || !image.empty() || asked(Grid::Gradient) ||
-               asked(Grid::Label) || asked(Grid::Engraved);
-    }
 };
 
 /// As the program takes it.

@@ -4,7 +4,7 @@
 
 namespace {
 
-const Names<Space> kSpaces{{"world", Space::World}, {"index", Space::Index}};
+const Names<igeo::Space> kSpaces{{"world", igeo::Space::World}, {"index", igeo::Space::Index}};
 
 Shot shotOf(const std::string& word) {
     const std::vector<double> v = igeo::parseNumbers(word);

@@ -1,6 +1,7 @@
 /// Where distances begin and paths end.
 #pragma once
 
+#include <igeo/base/space.h>
 #include <igeo/base/types.h>
 #include <igeo/io/grid_source.h>
 #include <igeo/io/point_list.h>
@@ -10,8 +11,6 @@
 #include <vector>
 
 struct Command;
-
-enum class Space { World, Index };
 
 /// A walk straight on.
 struct Shot {
@@ -26,7 +25,7 @@ struct SeedOptions {
     std::vector<std::string> seedCurves;  ///< files of polylines
     std::vector<igeo::GridSource> seedMasks;
     bool withSign = false;
-    Space space = Space::World;
+    igeo::Space space = igeo::Space::World;
     std::optional<double> snap;  ///< world units; none: the narrow band
     int sample = 0;              ///< further seeds, as far from all others as can be
     bool stopAtTargets = false;
@@ -34,7 +33,6 @@ struct SeedOptions {
     std::string pairs;        ///< file of pairs
     std::vector<Shot> shots;  ///< of --shoot
 
-    bool indexSpace() const { return space == Space::Index; }
     /// Seeds that are more than points.
     bool hasExtendedSeeds() const { return !seedCurves.empty() || !seedMasks.empty(); }
     bool hasSeeds() const {

@@ -4,7 +4,7 @@
 
 namespace {
 
-const Names<Scheme> kSchemes{{"jet", Scheme::Jet}, {"godunov", Scheme::Godunov}};
+const Names<igeo::Scheme> kSchemes{{"jet", igeo::Scheme::Jet}, {"godunov", igeo::Scheme::Godunov}};
 
 Reader volume(SurfaceOptions& options) {
     return {.read = [&options](const std::string& word) {
@@ -21,8 +21,6 @@ Reader file(SurfaceOptions& options, SurfaceKind kind) {
 }
 
 }  // namespace
-
-const char* nameOf(Scheme scheme) { return scheme == Scheme::Jet ? "jet" : "godunov"; }
 
 void addVoxelSizeOptions(Command& command, double& voxelSize, int& resolution) {
     command.add(

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/io/grid_source.h>
+#include <igeo/march/scheme.h>
 
 #include <optional>
 #include <string>
@@ -9,9 +10,6 @@
 struct Command;
 
 enum class SurfaceKind { None, Volume, Mesh, Points };
-
-enum class Scheme { Jet, Godunov };
-const char* nameOf(Scheme scheme);
 
 /// What decides on a surface and its bands: jobs that agree in it may share both.
 struct SurfaceOptions {
@@ -25,8 +23,8 @@ struct SurfaceOptions {
     double band = 0;        ///< world units; 0: default
     double bandVoxels = 0;  ///< voxels; 0: default
 
-    Scheme scheme = Scheme::Jet;
-    int order = 2;  ///< of godunov's differences
+    igeo::Scheme scheme = igeo::Scheme::Jet;
+    std::optional<int> order;  ///< of godunov's differences; none: 2
 
     bool operator==(const SurfaceOptions&) const = default;
 };

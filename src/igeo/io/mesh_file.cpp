@@ -195,7 +195,7 @@ void readScene(TriangleMesh& mesh) {
     if (!scene || !scene->mRootNode)
         throw Error(Kind::BadInput,
                     "cannot read '" + mesh.file + "' as a mesh: " + importer.GetErrorString(),
-                    std::string(kReadable) + "; points without faces go to --points");
+                    std::string(kReadable) + "; points without faces go to readPointCloud");
     appendNode(*scene, *scene->mRootNode, {}, mesh);
 }
 
@@ -236,7 +236,7 @@ TriangleMesh readMesh(const std::string& file) {
     requireReadable(file);
     if (!isMeshFile(file))
         throw Error(Kind::BadInput, "'" + file + "' is no mesh by its name",
-                    std::string(kReadable) + "; level sets go with --sdf, clouds with --points");
+                    std::string(kReadable) + "; level sets go to readLevelSetGrid, clouds to readPointCloud");
     TriangleMesh mesh;
     mesh.file = file;
     if (endingOf(file) == ".ply")
@@ -246,7 +246,7 @@ TriangleMesh readMesh(const std::string& file) {
     const std::size_t read = mesh.points.size();
     if (mesh.triangles.empty())
         throw Error(Kind::BadInput, fmt::format("'{}' holds {} points and no faces", file, read),
-                    "give points without faces to --points");
+                    "give points without faces to readPointCloud");
     for (const Vec3d& p : mesh.points)
         if (!std::isfinite(dot(p, p)))
             throw Error(Kind::BadInput,

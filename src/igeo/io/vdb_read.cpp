@@ -85,7 +85,7 @@ std::string describeAll(const Candidates& all) {
 }
 
 constexpr const char* kFromFog =
-    "with --rebuild, OpenVDB's tools::fogToSdf or Houdini's 'Convert VDB'";
+    "with rebuilt(), OpenVDB's tools::fogToSdf or Houdini's 'Convert VDB'";
 
 /// What an input asks of a grid, and the words for it.
 struct Wanted {

@@ -202,7 +202,7 @@ void check(const Band& band, const Metric& metric, const std::vector<SurfacePoin
                             shortText(double(off)) +
                             " off its diagonal; scheme godunov takes tensors that are diagonal "
                             "along the axes of the grid",
-                        "use --scheme jet");
+                        "use Scheme::Jet");
     }
 }
 

@@ -50,7 +50,7 @@ std::vector<Vec3d> cornersOnSurface(const Band& band, const Curve& curve, double
                         "point " + std::to_string(k) + " of a curve is " +
                             std::to_string(p.snapDistance) + " voxels from the surface, " +
                             std::to_string(snap) + " are allowed",
-                        "move it there or raise --snap");
+                        "move it there or raise maxSnap");
         corners.push_back(p.pIndex);
     }
     return corners;

@@ -144,7 +144,7 @@ std::vector<std::int8_t> signsOfCurves(const Band& band, const Field& field) {
         parts.crossings.empty() || against * kStray > parts.crossings.size())
         throw Error(Error::Kind::InvalidArgument,
                     "the seeds do not part the surface into an inside and an outside",
-                    "close the curve, or leave out --signed");
+                    "close the curve, or leave out isSigned");
 
     const std::size_t n = band.size();
     std::vector<std::int8_t> sign(n, 0);

@@ -83,7 +83,7 @@ public:
     }
     static const char* remedy() {
         return "give positive weights all along the surface, or a positive background; for places "
-               "nobody may enter use --obstacle";
+               "no path may enter use MetricDefinition::obstacles";
     }
 
 private:
@@ -125,7 +125,7 @@ public:
     }
     static const char* remedy() {
         return "give symmetric tensors with three positive eigenvalues all along the surface; for "
-               "places that no path may enter use --obstacle";
+               "places that no path may enter use MetricDefinition::obstacles";
     }
 
 private:

@@ -4,7 +4,7 @@
 #include <igeo/band/band.h>
 #include <igeo/base/progress.h>
 #include <igeo/io/vdb_read.h>
-#include <igeo/metric/curvature.h>
+#include <igeo/metric/curvature_cost.h>
 #include <igeo/metric/metric.h>
 #include <igeo/metric/obstacles.h>
 
@@ -13,18 +13,6 @@
 #include <vector>
 
 namespace igeo {
-
-/// A weight made of curvature (curvatureWeights).
-struct CurvatureWeight {
-    CurvatureKind kind = CurvatureKind::Valley;
-    double epsilon = kDefaultCurvatureEpsilon, power = kDefaultCurvaturePower;
-};
-
-/// A tensor made of the principal curvatures (curvatureTensor).
-struct BendingCost {
-    Bending bending = Bending::Avoid;
-    double length = 0;  ///< L, world units; 0: kCurvatureUnit voxels
-};
 
 /// All that a cost is made of; several weights multiply. As it is here, Euclidean.
 struct MetricDefinition {

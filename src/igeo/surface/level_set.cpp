@@ -254,7 +254,7 @@ void judgeGradient(LevelSet& s) {
             Kind::BadInput, "psi is not a distance: " + seen + where(s),
             "values in voxel units must be multiplied by the voxel size, those of a grid "
             "whose transform was scaled by the same factor; anything else must be "
-            "redistanced: add --rebuild; what is too thin or too rough for its voxels stays none");
+            "redistanced by rebuilt(); what is too thin or too rough for its voxels stays none");
     }
     if (st.gradientShare < 0.95)
         s.warnings.push_back(
@@ -291,8 +291,8 @@ void judgeRange(const LevelSet& s) {
             Kind::BadInput,
             std::string("psi is ") + (st.negative ? "negative" : "positive") +
                 " everywhere: there is no surface where it changes sign" + where(s),
-            "give a signed distance, negative inside; of an unsigned one, --rebuild --iso D "
-            "makes the surface at distance D; open surfaces can be given as --mesh");
+            "give a signed distance, negative inside; of an unsigned one, rebuilt(psi, D) "
+            "makes the surface at distance D; open surfaces can be given as TriangleMesh");
     if (st.halfWidth < 0.9)
         throw Error(
             Kind::BadInput,
@@ -317,7 +317,7 @@ void judgeShape(LevelSet& s) {
                         "closed surface: more than 50 %): psi is hollow, as it becomes when an "
                         "open mesh is turned into a level set{}",
                         100 * st.crossingShare, where(s)),
-            "give the mesh itself with --mesh, which may be open; or close it (fill its holes) "
+            "give the mesh itself as TriangleMesh, which may be open; or close it (fill its holes) "
             "before converting it");
     if (st.crossingShare < 0.45)
         s.warnings.push_back(

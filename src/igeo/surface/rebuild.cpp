@@ -69,7 +69,7 @@ LoadedGrid rebuilt(const LoadedGrid& volume, double iso, Progress& progress) {
             Error::Kind::BadInput,
             fmt::format("no surface has the value {:.6g}: the volume goes from {:.6g} to {:.6g}{}",
                         iso, double(range.min()), double(range.max()), where(volume)),
-            "give a value in between with --iso");
+            "give a value in between as the iso of rebuilt()");
     }
     result.isLevelSetClass = true;
     return result;

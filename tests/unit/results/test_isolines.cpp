@@ -1,6 +1,5 @@
 #include <igeo/base/parallel.h>
 #include <igeo/results/isolines.h>
-#include <igeo/results/report.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/exact.h>
@@ -12,7 +11,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <tuple>
@@ -326,25 +324,6 @@ TEST_CASE("isolinesPly: vertices and edges") {
     CHECK(ply.rows.at("edge") == Rows{{0, 1}, {1, 2}, {2, 0}, {3, 4}});
     CHECK(ply.properties.at("edge") == std::vector<std::string>{"vertex1", "vertex2"});
     CHECK(parsePly(isolinesPly({}, halved())).rows.at("vertex").empty());
-}
-
-TEST_CASE("isolinesJson: world units") {
-    Band band;
-    band.transform = halved();
-    Field field;
-    field.scheme = "test";
-    RunReport report;
-    report.file = "a.vdb";
-    const auto j = nlohmann::json::parse(isolinesJson(report, band, field, twoLines()));
-    CHECK(j["type"] == "isolines");
-    CHECK(j["surface"]["file"] == "a.vdb");
-    CHECK(j["parameters"]["scheme"] == "test");
-    REQUIRE(j["isolines"].size() == 2);
-    CHECK(j["isolines"][0]["level"] == 2);
-    CHECK(j["isolines"][0]["length"] == 1.5);
-    CHECK(j["isolines"][0]["closed"] == true);
-    CHECK(j["isolines"][1]["closed"] == false);
-    CHECK(j["isolines"][1]["position"] == nlohmann::json({{10, 20, 30.5}, {10, 20, 31}}));
 }
 
 }  // namespace igeo::test

@@ -1,9 +1,10 @@
-#include <igeo/results/report.h>
 #include <support/analytic_band.h>
 #include <support/catch.h>
 
 #include <nlohmann/json.hpp>
 #include <sstream>
+
+#include "output/report.h"
 
 namespace igeo::test {
 namespace {
@@ -39,7 +40,7 @@ struct Run {
         stalled.vertices = {{{0.1, 0, 0}, 0, 3}};
         stalled.distance = 3;
         report.paths = {reached, stalled, Path{}};
-        report.file = "a.vdb", report.grid = "psi";
+        report.surface.file = "a.vdb", report.surface.name = "psi";
         report.seconds = {{"read", 0.25}};
         report.outputs = {{"geodesics", "g.json"}};
         report.warnings = {"mind the gap"};
@@ -50,6 +51,15 @@ struct Run {
 json parse(const std::string& text) {
     CHECK(text.back() == '\n');
     return json::parse(text);
+}
+
+std::vector<Isoline> twoLines() {
+    Isoline closed, open;
+    closed.level = 4, closed.closed = true, closed.length = 3;
+    closed.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    open.level = 6, open.length = 1;
+    open.points = {{0, 0, 1}, {0, 0, 2}};
+    return {closed, open};
 }
 
 }  // namespace
@@ -128,8 +138,8 @@ TEST_CASE("reports: doubles survive the way through text") {
 
 TEST_CASE("reports: names that are no UTF-8 still make valid JSON") {
     Run run;
-    run.report.file = "caf\xE9.vdb";
-    run.report.grid = "\xFF";
+    run.report.surface.file = "caf\xE9.vdb";
+    run.report.surface.name = "\xFF";
     const json geodesics = parse(geodesicsJson(run.report, run.band, run.field));
     CHECK(geodesics["surface"]["file"].get<std::string>().substr(0, 3) == "caf");
     CHECK_NOTHROW(parse(reportJson(run.report, run.band, run.field)));
@@ -176,6 +186,26 @@ TEST_CASE("matrixJson: world units, null where there is no way") {
     CHECK(part["rows"] == json({{"first", 4}, {"count", 1}}));
     CHECK(part["distance"] == j["distance"]);
     CHECK(part["asymmetry"].is_null());
+}
+
+TEST_CASE("isolinesJson: world units") {
+    Band band;
+    band.transform.dx = 0.5;
+    band.transform.origin = {10, 20, 30};
+    Field field;
+    field.scheme = "test";
+    RunReport report;
+    report.surface.file = "a.vdb";
+    const auto j = json::parse(isolinesJson(report, band, field, twoLines()));
+    CHECK(j["type"] == "isolines");
+    CHECK(j["surface"]["file"] == "a.vdb");
+    CHECK(j["parameters"]["scheme"] == "test");
+    REQUIRE(j["isolines"].size() == 2);
+    CHECK(j["isolines"][0]["level"] == 2);
+    CHECK(j["isolines"][0]["length"] == 1.5);
+    CHECK(j["isolines"][0]["closed"] == true);
+    CHECK(j["isolines"][1]["closed"] == false);
+    CHECK(j["isolines"][1]["position"] == json({{10, 20, 30.5}, {10, 20, 31}}));
 }
 
 }  // namespace igeo::test

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "results.h"
+#include "output/stdout.h"
 
 /// Turns a fault of the program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) into a sentence on
 /// stderr and an exit code: 3 and the file's name while a FileGuard lives, else 1. Unfinished

@@ -1,8 +1,9 @@
-#include "output_files.h"
+#include "output/output_files.h"
 
 #include <igeo/base/atomic_file.h>
 #include <igeo/base/detail/system.h>
 #include <igeo/io/vdb_write.h>
+#include <igeo/results/picture_options.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -11,32 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "results.h"
+#include "output/stdout.h"
 #include "usage_error.h"
 
 namespace fs = std::filesystem;
-
-namespace {
-
-std::vector<OutputFile> outputsOf(const RunOptions& o) {
-    std::vector<OutputFile> all;
-    // The name for a level set from standard input is not known yet; it comes from the grid.
-    if (o.hasSeeds() && (o.source.file != "-" || !o.output.empty()))
-        all.push_back({"-o", distanceFile(o, ""), ""});
-    const std::string pairs = o.pairsOut.empty() && !o.pairs.empty() ? "-" : o.pairsOut;
-    for (const OutputFile& output :
-         std::vector<OutputFile>{{"--paths", o.paths, ".json .obj"},
-                                 {"--report", o.report, ""},
-                                 {"--mesh-out", o.meshOut, ".ply .obj"},
-                                 {"--isolines", o.isolines, ".json .obj .ply"},
-                                 {"--matrix", o.matrix, ".csv .json .npy"},
-                                 {"--pairs-out", pairs, ".csv .json"},
-                                 {"--image", o.image, ".png"}})
-        if (!output.file.empty()) all.push_back(output);
-    return all;
-}
-
-}  // namespace
 
 std::vector<std::string> inputFiles(const RunOptions& o) {
     std::vector<std::string> files{o.source.file, o.seedFile, o.targetFile, o.pairs};
@@ -45,12 +24,6 @@ std::vector<std::string> inputFiles(const RunOptions& o) {
         for (const igeo::GridSource& source : *list) files.push_back(source.file);
     if (o.metric) files.push_back(o.metric->file);
     files.erase(std::remove(files.begin(), files.end(), ""), files.end());
-    return files;
-}
-
-std::vector<std::string> outputFiles(const RunOptions& options) {
-    std::vector<std::string> files;
-    for (const OutputFile& output : outputsOf(options)) files.push_back(output.file);
     return files;
 }
 
@@ -73,13 +46,8 @@ std::string distanceFile(const RunOptions& options, const std::string& grid) {
     return (file == "-" ? grid : fs::path(file).stem().string()) + "_geodesic.vdb";
 }
 
-void checkOutputFiles(const RunOptions& options) {
-    const std::vector<std::string> inputs = inputFiles(options);
-    if (const auto n = std::count(inputs.begin(), inputs.end(), "-"); n > 1)
-        usageError(
-            "standard input is named for " + std::to_string(n) + " inputs, and can be read once",
-            "give the others as files");
-    checkOutputFiles(outputsOf(options), inputs);
+std::string colorMapOf(const RunOptions& options) {
+    return options.colorMap.empty() ? igeo::PictureOptions{}.colorMap : options.colorMap;
 }
 
 void checkOutputFiles(const std::vector<OutputFile>& outputs,

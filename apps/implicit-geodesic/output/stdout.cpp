@@ -1,4 +1,4 @@
-#include "results.h"
+#include "output/stdout.h"
 
 #include <cstdio>
 #include <iostream>

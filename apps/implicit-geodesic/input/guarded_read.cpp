@@ -1,4 +1,4 @@
-#include "guarded_read.h"
+#include "input/guarded_read.h"
 
 #include <igeo/base/atomic_file.h>
 

@@ -1,4 +1,4 @@
-#include <igeo/results/report.h>
+#include "output/report.h"
 
 #include <fmt/core.h>
 #include <igeo/base/version.h>
@@ -6,7 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
-namespace igeo {
+#include "option_words.h"
+
+using namespace igeo;
 
 namespace {
 
@@ -83,7 +85,19 @@ json header(const char* type) {
 }
 
 json surfaceJson(const RunReport& r, const Band& band) {
-    return {{"file", r.file}, {"grid", r.grid}, {"voxelSize", band.transform.dx}};
+    return {{"file", r.surface.file}, {"grid", r.surface.name}, {"voxelSize", band.transform.dx}};
+}
+
+const char* nameOf(SurfaceFacts::Kind kind) {
+    switch (kind) {
+        case SurfaceFacts::Kind::Mesh:
+            return "mesh";
+        case SurfaceFacts::Kind::Points:
+            return "points";
+        case SurfaceFacts::Kind::LevelSet:
+            break;
+    }
+    return "volume";
 }
 
 json parametersJson(const RunReport& r, const Band& band, const Field& field) {
@@ -182,13 +196,14 @@ std::string reportJson(const RunReport& r, const Band& band, const Field& field)
     const double dx = band.transform.dx;
     json j = header("report");
     j["surface"] = surfaceJson(r, band);
-    j["surface"]["kind"] = r.kind;
-    j["surface"]["closed"] = r.closed ? json(*r.closed) : json(nullptr);
-    j["surface"]["activeVoxels"] = r.activeVoxels ? json(r.activeVoxels) : json(nullptr);
-    j["surface"]["halfWidthVoxels"] = r.halfWidth;
-    j["surface"]["largestCurvature"] = finiteOrNull(r.largestCurvature / dx);
+    const SurfaceFacts& s = r.surface;
+    j["surface"]["kind"] = nameOf(s.kind);
+    j["surface"]["closed"] = s.closed ? json(*s.closed) : json(nullptr);
+    j["surface"]["activeVoxels"] = s.activeVoxels ? json(s.activeVoxels) : json(nullptr);
+    j["surface"]["halfWidthVoxels"] = s.halfWidth > 0 ? s.halfWidth : band.h;
+    j["surface"]["largestCurvature"] = finiteOrNull(s.largestCurvature / dx);
     j["parameters"] = parametersJson(r, band, field);
-    j["parameters"]["bandBoundsVoxels"] = {r.bandLower, r.bandUpper};
+    j["parameters"]["bandBoundsVoxels"] = {r.width.lower, r.width.upper};
     j["parameters"]["threads"] = r.threads;
     j["metric"] = metricJson(r, field);
     j["band"] = {
@@ -344,10 +359,10 @@ std::string surveyJson(const FileSurvey& file) {
     j["warnings"] = file.warnings;
     j["usable"] = !file.refusal;
     j["withCare"] = file.withCare();
-    j["verdict"] = file.verdict();
-    j["refusal"] = file.refusal
-                       ? json{{"what", file.refusal->what()}, {"remedy", file.refusal->remedy()}}
-                       : json(nullptr);
+    j["verdict"] = inOptionWords(file.verdict());
+    j["refusal"] = file.refusal ? json{{"what", file.refusal->what()},
+                                       {"remedy", inOptionWords(file.refusal->remedy())}}
+                                : json(nullptr);
     return dump(j, 2);
 }
 
@@ -369,5 +384,3 @@ std::string geodesicsObj(const std::vector<Path>& paths, const Band& band) {
     }
     return text;
 }
-
-}  // namespace igeo

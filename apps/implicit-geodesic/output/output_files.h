@@ -9,28 +9,26 @@
 #include "file_ending.h"
 #include "options/run_options.h"
 
-/// Refuses, before the work, files that can only fail after it: wrong endings, folders that are not
-/// there or not ours, results that would overwrite an input or each other.
-/// @throws igeo::Error  InvalidArgument
-void checkOutputFiles(const RunOptions& options);
-
 /// A file asked for, and the endings that it may have, if not any: ".json .obj".
 struct OutputFile {
     const char* option;
     std::string file;
     const char* endings;
 };
+/// Refuses, before the work, files that can only fail after it: wrong endings, folders that are not
+/// there or not ours, results that would overwrite an input or each other.
+/// @throws igeo::Error  InvalidArgument
 void checkOutputFiles(const std::vector<OutputFile>& outputs,
                       const std::vector<std::string>& inputs);
 
 /// Files that a run reads, without the grids in them; - is standard input.
 std::vector<std::string> inputFiles(const RunOptions& options);
-/// Files that it writes, as far as the options tell; - is standard output.
-std::vector<std::string> outputFiles(const RunOptions& options);
-
 /// The file of distances.
 /// @param grid name of the level set, for one that came by standard input
 std::string distanceFile(const RunOptions& options, const std::string& grid);
+
+/// The colors of picture, mesh and grid.
+std::string colorMapOf(const RunOptions& options);
 
 /// Writes a result whole or not at all; "-" is standard output.
 void writeDocument(const std::string& file, const std::string& content);

@@ -1,0 +1,20 @@
+/// The metric of a job, from its files.
+#pragma once
+
+#include <igeo/base/types.h>
+#include <igeo/metric/metric_definition.h>
+
+#include <string>
+#include <vector>
+
+#include "options/metric_options.h"
+
+struct MetricInput {
+    igeo::MetricDefinition definition;
+    std::vector<std::string> weightNames, obstacleNames;  ///< as asked for
+    std::vector<std::string> warnings;                    ///< of the files read
+};
+
+/// @param transform of the surface: obstacles are kept in its index space
+/// @throws igeo::Error  as the readers and ObstacleSet
+MetricInput readMetric(const MetricOptions& options, const igeo::Similarity& transform);

@@ -1,0 +1,50 @@
+#include "input/seed_input.h"
+
+#include <igeo/io/vdb_read.h>
+#include <igeo/metric/obstacles.h>
+
+#include <memory>
+
+#include "input/guarded_read.h"
+
+namespace {
+
+/// Points of an option and of a file, in that order.
+std::vector<igeo::AskedPoint> pointsOf(const std::vector<igeo::AskedPoint>& given,
+                                       const std::string& file) {
+    std::vector<igeo::AskedPoint> points = given;
+    if (file.empty()) return points;
+    const auto more = guardedRead(file, [&] { return igeo::readPoints(file); });
+    points.insert(points.end(), more.begin(), more.end());
+    return points;
+}
+
+}  // namespace
+
+SeedInput readSeeds(const SeedOptions& o, const igeo::Similarity& transform) {
+    SeedInput in;
+    for (const igeo::AskedPoint& p : pointsOf(o.seeds, o.seedFile))
+        in.seeds.points.emplace_back(p.position, p.start);
+    in.names.resize(in.seeds.points.size());
+    for (const std::string& file : o.seedCurves)
+        for (const igeo::Curve& curve : guardedRead(file, [&] { return igeo::readCurves(file); })) {
+            in.seeds.curves.push_back(curve);
+            in.names.push_back("curve " + file);
+        }
+    for (const igeo::GridSource& source : o.seedMasks) {
+        auto region = std::make_shared<igeo::ObstacleSet>(transform);
+        const igeo::ObstacleGrid grid =
+            guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); });
+        region->addGrid(grid);
+        in.warnings.insert(in.warnings.end(), grid.warnings.begin(), grid.warnings.end());
+        in.seeds.regions.push_back(region);
+        in.names.push_back("mask " + source.text());
+    }
+    in.seeds.samples = std::size_t(o.sample);
+    in.seeds.isSigned = o.withSign;
+    for (const igeo::AskedPoint& p : pointsOf(o.targets, o.targetFile))
+        in.limits.targets.push_back(p.position);
+    in.limits.stopAtTargets = o.stopAtTargets;
+    if (o.maxDistance > 0) in.limits.maxDistance = o.maxDistance;
+    return in;
+}

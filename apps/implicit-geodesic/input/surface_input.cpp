@@ -1,0 +1,56 @@
+#include "input/surface_input.h"
+
+#include <fmt/core.h>
+#include <igeo/io/mesh_file.h>
+#include <igeo/io/point_cloud_file.h>
+#include <igeo/io/vdb_read.h>
+#include <igeo/surface/rebuild.h>
+
+#include "input/guarded_read.h"
+
+namespace {
+
+igeo::LoadedGrid readVolume(const SurfaceOptions& o, igeo::Progress& progress) {
+    const igeo::GridSource& source = o.source;
+    if (!o.rebuild) return guardedRead(source.file, [&] { return igeo::readLevelSetGrid(source); });
+    igeo::LoadedGrid volume =
+        guardedRead(source.file, [&] { return igeo::readScalarGrid(source); });
+    const bool fog = volume.grid->getGridClass() == openvdb::GRID_FOG_VOLUME;
+    const double iso = o.iso.value_or(fog ? 0.5 : 0.0);
+    const FileGuard guard(source.file, FileGuard::kNoLimit);
+    igeo::LoadedGrid psi = igeo::rebuilt(volume, iso, progress);
+    psi.warnings.push_back(
+        fmt::format("psi was rebuilt as the distance to where the volume is {:.6g}", iso));
+    return psi;
+}
+
+/// What is read, as a surface.
+template <typename Input, typename... Voxels>
+igeo::Surface checked(Input&& input, const SurfaceOptions& o, igeo::Progress& progress,
+                      const Voxels&... voxels) {
+    progress.finished("read");
+    const FileGuard guard(o.source.text(), FileGuard::kNoLimit);
+    igeo::Surface surface(std::forward<Input>(input), voxels..., progress);
+    progress.finished("check");
+    return surface;
+}
+
+}  // namespace
+
+igeo::Surface readSurface(const SurfaceOptions& o, igeo::Progress& progress) {
+    progress.update("read", 0);
+    const std::string file = o.source.text();
+    const igeo::VoxelOptions voxels{o.voxelSize, o.resolution, o.scheme};
+    switch (o.kind) {
+        case SurfaceKind::Mesh:
+            return checked(guardedRead(file, [&] { return igeo::readMesh(file); }), o, progress,
+                           voxels);
+        case SurfaceKind::Points:
+            return checked(guardedRead(file, [&] { return igeo::readPointCloud(file); }), o,
+                           progress, voxels);
+        case SurfaceKind::None:
+        case SurfaceKind::Volume:
+            break;
+    }
+    return checked(readVolume(o, progress), o, progress);
+}

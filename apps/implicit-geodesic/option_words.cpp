@@ -1,0 +1,24 @@
+#include "option_words.h"
+
+#include <utility>
+
+std::string inOptionWords(std::string text) {
+    // The longer of two that begin alike goes first.
+    static constexpr std::pair<const char*, const char*> kWords[] = {
+        {"the iso of rebuilt()", "--iso"},
+        {"rebuilt(psi, D)", "--rebuild --iso D"},
+        {"rebuilt()", "--rebuild"},
+        {"readPointCloud", "--points"},
+        {"readLevelSetGrid", "--sdf"},
+        {"TriangleMesh", "--mesh"},
+        {"Scheme::Jet", "--scheme jet"},
+        {"SolverOptions::band", "--band"},
+        {"MetricDefinition::obstacles", "--obstacle"},
+        {"maxDistance", "--max-distance"},
+        {"maxSnap", "--snap"},
+        {"isSigned", "--signed"}};
+    for (const auto& [name, option] : kWords)
+        for (auto at = text.find(name); at != std::string::npos; at = text.find(name))
+            text.replace(at, std::string(name).size(), option);
+    return text;
+}

@@ -1,0 +1,116 @@
+#include "output/grids.h"
+
+#include <igeo/metric/curvature.h>
+#include <igeo/results/color_map.h>
+#include <igeo/results/engrave.h>
+#include <igeo/results/extend.h>
+#include <igeo/results/field_grids.h>
+#include <igeo/results/log_map.h>
+#include <igeo/results/voronoi_cells.h>
+
+#include <utility>
+
+#include "output/output_files.h"
+#include "output/result_table.h"
+#include "usage_error.h"
+
+namespace {
+
+openvdb::FloatGrid::Ptr distanceOf(RunResult& r, const std::string& name) {
+    const igeo::Band& band = r.band();
+    const igeo::Field& field = r.field();
+    const double dx = band.transform.dx;
+    const openvdb::FloatGrid::Ptr grid = r.distance.grid(name);
+    std::string weight;
+    for (const std::string& w : r.report.weights) weight += (weight.empty() ? "" : " * ") + w;
+    grid->insertMeta("geodesic_scheme", openvdb::StringMetadata(field.scheme));
+    grid->insertMeta("geodesic_band", openvdb::FloatMetadata(float(band.h * dx)));
+    grid->insertMeta("geodesic_seed_count", openvdb::Int32Metadata(int(field.sourceCount())));
+    grid->insertMeta("geodesic_max", openvdb::FloatMetadata(float(field.maxDistance * dx)));
+    grid->insertMeta("geodesic_unreached",
+                     openvdb::Int64Metadata(std::int64_t(band.size() - field.reached)));
+    grid->insertMeta("geodesic_weight", openvdb::StringMetadata(weight.empty() ? "1" : weight));
+    if (r.options.extend) igeo::extendDistance(*grid, r.levelSet(), band, field, r.progress);
+    return grid;
+}
+
+/// The grids that are asked for beside the distance and the surface, in their order.
+class MoreGrids {
+public:
+    MoreGrids(RunResult& r, const std::string& distanceName)
+        : r_(r),
+          placed_(r.distance.surface().gridTransform()),
+          surface_(r.distance.surface().gridName()),
+          distance_(distanceName) {}
+
+    openvdb::GridCPtrVec make() {
+        const igeo::Band& band = r_.band();
+        const igeo::Field& field = r_.field();
+        const openvdb::math::Transform& t = *placed_;
+        if (asked(Grid::Gradient))
+            add(igeo::gradientGrid(band, field, field.gradient, t, distance_ + "_gradient"));
+        if (asked(Grid::Label)) add(igeo::labelGrid(band, field, t, surface_ + "_label"));
+        if (asked(Grid::Color))
+            add(igeo::colorGrid(band, field, igeo::ColorMap(colorMapOf(r_.options)), t,
+                                distance_ + "_color"));
+        if (asked(Grid::LogMap))
+            add(igeo::logMapGrid(band, igeo::logMap(band, field, {}, r_.progress), t,
+                                 surface_ + "_logmap"));
+        if (asked(Grid::Weight))
+            add(igeo::weightGrid(band, *field.metric, t, surface_ + "_weight"));
+        if (asked(Grid::Curvature)) addCurvature();
+        if (asked(Grid::Engraved))
+            add(igeo::engraved(r_.levelSet(), r_.isolines(), r_.lines(), igeo::kGrooveRadius,
+                               r_.progress));
+        return std::move(grids_);
+    }
+
+private:
+    bool asked(Grid grid) const { return r_.options.asked(grid); }
+    void add(const openvdb::GridBase::ConstPtr& grid) { grids_.push_back(grid); }
+    void addCurvature() {
+        const double scale = r_.solver.options().metric.curvatureScale;
+        const igeo::Curvature curvature = igeo::curvature(r_.band(), scale, r_.progress);
+        for (const auto& grid : igeo::curvatureGrids(r_.band(), curvature, *placed_, surface_))
+            add(grid);
+    }
+
+    RunResult& r_;
+    openvdb::math::Transform::ConstPtr placed_;
+    std::string surface_, distance_;
+    openvdb::GridCPtrVec grids_;
+};
+
+}  // namespace
+
+void checkGrids(const RunOptions& o) {
+    for (const auto& [grid, name] : {std::pair(Grid::Label, "label"), {Grid::LogMap, "logmap"}})
+        if (o.asked(grid) && o.scheme != igeo::Scheme::Jet)
+            usageError(std::string("--grids ") + name + " needs --scheme jet",
+                       "godunov does not know which seed a front comes from");
+    if (!o.asked(Grid::LogMap)) return;
+    if (o.hasTensor())
+        usageError("--grids logmap does not go with tensors (--metric, --metric-curvature)",
+                   "the logarithmic map is known for weights only");
+    if (o.hasExtendedSeeds())
+        usageError("--grids logmap does not go with --seed-curve and --seed-mask",
+                   "polar coordinates are those about a point");
+}
+
+void writeVolume(RunResult& r, const std::string& file) {
+    // Areas and boundaries of the cells of the seeds, for the report.
+    if (r.options.asked(Grid::Label))
+        r.report.cells = igeo::voronoiCells(r.band(), r.field(), r.mesh(), r.progress);
+    r.progress.update("grids", 0);
+    const std::string name =
+        r.options.name.empty() ? r.distance.surface().gridName() + "_geodesic" : r.options.name;
+    openvdb::GridCPtrVec grids;
+    const openvdb::FloatGrid::Ptr distance = distanceOf(r, name);
+    // vdb_render shows the first float grid of a file.
+    if (r.options.asked(Grid::Surface)) grids.push_back(r.levelSet().psi);
+    grids.push_back(distance);
+    for (const auto& grid : MoreGrids(r, name).make()) grids.push_back(grid);
+    r.progress.throwIfCancelled();
+    r.progress.update("write", 0);
+    writeGrids(file, grids);
+}

@@ -1,0 +1,66 @@
+/// Results as JSON, and geodesics as OBJ: the program's own formats. World units throughout.
+#pragma once
+
+#include <igeo/march/field.h>
+#include <igeo/path/accuracy_estimate.h>
+#include <igeo/path/trace.h>
+#include <igeo/results/distance_matrix.h>
+#include <igeo/results/isolines.h>
+#include <igeo/results/pair_distances.h>
+#include <igeo/results/voronoi_cells.h>
+#include <igeo/surface.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace igeo {
+struct FileSurvey;
+}
+
+/// What a run was asked to do, what it found and what it cost.
+struct RunReport {
+    igeo::SurfaceFacts surface;
+    igeo::BandWidth width;
+    double snap = 0;                       ///< how far a point may be from the surface, world units
+    double maxDistance = igeo::kInfinity;  ///< limit asked for, world units
+    std::vector<std::string> weights;      ///< what the metric is made of, a word each
+    std::vector<std::string> obstacles;
+    int threads = 1;
+    std::vector<std::string> sources;  ///< what each is made of; empty: a point
+    std::vector<igeo::Path> paths;     ///< one per target
+    std::vector<igeo::Path> walks;     ///< straight on, one per --shoot
+    std::vector<igeo::PairDistance> pairs;
+    std::optional<igeo::VoronoiCells> cells;
+    igeo::AccuracyEstimate accuracy;
+    std::vector<std::pair<std::string, double>> seconds;       ///< wall time per stage, in order
+    std::uint64_t peakMemory = 0;                              ///< bytes
+    std::vector<std::pair<std::string, std::string>> outputs;  ///< kind, file
+    std::vector<std::string> warnings;
+};
+
+/// docs/geodesics.schema.json. A field without seeds has walks only.
+std::string geodesicsJson(const RunReport& report, const igeo::Band& band,
+                          const igeo::Field& field);
+
+/// docs/isolines.schema.json.
+std::string isolinesJson(const RunReport& report, const igeo::Band& band, const igeo::Field& field,
+                         const std::vector<igeo::Isoline>& lines);
+
+/// docs/report.schema.json.
+std::string reportJson(const RunReport& report, const igeo::Band& band, const igeo::Field& field);
+
+/// docs/matrix.schema.json. Of the report, it takes the names of the surface.
+std::string matrixJson(const RunReport& report, const igeo::Band& band,
+                       const igeo::DistanceMatrix& matrix);
+
+/// docs/info.schema.json.
+std::string surveyJson(const igeo::FileSurvey& file);
+
+/// docs/pairs.schema.json.
+std::string pairsJson(const RunReport& report, const igeo::Band& band);
+
+/// Paths as Wavefront OBJ polylines, one object per path.
+std::string geodesicsObj(const std::vector<igeo::Path>& paths, const igeo::Band& band);

@@ -1,0 +1,18 @@
+/// What is refused of the results of a run, before anything is read. By the table of results.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "options/run_options.h"
+
+/// Refuses results that the run's other options do not give, and options without effect on any.
+/// @throws igeo::Error  InvalidArgument
+void checkResults(const RunOptions& options);
+void refuseWithoutEffect(const RunOptions& options);
+
+/// Refuses files that cannot be read or written, before any is read.
+/// @throws igeo::Error  InvalidArgument
+void checkFiles(const RunOptions& options);
+/// Files that a run writes, as far as the options say; - is standard output.
+std::vector<std::string> outputFiles(const RunOptions& options);
