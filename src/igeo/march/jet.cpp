@@ -16,6 +16,8 @@ namespace {
 /// An early stop marches this far beyond its limit, so that the nodes within it have all the
 /// neighbors that a full march would give them.
 constexpr double kMargin = 3;
+/// Nodes per chunk of a batch.
+constexpr std::size_t kChunk = 64;
 
 /// The march over the core of a band, batch by batch: the nodes of the first buckets are solved
 /// from nodes accepted before, accepted together, and put their neighbors into later buckets.
@@ -81,8 +83,9 @@ private:
     void initStopNodes();
     Batch nextBatch();
 
-    // The three phases of a batch: BucketQueue.
-    void solve(const Batch& batch);
+    /// The three phases of a batch: BucketQueue.
+    void process(const Batch& batch);
+    void solve(const Batch& batch, std::size_t chunkCount);
     void accept(std::size_t chunkCount);
     void collect(std::size_t chunkCount);
 
@@ -163,7 +166,7 @@ void JetMarch::march(Progress& progress) {
             return;
         }
         const Batch batch = nextBatch();
-        solve(batch);
+        process(batch);
         if (mayStop && stopNodesLeft_ == 0) {
             limit_ = std::min(limit_, startOf(batch.last + 1));
             mayStop = false;
@@ -179,16 +182,20 @@ Batch JetMarch::nextBatch() {
                               [&](NodeIndex i) { return slackOf(core_.leastCostAt(i), 0); });
 }
 
-void JetMarch::solve(const Batch& batch) {
-    constexpr std::size_t kChunk = 64;
-    const std::size_t size = batch.nodes.size(), count = (size + kChunk - 1) / kChunk;
-    if (chunks_.size() < count) chunks_.resize(count);
-    parallelFor(count, 1, [&](std::size_t begin, std::size_t end) {
+void JetMarch::process(const Batch& batch) {
+    const std::size_t chunkCount = (batch.nodes.size() + kChunk - 1) / kChunk;
+    if (chunks_.size() < chunkCount) chunks_.resize(chunkCount);
+    solve(batch, chunkCount);
+    accept(chunkCount);
+    collect(chunkCount);
+}
+
+void JetMarch::solve(const Batch& batch, std::size_t chunkCount) {
+    parallelFor(chunkCount, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c)
-            solveChunk(batch, c * kChunk, std::min(size, (c + 1) * kChunk), chunks_[c]);
+            solveChunk(batch, c * kChunk, std::min(batch.nodes.size(), (c + 1) * kChunk),
+                       chunks_[c]);
     });
-    accept(count);
-    collect(count);
 }
 
 void JetMarch::solveChunk(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk) {
