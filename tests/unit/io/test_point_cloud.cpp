@@ -135,7 +135,7 @@ TEST_CASE("Clouds are read from VDB grids of points") {
         for (const Vec3d& p : read.points) {
             double nearest = kInfinity;
             for (const Vec3d& q : cloud.points) nearest = std::min(nearest, length(p - q));
-            CHECK(nearest < 1e-8);
+            CHECK(nearest < 3.5e-9);  // measured 2.3e-9
         }
     }
     expectError(Kind::BadInput, {"a.vdb' has no grid 'other'", "'points'"},

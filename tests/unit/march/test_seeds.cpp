@@ -76,7 +76,7 @@ TEST_CASE("seedsAlong: segments of half a voxel from end to end") {
         Vec3d end = seeds.front().pIndex;
         for (const SurfacePoint& s : seeds) {
             CHECK(length(s.pIndex - end) < 1e-9);
-            CHECK(std::abs(s.pIndex.z - 0.2) < 1e-6);
+            CHECK(std::abs(s.pIndex.z - 0.2) < 7.2e-08);  // measured 4.8e-08
             CHECK(length(s.segment) < 0.5 + 1e-9);
             CHECK(s.start == 2);
             CHECK(s.joined == (&s != &seeds.front()));

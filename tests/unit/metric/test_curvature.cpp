@@ -136,7 +136,7 @@ TEST_CASE("a cylinder bends around its axis only") {
     for (NodeIndex i = 0; i < band.size(); ++i)
         if (!cut(band.footPoint(i)))
             along = std::max(along, std::abs(dot(Vec3d(c.direction1[i]), axis)));
-    CHECK(along <= 1e-4);
+    CHECK(along <= 7.1e-7);  // measured 4.7e-7
 }
 
 TEST_CASE("curvature changes sign with psi") {
@@ -178,7 +178,7 @@ TEST_CASE("turns by 90 degrees leave curvature") {
             worst = std::max({worst, std::abs(double(c.k1[i]) - double(other.k1[j])),
                               std::abs(double(c.k2[i]) - double(other.k2[j]))});
         }
-        CHECK(worst <= kRounding);
+        CHECK(worst <= 9e-8);  // measured 6.0e-8
     }
 }
 

@@ -237,7 +237,8 @@ TEST_CASE("sampleTensor: turned into index axes, lengths stay") {
         for (const Vec3d v : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}, Vec3d{0.6, -0.5, 1}})
             // Six components of floats below 64, off by 2^-18 with the turn, over |v|^2 < 2.
             REQUIRE(std::abs(squared(tensor[i], v) -
-                             squared(world, band.transform.worldFromIndexDirection(v))) < 5e-5);
+                             squared(world, band.transform.worldFromIndexDirection(v))) <
+                    4.8e-6);  // measured 3.2e-6
     }
 }
 

@@ -27,7 +27,8 @@ TEST_CASE("shoot: straight on a plane, whatever the length and the normal part o
         CHECK(path.vertices.size() == 24);  // steps of at most half a voxel
         for (const PathVertex& v : path.vertices) {
             // psi, feet and normals are floats.
-            CHECK(length(v.pIndex - start.pIndex - v.arcLength * along) < 2e-5);
+            CHECK(length(v.pIndex - start.pIndex - v.arcLength * along) <
+                  4.8e-07);  // measured 3.2e-07
             CHECK(v.distance == v.arcLength);
         }
     }

@@ -62,7 +62,7 @@ TEST_CASE("straighten removes a detour and the march's error from a path") {
     CHECK(path.vertices.back().arcLength == path.weightedLength);
     CHECK(path.vertices.back().distance == 0);
     for (const PathVertex& v : path.vertices)
-        REQUIRE(std::abs(samplePsi(s.band, v.pIndex).psi) < 1e-5);
+        REQUIRE(std::abs(samplePsi(s.band, v.pIndex).psi) < 1.5e-06);  // measured 9.7e-07
 }
 
 TEST_CASE("estimateAccuracy tells a good field from a poor one") {
@@ -78,9 +78,9 @@ TEST_CASE("estimateAccuracy tells a good field from a poor one") {
     REQUIRE(poor.samples > 4);
     INFO("jet " << good.meanError << ", godunov " << poor.meanError);
     // The lengths themselves are good to 7e-4 here; godunov at order 1 is off by about 2 %.
-    CHECK(good.largestError < 1e-3);
+    CHECK(good.largestError < 0.0007);  // measured 0.00046
     CHECK(poor.meanError > 5e-3);
-    CHECK(good.fallbackShare < 0.01);
+    CHECK(good.fallbackShare < 0.00034);  // measured 0.00023
 }
 
 TEST_CASE("extendDistance covers the narrow band with the values of the foot points") {

@@ -53,7 +53,7 @@ void checkConsistent(const Sphere& s, const Path& path) {
         REQUIRE(std::abs(b.arcLength - a.arcLength - step) < 1e-12 * (1 + b.arcLength));
         // maxStep, a projection back to the surface, or a step between neighboring nodes.
         REQUIRE(step < 2.5);
-        REQUIRE(std::abs(samplePsi(s.band, b.pIndex).psi) < 1e-5);
+        REQUIRE(std::abs(samplePsi(s.band, b.pIndex).psi) < 1.5e-06);  // measured 9.8e-07
     }
     if (path.status == PathStatus::Reached) {
         REQUIRE(path.seed < s.field.seeds.size());
@@ -89,14 +89,15 @@ TEST_CASE("tracePath: great circles on the sphere") {
         double deviation = 0;
         for (const PathVertex& v : path.vertices)
             deviation = std::max(deviation, std::abs(dot(n, v.pIndex - kCenter)));
-        CHECK(deviation < 0.29);
+        CHECK(deviation < 0.083);  // measured 0.055
 
         // Length: half the square of those angles; chords of 1 voxel are short by 1 / (24 R^2) of
         // it; the interpolant's zero lies up to 1 / (4 R) off the sphere, which stretches the
         // path by that over R. Together below 1.1e-3 of the length, and 1e-2 at the start disc.
-        CHECK(std::abs(path.weightedLength - exact) < 1.1e-3 * exact + 0.01);
+        CHECK(std::abs(path.weightedLength - exact) <
+              6.8e-4 * exact + 0.0061);  // measured 1 / 1.5 of it
         // Trilinear sampling of d: 1 / 8 of second derivatives of at most 1 / r + 1 / R per axis.
-        CHECK(std::abs(path.distance - exact) < 0.25 * (1 / kStartRadius + 1 / kRadius));
+        CHECK(std::abs(path.distance - exact) < 0.07 * (1 / kStartRadius + 1 / kRadius));
     }
 }
 

@@ -49,7 +49,7 @@ void checkLines(const Meshed& m, const std::vector<Isoline>& lines, double radiu
         }
         CHECK(distinct.size() == n);
         CHECK(line.length == Approx(total).epsilon(1e-12));
-        CHECK(off <= 1e-5);
+        CHECK(off <= 1.5e-06);  // measured 1e-06
         // Where a corner of the cell is not in the band, points stay on the chord of their edge.
         CHECK(wrong <= 3 / (8 * radius) + 2e-6);
         // A triangle has vertices in three cells around one lattice edge.

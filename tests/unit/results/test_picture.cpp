@@ -38,7 +38,7 @@ TEST_CASE("renderPng: every point has the color of its distance") {
                 normalized(map(scene.fromSeed(p) / (scene.field.maxDistance * 0.05)));
             INFO(name << ": seen " << seen.x << " " << seen.y << " " << seen.z << ", expected "
                       << expected.x << " " << expected.y << " " << expected.z);
-            CHECK(length(seen - expected) < 0.03);
+            CHECK(length(seen - expected) < 0.019);  // measured 0.013
         }
     }
 }
@@ -375,7 +375,7 @@ TEST_CASE("colorGrid: the colors of the distances, gray elsewhere") {
     for (const NodeIndex i : {NodeIndex(0), NodeIndex(100), NodeIndex(scene.band.size() - 1)}) {
         const Vec3d expected =
             srgbFromLinear(map(scene.field.distance[i] / scene.field.maxDistance));
-        CHECK(length(at(i) - expected) < 1e-6);
+        CHECK(length(at(i) - expected) < 3.8e-08);  // measured 2.5e-08
     }
 }
 

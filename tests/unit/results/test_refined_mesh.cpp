@@ -46,7 +46,7 @@ TEST_CASE("an open mesh is refined without cracks and carries the distance", "[m
             off =
                 std::max(off, std::abs(fine.distance[i] - length(fine.position[i] - seed.pIndex)));
     }
-    CHECK(off < 0.01);
+    CHECK(off < 0.00032);  // measured 0.00021
     const std::vector<Isoline> lines = isolines(band, field, fine, {20.0});
     CHECK_FALSE(lines.empty());
 }

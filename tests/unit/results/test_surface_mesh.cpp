@@ -85,7 +85,7 @@ TEST_CASE("surfaceMesh: vertices on S, triangles and normals outward, area and v
                                         normalized(m.mesh.position[v] - center)));
     // Trilinear interpolation of psi errs by at most 1/8 of its Laplacian, 2 / r.
     CHECK(off <= (1 + 1 / (r * r)) / (4 * r) + 1e-6);
-    CHECK(tilt <= 0.01);
+    CHECK(tilt <= 0.00074);  // measured 0.00049
     // No edge is longer than a cell's diagonal, so no vertex is seen at more than sqrt(3) / r.
     CHECK(least >= std::cos(2 * std::sqrt(3.0) / r));
     // Triangles lie below their corners by 1 / (2 r) at most, with corners 1 from their middle.
@@ -196,7 +196,7 @@ TEST_CASE("surfaceMesh: the class of the grid and its place in space do not matt
             worst, length(there.mesh.position[i] - m.mesh.position[i] - Vec3d(far, -far, far)));
     // Each lies within 1e-6 of psi = 0, though perhaps not on the same normal: single precision
     // places them on it to 1e-6 of the torus' width.
-    CHECK(worst <= 1e-5);
+    CHECK(worst <= 5.5e-06);  // measured 3.6e-06
 }
 
 TEST_CASE("surfaceMesh: the same bytes for any number of threads") {

@@ -36,7 +36,8 @@ TEST_CASE("checkLevelSet: counts and widths of a sphere") {
     CHECK(s.stats.halfWidth > 2.99);
     CHECK(s.stats.reach == s.stats.halfWidth);
     // Central differences of |x| are short by at most 1 / (2 R^2), R > 17; bins are 0.001 wide.
-    CHECK(std::abs(s.stats.gradientMedian - 1) < 0.5 / (17 * 17) + 0.001);
+    // Measured: 0.00049.
+    CHECK(std::abs(s.stats.gradientMedian - 1) < 0.00074);
     CHECK(s.stats.gradientShare == 1);
 }
 
@@ -73,7 +74,7 @@ TEST_CASE("checkLevelSet: a twentieth of the surface may bend more") {
 TEST_CASE("checkLevelSet: a plane has no curvature to speak of") {
     // Second differences of floats near 3: 1e-6 of rounding each. Enough to bend within a band.
     const auto st = statsOf(planePatch(kCenter, {0.36, 0.48, -0.8}, 2), 0.05);
-    CHECK(st.largestCurvature < 1e-5);
+    CHECK(st.largestCurvature < 1.5e-6);  // measured 1.0e-6
 }
 
 TEST_CASE("checkLevelSet: reach of a thin sheet is half its thickness") {
@@ -81,7 +82,7 @@ TEST_CASE("checkLevelSet: reach of a thin sheet is half its thickness") {
     for (const double thickness : {2.4, 3.0, 4.1}) {
         const auto st = statsOf(thinSheet(kCenter, 1, 1, thickness * 0.05), 0.05);
         INFO("thickness " << thickness << ", reach " << st.reach);
-        CHECK(std::abs(st.reach - thickness / 2) < 0.6);
+        CHECK(std::abs(st.reach - thickness / 2) < 0.39);  // measured 0.26
     }
     // Thicker than the narrow band: nothing to see.
     const auto thick = statsOf(thinSheet(kCenter, 1, 1, 8 * 0.05), 0.05);
@@ -148,8 +149,8 @@ TEST_CASE("widen: fills the band up to the width asked for") {
             CHECK(total > 1000);
             CHECK(missing == 0);
             // First order over the new voxels, at most 3.2 of them, at radii above 4 voxels: a
-            // tenth of a voxel per voxel.
-            CHECK(worst < 0.1 * (width - 3) + 0.05);
+            // twentieth of a voxel per voxel, measured 1 / 1.5 of this.
+            CHECK(worst < 0.067 * (width - 3) + 0.033);
         }
     }
 }

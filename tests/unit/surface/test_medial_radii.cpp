@@ -83,7 +83,7 @@ TEST_CASE("medial radii: an edge of 90 degrees counts as near as the point is, o
     CHECK(right.facing.front() == kInfinity);
     CHECK(wedge(30).radius.front() == kInfinity);
     // Beyond 100 degrees it is a fold of two sheets that face each other.
-    CHECK(wedge(150).facing.front() < 0.05);
+    CHECK(wedge(150).facing.front() < 0.011);  // measured 0.0067
 }
 
 TEST_CASE("medial radii: samples, and none") {

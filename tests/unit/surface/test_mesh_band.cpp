@@ -52,7 +52,7 @@ TEST_CASE("the nearest point of a triangle", "[mesh]") {
             }
         const double step = std::max(length(b - a), length(c - a)) / kSteps;
         CHECK(length(n.point - p) <= least + 1e-12);
-        CHECK(off <= 1.5 * step);
+        CHECK(off <= 0.8 * step);  // measured 0.53
     }
 }
 
@@ -108,10 +108,10 @@ TEST_CASE("both sides of a sheet are one band that ends where the sheet does", "
     for (NodeIndex i = 0; i < band.size(); ++i) {
         const Vec3d x = band.transform.worldFromIndex(Vec3d(band.ijk(i)));
         const Vec3d y = band.transform.worldFromIndex(band.footPoint(i));
-        CHECK(std::abs(band.psi[i] - (x.z - 0.0137) / dx) < 1e-5);
+        CHECK(std::abs(band.psi[i] - (x.z - 0.0137) / dx) < 7.3e-08);  // measured 4.9e-08
         CHECK(length(Vec3d(band.normal[i]) - Vec3d{0, 0, 1}) < 1e-6);
         const Vec3d inside{std::clamp(x.x, 0.0, 2.0), std::clamp(x.y, 0.0, 1.0), 0.0137};
-        CHECK(length(y - inside) < 1e-6);
+        CHECK(length(y - inside) < 3.6e-09);  // measured 2.4e-09
         CHECK(length(x - Vec3d{inside.x, inside.y, x.z}) <= 0.5 * dx + 1e-9);
         below += band.psi[i] < 0;
     }
@@ -259,7 +259,7 @@ TEST_CASE("where a mesh lies in space makes no difference", "[mesh]") {
     CHECK(psiOff < 1e-5);
     // Rounding decides here and there between a fit and its fallback, of first order.
     CHECK(off < 0.5);
-    CHECK(sum / double(band.size()) < 0.005);
+    CHECK(sum / double(band.size()) < 7.8e-05);  // measured 5.2e-05
 }
 
 TEST_CASE("bands of meshes ask for sensible sizes", "[mesh]") {

@@ -66,7 +66,7 @@ TEST_CASE("A one-sided surface shows as conflicts") {
     oriented(strip, tree, result);
     // One seam across 11 of 2200 points; a tenth of their neighbors at the least are beyond it.
     CHECK(result.conflicts > 0.0005);
-    CHECK(result.conflicts < 0.05);
+    CHECK(result.conflicts < 0.0068);  // measured 0.0045
 }
 
 }  // namespace igeo::test

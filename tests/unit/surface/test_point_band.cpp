@@ -83,10 +83,11 @@ TEST_CASE("The band of balls is the union of the balls") {
                 REQUIRE((i != kNoNode) == (length(nearest - p) < h * dx));
                 if (i == kNoNode) continue;
                 ++nodes;
-                CHECK(length(dx * band.footPoint(i) - nearest) < 1e-5);
+                CHECK(length(dx * band.footPoint(i) - nearest) < 1.4e-07);  // measured 8.9e-08
                 // The height over the plane of the square.
                 const double height = dot(Vec3d{0, -0.6, 0.8}, p) / dx;
-                CHECK(std::abs(std::abs(band.psi[i]) - std::abs(height)) < 1e-5);
+                CHECK(std::abs(std::abs(band.psi[i]) - std::abs(height)) <
+                      1.5e-07);  // measured 9.5e-08
             }
     CHECK(nodes == band.size());
 }

@@ -109,10 +109,11 @@ TEST_CASE("Foot points are nearest points, on one surface, with its normals") {
         // Quadrics miss terms of fourth order, r^4 / (8 R^3) at the reach r = 3 s, and their
         // slopes; off to the side the iteration stops at 2e-3 spacings.
         const double missed = std::pow(3 * s, 4) / (8 * std::pow(radius, 3));
-        CHECK(std::abs(length(foot.point) - radius) < missed);
-        CHECK(length(foot.normal - normalized(foot.point)) < 4 * missed / (3 * s));
-        CHECK(std::abs(foot.psi - 1.5 * s * p.x) < 2 * missed);
-        CHECK(length(tangential(foot.point, n)) < 4e-3 * s);
+        CHECK(std::abs(length(foot.point) - radius) < missed / 19);  // measured 1 / 28.6
+        CHECK(length(foot.normal - normalized(foot.point)) <
+              4 * missed / (3 * s) / 31);                         // measured 1 / 46.6
+        CHECK(std::abs(foot.psi - 1.5 * s * p.x) < missed / 19);  // measured 1 / 28.6
+        CHECK(length(tangential(foot.point, n)) < 2e-3 * s);      // measured 1.3e-3
     }
 }
 
@@ -130,7 +131,8 @@ TEST_CASE("Normals are those of the surface that foot points lie on, scatter or 
         REQUIRE(a.valid);
         REQUIRE(b.valid);
         CHECK(length(b.point - a.point) > 0.9 * e);
-        CHECK(std::abs(dot(b.point - a.point, a.normal + b.normal)) / 2 < e * e * e / (12 * s * s));
+        CHECK(std::abs(dot(b.point - a.point, a.normal + b.normal)) / 2 <
+              e * e * e / (12 * s * s) / 6.7);  // measured 1 / 10.1
     }
 }
 
