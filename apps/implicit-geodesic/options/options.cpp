@@ -5,6 +5,7 @@
 #include "options/command.h"
 #include "options/command_description.h"
 #include "options/command_line.h"
+#include "options/run_command.h"
 #include "output/stdout.h"
 
 std::optional<Options> parseOptions(int argc, char** argv) {

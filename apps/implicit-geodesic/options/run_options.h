@@ -7,8 +7,6 @@
 #include "options/seed_options.h"
 #include "options/surface_options.h"
 
-struct Command;
-
 struct RunOptions : SurfaceOptions,
                     MetricOptions,
                     SeedOptions,
@@ -17,8 +15,3 @@ struct RunOptions : SurfaceOptions,
                     ProcessOptions {
     double memoryLimit = 0;  ///< GiB; 0: what the machine has
 };
-
-/// As the program takes it.
-Command runCommand(RunOptions& options);
-/// As a batch takes it: without options on how the process runs.
-Command jobCommand(RunOptions& options);

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "output/output_files.h"
-#include "output/result_table.h"
+#include "output/run_result.h"
 #include "usage_error.h"
 
 namespace {

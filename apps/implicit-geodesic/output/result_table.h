@@ -2,38 +2,11 @@
 /// written.
 #pragma once
 
-#include <igeo/base/progress.h>
-#include <igeo/distance.h>
-#include <igeo/geodesic_solver.h>
-#include <igeo/results/isolines.h>
-
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "options/run_options.h"
-#include "output/report.h"
-
-/// All that results are made of. What several are made of is made once, by the first that asks.
-struct RunResult {
-    const RunOptions& options;
-    const igeo::GeodesicSolver& solver;
-    const igeo::Distance& distance;
-    RunReport& report;
-    igeo::Progress& progress;
-
-    std::optional<igeo::SurfaceMesh> madeMesh = {};
-    std::optional<std::vector<igeo::Isoline>> madeIsolines = {};
-
-    const igeo::Band& band() const { return distance.band(); }
-    const igeo::Field& field() const { return distance.field(); }
-    const igeo::SurfaceMesh& mesh();
-    const std::vector<igeo::Isoline>& isolines();
-    /// The surface as a level set, with warnings for the report.
-    const igeo::LevelSet& levelSet();
-    /// Paths and walks.
-    std::vector<igeo::Path> lines() const;
-};
+#include "output/run_result.h"
 
 struct ResultKind {
     const char* option;                      ///< --isolines

@@ -1,8 +1,7 @@
-#include "options/run_options.h"
+#include "options/run_command.h"
 
 #include <utility>
 
-#include "options/command.h"
 #include "output/result_checks.h"
 #include "usage_error.h"
 

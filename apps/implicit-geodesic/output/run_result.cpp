@@ -1,0 +1,37 @@
+#include "output/run_result.h"
+
+#include <algorithm>
+
+const igeo::SurfaceMesh& RunResult::mesh() {
+    if (!madeMesh) madeMesh = distance.mesh(progress);
+    return *madeMesh;
+}
+
+const std::vector<igeo::Isoline>& RunResult::isolines() {
+    if (madeIsolines) return *madeIsolines;
+    // As asked for, else at the spacing a picture has.
+    const double dx = band().transform.dx, largest = field().maxDistance;
+    std::vector<double> levels;
+    if (options.levels > 0)
+        levels = igeo::levelsByCount(field(), options.levels);
+    else if (largest > 0)
+        levels = igeo::levelsBySpacing(
+            field(),
+            (options.spacing > 0 ? options.spacing : igeo::roundSpacing(largest * dx, 16)) / dx);
+    madeIsolines = igeo::isolines(band(), field(), mesh(), levels, progress);
+    return *madeIsolines;
+}
+
+const igeo::LevelSet& RunResult::levelSet() {
+    const igeo::LevelSet& levelSet = distance.levelSet(progress);
+    std::vector<std::string>& known = report.warnings;
+    for (const std::string& w : levelSet.warnings)
+        if (std::find(known.begin(), known.end(), w) == known.end()) known.push_back(w);
+    return levelSet;
+}
+
+std::vector<igeo::Path> RunResult::lines() const {
+    std::vector<igeo::Path> all = report.paths;
+    all.insert(all.end(), report.walks.begin(), report.walks.end());
+    return all;
+}
