@@ -155,7 +155,7 @@ TEST_CASE("far: weights that lie beyond all indices do not cover the surface") {
     weight.grid = openvdb::FloatGrid::create(0.0f);
     editable(weight).tree().setValueOn({0, 0, 0}, 2.0f);
     editable(weight).setTransform(openvdb::math::Transform::createLinearTransform(1e-4));
-    weight.grid->transform().postTranslate({1e9, 0, 0});
+    editable(weight).transform().postTranslate({1e9, 0, 0});
     weight.file = "weight.vdb";
     expectError(Error::Kind::BadInput, {"weight.vdb"}, [&] { sampleWeight(weight, band); });
 }
