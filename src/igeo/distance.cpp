@@ -59,8 +59,7 @@ std::vector<Path> Distance::paths(bool straightened, Progress& progress) const {
     if (!straightened) return paths;
     std::size_t done = 0;
     for (Path& path : paths) {
-        progress.throwIfCancelled();
-        straighten(*band_, *field_, path);
+        straighten(*band_, *field_, path, progress);
         progress.update("straighten", double(++done) / double(paths.size()));
     }
     return paths;

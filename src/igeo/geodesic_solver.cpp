@@ -28,21 +28,21 @@ void requireSigned(const Seeds& seeds) {
                     "give either curves or regions, and no other seed");
 }
 
-std::vector<std::uint8_t> insideAny(const Seeds& seeds, const Band& band) {
+std::vector<std::uint8_t> insideAny(const Seeds& seeds, const Band& band, Progress& progress) {
     std::vector<std::uint8_t> inside(band.size());
     for (const auto& region : seeds.regions) {
-        const std::vector<std::uint8_t> more = nodesInside(band, *region);
+        const std::vector<std::uint8_t> more = nodesInside(band, *region, progress);
         for (std::size_t i = 0; i < inside.size(); ++i) inside[i] |= more[i];
     }
     return inside;
 }
 
 /// What the march's distance is yet to become: 0 inside regions, or signed.
-void finishInside(const Seeds& seeds, const Band& band, Field& field) {
+void finishInside(const Seeds& seeds, const Band& band, Field& field, Progress& progress) {
     if (!seeds.regions.empty())
-        (seeds.isSigned ? signInside : clearInside)(insideAny(seeds, band), field);
+        (seeds.isSigned ? signInside : clearInside)(insideAny(seeds, band, progress), field);
     else if (seeds.isSigned)
-        field.sign = signsOfCurves(band, field);
+        field.sign = signsOfCurves(band, field, progress);
 }
 
 }  // namespace
@@ -254,13 +254,14 @@ void Query::addCurvesAndRegions() {
         for (Vec3d& p : curve.points) p = setup_.indexOf(p);
         curve.start /= band().transform.dx;
         try {
-            add(seedsAlong(band(), curve, setup_.snapVoxels()));
+            add(seedsAlong(band(), curve, setup_.snapVoxels(), progress_));
         } catch (const Error& e) {
+            if (e.kind() == Kind::Cancelled) throw;
             throw Error(e.kind(), "seed curve " + std::to_string(k) + ": " + e.what(), e.remedy());
         }
     }
     for (std::size_t k = 0; k < asked_.regions.size(); ++k) {
-        const std::vector<SurfacePoint> rim = seedsAround(band(), *asked_.regions[k]);
+        const std::vector<SurfacePoint> rim = seedsAround(band(), *asked_.regions[k], progress_);
         if (rim.empty())
             throw Error(Kind::InvalidArgument,
                         "seed region " + std::to_string(k) + ": its rim does not cross the surface",
@@ -325,7 +326,7 @@ Distance Query::solve(const Surface& surface) {
                        return region.empty() || allFound();
                    });
     if (!near) solveOn({}, limit);
-    finishInside(asked_, band(), field_);
+    finishInside(asked_, band(), field_, progress_);
     return Distance(surface, setup_.width, band_, whole_, std::move(field_), std::move(targets_),
                     setup_.maxSnap);
 }
@@ -381,7 +382,7 @@ Path GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double dis
     if (band->size() == 0) band = s.wholeBand(progress);
     const SurfacePoint p = s.surface.nearest(*band, start);
     s.requireNear(p, from, "the start");
-    return igeo::shoot(*band, p, along, voxels);
+    return igeo::shoot(*band, p, along, voxels, progress);
 }
 
 Distance GeodesicSolver::unreached(bool whole, Progress& progress) const {

@@ -1,7 +1,5 @@
 // The paper's Table 2 and the default band, on the sphere of radius 0.4 in the unit cube.
-#include <igeo/march/godunov.h>
-#include <igeo/surface/band_bounds.h>
-#include <igeo/surface/level_set_band.h>
+#include <igeo/geodesic_solver.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/exact.h>
@@ -20,23 +18,18 @@ constexpr double kRadius = 0.4;
 /// @param h band, voxels; 0: the default
 Errors solveSphere(int n, double h, int order) {
     const double dx = 1.0 / n;
-    const auto grid = makeLevelSet(sphere(kCenter, kRadius), dx, 3 + (h > 0 ? h : 3));
-    const LevelSet levelSet = checkedLevelSet(grid);
-    const LevelSetStats& st = levelSet.stats;
-    if (h == 0)
-        h = defaultBandWidth(order, st.largestCurvature,
-                             bandBounds(st.largestCurvature, st.reach, st.halfWidth));
-    const Band band = bandFromLevelSet(levelSet, h);
-    const SurfacePoint seed = pointOn(band, kCenter + kRadius * genericDirection());
-    GodunovOptions options;
+    SolverOptions options;
+    options.scheme = Scheme::Godunov;
     options.order = order;
-    const Field field = marchGodunov(band, {}, {seed}, options);
-    const auto seedWorld = worldOf(band, seed.pIndex);
-    const Errors e = errorsOnSurface(band, field, [&](const openvdb::Vec3d& p) {
-        return geodesicOnSphere(kCenter, kRadius, seedWorld, p);
+    options.bandVoxels = h;
+    const GeodesicSolver solver(
+        Surface(*makeLevelSet(sphere(kCenter, kRadius), dx, 3 + (h > 0 ? h : 3))), options);
+    const Distance d = solver.distance({fromVdb(kCenter + kRadius * genericDirection())});
+    const Errors e = errorsOnSurface(d, [seed = seedOf(d)](const openvdb::Vec3d& p) {
+        return geodesicOnSphere(kCenter, kRadius, seed, p);
     });
     std::printf("sphere N = %3d, order %d, h = %.3f voxels: mean %.4f %%, max %.4f %%\n", n, order,
-                h, e.mean, e.max);
+                solver.bandWidth().h, e.mean, e.max);
     return e;
 }
 

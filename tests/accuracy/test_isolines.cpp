@@ -1,11 +1,12 @@
 // Isolines and cells against exact circles and shares.
+#include <igeo/geodesic_solver.h>
 #include <igeo/results/isolines.h>
 #include <igeo/results/voronoi_cells.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/exact.h>
-#include <support/meshed.h>
 #include <support/openvdb.h>
+#include <support/shapes.h>
 
 #include <cmath>
 #include <cstdio>
@@ -15,6 +16,11 @@ namespace {
 
 const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
 
+/// On the sphere of radius 0.4, by `jet`.
+Distance distanceFrom(const Seeds& seeds, int n) {
+    return GeodesicSolver(Surface(*makeLevelSet(sphere(kCenter, 0.4), 1.0 / n, 3))).distance(seeds);
+}
+
 struct CircleErrors {
     double radius = 0, length = 0;  ///< largest over all lines, %
 };
@@ -22,17 +28,18 @@ struct CircleErrors {
 /// Isolines of a sphere of radius 0.4, every `spacing` voxels up to a twentieth from the far end.
 CircleErrors circlesOnSphere(int n, const openvdb::Vec3d& direction, double spacing) {
     const double r = 0.4 * n;
-    const Meshed m = meshed(sphere(kCenter, 0.4), 1.0 / n, {kCenter + 0.4 * direction});
-    const openvdb::Vec3d seed = m.world(m.field.seeds[0].pIndex);
+    const Distance d = distanceFrom({fromVdb(kCenter + 0.4 * direction)}, n);
+    const openvdb::Vec3d seed = seedOf(d);
     CircleErrors e;
     for (const Isoline& line :
-         isolines(m.band, m.field, m.mesh, levelsBySpacing(m.field, spacing))) {
+         isolines(d.band(), d.field(), d.mesh(), levelsBySpacing(d.field(), spacing))) {
         if (line.level > 0.95 * M_PI * r) continue;
         CHECK(line.closed);
         for (const Vec3d& p : line.points)
             e.radius = std::max(
                 e.radius,
-                100 * std::abs(n * geodesicOnSphere(kCenter, 0.4, seed, m.world(p)) / line.level -
+                100 * std::abs(n * geodesicOnSphere(kCenter, 0.4, seed, worldOf(d.band(), p)) /
+                                   line.level -
                                1));
         e.length = std::max(
             e.length, 100 * std::abs(line.length / (2 * M_PI * r * std::sin(line.level / r)) - 1));
@@ -67,9 +74,9 @@ TEST_CASE("cells of two seeds are hemispheres") {
     for (const int n : {100, 200}) {
         const double r = 0.4 * n, half = 2 * M_PI * r * r;
         for (int k = 0; k < 3; ++k) {
-            const openvdb::Vec3d d = 0.4 * genericDirection(k);
-            const Meshed m = meshed(sphere(kCenter, 0.4), 1.0 / n, {kCenter + d, kCenter - d});
-            const VoronoiCells cells = voronoiCells(m.band, m.field, m.mesh);
+            const openvdb::Vec3d out = 0.4 * genericDirection(k);
+            const Distance d = distanceFrom({fromVdb(kCenter + out), fromVdb(kCenter - out)}, n);
+            const VoronoiCells cells = voronoiCells(d.band(), d.field(), d.mesh());
             const double area = 100 * (cells.cells[0].area / half - 1),
                          border = 100 * (cells.cells[0].boundary / (2 * M_PI * r) - 1);
             std::printf("cells, sphere N = %d: area %.4f %%, boundary %.4f %%, surface %.4f %%\n",

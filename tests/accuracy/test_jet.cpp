@@ -1,6 +1,5 @@
 // The scheme jet against exact distances: errors at foot points in % of the largest distance.
-#include <igeo/march/jet.h>
-#include <igeo/surface/level_set_band.h>
+#include <igeo/geodesic_solver.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/exact.h>
@@ -17,32 +16,16 @@ namespace {
 using openvdb::Vec3d;
 const Vec3d kCenter(0.5, 0.5, 0.5);
 
-struct Solution {
-    Band band;
-    Field field;
-    Vec3d seed;  ///< where it was snapped to, world
-
-    void march(const Vec3d& seedWorld) {
-        const SurfacePoint p = pointOn(band, seedWorld);
-        seed = worldOf(band, p.pIndex);
-        field = marchJet(band, {}, {p});
-    }
-};
-
 /// @param turn angle between the shape's axes and the grid's, degrees
-Solution solve(const Shape& shape, int n, const Vec3d& seedWorld, double halfWidth = 3,
-               double turn = 0) {
+GeodesicSolver solverOn(const Shape& shape, int n, double halfWidth = 3, double turn = 0) {
     const auto transform = rotatedTransform(1.0 / n, {1, 2, 3}, turn, {0, 0, 0});
-    const LevelSet levelSet = checkedLevelSet(makeLevelSet(shape, *transform, halfWidth));
-    Solution s{bandFromLevelSet(levelSet, std::sqrt(3.0)), {}, {}};
-    s.march(seedWorld);
-    return s;
+    return GeodesicSolver(Surface(*makeLevelSet(shape, *transform, halfWidth)));
 }
 
-void print(const char* shape, int n, const Solution& s, const Errors& e) {
+void print(const char* shape, int n, const Distance& d, const Errors& e) {
     std::printf("jet, %s N = %3d: mean %.5f %%, p99 %.5f %%, max %.5f %%, fallback %.3f %%\n",
                 shape, n, e.mean, e.p99, e.max,
-                100.0 * double(s.field.fallbackCount) / double(s.field.solved));
+                100.0 * double(d.field().fallbackCount) / double(d.field().solved));
 }
 
 /// What chords a voxel long lose on an arc of `radius`, in % of the arc. A scheme that knows of
@@ -60,13 +43,12 @@ TEST_CASE("jet on the sphere is of second order and meets its figures, wherever 
                    {200, 20, 0.0003, 0.035},   // 0.00020, 0.0312
                    {400, 5, 5.4e-5, 0.0112}};  // 3.6e-5, 0.0074
     for (const auto& f : figures) {
-        Solution s = solve(sphere(kCenter, 0.4), f.n, kCenter + 0.4 * genericDirection());
+        const GeodesicSolver solver = solverOn(sphere(kCenter, 0.4), f.n);
         for (int k = 0; k <= f.seeds; ++k) {
-            if (k > 0) s.march(kCenter + 0.4 * genericDirection(k));
-            const Errors e = errorsOnSurface(s.band, s.field, [&](const Vec3d& p) {
-                return geodesicOnSphere(kCenter, 0.4, s.seed, p);
-            });
-            print("sphere", f.n, s, e);
+            const Distance d = solver.distance({fromVdb(kCenter + 0.4 * genericDirection(k))});
+            const Errors e = errorsOnSurface(
+                d, [&](const Vec3d& p) { return geodesicOnSphere(kCenter, 0.4, seedOf(d), p); });
+            print("sphere", f.n, d, e);
             INFO("N = " << f.n << ", direction " << k);
             CHECK(e.unreached == 0);
             CHECK(e.mean <= f.mean);
@@ -90,15 +72,14 @@ TEST_CASE("jet on the torus, cut locus included") {
                    {200, 0.0021, 0.0284}};  // measured 0.0063, 0.0675; 0.0014, 0.0189
     const double u = 0.7, v = 1.1, r = big + small * std::cos(v);
     for (const auto& f : figures) {
-        const Solution s =
-            solve(torus(kCenter, big, small), f.n,
-                  kCenter + Vec3d(r * std::cos(u), r * std::sin(u), small * std::sin(v)));
-        const TorusGeodesics exact(kCenter, big, small, s.seed);
+        const Distance d = solverOn(torus(kCenter, big, small), f.n)
+                               .distance({fromVdb(kCenter + Vec3d(r * std::cos(u), r * std::sin(u),
+                                                                  small * std::sin(v)))});
+        const TorusGeodesics exact(kCenter, big, small, seedOf(d));
         // The oracle takes milliseconds per point: some 4000 of them.
         const Errors e = errorsOnSurface(
-            s.band, s.field, [&](const Vec3d& p) { return exact.distance(p); },
-            s.band.size() / 4000);
-        print("torus", f.n, s, e);
+            d, [&](const Vec3d& p) { return exact.distance(p); }, d.band().size() / 4000);
+        print("torus", f.n, d, e);
         CHECK(e.unreached == 0);
         CHECK(e.mean <= f.mean);
         CHECK(e.max <= f.max);
@@ -109,15 +90,16 @@ TEST_CASE("jet on the side of a cylinder") {
     const double radius = 0.15;
     double last = 1;
     for (const int n : {100, 200}) {
-        const Solution s =
-            solve(cylinder(kCenter, radius, 0.45), n,
-                  kCenter + Vec3d(radius * std::cos(0.7), radius * std::sin(0.7), 0.0123));
+        const Distance d =
+            solverOn(cylinder(kCenter, radius, 0.45), n)
+                .distance({fromVdb(kCenter +
+                                   Vec3d(radius * std::cos(0.7), radius * std::sin(0.7), 0.0123))});
         // Up to 0.3 from the middle no way over an end is shorter.
-        const Errors e = errorsOnSurface(s.band, s.field, [&](const Vec3d& p) {
+        const Errors e = errorsOnSurface(d, [&](const Vec3d& p) {
             return std::abs(p.z() - 0.5) > 0.3 ? std::nan("")
-                                               : geodesicOnCylinder(kCenter, radius, s.seed, p);
+                                               : geodesicOnCylinder(kCenter, radius, seedOf(d), p);
         });
-        print("cylinder", n, s, e);
+        print("cylinder", n, d, e);
         CHECK(e.mean <= 0.01);
         // Second order: a quarter, with room for the share of the rims.
         CHECK(e.mean <= last / 3);
@@ -136,14 +118,14 @@ TEST_CASE("jet around a rounded box") {
     for (const double turn : {0.0, 30.0}) {
         double last = 1;
         for (const int n : {100, 200}) {
-            const Solution s = solve(roundedBox(kCenter, half, radius), n,
-                                     kCenter + Vec3d(half.x(), 0.0317, 0.0123), 3, turn);
-            const Errors e = errorsOnSurface(s.band, s.field, [&](const Vec3d& p) {
-                return geodesicAroundRoundedBox(kCenter, half, radius, s.seed, p);
+            const Distance d = solverOn(roundedBox(kCenter, half, radius), n, 3, turn)
+                                   .distance({fromVdb(kCenter + Vec3d(half.x(), 0.0317, 0.0123))});
+            const Errors e = errorsOnSurface(d, [&](const Vec3d& p) {
+                return geodesicAroundRoundedBox(kCenter, half, radius, seedOf(d), p);
             });
-            print(turn == 0 ? "rounded box" : "rounded box, turned", n, s, e);
+            print(turn == 0 ? "rounded box" : "rounded box, turned", n, d, e);
             CHECK(e.unreached == 0);
-            CHECK(e.samples > s.band.size() / 10);
+            CHECK(e.samples > d.band().size() / 10);
             CHECK(e.mean <= share * chordError(radius, n) / 2);
             CHECK(e.max <= share * chordError(radius, n));
             CHECK(e.mean <= last / std::pow(2, 1.5));
@@ -158,18 +140,19 @@ TEST_CASE("jet on the side of a cone") {
     for (const double turn : {0.0, 30.0}) {
         double last = 1;
         for (const int n : {100, 200}) {
-            const Solution s = solve(
-                frustum(kCenter, wide, narrow, halfHeight), n,
-                kCenter + Vec3d(middle * std::cos(0.7), middle * std::sin(0.7), 0.0123), 3, turn);
-            const Errors e = errorsOnSurface(s.band, s.field, [&](const Vec3d& p) {
+            const Distance d =
+                solverOn(frustum(kCenter, wide, narrow, halfHeight), n, 3, turn)
+                    .distance({fromVdb(
+                        kCenter + Vec3d(middle * std::cos(0.7), middle * std::sin(0.7), 0.0123))});
+            const Errors e = errorsOnSurface(d, [&](const Vec3d& p) {
                 // Foot points next to a rim may belong to an end.
                 return std::abs(p.z() - 0.5) > halfHeight - 0.03
                            ? std::nan("")
-                           : geodesicOnConeSide(kCenter, wide, narrow, halfHeight, s.seed, p);
+                           : geodesicOnConeSide(kCenter, wide, narrow, halfHeight, seedOf(d), p);
             });
-            print(turn == 0 ? "cone" : "cone, turned", n, s, e);
+            print(turn == 0 ? "cone" : "cone, turned", n, d, e);
             CHECK(e.unreached == 0);
-            CHECK(e.samples > s.band.size() / 10);
+            CHECK(e.samples > d.band().size() / 10);
             CHECK(e.mean <= chordError(middle, n) / 2);
             CHECK(e.max <= chordError(middle, n));
             CHECK(e.mean <= last / std::pow(2, 1.5));
@@ -183,10 +166,10 @@ TEST_CASE("jet over the sharp edges of a box") {
     const Vec3d half(0.3013, 0.2529, 0.3507);
     for (const int n : {100, 200}) {
         const double dx = 1.0 / n;
-        const Solution s =
-            solve(box(kCenter, half), n, kCenter + Vec3d(half.x(), 0.05713, 0.13217));
-        const Vec3d seed(kCenter.x() + half.x(), s.seed.y(), s.seed.z());
-        const Errors e = errorsOnSurface(s.band, s.field, [&](const Vec3d& p) {
+        const Distance d = solverOn(box(kCenter, half), n)
+                               .distance({fromVdb(kCenter + Vec3d(half.x(), 0.05713, 0.13217))});
+        const Vec3d snapped = seedOf(d), seed(kCenter.x() + half.x(), snapped.y(), snapped.z());
+        const Errors e = errorsOnSurface(d, [&](const Vec3d& p) {
             // The nearest point of the box; next to an edge foot points may be off by some dx.
             Vec3d q = p - kCenter;
             int face = 0;
@@ -198,7 +181,7 @@ TEST_CASE("jet over the sharp edges of a box") {
             q += kCenter;
             return (q - p).length() > dx ? std::nan("") : geodesicOnBox(kCenter, half, seed, q);
         });
-        print("box", n, s, e);
+        print("box", n, d, e);
         CHECK(e.unreached == 0);
         if (n == 200) CHECK(e.mean <= 0.042);  // measured 0.0275
     }
@@ -212,15 +195,14 @@ TEST_CASE("jet from the edges and corners of a box") {
     for (const Vec3d& at : {half, Vec3d(-half.x(), half.y(), -half.z()),
                             Vec3d(half.x(), half.y(), 0.1), Vec3d(0.05, -half.y(), half.z())}) {
         const Vec3d seed = kCenter + at;
-        const Solution s = solve(box(kCenter, half), 100, seed);
+        const Distance d = solverOn(box(kCenter, half), 100).distance({fromVdb(seed)});
         const Vec3d target = kCenter + Vec3d(-half.x(), 0.0317, -0.0713);
         const double exact = geodesicOnBox(kCenter, half, seed, target);
-        const SurfacePoint p = pointOn(s.band, target);
-        const double d = s.band.transform.dx * sampleDistance(s.band, s.field, p.pIndex);
+        const double error = d.at(fromVdb(target)) - exact;
         std::printf("jet, box from (%g, %g, %g): off by %.3f voxels\n", at.x(), at.y(), at.z(),
-                    (d - exact) / dx);
-        CHECK(s.field.reached == s.band.size());
-        CHECK(std::abs(d - exact) < 0.41 * dx);  // measured 0.27
+                    error / dx);
+        CHECK(d.field().reached == d.band().size());
+        CHECK(std::abs(error) < 0.41 * dx);  // measured 0.27
     }
 }
 
@@ -228,13 +210,12 @@ TEST_CASE("jet needs no wider level set than the band") {
     // Not 0.4: voxels exactly on the surface leave a flood fill of half-width 1 without a sign.
     const double radius = 0.4003;
     for (const double halfWidth : {1.0, 2.0, 3.0}) {
-        const Solution s =
-            solve(sphere(kCenter, radius), 100, kCenter + radius * genericDirection(), halfWidth);
-        const Errors e = errorsOnSurface(s.band, s.field, [&](const Vec3d& p) {
-            return geodesicOnSphere(kCenter, radius, s.seed, p);
-        });
+        const Distance d = solverOn(sphere(kCenter, radius), 100, halfWidth)
+                               .distance({fromVdb(kCenter + radius * genericDirection())});
+        const Errors e = errorsOnSurface(
+            d, [&](const Vec3d& p) { return geodesicOnSphere(kCenter, radius, seedOf(d), p); });
         std::printf("half-width %.0f: ", halfWidth);
-        print("sphere", 100, s, e);
+        print("sphere", 100, d, e);
         CHECK(e.unreached == 0);
         CHECK(e.mean <= 0.00107);  // measured 0.00071
     }

@@ -1,6 +1,5 @@
 // The scheme jet over edges too sharp for normals to be compared across them.
-#include <igeo/march/jet.h>
-#include <igeo/surface/level_set_band.h>
+#include <igeo/geodesic_solver.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/openvdb.h>
@@ -67,11 +66,11 @@ TEST_CASE("jet passes sharp edges everywhere along them") {
     for (const double degrees : {30.0, 45.0, 60.0, 90.0})
         for (int turn = 0; turn < 3; ++turn) {
             const Wedge wedge(degrees, turn);
-            const LevelSet levelSet = checkedLevelSet(makeLevelSet(wedge.shape(), 1.0 / kN, 3));
-            const Band band = bandFromLevelSet(levelSet, std::sqrt(3.0));
-            const SurfacePoint seed = pointOn(band, wedge.onUpperFace(0.13, 0.0123));
-            const Field field = marchJet(band, {}, {seed});
-            const Vec3d from = wedge.local(worldOf(band, seed.pIndex));
+            const GeodesicSolver solver(Surface(*makeLevelSet(wedge.shape(), 1.0 / kN, 3)));
+            const Distance d = solver.distance({fromVdb(wedge.onUpperFace(0.13, 0.0123))});
+            const Band& band = d.band();
+            const Field& field = d.field();
+            const Vec3d from = wedge.local(seedOf(d));
             double sum = 0, most = 0;
             std::size_t count = 0;
             for (NodeIndex i = 0; i < band.size(); ++i) {

@@ -1,8 +1,9 @@
-// The scheme jet with a weight that varies, against metrics whose distance is known.
+// The scheme jet with a weight that varies, against metrics whose distance is known. The weights
+// are functions put on the band, so that no grid of weights adds an error of its own.
 #include <igeo/base/parallel.h>
+#include <igeo/geodesic_solver.h>
 #include <igeo/march/jet.h>
 #include <igeo/path/straighten.h>
-#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/expect_error.h>
@@ -24,9 +25,9 @@ struct Patch {
     Vec3d x = kNormal.cross(Vec3d(0.3, 1, 0.2)).unit(), y = kNormal.cross(x);
 
     explicit Patch(int n)
-        : band(bandFromLevelSet(
-              checkedLevelSet(makeLevelSet(planePatch(kCenter, kNormal, 0.8), 1.0 / n, 3)),
-              std::sqrt(3.0))) {}
+        : band(
+              *GeodesicSolver(Surface(*makeLevelSet(planePatch(kCenter, kNormal, 0.8), 1.0 / n, 3)))
+                   .wholeBand()) {}
     std::pair<double, double> flat(const Vec3d& p) const {
         return {(p - kCenter).dot(x), (p - kCenter).dot(y)};
     }

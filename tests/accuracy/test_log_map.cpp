@@ -1,9 +1,9 @@
 // The logarithmic map against exact geodesics: directions in degrees, and by how much the geodesic
 // that leaves the seed as the map says misses its point.
+#include <igeo/geodesic_solver.h>
 #include <igeo/march/jet.h>
 #include <igeo/path/exponential_map.h>
 #include <igeo/results/log_map.h>
-#include <igeo/surface/level_set_band.h>
 #include <openvdb/tools/FastSweeping.h>
 #include <support/catch.h>
 #include <support/errors.h>
@@ -22,25 +22,27 @@ using openvdb::Vec3d;
 const Vec3d kCenter(0.5, 0.5, 0.5);
 constexpr double kDegrees = 180 / M_PI;
 
-Band bandOf(const openvdb::FloatGrid::Ptr& grid) {
-    return bandFromLevelSet(checkedLevelSet(grid), std::sqrt(3.0));
+/// For seeds anywhere: they are moved onto S from however far away.
+GeodesicSolver solverOn(const openvdb::FloatGrid& grid) {
+    SolverOptions options;
+    options.maxSnap = kInfinity;
+    return GeodesicSolver(Surface(grid), options);
 }
-Band bandOf(const Shape& shape, int n) {
+GeodesicSolver solverOn(const Shape& shape, int n) {
     const auto transform = rotatedTransform(1.0 / n, {1, 2, 3}, 20, {0.1, 0.2, 0.3});
-    return bandOf(makeLevelSet(shape, *transform, 3));
+    return solverOn(*makeLevelSet(shape, *transform, 3));
 }
 
 struct Mapped {
-    Band band;
-    SurfacePoint seed;
-    Field field;
-    LogMap map;
+    Distance distance;
+    const Band& band = distance.band();
+    const Field& field = distance.field();
+    LogMap map = logMap(band, field);
 
-    Mapped(Band b, const Vec3d& seedWorld, const MetricPtr& metric = {}) : band(std::move(b)) {
-        seed = pointOn(band, seedWorld);
-        field = marchJet(band, metric, {seed});
-        map = logMap(band, field);
-    }
+    explicit Mapped(Distance d) : distance(std::move(d)) {}
+    Mapped(const GeodesicSolver& solver, const Vec3d& seedWorld)
+        : Mapped(solver.distance({fromVdb(seedWorld)})) {}
+    Mapped(const Mapped&) = delete;
     /// What the map says, index space.
     igeo::Vec3d vector(NodeIndex i) const {
         const Vec2f at = map.position[i];
@@ -100,9 +102,9 @@ TEST_CASE("logMap on the sphere: directions to half a degree up to 0.9 of the wa
     for (const int n : {50, 100, 200}) {
         std::vector<double> off;
         for (int k = 0; k < 5; ++k) {
-            const Mapped m(bandOf(sphere(kCenter, kRadius), n),
+            const Mapped m(solverOn(sphere(kCenter, kRadius), n),
                            kCenter + kRadius * genericDirection(k));
-            const Vec3d out = (worldOf(m.band, m.seed.pIndex) - kCenter).unit();
+            const Vec3d out = (seedOf(m.distance) - kCenter).unit();
             for (NodeIndex i = 0; i < m.band.size(); ++i) {
                 const double d = m.distanceWorld(i);
                 if (d > 0.9 * M_PI * kRadius || d < 1e-9) continue;
@@ -125,9 +127,9 @@ TEST_CASE("logMap on the torus: geodesics that leave by it come to the point") {
     for (const int n : {50, 100, 200}) {
         Misses misses;
         for (int k = 0; k < 3; ++k) {
-            const Mapped m(bandOf(torus(kCenter, 0.3, 0.12), n),
+            const Mapped m(solverOn(torus(kCenter, 0.3, 0.12), n),
                            kCenter + 0.4 * genericDirection(k));
-            const Vec3d seed = worldOf(m.band, m.seed.pIndex);
+            const Vec3d seed = seedOf(m.distance);
             const Vec3d inPlane(seed.x() - kCenter.x(), seed.y() - kCenter.y(), 0);
             const Vec3d normal = (seed - kCenter - 0.3 * inPlane.unit()).unit();
             for (NodeIndex i = 0; i < m.band.size(); i += 97) {
@@ -161,7 +163,7 @@ TEST_CASE("logMap on a knot and on a bumpy sphere: shooting by it comes to the p
         {"bumpy sphere",
          openvdb::tools::sdfToSdf(*makeLevelSet({"bumpy", bumpy, bounds, true, {}}, 0.005, 4))}};
     for (const auto& [name, grid] : surfaces) {
-        const Mapped m(bandOf(grid), 30 * genericDirection());
+        const Mapped m(solverOn(*grid), 30 * genericDirection());
         const igeo::Vec3d normal = cross(m.map.frames[0].u, m.map.frames[0].v);
         Misses misses;
         std::size_t unknown = 0;
@@ -173,7 +175,9 @@ TEST_CASE("logMap on a knot and on a bumpy sphere: shooting by it comes to the p
             }
             const igeo::Vec3d v = normalized(m.vector(i)), left = cross(normal, v);
             const auto walk = [&](double turn) {
-                const Path path = shoot(m.band, m.seed, v + turn * left, m.field.distance[i]);
+                // On the band that is there: a solver would make one for each of these.
+                const Path path =
+                    shoot(m.band, m.field.seeds[0], v + turn * left, m.field.distance[i]);
                 return worldOf(m.band, path.vertices.back().pIndex);
             };
             misses.add(m.footWorld(i), walk, m.band.transform.dx);
@@ -199,14 +203,20 @@ TEST_CASE("logMap with a weight that varies: great circles in stereographic proj
     };
     double last = 0;
     for (const int n : {100, 200}) {
-        Band band = bandOf(makeLevelSet(planePatch(kCenter, normal, 0.8), 1.0 / n, 3));
+        const GeodesicSolver solver =
+            solverOn(*makeLevelSet(planePatch(kCenter, normal, 0.8), 1.0 / n, 3));
+        const auto made = solver.wholeBand();
+        const Band& band = *made;
         const auto metric = std::make_shared<Metric>();
         for (NodeIndex i = 0; i < band.size(); ++i) {
             const double r2 = (worldOf(band, band.footPoint(i)) - kCenter).lengthSqr();
             metric->weight.push_back(float(2 * kScale / (1 + kScale * kScale * r2)));
         }
-        const Mapped m(std::move(band), kCenter + 0.13 * x + 0.05 * y, metric);
-        const Vec3d seed = worldOf(m.band, m.seed.pIndex), from = onSphere(seed);
+        // A weight that is a function: no grid of weights adds an error of its own.
+        Field field = marchJet(band, metric, {pointOn(band, kCenter + 0.13 * x + 0.05 * y)});
+        const Mapped m(Distance(solver.surface(), solver.bandWidth(), made, /*wholeBand=*/true,
+                                std::move(field), {}, solver.maxSnap()));
+        const Vec3d seed = seedOf(m.distance), from = onSphere(seed);
         std::vector<double> off;
         for (NodeIndex i = 0; i < m.band.size(); ++i) {
             const Vec3d p = m.footWorld(i);

@@ -1,6 +1,4 @@
-#include <igeo/march/jet.h>
-#include <igeo/surface/level_set_band.h>
-#include <igeo/surface/mesh_band.h>
+#include <igeo/geodesic_solver.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/exact.h>
@@ -23,12 +21,11 @@ struct InVoxels {
 /// jet on a mesh at a voxel size, held against the exact distance.
 InVoxels errorsOn(const TriangleMesh& mesh, double dx, const Vec3d& seed,
                   const std::function<double(const Vec3d&)>& exact) {
-    const Band band = bandFromMesh(mesh, dx, std::sqrt(3.0));
-    const SurfacePoint s = nearestMeshPoint(mesh, band, band.transform.indexFromWorld(seed));
-    const Field field = marchJet(band, nullptr, {s});
-    const Errors e = test::errorsOnSurface(
-        band, field, [&](const openvdb::Vec3d& p) { return exact(Vec3d(p.x(), p.y(), p.z())); });
+    const Distance d = GeodesicSolver(Surface(mesh, {.size = dx})).distance({seed});
+    const Errors e =
+        test::errorsOnSurface(d, [&](const openvdb::Vec3d& p) { return exact(test::fromVdb(p)); });
     CHECK(e.unreached == 0);
+    const Band& band = d.band();
     double largest = 0;
     for (NodeIndex i = 0; i < band.size(); ++i)
         if (std::abs(band.psi[i]) < 1)
@@ -192,13 +189,12 @@ TEST_CASE("a closed mesh: its band agrees with its level set, and is nearer to t
     };
     const double dx = 0.01;
     const InVoxels fromMesh = errorsOn(mesh, dx, center + 0.4 * n, exact);
-    const LevelSet levelSet = levelSetFromBand(bandFromMesh(mesh, dx, 3), true, "sphere", "psi");
-    const Band band = bandFromLevelSet(levelSet, std::sqrt(3.0));
-    const Vec3d seed = center + 0.4 * n;
-    const Field field =
-        marchJet(band, nullptr, {nearestSurfacePoint(band, band.transform.indexFromWorld(seed))});
-    const Errors e = test::errorsOnSurface(
-        band, field, [&](const openvdb::Vec3d& p) { return exact(Vec3d(p.x(), p.y(), p.z())); });
+    const Surface asMesh(mesh, {.size = dx});
+    const Surface asLevelSet(*asMesh.levelSet(asMesh.bandWidth(Scheme::Jet)).psi);
+    const Errors e =
+        test::errorsOnSurface(GeodesicSolver(asLevelSet).distance({center + 0.4 * n}),
+                              [&](const openvdb::Vec3d& p) { return exact(test::fromVdb(p)); });
+    std::printf("as a level set: mean %.4f voxels\n", e.mean / 100 * 126);
     // 40 voxels per radius: 0.003 % of 126 voxels is what docs/accuracy.md has for a sphere at 40.
     CHECK(fromMesh.mean < 0.0053);       // measured 0.0035
     CHECK(e.mean / 100 * 126 < 0.0056);  // measured 0.0037

@@ -1,9 +1,6 @@
 // Distances and paths around an obstacle, against tangents and arcs.
-#include <igeo/march/godunov.h>
-#include <igeo/march/jet.h>
+#include <igeo/geodesic_solver.h>
 #include <igeo/metric/obstacles.h>
-#include <igeo/path/straighten.h>
-#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/openvdb.h>
@@ -11,6 +8,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <functional>
 
 namespace igeo::test {
 namespace {
@@ -51,18 +49,20 @@ double aroundCap(const Vec3d& c, double alpha, const Vec3d& p, const Vec3d& q) {
 /// A surface with a ball in the way of the seed's fronts, and the exact distance.
 struct Scene {
     const char* name;
-    Band band;
+    Surface surface;
     Vec3d ball;
     double ballRadius;
-    SurfacePoint seed, target;  ///< the target is in the ball's shadow
-    ExactDistance exact;        ///< world
+    Vec3d seed, target;  ///< the target is in the ball's shadow
+    std::function<double(const Vec3d& from, const Vec3d& to)> exact;
 
-    MetricPtr metric() const {
-        auto obstacles = std::make_shared<ObstacleSet>(band.transform);
-        obstacles->addSphere({ball.x(), ball.y(), ball.z()}, ballRadius);
-        auto m = std::make_shared<Metric>();
-        m->setObstacles(band, obstacles);
-        return m;
+    GeodesicSolver solver(Scheme scheme) const {
+        auto obstacles = std::make_shared<ObstacleSet>(surface.transform());
+        obstacles->addSphere(fromVdb(ball), ballRadius);
+        SolverOptions options;
+        options.scheme = scheme;
+        options.bandVoxels = std::sqrt(3.0);
+        options.metric.obstacles = obstacles;
+        return GeodesicSolver(surface, options);
     }
     bool inBall(const Vec3d& pWorld, double slack = 0) const {
         return (pWorld - ball).length() < ballRadius - slack;
@@ -71,87 +71,79 @@ struct Scene {
 
 Scene onPlane(int n) {
     const Vec3d normal = Vec3d(1, -2, 3).unit(), x = normal.cross(Vec3d(0.3, 1, 0.2)).unit(),
-                y = normal.cross(x);
-    Scene s;
-    s.name = "plane";
-    s.band = bandFromLevelSet(
-        checkedLevelSet(makeLevelSet(planePatch(kCenter, normal, 0.8), 1.0 / n, 3)),
-        std::sqrt(3.0));
-    s.ball = kCenter + 0.013 * x - 0.021 * y;
-    s.ballRadius = 0.15;
-    s.seed = pointOn(s.band, kCenter - 0.3 * x + 0.017 * y);
-    s.target = pointOn(s.band, kCenter + 0.31 * x - 0.04 * y);
-    const Vec3d from = worldOf(s.band, s.seed.pIndex);
-    s.exact = [=, ball = s.ball, r = s.ballRadius](const Vec3d& p) {
+                y = normal.cross(x), ball = kCenter + 0.013 * x - 0.021 * y;
+    constexpr double kBall = 0.15;
+    auto exact = [=](const Vec3d& from, const Vec3d& p) {
         const bool inPatch = std::abs((p - kCenter).dot(x)) < 0.38 &&
-                             std::abs((p - kCenter).dot(y)) < 0.38 && (p - ball).length() > r;
-        return inPatch ? aroundDisc(ball, r, from, p) : std::nan("");
+                             std::abs((p - kCenter).dot(y)) < 0.38 && (p - ball).length() > kBall;
+        return inPatch ? aroundDisc(ball, kBall, from, p) : std::nan("");
     };
-    return s;
+    return {"plane",
+            Surface(*makeLevelSet(planePatch(kCenter, normal, 0.8), 1.0 / n, 3)),
+            ball,
+            kBall,
+            kCenter - 0.3 * x + 0.017 * y,
+            kCenter + 0.31 * x - 0.04 * y,
+            exact};
 }
 
 Scene onSphere(int n) {
     constexpr double kRadius = 0.4, kAlpha = 0.5;
-    Scene s;
-    s.name = "sphere";
-    s.band = bandFromLevelSet(checkedLevelSet(makeLevelSet(sphere(kCenter, kRadius), 1.0 / n, 3)),
-                              std::sqrt(3.0));
     const Vec3d axis = genericDirection(), side = axis.cross(genericDirection(2)).unit();
-    s.ball = kCenter + kRadius * axis;
-    s.ballRadius = 2 * kRadius * std::sin(kAlpha / 2);
     auto at = [&](double angle) {
         return kCenter + kRadius * (std::cos(angle) * axis + std::sin(angle) * side);
     };
-    s.seed = pointOn(s.band, at(1.1));
-    s.target = pointOn(s.band, at(-1.3));
-    const Vec3d from = (worldOf(s.band, s.seed.pIndex) - kCenter).unit();
-    s.exact = [=](const Vec3d& p) {
+    auto exact = [=](const Vec3d& from, const Vec3d& p) {
         const Vec3d to = (p - kCenter).unit();
-        return angleBetween(axis, to) > kAlpha ? kRadius * aroundCap(axis, kAlpha, from, to)
-                                               : std::nan("");
+        return angleBetween(axis, to) > kAlpha
+                   ? kRadius * aroundCap(axis, kAlpha, (from - kCenter).unit(), to)
+                   : std::nan("");
     };
-    return s;
+    return {"sphere",
+            Surface(*makeLevelSet(sphere(kCenter, kRadius), 1.0 / n, 3)),
+            kCenter + kRadius * axis,
+            2 * kRadius * std::sin(kAlpha / 2),
+            at(1.1),
+            at(-1.3),
+            exact};
 }
 
 }  // namespace
 
 TEST_CASE("obstacles: distances and paths lead around a ball") {
     for (const Scene& s : {onPlane(200), onSphere(200)}) {
-        const MetricPtr metric = s.metric();
-        REQUIRE(metric->insideCount() > 1000);
-        const double dx = s.band.transform.dx;
-        for (const bool jet : {true, false}) {
-            const Field field =
-                jet ? marchJet(s.band, metric, {s.seed}) : marchGodunov(s.band, metric, {s.seed});
-            INFO(s.name << ", " << field.scheme);
-            const Errors e = errorsOnSurface(s.band, field, s.exact);
+        for (const Scheme scheme : {Scheme::Jet, Scheme::Godunov}) {
+            const GeodesicSolver solver = s.solver(scheme);
+            REQUIRE(solver.wholeMetric()->insideCount() > 1000);
+            const Distance d = solver.distance({fromVdb(s.seed)}, {.targets = {fromVdb(s.target)}});
+            const Vec3d from = seedOf(d);
+            const std::string& computedBy = d.field().scheme;
+            INFO(s.name << ", " << computedBy);
+            const Errors e = errorsOnSurface(d, [&](const Vec3d& p) { return s.exact(from, p); });
             std::printf("obstacle on a %s, %s: mean %.4f %%, max %.3f %%\n", s.name,
-                        field.scheme.c_str(), e.mean, e.max);
+                        computedBy.c_str(), e.mean, e.max);
             CHECK(e.unreached == 0);
-            if (jet) CHECK(e.max < 0.109);  // measured 0.072
-            for (NodeIndex i = 0; i < s.band.size(); ++i)
-                if (s.inBall(worldOf(s.band, s.band.footPoint(i))))
-                    REQUIRE(field.distance[i] == kInfinity);
+            if (scheme == Scheme::Jet) CHECK(e.max < 0.109);  // measured 0.072
+            const Band& band = d.band();
+            for (NodeIndex i = 0; i < band.size(); ++i)
+                if (s.inBall(worldOf(band, band.footPoint(i))))
+                    REQUIRE(d.field().distance[i] == kInfinity);
 
-            const auto gradient = surfaceGradient(s.band, field);
-            Path path = tracePath(s.band, field, gradient, s.target);
-            REQUIRE(path.status == PathStatus::Reached);
-            const double exact = s.exact(worldOf(s.band, s.target.pIndex)) / dx,
-                         traced = path.weightedLength;
-            straighten(s.band, field, path);
+            const igeo::Vec3d target = fromVdb(s.target);
+            const Polyline traced = d.path(target), path = d.path(target, /*straighten=*/true);
+            REQUIRE(traced.status == PathStatus::Reached);
+            const double exact = s.exact(from, worldOf(band, d.targets()[0].pIndex));
             std::printf("  path: distance %+.3f %%, traced %+.3f %%, straightened %+.3f %%\n",
-                        100 * (path.distance / exact - 1), 100 * (traced / exact - 1),
+                        100 * (d.at(target) / exact - 1), 100 * (traced.weightedLength / exact - 1),
                         100 * (path.weightedLength / exact - 1));
-            CHECK(path.weightedLength <= traced);
+            CHECK(path.weightedLength <= traced.weightedLength);
             CHECK(std::abs(path.weightedLength / exact - 1) < 5.6e-4);  // measured 3.7e-4
             CHECK(path.weightedLength == Approx(path.length));
             // Chords of a voxel between points on the rim dip by 1 / (8 r), r = 30 voxels here.
-            for (std::size_t k = 0; k < path.vertices.size(); ++k)
-                REQUIRE(!s.inBall(worldOf(s.band, path.vertices[k].pIndex), 1e-6));
-            for (std::size_t k = 1; k < path.vertices.size(); ++k)
-                REQUIRE(!s.inBall(
-                    worldOf(s.band, 0.5 * (path.vertices[k - 1].pIndex + path.vertices[k].pIndex)),
-                    1e-6));
+            auto inBall = [&](const igeo::Vec3d& p) { return s.inBall({p.x, p.y, p.z}, 1e-6); };
+            for (const igeo::Vec3d& p : path.points) REQUIRE(!inBall(p));
+            for (std::size_t k = 1; k < path.points.size(); ++k)
+                REQUIRE(!inBall(0.5 * (path.points[k - 1] + path.points[k])));
         }
     }
 }
@@ -162,23 +154,22 @@ TEST_CASE("around a hole in an open sheet the way is as long as around a disc") 
     const Vec3d normal = Vec3d(1, -2, 3).unit(), x = normal.cross(Vec3d(0.3, 1, 0.2)).unit(),
                 y = normal.cross(x), hole = kCenter + 0.013 * x - 0.021 * y;
     Shape shape = planePatch(kCenter, normal, 0.8);
-    const Distance square = shape.domain;
+    const SignedDistance square = shape.domain;
     shape.domain = [=](const Vec3d& p) {
         const Vec3d inPlane = p - hole - (p - hole).dot(normal) * normal;
         return std::max(square(p), kHole - inPlane.length());
     };
-    const Band band =
-        bandFromLevelSet(checkedLevelSet(makeLevelSet(shape, 1.0 / kN, 3)), std::sqrt(3.0));
-    const SurfacePoint seed = pointOn(band, kCenter - 0.3 * x + 0.017 * y);
-    const Vec3d from = worldOf(band, seed.pIndex);
-    const Field field = marchJet(band, {}, {seed});
+    const GeodesicSolver solver(Surface(*makeLevelSet(shape, 1.0 / kN, 3)));
+    const Distance d = solver.distance({fromVdb(kCenter - 0.3 * x + 0.017 * y)});
+    const Vec3d from = seedOf(d);
+    const Band& band = d.band();
     double least = 0, most = 0;
     for (NodeIndex i = 0; i < band.size(); ++i) {
         const Vec3d p = worldOf(band, band.footPoint(i));
         if (std::abs((p - kCenter).dot(x)) > 0.37 || std::abs((p - kCenter).dot(y)) > 0.37 ||
             (p - hole).length() < kHole + 1.0 / kN)
             continue;
-        const double error = field.distance[i] - aroundDisc(hole, kHole, from, p) * kN;
+        const double error = d.field().distance[i] - aroundDisc(hole, kHole, from, p) * kN;
         least = std::min(least, error), most = std::max(most, error);
     }
     std::printf("around a hole of 30 voxels: %+.2f to %+.2f voxels\n", least, most);

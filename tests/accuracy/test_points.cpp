@@ -1,7 +1,6 @@
 // Clouds of points against exact distances: errors in % of the largest distance.
-#include <igeo/march/godunov.h>
-#include <igeo/march/jet.h>
-#include <igeo/surface/point_band.h>
+#include <igeo/geodesic_solver.h>
+#include <igeo/surface/point_surface.h>
 #include <support/catch.h>
 #include <support/clouds.h>
 #include <support/errors.h>
@@ -15,32 +14,23 @@
 namespace igeo::test {
 namespace {
 
-constexpr PointBandKind kFits = PointBandKind::Fits, kBalls = PointBandKind::Balls;
 const Vec3d kCenter{0.51, 0.48, 0.53};
 const openvdb::Vec3d kCenterVdb(0.51, 0.48, 0.53);
 
-struct Solution {
-    Band band;
-    Field field;
-    openvdb::Vec3d seed;
-};
-
-/// @param dx  in median spacings; 0: the default
-Solution solve(const PointCloud& cloud, PointBandKind kind, const openvdb::Vec3d& seedWorld,
-               double spacings = 0) {
-    const PointSurface surface(cloud);
-    const CloudDensity& density = surface.density();
-    const double dx = spacings > 0 ? spacings * density.spacing : defaultVoxelSize(density, kind);
-    Solution s{bandFromPoints(surface, kind, dx, defaultBandWidth(density, kind, dx)), {}, {}};
-    const SurfacePoint p = pointOn(s.band, seedWorld);
-    s.seed = worldOf(s.band, p.pIndex);
-    s.field = kind == kFits ? marchJet(s.band, {}, {p}) : marchGodunov(s.band, {}, {p});
-    return s;
+/// @param spacings  the voxel size in median spacings; 0: the default
+Distance distanceOn(const PointCloud& cloud, Scheme scheme, const openvdb::Vec3d& seed,
+                    double spacings = 0) {
+    Surface surface(cloud, {.scheme = scheme});
+    if (spacings > 0)
+        surface = Surface(cloud, {.size = spacings * surface.points()->density().spacing});
+    SolverOptions options;
+    options.scheme = scheme;
+    return GeodesicSolver(surface, options).distance({fromVdb(seed)});
 }
 
-void print(const char* what, const Solution& s, const Errors& e) {
+void print(const char* what, const Distance& d, const Errors& e) {
     std::printf("points, %s, %s: mean %.5f %%, p99 %.5f %%, max %.5f %%, bias %.5f %%\n", what,
-                s.field.scheme.c_str(), e.mean, e.p99, e.max, e.bias);
+                d.field().scheme.c_str(), e.mean, e.p99, e.max, e.bias);
 }
 
 }  // namespace
@@ -50,9 +40,9 @@ TEST_CASE("jet on the cloud of a sphere is as good as on its level set") {
         CloudOptions options;
         options.normals = normals;
         const PointCloud cloud = sphereCloud(20000, 0.4, kCenter, options);
-        auto exact = [&](const Solution& s) {
-            return [&s](const openvdb::Vec3d& p) {
-                return geodesicOnSphere(kCenterVdb, 0.4, s.seed, p);
+        auto exact = [&](const Distance& d) {
+            return [&d](const openvdb::Vec3d& p) {
+                return geodesicOnSphere(kCenterVdb, 0.4, seedOf(d), p);
             };
         };
         const openvdb::Vec3d seed = kCenterVdb + 0.4 * genericDirection();
@@ -62,18 +52,18 @@ TEST_CASE("jet on the cloud of a sphere is as good as on its level set") {
         } figures[] = {{1, 0.00112, 0.033},
                        {0.5, 0.00018, 0.0062}};  // measured 0.00074, 0.0218; 0.00012, 0.0041
         for (const auto& f : figures) {
-            const Solution s = solve(cloud, kFits, seed, f.spacings);
-            const Errors e = errorsOnSurface(s.band, s.field, exact(s));
-            print("sphere", s, e);
+            const Distance d = distanceOn(cloud, Scheme::Jet, seed, f.spacings);
+            const Errors e = errorsOnSurface(d, exact(d));
+            print("sphere", d, e);
             CHECK(e.unreached == 0);
             CHECK(e.mean <= f.mean);
             CHECK(e.max <= f.max);
         }
         // The paper's band: paths on its inner side are shorter by the part h / R, and h is 2.05
         // voxels of 39 per radius: 5 % at most, a fifth of that in the mean.
-        const Solution s = solve(cloud, kBalls, seed);
-        const Errors e = errorsOnSurface(s.band, s.field, exact(s));
-        print("sphere", s, e);
+        const Distance d = distanceOn(cloud, Scheme::Godunov, seed);
+        const Errors e = errorsOnSurface(d, exact(d));
+        print("sphere", d, e);
         CHECK(e.unreached == 0);
         CHECK(e.mean <= 1);
         CHECK(e.max <= 2.45);  // measured 1.63
@@ -90,12 +80,12 @@ TEST_CASE("jet on a cloud that scatters by a third of its spacing stays below 0.
     options.noise = 0.3;
     for (const bool normals : {false, true}) {
         options.normals = normals;
-        const Solution s = solve(sphereCloud(20000, 0.4, kCenter, options), kFits,
-                                 kCenterVdb + 0.4 * genericDirection());
-        const Errors e = errorsOnSurface(s.band, s.field, [&](const openvdb::Vec3d& p) {
-            return geodesicOnSphere(kCenterVdb, 0.4, s.seed, p);
+        const Distance d = distanceOn(sphereCloud(20000, 0.4, kCenter, options), Scheme::Jet,
+                                      kCenterVdb + 0.4 * genericDirection());
+        const Errors e = errorsOnSurface(d, [&](const openvdb::Vec3d& p) {
+            return geodesicOnSphere(kCenterVdb, 0.4, seedOf(d), p);
         });
-        print("sphere that scatters", s, e);
+        print("sphere that scatters", d, e);
         CHECK(e.unreached == 0);
         CHECK(e.mean <= 0.041);  // measured 0.027
         // The scatter of single points, 0.3 of 126 spacings, is what the seed is off at most.
@@ -107,15 +97,14 @@ TEST_CASE("jet on the cloud of a torus") {
     // Points independent of each other: the spacing varies by a half.
     const double major = 0.35, minor = 0.12;
     const openvdb::Vec3d seed = kCenterVdb + openvdb::Vec3d(0.31, 0.26, 0.1);
-    for (const PointBandKind kind : {kFits, kBalls}) {
-        const Solution s = solve(torusCloud(20000, major, minor, kCenter), kind, seed);
-        const TorusGeodesics torus(kCenterVdb, major, minor, s.seed);
+    for (const Scheme scheme : {Scheme::Jet, Scheme::Godunov}) {
+        const Distance d = distanceOn(torusCloud(20000, major, minor, kCenter), scheme, seed);
+        const TorusGeodesics torus(kCenterVdb, major, minor, seedOf(d));
         const Errors e = errorsOnSurface(
-            s.band, s.field, [&](const openvdb::Vec3d& p) { return torus.distance(p); },
-            s.band.size() / 1000);
-        print("torus", s, e);
+            d, [&](const openvdb::Vec3d& p) { return torus.distance(p); }, d.band().size() / 1000);
+        print("torus", d, e);
         CHECK(e.unreached == 0);
-        if (kind != kFits) continue;
+        if (scheme != Scheme::Jet) continue;
         CHECK(e.mean <= 0.002);  // measured 0.0013
         CHECK(e.max <= 0.0051);  // measured 0.0034
     }
@@ -126,18 +115,21 @@ TEST_CASE("jet on a square of points is exact but for its rim") {
         const Vec3d a = normalized(Vec3d{1, 2, 3}), b = normalized(Vec3d{3, 0, -1});
         return p.x * a + p.y * b + p.z * cross(a, b);
     });
-    const Solution s = solve(square, kFits, {30.0 / std::sqrt(14.0), 60 / std::sqrt(14.0), 24.05});
-    const double dx = s.band.transform.dx;
+    const Distance d =
+        distanceOn(square, Scheme::Jet, {30.0 / std::sqrt(14.0), 60 / std::sqrt(14.0), 24.05});
+    const Band& band = d.band();
+    const std::vector<double>& distance = d.field().distance;
+    const double dx = band.transform.dx;
     double largest = 0, worst = 0, sum = 0;
-    for (NodeIndex i = 0; i < s.band.size(); ++i) {
-        const openvdb::Vec3d p = worldOf(s.band, s.band.footPoint(i));
-        const double exact = (p - s.seed).length();
-        REQUIRE(std::isfinite(s.field.distance[i]));
+    for (NodeIndex i = 0; i < band.size(); ++i) {
+        const openvdb::Vec3d p = worldOf(band, band.footPoint(i));
+        const double exact = (p - seedOf(d)).length();
+        REQUIRE(std::isfinite(distance[i]));
         largest = std::max(largest, exact);
-        worst = std::max(worst, std::abs(s.field.distance[i] * dx - exact));
-        sum += std::abs(s.field.distance[i] * dx - exact);
+        worst = std::max(worst, std::abs(distance[i] * dx - exact));
+        sum += std::abs(distance[i] * dx - exact);
     }
-    const double mean = sum / double(s.band.size());
+    const double mean = sum / double(band.size());
     std::printf("points, square: mean %.6f, max %.6f of %.2f\n", mean, worst, largest);
     CHECK(largest > 44);  // measured 66.9
     // Straight ways and circular fronts are exact for jet. Along the rim, where neighbors are on

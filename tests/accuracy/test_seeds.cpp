@@ -1,12 +1,8 @@
 // Distances from curves and regions, where they are known: along meridians from circles of
 // latitude.
-#include <igeo/march/godunov.h>
-#include <igeo/march/jet.h>
-#include <igeo/march/seeds.h>
+#include <igeo/geodesic_solver.h>
 #include <igeo/march/signed_field.h>
 #include <igeo/metric/obstacles.h>
-#include <igeo/path/trace.h>
-#include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/expect_error.h>
@@ -23,13 +19,9 @@ using openvdb::Vec3d;
 const Vec3d kCenter(0.5, 0.5, 0.5);
 constexpr double kRadius = 0.4, kLatitude = 0.5;  // radians from the equator
 
-Band bandOf(const Shape& shape, int n) {
+Surface surfaceOf(const Shape& shape, int n) {
     const auto transform = rotatedTransform(1.0 / n, {1, 2, 3}, 20, {0.1, 0.2, 0.3});
-    return bandFromLevelSet(checkedLevelSet(makeLevelSet(shape, *transform, 3)), std::sqrt(3.0));
-}
-
-igeo::Vec3d indexOf(const Band& band, const Vec3d& p) {
-    return band.transform.indexFromWorld({p.x(), p.y(), p.z()});
+    return Surface(*makeLevelSet(shape, *transform, 3));
 }
 
 /// An axis that no lattice line follows, and two more across it.
@@ -37,24 +29,27 @@ struct Axes {
     Vec3d z = genericDirection(), x = z.cross(Vec3d(0, 0, 1)).unit(), y = z.cross(x);
 };
 
-Curve circleOf(const Band& band, const Vec3d& center, double radius, const Axes& a,
-               double turns = 1) {
+Curve circleOf(const Vec3d& center, double radius, const Axes& a, double turns = 1) {
     Curve curve;
     const int n = 1000;  // sagitta 5e-6 of the radius
     for (int k = 0; k < n; ++k) {
         const double t = 2 * M_PI * turns * k / n;
-        curve.points.push_back(
-            indexOf(band, center + radius * (std::cos(t) * a.x + std::sin(t) * a.y)));
+        curve.points.push_back(fromVdb(center + radius * (std::cos(t) * a.x + std::sin(t) * a.y)));
     }
     curve.closed = turns == 1;
     return curve;
 }
 
+Seeds along(std::vector<Curve> curves) {
+    Seeds seeds;
+    seeds.curves = std::move(curves);
+    return seeds;
+}
+
 /// A circle of latitude on the sphere.
-Curve parallel(const Band& band) {
+Curve parallel(double latitude = kLatitude) {
     const Axes a;
-    return circleOf(band, kCenter + kRadius * std::sin(kLatitude) * a.z,
-                    kRadius * std::cos(kLatitude), a);
+    return circleOf(kCenter + kRadius * std::sin(latitude) * a.z, kRadius * std::cos(latitude), a);
 }
 
 double latitudeOf(const Vec3d& p) {
@@ -75,14 +70,17 @@ TEST_CASE("seeds along a circle of latitude: to thousandths of a voxel, and one 
                    {200, 0.00094, 0.039}};  // 0.00087, 0.026
     for (const auto& f : figures) {
         const int n = f.n;
-        const Band band = bandOf(sphere(kCenter, kRadius), n);
-        const auto seeds = seedsAlong(band, parallel(band), 1);
-        const Field field = marchJet(band, {}, seeds);
-        CHECK(field.sourceCount() == 1);
-        CHECK(field.label.empty());
-        const Errors e = errorsOnSurface(band, field, fromParallel);
+        const Surface surface = surfaceOf(sphere(kCenter, kRadius), n);
+        const Seeds seeds = along({parallel()});
+        const Distance d = GeodesicSolver(surface).distance(seeds);
+        CHECK(d.field().sourceCount() == 1);
+        CHECK(d.field().label.empty());
+        const Errors e = errorsOnSurface(d, fromParallel);
+        SolverOptions godunov;
+        godunov.scheme = Scheme::Godunov;
+        godunov.bandVoxels = std::sqrt(3.0);
         const Errors g =
-            errorsOnSurface(band, marchGodunov(band, {}, seeds, GodunovOptions{}), fromParallel);
+            errorsOnSurface(GeodesicSolver(surface, godunov).distance(seeds), fromParallel);
         std::printf("seeds on a circle, N = %3d: jet mean %.5f max %.4f %%, godunov %.3f %.3f %%\n",
                     n, e.mean, e.max, g.mean, g.max);
         CHECK(e.unreached == 0);
@@ -96,11 +94,10 @@ TEST_CASE("seeds along a circle of latitude: to thousandths of a voxel, and one 
 }
 
 TEST_CASE("seeds along the outer equator of a torus: arcs of its tube") {
-    const Band band = bandOf(torus(kCenter, 0.3, 0.12), 100);
-    Axes a{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
-    const auto seeds = seedsAlong(band, circleOf(band, kCenter, 0.42, a), 1);
-    const Field field = marchJet(band, {}, seeds);
-    const Errors e = errorsOnSurface(band, field, [](const Vec3d& p) {
+    const Axes a{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
+    const Distance d = GeodesicSolver(surfaceOf(torus(kCenter, 0.3, 0.12), 100))
+                           .distance(along({circleOf(kCenter, 0.42, a)}));
+    const Errors e = errorsOnSurface(d, [](const Vec3d& p) {
         const Vec3d q = p - kCenter;
         const double out = std::hypot(q.x(), q.y()) - 0.3;
         return 0.12 * std::abs(std::atan2(q.z(), out));
@@ -110,41 +107,39 @@ TEST_CASE("seeds along the outer equator of a torus: arcs of its tube") {
     CHECK(e.max < 0.041);    // measured 0.0268
 
     // A path ends on the curve, not at one of the points it was made of.
-    const SurfacePoint target = pointOn(band, kCenter + Vec3d(-0.3 * 0.6, 0.3 * 0.8, 0.12));
-    const Path path = tracePath(band, field, field.gradient, target);
+    const Polyline path = d.path(fromVdb(kCenter + Vec3d(-0.3 * 0.6, 0.3 * 0.8, 0.12)));
     REQUIRE(path.status == PathStatus::Reached);
     // 1 / (8 R) voxels below S, as above, and the sagitta.
-    const Vec3d end = worldOf(band, path.vertices.back().pIndex) - kCenter;
-    CHECK(end.dot(Vec3d(-0.6, 0.8, 0)) == Approx(0.42).margin(0.01 * 1.5 / (8 * 12)));
-    CHECK(path.weightedLength / 100 == Approx(0.12 * M_PI / 2).epsilon(0.002));
+    const igeo::Vec3d end = path.points.back() - fromVdb(kCenter);
+    CHECK(dot(end, {-0.6, 0.8, 0}) == Approx(0.42).margin(0.01 * 1.5 / (8 * 12)));
+    CHECK(path.weightedLength == Approx(0.12 * M_PI / 2).epsilon(0.002));
 }
 
 TEST_CASE("seeds around a region: its inside is 0, its rim where the body's is") {
     for (const int n : {50, 100}) {
-        const Band band = bandOf(sphere(kCenter, kRadius), n);
+        const Surface surface = surfaceOf(sphere(kCenter, kRadius), n);
         // The sphere about the pole that cuts S in the parallel.
-        ObstacleSet region(band.transform);
-        const Vec3d pole = kCenter + kRadius * Axes().z;
-        region.addSphere({pole.x(), pole.y(), pole.z()},
-                         2 * kRadius * std::sin((M_PI / 2 - kLatitude) / 2));
-        Field field = marchJet(band, {}, seedsAround(band, region));
-        const Errors both = errorsOnSurface(band, field, fromParallel);
-        const auto inside = nodesInside(band, region);
-        Field withSign = field;
-        signInside(inside, withSign);
-        CHECK(withSign.sign[pointOn(band, pole).node] == -1);
-        clearInside(inside, field);
+        const auto region = std::make_shared<ObstacleSet>(surface.transform());
+        const igeo::Vec3d pole = fromVdb(kCenter + kRadius * Axes().z);
+        region->addSphere(pole, 2 * kRadius * std::sin((M_PI / 2 - kLatitude) / 2));
+        const GeodesicSolver solver(surface);
+        Seeds seeds;
+        seeds.regions = {region};
+        const Distance d = solver.distance(seeds);
+        seeds.isSigned = true;
+        const Distance withSign = solver.distance(seeds);
+        const Errors both = errorsOnSurface(withSign, fromParallel);
+        CHECK(withSign.at(pole) < 0);
         // Between nodes as well; a cell that the rim cuts has corners outside, a voxel off or so.
         for (const double voxels : {0.5, 4.0, 0.5 * n * kRadius}) {
             const Axes a;
             const double latitude = kLatitude + voxels / (kRadius * n);
             const Vec3d p =
                 kCenter + kRadius * (std::cos(latitude) * a.x + std::sin(latitude) * a.z);
-            CHECK(sampleDistance(band, field, pointOn(band, p).pIndex) <= (voxels < 1 ? 0.5 : 0));
+            CHECK(d.at(fromVdb(p)) * n <= (voxels < 1 ? 0.5 : 0));
         }
-        const Errors out = errorsOnSurface(band, field, [](const Vec3d& p) {
-            return kRadius * std::max(kLatitude - latitudeOf(p), 0.0);
-        });
+        const Errors out = errorsOnSurface(
+            d, [](const Vec3d& p) { return kRadius * std::max(kLatitude - latitudeOf(p), 0.0); });
         std::printf("seeds around a region, N = %3d: mean %.4f max %.4f %%, outside %.4f %.4f %%\n",
                     n, both.mean, both.max, out.mean, out.max);
         // Points a third of a voxel apart: 0.05 voxels next to the rim.
@@ -157,47 +152,44 @@ TEST_CASE("seeds around a region: its inside is 0, its rim where the body's is")
 }
 
 TEST_CASE("signs of curves: the smaller part is negative, and rings alternate") {
-    const Band band = bandOf(sphere(kCenter, kRadius), 60);
-    auto seeds = seedsAlong(band, parallel(band), 1);
-    const Axes a;
-    const auto south = seedsAlong(
-        band, circleOf(band, kCenter - kRadius * std::sin(0.9) * a.z, kRadius * std::cos(0.9), a),
-        1);
-    auto wrong = [&](const std::vector<SurfacePoint>& from, const auto& inside) {
-        const Field field = marchJet(band, {}, from);
-        const auto sign = signsOfCurves(band, field);
+    const GeodesicSolver solver(surfaceOf(sphere(kCenter, kRadius), 60));
+    auto wrong = [&](Seeds seeds, const auto& inside) {
+        seeds.isSigned = true;
+        const Distance d = solver.distance(seeds);
+        const Band& band = d.band();
+        const Field& field = d.field();
         std::size_t count = 0;
         for (NodeIndex i = 0; i < band.size(); ++i) {
             const double t = latitudeOf(worldOf(band, band.footPoint(i)));
             // Closer than this to a curve, pieces half a voxel long decide.
-            if (field.distance[i] > 0.05) count += (sign[i] < 0) != inside(t);
+            if (field.distance[i] > 0.05) count += (field.sign[i] < 0) != inside(t);
         }
         return count;
     };
-    CHECK(wrong(seeds, [](double t) { return t > kLatitude; }) == 0);
-    seeds.insert(seeds.end(), south.begin(), south.end());
-    CHECK(wrong(seeds, [](double t) { return t > kLatitude || t < -0.9; }) == 0);
+    CHECK(wrong(along({parallel()}), [](double t) { return t > kLatitude; }) == 0);
+    CHECK(wrong(along({parallel(), parallel(-0.9)}),
+                [](double t) { return t > kLatitude || t < -0.9; }) == 0);
 }
 
 TEST_CASE("signs of curves: what parts nothing is refused") {
-    const Band band = bandOf(torus(kCenter, 0.3, 0.12), 60);
-    auto signs = [&](const std::vector<SurfacePoint>& seeds) {
-        return signsOfCurves(band, marchJet(band, {}, seeds));
+    const GeodesicSolver solver(surfaceOf(torus(kCenter, 0.3, 0.12), 60));
+    auto signedFrom = [&](Seeds seeds) {
+        seeds.isSigned = true;
+        solver.distance(seeds);
     };
     const Axes flat{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}, upright{{0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
-    const Curve meridian = circleOf(band, kCenter + Vec3d(0.3, 0, 0), 0.12, upright);
-    const Curve open = circleOf(band, kCenter, 0.42, flat, 0.9);
-    const Curve equator = circleOf(band, kCenter, 0.42, flat),
-                inner = circleOf(band, kCenter, 0.18, flat);
+    const Curve meridian = circleOf(kCenter + Vec3d(0.3, 0, 0), 0.12, upright);
+    const Curve open = circleOf(kCenter, 0.42, flat, 0.9);
+    const Curve equator = circleOf(kCenter, 0.42, flat), inner = circleOf(kCenter, 0.18, flat);
     for (const Curve& curve : {meridian, open, equator})
         expectError(Error::Kind::InvalidArgument, {"inside and an outside", "--signed"},
-                    [&] { signs(seedsAlong(band, curve, 1)); });
+                    [&] { signedFrom(along({curve})); });
+    // The solver does not let points come so far.
+    const Distance fromPoint = solver.distance({fromVdb(kCenter + Vec3d(0.42, 0, 0))});
     expectError(Error::Kind::InvalidArgument, {"--signed"},
-                [&] { signs({pointOn(band, kCenter + Vec3d(0.42, 0, 0))}); });
+                [&] { signsOfCurves(fromPoint.band(), fromPoint.field()); });
     // Two equators do part it.
-    auto both = seedsAlong(band, equator, 1);
-    for (const SurfacePoint& s : seedsAlong(band, inner, 1)) both.push_back(s);
-    CHECK_NOTHROW(signs(both));
+    CHECK_NOTHROW(signedFrom(along({equator, inner})));
 }
 
 }  // namespace igeo::test

@@ -1,6 +1,5 @@
 // The exponential map against exact geodesics: where a walk ends, in % of its length.
-#include <igeo/path/exponential_map.h>
-#include <igeo/surface/level_set_band.h>
+#include <igeo/geodesic_solver.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/openvdb.h>
@@ -18,15 +17,9 @@ namespace {
 using openvdb::Vec3d;
 const Vec3d kCenter(0.5, 0.5, 0.5);
 
-Band bandOf(const Shape& shape, int n) {
+GeodesicSolver solverOn(const Shape& shape, int n) {
     const auto transform = rotatedTransform(1.0 / n, {1, 2, 3}, 20, {0.1, 0.2, 0.3});
-    return bandFromLevelSet(checkedLevelSet(makeLevelSet(shape, *transform, 3)), std::sqrt(3.0));
-}
-
-igeo::Vec3d indexDirection(const Band& band, const Vec3d& v) {
-    const igeo::Vec3d w{v.x(), v.y(), v.z()};
-    return {dot(band.transform.axis[0], w), dot(band.transform.axis[1], w),
-            dot(band.transform.axis[2], w)};
+    return GeodesicSolver(Surface(*makeLevelSet(shape, *transform, 3)));
 }
 
 /// Where a walk should end: start, direction, length; world units.
@@ -36,17 +29,19 @@ struct Miss {
     double mean = 0;   ///< % of the length
     double worst = 0;  ///< % of the length, or of the spread of geodesics where that is more
 
-    Miss(const Band& band, const Vec3d& start, double length, const Exact& exact) {
+    Miss(const GeodesicSolver& solver, const Vec3d& start, double length, const Exact& exact) {
         constexpr int kWalks = 12;
-        const SurfacePoint p = pointOn(band, start);
+        auto worldOf = [&](const PathVertex& v) {
+            const igeo::Vec3d p = solver.surface().transform().worldFromIndex(v.pIndex);
+            return Vec3d(p.x, p.y, p.z);
+        };
         for (int k = 1; k <= kWalks; ++k) {
             const Vec3d direction = genericDirection(k);
-            const Path path =
-                shoot(band, p, indexDirection(band, direction), length / band.transform.dx);
+            const Path path = solver.shoot(fromVdb(start), fromVdb(direction), length);
             REQUIRE(path.status == PathStatus::Reached);
-            const Vec3d at = worldOf(band, path.vertices.front().pIndex);
+            const Vec3d at = worldOf(path.vertices.front());
             const Vec3d end = exact(at, direction, length);
-            const double off = (worldOf(band, path.vertices.back().pIndex) - end).length();
+            const double off = (worldOf(path.vertices.back()) - end).length();
             // Geodesics that start side by side are this far apart in the end, per angle.
             const Vec3d turned = direction + 1e-5 * genericDirection(k + 100);
             const double spread = (exact(at, turned, length) - end).length() / 1e-5;
@@ -67,8 +62,8 @@ TEST_CASE("shoot on the sphere: three turns") {
     };
     std::vector<double> dx, mean;
     for (const int n : {25, 50, 100, 200}) {
-        const Band band = bandOf(sphere(kCenter, radius), n);
-        const Miss m(band, kCenter + radius * genericDirection(), length, exact);
+        const GeodesicSolver solver = solverOn(sphere(kCenter, radius), n);
+        const Miss m(solver, kCenter + radius * genericDirection(), length, exact);
         std::printf("shoot, sphere N = %3d: mean %.5f %%, worst %.5f %%\n", n, m.mean, m.worst);
         CHECK(m.worst < 0.003);  // measured 0.0020
         dx.push_back(1.0 / n), mean.push_back(m.mean);
@@ -86,13 +81,13 @@ TEST_CASE("shoot on the torus: several turns") {
     };
     std::vector<double> dx, mean;
     for (const int n : {50, 100, 200}) {
-        const Band band = bandOf(torus(kCenter, 0.3, tube), n);
+        const GeodesicSolver solver = solverOn(torus(kCenter, 0.3, tube), n);
         double sum = 0, worst = 0;
         for (const double k : {1, 2, 3}) {
             const Vec3d out(std::cos(k), std::sin(k), 0), up(0, 0, 1);
             const Vec3d start =
                 kCenter + 0.3 * out + tube * (std::cos(2 * k) * out + std::sin(2 * k) * up);
-            const Miss m(band, start, length, exact);
+            const Miss m(solver, start, length, exact);
             sum += m.mean / 3, worst = std::max(worst, m.worst);
         }
         std::printf("shoot, torus N = %3d: mean %.5f %%, worst %.5f %%\n", n, sum, worst);

@@ -50,6 +50,10 @@ Errors errorsOnSurface(const Band& band, const Field& field, const ExactDistance
     return e;
 }
 
+Errors errorsOnSurface(const Distance& distance, const ExactDistance& exact, std::size_t stride) {
+    return errorsOnSurface(distance.band(), distance.field(), exact, stride);
+}
+
 double fittedRate(const std::vector<double>& dx, const std::vector<double>& error) {
     double mx = 0, my = 0, xx = 0, xy = 0;
     const double n = double(dx.size());
@@ -73,13 +77,16 @@ LevelSet checkedLevelSet(const openvdb::FloatGrid::Ptr& grid) {
 }
 
 SurfacePoint pointOn(const Band& band, const openvdb::Vec3d& pWorld) {
-    return nearestSurfacePoint(band,
-                               band.transform.indexFromWorld({pWorld.x(), pWorld.y(), pWorld.z()}));
+    return nearestSurfacePoint(band, band.transform.indexFromWorld(fromVdb(pWorld)));
 }
 
 openvdb::Vec3d worldOf(const Band& band, const Vec3d& pIndex) {
     const Vec3d p = band.transform.worldFromIndex(pIndex);
     return {p.x, p.y, p.z};
+}
+
+openvdb::Vec3d seedOf(const Distance& distance) {
+    return worldOf(distance.band(), distance.seeds().at(0).pIndex);
 }
 
 openvdb::Vec3d genericDirection(int k) {

@@ -1,6 +1,7 @@
 /// How far a computed field is off an exact distance.
 #pragma once
 
+#include <igeo/distance.h>
 #include <igeo/march/field.h>
 #include <igeo/surface/level_set.h>
 #include <openvdb/openvdb.h>
@@ -24,6 +25,10 @@ struct Errors {
 Errors errorsOnSurface(const Band& band, const Field& field, const ExactDistance& exact,
                        std::size_t stride = 1);
 
+/// The same for what a solver found.
+Errors errorsOnSurface(const Distance& distance, const ExactDistance& exact,
+                       std::size_t stride = 1);
+
 /// Slope of log(error) against log(dx), least squares.
 double fittedRate(const std::vector<double>& dx, const std::vector<double>& error);
 
@@ -35,6 +40,11 @@ SurfacePoint pointOn(const Band& band, const openvdb::Vec3d& pWorld);
 
 /// World position of a point in index space.
 openvdb::Vec3d worldOf(const Band& band, const Vec3d& pIndex);
+
+inline Vec3d fromVdb(const openvdb::Vec3d& p) { return {p.x(), p.y(), p.z()}; }
+
+/// World position of the first seed, which was moved onto S.
+openvdb::Vec3d seedOf(const Distance& distance);
 
 /// Direction in which nothing lies on a lattice line or plane, and further ones like it.
 openvdb::Vec3d genericDirection(int k = 0);

@@ -41,7 +41,8 @@ Shape randomPart(Random& random, double blend) {
 }
 
 /// Turns a shape about the origin and moves it to `center`.
-Distance placed(const Distance& sdf, const Vec3d& axis, double angle, const Vec3d& center) {
+SignedDistance placed(const SignedDistance& sdf, const Vec3d& axis, double angle,
+                      const Vec3d& center) {
     const auto place = rotatedTransform(1, axis, angle, center);
     return [=](const Vec3d& p) { return sdf(place->worldToIndex(p)); };
 }
@@ -62,7 +63,7 @@ Vec3d Random::direction() {
 
 Shape randomUnion(unsigned seed, double blend) {
     Random random(seed);
-    std::vector<Distance> parts;
+    std::vector<SignedDistance> parts;
     const int count = int(random.between(3, 7));
     Vec3d middle = random.direction();
     openvdb::BBoxd bounds(middle, middle);

@@ -10,15 +10,15 @@ namespace igeo::test {
 
 /// Distance in world units as a function of the world position; changes by at most the distance
 /// between two points (Lipschitz constant 1), which makeLevelSet relies on to skip empty space.
-using Distance = std::function<double(const openvdb::Vec3d& pWorld)>;
+using SignedDistance = std::function<double(const openvdb::Vec3d& pWorld)>;
 
 /// A surface given by its exact signed distance.
 struct Shape {
     std::string name;
-    Distance sdf;           ///< negative inside
+    SignedDistance sdf;     ///< negative inside
     openvdb::BBoxd bounds;  ///< contains the surface, world units
     bool closed = true;     ///< the surface separates an inside from an outside
-    Distance domain;        ///< if set, voxels are active only where this is negative
+    SignedDistance domain;  ///< if set, voxels are active only where this is negative
 };
 
 Shape sphere(const openvdb::Vec3d& center, double radius);

@@ -12,6 +12,8 @@ namespace igeo {
 namespace {
 
 constexpr double kSegment = 0.5;  ///< length of a segment of a curve, voxels
+/// Points found on S between two looks whether to stop.
+constexpr std::size_t kLookEvery = 64;
 
 }  // namespace
 
@@ -41,9 +43,11 @@ SeedsNear::SeedsNear(const std::vector<SurfacePoint>& seeds, double radius) {
 namespace {
 
 /// The points of a curve, moved onto S.
-std::vector<Vec3d> cornersOnSurface(const Band& band, const Curve& curve, double snap) {
+std::vector<Vec3d> cornersOnSurface(const Band& band, const Curve& curve, double snap,
+                                    const Progress& progress) {
     std::vector<Vec3d> corners;
     for (std::size_t k = 0; k < curve.points.size(); ++k) {
+        if (k % kLookEvery == 0) progress.throwIfCancelled();
         const SurfacePoint p = nearestSurfacePoint(band, curve.points[k]);
         if (!(p.snapDistance <= snap))
             throw Error(Error::Kind::InvalidArgument,
@@ -59,13 +63,15 @@ std::vector<Vec3d> cornersOnSurface(const Band& band, const Curve& curve, double
 /// The seeds of a curve, point by point.
 class CurveSeeds {
 public:
-    CurveSeeds(const Band& band, double start) : band_(band), start_(start) {}
+    CurveSeeds(const Band& band, double start, const Progress& progress)
+        : band_(band), start_(start), progress_(progress) {}
 
     /// Adds the point of S nearest to p, and the segment to it from the point before.
     /// @return false where that segment is too long: snapping moves neighbors together and apart,
     ///         but not to another sheet
     bool add(const Vec3d& p) {
         constexpr double kFar = 4 * kSegment;
+        if (seeds.size() % kLookEvery == 0) progress_.throwIfCancelled();
         const SurfacePoint next = nearestSurfacePoint(band_, p);
         if (!seeds.empty()) {
             SurfacePoint& last = seeds.back();
@@ -93,17 +99,19 @@ public:
 private:
     const Band& band_;
     double start_;
+    const Progress& progress_;
 };
 
 }  // namespace
 
-std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, double snap) {
+std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, double snap,
+                                     Progress& progress) {
     using Kind = Error::Kind;
     if (curve.points.empty()) throw Error(Kind::InvalidArgument, "a curve has no points");
     const std::size_t n = curve.points.size();
-    const std::vector<Vec3d> corners = cornersOnSurface(band, curve, snap);
+    const std::vector<Vec3d> corners = cornersOnSurface(band, curve, snap, progress);
     const std::size_t lines = curve.closed && n > 2 ? n : n - 1;
-    CurveSeeds found(band, curve.start);
+    CurveSeeds found(band, curve.start, progress);
     found.add(corners[0]);
     // Between points of S, so that there are no more steps than the surface is wide.
     for (std::size_t k = 0; k < lines; ++k)
@@ -117,9 +125,10 @@ std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, doubl
     return std::move(found.seeds);
 }
 
-std::vector<std::uint8_t> nodesInside(const Band& band, const Obstacles& region) {
+std::vector<std::uint8_t> nodesInside(const Band& band, const Obstacles& region,
+                                      Progress& progress) {
     std::vector<std::uint8_t> in(band.size());
-    parallelFor(band.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    parallelFor(band.size(), 1024, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const Vec3d p = band.footPoint(NodeIndex(i));
             in[i] = region.mayBeNear(p, 1) && region.block(p, p, Vec3d(band.normal[i]));
@@ -153,10 +162,11 @@ SurfacePoint rimPoint(const Band& band, const Obstacles& region, NodeIndex insid
 
 }  // namespace
 
-std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region) {
-    const std::vector<std::uint8_t> inside = nodesInside(band, region);
+std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
+                                      Progress& progress) {
+    const std::vector<std::uint8_t> inside = nodesInside(band, region, progress);
     std::vector<std::vector<SurfacePoint>> found(band.leaves.size());
-    parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
+    parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
             for (NodeIndex i = leaf.band.firstNode; i < leaf.band.firstNode + leaf.band.count;

@@ -8,6 +8,7 @@
 #include <igeo/band/band.h>
 #include <igeo/band/surface_point.h>
 #include <igeo/base/polyline.h>
+#include <igeo/base/progress.h>
 #include <igeo/metric/metric.h>
 
 #include <cstddef>
@@ -70,19 +71,25 @@ private:
 /// @param curve index space; `start` in voxels
 /// @param snap  how far its points may be from S, voxels
 /// @throws Error  InvalidArgument for a curve without points, a point further than `snap` from S,
-///         or a stretch between two points that S does not follow
+///         or a stretch between two points that S does not follow; Cancelled
 /// Time O(length).
-std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, double snap);
+std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, double snap,
+                                     Progress& progress = Progress::none());
 
 /// The part of S inside a body, as seeds: points on its rim, where foot points of the core inside
 /// and outside are neighbors, found by bisection to a thousandth of a voxel. Some three points per
 /// voxel of the rim; distances are off by at most 0.05 voxels next to it and by less further out.
 /// @param region bodies in index space; only block(p, p, normal) is asked
 /// @return empty where no foot point is inside, or all are
+/// @throws Error  Cancelled
 /// Time O(n) where the region may be, in parallel.
-std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region);
+std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
+                                      Progress& progress = Progress::none());
 
-/// Per node whether its foot point lies inside a body. Time O(n), in parallel.
-std::vector<std::uint8_t> nodesInside(const Band& band, const Obstacles& region);
+/// Per node whether its foot point lies inside a body.
+/// @throws Error  Cancelled
+/// Time O(n), in parallel.
+std::vector<std::uint8_t> nodesInside(const Band& band, const Obstacles& region,
+                                      Progress& progress = Progress::none());
 
 }  // namespace igeo

@@ -86,6 +86,9 @@ void signInside(const std::vector<std::uint8_t>& inside, Field& field) {
 
 namespace {
 
+/// Nodes joined between two looks whether to stop, some milliseconds.
+constexpr NodeIndex kLookEvery = 1 << 14;
+
 bool isKnown(const Field& field, NodeIndex i) { return field.distance[i] < kInfinity; }
 
 /// The parts of S between curves: nodes joined without crossing one.
@@ -94,15 +97,16 @@ struct CurveParts {
     std::vector<std::pair<NodeIndex, NodeIndex>> crossings;  ///< neighbors across a curve
 };
 
-CurveParts partsBetweenCurves(const Band& band, const Field& field) {
+CurveParts partsBetweenCurves(const Band& band, const Field& field, const Progress& progress) {
     const std::size_t n = band.size();
     std::vector<std::int8_t> signOf(n, 0);
     const CurveSigns curves(band, field);
-    parallelFor(n, 4096, [&](std::size_t begin, std::size_t end) {
+    parallelFor(n, 4096, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) signOf[i] = curves.of(NodeIndex(i));
     });
     CurveParts parts{SidedSets(n), {}};
     for (NodeIndex i = 0; i < n; ++i) {
+        if (i % kLookEvery == 0) progress.throwIfCancelled();
         if (!isKnown(field, i)) continue;
         band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
                           [&](NodeIndex j, int, int, int) {
@@ -137,9 +141,9 @@ std::size_t joinAcrossCurves(CurveParts& parts) {
 
 }  // namespace
 
-std::vector<std::int8_t> signsOfCurves(const Band& band, const Field& field) {
+std::vector<std::int8_t> signsOfCurves(const Band& band, const Field& field, Progress& progress) {
     constexpr std::size_t kStray = 20;  // one crossing in so many may be wrong
-    CurveParts parts = partsBetweenCurves(band, field);
+    CurveParts parts = partsBetweenCurves(band, field, progress);
     if (const std::size_t against = joinAcrossCurves(parts);
         parts.crossings.empty() || against * kStray > parts.crossings.size())
         throw Error(Error::Kind::InvalidArgument,
@@ -150,6 +154,7 @@ std::vector<std::int8_t> signsOfCurves(const Band& band, const Field& field) {
     std::vector<std::int8_t> sign(n, 0);
     std::map<NodeIndex, std::ptrdiff_t> balance;
     for (NodeIndex i = 0; i < n; ++i) {
+        if (i % kLookEvery == 0) progress.throwIfCancelled();
         if (!isKnown(field, i)) continue;
         const SidedSets::Member at = parts.sets.find(i);
         sign[i] = at.turned ? -1 : 1;

@@ -1,6 +1,7 @@
 /// Which side of closed curves and regions a node lies on.
 #pragma once
 
+#include <igeo/base/progress.h>
 #include <igeo/march/field.h>
 #include <igeo/metric/metric.h>
 
@@ -23,9 +24,11 @@ void signInside(const std::vector<std::uint8_t>& inside, Field& field);
 /// Next to a curve the side is that of its nearest segment, seen along the normal; from there it
 /// spreads from neighbor to neighbor.
 /// @throws Error  InvalidArgument where the seeds do not part S in two: an open curve, a point, or
-///         a closed curve that can be walked around (a meridian of a torus)
+///         a closed curve that can be walked around (a meridian of a torus);
+///         Cancelled
 /// Time O(n), one thread.
-std::vector<std::int8_t> signsOfCurves(const Band& band, const Field& field);
+std::vector<std::int8_t> signsOfCurves(const Band& band, const Field& field,
+                                       Progress& progress = Progress::none());
 
 /// The sign of the distance at a point of S: that of the nearest node; 1 where there are no sides.
 double signAt(const Band& band, const Field& field, const Vec3d& pIndex);

@@ -22,7 +22,7 @@ AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
             target.pIndex = target.askedIndex = band.footPoint(i);
             projectToSurface(band, target.pIndex);
             Path path = tracePath(band, field, gradient, target);
-            straighten(band, field, path);
+            straighten(band, field, path, progress);
             // Close to a seed the distance is exact by construction and would only flatter.
             if (path.status != PathStatus::Reached || path.distance < 3 * field.startRadius)
                 continue;

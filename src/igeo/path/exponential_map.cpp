@@ -91,8 +91,10 @@ bool Walker::step(const Band& band, double arc) {
 
 }  // namespace
 
-Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, double length) {
+Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, double length,
+           Progress& progress) {
     constexpr double kStep = 0.5, kAlong = 1e-6;  // normals are floats
+    constexpr std::size_t kLookEvery = 256;       // steps, half a millisecond
     using Kind = Error::Kind;
     if (!(length >= 0 && length < kInfinity))
         throw Error(
@@ -119,6 +121,7 @@ Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, 
     Walker walker{p, normalized(along), at.normal};
     const auto steps = std::size_t(std::ceil(length / kStep));
     for (std::size_t k = 1; k <= steps; ++k) {
+        if (k % kLookEvery == 1) progress.throwIfCancelled();
         if (!walker.step(band, length / double(steps))) {
             path.status = PathStatus::Stalled;
             break;

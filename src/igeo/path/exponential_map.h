@@ -19,9 +19,10 @@ namespace igeo {
 ///         after Path::length. `target` is the start; the vertices' `distance` is their arc
 ///         length, as is Path::distance. Vertices are on S as described
 /// @throws Error  InvalidArgument for a direction without a part along S, or a length that is
-///         negative or not finite; BadInput where S has no band around the start
+///         negative or not finite; BadInput where S has no band around the start; Cancelled
 /// Time O(length), some 4 microseconds per voxel. Error: tests/accuracy/test_shoot.cpp; 0.02 % of
 /// the length after five turns around a tube of 12 voxels.
-Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, double length);
+Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, double length,
+           Progress& progress = Progress::none());
 
 }  // namespace igeo

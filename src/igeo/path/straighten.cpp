@@ -261,12 +261,13 @@ bool Relaxation::shorten() {
 
 }  // namespace
 
-void straighten(const Band& band, const Field& field, Path& path) {
+void straighten(const Band& band, const Field& field, Path& path, Progress& progress) {
     if (path.status != PathStatus::Reached || path.vertices.size() < 3) return;
     constexpr int kRounds = 40;
     constexpr double kSettled = 1e-7;
     Relaxation curve(band, *field.metric, path);
     for (int round = 0; round < kRounds; ++round) {
+        progress.throwIfCancelled();
         const double before = curve.cost();
         if (!curve.shorten() || before - curve.cost() < kSettled * before) break;
     }

@@ -17,6 +17,8 @@ namespace igeo {
 /// fraction of a voxel. Paths that are not Reached are left alone. The distances of the vertices
 /// become lengths to the seed along the curve. Time O(length), some 10 rounds, more with weights
 /// and obstacles (40 at most). The length never grows.
-void straighten(const Band& band, const Field& field, Path& path);
+/// @throws Error  Cancelled, looked at before each round; the path is then as it was
+void straighten(const Band& band, const Field& field, Path& path,
+                Progress& progress = Progress::none());
 
 }  // namespace igeo

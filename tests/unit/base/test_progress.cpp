@@ -1,6 +1,10 @@
 // What long stages report, and that each of them stops when it is told to.
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
+#include <igeo/igeo.h>
+#include <igeo/march/signed_field.h>
+#include <igeo/path/exponential_map.h>
+#include <igeo/path/straighten.h>
 #include <igeo/path/trace.h>
 #include <igeo/results/farthest_points.h>
 #include <igeo/results/isolines.h>
@@ -8,10 +12,13 @@
 #include <igeo/surface/level_set_band.h>
 #include <support/catch.h>
 #include <support/expect_error.h>
+#include <support/mesh_shapes.h>
 #include <support/meshed.h>
 #include <support/openvdb.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -33,6 +40,37 @@ struct Recorder : Progress {
 
     std::mutex mutex;
 };
+
+/// Asks to stop once it was asked so many times whether to.
+struct StopAtLook : Progress {
+    explicit StopAtLook(int looks) : left(looks) {}
+    bool cancelled() const override { return --left < 0; }
+    mutable std::atomic<int> left;
+};
+
+/// Asks to stop when a stage of a solver is done.
+struct StopAfterStage : Progress {
+    explicit StopAfterStage(std::string name) : last(std::move(name)) {}
+    void finished(const char* name) override {
+        stages.push_back(name);
+        stop |= stages.back() == last;
+    }
+    bool cancelled() const override { return stop; }
+    std::string last;
+    std::vector<std::string> stages;
+    bool stop = false;
+};
+
+/// Across the z axis.
+Curve circle(const Vec3d& center, double radius) {
+    Curve c;
+    c.closed = true;
+    for (int k = 0; k < 200; ++k) {
+        const double a = k * M_PI / 100;
+        c.points.push_back(center + radius * Vec3d(std::cos(a), std::sin(a), 0));
+    }
+    return c;
+}
 
 }  // namespace
 
@@ -83,6 +121,74 @@ TEST_CASE("every long stage says that it begins, goes on, and is done; and stops
         r.stop = true;
         expectError(Error::Kind::Cancelled, {"interrupted"}, [&, &run = run] { run(r); });
     }
+}
+
+TEST_CASE("what has no stage of its own stops in its midst when told") {
+    const ThreadLimit one(1);
+    const openvdb::Vec3d center(0.5, 0.5, 0.5);
+    const Surface surface(*makeLevelSet(sphere(center, 0.4), 0.01, 3));
+    const GeodesicSolver solver(surface);
+    const igeo::Distance d = solver.distance({{0.9, 0.5, 0.5}}, {.targets = {{0.1, 0.52, 0.53}}});
+    const Band& band = d.band();
+    Curve equator = circle({0.5, 0.5, 0.5}, 0.4);
+    for (Vec3d& p : equator.points) p = solver.indexOf(p);
+    ObstacleSet cap(surface.transform());
+    cap.addSphere({0.5, 0.5, 0.9}, 0.2);
+    const Field fromCurve = marchJet(band, {}, seedsAlong(band, equator, 1));
+    const Path path = d.paths()[0];
+
+    const std::map<std::string, std::function<void(Progress&)>> work{
+        {"seedsAlong", [&](Progress& p) { seedsAlong(band, equator, 1, p); }},
+        {"seedsAround", [&](Progress& p) { seedsAround(band, cap, p); }},
+        {"nodesInside", [&](Progress& p) { nodesInside(band, cap, p); }},
+        {"signsOfCurves", [&](Progress& p) { signsOfCurves(band, fromCurve, p); }},
+        {"straighten",
+         [&](Progress& p) {
+             Path bent = path;
+             straighten(band, d.field(), bent, p);
+         }},
+        {"shoot", [&](Progress& p) {
+             shoot(band, d.seeds()[0], {0, 1, 0.3}, 1000, p);
+         }}};
+    for (const auto& [name, run] : work) {
+        INFO(name);
+        StopAtLook never(1 << 30);
+        run(never);
+        const int looks = (1 << 30) - never.left;
+        CHECK(looks >= 2);
+        for (const int after : {0, looks / 2, looks - 1}) {
+            StopAtLook stop(after);
+            expectError(Error::Kind::Cancelled, {"interrupted"}, [&, &run = run] { run(stop); });
+        }
+    }
+}
+
+TEST_CASE("GeodesicSolver: stops while it looks for seeds, their inside, and on a geodesic") {
+    using Stages = std::vector<std::string>;
+    const Surface surface(sphereMesh({0, 0, 0}, 1, 4), {.size = 0.05});
+    const GeodesicSolver solver(surface);
+    Seeds curve, region;
+    curve.curves = {circle({0, 0, 0}, 1)};
+    auto cap = std::make_shared<ObstacleSet>(surface.transform());
+    cap->addSphere({0, 0, 1}, 0.5);
+    region.regions = {cap};
+    curve.isSigned = region.isSigned = true;
+    for (const Seeds& seeds : {curve, region}) {
+        StopAfterStage none("");
+        solver.distance(seeds, {}, none);
+        CHECK(none.stages == Stages{"band", "snap", "seeds", "march"});
+        StopAfterStage snapped("snap"), marched("march");
+        for (StopAfterStage* stop : {&snapped, &marched})
+            CHECK_THROWS_WITH(solver.distance(seeds, {}, *stop), "interrupted");
+        // The search for seeds has stopped: the march would have, too, but after the stage `seeds`.
+        CHECK(snapped.stages == Stages{"band", "snap"});
+    }
+    // The band is made, so that nothing else is left to stop.
+    StopAfterStage stop("");
+    stop.stop = true;
+    expectError(Error::Kind::Cancelled, {"interrupted"}, [&] {
+        solver.shoot({1, 0, 0}, {0, 1, 0.2}, 3, stop);
+    });
 }
 
 }  // namespace igeo::test

@@ -24,7 +24,7 @@ struct WorstErrors {
 /// Against the exact normal, and the exact foot point x - psi n.
 WorstErrors worst(const Band& band,
                   const std::function<openvdb::Vec3d(const openvdb::Vec3d&)>& normalAt,
-                  const Distance& sdf) {
+                  const SignedDistance& sdf) {
     WorstErrors w;
     const double dx = band.transform.dx;
     for (std::size_t k = 0; k < band.size(); ++k) {
