@@ -200,10 +200,10 @@ def plan(options, peers):
     cases = []
 
     def add(name, surface, arguments, methods, rounds, samples):
-        def measure():
+        def case():
             return compare(tools, folder, *surface(tools, folder, *arguments), methods, rounds, samples)
         if not options.only or any(name.startswith(word) for word in options.only.split(",")):
-            cases.append((name, measure))
+            cases.append((name, case))
 
     rounds = 1 if options.quick else options.rounds
     sizes = (50, 100) if options.quick else (50, 100, 200, 400)
@@ -234,7 +234,7 @@ def growth(tools, sizes):
                 key=lambda run: run["marchSeconds"]) for n in sizes]
 
 
-def measure(options):
+def compare_all(options):
     peers = options.tools.has_peers()
     if not peers:
         print("igeo_peer is not built (IGEO_PEERS): without heat method, Dijkstra and exact geodesics")
@@ -273,7 +273,7 @@ def main():
         options.folder = options.saved.with_suffix("")
         shutil.rmtree(options.folder, ignore_errors=True)
         options.folder.mkdir()
-        measure.save(measure(options), options.saved)
+        measure.save(compare_all(options), options.saved)
         print(f"results: {options.saved}")
     results = json.loads((options.again or options.saved).read_text())
     compare_tables.derive(results)

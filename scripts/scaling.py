@@ -35,7 +35,7 @@ GROWTH = {"bandNodes": 2, "nodes": 2, "mostWork": 2, "largestShare": 2, "steps":
           "mostMessages": 1}
 
 
-def measure(bench, quick):
+def simulate(bench, quick):
     """[what igeo_bench domains counts], with its shape and N."""
     sizes, parts, pieces = ((40, 80), (2, 8), (1, 4)) if quick else (SIZES, PARTS, PIECES)
     runs = []
@@ -203,7 +203,7 @@ def main():
         bench = options.build / "tests" / "igeo_bench"
         if not bench.exists():
             sys.exit(f"{bench} is not there: run scripts/build.sh release first")
-        measure.save({"runs": measure(bench, options.quick)}, saved)
+        measure.save({"runs": simulate(bench, options.quick)}, saved)
         print(f"results: {saved}")
     results = json.loads(saved.read_text())
     runs = derive(results)

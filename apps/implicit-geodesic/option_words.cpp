@@ -15,6 +15,7 @@ std::string inOptionWords(std::string text) {
         {"SolverOptions::band", "--band"},
         {"MetricDefinition::obstacles", "--obstacle"},
         {"maxDistance", "--max-distance"},
+        {"memoryLimit", "--memory-limit"},
         {"maxSnap", "--snap"},
         {"isSigned", "--signed"}};
     for (const auto& [name, option] : kWords)

@@ -211,11 +211,12 @@ def fig9(bench):
 def fig10(bench):
     model = bench.model("brain")
     words = [*bench.level_set(model, model.fine), "--seed", model.seed, "--target", model.target,
-             "--snap", 1e3, "--camera=" + model.side, "--up", model.up]
+             "--snap", 1e3]
+    view = ["--camera=" + model.side, "--up", model.up]
     valley = ["--weight-curvature", "valley," + model.valley]
     figures, images = {}, []
     for key, options in (("natural", []), ("valley", valley)):
-        report = bench.picture(f"fig10-{key}", *words, *options, size="480x360")
+        report = bench.picture(f"fig10-{key}", *words, *view, *options, size="480x360")
         found = path(bench, *words, *options)
         figures[key] = {"length": found["length"], "cost": found["weightedLength"] / found["length"],
                         "largest": report["metric"]["largest"]}
@@ -232,12 +233,13 @@ def fig10(bench):
 def fig11(bench):
     model = bench.model("bunny")
     words = [*bench.level_set(model, model.fine), "--seed", model.seed, "--target", model.past,
-             "--snap", 1e3, "--up", model.up, "--camera=" + model.side]
+             "--snap", 1e3]
+    view = ["--camera=" + model.side, "--up", model.up]
     *center, radius = model.ball
     ball = ["--obstacle-sphere", ",".join(map(str, model.ball))]
     figures, images = {}, []
     for key, options in (("natural", []), ("around", ball)):
-        report = bench.picture(f"fig11-{key}", *words, *options)
+        report = bench.picture(f"fig11-{key}", *words, *view, *options)
         found = path(bench, *words, *options)
         away = min(math.dist(p, center) for p in found["vertices"]["position"])
         figures[key] = {"length": found["length"],

@@ -142,6 +142,10 @@ private:
     void makeMetric();
     void requireFree(const std::vector<SurfacePoint>& points, const char* what) const;
     void addCurvesAndRegions();
+    std::string nameOf(const char* what, std::size_t number, std::size_t place) const {
+        return place < asked_.names.size() ? asked_.names[place]
+                                           : what + (" " + std::to_string(number));
+    }
     void addSamples();
     void march(double maxDistance);
     bool allFound() const;
@@ -257,14 +261,15 @@ void Query::addCurvesAndRegions() {
             add(seedsAlong(band(), curve, setup_.snapVoxels(), progress_));
         } catch (const Error& e) {
             if (e.kind() == Kind::Cancelled) throw;
-            throw Error(e.kind(), "seed curve " + std::to_string(k) + ": " + e.what(), e.remedy());
+            throw Error(e.kind(), nameOf("seed curve", k, k) + ": " + e.what(), e.remedy());
         }
     }
     for (std::size_t k = 0; k < asked_.regions.size(); ++k) {
         const std::vector<SurfacePoint> rim = seedsAround(band(), *asked_.regions[k], progress_);
         if (rim.empty())
             throw Error(Kind::InvalidArgument,
-                        "seed region " + std::to_string(k) + ": its rim does not cross the surface",
+                        nameOf("seed region", k, asked_.curves.size() + k) +
+                            ": its rim does not cross the surface",
                         "give a region that holds some voxels of the surface, and not all");
         add(rim);
     }

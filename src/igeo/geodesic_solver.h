@@ -48,6 +48,8 @@ struct Seeds {
     std::vector<Seed> points;
     std::vector<Curve> curves;                              ///< `start` in world units
     std::vector<std::shared_ptr<const Obstacles>> regions;  ///< the part of the surface inside
+    /// What messages call the curves and then the regions; may be empty.
+    std::vector<std::string> names = {};
     std::size_t samples = 0;  ///< further seeds, each as far from all others as can be
     /// Negative distances inside regions, or on the smaller side of closed curves.
     bool isSigned = false;

@@ -355,7 +355,7 @@ void Surface::requireMemory(const BandWidth& width, double limit) const {
             fmt::format("{:.3g}", estimatedNodes(width)) + " voxels and needs about " +
             fmt::format("{:.3g} GiB of memory, {:.3g} are allowed", needed / kGiB, limit / kGiB),
         "voxels of " + fmt::format("{:.3g}", 1.1 * factor * transform().dx) +
-            " or more would fit; or stay near the seeds with maxDistance");
+            " or more would fit; or stay near the seeds with maxDistance, or raise memoryLimit");
 }
 std::string Surface::facingWarning(const Band& band) const { return shape_->facingWarning(band); }
 

@@ -25,7 +25,7 @@ constexpr double kDegrees = 180 / M_PI;
 /// For seeds anywhere: they are moved onto S from however far away.
 GeodesicSolver solverOn(const openvdb::FloatGrid& grid) {
     SolverOptions options;
-    options.maxSnap = kInfinity;
+    options.rules.maxSnap = kInfinity;
     return GeodesicSolver(Surface(grid), options);
 }
 GeodesicSolver solverOn(const Shape& shape, int n) {

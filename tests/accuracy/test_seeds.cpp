@@ -182,11 +182,11 @@ TEST_CASE("signs of curves: what parts nothing is refused") {
     const Curve open = circleOf(kCenter, 0.42, flat, 0.9);
     const Curve equator = circleOf(kCenter, 0.42, flat), inner = circleOf(kCenter, 0.18, flat);
     for (const Curve& curve : {meridian, open, equator})
-        expectError(Error::Kind::InvalidArgument, {"inside and an outside", "--signed"},
+        expectError(Error::Kind::InvalidArgument, {"inside and an outside", "isSigned"},
                     [&] { signedFrom(along({curve})); });
     // The solver does not let points come so far.
     const Distance fromPoint = solver.distance({fromVdb(kCenter + Vec3d(0.42, 0, 0))});
-    expectError(Error::Kind::InvalidArgument, {"--signed"},
+    expectError(Error::Kind::InvalidArgument, {"isSigned"},
                 [&] { signsOfCurves(fromPoint.band(), fromPoint.field()); });
     // Two equators do part it.
     CHECK_NOTHROW(signedFrom(along({equator, inner})));

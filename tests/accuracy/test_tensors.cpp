@@ -305,7 +305,7 @@ TEST_CASE("metrics that are none are refused, with the place and the way out") {
     metric->tensor[bad] = {1, 900, 1, 0, 0, 0};
     expectError(Kind::InvalidArgument, {"(2, -3, 0.15)", "30 times", "up to 20"}, jet);
     metric->tensor[bad] = {1, 2, 1, 0.25f, 0, 0};
-    expectError(Kind::InvalidArgument, {"(2, -3, 0.15)", "0.25 off its diagonal", "--scheme jet"},
+    expectError(Kind::InvalidArgument, {"(2, -3, 0.15)", "0.25 off its diagonal", "Scheme::Jet"},
                 godunov);
 
     metric->weight.assign(plane.band.size(), 1);

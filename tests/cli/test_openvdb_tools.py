@@ -140,15 +140,12 @@ class Pipelines(unittest.TestCase):
                 if r > 1.03:
                     self.assertEqual(pixel, (0, 0, 0))
                 elif r < 0.95:
-                    # From above the seed, distance asin r. Gray is lightness 0.35 to 0.95, its cube
-                    # the linear color; the grid holds that as sRGB, which vdb_render writes as it
-                    # is. It takes the nearest voxel, at most half a diagonal away; a gray level is
-                    # up to 0.012 of distance.
+                    # From above the seed, distance asin r. Gray goes from black to white in sRGB,
+                    # which the grid holds and vdb_render writes as it is. It takes the nearest
+                    # voxel, at most half a diagonal away; a gray level is 0.0123 of distance.
                     self.assertEqual(len(set(pixel)), 1)
-                    gray = (pixel[0] + 0.5) / 255
-                    lightness = (((gray + 0.055) / 1.055) ** 2.4) ** (1 / 3)
-                    distance = (lightness - 0.35) / 0.6 * math.pi
-                    self.assertAlmostEqual(distance, math.asin(r), delta=0.05 * math.sqrt(3) / 2 + 0.012)
+                    distance = (pixel[0] + 0.5) / 256 * math.pi
+                    self.assertAlmostEqual(distance, math.asin(r), delta=0.05 * math.sqrt(3) / 2 + 0.0123)
                     seen += 1
         self.assertGreater(seen, 28000)
 

@@ -57,7 +57,7 @@ class Help(unittest.TestCase):
         self.assertEqual(OPTIONS["--sdf"][0], "FILE[:GRID]")
         self.assertEqual(OPTIONS["--scheme"][0], "NAME")
         self.assertEqual(OPTIONS["--quiet"], ("", "Print errors only"))
-        self.assertEqual(set(INFO_OPTIONS) - set(OPTIONS), {"--unreliable"})
+        self.assertEqual(set(INFO_OPTIONS) - set(OPTIONS), {"--json", "--unreliable"})
         self.assertEqual(INFO_OPTIONS["--json"][0], "")
         self.assertEqual(set(COMMAND_OPTIONS["batch"]) - set(OPTIONS), {"--shard", "--summary", "--dry-run"})
         self.assertEqual(set(COMMAND_OPTIONS["batch merge"]), {"--output", "--matrix", "--help"})
@@ -235,7 +235,7 @@ class BashCompletion(Completion):
         self.assertEqual(self.after("in"), ["info"])
         self.assertEqual(self.after("--straighten", "in"), [])
         self.assertEqual(self.after("info", ""), ["a.vdb", "b c.vdb", "model.obj", "models", "seeds.csv"])
-        self.assertEqual(self.after("info", "a.vdb", "--p"), ["--unreliable", "--progress"])
+        self.assertEqual(self.after("info", "a.vdb", "--u"), ["--unreliable"])
         self.assertEqual(self.after("info", "--unreliable", "a"), ["a.vdb"])
         self.assertEqual(self.after("info", "--json", "b"), ["b c.vdb"])
         self.assertEqual(self.after("info", "--progress", "n"), ["never"])
@@ -266,7 +266,7 @@ class BashCompletion(Completion):
                        "--metric-curvature"):
             for value in self.after(option, ""):
                 # Refused, but for another reason.
-                done = subprocess.run([PROGRAM, "--sdf", "none.vdb", "--seed", "0,0,0", option, value],
+                done = subprocess.run([PROGRAM, "--sdf", "none.vdb", "--seed", "0,0,0", "--image", "x.png", option, value],
                                       capture_output=True, text=True, check=False)
                 self.assertIn("none.vdb", done.stderr)
 
@@ -288,7 +288,7 @@ class FishCompletion(Completion):
 
     def test_options(self):
         self.assertEqual([word for word in self.after("--") if word.startswith("--")], sorted(OPTIONS))
-        self.assertEqual(self.after("info a.vdb --p"), ["--unreliable", "--progress"])
+        self.assertEqual(self.after("info a.vdb --u"), ["--unreliable"])
         self.assertEqual(self.after("batch merge seeds.json --"), ["--help", "--matrix", "--output"])
 
     def test_subcommands(self):
@@ -355,7 +355,7 @@ class ZshCompletion(Completion):
     def test_options(self):
         self.assertEqual([word for word in self.after("--") if word.startswith("--")], sorted(OPTIONS))
         self.assertEqual(self.after("--band 1 --band"), [])  # one excludes the other
-        self.assertEqual(self.after("info a.vdb --p"), ["--unreliable", "--progress"])
+        self.assertEqual(self.after("info a.vdb --u"), ["--unreliable"])
         self.assertEqual(self.after("batch merge seeds.json --"), ["--help", "--matrix", "--output"])
 
     def test_subcommands(self):

@@ -141,7 +141,7 @@ void refusedRun(unsigned number, const TempDir& folder) {
         });
     }
     requireError(Error::Kind::BadInput, [&] {
-        const auto grid = levelSetOf(number).psi;
+        const auto grid = levelSetOf(number).psi->deepCopy();
         for (auto it = grid->beginValueOn(); it; ++it) it.setValue(std::abs(*it));
         checkedLevelSet(grid);
     });

@@ -72,7 +72,8 @@ ManifestJob jobOf(const Json& entry, const Values& defaults, const std::string& 
     job.name = entry["name"].get<std::string>();
     const std::string where = file + ": " + job.quoted();
     Values values = valuesOf(entry, where);
-    values.insert(defaults.begin(), defaults.end());  // of those that the job does not give
+    for (const auto& [option, value] : defaults)  // those that the job does not give
+        if (values.emplace(option, value).second) job.defaults.insert("--" + option);
     for (const auto& [option, value] : values) addArguments(option, value, where, job.arguments);
     return job;
 }

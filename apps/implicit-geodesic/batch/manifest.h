@@ -1,6 +1,7 @@
 /// The file of the jobs of a batch.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@ struct ManifestJob {
     std::string name;
     /// Of an ordinary run: --option=value, in alphabetical order.
     std::vector<std::string> arguments;
+    std::set<std::string> defaults;  ///< options that the job has from those of all
 
     std::string quoted() const { return "job '" + name + "'"; }
 };

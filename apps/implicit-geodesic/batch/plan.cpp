@@ -32,11 +32,24 @@ void naming(const std::string& job, const Check& check) {
     }
 }
 
+/// Of the options that all jobs have, a job keeps those that matter to it.
+void keepWhatMatters(BatchJob& job) {
+    for (const WithoutEffect& w : optionsWithoutEffect(job.options)) {
+        if (job.defaults.count(w.option) == 0)
+            usageError(job.quoted() + ": " + w.option + " has no effect without " + w.users,
+                       "add that, or leave it out");
+        std::erase_if(job.arguments, [&](const std::string& argument) {
+            return argument == w.option || argument.rfind(w.option + "=", 0) == 0;
+        });
+    }
+}
+
 std::vector<BatchJob> parsedJobs(const std::vector<ManifestJob>& jobs) {
     std::vector<BatchJob> parsed;
     for (const ManifestJob& job : jobs) {
         parsed.push_back({job, {}});
         naming(job.quoted(), [&] { parsed.back().options = parseJob(job.arguments); });
+        keepWhatMatters(parsed.back());
     }
     return parsed;
 }

@@ -30,6 +30,7 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Similarity& transform) {
         for (const igeo::Curve& curve : guardedRead(file, [&] { return igeo::readCurves(file); })) {
             in.seeds.curves.push_back(curve);
             in.names.push_back("curve " + file);
+            in.seeds.names.push_back("--seed-curve " + file);
         }
     for (const igeo::GridSource& source : o.seedMasks) {
         auto region = std::make_shared<igeo::ObstacleSet>(transform);
@@ -39,6 +40,7 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Similarity& transform) {
         in.warnings.insert(in.warnings.end(), grid.warnings.begin(), grid.warnings.end());
         in.seeds.regions.push_back(region);
         in.names.push_back("mask " + source.text());
+        in.seeds.names.push_back("--seed-mask " + source.text());
     }
     in.seeds.samples = std::size_t(o.sample);
     in.seeds.isSigned = o.withSign;

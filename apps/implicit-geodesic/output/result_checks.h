@@ -11,6 +11,11 @@
 void checkResults(const RunOptions& options);
 void refuseWithoutEffect(const RunOptions& options);
 
+struct WithoutEffect {
+    std::string option, users;  ///< --straighten; what would make it matter
+};
+std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& options);
+
 /// Refuses files that cannot be read or written, before any is read.
 /// @throws igeo::Error  InvalidArgument
 void checkFiles(const RunOptions& options);

@@ -138,7 +138,7 @@ void checkResults(const RunOptions& o) {
                    "parts are written as JSON; batch merge --matrix makes any format of them");
 }
 
-void refuseWithoutEffect(const RunOptions& o) {
+std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
     const bool grids = !o.grids.empty(), lines = o.asked(Grid::Engraved);
     const bool curved = o.weightCurvature || o.metricCurvature || o.asked(Grid::Curvature);
     const struct {
@@ -165,10 +165,15 @@ void refuseWithoutEffect(const RunOptions& o) {
         {o.order.has_value(), o.scheme == igeo::Scheme::Godunov, "--order", "--scheme godunov"},
         {o.curvatureScale > 0, curved, "--curvature-scale",
          "--weight-curvature, --metric-curvature or --grids curvature"}};
+    std::vector<WithoutEffect> found;
     for (const auto& m : modifiers)
-        if (m.given && !m.used)
-            usageError(std::string(m.option) + " has no effect without " + m.users,
-                       "add that, or leave it out");
+        if (m.given && !m.used) found.push_back({m.option, m.users});
+    return found;
+}
+
+void refuseWithoutEffect(const RunOptions& o) {
+    for (const WithoutEffect& w : optionsWithoutEffect(o))
+        usageError(w.option + " has no effect without " + w.users, "add that, or leave it out");
 }
 
 void checkFiles(const RunOptions& o) {

@@ -159,7 +159,7 @@ TEST_CASE("files that are no meshes are refused", "[mesh]") {
         for (int k = 0; k < 6; ++k) junk += junk;
         expectError(Kind::BadInput, {name}, [&] { readMesh(write(dir, name, junk)); });
     }
-    expectError(Kind::BadInput, {"--points"}, [&] {
+    expectError(Kind::BadInput, {"readPointCloud"}, [&] {
         readMesh(write(dir, "points.ply",
                        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
                        "y\nproperty float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n"));
@@ -172,7 +172,7 @@ TEST_CASE("files that are no meshes are refused", "[mesh]") {
                            "y\nproperty float z\nend_header\n3 0 1 " +
                                std::string(corner) + "\n0 0 0\n1 0 0\n0 1 0\n"));
         });
-    expectError(Kind::BadInput, {"--points"},
+    expectError(Kind::BadInput, {"readPointCloud"},
                 [&] { readMesh(write(dir, "points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")); });
     expectError(Kind::BadInput, {"not finite", "nan"}, [&] {
         readMesh(write(dir, "nan.off", "OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"));

@@ -99,7 +99,7 @@ TEST_CASE("seedsAlong: curves off the surface are refused") {
     const Band band = plane();
     using Kind = Error::Kind;
     expectError(Kind::InvalidArgument, {"no points"}, [&] { seedsAlong(band, {}, 1); });
-    expectError(Kind::InvalidArgument, {"point 1", "2.8", "--snap"}, [&] {
+    expectError(Kind::InvalidArgument, {"point 1", "2.8", "maxSnap"}, [&] {
         seedsAlong(band, {{{0, 0, 0}, {1, 0, 3}}, false, 0}, 1);
     });
     // The way between its points is cut by the end of the plane.

@@ -66,7 +66,7 @@ TEST_CASE("checkLevelSet refuses values that are no numbers") {
 
 TEST_CASE("checkLevelSet refuses grids without a surface") {
     expectRefusal(bad("empty"), {"no active voxels"});
-    expectRefusal(bad("positive"), {"positive everywhere", "--rebuild", "--mesh"});
+    expectRefusal(bad("positive"), {"positive everywhere", "rebuilt(psi, D)", "TriangleMesh"});
     auto inside = soundSphere();
     for (auto it = inside->beginValueOn(); it; ++it) it.setValue(-std::abs(*it));
     expectRefusal(inside, {"negative everywhere"});
@@ -89,7 +89,7 @@ TEST_CASE("checkLevelSet refuses values that are no distances") {
 }
 
 TEST_CASE("checkLevelSet refuses what an open mesh becomes") {
-    expectRefusal(bad("hollow"), {"hollow", "open mesh", "--mesh"});
+    expectRefusal(bad("hollow"), {"hollow", "open mesh", "TriangleMesh"});
 }
 
 TEST_CASE("checkLevelSet warns of unreliable input and goes on") {
