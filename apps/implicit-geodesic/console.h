@@ -54,7 +54,7 @@ private:
 };
 
 /// Turns SIGINT, SIGTERM and SIGHUP, unless they are ignored, into a request to stop; what does not
-/// stop within 0.15 s (a library call that cannot be told) is ended, after removing unfinished
+/// stop within 0.15 s (a library call without cancellation) is ended, after removing unfinished
 /// outputs. Make one in main, before any thread starts.
 class InterruptGuard {
 public:

@@ -1,4 +1,4 @@
-/// What went wrong, as it is told.
+/// What went wrong, as it is reported.
 #pragma once
 
 #include <string>

@@ -138,7 +138,7 @@ void printRoom(Table& table, const igeo::SurfaceSurvey& s, double dx) {
                           " or more from sheets that face it");
     std::string advice =
         fmt::format("voxels of up to {:.4g} show all of this", s.resolvingSize * dx);
-    // Sharp edges ask for more than any grid has; sheets are what must be told apart.
+    // Sharp edges ask for more than any grid has; it is sheets that must be separated.
     if (s.facingRadius < igeo::kInfinity && s.facingRadius > s.medialRadius)
         advice += fmt::format(", of up to {:.4g} tell its sheets apart",
                               s.facingRadius / std::sqrt(3.0) * dx);

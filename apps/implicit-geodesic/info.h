@@ -1,4 +1,4 @@
-/// What a file holds, whether it will do as a surface, and what a run on it would take.
+/// What a file holds, whether it is usable as a surface, and what a run on it would cost.
 #pragma once
 
 #include "console.h"

@@ -90,7 +90,7 @@ public:
     /// @throws Error  InvalidArgument without seeds, for a point farther from the surface than
     ///         maxSnap or inside an obstacle, for `isSigned` with other seeds;
     ///         signsOfCurves, marchJet, marchGodunov; Cancelled
-    /// Time O(n) with jet, O(n log n) with godunov; n nodes of the band that is looked at. The same
+    /// Time O(n) with jet, O(n log n) with godunov; n nodes of the band that it visits. The same
     /// bits for any number of threads.
     Distance distance(const Seeds& seeds, const MarchLimits& limits = {},
                       Progress& progress = Progress::none()) const;
@@ -104,7 +104,7 @@ public:
                                     Progress& progress = Progress::none()) const;
 
     /// The geodesic that leaves a point in a direction (shoot), on the band around it.
-    /// @param length  world units
+    /// @param length  world units; voxels with Space::Index
     /// @throws Error  as shoot; InvalidArgument for a point farther from the surface than maxSnap
     Path shoot(const Vec3d& from, const Vec3d& direction, double length,
                Progress& progress = Progress::none()) const;

@@ -7,6 +7,7 @@
 
 #include <igeo/base/version.h>
 #include <igeo/io/mesh_file.h>
+#include <igeo/io/openvdb_interrupter.h>
 #include <igeo/io/point_cloud_file.h>
 #include <igeo/io/point_list.h>
 #include <igeo/io/vdb_read.h>

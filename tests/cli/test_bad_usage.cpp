@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "option_words.h"
 #include "program.h"
 
 using namespace igeo::test;
@@ -125,4 +126,38 @@ TEST_CASE("two outputs never go to one place") {
         GENERATE("-o out.json --report out.json", "-o out.json --report ./out.json",
                  "-o existing --report link", "-o - --report -", "--report - --paths -");
     requireRefused(desk, run + outputs, kUsage, {"one place", "its own name"});
+}
+
+TEST_CASE("options without effect are refused, with what would make them matter") {
+    const TempWorkspace desk;
+    const BadLine bad = GENERATE(
+        BadLine{"--straighten", {"--straighten", "--target"}},
+        BadLine{"--stop-at-targets", {"--stop-at-targets", "--targets"}},
+        BadLine{"--levels 5", {"--levels", "--isolines", "--image"}},
+        BadLine{"--spacing 0.1", {"--spacing", "--grids engraved"}},
+        BadLine{"--image-size 80x60", {"--image-size", "--image"}},
+        BadLine{"--camera 1,2,3", {"--camera", "--image"}}, BadLine{"--up y", {"--up", "--image"}},
+        BadLine{"--color-map magma", {"--color-map", "--mesh-out"}},
+        BadLine{"--order 2", {"--order", "--scheme godunov"}},
+        BadLine{"--curvature-scale 3", {"--curvature-scale", "--weight-curvature"}},
+        BadLine{"--pairs-out p.csv", {"--pairs-out", "--pairs"}});
+    // Before any file is read: there is none.
+    std::vector<std::string> says = bad.says;
+    says.push_back("no effect");
+    requireRefused(desk, "--sdf none.vdb --seed 0,0,1 " + bad.line, kUsage, says);
+    const BadLine seedless = GENERATE(BadLine{"--max-distance 1", {"--max-distance", "a seed"}},
+                                      BadLine{"--target 1,0,0", {"--target", "a seed"}},
+                                      BadLine{"--targets t.csv", {"--targets", "a seed"}},
+                                      BadLine{"--grids label", {"--grids", "a seed"}},
+                                      BadLine{"--name d", {"--name", "a seed"}});
+    requireRefused(desk, "--sdf none.vdb --pairs p.csv " + seedless.line, kUsage, seedless.says);
+}
+
+TEST_CASE("inOptionWords: what the library calls its parameters, the program calls its options") {
+    CHECK(inOptionWords("raise maxSnap") == "raise --snap");
+    CHECK(inOptionWords("rebuilt(psi, D) makes one, the iso of rebuilt()") ==
+          "--rebuild --iso D makes one, --iso");
+    CHECK(inOptionWords("use Scheme::Jet, or maxDistance and maxDistance") ==
+          "use --scheme jet, or --max-distance and --max-distance");
+    CHECK(inOptionWords("a file of points") == "a file of points");
 }

@@ -16,7 +16,7 @@ Values valuesOf(const Json& object, const std::string& where) {
     Values values;
     for (const auto& [key, value] : object.items()) {
         if (key == "name") continue;
-        // The option --name has to be told from the name of the job.
+        // The option --name must not be taken for the name of the job.
         const std::string option = key.rfind("--", 0) == 0 ? key.substr(2) : key;
         if (option.empty() || option.front() == '-' ||
             option.find_first_not_of("abcdefghijklmnopqrstuvwxyz-") != std::string::npos)

@@ -112,7 +112,7 @@ std::string digestOf(const std::vector<BatchJob>& jobs) {
     return digest.hex();
 }
 
-/// Of the program, a job's options and the content of its inputs. Content is looked at before the
+/// Of the program, a job's options and the content of its inputs. Content is read before the
 /// job: what changes meanwhile is found by the next batch.
 /// @param known digests of files, to which those of this job are added
 std::string digestOf(const BatchJob& job, const std::string& creator,

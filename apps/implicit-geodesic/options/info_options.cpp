@@ -7,7 +7,7 @@ Command infoCommand(InfoOptions& o) {
     Command command{
         .name = "implicit-geodesic info",
         .about =
-            "What a file holds, whether it will do as a surface, and what a run on it would "
+            "What a file holds, whether it is usable as a surface, and what a run on it would "
             "take",
         .arguments = {{.names = {"FILE"},
                        .value = "[:GRID]",
@@ -20,7 +20,7 @@ Command infoCommand(InfoOptions& o) {
                       {2, "wrong usage"},
                       {3, "not usable"},
                       {130, "interrupted"}},
-        .examples = {{"implicit-geodesic info data/torus.vdb", "whether the torus will do"},
+        .examples = {{"implicit-geodesic info data/torus.vdb", "whether the torus is usable"},
                      {"implicit-geodesic info data/box.vdb --unreliable unreliable.vdb",
                       "where results on a box are unreliable: along its edges"},
                      {"implicit-geodesic info model.obj --resolution 400",

@@ -25,7 +25,7 @@ Command mergeCommand(MergeOptions& o) {
     command.add("Results",
                 {{.names = {"-o", "--output"},
                   .value = "FILE",
-                  .text = "Where the whole goes; - is stdout [-]",
+                  .text = "Output file; - is stdout [-]",
                   .reads = text(o.output)},
                  {.names = {"--matrix"},
                   .text = "Join parts of a matrix, as --matrix-rows writes them: to .csv, .json "

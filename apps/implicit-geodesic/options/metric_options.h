@@ -1,4 +1,4 @@
-/// What a way costs.
+/// What a path costs.
 #pragma once
 
 #include <igeo/base/types.h>

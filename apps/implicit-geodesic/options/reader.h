@@ -66,8 +66,8 @@ Value valueNamed(const std::string& word, const Names<Value>& values) {
     usageError("'" + word + "' is none of " + commaList(namesIn(values)), "");
 }
 
-template <typename Value>
-Reader choice(Value& field, const Names<Value>& values) {
+template <typename Field, typename Value>
+Reader choice(Field& field, const Names<Value>& values) {
     Reader reader =
         parsed(field, [values](const std::string& word) { return valueNamed(word, values); });
     reader.choices = namesIn(values);

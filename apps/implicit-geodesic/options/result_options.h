@@ -29,8 +29,8 @@ struct PictureOptions {
     std::string image;                   ///< file; empty: none
     std::optional<ImageSize> imageSize;  ///< none: default
     std::optional<Camera> camera;        ///< none: chosen
-    UpAxis up = UpAxis::Y;
-    std::string colorMap;  ///< of igeo::ColorMap::names(); empty: viridis
+    std::optional<UpAxis> up;            ///< none: y
+    std::string colorMap;                ///< of igeo::ColorMap::names(); empty: viridis
 };
 
 /// Files are empty where none is asked for.

@@ -12,7 +12,6 @@
 
 #include "output/output_files.h"
 #include "output/run_result.h"
-#include "usage_error.h"
 
 namespace {
 
@@ -82,20 +81,6 @@ private:
 };
 
 }  // namespace
-
-void checkGrids(const RunOptions& o) {
-    for (const auto& [grid, name] : {std::pair(Grid::Label, "label"), {Grid::LogMap, "logmap"}})
-        if (o.asked(grid) && o.scheme != igeo::Scheme::Jet)
-            usageError(std::string("--grids ") + name + " needs --scheme jet",
-                       "godunov does not know which seed a front comes from");
-    if (!o.asked(Grid::LogMap)) return;
-    if (o.hasTensor())
-        usageError("--grids logmap does not go with tensors (--metric, --metric-curvature)",
-                   "the logarithmic map is known for weights only");
-    if (o.hasExtendedSeeds())
-        usageError("--grids logmap does not go with --seed-curve and --seed-mask",
-                   "polar coordinates are those about a point");
-}
 
 void writeVolume(RunResult& r, const std::string& file) {
     // Areas and boundaries of the cells of the seeds, for the report.

@@ -30,7 +30,7 @@ Nearest nearestAmongAll(const Band& band, const Vec3d& p) {
     });
     Nearest best;
     for (const Nearest& s : slots)
-        // At 1e154 voxels and more all squares are infinite: any node will do.
+        // At 1e154 voxels and more all squares are infinite: any node is as good.
         if (s.squared < best.squared || best.node == kNoNode) best = s;
     return best;
 }

@@ -10,7 +10,7 @@
 namespace igeo {
 
 /// The 128 bits of XXH3 by Collet with seed 0, over bytes that come in pieces: of a million files
-/// no two agree by chance (1e-27). Not a cryptographic hash, since nobody gains by forging a
+/// no two agree by chance (1e-27). Not a cryptographic hash, since no one gains by forging a
 /// distance, and those are slower than the disks that files of gigabytes come from.
 class Digest {
 public:

@@ -18,7 +18,7 @@ namespace igeo {
 void parallelFor(std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)>& body);
 
-/// The same for work that may be cancelled, looked at before each range.
+/// The same for work that may be cancelled: it asks before each range.
 /// @throws Error  Cancelled
 void parallelFor(std::size_t n, std::size_t grain, const Progress& progress,
                  const std::function<void(std::size_t, std::size_t)>& body);

@@ -30,8 +30,8 @@ public:
     }
 };
 
-/// What stages that run side by side are given: they hear that they should stop, and their own
-/// progress is nobody's.
+/// Progress for stages that run side by side: it passes the wish to stop on to them, and drops what
+/// they report.
 class CancelOnly : public Progress {
 public:
     explicit CancelOnly(const Progress& whole) : whole_(whole) {}

@@ -236,7 +236,8 @@ TriangleMesh readMesh(const std::string& file) {
     requireReadable(file);
     if (!isMeshFile(file))
         throw Error(Kind::BadInput, "'" + file + "' is no mesh by its name",
-                    std::string(kReadable) + "; level sets go to readLevelSetGrid, clouds to readPointCloud");
+                    std::string(kReadable) +
+                        "; level sets go to readLevelSetGrid, clouds to readPointCloud");
     TriangleMesh mesh;
     mesh.file = file;
     if (endingOf(file) == ".ply")

@@ -92,7 +92,7 @@ struct Wanted {
     const char *article, *noun;
     const char* values;              ///< what `fits` allows
     bool (*fits)(const Candidate&);  ///< by type
-    bool fogToo = true;              ///< a fog volume will do
+    bool fogToo = true;              ///< fog volumes are accepted
     /// Which of those that fit can be meant if none is named: the likely ones if there are any.
     bool (*likely)(const Candidate&) = isNoLevelSet;
     bool (*conceivable)(const Candidate&) = isAny;

@@ -37,7 +37,7 @@ struct GridEntry {
 /// off,
 ///         holds no such grid, none that fits or several (the message lists them), or when the grid
 ///         is a fog volume or no scalar
-/// @param entries receives all grids of the file, in its order, also where none of them will do;
+/// @param entries receives all grids of the file, in its order, also where none of them is usable;
 ///                null: not wanted
 LoadedGrid readLevelSetGrid(const GridSource& source, std::vector<GridEntry>* entries = nullptr);
 
@@ -46,7 +46,7 @@ LoadedGrid readLevelSetGrid(const GridSource& source, std::vector<GridEntry>* en
 /// @throws Error  as readLevelSetGrid, but for the fog volume
 LoadedGrid readScalarGrid(const GridSource& source);
 
-/// A grid that says where nobody may go, as read.
+/// A grid that says which places no path may enter, as read.
 struct ObstacleGrid {
     openvdb::GridBase::Ptr grid;  ///< a BoolGrid, MaskGrid or FloatGrid
     std::string file, name;       ///< as in LoadedGrid

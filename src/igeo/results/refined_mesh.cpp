@@ -74,7 +74,7 @@ SurfaceMesh refinedMesh(const TriangleMesh& given, const Band& band, const Field
                         double longest, Progress& progress) {
     if (!(longest > 0))
         throw Error(Error::Kind::InvalidArgument,
-                    fmt::format("edges of at most {:f} voxels; more than 0 will do", longest),
+                    fmt::format("edges of at most {:f} voxels; more than 0 is allowed", longest),
                     "1 is usual");
     constexpr std::size_t kMost = std::size_t(1) << 31;
     progress.update("mesh", 0);

@@ -50,9 +50,10 @@ double requireBandWidth(double h, const BandBounds& bounds, double dx) {
                     h * dx, h, bounds.lower * dx,
                     bounds.lower == std::sqrt(3.0) ? "sqrt(3) voxels" : "so that balls overlap",
                     bounds.upper * dx, bounds.upper, bounds.why),
-        bounds.resolved ? "leave SolverOptions::band out for the best width within the bounds"
-                        : "the grid resolves no wider band: leave SolverOptions::band out, or use a "
-                          "finer level set");
+        bounds.resolved
+            ? "leave SolverOptions::band out for the best width within the bounds"
+            : "the grid resolves no wider band: leave SolverOptions::band out, or use a "
+              "finer level set");
 }
 
 }  // namespace igeo

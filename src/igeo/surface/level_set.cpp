@@ -287,12 +287,11 @@ void judgeRange(const LevelSet& s) {
                         st.badVoxels, st.firstBad.x, st.firstBad.y, st.firstBad.z, where(s)),
             "rebuild the level set from its source");
     if (st.negative == 0 || st.negative == st.activeVoxels)
-        throw Error(
-            Kind::BadInput,
-            std::string("psi is ") + (st.negative ? "negative" : "positive") +
-                " everywhere: there is no surface where it changes sign" + where(s),
-            "give a signed distance, negative inside; of an unsigned one, rebuilt(psi, D) "
-            "makes the surface at distance D; open surfaces can be given as TriangleMesh");
+        throw Error(Kind::BadInput,
+                    std::string("psi is ") + (st.negative ? "negative" : "positive") +
+                        " everywhere: there is no surface where it changes sign" + where(s),
+                    "give a signed distance, negative inside; of an unsigned one, rebuilt(psi, D) "
+                    "makes the surface at distance D; open surfaces can be given as TriangleMesh");
     if (st.halfWidth < 0.9)
         throw Error(
             Kind::BadInput,

@@ -1,4 +1,4 @@
-/// A level set that has been looked at: is it a signed distance, how wide, how bent, where cut.
+/// A checked level set: whether it is a signed distance, how wide, how curved, where cut.
 #pragma once
 
 #include <igeo/base/progress.h>
@@ -54,7 +54,7 @@ LevelSet checkLevelSet(LoadedGrid loaded, Progress& progress = Progress::none())
 
 /// The same into `levelSet`, which keeps what was found out before a refusal: `transform.dx` is 0
 /// where it did not come to that, `stats.activeVoxels` and `stats.nearSurface` likewise where
-/// values and differences were not looked at.
+/// values and differences were not examined.
 void checkLevelSet(LoadedGrid loaded, LevelSet& levelSet, Progress& progress = Progress::none());
 
 /// Widens the narrow band to at least `halfWidth` voxels with OpenVDB's fast sweeping (first order

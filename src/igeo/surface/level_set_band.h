@@ -26,7 +26,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
 openvdb::math::Transform::Ptr gridTransform(const Similarity& transform);
 
 /// The other way: psi of a band as a level set, for what is made of one (pictures, meshes,
-/// engravings), looked at as one from a file is (checkLevelSet).
+/// engravings), checked as one from a file (checkLevelSet).
 /// @param band    its psi signed, h at least 2 voxels
 /// @param closed  whether it has an inside, so that what is not active is known to be within or
 ///                without

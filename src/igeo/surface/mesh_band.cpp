@@ -151,7 +151,7 @@ std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
 Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress) {
     if (!(h >= 0.866 && h <= 8))
         throw Error(Error::Kind::InvalidArgument,
-                    fmt::format("a band of {:f} voxels; sqrt(3)/2 to 8 will do", h),
+                    fmt::format("a band of {:f} voxels; allowed are sqrt(3)/2 to 8", h),
                     "sqrt(3) is usual");
     requireReasonable(given, dx, h);
     progress.update("band", 0);

@@ -160,7 +160,7 @@ void PointSurface::build(const PointCloud& cloud, Progress& progress) {
 double PointSurface::measureNoise(Progress& progress) {
     // What is left of a fit is scatter, which does not depend on how many points are fitted, and
     // the shape a quadric cannot follow, which grows with them: on scans the square of it
-    // by 3 or more from 24 points to 48. So the two are told apart.
+    // by 3 or more from 24 points to 48. That separates the two.
     constexpr std::size_t kCount = 24;
     constexpr double kGrowth = 3;
     std::array<double, 2> left{};
@@ -211,7 +211,7 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
         throw Error(Kind::BadInput,
                     file_ +
                         ": the points fill a volume or scatter by more than their spacing; a "
-                        "surface cannot be told",
+                        "surface is ambiguous",
                     "smooth or thin out the cloud");
     Orientation orientation = orientNormals(points_, normals_);
     density_.conflicts = orientation.conflicts;

@@ -2,8 +2,8 @@
 
 #include <fmt/core.h>
 #include <igeo/base/error.h>
-#include <igeo/io/openvdb_interrupter.h>
 #include <igeo/base/types.h>
+#include <igeo/io/openvdb_interrupter.h>
 #include <openvdb/tools/Count.h>
 #include <openvdb/tools/LevelSetRebuild.h>
 

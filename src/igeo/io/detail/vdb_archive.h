@@ -12,7 +12,7 @@
 namespace igeo {
 
 /// A file with a directory of its grids. OpenVDB's own File reads on past the end of a file, and
-/// takes what is not there for zeros: here the stream must throw, and the directory is held against
+/// takes what is not there for zeros: here the stream must throw, and the directory is compared with
 /// the size first.
 class VdbArchive : openvdb::io::Archive {
 public:
