@@ -17,6 +17,7 @@
 #include "output/report.h"
 #include "output/result_checks.h"
 #include "output/result_table.h"
+#include "output/run_result.h"
 #include "process.h"
 
 using igeo::textOf;

@@ -1,5 +1,6 @@
 #include "output/grids.h"
 
+#include <igeo/io/vdb_write.h>
 #include <igeo/metric/curvature.h>
 #include <igeo/results/color_map.h>
 #include <igeo/results/engrave.h>
@@ -97,5 +98,6 @@ void writeVolume(RunResult& r, const std::string& file) {
     for (const auto& grid : MoreGrids(r, name).make()) grids.push_back(grid);
     r.progress.throwIfCancelled();
     r.progress.update("write", 0);
-    writeGrids(file, grids);
+    if (file != "-") return igeo::writeVdb(file, grids);
+    writeToStdout([&](std::ostream& out) { igeo::writeVdb(out, grids); });
 }

@@ -2,7 +2,6 @@
 
 #include <igeo/base/atomic_file.h>
 #include <igeo/base/detail/system.h>
-#include <igeo/io/vdb_write.h>
 #include <igeo/results/picture_options.h>
 
 #include <algorithm>
@@ -82,24 +81,13 @@ void checkOutputFiles(const std::vector<OutputFile>& outputs,
     }
 }
 
-namespace {
-
-/// What `write` writes to the stream of results.
-template <typename Write>
-void writeToStdout(const Write& write) {
+void writeToStdout(const std::function<void(std::ostream&)>& write) {
     errno = 0;
     write(results());
     if (!results().flush()) igeo::AtomicFile::throwWriteError("standard output", errno);
 }
 
-}  // namespace
-
 void writeDocument(const std::string& file, const std::string& content) {
     if (file != "-") return igeo::writeFile(file, content);
     writeToStdout([&](std::ostream& out) { out << content; });
-}
-
-void writeGrids(const std::string& file, const openvdb::GridCPtrVec& grids) {
-    if (file != "-") return igeo::writeVdb(file, grids);
-    writeToStdout([&](std::ostream& out) { igeo::writeVdb(out, grids); });
 }

@@ -1,8 +1,8 @@
 /// Where results go.
 #pragma once
 
-#include <openvdb/openvdb.h>
-
+#include <functional>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -23,6 +23,7 @@ void checkOutputFiles(const std::vector<OutputFile>& outputs,
 
 /// Files that a run reads, without the grids in them; - is standard input.
 std::vector<std::string> inputFiles(const RunOptions& options);
+
 /// The file of distances.
 /// @param grid name of the level set, for one that came by standard input
 std::string distanceFile(const RunOptions& options, const std::string& grid);
@@ -32,4 +33,5 @@ std::string colorMapOf(const RunOptions& options);
 
 /// Writes a result whole or not at all; "-" is standard output.
 void writeDocument(const std::string& file, const std::string& content);
-void writeGrids(const std::string& file, const openvdb::GridCPtrVec& grids);
+/// What `write` writes, to standard output.
+void writeToStdout(const std::function<void(std::ostream&)>& write);

@@ -10,6 +10,7 @@
 
 #include "output/grids.h"
 #include "output/output_files.h"
+#include "output/run_result.h"
 
 namespace {
 

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "options/run_options.h"
-#include "output/run_result.h"
+
+struct RunResult;
 
 struct ResultKind {
     const char* option;                      ///< --isolines
