@@ -70,8 +70,7 @@ igeo::AccuracyEstimate estimate(const igeo::Distance& distance, const Console& c
                                 igeo::Progress& progress) {
     progress.update("accuracy", 0);
     const igeo::Field& field = distance.field();
-    const igeo::AccuracyEstimate a =
-        igeo::estimateAccuracy(distance.band(), field, field.gradient, 8, progress);
+    const igeo::AccuracyEstimate a = igeo::estimateAccuracy(field, 8, progress);
     progress.finished("accuracy");
     if (a.samples)
         console.detail(fmt::format(
@@ -225,7 +224,6 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     report.seconds = stages.seconds();
     report.peakMemory = peakMemory();
     report.threads = igeo::ThreadLimit::current();
-    if (!o.report.empty())
-        writeDocument(o.report, reportJson(report, distance.band(), distance.field()));
+    if (!o.report.empty()) writeDocument(o.report, reportJson(report, distance.field()));
     return tell(report, distance, o, console);
 }

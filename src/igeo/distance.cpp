@@ -34,14 +34,14 @@ SurfacePoint Distance::nearest(const Vec3d& pWorld) const {
 
 double Distance::at(const Vec3d& pWorld) const {
     const SurfacePoint p = nearest(pWorld);
-    return sampleDistance(*band_, *field_, p.pIndex, Vec3d(band_->normal[p.node])) *
-           signAt(*band_, *field_, p.pIndex) * band_->transform.dx;
+    return sampleDistance(*field_, p.pIndex, Vec3d(band_->normal[p.node])) *
+           signAt(*field_, p.pIndex) * band_->transform.dx;
 }
 
 Polyline Distance::path(const Vec3d& pWorld, bool straightened) const {
     const Similarity& t = band_->transform;
-    Path path = tracePath(*band_, *field_, field_->gradient, nearest(pWorld));
-    if (straightened) straighten(*band_, *field_, path);
+    Path path = tracePath(*field_, nearest(pWorld));
+    if (straightened) straighten(*field_, path);
     Polyline line;
     line.status = path.status;
     for (const PathVertex& v : path.vertices) {
@@ -55,22 +55,22 @@ Polyline Distance::path(const Vec3d& pWorld, bool straightened) const {
 }
 
 std::vector<Path> Distance::paths(bool straightened, Progress& progress) const {
-    std::vector<Path> paths = tracePaths(*band_, *field_, field_->gradient, targets_, {}, progress);
+    std::vector<Path> paths = tracePaths(*field_, targets_, {}, progress);
     if (!straightened) return paths;
     std::size_t done = 0;
     for (Path& path : paths) {
-        straighten(*band_, *field_, path, progress);
+        straighten(*field_, path, progress);
         progress.update("straighten", double(++done) / double(paths.size()));
     }
     return paths;
 }
 
 openvdb::FloatGrid::Ptr Distance::grid(const std::string& name) const {
-    return distanceGrid(*band_, *field_, *surface_.gridTransform(),
+    return distanceGrid(*field_, *surface_.gridTransform(),
                         name.empty() ? surface_.gridName() + "_geodesic" : name);
 }
 SurfaceMesh Distance::mesh(Progress& progress) const {
-    return surface_.mesh(width_, *band_, *field_, progress);
+    return surface_.mesh(width_, *field_, progress);
 }
 const LevelSet& Distance::levelSet(Progress& progress) const {
     return surface_.levelSet(width_, progress);

@@ -38,11 +38,11 @@ std::vector<std::uint8_t> insideAny(const Seeds& seeds, const Band& band, Progre
 }
 
 /// What the march's distance is yet to become: 0 inside regions, or signed.
-void finishInside(const Seeds& seeds, const Band& band, Field& field, Progress& progress) {
+void finishInside(const Seeds& seeds, Field& field, Progress& progress) {
     if (!seeds.regions.empty())
-        (seeds.isSigned ? signInside : clearInside)(insideAny(seeds, band, progress), field);
+        (seeds.isSigned ? signInside : clearInside)(insideAny(seeds, *field.band, progress), field);
     else if (seeds.isSigned)
-        field.sign = signsOfCurves(band, field, progress);
+        field.sign = signsOfCurves(field, progress);
 }
 
 }  // namespace
@@ -302,7 +302,7 @@ void Query::march(double maxDistance) {
 
 bool Query::allFound() const {
     return std::all_of(targets_.begin(), targets_.end(), [&](const SurfacePoint& t) {
-        return sampleDistance(band(), field_, t.pIndex) < kInfinity;
+        return sampleDistance(field_, t.pIndex) < kInfinity;
     });
 }
 
@@ -331,7 +331,7 @@ Distance Query::solve(const Surface& surface) {
                        return region.empty() || allFound();
                    });
     if (!near) solveOn({}, limit);
-    finishInside(asked_, band(), field_, progress_);
+    finishInside(asked_, field_, progress_);
     return Distance(surface, setup_.width, band_, whole_, std::move(field_), std::move(targets_),
                     setup_.maxSnap);
 }
@@ -401,6 +401,7 @@ Distance GeodesicSolver::unreached(bool whole, Progress& progress) const {
         band = none;
     }
     Field field;
+    field.band = band.get();
     field.distance.assign(band->size(), kInfinity);
     field.scheme = toString(setup_->options.scheme);
     return Distance(setup_->surface, setup_->width, band, whole, std::move(field), {},

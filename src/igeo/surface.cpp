@@ -66,9 +66,8 @@ public:
     virtual SurfacePoint nearest(const Band& band, const Vec3d& p) const {
         return nearestSurfacePoint(band, p);
     }
-    virtual SurfaceMesh mesh(double h, const Band& band, const Field& field,
-                             Progress& progress) const {
-        return surfaceMesh(levelSet(h, progress), band, field, progress);
+    virtual SurfaceMesh mesh(double h, const Field& field, Progress& progress) const {
+        return surfaceMesh(levelSet(h, progress), field, progress);
     }
     virtual std::string facingWarning(const Band&) const { return {}; }
     virtual std::string gridName() const { return facts.name; }
@@ -222,9 +221,8 @@ public:
     SurfacePoint nearest(const Band& band, const Vec3d& p) const override {
         return nearestMeshPoint(mesh_, band, p);
     }
-    SurfaceMesh mesh(double, const Band& band, const Field& field,
-                     Progress& progress) const override {
-        return refinedMesh(mesh_, band, field, 1, progress);
+    SurfaceMesh mesh(double, const Field& field, Progress& progress) const override {
+        return refinedMesh(mesh_, field, 1, progress);
     }
     std::string facingWarning(const Band& band) const override {
         // Less is next to sharp edges.
@@ -362,9 +360,8 @@ std::string Surface::facingWarning(const Band& band) const { return shape_->faci
 SurfacePoint Surface::nearest(const Band& band, const Vec3d& pIndex) const {
     return shape_->nearest(band, pIndex);
 }
-SurfaceMesh Surface::mesh(const BandWidth& width, const Band& band, const Field& field,
-                          Progress& progress) const {
-    return shape_->mesh(width.h, band, field, progress);
+SurfaceMesh Surface::mesh(const BandWidth& width, const Field& field, Progress& progress) const {
+    return shape_->mesh(width.h, field, progress);
 }
 const LevelSet& Surface::levelSet(const BandWidth& width, Progress& progress) const {
     return shape_->levelSet(width.h, progress);

@@ -101,7 +101,7 @@ public:
     /// The point of the surface nearest to one in index space.
     SurfacePoint nearest(const Band& band, const Vec3d& pIndex) const;
     /// The surface as triangles that carry the distance: the mesh given, refined, or psi = 0.
-    SurfaceMesh mesh(const BandWidth& width, const Band& band, const Field& field,
+    SurfaceMesh mesh(const BandWidth& width, const Field& field,
                      Progress& progress = Progress::none()) const;
     /// As a level set at least as wide as the band; of a mesh or points made when first asked for.
     const LevelSet& levelSet(const BandWidth& width, Progress& progress = Progress::none()) const;

@@ -100,7 +100,7 @@ TEST_CASE("paths under the stereographic weight are circles, and their length is
     const SurfacePoint seed = pointOn(patch.band, patch.at(0.19, 0.12)),
                        target = pointOn(patch.band, patch.at(-0.17, 0.16));
     const Field field = marchJet(patch.band, metric, {seed});
-    Path path = tracePath(patch.band, field, field.gradient, target);
+    Path path = tracePath(field, target);
     REQUIRE(path.status == PathStatus::Reached);
     const auto onSphere = [&](const SurfacePoint& p) {
         const auto [u, v] = patch.flat(worldOf(patch.band, p.pIndex));
@@ -110,7 +110,7 @@ TEST_CASE("paths under the stereographic weight are circles, and their length is
     const double exact = std::atan2(from.cross(to).length(), from.dot(to)) * kN,
                  straight = kScale * 0.36 * kN;
     const double traced = path.weightedLength;
-    straighten(patch.band, field, path);
+    straighten(field, path);
     std::printf("stereographic path: distance %+.4f %%, traced %+.4f %%, straightened %+.4f %%\n",
                 100 * (path.distance / exact - 1), 100 * (traced / exact - 1),
                 100 * (path.weightedLength / exact - 1));

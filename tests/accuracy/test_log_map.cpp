@@ -37,7 +37,7 @@ struct Mapped {
     Distance distance;
     const Band& band = distance.band();
     const Field& field = distance.field();
-    LogMap map = logMap(band, field);
+    LogMap map = logMap(field);
 
     explicit Mapped(Distance d) : distance(std::move(d)) {}
     Mapped(const GeodesicSolver& solver, const Vec3d& seedWorld)

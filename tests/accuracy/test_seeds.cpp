@@ -187,7 +187,7 @@ TEST_CASE("signs of curves: what parts nothing is refused") {
     // The solver does not let points come so far.
     const Distance fromPoint = solver.distance({fromVdb(kCenter + Vec3d(0.42, 0, 0))});
     expectError(Error::Kind::InvalidArgument, {"isSigned"},
-                [&] { signsOfCurves(fromPoint.band(), fromPoint.field()); });
+                [&] { signsOfCurves(fromPoint.field()); });
     // Two equators do part it.
     CHECK_NOTHROW(signedFrom(along({equator, inner})));
 }

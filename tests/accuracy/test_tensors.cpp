@@ -54,7 +54,8 @@ struct Plane {
 struct Off {
     double mean = 0, max = 0;
 };
-Off offBy(const Band& band, const Field& field, const std::function<double(const Vec3d&)>& exact) {
+Off offBy(const Field& field, const std::function<double(const Vec3d&)>& exact) {
+    const Band& band = *field.band;
     Off e;
     double largest = 0;
     std::size_t count = 0;
@@ -63,7 +64,7 @@ Off offBy(const Band& band, const Field& field, const std::function<double(const
         const double d = exact(p);
         if (std::isnan(d) || std::abs(band.psi[i]) > 1) continue;
         const double error =
-            std::abs((field.atFootPoints ? field.distance[i] : sampleDistance(band, field, p)) - d);
+            std::abs((field.atFootPoints ? field.distance[i] : sampleDistance(field, p)) - d);
         REQUIRE(std::isfinite(error));
         e.mean += error, e.max = std::max(e.max, error), largest = std::max(largest, d), ++count;
     }
@@ -82,7 +83,7 @@ TEST_CASE("jet with a constant tensor measures the sheared plane, whatever its a
             for (const double degrees : {0.0, 17.0, 45.0, 63.0, 90.0, 122.0, 155.0}) {
                 const Tensor g = plane.turned(degrees * kPi / 180, ratio);
                 const Field field = marchJet(plane.band, plane.constant(g), {seed});
-                const Off e = offBy(plane.band, field, [&](const Vec3d& p) {
+                const Off e = offBy(field, [&](const Vec3d& p) {
                     return std::sqrt(product(g, p - seed.pIndex, p - seed.pIndex));
                 });
                 worst = {std::max(worst.mean, e.mean), std::max(worst.max, e.max)};
@@ -113,7 +114,7 @@ TEST_CASE("jet with the tensor of a map measures between the images") {
             };
             const SurfacePoint seed = plane.seed(0.13 * half, 0.0542 * half);
             const Field field = marchJet(plane.band, metric, {seed});
-            const Off e = offBy(plane.band, field, [&](const Vec3d& p) {
+            const Off e = offBy(field, [&](const Vec3d& p) {
                 // Further out the straight way between the images may leave the patch.
                 return length(p) > 0.6 * half ? NAN : length(image(p) - image(seed.pIndex));
             });
@@ -183,7 +184,7 @@ TEST_CASE("paths under a constant tensor are straight, not along the gradient") 
             const Field field = marchJet(plane.band, metric, {seed});
             for (const double angle : {0.1, 0.9, 1.7, 2.5, 3.3, 4.1, 4.9, 5.7}) {
                 const SurfacePoint target = plane.seed(35 * std::cos(angle), 35 * std::sin(angle));
-                const Path path = tracePath(plane.band, field, field.gradient, target);
+                const Path path = tracePath(field, target);
                 REQUIRE(path.status == PathStatus::Reached);
                 const Vec3d chord = normalized(seed.pIndex - target.pIndex);
                 double aside = 0;
@@ -268,7 +269,7 @@ TEST_CASE("godunov takes diagonal tensors, M&S (22)") {
             const SurfacePoint seed = plane.seed(0.31, 0.17);
             const Tensor g = plane.turned(0, ratio);
             const Field field = marchGodunov(plane.band, plane.constant(g), {seed});
-            const Off e = offBy(plane.band, field, [&](const Vec3d& p) {
+            const Off e = offBy(field, [&](const Vec3d& p) {
                 return std::sqrt(product(g, p - seed.pIndex, p - seed.pIndex));
             });
             std::printf(

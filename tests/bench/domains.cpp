@@ -151,7 +151,8 @@ Domains domainsOf(const Band& band, std::size_t count, std::size_t pieces) {
     return domains;
 }
 
-Schedule scheduleOf(const Band& band, const Field& field, double bucketWidth) {
+Schedule scheduleOf(const Field& field, double bucketWidth) {
+    const Band& band = *field.band;
     Schedule schedule;
     schedule.step.assign(band.coreSize(), Schedule::kNever);
     std::vector<std::uint32_t> stepOf;  // per bucket

@@ -36,7 +36,7 @@ struct Schedule {
 /// march accepts some in a later bucket, for what is put back and solved again.)
 /// @param field  of marchJet without weights
 /// @param bucketWidth  voxels, JetOptions::bucketWidth
-Schedule scheduleOf(const Band& band, const Field& field, double bucketWidth);
+Schedule scheduleOf(const Field& field, double bucketWidth);
 
 /// Records that domains send each other: a record is a node's jet, sent to a domain that holds a
 /// copy of the node, once, in the superstep in which it was accepted. So there are as many as

@@ -88,7 +88,7 @@ void benchDomains(const Arguments& args) {
     const auto seeds = std::size_t(args.number("seeds", 1));
     Buckets buckets;
     const Field field = marchJet(band, {}, seedsOn(band, seeds), options, buckets);
-    const Schedule schedule = scheduleOf(band, field, options.bucketWidth);
+    const Schedule schedule = scheduleOf(field, options.bucketWidth);
     const std::size_t late = lateIn(buckets, schedule);
     for (const std::size_t parts : numbers(args.text("parts", "1,4,16,64")))
         for (const std::size_t pieces : numbers(args.text("pieces", "1,16"))) {

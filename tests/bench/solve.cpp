@@ -61,14 +61,14 @@ std::vector<NodeIndex> nearNodes(const Band& band) {
     return near;
 }
 
-PointsCsv surfacePoints(const Band& band, const Field& field, double samples) {
+PointsCsv surfacePoints(const Field& field, double samples) {
+    const Band& band = *field.band;
     const std::vector<NodeIndex> near = nearNodes(band);
     PointsCsv csv;
     const std::size_t stride = strideFor(near.size(), samples);
     for (std::size_t k = 0; k < near.size(); k += stride) {
         const Vec3d foot = band.footPoint(near[k]);
-        const double d =
-            field.atFootPoints ? field.distance[near[k]] : sampleDistance(band, field, foot);
+        const double d = field.atFootPoints ? field.distance[near[k]] : sampleDistance(field, foot);
         csv.add(band.transform.worldFromIndex(foot), d * band.transform.dx);
     }
     return csv;
@@ -111,7 +111,7 @@ void benchSolve(const Arguments& args) {
     solve(band.footPoint(NodeIndex(band.size() / 3)), "further");
 
     if (args.has("points"))
-        writePoints(args.text("points"), surfacePoints(band, field, args.number("samples", 0)));
+        writePoints(args.text("points"), surfacePoints(field, args.number("samples", 0)));
     std::printf(
         "{\"method\": \"%s\", \"nodes\": %zu, \"h\": %.6g, \"iterations\": %d, \"threads\": %d, "
         "%s, \"peakBytes\": %.0f}\n",
@@ -132,6 +132,7 @@ void benchPicture(const Arguments& args) {
     const double largest = *std::max_element(exact.begin(), exact.end());
 
     Field error;
+    error.band = &band;
     error.seeds = {seed};
     error.distance.assign(band.size(), kInfinity);
     for (std::size_t k = 0; k < near.size(); ++k) {
@@ -147,7 +148,7 @@ void benchPicture(const Arguments& args) {
     options.legend = false;  // it would speak of a distance
     if (args.has("camera")) options.eye = args.point("camera");
     if (args.has("up")) options.up = args.point("up");
-    writeFile(args.text("image"), renderPng(levelSet, band, error, {}, options));
+    writeFile(args.text("image"), renderPng(levelSet, error, {}, options));
     std::printf("{\"nodes\": %zu}\n", near.size());
 }
 

@@ -33,6 +33,7 @@ void Sweep::run(int iterations) {
 
 Field Sweep::field() const {
     Field field;
+    field.band = &band_;
     field.scheme = "maskSdf";
     field.seeds = {seed_};
     field.startRadius = startRadius_;

@@ -3,6 +3,7 @@
 #include <support/catch.h>
 #include <support/march_cases.h>
 #include <support/openvdb.h>
+#include <support/pinned.h>
 #include <support/shapes.h>
 
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace {
 
 constexpr double kBucket = 0.5;  // voxels, JetOptions::bucketWidth
 
-struct Marched {
+struct Marched : Pinned {
     Band band;
     Field field;
     Schedule schedule;
@@ -29,7 +30,7 @@ struct Marched {
             from.push_back(nearestSurfacePoint(
                 band, band.footPoint(NodeIndex((2 * k + 1) * band.size() / (2 * seeds)))));
         field = marchJet(band, {}, from);
-        schedule = scheduleOf(band, field, kBucket);
+        schedule = scheduleOf(field, kBucket);
     }
 };
 

@@ -1,5 +1,6 @@
 #include <support/analytic_band.h>
 #include <support/catch.h>
+#include <support/pinned.h>
 
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -12,7 +13,7 @@ namespace {
 using nlohmann::json;
 
 /// A run with a path of each status; everything that can be infinite is.
-struct Run {
+struct Run : Pinned {
     Band band = planeBand({0, 0, 1}, 0, {-4, -4, -3}, {4, 4, 3}, 2);
     Field field;
     RunReport report;
@@ -20,6 +21,7 @@ struct Run {
     Run() {
         band.transform.dx = 0.5;
         band.transform.origin = {10, 20, 30};
+        field.band = &band;
         field.distance.assign(band.size(), 3.0);
         field.distance[0] = kInfinity;
         field.scheme = "test";
@@ -66,7 +68,7 @@ std::vector<Isoline> twoLines() {
 
 TEST_CASE("geodesicsJson: world units, null for what is not known") {
     const Run run;
-    const json j = parse(geodesicsJson(run.report, run.band, run.field));
+    const json j = parse(geodesicsJson(run.report, run.field));
     CHECK(j["schema"] == 2);
     CHECK(j["type"] == "geodesics");
     CHECK(j["surface"]["file"] == "a.vdb");
@@ -101,7 +103,7 @@ TEST_CASE("geodesicsJson: world units, null for what is not known") {
 
 TEST_CASE("reportJson: the account of a run") {
     const Run run;
-    const json j = parse(reportJson(run.report, run.band, run.field));
+    const json j = parse(reportJson(run.report, run.field));
     CHECK(j["type"] == "report");
     CHECK(j["band"]["nodes"] == run.band.size());
     CHECK(j["distance"]["reached"] == run.band.size() - 1);
@@ -120,7 +122,7 @@ TEST_CASE("reports: doubles survive the way through text") {
     Run run;
     run.report.paths[0].vertices[0].pIndex = {1.0 / 3, std::sqrt(2.0), 1e-17};
     run.band.transform = {};
-    const json j = parse(geodesicsJson(run.report, run.band, run.field));
+    const json j = parse(geodesicsJson(run.report, run.field));
     const json& p = j["paths"][0]["vertices"]["position"][0];
     CHECK(p[0].get<double>() == 1.0 / 3);
     CHECK(p[1].get<double>() == std::sqrt(2.0));
@@ -140,9 +142,9 @@ TEST_CASE("reports: names that are no UTF-8 still make valid JSON") {
     Run run;
     run.report.surface.file = "caf\xE9.vdb";
     run.report.surface.name = "\xFF";
-    const json geodesics = parse(geodesicsJson(run.report, run.band, run.field));
+    const json geodesics = parse(geodesicsJson(run.report, run.field));
     CHECK(geodesics["surface"]["file"].get<std::string>().substr(0, 3) == "caf");
-    CHECK_NOTHROW(parse(reportJson(run.report, run.band, run.field)));
+    CHECK_NOTHROW(parse(reportJson(run.report, run.field)));
 }
 
 TEST_CASE("geodesicsObj: one object per path with two vertices or more") {
@@ -193,10 +195,11 @@ TEST_CASE("isolinesJson: world units") {
     band.transform.dx = 0.5;
     band.transform.origin = {10, 20, 30};
     Field field;
+    field.band = &band;
     field.scheme = "test";
     RunReport report;
     report.surface.file = "a.vdb";
-    const auto j = json::parse(isolinesJson(report, band, field, twoLines()));
+    const auto j = json::parse(isolinesJson(report, field, twoLines()));
     CHECK(j["type"] == "isolines");
     CHECK(j["surface"]["file"] == "a.vdb");
     CHECK(j["parameters"]["scheme"] == "test");

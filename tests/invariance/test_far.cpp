@@ -15,6 +15,7 @@
 #include <support/march_cases.h>
 #include <support/mesh_shapes.h>
 #include <support/openvdb.h>
+#include <support/pinned.h>
 #include <support/shapes.h>
 
 namespace igeo::test {
@@ -30,7 +31,7 @@ openvdb::FloatGrid::Ptr torusAt(const Ijk& place) {
 }
 
 /// The torus at the origin with a seed and the distances from it.
-struct AtOrigin {
+struct AtOrigin : Pinned {
     Band band = bandOf(torusGrid(), kH);
     SurfacePoint seed = dyadicSeed(band, torusPoints()[0]);
     int order;
@@ -51,8 +52,8 @@ TEST_CASE("far: level sets at the ends of the supported indices give the same di
             const Band band = bandOf(torusAt(by), kH);
             const SurfacePoint seed = shifted(home.seed, home.band, band, by);
             const Field field = marchFrom(band, {seed}, order);
-            CHECK(worstDifference(home.band, home.field, band, field,
-                                  [&](const Ijk& v) { return v + by; }) <= rounding(home));
+            CHECK(worstDifference(home.field, field, [&](const Ijk& v) { return v + by; }) <=
+                  rounding(home));
         }
     }
 }
@@ -62,10 +63,8 @@ TEST_CASE("far: paths are those at the origin but for the rounding of positions"
     const Band band = bandOf(torusAt(kCorner), kH);
     const Field field = marchFrom(band, {shifted(home.seed, home.band, band, kCorner)}, kJet);
     const Vec3d to = torusPoints()[1];
-    const Path near =
-        tracePath(home.band, home.field, home.field.gradient, nearestSurfacePoint(home.band, to));
-    const Path far =
-        tracePath(band, field, field.gradient, nearestSurfacePoint(band, to + Vec3d(kCorner)));
+    const Path near = tracePath(home.field, nearestSurfacePoint(home.band, to));
+    const Path far = tracePath(field, nearestSurfacePoint(band, to + Vec3d(kCorner)));
     CHECK(far.status == PathStatus::Reached);
     // 2^-23 voxels at each of some 60 vertices; the steps are good to 1e-3 (TraceOptions).
     CHECK(far.vertices.size() == near.vertices.size());
@@ -82,9 +81,9 @@ TEST_CASE("far: two pieces 2^31 voxels apart know nothing of each other") {
         CHECK(band.size() == 2 * home.band.size());
         for (const Ijk& by : {kCorner, -kCorner}) {
             const Field field = marchFrom(band, {shifted(home.seed, home.band, band, by)}, order);
-            CHECK(worstDifference(home.band, home.field, band, field,
-                                  [&](const Ijk& v) { return v + by; }) <= rounding(home));
-            CHECK(sampleDistance(band, field, home.seed.pIndex - Vec3d(by)) == kInfinity);
+            CHECK(worstDifference(home.field, field, [&](const Ijk& v) { return v + by; }) <=
+                  rounding(home));
+            CHECK(sampleDistance(field, home.seed.pIndex - Vec3d(by)) == kInfinity);
         }
     }
     const Band band = bandOf(grid, kH);
@@ -96,7 +95,7 @@ TEST_CASE("far: two pieces 2^31 voxels apart know nothing of each other") {
     });
     const Field field = march(band, {p + Vec3d(kCorner)}, kJet);
     expectError(Error::Kind::BadInput, {"voxels across", "131072"},
-                [&] { surfaceMesh(checkedLevelSet(grid), band, field); });
+                [&] { surfaceMesh(checkedLevelSet(grid), field); });
 }
 
 TEST_CASE("far: voxels at 2^30 and beyond are refused") {
@@ -168,7 +167,7 @@ TEST_CASE("far: meshes and clouds just within 2^30 voxels") {
         const auto reach = [&](const Band& band, const Vec3d& at) {
             const Field field = march(band, {from + at}, kJet);
             CHECK(field.reached == band.size());
-            return sampleDistance(band, field, nearestSurfacePoint(band, to + at).pIndex);
+            return sampleDistance(field, nearestSurfacePoint(band, to + at).pIndex);
         };
         CHECK(reach(near, {}) > 10);
         CHECK(reach(far, place) == Approx(reach(near, {})).margin(0.01));

@@ -71,13 +71,13 @@ Field march(const Band& band, const std::vector<Point>& seeds) {
 }
 
 /// What a result has to be, whatever the input. Along a path d is read to a tenth of a voxel.
-void checkResult(const std::string& name, const Band& band, const Field& field) {
-    const FieldChecks c = checkField(band, field, Nodes::Marched);
-    const PathChecks p = checkPaths(band, field);
+void checkResult(const std::string& name, const Field& field) {
+    const FieldChecks c = checkField(field, Nodes::Marched);
+    const PathChecks p = checkPaths(field);
     std::printf(
         "%s: %zu of %zu nodes, below the straight line by %.3f, paths rise by %.3f, %zu of %zu "
         "lost\n",
-        name.c_str(), field.reached, band.size(), c.shortcut, p.rise, p.lost, p.traced);
+        name.c_str(), field.reached, field.band->size(), c.shortcut, p.rise, p.lost, p.traced);
     INFO(name);
     CHECK(field.reached > 0);
     CHECK(c.notNumbers == 0);
@@ -115,7 +115,7 @@ TEST_CASE("hard surfaces: the march ends and leads down to the seed") {
     };
     for (const HardCase& c : cases) {
         const Band band = bandOf(c.grid);
-        checkResult(c.name, band, march(band, c.seeds));
+        checkResult(c.name, march(band, c.seeds));
     }
 }
 
@@ -124,7 +124,7 @@ TEST_CASE("hard surfaces: nothing crosses a gap of 1.5 voxels") {
     const Shape low = roundedBox(kCenter, half, 2.5), high = roundedBox(kCenter + up, half, 2.5);
     const Band band = bandOf(gridOf(low, high));
     const Field field = march(band, {seed});
-    checkResult("two plates 1.5 voxels apart", band, field);
+    checkResult("two plates 1.5 voxels apart", field);
     for (std::size_t k = 0; k < band.size(); ++k)
         if (field.distance[k] < kInfinity && band.inCore(NodeIndex(k)))
             REQUIRE(band.footPoint(NodeIndex(k)).z < kCenter.z() + up.z() / 2);
@@ -181,7 +181,7 @@ TEST_CASE("hard surfaces: seeds on either face of a plate thinner than a voxel")
             const Band band = bandOf(gridOf(box(middle, {20, 14, thickness / 2})));
             const Field field = march(band, {middle + Point(3.3, 1.2, side * thickness)});
             CHECK(field.reached == band.size());
-            checkResult("plate of " + std::to_string(thickness), band, field);
+            checkResult("plate of " + std::to_string(thickness), field);
         }
 }
 
@@ -189,13 +189,13 @@ TEST_CASE("hard surfaces: a gap of 1.5 voxels with sharp rims") {
     // At the rims the two edges, 1.5 voxels apart, look like one groove, and the front may cross.
     const Point half(15, 12, 2.5), up(0, 0, 6.5), seed = kCenter + Point(1.1, 2.3, 2.5);
     const Band band = bandOf(gridOf(box(kCenter, half), box(kCenter + up, half)));
-    checkResult("two sharp plates 1.5 voxels apart", band, march(band, {seed}));
+    checkResult("two sharp plates 1.5 voxels apart", march(band, {seed}));
 }
 
 TEST_CASE("hard surfaces: balls that overlap, touch or nearly do") {
     for (const double gap : {-0.3, 0.0, 0.5, 1.0}) {
         const Band band = bandOf(twoBalls(gap, 8));
-        checkResult("balls " + std::to_string(gap) + " apart", band, march(band, {kFarSide}));
+        checkResult("balls " + std::to_string(gap) + " apart", march(band, {kFarSide}));
     }
 }
 
@@ -203,7 +203,7 @@ TEST_CASE("hard surfaces: no distance is negative") {
     const Point half(12.3, 9.7, 14.2), aside(0.3, -0.2, 0.1);
     const auto negative = [](const openvdb::FloatGrid::Ptr& grid, const std::vector<Point>& seeds) {
         const Band band = bandOf(grid);
-        return checkField(band, march(band, seeds), Nodes::All).negative;
+        return checkField(march(band, seeds), Nodes::All).negative;
     };
     CHECK(negative(gridOf(box(kCenter, half)), {kCenter + half}) == 0);
     CHECK(negative(gridOf(torus(kCenter, 14, 6)), {kOnTorus, kOnTorus + Point(0.3, 0.1, 0)}) == 0);

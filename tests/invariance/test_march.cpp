@@ -25,9 +25,9 @@ TEST_CASE("two components never talk") {
         const Field a = march(alone, {seed}, order), b = march(both, {seed}, order);
         CHECK(b.reached == alone.size());
         CHECK(a.reached == alone.size());
-        CHECK(worstDifference(alone, a, both, b, [](const Ijk& v) { return v; }) == 0);
+        CHECK(worstDifference(a, b, [](const Ijk& v) { return v; }) == 0);
         const SurfacePoint other = nearestSurfacePoint(both, {28, 4, 3});
-        CHECK(sampleDistance(both, b, other.pIndex) == kInfinity);
+        CHECK(sampleDistance(b, other.pIndex) == kInfinity);
         CHECK(!b.stoppedEarly);
     }
 }
@@ -122,14 +122,13 @@ TEST_CASE("there is as far as back, within the scheme's error") {
                 const SurfacePoint p = nearestSurfacePoint(band, points[a]);
                 const SurfacePoint q = nearestSurfacePoint(band, points[b]);
                 const Field there = marchFrom(band, {p}, order), back = marchFrom(band, {q}, order);
-                const double d = sampleDistance(band, there, q.pIndex);
+                const double d = sampleDistance(there, q.pIndex);
                 CHECK(d > 5);
-                CHECK(std::abs(d - sampleDistance(band, back, p.pIndex)) < 2 *
-                                                                               (order == 1 ? 0.042
-                                                                                : order == 2
-                                                                                    ? 0.011
-                                                                                    : 0.001) *
-                                                                               there.maxDistance);
+                CHECK(std::abs(d - sampleDistance(back, p.pIndex)) < 2 *
+                                                                         (order == 1   ? 0.042
+                                                                          : order == 2 ? 0.011
+                                                                                       : 0.001) *
+                                                                         there.maxDistance);
             }
 }
 
@@ -194,8 +193,8 @@ TEST_CASE("values at points of a sheet thinner than two voxels are those of its 
     for (const int order : {kJet, 1, 2}) {
         const Field field = march(band, {from}, order);
         const SurfacePoint target = nearestSurfacePoint(band, to);
-        const double d = sampleDistance(band, field, target.pIndex);
-        const Path path = tracePath(band, field, surfaceGradient(band, field), target);
+        const double d = sampleDistance(field, target.pIndex);
+        const Path path = tracePath(field, target);
         INFO("order " << order << ": " << d << ", exact " << exact << ", path "
                       << path.weightedLength);
         // 4.2 % of the distance at order 1 (docs/method.md, 2), and half a voxel for the band,

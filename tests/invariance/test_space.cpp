@@ -30,8 +30,7 @@ TEST_CASE("turns by 90 degrees and reflections leave distances") {
             INFO("order " << order << ", axes " << turn.axis[0] << turn.axis[1] << turn.axis[2]
                           << ", signs " << turn.sign[0] << " " << turn.sign[1] << " "
                           << turn.sign[2]);
-            CHECK(worstDifference(band, field, turned, other, turn) <=
-                  roundingTolerance(field, order, 1e-5));
+            CHECK(worstDifference(field, other, turn) <= roundingTolerance(field, order, 1e-5));
         }
     }
 }
@@ -44,7 +43,7 @@ TEST_CASE("turns leave the default band and its distances") {
         CHECK(turned.h == band.h);
         const Vec3d seed = torusPoints()[2];
         const Field field = march(band, {seed}, order);
-        CHECK(worstDifference(band, field, turned, march(turned, {turn(seed)}, order), turn) <=
+        CHECK(worstDifference(field, march(turned, {turn(seed)}, order), turn) <=
               roundingTolerance(field, order, 1e-5));
     }
 }
@@ -58,8 +57,7 @@ TEST_CASE("units scaled by a power of two scale distances bitwise") {
         for (const double factor : {0x1p-10, 0.25, 2.0, 0x1p30}) {
             const Band other = bandOf(inUnits(*grid, factor), kH);
             CHECK(other.transform.dx == factor);
-            CHECK(worstDifference(band, field, other, march(other, torusPoints(), order), kSame) ==
-                  0);
+            CHECK(worstDifference(field, march(other, torusPoints(), order), kSame) == 0);
         }
     }
 }
@@ -85,7 +83,7 @@ TEST_CASE("units scaled by any factor leave distances in voxels") {
         const Field field = march(band, torusPoints(), order);
         for (const double factor : {0.01, 0.3, 7.7, 1e6}) {
             const Band other = bandOf(inUnits(*grid, factor), kH);
-            CHECK(worstDifference(band, field, other, march(other, torusPoints(), order), kSame) <=
+            CHECK(worstDifference(field, march(other, torusPoints(), order), kSame) <=
                   roundingTolerance(field, order, 1e-6));
         }
     }
@@ -102,8 +100,7 @@ TEST_CASE("a moved or turned transform leaves distances bitwise") {
             auto moved = grid->deepCopy();
             moved->setTransform(transform);
             const Band other = bandOf(moved, kH);
-            CHECK(worstDifference(band, field, other, march(other, torusPoints(), order), kSame) ==
-                  0);
+            CHECK(worstDifference(field, march(other, torusPoints(), order), kSame) == 0);
         }
     }
 }
@@ -118,7 +115,7 @@ TEST_CASE("index coordinates shifted by leaves leave distances bitwise") {
             const auto shift = [&](const Ijk& v) { return v + by; };
             const Band other = bandOf(mapVoxels(*grid, shift), kH);
             const Field moved = marchFrom(other, {shifted(seed, band, other, by)}, order);
-            CHECK(worstDifference(band, field, other, moved, shift) == 0);
+            CHECK(worstDifference(field, moved, shift) == 0);
         }
     }
 }
@@ -134,7 +131,7 @@ TEST_CASE("index coordinates shifted by any amount leave distances") {
             const auto shift = [&](const Ijk& v) { return v + by; };
             const Band other = bandOf(mapVoxels(*grid, shift), kH);
             const Field moved = marchFrom(other, {shifted(seed, band, other, by)}, order);
-            CHECK(worstDifference(band, field, other, moved, shift) <= 1e-5);
+            CHECK(worstDifference(field, moved, shift) <= 1e-5);
         }
     }
 }

@@ -5,6 +5,7 @@
 #include <support/catch.h>
 #include <support/march_cases.h>
 #include <support/openvdb.h>
+#include <support/pinned.h>
 #include <support/shapes.h>
 
 #include <algorithm>
@@ -15,10 +16,9 @@ namespace {
 
 constexpr double kH = 2.5;
 
-struct Everything {
+struct Everything : Pinned {
     Band band;
     Field field;
-    std::vector<Vec3f> gradient;
     std::vector<Path> paths;
 
     explicit Everything(int threads, int order) {
@@ -26,12 +26,11 @@ struct Everything {
         CHECK(ThreadLimit::current() == threads);
         band = bandOf(torusGrid(), kH);
         field = march(band, {torusPoints()[0]}, order);
-        gradient = surfaceGradient(band, field);
         std::vector<SurfacePoint> targets;
         for (const Vec3d& p : torusPoints()) targets.push_back(nearestSurfacePoint(band, p));
         // Far away: the search over all nodes.
         targets.push_back(nearestSurfacePoint(band, {500, -200, 300}));
-        paths = tracePaths(band, field, gradient, targets);
+        paths = tracePaths(field, targets);
     }
 };
 
@@ -109,7 +108,7 @@ TEST_CASE("one thread and several give the same bits") {
             CHECK(many.band.facing == one.band.facing);
             CHECK(many.band.offset == one.band.offset);
             CHECK(many.field.distance == one.field.distance);
-            CHECK(many.gradient == one.gradient);
+            CHECK(many.field.gradient == one.field.gradient);
             REQUIRE(many.paths.size() == one.paths.size());
             for (std::size_t k = 0; k < one.paths.size(); ++k) {
                 const auto &a = one.paths[k].vertices, &b = many.paths[k].vertices;
@@ -156,7 +155,6 @@ TEST_CASE("a march that stops at its targets agrees with the full one") {
         GodunovOptions options;
         options.order = order;
         const Field full = marchGodunov(band, {}, {seed}, options);
-        const auto fullGradient = surfaceGradient(band, full);
         for (const Vec3d& p : {torusPoints()[1], torusPoints()[2]}) {
             const SurfacePoint target = nearestSurfacePoint(band, p);
             options.stopAt = {target};
@@ -166,8 +164,8 @@ TEST_CASE("a march that stops at its targets agrees with the full one") {
             for (std::size_t k = 0; k < band.size(); ++k)
                 if (part.distance[k] < kInfinity) REQUIRE(part.distance[k] == full.distance[k]);
             // The path is that of the full march, bit by bit.
-            const Path a = tracePath(band, full, fullGradient, target);
-            const Path b = tracePath(band, part, surfaceGradient(band, part), target);
+            const Path a = tracePath(full, target);
+            const Path b = tracePath(part, target);
             CHECK(a.distance == b.distance);
             CHECK(a.weightedLength == b.weightedLength);
             CHECK(a.vertices.size() == b.vertices.size());

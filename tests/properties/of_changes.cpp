@@ -75,13 +75,13 @@ double transformMoved(const RandomCase& c) {
 }
 
 /// |a - b| at the marched nodes that both have.
-double worstBetween(const RandomCase& c, const Field& a, const Band& other, const Field& b,
-                    const Turn& turn) {
+double worstBetween(const Field& a, const Field& b, const Turn& turn) {
+    const Band &band = *a.band, &other = *b.band;
     double worst = 0;
-    for (NodeIndex i = 0; i < c.band.size(); ++i) {
-        const NodeIndex j = other.nodeAt(turn(c.band.ijk(i)));
+    for (NodeIndex i = 0; i < band.size(); ++i) {
+        const NodeIndex j = other.nodeAt(turn(band.ijk(i)));
         // psi is rounded anew, and may come to lie on the other side of h or of the core's edge.
-        if (j == kNoNode || !c.band.inCore(i) || !other.inCore(j)) continue;
+        if (j == kNoNode || !band.inCore(i) || !other.inCore(j)) continue;
         if (a.distance[i] == b.distance[j]) continue;
         worst = std::max(worst, std::abs(a.distance[i] - b.distance[j]));
     }
@@ -102,7 +102,7 @@ double unitsOfAnySize(const RandomCase& c) {
     const double factor = std::pow(10.0, random.between(-2, 3));
     const Band band = bandOf(checkedLevelSet(inUnits(*c.levelSet.psi, factor)));
     const Field field = marchJet(band, {}, turned(c, band, {}));
-    return worstBetween(c, c.all, band, field, {});
+    return worstBetween(c.all, field, {});
 }
 
 double axesTurned(const RandomCase& c) {
@@ -111,7 +111,7 @@ double axesTurned(const RandomCase& c) {
     const Band band = bandOf(checkedLevelSet(mapVoxels(*c.levelSet.psi, turn)));
     if (band.size() != c.band.size()) return kInfinity;
     const Field field = marchJet(band, {}, turned(c, band, turn));
-    return worstBetween(c, c.all, band, field, turn);
+    return worstBetween(c.all, field, turn);
 }
 double axesTurnedGodunov(const RandomCase& c) {
     Random random = c.random(kTurn);
@@ -119,18 +119,18 @@ double axesTurnedGodunov(const RandomCase& c) {
     const Band band = bandOf(checkedLevelSet(mapVoxels(*c.levelSet.psi, turn)));
     if (band.size() != c.band.size()) return kInfinity;
     const Field field = godunov(band, turned(c, band, turn));
-    return worstBetween(c, c.allGodunov, band, field, turn) / c.allGodunov.maxDistance;
+    return worstBetween(c.allGodunov, field, turn) / c.allGodunov.maxDistance;
 }
 
 double threads(const RandomCase& c) {
-    const auto targets = spreadPoints(c.band, c.all, 12);
+    const auto targets = spreadPoints(c.all, 12);
     std::vector<Path> paths;
     double count = 0;
     for (const int number : {1, 2, 3}) {
         const ThreadLimit limit(number);
         const Band band = bandOf(c.levelSet);
         const Field field = marchJet(band, {}, c.seeds);
-        const auto traced = tracePaths(band, field, field.gradient, targets);
+        const auto traced = tracePaths(field, targets);
         if (number == 1) paths = traced;
         count +=
             unequalBands(band, c.band) + unequalFields(field, c.all) + unequalPaths(traced, paths);
@@ -187,7 +187,7 @@ double weightsBack(const RandomCase& c) {
     const MetricPtr metric = randomWeights(c);
     const SurfacePoint &a = c.seeds[0], &b = c.seeds[1];
     const auto far = [&](const SurfacePoint& from, const SurfacePoint& to) {
-        return sampleDistance(c.band, marchJet(c.band, metric, {from}), to.pIndex,
+        return sampleDistance(marchJet(c.band, metric, {from}), to.pIndex,
                               Vec3d(c.band.normal[to.node]));
     };
     return std::abs(far(a, b) - far(b, a));

@@ -57,8 +57,7 @@ double detour(const RandomCase& c) {
 
 double between(const RandomCase& c, const std::vector<Field>& fields, std::size_t from,
                std::size_t to) {
-    return sampleDistance(c.band, fields[from], c.seeds[to].pIndex,
-                          Vec3d(c.band.normal[c.seeds[to].node]));
+    return sampleDistance(fields[from], c.seeds[to].pIndex, Vec3d(c.band.normal[c.seeds[to].node]));
 }
 
 double symmetry(const RandomCase& c, const std::vector<Field>& fields) {
@@ -112,8 +111,8 @@ template <typename Misfit>
 double worstPath(const RandomCase& c, const Misfit& misfit) {
     double worst = 0;
     for (const Field* field : {&c.single[0], &c.all}) {
-        const auto targets = spreadPoints(c.band, *field, 12);
-        for (const Path& path : tracePaths(c.band, *field, field->gradient, targets))
+        const auto targets = spreadPoints(*field, 12);
+        for (const Path& path : tracePaths(*field, targets))
             if (path.status == PathStatus::Reached) worst = std::max(worst, misfit(path, *field));
     }
     return worst;
@@ -132,7 +131,7 @@ double pathsLength(const RandomCase& c) {
 double pathsStraightened(const RandomCase& c) {
     return worstPath(c, [&](Path path, const Field& field) {
         const double before = path.weightedLength;
-        straighten(c.band, field, path);
+        straighten(field, path);
         return path.weightedLength - before;
     });
 }
@@ -140,7 +139,7 @@ double pathsShortest(const RandomCase& c) {
     // straighten.h: on a tube of R voxels lengths are 1 / (6 R^2) short.
     constexpr double kShort = 1 / (6 * kLeastRadius * kLeastRadius);
     return worstPath(c, [&](Path path, const Field& field) {
-        straighten(c.band, field, path);
+        straighten(field, path);
         return path.distance * (1 - kShort) - path.weightedLength;
     });
 }

@@ -68,9 +68,9 @@ RandomCase::RandomCase(unsigned aNumber)
     all = marchJet(band, {}, seeds);
     allGodunov = marchGodunov(band, {}, seeds, first);
     for (const Field* field : fields()) {
-        marched.keepWorst(checkField(band, *field, Nodes::Marched));
-        everywhere.keepWorst(checkField(band, *field, Nodes::All));
-        paths.keepWorst(checkPaths(band, *field));
+        marched.keepWorst(checkField(*field, Nodes::Marched));
+        everywhere.keepWorst(checkField(*field, Nodes::All));
+        paths.keepWorst(checkPaths(*field));
     }
 }
 

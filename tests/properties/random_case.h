@@ -4,6 +4,7 @@
 #include <igeo/march/field.h>
 #include <igeo/surface/level_set.h>
 #include <support/field_checks.h>
+#include <support/pinned.h>
 #include <support/random_surface.h>
 
 #include <vector>
@@ -13,7 +14,7 @@ namespace igeo::test {
 /// Everything follows from the number, on every platform: even ones have creases where parts meet
 /// (boxes have sharp edges in either kind). About 40 to 70 voxels across, anywhere in the world, in
 /// units of any size.
-struct RandomCase {
+struct RandomCase : Pinned {
     explicit RandomCase(unsigned number);
 
     unsigned number;

@@ -85,22 +85,21 @@ LevelSet levelSetOf(unsigned number) {
     return checkedLevelSet(randomLevelSet(1 + number % 8, number % 2 ? 5 : 0, *transform));
 }
 
-void traceAll(const Band& band, const Field& field) {
-    const auto targets = spreadPoints(band, field, 8);
-    for (Path& path : tracePaths(band, field, surfaceGradient(band, field), targets))
-        straighten(band, field, path);
+void traceAll(const Field& field) {
+    const auto targets = spreadPoints(field, 8);
+    for (Path& path : tracePaths(field, targets)) straighten(field, path);
 }
 
 void volumeRun(unsigned number, const TempDir& folder) {
     const LevelSet s = levelSetOf(number);
     const Band band = bandFromLevelSet(s, std::sqrt(3.0));
     const Field field = marchJet(band, {}, {nearestSurfacePoint(band, {30, 20, 10})});
-    traceAll(band, field);
+    traceAll(field);
     const std::string file = folder / "distance.vdb";
-    writeVdb(file, {distanceGrid(band, field, s.psi->transform(), "psi_geodesic")});
+    writeVdb(file, {distanceGrid(field, s.psi->transform(), "psi_geodesic")});
     require(readScalarGrid({file, {}}).grid->activeVoxelCount() == field.reached,
             "what is written comes back");
-    require(!surfaceMesh(s, band, field).triangles.empty(), "a mesh comes out");
+    require(!surfaceMesh(s, field).triangles.empty(), "a mesh comes out");
 }
 
 void godunovRun(unsigned number, const TempDir&) {
@@ -109,7 +108,7 @@ void godunovRun(unsigned number, const TempDir&) {
     metric->weight.assign(band.size(), 1.0f + float(number % 3));
     GodunovOptions options;
     options.order = 1 + int(number % 2);
-    traceAll(band, marchGodunov(band, metric, {nearestSurfacePoint(band, {30, 20, 10})}, options));
+    traceAll(marchGodunov(band, metric, {nearestSurfacePoint(band, {30, 20, 10})}, options));
 }
 
 void meshRun(unsigned number, const TempDir& folder) {
@@ -117,7 +116,7 @@ void meshRun(unsigned number, const TempDir& folder) {
     const std::string file = folder / (std::string("ball.") + kEndings[number % 4]);
     writeMesh(sphereMesh({1, 2, 3}, 10, 2 + int(number % 2)), file);
     const Band band = bandFromMesh(readMesh(file), 1, std::sqrt(3.0));
-    traceAll(band, marchJet(band, {}, {nearestSurfacePoint(band, {30, 20, 10})}));
+    traceAll(marchJet(band, {}, {nearestSurfacePoint(band, {30, 20, 10})}));
 }
 
 void cloudRun(unsigned number, const TempDir&) {
@@ -126,7 +125,7 @@ void cloudRun(unsigned number, const TempDir&) {
     options.normals = number % 2;
     const PointSurface surface(sphereCloud(1500, 10, {}, options));
     const Band band = bandFromPoints(surface, PointBandKind::Fits, 0.5, std::sqrt(3.0));
-    traceAll(band, marchJet(band, {}, {nearestSurfacePoint(band, {30, 20, 10})}));
+    traceAll(marchJet(band, {}, {nearestSurfacePoint(band, {30, 20, 10})}));
 }
 
 void refusedRun(unsigned number, const TempDir& folder) {

@@ -8,8 +8,9 @@
 
 namespace igeo::test {
 
-Errors errorsOnSurface(const Band& band, const Field& field, const ExactDistance& exact,
-                       std::size_t stride) {
+Errors errorsOnSurface(const Distance& distance, const ExactDistance& exact, std::size_t stride) {
+    const Band& band = distance.band();
+    const Field& field = distance.field();
     std::vector<NodeIndex> near;
     for (std::size_t i = 0; i < band.size(); ++i)
         if (std::abs(band.psi[i]) < 1) near.push_back(NodeIndex(i));
@@ -20,7 +21,7 @@ Errors errorsOnSurface(const Band& band, const Field& field, const ExactDistance
             const Vec3d foot = band.footPoint(near[k * stride]);
             // A jet's value is that of the foot point; a voxel's has to be interpolated there.
             computed[k] =
-                band.transform.dx * (!field.atFootPoints ? sampleDistance(band, field, foot)
+                band.transform.dx * (!field.atFootPoints ? sampleDistance(field, foot)
                                                          : field.distance[near[k * stride]]);
             expected[k] = exact(worldOf(band, foot));
         }
@@ -48,10 +49,6 @@ Errors errorsOnSurface(const Band& band, const Field& field, const ExactDistance
     e.max = percent * sizes.back();
     e.p99 = percent * sizes[std::size_t(0.99 * double(sizes.size() - 1))];
     return e;
-}
-
-Errors errorsOnSurface(const Distance& distance, const ExactDistance& exact, std::size_t stride) {
-    return errorsOnSurface(distance.band(), distance.field(), exact, stride);
 }
 
 double fittedRate(const std::vector<double>& dx, const std::vector<double>& error) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <igeo/distance.h>
-#include <igeo/march/field.h>
 #include <igeo/surface/level_set.h>
 #include <openvdb/openvdb.h>
 
@@ -22,10 +21,6 @@ struct Errors {
 
 /// Compares d with `exact` at the foot points of band voxels with |psi| < 1 voxel.
 /// @param stride takes every stride-th of them, for slow oracles
-Errors errorsOnSurface(const Band& band, const Field& field, const ExactDistance& exact,
-                       std::size_t stride = 1);
-
-/// The same for what a solver found.
 Errors errorsOnSurface(const Distance& distance, const ExactDistance& exact,
                        std::size_t stride = 1);
 

@@ -9,7 +9,8 @@ namespace igeo::test {
 namespace {
 
 /// Marched nodes that touch, one by one, from a seed on, and the nodes of the band next to them.
-std::vector<bool> connectedWithSeeds(const Band& band, const Field& field) {
+std::vector<bool> connectedWithSeeds(const Field& field) {
+    const Band& band = *field.band;
     std::vector<bool> connected(band.size());
     std::vector<NodeIndex> front;
     for (const SurfacePoint& s : field.seeds) front.push_back(s.node);
@@ -28,7 +29,8 @@ std::vector<bool> connectedWithSeeds(const Band& band, const Field& field) {
     return connected;
 }
 
-bool isStuck(const Band& band, const Field& field, NodeIndex i) {
+bool isStuck(const Field& field, NodeIndex i) {
+    const Band& band = *field.band;
     for (const SurfacePoint& s : field.seeds)
         if (length(band.footPoint(i) - s.pIndex) <= field.startRadius) return false;
     bool lower = false;
@@ -64,9 +66,10 @@ void PathChecks::keepWorst(const PathChecks& other) {
     rise = std::max(rise, other.rise);
 }
 
-FieldChecks checkField(const Band& band, const Field& field, Nodes nodes) {
+FieldChecks checkField(const Field& field, Nodes nodes) {
+    const Band& band = *field.band;
     FieldChecks c;
-    const std::vector<bool> connected = connectedWithSeeds(band, field);
+    const std::vector<bool> connected = connectedWithSeeds(field);
     const auto counts = [&](NodeIndex i) {
         if (nodes == Nodes::Marched && !band.inCore(i)) return false;
         const PsiSample foot = samplePsi(band, band.footPoint(i));
@@ -78,7 +81,7 @@ FieldChecks checkField(const Band& band, const Field& field, Nodes nodes) {
         c.notNumbers += std::isnan(d) || !(length(field.gradient[i]) < 1.001f);
         c.missed += band.inCore(i) && connected[i] && !(d < kInfinity);
         c.negative += d < 0 && (nodes == Nodes::All || band.inCore(i));
-        c.stuck += d < kInfinity && band.inCore(i) && isStuck(band, field, i);
+        c.stuck += d < kInfinity && band.inCore(i) && isStuck(field, i);
         if (!counts(i)) continue;
         double straight = kInfinity;
         for (const SurfacePoint& s : field.seeds)
@@ -95,7 +98,8 @@ FieldChecks checkField(const Band& band, const Field& field, Nodes nodes) {
     return c;
 }
 
-std::vector<SurfacePoint> spreadPoints(const Band& band, const Field& field, std::size_t count) {
+std::vector<SurfacePoint> spreadPoints(const Field& field, std::size_t count) {
+    const Band& band = *field.band;
     std::vector<NodeIndex> reached;
     for (std::size_t k = 0; k < band.size(); ++k)
         // Of other nodes some have a foot point in a gap between two sheets.
@@ -109,10 +113,9 @@ std::vector<SurfacePoint> spreadPoints(const Band& band, const Field& field, std
     return points;
 }
 
-PathChecks checkPaths(const Band& band, const Field& field) {
+PathChecks checkPaths(const Field& field) {
     PathChecks c;
-    const auto gradient = surfaceGradient(band, field);
-    for (const Path& path : tracePaths(band, field, gradient, spreadPoints(band, field, 40))) {
+    for (const Path& path : tracePaths(field, spreadPoints(field, 40))) {
         ++c.traced;
         c.lost += path.status != PathStatus::Reached;
         double least = path.distance;

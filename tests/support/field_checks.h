@@ -29,7 +29,7 @@ double wayBetween(const Band& band, NodeIndex i, NodeIndex j);
 
 /// Of a field of jet whose seeds start at 0. Foot points that are more than 0.1 voxels off S are no
 /// points to have a distance, and left out of `shortcut` and `jump`.
-FieldChecks checkField(const Band& band, const Field& field, Nodes nodes);
+FieldChecks checkField(const Field& field, Nodes nodes);
 
 struct PathChecks {
     std::size_t traced = 0, lost = 0;  ///< lost: not Reached
@@ -38,9 +38,9 @@ struct PathChecks {
     void keepWorst(const PathChecks& other);
 };
 /// Paths from some 40 points spread over what is reached.
-PathChecks checkPaths(const Band& band, const Field& field);
+PathChecks checkPaths(const Field& field);
 
 /// Points of S spread over what is reached, in the order of the nodes.
-std::vector<SurfacePoint> spreadPoints(const Band& band, const Field& field, std::size_t count);
+std::vector<SurfacePoint> spreadPoints(const Field& field, std::size_t count);
 
 }  // namespace igeo::test

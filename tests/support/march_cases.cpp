@@ -95,13 +95,13 @@ openvdb::FloatGrid::Ptr inUnits(const openvdb::FloatGrid& grid, double factor) {
     return result;
 }
 
-double worstDifference(const Band& bandA, const Field& a, const Band& bandB, const Field& b,
-                       const std::function<Ijk(const Ijk&)>& map, double scale) {
+double worstDifference(const Field& a, const Field& b, const std::function<Ijk(const Ijk&)>& map,
+                       double scale) {
     if (a.reached != b.reached) return kInfinity;
     double worst = 0;
-    for (std::size_t k = 0; k < bandA.size(); ++k) {
+    for (std::size_t k = 0; k < a.distance.size(); ++k) {
         const double dA = a.distance[k] / scale;
-        const NodeIndex j = bandB.nodeAt(map(bandA.ijk(NodeIndex(k))));
+        const NodeIndex j = b.band->nodeAt(map(a.band->ijk(NodeIndex(k))));
         if (j == kNoNode) return kInfinity;
         if (dA == b.distance[j]) continue;
         worst = std::max(worst, std::abs(dA - b.distance[j]));

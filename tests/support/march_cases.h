@@ -63,8 +63,8 @@ openvdb::FloatGrid::Ptr inUnits(const openvdb::FloatGrid& grid, double factor);
 
 /// Largest |a(ijk) / scale - b(map(ijk))| over the nodes of `a`, as a share of the largest distance
 /// of `b`; 0 means equal bits. Infinity where one has a node or a distance and the other has not.
-double worstDifference(const Band& bandA, const Field& a, const Band& bandB, const Field& b,
-                       const std::function<Ijk(const Ijk&)>& map, double scale = 1);
+double worstDifference(const Field& a, const Field& b, const std::function<Ijk(const Ijk&)>& map,
+                       double scale = 1);
 
 /// The same where both bands have the same nodes.
 double worstDifference(const Field& a, const Field& b);

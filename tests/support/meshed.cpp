@@ -12,16 +12,18 @@ namespace igeo::test {
 
 openvdb::Vec3d Meshed::world(const Vec3d& pIndex) const { return worldOf(band, pIndex); }
 
+Meshed::Meshed(const openvdb::FloatGrid::Ptr& grid, const std::vector<openvdb::Vec3d>& seeds,
+               const JetOptions& options)
+    : levelSet(checkedLevelSet(grid)), band(bandFromLevelSet(levelSet, std::sqrt(3.0))) {
+    std::vector<SurfacePoint> points;
+    for (const auto& seed : seeds) points.push_back(pointOn(band, seed));
+    field = marchJet(band, {}, points, options);
+    mesh = surfaceMesh(levelSet, field);
+}
+
 Meshed meshed(const openvdb::FloatGrid::Ptr& grid, const std::vector<openvdb::Vec3d>& seeds,
               const JetOptions& options) {
-    Meshed m;
-    m.levelSet = checkedLevelSet(grid);
-    m.band = bandFromLevelSet(m.levelSet, std::sqrt(3.0));
-    std::vector<SurfacePoint> points;
-    for (const auto& seed : seeds) points.push_back(pointOn(m.band, seed));
-    m.field = marchJet(m.band, {}, points, options);
-    m.mesh = surfaceMesh(m.levelSet, m.band, m.field);
-    return m;
+    return {grid, seeds, options};
 }
 
 Meshed meshed(const Shape& shape, const openvdb::math::Transform& transform,

@@ -4,6 +4,7 @@
 #include <igeo/march/jet.h>
 #include <igeo/results/surface_mesh.h>
 #include <igeo/surface/level_set.h>
+#include <support/pinned.h>
 #include <support/shapes.h>
 
 #include <functional>
@@ -13,11 +14,14 @@
 
 namespace igeo::test {
 
-struct Meshed {
+struct Meshed : Pinned {
     LevelSet levelSet;
     Band band;
     Field field;
     SurfaceMesh mesh;
+
+    Meshed(const openvdb::FloatGrid::Ptr& grid, const std::vector<openvdb::Vec3d>& seeds,
+           const JetOptions& options);
 
     /// World position.
     openvdb::Vec3d world(const Vec3d& pIndex) const;

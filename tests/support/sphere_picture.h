@@ -6,6 +6,7 @@
 #include <igeo/surface/level_set_band.h>
 #include <png.h>
 #include <support/openvdb.h>
+#include <support/pinned.h>
 #include <support/shapes.h>
 
 #include <cmath>
@@ -51,7 +52,7 @@ struct Image {
 };
 
 /// A sphere with the exact distances from one of its points.
-struct SpherePicture {
+struct SpherePicture : Pinned {
     Vec3d center;
     double radius;
     LevelSet levelSet;
@@ -68,6 +69,7 @@ struct SpherePicture {
         levelSet = checkLevelSet(std::move(loaded));
         band = bandFromLevelSet(levelSet, 2);
         SurfacePoint seed = nearestSurfacePoint(band, index(pointAt(toSeed)));
+        field.band = &band;
         field.seeds = {seed};
         field.startRadius = 2;
         const Vec3d s = world(seed.pIndex);
@@ -96,7 +98,7 @@ struct SpherePicture {
     }
 
     std::string render(const PictureOptions& options, const std::vector<Path>& paths = {}) const {
-        return renderPng(levelSet, band, field, paths, options);
+        return renderPng(levelSet, field, paths, options);
     }
     /// Options for an eye in front, at distance 6, that sees nothing but the plain surface.
     PictureOptions plain() const {

@@ -30,7 +30,7 @@ openvdb::FloatGrid::Ptr distanceOf(RunResult& r, const std::string& name) {
     grid->insertMeta("geodesic_unreached",
                      openvdb::Int64Metadata(std::int64_t(band.size() - field.reached)));
     grid->insertMeta("geodesic_weight", openvdb::StringMetadata(weight.empty() ? "1" : weight));
-    if (r.options.extend) igeo::extendDistance(*grid, r.levelSet(), band, field, r.progress);
+    if (r.options.extend) igeo::extendDistance(*grid, r.levelSet(), field, r.progress);
     return grid;
 }
 
@@ -47,14 +47,13 @@ public:
         const igeo::Band& band = r_.band();
         const igeo::Field& field = r_.field();
         const openvdb::math::Transform& t = *placed_;
-        if (asked(Grid::Gradient))
-            add(igeo::gradientGrid(band, field, field.gradient, t, distance_ + "_gradient"));
-        if (asked(Grid::Label)) add(igeo::labelGrid(band, field, t, surface_ + "_label"));
+        if (asked(Grid::Gradient)) add(igeo::gradientGrid(field, t, distance_ + "_gradient"));
+        if (asked(Grid::Label)) add(igeo::labelGrid(field, t, surface_ + "_label"));
         if (asked(Grid::Color))
-            add(igeo::colorGrid(band, field, igeo::ColorMap(colorMapOf(r_.options)), t,
+            add(igeo::colorGrid(field, igeo::ColorMap(colorMapOf(r_.options)), t,
                                 distance_ + "_color"));
         if (asked(Grid::LogMap))
-            add(igeo::logMapGrid(band, igeo::logMap(band, field, {}, r_.progress), t,
+            add(igeo::logMapGrid(band, igeo::logMap(field, {}, r_.progress), t,
                                  surface_ + "_logmap"));
         if (asked(Grid::Weight))
             add(igeo::weightGrid(band, *field.metric, t, surface_ + "_weight"));
@@ -86,7 +85,7 @@ private:
 void writeVolume(RunResult& r, const std::string& file) {
     // Areas and boundaries of the cells of the seeds, for the report.
     if (r.options.asked(Grid::Label))
-        r.report.cells = igeo::voronoiCells(r.band(), r.field(), r.mesh(), r.progress);
+        r.report.cells = igeo::voronoiCells(r.field(), r.mesh(), r.progress);
     r.progress.update("grids", 0);
     const std::string name =
         r.options.name.empty() ? r.distance.surface().gridName() + "_geodesic" : r.options.name;

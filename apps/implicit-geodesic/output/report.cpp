@@ -39,18 +39,19 @@ json seedJson(const Band& band, const SurfacePoint& p, std::size_t index) {
 }
 
 /// The seed at which a path ends; of a curve or region the point where it does.
-json seedOf(const Path& path, const Band& band, const Field& field) {
+json seedOf(const Path& path, const Field& field) {
     SurfacePoint seed = field.seeds[path.seed];
     const bool several = path.seed + 1 < field.seeds.size() && field.seeds[path.seed + 1].joined;
     if (seed.joined || several) {
         seed.askedIndex = seed.pIndex = path.vertices.back().pIndex;
         seed.snapDistance = 0;
     }
-    return seedJson(band, seed, field.source[path.seed]);
+    return seedJson(*field.band, seed, field.source[path.seed]);
 }
 
 /// Sources: points one by one, curves and regions as what they are made of.
-json seedsJson(const RunReport& r, const Band& band, const Field& field) {
+json seedsJson(const RunReport& r, const Field& field) {
+    const Band& band = *field.band;
     json all = json::array();
     for (std::size_t k = 0; k < field.seeds.size(); ++k) {
         const std::size_t source = field.source[k];
@@ -100,7 +101,8 @@ const char* nameOf(SurfaceFacts::Kind kind) {
     return "volume";
 }
 
-json parametersJson(const RunReport& r, const Band& band, const Field& field) {
+json parametersJson(const RunReport& r, const Field& field) {
+    const Band& band = *field.band;
     const double dx = band.transform.dx;
     return {{"scheme", field.scheme}, {"band", band.h * dx},
             {"bandVoxels", band.h},   {"startRadius", field.startRadius * dx},
@@ -127,13 +129,14 @@ json verticesJson(const Path& path, const Band& band) {
     return {{"position", positions}, {"arcLength", arcLengths}, {"distance", distances}};
 }
 
-json pathJson(const Path& path, const Band& band, const Field& field) {
+json pathJson(const Path& path, const Field& field) {
+    const Band& band = *field.band;
     const double dx = band.transform.dx;
     json j;
     j["status"] = toString(path.status);
     j["target"] = pointJson(band, path.target);
     const bool reached = path.status == PathStatus::Reached;
-    j["seed"] = reached ? seedOf(path, band, field) : json(nullptr);
+    j["seed"] = reached ? seedOf(path, field) : json(nullptr);
     j["weightedLength"] = path.vertices.empty() ? json(nullptr) : json(path.weightedLength * dx);
     j["length"] = path.vertices.empty() ? json(nullptr) : json(path.length * dx);
     j["distance"] = finiteOrNull(path.distance * dx);
@@ -150,13 +153,14 @@ json walkJson(const Path& walk, const Band& band) {
 
 }  // namespace
 
-std::string geodesicsJson(const RunReport& r, const Band& band, const Field& field) {
+std::string geodesicsJson(const RunReport& r, const Field& field) {
+    const Band& band = *field.band;
     json j = header("geodesics");
     j["surface"] = surfaceJson(r, band);
-    j["parameters"] = parametersJson(r, band, field);
+    j["parameters"] = parametersJson(r, field);
     j["metric"] = metricJson(r, field);
     j["paths"] = json::array();
-    for (const Path& path : r.paths) j["paths"].push_back(pathJson(path, band, field));
+    for (const Path& path : r.paths) j["paths"].push_back(pathJson(path, field));
     if (!r.walks.empty()) j["walks"] = json::array();
     for (const Path& walk : r.walks) j["walks"].push_back(walkJson(walk, band));
     return dump(j, -1);
@@ -173,12 +177,13 @@ std::string pairsJson(const RunReport& r, const Band& band) {
     return dump(j, -1);
 }
 
-std::string isolinesJson(const RunReport& r, const Band& band, const Field& field,
+std::string isolinesJson(const RunReport& r, const Field& field,
                          const std::vector<Isoline>& lines) {
+    const Band& band = *field.band;
     const double dx = band.transform.dx;
     json j = header("isolines");
     j["surface"] = surfaceJson(r, band);
-    j["parameters"] = parametersJson(r, band, field);
+    j["parameters"] = parametersJson(r, field);
     j["isolines"] = json::array();
     for (const Isoline& line : lines) {
         json points = json::array();
@@ -192,7 +197,8 @@ std::string isolinesJson(const RunReport& r, const Band& band, const Field& fiel
     return dump(j, -1);
 }
 
-std::string reportJson(const RunReport& r, const Band& band, const Field& field) {
+std::string reportJson(const RunReport& r, const Field& field) {
+    const Band& band = *field.band;
     const double dx = band.transform.dx;
     json j = header("report");
     j["surface"] = surfaceJson(r, band);
@@ -202,7 +208,7 @@ std::string reportJson(const RunReport& r, const Band& band, const Field& field)
     j["surface"]["activeVoxels"] = s.activeVoxels ? json(s.activeVoxels) : json(nullptr);
     j["surface"]["halfWidthVoxels"] = s.halfWidth > 0 ? s.halfWidth : band.h;
     j["surface"]["largestCurvature"] = finiteOrNull(s.largestCurvature / dx);
-    j["parameters"] = parametersJson(r, band, field);
+    j["parameters"] = parametersJson(r, field);
     j["parameters"]["bandBoundsVoxels"] = {r.width.lower, r.width.upper};
     j["parameters"]["threads"] = r.threads;
     j["metric"] = metricJson(r, field);
@@ -217,13 +223,13 @@ std::string reportJson(const RunReport& r, const Band& band, const Field& field)
                      {"meanRelativeError", a.samples ? json(a.meanError) : json(nullptr)},
                      {"largestRelativeError", a.samples ? json(a.largestError) : json(nullptr)},
                      {"fallbackShare", a.fallbackShare}};
-    j["seeds"] = seedsJson(r, band, field);
+    j["seeds"] = seedsJson(r, field);
     if (r.cells)
         j["cells"] = {{"area", r.cells->area * dx * dx},
                       {"unreachedArea", r.cells->unreachedArea * dx * dx}};
     j["targets"] = json::array();
     for (const Path& path : r.paths) {
-        json t = pathJson(path, band, field);
+        json t = pathJson(path, field);
         t.erase("vertices");
         j["targets"].push_back(t);
     }

@@ -42,15 +42,14 @@ struct RunReport {
 };
 
 /// docs/geodesics.schema.json. A field without seeds has walks only.
-std::string geodesicsJson(const RunReport& report, const igeo::Band& band,
-                          const igeo::Field& field);
+std::string geodesicsJson(const RunReport& report, const igeo::Field& field);
 
 /// docs/isolines.schema.json.
-std::string isolinesJson(const RunReport& report, const igeo::Band& band, const igeo::Field& field,
+std::string isolinesJson(const RunReport& report, const igeo::Field& field,
                          const std::vector<igeo::Isoline>& lines);
 
 /// docs/report.schema.json.
-std::string reportJson(const RunReport& report, const igeo::Band& band, const igeo::Field& field);
+std::string reportJson(const RunReport& report, const igeo::Field& field);
 
 /// docs/matrix.schema.json. Of the report, it takes the names of the surface.
 std::string matrixJson(const RunReport& report, const igeo::Band& band,

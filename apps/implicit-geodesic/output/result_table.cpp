@@ -16,7 +16,7 @@ namespace {
 
 void writePaths(RunResult& r, const std::string& file) {
     writeDocument(file, endingOf(file) == ".obj" ? geodesicsObj(r.lines(), r.band())
-                                                 : geodesicsJson(r.report, r.band(), r.field()));
+                                                 : geodesicsJson(r.report, r.field()));
 }
 
 void writeMesh(RunResult& r, const std::string& file) {
@@ -30,10 +30,9 @@ void writeMesh(RunResult& r, const std::string& file) {
 void writeIsolines(RunResult& r, const std::string& file) {
     const std::string ending = endingOf(file);
     const igeo::Similarity& transform = r.band().transform;
-    writeDocument(file, ending == ".obj" ? igeo::isolinesObj(r.isolines(), transform)
-                        : ending == ".ply"
-                            ? igeo::isolinesPly(r.isolines(), transform)
-                            : isolinesJson(r.report, r.band(), r.field(), r.isolines()));
+    writeDocument(file, ending == ".obj"   ? igeo::isolinesObj(r.isolines(), transform)
+                        : ending == ".ply" ? igeo::isolinesPly(r.isolines(), transform)
+                                           : isolinesJson(r.report, r.field(), r.isolines()));
 }
 
 void writeMatrix(RunResult& r, const std::string& file) {
@@ -65,8 +64,7 @@ void writePicture(RunResult& r, const std::string& file) {
     picture.colorMap = colorMapOf(o);
     if (o.spacing > 0) picture.isolineSpacing = o.spacing;
     if (o.levels > 0) picture.isolineSpacing = r.distance.largest() / (o.levels + 1);
-    writeDocument(
-        file, igeo::renderPng(r.levelSet(), r.band(), r.field(), r.lines(), picture, r.progress));
+    writeDocument(file, igeo::renderPng(r.levelSet(), r.field(), r.lines(), picture, r.progress));
 }
 
 std::string pairsFile(const RunOptions& o) {

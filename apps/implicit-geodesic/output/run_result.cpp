@@ -18,7 +18,7 @@ const std::vector<igeo::Isoline>& RunResult::isolines() {
         levels = igeo::levelsBySpacing(
             field(),
             (options.spacing > 0 ? options.spacing : igeo::roundSpacing(largest * dx, 16)) / dx);
-    madeIsolines = igeo::isolines(band(), field(), mesh(), levels, progress);
+    madeIsolines = igeo::isolines(field(), mesh(), levels, progress);
     return *madeIsolines;
 }
 

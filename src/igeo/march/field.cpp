@@ -38,7 +38,8 @@ void Field::summarize() {
 namespace {
 
 /// Difference along one axis over reached neighbors that no obstacle hides; 0 where there is none.
-double axisDifference(const Band& band, const Field& field, NodeIndex i, int axis) {
+double axisDifference(const Field& field, NodeIndex i, int axis) {
+    const Band& band = *field.band;
     const std::vector<double>& d = field.distance;
     const NodeIndex lo = band.neighbor(i, Band::faceStep(2 * axis));
     const NodeIndex hi = band.neighbor(i, Band::faceStep(2 * axis + 1));
@@ -59,15 +60,15 @@ double axisDifference(const Band& band, const Field& field, NodeIndex i, int axi
 
 }  // namespace
 
-std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field) {
-    if (!field.gradient.empty()) return field.gradient;
+std::vector<Vec3f> surfaceGradient(const Field& field) {
+    const Band& band = *field.band;
     std::vector<Vec3f> gradient(band.size());
     parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const auto i = NodeIndex(k);
             if (!(field.distance[i] < kInfinity)) continue;
-            const Vec3d g{axisDifference(band, field, i, 0), axisDifference(band, field, i, 1),
-                          axisDifference(band, field, i, 2)};
+            const Vec3d g{axisDifference(field, i, 0), axisDifference(field, i, 1),
+                          axisDifference(field, i, 2)};
             gradient[i] = Vec3f(tangential(g, Vec3d(band.normal[i])));
         }
     });
@@ -131,7 +132,8 @@ double sampleVoxels(const BandCell& cell, const Field& field) {
     return weight > 0 ? sum / weight : nearest;
 }
 
-double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field, const Vec3d& p) {
+double sampleJets(const SurfaceCell& cell, const Field& field, const Vec3d& p) {
+    const Band& band = *field.band;
     const Metric& metric = *field.metric;
     const TangentFrame frame(Vec3f(cell.normal), band.faceted);
     PlaneMetric plane;
@@ -164,13 +166,11 @@ double sampleJets(const Band& band, const SurfaceCell& cell, const Field& field,
 
 }  // namespace
 
-double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
-                      const Vec3d& sheetNormal) {
-    const SurfaceCell cell(band, *field.metric, pIndex, sheetNormal);
+double sampleDistance(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal) {
+    const SurfaceCell cell(*field.band, *field.metric, pIndex, sheetNormal);
     // Beside a seed in a groove jets are carried on past it.
-    const double d =
-        std::max(field.leastStart, field.atFootPoints ? sampleJets(band, cell, field, pIndex)
-                                                      : sampleVoxels(cell, field));
+    const double d = std::max(field.leastStart, field.atFootPoints ? sampleJets(cell, field, pIndex)
+                                                                   : sampleVoxels(cell, field));
     const SurfacePoint* const s = seedAround(field, pIndex, cell.normal, d);
     if (!s) return d;
     const double straight = s->start + costToSeed(field, *s, pIndex, cell.normal);

@@ -13,12 +13,14 @@
 
 namespace igeo {
 
-/// Distances in voxels times weight; multiply by band.transform.dx for world units.
+/// Distances in voxels times weight; multiply by band->transform.dx for world units.
 struct Field {
+    const Band* band = nullptr;  ///< that it lies on; not owned: it has to outlive the field and to
+                                 ///< stay where it is
     std::vector<double> distance;  ///< per band node; +inf: not reached, or beyond an early stop
     std::vector<Vec3f> gradient;   ///< per band node, along S, as long as the weight there (1 in
-                                   ///< G^-1 where the metric is a tensor G); may be empty
-                                   ///< (surfaceGradient)
+                                   ///< G^-1 where the metric is a tensor G); empty where nothing
+                                   ///< was marched
     bool atFootPoints = false;  ///< distance and gradient are those of the foot points (jet), not
                                 ///< of the voxels (godunov)
     std::vector<std::uint32_t>
@@ -47,7 +49,8 @@ struct Field {
 /// Gradient of the distance along S per node: M&S 4.1, grad d - (grad d . n) n, by differences of
 /// reached neighbors (central where both sides are reached, one-sided otherwise). Its length is
 /// the weight up to the scheme's error; zero where nothing is known. Voxel units, in parallel.
-std::vector<Vec3f> surfaceGradient(const Band& band, const Field& field);
+/// Reads band, distance and metric; for schemes that leave no gradient of their own.
+std::vector<Vec3f> surfaceGradient(const Field& field);
 
 /// Cost of the segment from a point of S, where its normal is `normal`, to a seed next to it,
 /// at the seed's metric.
@@ -79,7 +82,6 @@ double segmentCost(const Band& band, const Metric& metric, const Vec3d& a, const
 /// within a start disc the straight distance to its seed, as trilinear interpolation blunts the
 /// cone there. Never below the least start value.
 /// @param sheetNormal of the sheet that is meant, where two face each other within a cell
-double sampleDistance(const Band& band, const Field& field, const Vec3d& pIndex,
-                      const Vec3d& sheetNormal = {});
+double sampleDistance(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal = {});
 
 }  // namespace igeo

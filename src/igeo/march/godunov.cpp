@@ -74,6 +74,7 @@ public:
 
     Field take() {
         Field field;
+        field.band = &band_;
         accepted_.resize(band_.size());
         field.distance = std::move(accepted_);
         field.stoppedEarly = !heap_.empty();
@@ -82,6 +83,7 @@ public:
         field.startRadius = options_.startRadius;
         field.scheme = options_.order == 1 ? "godunov, order 1" : "godunov, order 2";
         field.summarize();
+        field.gradient = surfaceGradient(field);
         return field;
     }
 
@@ -220,9 +222,7 @@ Field marchGodunov(const Band& band, MetricPtr metric, const std::vector<Surface
         march.march<1>(progress);
     else
         march.march<2>(progress);
-    Field field = march.take();
-    field.gradient = surfaceGradient(band, field);
-    return field;
+    return march.take();
 }
 
 }  // namespace igeo

@@ -24,7 +24,7 @@ struct GodunovOptions {
 /// counts only if it lies in the band (section 3 of the paper). Order 2 uses the difference over
 /// two upwind voxels where both are Accepted and ordered. Around each seed all nodes within
 /// `startRadius` start from their straight distance to it.
-/// @param band    h must respect M&S (14), see band_bounds.h
+/// @param band    h must respect M&S (14), see band_bounds.h; the field points to it
 /// @param metric  weights or tensors that are diagonal in index axes (M&S (22)), obstacles, or null
 /// @param seeds   at least one; a seed may start at a distance > 0
 /// @throws Error  InvalidArgument for options or a metric out of range, Cancelled through

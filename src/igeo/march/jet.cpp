@@ -310,6 +310,7 @@ void JetMarch::collect(std::size_t chunkCount) {
 
 Field JetMarch::take() {
     Field field;
+    field.band = &core_.band;
     extendJets(core_, limit_, /*everywhere=*/accepted_ == core_.nodes.size(), field);
     field.atFootPoints = true;
     field.metric = metric_;

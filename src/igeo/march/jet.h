@@ -36,7 +36,7 @@ struct JetOptions {
 /// their 26 neighbors those of Selling's reduction (detail/selling_reduction.h). Within a start
 /// disc are the foot points whose cost is at most that of `startRadius` voxels in the dearest
 /// direction.
-/// @param band   any h >= sqrt(3)/2 voxels
+/// @param band   any h >= sqrt(3)/2 voxels; the field points to it
 /// @param metric weights or tensors, obstacles, or null
 /// @param seeds  at least one; a seed may start at a distance > 0. With several, Field::label is
 ///              the source of a node (the earlier one where they tie), and fronts of different

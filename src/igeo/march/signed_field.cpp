@@ -16,7 +16,7 @@ namespace {
 /// The side of the nearest curve next to a node: -1, +1, or 0 where none is near.
 class CurveSigns {
 public:
-    CurveSigns(const Band& band, const Field& field) : band_(band), field_(field) {}
+    explicit CurveSigns(const Field& field) : band_(*field.band), field_(field) {}
 
     std::int8_t of(NodeIndex i) const {
         const Vec3d p = band_.footPoint(i), normal(band_.normal[i]);
@@ -97,10 +97,11 @@ struct CurveParts {
     std::vector<std::pair<NodeIndex, NodeIndex>> crossings;  ///< neighbors across a curve
 };
 
-CurveParts partsBetweenCurves(const Band& band, const Field& field, const Progress& progress) {
+CurveParts partsBetweenCurves(const Field& field, const Progress& progress) {
+    const Band& band = *field.band;
     const std::size_t n = band.size();
     std::vector<std::int8_t> signOf(n, 0);
-    const CurveSigns curves(band, field);
+    const CurveSigns curves(field);
     parallelFor(n, 4096, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) signOf[i] = curves.of(NodeIndex(i));
     });
@@ -141,16 +142,16 @@ std::size_t joinAcrossCurves(CurveParts& parts) {
 
 }  // namespace
 
-std::vector<std::int8_t> signsOfCurves(const Band& band, const Field& field, Progress& progress) {
+std::vector<std::int8_t> signsOfCurves(const Field& field, Progress& progress) {
     constexpr std::size_t kStray = 20;  // one crossing in so many may be wrong
-    CurveParts parts = partsBetweenCurves(band, field, progress);
+    CurveParts parts = partsBetweenCurves(field, progress);
     if (const std::size_t against = joinAcrossCurves(parts);
         parts.crossings.empty() || against * kStray > parts.crossings.size())
         throw Error(Error::Kind::InvalidArgument,
                     "the seeds do not part the surface into an inside and an outside",
                     "close the curve, or leave out isSigned");
 
-    const std::size_t n = band.size();
+    const std::size_t n = field.distance.size();
     std::vector<std::int8_t> sign(n, 0);
     std::map<NodeIndex, std::ptrdiff_t> balance;
     for (NodeIndex i = 0; i < n; ++i) {
@@ -165,8 +166,9 @@ std::vector<std::int8_t> signsOfCurves(const Band& band, const Field& field, Pro
     return sign;
 }
 
-double signAt(const Band& band, const Field& field, const Vec3d& pIndex) {
+double signAt(const Field& field, const Vec3d& pIndex) {
     if (field.sign.empty()) return 1;
+    const Band& band = *field.band;
     NodeIndex i = band.nodeAt(roundToIjk(pIndex));
     if (i == kNoNode) {
         const BandCell cell = cellAt(band, pIndex);

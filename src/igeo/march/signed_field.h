@@ -27,10 +27,9 @@ void signInside(const std::vector<std::uint8_t>& inside, Field& field);
 ///         a closed curve that can be walked around (a meridian of a torus);
 ///         Cancelled
 /// Time O(n), one thread.
-std::vector<std::int8_t> signsOfCurves(const Band& band, const Field& field,
-                                       Progress& progress = Progress::none());
+std::vector<std::int8_t> signsOfCurves(const Field& field, Progress& progress = Progress::none());
 
 /// The sign of the distance at a point of S: that of the nearest node; 1 where there are no sides.
-double signAt(const Band& band, const Field& field, const Vec3d& pIndex);
+double signAt(const Field& field, const Vec3d& pIndex);
 
 }  // namespace igeo

@@ -7,9 +7,8 @@
 
 namespace igeo {
 
-AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
-                                  const std::vector<Vec3f>& gradient, std::size_t samples,
-                                  Progress& progress) {
+AccuracyEstimate estimateAccuracy(const Field& field, std::size_t samples, Progress& progress) {
+    const Band& band = *field.band;
     AccuracyEstimate e;
     if (band.size() == 0) return e;
     if (field.solved) e.fallbackShare = double(field.fallbackCount) / double(field.solved);
@@ -21,8 +20,8 @@ AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
             target.node = i;
             target.pIndex = target.askedIndex = band.footPoint(i);
             projectToSurface(band, target.pIndex);
-            Path path = tracePath(band, field, gradient, target);
-            straighten(band, field, path, progress);
+            Path path = tracePath(field, target);
+            straighten(field, path, progress);
             // Close to a seed the distance is exact by construction and would only flatter.
             if (path.status != PathStatus::Reached || path.distance < 3 * field.startRadius)
                 continue;

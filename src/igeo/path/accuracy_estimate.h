@@ -1,7 +1,6 @@
 /// An estimate of the error of a result, from the result.
 #pragma once
 
-#include <igeo/band/band.h>
 #include <igeo/march/field.h>
 #include <igeo/path/trace.h>
 
@@ -22,8 +21,7 @@ struct AccuracyEstimate {
 /// where the distances are better than that the estimate errs high. The error of psi
 /// itself, against the surface it was made from, is no part of it. Time O(samples * length), in
 /// parallel.
-AccuracyEstimate estimateAccuracy(const Band& band, const Field& field,
-                                  const std::vector<Vec3f>& gradient, std::size_t samples = 8,
+AccuracyEstimate estimateAccuracy(const Field& field, std::size_t samples = 8,
                                   Progress& progress = Progress::none());
 
 }  // namespace igeo

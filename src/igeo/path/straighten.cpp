@@ -261,7 +261,8 @@ bool Relaxation::shorten() {
 
 }  // namespace
 
-void straighten(const Band& band, const Field& field, Path& path, Progress& progress) {
+void straighten(const Field& field, Path& path, Progress& progress) {
+    const Band& band = *field.band;
     if (path.status != PathStatus::Reached || path.vertices.size() < 3) return;
     constexpr int kRounds = 40;
     constexpr double kSettled = 1e-7;

@@ -18,7 +18,6 @@ namespace igeo {
 /// become lengths to the seed along the curve. Time O(length), some 10 rounds, more with weights
 /// and obstacles (40 at most). The length never grows.
 /// @throws Error  Cancelled, looked at before each round; the path is then as it was
-void straighten(const Band& band, const Field& field, Path& path,
-                Progress& progress = Progress::none());
+void straighten(const Field& field, Path& path, Progress& progress = Progress::none());
 
 }  // namespace igeo

@@ -23,9 +23,8 @@ namespace {
 
 class Tracer {
 public:
-    Tracer(const Band& band, const Field& field, const std::vector<Vec3f>& gradient,
-           const TraceOptions& options)
-        : band_(band), field_(field), gradient_(gradient), options_(options) {}
+    Tracer(const Field& field, const TraceOptions& options)
+        : band_(*field.band), field_(field), options_(options) {}
 
     Path trace(const SurfacePoint& target);
 
@@ -62,7 +61,6 @@ private:
 
     const Band& band_;
     const Field& field_;
-    const std::vector<Vec3f>& gradient_;
     const TraceOptions& options_;
     Vec3d
         sheetNormal_;  ///< normal of the sheet the path is on: where two face each other in a cell
@@ -78,7 +76,7 @@ bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
     double lengths = 0;
     for (std::size_t k = 0; k < 8; ++k) {
         if (cell.node[k] == kNoNode) continue;
-        const Vec3d gk(gradient_[cell.node[k]]);
+        const Vec3d gk(field_.gradient[cell.node[k]]);
         g += cell.weight[k] * gk;
         lengths += cell.weight[k] * length(gk);
     }
@@ -228,9 +226,8 @@ void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
 bool Tracer::advance(State& at) const {
     constexpr double kFall = 1e-4;  // voxels
     Vec3d next = at.p;
-    const double lower = stepAlongGradient(next, at.step)
-                             ? sampleDistance(band_, field_, next, sheetNormal_)
-                             : kInfinity;
+    const double lower =
+        stepAlongGradient(next, at.step) ? sampleDistance(field_, next, sheetNormal_) : kInfinity;
     if (lower < at.d - kFall * field_.metric->at(cellAt(band_, at.p))) {
         at = {next, lower, at.step, kNoNode};
         return true;
@@ -243,7 +240,7 @@ Path Tracer::trace(const SurfacePoint& target) {
     Path path;
     path.target = target;
     sheetNormal_ = Vec3d(band_.normal[target.node]);
-    State at{target.pIndex, sampleDistance(band_, field_, target.pIndex, sheetNormal_),
+    State at{target.pIndex, sampleDistance(field_, target.pIndex, sheetNormal_),
              options_.maxStep / 4, kNoNode};
     path.distance = at.d;
     if (!(at.d < kInfinity)) return path;
@@ -270,20 +267,17 @@ Path Tracer::trace(const SurfacePoint& target) {
 
 }  // namespace
 
-Path tracePath(const Band& band, const Field& field, const std::vector<Vec3f>& gradient,
-               const SurfacePoint& target, const TraceOptions& options) {
-    return Tracer(band, field, gradient, options).trace(target);
+Path tracePath(const Field& field, const SurfacePoint& target, const TraceOptions& options) {
+    return Tracer(field, options).trace(target);
 }
 
-std::vector<Path> tracePaths(const Band& band, const Field& field,
-                             const std::vector<Vec3f>& gradient,
-                             const std::vector<SurfacePoint>& targets, const TraceOptions& options,
-                             Progress& progress) {
+std::vector<Path> tracePaths(const Field& field, const std::vector<SurfacePoint>& targets,
+                             const TraceOptions& options, Progress& progress) {
     std::vector<Path> paths(targets.size());
     Steps steps(progress, "trace", targets.size());
     parallelFor(targets.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end && !steps.cancelled(); ++k) {
-            paths[k] = tracePath(band, field, gradient, targets[k], options);
+            paths[k] = tracePath(field, targets[k], options);
             steps.add(1);
         }
     });

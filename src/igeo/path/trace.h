@@ -47,16 +47,12 @@ struct TraceOptions {
 /// Where an obstacle blocks a step, the path slides along its rim. Where no step along the gradient
 /// leads down (cut loci, creases), it goes on over the foot points of nodes, each time to the
 /// neighbor of least distance. Distances never rise along a path.
-/// @param gradient surfaceGradient() of the same field
 /// @return vertices lie on psi = 0 of the trilinear interpolant to 1e-6 voxels where that converges
 /// Time O(length).
-Path tracePath(const Band& band, const Field& field, const std::vector<Vec3f>& gradient,
-               const SurfacePoint& target, const TraceOptions& options = {});
+Path tracePath(const Field& field, const SurfacePoint& target, const TraceOptions& options = {});
 
 /// tracePath for every target, in parallel; results in the order of the targets.
-std::vector<Path> tracePaths(const Band& band, const Field& field,
-                             const std::vector<Vec3f>& gradient,
-                             const std::vector<SurfacePoint>& targets,
+std::vector<Path> tracePaths(const Field& field, const std::vector<SurfacePoint>& targets,
                              const TraceOptions& options = {},
                              Progress& progress = Progress::none());
 

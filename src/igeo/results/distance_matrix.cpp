@@ -54,7 +54,7 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
                 // In world units here, so that rows read from files have the same bits.
                 m.distance[k * columns + t] =
                     band.transform.dx *
-                    sampleDistance(band, field, target.pIndex, Vec3d(band.normal[target.node]));
+                    sampleDistance(field, target.pIndex, Vec3d(band.normal[target.node]));
             }
             progress.update("matrix", double(++done) / double(rows));
         }

@@ -6,8 +6,9 @@
 
 namespace igeo {
 
-void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, const Band& band,
-                    const Field& field, Progress& progress) {
+void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, const Field& field,
+                    Progress& progress) {
+    const Band& band = *field.band;
     using Leaf = LeafBlock::Leaf;
     const double dx = band.transform.dx;
     std::vector<const Leaf*> source;
@@ -29,9 +30,8 @@ void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, cons
                 const double value = block.at(x, y, z);
                 const Vec3d n = normalized(psiGradient(PsiDifferences(block, x, y, z), value));
                 const Vec3d foot = Vec3d(Ijk{c.x(), c.y(), c.z()}) - value * n;
-                const double d = sampleDistance(band, field, foot, n);
-                if (d < kInfinity)
-                    target[l]->setValueOn(o, float(d * dx * signAt(band, field, foot)));
+                const double d = sampleDistance(field, foot, n);
+                if (d < kInfinity) target[l]->setValueOn(o, float(d * dx * signAt(field, foot)));
             }
         }
     });

@@ -1,7 +1,6 @@
 /// Distances beyond the band.
 #pragma once
 
-#include <igeo/band/band.h>
 #include <igeo/base/progress.h>
 #include <igeo/march/field.h>
 #include <igeo/surface/level_set.h>
@@ -13,7 +12,7 @@ namespace igeo {
 /// @param distance as distanceGrid() made it; world units
 /// @throws Error  Cancelled through `progress`
 /// Time O(active voxels), in parallel.
-void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, const Band& band,
-                    const Field& field, Progress& progress = Progress::none());
+void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, const Field& field,
+                    Progress& progress = Progress::none());
 
 }  // namespace igeo

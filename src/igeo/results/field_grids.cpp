@@ -47,9 +47,9 @@ typename GridT::Ptr makeGrid(const typename GridT::ValueType& background,
 
 }  // namespace
 
-openvdb::FloatGrid::Ptr distanceGrid(const Band& band, const Field& field,
-                                     const openvdb::math::Transform& transform,
+openvdb::FloatGrid::Ptr distanceGrid(const Field& field, const openvdb::math::Transform& transform,
                                      const std::string& name) {
+    const Band& band = *field.band;
     const double dx = band.transform.dx;
     auto grid = makeGrid<openvdb::FloatGrid>(float(field.maxDistance * dx), transform, name);
     fill(*grid, band, reached(field), [&](NodeIndex i) {
@@ -59,21 +59,19 @@ openvdb::FloatGrid::Ptr distanceGrid(const Band& band, const Field& field,
     return grid;
 }
 
-openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
-                                     const std::vector<Vec3f>& gradient,
-                                     const openvdb::math::Transform& transform,
+openvdb::Vec3SGrid::Ptr gradientGrid(const Field& field, const openvdb::math::Transform& transform,
                                      const std::string& name) {
+    const Band& band = *field.band;
     auto grid = makeGrid<openvdb::Vec3SGrid>({}, transform, name);
     grid->setVectorType(openvdb::VEC_COVARIANT);
     fill(*grid, band, reached(field), [&](NodeIndex i) {
-        const Vec3d g = band.transform.worldFromIndexDirection(Vec3d(gradient[i]));
+        const Vec3d g = band.transform.worldFromIndexDirection(Vec3d(field.gradient[i]));
         return openvdb::Vec3s(float(g.x), float(g.y), float(g.z));
     });
     return grid;
 }
 
-openvdb::FloatGrid::Ptr labelGrid(const Band& band, const Field& field,
-                                  const openvdb::math::Transform& transform,
+openvdb::FloatGrid::Ptr labelGrid(const Field& field, const openvdb::math::Transform& transform,
                                   const std::string& name) {
     constexpr std::size_t kMostSeeds = 1 << 24;
     if (field.sourceCount() > kMostSeeds)
@@ -82,7 +80,7 @@ openvdb::FloatGrid::Ptr labelGrid(const Band& band, const Field& field,
                                 field.sourceCount(), kMostSeeds),
                     "leave the labels out, or give fewer seeds");
     auto grid = makeGrid<openvdb::FloatGrid>(-1, transform, name);
-    fill(*grid, band, reached(field),
+    fill(*grid, *field.band, reached(field),
          [&](NodeIndex i) { return field.label.empty() ? 0 : float(field.label[i]); });
     return grid;
 }
@@ -114,13 +112,13 @@ std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curv
     return grids;
 }
 
-openvdb::Vec3SGrid::Ptr colorGrid(const Band& band, const Field& field, const ColorMap& colors,
+openvdb::Vec3SGrid::Ptr colorGrid(const Field& field, const ColorMap& colors,
                                   const openvdb::math::Transform& transform,
                                   const std::string& name) {
     constexpr float kUnreached = 0.7f;
     auto grid = makeGrid<openvdb::Vec3SGrid>(openvdb::Vec3s(kUnreached), transform, name);
     const double scale = field.maxDistance > 0 ? 1 / field.maxDistance : 0;
-    fill(*grid, band, reached(field), [&](NodeIndex i) {
+    fill(*grid, *field.band, reached(field), [&](NodeIndex i) {
         const Vec3f c(srgbFromLinear(colors(field.distance[i] * scale)));
         return openvdb::Vec3s(c.x, c.y, c.z);
     });

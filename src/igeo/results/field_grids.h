@@ -18,22 +18,18 @@ namespace igeo {
 /// Active exactly at the nodes with a finite distance; everything else is inactive and holds the
 /// largest distance, as does the background, so that sublevel sets stay closed. Class unknown.
 /// @param transform the level set's own, so that both grids line up bit by bit
-openvdb::FloatGrid::Ptr distanceGrid(const Band& band, const Field& field,
-                                     const openvdb::math::Transform& transform,
+openvdb::FloatGrid::Ptr distanceGrid(const Field& field, const openvdb::math::Transform& transform,
                                      const std::string& name);
 
 /// Gradients along S (surfaceGradient) as covariant vectors in world space, weight per unit length;
 /// active where the distance is known.
-openvdb::Vec3SGrid::Ptr gradientGrid(const Band& band, const Field& field,
-                                     const std::vector<Vec3f>& gradient,
-                                     const openvdb::math::Transform& transform,
+openvdb::Vec3SGrid::Ptr gradientGrid(const Field& field, const openvdb::math::Transform& transform,
                                      const std::string& name);
 
 /// The index of the nearest seed; active where the distance is known, background -1. As float,
 /// which every reader of VDB files knows (Python's module, as Debian packages it, reads no int32).
 /// @throws Error  InvalidArgument with more seeds than a float counts, 2^24
-openvdb::FloatGrid::Ptr labelGrid(const Band& band, const Field& field,
-                                  const openvdb::math::Transform& transform,
+openvdb::FloatGrid::Ptr labelGrid(const Field& field, const openvdb::math::Transform& transform,
                                   const std::string& name);
 
 /// The weight at the foot points of the band, obstacles left inactive; background 1.
@@ -48,7 +44,7 @@ std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curv
                                                     const std::string& psi);
 /// Colors of the distances, sRGB in [0, 1], for `vdb_render -color`: the map from 0 to the largest
 /// distance where the distance is known; gray, and inactive, elsewhere.
-openvdb::Vec3SGrid::Ptr colorGrid(const Band& band, const Field& field, const ColorMap& colors,
+openvdb::Vec3SGrid::Ptr colorGrid(const Field& field, const ColorMap& colors,
                                   const openvdb::math::Transform& transform,
                                   const std::string& name);
 

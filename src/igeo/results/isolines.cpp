@@ -97,7 +97,7 @@ std::vector<Chain> chainsOf(const std::vector<Segment>& segments) {
 }
 
 /// Where the distance equals `level` on the projection of an edge to S, by regula falsi (Illinois).
-Vec3d crossing(const Band& band, const Field& field, const SurfaceMesh& mesh,
+Vec3d crossing(const Field& field, const SurfaceMesh& mesh,
                const std::array<std::uint32_t, 2>& ends, double level) {
     constexpr double kTolerance = 1e-6;  // voxels times weight
     constexpr int kMostSteps = 30;
@@ -112,8 +112,8 @@ Vec3d crossing(const Band& band, const Field& field, const SurfaceMesh& mesh,
         const double t = lo + (hi - lo) * (atLo / (atLo - atHi));
         const Vec3d onEdge = (1 - t) * mesh.position[a] + t * mesh.position[b];
         p = onEdge;
-        if (!projectToSurface(band, p) || length(p - onEdge) >= 1) p = onEdge;
-        const double here = sampleDistance(band, field, p, sheetNormal) - level;
+        if (!projectToSurface(*field.band, p) || length(p - onEdge) >= 1) p = onEdge;
+        const double here = sampleDistance(field, p, sheetNormal) - level;
         if (std::abs(here) <= kTolerance || !(std::abs(here) < kInfinity)) break;
         if ((here < 0) == (atLo < 0)) {
             lo = t, atLo = here;
@@ -161,7 +161,7 @@ double leastStart(const Field& field) {
 
 }  // namespace
 
-std::vector<Isoline> isolines(const Band& band, const Field& field, const SurfaceMesh& mesh,
+std::vector<Isoline> isolines(const Field& field, const SurfaceMesh& mesh,
                               const std::vector<double>& levels, Progress& progress) {
     checkLevels(levels);
     std::vector<double> ascending = levels;
@@ -179,8 +179,7 @@ std::vector<Isoline> isolines(const Band& band, const Field& field, const Surfac
             std::vector<Vec3d> points(chain.edges.size());
             parallelFor(points.size(), 64, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i)
-                    points[i] =
-                        crossing(band, field, mesh, edges.ends[chain.edges[i]], ascending[l]);
+                    points[i] = crossing(field, mesh, edges.ends[chain.edges[i]], ascending[l]);
             });
             Isoline line = lineOf(points, ascending[l], chain.closed);
             // A vertex at the level that is a peak makes a line of one point.

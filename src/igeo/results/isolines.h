@@ -1,7 +1,6 @@
 /// Lines of equal distance on S (M&S, Fig. 8).
 #pragma once
 
-#include <igeo/band/band.h>
 #include <igeo/base/progress.h>
 #include <igeo/march/field.h>
 #include <igeo/results/surface_mesh.h>
@@ -33,7 +32,7 @@ struct Isoline {
 /// @throws Error  InvalidArgument for other levels; Cancelled through `progress`
 /// Time O(triangles log triangles + points), in parallel over points. Points are as accurate as
 /// the distance; a polyline with edges of length s on a line of curvature k is short by (k s)^2/24.
-std::vector<Isoline> isolines(const Band& band, const Field& field, const SurfaceMesh& mesh,
+std::vector<Isoline> isolines(const Field& field, const SurfaceMesh& mesh,
                               const std::vector<double>& levels,
                               Progress& progress = Progress::none());
 

@@ -90,10 +90,10 @@ struct LineFit {
 
 class LogMapper {
 public:
-    LogMapper(const Band& band, const Field& field, const std::vector<LogMap::Frame>& frames)
-        : band_(band), field_(field), frames_(frames), carried_(band.coreSize()) {
-        for (std::size_t k = 0; k < band.size(); ++k)
-            if (band.inCore(NodeIndex(k))) nodes_.push_back(NodeIndex(k));
+    LogMapper(const Field& field, const std::vector<LogMap::Frame>& frames)
+        : band_(*field.band), field_(field), frames_(frames), carried_(band_.coreSize()) {
+        for (std::size_t k = 0; k < band_.size(); ++k)
+            if (band_.inCore(NodeIndex(k))) nodes_.push_back(NodeIndex(k));
     }
     std::vector<Vec2f> map(Progress& progress);
 
@@ -343,8 +343,8 @@ std::vector<Vec2f> LogMapper::map(Progress& progress) {
     return positions;
 }
 
-LogMap::Frame frameAt(const Band& band, const Field& field, const SurfacePoint& seed,
-                      const Vec3d& reference) {
+LogMap::Frame frameAt(const Field& field, const SurfacePoint& seed, const Vec3d& reference) {
+    const Band& band = *field.band;
     const Vec3d sheetNormal(band.normal[seed.node]);
     const Vec3d n = SurfaceCell(band, *field.metric, seed.pIndex, sheetNormal).normal;
     Vec3d u = tangential(reference, n);
@@ -362,8 +362,8 @@ LogMap::Frame frameAt(const Band& band, const Field& field, const SurfacePoint& 
 
 }  // namespace
 
-LogMap logMap(const Band& band, const Field& field, const Vec3d& reference, Progress& progress) {
-    if (!field.atFootPoints || field.gradient.size() != band.size())
+LogMap logMap(const Field& field, const Vec3d& reference, Progress& progress) {
+    if (!field.atFootPoints || field.gradient.size() != field.distance.size())
         throw Error(Error::Kind::InvalidArgument,
                     "the logarithmic map needs a field that has a gradient at foot points",
                     "march with the scheme jet");
@@ -373,8 +373,8 @@ LogMap logMap(const Band& band, const Field& field, const Vec3d& reference, Prog
                     "leave the tensor out, or use weights");
     LogMap map;
     for (const SurfacePoint& seed : field.seeds)
-        map.frames.push_back(frameAt(band, field, seed, reference));
-    map.position = LogMapper(band, field, map.frames).map(progress);
+        map.frames.push_back(frameAt(field, seed, reference));
+    map.position = LogMapper(field, map.frames).map(progress);
     return map;
 }
 

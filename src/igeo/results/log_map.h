@@ -45,7 +45,7 @@ struct LogMap {
 /// the length means something. Time O(n log n), about twice the work of the march, a good part of
 /// it on one thread. Error: some 0.01 degrees on average at radii of 40 voxels,
 /// tests/accuracy/test_log_map.cpp.
-LogMap logMap(const Band& band, const Field& field, const Vec3d& reference = {},
+LogMap logMap(const Field& field, const Vec3d& reference = {},
               Progress& progress = Progress::none());
 
 }  // namespace igeo

@@ -102,7 +102,7 @@ bool PairSolver::solveOn(const Band& band, const Group& group, double reach) {
     for (const std::size_t k : group) {
         PairDistance& pair = pairs_[k];
         pair.distance =
-            sampleDistance(band, field, pair.target.pIndex, Vec3d(band.normal[pair.target.node]));
+            sampleDistance(field, pair.target.pIndex, Vec3d(band.normal[pair.target.node]));
         found = found && pair.distance <= reach;
     }
     return found;

@@ -131,10 +131,9 @@ struct Light {
 /// The scene, in index space: gives the light that comes along a ray. One per thread.
 class Scene {
 public:
-    Scene(const LevelSet& levelSet, const Band& band, const Field& field,
-          const std::vector<Path>& paths, const Scale& scale, const SurfaceRays& rays,
-          const View& view, double pixel, int width)
-        : band_(band), field_(field), scale_(scale) {
+    Scene(const LevelSet& levelSet, const Field& field, const std::vector<Path>& paths,
+          const Scale& scale, const SurfaceRays& rays, const View& view, double pixel, int width)
+        : field_(field), scale_(scale) {
         const Similarity& t = levelSet.transform;
         auto turned = [&](double right, double up, double back) {
             const Vec3d world = normalized(right * view.right + up * view.up + back * view.back);
@@ -194,7 +193,7 @@ public:
 
 private:
     Light surface(const Vec3d& p, Vec3d n, const Vec3d& dir) const {
-        double d = sampleDistance(band_, field_, p, n);
+        double d = sampleDistance(field_, p, n);
         if (field_.stoppedEarly && d > lastKnown(p)) d = kInfinity;
         Vec3d c = d < kInfinity ? scale_.color(d) : kUnreached;
         const double path = marks_->distance(p, n);
@@ -216,7 +215,7 @@ private:
     }
 
     double weightAt(const Vec3d& p) const {
-        return field_.metric->weighted() ? field_.metric->at(cellAt(band_, p)) : 1.0;
+        return field_.metric->weighted() ? field_.metric->at(cellAt(*field_.band, p)) : 1.0;
     }
 
     /// Studio light: a key from the upper left, wrapped around for soft edges, a fill from the
@@ -231,7 +230,6 @@ private:
         return diffuse * c + shine * kWhite;
     }
 
-    const Band& band_;
     const Field& field_;
     const Scale& scale_;
     Vec3d eye_, key_, fill_;
@@ -362,9 +360,8 @@ void develop(const Film& film, Canvas& canvas) {
 
 }  // namespace
 
-std::string renderPng(const LevelSet& levelSet, const Band& band, const Field& field,
-                      const std::vector<Path>& paths, const PictureOptions& options,
-                      Progress& progress) {
+std::string renderPng(const LevelSet& levelSet, const Field& field, const std::vector<Path>& paths,
+                      const PictureOptions& options, Progress& progress) {
     checkOptions(options);
     const double dx = levelSet.transform.dx;
     const Scale scale(field, dx, options);
@@ -374,9 +371,9 @@ std::string renderPng(const LevelSet& levelSet, const Band& band, const Field& f
     progress.update("picture", 0);
     const SurfaceRays rays(levelSet);
     const View view =
-        chooseView(levelSet, rays, band, field, paths, options, double(options.height) / width);
+        chooseView(levelSet, rays, field, paths, options, double(options.height) / width);
     const double pixel = 2 * View::kHalfWidth * view.depth / width / dx;
-    const Scene scene(levelSet, band, field, paths, scale, rays, view, pixel, options.width);
+    const Scene scene(levelSet, field, paths, scale, rays, view, pixel, options.width);
     Film film{std::size_t(width), std::size_t(options.height)};
     Renderer(levelSet, rays, view, scene, film, progress).render();
 

@@ -25,8 +25,7 @@ namespace igeo {
 /// The same bytes for any number of threads. Time O(pixels), in parallel, about a microsecond per
 /// ray; pixels whose neighbors differ take 9 rays more, the others one. Memory: about 50
 /// bytes per pixel.
-std::string renderPng(const LevelSet& levelSet, const Band& band, const Field& field,
-                      const std::vector<Path>& paths, const PictureOptions& options = {},
-                      Progress& progress = Progress::none());
+std::string renderPng(const LevelSet& levelSet, const Field& field, const std::vector<Path>& paths,
+                      const PictureOptions& options = {}, Progress& progress = Progress::none());
 
 }  // namespace igeo

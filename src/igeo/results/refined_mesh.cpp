@@ -70,8 +70,8 @@ bool halve(SurfaceMesh& mesh, double longest) {
 
 }  // namespace
 
-SurfaceMesh refinedMesh(const TriangleMesh& given, const Band& band, const Field& field,
-                        double longest, Progress& progress) {
+SurfaceMesh refinedMesh(const TriangleMesh& given, const Field& field, double longest,
+                        Progress& progress) {
     if (!(longest > 0))
         throw Error(Error::Kind::InvalidArgument,
                     fmt::format("edges of at most {:f} voxels; more than 0 is allowed", longest),
@@ -84,7 +84,7 @@ SurfaceMesh refinedMesh(const TriangleMesh& given, const Band& band, const Field
     mesh.triangles = std::move(oriented.triangles);
     mesh.position.reserve(oriented.points.size());
     for (const Vec3d& p : oriented.points)
-        mesh.position.push_back(band.transform.indexFromWorld(p));
+        mesh.position.push_back(field.band->transform.indexFromWorld(p));
     while (halve(mesh, longest)) {
         progress.throwIfCancelled();
         if (mesh.triangles.size() > kMost / 4)
@@ -95,7 +95,7 @@ SurfaceMesh refinedMesh(const TriangleMesh& given, const Band& band, const Field
                 "allow longer edges");
     }
     progress.update("mesh", 0.5);
-    sampleField(mesh, band, field, progress);
+    sampleField(mesh, field, progress);
     return mesh;
 }
 

@@ -11,12 +11,12 @@ namespace igeo {
 ///
 /// Edges longer than `longest` are halved until none is, at one point for the triangles on both
 /// sides, so that no crack opens. Triangles are oriented alike first (orientConsistently).
-/// @param band     of this mesh
+/// @param field    on a band of this mesh
 /// @param longest  voxels, > 0
 /// @throws Error  InvalidArgument for `longest` out of range or more than 2^31 triangles; Cancelled
 ///         through `progress`
 /// Time O(n log n) per halving. Order and bits do not depend on the number of threads.
-SurfaceMesh refinedMesh(const TriangleMesh& mesh, const Band& band, const Field& field,
-                        double longest = 1, Progress& progress = Progress::none());
+SurfaceMesh refinedMesh(const TriangleMesh& mesh, const Field& field, double longest = 1,
+                        Progress& progress = Progress::none());
 
 }  // namespace igeo

@@ -140,13 +140,13 @@ std::vector<Vec3f> vertexNormals(const SurfaceMesh& mesh) {
 }
 
 /// The seed of the corner whose value, carried to p, is least.
-std::uint32_t labelAt(const Band& band, const Field& field, const BandCell& cell, const Vec3d& p) {
+std::uint32_t labelAt(const Field& field, const BandCell& cell, const Vec3d& p) {
     std::uint32_t label = kNoLabel;
     double least = kInfinity;
     for (const NodeIndex j : cell.node) {
         if (j == kNoNode) continue;
         double said = field.distance[j];
-        if (field.atFootPoints) said += dot(Vec3d(field.gradient[j]), p - band.footPoint(j));
+        if (field.atFootPoints) said += dot(Vec3d(field.gradient[j]), p - field.band->footPoint(j));
         if (said < least) least = said, label = field.label.empty() ? 0 : field.label[j];
     }
     return label;
@@ -179,14 +179,13 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, Progress& pr
     return mesh;
 }
 
-SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field& field,
-                        Progress& progress) {
-    SurfaceMesh mesh = surfaceMesh(levelSet, band, progress);
-    sampleField(mesh, band, field, progress);
+SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Field& field, Progress& progress) {
+    SurfaceMesh mesh = surfaceMesh(levelSet, *field.band, progress);
+    sampleField(mesh, field, progress);
     return mesh;
 }
 
-void sampleField(SurfaceMesh& mesh, const Band& band, const Field& field, Progress& progress) {
+void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {
     const std::size_t n = mesh.position.size();
     mesh.normal = vertexNormals(mesh);
     mesh.distance.resize(n);
@@ -196,10 +195,10 @@ void sampleField(SurfaceMesh& mesh, const Band& band, const Field& field, Progre
         if (reading.cancelled()) return;
         for (std::size_t i = begin; i < end; ++i) {
             const Vec3d p = mesh.position[i], sheetNormal(mesh.normal[i]);
-            const SurfaceCell cell(band, *field.metric, p, sheetNormal);
+            const SurfaceCell cell(*field.band, *field.metric, p, sheetNormal);
             if (cell.normal != Vec3d{}) mesh.normal[i] = Vec3f(cell.normal);
-            mesh.distance[i] = sampleDistance(band, field, p, sheetNormal);
-            mesh.label[i] = labelAt(band, field, cell, p);
+            mesh.distance[i] = sampleDistance(field, p, sheetNormal);
+            mesh.label[i] = labelAt(field, cell, p);
         }
         reading.add(end - begin);
     });

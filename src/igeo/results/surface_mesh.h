@@ -39,7 +39,7 @@ struct SurfaceMesh {
 /// @param field distances are sampleDistance(); a label is that of the node whose jet says least
 /// @throws Error  Cancelled through `progress`
 /// Time O(active voxels), in parallel. Order and bits do not depend on the number of threads.
-SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, const Field& field,
+SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Field& field,
                         Progress& progress = Progress::none());
 
 /// The same without distances and labels, normals being the mean of the triangles around.
@@ -48,8 +48,7 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band,
 
 /// Fills normal, distance and label of a mesh on S from its positions and triangles.
 /// @throws Error  Cancelled through `progress`
-void sampleField(SurfaceMesh& mesh, const Band& band, const Field& field,
-                 Progress& progress = Progress::none());
+void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress = Progress::none());
 
 /// The edges of a mesh, each between two triangles, or at the rim of one.
 ///

@@ -52,17 +52,16 @@ double area(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
 }
 
 /// The gradient at a vertex, blended from the nodes around it that have its label.
-Vec3d gradientAt(const Band& band, const Field& field, const std::vector<Vec3f>& gradient,
-                 const SurfaceMesh& mesh, std::uint32_t v) {
+Vec3d gradientAt(const Field& field, const SurfaceMesh& mesh, std::uint32_t v) {
     const Vec3d n(mesh.normal[v]);
-    const SurfaceCell cell(band, *field.metric, mesh.position[v], n);
+    const SurfaceCell cell(*field.band, *field.metric, mesh.position[v], n);
     Vec3d sum;
     double weight = 0;
     for (std::size_t k = 0; k < 8; ++k) {
         const NodeIndex j = cell.node[k];
         if (j == kNoNode || !(field.distance[j] < kInfinity) || field.label[j] != mesh.label[v])
             continue;
-        sum += cell.weight[k] * Vec3d(gradient[j]);
+        sum += cell.weight[k] * Vec3d(field.gradient[j]);
         weight += cell.weight[k];
     }
     return weight > 0 ? tangential(sum * (1 / weight), n) : Vec3d{};
@@ -109,15 +108,13 @@ void cutInThree(const Piece& piece, Sums& sums) {
 
 }  // namespace
 
-VoronoiCells voronoiCells(const Band& band, const Field& field, const SurfaceMesh& mesh,
-                          Progress& progress) {
+VoronoiCells voronoiCells(const Field& field, const SurfaceMesh& mesh, Progress& progress) {
     if (field.sourceCount() > 1 && field.label.empty())
         throw Error(Error::Kind::InvalidArgument,
                     "the distance (" + field.scheme +
                         ") does not know which seed is nearest, so "
                         "there are no cells",
                     "compute it with the scheme jet");
-    const std::vector<Vec3f>& gradient = field.gradient;
     Sums sums(field.sourceCount());
     Steps steps(progress, "cells", mesh.triangles.size());
     std::size_t done = 0;
@@ -138,7 +135,7 @@ VoronoiCells voronoiCells(const Band& band, const Field& field, const SurfaceMes
         for (Corner k = 0; k < 3; ++k) {
             if (label[k] == kNoLabel || field.label.empty()) continue;
             piece.d[k] = mesh.distance[v[k]];
-            piece.g[k] = gradientAt(band, field, gradient, mesh, v[k]);
+            piece.g[k] = gradientAt(field, mesh, v[k]);
         }
         if (label[1] == label[2])
             cutInTwo(piece, 0, sums);

@@ -1,7 +1,6 @@
 /// The parts of S that are nearest to each seed: geodesic Voronoi cells.
 #pragma once
 
-#include <igeo/band/band.h>
 #include <igeo/base/progress.h>
 #include <igeo/march/field.h>
 #include <igeo/results/surface_mesh.h>
@@ -31,7 +30,7 @@ struct VoronoiCells {
 /// @throws Error  InvalidArgument for several seeds without labels (Field::label)
 ///         Cancelled through `progress`
 /// Time O(triangles). The cells' areas are those of flat triangles: second order in dx.
-VoronoiCells voronoiCells(const Band& band, const Field& field, const SurfaceMesh& mesh,
+VoronoiCells voronoiCells(const Field& field, const SurfaceMesh& mesh,
                           Progress& progress = Progress::none());
 
 }  // namespace igeo

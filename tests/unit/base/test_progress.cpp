@@ -100,12 +100,12 @@ TEST_CASE("every long stage says that it begins, goes on, and is done; and stops
         {"points", [&](Progress& p) { farthestPoints(m.band, {}, {}, 20, p); }},
         {"trace",
          [&](Progress& p) {
-             tracePaths(m.band, m.field, m.field.gradient, {target, target}, {}, p);
+             tracePaths(m.field, {target, target}, {}, p);
          }},
-        {"logmap", [&](Progress& p) { logMap(m.band, m.field, {}, p); }},
-        {"mesh", [&](Progress& p) { surfaceMesh(m.levelSet, m.band, m.field, p); }},
+        {"logmap", [&](Progress& p) { logMap(m.field, {}, p); }},
+        {"mesh", [&](Progress& p) { surfaceMesh(m.levelSet, m.field, p); }},
         {"isolines", [&](Progress& p) {
-             isolines(m.band, m.field, m.mesh, {5, 10, 20}, p);
+             isolines(m.field, m.mesh, {5, 10, 20}, p);
          }}};
     for (const auto& [name, run] : stages) {
         INFO(name);
@@ -141,11 +141,11 @@ TEST_CASE("what has no stage of its own stops in its midst when told") {
         {"seedsAlong", [&](Progress& p) { seedsAlong(band, equator, 1, p); }},
         {"seedsAround", [&](Progress& p) { seedsAround(band, cap, p); }},
         {"nodesInside", [&](Progress& p) { nodesInside(band, cap, p); }},
-        {"signsOfCurves", [&](Progress& p) { signsOfCurves(band, fromCurve, p); }},
+        {"signsOfCurves", [&](Progress& p) { signsOfCurves(fromCurve, p); }},
         {"straighten",
          [&](Progress& p) {
              Path bent = path;
-             straighten(band, d.field(), bent, p);
+             straighten(d.field(), bent, p);
          }},
         {"shoot", [&](Progress& p) {
              shoot(band, d.seeds()[0], {0, 1, 0.3}, 1000, p);

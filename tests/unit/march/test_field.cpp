@@ -16,6 +16,7 @@ constexpr double kOffset = 0.2;
 template <typename Value>
 Field fieldOf(const Band& band, const Value& value) {
     Field field;
+    field.band = &band;
     for (std::size_t k = 0; k < band.size(); ++k)
         field.distance.push_back(value(band.footPoint(NodeIndex(k))));
     field.summarize();
@@ -42,7 +43,7 @@ TEST_CASE("surfaceGradient: exact for a linear distance on a plane") {
     const Band band = plane();
     const Vec3d slope = tangential(Vec3d{0.7, 0.2, -0.4}, kNormal);
     const Field field = fieldOf(band, [&](const Vec3d& p) { return 20 + dot(slope, p); });
-    const auto gradient = surfaceGradient(band, field);
+    const auto gradient = surfaceGradient(field);
     for (std::size_t k = 0; k < band.size(); ++k) {
         // Central and one-sided differences are exact, but an axis without neighbors counts 0.
         const Ijk v = band.ijk(NodeIndex(k));
@@ -56,9 +57,10 @@ TEST_CASE("surfaceGradient: what changes along the normal does not count") {
     const Band band = plane();
     const Vec3d slope{0.7, 0.2, -0.4};
     Field field;
+    field.band = &band;
     for (std::size_t k = 0; k < band.size(); ++k)
         field.distance.push_back(20 + dot(slope, Vec3d(band.ijk(NodeIndex(k)))));
-    const auto gradient = surfaceGradient(band, field);
+    const auto gradient = surfaceGradient(field);
     for (std::size_t k = 0; k < band.size(); ++k) {
         const Ijk v = band.ijk(NodeIndex(k));
         if (std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) > 10) continue;
@@ -73,7 +75,7 @@ TEST_CASE("surfaceGradient: one-sided at unreached nodes, zero where nothing is 
     Field field = fieldOf(band, [&](const Vec3d& p) { return 20 + dot(slope, p); });
     for (std::size_t k = 0; k < band.size(); ++k)
         if (band.ijk(NodeIndex(k)).x > 2) field.distance[k] = kInfinity;
-    const auto gradient = surfaceGradient(band, field);
+    const auto gradient = surfaceGradient(field);
     for (std::size_t k = 0; k < band.size(); ++k) {
         const Ijk v = band.ijk(NodeIndex(k));
         if (v.x > 2) REQUIRE(gradient[k] == Vec3f{});
@@ -84,15 +86,16 @@ TEST_CASE("surfaceGradient: one-sided at unreached nodes, zero where nothing is 
     // A node alone knows no direction.
     const Band alone = bandOfVoxels({{0, 0, 0}});
     Field one;
+    one.band = &alone;
     one.distance = {4};
-    CHECK(surfaceGradient(alone, one)[0] == Vec3f{});
+    CHECK(surfaceGradient(one)[0] == Vec3f{});
 }
 
 TEST_CASE("surfaceGradient: where fronts meet, a way down and no standstill") {
     // d = 20 - |x| on the plane z = 0: fronts that meet at x = 0, a lattice plane.
     const Band band = planeBand({0, 0, 1}, 0, {-8, -8, -3}, {8, 8, 3}, 2);
     const Field field = fieldOf(band, [](const Vec3d& p) { return 20 - std::abs(p.x); });
-    const auto gradient = surfaceGradient(band, field);
+    const auto gradient = surfaceGradient(field);
     for (std::size_t k = 0; k < band.size(); ++k) {
         CHECK(std::abs(gradient[k].x) == 1);
         CHECK(gradient[k].y == 0);
@@ -110,19 +113,19 @@ TEST_CASE("sampleDistance: exact for a linear distance, over reached corners onl
         const Vec3d q{unit(random), unit(random), unit(random)};
         const Vec3d p = q - (dot(kNormal, q) - kOffset) * kNormal;
         // Eight floats of foot points again.
-        REQUIRE(std::abs(sampleDistance(band, field, p) - (20 + dot(slope, p))) < 1e-6);
+        REQUIRE(std::abs(sampleDistance(field, p) - (20 + dot(slope, p))) < 1e-6);
     }
     // Half of the corners: their own weighted mean.
     const Band flat = planeBand({0, 0, 1}, 0, {-8, -8, -3}, {8, 8, 3}, 2);
     Field half = fieldOf(flat, [](const Vec3d& p) { return 10 + p.y; });
     for (std::size_t k = 0; k < flat.size(); ++k)
         if (flat.ijk(NodeIndex(k)).x > 0) half.distance[k] = kInfinity;
-    CHECK(sampleDistance(flat, half, {0.75, 0.5, 0}) == Approx(10.5).epsilon(1e-14));
-    CHECK(sampleDistance(flat, half, {3.5, 0.5, 0}) == kInfinity);
-    CHECK(sampleDistance(flat, half, {100, 0, 0}) == kInfinity);
+    CHECK(sampleDistance(half, {0.75, 0.5, 0}) == Approx(10.5).epsilon(1e-14));
+    CHECK(sampleDistance(half, {3.5, 0.5, 0}) == kInfinity);
+    CHECK(sampleDistance(half, {100, 0, 0}) == kInfinity);
     // Corners of weight 0 count where there are no others.
-    CHECK(sampleDistance(flat, half, {1, 2, 0}) == kInfinity);
-    CHECK(sampleDistance(flat, half, {0, 2, 0}) == 12);
+    CHECK(sampleDistance(half, {1, 2, 0}) == kInfinity);
+    CHECK(sampleDistance(half, {0, 2, 0}) == 12);
 }
 
 TEST_CASE("sampleDistance: straight to the seed within its start disc") {
@@ -135,7 +138,7 @@ TEST_CASE("sampleDistance: straight to the seed within its start disc") {
     field.startRadius = 3.5;
     field.summarize();
     for (const Vec3d& p : {at, at + Vec3d{0.1, 0, 0}, at + Vec3d{2, -2, 0}})
-        CHECK(sampleDistance(band, field, p) == 5 + 2 * length(p - at));
+        CHECK(sampleDistance(field, p) == 5 + 2 * length(p - at));
     CHECK(seedAround(field, at + Vec3d{3.4, 0, 0}, {0, 0, 1}, 5 + 6.8) == &field.seeds[0]);
     CHECK(seedAround(field, at + Vec3d{3.6, 0, 0}, {0, 0, 1}, 5 + 7.2) == nullptr);
     // Near in space, far on the surface: another sheet.
@@ -149,7 +152,7 @@ TEST_CASE("distanceGrid: world units at reached nodes, the largest elsewhere") {
     field.distance[7] = kInfinity;
     field.summarize();
     const auto transform = openvdb::math::Transform::createLinearTransform(0.25);
-    const auto grid = distanceGrid(band, field, *transform, "d");
+    const auto grid = distanceGrid(field, *transform, "d");
     CHECK(grid->getName() == "d");
     CHECK(grid->transform() == *transform);
     CHECK(grid->activeVoxelCount() == band.size() - 1);
@@ -167,9 +170,9 @@ TEST_CASE("gradientGrid: turned into world space, not scaled") {
     Band band = plane();
     band.transform.dx = 0.25;
     band.transform.axis = {Vec3d{0, 1, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 0, 1}};
-    const Field field = fieldOf(band, [](const Vec3d&) { return 1.0; });
-    const std::vector<Vec3f> gradient(band.size(), Vec3f{1, 2, 3});
-    const auto grid = gradientGrid(band, field, gradient, openvdb::math::Transform(), "g");
+    Field field = fieldOf(band, [](const Vec3d&) { return 1.0; });
+    field.gradient.assign(band.size(), Vec3f{1, 2, 3});
+    const auto grid = gradientGrid(field, openvdb::math::Transform(), "g");
     CHECK(grid->activeVoxelCount() == band.size());
     for (auto it = grid->cbeginValueOn(); it; ++it) REQUIRE(*it == openvdb::Vec3s(-2, 1, 3));
 }

@@ -36,7 +36,7 @@ double lengthError(const Solved& s, const Path& path) {
 TEST_CASE("straighten removes a detour and the march's error from a path") {
     const Solved s;
     const Field field = marchJet(s.band, {}, {s.seed});
-    Path path = tracePath(s.band, field, field.gradient, s.target);
+    Path path = tracePath(field, s.target);
     REQUIRE(path.status == PathStatus::Reached);
     // Push the path four voxels aside in the middle: (4 pi / length)^2 / 4 longer, and that is
     // about 1 %.
@@ -53,7 +53,7 @@ TEST_CASE("straighten removes a detour and the march's error from a path") {
     for (std::size_t k = 1; k < n; ++k)
         path.weightedLength += length(path.vertices[k].pIndex - path.vertices[k - 1].pIndex);
     const double before = lengthError(s, path);
-    straighten(s.band, field, path);
+    straighten(field, path);
     INFO("before " << before << ", after " << lengthError(s, path));
     CHECK(before > 3e-3);
     // The trilinear zero set is 1 / (6 R^2) = 4.2e-4 short at R = 20; chords of half a voxel
@@ -70,10 +70,9 @@ TEST_CASE("estimateAccuracy tells a good field from a poor one") {
     const Field jet = marchJet(s.band, {}, {s.seed});
     GodunovOptions first;
     first.order = 1;
-    Field godunov = marchGodunov(s.band, {}, {s.seed}, first);
-    const AccuracyEstimate good = estimateAccuracy(s.band, jet, jet.gradient);
-    const AccuracyEstimate poor =
-        estimateAccuracy(s.band, godunov, surfaceGradient(s.band, godunov));
+    const Field godunov = marchGodunov(s.band, {}, {s.seed}, first);
+    const AccuracyEstimate good = estimateAccuracy(jet);
+    const AccuracyEstimate poor = estimateAccuracy(godunov);
     REQUIRE(good.samples > 4);
     REQUIRE(poor.samples > 4);
     INFO("jet " << good.meanError << ", godunov " << poor.meanError);
@@ -86,10 +85,10 @@ TEST_CASE("estimateAccuracy tells a good field from a poor one") {
 TEST_CASE("extendDistance covers the narrow band with the values of the foot points") {
     const Solved s;
     const Field field = marchJet(s.band, {}, {s.seed});
-    auto grid = distanceGrid(s.band, field, s.levelSet.psi->transform(), "d");
+    auto grid = distanceGrid(field, s.levelSet.psi->transform(), "d");
     const auto before = grid->deepCopy();
     CHECK(grid->activeVoxelCount() == s.band.size());
-    extendDistance(*grid, s.levelSet, s.band, field);
+    extendDistance(*grid, s.levelSet, field);
     CHECK(grid->activeVoxelCount() == s.levelSet.psi->activeVoxelCount());
     const auto old = before->getConstAccessor();
     const openvdb::Vec3d seed = worldOf(s.band, s.seed.pIndex);

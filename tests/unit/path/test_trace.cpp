@@ -3,6 +3,7 @@
 #include <support/analytic_band.h>
 #include <support/catch.h>
 #include <support/expect_error.h>
+#include <support/pinned.h>
 
 #include <random>
 
@@ -13,20 +14,20 @@ const Vec3d kCenter{0.3, -0.2, 0.1};
 constexpr double kRadius = 20, kStartRadius = 3.5;
 
 /// Exact distances on the sphere from `seed`.
-struct Sphere {
+struct Sphere : Pinned {
     Band band = sphereBand(kCenter, kRadius, 2);
     Field field;
-    std::vector<Vec3f> gradient;
 
     explicit Sphere(const Vec3d& direction, double start = 0) {
         SurfacePoint seed = at(direction);
         seed.start = start;
+        field.band = &band;
         field.seeds = {seed};
         field.startRadius = kStartRadius;
         for (std::size_t k = 0; k < band.size(); ++k)
             field.distance.push_back(start + geodesic(seed.pIndex, band.footPoint(NodeIndex(k))));
         field.summarize();
-        gradient = surfaceGradient(band, field);
+        field.gradient = surfaceGradient(field);
     }
     SurfacePoint at(const Vec3d& direction) const {
         return nearestSurfacePoint(band, kCenter + kRadius * normalized(direction));
@@ -35,9 +36,7 @@ struct Sphere {
         const Vec3d a = p - kCenter, b = q - kCenter;
         return kRadius * std::atan2(length(cross(a, b)), dot(a, b));
     }
-    Path trace(const SurfacePoint& target) const {
-        return tracePath(band, field, gradient, target);
-    }
+    Path trace(const SurfacePoint& target) const { return tracePath(field, target); }
 };
 
 /// What every path promises.
@@ -140,7 +139,7 @@ TEST_CASE("tracePath: from the antipode some shortest way") {
 
 TEST_CASE("tracePath: from node to node where the gradient is of no use") {
     Sphere s({1, 2, 3});
-    std::fill(s.gradient.begin(), s.gradient.end(), Vec3f{});
+    std::fill(s.field.gradient.begin(), s.field.gradient.end(), Vec3f{});
     for (const Vec3d& direction : {Vec3d{-1, 0, 0}, Vec3d{0, 1, 0.3}, Vec3d{2, 0.1, -1}}) {
         const SurfacePoint target = s.at(direction);
         const Path path = s.trace(target);
@@ -164,7 +163,7 @@ TEST_CASE("tracePath: the nearest of several seeds, by number") {
         s.field.distance[k] = std::min(
             s.field.distance[k], Sphere::geodesic(second.pIndex, s.band.footPoint(NodeIndex(k))));
     s.field.summarize();
-    s.gradient = surfaceGradient(s.band, s.field);
+    s.field.gradient = surfaceGradient(s.field);
     for (const auto& [direction, seed] :
          {std::pair<Vec3d, std::size_t>{{0.2, 0.3, 1}, 0}, {{0.2, 1, 0.3}, 1}}) {
         const Path path = s.trace(s.at(direction));
@@ -190,7 +189,7 @@ TEST_CASE("tracePath: an unreached target has no path") {
 TEST_CASE("tracePath: a field without a way down stalls") {
     Sphere s({1, 2, 3});
     std::fill(s.field.distance.begin(), s.field.distance.end(), 30.0);
-    s.gradient = surfaceGradient(s.band, s.field);
+    s.field.gradient = surfaceGradient(s.field);
     const Path flat = s.trace(s.at({-1, 0, 0}));
     CHECK(flat.status == PathStatus::Stalled);
     CHECK(flat.vertices.size() <= 2);  // its target, and the node next to it
@@ -201,7 +200,7 @@ TEST_CASE("tracePath: a field without a way down stalls") {
     const Vec3d pit = s.at({0, -1, 0}).pIndex;
     for (std::size_t k = 0; k < s.band.size(); ++k)
         s.field.distance[k] = 30 + Sphere::geodesic(pit, s.band.footPoint(NodeIndex(k)));
-    s.gradient = surfaceGradient(s.band, s.field);
+    s.field.gradient = surfaceGradient(s.field);
     const Path path = s.trace(s.at({0.3, -1, 0.2}));
     CHECK(path.status == PathStatus::Stalled);
     CHECK(path.vertices.size() > 3);
@@ -212,18 +211,17 @@ TEST_CASE("tracePath: a field without a way down stalls") {
 TEST_CASE("tracePaths: the paths of tracePath, in order") {
     const Sphere s({1, 2, 3});
     const std::vector<SurfacePoint> targets{s.at({-1, 0, 0}), s.at({0, 1, 0}), s.at({0, 0, -1})};
-    const auto paths = tracePaths(s.band, s.field, s.gradient, targets);
+    const auto paths = tracePaths(s.field, targets);
     REQUIRE(paths.size() == 3);
     for (std::size_t k = 0; k < 3; ++k) {
         CHECK(paths[k].target.pIndex == targets[k].pIndex);
         CHECK(paths[k].weightedLength == s.trace(targets[k]).weightedLength);
     }
-    CHECK(tracePaths(s.band, s.field, s.gradient, {}).empty());
+    CHECK(tracePaths(s.field, {}).empty());
     struct Stop : Progress {
         bool cancelled() const override { return true; }
     } stop;
-    expectError(Error::Kind::Cancelled, {},
-                [&] { tracePaths(s.band, s.field, s.gradient, targets, {}, stop); });
+    expectError(Error::Kind::Cancelled, {}, [&] { tracePaths(s.field, targets, {}, stop); });
 }
 
 }  // namespace igeo::test

@@ -64,7 +64,7 @@ TEST_CASE("distances: rows are marches of their own, and symmetry is made of bot
     REQUIRE(m.distance.size() == 6);
     CHECK(m.asymmetry == 0);
     const auto sampled = [&](std::size_t from, std::size_t to) {
-        return sampleDistance(band, marchJet(band, {}, {p[from]}), p[to].pIndex);
+        return sampleDistance(marchJet(band, {}, {p[from]}), p[to].pIndex);
     };
     CHECK(m.at(0, 0) == sampled(0, 2));
     CHECK(m.at(0, 1) == sampled(0, 3));

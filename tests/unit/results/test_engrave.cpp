@@ -27,10 +27,9 @@ struct Carved {
     explicit Carved(double radius = kGrooveRadius, double degrees = 0)
         : m(meshed(sphere(kCenter, 0.4), *rotatedTransform(0.02, {1, 2, 3}, degrees, {1, 2, 3}),
                    {kCenter + 0.4 * genericDirection()})) {
-        lines = isolines(m.band, m.field, m.mesh, levelsByCount(m.field, 3));
+        lines = isolines(m.field, m.mesh, levelsByCount(m.field, 3));
         REQUIRE(lines.size() == 3);
-        paths = {tracePath(m.band, m.field, surfaceGradient(m.band, m.field),
-                           pointOn(m.band, kCenter + 0.4 * genericDirection(1)))};
+        paths = {tracePath(m.field, pointOn(m.band, kCenter + 0.4 * genericDirection(1)))};
         grid = engraved(m.levelSet, lines, paths, radius);
     }
 

@@ -21,7 +21,7 @@ namespace {
 const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
 
 std::vector<Isoline> linesOf(const Meshed& m, const std::vector<double>& levels) {
-    return isolines(m.band, m.field, m.mesh, levels);
+    return isolines(m.field, m.mesh, levels);
 }
 
 /// What every line has to fulfil, but for those that end.
@@ -38,7 +38,7 @@ void checkLines(const Meshed& m, const std::vector<Isoline>& lines, double radiu
             distinct.insert({p.x, p.y, p.z});
             const PsiSample s = samplePsi(m.band, p);
             if (s.valid) off = std::max(off, std::abs(s.psi));
-            const double error = std::abs(sampleDistance(m.band, m.field, p) - line.level);
+            const double error = std::abs(sampleDistance(m.field, p) - line.level);
             wrong = std::max(wrong, error);
             ++points;
             if (error > 2e-6) ++rough;
@@ -197,7 +197,7 @@ TEST_CASE("isolines: they end where nothing is known") {
     const auto ragged = linesOf(m, {last - 0.2, last - 0.05, last - 0.01});
     CHECK(std::any_of(ragged.begin(), ragged.end(), [](const Isoline& l) { return !l.closed; }));
     for (const Isoline& line : ragged)
-        for (const Vec3d& p : line.points) CHECK(sampleDistance(m.band, m.field, p) < kInfinity);
+        for (const Vec3d& p : line.points) CHECK(sampleDistance(m.field, p) < kInfinity);
 }
 
 TEST_CASE("isolines: an obstacle cuts lines open") {
@@ -206,7 +206,7 @@ TEST_CASE("isolines: an obstacle cuts lines open") {
     const auto wall = std::make_shared<Wall>(m.field.seeds[0].pIndex + Vec3d{6.3, 1, 0}, 6);
     metric->setObstacles(m.band, wall);
     m.field = marchJet(m.band, metric, m.field.seeds);
-    m.mesh = surfaceMesh(m.levelSet, m.band, m.field);
+    m.mesh = surfaceMesh(m.levelSet, m.field);
     // Both sides of the wall are reached: the one at 6.3 and more, the other past its ends.
     const auto lines = linesOf(m, {4, 7});
     REQUIRE(lines.size() == 2);

@@ -20,7 +20,8 @@ Band plane() { return planeBand(kNormal, 0.4, {-20, -16, -12}, {20, 16, 12}, 2);
 
 /// By how much the map leads past a node, sideways: what it knows better than the field, whose
 /// distances are those of the map. Voxels.
-double worstOnPlane(const Band& band, const Field& field, const LogMap& map, double weight = 1) {
+double worstOnPlane(const Field& field, const LogMap& map, double weight = 1) {
+    const Band& band = *field.band;
     double worst = 0;
     for (NodeIndex i = 0; i < band.size(); ++i) {
         const std::size_t k = field.label.empty() ? 0 : field.label[i];
@@ -46,7 +47,7 @@ TEST_CASE("logMap: the plane itself") {
     const Band band = plane();
     const SurfacePoint seed = nearestSurfacePoint(band, {1.3, -2.2, 0});
     const Field field = marchJet(band, {}, {seed});
-    const LogMap map = logMap(band, field);
+    const LogMap map = logMap(field);
     REQUIRE(map.frames.size() == 1);
     REQUIRE(map.position.size() == band.size());
     const LogMap::Frame& f = map.frames[0];
@@ -54,14 +55,14 @@ TEST_CASE("logMap: the plane itself") {
     CHECK(length(f.u - normalized(tangential(Vec3d{1, 0, 0}, kNormal))) <
           9.5e-09);                                      // measured 6.3e-09
     CHECK(length(cross(f.u, f.v) - kNormal) < 1.3e-08);  // measured 8.4e-09
-    CHECK(worstOnPlane(band, field, map) < kFloat);
+    CHECK(worstOnPlane(field, map) < kFloat);
 
     const Vec3d reference{-1, 2, 7};
-    const LogMap other = logMap(band, field, reference);
+    const LogMap other = logMap(field, reference);
     CHECK(length(other.frames[0].u - normalized(tangential(reference, kNormal))) <
           1.7e-08);  // measured 1.1e-08
-    CHECK(worstOnPlane(band, field, other) < kFloat);
-    CHECK(length(logMap(band, field, 4.0 * kNormal).frames[0].u - f.u) < 1e-6);
+    CHECK(worstOnPlane(field, other) < kFloat);
+    CHECK(length(logMap(field, 4.0 * kNormal).frames[0].u - f.u) < 1e-6);
 }
 
 TEST_CASE("logMap: each node in the frame of the seed it is nearest to; starts are no length") {
@@ -69,11 +70,11 @@ TEST_CASE("logMap: each node in the frame of the seed it is nearest to; starts a
     SurfacePoint late = nearestSurfacePoint(band, {-12, 5, 0});
     late.start = 4;
     const Field field = marchJet(band, {}, {nearestSurfacePoint(band, {9, -4, 0}), late});
-    const LogMap map = logMap(band, field);
+    const LogMap map = logMap(field);
     REQUIRE(map.frames.size() == 2);
     // Where fronts meet, nodes lack the neighbors on the other side, and gradients are off by
     // some 2e-3.
-    CHECK(worstOnPlane(band, field, map) < 0.05);
+    CHECK(worstOnPlane(field, map) < 0.05);
     std::size_t second = 0;
     for (const auto l : field.label) second += l;
     CHECK(second > band.size() / 10);
@@ -84,7 +85,7 @@ TEST_CASE("logMap: a constant weight scales it") {
     const auto metric = std::make_shared<Metric>();
     metric->weight.assign(band.size(), 3.0f);
     const Field field = marchJet(band, metric, {nearestSurfacePoint(band, {1.3, -2.2, 0})});
-    CHECK(worstOnPlane(band, field, logMap(band, field), 3) < 3 * kFloat);
+    CHECK(worstOnPlane(field, logMap(field), 3) < 3 * kFloat);
 }
 
 TEST_CASE("logMap: a cylinder unrolled") {
@@ -96,7 +97,7 @@ TEST_CASE("logMap: a cylinder unrolled") {
                                    {-12, -12, -15}, {12, 12, 15}, 2);
     const SurfacePoint seed = nearestSurfacePoint(band, {kR, 0.3, 0.2});
     const Field field = marchJet(band, {}, {seed});
-    const LogMap map = logMap(band, field, {0, 0, 1});
+    const LogMap map = logMap(field, {0, 0, 1});
     double worst = 0;
     for (NodeIndex i = 0; i < band.size(); ++i) {
         const Vec3d q = band.footPoint(i);
@@ -118,7 +119,7 @@ TEST_CASE("logMap: unknown where nothing arrived, and not active in its grid") {
     JetOptions options;
     options.maxDistance = 9;
     const Field field = marchJet(band, {}, {nearestSurfacePoint(band, {1.3, -2.2, 0})}, options);
-    const LogMap map = logMap(band, field);
+    const LogMap map = logMap(field);
     std::size_t known = 0;
     for (NodeIndex i = 0; i < band.size(); ++i) {
         REQUIRE(std::isnan(map.position[i].x) == !(field.distance[i] < kInfinity));
@@ -142,7 +143,7 @@ TEST_CASE("logMap: the same bits on any number of threads; a field of jet it has
     const SurfacePoint seed = nearestSurfacePoint(band, {9, 3, 6});
     const auto with = [&](int threads) {
         const ThreadLimit limit(threads);
-        return logMap(band, marchJet(band, {}, {seed})).position;
+        return logMap(marchJet(band, {}, {seed})).position;
     };
     const auto one = with(1);
     for (const int threads : {2, 5}) {
@@ -150,7 +151,7 @@ TEST_CASE("logMap: the same bits on any number of threads; a field of jet it has
         CHECK(std::memcmp(one.data(), many.data(), one.size() * sizeof(Vec2f)) == 0);
     }
     const Field voxels = marchGodunov(band, {}, {seed});
-    expectError(Error::Kind::InvalidArgument, {"jet"}, [&] { logMap(band, voxels); });
+    expectError(Error::Kind::InvalidArgument, {"jet"}, [&] { logMap(voxels); });
 }
 
 }  // namespace igeo::test

@@ -28,8 +28,7 @@ struct Surface {
     }
     double wholeDistance(const Vec3d& from, const Vec3d& to) const {
         const SurfacePoint s = nearestSurfacePoint(whole, from), t = nearestSurfacePoint(whole, to);
-        return sampleDistance(whole, marchJet(whole, {}, {s}), t.pIndex,
-                              Vec3d(whole.normal[t.node]));
+        return sampleDistance(marchJet(whole, {}, {s}), t.pIndex, Vec3d(whole.normal[t.node]));
     }
 };
 

@@ -129,6 +129,7 @@ TEST_CASE("renderPng: a path does not show through a thin sheet") {
     const LevelSet levelSet = checkLevelSet(std::move(loaded));
     const Band band = bandFromLevelSet(levelSet, 1.8);
     Field field;
+    field.band = &band;
     field.distance.assign(band.size(), 1.0);
     field.summarize();
     // A path is at least 1.8 pixels wide to either side, more than the sheet is thick here.
@@ -141,7 +142,7 @@ TEST_CASE("renderPng: a path does not show through a thin sheet") {
         for (int k = -10; side != 0 && k <= 10; ++k)
             path.vertices.push_back(
                 {levelSet.transform.indexFromWorld({0.04 * k, 0, side * thickness / 2}), 0, 0});
-        return renderPng(levelSet, band, field, {path}, options);
+        return renderPng(levelSet, field, {path}, options);
     };
     CHECK((render(-1) == render(0)));
     CHECK((render(1) != render(0)));
@@ -266,6 +267,7 @@ TEST_CASE("renderPng: a cut surface ends where its data ends") {
     REQUIRE(levelSet.stats.cutVoxels > 0);
     const Band band = bandFromLevelSet(levelSet, 2);
     Field field;
+    field.band = &band;
     field.distance.assign(band.size(), 1.0);
     field.summarize();
     PictureOptions options;
@@ -276,7 +278,7 @@ TEST_CASE("renderPng: a cut surface ends where its data ends") {
     // From in front, and from the side, where a wall at the edge would be seen.
     for (const Vec3d& eye : {Vec3d{0, 0, 8}, {0, -8, 0.4}}) {
         options.eye = eye;
-        const Image image(renderPng(levelSet, band, field, {}, options));
+        const Image image(renderPng(levelSet, field, {}, options));
         CHECK(!image.isWhite(150, 150));
         const Vec3d back = normalized(eye), right{1, 0, 0}, up = cross(back, right);
         const double scale = 150 / View::kHalfWidth;
@@ -304,7 +306,7 @@ TEST_CASE("renderPng: options out of range are refused") {
         options.width = 32, options.height = 24;
         change(options);
         expectError(Error::Kind::InvalidArgument, phrases,
-                    [&] { renderPng(scene.levelSet, scene.band, scene.field, {}, options); });
+                    [&] { renderPng(scene.levelSet, scene.field, {}, options); });
     };
     refused({"0 x 24", "16384"}, [](auto& o) { o.width = 0; });
     refused({"32 x -1", "16384"}, [](auto& o) { o.height = -1; });
@@ -334,9 +336,7 @@ TEST_CASE("renderPng: stops when asked to, and reports how far it is") {
     const SpherePicture scene({0, 0, 1});
     PictureOptions options;
     options.width = 32, options.height = 24;
-    auto render = [&] {
-        renderPng(scene.levelSet, scene.band, scene.field, {}, options, progress);
-    };
+    auto render = [&] { renderPng(scene.levelSet, scene.field, {}, options, progress); };
     progress.stop = true;
     expectError(Error::Kind::Cancelled, {}, render);
     progress.stop = false;
@@ -360,7 +360,7 @@ TEST_CASE("colorGrid: the colors of the distances, gray elsewhere") {
     SpherePicture scene({0, 0, 1});
     scene.field.distance[7] = kInfinity;
     const ColorMap map("cividis");
-    const auto grid = colorGrid(scene.band, scene.field, map, scene.levelSet.psi->transform(), "c");
+    const auto grid = colorGrid(scene.field, map, scene.levelSet.psi->transform(), "c");
     CHECK(grid->getName() == "c");
     CHECK(grid->transform() == scene.levelSet.psi->transform());
     CHECK(grid->activeVoxelCount() == scene.band.size() - 1);

@@ -23,7 +23,7 @@ TEST_CASE("an open mesh is refined without cracks and carries the distance", "[m
     const SurfacePoint seed =
         nearestMeshPoint(mesh, band, band.transform.indexFromWorld({0.2, 0.1, 0.1}));
     const Field field = marchJet(band, nullptr, {seed});
-    const SurfaceMesh fine = refinedMesh(mesh, band, field);
+    const SurfaceMesh fine = refinedMesh(mesh, field);
 
     const test::Topology topology = test::topologyOf(fine);
     CHECK(topology.rimLoops == 2);
@@ -47,7 +47,7 @@ TEST_CASE("an open mesh is refined without cracks and carries the distance", "[m
                 std::max(off, std::abs(fine.distance[i] - length(fine.position[i] - seed.pIndex)));
     }
     CHECK(off < 0.00032);  // measured 0.00021
-    const std::vector<Isoline> lines = isolines(band, field, fine, {20.0});
+    const std::vector<Isoline> lines = isolines(field, fine, {20.0});
     CHECK_FALSE(lines.empty());
 }
 
@@ -55,11 +55,11 @@ TEST_CASE("edges that are short enough are left alone", "[mesh]") {
     const TriangleMesh mesh = test::sphereMesh({}, 1, 3);
     const Band band = bandFromMesh(mesh, 0.3, std::sqrt(3.0));
     const Field field = marchJet(band, nullptr, {nearestMeshPoint(mesh, band, Vec3d{0, 0, 10})});
-    CHECK(refinedMesh(mesh, band, field).triangles == mesh.triangles);
-    CHECK(test::topologyOf(refinedMesh(mesh, band, field, 0.4)).closed());
+    CHECK(refinedMesh(mesh, field).triangles == mesh.triangles);
+    CHECK(test::topologyOf(refinedMesh(mesh, field, 0.4)).closed());
     for (const double longest : {0.0, -1.0, std::nan("")})
         test::expectError(Error::Kind::InvalidArgument, {"edges of at most"},
-                          [&] { refinedMesh(mesh, band, field, longest); });
+                          [&] { refinedMesh(mesh, field, longest); });
 }
 
 }  // namespace

@@ -128,7 +128,7 @@ TEST_CASE("surfaceMesh: distances are the field's, labels the nearest seed's") {
     for (std::size_t i = 0; i < m.mesh.position.size(); ++i) {
         const Vec3d p = m.mesh.position[i];
         CHECK(m.mesh.distance[i] ==
-              Approx(sampleDistance(m.band, m.field, p, Vec3d(m.mesh.normal[i]))).margin(1e-3));
+              Approx(sampleDistance(m.field, p, Vec3d(m.mesh.normal[i]))).margin(1e-3));
         const double d0 = length(p - m.field.seeds[0].pIndex),
                      d1 = length(p - m.field.seeds[1].pIndex);
         // Within half a voxel of the border it may be either.
@@ -217,8 +217,7 @@ TEST_CASE("surfaceMesh can be stopped") {
         bool cancelled() const override { return true; }
     } stop;
     const Meshed m = meshed(sphere(kCenter, 0.4), 0.05, {kCenter});
-    expectError(Error::Kind::Cancelled, {},
-                [&] { surfaceMesh(m.levelSet, m.band, m.field, stop); });
+    expectError(Error::Kind::Cancelled, {}, [&] { surfaceMesh(m.levelSet, m.field, stop); });
 }
 
 TEST_CASE("meshEdges: each edge once, numbered for its triangles") {

@@ -25,7 +25,7 @@ struct Frame {
     openvdb::Vec3d u = genericDirection(0), v = u.cross(genericDirection(1)).unit(), w = u.cross(v);
 };
 
-VoronoiCells cellsOf(const Meshed& m) { return voronoiCells(m.band, m.field, m.mesh); }
+VoronoiCells cellsOf(const Meshed& m) { return voronoiCells(m.field, m.mesh); }
 
 }  // namespace
 
@@ -71,7 +71,7 @@ TEST_CASE("voronoiCells: two seeds share a sphere, also where one starts late") 
             std::vector<SurfacePoint> seeds = m.field.seeds;
             seeds[0].start = late;
             m.field = marchJet(m.band, {}, seeds);
-            m.mesh = surfaceMesh(m.levelSet, m.band, m.field);
+            m.mesh = surfaceMesh(m.levelSet, m.field);
         }
         const VoronoiCells cells = cellsOf(m);
         // The border is the circle at r theta + late = r (pi - theta).
@@ -147,7 +147,7 @@ TEST_CASE("voronoiCells need to know which seed is nearest") {
     std::vector<SurfacePoint> seeds = m.field.seeds;
     seeds.push_back(pointOn(m.band, kCenter + openvdb::Vec3d(0, 0.4, 0)));
     m.field = marchGodunov(m.band, {}, seeds);
-    m.mesh = surfaceMesh(m.levelSet, m.band, m.field);
+    m.mesh = surfaceMesh(m.levelSet, m.field);
     expectError(Error::Kind::InvalidArgument, {"godunov", "jet"}, [&] { cellsOf(m); });
 }
 

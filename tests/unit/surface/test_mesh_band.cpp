@@ -22,7 +22,7 @@ Field march(const Band& band, const TriangleMesh& mesh, const Vec3d& seed) {
 }
 
 double at(const Band& band, const TriangleMesh& mesh, const Field& field, const Vec3d& p) {
-    return sampleDistance(band, field,
+    return sampleDistance(field,
                           nearestMeshPoint(mesh, band, band.transform.indexFromWorld(p)).pIndex) *
            band.transform.dx;
 }

@@ -56,7 +56,8 @@ struct Sight {
 };
 
 /// Seeds, paths and the reached surface; paths count most.
-std::vector<Sight> sights(const Band& band, const Field& field, const std::vector<Path>& paths) {
+std::vector<Sight> sights(const Field& field, const std::vector<Path>& paths) {
+    const Band& band = *field.band;
     constexpr std::size_t kMost = 128;  // of each
     std::vector<Vec3d> seeds, vertices, reached;
     for (const SurfacePoint& s : field.seeds) seeds.push_back(s.pIndex);
@@ -137,9 +138,8 @@ bool isVisible(const SurfaceRays& rays, const Vec3d& p, const Vec3d& toEye) {
     return !rays.hit(p + (dot(n, toEye) < 0 ? -kClear : kClear) * n, toEye);
 }
 
-View chooseView(const LevelSet& levelSet, const SurfaceRays& rays, const Band& band,
-                const Field& field, const std::vector<Path>& paths, const PictureOptions& options,
-                double aspect) {
+View chooseView(const LevelSet& levelSet, const SurfaceRays& rays, const Field& field,
+                const std::vector<Path>& paths, const PictureOptions& options, double aspect) {
     constexpr double kMargin = 1.06;
     const SurfaceVoxels voxels(levelSet);
     const auto box = voxels.largest<6>(
@@ -170,7 +170,7 @@ View chooseView(const LevelSet& levelSet, const SurfaceRays& rays, const Band& b
                 fmt::format("move it out; the middle of the surface is {}", textOf(middle)));
         aim(view, back, up);
     } else {
-        aim(view, chooseDirection(levelSet, rays, sights(band, field, paths), up), up);
+        aim(view, chooseDirection(levelSet, rays, sights(field, paths), up), up);
         // A point at (a, b, c) from the target along right, up and back is in the frame of an eye
         // at (x, y, depth) if |a - x| <= T (depth - c) and the same of b.
         const double tx = View::kHalfWidth / kMargin, ty = tx * aspect;
