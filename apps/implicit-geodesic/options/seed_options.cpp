@@ -57,7 +57,7 @@ std::vector<Option> targetOptions(SeedOptions& o) {
             {.names = {"--snap"},
              .value = "D",
              .text = "How far a seed or target may be from the surface, world units [the "
-                     "half-width of the level set]",
+                     "half-width of the level set; mesh and points: 3 voxels]",
              .reads = numberFromZero(o.snap)},
             {.names = {"--sample"},
              .value = "K",
