@@ -128,7 +128,7 @@ def ahead(results):
         lambda run: run.get("further", run["first"])["cpu"], "s")
     measures["peak memory"] = (lambda run: run["peakBytes"] / 1e6, "MB")
     lines = []
-    for measure, (value, unit) in measures.items():
+    for quantity, (value, unit) in measures.items():
         cases = timed(results) if unit != "%" else results["cases"]
         for method in OTHERS:
             where = [f"{title(name)} ({measure.number(value(case[method]), 2)} against "
@@ -136,7 +136,7 @@ def ahead(results):
                      for name, case in cases.items()
                      if method in case and value(case[method]) < value(case["jet"])]
             if where:
-                lines.append(f"- *{measure}*, {NAMES[method]}: {'; '.join(where)}.")
+                lines.append(f"- *{quantity}*, {NAMES[method]}: {'; '.join(where)}.")
     return "\n".join(lines) or "Nowhere in these cases."
 
 
