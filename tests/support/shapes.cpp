@@ -1,9 +1,11 @@
 #include "shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -92,6 +94,62 @@ private:
     }
 
     std::vector<Vec3d> points_;
+};
+
+/// The planes of all blocks' faces divide space into cells; S is the rectangles between solid cells
+/// and empty ones.
+class BlockPart {
+public:
+    explicit BlockPart(const std::vector<Block>& blocks) : blocks_(blocks) {
+        for (int a = 0; a < 3; ++a) {
+            for (const Block& b : blocks) planes_[a].insert({b.low[a], b.high[a]});
+        }
+        for (int a = 0; a < 3; ++a) addFacesAcross(a);
+    }
+
+    double distance(const Vec3d& p) const {
+        double least = std::numeric_limits<double>::infinity();
+        for (const BBoxd& face : faces_) {
+            const Vec3d nearest = openvdb::math::minComponent(
+                openvdb::math::maxComponent(p, face.min()), face.max());
+            least = std::min(least, (p - nearest).lengthSqr());
+        }
+        return isSolid(p) ? -std::sqrt(least) : std::sqrt(least);
+    }
+
+private:
+    bool isSolid(const Vec3d& p) const {
+        bool solid = false;
+        for (const Block& b : blocks_)
+            if (BBoxd(b.low, b.high).isInside(p)) solid = !b.isCut;
+        return solid;
+    }
+    /// Calls visit(low, high) for the intervals between planes.
+    template <typename Visit>
+    void forIntervals(int axis, const Visit& visit) const {
+        for (auto low = planes_[axis].begin(), high = std::next(low); high != planes_[axis].end();
+             ++low, ++high)
+            visit(*low, *high);
+    }
+    void addFacesAcross(int a) {
+        const int u = (a + 1) % 3, v = (a + 2) % 3;
+        constexpr double kBeside = 1e-6;
+        for (const double at : planes_[a])
+            forIntervals(u, [&](double lowU, double highU) {
+                forIntervals(v, [&](double lowV, double highV) {
+                    Vec3d low, high;
+                    low[a] = high[a] = at;
+                    low[u] = lowU, high[u] = highU, low[v] = lowV, high[v] = highV;
+                    Vec3d below = 0.5 * (low + high), above = below;
+                    below[a] -= kBeside, above[a] += kBeside;
+                    if (isSolid(below) != isSolid(above)) faces_.emplace_back(low, high);
+                });
+            });
+    }
+
+    std::vector<Block> blocks_;
+    std::array<std::set<double>, 3> planes_;
+    std::vector<BBoxd> faces_;
 };
 
 }  // namespace
@@ -195,6 +253,14 @@ Shape cylinder(const Vec3d& center, double radius, double halfHeight) {
                std::min(std::max(side, end), 0.0);
     };
     return {"cylinder", sdf, around(center, Vec3d(radius, radius, halfHeight)), true, nullptr};
+}
+
+Shape partOf(const std::vector<Block>& blocks) {
+    const auto part = std::make_shared<const BlockPart>(blocks);
+    BBoxd bounds;
+    for (const Block& b : blocks)
+        if (!b.isCut) bounds.expand(BBoxd(b.low, b.high));
+    return {"part", [=](const Vec3d& p) { return part->distance(p); }, bounds, true, nullptr};
 }
 
 Shape frustum(const Vec3d& center, double wide, double narrow, double halfHeight) {

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace igeo::test {
 
@@ -58,6 +59,15 @@ Shape planePatch(const openvdb::Vec3d& center, const openvdb::Vec3d& normal, dou
 
 /// Cylinder about the z axis with flat ends and sharp rims.
 Shape cylinder(const openvdb::Vec3d& center, double radius, double halfHeight);
+
+/// A block with sides along the axes, added to those before it or cut out of them.
+struct Block {
+    openvdb::Vec3d low, high;
+    bool isCut = false;
+};
+
+/// What blocks make together: a part with plane faces, all at right angles.
+Shape partOf(const std::vector<Block>& blocks);
 
 /// Cone about the z axis with flat ends: radius `wide` at the lower one, `narrow` at the upper.
 Shape frustum(const openvdb::Vec3d& center, double wide, double narrow, double halfHeight);

@@ -45,6 +45,9 @@ private:
     /// The normal at p of the sheet the path is on.
     Vec3d normalAt(const Vec3d& p) const;
     void append(Path& path, const Vec3d& p, double d) const;
+    /// Points of S along the chord from the path's end to p, where the distance is d, so that the
+    /// path does not cut an edge between.
+    void appendBetween(Path& path, const Vec3d& p, double d) const;
     /// The seed to which a path at p, where the distance is d, may go straight.
     const SurfacePoint* seedAhead(const Vec3d& p, double d) const;
     void finishAtSeed(Path& path, const SurfacePoint& seed) const;
@@ -150,21 +153,31 @@ bool Tracer::walkable(NodeIndex i) const {
 }
 
 NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
+    // Further off, a chord may cut the edge or pass the wall between.
+    constexpr double kFar = 2;  // voxels
     const Ijk middle = roundToIjk(p);
-    NodeIndex best = kNoNode;
+    auto forNodes = [&](const auto& visit) {
+        for (int x = -2; x <= 2; ++x)
+            for (int y = -2; y <= 2; ++y)
+                for (int z = -2; z <= 2; ++z) {
+                    const NodeIndex j = band_.nodeAt(middle + Ijk{x, y, z});
+                    if (j != kNoNode && walkable(j) &&
+                        dot(Vec3f(sheetNormal_), band_.normal[j]) >= Band::kOtherSheet &&
+                        !field_.metric->blocked(band_, p, sheetNormal_, j))
+                        visit(j, length(band_.footPoint(j) - p));
+                }
+    };
+    NodeIndex nearest = kNoNode, best = kNoNode;
     double least = kInfinity;
-    for (int x = -2; x <= 2; ++x)
-        for (int y = -2; y <= 2; ++y)
-            for (int z = -2; z <= 2; ++z) {
-                const NodeIndex j = band_.nodeAt(middle + Ijk{x, y, z});
-                if (j == kNoNode || !walkable(j) ||
-                    dot(Vec3f(sheetNormal_), band_.normal[j]) < Band::kOtherSheet ||
-                    field_.metric->blocked(band_, p, sheetNormal_, j))
-                    continue;
-                const double d =
-                    field_.distance[j] + field_.metric->at(j) * length(band_.footPoint(j) - p);
-                if (d < least) least = d, best = j;
-            }
+    forNodes([&](NodeIndex j, double chord) {
+        if (chord < least) least = chord, nearest = j;
+    });
+    least = kInfinity;
+    forNodes([&](NodeIndex j, double chord) {
+        if (j != nearest && (chord > kFar || !band_.joined(nearest, j))) return;
+        const double d = field_.distance[j] + field_.metric->at(j) * chord;
+        if (d < least) least = d, best = j;
+    });
     return best;
 }
 
@@ -187,6 +200,19 @@ void Tracer::append(Path& path, const Vec3d& p, double d) const {
         path.weightedLength += segmentCost(band_, *field_.metric, last, p, sheetNormal_);
     }
     path.vertices.push_back({p, path.length, d});
+}
+
+void Tracer::appendBetween(Path& path, const Vec3d& p, double d) const {
+    const PathVertex from = path.vertices.back();
+    const double chord = length(p - from.pIndex);
+    const int segments = int(std::ceil(chord / options_.maxStep));
+    for (int k = 1; k < segments; ++k) {
+        const double t = double(k) / segments;
+        const Vec3d onChord = from.pIndex + t * (p - from.pIndex);
+        Vec3d q = onChord;
+        if (projectToSurface(band_, q) && length(q - onChord) < chord / 2)
+            append(path, q, from.distance + t * (d - from.distance));
+    }
 }
 
 const SurfacePoint* Tracer::seedAhead(const Vec3d& p, double d) const {
@@ -258,6 +284,7 @@ Path Tracer::trace(const SurfacePoint& target) {
             sheetNormal_ = Vec3d(band_.normal[at.node]);
             // Values at points may lie below those of the nodes around them.
             at.d = std::min(at.d, field_.distance[at.node]);
+            appendBetween(path, at.p, at.d);
             at.step = options_.maxStep / 4;
         }
         if (const Vec3d n = normalAt(at.p); n != Vec3d{}) sheetNormal_ = n;

@@ -5,6 +5,7 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/surface/detail/leaf_block.h>
+#include <igeo/surface/detail/wall_links.h>
 #include <openvdb/tools/SignedFloodFill.h>
 
 #include <algorithm>
@@ -108,6 +109,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
         for (std::size_t l = begin; l < end; ++l)
             for (const NodeIndex i : kinks[l]) band.markFacing(i);
     });
+    band.sever(linksThroughWalls(band, levelSet, kinks));
     std::vector<NodeIndex> rim;
     for (const auto& part : rims) rim.insert(rim.end(), part.begin(), part.end());
     band.numberCore(rim);
