@@ -110,8 +110,8 @@ public:
     double distance(const Vec3d& p) const {
         double least = std::numeric_limits<double>::infinity();
         for (const BBoxd& face : faces_) {
-            const Vec3d nearest = openvdb::math::minComponent(
-                openvdb::math::maxComponent(p, face.min()), face.max());
+            const Vec3d nearest =
+                openvdb::math::minComponent(openvdb::math::maxComponent(p, face.min()), face.max());
             least = std::min(least, (p - nearest).lengthSqr());
         }
         return isSolid(p) ? -std::sqrt(least) : std::sqrt(least);

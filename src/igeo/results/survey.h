@@ -79,6 +79,10 @@ constexpr double kProgramBytes = 45e6, kSecondsPerTriangle = 5e-6;
 /// Band::linked. Time O(n).
 double facingShare(const Band& band);
 
+/// The share of the core with another sheet within 1.1 voxels: a wall or a gap so thin that a voxel
+/// may hold one of its two sheets only, and that fronts may cross. Time O(n), in parallel.
+double unresolvedShare(const Band& band);
+
 /// Describes a surface, on a grid.
 ///
 /// Pieces are those of the core, connected where Band::linked lets a front pass; areas, rims and

@@ -21,6 +21,10 @@ using Leaf = LeafBlock::Leaf;
 /// holds all voxels within kRim of S. Voxels.
 constexpr double kRim = 1, kSharpRadius = 2;
 
+/// Where |psi| is concave, |grad psi| by central differences is less than this where sheets meet,
+/// and more at the crease of a right angle (0.71).
+constexpr double kMeeting = 0.65;
+
 bool meets(const Leaf& leaf, const std::vector<Ball>& region) {
     const openvdb::Coord o = leaf.origin();
     const Vec3d low(o.x(), o.y(), o.z());
@@ -80,7 +84,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
     band.leaves = bandLeaves(source, h * dx, kept);
     band.buildTopology();
 
-    std::vector<std::vector<NodeIndex>> kinks(kept.size()), rims(kept.size());
+    std::vector<std::vector<NodeIndex>> kinks(kept.size()), meetings(kinks), rims(kinks);
     Steps steps(progress, "band", kept.size(), 0.2, 0.8);
     parallelFor(kept.size(), 32, [&](std::size_t begin, std::size_t end) {
         if (steps.cancelled()) return;
@@ -94,7 +98,11 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
                 const PsiDifferences d(block, x, y, z);
                 const double value = block.at(x, y, z);
                 const Vec3d n = normalized(psiGradient(d, value));
-                if (!d.smooth()) kinks[l].push_back(i);
+                if (!d.smooth()) {
+                    kinks[l].push_back(i);
+                    if (length(d.central()) < kMeeting && d.laplacian(value < 0 ? -1 : 1) < 0)
+                        meetings[l].push_back(i);
+                }
                 if (std::abs(value) < kRim && d.laplacian(value < 0 ? -1 : 1) > 1 / kSharpRadius)
                     rims[l].push_back(i);
                 band.psi[i] = float(value);
@@ -109,7 +117,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
         for (std::size_t l = begin; l < end; ++l)
             for (const NodeIndex i : kinks[l]) band.markFacing(i);
     });
-    band.sever(linksThroughWalls(band, levelSet, kinks));
+    band.sever(linksThroughWalls(band, levelSet, meetings));
     std::vector<NodeIndex> rim;
     for (const auto& part : rims) rim.insert(rim.end(), part.begin(), part.end());
     band.numberCore(rim);

@@ -4,100 +4,138 @@
 #include <igeo/surface/detail/leaf_block.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <cstdlib>
+#include <limits>
 
 namespace igeo {
 
 namespace {
-double env(const char* n, double d) { const char* v = std::getenv(n); return v ? std::atof(v) : d; }
-const double kSlack = env("W_SLACK", 0.3), kDeep = env("W_DEEP", 0.1), kStep = env("W_STEP", 0.35), kOff = env("W_OFF", 0.5);
 
-/// psi between voxels, in voxels; NaN beside inactive ones.
+/// Voxels. Below kAtSurface a point is on S: in a wall of one voxel the interpolant of psi has
+/// little more. kSlack is for foot points and normals beside creases; of a foot point off the
+/// interpolant's zero set, at corners by up to 0.48, up to kMostOff is made up for.
+constexpr double kAtSurface = 0.03, kSlack = 0.3, kMostOff = 0.5, kSpacing = 0.25;
+
+/// Sine of the angle by which normals turn away from each other on a convex part beyond doubt.
+constexpr double kTurn = 0.2;
+
+/// The trilinear interpolant of psi, in voxels; NaN beside inactive voxels.
 class PsiBetween {
 public:
-    PsiBetween(const LevelSet& levelSet)
+    explicit PsiBetween(const LevelSet& levelSet)
         : psi_(levelSet.psi->constTree()), perDx_(1 / levelSet.transform.dx) {}
+
     double at(const Vec3d& p) {
         const Ijk low = floorToIjk(p);
+        if (low != low_) gather(low);
         const Vec3d t = p - Vec3d(low);
         double sum = 0;
-        for (int k = 0; k < 8; ++k) {
-            const int a = k >> 2, b = k >> 1 & 1, c = k & 1;
-            float v;
-            if (!psi_.probeValue({low.x + a, low.y + b, low.z + c}, v))
-                return std::numeric_limits<double>::quiet_NaN();
-            sum += (a ? t.x : 1 - t.x) * (b ? t.y : 1 - t.y) * (c ? t.z : 1 - t.z) * double(v);
-        }
-        return perDx_ * sum;
+        for (std::size_t k = 0; k < 8; ++k)
+            sum += (k >> 2 ? t.x : 1 - t.x) * (k >> 1 & 1 ? t.y : 1 - t.y) *
+                   (k & 1 ? t.z : 1 - t.z) * corner_[k];
+        return sum;
     }
+    /// Whether psi at p is known to be of a sign, and off S.
+    bool isBeyond(const Vec3d& p, double sign) { return sign * at(p) > kAtSurface; }
+
 private:
+    /// The corners of the cell, in which the next points mostly are.
+    void gather(const Ijk& low) {
+        low_ = low;
+        for (std::size_t k = 0; k < 8; ++k) {
+            const openvdb::Coord ijk(low.x + int(k >> 2), low.y + int(k >> 1 & 1),
+                                     low.z + int(k & 1));
+            float value;
+            corner_[k] = psi_.probeValue(ijk, value) ? perDx_ * double(value)
+                                                     : std::numeric_limits<double>::quiet_NaN();
+        }
+    }
     LeafBlock::Accessor psi_;
     double perDx_;
+    Ijk low_{std::numeric_limits<std::int32_t>::min(), 0, 0};
+    std::array<double, 8> corner_;
 };
 
-bool throughWall(PsiBetween& psi, const Vec3d& from, const Vec3f& d, const Vec3f& a, const Vec3f& b) {
-    const Vec3d chord(d), m = normalized(Vec3d(a) + Vec3d(b));
-    const double alongA = dot(Vec3d(a), chord), alongB = dot(Vec3d(b), chord), cosine = dot(m, Vec3d(a));
-    const double len = length(chord);
-    const int n = int(std::ceil(len / kStep));
-    const double offA = std::abs(psi.at(from)), offB = std::abs(psi.at(from + chord));
-    for (int k = 1; k < n; ++k) {
-        const double t = double(k) / n;
-        const Vec3d q = from + t * chord;
-        const double v = psi.at(q);
-        if (!(std::abs(v) > kDeep)) continue;
-        const double side = v < 0 ? 1 : -1;
-        // Heights of the planes over q along the mean normal, on that side.
-        const double rise = std::max(0.0, std::min(-side * t * alongA, side * (1 - t) * alongB));
-        const double reach = rise / cosine + kSlack + std::min(kOff, (1 - t) * offA + t * offB);
-        bool out = false;
-        for (int s = 1; s <= 2 && !out; ++s) {
-            const double w = psi.at(q + (side * reach * s / 2) * m);
-            out = !(-side * w > kDeep);
-        }
-        if (!out) return true;
+/// Bit of the side of S on which psi has this sign.
+unsigned sideOf(double psi) { return psi < 0 ? 1 : 2; }
+
+/// Whether the chord between foot points runs through a wall or across a slot.
+/// @param a, b  the unit normals at its ends
+/// @param sides  bits of the sides of S on which sheets meet: past a rim that the interpolant cuts
+///               short, no slot is
+bool runsThroughWall(PsiBetween& psi, const Vec3d& from, const Vec3d& chord, const Vec3d& a,
+                     const Vec3d& b, unsigned sides) {
+    const Vec3d mean = normalized(a + b);
+    const double alongA = dot(a, chord), alongB = dot(b, chord), cosine = dot(mean, a);
+    const double turn = kTurn * length(chord);
+    const int pieces = int(std::ceil(length(chord) / kSpacing));
+    for (int k = 1; k < pieces; ++k) {
+        const double t = double(k) / pieces;
+        const Vec3d p = from + t * chord;
+        const double value = psi.at(p), sign = value < 0 ? -1 : 1;
+        if (!(std::abs(value) > kAtSurface) || !(sides & sideOf(value))) continue;
+        // At rims that the interpolant cuts short the chord of a convex part lies in the air.
+        if (-sign * alongA > turn && sign * alongB > turn) continue;
+        // How far the nearer plane is along the mean normal, if both lie on the side of S.
+        const double toPlanes =
+            std::max(0.0, std::min(sign * t * alongA, -sign * (1 - t) * alongB)) / cosine;
+        const double off = (1 - t) * std::abs(psi.at(from)) + t * std::abs(psi.at(from + chord));
+        const double reach = toPlanes + kSlack + std::min(kMostOff, off);
+        if (psi.isBeyond(p - (sign * reach) * mean, sign) &&
+            psi.isBeyond(p - (sign * reach / 2) * mean, sign))
+            return true;
     }
     return false;
+}
+
+/// Per node the sides of S on which sheets meet there or at a neighbor (sideOf).
+std::vector<std::uint8_t> besideMeetings(const Band& band,
+                                         const std::vector<std::vector<NodeIndex>>& meetings) {
+    std::vector<std::uint8_t> beside(band.size());
+    auto mark = [&](NodeIndex i, unsigned side) {
+        std::atomic_ref(beside[i]).fetch_or(std::uint8_t(side), std::memory_order_relaxed);
+    };
+    parallelFor(meetings.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l)
+            for (const NodeIndex i : meetings[l]) {
+                const unsigned side = sideOf(band.psi[i]);
+                mark(i, side);
+                band.forNeighbors(&BandLeaf::band, LeafIndex(l), band.offset[i],
+                                  [&](NodeIndex j, int, int, int) { mark(j, side); });
+            }
+    });
+    return beside;
 }
 
 }  // namespace
 
 std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
-                                    const std::vector<std::vector<NodeIndex>>& kinks) {
-    std::vector<std::uint8_t> beside(band.size());
-    parallelFor(kinks.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t l = begin; l < end; ++l)
-            for (const NodeIndex i : kinks[l]) {
-                auto mark = [&](NodeIndex j) { std::atomic_ref(beside[j]).store(1, std::memory_order_relaxed); };
-                mark(i);
-                band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i], [&](NodeIndex j, int, int, int) { mark(j); });
-            }
-    });
+                                    const std::vector<std::vector<NodeIndex>>& meetings) {
+    const std::vector<std::uint8_t> beside = besideMeetings(band, meetings);
     std::vector<std::vector<Link>> found(band.leaves.size());
-    std::atomic<std::size_t> tested{0};
     parallelFor(found.size(), 16, [&](std::size_t begin, std::size_t end) {
         PsiBetween psi(levelSet);
-        std::size_t n = 0;
         for (std::size_t l = begin; l < end; ++l) {
             const LeafNodes& nodes = band.leaves[l].band;
             for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
                 if (!beside[i]) continue;
-                band.forNeighbors(&BandLeaf::band, LeafIndex(l), band.offset[i], [&](NodeIndex j, int dx, int dy, int dz) {
-                    if (j < i || !beside[j]) return;
-                    if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet) return;
-                    const Vec3f chord = Vec3f(Ijk{dx, dy, dz}) + band.foot[j] - band.foot[i];
-                    ++n;
-                    if (throughWall(psi, band.footPoint(i), chord, band.normal[i], band.normal[j]))
-                        found[l].emplace_back(i, j);
-                });
+                const Vec3f& n = band.normal[i];
+                band.forNeighbors(
+                    &BandLeaf::band, LeafIndex(l), band.offset[i],
+                    [&](NodeIndex j, int dx, int dy, int dz) {
+                        if (j < i || !beside[j] || dot(n, band.normal[j]) < Band::kOtherSheet)
+                            return;
+                        const Vec3f chord = Vec3f(Ijk{dx, dy, dz}) + band.foot[j] - band.foot[i];
+                        if (runsThroughWall(psi, band.footPoint(i), Vec3d(chord), Vec3d(n),
+                                            Vec3d(band.normal[j]), beside[i] | beside[j]))
+                            found[l].emplace_back(i, j);
+                    });
             }
         }
-        tested += n;
     });
     std::vector<Link> links;
     for (const auto& part : found) links.insert(links.end(), part.begin(), part.end());
-    if (std::getenv("W_SAY")) std::printf("(nodes %zu tested %zu severed %zu) ", band.size(), tested.load(), links.size());
     return links;
 }
 

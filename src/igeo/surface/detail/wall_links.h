@@ -8,15 +8,16 @@
 
 namespace igeo {
 
-/// Links whose chord, from foot point to foot point, runs through solid or air where the two
-/// tangent planes say that S is near.
+/// Links between foot points that psi along their chord tells apart.
 ///
-/// Between two points of one crease S lies above the chord (as normals go) or below it, no further
-/// than the nearer of the two tangent planes. So from points along the chord the line to S along
-/// the mean normal is followed so far: in a wall psi is still of the chord's sign there.
-/// @param kinks  nodes at which psi has a kink, by leaf: other links are not looked at
-/// Time O(links beside kinks), in parallel.
+/// Two foot points of one crease have tangent planes that meet, and S lies between the chord and
+/// the nearer plane: a line from the chord along the mean normal meets S no later than that plane.
+/// In a wall, psi on this line is still negative there, and across a slot still positive, whatever
+/// the normals of the two foot points.
+/// @param meetings  per leaf the nodes at which |grad psi| shows that sheets meet: a chord through
+///                  a wall passes such a voxel, next to both of its nodes
+/// Time O(links beside meetings), in parallel.
 std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
-                                    const std::vector<std::vector<NodeIndex>>& kinks);
+                                    const std::vector<std::vector<NodeIndex>>& meetings);
 
 }  // namespace igeo
