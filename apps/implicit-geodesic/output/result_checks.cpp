@@ -81,6 +81,8 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
         {grids, o.hasSeeds(), "--grids", "a seed"},
         {!o.targets.empty(), o.hasSeeds(), "--target", "a seed"},
         {!o.targetFile.empty(), o.hasSeeds(), "--targets", "a seed"},
+        {!o.paths.empty(), o.hasTargets() || !o.shots.empty(), "--paths",
+         "--target, --targets or --shoot"},
         {o.straighten, o.hasTargets(), "--straighten", "--target or --targets"},
         {o.stopAtTargets, o.hasTargets(), "--stop-at-targets", "--target or --targets"},
         {o.maxDistance > 0, o.hasSeeds(), "--max-distance", "a seed"},

@@ -98,7 +98,7 @@ const std::vector<ResultKind>& resultKinds() {
     using Options = const RunOptions&;
     using Name = const std::string*;
     static const std::vector<ResultKind> kinds{
-        {"-o", "distance", "", volumeFile, {.seeds = true}, writeVolume},
+        {"-o", "distance", ".vdb", volumeFile, {.seeds = true}, writeVolume},
         {"--paths", "paths", ".json .obj", [](Options o, Name) { return o.paths; }, {}, writePaths},
         {"--mesh-out",
          "mesh",
