@@ -9,7 +9,7 @@ namespace igeo::test {
 namespace {
 
 /// Reads `content` from a file of this name.
-std::vector<Seed> read(const std::string& name, const std::string& content) {
+std::vector<AskedPoint> read(const std::string& name, const std::string& content) {
     const TempDir folder;
     std::ofstream(folder / name, std::ios::binary) << content;
     return readPoints(folder / name);
@@ -208,8 +208,8 @@ TEST_CASE("readPairs: six numbers each") {
          {std::pair("p.csv", "a,b,c,d,e,f\n1,2,3,4,5,6\n"), {"p.json", "[[1,2,3,4,5,6]]"}}) {
         const auto read = pairs(name, content);
         REQUIRE(read.size() == 1);
-        CHECK(read[0].source == Vec3d{1, 2, 3});
-        CHECK(read[0].target == Vec3d{4, 5, 6});
+        CHECK(read[0].source.position == Vec3d{1, 2, 3});
+        CHECK(read[0].target.position == Vec3d{4, 5, 6});
     }
     expectError(Error::Kind::BadInput, {"line 2", "x,y,z,x,y,z"},
                 [&] { pairs("p.csv", "1,2,3,4,5,6\n1,2,3\n"); });
