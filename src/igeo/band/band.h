@@ -4,6 +4,7 @@
 /// level_set_band.h is one. All lengths are in voxels, all positions in index space (types.h).
 #pragma once
 
+#include <igeo/band/severed_links.h>
 #include <igeo/base/types.h>
 
 #include <bit>
@@ -88,8 +89,10 @@ struct Band {
     std::vector<Vec3f> foot;            ///< per node: foot point on S, relative to the voxel
     std::vector<Vec3f> normal;          ///< per node: unit normal at the foot point, along grad psi
 
-    std::vector<std::uint8_t>
-        facing;  ///< per node: 1 where a neighbor lies on a sheet that faces it
+    /// Per node, bits: kFacing where a neighbor lies on a sheet that faces it, kSevered where links
+    /// are severed, kBesideSevered there and at all neighbors of such nodes.
+    std::vector<std::uint8_t> facing;
+    static constexpr std::uint8_t kFacing = 1, kSevered = 2, kBesideSevered = 4;
 
     std::size_t size() const { return psi.size(); }
 
@@ -186,10 +189,13 @@ struct Band {
     }
 
     /// Whether a front may pass between neighbors i and j: not if their normals oppose, for then
-    /// they belong to two sheets that face each other, nor if one sheet lies on top of the other.
+    /// they belong to two sheets that face each other, nor if one sheet lies on top of the other,
+    /// nor if the link is severed.
     bool linked(NodeIndex i, NodeIndex j) const {
-        return !(facing[i] & facing[j]) ||
-               (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j));
+        const int both = facing[i] & facing[j];
+        return !both || ((!(both & kFacing) ||
+                          (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j))) &&
+                         (!(both & kSevered) || !severed(i, j)));
     }
     /// Cosine below which normals oppose: beyond a right angle, which an honest crease has.
     static constexpr float kOtherSheet = -0.2f;
@@ -202,6 +208,22 @@ struct Band {
     /// or sheets are stacked.
     /// May be called for many nodes in parallel; call it for every node at which psi has a kink.
     void markFacing(NodeIndex i);
+
+    /// Severs links between neighbors, in both directions. Call it once psi, foot points and
+    /// normals are set, as often as there are links to add.
+    /// Time O(n log n) for n links.
+    void sever(const std::vector<Link>& links);
+    /// SeveredLinks::bit of the neighbors that links of node i to are severed; 0 at most nodes,
+    /// without a search.
+    std::uint32_t severedSteps(NodeIndex i) const {
+        return facing[i] & kSevered ? severed_.stepsFrom(i) : 0;
+    }
+    /// Whether the link between neighbors is severed.
+    bool severed(NodeIndex i, NodeIndex j) const;
+    /// Whether no severed link parts two nodes up to two steps apart: a node is a neighbor of both
+    /// that no severed link parts from either. False further off, where links are severed.
+    bool joined(NodeIndex i, NodeIndex j) const;
+    bool anySevered() const { return !severed_.empty(); }
 
     /// The leaf at a step of so many leaves, or kNoLeaf.
     LeafIndex leafBeside(LeafIndex l, int dx, int dy, int dz) const {
@@ -240,6 +262,7 @@ private:
     }
 
     std::size_t coreSize_ = 0;
+    SeveredLinks severed_;
     std::vector<LeafIndex> table_;  ///< open addressing over leaf origins, a power of two long
 };
 
@@ -317,8 +340,9 @@ struct BandCell {
 };
 BandCell cellAt(const Band& band, const Vec3d& pIndex);
 
-/// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, so that
-/// values of two sheets are never blended.
+/// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, and
+/// those that severed links part from the corner whose foot point is nearest, so that values of two
+/// sheets are never blended.
 /// @param sheetNormal  normal of the sheet that is meant, where it is known; zero: that of most of
 ///        the corners
 /// @return the unit normal blended from the corners that are left; zero if there are none

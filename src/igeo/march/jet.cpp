@@ -74,9 +74,8 @@ private:
     /// Whether a value at a core node is within JetOptions::below, or next to it.
     bool withinLimit(NodeIndex core, double u) const {
         if (!options_.below) return true;
-        const JetNode& node = core_.nodes[core];
-        const NodeIndex i = core_.band.leaves[node.leaf].band.numberOf(node.offset);
-        return u < (*options_.below)[i] + kMargin * core_.largestCostAt(core);
+        return u < (*options_.below)[core_.inBand(core_.nodes[core])] +
+                       kMargin * core_.largestCostAt(core);
     }
 
     void enqueueStartDiscs();

@@ -174,7 +174,7 @@ NodeIndex Tracer::lowestNeighbor(NodeIndex i) const {
                        [&](NodeIndex j, int, int, int) {
                            if (field_.distance[j] < field_.distance[best] && walkable(j) &&
                                dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet &&
-                               !field_.metric->blocked(band_, i, j))
+                               !band_.severed(i, j) && !field_.metric->blocked(band_, i, j))
                                best = j;
                        });
     return best == i ? kNoNode : best;

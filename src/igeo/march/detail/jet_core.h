@@ -45,6 +45,7 @@ struct JetNode {
     std::uint32_t bucket = kNoBucket;  ///< in which it waits, 0 once taken out: jet_queue.h
     std::uint16_t offset;
     Metric::ObstacleState obstacleState;
+    bool severed;  ///< has severed links
     float weight;
 };
 
@@ -85,6 +86,10 @@ struct JetCore {
     Ijk voxelOf(const JetNode& node) const {
         return band.leaves[node.leaf].origin +
                Ijk{node.offset >> 6, node.offset >> 3 & 7, node.offset & 7};
+    }
+    /// The band's number of a core node.
+    NodeIndex inBand(const JetNode& node) const {
+        return band.leaves[node.leaf].band.numberOf(node.offset);
     }
     Vec3d footOf(const JetNode& node) const { return Vec3d(voxelOf(node)) + Vec3d(node.foot); }
     LocalFrame localFrame(NodeIndex core) const {
@@ -152,8 +157,10 @@ inline bool isLinked(const JetCore& core, const JetNode& node, const JetNode& ot
 template <typename Visit>
 void forLinks(const JetCore& core, NodeIndex i, const Visit& visit) {
     const JetNode& node = core.nodes[i];
+    const std::uint32_t severed = node.severed ? core.band.severedSteps(core.inBand(node)) : 0;
     core.band.forNeighbors(
         &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
+            if (severed & SeveredLinks::bit(dx, dy, dz)) return;
             const JetNode& other = core.nodes[j];
             const float cosine = dot(node.normal, other.normal);
             const Vec3f chord = node.foot - other.foot - Vec3f{float(dx), float(dy), float(dz)};
