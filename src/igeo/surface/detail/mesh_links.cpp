@@ -1,0 +1,258 @@
+#include <igeo/surface/detail/mesh_links.h>
+
+#include <igeo/band/tangent_frame.h>
+#include <igeo/base/detail/disjoint_sets.h>
+#include <igeo/base/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <unordered_map>
+
+namespace igeo {
+
+namespace {
+
+/// The triangles around a leaf, by sheets: parts joined within them.
+class LeafSheets {
+public:
+    LeafSheets(const MeshBand& on, const std::vector<std::uint32_t>& triangles)
+        : triangles_(triangles), sheets_(triangles.size()), uneven_(triangles.size()) {
+        for (std::uint32_t a = 0; a < triangles.size(); ++a)
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (!on.adjacency.isPlain(triangles[a], k)) continue;
+                on.adjacency.forBeyond(triangles[a], k, [&](std::uint32_t u) {
+                    if (const std::uint32_t b = indexOf(u); b != kNone) sheets_.join(a, b);
+                });
+            }
+        std::vector<Vec3d> sum(triangles.size());
+        for (std::uint32_t a = 0; a < triangles.size(); ++a)
+            sum[sheets_.first(a)] += on.faceNormal[triangles[a]];
+        for (std::uint32_t a = 0; a < triangles.size(); ++a) {
+            const std::uint32_t sheet = sheets_.first(a);
+            isOne_ &= sheet == 0;
+            bool even = true;
+            for (std::size_t k = 0; k < 3; ++k) even &= on.adjacency.isPlain(triangles[a], k);
+            // Triangles on one line have no normal.
+            const Vec3d& n = on.faceNormal[triangles[a]];
+            if (!even || (n != Vec3d{} && dot(n, normalized(sum[sheet])) < kEven))
+                uneven_[sheet] = true;
+        }
+    }
+    /// All of it is one sheet over a plane, without an end: its points are no further apart along
+    /// it than sqrt(2) times the chord.
+    bool isOneEvenSheet() const { return isOne_ && !uneven_[0]; }
+    /// Whether two triangles are on one such sheet.
+    bool onOneEvenSheet(std::uint32_t t, std::uint32_t u) {
+        const std::uint32_t a = indexOf(t), b = indexOf(u);
+        if (a == kNone || b == kNone) return false;
+        const std::uint32_t sheet = sheets_.first(a);
+        return sheet == sheets_.first(b) && !uneven_[sheet];
+    }
+
+private:
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    static constexpr double kEven = 0.7;  ///< 45 degrees
+
+    std::uint32_t indexOf(std::uint32_t t) const {
+        const auto at = std::lower_bound(triangles_.begin(), triangles_.end(), t);
+        return at != triangles_.end() && *at == t ? std::uint32_t(at - triangles_.begin()) : kNone;
+    }
+
+    const std::vector<std::uint32_t>& triangles_;  ///< sorted
+    DisjointSets sheets_;
+    std::vector<bool> uneven_;  ///< per first triangle of a sheet
+    bool isOne_ = true;
+};
+
+/// From the foot point of node j to that of node i.
+Vec3f chordOf(const Band& band, NodeIndex i, NodeIndex j) {
+    return band.foot[i] - band.foot[j] - Vec3f(band.ijk(j) - band.ijk(i));
+}
+
+/// How far apart a march takes two foot points for.
+double arcOf(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
+    const TangentFrame frame(band.normal[i], band.faceted);
+    const float cosine = dot(band.normal[i], band.normal[j]);
+    return std::max(length(frame.unfold(chord, band.normal[j], cosine)), length(chord));
+}
+
+/// The longest walk that an arc may stand for.
+double longestFor(double arc) { return 1.25 * arc + 0.25; }
+
+/// The links of one leaf's nodes to nodes of larger numbers.
+void linksOffMesh(const MeshBand& on, LeafIndex l, MeshWalk& walk, std::vector<Link>& off) {
+    const Band& band = on.band;
+    LeafSheets sheets(on, on.leaves[l].triangles);
+    if (sheets.isOneEvenSheet()) return;
+    const LeafNodes& nodes = band.leaves[l].band;
+    for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i)
+        band.forNeighbors(&BandLeaf::band, l, band.offset[i], [&](NodeIndex j, int, int, int) {
+            if (j < i) return;
+            const std::uint32_t t = on.voxel(i).triangle, u = on.voxel(j).triangle;
+            if (t == u || sheets.onOneEvenSheet(t, u)) return;
+            const double most = longestFor(arcOf(band, i, chordOf(band, i, j), j));
+            if (!(walk.length(on.foot(i), on.foot(j), most) < kInfinity)) off.emplace_back(i, j);
+        });
+}
+
+/// Finds the bridges of nodes around which links leave a sector open.
+class Bridges {
+public:
+    explicit Bridges(const MeshBand& on) : on_(on), band_(on.band), walk_(on.adjacency) {}
+    /// Adds those from a core node.
+    void find(NodeIndex i, std::vector<Bridge>& bridges);
+
+private:
+    static constexpr double kOpen = 1.9;    ///< radians; neighbors in a lattice leave a right angle
+    static constexpr double kBeside = 0.3;  ///< this close to a link it leads there
+    static constexpr std::size_t kMost = 4;  ///< per node
+
+    /// Core nodes that links lead to, sorted, and their directions.
+    void collectLinks(NodeIndex i, std::vector<NodeIndex>& linked, std::vector<double>* angles);
+    /// Turns directions into the open sector between two of them, [from, to]; the widest.
+    bool findOpenSector();
+    bool inOpenSector(const Vec2f& direction) const;
+    bool haveLinkInCommon(NodeIndex j);
+    /// The length of the walk to j, if a bridge is wanted; +inf otherwise.
+    double lengthTo(NodeIndex i, NodeIndex j, double& arc);
+
+    const MeshBand& on_;
+    const Band& band_;
+    MeshWalk walk_;
+    std::vector<NodeIndex> linked_, linkedThere_;
+    std::vector<double> angles_;
+    double from_ = 0, to_ = 0;
+};
+
+void Bridges::collectLinks(NodeIndex i, std::vector<NodeIndex>& linked,
+                           std::vector<double>* angles) {
+    linked.clear();
+    const std::uint32_t severed = band_.severedSteps(i);
+    const TangentFrame frame(band_.normal[i]);
+    band_.forNeighbors(&BandLeaf::band, band_.leaf[i], band_.offset[i],
+                       [&](NodeIndex j, int x, int y, int z) {
+                           if (severed & SeveredLinks::bit(x, y, z) || !band_.inCore(j)) return;
+                           const Vec3f chord = chordOf(band_, i, j), &n = band_.normal[j];
+                           if (!onOneSheet(chord, band_.normal[i], n, dot(band_.normal[i], n)))
+                               return;
+                           linked.push_back(j);
+                           const Vec2f a = frame.flat(-chord);
+                           if (angles && dot(a, a) > 1e-4f)
+                               angles->push_back(std::atan2(double(a.y), double(a.x)));
+                       });
+    std::sort(linked.begin(), linked.end());
+}
+
+bool Bridges::findOpenSector() {
+    constexpr double kTurn = 6.283185307179586;
+    std::sort(angles_.begin(), angles_.end());
+    from_ = 0, to_ = kTurn;
+    double widest = angles_.empty() ? kTurn : 0;
+    for (std::size_t k = 0; k < angles_.size(); ++k) {
+        const double next = k + 1 < angles_.size() ? angles_[k + 1] : angles_[0] + kTurn;
+        if (next - angles_[k] > widest) widest = next - angles_[k], from_ = angles_[k], to_ = next;
+    }
+    return widest > kOpen;
+}
+
+bool Bridges::inOpenSector(const Vec2f& direction) const {
+    constexpr double kTurn = 6.283185307179586;
+    double angle = std::atan2(double(direction.y), double(direction.x));
+    while (angle < from_) angle += kTurn;
+    return angle > from_ + kBeside && angle < to_ - kBeside;
+}
+
+bool Bridges::haveLinkInCommon(NodeIndex j) {
+    collectLinks(j, linkedThere_, nullptr);
+    return std::any_of(linkedThere_.begin(), linkedThere_.end(), [&](NodeIndex k) {
+        return std::binary_search(linked_.begin(), linked_.end(), k);
+    });
+}
+
+double Bridges::lengthTo(NodeIndex i, NodeIndex j, double& arc) {
+    // Normals that meet head on leave no direction to turn gradients by.
+    constexpr float kHeadOn = -0.95f;
+    constexpr double kLongest = 6;
+    if (dot(band_.normal[i], band_.normal[j]) < kHeadOn ||
+        std::binary_search(linked_.begin(), linked_.end(), j))
+        return kInfinity;
+    const Vec3f chord = chordOf(band_, i, j);
+    if (!inOpenSector(TangentFrame(band_.normal[i]).flat(-chord))) return kInfinity;
+    arc = arcOf(band_, i, chord, j);
+    const double most = std::min(2 * arc + 1, kLongest);
+    const double length = walk_.length(on_.foot(i), on_.foot(j), most);
+    return length < kInfinity && haveLinkInCommon(j) ? kInfinity : length;
+}
+
+void Bridges::find(NodeIndex i, std::vector<Bridge>& bridges) {
+    angles_.clear();
+    collectLinks(i, linked_, &angles_);
+    if (!findOpenSector()) return;
+    std::vector<std::pair<double, Bridge>> found;
+    band_.forBox(&BandLeaf::band, band_.leaf[i], band_.offset[i], {}, 3,
+                 [&](NodeIndex j, const Ijk&) {
+                     if (j == i || !band_.inCore(j)) return;
+                     double arc = 0;
+                     const double length = lengthTo(i, j, arc);
+                     if (length < kInfinity)
+                         found.push_back(
+                             {length, {i, j, float(std::max(1.0, length / std::max(arc, 1e-3)))}});
+                 });
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+        return std::pair(a.first, a.second.to) < std::pair(b.first, b.second.to);
+    });
+    for (std::size_t k = 0; k < std::min(found.size(), kMost); ++k)
+        bridges.push_back(found[k].second);
+}
+
+/// Each pair once, and no more per node than a march has room for.
+std::vector<Bridge> thinned(std::vector<Bridge> bridges) {
+    constexpr std::uint8_t kMostPerNode = 16;
+    for (Bridge& b : bridges)
+        if (b.to < b.from) std::swap(b.from, b.to);
+    std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
+        return std::tie(a.from, a.to, a.stretch) < std::tie(b.from, b.to, b.stretch);
+    });
+    std::unordered_map<NodeIndex, std::uint8_t> count;
+    std::vector<Bridge> kept;
+    for (const Bridge& b : bridges) {
+        if (!kept.empty() && kept.back().from == b.from && kept.back().to == b.to) continue;
+        std::uint8_t &from = count[b.from], &to = count[b.to];
+        if (from >= kMostPerNode || to >= kMostPerNode) continue;
+        ++from, ++to;
+        kept.push_back(b);
+    }
+    return kept;
+}
+
+}  // namespace
+
+std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress) {
+    std::vector<std::vector<Link>> parts(on.leaves.size());
+    parallelFor(on.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+        MeshWalk walk(on.adjacency);
+        for (std::size_t l = begin; l < end; ++l) linksOffMesh(on, LeafIndex(l), walk, parts[l]);
+    });
+    std::vector<Link> off;
+    for (const auto& part : parts) off.insert(off.end(), part.begin(), part.end());
+    return off;
+}
+
+std::vector<Bridge> bridgesOnMesh(const MeshBand& on, Progress& progress) {
+    const Band& band = on.band;
+    std::vector<std::vector<Bridge>> parts(band.leaves.size());
+    parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+        Bridges bridges(on);
+        for (std::size_t l = begin; l < end; ++l) {
+            const LeafNodes& nodes = band.leaves[l].band;
+            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i)
+                if (band.facing[i] && band.inCore(i)) bridges.find(i, parts[l]);
+        }
+    });
+    std::vector<Bridge> all;
+    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return thinned(std::move(all));
+}
+
+}  // namespace igeo
