@@ -159,7 +159,7 @@ void Band::sever(const std::vector<Link>& links) {
 void Band::bridge(const std::vector<Bridge>& bridges) {
     for (const Bridge& b : bridges) {
         bridges_.push_back(b);
-        bridges_.push_back({b.to, b.from, b.stretch});
+        bridges_.push_back({b.to, b.from, b.stretch, b.jump});
         facing[b.from] |= kBridged;
         facing[b.to] |= kBridged;
     }

@@ -102,6 +102,10 @@ struct Band {
     /// faces: between two of them a path runs over both planes, however small the angle, where it
     /// would follow an arc on a smooth surface.
     bool faceted = false;
+    /// Pairs of components of a mesh that bridges over gaps join (bandFromMesh).
+    std::size_t joints = 0;
+    /// The share of the core that no link joins with the rest of its component of a mesh.
+    double cutOff = 0;
 
     std::vector<BandLeaf> leaves;
     std::vector<LeafIndex> leaf;        ///< per node: its leaf

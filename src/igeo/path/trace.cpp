@@ -177,6 +177,11 @@ NodeIndex Tracer::lowestNeighbor(NodeIndex i) const {
                                !band_.severed(i, j) && !field_.metric->blocked(band_, i, j))
                                best = j;
                        });
+    band_.forBridges(i, [&](const Bridge& b) {
+        if (field_.distance[b.to] < field_.distance[best] && walkable(b.to) &&
+            !field_.metric->blocked(band_, i, b.to))
+            best = b.to;
+    });
     return best == i ? kNoNode : best;
 }
 

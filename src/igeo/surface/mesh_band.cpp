@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
-#include <igeo/surface/detail/mesh_distance.h>
+#include <igeo/surface/detail/mesh_joints.h>
 #include <igeo/surface/detail/mesh_links.h>
 
 #include <algorithm>
@@ -149,7 +149,7 @@ std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
 
 }  // namespace
 
-Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress) {
+Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress, double gap) {
     if (!(h >= 0.866 && h <= 8))
         throw Error(Error::Kind::InvalidArgument,
                     fmt::format("a band of {:f} voxels; allowed are sqrt(3)/2 to 8", h),
@@ -186,6 +186,12 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     band.sever(linksOffMesh(on, progress));
     band.numberCore(rim);
     band.bridge(bridgesOnMesh(on, progress));
+    band.cutOff = shareCutOff(on);
+    if (gap > 0) {
+        const MeshJoints joints = jointsOverGaps(on, gap / dx, progress);
+        band.joints = joints.pairs;
+        band.bridge(joints.bridges);
+    }
     progress.update("band", 1);
     return band;
 }

@@ -149,6 +149,7 @@ inline bool isLinked(const JetCore& core, const JetNode& node, const JetNode& ot
 template <typename Visit>
 void forBridges(const JetCore& core, const JetNode& node, const Visit& visit) {
     core.band.forBridges(core.inBand(node), [&](const Bridge& b) {
+        if (b.jump) return;
         const NodeIndex j = core.band.coreNode(b.to);
         const JetNode& other = core.nodes[j];
         if (node.obstacleState != Metric::Clear &&
@@ -157,6 +158,18 @@ void forBridges(const JetCore& core, const JetNode& node, const Visit& visit) {
         const Ijk step = core.voxelOf(other) - core.voxelOf(node);
         visit(j, step, b.stretch * (node.foot - other.foot - Vec3f(step)),
               dot(node.normal, other.normal));
+    });
+}
+
+/// Calls visit(j, chord) for the nodes that a node's jumps lead to.
+template <typename Visit>
+void forJumps(const JetCore& core, NodeIndex i, const Visit& visit) {
+    const JetNode& node = core.nodes[i];
+    if (!(node.facing & Band::kBridged)) return;
+    core.band.forBridges(core.inBand(node), [&](const Bridge& b) {
+        const NodeIndex j = core.band.coreNode(b.to);
+        if (b.jump && core.nodes[j].obstacleState != Metric::Inside)
+            visit(j, Vec3f(core.footOf(node) - core.footOf(core.nodes[j])));
     });
 }
 

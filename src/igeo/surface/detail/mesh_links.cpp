@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <unordered_map>
 
@@ -25,34 +26,49 @@ public:
                     if (const std::uint32_t b = indexOf(u); b != kNone) sheets_.join(a, b);
                 });
             }
-        std::vector<Vec3d> sum(triangles.size());
-        for (std::uint32_t a = 0; a < triangles.size(); ++a)
-            sum[sheets_.first(a)] += on.faceNormal[triangles[a]];
         for (std::uint32_t a = 0; a < triangles.size(); ++a) {
-            const std::uint32_t sheet = sheets_.first(a);
-            isOne_ &= sheet == 0;
-            bool even = true;
-            for (std::size_t k = 0; k < 3; ++k) even &= on.adjacency.isPlain(triangles[a], k);
-            // Triangles on one line have no normal.
-            const Vec3d& n = on.faceNormal[triangles[a]];
-            if (!even || (n != Vec3d{} && dot(n, normalized(sum[sheet])) < kEven))
-                uneven_[sheet] = true;
+            isOne_ &= sheets_.first(a) == 0;
+            for (std::size_t k = 0; k < 3; ++k)
+                if (!on.adjacency.isPlain(triangles[a], k)) uneven_[sheets_.first(a)] = true;
         }
+        findUneven(on.faceNormal);
     }
-    /// All of it is one sheet over a plane, without an end: its points are no further apart along
-    /// it than sqrt(2) times the chord.
+    /// All of it is one sheet over a plane, without an end: its points are not much further apart
+    /// along it than in space.
     bool isOneEvenSheet() const { return isOne_ && !uneven_[0]; }
-    /// Whether two triangles are on one such sheet.
-    bool onOneEvenSheet(std::uint32_t t, std::uint32_t u) {
-        const std::uint32_t a = indexOf(t), b = indexOf(u);
-        if (a == kNone || b == kNone) return false;
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    /// The sheet of this kind that a triangle is on, or kNone.
+    std::uint32_t evenSheetOf(std::uint32_t t) {
+        const std::uint32_t a = indexOf(t);
+        if (a == kNone) return kNone;
         const std::uint32_t sheet = sheets_.first(a);
-        return sheet == sheets_.first(b) && !uneven_[sheet];
+        return uneven_[sheet] ? kNone : sheet;
     }
 
 private:
-    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-    static constexpr double kEven = 0.7;  ///< 45 degrees
+    static constexpr double kEven = 0.57;  ///< 55 degrees, as the faces at the corner of a box
+
+    /// Normals further than kEven from the middle of two that are far apart.
+    void findUneven(const std::vector<Vec3d>& faceNormal) {
+        std::vector<Vec3d> first(triangles_.size()), second(first);
+        // Triangles on one line have no normal.
+        auto forNormals = [&](const auto& visit) {
+            for (std::uint32_t a = 0; a < triangles_.size(); ++a)
+                if (const Vec3d& n = faceNormal[triangles_[a]]; n != Vec3d{})
+                    visit(sheets_.first(a), n);
+        };
+        auto farthest = [](const Vec3d& from, const Vec3d& n, Vec3d& soFar) {
+            if (soFar == Vec3d{} || dot(from, n) < dot(from, soFar)) soFar = n;
+        };
+        std::vector<Vec3d> any(first);
+        forNormals([&](std::uint32_t sheet, const Vec3d& n) { any[sheet] = n; });
+        forNormals([&](std::uint32_t s, const Vec3d& n) { farthest(any[s], n, first[s]); });
+        forNormals([&](std::uint32_t s, const Vec3d& n) { farthest(first[s], n, second[s]); });
+        for (std::uint32_t s = 0; s < any.size(); ++s) any[s] = normalized(first[s] + second[s]);
+        forNormals([&](std::uint32_t s, const Vec3d& n) {
+            if (dot(any[s], n) < kEven) uneven_[s] = true;
+        });
+    }
 
     std::uint32_t indexOf(std::uint32_t t) const {
         const auto at = std::lower_bound(triangles_.begin(), triangles_.end(), t);
@@ -80,20 +96,52 @@ double arcOf(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
 /// The longest walk that an arc may stand for.
 double longestFor(double arc) { return 1.25 * arc + 0.25; }
 
-/// The links of one leaf's nodes to nodes of larger numbers.
+/// The links of one leaf's nodes to nodes of larger numbers; also where normals say it all, so that
+/// none leads around (Band::joined).
 void linksOffMesh(const MeshBand& on, LeafIndex l, MeshWalk& walk, std::vector<Link>& off) {
     const Band& band = on.band;
     LeafSheets sheets(on, on.leaves[l].triangles);
     if (sheets.isOneEvenSheet()) return;
     const LeafNodes& nodes = band.leaves[l].band;
-    for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i)
+    const NodeIndex end = nodes.firstNode + nodes.count;
+    std::vector<std::uint32_t> sheetOf;
+    for (const NearVoxel& v : on.leaves[l].voxels)
+        sheetOf.push_back(sheets.evenSheetOf(v.triangle));
+    for (NodeIndex i = nodes.firstNode; i < end; ++i) {
+        const std::uint32_t sheet = sheetOf[i - nodes.firstNode];
         band.forNeighbors(&BandLeaf::band, l, band.offset[i], [&](NodeIndex j, int, int, int) {
             if (j < i) return;
-            const std::uint32_t t = on.voxel(i).triangle, u = on.voxel(j).triangle;
-            if (t == u || sheets.onOneEvenSheet(t, u)) return;
+            if (sheet != LeafSheets::kNone &&
+                sheet == (j < end ? sheetOf[j - nodes.firstNode]
+                                  : sheets.evenSheetOf(on.voxel(j).triangle)))
+                return;
+            const MeshPoint from = on.foot(i), to = on.foot(j);
+            if (from.triangle == to.triangle) return;
+            if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet)
+                return off.emplace_back(i, j), void();
             const double most = longestFor(arcOf(band, i, chordOf(band, i, j), j));
-            if (!(walk.length(on.foot(i), on.foot(j), most) < kInfinity)) off.emplace_back(i, j);
+            if (!(walk.length(from, to, most) < kInfinity)) off.emplace_back(i, j);
         });
+    }
+}
+
+/// Core nodes that links of a core node lead to, sorted, and their directions.
+void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked,
+                  std::vector<double>* angles) {
+    linked.clear();
+    const std::uint32_t severed = band.severedSteps(i);
+    const TangentFrame frame(band.normal[i]);
+    band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
+                      [&](NodeIndex j, int x, int y, int z) {
+                          if (severed & SeveredLinks::bit(x, y, z) || !band.inCore(j)) return;
+                          const Vec3f chord = chordOf(band, i, j), &n = band.normal[j];
+                          if (!onOneSheet(chord, band.normal[i], n, dot(band.normal[i], n))) return;
+                          linked.push_back(j);
+                          const Vec2f a = frame.flat(-chord);
+                          if (angles && dot(a, a) > 1e-4f)
+                              angles->push_back(std::atan2(double(a.y), double(a.x)));
+                      });
+    std::sort(linked.begin(), linked.end());
 }
 
 /// Finds the bridges of nodes around which links leave a sector open.
@@ -108,8 +156,6 @@ private:
     static constexpr double kBeside = 0.3;  ///< this close to a link it leads there
     static constexpr std::size_t kMost = 4;  ///< per node
 
-    /// Core nodes that links lead to, sorted, and their directions.
-    void collectLinks(NodeIndex i, std::vector<NodeIndex>& linked, std::vector<double>* angles);
     /// Turns directions into the open sector between two of them, [from, to]; the widest.
     bool findOpenSector();
     bool inOpenSector(const Vec2f& direction) const;
@@ -124,25 +170,6 @@ private:
     std::vector<double> angles_;
     double from_ = 0, to_ = 0;
 };
-
-void Bridges::collectLinks(NodeIndex i, std::vector<NodeIndex>& linked,
-                           std::vector<double>* angles) {
-    linked.clear();
-    const std::uint32_t severed = band_.severedSteps(i);
-    const TangentFrame frame(band_.normal[i]);
-    band_.forNeighbors(&BandLeaf::band, band_.leaf[i], band_.offset[i],
-                       [&](NodeIndex j, int x, int y, int z) {
-                           if (severed & SeveredLinks::bit(x, y, z) || !band_.inCore(j)) return;
-                           const Vec3f chord = chordOf(band_, i, j), &n = band_.normal[j];
-                           if (!onOneSheet(chord, band_.normal[i], n, dot(band_.normal[i], n)))
-                               return;
-                           linked.push_back(j);
-                           const Vec2f a = frame.flat(-chord);
-                           if (angles && dot(a, a) > 1e-4f)
-                               angles->push_back(std::atan2(double(a.y), double(a.x)));
-                       });
-    std::sort(linked.begin(), linked.end());
-}
 
 bool Bridges::findOpenSector() {
     constexpr double kTurn = 6.283185307179586;
@@ -164,7 +191,7 @@ bool Bridges::inOpenSector(const Vec2f& direction) const {
 }
 
 bool Bridges::haveLinkInCommon(NodeIndex j) {
-    collectLinks(j, linkedThere_, nullptr);
+    collectLinks(band_, j, linkedThere_, nullptr);
     return std::any_of(linkedThere_.begin(), linkedThere_.end(), [&](NodeIndex k) {
         return std::binary_search(linked_.begin(), linked_.end(), k);
     });
@@ -187,18 +214,18 @@ double Bridges::lengthTo(NodeIndex i, NodeIndex j, double& arc) {
 
 void Bridges::find(NodeIndex i, std::vector<Bridge>& bridges) {
     angles_.clear();
-    collectLinks(i, linked_, &angles_);
+    collectLinks(band_, i, linked_, &angles_);
     if (!findOpenSector()) return;
     std::vector<std::pair<double, Bridge>> found;
-    band_.forBox(&BandLeaf::band, band_.leaf[i], band_.offset[i], {}, 3,
-                 [&](NodeIndex j, const Ijk&) {
-                     if (j == i || !band_.inCore(j)) return;
-                     double arc = 0;
-                     const double length = lengthTo(i, j, arc);
-                     if (length < kInfinity)
-                         found.push_back(
-                             {length, {i, j, float(std::max(1.0, length / std::max(arc, 1e-3)))}});
-                 });
+    band_.forBox(
+        &BandLeaf::band, band_.leaf[i], band_.offset[i], {}, 3, [&](NodeIndex j, const Ijk&) {
+            if (j == i || !band_.inCore(j)) return;
+            double arc = 0;
+            const double length = lengthTo(i, j, arc);
+            if (length < kInfinity)
+                found.push_back(
+                    {length, {i, j, float(std::max(1.0, length / std::max(arc, 1e-3))), false}});
+        });
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
         return std::pair(a.first, a.second.to) < std::pair(b.first, b.second.to);
     });
@@ -206,7 +233,44 @@ void Bridges::find(NodeIndex i, std::vector<Bridge>& bridges) {
         bridges.push_back(found[k].second);
 }
 
-/// Each pair once, and no more per node than a march has room for.
+}  // namespace
+
+std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress) {
+    std::vector<std::vector<Link>> parts(on.leaves.size());
+    parallelFor(on.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+        MeshWalk walk(on.adjacency);
+        for (std::size_t l = begin; l < end; ++l) linksOffMesh(on, LeafIndex(l), walk, parts[l]);
+    });
+    std::vector<Link> off;
+    for (const auto& part : parts) off.insert(off.end(), part.begin(), part.end());
+    return off;
+}
+
+double shareCutOff(const MeshBand& on) {
+    const Band& band = on.band;
+    if (std::none_of(band.facing.begin(), band.facing.end(),
+                     [](std::uint8_t f) { return f & Band::kSevered; }))
+        return 0;
+    DisjointSets parts(band.size());
+    std::vector<NodeIndex> linked;
+    for (NodeIndex i = 0; i < band.size(); ++i) {
+        if (!band.inCore(i)) continue;
+        collectLinks(band, i, linked, nullptr);
+        for (const NodeIndex j : linked)
+            if (j < i) parts.join(i, j);
+        band.forBridges(i, [&](const Bridge& b) { parts.join(i, b.to); });
+    }
+    std::vector<NodeIndex> sizeOf(band.size()), largest(on.adjacency.components());
+    for (NodeIndex i = 0; i < band.size(); ++i)
+        if (band.inCore(i)) {
+            const NodeIndex size = ++sizeOf[parts.first(i)];
+            NodeIndex& most = largest[on.adjacency.componentOf(on.voxel(i).triangle)];
+            most = std::max(most, size);
+        }
+    const std::size_t held = std::accumulate(largest.begin(), largest.end(), std::size_t(0));
+    return 1 - double(held) / double(band.coreSize());
+}
+
 std::vector<Bridge> thinned(std::vector<Bridge> bridges) {
     constexpr std::uint8_t kMostPerNode = 16;
     for (Bridge& b : bridges)
@@ -224,19 +288,6 @@ std::vector<Bridge> thinned(std::vector<Bridge> bridges) {
         kept.push_back(b);
     }
     return kept;
-}
-
-}  // namespace
-
-std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress) {
-    std::vector<std::vector<Link>> parts(on.leaves.size());
-    parallelFor(on.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
-        MeshWalk walk(on.adjacency);
-        for (std::size_t l = begin; l < end; ++l) linksOffMesh(on, LeafIndex(l), walk, parts[l]);
-    });
-    std::vector<Link> off;
-    for (const auto& part : parts) off.insert(off.end(), part.begin(), part.end());
-    return off;
 }
 
 std::vector<Bridge> bridgesOnMesh(const MeshBand& on, Progress& progress) {

@@ -42,4 +42,12 @@ std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress);
 /// @param on  its core numbered, links severed
 std::vector<Bridge> bridgesOnMesh(const MeshBand& on, Progress& progress);
 
+/// The share of core nodes that links and bridges do not join with the largest part of their
+/// component: what the voxels are too large for. 0 where no link is severed.
+/// Time O(n log n).
+double shareCutOff(const MeshBand& on);
+
+/// Each pair once, and no more per node than a march has room for; sorted.
+std::vector<Bridge> thinned(std::vector<Bridge> bridges);
+
 }  // namespace igeo

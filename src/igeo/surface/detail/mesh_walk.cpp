@@ -24,10 +24,14 @@ Vec3d leastSum(const Vec3d& a, const Vec3d& b, const Vec3d& p, const Vec3d& q) {
 }  // namespace
 
 MeshAdjacency::MeshAdjacency(const TriangleMesh& mesh, const MeshTopology& topology)
-    : mesh_(mesh), topology_(topology) {
+    : mesh_(mesh), topology_(topology), atBoundary_(mesh.points.size()) {
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-        for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t k = 0; k < 3; ++k) {
             if (topology.neighbor[t][k] == MeshTopology::kMany) many_.emplace_back(edge(t, k), t);
+            if (!isBoundary(t, k)) continue;
+            atBoundary_[mesh.triangles[t][k]] = true;
+            atBoundary_[mesh.triangles[t][(k + 1) % 3]] = true;
+        }
     std::sort(many_.begin(), many_.end());
 }
 
@@ -72,6 +76,7 @@ double MeshWalk::length(const MeshPoint& from, const MeshPoint& to, double most)
     const double straight = igeo::length(to.at - from.at);
     if (straight > most) return kInfinity;
     if (from.triangle == to.triangle) return straight;
+    if (!adjacency_.inOneComponent(from.triangle, to.triangle)) return kInfinity;
     from_ = from, to_ = to, most_ = most;
     heap_.clear();
     std::fill(seen_.begin(), seen_.end(), kNoSide);

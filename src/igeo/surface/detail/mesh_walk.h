@@ -32,6 +32,18 @@ public:
         for (auto at = firstAtEdge(t, k); at != many_.end() && at->first == edge(t, k); ++at)
             if (at->second != t) visit(at->second);
     }
+    std::size_t components() const { return topology_.components; }
+    std::uint32_t componentOf(std::uint32_t t) const { return topology_.component[t]; }
+    bool inOneComponent(std::uint32_t t, std::uint32_t u) const {
+        return topology_.component[t] == topology_.component[u];
+    }
+    bool isBoundary(std::uint32_t t, std::size_t k) const {
+        return topology_.neighbor[t][k] == MeshTopology::kNone;
+    }
+    /// Whether corner k of triangle t is an end of a boundary edge.
+    bool isAtBoundary(std::uint32_t t, std::size_t k) const {
+        return atBoundary_[mesh_.triangles[t][k]];
+    }
     /// Whether one triangle lies beyond the edge, and one only.
     bool isPlain(std::uint32_t t, std::size_t k) const {
         return topology_.neighbor[t][k] < MeshTopology::kMany;
@@ -48,7 +60,8 @@ private:
 
     const TriangleMesh& mesh_;
     const MeshTopology& topology_;
-    std::vector<AtEdge> many_;  ///< triangles at edges of three or more, sorted
+    std::vector<bool> atBoundary_;  ///< per point
+    std::vector<AtEdge> many_;      ///< triangles at edges of three or more, sorted
 };
 
 /// Looks for short walks. One per thread, used again and again.
