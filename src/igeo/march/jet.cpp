@@ -246,7 +246,7 @@ void JetMarch::gather(NodeIndex i, const LocalFrame& local, double cost, Gathere
         else if (!around.known.full())
             addNeighbor(core_, j, chord, cosine, local, around.known);
     });
-    if (core_.band.joints > 0) gatherJumps(i, around);
+    gatherJumps(i, around);
     // One per lattice column: on a surface that goes on all around these are eight, or nearly so.
     // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
     // saves.

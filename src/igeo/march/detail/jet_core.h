@@ -169,7 +169,7 @@ void forJumps(const JetCore& core, NodeIndex i, const Visit& visit) {
     core.band.forBridges(core.inBand(node), [&](const Bridge& b) {
         const NodeIndex j = core.band.coreNode(b.to);
         if (b.jump && core.nodes[j].obstacleState != Metric::Inside)
-            visit(j, Vec3f(core.footOf(node) - core.footOf(core.nodes[j])));
+            visit(j, b.stretch * Vec3f(core.footOf(node) - core.footOf(core.nodes[j])));
     });
 }
 

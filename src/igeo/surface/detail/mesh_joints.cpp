@@ -12,7 +12,9 @@ namespace {
 
 /// Foot points of a gap's two sides lie this much further apart than the sides: they are about a
 /// voxel apart along them.
-constexpr double kBeside = 1;
+constexpr double kBeside = 1.5;
+/// Bridges from a node to another component: enough for the fit of a front.
+constexpr std::size_t kNearest = 4;
 
 /// Core nodes to look among: those of a component, or those at its boundary.
 struct Side {
@@ -44,7 +46,12 @@ private:
     void join(const Side& from, const Side& to);
     /// Between nodes at the boundary of one component that no walk joins.
     void joinBoundaries(const Side& boundary, Progress& progress);
+    /// The point nearest to p of the part of a component around one of its nodes.
+    Vec3d nearestTo(const Vec3d& p, NodeIndex on) const;
+    /// Between two components, around two of their nodes.
     double gapBetween(NodeIndex i, NodeIndex j) const;
+    /// Between foot points at boundaries of one component.
+    double gapBetweenRims(NodeIndex i, NodeIndex j) const;
     bool atBoundary(NodeIndex i) const;
     void add(NodeIndex i, NodeIndex j) {
         // Where normals turn too far a front cannot be carried on: it starts anew.
@@ -57,12 +64,32 @@ private:
     std::vector<Bridge> bridges_;
 };
 
+Vec3d Joints::nearestTo(const Vec3d& p, NodeIndex on) const {
+    const MeshAdjacency& adjacency = on_.adjacency;
+    const std::uint32_t component = adjacency.componentOf(on_.voxel(on).triangle);
+    Vec3d best;
+    double least = kInfinity;
+    for (const std::uint32_t t : on_.leaves[on_.band.leaf[on]].triangles) {
+        if (adjacency.componentOf(t) != component) continue;
+        const auto& [a, b, c] = adjacency.mesh().triangles[t];
+        const std::vector<Vec3d>& points = adjacency.mesh().points;
+        const Vec3d q = nearestOnTriangle(p, points[a], points[b], points[c]).point;
+        if (const double d2 = dot(q - p, q - p); d2 < least) least = d2, best = q;
+    }
+    return best;
+}
+
 double Joints::gapBetween(NodeIndex i, NodeIndex j) const {
-    const TriangleMesh& mesh = on_.adjacency.mesh();
+    // To and fro between the sides, from the foot points to their rims.
+    const Vec3d there = nearestTo(on_.foot(i).at, j), here = nearestTo(there, i);
+    return length(nearestTo(here, j) - here);
+}
+
+double Joints::gapBetweenRims(NodeIndex i, NodeIndex j) const {
     auto offTriangle = [&](const Vec3d& p, std::uint32_t t) {
-        const auto& [a, b, c] = mesh.triangles[t];
-        return length(nearestOnTriangle(p, mesh.points[a], mesh.points[b], mesh.points[c]).point -
-                      p);
+        const auto& [a, b, c] = on_.adjacency.mesh().triangles[t];
+        const std::vector<Vec3d>& points = on_.adjacency.mesh().points;
+        return length(nearestOnTriangle(p, points[a], points[b], points[c]).point - p);
     };
     const MeshPoint a = on_.foot(i), b = on_.foot(j);
     return std::min(offTriangle(a.at, b.triangle), offTriangle(b.at, a.triangle));
@@ -77,10 +104,11 @@ bool Joints::atBoundary(NodeIndex i) const {
 void Joints::join(const Side& from, const Side& to) {
     std::vector<PointTree::Found> found;
     for (const NodeIndex i : from.nodes) {
-        to.tree.nearest(on_.foot(i).at, 1, found, reach_);
-        if (found.empty()) continue;
-        const NodeIndex j = to.nodes[to.tree.inputIndex(found.front().point)];
-        if (gapBetween(i, j) <= gap_) add(i, j);
+        to.tree.nearest(on_.foot(i).at, kNearest, found, reach_);
+        for (const PointTree::Found& f : found) {
+            const NodeIndex j = to.nodes[to.tree.inputIndex(f.point)];
+            if (gapBetween(i, j) <= gap_) add(i, j);
+        }
     }
 }
 
@@ -96,7 +124,7 @@ void Joints::joinBoundaries(const Side& boundary, Progress& progress) {
             const NodeIndex j = boundary.nodes[boundary.tree.inputIndex(f.point)];
             const double most = 3 * (std::sqrt(f.squared) + kBeside);
             if (j == i || walk.length(from, on_.foot(j), most) < kInfinity) continue;
-            if (gapBetween(i, j) <= gap_) add(i, j);
+            if (gapBetweenRims(i, j) <= gap_) add(i, j);
             break;
         }
     }

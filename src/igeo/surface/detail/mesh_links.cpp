@@ -161,7 +161,7 @@ private:
     bool inOpenSector(const Vec2f& direction) const;
     bool haveLinkInCommon(NodeIndex j);
     /// The length of the walk to j, if a bridge is wanted; +inf otherwise.
-    double lengthTo(NodeIndex i, NodeIndex j, double& arc);
+    double lengthTo(NodeIndex i, NodeIndex j, Bridge& bridge);
 
     const MeshBand& on_;
     const Band& band_;
@@ -197,19 +197,23 @@ bool Bridges::haveLinkInCommon(NodeIndex j) {
     });
 }
 
-double Bridges::lengthTo(NodeIndex i, NodeIndex j, double& arc) {
-    // Normals that meet head on leave no direction to turn gradients by.
+double Bridges::lengthTo(NodeIndex i, NodeIndex j, Bridge& bridge) {
+    // Normals that meet head on, at the tip of a thin plate, leave no direction to turn gradients
+    // by.
     constexpr float kHeadOn = -0.95f;
-    constexpr double kLongest = 6;
-    if (dot(band_.normal[i], band_.normal[j]) < kHeadOn ||
-        std::binary_search(linked_.begin(), linked_.end(), j))
-        return kInfinity;
+    constexpr double kLongest = 6, kShort = 1e-3;
+    if (std::binary_search(linked_.begin(), linked_.end(), j)) return kInfinity;
     const Vec3f chord = chordOf(band_, i, j);
-    if (!inOpenSector(TangentFrame(band_.normal[i]).flat(-chord))) return kInfinity;
-    arc = arcOf(band_, i, chord, j);
+    const bool jump = dot(band_.normal[i], band_.normal[j]) < kHeadOn;
+    if (!jump && !inOpenSector(TangentFrame(band_.normal[i]).flat(-chord))) return kInfinity;
+    const double arc = jump ? double(igeo::length(chord)) : arcOf(band_, i, chord, j);
     const double most = std::min(2 * arc + 1, kLongest);
     const double length = walk_.length(on_.foot(i), on_.foot(j), most);
-    return length < kInfinity && haveLinkInCommon(j) ? kInfinity : length;
+    if (!(length < kInfinity) || haveLinkInCommon(j)) return kInfinity;
+    // Around the end of a slit a front does not go straight on.
+    const bool bent = length > longestFor(arc);
+    bridge = {i, j, float(std::max(1.0, length / std::max(arc, kShort))), jump || bent};
+    return length;
 }
 
 void Bridges::find(NodeIndex i, std::vector<Bridge>& bridges) {
@@ -217,15 +221,13 @@ void Bridges::find(NodeIndex i, std::vector<Bridge>& bridges) {
     collectLinks(band_, i, linked_, &angles_);
     if (!findOpenSector()) return;
     std::vector<std::pair<double, Bridge>> found;
-    band_.forBox(
-        &BandLeaf::band, band_.leaf[i], band_.offset[i], {}, 3, [&](NodeIndex j, const Ijk&) {
-            if (j == i || !band_.inCore(j)) return;
-            double arc = 0;
-            const double length = lengthTo(i, j, arc);
-            if (length < kInfinity)
-                found.push_back(
-                    {length, {i, j, float(std::max(1.0, length / std::max(arc, 1e-3))), false}});
-        });
+    band_.forBox(&BandLeaf::band, band_.leaf[i], band_.offset[i], {}, 3,
+                 [&](NodeIndex j, const Ijk&) {
+                     if (j == i || !band_.inCore(j)) return;
+                     Bridge bridge;
+                     const double length = lengthTo(i, j, bridge);
+                     if (length < kInfinity) found.emplace_back(length, bridge);
+                 });
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
         return std::pair(a.first, a.second.to) < std::pair(b.first, b.second.to);
     });
