@@ -183,8 +183,8 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     });
     const MeshAdjacency adjacency(mesh, topology);
     const MeshBand on{adjacency, normals.ofFace, nearLeaves, band};
-    band.sever(linksOffMesh(on, progress));
     band.numberCore(rim);
+    band.sever(linksOffMesh(on, progress));
     band.bridge(bridgesOnMesh(on, progress));
     band.cutOff = shareCutOff(on);
     if (gap > 0) {

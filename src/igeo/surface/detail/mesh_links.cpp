@@ -96,34 +96,60 @@ double arcOf(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
 /// The longest walk that an arc may stand for.
 double longestFor(double arc) { return 1.25 * arc + 0.25; }
 
-/// The links of one leaf's nodes to nodes of larger numbers; also where normals say it all, so that
-/// none leads around (Band::joined).
-void linksOffMesh(const MeshBand& on, LeafIndex l, MeshWalk& walk, std::vector<Link>& off) {
-    const Band& band = on.band;
-    LeafSheets sheets(on, on.leaves[l].triangles);
-    if (sheets.isOneEvenSheet()) return;
-    const LeafNodes& nodes = band.leaves[l].band;
-    const NodeIndex end = nodes.firstNode + nodes.count;
-    std::vector<std::uint32_t> sheetOf;
-    for (const NearVoxel& v : on.leaves[l].voxels)
-        sheetOf.push_back(sheets.evenSheetOf(v.triangle));
-    for (NodeIndex i = nodes.firstNode; i < end; ++i) {
-        const std::uint32_t sheet = sheetOf[i - nodes.firstNode];
-        band.forNeighbors(&BandLeaf::band, l, band.offset[i], [&](NodeIndex j, int, int, int) {
-            if (j < i) return;
-            if (sheet != LeafSheets::kNone &&
-                sheet == (j < end ? sheetOf[j - nodes.firstNode]
-                                  : sheets.evenSheetOf(on.voxel(j).triangle)))
-                return;
-            const MeshPoint from = on.foot(i), to = on.foot(j);
-            if (from.triangle == to.triangle) return;
-            if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet)
-                return off.emplace_back(i, j), void();
-            const double most = longestFor(arcOf(band, i, chordOf(band, i, j), j));
-            if (!(walk.length(from, to, most) < kInfinity)) off.emplace_back(i, j);
-        });
+/// The links of one leaf's nodes to nodes of larger numbers.
+class LinksOfLeaf {
+public:
+    LinksOfLeaf(const MeshBand& on, LeafIndex l, MeshWalk& walk, std::vector<Link>& off)
+        : on_(on), l_(l), nodes_(on.band.leaves[l].band), walk_(walk), off_(off) {
+        LeafSheets sheets(on, on.leaves[l].triangles);
+        if (sheets.isOneEvenSheet()) return;
+        for (const NearVoxel& v : on.leaves[l].voxels)
+            sheetOf_.push_back(sheets.evenSheetOf(v.triangle));
+        const auto first = on.band.facing.begin() + nodes_.firstNode;
+        // Where the core says that nothing is near, nothing is.
+        if (std::all_of(first, first + nodes_.count, [](std::uint8_t f) { return f == 0; })) {
+            find(sheets, /*coreOnly=*/true);
+            if (off_.empty()) return;
+            off_.clear();
+        }
+        find(sheets, /*coreOnly=*/false);
     }
-}
+
+private:
+    void find(LeafSheets& sheets, bool coreOnly) {
+        const NodeIndex end = nodes_.firstNode + nodes_.count;
+        for (NodeIndex i = nodes_.firstNode; i < end; ++i) {
+            if (coreOnly && !on_.band.inCore(i)) continue;
+            const std::uint32_t sheet = sheetOf_[i - nodes_.firstNode];
+            auto visit = [&](NodeIndex j) {
+                if (j < i || (coreOnly && !on_.band.inCore(j))) return;
+                if (sheet == LeafSheets::kNone ||
+                    sheet != (j < end ? sheetOf_[j - nodes_.firstNode]
+                                      : sheets.evenSheetOf(on_.voxel(j).triangle)))
+                    test(i, j);
+            };
+            on_.band.forNeighbors(&BandLeaf::band, l_, on_.band.offset[i],
+                                  [&](NodeIndex j, int, int, int) { visit(j); });
+        }
+    }
+    void test(NodeIndex i, NodeIndex j) {
+        const Band& band = on_.band;
+        const MeshPoint from = on_.foot(i), to = on_.foot(j);
+        if (from.triangle == to.triangle) return;
+        // Also where normals say it all, so that no link leads around (Band::joined).
+        if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet ||
+            !(walk_.length(from, to, longestFor(arcOf(band, i, chordOf(band, i, j), j))) <
+              kInfinity))
+            off_.emplace_back(i, j);
+    }
+
+    const MeshBand& on_;
+    const LeafIndex l_;
+    const LeafNodes& nodes_;
+    MeshWalk& walk_;
+    std::vector<Link>& off_;
+    std::vector<std::uint32_t> sheetOf_;  ///< per node of the leaf: LeafSheets::evenSheetOf
+};
 
 /// Core nodes that links of a core node lead to, sorted, and their directions.
 void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked,
@@ -241,7 +267,7 @@ std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress) {
     std::vector<std::vector<Link>> parts(on.leaves.size());
     parallelFor(on.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
         MeshWalk walk(on.adjacency);
-        for (std::size_t l = begin; l < end; ++l) linksOffMesh(on, LeafIndex(l), walk, parts[l]);
+        for (std::size_t l = begin; l < end; ++l) LinksOfLeaf(on, LeafIndex(l), walk, parts[l]);
     });
     std::vector<Link> off;
     for (const auto& part : parts) off.insert(off.end(), part.begin(), part.end());
@@ -253,22 +279,30 @@ double shareCutOff(const MeshBand& on) {
     if (std::none_of(band.facing.begin(), band.facing.end(),
                      [](std::uint8_t f) { return f & Band::kSevered; }))
         return 0;
-    DisjointSets parts(band.size());
+    DisjointSets parts(band.coreSize());
     std::vector<NodeIndex> linked;
-    for (NodeIndex i = 0; i < band.size(); ++i) {
-        if (!band.inCore(i)) continue;
-        collectLinks(band, i, linked, nullptr);
-        for (const NodeIndex j : linked)
-            if (j < i) parts.join(i, j);
-        band.forBridges(i, [&](const Bridge& b) { parts.join(i, b.to); });
-    }
-    std::vector<NodeIndex> sizeOf(band.size()), largest(on.adjacency.components());
-    for (NodeIndex i = 0; i < band.size(); ++i)
-        if (band.inCore(i)) {
-            const NodeIndex size = ++sizeOf[parts.first(i)];
-            NodeIndex& most = largest[on.adjacency.componentOf(on.voxel(i).triangle)];
-            most = std::max(most, size);
+    auto forCore = [&](const auto& visit) {
+        for (NodeIndex i = 0; i < band.size(); ++i)
+            if (const NodeIndex c = band.coreNode(i); c != kNoNode) visit(i, c);
+    };
+    forCore([&](NodeIndex i, NodeIndex c) {
+        if (!band.facing[i]) {
+            band.forNeighbors(&BandLeaf::core, band.leaf[i], band.offset[i],
+                              [&](NodeIndex j, int, int, int) {
+                                  if (j < c) parts.join(c, j);
+                              });
+            return;
         }
+        collectLinks(band, i, linked, nullptr);
+        for (const NodeIndex j : linked) parts.join(c, band.coreNode(j));
+        band.forBridges(i, [&](const Bridge& b) { parts.join(c, band.coreNode(b.to)); });
+    });
+    std::vector<NodeIndex> sizeOf(band.coreSize()), largest(on.adjacency.components());
+    forCore([&](NodeIndex i, NodeIndex c) {
+        const NodeIndex size = ++sizeOf[parts.first(c)];
+        NodeIndex& most = largest[on.adjacency.componentOf(on.voxel(i).triangle)];
+        most = std::max(most, size);
+    });
     const std::size_t held = std::accumulate(largest.begin(), largest.end(), std::size_t(0));
     return 1 - double(held) / double(band.coreSize());
 }

@@ -33,7 +33,8 @@ struct MeshBand {
 /// is none.
 /// @throws Error  Cancelled through `progress`
 /// Time O(triangles + nodes), in parallel: where the triangles around a leaf are joined and face
-/// one way, nothing is asked of its nodes.
+/// one way, nothing is asked of its nodes, and where nothing faces them, of the core alone.
+/// @param on  its core numbered
 std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress);
 
 /// Bridges between core nodes up to three steps apart that the mesh joins by a short walk and that
