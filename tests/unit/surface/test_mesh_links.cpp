@@ -192,6 +192,26 @@ TEST_CASE("mesh links: pieces that do not touch stay apart", "[mesh]") {
         }
 }
 
+TEST_CASE("mesh links: triangles that end on the edge of a larger one are joined with it",
+          "[mesh]") {
+    for (const Motion& motion : kMotions) {
+        // One square beside three strips: no corner of the strips but two is one of the square.
+        auto part = [&](double from, std::size_t n) {
+            return test::sheet(1, n, [&, from](double u, double v) {
+                return motion({from + 12 * u, 12 * v, 0});
+            });
+        };
+        TriangleMesh mesh = test::together(part(0, 1), part(12, 3));
+        weld(mesh);
+        const auto seed = motion({3, 5, 0}), target = motion({21, 7, 0});
+        const Band band = bandFromMesh(mesh, 1, kH);
+        const Field field = marchJet(band, nullptr, {nearestMeshPoint(mesh, band, seed)});
+        CHECK(field.reached == band.size());
+        CHECK(sampleDistance(field, nearestMeshPoint(mesh, band, target).pIndex) ==
+              Approx(length(target - seed)).margin(0.01));
+    }
+}
+
 TEST_CASE("mesh links: balls that nearly touch are joined where they do", "[mesh]") {
     const double r = 12, gap = 0.7;
     const TriangleMesh mesh = test::together(test::sphereMesh({0, 0, 0}, r, 4),

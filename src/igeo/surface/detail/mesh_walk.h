@@ -3,6 +3,7 @@
 
 #include <igeo/io/triangle_mesh.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -16,7 +17,8 @@ struct MeshPoint {
     Vec3d at;
 };
 
-/// Which triangles meet, through edges of any number of them.
+/// Which triangles meet: through edges of any number of them, and along boundary edges of which one
+/// lies on the other, as where a corner of small triangles ends on the edge of a large one.
 class MeshAdjacency {
 public:
     /// @param mesh, topology  have to outlive it
@@ -28,15 +30,18 @@ public:
     void forBeyond(std::uint32_t t, std::size_t k, const Visit& visit) const {
         const std::uint32_t u = topology_.neighbor[t][k];
         if (u < MeshTopology::kMany) return visit(u);
-        if (u == MeshTopology::kNone) return;
+        if (u == MeshTopology::kNone) {
+            const Side side{t, std::uint32_t(k)};
+            auto at = std::lower_bound(seams_.begin(), seams_.end(), Seam(side, 0));
+            for (; at != seams_.end() && at->first == side; ++at) visit(at->second);
+            return;
+        }
         for (auto at = firstAtEdge(t, k); at != many_.end() && at->first == edge(t, k); ++at)
             if (at->second != t) visit(at->second);
     }
-    std::size_t components() const { return topology_.components; }
-    std::uint32_t componentOf(std::uint32_t t) const { return topology_.component[t]; }
-    bool inOneComponent(std::uint32_t t, std::uint32_t u) const {
-        return topology_.component[t] == topology_.component[u];
-    }
+    /// Components are joined along all of them, and numbered from 0 on.
+    std::size_t components() const { return components_; }
+    std::uint32_t componentOf(std::uint32_t t) const { return component_[t]; }
     bool isBoundary(std::uint32_t t, std::size_t k) const {
         return topology_.neighbor[t][k] == MeshTopology::kNone;
     }
@@ -52,6 +57,16 @@ public:
 private:
     using Edge = std::pair<std::uint32_t, std::uint32_t>;
     using AtEdge = std::pair<Edge, std::uint32_t>;
+    using Side = std::pair<std::uint32_t, std::uint32_t>;  ///< triangle and edge
+    using Seam = std::pair<Side, std::uint32_t>;
+
+    void findSeams();
+    /// Whether one of two segments lies on the other, or they overlap.
+    bool overlap(const Side& a, const Side& b, double tolerance) const;
+    void numberComponents();
+    const Vec3d& end(const Side& side, std::size_t which) const {
+        return mesh_.points[mesh_.triangles[side.first][(side.second + which) % 3]];
+    }
 
     Edge edge(std::uint32_t t, std::size_t k) const {
         return std::minmax({mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3]});
@@ -60,6 +75,9 @@ private:
 
     const TriangleMesh& mesh_;
     const MeshTopology& topology_;
+    std::vector<Seam> seams_;  ///< triangles beyond boundary edges, sorted
+    std::vector<std::uint32_t> component_;
+    std::size_t components_ = 0;
     std::vector<bool> atBoundary_;  ///< per point
     std::vector<AtEdge> many_;      ///< triangles at edges of three or more, sorted
 };
