@@ -159,8 +159,8 @@ int tellPairs(const RunReport& report, const Console& console) {
 void tellJoints(std::size_t joints, double gap, const Console& console,
                 std::vector<std::string>& warnings) {
     if (joints > 0)
-        console.info(fmt::format("{} pairs of pieces of the mesh joined over gaps of up to {:.6g}",
-                                 joints, gap));
+        console.info(fmt::format("{} pair{} of pieces of the mesh joined over gaps of up to {:.6g}",
+                                 joints, joints == 1 ? "" : "s", gap));
     else
         warnings.push_back(fmt::format(
             "--join-gaps {:.6g} joins nothing: no two pieces of the mesh are as close as that",
