@@ -99,8 +99,9 @@ public:
     /// @param limit  bytes
     /// @throws Error  InvalidArgument where estimatedMemory is more
     void requireMemory(const BandWidth& width, double limit) const;
-    /// Sheets that face each other within two voxels, where that makes distances unreliable, or parts
-    /// of a mesh too thin for the voxels: a sentence with their share of the surface, or nothing.
+    /// Sheets that face each other within two voxels, where that makes distances unreliable, or
+    /// parts of a mesh too thin for the voxels: a sentence with their share of the surface, or
+    /// nothing.
     /// @param band  of the whole surface
     std::string facingWarning(const Band& band) const;
 
