@@ -157,6 +157,17 @@ int tellPairs(const RunReport& report, const Console& console) {
     return kUnreached;
 }
 
+void tellJoints(std::size_t joints, double gap, const Console& console,
+                std::vector<std::string>& warnings) {
+    if (joints > 0)
+        console.info(fmt::format("{} pair{} of pieces of the mesh joined over gaps of up to {:.6g}",
+                                 joints, joints == 1 ? "" : "s", gap));
+    else
+        warnings.push_back(fmt::format(
+            "--join-gaps {:.6g} joins nothing: no two pieces of the mesh are as close as that",
+            gap));
+}
+
 int tell(const RunReport& report, const igeo::Distance& distance, const RunOptions& o,
          const Console& console) {
     for (const std::string& w : report.warnings) console.warning(w);
@@ -215,6 +226,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
         if (const std::string w = solver.surface().facingWarning(distance.band()); !w.empty())
             report.warnings.push_back(w);
 
+    if (o.joinGaps > 0) tellJoints(distance.band().joints, o.joinGaps, console, report.warnings);
     report.paths = distance.paths(o.straighten, stages);
     stages.finished("trace");
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))

@@ -199,6 +199,8 @@ public:
                 : box.longestSide() / (voxels.resolution > 0 ? voxels.resolution : kResolution);
         requireReasonable(mesh_, transform.dx);
         const MeshTopology topology = meshTopology(mesh_);
+        requireNarrow(voxels.joinGaps);
+        facts.joinGaps = voxels.joinGaps;
         facts.kind = SurfaceFacts::Kind::Mesh;
         facts.file = mesh_.file;
         facts.name = stemOf(mesh_.file);
@@ -235,6 +237,12 @@ public:
         return refinedMesh(mesh_, field, 1, progress);
     }
     std::string facingWarning(const Band& band) const override {
+        constexpr double kCutOff = 1e-3;
+        if (band.cutOff > kCutOff)
+            return fmt::format(
+                "{:.2g} % of the surface is thinner than the voxels can show, and no "
+                "path leads there: take smaller voxels",
+                100 * band.cutOff);
         // Less is next to sharp edges.
         constexpr double kMuch = 0.02;
         const double share = facingShare(band);
@@ -252,7 +260,18 @@ public:
 private:
     Band makeBand(const BandWidth& width, const std::vector<Ball>&,
                   Progress& progress) const override {
-        return bandFromMesh(mesh_, transform.dx, width.h, progress);
+        return bandFromMesh(mesh_, transform.dx, width.h, progress, facts.joinGaps);
+    }
+    /// Nodes look for others in balls as wide as the gaps.
+    void requireNarrow(double gap) const {
+        constexpr double kWidest = 64;
+        if (gap <= kWidest * transform.dx) return;
+        throw Error(Error::Kind::InvalidArgument,
+                    fmt::format("joinGaps is {:.4g}, which is {:.3g} voxels; at most {:g} voxels "
+                                "are joined ({})",
+                                gap, gap / transform.dx, kWidest, mesh_.file),
+                    fmt::format("take voxels of {:.3g} or more, or close the gaps in the mesh",
+                                gap / kWidest));
     }
     LevelSet makeLevelSet(Progress& progress) const override {
         return levelSetFromBand(bandFromMesh(mesh_, transform.dx, kLevelSetWidth, progress),

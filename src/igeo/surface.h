@@ -25,6 +25,8 @@ struct VoxelOptions {
     int resolution = 0;  ///< voxels along the longest side; 0: of a mesh 256, of points half their
                          ///< spacing (godunov: their spacing)
     Scheme scheme = Scheme::Jet;  ///< what points are put on voxels for
+    double joinGaps = 0;  ///< pieces of a mesh no further apart are joined (bandFromMesh), world
+                          ///< units; for jet
 };
 
 /// What is known of a surface before any march.
@@ -36,6 +38,7 @@ struct SurfaceFacts {
     std::uint64_t activeVoxels = 0;       ///< of a level set
     double halfWidth = 0;                 ///< of the level set, voxels
     double largestCurvature = kInfinity;  ///< per voxel (LevelSetStats); +inf: not known
+    double joinGaps = 0;                  ///< of a mesh: VoxelOptions::joinGaps
     double diagonal = 0;                  ///< across the surface, voxels
     double snap = 0;                      ///< how far points may be off by default, world units
     std::string summary;                  ///< in a few words
@@ -61,7 +64,8 @@ public:
     explicit Surface(const openvdb::FloatGrid& psi, Progress& progress = Progress::none());
     explicit Surface(LoadedGrid psi, Progress& progress = Progress::none());
     /// Triangles, open or closed, welded (readMesh does).
-    /// @throws Error  as requireReasonable
+    /// @throws Error  as requireReasonable, InvalidArgument for VoxelOptions::joinGaps of more than
+    ///         64 voxels
     explicit Surface(TriangleMesh mesh, const VoxelOptions& voxels = {},
                      Progress& progress = Progress::none());
     /// Points on a surface, with or without normals: for `jet` the surface fitted to them, for
@@ -95,8 +99,9 @@ public:
     /// @param limit  bytes
     /// @throws Error  InvalidArgument where estimatedMemory is more
     void requireMemory(const BandWidth& width, double limit) const;
-    /// Sheets that face each other within two voxels, where that makes distances unreliable: a
-    /// sentence with their share of the surface, or nothing.
+    /// Sheets that face each other within two voxels, where that makes distances unreliable, or
+    /// parts of a mesh too thin for the voxels: a sentence with their share of the surface, or
+    /// nothing.
     /// @param band  of the whole surface
     std::string facingWarning(const Band& band) const;
 

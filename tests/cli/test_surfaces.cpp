@@ -98,6 +98,31 @@ TEST_CASE("an open mesh: ways lead around its hole, and every result is there") 
           openvdb::GRID_LEVEL_SET);
 }
 
+TEST_CASE("pieces of a mesh that do not touch are unreachable, unless gaps are joined") {
+    const TempWorkspace desk;
+    // A slit across the middle, 1/40 wide: three quarters of a voxel.
+    writeBytes(desk / "in.obj",
+               sheet(41, [](double x, double) { return std::abs(x - 0.5) < 0.3 / 41; }));
+    const std::string asked =
+        "--mesh in.obj --resolution 30 --seed 0.2,0.5,0.02 --target 0.8,0.5,0.08 -o out.vdb "
+        "--report r.json";
+    const Result apart = desk.run(asked);
+    CHECK(apart.exitCode == 4);
+    CHECK(report(desk)["targets"][0]["distance"].is_null());
+    CHECK(report(desk)["surface"]["joints"].is_null());
+    const Result joined = desk.run(asked + " --join-gaps 0.03");
+    CHECK(joined.exitCode == 0);
+    CHECK(joined.err.find("1 pair of pieces") != std::string::npos);
+    CHECK(distanceOf(desk, 0) == Approx(0.6 * std::hypot(1, 0.1)).margin(0.5 / 30));
+    CHECK(report(desk)["surface"]["joints"] == 1);
+    CHECK(validBySchema(desk, "report.schema.json", "r.json"));
+    const Result none = desk.run(asked + " --join-gaps 0.001");
+    CHECK(none.exitCode == 4);
+    CHECK(none.err.find("joins nothing") != std::string::npos);
+    CHECK(desk.run(asked + " --join-gaps 9").exitCode == kUsage);
+    CHECK(desk.run(asked + " --join-gaps 0.03 --scheme godunov").exitCode == kUsage);
+}
+
 TEST_CASE("a mesh by its own vertices: seeds, targets, pairs and results") {
     const TempWorkspace desk;
     const int n = 20, row = n + 1;

@@ -19,6 +19,9 @@ void checkSurface(const RunOptions& o) {
         usageError(
             "no surface is given",
             "add --sdf FILE.vdb, --mesh FILE or --points FILE; see implicit-geodesic --help");
+    if (o.joinGaps > 0 && o.scheme == igeo::Scheme::Godunov)
+        usageError("--join-gaps is for scheme jet, and --scheme is godunov",
+                   "leave out one of the two");
 }
 
 /// A mesh or points by the name of the file, given as a volume.

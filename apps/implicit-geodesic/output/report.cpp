@@ -184,6 +184,7 @@ std::string reportJson(const RunReport& r, const Field& field) {
     const SurfaceFacts& s = r.surface;
     j["surface"]["kind"] = nameOf(s.kind);
     j["surface"]["closed"] = s.closed ? json(*s.closed) : json(nullptr);
+    j["surface"]["joints"] = s.joinGaps > 0 ? json(band.joints) : json(nullptr);
     j["surface"]["activeVoxels"] = s.activeVoxels ? json(s.activeVoxels) : json(nullptr);
     j["surface"]["halfWidthVoxels"] = s.halfWidth > 0 ? s.halfWidth : band.h;
     j["surface"]["largestCurvature"] = finiteOrNull(s.largestCurvature / dx);

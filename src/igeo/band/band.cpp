@@ -4,6 +4,7 @@
 #include <igeo/base/parallel.h>
 
 #include <atomic>
+#include <tuple>
 
 namespace igeo {
 
@@ -134,14 +135,65 @@ void Band::markFacing(NodeIndex i) {
         const NodeIndex j = neighbor(i, d.x, d.y, d.z);
         if (j == kNoNode || (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j))) continue;
         // Several threads may set one flag: always to 1.
-        std::atomic_ref(facing[i]).store(1, std::memory_order_relaxed);
-        std::atomic_ref(facing[j]).store(1, std::memory_order_relaxed);
+        std::atomic_ref(facing[i]).fetch_or(kFacing, std::memory_order_relaxed);
+        std::atomic_ref(facing[j]).fetch_or(kFacing, std::memory_order_relaxed);
     }
+}
+
+void Band::sever(const std::vector<Link>& links) {
+    std::vector<std::pair<NodeIndex, std::uint32_t>> steps;
+    steps.reserve(2 * links.size());
+    for (const auto& [i, j] : links) {
+        const Ijk d = ijk(j) - ijk(i);
+        steps.emplace_back(i, SeveredLinks::bit(d.x, d.y, d.z));
+        steps.emplace_back(j, SeveredLinks::bit(-d.x, -d.y, -d.z));
+    }
+    severed_.add(steps);
+    severed_.forNodes([&](NodeIndex i) {
+        facing[i] |= kSevered | kBesideSevered;
+        forNeighbors(&BandLeaf::band, leaf[i], offset[i],
+                     [&](NodeIndex j, int, int, int) { facing[j] |= kBesideSevered; });
+    });
+}
+
+void Band::bridge(const std::vector<Bridge>& bridges) {
+    for (const Bridge& b : bridges) {
+        bridges_.push_back(b);
+        bridges_.push_back({b.to, b.from, b.stretch, b.jump});
+        facing[b.from] |= kBridged;
+        facing[b.to] |= kBridged;
+    }
+    std::sort(bridges_.begin(), bridges_.end(), [](const Bridge& a, const Bridge& b) {
+        return std::tie(a.from, a.to, a.stretch) < std::tie(b.from, b.to, b.stretch);
+    });
+}
+
+bool Band::severed(NodeIndex i, NodeIndex j) const {
+    const std::uint32_t steps = severedSteps(i);
+    if (!steps) return false;
+    const Ijk d = ijk(j) - ijk(i);
+    return steps & SeveredLinks::bit(d.x, d.y, d.z);
+}
+
+bool Band::joined(NodeIndex i, NodeIndex j) const {
+    if (!(facing[i] & facing[j] & kBesideSevered) || i == j) return true;
+    const Ijk d = ijk(j) - ijk(i);
+    auto within = [](int x, int y, int z) {
+        return std::max({std::abs(x), std::abs(y), std::abs(z)}) <= 1;
+    };
+    if (within(d.x, d.y, d.z) && !severed(i, j)) return true;
+    const std::uint32_t fromI = severedSteps(i), fromJ = severedSteps(j);
+    bool found = false;
+    forNeighbors(&BandLeaf::band, leaf[i], offset[i], [&](NodeIndex, int x, int y, int z) {
+        found |= within(x - d.x, y - d.y, z - d.z) && !(fromI & SeveredLinks::bit(x, y, z)) &&
+                 !(fromJ & SeveredLinks::bit(x - d.x, y - d.y, z - d.z));
+    });
+    return found;
 }
 
 std::size_t Band::memUsage() const {
     return bytes(leaves) + bytes(leaf) + bytes(offset) + bytes(psi) + bytes(foot) + bytes(normal) +
-           bytes(facing) + bytes(table_);
+           bytes(facing) + severed_.memUsage() + bytes(bridges_) + bytes(table_);
 }
 
 BandCell cellAt(const Band& band, const Vec3d& p) {
@@ -159,6 +211,18 @@ BandCell cellAt(const Band& band, const Vec3d& p) {
     return cell;
 }
 
+namespace {
+
+void dropParted(const Band& band, NodeIndex onSheet, BandCell& cell) {
+    for (NodeIndex& i : cell.node)
+        if (i != kNoNode && i != onSheet && band.severed(onSheet, i)) {
+            i = kNoNode;
+            cell.complete = false;
+        }
+}
+
+}  // namespace
+
 Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNormal) {
     auto blended = [&] {
         Vec3d sum{};
@@ -167,17 +231,28 @@ Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNorm
         return normalized(sum);
     };
     const Vec3f n(sheetNormal == Vec3d{} ? blended() : sheetNormal);
+    NodeIndex onSheet = kNoNode;
+    float least = float(kInfinity);
+    bool parted = false;
     for (std::size_t k = 0; k < 8; ++k) {
         NodeIndex& i = cell.node[k];
         if (i == kNoNode) continue;
         const Vec3d t = cell.t - Vec3d(double(k >> 2), double(k >> 1 & 1), double(k & 1));
-        if (dot(n, band.normal[i]) < Band::kOtherSheet ||
-            (band.facing[i] && stacked(Vec3f(t) - band.foot[i], n, band.normal[i]))) {
+        const Vec3f chord = Vec3f(t) - band.foot[i];
+        const float cosine = dot(n, band.normal[i]), rise = dot(n, chord);
+        if (cosine < Band::kOtherSheet ||
+            (band.facing[i] & Band::kFacing && stacked(chord, n, band.normal[i]))) {
             i = kNoNode;
             cell.complete = false;
+            continue;
         }
+        parted |= (band.facing[i] & Band::kSevered) != 0;
+        // Where sheets cross, the plane that is meant tells more than the nearest foot point.
+        const float off = dot(chord, chord) + rise * rise + (1 - cosine);
+        if (off < least) least = off, onSheet = i;
     }
-    return sheetNormal == Vec3d{} ? Vec3d(n) : blended();
+    if (parted) dropParted(band, onSheet, cell);
+    return sheetNormal == Vec3d{} && !parted ? Vec3d(n) : blended();
 }
 
 PsiSample samplePsi(const Band& band, const Vec3d& p) {

@@ -4,6 +4,7 @@
 /// level_set_band.h is one. All lengths are in voxels, all positions in index space (types.h).
 #pragma once
 
+#include <igeo/band/severed_links.h>
 #include <igeo/base/types.h>
 
 #include <bit>
@@ -62,6 +63,27 @@ inline bool stacked(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
     return std::min(alongA, alongB) > 1 || std::max(alongA, alongB) < -1;
 }
 
+/// Whether two foot points, `chord` apart, lie on either side of a gap or a plate rather than of a
+/// crease: both normals along the chord, and the chord longer than between neighbors on one sheet
+/// (sqrt(3), and a bit). In gaps of about two voxels psi bends normals away from each other, and
+/// Band::kOtherSheet alone does not tell.
+inline bool acrossGap(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
+    constexpr float kFar2 = 3.2f, kAlong2 = 0.25f;
+    const float c2 = dot(chord, chord), alongA = dot(a, chord), alongB = dot(b, chord);
+    return c2 > kFar2 && alongA * alongB < 0 &&
+           std::min(alongA * alongA, alongB * alongB) > kAlong2 * c2;
+}
+
+/// Cosine of normals that oppose: beyond a right angle, which an honest crease has.
+constexpr float kOppositeNormals = -0.2f;
+
+/// Whether two neighbors, their foot points `chord` apart, may be on one sheet, by their normals.
+/// @param cosine  a . b
+inline bool onOneSheet(const Vec3f& chord, const Vec3f& a, const Vec3f& b, float cosine) {
+    return cosine >= kOppositeNormals && !stacked(chord, a, b) &&
+           !(cosine < 0.5f && acrossGap(chord, a, b));
+}
+
 /// The band in flat arrays. Nodes are numbered leaf by leaf, by offset within the leaf, so the
 /// numbering depends on the topology alone. 35 bytes per node and about 5 for the leaves.
 ///
@@ -80,6 +102,10 @@ struct Band {
     /// faces: between two of them a path runs over both planes, however small the angle, where it
     /// would follow an arc on a smooth surface.
     bool faceted = false;
+    /// Pairs of components of a mesh that bridges over gaps join (bandFromMesh).
+    std::size_t joints = 0;
+    /// The share of the core that no link joins with the rest of its component of a mesh.
+    double cutOff = 0;
 
     std::vector<BandLeaf> leaves;
     std::vector<LeafIndex> leaf;        ///< per node: its leaf
@@ -88,8 +114,11 @@ struct Band {
     std::vector<Vec3f> foot;            ///< per node: foot point on S, relative to the voxel
     std::vector<Vec3f> normal;          ///< per node: unit normal at the foot point, along grad psi
 
-    std::vector<std::uint8_t>
-        facing;  ///< per node: 1 where a neighbor lies on a sheet that faces it
+    /// Per node, bits: kFacing where a neighbor lies on a sheet that faces it, kSevered where links
+    /// are severed, kBesideSevered there and at all neighbors of such nodes, kBridged at the ends
+    /// of bridges.
+    std::vector<std::uint8_t> facing;
+    static constexpr std::uint8_t kFacing = 1, kSevered = 2, kBesideSevered = 4, kBridged = 8;
 
     std::size_t size() const { return psi.size(); }
 
@@ -186,13 +215,16 @@ struct Band {
     }
 
     /// Whether a front may pass between neighbors i and j: not if their normals oppose, for then
-    /// they belong to two sheets that face each other, nor if one sheet lies on top of the other.
+    /// they belong to two sheets that face each other, nor if one sheet lies on top of the other,
+    /// nor if the link is severed.
     bool linked(NodeIndex i, NodeIndex j) const {
-        return !(facing[i] & facing[j]) ||
-               (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j));
+        const int both = facing[i] & facing[j];
+        return !both || ((!(both & kFacing) ||
+                          (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j))) &&
+                         (!(both & kSevered) || !severed(i, j)));
     }
-    /// Cosine below which normals oppose: beyond a right angle, which an honest crease has.
-    static constexpr float kOtherSheet = -0.2f;
+    /// Cosine below which normals oppose.
+    static constexpr float kOtherSheet = kOppositeNormals;
 
     bool stacked(NodeIndex i, NodeIndex j) const {
         return igeo::stacked(Vec3f(ijk(j) - ijk(i)) + foot[j] - foot[i], normal[i], normal[j]);
@@ -202,6 +234,33 @@ struct Band {
     /// or sheets are stacked.
     /// May be called for many nodes in parallel; call it for every node at which psi has a kink.
     void markFacing(NodeIndex i);
+
+    /// Severs links between neighbors, in both directions. Call it once psi, foot points and
+    /// normals are set, as often as there are links to add.
+    /// Time O(n log n) for n links.
+    void sever(const std::vector<Link>& links);
+    /// SeveredLinks::bit of the neighbors that links of node i to are severed; 0 at most nodes,
+    /// without a search.
+    std::uint32_t severedSteps(NodeIndex i) const {
+        return facing[i] & kSevered ? severed_.stepsFrom(i) : 0;
+    }
+    /// Whether the link between neighbors is severed.
+    bool severed(NodeIndex i, NodeIndex j) const;
+    /// Whether no severed link parts two nodes up to two steps apart: a node is a neighbor of both
+    /// that no severed link parts from either. False further off, where links are severed.
+    bool joined(NodeIndex i, NodeIndex j) const;
+
+    /// Adds bridges between nodes of the core, in both directions.
+    /// Time O(n log n).
+    void bridge(const std::vector<Bridge>& bridges);
+    /// Calls visit(bridge) for the bridges from a node.
+    template <typename Visit>
+    void forBridges(NodeIndex i, const Visit& visit) const {
+        if (!(facing[i] & kBridged)) return;
+        auto at = std::lower_bound(bridges_.begin(), bridges_.end(), i,
+                                   [](const Bridge& b, NodeIndex node) { return b.from < node; });
+        for (; at != bridges_.end() && at->from == i; ++at) visit(*at);
+    }
 
     /// The leaf at a step of so many leaves, or kNoLeaf.
     LeafIndex leafBeside(LeafIndex l, int dx, int dy, int dz) const {
@@ -240,6 +299,8 @@ private:
     }
 
     std::size_t coreSize_ = 0;
+    SeveredLinks severed_;
+    std::vector<Bridge> bridges_;   ///< sorted by both ends
     std::vector<LeafIndex> table_;  ///< open addressing over leaf origins, a power of two long
 };
 
@@ -317,8 +378,9 @@ struct BandCell {
 };
 BandCell cellAt(const Band& band, const Vec3d& pIndex);
 
-/// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, so that
-/// values of two sheets are never blended.
+/// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, and
+/// those that severed links part from the corner on the sheet that is meant (whose foot point is
+/// near and in its plane), so that values of two sheets are never blended.
 /// @param sheetNormal  normal of the sheet that is meant, where it is known; zero: that of most of
 ///        the corners
 /// @return the unit normal blended from the corners that are left; zero if there are none

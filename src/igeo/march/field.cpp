@@ -44,7 +44,8 @@ double axisDifference(const Field& field, NodeIndex i, int axis) {
     const NodeIndex lo = band.neighbor(i, Band::faceStep(2 * axis));
     const NodeIndex hi = band.neighbor(i, Band::faceStep(2 * axis + 1));
     auto counts = [&](NodeIndex j) {
-        return j != kNoNode && d[j] < kInfinity && !field.metric->blocked(band, i, j);
+        return j != kNoNode && d[j] < kInfinity && !band.severed(i, j) &&
+               !field.metric->blocked(band, i, j);
     };
     const bool hasLo = counts(lo), hasHi = counts(hi);
     if (hasLo && hasHi) {

@@ -176,7 +176,8 @@ std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
                 band.forNeighbors(
                     &BandLeaf::core, LeafIndex(l), at, [&](NodeIndex, int dx, int dy, int dz) {
                         const NodeIndex j = band.neighbor(i, dx, dy, dz);
-                        if (dot(band.normal[i], band.normal[j]) >= Band::kOtherSheet && !inside[j])
+                        if (dot(band.normal[i], band.normal[j]) >= Band::kOtherSheet &&
+                            !inside[j] && !band.severed(i, j))
                             found[l].push_back(rimPoint(band, region, i, j));
                     });
             }

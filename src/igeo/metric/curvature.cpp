@@ -161,11 +161,14 @@ void CoreCurvature::forLinks(const Visit& visit) const {
                 const NodeIndex i = band_.leaves[l].core.node(at);
                 if (i == kNoNode) continue;
                 const Node& node = core_[i];
+                const std::uint32_t severed = band_.severedSteps(band_.leaves[l].band.numberOf(at));
                 band_.forNeighbors(
                     &BandLeaf::core, LeafIndex(l), at, [&](NodeIndex j, int dx, int dy, int dz) {
                         const Vec3f chord =
                             core_[j].foot - node.foot + Vec3f{float(dx), float(dy), float(dz)};
-                        if (!onOtherSheet(chord, node.normal, core_[j].normal)) visit(i, j);
+                        if (!(severed & SeveredLinks::bit(dx, dy, dz)) &&
+                            !onOtherSheet(chord, node.normal, core_[j].normal))
+                            visit(i, j);
                     });
             }
     });
@@ -260,7 +263,9 @@ Bend CoreCurvature::nearestTo(NodeIndex i, LeafIndex l, unsigned at) const {
         Bend nearest;
         float least = float(kInfinity);
         band_.forBox(&BandLeaf::core, l, at, middle, kFar, [&](NodeIndex j, const Ijk& step) {
-            if (dot(band_.normal[i], core_[j].normal) < Band::kOtherSheet) return;
+            if (dot(band_.normal[i], core_[j].normal) < Band::kOtherSheet ||
+                !band_.joined(i, band_.neighbor(i, step)))
+                return;
             const Vec3f chord = Vec3f(step) + core_[j].foot - foot;
             const float c2 = dot(chord, chord);
             if (c2 < least) least = c2, nearest = bend_[j];

@@ -174,9 +174,14 @@ NodeIndex Tracer::lowestNeighbor(NodeIndex i) const {
                        [&](NodeIndex j, int, int, int) {
                            if (field_.distance[j] < field_.distance[best] && walkable(j) &&
                                dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet &&
-                               !field_.metric->blocked(band_, i, j))
+                               !band_.severed(i, j) && !field_.metric->blocked(band_, i, j))
                                best = j;
                        });
+    band_.forBridges(i, [&](const Bridge& b) {
+        if (field_.distance[b.to] < field_.distance[best] && walkable(b.to) &&
+            !field_.metric->blocked(band_, i, b.to))
+            best = b.to;
+    });
     return best == i ? kNoNode : best;
 }
 

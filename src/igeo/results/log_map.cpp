@@ -175,7 +175,8 @@ void LogMapper::addNeighbor(NodeIndex i, const Chart& here, NodeIndex core,
     const NodeIndex j = nodes_[core];
     const Vec3f normal = band_.normal[j];
     const float cosine = igeo::dot(here.frame.normal(), normal);
-    if (!there.known() || label(j) != label(i) || cosine < Band::kOtherSheet) return;
+    if (!there.known() || label(j) != label(i) || cosine < Band::kOtherSheet || !band_.joined(i, j))
+        return;
     const Vec3f chord(band_.footPoint(i) - band_.footPoint(j));
     const JetNeighbor n =
         flattened(here.frame, chord, normal, cosine, normalized(field_.gradient[j]), 0);

@@ -82,7 +82,8 @@ std::vector<Judgement> judgeCore(const LevelSet& levelSet, const Band& band,
                         judged.add(Unreliable::Bend, k * lower);
                     }
                 }
-                if (band.facing[i]) judged.add(Unreliable::Facing, lower / reachAt(band, i));
+                if (band.facing[i] & Band::kFacing)
+                    judged.add(Unreliable::Facing, lower / reachAt(band, i));
             }
         }
         steps.add(end - begin);
@@ -146,6 +147,7 @@ std::vector<NodeIndex> connect(const Band& band, const std::vector<NodeIndex>& n
                           [&](NodeIndex next, int, int, int) {
                               if (next < c && band.linked(i, nodes[next])) sets.join(c, next);
                           });
+        band.forBridges(i, [&](const Bridge& b) { sets.join(c, band.coreNode(b.to)); });
     }
     std::vector<NodeIndex> piece(nodes.size());
     for (NodeIndex c = 0; c < nodes.size(); ++c) piece[c] = sets.first(c);
@@ -262,7 +264,8 @@ void findPieces(const Band& band, const SurfaceMesh& mesh, const std::vector<Nod
 
 double facingShare(const Band& band) {
     std::size_t facing = 0;
-    for (NodeIndex i = 0; i < band.size(); ++i) facing += band.facing[i] && band.inCore(i);
+    for (NodeIndex i = 0; i < band.size(); ++i)
+        facing += (band.facing[i] & Band::kFacing) && band.inCore(i);
     return band.coreSize() > 0 ? double(facing) / double(band.coreSize()) : 0;
 }
 

@@ -301,4 +301,69 @@ TEST_CASE("Band: linked cuts between sheets that face each other") {
     for (std::size_t k = 0; k < crease.size(); ++k) CHECK(crease.facing[k] == 0);
 }
 
+namespace {
+
+/// The plane z = 0 with the links across x = cut severed where y < end.
+Band slitPlane(double cut, int end) {
+    Band band = planeBand({0, 0, 1}, 0.1, {-12, -12, -4}, {12, 12, 4}, 1.8);
+    std::vector<Link> links;
+    for (NodeIndex i = 0; i < band.size(); ++i)
+        band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
+                          [&](NodeIndex j, int, int, int) {
+                              const Ijk a = band.ijk(i), b = band.ijk(j);
+                              if (a.x < cut && b.x > cut && std::max(a.y, b.y) < end)
+                                  links.emplace_back(i, j);
+                          });
+    band.sever(links);
+    return band;
+}
+
+}  // namespace
+
+TEST_CASE("Band: severed links part neighbors in both directions, and nothing else") {
+    const Band band = slitPlane(2.5, 0);
+    auto at = [&](int x, int y) { return band.nodeAt({x, y, 0}); };
+    CHECK(band.severed(at(2, -3), at(3, -3)));
+    CHECK(band.severed(at(3, -2), at(2, -3)));
+    CHECK_FALSE(band.linked(at(2, -3), at(3, -4)));
+    CHECK_FALSE(band.severed(at(2, 0), at(3, -1)));
+    CHECK(band.linked(at(2, 0), at(3, 0)));
+    CHECK(band.linked(at(1, -3), at(2, -3)));
+    CHECK(band.severedSteps(at(1, -3)) == 0);
+    // Over two steps: through a node that is linked with both.
+    CHECK_FALSE(band.joined(at(2, -5), at(3, -5)));
+    CHECK_FALSE(band.joined(at(1, -5), at(3, -5)));
+    CHECK_FALSE(band.joined(at(2, -5), at(4, -6)));
+    CHECK(band.joined(at(0, -5), at(2, -5)));
+    CHECK(band.joined(at(2, -1), at(3, -1)));
+    CHECK(band.joined(at(2, -1), at(4, 1)));
+}
+
+TEST_CASE("Band: links may be severed in parts, in any order") {
+    const Band whole = slitPlane(2.5, 0);
+    Band parts = slitPlane(2.5, -4);
+    for (NodeIndex i = 0; i < whole.size(); ++i)
+        whole.forNeighbors(&BandLeaf::band, whole.leaf[i], whole.offset[i],
+                           [&](NodeIndex j, int, int, int) {
+                               if (i < j && whole.severed(i, j)) parts.sever({{j, i}, {i, j}});
+                           });
+    CHECK(parts.facing == whole.facing);
+    for (NodeIndex i = 0; i < whole.size(); ++i)
+        CHECK(parts.severedSteps(i) == whole.severedSteps(i));
+}
+
+TEST_CASE("dropFacingCorners: leaves the corners joined with the nearest") {
+    const Band band = slitPlane(2.5, 0);
+    for (const double x : {2.3, 2.7}) {
+        BandCell cell = cellAt(band, {x, -5.6, 0.1});
+        dropFacingCorners(band, cell);
+        CHECK_FALSE(cell.complete);
+        for (const NodeIndex i : cell.node)
+            if (i != kNoNode) CHECK((band.ijk(i).x > 2.5) == (x > 2.5));
+    }
+    BandCell beyond = cellAt(band, {2.3, 2.4, 0.1});
+    dropFacingCorners(band, beyond);
+    CHECK(beyond.complete);
+}
+
 }  // namespace igeo::test

@@ -52,6 +52,7 @@ CostRange fillLeaf(JetCore& core, LeafIndex l) {
                            kNoBucket,
                            o,
                            metric.obstacleState.empty() ? Metric::Clear : metric.obstacleState[i],
+                           band.facing[i],
                            weight};
     }
     return costs;
@@ -102,10 +103,12 @@ bool moveToRim(const JetCore& core, const JetNode& node, Vec3f& foot) {
     // So far outside that steps of 1.5 voxels along a rim with a radius of 6 voxels stay outside.
     constexpr float kOff = 0.05f;
     float nearest = float(kInfinity);
+    const std::uint32_t severed = core.severedSteps(node);
     core.band.forNeighbors(
         &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
             const JetNode& outside = core.nodes[j];
             if (outside.obstacleState == Metric::Inside ||
+                severed & SeveredLinks::bit(dx, dy, dz) ||
                 dot(node.normal, outside.normal) < Band::kOtherSheet)
                 return;
             const Vec3f step = node.foot - outside.foot - Vec3f(Ijk{dx, dy, dz});

@@ -23,6 +23,10 @@ public:
     }
 
 private:
+    /// Whether no severed links part node i from a core node.
+    bool isJoined(NodeIndex i, const JetNode& other) const {
+        return !(band_.facing[i] & Band::kBesideSevered) || band_.joined(i, core_.inBand(other));
+    }
     double largestCost(NodeIndex i) const {
         if (!metric_.anisotropic()) return metric_.at(i);
         const LocalFrame local = core_.localFrameInBand(i);
@@ -74,7 +78,8 @@ Solved Extension::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
     band_.forCornersOfFoot(&BandLeaf::core, i, l, at, [&](NodeIndex j, float w, const Vec3f& from) {
         const JetNode& node = core_.nodes[j];
         if (corners.count == 0) s.label = core_.labelOf(j);
-        simple &= node.u < kInfinity && core_.labelOf(j) == s.label && dot(n, node.normal) >= kFlat;
+        simple &= node.u < kInfinity && core_.labelOf(j) == s.label &&
+                  dot(n, node.normal) >= kFlat && isJoined(i, node);
         corners.corner[corners.count++] = {&node, w, from - node.foot};
         sum += w * node.g;
     });
@@ -156,7 +161,7 @@ bool Extension::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& m
         const float cosine = dot(normal, other.normal);
         const Vec3f chord = band_.foot[i] - other.foot - Vec3f(step);
         if (cosine < Band::kOtherSheet || dot(chord, chord) > kNear2 ||
-            stacked(chord, normal, other.normal))
+            stacked(chord, normal, other.normal) || !isJoined(i, other))
             return;
         if (!metric_.clear(i) && isHidden(core_, other, band_.footPoint(i), normal + other.normal))
             return;

@@ -38,14 +38,17 @@ private:
             [&](NodeIndex i, const Ijk&) {
                 const JetNode& node = core_.nodes[i];
                 if (dot(node.normal, sheetNormal) >= Band::kOtherSheet &&
-                    !stacked(Vec3f(core_.footOf(node) - seed_.pIndex), node.normal, sheetNormal))
+                    !stacked(Vec3f(core_.footOf(node) - seed_.pIndex), node.normal, sheetNormal) &&
+                    core_.band.joined(seed_.node, core_.inBand(node)))
                     visit(i);
             });
     }
     void visitNeighbors(NodeIndex i) {
         const JetNode& node = core_.nodes[i];
+        const std::uint32_t severed = core_.severedSteps(node);
         core_.band.forNeighbors(
             &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
+                if (severed & SeveredLinks::bit(dx, dy, dz)) return;
                 const JetNode& other = core_.nodes[j];
                 const Vec3f chord = node.foot - other.foot - Vec3f(Ijk{dx, dy, dz});
                 if (dot(node.normal, other.normal) >= Band::kOtherSheet &&
