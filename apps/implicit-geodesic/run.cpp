@@ -13,6 +13,7 @@
 #include "input/guarded_read.h"
 #include "input/seed_input.h"
 #include "input/surface_input.h"
+#include "output/grids.h"
 #include "output/output_files.h"
 #include "output/report.h"
 #include "output/result_checks.h"
@@ -200,6 +201,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     const igeo::QueryRules rules{o.snap.value_or(-1), o.space,
                                  o.memoryLimit > 0 ? o.memoryLimit * kGiB : machineMemory()};
     const igeo::GeodesicSolver solver = prepared.solver.with(rules);
+    checkGridNames(o, solver.surface().gridName());
     const SeedInput input = readSeeds(o, solver.surface().transform());
     RunReport report = newReport({solver, prepared.metric}, input);
 
