@@ -46,6 +46,39 @@ RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metri
     return report;
 }
 
+/// Seeds that start later than another front comes there.
+void warnOfOverrun(const igeo::Distance& distance, RunReport& report) {
+    constexpr double kLate = 0.01;  // voxels
+    const igeo::Field& field = distance.field();
+    const igeo::Band& band = distance.band();
+    struct Source {
+        std::size_t pieces = 0, lost = 0;
+        double start = 0, arrival = 0;  ///< of the first that is lost
+    };
+    std::vector<Source> sources(field.sourceCount());
+    for (std::size_t k = 0; k < field.seeds.size(); ++k) {
+        const igeo::SurfacePoint& s = field.seeds[k];
+        Source& source = sources[field.source[k]];
+        ++source.pieces;
+        if (!(s.start > field.leastStart)) continue;
+        const double d = igeo::arrivalAt(field, s.pIndex, Vec3d(band.normal[s.node])).distance;
+        if (d < s.start - kLate && source.lost++ == 0) source.start = s.start, source.arrival = d;
+    }
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+        const Source& s = sources[k];
+        if (s.lost == 0) continue;
+        const std::string part =
+            s.pieces > 1 ? fmt::format("{} of {} pieces of ", s.lost, s.pieces) : "";
+        const std::string name = k < report.sources.size() && !report.sources[k].empty()
+                                     ? report.sources[k]
+                                     : "seed " + std::to_string(k);
+        report.warnings.push_back(
+            fmt::format("{}{}: the front of another seed comes at {:.6g}, before the start at "
+                        "{:.6g}, which counts for nothing there",
+                        part, name, s.arrival * band.transform.dx, s.start * band.transform.dx));
+    }
+}
+
 /// With -v: the band, the points and the metric.
 void describe(const igeo::Distance& distance, const Console& console) {
     if (!console.verbose()) return;
@@ -215,6 +248,8 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     if (distance.ofWholeSurface())
         if (const std::string w = solver.surface().facingWarning(distance.band()); !w.empty())
             report.warnings.push_back(w);
+
+    warnOfOverrun(distance, report);
 
     report.paths = distance.paths(o.straighten, stages);
     stages.finished("trace");

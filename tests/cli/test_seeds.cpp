@@ -61,6 +61,9 @@ TEST_CASE("a seed that another front has overrun counts for nothing in any resul
         CHECK(std::abs(paths[k]["length"].get<double>() - exact[k]) < 0.0015);
         CHECK(paths[k]["seed"]["index"] == 0);
     }
+    const Result loud = desk.run("--sdf in.vdb --seeds seeds.csv -o out.vdb");
+    CHECK(loud.err.find("warning: seed 1: the front of another seed comes at 1") !=
+          std::string::npos);
     for (const json& line : json::parse(readBytes(desk / "i.json"))["isolines"])
         CHECK(line["level"].get<double>() < 3.2);
     CHECK(desk.distance()->background() < 3.2f);

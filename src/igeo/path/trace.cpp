@@ -212,12 +212,12 @@ const SurfacePoint* Tracer::seedAhead(const State& at) const {
 }
 
 const SurfacePoint* Tracer::regionAround(const Arrival& arrival) const {
-    if (arrival.distance > 0) return nullptr;
-    if (arrival.seed) return arrival.seed->rim ? arrival.seed : nullptr;
-    const auto first = std::lower_bound(field_.source.begin(), field_.source.end(), arrival.source);
-    if (first == field_.source.end()) return nullptr;
-    const SurfacePoint& seed = field_.seeds[std::size_t(first - field_.source.begin())];
-    return seed.rim ? &seed : nullptr;
+    if (arrival.distance > 0 || (arrival.seed && !arrival.seed->rim)) return nullptr;
+    if (arrival.seed) return arrival.seed;
+    for (std::size_t k = 0; k < field_.seeds.size(); ++k)
+        if (field_.seeds[k].rim && (field_.label.empty() || field_.source[k] == arrival.source))
+            return &field_.seeds[k];
+    return nullptr;
 }
 
 void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
