@@ -128,6 +128,8 @@ private:
     template <typename IsOf>
     Straight straight(double d, const IsOf& isOf) const;
     Arrival arrival(double d, const Straight& disc, std::uint32_t source) const;
+    /// The same, or that of a seed so close to others that no node is nearest to it.
+    Arrival orBetweenNodes(const Arrival& first) const;
     /// Whether a corner within the disc of this seed was reached before its front came.
     bool isOverrun(const SurfacePoint& seed) const;
     double trilinear() const;
@@ -249,7 +251,19 @@ Arrival Reader::byJets() const {
         if (a.distance < first.distance || (a.distance == first.distance && own < first.source))
             first = a;
     }
-    return first;
+    return count > 0 && !field_.label.empty() ? orBetweenNodes(first) : first;
+}
+
+Arrival Reader::orBetweenNodes(const Arrival& first) const {
+    constexpr double kCell2 = 3;  // squared diagonal
+    const Straight disc = straight(first.distance, [&](std::size_t k) {
+        const SurfacePoint& s = field_.seeds[k];
+        const Vec3d r = s.nearestTo(p_) - p_;
+        return dot(r, r) < kCell2 &&
+               dot(Vec3d(band_.normal[s.node]), cell_.normal) > Band::kOtherSheet;
+    });
+    if (!(disc.distance < first.distance)) return first;
+    return {disc.distance, field_.source[std::size_t(disc.seed - field_.seeds.data())], disc.seed};
 }
 
 }  // namespace

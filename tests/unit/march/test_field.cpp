@@ -178,6 +178,21 @@ TEST_CASE("sampleDistance: a seed that another front has overrun counts for noth
     CHECK(worst < (late > 0 ? (jet ? 1e-4 : 0.15) : (jet ? 0.045 : 0.39)));
 }
 
+TEST_CASE("sampleDistance: seeds closer than the nodes are") {
+    const Band band = planeBand({0, 0, 1}, 0, {-12, -12, -3}, {12, 12, 3}, 2);
+    std::vector<SurfacePoint> seeds;
+    for (int k = 0; k < 5; ++k)
+        seeds.push_back(nearestSurfacePoint(band, {0.3 + 0.21 * k, 0.1 + 0.13 * k, 0}));
+    for (const bool jet : {true, false}) {
+        const Field field = jet ? marchJet(band, {}, seeds) : marchGodunov(band, {}, seeds);
+        for (std::size_t k = 0; k < seeds.size(); ++k) {
+            const Arrival a = arrivalAt(field, seeds[k].pIndex);
+            CHECK(a.distance == 0);
+            CHECK(a.seed == &field.seeds[k]);
+        }
+    }
+}
+
 TEST_CASE("sampleDistance: opposite a seed, where fronts come from all sides") {
     const double radius = 20;
     const Vec3d center{0.31, -0.17, 0.43};
