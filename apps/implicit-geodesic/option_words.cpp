@@ -16,6 +16,7 @@ std::string inOptionWords(std::string text) {
         {"MetricDefinition::obstacles", "--obstacle"},
         {"maxDistance", "--max-distance"},
         {"memoryLimit", "--memory-limit"},
+        {"joinGaps", "--join-gaps"},
         {"maxSnap", "--snap"},
         {"isSigned", "--signed"}};
     for (const auto& [name, option] : kWords)

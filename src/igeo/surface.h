@@ -25,6 +25,8 @@ struct VoxelOptions {
     int resolution = 0;  ///< voxels along the longest side; 0: of a mesh 256, of points half their
                          ///< spacing (godunov: their spacing)
     Scheme scheme = Scheme::Jet;  ///< what points are put on voxels for
+    double joinGaps = 0;  ///< pieces of a mesh no further apart are joined (bandFromMesh), world
+                          ///< units; for jet
 };
 
 /// What is known of a surface before any march.
@@ -36,6 +38,7 @@ struct SurfaceFacts {
     std::uint64_t activeVoxels = 0;       ///< of a level set
     double halfWidth = 0;                 ///< of the level set, voxels
     double largestCurvature = kInfinity;  ///< per voxel (LevelSetStats); +inf: not known
+    double joinGaps = 0;                  ///< of a mesh: VoxelOptions::joinGaps
     double diagonal = 0;                  ///< across the surface, voxels
     double snap = 0;                      ///< how far points may be off by default, world units
     std::string summary;                  ///< in a few words
@@ -61,7 +64,8 @@ public:
     explicit Surface(const openvdb::FloatGrid& psi, Progress& progress = Progress::none());
     explicit Surface(LoadedGrid psi, Progress& progress = Progress::none());
     /// Triangles, open or closed, welded (readMesh does).
-    /// @throws Error  as requireReasonable
+    /// @throws Error  as requireReasonable, InvalidArgument for VoxelOptions::joinGaps of more than
+    ///         64 voxels
     explicit Surface(TriangleMesh mesh, const VoxelOptions& voxels = {},
                      Progress& progress = Progress::none());
     /// Points on a surface, with or without normals: for `jet` the surface fitted to them, for
@@ -86,6 +90,8 @@ public:
     /// else of the whole surface, made once per width.
     std::shared_ptr<const Band> band(const BandWidth& width, const std::vector<Ball>& region = {},
                                      Progress& progress = Progress::none()) const;
+    /// That of the whole surface if it is made already, else null.
+    std::shared_ptr<const Band> madeBand(const BandWidth& width) const;
     /// How many nodes the band of the whole surface has, about, and the memory of a march and one
     /// grid of results on it, bytes.
     double estimatedNodes(const BandWidth& width) const;
@@ -93,8 +99,9 @@ public:
     /// @param limit  bytes
     /// @throws Error  InvalidArgument where estimatedMemory is more
     void requireMemory(const BandWidth& width, double limit) const;
-    /// Sheets that face each other within 1.1 voxels (a mesh: two), where that makes distances
-    /// unreliable: a sentence with their share of the surface, or nothing.
+    /// Sheets that face each other within two voxels (a level set: 1.1), where that makes distances
+    /// unreliable, or parts of a mesh too thin for the voxels: a sentence with their share of the
+    /// surface, or nothing.
     /// @param band  of the whole surface
     std::string facingWarning(const Band& band) const;
 
@@ -105,6 +112,13 @@ public:
                      Progress& progress = Progress::none()) const;
     /// As a level set at least as wide as the band; of a mesh or points made when first asked for.
     const LevelSet& levelSet(const BandWidth& width, Progress& progress = Progress::none()) const;
+
+    /// A vertex of the mesh, or one of the points, by its number in the file from 0 on (of an STL
+    /// file in the order in which they first appear), or by name: +x -x +y -y +z -z (the farthest)
+    /// or center (the nearest to the middle of the box of all).
+    /// @return its position, world
+    /// @throws Error  InvalidArgument for another name, a number out of range, and a level set
+    Vec3d vertex(const std::string& name) const;
 
     /// What it is made of; null: of something else.
     const TriangleMesh* triangles() const;

@@ -40,7 +40,7 @@ igeo::Surface checked(Input&& input, const SurfaceOptions& o, igeo::Progress& pr
 igeo::Surface readSurface(const SurfaceOptions& o, igeo::Progress& progress) {
     progress.update("read", 0);
     const std::string file = o.source.text();
-    const igeo::VoxelOptions voxels{o.voxelSize, o.resolution, o.scheme};
+    const igeo::VoxelOptions voxels{o.voxelSize, o.resolution, o.scheme, o.joinGaps};
     switch (o.kind) {
         case SurfaceKind::Mesh:
             return checked(guardedRead(file, [&] { return igeo::readMesh(file); }), o, progress,

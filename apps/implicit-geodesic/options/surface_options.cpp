@@ -58,7 +58,13 @@ void addSurfaceOptions(Command& command, SurfaceOptions& o) {
           .excludes = {"--sdf", "--mesh"}}});
     addVoxelSizeOptions(command, o.voxelSize, o.resolution);
     command.add("Surface",
-                {{.names = {"--rebuild"},
+                {{.names = {"--join-gaps"},
+                  .value = "D",
+                  .text = "Paths may cross gaps up to this wide between pieces of a mesh, or "
+                          "between its rims, world units",
+                  .reads = numberAboveZero(o.joinGaps),
+                  .needs = {"--mesh"}},
+                 {.names = {"--rebuild"},
                   .text = "Make a signed distance of a volume that is none: a fog volume, another "
                           "function, an unsigned distance",
                   .reads = flag(o.rebuild),

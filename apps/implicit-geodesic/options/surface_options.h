@@ -17,6 +17,7 @@ struct SurfaceOptions {
     igeo::GridSource source;    ///< only of a volume with a grid
     double voxelSize = 0;       ///< of a mesh or points; 0: by resolution
     int resolution = 0;         ///< voxels along the longest side; 0: default
+    double joinGaps = 0;        ///< between pieces of a mesh, world units; 0: they stay apart
     bool rebuild = false;       ///< redistance the volume
     std::optional<double> iso;  ///< the value that becomes the surface; none: by class
 

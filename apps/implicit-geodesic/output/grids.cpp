@@ -9,18 +9,20 @@
 #include <igeo/results/log_map.h>
 #include <igeo/results/voronoi_cells.h>
 
+#include <set>
 #include <utility>
 
 #include "output/output_files.h"
 #include "output/run_result.h"
+#include "usage_error.h"
 
 namespace {
 
-openvdb::FloatGrid::Ptr distanceOf(RunResult& r, const std::string& name) {
+openvdb::FloatGrid::Ptr distanceOf(RunResult& r) {
     const igeo::Band& band = r.band();
     const igeo::Field& field = r.field();
     const double dx = band.transform.dx;
-    const openvdb::FloatGrid::Ptr grid = r.distance.grid(name);
+    const openvdb::FloatGrid::Ptr grid = r.distance.grid(r.options.name);
     std::string weight;
     for (const std::string& w : r.report.weights) weight += (weight.empty() ? "" : " * ") + w;
     grid->insertMeta("geodesic_scheme", openvdb::StringMetadata(field.scheme));
@@ -59,7 +61,7 @@ public:
             add(igeo::weightGrid(band, *field.metric, t, surface_ + "_weight"));
         if (asked(Grid::Curvature)) addCurvature();
         if (asked(Grid::Engraved))
-            add(igeo::engraved(r_.levelSet(), r_.isolines(), r_.lines(), igeo::kGrooveRadius,
+            add(igeo::engraved(r_.levelSet(), r_.isolines(), r_.drawnLines(), igeo::kGrooveRadius,
                                r_.progress));
         return std::move(grids_);
     }
@@ -80,21 +82,49 @@ private:
     openvdb::GridCPtrVec grids_;
 };
 
+/// What the grids of --grids are called: the name of the surface's or the distance's grid, and
+/// this.
+constexpr struct {
+    Grid grid;
+    bool ofDistance;
+    const char* suffix;
+} kNames[] = {{Grid::Surface, false, ""},
+              {Grid::Gradient, true, "_gradient"},
+              {Grid::Label, false, "_label"},
+              {Grid::Color, true, "_color"},
+              {Grid::LogMap, false, "_logmap"},
+              {Grid::Weight, false, "_weight"},
+              {Grid::Curvature, false, "_curvature_mean"},
+              {Grid::Curvature, false, "_curvature_gaussian"},
+              {Grid::Curvature, false, "_curvature_max"},
+              {Grid::Curvature, false, "_curvature_min"},
+              {Grid::Engraved, false, "_engraved"}};
+
 }  // namespace
+
+void checkGridNames(const RunOptions& o, const std::string& surface) {
+    if (o.name.empty() || !o.hasSeeds()) return;
+    std::set<std::string> names{o.name};
+    for (const auto& [grid, ofDistance, suffix] : kNames)
+        if (o.asked(grid))
+            if (const std::string name = (ofDistance ? o.name : surface) + suffix;
+                !names.insert(name).second)
+                usageError(
+                    "--name " + o.name + " gives two grids of the output the name '" + name + "'",
+                    "choose another, or leave one of the two out of --grids");
+}
 
 void writeVolume(RunResult& r, const std::string& file) {
     // Areas and boundaries of the cells of the seeds, for the report.
     if (r.options.asked(Grid::Label))
         r.report.cells = igeo::voronoiCells(r.field(), r.mesh(), r.progress);
     r.progress.update("grids", 0);
-    const std::string name =
-        r.options.name.empty() ? r.distance.surface().gridName() + "_geodesic" : r.options.name;
     openvdb::GridCPtrVec grids;
-    const openvdb::FloatGrid::Ptr distance = distanceOf(r, name);
+    const openvdb::FloatGrid::Ptr distance = distanceOf(r);
     // vdb_render shows the first float grid of a file.
     if (r.options.asked(Grid::Surface)) grids.push_back(r.levelSet().psi);
     grids.push_back(distance);
-    for (const auto& grid : MoreGrids(r, name).make()) grids.push_back(grid);
+    for (const auto& grid : MoreGrids(r, distance->getName()).make()) grids.push_back(grid);
     r.progress.throwIfCancelled();
     r.progress.update("write", 0);
     if (file != "-") return igeo::writeVdb(file, grids);

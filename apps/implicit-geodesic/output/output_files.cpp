@@ -31,6 +31,11 @@ namespace {
 void checkEnding(const OutputFile& output) {
     const std::string ending = endingOf(output.file), allowed = output.endings;
     if (allowed.empty() || output.file == "-") return;
+    // Devices and pipes have no endings; folders are refused as such.
+    std::error_code ignored;
+    const fs::file_type type = fs::status(output.file, ignored).type();
+    using Type = fs::file_type;
+    if (type == Type::character || type == Type::fifo || type == Type::directory) return;
     if (ending.empty() || (" " + allowed + " ").find(" " + ending + " ") == std::string::npos)
         usageError(
             std::string(output.option) + " " + output.file + ": the ending is none of " + allowed,
@@ -39,10 +44,11 @@ void checkEnding(const OutputFile& output) {
 
 }  // namespace
 
-std::string distanceFile(const RunOptions& options, const std::string& grid) {
+std::string distanceFile(const RunOptions& options, const std::string* grid) {
     if (!options.output.empty()) return options.output;
     const std::string& file = options.source.file;
-    return (file == "-" ? grid : fs::path(file).stem().string()) + "_geodesic.vdb";
+    if (file != "-") return fs::path(file).stem().string() + "_geodesic.vdb";
+    return grid ? *grid + "_geodesic.vdb" : "";
 }
 
 std::string colorMapOf(const RunOptions& options) {

@@ -22,9 +22,20 @@ void requireTogether(const ResultKind& kind, const RunOptions& o) {
                        " is asked for",
                    "leave --scheme out; for distances by godunov take a run per seed, whose "
                    "--report has those of its targets");
+    if (kind.needs.mesh && o.kind != SurfaceKind::Mesh)
+        usageError(option + " needs the vertices of a mesh, and the surface is none",
+                   "give it by --mesh; of other surfaces --mesh-out has vertices with distances");
     if (kind.needs.points && o.hasExtendedSeeds())
         usageError(option + " does not go with --seed-curve and --seed-mask",
                    "it is made of distances between points");
+}
+
+std::vector<OutputFile> askedFiles(const RunOptions& o) {
+    std::vector<OutputFile> files;
+    for (const ResultKind& kind : resultKinds())
+        if (const std::string file = kind.file(o, nullptr); !file.empty())
+            files.push_back({kind.option, file, kind.endings});
+    return files;
 }
 
 void checkGrids(const RunOptions& o) {
@@ -45,7 +56,7 @@ void checkGrids(const RunOptions& o) {
 
 void checkResults(const RunOptions& o) {
     for (const ResultKind& kind : resultKinds()) {
-        if (kind.file(o).empty()) continue;
+        if (kind.file(o, nullptr).empty()) continue;
         if (kind.needs.seeds && !o.hasSeeds())
             usageError(std::string(kind.option) + " needs distances, but no seed is given",
                        "add --seed x,y,z; without seeds only --paths, --pairs-out, --image and "
@@ -70,6 +81,8 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
         {grids, o.hasSeeds(), "--grids", "a seed"},
         {!o.targets.empty(), o.hasSeeds(), "--target", "a seed"},
         {!o.targetFile.empty(), o.hasSeeds(), "--targets", "a seed"},
+        {!o.paths.empty(), o.hasTargets() || !o.shots.empty(), "--paths",
+         "--target, --targets or --shoot"},
         {o.straighten, o.hasTargets(), "--straighten", "--target or --targets"},
         {o.stopAtTargets, o.hasTargets(), "--stop-at-targets", "--target or --targets"},
         {o.maxDistance > 0, o.hasSeeds(), "--max-distance", "a seed"},
@@ -81,8 +94,9 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
         {o.imageSize.has_value(), !o.image.empty(), "--image-size", "--image"},
         {o.camera.has_value(), !o.image.empty(), "--camera", "--image"},
         {o.up.has_value(), !o.image.empty(), "--up", "--image"},
-        {!o.colorMap.empty(), !o.image.empty() || !o.meshOut.empty() || o.asked(Grid::Color),
-         "--color-map", "--image, --mesh-out or --grids color"},
+        {!o.colorMap.empty(),
+         !o.image.empty() || !o.meshOut.empty() || !o.perVertex.empty() || o.asked(Grid::Color),
+         "--color-map", "--image, --mesh-out, --per-vertex or --grids color"},
         {o.order.has_value(), o.scheme == igeo::Scheme::Godunov, "--order", "--scheme godunov"},
         {o.curvatureScale > 0, curved, "--curvature-scale",
          "--weight-curvature, --metric-curvature or --grids curvature"}};
@@ -92,9 +106,12 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
     return found;
 }
 
+void WithoutEffect::refuse() const {
+    usageError(option + " has no effect without " + users, "add that, or leave it out");
+}
+
 void refuseWithoutEffect(const RunOptions& o) {
-    for (const WithoutEffect& w : optionsWithoutEffect(o))
-        usageError(w.option + " has no effect without " + w.users, "add that, or leave it out");
+    for (const WithoutEffect& w : optionsWithoutEffect(o)) w.refuse();
 }
 
 void checkFiles(const RunOptions& o) {
@@ -103,16 +120,11 @@ void checkFiles(const RunOptions& o) {
         usageError(
             "standard input is named for " + std::to_string(n) + " inputs, and can be read once",
             "give the others as files");
-    std::vector<OutputFile> outputs;
-    for (const ResultKind& kind : resultKinds())
-        if (const std::string file = kind.file(o); !file.empty())
-            outputs.push_back({kind.option, file, kind.endings});
-    checkOutputFiles(outputs, inputs);
+    checkOutputFiles(askedFiles(o), inputs);
 }
 
 std::vector<std::string> outputFiles(const RunOptions& o) {
     std::vector<std::string> files;
-    for (const ResultKind& kind : resultKinds())
-        if (const std::string file = kind.file(o); !file.empty()) files.push_back(file);
+    for (const OutputFile& output : askedFiles(o)) files.push_back(output.file);
     return files;
 }

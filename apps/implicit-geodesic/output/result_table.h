@@ -10,15 +10,17 @@
 struct RunResult;
 
 struct ResultKind {
-    const char* option;                      ///< --isolines
-    const char* name;                        ///< in the report's list of outputs
-    const char* endings;                     ///< of its file, ".json .obj .ply"; empty: any
-    std::string (*file)(const RunOptions&);  ///< empty: not asked for
+    const char* option;   ///< --isolines
+    const char* name;     ///< in the report's list of outputs
+    const char* endings;  ///< of its file, ".json .obj .ply"; empty: any
+    /// Empty: not asked for, or still to be named by the grid (distanceFile).
+    std::string (*file)(const RunOptions&, const std::string* grid);
     /// What a run has to have for it.
     struct Needs {
         bool seeds = false;   ///< that distances begin from
         bool jet = false;     ///< the scheme
         bool points = false;  ///< no seeds but points
+        bool mesh = false;    ///< --mesh
     } needs;
     void (*write)(RunResult& result, const std::string& file);
 };

@@ -4,6 +4,7 @@
 #include <igeo/base/parallel.h>
 
 #include <atomic>
+#include <tuple>
 
 namespace igeo {
 
@@ -155,6 +156,18 @@ void Band::sever(const std::vector<Link>& links) {
     });
 }
 
+void Band::bridge(const std::vector<Bridge>& bridges) {
+    for (const Bridge& b : bridges) {
+        bridges_.push_back(b);
+        bridges_.push_back({b.to, b.from, b.stretch, b.jump});
+        facing[b.from] |= kBridged;
+        facing[b.to] |= kBridged;
+    }
+    std::sort(bridges_.begin(), bridges_.end(), [](const Bridge& a, const Bridge& b) {
+        return std::tie(a.from, a.to, a.stretch) < std::tie(b.from, b.to, b.stretch);
+    });
+}
+
 bool Band::severed(NodeIndex i, NodeIndex j) const {
     const std::uint32_t steps = severedSteps(i);
     if (!steps) return false;
@@ -180,7 +193,7 @@ bool Band::joined(NodeIndex i, NodeIndex j) const {
 
 std::size_t Band::memUsage() const {
     return bytes(leaves) + bytes(leaf) + bytes(offset) + bytes(psi) + bytes(foot) + bytes(normal) +
-           bytes(facing) + severed_.memUsage() + bytes(table_);
+           bytes(facing) + severed_.memUsage() + bytes(bridges_) + bytes(table_);
 }
 
 BandCell cellAt(const Band& band, const Vec3d& p) {
@@ -200,9 +213,9 @@ BandCell cellAt(const Band& band, const Vec3d& p) {
 
 namespace {
 
-void dropParted(const Band& band, NodeIndex nearest, BandCell& cell) {
+void dropParted(const Band& band, NodeIndex onSheet, BandCell& cell) {
     for (NodeIndex& i : cell.node)
-        if (i != kNoNode && i != nearest && band.severed(nearest, i)) {
+        if (i != kNoNode && i != onSheet && band.severed(onSheet, i)) {
             i = kNoNode;
             cell.complete = false;
         }
@@ -218,7 +231,7 @@ Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNorm
         return normalized(sum);
     };
     const Vec3f n(sheetNormal == Vec3d{} ? blended() : sheetNormal);
-    NodeIndex nearest = kNoNode;
+    NodeIndex onSheet = kNoNode;
     float least = float(kInfinity);
     bool parted = false;
     for (std::size_t k = 0; k < 8; ++k) {
@@ -226,16 +239,19 @@ Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNorm
         if (i == kNoNode) continue;
         const Vec3d t = cell.t - Vec3d(double(k >> 2), double(k >> 1 & 1), double(k & 1));
         const Vec3f chord = Vec3f(t) - band.foot[i];
-        if (dot(n, band.normal[i]) < Band::kOtherSheet ||
+        const float cosine = dot(n, band.normal[i]), rise = dot(n, chord);
+        if (cosine < Band::kOtherSheet ||
             (band.facing[i] & Band::kFacing && stacked(chord, n, band.normal[i]))) {
             i = kNoNode;
             cell.complete = false;
             continue;
         }
         parted |= (band.facing[i] & Band::kSevered) != 0;
-        if (const float c2 = dot(chord, chord); c2 < least) least = c2, nearest = i;
+        // Where sheets cross, the plane that is meant tells more than the nearest foot point.
+        const float off = dot(chord, chord) + rise * rise + (1 - cosine);
+        if (off < least) least = off, onSheet = i;
     }
-    if (parted) dropParted(band, nearest, cell);
+    if (parted) dropParted(band, onSheet, cell);
     return sheetNormal == Vec3d{} && !parted ? Vec3d(n) : blended();
 }
 

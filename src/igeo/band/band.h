@@ -63,6 +63,27 @@ inline bool stacked(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
     return std::min(alongA, alongB) > 1 || std::max(alongA, alongB) < -1;
 }
 
+/// Whether two foot points, `chord` apart, lie on either side of a gap or a plate rather than of a
+/// crease: both normals along the chord, and the chord longer than between neighbors on one sheet
+/// (sqrt(3), and a bit). In gaps of about two voxels psi bends normals away from each other, and
+/// Band::kOtherSheet alone does not tell.
+inline bool acrossGap(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
+    constexpr float kFar2 = 3.2f, kAlong2 = 0.25f;
+    const float c2 = dot(chord, chord), alongA = dot(a, chord), alongB = dot(b, chord);
+    return c2 > kFar2 && alongA * alongB < 0 &&
+           std::min(alongA * alongA, alongB * alongB) > kAlong2 * c2;
+}
+
+/// Cosine of normals that oppose: beyond a right angle, which an honest crease has.
+constexpr float kOppositeNormals = -0.2f;
+
+/// Whether two neighbors, their foot points `chord` apart, may be on one sheet, by their normals.
+/// @param cosine  a . b
+inline bool onOneSheet(const Vec3f& chord, const Vec3f& a, const Vec3f& b, float cosine) {
+    return cosine >= kOppositeNormals && !stacked(chord, a, b) &&
+           !(cosine < 0.5f && acrossGap(chord, a, b));
+}
+
 /// The band in flat arrays. Nodes are numbered leaf by leaf, by offset within the leaf, so the
 /// numbering depends on the topology alone. 35 bytes per node and about 5 for the leaves.
 ///
@@ -81,6 +102,10 @@ struct Band {
     /// faces: between two of them a path runs over both planes, however small the angle, where it
     /// would follow an arc on a smooth surface.
     bool faceted = false;
+    /// Pairs of components of a mesh that bridges over gaps join (bandFromMesh).
+    std::size_t joints = 0;
+    /// The share of the core that no link joins with the rest of its component of a mesh.
+    double cutOff = 0;
 
     std::vector<BandLeaf> leaves;
     std::vector<LeafIndex> leaf;        ///< per node: its leaf
@@ -90,9 +115,10 @@ struct Band {
     std::vector<Vec3f> normal;          ///< per node: unit normal at the foot point, along grad psi
 
     /// Per node, bits: kFacing where a neighbor lies on a sheet that faces it, kSevered where links
-    /// are severed, kBesideSevered there and at all neighbors of such nodes.
+    /// are severed, kBesideSevered there and at all neighbors of such nodes, kBridged at the ends
+    /// of bridges.
     std::vector<std::uint8_t> facing;
-    static constexpr std::uint8_t kFacing = 1, kSevered = 2, kBesideSevered = 4;
+    static constexpr std::uint8_t kFacing = 1, kSevered = 2, kBesideSevered = 4, kBridged = 8;
 
     std::size_t size() const { return psi.size(); }
 
@@ -197,8 +223,8 @@ struct Band {
                           (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j))) &&
                          (!(both & kSevered) || !severed(i, j)));
     }
-    /// Cosine below which normals oppose: beyond a right angle, which an honest crease has.
-    static constexpr float kOtherSheet = -0.2f;
+    /// Cosine below which normals oppose.
+    static constexpr float kOtherSheet = kOppositeNormals;
 
     bool stacked(NodeIndex i, NodeIndex j) const {
         return igeo::stacked(Vec3f(ijk(j) - ijk(i)) + foot[j] - foot[i], normal[i], normal[j]);
@@ -223,7 +249,18 @@ struct Band {
     /// Whether no severed link parts two nodes up to two steps apart: a node is a neighbor of both
     /// that no severed link parts from either. False further off, where links are severed.
     bool joined(NodeIndex i, NodeIndex j) const;
-    bool anySevered() const { return !severed_.empty(); }
+
+    /// Adds bridges between nodes of the core, in both directions.
+    /// Time O(n log n).
+    void bridge(const std::vector<Bridge>& bridges);
+    /// Calls visit(bridge) for the bridges from a node.
+    template <typename Visit>
+    void forBridges(NodeIndex i, const Visit& visit) const {
+        if (!(facing[i] & kBridged)) return;
+        auto at = std::lower_bound(bridges_.begin(), bridges_.end(), i,
+                                   [](const Bridge& b, NodeIndex node) { return b.from < node; });
+        for (; at != bridges_.end() && at->from == i; ++at) visit(*at);
+    }
 
     /// The leaf at a step of so many leaves, or kNoLeaf.
     LeafIndex leafBeside(LeafIndex l, int dx, int dy, int dz) const {
@@ -263,6 +300,7 @@ private:
 
     std::size_t coreSize_ = 0;
     SeveredLinks severed_;
+    std::vector<Bridge> bridges_;   ///< sorted by both ends
     std::vector<LeafIndex> table_;  ///< open addressing over leaf origins, a power of two long
 };
 
@@ -341,8 +379,8 @@ struct BandCell {
 BandCell cellAt(const Band& band, const Vec3d& pIndex);
 
 /// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, and
-/// those that severed links part from the corner whose foot point is nearest, so that values of two
-/// sheets are never blended.
+/// those that severed links part from the corner on the sheet that is meant (whose foot point is
+/// near and in its plane), so that values of two sheets are never blended.
 /// @param sheetNormal  normal of the sheet that is meant, where it is known; zero: that of most of
 ///        the corners
 /// @return the unit normal blended from the corners that are left; zero if there are none

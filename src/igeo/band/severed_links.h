@@ -13,6 +13,15 @@ namespace igeo {
 /// Two neighbors: voxels at most one step apart in every axis.
 using Link = std::pair<NodeIndex, NodeIndex>;
 
+/// A link between nodes of the core that are no neighbors, or are so along another path only.
+struct Bridge {
+    NodeIndex from = 0, to = 0;
+    float stretch = 1;  ///< length of the path along the surface over that of the chord, laid flat
+    bool jump = false;  ///< a front starts anew at the other end: over a gap, or where S turns back
+
+    friend bool operator==(const Bridge&, const Bridge&) = default;
+};
+
 /// Pairs of neighbors that no front passes between, as the surface joins their foot points by a
 /// detour only, or not at all. Few nodes have any, and those are sorted: 8 bytes per such node.
 class SeveredLinks {
@@ -32,7 +41,7 @@ public:
     void forNodes(const Visit& visit) const {
         for (const auto& [node, steps] : ofNode_) visit(node);
     }
-    bool empty() const { return ofNode_.empty(); }
+
     std::size_t memUsage() const { return ofNode_.capacity() * sizeof(ofNode_[0]); }
     friend bool operator==(const SeveredLinks& a, const SeveredLinks& b) {
         return a.ofNode_ == b.ofNode_;

@@ -45,6 +45,7 @@ private:
         Neighborhood known;
         std::array<Waiting, JetStencil::kMax> waiting;
         std::size_t waitingCount = 0;
+        Solved jump;         ///< the least value over jumps
         double leastAround;  ///< the least cost per unit length of the node and its neighbors
     };
     /// Part of a batch, for one thread: what it found out, to be written once all are solved.
@@ -92,6 +93,7 @@ private:
     /// Solves a node from its accepted neighbors; if the result is final, enqueues the others.
     Solved solveNode(NodeIndex i, const Batch& batch, Chunk& chunk);
     void gather(NodeIndex i, const LocalFrame& local, double cost, Gathered& around) const;
+    void gatherJumps(NodeIndex i, Gathered& around) const;
     /// The jet of its start disc, unless the front of another seed was there before.
     Solved exactNearSeed(NodeIndex core, const Solved& s) const;
     /// Puts node i into the bucket of the value that a jet nearby carries to it, after the batch at
@@ -220,6 +222,7 @@ Solved JetMarch::solveNode(NodeIndex i, const Batch& batch, Chunk& chunk) {
     Gathered around;
     gather(i, local, cost, around);
     Solved s = solveJet(core_, local, around.known);
+    if (around.jump.u < s.u) s = around.jump;
     // Nodes of a disc wait in its buckets or earlier.
     if (batch.first <= bucketOf(core_.seeds.largestInDisc)) s = exactNearSeed(i, s);
     if (!withinLimit(i, s.u)) s.u = kInfinity;
@@ -243,6 +246,7 @@ void JetMarch::gather(NodeIndex i, const LocalFrame& local, double cost, Gathere
         else if (!around.known.full())
             addNeighbor(core_, j, chord, cosine, local, around.known);
     });
+    gatherJumps(i, around);
     // One per lattice column: on a surface that goes on all around these are eight, or nearly so.
     // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
     // saves.
@@ -251,6 +255,19 @@ void JetMarch::gather(NodeIndex i, const LocalFrame& local, double cost, Gathere
     all.rim =
         core_.nodes[i].obstacleState != Metric::Clear ||
         (core_.stretch.empty() && std::size_t(all.count()) + around.waitingCount < kAllAround);
+}
+
+void JetMarch::gatherJumps(NodeIndex i, Gathered& around) const {
+    forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
+        const JetNode& other = core_.nodes[j];
+        if (!(other.u < kInfinity)) {
+            around.waiting[around.waitingCount++] = {j, chord.x, chord.y, chord.z};
+            return;
+        }
+        const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2;
+        const double u = other.u + cost * double(length(chord));
+        if (u < around.jump.u) around.jump = {u, {}, core_.labelOf(j), false};
+    });
 }
 
 Solved JetMarch::exactNearSeed(NodeIndex i, const Solved& s) const {
@@ -317,6 +334,7 @@ Field JetMarch::take() {
     field.scheme = "jet";
     field.startRadius = options_.startRadius;
     field.stoppedEarly = stopped_ || options_.below;
+    field.limit = limit_;
     field.solved = accepted_;
     field.fallbackCount = fallbackCount_;
     field.summarize();

@@ -148,6 +148,7 @@ std::vector<NodeIndex> connect(const Band& band, const std::vector<NodeIndex>& n
                           [&](NodeIndex next, int, int, int) {
                               if (next < c && band.linked(i, nodes[next])) sets.join(c, next);
                           });
+        band.forBridges(i, [&](const Bridge& b) { sets.join(c, band.coreNode(b.to)); });
     }
     std::vector<NodeIndex> piece(nodes.size());
     for (NodeIndex c = 0; c < nodes.size(); ++c) piece[c] = sets.first(c);

@@ -3,7 +3,8 @@
 #include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
-#include <igeo/surface/detail/mesh_distance.h>
+#include <igeo/surface/detail/mesh_joints.h>
+#include <igeo/surface/detail/mesh_links.h>
 
 #include <algorithm>
 
@@ -148,7 +149,7 @@ std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
 
 }  // namespace
 
-Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress) {
+Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress, double gap) {
     if (!(h >= 0.866 && h <= 8))
         throw Error(Error::Kind::InvalidArgument,
                     fmt::format("a band of {:f} voxels; allowed are sqrt(3)/2 to 8", h),
@@ -180,16 +181,52 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) band.markFacing(NodeIndex(i));
     });
+    const MeshAdjacency adjacency(mesh, topology);
+    const MeshBand on{adjacency, normals.ofFace, nearLeaves, band};
     band.numberCore(rim);
+    band.sever(linksOffMesh(on, progress));
+    band.bridge(bridgesOnMesh(on, progress));
+    band.cutOff = shareCutOff(on);
+    if (gap > 0) {
+        const MeshJoints joints = jointsOverGaps(on, gap / dx, progress);
+        band.joints = joints.pairs;
+        band.bridge(joints.bridges);
+    }
     progress.update("band", 1);
     return band;
 }
+
+namespace {
+
+/// Where sheets cross or lie close together: the node around a point whose foot point is near and
+/// in the plane of the triangle there.
+NodeIndex nodeOnPlane(const Band& band, const Vec3d& pIndex, const Vec3d& normal) {
+    NodeIndex best = kNoNode;
+    double least = kInfinity;
+    const Ijk middle = roundToIjk(pIndex);
+    for (int x = -2; x <= 2; ++x)
+        for (int y = -2; y <= 2; ++y)
+            for (int z = -2; z <= 2; ++z) {
+                const NodeIndex i = band.nodeAt(middle + Ijk{x, y, z});
+                if (i == kNoNode) continue;
+                const Vec3d chord = band.footPoint(i) - pIndex;
+                const double rise = dot(chord, normal);
+                // The band may have turned the triangle over.
+                const double turn = 1 - std::abs(dot(Vec3d(band.normal[i]), normal));
+                const double off = dot(chord, chord) + rise * rise + turn;
+                if (off < least) least = off, best = i;
+            }
+    return best;
+}
+
+}  // namespace
 
 SurfacePoint nearestMeshPoint(const TriangleMesh& mesh, const Band& band, const Vec3d& pIndex) {
     const Vec3d p = band.transform.worldFromIndex(pIndex);
     struct Found {
         Vec3d point;
         double squared = kInfinity;
+        std::size_t triangle = 0;
     };
     constexpr std::size_t kChunk = 1 << 14;
     std::vector<Found> parts((mesh.triangles.size() + kChunk - 1) / kChunk);
@@ -201,7 +238,7 @@ SurfacePoint nearestMeshPoint(const TriangleMesh& mesh, const Band& band, const 
                 const Vec3d q =
                     nearestOnTriangle(p, mesh.points[i], mesh.points[j], mesh.points[k]).point;
                 const double d2 = dot(q - p, q - p);
-                if (d2 < parts[c].squared) parts[c] = {q, d2};
+                if (d2 < parts[c].squared) parts[c] = {q, d2, t};
             }
         }
     });
@@ -212,6 +249,11 @@ SurfacePoint nearestMeshPoint(const TriangleMesh& mesh, const Band& band, const 
     s.askedIndex = pIndex;
     s.pIndex = band.transform.indexFromWorld(best.point);
     s.snapDistance = length(s.pIndex - pIndex);
+    if (band.facing[s.node] & Band::kBesideSevered) {
+        const auto& [i, j, k] = mesh.triangles[best.triangle];
+        const Vec3d &a = mesh.points[i], &b = mesh.points[j], &c = mesh.points[k];
+        s.node = nodeOnPlane(band, s.pIndex, normalized(cross(b - a, c - a)));
+    }
     return s;
 }
 

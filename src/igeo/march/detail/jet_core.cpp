@@ -52,7 +52,7 @@ CostRange fillLeaf(JetCore& core, LeafIndex l) {
                            kNoBucket,
                            o,
                            metric.obstacleState.empty() ? Metric::Clear : metric.obstacleState[i],
-                           (band.facing[i] & Band::kSevered) != 0,
+                           band.facing[i],
                            weight};
     }
     return costs;
@@ -103,7 +103,7 @@ bool moveToRim(const JetCore& core, const JetNode& node, Vec3f& foot) {
     // So far outside that steps of 1.5 voxels along a rim with a radius of 6 voxels stay outside.
     constexpr float kOff = 0.05f;
     float nearest = float(kInfinity);
-    const std::uint32_t severed = node.severed ? core.band.severedSteps(core.inBand(node)) : 0;
+    const std::uint32_t severed = core.severedSteps(node);
     core.band.forNeighbors(
         &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
             const JetNode& outside = core.nodes[j];

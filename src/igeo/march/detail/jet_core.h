@@ -45,7 +45,7 @@ struct JetNode {
     std::uint32_t bucket = kNoBucket;  ///< in which it waits, 0 once taken out: jet_queue.h
     std::uint16_t offset;
     Metric::ObstacleState obstacleState;
-    bool severed;  ///< has severed links
+    std::uint8_t facing;  ///< Band::facing
     float weight;
 };
 
@@ -91,6 +91,10 @@ struct JetCore {
     NodeIndex inBand(const JetNode& node) const {
         return band.leaves[node.leaf].band.numberOf(node.offset);
     }
+    /// Band::severedSteps of a core node.
+    std::uint32_t severedSteps(const JetNode& node) const {
+        return node.facing & Band::kSevered ? band.severedSteps(inBand(node)) : 0;
+    }
     Vec3d footOf(const JetNode& node) const { return Vec3d(voxelOf(node)) + Vec3d(node.foot); }
     LocalFrame localFrame(NodeIndex core) const {
         return {TangentFrame(nodes[core].normal, band.faceted), double(nodes[core].weight),
@@ -124,17 +128,6 @@ JetCore buildJetCore(const Band& band, const Metric& metric, const std::vector<S
 /// that use it, and its links. Time O(n), in parallel.
 JetStencil buildStencil(const JetCore& core);
 
-/// Whether two foot points, `chord` apart, lie on either side of a gap or a plate rather than of a
-/// crease: both normals along the chord, and the chord longer than between neighbors on one sheet
-/// (sqrt(3), and a bit). In gaps of about two voxels psi bends normals away from each other, and
-/// Band::kOtherSheet alone does not tell.
-inline bool acrossGap(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
-    constexpr float kFar2 = 3.2f, kAlong2 = 0.25f;
-    const float c2 = dot(chord, chord), alongA = dot(a, chord), alongB = dot(b, chord);
-    return c2 > kFar2 && alongA * alongB < 0 &&
-           std::min(alongA * alongA, alongB * alongB) > kAlong2 * c2;
-}
-
 /// Whether an obstacle lies between core node j and a point of S, or around j.
 inline bool isHidden(const JetCore& core, const JetNode& j, const Vec3d& p, const Vec3f& normal) {
     return j.obstacleState == Metric::Inside ||
@@ -147,17 +140,45 @@ inline bool isHidden(const JetCore& core, const JetNode& j, const Vec3d& p, cons
 /// @param chord, cosine  from the foot point of `other`; between their normals
 inline bool isLinked(const JetCore& core, const JetNode& node, const JetNode& other,
                      const Vec3f& chord, float cosine) {
-    return cosine >= Band::kOtherSheet && !stacked(chord, node.normal, other.normal) &&
-           !(cosine < 0.5f && acrossGap(chord, node.normal, other.normal)) &&
+    return onOneSheet(chord, node.normal, other.normal, cosine) &&
            !(node.obstacleState != Metric::Clear &&
              isHidden(core, other, core.footOf(node), node.normal + other.normal));
 }
 
-/// Calls visit(j, step, chord, cosine) for the nodes within a voxel that are linked to node i.
+/// Calls visit(j, step, chord, cosine) for the nodes at the other ends of a node's bridges.
+template <typename Visit>
+void forBridges(const JetCore& core, const JetNode& node, const Visit& visit) {
+    core.band.forBridges(core.inBand(node), [&](const Bridge& b) {
+        if (b.jump) return;
+        const NodeIndex j = core.band.coreNode(b.to);
+        const JetNode& other = core.nodes[j];
+        if (node.obstacleState != Metric::Clear &&
+            isHidden(core, other, core.footOf(node), node.normal + other.normal))
+            return;
+        const Ijk step = core.voxelOf(other) - core.voxelOf(node);
+        visit(j, step, b.stretch * (node.foot - other.foot - Vec3f(step)),
+              dot(node.normal, other.normal));
+    });
+}
+
+/// Calls visit(j, chord) for the nodes that a node's jumps lead to.
+template <typename Visit>
+void forJumps(const JetCore& core, NodeIndex i, const Visit& visit) {
+    const JetNode& node = core.nodes[i];
+    if (!(node.facing & Band::kBridged)) return;
+    core.band.forBridges(core.inBand(node), [&](const Bridge& b) {
+        const NodeIndex j = core.band.coreNode(b.to);
+        if (b.jump && core.nodes[j].obstacleState != Metric::Inside)
+            visit(j, b.stretch * Vec3f(core.footOf(node) - core.footOf(core.nodes[j])));
+    });
+}
+
+/// Calls visit(j, step, chord, cosine) for the nodes within a voxel that are linked to node i, and
+/// over bridges.
 template <typename Visit>
 void forLinks(const JetCore& core, NodeIndex i, const Visit& visit) {
     const JetNode& node = core.nodes[i];
-    const std::uint32_t severed = node.severed ? core.band.severedSteps(core.inBand(node)) : 0;
+    const std::uint32_t severed = core.severedSteps(node);
     core.band.forNeighbors(
         &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
             if (severed & SeveredLinks::bit(dx, dy, dz)) return;
@@ -167,6 +188,7 @@ void forLinks(const JetCore& core, NodeIndex i, const Visit& visit) {
             if (isLinked(core, node, other, chord, cosine))
                 visit(j, Ijk{dx, dy, dz}, chord, cosine);
         });
+    if (node.facing & Band::kBridged) forBridges(core, node, visit);
 }
 
 /// The same for the nodes of its stencil, or for its links where there are no stencils.

@@ -45,8 +45,7 @@ private:
     }
     void visitNeighbors(NodeIndex i) {
         const JetNode& node = core_.nodes[i];
-        const std::uint32_t severed =
-            node.severed ? core_.band.severedSteps(core_.inBand(node)) : 0;
+        const std::uint32_t severed = core_.severedSteps(node);
         core_.band.forNeighbors(
             &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
                 if (severed & SeveredLinks::bit(dx, dy, dz)) return;

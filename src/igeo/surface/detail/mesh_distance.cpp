@@ -52,6 +52,12 @@ struct Corners {
         }
         return d2 <= r * r;
     }
+    /// Whether its box comes within r of the box of a leaf's voxels.
+    bool mayReach(const Ijk& leaf, double r) const {
+        for (int k = 0; k < 3; ++k)
+            if (low[k] > leaf[k] + 7 + r || high[k] < leaf[k] - r) return false;
+        return true;
+    }
 };
 
 /// The leaves a triangle comes near to.
@@ -138,7 +144,7 @@ std::vector<NearLeaf> voxelsNear(const std::vector<Vec3d>& points,
         for (std::size_t c = begin; c < end && !progress.cancelled(); ++c) {
             const std::size_t last = std::min(triangles.size(), (c + 1) * kChunk);
             for (std::size_t t = c * kChunk; t < last; ++t)
-                findMeetings(Corners(points, triangles[t]), std::uint32_t(t), reach, parts[c]);
+                findMeetings(Corners(points, triangles[t]), std::uint32_t(t), reach + 1, parts[c]);
         }
     });
     progress.throwIfCancelled();
@@ -160,9 +166,12 @@ std::vector<NearLeaf> voxelsNear(const std::vector<Vec3d>& points,
             const Ijk at = meetings[starts[l]].leaf;
             all[l].origin = {8 * at.x, 8 * at.y, 8 * at.z};
             best.assign(512, {});
-            for (std::size_t k = starts[l]; k < starts[l + 1]; ++k)
-                lookAt(Corners(points, triangles[meetings[k].triangle]), meetings[k].triangle,
-                       all[l].origin, reach, best);
+            for (std::size_t k = starts[l]; k < starts[l + 1]; ++k) {
+                const Corners t(points, triangles[meetings[k].triangle]);
+                if (!t.mayReach(all[l].origin, reach + 1)) continue;
+                all[l].triangles.push_back(meetings[k].triangle);
+                lookAt(t, meetings[k].triangle, all[l].origin, reach, best);
+            }
             for (unsigned o = 0; o < 512; ++o) {
                 const Best& b = best[o];
                 if (!(b.squared < kInfinity)) continue;

@@ -29,6 +29,8 @@ struct NearVoxel {
 struct NearLeaf {
     Ijk origin;
     std::vector<NearVoxel> voxels;
+    /// Those that may come within `reach` and a voxel of one of the leaf's, by number.
+    std::vector<std::uint32_t> triangles;
 };
 
 /// All voxels less than `reach` voxels from the mesh, leaf by leaf in the order (x, y, z) of their

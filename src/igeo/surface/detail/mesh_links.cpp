@@ -1,0 +1,345 @@
+#include <igeo/surface/detail/mesh_links.h>
+
+#include <igeo/band/tangent_frame.h>
+#include <igeo/base/detail/disjoint_sets.h>
+#include <igeo/base/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+
+namespace igeo {
+
+namespace {
+
+/// The triangles around a leaf, by sheets: parts joined within them.
+class LeafSheets {
+public:
+    LeafSheets(const MeshBand& on, const std::vector<std::uint32_t>& triangles)
+        : triangles_(triangles), sheets_(triangles.size()), uneven_(triangles.size()) {
+        for (std::uint32_t a = 0; a < triangles.size(); ++a)
+            for (std::size_t k = 0; k < 3; ++k) {
+                if (!on.adjacency.isPlain(triangles[a], k)) continue;
+                on.adjacency.forBeyond(triangles[a], k, [&](std::uint32_t u) {
+                    if (const std::uint32_t b = indexOf(u); b != kNone) sheets_.join(a, b);
+                });
+            }
+        for (std::uint32_t a = 0; a < triangles.size(); ++a) {
+            isOne_ &= sheets_.first(a) == 0;
+            for (std::size_t k = 0; k < 3; ++k)
+                if (!on.adjacency.isPlain(triangles[a], k)) uneven_[sheets_.first(a)] = true;
+        }
+        findUneven(on.faceNormal);
+    }
+    /// All of it is one sheet over a plane, without an end: its points are not much further apart
+    /// along it than in space.
+    bool isOneEvenSheet() const { return isOne_ && !uneven_[0]; }
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    /// The sheet of this kind that a triangle is on, or kNone.
+    std::uint32_t evenSheetOf(std::uint32_t t) {
+        const std::uint32_t a = indexOf(t);
+        if (a == kNone) return kNone;
+        const std::uint32_t sheet = sheets_.first(a);
+        return uneven_[sheet] ? kNone : sheet;
+    }
+
+private:
+    static constexpr double kEven = 0.57;  ///< 55 degrees, as the faces at the corner of a box
+
+    /// Normals further than kEven from the middle of two that are far apart.
+    void findUneven(const std::vector<Vec3d>& faceNormal) {
+        std::vector<Vec3d> first(triangles_.size()), second(first);
+        // Triangles on one line have no normal.
+        auto forNormals = [&](const auto& visit) {
+            for (std::uint32_t a = 0; a < triangles_.size(); ++a)
+                if (const Vec3d& n = faceNormal[triangles_[a]]; n != Vec3d{})
+                    visit(sheets_.first(a), n);
+        };
+        auto farthest = [](const Vec3d& from, const Vec3d& n, Vec3d& soFar) {
+            if (soFar == Vec3d{} || dot(from, n) < dot(from, soFar)) soFar = n;
+        };
+        std::vector<Vec3d> any(first);
+        forNormals([&](std::uint32_t sheet, const Vec3d& n) { any[sheet] = n; });
+        forNormals([&](std::uint32_t s, const Vec3d& n) { farthest(any[s], n, first[s]); });
+        forNormals([&](std::uint32_t s, const Vec3d& n) { farthest(first[s], n, second[s]); });
+        for (std::uint32_t s = 0; s < any.size(); ++s) any[s] = normalized(first[s] + second[s]);
+        forNormals([&](std::uint32_t s, const Vec3d& n) {
+            if (dot(any[s], n) < kEven) uneven_[s] = true;
+        });
+    }
+
+    std::uint32_t indexOf(std::uint32_t t) const {
+        const auto at = std::lower_bound(triangles_.begin(), triangles_.end(), t);
+        return at != triangles_.end() && *at == t ? std::uint32_t(at - triangles_.begin()) : kNone;
+    }
+
+    const std::vector<std::uint32_t>& triangles_;  ///< sorted
+    DisjointSets sheets_;
+    std::vector<bool> uneven_;  ///< per first triangle of a sheet
+    bool isOne_ = true;
+};
+
+/// From the foot point of node j to that of node i.
+Vec3f chordOf(const Band& band, NodeIndex i, NodeIndex j) {
+    return band.foot[i] - band.foot[j] - Vec3f(band.ijk(j) - band.ijk(i));
+}
+
+/// How far apart a march takes two foot points for.
+double arcOf(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
+    const TangentFrame frame(band.normal[i], band.faceted);
+    const float cosine = dot(band.normal[i], band.normal[j]);
+    return std::max(length(frame.unfold(chord, band.normal[j], cosine)), length(chord));
+}
+
+/// The longest walk that an arc may stand for.
+double longestFor(double arc) { return 1.25 * arc + 0.25; }
+
+/// The links of one leaf's nodes to nodes of larger numbers.
+class LinksOfLeaf {
+public:
+    LinksOfLeaf(const MeshBand& on, LeafIndex l, MeshWalk& walk, std::vector<Link>& off)
+        : on_(on), l_(l), nodes_(on.band.leaves[l].band), walk_(walk), off_(off) {
+        LeafSheets sheets(on, on.leaves[l].triangles);
+        if (sheets.isOneEvenSheet()) return;
+        for (const NearVoxel& v : on.leaves[l].voxels)
+            sheetOf_.push_back(sheets.evenSheetOf(v.triangle));
+        const auto first = on.band.facing.begin() + nodes_.firstNode;
+        // Where the core says that nothing is near, nothing is.
+        if (std::all_of(first, first + nodes_.count, [](std::uint8_t f) { return f == 0; })) {
+            find(sheets, /*coreOnly=*/true);
+            if (off_.empty()) return;
+            off_.clear();
+        }
+        find(sheets, /*coreOnly=*/false);
+    }
+
+private:
+    void find(LeafSheets& sheets, bool coreOnly) {
+        const NodeIndex end = nodes_.firstNode + nodes_.count;
+        for (NodeIndex i = nodes_.firstNode; i < end; ++i) {
+            if (coreOnly && !on_.band.inCore(i)) continue;
+            const std::uint32_t sheet = sheetOf_[i - nodes_.firstNode];
+            auto visit = [&](NodeIndex j) {
+                if (j < i || (coreOnly && !on_.band.inCore(j))) return;
+                if (sheet == LeafSheets::kNone ||
+                    sheet != (j < end ? sheetOf_[j - nodes_.firstNode]
+                                      : sheets.evenSheetOf(on_.voxel(j).triangle)))
+                    test(i, j);
+            };
+            on_.band.forNeighbors(&BandLeaf::band, l_, on_.band.offset[i],
+                                  [&](NodeIndex j, int, int, int) { visit(j); });
+        }
+    }
+    void test(NodeIndex i, NodeIndex j) {
+        const Band& band = on_.band;
+        const MeshPoint from = on_.foot(i), to = on_.foot(j);
+        if (from.triangle == to.triangle) return;
+        // Also where normals say it all, so that no link leads around (Band::joined).
+        if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet ||
+            !(walk_.length(from, to, longestFor(arcOf(band, i, chordOf(band, i, j), j))) <
+              kInfinity))
+            off_.emplace_back(i, j);
+    }
+
+    const MeshBand& on_;
+    const LeafIndex l_;
+    const LeafNodes& nodes_;
+    MeshWalk& walk_;
+    std::vector<Link>& off_;
+    std::vector<std::uint32_t> sheetOf_;  ///< per node of the leaf: LeafSheets::evenSheetOf
+};
+
+/// Core nodes that links of a core node lead to, sorted, and their directions.
+void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked,
+                  std::vector<double>* angles) {
+    linked.clear();
+    const std::uint32_t severed = band.severedSteps(i);
+    const TangentFrame frame(band.normal[i]);
+    band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
+                      [&](NodeIndex j, int x, int y, int z) {
+                          if (severed & SeveredLinks::bit(x, y, z) || !band.inCore(j)) return;
+                          const Vec3f chord = chordOf(band, i, j), &n = band.normal[j];
+                          if (!onOneSheet(chord, band.normal[i], n, dot(band.normal[i], n))) return;
+                          linked.push_back(j);
+                          const Vec2f a = frame.flat(-chord);
+                          if (angles && dot(a, a) > 1e-4f)
+                              angles->push_back(std::atan2(double(a.y), double(a.x)));
+                      });
+    std::sort(linked.begin(), linked.end());
+}
+
+/// Finds the bridges of nodes around which links leave a sector open.
+class Bridges {
+public:
+    explicit Bridges(const MeshBand& on) : on_(on), band_(on.band), walk_(on.adjacency) {}
+    /// Adds those from a core node.
+    void find(NodeIndex i, std::vector<Bridge>& bridges);
+
+private:
+    static constexpr double kOpen = 1.9;    ///< radians; neighbors in a lattice leave a right angle
+    static constexpr double kBeside = 0.3;  ///< this close to a link it leads there
+    static constexpr std::size_t kMost = 4;  ///< per node
+
+    /// Turns directions into the open sector between two of them, [from, to]; the widest.
+    bool findOpenSector();
+    bool inOpenSector(const Vec2f& direction) const;
+    bool haveLinkInCommon(NodeIndex j);
+    /// The length of the walk to j, if a bridge is wanted; +inf otherwise.
+    double lengthTo(NodeIndex i, NodeIndex j, Bridge& bridge);
+
+    const MeshBand& on_;
+    const Band& band_;
+    MeshWalk walk_;
+    std::vector<NodeIndex> linked_, linkedThere_;
+    std::vector<double> angles_;
+    double from_ = 0, to_ = 0;
+};
+
+bool Bridges::findOpenSector() {
+    constexpr double kTurn = 6.283185307179586;
+    std::sort(angles_.begin(), angles_.end());
+    from_ = 0, to_ = kTurn;
+    double widest = angles_.empty() ? kTurn : 0;
+    for (std::size_t k = 0; k < angles_.size(); ++k) {
+        const double next = k + 1 < angles_.size() ? angles_[k + 1] : angles_[0] + kTurn;
+        if (next - angles_[k] > widest) widest = next - angles_[k], from_ = angles_[k], to_ = next;
+    }
+    return widest > kOpen;
+}
+
+bool Bridges::inOpenSector(const Vec2f& direction) const {
+    constexpr double kTurn = 6.283185307179586;
+    double angle = std::atan2(double(direction.y), double(direction.x));
+    while (angle < from_) angle += kTurn;
+    return angle > from_ + kBeside && angle < to_ - kBeside;
+}
+
+bool Bridges::haveLinkInCommon(NodeIndex j) {
+    collectLinks(band_, j, linkedThere_, nullptr);
+    return std::any_of(linkedThere_.begin(), linkedThere_.end(), [&](NodeIndex k) {
+        return std::binary_search(linked_.begin(), linked_.end(), k);
+    });
+}
+
+double Bridges::lengthTo(NodeIndex i, NodeIndex j, Bridge& bridge) {
+    // Normals that meet head on, at the tip of a thin plate, leave no direction to turn gradients
+    // by.
+    constexpr float kHeadOn = -0.95f;
+    constexpr double kLongest = 6, kShort = 1e-3;
+    if (std::binary_search(linked_.begin(), linked_.end(), j)) return kInfinity;
+    const Vec3f chord = chordOf(band_, i, j);
+    const bool jump = dot(band_.normal[i], band_.normal[j]) < kHeadOn;
+    if (!jump && !inOpenSector(TangentFrame(band_.normal[i]).flat(-chord))) return kInfinity;
+    const double arc = jump ? double(igeo::length(chord)) : arcOf(band_, i, chord, j);
+    const double most = std::min(2 * arc + 1, kLongest);
+    const double length = walk_.length(on_.foot(i), on_.foot(j), most);
+    if (!(length < kInfinity) || haveLinkInCommon(j)) return kInfinity;
+    // Around the end of a slit a front does not go straight on.
+    const bool bent = length > longestFor(arc);
+    bridge = {i, j, float(std::max(1.0, length / std::max(arc, kShort))), jump || bent};
+    return length;
+}
+
+void Bridges::find(NodeIndex i, std::vector<Bridge>& bridges) {
+    angles_.clear();
+    collectLinks(band_, i, linked_, &angles_);
+    if (!findOpenSector()) return;
+    std::vector<std::pair<double, Bridge>> found;
+    band_.forBox(&BandLeaf::band, band_.leaf[i], band_.offset[i], {}, 3,
+                 [&](NodeIndex j, const Ijk&) {
+                     if (j == i || !band_.inCore(j)) return;
+                     Bridge bridge;
+                     const double length = lengthTo(i, j, bridge);
+                     if (length < kInfinity) found.emplace_back(length, bridge);
+                 });
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+        return std::pair(a.first, a.second.to) < std::pair(b.first, b.second.to);
+    });
+    for (std::size_t k = 0; k < std::min(found.size(), kMost); ++k)
+        bridges.push_back(found[k].second);
+}
+
+}  // namespace
+
+std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress) {
+    std::vector<std::vector<Link>> parts(on.leaves.size());
+    parallelFor(on.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+        MeshWalk walk(on.adjacency);
+        for (std::size_t l = begin; l < end; ++l) LinksOfLeaf(on, LeafIndex(l), walk, parts[l]);
+    });
+    std::vector<Link> off;
+    for (const auto& part : parts) off.insert(off.end(), part.begin(), part.end());
+    return off;
+}
+
+double shareCutOff(const MeshBand& on) {
+    const Band& band = on.band;
+    if (std::none_of(band.facing.begin(), band.facing.end(),
+                     [](std::uint8_t f) { return f & Band::kSevered; }))
+        return 0;
+    DisjointSets parts(band.coreSize());
+    std::vector<NodeIndex> linked;
+    auto forCore = [&](const auto& visit) {
+        for (NodeIndex i = 0; i < band.size(); ++i)
+            if (const NodeIndex c = band.coreNode(i); c != kNoNode) visit(i, c);
+    };
+    forCore([&](NodeIndex i, NodeIndex c) {
+        if (!band.facing[i]) {
+            band.forNeighbors(&BandLeaf::core, band.leaf[i], band.offset[i],
+                              [&](NodeIndex j, int, int, int) {
+                                  if (j < c) parts.join(c, j);
+                              });
+            return;
+        }
+        collectLinks(band, i, linked, nullptr);
+        for (const NodeIndex j : linked) parts.join(c, band.coreNode(j));
+        band.forBridges(i, [&](const Bridge& b) { parts.join(c, band.coreNode(b.to)); });
+    });
+    std::vector<NodeIndex> sizeOf(band.coreSize()), largest(on.adjacency.components());
+    forCore([&](NodeIndex i, NodeIndex c) {
+        const NodeIndex size = ++sizeOf[parts.first(c)];
+        NodeIndex& most = largest[on.adjacency.componentOf(on.voxel(i).triangle)];
+        most = std::max(most, size);
+    });
+    const std::size_t held = std::accumulate(largest.begin(), largest.end(), std::size_t(0));
+    return 1 - double(held) / double(band.coreSize());
+}
+
+std::vector<Bridge> thinned(std::vector<Bridge> bridges) {
+    constexpr std::uint8_t kMostPerNode = 16;
+    for (Bridge& b : bridges)
+        if (b.to < b.from) std::swap(b.from, b.to);
+    std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
+        return std::tie(a.from, a.to, a.stretch) < std::tie(b.from, b.to, b.stretch);
+    });
+    std::unordered_map<NodeIndex, std::uint8_t> count;
+    std::vector<Bridge> kept;
+    for (const Bridge& b : bridges) {
+        if (!kept.empty() && kept.back().from == b.from && kept.back().to == b.to) continue;
+        std::uint8_t &from = count[b.from], &to = count[b.to];
+        if (from >= kMostPerNode || to >= kMostPerNode) continue;
+        ++from, ++to;
+        kept.push_back(b);
+    }
+    return kept;
+}
+
+std::vector<Bridge> bridgesOnMesh(const MeshBand& on, Progress& progress) {
+    const Band& band = on.band;
+    std::vector<std::vector<Bridge>> parts(band.leaves.size());
+    parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+        Bridges bridges(on);
+        for (std::size_t l = begin; l < end; ++l) {
+            const LeafNodes& nodes = band.leaves[l].band;
+            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i)
+                if (band.facing[i] && band.inCore(i)) bridges.find(i, parts[l]);
+        }
+    });
+    std::vector<Bridge> all;
+    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return thinned(std::move(all));
+}
+
+}  // namespace igeo

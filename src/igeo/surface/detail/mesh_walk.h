@@ -1,0 +1,118 @@
+/// Walks over the triangles of a mesh: how far two points are apart along it. Internal.
+#pragma once
+
+#include <igeo/io/triangle_mesh.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace igeo {
+
+/// A point of a mesh.
+struct MeshPoint {
+    std::uint32_t triangle;
+    Vec3d at;
+};
+
+/// Which triangles meet: through edges of any number of them, and along boundary edges of which one
+/// lies on the other, as where a corner of small triangles ends on the edge of a large one.
+class MeshAdjacency {
+public:
+    /// @param mesh, topology  have to outlive it
+    MeshAdjacency(const TriangleMesh& mesh, const MeshTopology& topology);
+
+    const TriangleMesh& mesh() const { return mesh_; }
+    /// Calls visit(u) for the triangles beyond the edge from corner k of triangle t to the next.
+    template <typename Visit>
+    void forBeyond(std::uint32_t t, std::size_t k, const Visit& visit) const {
+        const std::uint32_t u = topology_.neighbor[t][k];
+        if (u < MeshTopology::kMany) return visit(u);
+        if (u == MeshTopology::kNone) {
+            const Side side{t, std::uint32_t(k)};
+            auto at = std::lower_bound(seams_.begin(), seams_.end(), Seam(side, 0));
+            for (; at != seams_.end() && at->first == side; ++at) visit(at->second);
+            return;
+        }
+        for (auto at = firstAtEdge(t, k); at != many_.end() && at->first == edge(t, k); ++at)
+            if (at->second != t) visit(at->second);
+    }
+    /// Components are joined along all of them, and numbered from 0 on.
+    std::size_t components() const { return components_; }
+    std::uint32_t componentOf(std::uint32_t t) const { return component_[t]; }
+    bool isBoundary(std::uint32_t t, std::size_t k) const {
+        return topology_.neighbor[t][k] == MeshTopology::kNone;
+    }
+    /// Whether corner k of triangle t is an end of a boundary edge.
+    bool isAtBoundary(std::uint32_t t, std::size_t k) const {
+        return atBoundary_[mesh_.triangles[t][k]];
+    }
+    /// Whether one triangle lies beyond the edge, and one only.
+    bool isPlain(std::uint32_t t, std::size_t k) const {
+        return topology_.neighbor[t][k] < MeshTopology::kMany;
+    }
+
+private:
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+    using AtEdge = std::pair<Edge, std::uint32_t>;
+    using Side = std::pair<std::uint32_t, std::uint32_t>;  ///< triangle and edge
+    using Seam = std::pair<Side, std::uint32_t>;
+
+    void findSeams();
+    /// Whether one of two segments lies on the other, or they overlap.
+    bool overlap(const Side& a, const Side& b, double tolerance) const;
+    void numberComponents();
+    const Vec3d& end(const Side& side, std::size_t which) const {
+        return mesh_.points[mesh_.triangles[side.first][(side.second + which) % 3]];
+    }
+
+    Edge edge(std::uint32_t t, std::size_t k) const {
+        return std::minmax({mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3]});
+    }
+    std::vector<AtEdge>::const_iterator firstAtEdge(std::uint32_t t, std::size_t k) const;
+
+    const TriangleMesh& mesh_;
+    const MeshTopology& topology_;
+    std::vector<Seam> seams_;  ///< triangles beyond boundary edges, sorted
+    std::vector<std::uint32_t> component_;
+    std::size_t components_ = 0;
+    std::vector<bool> atBoundary_;  ///< per point
+    std::vector<AtEdge> many_;      ///< triangles at edges of three or more, sorted
+};
+
+/// Looks for short walks. One per thread, used again and again.
+class MeshWalk {
+public:
+    explicit MeshWalk(const MeshAdjacency& adjacency) : adjacency_(adjacency) {}
+
+    /// The length of a walk from one point to another, if it finds one of `most` or less; +inf
+    /// otherwise.
+    ///
+    /// Crosses every edge at the point with the least sum of distances to both ends: of walks over
+    /// one edge, or over faces in one plane, these are the shortest, and of others hardly longer.
+    /// Time O(triangles that meet the ellipsoid of such points with a sum up to `most`).
+    double length(const MeshPoint& from, const MeshPoint& to, double most);
+
+private:
+    struct Stop {
+        double bound, walked;  ///< of the whole walk at least; up to here
+        std::uint32_t triangle, edge;
+        Vec3d at;
+        bool operator<(const Stop& o) const { return bound > o.bound; }
+    };
+    /// Puts the ways out of a triangle onto the heap.
+    void leave(std::uint32_t triangle, const Vec3d& at, double walked, std::uint32_t entry);
+    /// Whether an edge of a triangle is met for the first time in this walk.
+    bool isNew(std::uint64_t side);
+
+    const MeshAdjacency& adjacency_;
+    MeshPoint from_{}, to_{};
+    double most_ = 0;
+    std::vector<Stop> heap_;
+    std::vector<std::uint64_t> seen_;  ///< sides of triangles met in this walk, open addressing
+    std::size_t seenCount_ = 0;
+};
+
+}  // namespace igeo
