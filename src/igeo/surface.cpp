@@ -157,17 +157,7 @@ public:
         widen(wide, h);
         return wide;
     }
-    std::string facingWarning(const Band& band) const override {
-        // Less is next to sharp edges.
-        constexpr double kMuch = 0.005;
-        const double share = unresolvedShare(band);
-        if (share < kMuch) return {};
-        return fmt::format(
-            "walls or gaps are thinner than 1.1 voxels on {:.2g} % of the surface: fronts may "
-            "cross "
-            "them, and distances come out too short; smaller voxels tell their sides apart",
-            100 * share);
-    }
+    std::string facingWarning(const Band& band) const override { return thinWarning(band); }
     std::string gridName() const override { return levelSet_.psi->getName(); }
     openvdb::math::Transform::ConstPtr gridTransform() const override {
         return levelSet_.psi->transformPtr();

@@ -270,17 +270,26 @@ double facingShare(const Band& band) {
     return band.coreSize() > 0 ? double(facing) / double(band.coreSize()) : 0;
 }
 
-double unresolvedShare(const Band& band) {
+std::string thinWarning(const Band& band) {
     // Voxels. No link leads through walls of 1.2, some through those of 1.0: measured.
     constexpr double kResolved = 1.1;
+    // Less is next to sharp edges.
+    constexpr double kMuch = 0.005;
     std::atomic<std::size_t> thin{0};
     parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
         std::size_t count = 0;
         for (auto i = NodeIndex(begin); i < end; ++i)
-            count += band.facing[i] & Band::kFacing && band.inCore(i) && 2 * reachAt(band, i) < kResolved;
+            count += band.facing[i] & Band::kFacing && band.inCore(i) &&
+                     2 * reachAt(band, i) < kResolved;
         thin += count;
     });
-    return band.coreSize() > 0 ? double(thin) / double(band.coreSize()) : 0;
+    const double share = double(thin) / double(std::max<std::size_t>(band.coreSize(), 1));
+    if (share < kMuch) return {};
+    return fmt::format(
+        "walls or gaps are thinner than {} voxels on {:.2g} % of the surface: fronts may cross "
+        "them, "
+        "and distances come out too short; smaller voxels tell their sides apart",
+        kResolved, 100 * share);
 }
 
 SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, const SurfaceMesh& mesh,

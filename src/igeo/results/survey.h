@@ -79,9 +79,10 @@ constexpr double kProgramBytes = 45e6, kSecondsPerTriangle = 5e-6;
 /// Band::linked. Time O(n).
 double facingShare(const Band& band);
 
-/// The share of the core with another sheet within 1.1 voxels: a wall or a gap so thin that a voxel
-/// may hold one of its two sheets only, and that fronts may cross. Time O(n), in parallel.
-double unresolvedShare(const Band& band);
+/// Where another sheet is within 1.1 voxels on more than 0.5 % of the core, a sentence with the
+/// share: a voxel may hold one of the two sheets only, and fronts may cross. Time O(n), in
+/// parallel.
+std::string thinWarning(const Band& band);
 
 /// Describes a surface, on a grid.
 ///
