@@ -4,11 +4,13 @@
 /// level_set_band.h is one. All lengths are in voxels, all positions in index space (types.h).
 #pragma once
 
+#include <igeo/band/surface_triangles.h>
 #include <igeo/base/types.h>
 
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace igeo {
@@ -80,6 +82,8 @@ struct Band {
     /// faces: between two of them a path runs over both planes, however small the angle, where it
     /// would follow an arc on a smooth surface.
     bool faceted = false;
+    /// S itself, where the band was made from a mesh; null elsewhere.
+    std::shared_ptr<const SurfaceTriangles> triangles;
 
     std::vector<BandLeaf> leaves;
     std::vector<LeafIndex> leaf;        ///< per node: its leaf
@@ -332,9 +336,16 @@ struct PsiSample {
 };
 PsiSample samplePsi(const Band& band, const Vec3d& pIndex);
 
-/// Moves a position near S to psi = 0 by Newton steps along grad psi.
-/// @return false (and p unchanged) where the steps leave the band or do not settle within
-///         `tolerance` voxels
-bool projectToSurface(const Band& band, Vec3d& pIndex, double tolerance = 1e-6);
+/// Moves a position near S onto it: to the nearest point of the band's triangles, or to psi = 0 by
+/// Newton steps along grad psi.
+/// @param sheetNormal  normal of the sheet that is meant, where it is known: triangles that oppose
+///                     it count only where there are no others
+/// @return false (and p unchanged) where S is more than 2 voxels away, or where the steps leave the
+///         band or do not settle within 1e-6 voxels
+bool projectToSurface(const Band& band, Vec3d& pIndex, const Vec3d& sheetNormal = {});
+
+/// Unit normal at a point of S: of the nearest triangle, or of the trilinear interpolant of psi;
+/// zero where there is none.
+Vec3d surfaceNormal(const Band& band, const Vec3d& pIndex);
 
 }  // namespace igeo

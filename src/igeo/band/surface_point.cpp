@@ -52,24 +52,44 @@ Nearest nearestAround(const Band& band, const Vec3d& p) {
 
 }  // namespace
 
-SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
-    Nearest best = nearestAround(band, pIndex);
-    if (best.node == kNoNode) best = nearestAmongAll(band, pIndex);
+namespace {
+
+Nearest nearestNode(const Band& band, const Vec3d& p) {
+    Nearest best = nearestAround(band, p);
+    if (best.node == kNoNode) best = nearestAmongAll(band, p);
     if (best.node == kNoNode)
         throw Error(Error::Kind::BadInput, "the band is empty: there is no surface to snap to");
+    return best;
+}
 
-    SurfacePoint s;
-    s.askedIndex = pIndex;
-    s.pIndex = band.footPoint(best.node);
+/// The point on psi = 0, from the node whose foot point is nearest.
+Vec3d onPsi(const Band& band, const Vec3d& pIndex, const Nearest& best) {
+    const Vec3d foot = band.footPoint(best.node);
     // From the point itself where it is near: that keeps its tangential position.
     Vec3d p = pIndex;
-    const Vec3d foot = s.pIndex;
     // Points further out lie outside the band, and perhaps outside the range of Ijk.
     const bool close = best.squared < 1e6;
     if (close && projectToSurface(band, p) && length(p - pIndex) <= std::sqrt(best.squared) + 1e-3)
-        s.pIndex = p;
-    else if (p = foot; projectToSurface(band, p) && length(p - foot) < 1)
-        s.pIndex = p;
+        return p;
+    p = foot;
+    return projectToSurface(band, p) && length(p - foot) < 1 ? p : foot;
+}
+
+}  // namespace
+
+SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
+    SurfacePoint s;
+    s.askedIndex = pIndex;
+    Nearest best;
+    if (const auto at =
+            band.triangles ? band.triangles->nearest(pIndex) : SurfaceTriangles::Place{};
+        at.triangle != SurfaceTriangles::kNone) {
+        s.pIndex = at.point;
+        best = nearestNode(band, at.point);
+    } else {
+        best = nearestNode(band, pIndex);
+        s.pIndex = onPsi(band, pIndex, best);
+    }
     s.snapDistance = length(s.pIndex - pIndex);
 
     // In a thin plate the nearest voxel may belong to the other face.

@@ -6,6 +6,7 @@
 #include <igeo/surface/detail/mesh_distance.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace igeo {
 
@@ -158,7 +159,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     TriangleMesh mesh = given;
     orientConsistently(mesh);
     for (Vec3d& p : mesh.points) p *= 1 / dx;
-    const MeshTopology topology = meshTopology(mesh);
+    MeshTopology topology = meshTopology(mesh);
     const Pseudonormals normals(mesh, topology);
     std::vector<NearLeaf> nearLeaves = voxelsNear(mesh.points, mesh.triangles, h, progress);
 
@@ -181,38 +182,12 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
         for (std::size_t i = begin; i < end; ++i) band.markFacing(NodeIndex(i));
     });
     band.numberCore(rim);
+    static_assert(MeshTopology::kNone == SurfaceTriangles::kNone &&
+                  MeshTopology::kMany == SurfaceTriangles::kMany);
+    band.triangles = std::make_shared<const SurfaceTriangles>(
+        std::move(mesh.points), std::move(mesh.triangles), std::move(topology.neighbor));
     progress.update("band", 1);
     return band;
-}
-
-SurfacePoint nearestMeshPoint(const TriangleMesh& mesh, const Band& band, const Vec3d& pIndex) {
-    const Vec3d p = band.transform.worldFromIndex(pIndex);
-    struct Found {
-        Vec3d point;
-        double squared = kInfinity;
-    };
-    constexpr std::size_t kChunk = 1 << 14;
-    std::vector<Found> parts((mesh.triangles.size() + kChunk - 1) / kChunk);
-    parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t c = begin; c < end; ++c) {
-            const std::size_t last = std::min(mesh.triangles.size(), (c + 1) * kChunk);
-            for (std::size_t t = c * kChunk; t < last; ++t) {
-                const auto& [i, j, k] = mesh.triangles[t];
-                const Vec3d q =
-                    nearestOnTriangle(p, mesh.points[i], mesh.points[j], mesh.points[k]).point;
-                const double d2 = dot(q - p, q - p);
-                if (d2 < parts[c].squared) parts[c] = {q, d2};
-            }
-        }
-    });
-    Found best;
-    for (const Found& part : parts)
-        if (part.squared < best.squared) best = part;
-    SurfacePoint s = nearestSurfacePoint(band, band.transform.indexFromWorld(best.point));
-    s.askedIndex = pIndex;
-    s.pIndex = band.transform.indexFromWorld(best.point);
-    s.snapDistance = length(s.pIndex - pIndex);
-    return s;
 }
 
 }  // namespace igeo

@@ -18,12 +18,12 @@ using Kind = Error::Kind;
 
 Field march(const Band& band, const TriangleMesh& mesh, const Vec3d& seed) {
     return marchJet(band, nullptr,
-                    {nearestMeshPoint(mesh, band, band.transform.indexFromWorld(seed))});
+                    {nearestSurfacePoint(band, band.transform.indexFromWorld(seed))});
 }
 
 double at(const Band& band, const TriangleMesh& mesh, const Field& field, const Vec3d& p) {
     return sampleDistance(field,
-                          nearestMeshPoint(mesh, band, band.transform.indexFromWorld(p)).pIndex) *
+                          nearestSurfacePoint(band, band.transform.indexFromWorld(p)).pIndex) *
            band.transform.dx;
 }
 
