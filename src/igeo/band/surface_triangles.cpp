@@ -70,6 +70,12 @@ SurfaceTriangles::SurfaceTriangles(std::vector<Vec3d> points, std::vector<Triang
                      [](const auto& a, const auto& b) { return a.first < b.first; });
 }
 
+bool SurfaceTriangles::closed() const {
+    return std::all_of(neighbor_.begin(), neighbor_.end(), [](const auto& beside) {
+        return std::max({beside[0], beside[1], beside[2]}) < kMany;
+    });
+}
+
 unsigned SurfaceTriangles::cornerAt(std::uint32_t t, const Side& edge) const {
     const auto wanted = ends(triangles_[edge.triangle], edge.corner);
     unsigned k = 0;

@@ -41,6 +41,8 @@ public:
                      std::vector<std::array<std::uint32_t, 3>> neighbor);
 
     std::size_t size() const { return triangles_.size(); }
+    /// Whether every edge has two triangles, so that there is an inside.
+    bool closed() const;
     const std::vector<Vec3d>& points() const { return points_; }
     const Triangle& operator[](std::size_t t) const { return triangles_[t]; }
     const Vec3d& corner(std::size_t t, unsigned k) const { return points_[triangles_[t][k % 3]]; }

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/error.h>
+#include <igeo/path/detail/triangle_walk.h>
 
 #include <algorithm>
 #include <array>
@@ -89,30 +90,69 @@ bool Walker::step(const Band& band, double arc) {
     return true;
 }
 
+constexpr double kStep = 0.5;
+
+void requireLength(double length) {
+    if (length >= 0 && length < kInfinity) return;
+    throw Error(
+        Error::Kind::InvalidArgument,
+        fmt::format("a path of length {:f} was asked for; it has to be finite and not negative",
+                    length),
+        length < 0 ? "turn the direction round to walk backwards" : "");
+}
+
+[[noreturn]] void refuseDirection() {
+    throw Error(Error::Kind::InvalidArgument, "the direction has no part along the surface",
+                "give one that is not normal to it, and not zero");
+}
+
+void append(Path& path, const Vec3d& p, double at) {
+    path.weightedLength = path.length = path.distance = at;
+    path.vertices.push_back({p, at, at});
+}
+
+Path shootOnTriangles(const SurfaceTriangles& triangles, const SurfacePoint& start,
+                      const Vec3d& direction, double length, Progress& progress) {
+    constexpr std::size_t kLookEvery = 1024;  // steps
+    constexpr int kMostAtOnePlace = 1000;
+    TriangleWalk walk(triangles, start.pIndex, direction);
+    if (!walk.leads()) refuseDirection();
+    Path path;
+    path.target = start;
+    path.status = PathStatus::Reached;
+    append(path, walk.position(), 0);
+    int still = 0;
+    for (std::size_t k = 0; path.length < length; ++k) {
+        if (k % kLookEvery == 0) progress.throwIfCancelled();
+        const std::optional<double> way = walk.advance(std::min(kStep, length - path.length));
+        still = way && *way > 0 ? 0 : still + 1;
+        if (!way || still > kMostAtOnePlace) {
+            path.status = PathStatus::Stalled;
+            break;
+        }
+        if (*way > 0) append(path, walk.position(), path.length + *way);
+    }
+    return path;
+}
+
 }  // namespace
 
 Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, double length,
            Progress& progress) {
-    constexpr double kStep = 0.5, kAlong = 1e-6;  // normals are floats
-    constexpr std::size_t kLookEvery = 256;       // steps, half a millisecond
-    using Kind = Error::Kind;
-    if (!(length >= 0 && length < kInfinity))
-        throw Error(
-            Kind::InvalidArgument,
-            fmt::format("a path of length {:f} was asked for; it has to be finite and not negative",
-                        length),
-            length < 0 ? "turn the direction round to walk backwards" : "");
+    constexpr double kAlong = 1e-6;          // normals are floats
+    constexpr std::size_t kLookEvery = 256;  // steps, half a millisecond
+    requireLength(length);
+    if (!(igeo::length(direction) > 0) || !(igeo::length(direction) < kInfinity)) refuseDirection();
+    if (band.triangles)
+        return shootOnTriangles(*band.triangles, start, direction, length, progress);
     Vec3d p = start.pIndex;
     Local at = localSurface(band, p, Vec3d(band.normal[start.node]));
     // psi = 0 of the interpolant is not quite S.
     p -= at.height * at.normal;
     at = localSurface(band, p, at.normal);
-    if (!at.valid) throw Error(Kind::BadInput, "the start lies at the edge of the band");
+    if (!at.valid) throw Error(Error::Kind::BadInput, "the start lies at the edge of the band");
     const Vec3d along = tangential(direction, at.normal);
-    if (!(igeo::length(along) > kAlong * igeo::length(direction)) ||
-        !(igeo::length(direction) < kInfinity))
-        throw Error(Kind::InvalidArgument, "the direction has no part along the surface",
-                    "give one that is not normal to it, and not zero");
+    if (!(igeo::length(along) > kAlong * igeo::length(direction))) refuseDirection();
 
     Path path;
     path.target = start;
