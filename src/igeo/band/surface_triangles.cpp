@@ -1,6 +1,5 @@
 #include <igeo/band/surface_triangles.h>
 
-#include <igeo/band/band.h>
 #include <igeo/base/nearest_on_triangle.h>
 
 #include <algorithm>
@@ -179,7 +178,7 @@ SurfaceTriangles::Place SurfaceTriangles::nearest(const Vec3d& p, double within,
                       nearestOnTriangle(p, corner(t, 0), corner(t, 1), corner(t, 2)).point;
                   const Place here{t, q, dot(q - p, q - p)};
                   if (!(here.squared <= most)) return;
-                  const bool opposes = !anySheet && dot(normal(t), sheetNormal) < Band::kOtherSheet;
+                  const bool opposes = !anySheet && dot(normal(t), sheetNormal) < kOpposed;
                   Place& of = opposes ? other : best;
                   if (here.squared < of.squared || (here.squared == of.squared && t < of.triangle))
                       of = here;

@@ -53,8 +53,8 @@ public:
     }
 
     /// The nearest point that is at most `within` from p; of equals that of the first triangle.
-    /// @param sheetNormal  a unit normal: triangles that oppose it (Band::kOtherSheet) count only
-    ///                     where there are no others
+    /// @param sheetNormal  a unit normal: triangles whose normals oppose it count only where there
+    ///                     are no others
     /// Time O(log n). The first call of any makes the tree, in O(n log n).
     Place nearest(const Vec3d& p, double within = kInfinity, const Vec3d& sheetNormal = {}) const;
 
@@ -91,6 +91,7 @@ private:
         std::vector<Box> boxes;
         unsigned levels = 0;  ///< below the root
     };
+    static constexpr double kOpposed = -0.2;   ///< cosine of normals; as Band::kOtherSheet
     static constexpr std::size_t kBucket = 4;  ///< triangles in a leaf, at least half of it
 
     const Tree& tree() const;

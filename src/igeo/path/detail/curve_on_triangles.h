@@ -3,7 +3,7 @@
 
 #include <igeo/base/progress.h>
 #include <igeo/march/field.h>
-#include <igeo/path/trace.h>
+#include <igeo/path/path.h>
 
 #include <vector>
 
