@@ -20,6 +20,7 @@ public:
     explicit Console(Level level, std::string before = {})
         : level_(level), before_(std::move(before)) {}
 
+    bool verbose() const { return level_ == Level::Verbose; }
     void info(const std::string& text) const;
     void detail(const std::string& text) const;  ///< with -v only
     void warning(const std::string& text) const;

@@ -25,27 +25,29 @@ using igeo::Vec3d;
 
 namespace {
 
-RunReport newReport(const PreparedSolver& prepared, const SeedInput& seeds) {
+RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metric,
+                    const SeedInput& seeds) {
     RunReport report;
-    report.surface = prepared.solver.surface().facts();
-    report.width = prepared.solver.bandWidth();
-    report.snap = prepared.solver.maxSnap();
+    report.surface = solver.surface().facts();
+    report.width = solver.bandWidth();
+    report.snap = solver.maxSnap();
     report.maxDistance = seeds.limits.maxDistance;
     report.sources = seeds.names;
-    report.weights = prepared.metric.weightNames;
-    report.obstacles = prepared.metric.obstacleNames;
+    report.weights = metric.weightNames;
+    report.obstacles = metric.obstacleNames;
     auto warn = [&](const std::vector<std::string>& more) {
         report.warnings.insert(report.warnings.end(), more.begin(), more.end());
     };
     warn(report.surface.warnings);
     warn(report.width.warnings);
     warn(seeds.warnings);
-    warn(prepared.metric.warnings);
+    warn(metric.warnings);
     return report;
 }
 
 /// With -v: the band, the points and the metric.
 void describe(const igeo::Distance& distance, const Console& console) {
+    if (!console.verbose()) return;
     const igeo::Band& band = distance.band();
     const double dx = band.transform.dx;
     console.detail(fmt::format("band: h = {:.6g} ({:.4g} voxels), {} nodes{}", band.h * dx, band.h,
@@ -80,15 +82,13 @@ igeo::AccuracyEstimate estimate(const igeo::Distance& distance, const Console& c
     return a;
 }
 
-std::vector<igeo::Path> shoot(const igeo::GeodesicSolver& solver, const std::vector<Shot>& shots,
-                              igeo::Progress& progress) {
-    std::vector<igeo::Path> walks;
+std::vector<igeo::Polyline> shoot(const igeo::GeodesicSolver& solver,
+                                  const std::vector<Shot>& shots, igeo::Progress& progress) {
+    std::vector<igeo::Polyline> walks;
     for (const Shot& shot : shots) {
-        try {
-            walks.push_back(solver.shoot(shot.from, shot.direction, shot.length, progress));
-        } catch (const igeo::Error& e) {
-            throw igeo::Error(e.kind(), "--shoot " + shot.text + ": " + e.what(), e.remedy());
-        }
+        walks.push_back(igeo::naming("--shoot " + shot.text, [&] {
+            return solver.shoot(shot.from, shot.direction, shot.length, progress);
+        }));
     }
     if (!shots.empty()) progress.finished("shoot");
     return walks;
@@ -112,15 +112,14 @@ std::vector<igeo::PairDistance> solvePairs(const igeo::GeodesicSolver& solver,
 /// @return kDone or kUnreached
 int tellPaths(const RunReport& report, const igeo::Distance& distance, const Console& console) {
     const igeo::Field& field = distance.field();
-    const double dx = distance.band().transform.dx;
     int code = kDone;
     for (std::size_t k = 0; k < report.paths.size(); ++k) {
-        const igeo::Path& p = report.paths[k];
+        const igeo::Polyline& p = report.paths[k];
         if (p.status == igeo::PathStatus::Reached) {
             console.info(fmt::format("target {}: distance {:.6g}, geodesic {:.6g} {}", k,
-                                     p.distance * dx, p.weightedLength * dx,
+                                     p.startDistance, p.weightedLength,
                                      field.metric->weighted()
-                                         ? fmt::format("by the metric, {:.6g} long", p.length * dx)
+                                         ? fmt::format("by the metric, {:.6g} long", p.length)
                                          : "long"));
             continue;
         }
@@ -134,12 +133,11 @@ int tellPaths(const RunReport& report, const igeo::Distance& distance, const Con
     return code;
 }
 
-void tellWalks(const RunReport& report, const igeo::Similarity& transform, const Console& console) {
+void tellWalks(const RunReport& report, const Console& console) {
     for (std::size_t k = 0; k < report.walks.size(); ++k) {
-        const igeo::Path& walk = report.walks[k];
-        const Vec3d end = transform.worldFromIndex(walk.vertices.back().pIndex);
-        const std::string said = fmt::format("walk {}: {:.6g} long, ends at {}", k,
-                                             walk.length * transform.dx, textOf(end, 9));
+        const igeo::Polyline& walk = report.walks[k];
+        const std::string said = fmt::format("walk {}: {:.6g} long, ends at {}", k, walk.length,
+                                             textOf(walk.points.back(), 9));
         if (walk.status == igeo::PathStatus::Reached)
             console.info(said);
         else
@@ -162,25 +160,30 @@ int tell(const RunReport& report, const igeo::Distance& distance, const RunOptio
          const Console& console) {
     for (const std::string& w : report.warnings) console.warning(w);
     const int paths = tellPaths(report, distance, console);
-    tellWalks(report, distance.band().transform, console);
+    tellWalks(report, console);
     const int pairs = tellPairs(report, console);
     if (o.hasSeeds())
         console.info(fmt::format("distances up to {:.6g} on {} of {} band voxels in {}",
                                  distance.largest(), distance.field().reached,
-                                 distance.band().size(), distanceFile(o, report.surface.name)));
+                                 distance.band().size(), distanceFile(o, &report.surface.name)));
     return std::max(paths, pairs);
 }
 
 }  // namespace
 
-PreparedSolver prepareSolver(const igeo::Surface& surface, const RunOptions& o,
-                             igeo::Progress& progress) {
-    MetricInput metric = readMetric(o, surface.transform());
+igeo::SolverOptions solverOptions(const RunOptions& o) {
     igeo::SolverOptions options;
     options.scheme = o.scheme;
     options.order = o.order.value_or(options.order);
     options.band = o.band;
     options.bandVoxels = o.bandVoxels;
+    return options;
+}
+
+PreparedSolver prepareSolver(const igeo::Surface& surface, const RunOptions& o,
+                             igeo::Progress& progress) {
+    MetricInput metric = readMetric(o, surface.transform());
+    igeo::SolverOptions options = solverOptions(o);
     options.metric = metric.definition;
     return {igeo::GeodesicSolver(surface, options, progress), std::move(metric)};
 }
@@ -201,7 +204,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
                                  o.memoryLimit > 0 ? o.memoryLimit * kGiB : machineMemory()};
     const igeo::GeodesicSolver solver = prepared.solver.with(rules);
     const SeedInput input = readSeeds(o, solver.surface().transform());
-    RunReport report = newReport({solver, prepared.metric}, input);
+    RunReport report = newReport(solver, prepared.metric, input);
 
     const igeo::Distance distance = o.hasSeeds()
                                         ? solver.distance(input.seeds, input.limits, stages)

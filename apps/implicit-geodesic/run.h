@@ -17,8 +17,10 @@ struct PreparedSolver {
     MetricInput metric;  ///< its names and warnings
 };
 
+/// Scheme and band, still without a metric.
+igeo::SolverOptions solverOptions(const RunOptions& options);
+
 /// Reads the metric, and sets up the solver.
-/// @param memoryLimit  bytes
 PreparedSolver prepareSolver(const igeo::Surface& surface, const RunOptions& options,
                              igeo::Progress& progress);
 

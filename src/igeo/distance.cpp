@@ -1,8 +1,7 @@
 #include <igeo/distance.h>
 
-#include <fmt/core.h>
+#include <igeo/band/detail/snap.h>
 #include <igeo/base/detail/text.h>
-#include <igeo/base/error.h>
 #include <igeo/march/signed_field.h>
 #include <igeo/path/straighten.h>
 #include <igeo/results/field_grids.h>
@@ -10,6 +9,21 @@
 #include <utility>
 
 namespace igeo {
+
+Polyline inWorld(const Path& path, const Similarity& t) {
+    Polyline line;
+    line.status = path.status;
+    line.start = inWorld(path.target, t);
+    for (const PathVertex& v : path.vertices) {
+        line.points.push_back(t.worldFromIndex(v.pIndex));
+        line.arcLength.push_back(v.arcLength * t.dx);
+        line.distance.push_back(v.distance * t.dx);
+    }
+    line.length = path.length * t.dx;
+    line.weightedLength = path.weightedLength * t.dx;
+    line.startDistance = path.distance * t.dx;
+    return line;
+}
 
 Distance::Distance(Surface surface, BandWidth width, std::shared_ptr<const Band> band,
                    bool wholeBand, Field field, std::vector<SurfacePoint> targets, double maxSnap)
@@ -23,12 +37,7 @@ Distance::Distance(Surface surface, BandWidth width, std::shared_ptr<const Band>
 
 SurfacePoint Distance::nearest(const Vec3d& pWorld) const {
     const SurfacePoint p = surface_.nearest(*band_, band_->transform.indexFromWorld(pWorld));
-    const double snap = p.snapDistance * band_->transform.dx;
-    if (!(snap <= maxSnap_ * (1 + 1e-6)))
-        throw Error(Error::Kind::InvalidArgument,
-                    "the point " + textOf(pWorld) + " is " +
-                        fmt::format("{:.6g} from the surface, {:.6g} is allowed", snap, maxSnap_),
-                    "move it to the surface or raise maxSnap");
+    requireNear(p, band_->transform, maxSnap_, "the point " + textOf(pWorld));
     return p;
 }
 
@@ -38,31 +47,36 @@ double Distance::at(const Vec3d& pWorld) const {
            signAt(*field_, p.pIndex) * band_->transform.dx;
 }
 
-Polyline Distance::path(const Vec3d& pWorld, bool straightened) const {
-    const Similarity& t = band_->transform;
-    Path path = tracePath(*field_, nearest(pWorld));
-    if (straightened) straighten(*field_, path);
-    Polyline line;
-    line.status = path.status;
-    for (const PathVertex& v : path.vertices) {
-        line.points.push_back(t.worldFromIndex(v.pIndex));
-        line.distance.push_back(v.distance * t.dx);
-    }
-    line.length = path.length * t.dx;
-    line.weightedLength = path.weightedLength * t.dx;
-    if (path.status == PathStatus::Reached) line.seed = field_->source[path.seed];
+Polyline Distance::polylineOf(const Path& path) const {
+    Polyline line = inWorld(path, band_->transform);
+    if (path.status != PathStatus::Reached) return line;
+    const SurfacePoint& seed = field_->seeds[path.seed];
+    const bool several =
+        path.seed + 1 < field_->seeds.size() && field_->seeds[path.seed + 1].joined;
+    line.seed = field_->source[path.seed];
+    line.end = inWorld(seed, band_->transform);
+    if (seed.joined || several) line.end = {line.points.back(), line.points.back()};
+    line.endDistance = seed.start * band_->transform.dx;
     return line;
 }
 
-std::vector<Path> Distance::paths(bool straightened, Progress& progress) const {
+Polyline Distance::path(const Vec3d& pWorld, bool straightened) const {
+    Path path = tracePath(*field_, nearest(pWorld));
+    if (straightened) straighten(*field_, path);
+    return polylineOf(path);
+}
+
+std::vector<Polyline> Distance::paths(bool straightened, Progress& progress) const {
     std::vector<Path> paths = tracePaths(*field_, targets_, {}, progress);
-    if (!straightened) return paths;
-    std::size_t done = 0;
+    std::vector<Polyline> lines;
     for (Path& path : paths) {
-        straighten(*field_, path, progress);
-        progress.update("straighten", double(++done) / double(paths.size()));
+        if (straightened) {
+            straighten(*field_, path, progress);
+            progress.update("straighten", double(lines.size() + 1) / double(paths.size()));
+        }
+        lines.push_back(polylineOf(path));
     }
-    return paths;
+    return lines;
 }
 
 openvdb::FloatGrid::Ptr Distance::grid(const std::string& name) const {

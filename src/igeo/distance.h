@@ -1,6 +1,7 @@
-/// The distance from seeds, in world units, and the ways to read it.
+/// The distance from seeds in world units, geodesics and grids.
 #pragma once
 
+#include <igeo/band/surface_point.h>
 #include <igeo/march/field.h>
 #include <igeo/path/trace.h>
 #include <igeo/surface.h>
@@ -11,15 +12,24 @@
 
 namespace igeo {
 
-/// A geodesic from a point to the seed it is nearest to, in world units.
+/// A geodesic on the surface, in world units.
 struct Polyline {
     PathStatus status = PathStatus::Unreachable;
-    std::vector<Vec3d> points;     ///< from the point on, on the surface; empty if Unreachable
-    std::vector<double> distance;  ///< to the seed at each, world units times weight
-    double length = 0;             ///< world units
-    double weightedLength = 0;     ///< by the metric; the same where there is no weight
-    std::size_t seed = 0;          ///< index of the seed reached, if Reached
+    SnappedPoint start;             ///< the point that it leaves
+    std::vector<Vec3d> points;      ///< from there on, on the surface; empty if Unreachable
+    std::vector<double> arcLength;  ///< from the start, at each
+    std::vector<double> distance;   ///< to the seed at each, world units times weight
+    double length = 0;
+    double weightedLength = 0;         ///< by the metric; the same where there is no weight
+    double startDistance = kInfinity;  ///< that of the start, world units times weight
+
+    std::size_t seed = 0;    ///< index of the seed reached, if Reached
+    SnappedPoint end;        ///< that seed; of a curve or region the point where the path meets it
+    double endDistance = 0;  ///< at which the seed's front starts, world units times weight
 };
+
+/// A path of the engine in world units, but for its end.
+Polyline inWorld(const Path& path, const Similarity& transform);
 
 /// What GeodesicSolver::distance found. Cheap to copy.
 class Distance {
@@ -35,7 +45,8 @@ public:
     /// @param straighten  relax it to a locally shortest curve, free of the march's error
     Polyline path(const Vec3d& pWorld, bool straighten = false) const;
     /// The same for the targets that the march was given, side by side.
-    std::vector<Path> paths(bool straighten = false, Progress& progress = Progress::none()) const;
+    std::vector<Polyline> paths(bool straighten = false,
+                                Progress& progress = Progress::none()) const;
 
     /// As a grid in world units (distanceGrid), active where the distance is known.
     /// @param name  empty: <name of the surface's grid>_geodesic
@@ -57,6 +68,7 @@ public:
 
 private:
     SurfacePoint nearest(const Vec3d& pWorld) const;
+    Polyline polylineOf(const Path& path) const;
 
     Surface surface_;
     BandWidth width_;

@@ -1,6 +1,6 @@
 #include <igeo/geodesic_solver.h>
 
-#include <fmt/core.h>
+#include <igeo/band/detail/snap.h>
 #include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/march/godunov.h>
@@ -51,22 +51,10 @@ struct GeodesicSolver::Setup {
     Setup(Surface s, SolverOptions o, Progress& progress)
         : surface(std::move(s)),
           options(std::move(o)),
-          width(surface.bandWidth(
-              options.scheme, options.order,
-              options.band > 0 ? options.band / transform().dx : options.bandVoxels, progress)),
+          width(igeo::bandWidth(surface, options, progress)),
           leastWeight(igeo::leastWeight(options.metric)),
           needsWholeSurface(igeo::needsWholeSurface(options.metric) || !(leastWeight > 0)) {
         follow(options.rules);
-    }
-    /// The same, with other rules.
-    Setup(const Setup& other, const QueryRules& rules)
-        : surface(other.surface),
-          options(other.options),
-          width(other.width),
-          leastWeight(other.leastWeight),
-          needsWholeSurface(other.needsWholeSurface),
-          cache(other.cache) {
-        follow(rules);
     }
 
     const Surface surface;
@@ -76,7 +64,7 @@ struct GeodesicSolver::Setup {
     const bool needsWholeSurface;  ///< for the metric
     double maxSnap = 0;
 
-    /// What is made when first asked for, by whoever asks; the others wait.
+    /// Copies share what the first query makes; the others wait for it.
     struct Cache {
         std::mutex mutex;
         std::optional<MetricPtr> wholeMetric;
@@ -92,10 +80,10 @@ struct GeodesicSolver::Setup {
         return options.rules.space == Space::Index ? p : transform().indexFromWorld(p);
     }
     double snapVoxels() const { return maxSnap / transform().dx; }
-    bool tooFar(const SurfacePoint& p) const {
-        return !(p.snapDistance <= snapVoxels() * (1 + 1e-6));
+    bool tooFar(const SurfacePoint& p) const { return !isNear(p, transform(), maxSnap); }
+    void requireNear(const SurfacePoint& p, const Vec3d& asked, const std::string& what) const {
+        igeo::requireNear(p, transform(), maxSnap, what + " (" + textOf(asked, 9) + ")");
     }
-    void requireNear(const SurfacePoint& p, const Vec3d& asked, const std::string& what) const;
     std::shared_ptr<const Band> wholeBand(Progress& progress) const {
         surface.requireMemory(width, options.rules.memoryLimit);
         return surface.band(width, {}, progress);
@@ -108,18 +96,6 @@ struct GeodesicSolver::Setup {
         return *cache->wholeMetric;
     }
 };
-
-void GeodesicSolver::Setup::requireNear(const SurfacePoint& p, const Vec3d& asked,
-                                        const std::string& what) const {
-    if (!tooFar(p)) return;
-    const Vec3d nearest = transform().worldFromIndex(p.pIndex);
-    throw Error(Kind::InvalidArgument,
-                what + " (" + textOf(asked, 9) + ") is " +
-                    fmt::format("{:.6g} from the surface, {:.6g} is allowed",
-                                p.snapDistance * transform().dx, maxSnap),
-                "the nearest point of the surface is " + textOf(nearest, 9) +
-                    " (world); move it there or raise maxSnap");
-}
 
 namespace {
 
@@ -257,12 +233,8 @@ void Query::addCurvesAndRegions() {
         Curve curve = asked_.curves[k];
         for (Vec3d& p : curve.points) p = setup_.indexOf(p);
         curve.start /= band().transform.dx;
-        try {
-            add(seedsAlong(band(), curve, setup_.snapVoxels(), progress_));
-        } catch (const Error& e) {
-            if (e.kind() == Kind::Cancelled) throw;
-            throw Error(e.kind(), nameOf("seed curve", k, k) + ": " + e.what(), e.remedy());
-        }
+        add(naming(nameOf("seed curve", k, k),
+                   [&] { return seedsAlong(band(), curve, setup_.snapVoxels(), progress_); }));
     }
     for (std::size_t k = 0; k < asked_.regions.size(); ++k) {
         const std::vector<SurfacePoint> rim = seedsAround(band(), *asked_.regions[k], progress_);
@@ -338,12 +310,19 @@ Distance Query::solve(const Surface& surface) {
 
 }  // namespace
 
+BandWidth bandWidth(const Surface& surface, const SolverOptions& o, Progress& progress) {
+    const double voxels = o.band > 0 ? o.band / surface.transform().dx : o.bandVoxels;
+    return surface.bandWidth(o.scheme, o.order, voxels, progress);
+}
+
 GeodesicSolver::GeodesicSolver(Surface surface, SolverOptions options, Progress& progress)
     : setup_(std::make_shared<const Setup>(std::move(surface), std::move(options), progress)) {}
 
 GeodesicSolver GeodesicSolver::with(const QueryRules& rules) const {
+    const auto setup = std::make_shared<Setup>(*setup_);
+    setup->follow(rules);
     GeodesicSolver other = *this;
-    other.setup_ = std::make_shared<const Setup>(*setup_, rules);
+    other.setup_ = setup;
     return other;
 }
 
@@ -371,23 +350,28 @@ std::vector<PairDistance> GeodesicSolver::pairs(const std::vector<Vec3d>& source
         for (Vec3d& p : points) p = s.indexOf(p);
         return points;
     };
-    return pairDistances(surface, inIndexSpace(sources), inIndexSpace(targets), s.snapVoxels(),
-                         progress);
+    std::vector<PairDistance> pairs;
+    for (const SolvedPair& pair : pairDistances(surface, inIndexSpace(sources),
+                                                inIndexSpace(targets), s.snapVoxels(), progress))
+        pairs.push_back({inWorld(pair.source, s.transform()), inWorld(pair.target, s.transform()),
+                         pair.distance * s.transform().dx});
+    return pairs;
 }
 
-Path GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double distance,
-                           Progress& progress) const {
+Polyline GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double distance,
+                               Progress& progress) const {
     constexpr double kBeyond = 8;  // voxels that a step and its cells look at
     const Setup& s = *setup_;
     const Vec3d start = s.indexOf(from), along = s.indexOf(from + direction) - start;
     const double voxels =
         s.options.rules.space == Space::Index ? distance : distance / s.transform().dx;
-    std::shared_ptr<const Band> band =
-        s.surface.band(s.width, {{start, s.snapVoxels() + voxels + kBeyond}}, progress);
+    std::shared_ptr<const Band> band = s.surface.madeBand(s.width);
+    if (!band)
+        band = s.surface.band(s.width, {{start, s.snapVoxels() + voxels + kBeyond}}, progress);
     if (band->size() == 0) band = s.wholeBand(progress);
     const SurfacePoint p = s.surface.nearest(*band, start);
     s.requireNear(p, from, "the start");
-    return igeo::shoot(*band, p, along, voxels, progress);
+    return inWorld(igeo::shoot(*band, p, along, voxels, progress), s.transform());
 }
 
 Distance GeodesicSolver::unreached(bool whole, Progress& progress) const {

@@ -1,6 +1,7 @@
 /// Geodesic distances on a surface: one solver, many seeds.
 #pragma once
 
+#include <igeo/base/seed.h>
 #include <igeo/base/space.h>
 #include <igeo/distance.h>
 #include <igeo/metric/metric_definition.h>
@@ -33,16 +34,6 @@ struct SolverOptions {
     QueryRules rules;
 };
 
-/// A point that a front starts from.
-struct Seed {
-    Vec3d position;
-    double start = 0;  ///< distance there, world units times weight, >= 0
-
-    Seed() = default;
-    Seed(const Vec3d& p, double startAt = 0) : position(p), start(startAt) {}
-    Seed(double x, double y, double z, double startAt = 0) : position(x, y, z), start(startAt) {}
-};
-
 /// Where the distance is 0.
 struct Seeds {
     std::vector<Seed> points;
@@ -69,6 +60,17 @@ struct MarchLimits {
     std::vector<Vec3d> targets = {};
     bool stopAtTargets = false;  ///< once all of them are reached
 };
+
+/// The distance between two points, in world units.
+struct PairDistance {
+    SnappedPoint source, target;
+    double distance = kInfinity;  ///< world units times weight; +infinity: no path joins them
+};
+
+/// The band that a solver would take.
+/// @throws Error  as Surface::bandWidth
+BandWidth bandWidth(const Surface& surface, const SolverOptions& options,
+                    Progress& progress = Progress::none());
 
 /// Everything that does not depend on the seeds: the band, the metric on it, their bounds. Cheap to
 /// copy; may be used by several threads at once.
@@ -103,11 +105,12 @@ public:
                                     const std::vector<Vec3d>& targets,
                                     Progress& progress = Progress::none()) const;
 
-    /// The geodesic that leaves a point in a direction (shoot), on the band around it.
+    /// The geodesic that leaves a point in a direction (shoot), on the band around it, or of the
+    /// whole surface if that is made.
     /// @param length  world units; voxels with Space::Index
     /// @throws Error  as shoot; InvalidArgument for a point farther from the surface than maxSnap
-    Path shoot(const Vec3d& from, const Vec3d& direction, double length,
-               Progress& progress = Progress::none()) const;
+    Polyline shoot(const Vec3d& from, const Vec3d& direction, double length,
+                   Progress& progress = Progress::none()) const;
 
     /// Nothing was marched: all is unreached.
     /// @param whole  with the band of the whole surface, else without nodes

@@ -84,6 +84,12 @@ public:
         return whole;
     }
 
+    std::shared_ptr<const Band> madeBand(const BandWidth& width) const {
+        const std::lock_guard<std::mutex> lock(bandMutex_);
+        const auto at = wholeBands_.find({width.scheme, width.h});
+        return at == wholeBands_.end() ? nullptr : at->second;
+    }
+
     SurfaceFacts facts;
     Similarity transform;
 
@@ -326,6 +332,9 @@ BandWidth Surface::bandWidth(Scheme scheme, int order, double h, Progress& progr
 std::shared_ptr<const Band> Surface::band(const BandWidth& width, const std::vector<Ball>& region,
                                           Progress& progress) const {
     return shape_->band(width, region, progress);
+}
+std::shared_ptr<const Band> Surface::madeBand(const BandWidth& width) const {
+    return shape_->madeBand(width);
 }
 double Surface::estimatedNodes(const BandWidth& width) const {
     return shape_->estimatedNodes(width.h);

@@ -86,6 +86,8 @@ public:
     /// else of the whole surface, made once per width.
     std::shared_ptr<const Band> band(const BandWidth& width, const std::vector<Ball>& region = {},
                                      Progress& progress = Progress::none()) const;
+    /// That of the whole surface if it is made already, else null.
+    std::shared_ptr<const Band> madeBand(const BandWidth& width) const;
     /// How many nodes the band of the whole surface has, about, and the memory of a march and one
     /// grid of results on it, bytes.
     double estimatedNodes(const BandWidth& width) const;

@@ -31,17 +31,14 @@ struct Miss {
 
     Miss(const GeodesicSolver& solver, const Vec3d& start, double length, const Exact& exact) {
         constexpr int kWalks = 12;
-        auto worldOf = [&](const PathVertex& v) {
-            const igeo::Vec3d p = solver.surface().transform().worldFromIndex(v.pIndex);
-            return Vec3d(p.x, p.y, p.z);
-        };
+        auto vdb = [](const igeo::Vec3d& p) { return Vec3d(p.x, p.y, p.z); };
         for (int k = 1; k <= kWalks; ++k) {
             const Vec3d direction = genericDirection(k);
-            const Path path = solver.shoot(fromVdb(start), fromVdb(direction), length);
+            const Polyline path = solver.shoot(fromVdb(start), fromVdb(direction), length);
             REQUIRE(path.status == PathStatus::Reached);
-            const Vec3d at = worldOf(path.vertices.front());
+            const Vec3d at = vdb(path.points.front());
             const Vec3d end = exact(at, direction, length);
-            const double off = (worldOf(path.vertices.back()) - end).length();
+            const double off = (vdb(path.points.back()) - end).length();
             // Geodesics that start side by side are this far apart in the end, per angle.
             const Vec3d turned = direction + 1e-5 * genericDirection(k + 100);
             const double spread = (exact(at, turned, length) - end).length() / 1e-5;

@@ -1,6 +1,7 @@
 #include <support/analytic_band.h>
 #include <support/catch.h>
 #include <support/pinned.h>
+#include <support/two_isolines.h>
 
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -32,16 +33,20 @@ struct Run : Pinned {
         field.seeds = {seed};
         field.summarize();
 
-        Path reached;
+        Polyline reached;
         reached.status = PathStatus::Reached;
-        reached.target.pIndex = reached.target.askedIndex = {3, 0, 0};
-        reached.vertices = {{{3, 0, 0}, 0, 6}, {{1, 0, 0}, 2, 4}};
-        reached.weightedLength = 2, reached.distance = 6;
-        Path stalled;
+        reached.start = {{11.5, 20, 30}, {11.5, 20, 30}};
+        reached.points = {{11.5, 20, 30}, {10.5, 20, 30}};
+        reached.arcLength = {0, 1}, reached.distance = {3, 2};
+        reached.weightedLength = 1, reached.startDistance = 3;
+        reached.end = {{10.5, 20, 30.25}, {10.5, 20, 30}, 0.25};
+        reached.endDistance = 2;
+        Polyline stalled;
         stalled.status = PathStatus::Stalled;
-        stalled.vertices = {{{0.1, 0, 0}, 0, 3}};
-        stalled.distance = 3;
-        report.paths = {reached, stalled, Path{}};
+        stalled.points = {{10.05, 20, 30}};
+        stalled.arcLength = {0}, stalled.distance = {1.5};
+        stalled.startDistance = 1.5;
+        report.paths = {reached, stalled, Polyline{}};
         report.surface.file = "a.vdb", report.surface.name = "psi";
         report.seconds = {{"read", 0.25}};
         report.outputs = {{"geodesics", "g.json"}};
@@ -53,15 +58,6 @@ struct Run : Pinned {
 json parse(const std::string& text) {
     CHECK(text.back() == '\n');
     return json::parse(text);
-}
-
-std::vector<Isoline> twoLines() {
-    Isoline closed, open;
-    closed.level = 4, closed.closed = true, closed.length = 3;
-    closed.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    open.level = 6, open.length = 1;
-    open.points = {{0, 0, 1}, {0, 0, 2}};
-    return {closed, open};
 }
 
 }  // namespace
@@ -120,15 +116,14 @@ TEST_CASE("reportJson: the account of a run") {
 
 TEST_CASE("reports: doubles survive the way through text") {
     Run run;
-    run.report.paths[0].vertices[0].pIndex = {1.0 / 3, std::sqrt(2.0), 1e-17};
-    run.band.transform = {};
+    run.report.paths[0].points[0] = {1.0 / 3, std::sqrt(2.0), 1e-17};
     const json j = parse(geodesicsJson(run.report, run.field));
     const json& p = j["paths"][0]["vertices"]["position"][0];
     CHECK(p[0].get<double>() == 1.0 / 3);
     CHECK(p[1].get<double>() == std::sqrt(2.0));
     CHECK(p[2].get<double>() == 1e-17);
     // Also as OBJ.
-    std::istringstream obj(geodesicsObj(run.report.paths, run.band));
+    std::istringstream obj(geodesicsObj(run.report.paths));
     for (std::string line; std::getline(obj, line);)
         if (line.compare(0, 2, "v ") == 0) {
             double x = 0;
@@ -149,7 +144,7 @@ TEST_CASE("reports: names that are no UTF-8 still make valid JSON") {
 
 TEST_CASE("geodesicsObj: one object per path with two vertices or more") {
     const Run run;
-    CHECK(geodesicsObj(run.report.paths, run.band) ==
+    CHECK(geodesicsObj(run.report.paths) ==
           "# geodesics, world units; from each target to its seed\n"
           "o geodesic_0\n"
           "v 11.5 20 30\n"
@@ -157,7 +152,7 @@ TEST_CASE("geodesicsObj: one object per path with two vertices or more") {
           "l 1 2\n");
     // Vertices are counted across objects.
     const std::string two =
-        geodesicsObj({run.report.paths[0], run.report.paths[2], run.report.paths[0]}, run.band);
+        geodesicsObj({run.report.paths[0], run.report.paths[2], run.report.paths[0]});
     CHECK(two.find("o geodesic_2\n") != std::string::npos);
     CHECK(two.find("l 3 4\n") != std::string::npos);
 }

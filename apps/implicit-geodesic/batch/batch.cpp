@@ -160,9 +160,7 @@ std::optional<igeo::Surface> Batch::surfaceOf(const JobNumbers& group) {
         progress_.throwIfCancelled();
         for (const std::size_t k : group) {
             JobRecord outcome = records_[k];
-            outcome.exitCode = failure.exitCode;
-            outcome.what = failure.what;
-            outcome.remedy = failure.remedy;
+            outcome.fail(failure);
             record(k, outcome);
         }
         return std::nullopt;
@@ -172,10 +170,9 @@ std::optional<igeo::Surface> Batch::surfaceOf(const JobNumbers& group) {
 /// Makes the band of the whole surface, if a job is sure to ask for it, by all threads at once.
 /// @return how many jobs may run at once: as many as there are threads, and as memory holds
 std::size_t Batch::prepareBand(const igeo::Surface& surface, const JobNumbers& group) {
-    const RunOptions& o = plan_.jobs[group.front()].options;
-    const double h = o.band > 0 ? o.band / surface.transform().dx : o.bandVoxels;
     try {
-        const igeo::BandWidth width = surface.bandWidth(o.scheme, o.order.value_or(2), h);
+        const igeo::BandWidth width =
+            igeo::bandWidth(surface, solverOptions(plan_.jobs[group.front()].options));
         const double memory = surface.estimatedMemory(width), limit = memoryFor(group);
         const bool everywhere = std::any_of(group.begin(), group.end(), [&](std::size_t k) {
             const RunOptions& job = plan_.jobs[k].options;
@@ -214,10 +211,7 @@ void Batch::runJob(const igeo::Surface& surface, SharedSolver& solver, std::size
             outcome.outputs[file] = igeo::digestOfFile(file);
     } catch (...) {
         progress_.throwIfCancelled();
-        const Failure failure = currentFailure();
-        outcome.exitCode = failure.exitCode;
-        outcome.what = failure.what;
-        outcome.remedy = failure.remedy;
+        outcome.fail(currentFailure());
     }
     record(number, outcome);
 }

@@ -22,22 +22,10 @@ namespace {
 
 const char* const kCreator = "implicit-geodesic ";
 
-/// What `check` throws names the job.
-template <typename Check>
-void naming(const std::string& job, const Check& check) {
-    try {
-        check();
-    } catch (const igeo::Error& e) {
-        throw igeo::Error(e.kind(), job + ": " + e.what(), e.remedy());
-    }
-}
-
 /// Of the options that all jobs have, a job keeps those that matter to it.
 void keepWhatMatters(BatchJob& job) {
     for (const WithoutEffect& w : optionsWithoutEffect(job.options)) {
-        if (job.defaults.count(w.option) == 0)
-            usageError(job.quoted() + ": " + w.option + " has no effect without " + w.users,
-                       "add that, or leave it out");
+        if (job.defaults.count(w.option) == 0) w.refuse();
         std::erase_if(job.arguments, [&](const std::string& argument) {
             return argument == w.option || argument.rfind(w.option + "=", 0) == 0;
         });
@@ -48,8 +36,10 @@ std::vector<BatchJob> parsedJobs(const std::vector<ManifestJob>& jobs) {
     std::vector<BatchJob> parsed;
     for (const ManifestJob& job : jobs) {
         parsed.push_back({job, {}});
-        naming(job.quoted(), [&] { parsed.back().options = parseJob(job.arguments); });
-        keepWhatMatters(parsed.back());
+        igeo::naming(job.quoted(), [&] {
+            parsed.back().options = parseJob(job.arguments);
+            keepWhatMatters(parsed.back());
+        });
     }
     return parsed;
 }
@@ -190,7 +180,7 @@ BatchPlan planBatch(const std::vector<ManifestJob>& jobs, const BatchFiles& file
     for (const JobNumbers& group : plan.groups)
         for (const std::size_t k : group) {
             const BatchJob& job = plan.jobs[k];
-            naming(job.quoted(), [&] { checkFiles(job.options); });
+            igeo::naming(job.quoted(), [&] { checkFiles(job.options); });
             JobRecord& record = plan.records[k];
             record.index = k;
             record.name = job.name;

@@ -9,6 +9,7 @@
 
 #include "batch/part.h"
 #include "console.h"
+#include "failure.h"
 
 struct JobRecord {
     std::size_t index = 0;  ///< in the manifest
@@ -18,6 +19,9 @@ struct JobRecord {
     std::string digest;                          ///< of the program, the options and all inputs
     std::map<std::string, std::string> outputs;  ///< of each file its digest
 
+    void fail(const Failure& failure) {
+        exitCode = failure.exitCode, what = failure.what, remedy = failure.remedy;
+    }
     /// Whether it has left its results.
     bool done() const;
     /// "waiting", "done", "unreached" (done, but for a target) or "failed"

@@ -10,9 +10,8 @@
 namespace {
 
 /// Points of an option and of a file, in that order.
-std::vector<igeo::AskedPoint> pointsOf(const std::vector<igeo::AskedPoint>& given,
-                                       const std::string& file) {
-    std::vector<igeo::AskedPoint> points = given;
+std::vector<igeo::Seed> pointsOf(const std::vector<igeo::Seed>& given, const std::string& file) {
+    std::vector<igeo::Seed> points = given;
     if (file.empty()) return points;
     const auto more = guardedRead(file, [&] { return igeo::readPoints(file); });
     points.insert(points.end(), more.begin(), more.end());
@@ -23,8 +22,7 @@ std::vector<igeo::AskedPoint> pointsOf(const std::vector<igeo::AskedPoint>& give
 
 SeedInput readSeeds(const SeedOptions& o, const igeo::Similarity& transform) {
     SeedInput in;
-    for (const igeo::AskedPoint& p : pointsOf(o.seeds, o.seedFile))
-        in.seeds.points.emplace_back(p.position, p.start);
+    in.seeds.points = pointsOf(o.seeds, o.seedFile);
     in.names.resize(in.seeds.points.size());
     for (const std::string& file : o.seedCurves)
         for (const igeo::Curve& curve : guardedRead(file, [&] { return igeo::readCurves(file); })) {
@@ -44,7 +42,7 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Similarity& transform) {
     }
     in.seeds.samples = std::size_t(o.sample);
     in.seeds.isSigned = o.withSign;
-    for (const igeo::AskedPoint& p : pointsOf(o.targets, o.targetFile))
+    for (const igeo::Seed& p : pointsOf(o.targets, o.targetFile))
         in.limits.targets.push_back(p.position);
     in.limits.stopAtTargets = o.stopAtTargets;
     if (o.maxDistance > 0) in.limits.maxDistance = o.maxDistance;

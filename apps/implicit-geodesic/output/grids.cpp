@@ -16,11 +16,11 @@
 
 namespace {
 
-openvdb::FloatGrid::Ptr distanceOf(RunResult& r, const std::string& name) {
+openvdb::FloatGrid::Ptr distanceOf(RunResult& r) {
     const igeo::Band& band = r.band();
     const igeo::Field& field = r.field();
     const double dx = band.transform.dx;
-    const openvdb::FloatGrid::Ptr grid = r.distance.grid(name);
+    const openvdb::FloatGrid::Ptr grid = r.distance.grid(r.options.name);
     std::string weight;
     for (const std::string& w : r.report.weights) weight += (weight.empty() ? "" : " * ") + w;
     grid->insertMeta("geodesic_scheme", openvdb::StringMetadata(field.scheme));
@@ -59,7 +59,7 @@ public:
             add(igeo::weightGrid(band, *field.metric, t, surface_ + "_weight"));
         if (asked(Grid::Curvature)) addCurvature();
         if (asked(Grid::Engraved))
-            add(igeo::engraved(r_.levelSet(), r_.isolines(), r_.lines(), igeo::kGrooveRadius,
+            add(igeo::engraved(r_.levelSet(), r_.isolines(), r_.drawnLines(), igeo::kGrooveRadius,
                                r_.progress));
         return std::move(grids_);
     }
@@ -87,14 +87,12 @@ void writeVolume(RunResult& r, const std::string& file) {
     if (r.options.asked(Grid::Label))
         r.report.cells = igeo::voronoiCells(r.field(), r.mesh(), r.progress);
     r.progress.update("grids", 0);
-    const std::string name =
-        r.options.name.empty() ? r.distance.surface().gridName() + "_geodesic" : r.options.name;
     openvdb::GridCPtrVec grids;
-    const openvdb::FloatGrid::Ptr distance = distanceOf(r, name);
+    const openvdb::FloatGrid::Ptr distance = distanceOf(r);
     // vdb_render shows the first float grid of a file.
     if (r.options.asked(Grid::Surface)) grids.push_back(r.levelSet().psi);
     grids.push_back(distance);
-    for (const auto& grid : MoreGrids(r, name).make()) grids.push_back(grid);
+    for (const auto& grid : MoreGrids(r, distance->getName()).make()) grids.push_back(grid);
     r.progress.throwIfCancelled();
     r.progress.update("write", 0);
     if (file != "-") return igeo::writeVdb(file, grids);

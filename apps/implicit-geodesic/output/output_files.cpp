@@ -39,10 +39,11 @@ void checkEnding(const OutputFile& output) {
 
 }  // namespace
 
-std::string distanceFile(const RunOptions& options, const std::string& grid) {
+std::string distanceFile(const RunOptions& options, const std::string* grid) {
     if (!options.output.empty()) return options.output;
     const std::string& file = options.source.file;
-    return (file == "-" ? grid : fs::path(file).stem().string()) + "_geodesic.vdb";
+    if (file != "-") return fs::path(file).stem().string() + "_geodesic.vdb";
+    return grid ? *grid + "_geodesic.vdb" : "";
 }
 
 std::string colorMapOf(const RunOptions& options) {

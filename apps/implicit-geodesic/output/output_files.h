@@ -24,9 +24,10 @@ void checkOutputFiles(const std::vector<OutputFile>& outputs,
 /// Files that a run reads, without the grids in them; - is standard input.
 std::vector<std::string> inputFiles(const RunOptions& options);
 
-/// The file of distances.
-/// @param grid name of the level set, for one that came by standard input
-std::string distanceFile(const RunOptions& options, const std::string& grid);
+/// The file of distances. A grid that came by standard input names it.
+/// @param grid  name of the grid; null before it is read
+/// @return empty where only the grid can tell
+std::string distanceFile(const RunOptions& options, const std::string* grid);
 
 /// The colors of picture, mesh and grid.
 std::string colorMapOf(const RunOptions& options);

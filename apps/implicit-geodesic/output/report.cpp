@@ -24,29 +24,16 @@ json triple(const Vec3d& v) { return {v.x, v.y, v.z}; }
 /// JSON has no infinity: what is not known is null.
 json finiteOrNull(double v) { return std::isfinite(v) ? json(v) : json(nullptr); }
 
-json pointJson(const Band& band, const SurfacePoint& p) {
-    const Similarity& t = band.transform;
-    return {{"asked", triple(t.worldFromIndex(p.askedIndex))},
-            {"position", triple(t.worldFromIndex(p.pIndex))},
-            {"snapDistance", p.snapDistance * t.dx}};
+json pointJson(const SnappedPoint& p) {
+    return {
+        {"asked", triple(p.asked)}, {"position", triple(p.position)}, {"snapDistance", p.distance}};
 }
 
-json seedJson(const Band& band, const SurfacePoint& p, std::size_t index) {
+json seedJson(const SnappedPoint& p, std::size_t index, double start) {
     json j = {{"index", index}};
-    j.update(pointJson(band, p));
-    j["start"] = p.start * band.transform.dx;
+    j.update(pointJson(p));
+    j["start"] = start;
     return j;
-}
-
-/// The seed at which a path ends; of a curve or region the point where it does.
-json seedOf(const Path& path, const Field& field) {
-    SurfacePoint seed = field.seeds[path.seed];
-    const bool several = path.seed + 1 < field.seeds.size() && field.seeds[path.seed + 1].joined;
-    if (seed.joined || several) {
-        seed.askedIndex = seed.pIndex = path.vertices.back().pIndex;
-        seed.snapDistance = 0;
-    }
-    return seedJson(*field.band, seed, field.source[path.seed]);
 }
 
 /// Sources: points one by one, curves and regions as what they are made of.
@@ -66,7 +53,8 @@ json seedsJson(const RunReport& r, const Field& field) {
                  {"start", field.seeds[k].start * band.transform.dx},
                  {"pieces", 1}};
         else
-            j = seedJson(band, field.seeds[k], source);
+            j = seedJson(inWorld(field.seeds[k], band.transform), source,
+                         field.seeds[k].start * band.transform.dx);
         if (r.cells) {
             const double dx = band.transform.dx;
             const VoronoiCell& cell = r.cells->cells[source];
@@ -118,37 +106,28 @@ json metricJson(const RunReport& r, const Field& field) {
             {"blocked", metric.insideCount()}};
 }
 
-json verticesJson(const Path& path, const Band& band) {
-    const double dx = band.transform.dx;
-    json positions = json::array(), arcLengths = json::array(), distances = json::array();
-    for (const PathVertex& v : path.vertices) {
-        positions.push_back(triple(band.transform.worldFromIndex(v.pIndex)));
-        arcLengths.push_back(v.arcLength * dx);
-        distances.push_back(v.distance * dx);
-    }
-    return {{"position", positions}, {"arcLength", arcLengths}, {"distance", distances}};
+json verticesJson(const Polyline& line) {
+    json positions = json::array();
+    for (const Vec3d& p : line.points) positions.push_back(triple(p));
+    return {{"position", positions}, {"arcLength", line.arcLength}, {"distance", line.distance}};
 }
 
-json pathJson(const Path& path, const Field& field) {
-    const Band& band = *field.band;
-    const double dx = band.transform.dx;
-    json j;
-    j["status"] = toString(path.status);
-    j["target"] = pointJson(band, path.target);
-    const bool reached = path.status == PathStatus::Reached;
-    j["seed"] = reached ? seedOf(path, field) : json(nullptr);
-    j["weightedLength"] = path.vertices.empty() ? json(nullptr) : json(path.weightedLength * dx);
-    j["length"] = path.vertices.empty() ? json(nullptr) : json(path.length * dx);
-    j["distance"] = finiteOrNull(path.distance * dx);
-    j["vertices"] = verticesJson(path, band);
-    return j;
+json pathJson(const Polyline& path) {
+    const bool reached = path.status == PathStatus::Reached, any = !path.points.empty();
+    return {{"status", toString(path.status)},
+            {"target", pointJson(path.start)},
+            {"seed", reached ? seedJson(path.end, path.seed, path.endDistance) : json(nullptr)},
+            {"weightedLength", any ? json(path.weightedLength) : json(nullptr)},
+            {"length", any ? json(path.length) : json(nullptr)},
+            {"distance", finiteOrNull(path.startDistance)},
+            {"vertices", verticesJson(path)}};
 }
 
-json walkJson(const Path& walk, const Band& band) {
+json walkJson(const Polyline& walk) {
     return {{"status", walk.status == PathStatus::Reached ? "complete" : "cut short"},
-            {"start", pointJson(band, walk.target)},
-            {"length", walk.length * band.transform.dx},
-            {"vertices", verticesJson(walk, band)}};
+            {"start", pointJson(walk.start)},
+            {"length", walk.length},
+            {"vertices", verticesJson(walk)}};
 }
 
 }  // namespace
@@ -160,9 +139,9 @@ std::string geodesicsJson(const RunReport& r, const Field& field) {
     j["parameters"] = parametersJson(r, field);
     j["metric"] = metricJson(r, field);
     j["paths"] = json::array();
-    for (const Path& path : r.paths) j["paths"].push_back(pathJson(path, field));
+    for (const Polyline& path : r.paths) j["paths"].push_back(pathJson(path));
     if (!r.walks.empty()) j["walks"] = json::array();
-    for (const Path& walk : r.walks) j["walks"].push_back(walkJson(walk, band));
+    for (const Polyline& walk : r.walks) j["walks"].push_back(walkJson(walk));
     return dump(j, -1);
 }
 
@@ -171,9 +150,9 @@ std::string pairsJson(const RunReport& r, const Band& band) {
     j["surface"] = surfaceJson(r, band);
     j["pairs"] = json::array();
     for (const PairDistance& p : r.pairs)
-        j["pairs"].push_back({{"source", pointJson(band, p.source)},
-                              {"target", pointJson(band, p.target)},
-                              {"distance", finiteOrNull(p.distance * band.transform.dx)}});
+        j["pairs"].push_back({{"source", pointJson(p.source)},
+                              {"target", pointJson(p.target)},
+                              {"distance", finiteOrNull(p.distance)}});
     return dump(j, -1);
 }
 
@@ -228,8 +207,8 @@ std::string reportJson(const RunReport& r, const Field& field) {
         j["cells"] = {{"area", r.cells->area * dx * dx},
                       {"unreachedArea", r.cells->unreachedArea * dx * dx}};
     j["targets"] = json::array();
-    for (const Path& path : r.paths) {
-        json t = pathJson(path, field);
+    for (const Polyline& path : r.paths) {
+        json t = pathJson(path);
         t.erase("vertices");
         j["targets"].push_back(t);
     }
@@ -247,7 +226,8 @@ std::string matrixJson(const RunReport& r, const Band& band, const DistanceMatri
     j["surface"] = surfaceJson(r, band);
     for (const auto& [name, points] : {std::pair("seeds", &m.seeds), {"targets", &m.targets}}) {
         j[name] = json::array();
-        for (const SurfacePoint& p : *points) j[name].push_back(pointJson(band, p));
+        for (const SurfacePoint& p : *points)
+            j[name].push_back(pointJson(inWorld(p, band.transform)));
     }
     if (m.rows() < m.seeds.size() || std::isnan(m.asymmetry))
         j["rows"] = {{"first", m.firstRow}, {"count", m.rows()}};
@@ -372,21 +352,27 @@ std::string surveyJson(const FileSurvey& file) {
     return dump(j, 2);
 }
 
-std::string geodesicsObj(const std::vector<Path>& paths, const Band& band) {
+std::string pairsCsv(const std::vector<PairDistance>& pairs) {
+    std::string all = "pair,distance,sourceSnap,targetSnap\n";
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+        all += fmt::format("{},{:.17g},{:.17g},{:.17g}\n", k, pairs[k].distance,
+                           pairs[k].source.distance, pairs[k].target.distance);
+    return all;
+}
+
+std::string geodesicsObj(const std::vector<Polyline>& paths) {
     std::string text = "# geodesics, world units; from each target to its seed\n";
     std::size_t first = 1;
     for (std::size_t k = 0; k < paths.size(); ++k) {
-        const auto& vertices = paths[k].vertices;
-        if (vertices.size() < 2) continue;
+        const std::vector<Vec3d>& points = paths[k].points;
+        if (points.size() < 2) continue;
         text += fmt::format("o geodesic_{}\n", k);
-        for (const PathVertex& v : vertices) {
-            const Vec3d p = band.transform.worldFromIndex(v.pIndex);
+        for (const Vec3d& p : points)
             text += fmt::format("v {:.17g} {:.17g} {:.17g}\n", p.x, p.y, p.z);
-        }
         text += "l";
-        for (std::size_t i = 0; i < vertices.size(); ++i) text += fmt::format(" {}", first + i);
+        for (std::size_t i = 0; i < points.size(); ++i) text += fmt::format(" {}", first + i);
         text += "\n";
-        first += vertices.size();
+        first += points.size();
     }
     return text;
 }

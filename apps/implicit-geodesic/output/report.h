@@ -1,14 +1,12 @@
 /// Results as JSON, and geodesics as OBJ: the program's own formats. World units throughout.
 #pragma once
 
+#include <igeo/geodesic_solver.h>
 #include <igeo/march/field.h>
 #include <igeo/path/accuracy_estimate.h>
-#include <igeo/path/trace.h>
 #include <igeo/results/distance_matrix.h>
 #include <igeo/results/isolines.h>
-#include <igeo/results/pair_distances.h>
 #include <igeo/results/voronoi_cells.h>
-#include <igeo/surface.h>
 
 #include <cstdint>
 #include <optional>
@@ -29,9 +27,9 @@ struct RunReport {
     std::vector<std::string> weights;      ///< what the metric is made of, a word each
     std::vector<std::string> obstacles;
     int threads = 1;
-    std::vector<std::string> sources;  ///< what each is made of; empty: a point
-    std::vector<igeo::Path> paths;     ///< one per target
-    std::vector<igeo::Path> walks;     ///< straight on, one per --shoot
+    std::vector<std::string> sources;   ///< what each is made of; empty: a point
+    std::vector<igeo::Polyline> paths;  ///< one per target
+    std::vector<igeo::Polyline> walks;  ///< straight on, one per --shoot
     std::vector<igeo::PairDistance> pairs;
     std::optional<igeo::VoronoiCells> cells;
     igeo::AccuracyEstimate accuracy;
@@ -60,6 +58,9 @@ std::string surveyJson(const igeo::FileSurvey& file);
 
 /// docs/pairs.schema.json.
 std::string pairsJson(const RunReport& report, const igeo::Band& band);
+/// Comma-separated: a first line `pair,distance,sourceSnap,targetSnap`, then a line per pair; `inf`
+/// where no path joins them. Reading the numbers gives the same doubles.
+std::string pairsCsv(const std::vector<igeo::PairDistance>& pairs);
 
 /// Paths as Wavefront OBJ polylines, one object per path.
-std::string geodesicsObj(const std::vector<igeo::Path>& paths, const igeo::Band& band);
+std::string geodesicsObj(const std::vector<igeo::Polyline>& paths);

@@ -27,6 +27,14 @@ void requireTogether(const ResultKind& kind, const RunOptions& o) {
                    "it is made of distances between points");
 }
 
+std::vector<OutputFile> askedFiles(const RunOptions& o) {
+    std::vector<OutputFile> files;
+    for (const ResultKind& kind : resultKinds())
+        if (const std::string file = kind.file(o, nullptr); !file.empty())
+            files.push_back({kind.option, file, kind.endings});
+    return files;
+}
+
 void checkGrids(const RunOptions& o) {
     for (const auto& [grid, name] : {std::pair(Grid::Label, "label"), {Grid::LogMap, "logmap"}})
         if (o.asked(grid) && o.scheme != igeo::Scheme::Jet)
@@ -45,7 +53,7 @@ void checkGrids(const RunOptions& o) {
 
 void checkResults(const RunOptions& o) {
     for (const ResultKind& kind : resultKinds()) {
-        if (kind.file(o).empty()) continue;
+        if (kind.file(o, nullptr).empty()) continue;
         if (kind.needs.seeds && !o.hasSeeds())
             usageError(std::string(kind.option) + " needs distances, but no seed is given",
                        "add --seed x,y,z; without seeds only --paths, --pairs-out, --image and "
@@ -92,9 +100,12 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
     return found;
 }
 
+void WithoutEffect::refuse() const {
+    usageError(option + " has no effect without " + users, "add that, or leave it out");
+}
+
 void refuseWithoutEffect(const RunOptions& o) {
-    for (const WithoutEffect& w : optionsWithoutEffect(o))
-        usageError(w.option + " has no effect without " + w.users, "add that, or leave it out");
+    for (const WithoutEffect& w : optionsWithoutEffect(o)) w.refuse();
 }
 
 void checkFiles(const RunOptions& o) {
@@ -103,16 +114,11 @@ void checkFiles(const RunOptions& o) {
         usageError(
             "standard input is named for " + std::to_string(n) + " inputs, and can be read once",
             "give the others as files");
-    std::vector<OutputFile> outputs;
-    for (const ResultKind& kind : resultKinds())
-        if (const std::string file = kind.file(o); !file.empty())
-            outputs.push_back({kind.option, file, kind.endings});
-    checkOutputFiles(outputs, inputs);
+    checkOutputFiles(askedFiles(o), inputs);
 }
 
 std::vector<std::string> outputFiles(const RunOptions& o) {
     std::vector<std::string> files;
-    for (const ResultKind& kind : resultKinds())
-        if (const std::string file = kind.file(o); !file.empty()) files.push_back(file);
+    for (const OutputFile& output : askedFiles(o)) files.push_back(output.file);
     return files;
 }

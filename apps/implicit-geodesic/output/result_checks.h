@@ -13,6 +13,8 @@ void refuseWithoutEffect(const RunOptions& options);
 
 struct WithoutEffect {
     std::string option, users;  ///< --straighten; what would make it matter
+    /// @throws igeo::Error  InvalidArgument
+    [[noreturn]] void refuse() const;
 };
 std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& options);
 

@@ -2,7 +2,6 @@
 
 #include <igeo/results/color_map.h>
 #include <igeo/results/distance_matrix.h>
-#include <igeo/results/pair_distances.h>
 #include <igeo/results/picture.h>
 #include <igeo/results/surface_mesh.h>
 
@@ -15,7 +14,7 @@
 namespace {
 
 void writePaths(RunResult& r, const std::string& file) {
-    writeDocument(file, endingOf(file) == ".obj" ? geodesicsObj(r.lines(), r.band())
+    writeDocument(file, endingOf(file) == ".obj" ? geodesicsObj(r.lines())
                                                  : geodesicsJson(r.report, r.field()));
 }
 
@@ -50,9 +49,8 @@ void writeMatrix(RunResult& r, const std::string& file) {
 }
 
 void writePairs(RunResult& r, const std::string& file) {
-    writeDocument(file, endingOf(file) == ".json"
-                            ? pairsJson(r.report, r.band())
-                            : igeo::pairsCsv(r.report.pairs, r.band().transform.dx));
+    writeDocument(
+        file, endingOf(file) == ".json" ? pairsJson(r.report, r.band()) : pairsCsv(r.report.pairs));
 }
 
 void writePicture(RunResult& r, const std::string& file) {
@@ -65,58 +63,55 @@ void writePicture(RunResult& r, const std::string& file) {
     if (o.spacing > 0) picture.isolineSpacing = o.spacing;
     if (o.levels > 0) picture.isolineSpacing = r.distance.largest() / (o.levels + 1);
     // A mesh is drawn as it is given.
-    writeDocument(file,
-                  r.band().triangles
-                      ? igeo::renderPng(r.field(), r.lines(), picture, r.progress)
-                      : igeo::renderPng(r.levelSet(), r.field(), r.lines(), picture, r.progress));
+    writeDocument(
+        file, r.band().triangles
+                  ? igeo::renderPng(r.field(), r.drawnLines(), picture, r.progress)
+                  : igeo::renderPng(r.levelSet(), r.field(), r.drawnLines(), picture, r.progress));
 }
 
-std::string pairsFile(const RunOptions& o) {
+std::string pairsFile(const RunOptions& o, const std::string*) {
     return o.pairsOut.empty() && !o.pairs.empty() ? "-" : o.pairsOut;
 }
 
-/// Of a level set from standard input the grid names it, and is not known yet.
-std::string volumeFile(const RunOptions& o) {
-    if (!o.hasSeeds() || (o.source.file == "-" && o.output.empty())) return o.output;
-    return distanceFile(o, "");
+std::string volumeFile(const RunOptions& o, const std::string* grid) {
+    return o.hasSeeds() ? distanceFile(o, grid) : o.output;
 }
 
 }  // namespace
 
 const std::vector<ResultKind>& resultKinds() {
     using Options = const RunOptions&;
+    using Name = const std::string*;
     static const std::vector<ResultKind> kinds{
         {"-o", "distance", "", volumeFile, {.seeds = true}, writeVolume},
-        {"--paths", "paths", ".json .obj", [](Options o) { return o.paths; }, {}, writePaths},
+        {"--paths", "paths", ".json .obj", [](Options o, Name) { return o.paths; }, {}, writePaths},
         {"--mesh-out",
          "mesh",
          ".ply .obj",
-         [](Options o) { return o.meshOut; },
+         [](Options o, Name) { return o.meshOut; },
          {.seeds = true},
          writeMesh},
         {"--isolines",
          "isolines",
          ".json .obj .ply",
-         [](Options o) { return o.isolines; },
+         [](Options o, Name) { return o.isolines; },
          {.seeds = true},
          writeIsolines},
         {"--matrix",
          "matrix",
          ".csv .json .npy",
-         [](Options o) { return o.matrix; },
+         [](Options o, Name) { return o.matrix; },
          {.seeds = true, .jet = true, .points = true},
          writeMatrix},
         {"--pairs-out", "pairs", ".csv .json", pairsFile, {.jet = true}, writePairs},
-        {"--image", "image", ".png", [](Options o) { return o.image; }, {}, writePicture},
-        {"--report", "report", "", [](Options o) { return o.report; }, {}, nullptr}};
+        {"--image", "image", ".png", [](Options o, Name) { return o.image; }, {}, writePicture},
+        {"--report", "report", "", [](Options o, Name) { return o.report; }, {}, nullptr}};
     return kinds;
 }
 
 void writeResults(RunResult& r) {
     for (const ResultKind& kind : resultKinds()) {
-        const std::string file = kind.write == writeVolume && r.options.hasSeeds()
-                                     ? distanceFile(r.options, r.distance.surface().facts().name)
-                                     : kind.file(r.options);
+        const std::string file = kind.file(r.options, &r.distance.surface().facts().name);
         if (file.empty() || !kind.write) continue;
         kind.write(r, file);
         r.report.outputs.emplace_back(kind.name, file);

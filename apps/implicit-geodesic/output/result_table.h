@@ -10,10 +10,11 @@
 struct RunResult;
 
 struct ResultKind {
-    const char* option;                      ///< --isolines
-    const char* name;                        ///< in the report's list of outputs
-    const char* endings;                     ///< of its file, ".json .obj .ply"; empty: any
-    std::string (*file)(const RunOptions&);  ///< empty: not asked for
+    const char* option;   ///< --isolines
+    const char* name;     ///< in the report's list of outputs
+    const char* endings;  ///< of its file, ".json .obj .ply"; empty: any
+    /// Empty: not asked for, or still to be named by the grid (distanceFile).
+    std::string (*file)(const RunOptions&, const std::string* grid);
     /// What a run has to have for it.
     struct Needs {
         bool seeds = false;   ///< that distances begin from

@@ -30,8 +30,18 @@ const igeo::LevelSet& RunResult::levelSet() {
     return levelSet;
 }
 
-std::vector<igeo::Path> RunResult::lines() const {
-    std::vector<igeo::Path> all = report.paths;
+std::vector<igeo::Polyline> RunResult::lines() const {
+    std::vector<igeo::Polyline> all = report.paths;
     all.insert(all.end(), report.walks.begin(), report.walks.end());
+    return all;
+}
+
+std::vector<igeo::Path> RunResult::drawnLines() const {
+    std::vector<igeo::Path> all;
+    for (const igeo::Polyline& line : lines()) {
+        all.emplace_back();
+        for (const igeo::Vec3d& p : line.points)
+            all.back().vertices.push_back({band().transform.indexFromWorld(p)});
+    }
     return all;
 }

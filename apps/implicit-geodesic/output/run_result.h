@@ -30,5 +30,7 @@ struct RunResult {
     /// The surface as a level set, with warnings for the report.
     const igeo::LevelSet& levelSet();
     /// Paths and walks.
-    std::vector<igeo::Path> lines() const;
+    std::vector<igeo::Polyline> lines() const;
+    /// The same for what is drawn, index space: the vertices alone.
+    std::vector<igeo::Path> drawnLines() const;
 };

@@ -30,6 +30,16 @@ struct SurfacePoint {
     }
 };
 
+/// The same in the world.
+struct SnappedPoint {
+    Vec3d asked, position;  ///< as asked for; on the surface
+    double distance = 0;    ///< between them, world units
+};
+inline SnappedPoint inWorld(const SurfacePoint& p, const Similarity& transform) {
+    return {transform.worldFromIndex(p.askedIndex), transform.worldFromIndex(p.pIndex),
+            p.snapDistance * transform.dx};
+}
+
 /// The point of S nearest to `pIndex`.
 ///
 /// Of a mesh, the nearest point of its triangles. Else it starts from the node whose foot point is

@@ -31,4 +31,15 @@ private:
     std::string remedy_;
 };
 
+/// What `work` returns. Errors that it throws begin with `what`, but for the wish to stop.
+template <typename Work>
+auto naming(const std::string& what, const Work& work) {
+    try {
+        return work();
+    } catch (const Error& e) {
+        if (e.kind() == Error::Kind::Cancelled) throw;
+        throw Error(e.kind(), what + ": " + e.what(), e.remedy());
+    }
+}
+
 }  // namespace igeo

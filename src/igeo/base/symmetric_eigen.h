@@ -23,7 +23,7 @@ struct SymmetricEigen2 {
 /// Of (xx xy; xy yy): middle = (xx + yy) / 2, radius^2 = ((xx - yy) / 2)^2 + xy^2.
 inline SymmetricEigen2 symmetricEigen(double xx, double xy, double yy) {
     const double half = (xx - yy) / 2, middle = (xx + yy) / 2, radius = std::hypot(half, xy);
-    // The longer of the two ways to write the eigenvector.
+    // Of the two forms of the eigenvector the longer one, for accuracy.
     if (half > 0) return {middle, radius, half + radius, xy};
     return {middle, radius, xy, radius - half};
 }

@@ -75,10 +75,10 @@ Vec3d positionFrom(const json& j) {
 }
 
 /// @throws std::invalid_argument
-AskedPoint pointFrom(const json& j) {
+Seed pointFrom(const json& j) {
     if (!j.is_object()) return {positionFrom(j), 0};
     if (!j.contains("position")) throw std::invalid_argument("there is no \"position\"");
-    AskedPoint p{positionFrom(j["position"]), 0};
+    Seed p{positionFrom(j["position"]), 0};
     if (j.contains("start")) {
         if (!j["start"].is_number()) throw std::invalid_argument("\"start\" is a number");
         p.start = j["start"].get<double>();
@@ -172,13 +172,13 @@ std::ifstream open(const std::string& file) {
     return in;
 }
 
-std::vector<AskedPoint> pointsFrom(std::ifstream& in, const std::string& file) {
+std::vector<Seed> pointsFrom(std::ifstream& in, const std::string& file) {
     if (endsWith(file, ".json")) {
         const std::string remedy =
             R"(write [[x, y, z], ...] or [{"position": [x, y, z], "start": s}, ...])";
         return readEntries(listFromJson(in, file, "points", remedy), file, remedy, pointFrom);
     }
-    std::vector<AskedPoint> points;
+    std::vector<Seed> points;
     for (const auto& v : rowsFromText(in, file, {3, 4}, "x,y,z or x,y,z,start"))
         points.push_back({{v[0], v[1], v[2]}, v.size() == 4 ? v[3] : 0.0});
     return points;
@@ -202,7 +202,7 @@ std::vector<double> parseNumbers(const std::string& text) {
     return out;
 }
 
-AskedPoint parsePoint(const std::string& text) {
+Seed parsePoint(const std::string& text) {
     const std::vector<double> v = parseNumbers(text);
     if (v.size() != 3)
         throw Error(Kind::InvalidArgument, "'" + text + "' is not a point",
@@ -210,13 +210,13 @@ AskedPoint parsePoint(const std::string& text) {
     return {{v[0], v[1], v[2]}, 0};
 }
 
-std::vector<AskedPoint> readPoints(const std::string& file) {
+std::vector<Seed> readPoints(const std::string& file) {
     std::ifstream in = open(file);
-    const std::vector<AskedPoint> points = pointsFrom(in, file);
+    const std::vector<Seed> points = pointsFrom(in, file);
     if (points.empty())
         throw Error(Kind::BadInput, file + " holds no points",
                     "write one point per line: x,y,z or x,y,z,start");
-    for (const AskedPoint& p : points)
+    for (const Seed& p : points)
         if (!(p.start >= 0 && std::isfinite(p.start)))
             throw Error(Kind::BadInput,
                         fmt::format("{}: start value {:f} is negative", file, p.start),
@@ -231,7 +231,7 @@ std::vector<Curve> readCurves(const std::string& file) {
         curves = curvesFromJson(in, file);
     } else {
         Curve one;
-        for (const AskedPoint& p : readPoints(file)) one.points.push_back(p.position);
+        for (const Seed& p : readPoints(file)) one.points.push_back(p.position);
         curves.push_back(one);
     }
     for (Curve& curve : curves) {

@@ -4,6 +4,7 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
+#include <igeo/march/local_search.h>
 #include <igeo/surface/level_set_band.h>
 
 #include <algorithm>
@@ -27,7 +28,7 @@ public:
           quiet_(progress),
           pairs_(sources.size()) {}
 
-    std::vector<PairDistance> solve(Progress& progress);
+    std::vector<SolvedPair> solve(Progress& progress);
 
 private:
     /// Pairs of one source.
@@ -48,7 +49,7 @@ private:
     const std::vector<Vec3d>&sources_, &targets_;
     const double snap_;
     CancelOnly quiet_;
-    std::vector<PairDistance> pairs_;
+    std::vector<SolvedPair> pairs_;
 };
 
 std::vector<PairSolver::Group> PairSolver::groups() const {
@@ -100,7 +101,7 @@ bool PairSolver::solveOn(const Band& band, const Group& group, double reach) {
     const Field field = marchJet(band, metric, {source}, options, quiet_);
     bool found = true;
     for (const std::size_t k : group) {
-        PairDistance& pair = pairs_[k];
+        SolvedPair& pair = pairs_[k];
         pair.distance =
             sampleDistance(field, pair.target.pIndex, Vec3d(band.normal[pair.target.node]));
         found = found && pair.distance <= reach;
@@ -111,10 +112,10 @@ bool PairSolver::solveOn(const Band& band, const Group& group, double reach) {
 bool PairSolver::solveAround(const Group& group) {
     double reach = 16;
     for (const std::size_t k : group) reach = std::max(reach, 1.5 * straight(k));
-    reach *= surface_.leastWeight;
-    for (; reach < surface_.leastWeight * surface_.diagonal / 2; reach *= 2)
-        if (solveOn(*surface_.band(region(group, reach), quiet_), group, reach)) return true;
-    return false;
+    const double least = surface_.leastWeight;
+    return searchNear(reach * least, kInfinity, surface_.diagonal / 2 * least, [&](double within) {
+        return solveOn(*surface_.band(region(group, within), quiet_), group, within);
+    });
 }
 
 void PairSolver::refuseFarPoints() const {
@@ -127,7 +128,7 @@ void PairSolver::refuseFarPoints() const {
                             "move it to the surface, or allow for more");
 }
 
-std::vector<PairDistance> PairSolver::solve(Progress& progress) {
+std::vector<SolvedPair> PairSolver::solve(Progress& progress) {
     const std::vector<Group> all = groups();
     std::vector<std::uint8_t> done(all.size(), 0);
     std::atomic<std::size_t> count{0};
@@ -147,7 +148,7 @@ std::vector<PairDistance> PairSolver::solve(Progress& progress) {
         forAll([&](const Group& group) { return solveOn(*whole, group, kInfinity); });
     }
     refuseFarPoints();
-    for (PairDistance& pair : pairs_) pair.source.node = pair.target.node = kNoNode;
+    for (SolvedPair& pair : pairs_) pair.source.node = pair.target.node = kNoNode;
     return std::move(pairs_);
 }
 
@@ -157,20 +158,9 @@ bool finite(const Vec3d& p) {
 
 }  // namespace
 
-std::string pairsCsv(const std::vector<PairDistance>& pairs, double dx) {
-    std::string all = "pair,distance,sourceSnap,targetSnap\n";
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-        const PairDistance& p = pairs[k];
-        all += fmt::format("{},{:.17g},{:.17g},{:.17g}\n", k, p.distance * dx,
-                           p.source.snapDistance * dx, p.target.snapDistance * dx);
-    }
-    return all;
-}
-
-std::vector<PairDistance> pairDistances(const PairSurface& surface,
-                                        const std::vector<Vec3d>& sources,
-                                        const std::vector<Vec3d>& targets, double snap,
-                                        Progress& progress) {
+std::vector<SolvedPair> pairDistances(const PairSurface& surface, const std::vector<Vec3d>& sources,
+                                      const std::vector<Vec3d>& targets, double snap,
+                                      Progress& progress) {
     using Kind = Error::Kind;
     if (sources.size() != targets.size())
         throw Error(Kind::InvalidArgument, fmt::format("{} sources and {} targets are no pairs",

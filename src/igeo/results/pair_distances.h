@@ -14,10 +14,10 @@
 
 namespace igeo {
 
-struct PairDistance {
+struct SolvedPair {
     /// As found on S; `node` is kNoNode, as the bands are gone.
     SurfacePoint source, target;
-    double distance = kInfinity;  ///< voxels times weight; +inf: no way between them
+    double distance = kInfinity;  ///< voxels times weight; +infinity: no path joins them
 };
 
 /// A surface of which bands are made part by part, and the metric on them.
@@ -46,14 +46,8 @@ struct PairSurface {
 /// Time O(the surface around each source and its targets, and the leaves of the level set) per
 /// source, side by side; what is far apart or not connected takes a march of the whole surface.
 /// Same bits for any number of threads.
-std::vector<PairDistance> pairDistances(const PairSurface& surface,
-                                        const std::vector<Vec3d>& sources,
-                                        const std::vector<Vec3d>& targets, double snap,
-                                        Progress& progress = Progress::none());
-
-/// Comma-separated: a first line `pair,distance,sourceSnap,targetSnap`, then a line per pair; `inf`
-/// where there is no way. Reading the numbers gives the same doubles.
-/// @param dx voxel size: lengths are written in world units, distances times weight
-std::string pairsCsv(const std::vector<PairDistance>& pairs, double dx);
+std::vector<SolvedPair> pairDistances(const PairSurface& surface, const std::vector<Vec3d>& sources,
+                                      const std::vector<Vec3d>& targets, double snap,
+                                      Progress& progress = Progress::none());
 
 }  // namespace igeo

@@ -135,7 +135,7 @@ TEST_CASE("what has no stage of its own stops in its midst when told") {
     ObstacleSet cap(surface.transform());
     cap.addSphere({0.5, 0.5, 0.9}, 0.2);
     const Field fromCurve = marchJet(band, {}, seedsAlong(band, equator, 1));
-    const Path path = d.paths()[0];
+    const Path path = tracePath(d.field(), d.targets()[0]);
 
     const std::map<std::string, std::function<void(Progress&)>> work{
         {"seedsAlong", [&](Progress& p) { seedsAlong(band, equator, 1, p); }},

@@ -9,7 +9,7 @@ namespace igeo::test {
 namespace {
 
 /// Reads `content` from a file of this name.
-std::vector<AskedPoint> read(const std::string& name, const std::string& content) {
+std::vector<Seed> read(const std::string& name, const std::string& content) {
     const TempDir folder;
     std::ofstream(folder / name, std::ios::binary) << content;
     return readPoints(folder / name);

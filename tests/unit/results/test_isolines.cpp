@@ -6,6 +6,7 @@
 #include <support/expect_error.h>
 #include <support/meshed.h>
 #include <support/openvdb.h>
+#include <support/two_isolines.h>
 
 #include <algorithm>
 #include <cmath>
@@ -282,16 +283,6 @@ TEST_CASE("levels by spacing and by count") {
 }
 
 namespace {
-
-/// A closed triangle and an open piece.
-std::vector<Isoline> twoLines() {
-    Isoline closed, open;
-    closed.level = 4, closed.closed = true, closed.length = 3;
-    closed.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    open.level = 6, open.length = 1;
-    open.points = {{0, 0, 1}, {0, 0, 2}};
-    return {closed, open};
-}
 
 Similarity halved() {
     Similarity t;

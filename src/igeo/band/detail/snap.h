@@ -1,0 +1,31 @@
+/// How far points asked for may be from the surface. Internal.
+#pragma once
+
+#include <fmt/core.h>
+#include <igeo/band/surface_point.h>
+#include <igeo/base/detail/text.h>
+#include <igeo/base/error.h>
+
+#include <string>
+
+namespace igeo {
+
+/// @param maxSnap  world units; roundings of a millionth of it are allowed
+inline bool isNear(const SurfacePoint& p, const Similarity& transform, double maxSnap) {
+    return p.snapDistance <= maxSnap / transform.dx * (1 + 1e-6);
+}
+
+/// @param what  names the point in the message
+/// @throws Error  InvalidArgument, with the nearest point, unless isNear()
+inline void requireNear(const SurfacePoint& p, const Similarity& transform, double maxSnap,
+                        const std::string& what) {
+    if (isNear(p, transform, maxSnap)) return;
+    throw Error(Error::Kind::InvalidArgument,
+                what + fmt::format(" is {:.6g} from the surface, {:.6g} is allowed",
+                                   p.snapDistance * transform.dx, maxSnap),
+                "the nearest point of the surface is " +
+                    textOf(transform.worldFromIndex(p.pIndex), 9) +
+                    " (world); move it there or raise maxSnap");
+}
+
+}  // namespace igeo
