@@ -35,7 +35,8 @@ Nearest nearestAmongAll(const Band& band, const Vec3d& p) {
     return best;
 }
 
-Nearest nearestAround(const Band& band, const Vec3d& p) {
+/// @param sheetNormal  nodes that oppose it are left out
+Nearest nearestAround(const Band& band, const Vec3d& p, const Vec3d& sheetNormal = {}) {
     Nearest best;
     // Far outside the range of Ijk no voxel can be near.
     if (!hasIjk(p)) return best;
@@ -44,15 +45,12 @@ Nearest nearestAround(const Band& band, const Vec3d& p) {
         for (int y = -2; y <= 2; ++y)
             for (int z = -2; z <= 2; ++z) {
                 const NodeIndex i = band.nodeAt(center + Ijk{x, y, z});
-                if (i != kNoNode) best.consider(band, i, p);
+                if (i != kNoNode && dot(Vec3f(sheetNormal), band.normal[i]) >= Band::kOtherSheet)
+                    best.consider(band, i, p);
             }
     // A foot point beyond 1.5 voxels may not be the nearest: its rival's voxel may lie outside.
     return best.squared < 1.5 * 1.5 ? best : Nearest{};
 }
-
-}  // namespace
-
-namespace {
 
 Nearest nearestNode(const Band& band, const Vec3d& p) {
     Nearest best = nearestAround(band, p);
@@ -85,7 +83,9 @@ SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
             band.triangles ? band.triangles->nearest(pIndex) : SurfaceTriangles::Place{};
         at.triangle != SurfaceTriangles::kNone) {
         s.pIndex = at.point;
-        best = nearestNode(band, at.point);
+        // In a thin plate the nearest foot point may lie on the other face.
+        best = nearestAround(band, at.point, band.triangles->normal(at.triangle));
+        if (best.node == kNoNode) best = nearestNode(band, at.point);
     } else {
         best = nearestNode(band, pIndex);
         s.pIndex = onPsi(band, pIndex, best);

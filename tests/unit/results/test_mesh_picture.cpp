@@ -17,7 +17,7 @@ struct Drawn {
 
     explicit Drawn(const TriangleMesh& mesh, double dx = 0.02)
         : band(bandFromMesh(mesh, dx, std::sqrt(3.0))),
-          field(marchJet(band, nullptr, {nearestSurfacePoint(band, {3, 3, 0.2})})) {}
+          field(marchJet(band, nullptr, {nearestSurfacePoint(band, {25, 25, 0.2})})) {}
 
     /// From above.
     PictureOptions fromAbove() const {

@@ -236,8 +236,8 @@ TEST_CASE("where a mesh lies in space makes no difference", "[mesh]") {
     const auto turn = [](const Ijk& c) { return Ijk{c.y, c.z, c.x}; };
     const Band bandShifted = bandFromMesh(shifted, dx, kH),
                bandTurned = bandFromMesh(turned, dx, kH);
-    const Field fieldShifted = march(bandShifted, shifted, {6, -2.5, 0.75}),
-                fieldTurned = march(bandTurned, turned, {0, 0, 1});
+    const Field fieldShifted = march(bandShifted, {6, -2.5, 0.75}),
+                fieldTurned = march(bandTurned, {0, 0, 1});
     CHECK(bandShifted.size() == band.size());
     CHECK(bandTurned.size() == band.size());
     std::size_t missing = 0;
