@@ -94,13 +94,14 @@ std::vector<igeo::Polyline> shoot(const igeo::GeodesicSolver& solver,
     return walks;
 }
 
-std::vector<igeo::PairDistance> solvePairs(const igeo::GeodesicSolver& solver,
-                                           const std::string& file, igeo::Progress& progress) {
-    if (file.empty()) return {};
+std::vector<igeo::PairDistance> solvePairs(const igeo::GeodesicSolver& solver, const SeedOptions& o,
+                                           igeo::Progress& progress) {
+    if (o.pairs.empty()) return {};
     std::vector<Vec3d> sources, targets;
-    for (const igeo::AskedPair& pair : guardedRead(file, [&] { return igeo::readPairs(file); })) {
-        sources.push_back(pair.source);
-        targets.push_back(pair.target);
+    for (const igeo::AskedPair& pair :
+         guardedRead(o.pairs, [&] { return igeo::readPairs(o.pairs); })) {
+        sources.push_back(positionOf(pair.source, o, solver.surface()));
+        targets.push_back(positionOf(pair.target, o, solver.surface()));
     }
     progress.update("pairs", 0);
     std::vector<igeo::PairDistance> pairs = solver.pairs(sources, targets, progress);
@@ -203,7 +204,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     const igeo::QueryRules rules{o.snap.value_or(-1), o.space,
                                  o.memoryLimit > 0 ? o.memoryLimit * kGiB : machineMemory()};
     const igeo::GeodesicSolver solver = prepared.solver.with(rules);
-    const SeedInput input = readSeeds(o, solver.surface().transform());
+    const SeedInput input = readSeeds(o, solver.surface());
     RunReport report = newReport(solver, prepared.metric, input);
 
     const igeo::Distance distance = o.hasSeeds()
@@ -219,7 +220,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
         report.accuracy = estimate(distance, console, stages);
     report.walks = shoot(solver, o.shots, stages);
-    report.pairs = solvePairs(solver, o.pairs, stages);
+    report.pairs = solvePairs(solver, o, stages);
 
     RunResult result{o, solver, distance, report, stages};
     writeResults(result);

@@ -10,10 +10,12 @@
 #include <igeo/surface/mesh_band.h>
 #include <igeo/surface/point_band.h>
 
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 namespace igeo {
@@ -68,6 +70,8 @@ public:
     }
     virtual std::string facingWarning(const Band&) const { return {}; }
     virtual std::string gridName() const { return facts.name; }
+    /// In the order of the file; null: a level set has none.
+    virtual const std::vector<Vec3d>* vertices() const { return nullptr; }
     virtual openvdb::math::Transform::ConstPtr gridTransform() const {
         return igeo::gridTransform(transform);
     }
@@ -235,6 +239,9 @@ public:
             100 * share);
     }
     const TriangleMesh* triangles() const override { return &mesh_; }
+    const std::vector<Vec3d>* vertices() const override {
+        return mesh_.source ? &mesh_.source->vertices : &mesh_.points;
+    }
 
 private:
     Band makeBand(const BandWidth& width, const std::vector<Ball>&,
@@ -252,7 +259,8 @@ private:
 /// For jet a surface fitted to points, for godunov the paper's union of balls.
 class Cloud final : public MadeLevelSet {
 public:
-    Cloud(PointCloud cloud, const VoxelOptions& voxels, Progress& progress) {
+    Cloud(PointCloud cloud, const VoxelOptions& voxels, Progress& progress)
+        : vertices_(cloud.points) {
         const Box box(cloud.points);
         facts.kind = SurfaceFacts::Kind::Points;
         facts.file = cloud.file;
@@ -283,6 +291,7 @@ public:
         return double(density.points) * side * side * 2 * h;
     }
     const PointSurface* points() const override { return surface_.get(); }
+    const std::vector<Vec3d>* vertices() const override { return &vertices_; }
 
 private:
     static PointBandKind kindFor(Scheme scheme) {
@@ -298,8 +307,29 @@ private:
             /*closed=*/false, surface_->file(), facts.name, progress);
     }
 
+    std::vector<Vec3d> vertices_;  ///< as given
     std::unique_ptr<PointSurface> surface_;
 };
+
+/// The number of the vertex that a name stands for; none for another name.
+std::optional<std::size_t> vertexNamed(const std::string& name, const std::vector<Vec3d>& points) {
+    const Box box(points);
+    const Vec3d middle = 0.5 * (box.low + box.high);
+    auto leastBy = [&](const auto& value) -> std::size_t {
+        std::size_t least = 0;
+        for (std::size_t v = 1; v < points.size(); ++v)
+            if (value(points[v]) < value(points[least])) least = v;
+        return least;
+    };
+    if (name == "center") return leastBy([&](const Vec3d& p) { return length(p - middle); });
+    if (name.size() == 2 && (name[0] == '+' || name[0] == '-') && name[1] >= 'x' && name[1] <= 'z')
+        return leastBy(
+            [&](const Vec3d& p) { return (name[0] == '+' ? -1 : 1) * p[name[1] - 'x']; });
+    std::size_t number = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+    if (error != std::errc() || end != name.data() + name.size()) return {};
+    return number;
+}
 
 /// A grid of the caller's, shared.
 LoadedGrid loadedFrom(const openvdb::FloatGrid& psi) {
@@ -325,6 +355,25 @@ openvdb::math::Transform::ConstPtr Surface::gridTransform() const {
     return shape_->gridTransform();
 }
 std::string Surface::gridName() const { return shape_->gridName(); }
+
+Vec3d Surface::vertex(const std::string& name) const {
+    using Kind = Error::Kind;
+    const std::vector<Vec3d>* vertices = shape_->vertices();
+    if (!vertices)
+        throw Error(Kind::InvalidArgument,
+                    "'" + name + "' is a vertex, and " + facts().name + " is a level set without",
+                    "give a position x,y,z");
+    const std::optional<std::size_t> number = vertexNamed(name, *vertices);
+    if (!number)
+        throw Error(Kind::InvalidArgument, "'" + name + "' is no vertex",
+                    "give a number from 0 on, +x, -x, +y, -y, +z, -z or center");
+    if (*number >= vertices->size())
+        throw Error(
+            Kind::InvalidArgument,
+            fmt::format("vertex {} of {}, which has {}", name, facts().name, vertices->size()),
+            fmt::format("give a number from 0 to {}", vertices->size() - 1));
+    return (*vertices)[*number];
+}
 
 BandWidth Surface::bandWidth(Scheme scheme, int order, double h, Progress& progress) const {
     return shape_->bandWidth(scheme, order, h, progress);

@@ -108,6 +108,13 @@ public:
     /// As a level set at least as wide as the band; of a mesh or points made when first asked for.
     const LevelSet& levelSet(const BandWidth& width, Progress& progress = Progress::none()) const;
 
+    /// A vertex of the mesh, or one of the points, by its number in the file from 0 on (of an STL
+    /// file in the order in which they first appear), or by name: +x -x +y -y +z -z (the farthest)
+    /// or center (the nearest to the middle of the box of all).
+    /// @return its position, world
+    /// @throws Error  InvalidArgument for another name, a number out of range, and a level set
+    Vec3d vertex(const std::string& name) const;
+
     /// What it is made of; null: of something else.
     const TriangleMesh* triangles() const;
     const class PointSurface* points() const;

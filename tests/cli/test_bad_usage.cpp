@@ -63,6 +63,13 @@ TEST_CASE("a malformed value is refused before any file is read") {
         BadLine{"--image-size 640", {"--image-size", "'640'", "1280x960"}},
         BadLine{"--camera 1,2", {"--camera", "'1,2'", "x,y,z"}},
         BadLine{"--matrix m.json --matrix-rows 0/2", {"--matrix-rows", "'0/2'", "1/4"}},
+        BadLine{"--scheme jett", {"--scheme", "'jett'", "did you mean 'jet'?"}},
+        BadLine{"--memory-limit 4XB", {"--memory-limit", "'4XB'", "500MB"}},
+        BadLine{"-q -v", {"--quiet", "--verbose"}},
+        BadLine{"--sead 0,0,1", {"--sead", "did you mean '--seed'?"}},
+        BadLine{"--target 0 0 1", {"'0' stands by itself", "--target 0,0,1"}},
+        BadLine{"a.vdb", {"'a.vdb' belongs to no option", "--sdf a.vdb"}},
+        BadLine{"inf", {"'inf' belongs to no option", "did you mean 'info'?"}},
         BadLine{"--scheme jet --scheme jet", {"--scheme", "2 times", "once"}});
     const TempWorkspace desk;
     requireRefused(desk, "--sdf none.vdb --seed 0,0,1 -o out.vdb " + bad.line, kUsage, bad.says);
@@ -72,6 +79,8 @@ TEST_CASE("a run without a surface is refused") {
     const TempWorkspace desk;
     requireRefused(desk, "", kUsage, {"--sdf", "--help"});
     requireRefused(desk, "--seed 0,0,1", kUsage, {"--sdf", "--help"});
+    requireRefused(desk, "--sdf a.obj --seed 0,0,1", kUsage, {"--sdf a.obj", "--mesh a.obj"});
+    requireRefused(desk, "--sdf a.xyz --seed 0,0,1", kUsage, {"--sdf a.xyz", "--points a.xyz"});
 }
 
 TEST_CASE("a band outside the bounds is refused with the bounds") {
@@ -92,6 +101,7 @@ TEST_CASE("an output that has nowhere to go is refused before any work") {
     requireRefused(desk, run + "-o folder", kUsage, {"-o folder", "that is a folder"});
     requireRefused(desk, run + "-o out.vdb --report none/out.json", kUsage,
                    {"--report none/out.json", "no folder 'none'"});
+    requireRefused(desk, run + "-o out.obj", kUsage, {"-o out.obj", ".vdb"});
     for (const std::string paths : {"out.ply", "out", "out.vdb"})
         requireRefused(desk, run + "-o o.vdb --target 1,0,0 --paths " + paths, kUsage,
                        {"--paths " + paths, ".json", ".obj"});
@@ -119,12 +129,13 @@ TEST_CASE("an output never replaces an input") {
 
 TEST_CASE("two outputs never go to one place") {
     const Sphere desk;
-    writeBytes(desk / "existing", "");
-    std::filesystem::create_symlink("existing", desk / "link");
+    writeBytes(desk / "existing.vdb", "");
+    std::filesystem::create_symlink("existing.vdb", desk / "link");
     const std::string run = "--sdf in.vdb --seed 0,0,1 ";
     const std::string outputs =
-        GENERATE("-o out.json --report out.json", "-o out.json --report ./out.json",
-                 "-o existing --report link", "-o - --report -", "--report - --paths -");
+        GENERATE("-o out.vdb --report out.vdb", "-o out.vdb --report ./out.vdb",
+                 "-o existing.vdb --report link", "-o - --report -",
+                 "--report - --target 1,0,0 --paths -");
     requireRefused(desk, run + outputs, kUsage, {"one place", "its own name"});
 }
 
@@ -132,6 +143,7 @@ TEST_CASE("options without effect are refused, with what would make them matter"
     const TempWorkspace desk;
     const BadLine bad = GENERATE(
         BadLine{"--straighten", {"--straighten", "--target"}},
+        BadLine{"--paths p.json", {"--paths", "--target", "--shoot"}},
         BadLine{"--stop-at-targets", {"--stop-at-targets", "--targets"}},
         BadLine{"--levels 5", {"--levels", "--isolines", "--image"}},
         BadLine{"--spacing 0.1", {"--spacing", "--grids engraved"}},

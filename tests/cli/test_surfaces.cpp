@@ -98,6 +98,63 @@ TEST_CASE("an open mesh: ways lead around its hole, and every result is there") 
           openvdb::GRID_LEVEL_SET);
 }
 
+TEST_CASE("a mesh by its own vertices: seeds, targets, pairs and results") {
+    const TempWorkspace desk;
+    const int n = 20, row = n + 1;
+    writeBytes(desk / "in.obj", sheet(n, [](double, double) { return false; }));
+    requireDone(desk,
+                "--mesh in.obj --resolution 60 --seed vertex:0 --target +x --target center "
+                "--per-vertex d.csv -q -o o.vdb --report r.json");
+    const std::vector<std::string> table = lines(readBytes(desk / "d.csv"));
+    REQUIRE(table.size() == std::size_t(row * row + 1));
+    auto exact = [&](int v) {
+        return std::hypot(std::hypot(1, 0.1) * (v / row) / n, double(v % row) / n);
+    };
+    for (const int v : {0, 5, row, 7 * row + 3, row * row - 1}) {
+        const std::string& line = table[std::size_t(v + 1)];
+        CHECK(std::stod(line.substr(line.find(',') + 1)) == Approx(exact(v)).margin(1e-4));
+    }
+    CHECK(distanceOf(desk, 0) == Approx(exact(n * row)).margin(1e-4));
+    CHECK(distanceOf(desk, 1) == Approx(exact(n / 2 * row + n / 2)).margin(1e-4));
+    CHECK(validBySchema(desk, "report.schema.json", "r.json"));
+
+    // Seeds and pairs from lists of vertices.
+    writeBytes(desk / "s.csv", "vertex\n0\n");
+    writeBytes(desk / "p.csv", "0," + std::to_string(row * row - 1) + "\n");
+    requireDone(desk,
+                "--mesh in.obj --resolution 60 --seeds s.csv --pairs p.csv --pairs-out q.csv "
+                "--per-vertex e.csv -q -o o.vdb");
+    CHECK(readBytes(desk / "e.csv") == readBytes(desk / "d.csv"));
+    CHECK(std::stod(lines(readBytes(desk / "q.csv"))[1].substr(2)) ==
+          Approx(exact(row * row - 1)).margin(1e-4));
+    for (const char* name : {"d.npy", "d.ply", "d.obj"})
+        requireDone(desk, std::string("--mesh in.obj --resolution 60 --seed vertex:0 -q -o o.vdb "
+                                      "--per-vertex ") +
+                              name);
+
+    const std::string on = "--mesh in.obj --resolution 60 -o none.vdb ";
+    requireRefused(desk, on + "--seed vertex:441", kUsage, {"441", "0 to 440"});
+    requireRefused(desk, on + "--seed vertex:x", kUsage, {"vertex:x", "vertex:123"});
+    desk.make("ball.vdb", "sphere --voxel-size 0.1");
+    requireRefused(desk, "--sdf ball.vdb --seed +x -o none.vdb", kUsage, {"+x", "level set"});
+    requireRefused(desk, "--sdf ball.vdb --seed 0,0,1 --per-vertex d.csv", kUsage,
+                   {"--per-vertex", "--mesh"});
+}
+
+TEST_CASE("points by their numbers in the file") {
+    const TempWorkspace desk;
+    writeBytes(desk / "in.xyz", spherePoints(4000));
+    requireDone(desk,
+                "--points in.xyz --seed vertex:0 --target vertex:3999 --target -z -q -o o.vdb "
+                "--report r.json");
+    // From pole to pole, but for 1 / 4000 of the height at both ends.
+    const double exact = M_PI - 2 * std::acos(1 - 1.0 / 4000);
+    CHECK(distanceOf(desk, 0) == Approx(exact).epsilon(0.01));
+    CHECK(distanceOf(desk, 1) == distanceOf(desk, 0));
+    requireRefused(desk, "--points in.xyz --seed vertex:4000 -o n.vdb", kUsage,
+                   {"4000", "0 to 3999"});
+}
+
 TEST_CASE("meshes and points: godunov, pairs and walks") {
     const TempWorkspace desk;
     writeBytes(desk / "in.xyz", spherePoints(4000));

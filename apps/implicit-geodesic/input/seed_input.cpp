@@ -9,20 +9,33 @@
 
 namespace {
 
-/// Points of an option and of a file, in that order.
-std::vector<igeo::Seed> pointsOf(const std::vector<igeo::Seed>& given, const std::string& file) {
-    std::vector<igeo::Seed> points = given;
-    if (file.empty()) return points;
-    const auto more = guardedRead(file, [&] { return igeo::readPoints(file); });
-    points.insert(points.end(), more.begin(), more.end());
+/// Points of an option and of a file, in that order, where they are.
+std::vector<igeo::Seed> pointsOf(const std::vector<igeo::AskedPoint>& given,
+                                 const std::string& file, const SeedOptions& options,
+                                 const igeo::Surface& surface) {
+    std::vector<igeo::AskedPoint> asked = given;
+    if (!file.empty()) {
+        const auto more = guardedRead(file, [&] { return igeo::readPoints(file); });
+        asked.insert(asked.end(), more.begin(), more.end());
+    }
+    std::vector<igeo::Seed> points;
+    for (const igeo::AskedPoint& p : asked)
+        points.emplace_back(positionOf(p, options, surface), p.start);
     return points;
 }
 
 }  // namespace
 
-SeedInput readSeeds(const SeedOptions& o, const igeo::Similarity& transform) {
+igeo::Vec3d positionOf(const igeo::AskedPoint& point, const SeedOptions& o,
+                       const igeo::Surface& surface) {
+    if (point.vertex.empty()) return point.position;
+    const igeo::Vec3d world = surface.vertex(point.vertex);
+    return o.space == igeo::Space::Index ? surface.transform().indexFromWorld(world) : world;
+}
+
+SeedInput readSeeds(const SeedOptions& o, const igeo::Surface& surface) {
     SeedInput in;
-    in.seeds.points = pointsOf(o.seeds, o.seedFile);
+    in.seeds.points = pointsOf(o.seeds, o.seedFile, o, surface);
     in.names.resize(in.seeds.points.size());
     for (const std::string& file : o.seedCurves)
         for (const igeo::Curve& curve : guardedRead(file, [&] { return igeo::readCurves(file); })) {
@@ -31,7 +44,7 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Similarity& transform) {
             in.seeds.names.push_back("--seed-curve " + file);
         }
     for (const igeo::GridSource& source : o.seedMasks) {
-        auto region = std::make_shared<igeo::ObstacleSet>(transform);
+        auto region = std::make_shared<igeo::ObstacleSet>(surface.transform());
         const igeo::ObstacleGrid grid =
             guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); });
         region->addGrid(grid);
@@ -42,7 +55,7 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Similarity& transform) {
     }
     in.seeds.samples = std::size_t(o.sample);
     in.seeds.isSigned = o.withSign;
-    for (const igeo::Seed& p : pointsOf(o.targets, o.targetFile))
+    for (const igeo::Seed& p : pointsOf(o.targets, o.targetFile, o, surface))
         in.limits.targets.push_back(p.position);
     in.limits.stopAtTargets = o.stopAtTargets;
     if (o.maxDistance > 0) in.limits.maxDistance = o.maxDistance;

@@ -1,7 +1,6 @@
 /// Seeds and targets of a job, from its options and files.
 #pragma once
 
-#include <igeo/base/types.h>
 #include <igeo/geodesic_solver.h>
 
 #include <string>
@@ -16,6 +15,9 @@ struct SeedInput {
     std::vector<std::string> warnings;  ///< of the files read
 };
 
-/// @param transform of the surface
-/// @throws igeo::Error  as the readers and ObstacleSet
-SeedInput readSeeds(const SeedOptions& options, const igeo::Similarity& transform);
+/// @throws igeo::Error  as the readers, ObstacleSet and Surface::vertex
+SeedInput readSeeds(const SeedOptions& options, const igeo::Surface& surface);
+
+/// Where a point is, in the space of the options.
+igeo::Vec3d positionOf(const igeo::AskedPoint& point, const SeedOptions& options,
+                       const igeo::Surface& surface);

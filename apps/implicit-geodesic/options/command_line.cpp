@@ -37,6 +37,10 @@ public:
     }
     const Command& command() const { return command_; }
 
+    /// Words that are no option, no value and no command.
+    /// @param all  the command line
+    [[noreturn]] void refuseExtra(const std::vector<std::string>& all) const;
+
     /// CLI11 misses a value; its message begins with the option.
     [[noreturn]] void refuseMissing(const std::string& message) const {
         const std::string name = message.substr(0, message.find(':'));
@@ -107,6 +111,35 @@ void Words::declare(const Option& option) {
     if (option.reads.repeatable && !isArgument) given.parsed->allow_extra_args(false);
 }
 
+void Words::refuseExtra(const std::vector<std::string>& all) const {
+    const std::vector<std::string> extras = app_.remaining(/*recurse=*/true);
+    const std::string first = extras.empty() ? "" : extras.front();
+    if (first.size() > 1 && first[0] == '-' && !numberOf(first)) {
+        std::vector<std::string> names;
+        for (const Option& option : command_.options)
+            names.insert(names.end(), option.names.begin(), option.names.end());
+        refuse("unknown option " + first + didYouMean(first, names), command_);
+    }
+    // --seed 0 0 1
+    const auto at = std::find(all.begin(), all.end(), first);
+    if (numberOf(first) && all.end() - at >= 1 && at - all.begin() >= 2) {
+        std::string joined = *(at - 1);
+        for (auto word = at; word != all.end() && numberOf(*word); ++word) joined += "," + *word;
+        usageError("'" + first + "' stands by itself",
+                   "numbers of one option are joined by commas: " + *(at - 2) + " " + joined);
+    }
+    std::vector<std::string> commands;
+    for (const Command& below : command_.commands) commands.push_back(below.lastName());
+    std::string surface;
+    for (const char* name : {"--sdf", "--mesh", "--points"})
+        if (std::any_of(command_.options.begin(), command_.options.end(),
+                        [&](const Option& o) { return o.longName() == name; }))
+            surface += (surface.empty() ? "" : ", ") + std::string(name) + " " + first;
+    refuse("'" + first + "' belongs to no option" + didYouMean(first, commands) +
+               (surface.empty() ? "" : "; a surface is given by " + surface),
+           command_);
+}
+
 void Words::refuseConflicts() const {
     for (const Given& given : given_) {
         const Option& option = *given.option;
@@ -162,6 +195,9 @@ const Command* readCommandLine(const Command& command, std::vector<std::string> 
     } catch (const CLI::CallForVersion&) {
         results() << versionText() << "\n";
         return nullptr;
+    } catch (const CLI::ExtrasError&) {
+        std::reverse(words.begin(), words.end());
+        parsed.named().back()->refuseExtra(words);
     } catch (const CLI::ArgumentMismatch& e) {
         parsed.named().back()->refuseMissing(e.what());
     } catch (const CLI::ParseError& e) {

@@ -19,7 +19,10 @@ void addProcessOptions(Command& command, ProcessOptions& o) {
                   .value = "WHEN",
                   .text = "Progress on stderr: auto (if it is a terminal), always, never [auto]",
                   .reads = choice(o.progress, kWhen)},
-                 {.names = {"-q", "--quiet"}, .text = "Print errors only", .reads = flag(o.quiet)},
+                 {.names = {"-q", "--quiet"},
+                  .text = "Print errors only",
+                  .reads = flag(o.quiet),
+                  .excludes = {"--verbose"}},
                  {.names = {"-v", "--verbose"},
                   .text = "Print what was found and how long it took",
                   .reads = flag(o.verbose)}});

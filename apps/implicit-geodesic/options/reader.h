@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "options/spelling.h"
 #include "usage_error.h"
 
 /// Sets a field of an options struct, and says what words it takes.
@@ -63,7 +64,9 @@ template <typename Value>
 Value valueNamed(const std::string& word, const Names<Value>& values) {
     for (const auto& [name, value] : values)
         if (name == word) return value;
-    usageError("'" + word + "' is none of " + commaList(namesIn(values)), "");
+    usageError("'" + word + "' is none of " + commaList(namesIn(values)) +
+                   didYouMean(word, namesIn(values)),
+               "");
 }
 
 template <typename Field, typename Value>

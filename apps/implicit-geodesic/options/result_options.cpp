@@ -98,26 +98,32 @@ std::vector<Option> curveOptions(ResultOptions& o) {
 }
 
 std::vector<Option> meshAndTableOptions(ResultOptions& o) {
-    return {{.names = {"--mesh-out"},
-             .value = "FILE",
-             .text = "The surface as triangles with distance, label and color: .ply or .obj; - "
-                     "writes PLY to stdout",
-             .reads = text(o.meshOut)},
-            {.names = {"--matrix"},
-             .value = "FILE",
-             .text = "All distances from seeds to targets, or between the seeds if there is no "
-                     "target: .csv, .json or .npy; - writes CSV to stdout",
-             .reads = text(o.matrix)},
-            {.names = {"--matrix-rows"},
-             .value = "K/N",
-             .text = "Only the K-th of N parts of the rows, as .json; batch merge --matrix joins "
-                     "them",
-             .reads = parsed(o.matrixRows, Part::parse)},
-            {.names = {"--pairs-out"},
-             .value = "FILE",
-             .text = "Distances of --pairs: .csv or .json (docs/pairs.schema.json); - writes CSV "
-                     "to stdout [-]",
-             .reads = text(o.pairsOut)}};
+    return {
+        {.names = {"--mesh-out"},
+         .value = "FILE",
+         .text = "The surface as triangles with distance, label and color: .ply or .obj; - "
+                 "writes PLY to stdout",
+         .reads = text(o.meshOut)},
+        {.names = {"--per-vertex"},
+         .value = "FILE",
+         .text = "Distances at the vertices of --mesh, under the file's own numbers: .csv, "
+                 ".npy, or .ply or .obj with its own vertices and faces; - writes CSV to stdout",
+         .reads = text(o.perVertex)},
+        {.names = {"--matrix"},
+         .value = "FILE",
+         .text = "All distances from seeds to targets, or between the seeds if there is no "
+                 "target: .csv, .json or .npy; - writes CSV to stdout",
+         .reads = text(o.matrix)},
+        {.names = {"--matrix-rows"},
+         .value = "K/N",
+         .text = "Only the K-th of N parts of the rows, as .json; batch merge --matrix joins "
+                 "them",
+         .reads = parsed(o.matrixRows, Part::parse)},
+        {.names = {"--pairs-out"},
+         .value = "FILE",
+         .text = "Distances of --pairs: .csv or .json (docs/pairs.schema.json); - writes CSV "
+                 "to stdout [-]",
+         .reads = text(o.pairsOut)}};
 }
 
 }  // namespace

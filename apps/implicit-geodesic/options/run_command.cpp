@@ -1,8 +1,15 @@
 #include "options/run_command.h"
 
+#include <igeo/io/mesh_file.h>
+#include <igeo/io/point_cloud_file.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <utility>
 
 #include "output/result_checks.h"
+#include "process.h"
 #include "usage_error.h"
 
 namespace {
@@ -12,6 +19,16 @@ void checkSurface(const RunOptions& o) {
         usageError(
             "no surface is given",
             "add --sdf FILE.vdb, --mesh FILE or --points FILE; see implicit-geodesic --help");
+}
+
+/// A mesh or points by the name of the file, given as a volume.
+void checkKind(const RunOptions& o) {
+    if (o.kind != SurfaceKind::Volume) return;
+    const bool mesh = igeo::isMeshFile(o.source.file);
+    if (mesh || igeo::isPointFile(o.source.file))
+        usageError(
+            "--sdf " + o.source.text() + ": its ending is that of " + (mesh ? "a mesh" : "points"),
+            std::string("write ") + (mesh ? "--mesh " : "--points ") + o.source.text());
 }
 
 void checkSeeds(const RunOptions& o) {
@@ -26,8 +43,29 @@ void checkSeeds(const RunOptions& o) {
 /// Refuses what options say against each other, which no file can mend.
 void checkTogether(const RunOptions& options) {
     checkSurface(options);
+    checkKind(options);
     checkSeeds(options);
     checkResults(options);
+}
+
+/// GiB; with a unit kB, MB, GB, TB (powers of 1000) or KiB, MiB, GiB, TiB.
+double gibibytesOf(const std::string& word) {
+    const std::size_t letters = std::min(word.find_first_not_of("0123456789.eE+-"), word.size());
+    std::string unit = word.substr(letters);
+    const std::optional<double> number = numberOf(word.substr(0, letters));
+    double bytes = kGiB;
+    if (!unit.empty()) {
+        const double base = unit.size() == 3 && unit[1] == 'i' ? 1024 : 1000;
+        if (base == 1024) unit.erase(1, 1);
+        const std::size_t power = std::string("KMGT").find(char(std::toupper(unit[0])));
+        const bool known =
+            power != std::string::npos && unit.size() == 2 && std::toupper(unit[1]) == 'B';
+        bytes = known ? std::pow(base, double(power + 1)) : 0;
+    }
+    if (!number || !(*number > 0) || bytes == 0)
+        usageError("'" + word + "' is no amount of memory above 0",
+                   "write GiB, as 4, or a unit, as 500MB or 4GiB");
+    return *number * bytes / kGiB;
 }
 
 }  // namespace
@@ -42,11 +80,12 @@ Command jobCommand(RunOptions& o) {
     addResultOptions(command, o);
     addPictureOptions(command, o);
     addReportOption(command, o);
-    command.add("Run", {{.names = {"--memory-limit"},
-                         .value = "G",
-                         .text = "Refuse what needs more memory, before it is taken, GiB [what the "
-                                 "machine has]",
-                         .reads = numberAboveZero(o.memoryLimit)}});
+    command.add("Run",
+                {{.names = {"--memory-limit"},
+                  .value = "G",
+                  .text = "Refuse what needs more memory, before it is taken: GiB, or with a "
+                          "unit, as 500MB or 4GiB [what the machine has]",
+                  .reads = parsed(o.memoryLimit, gibibytesOf)}});
     command.check = [&o] { checkTogether(o); };
     return command;
 }

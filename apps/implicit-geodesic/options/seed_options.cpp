@@ -20,11 +20,13 @@ Shot shotOf(const std::string& word) {
 std::vector<Option> seedOptions(SeedOptions& o) {
     return {{.names = {"--seed"},
              .value = "X,Y,Z",
-             .text = "Where the distance is 0; repeat for several",
+             .text = "Where the distance is 0; repeat for several. Of a mesh or points also "
+                     "vertex:123 (numbered from 0), +x, -x, +y, -y, +z, -z or center",
              .reads = parsedEach(o.seeds, igeo::parsePoint)},
             {.names = {"--seeds"},
              .value = "FILE",
-             .text = "Seeds from a .json or .csv file: x,y,z and, if given, a start distance",
+             .text = "Seeds from a .json or .csv file: x,y,z and, if given, a start distance; or "
+                     "numbers of vertices",
              .reads = text(o.seedFile)},
             {.names = {"--seed-curve"},
              .value = "FILE",

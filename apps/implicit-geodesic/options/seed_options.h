@@ -20,7 +20,7 @@ struct Shot {
 };
 
 struct SeedOptions {
-    std::vector<igeo::Seed> seeds, targets;
+    std::vector<igeo::AskedPoint> seeds, targets;
     std::string seedFile, targetFile;
     std::vector<std::string> seedCurves;  ///< files of polylines
     std::vector<igeo::GridSource> seedMasks;

@@ -31,6 +31,11 @@ namespace {
 void checkEnding(const OutputFile& output) {
     const std::string ending = endingOf(output.file), allowed = output.endings;
     if (allowed.empty() || output.file == "-") return;
+    // Devices and pipes have no endings; folders are refused as such.
+    std::error_code ignored;
+    const fs::file_type type = fs::status(output.file, ignored).type();
+    using Type = fs::file_type;
+    if (type == Type::character || type == Type::fifo || type == Type::directory) return;
     if (ending.empty() || (" " + allowed + " ").find(" " + ending + " ") == std::string::npos)
         usageError(
             std::string(output.option) + " " + output.file + ": the ending is none of " + allowed,

@@ -22,6 +22,9 @@ void requireTogether(const ResultKind& kind, const RunOptions& o) {
                        " is asked for",
                    "leave --scheme out; for distances by godunov take a run per seed, whose "
                    "--report has those of its targets");
+    if (kind.needs.mesh && o.kind != SurfaceKind::Mesh)
+        usageError(option + " needs the vertices of a mesh, and the surface is none",
+                   "give it by --mesh; of other surfaces --mesh-out has vertices with distances");
     if (kind.needs.points && o.hasExtendedSeeds())
         usageError(option + " does not go with --seed-curve and --seed-mask",
                    "it is made of distances between points");
@@ -78,6 +81,8 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
         {grids, o.hasSeeds(), "--grids", "a seed"},
         {!o.targets.empty(), o.hasSeeds(), "--target", "a seed"},
         {!o.targetFile.empty(), o.hasSeeds(), "--targets", "a seed"},
+        {!o.paths.empty(), o.hasTargets() || !o.shots.empty(), "--paths",
+         "--target, --targets or --shoot"},
         {o.straighten, o.hasTargets(), "--straighten", "--target or --targets"},
         {o.stopAtTargets, o.hasTargets(), "--stop-at-targets", "--target or --targets"},
         {o.maxDistance > 0, o.hasSeeds(), "--max-distance", "a seed"},
@@ -89,8 +94,9 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
         {o.imageSize.has_value(), !o.image.empty(), "--image-size", "--image"},
         {o.camera.has_value(), !o.image.empty(), "--camera", "--image"},
         {o.up.has_value(), !o.image.empty(), "--up", "--image"},
-        {!o.colorMap.empty(), !o.image.empty() || !o.meshOut.empty() || o.asked(Grid::Color),
-         "--color-map", "--image, --mesh-out or --grids color"},
+        {!o.colorMap.empty(),
+         !o.image.empty() || !o.meshOut.empty() || !o.perVertex.empty() || o.asked(Grid::Color),
+         "--color-map", "--image, --mesh-out, --per-vertex or --grids color"},
         {o.order.has_value(), o.scheme == igeo::Scheme::Godunov, "--order", "--scheme godunov"},
         {o.curvatureScale > 0, curved, "--curvature-scale",
          "--weight-curvature, --metric-curvature or --grids curvature"}};

@@ -4,6 +4,7 @@
 #include <igeo/results/distance_matrix.h>
 #include <igeo/results/picture.h>
 #include <igeo/results/surface_mesh.h>
+#include <igeo/results/vertex_values.h>
 
 #include <algorithm>
 
@@ -18,9 +19,14 @@ void writePaths(RunResult& r, const std::string& file) {
                                                  : geodesicsJson(r.report, r.field()));
 }
 
+igeo::Color srgb(const RunOptions& options) {
+    return [colors = igeo::ColorMap(colorMapOf(options))](double t) {
+        return igeo::Vec3f(igeo::srgbFromLinear(colors(t)));
+    };
+}
+
 void writeMesh(RunResult& r, const std::string& file) {
-    const igeo::ColorMap colors(colorMapOf(r.options));
-    auto color = [&](double t) { return igeo::Vec3f(igeo::srgbFromLinear(colors(t))); };
+    const igeo::Color color = srgb(r.options);
     const igeo::Similarity& transform = r.band().transform;
     writeDocument(file, endingOf(file) == ".obj" ? igeo::surfaceObj(r.mesh(), transform, color)
                                                  : igeo::surfacePly(r.mesh(), transform, color));
@@ -32,6 +38,18 @@ void writeIsolines(RunResult& r, const std::string& file) {
     writeDocument(file, ending == ".obj"   ? igeo::isolinesObj(r.isolines(), transform)
                         : ending == ".ply" ? igeo::isolinesPly(r.isolines(), transform)
                                            : isolinesJson(r.report, r.field(), r.isolines()));
+}
+
+void writeVertices(RunResult& r, const std::string& file) {
+    const igeo::TriangleMesh& mesh = *r.distance.surface().triangles();
+    const igeo::VertexValues values = igeo::vertexValues(mesh, r.field(), r.progress);
+    const igeo::Color color = srgb(r.options);
+    const std::string ending = endingOf(file);
+    writeDocument(file,
+                  ending == ".npy"   ? igeo::verticesNpy(values)
+                  : ending == ".ply" ? igeo::verticesPly(igeo::polygonsOf(mesh), values, color)
+                  : ending == ".obj" ? igeo::verticesObj(igeo::polygonsOf(mesh), values, color)
+                                     : igeo::verticesCsv(values));
 }
 
 void writeMatrix(RunResult& r, const std::string& file) {
@@ -83,7 +101,7 @@ const std::vector<ResultKind>& resultKinds() {
     using Options = const RunOptions&;
     using Name = const std::string*;
     static const std::vector<ResultKind> kinds{
-        {"-o", "distance", "", volumeFile, {.seeds = true}, writeVolume},
+        {"-o", "distance", ".vdb", volumeFile, {.seeds = true}, writeVolume},
         {"--paths", "paths", ".json .obj", [](Options o, Name) { return o.paths; }, {}, writePaths},
         {"--mesh-out",
          "mesh",
@@ -91,6 +109,12 @@ const std::vector<ResultKind>& resultKinds() {
          [](Options o, Name) { return o.meshOut; },
          {.seeds = true},
          writeMesh},
+        {"--per-vertex",
+         "vertices",
+         ".csv .npy .ply .obj",
+         [](Options o, Name) { return o.perVertex; },
+         {.seeds = true, .mesh = true},
+         writeVertices},
         {"--isolines",
          "isolines",
          ".json .obj .ply",

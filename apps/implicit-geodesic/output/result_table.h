@@ -20,6 +20,7 @@ struct ResultKind {
         bool seeds = false;   ///< that distances begin from
         bool jet = false;     ///< the scheme
         bool points = false;  ///< no seeds but points
+        bool mesh = false;    ///< --mesh
     } needs;
     void (*write)(RunResult& result, const std::string& file);
 };

@@ -4,6 +4,7 @@
 #include <igeo/base/detail/box.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/ply_reader.h>
+#include <igeo/io/detail/text_mesh_reader.h>
 
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
@@ -199,13 +200,26 @@ void readScene(TriangleMesh& mesh) {
     appendNode(*scene, *scene->mRootNode, {}, mesh);
 }
 
-void readPly(TriangleMesh& mesh) {
+PolygonMesh readPlyMesh(const std::string& file, const std::string& bytes) {
+    Ply ply = readPlyFaces(file, bytes);
+    PolygonMesh mesh;
+    mesh.vertices = std::move(ply.points);
+    for (const std::vector<std::uint32_t>& face : ply.faces) mesh.addFace(face);
+    return mesh;
+}
+
+/// Keeps the numbers of vertices and faces.
+void readPolygons(TriangleMesh& mesh, PolygonMesh (*read)(const std::string&, const std::string&)) {
     std::ifstream in(mesh.file, std::ios::binary);
     const std::string bytes(std::istreambuf_iterator<char>(in), {});
-    Ply ply = readPlyFaces(mesh.file, bytes);
-    requireRoom(ply.points.size(), mesh.file);
-    mesh.points = std::move(ply.points);
-    for (const std::vector<std::uint32_t>& face : ply.faces) appendPolygon(face, mesh);
+    const auto source = std::make_shared<const PolygonMesh>(read(mesh.file, bytes));
+    requireRoom(source->vertices.size(), mesh.file);
+    mesh.points = source->vertices;
+    for (std::size_t f = 0; f < source->faces(); ++f) {
+        const auto face = source->face(f);
+        appendPolygon({face.begin(), face.end()}, mesh);
+    }
+    mesh.source = source;
 }
 
 /// Points off by more than a voxel in 400 of a usual size.
@@ -240,8 +254,13 @@ TriangleMesh readMesh(const std::string& file) {
                         "; level sets go to readLevelSetGrid, clouds to readPointCloud");
     TriangleMesh mesh;
     mesh.file = file;
-    if (endingOf(file) == ".ply")
-        readPly(mesh);
+    const std::string ending = endingOf(file);
+    if (ending == ".ply")
+        readPolygons(mesh, readPlyMesh);
+    else if (ending == ".obj")
+        readPolygons(mesh, readObjMesh);
+    else if (ending == ".off")
+        readPolygons(mesh, readOffMesh);
     else
         readScene(mesh);
     const std::size_t read = mesh.points.size();

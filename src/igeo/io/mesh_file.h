@@ -11,11 +11,12 @@ namespace igeo {
 bool isMeshFile(const std::string& file);
 
 /// Reads all surfaces of a file as one mesh: polygons are cut into triangles, the transforms of a
-/// glTF scene applied, points and lines left out, the mesh welded (weld()). PLY by readPlyFaces,
-/// anything else through assimp.
+/// glTF scene applied, points and lines left out, the mesh welded (weld()). PLY, OBJ and
+/// OFF keep the numbers of their vertices (TriangleMesh::source); STL and glTF go through assimp.
 ///
-/// Coordinates pass through single precision but for PLY; a warning says so where the mesh is so
-/// far from the origin that it loses more than 1e-5 of its size.
+/// Coordinates of STL and glTF pass through single precision, and many files hold no more; a
+/// warning says so where the mesh is so far from the origin that it loses more than 1e-5 of its
+/// size.
 /// @throws Error  Io for a file that is not there, is a folder or may not be read; BadInput for one
 ///         of another kind, broken, without triangles, with coordinates that are not finite or
 ///         more than 2^31 points

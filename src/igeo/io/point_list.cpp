@@ -4,12 +4,14 @@
 #include <igeo/base/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string_view>
 
 namespace igeo {
 
@@ -75,10 +77,20 @@ Vec3d positionFrom(const json& j) {
 }
 
 /// @throws std::invalid_argument
-Seed pointFrom(const json& j) {
+AskedPoint vertexFrom(const json& j) {
+    if (!j.is_number_unsigned())
+        throw std::invalid_argument("the number of a vertex is whole and at least 0");
+    return AskedPoint(std::to_string(j.get<std::uint64_t>()));
+}
+
+/// @throws std::invalid_argument
+AskedPoint pointFrom(const json& j) {
+    if (j.is_number()) return vertexFrom(j);
     if (!j.is_object()) return {positionFrom(j), 0};
-    if (!j.contains("position")) throw std::invalid_argument("there is no \"position\"");
-    Seed p{positionFrom(j["position"]), 0};
+    if (j.contains("position") == j.contains("vertex"))
+        throw std::invalid_argument("there is no \"position\", nor a \"vertex\" instead");
+    AskedPoint p =
+        j.contains("vertex") ? vertexFrom(j["vertex"]) : AskedPoint(positionFrom(j["position"]));
     if (j.contains("start")) {
         if (!j["start"].is_number()) throw std::invalid_argument("\"start\" is a number");
         p.start = j["start"].get<double>();
@@ -152,8 +164,19 @@ std::vector<Curve> curvesFromJson(std::istream& in, const std::string& file) {
 
 /// @throws std::invalid_argument
 AskedPair pairFrom(const json& j) {
-    if (!j.is_array() || j.size() != 6) throw std::invalid_argument("a pair is six numbers");
+    if (j.is_array() && j.size() == 2) return {vertexFrom(j[0]), vertexFrom(j[1])};
+    if (!j.is_array() || j.size() != 6)
+        throw std::invalid_argument("a pair is six numbers, or two vertices");
     return {vectorFrom(j, 0), vectorFrom(j, 3)};
+}
+
+/// The vertex that a number in a text file stands for.
+/// @throws Error  BadInput
+AskedPoint vertexFrom(double number, const std::string& file) {
+    if (!(number >= 0 && number == std::floor(number) && number < 0x1p53))
+        throw Error(Kind::BadInput, fmt::format("{}: {} is no number of a vertex", file, number),
+                    "write whole numbers from 0 on, or x,y,z");
+    return AskedPoint(fmt::format("{:.0f}", number));
 }
 
 bool endsWith(const std::string& s, const std::string& end) {
@@ -172,15 +195,18 @@ std::ifstream open(const std::string& file) {
     return in;
 }
 
-std::vector<Seed> pointsFrom(std::ifstream& in, const std::string& file) {
+std::vector<AskedPoint> pointsFrom(std::ifstream& in, const std::string& file) {
     if (endsWith(file, ".json")) {
         const std::string remedy =
-            R"(write [[x, y, z], ...] or [{"position": [x, y, z], "start": s}, ...])";
+            R"(write [[x, y, z], ...], [{"position": [x, y, z], "start": s}, ...] or [vertex, ...])";
         return readEntries(listFromJson(in, file, "points", remedy), file, remedy, pointFrom);
     }
-    std::vector<Seed> points;
-    for (const auto& v : rowsFromText(in, file, {3, 4}, "x,y,z or x,y,z,start"))
-        points.push_back({{v[0], v[1], v[2]}, v.size() == 4 ? v[3] : 0.0});
+    std::vector<AskedPoint> points;
+    for (const auto& v : rowsFromText(in, file, {1, 3, 4}, "x,y,z, x,y,z,start or a vertex"))
+        if (v.size() == 1)
+            points.push_back(vertexFrom(v[0], file));
+        else
+            points.emplace_back(Vec3d{v[0], v[1], v[2]}, v.size() == 4 ? v[3] : 0.0);
     return points;
 }
 
@@ -202,20 +228,29 @@ std::vector<double> parseNumbers(const std::string& text) {
     return out;
 }
 
-Seed parsePoint(const std::string& text) {
+AskedPoint parsePoint(const std::string& text) {
+    constexpr std::array<const char*, 7> kNames{"+x", "-x", "+y", "-y", "+z", "-z", "center"};
+    if (std::find(kNames.begin(), kNames.end(), text) != kNames.end()) return AskedPoint(text);
+    constexpr std::string_view kVertex = "vertex:";
+    if (text.starts_with(kVertex)) {
+        const std::string number = text.substr(kVertex.size());
+        if (!number.empty() && number.find_first_not_of("0123456789") == number.npos)
+            return AskedPoint(number);
+    }
     const std::vector<double> v = parseNumbers(text);
     if (v.size() != 3)
         throw Error(Kind::InvalidArgument, "'" + text + "' is not a point",
-                    "write three finite numbers with commas between them, as in 0.1,0.2,0.3");
-    return {{v[0], v[1], v[2]}, 0};
+                    "write three finite numbers with commas between them, as in 0.1,0.2,0.3; of a "
+                    "mesh or points also vertex:123, +x, -x, +y, -y, +z, -z or center");
+    return {v[0], v[1], v[2]};
 }
 
-std::vector<Seed> readPoints(const std::string& file) {
+std::vector<AskedPoint> readPoints(const std::string& file) {
     std::ifstream in = open(file);
-    const std::vector<Seed> points = pointsFrom(in, file);
+    const std::vector<AskedPoint> points = pointsFrom(in, file);
     if (points.empty())
         throw Error(Kind::BadInput, file + " holds no points",
-                    "write one point per line: x,y,z or x,y,z,start");
+                    "write one point per line: x,y,z or x,y,z,start, or a vertex");
     for (const Seed& p : points)
         if (!(p.start >= 0 && std::isfinite(p.start)))
             throw Error(Kind::BadInput,
@@ -231,7 +266,12 @@ std::vector<Curve> readCurves(const std::string& file) {
         curves = curvesFromJson(in, file);
     } else {
         Curve one;
-        for (const Seed& p : readPoints(file)) one.points.push_back(p.position);
+        for (const AskedPoint& p : readPoints(file)) {
+            if (!p.vertex.empty())
+                throw Error(Kind::BadInput, file + " names vertices, which make no curve",
+                            "write positions: x,y,z");
+            one.points.push_back(p.position);
+        }
         curves.push_back(one);
     }
     for (Curve& curve : curves) {
@@ -247,15 +287,18 @@ std::vector<AskedPair> readPairs(const std::string& file) {
     std::ifstream in = open(file);
     std::vector<AskedPair> pairs;
     if (endsWith(file, ".json")) {
-        const std::string remedy = "write [[x, y, z, x, y, z], ...]";
+        const std::string remedy = "write [[x, y, z, x, y, z], ...] or [[vertex, vertex], ...]";
         pairs = readEntries(listFromJson(in, file, "pairs", remedy), file, remedy, pairFrom);
     } else {
-        for (const auto& v : rowsFromText(in, file, {6}, "x,y,z,x,y,z"))
-            pairs.push_back({{v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
+        for (const auto& v : rowsFromText(in, file, {2, 6}, "x,y,z,x,y,z or two vertices"))
+            if (v.size() == 2)
+                pairs.push_back({vertexFrom(v[0], file), vertexFrom(v[1], file)});
+            else
+                pairs.push_back({{v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
     }
     if (pairs.empty())
         throw Error(Kind::BadInput, file + " holds no pairs",
-                    "write one pair per line: x,y,z,x,y,z");
+                    "write one pair per line: x,y,z,x,y,z or two vertices");
     return pairs;
 }
 

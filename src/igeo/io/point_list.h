@@ -12,15 +12,24 @@ namespace igeo {
 /// The comma-separated finite numbers of a text (blanks allowed); empty if it holds anything else.
 std::vector<double> parseNumbers(const std::string& text);
 
-/// "x,y,z" (blanks allowed).
-/// @throws Error  InvalidArgument for anything but three finite numbers
-Seed parsePoint(const std::string& text);
+/// A point as it is asked for: by position, or as a vertex of the surface.
+struct AskedPoint : Seed {
+    std::string vertex;  ///< as Surface::vertex; empty: `position` counts
 
-/// Points from a .json file, [[x, y, z], ...] or [{"position": [x, y, z], "start": s}, ...], or
-/// from a text file of lines x,y,z[,start]; empty lines, lines with # and one header line are
-/// skipped.
+    using Seed::Seed;
+    explicit AskedPoint(const std::string& name, double startAt = 0)
+        : Seed({}, startAt), vertex(name) {}
+};
+
+/// "x,y,z" (blanks allowed), "vertex:123", or "+x", "-x", "+y", "-y", "+z", "-z" or "center".
+/// @throws Error  InvalidArgument for anything else
+AskedPoint parsePoint(const std::string& text);
+
+/// Points from a .json file, [[x, y, z], ...], [{"position": [x, y, z], "start": s}, ...] or
+/// numbers of vertices, [12, {"vertex": 40, "start": s}, ...]; or from a text file of lines
+/// x,y,z[,start] or of a vertex each; empty lines, lines with # and one header line are skipped.
 /// @throws Error  Io, or BadInput with the line or entry
-std::vector<Seed> readPoints(const std::string& file);
+std::vector<AskedPoint> readPoints(const std::string& file);
 
 /// Polylines from a .json file: [[x, y, z], ...] is one, open; [{"position": [[x, y, z], ...],
 /// "closed": c, "start": s}, ...] are several; and the isolines or geodesics that this program
@@ -31,11 +40,11 @@ std::vector<Curve> readCurves(const std::string& file);
 
 /// Two points to go between.
 struct AskedPair {
-    Vec3d source, target;
+    AskedPoint source, target;
 };
 
-/// Pairs from a .json file, [[x, y, z, x, y, z], ...], or from a text file of such lines; empty
-/// lines, lines with # and one header line are skipped.
+/// Pairs from a .json file, [[x, y, z, x, y, z], ...], or from a text file of such lines; two
+/// numbers are two vertices. Empty lines, lines with # and one header line are skipped.
 /// @throws Error  Io, or BadInput with the line or entry
 std::vector<AskedPair> readPairs(const std::string& file);
 

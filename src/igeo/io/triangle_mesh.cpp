@@ -214,6 +214,9 @@ void weld(TriangleMesh& mesh) {
     mesh.points.resize(count);
     for (Triangle& t : mesh.triangles)
         for (std::uint32_t& v : t) v = name[v];
+    if (!mesh.source) return;
+    mesh.pointOfVertex.resize(same.size());
+    for (std::size_t v = 0; v < same.size(); ++v) mesh.pointOfVertex[v] = name[same[v]];
 }
 
 MeshTopology meshTopology(const TriangleMesh& mesh) {

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <igeo/base/types.h>
+#include <igeo/io/polygon_mesh.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,6 +22,12 @@ struct TriangleMesh {
     std::vector<Triangle> triangles;
     std::size_t dropped = 0;            ///< triangles with two equal corners, or there twice
     std::vector<std::string> warnings;  ///< what a user should know, one sentence each
+
+    static constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max();
+    /// The file's own vertices and faces; null for kinds of files that have no such numbers (STL).
+    std::shared_ptr<const PolygonMesh> source;
+    /// Per vertex of the file its point; kNoPoint where no triangle uses it.
+    std::vector<std::uint32_t> pointOfVertex;
 };
 
 /// Makes one point of those that are equal, so that triangles know their neighbors; drops
@@ -28,7 +37,8 @@ struct TriangleMesh {
 /// A point within 1e-6 of the bounding box's diagonal from an earlier one is taken for it. Files
 /// with a point per corner (STL) hold each point several times, rounded in different ways: single
 /// precision is good to 6e-8 of the coordinate. A triangle of three corners on one line stays: it
-/// holds its neighbors together. Keeps the order of what is left. Time O(n).
+/// holds its neighbors together. Keeps the order of what is left, and fills
+/// pointOfVertex where there is a source, whose vertices are the points in their order. Time O(n).
 void weld(TriangleMesh& mesh);
 
 /// Which triangles meet along which edges.

@@ -4,6 +4,7 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
+#include <igeo/results/detail/npy.h>
 
 #include <algorithm>
 #include <atomic>
@@ -84,22 +85,7 @@ std::string matrixCsv(const DistanceMatrix& m) {
 }
 
 std::string matrixNpy(const DistanceMatrix& m) {
-    // Magic, version, length of the header; the header fills the rest of a multiple of 64 bytes.
-    constexpr std::size_t kFixed = 10, kAlign = 64;
-    std::string header =
-        fmt::format("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {}), }}", m.rows(),
-                    m.targets.size());
-    header.resize((kFixed + header.size() + 1 + kAlign - 1) / kAlign * kAlign - kFixed - 1, ' ');
-    header += '\n';
-    std::string bytes = "\x93NUMPY";
-    bytes += {char(1), char(0), char(header.size() & 0xff), char(header.size() >> 8)};
-    bytes += header;
-    for (const double d : m.distance) {
-        std::uint64_t bits;
-        std::memcpy(&bits, &d, sizeof bits);
-        for (int k = 0; k < 8; ++k) bytes += char(bits >> 8 * k & 0xff);
-    }
-    return bytes;
+    return npy(m.distance, fmt::format("({}, {})", m.rows(), m.targets.size()));
 }
 
 }  // namespace igeo

@@ -116,6 +116,49 @@ TEST_CASE("polygons become triangles and a mirroring node keeps the outside outs
     CHECK(volume(readMesh(write(dir, "turned.gltf", turned))) == Approx(8));
 }
 
+TEST_CASE("vertices keep the numbers of the file", "[mesh]") {
+    const TempDir dir;
+    // A quad and a triangle; vertex 0 is no corner, 5 is 2 once more.
+    const std::string faces = "3 1 2 3\n4 5 1 4 2\n";
+    const char* const vertices = "9 9 9\n0 0 0\n1 0 0\n0 0.1 0\n1 1 0.1234567890123\n1 0 0\n";
+    std::string obj = "# a comment\nmtllib none.mtl\no thing\n";
+    std::istringstream each(vertices);
+    for (std::string line; std::getline(each, line);) obj += "v " + line + " 1 0 0\n";
+    obj += "vt 0 0\nvn 0 0 1\ns off\nf 2/1/1 3//1 4/1\nf -1 \\\n 2 5 3\n";
+    for (const std::string& file :
+         {write(dir, "a.obj", obj), write(dir, "a.off", "OFF\n6 2 0\n" + (vertices + faces)),
+          write(dir, "b.off", "COFF 6 2 0 # counts\n" + (vertices + faces))}) {
+        INFO(file);
+        const TriangleMesh mesh = readMesh(file);
+        REQUIRE(mesh.source);
+        REQUIRE(mesh.source->vertices.size() == 6);
+        CHECK(mesh.source->vertices[4].z == 0.1234567890123);
+        REQUIRE(mesh.source->faces() == 2);
+        const auto quad = mesh.source->face(1);
+        CHECK(std::vector<std::uint32_t>(quad.begin(), quad.end()) ==
+              std::vector<std::uint32_t>{5, 1, 4, 2});
+        CHECK(mesh.points.size() == 4);
+        CHECK(mesh.pointOfVertex[0] == TriangleMesh::kNoPoint);
+        CHECK(mesh.pointOfVertex[5] == mesh.pointOfVertex[2]);
+        for (std::size_t v = 1; v < 6; ++v)
+            CHECK(mesh.points[mesh.pointOfVertex[v]] == mesh.source->vertices[v]);
+    }
+    using test::expectError;
+    expectError(Kind::BadInput, {"a.obj, line 2", "'1.x'"},
+                [&] { readMesh(write(dir, "a.obj", "v 0 0 0\nv 1 1.x 0\n")); });
+    expectError(Kind::BadInput, {"a.obj", "vertex 4 of 3"},
+                [&] { readMesh(write(dir, "a.obj", "f 1 2 4\nv 0 0 0\nv 1 0 0\nv 0 1 0\n")); });
+    expectError(Kind::BadInput, {"a.obj, line 4", "vertex -4 of 3"},
+                [&] { readMesh(write(dir, "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n")); });
+    expectError(Kind::BadInput, {"a.off, line 4", "2 of 3 vertices"},
+                [&] { readMesh(write(dir, "a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n")); });
+    expectError(Kind::BadInput, {"a.off", "vertex 3 of 3"}, [&] {
+        readMesh(write(dir, "a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"));
+    });
+    expectError(Kind::BadInput, {"a.off", "4OFF"},
+                [&] { readMesh(write(dir, "a.off", "4OFF\n1 0 0\n0 0 0 0\n")); });
+}
+
 TEST_CASE("what makes no triangle is left out", "[mesh]") {
     const TempDir dir;
     // A point that is off by rounding, a triangle twice, one without area, a line, a lone point.

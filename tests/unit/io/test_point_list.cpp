@@ -33,6 +33,39 @@ TEST_CASE("parsePoint: three finite numbers") {
                     [&] { parsePoint(bad); });
 }
 
+TEST_CASE("points by vertex") {
+    CHECK(parsePoint("vertex:12").vertex == "12");
+    CHECK(parsePoint("-y").vertex == "-y");
+    CHECK(parsePoint("center").vertex == "center");
+    CHECK(parsePoint("1,2,3").vertex.empty());
+    for (const char* bad : {"vertex:", "vertex:-1", "vertex:1.5", "+w", "middle"})
+        expectError(Error::Kind::InvalidArgument, {bad, "vertex:123"}, [&] { parsePoint(bad); });
+    const TempDir folder;
+    auto write = [&](const std::string& name, const std::string& content) {
+        std::ofstream(folder / name) << content;
+        return folder / name;
+    };
+    for (const std::string& file :
+         {write("a.csv", "vertex\n12\n0\n"), write("a.json", "[12, {\"vertex\": 0}]")}) {
+        const std::vector<AskedPoint> points = readPoints(file);
+        REQUIRE(points.size() == 2);
+        CHECK(points[0].vertex == "12");
+        CHECK(points[1].vertex == "0");
+    }
+    CHECK(readPoints(write("b.json", R"([{"vertex": 3, "start": 0.5}])"))[0].start == 0.5);
+    for (const std::string& file : {write("c.csv", "3,4\n"), write("c.json", "[[3, 4]]")}) {
+        const std::vector<AskedPair> pairs = readPairs(file);
+        REQUIRE(pairs.size() == 1);
+        CHECK(pairs[0].source.vertex == "3");
+        CHECK(pairs[0].target.vertex == "4");
+    }
+    for (const std::string& file :
+         {write("d.csv", "1.5\n"), write("e.csv", "-1\n"), write("d.json", "[-1]"),
+          write("e.json", "[1.5]"), write("f.json", R"([{"vertex": 1, "position": [0, 0, 0]}])")})
+        expectError(Error::Kind::BadInput, {"vertex"}, [&] { readPoints(file); });
+    expectError(Error::Kind::BadInput, {"curve"}, [&] { readCurves(folder / "a.csv"); });
+}
+
 TEST_CASE("readPoints: text") {
     const auto points = read("p.csv",
                              "x, y, z, start\n"

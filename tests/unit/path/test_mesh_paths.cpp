@@ -58,7 +58,11 @@ TriangleMesh turned(const TriangleMesh& mesh) {
         return Vec3d{q.x, 0.28 * q.y - 0.96 * q.z, 0.96 * q.y + 0.28 * q.z};
     });
 }
-Vec3d turned(const Vec3d& p) { return turned(TriangleMesh{{}, {p}, {}, 0, {}}).points[0]; }
+Vec3d turned(const Vec3d& p) {
+    TriangleMesh point;
+    point.points = {p};
+    return turned(point).points[0];
+}
 
 TEST_CASE("paths over a box are those of its unfolding", "[mesh]") {
     const Vec3d size{1, 0.7, 0.5};

@@ -1,22 +1,24 @@
-/// Little-endian bytes for binary PLY files.
+/// Little-endian bytes for binary files.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <type_traits>
 
 namespace igeo {
 
 /// Appends the bytes of a number, lowest first, whatever the order of the machine.
 template <typename T>
 void putLittleEndian(std::string& bytes, T value) {
-    static_assert(sizeof(T) == 1 || sizeof(T) == 4, "what PLY files here hold");
+    static_assert(sizeof(T) == 1 || sizeof(T) == 4 || sizeof(T) == 8);
     if constexpr (sizeof(T) == 1) {
         bytes += char(value);
     } else {
-        std::uint32_t bits;
+        std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t> bits;
         std::memcpy(&bits, &value, sizeof bits);
-        for (int shift = 0; shift < 32; shift += 8) bytes += char(bits >> shift & 0xff);
+        for (unsigned shift = 0; shift < 8 * sizeof bits; shift += 8)
+            bytes += char(bits >> shift & 0xff);
     }
 }
 

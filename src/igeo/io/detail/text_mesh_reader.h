@@ -1,0 +1,26 @@
+/// Meshes in text formats. Internal.
+#pragma once
+
+#include <igeo/io/polygon_mesh.h>
+
+#include <string>
+
+namespace igeo {
+
+/// Reads `v` and `f` of a Wavefront OBJ file; negative corner numbers count from the last vertex.
+/// Everything else is skipped. By hand, as the usual libraries round to float and number vertices
+/// anew.
+/// @param file   its name, for messages
+/// @param bytes  all of the file
+/// @throws Error  BadInput, with the line, for a vertex without three numbers and a corner that is
+///         no number of a vertex
+/// Time O(size).
+PolygonMesh readObjMesh(const std::string& file, const std::string& bytes);
+
+/// Reads an OFF file as text, also with normals, colors and texture coordinates, which are skipped.
+/// @throws Error  BadInput, with the line, as readObjMesh; also for another kind of file, for
+///         OFF in binary or in four dimensions, and for a file that ends too early
+/// Time O(size). Memory O(size), whatever counts the file announces.
+PolygonMesh readOffMesh(const std::string& file, const std::string& bytes);
+
+}  // namespace igeo

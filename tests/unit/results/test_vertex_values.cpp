@@ -1,0 +1,113 @@
+// Distances under the numbers of the file: a tilted square, where they are straight lines.
+#include <igeo/io/mesh_file.h>
+#include <igeo/march/jet.h>
+#include <igeo/results/vertex_values.h>
+#include <igeo/surface/mesh_band.h>
+#include <support/catch.h>
+#include <support/pinned.h>
+#include <support/temp_dir.h>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace igeo::test {
+namespace {
+
+constexpr int kSide = 20;  ///< quads
+constexpr double kDx = 0.02;
+
+Vec3d at(int i, int j) { return {double(i) / kSide, double(j) / kSide, 0.1 * i / kSide}; }
+
+/// Quads; the vertex before all others is no corner, and the last is the first corner once more.
+std::string square() {
+    std::ostringstream obj;
+    obj << "v 5 5 5\n";
+    for (int i = 0; i <= kSide; ++i)
+        for (int j = 0; j <= kSide; ++j)
+            obj << "v " << at(i, j).x << " " << at(i, j).y << " " << at(i, j).z << "\n";
+    obj << "v 0 0 0\n";
+    const int row = kSide + 1, last = row * row + 2;
+    for (int i = 0; i < kSide; ++i)
+        for (int j = 0; j < kSide; ++j) {
+            const int first = i * row + j + 2;
+            obj << "f " << (first == 2 ? last : first) << " " << first + row << " "
+                << first + row + 1 << " " << first + 1 << "\n";
+        }
+    return obj.str();
+}
+
+struct Solved : Pinned {
+    TempDir dir;
+    TriangleMesh mesh = read();
+    Band band = bandFromMesh(mesh, kDx, std::sqrt(3.0));
+    Field field = marchJet(band, nullptr,
+                           {nearestSurfacePoint(band, band.transform.indexFromWorld(at(5, 8)))});
+    VertexValues values = vertexValues(mesh, field);
+
+    TriangleMesh read() const {
+        std::ofstream(dir / "a.obj") << square();
+        return readMesh(dir / "a.obj");
+    }
+};
+
+const Color kGray = [](double t) { return Vec3f{float(t), float(t), float(t)}; };
+
+}  // namespace
+
+TEST_CASE("vertexValues: straight lines on a square, whatever is welded or unused", "[mesh]") {
+    const Solved s;
+    const std::size_t n = std::size_t(kSide + 1) * (kSide + 1);
+    REQUIRE(s.values.distance.size() == n + 2);
+    CHECK(std::isnan(s.values.distance[0]));
+    CHECK(s.values.label[0] == kNoLabel);
+    CHECK(s.values.distance[n + 1] == s.values.distance[1]);
+    double off = 0;
+    for (int i = 0; i <= kSide; ++i)
+        for (int j = 0; j <= kSide; ++j) {
+            const auto v = std::size_t(i * (kSide + 1) + j + 1);
+            off = std::max(off, std::abs(s.values.distance[v] - length(at(i, j) - at(5, 8))));
+            CHECK(s.values.label[v] == 0);
+        }
+    CHECK(off < 1e-5);
+}
+
+TEST_CASE("vertexValues: the files", "[mesh]") {
+    const Solved s;
+    const std::size_t n = s.values.distance.size();
+
+    std::istringstream csv(verticesCsv(s.values));
+    std::string line;
+    std::getline(csv, line);
+    CHECK(line == "vertex,distance,label");
+    std::getline(csv, line);
+    CHECK(line == "0,nan,-1");
+    std::getline(csv, line);
+    CHECK(line.substr(0, 2) == "1,");
+    CHECK(std::stod(line.substr(2)) == s.values.distance[1]);
+
+    const std::string npy = verticesNpy(s.values);
+    CHECK(npy.find("'shape': (" + std::to_string(n) + ",)") != std::string::npos);
+    CHECK(npy.size() % 64 == 8 * n % 64);
+
+    // Read again, both have the vertices and faces of the file.
+    for (const char* name : {"b.ply", "b.obj"}) {
+        INFO(name);
+        std::ofstream(s.dir / name, std::ios::binary)
+            << (name[2] == 'p' ? verticesPly : verticesObj)(*s.mesh.source, s.values, kGray);
+        const TriangleMesh again = readMesh(s.dir / name);
+        CHECK(again.source->vertices == s.mesh.source->vertices);
+        CHECK(again.source->corners == s.mesh.source->corners);
+        CHECK(again.source->faceEnd == s.mesh.source->faceEnd);
+    }
+}
+
+TEST_CASE("vertexValues: a mesh without a source has its points and triangles", "[mesh]") {
+    Solved s;
+    s.mesh.source = nullptr;
+    const VertexValues values = vertexValues(s.mesh, s.field);
+    CHECK(values.distance.size() == s.mesh.points.size());
+    CHECK(polygonsOf(s.mesh).faces() == s.mesh.triangles.size());
+}
+
+}  // namespace igeo::test
