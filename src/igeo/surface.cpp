@@ -65,9 +65,6 @@ public:
     virtual BandWidth bandWidth(Scheme scheme, int order, double h, Progress& progress) const = 0;
     virtual double estimatedNodes(double h) const = 0;
     virtual const LevelSet& levelSet(double h, Progress& progress) const = 0;
-    virtual SurfacePoint nearest(const Band& band, const Vec3d& p) const {
-        return nearestSurfacePoint(band, p);
-    }
     virtual SurfaceMesh mesh(double h, const Field& field, Progress& progress) const {
         return surfaceMesh(levelSet(h, progress), field, progress);
     }
@@ -230,9 +227,6 @@ public:
     }
     double estimatedNodes(double h) const override {
         return estimatedVoxels(mesh_, transform.dx, h);
-    }
-    SurfacePoint nearest(const Band& band, const Vec3d& p) const override {
-        return nearestMeshPoint(mesh_, band, p);
     }
     SurfaceMesh mesh(double, const Field& field, Progress& progress) const override {
         return refinedMesh(mesh_, field, 1, progress);
@@ -436,7 +430,7 @@ void Surface::requireMemory(const BandWidth& width, double limit) const {
 std::string Surface::facingWarning(const Band& band) const { return shape_->facingWarning(band); }
 
 SurfacePoint Surface::nearest(const Band& band, const Vec3d& pIndex) const {
-    return shape_->nearest(band, pIndex);
+    return nearestSurfacePoint(band, pIndex);
 }
 SurfaceMesh Surface::mesh(const BandWidth& width, const Field& field, Progress& progress) const {
     return shape_->mesh(width.h, field, progress);

@@ -64,6 +64,19 @@ TriangleMesh sphereMesh(const Vec3d& center, double radius, int rounds) {
     return mesh;
 }
 
+TriangleMesh boxMesh(const Vec3d& size) {
+    TriangleMesh mesh;
+    for (unsigned k = 0; k < 8; ++k)
+        mesh.points.push_back({k & 4 ? size.x : 0, k & 2 ? size.y : 0, k & 1 ? size.z : 0});
+    using Quad = std::array<std::uint32_t, 4>;
+    for (const auto& [a, b, c, d] : {Quad{0, 1, 3, 2}, Quad{4, 6, 7, 5}, Quad{0, 4, 5, 1},
+                                     Quad{2, 3, 7, 6}, Quad{0, 2, 6, 4}, Quad{1, 5, 7, 3}}) {
+        mesh.triangles.push_back({a, b, c});
+        mesh.triangles.push_back({a, c, d});
+    }
+    return mesh;
+}
+
 TriangleMesh moebius(double radius, double width, std::size_t n) {
     const double pi = std::acos(-1.0);
     TriangleMesh mesh = sheet(n, std::max<std::size_t>(2, n / 8), [&](double u, double v) {

@@ -16,6 +16,9 @@ TriangleMesh sheet(std::size_t nu, std::size_t nv, const std::function<Vec3d(dou
 /// Sphere about `center`: an icosahedron whose triangles are cut in four `rounds` times.
 TriangleMesh sphereMesh(const Vec3d& center, double radius, int rounds);
 
+/// The box from 0 to `size`, two triangles per face.
+TriangleMesh boxMesh(const Vec3d& size);
+
 /// Moebius strip of a turn of `radius`, `width` across, in n pieces.
 TriangleMesh moebius(double radius, double width, std::size_t n);
 

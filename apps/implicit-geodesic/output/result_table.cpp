@@ -80,8 +80,11 @@ void writePicture(RunResult& r, const std::string& file) {
     picture.colorMap = colorMapOf(o);
     if (o.spacing > 0) picture.isolineSpacing = o.spacing;
     if (o.levels > 0) picture.isolineSpacing = r.distance.largest() / (o.levels + 1);
-    writeDocument(file,
-                  igeo::renderPng(r.levelSet(), r.field(), r.drawnLines(), picture, r.progress));
+    // A mesh is drawn as it is given.
+    writeDocument(
+        file, r.band().triangles
+                  ? igeo::renderPng(r.field(), r.drawnLines(), picture, r.progress)
+                  : igeo::renderPng(r.levelSet(), r.field(), r.drawnLines(), picture, r.progress));
 }
 
 std::string pairsFile(const RunOptions& o, const std::string*) {

@@ -273,12 +273,15 @@ PsiSample samplePsi(const Band& band, const Vec3d& p) {
     return s;
 }
 
-bool projectToSurface(const Band& band, Vec3d& pIndex, double tolerance) {
+namespace {
+
+bool projectToPsi(const Band& band, Vec3d& pIndex) {
+    constexpr double kTolerance = 1e-6;
     Vec3d p = pIndex;
     for (int iteration = 0; iteration < 20; ++iteration) {
         const PsiSample s = samplePsi(band, p);
         if (!s.valid) return false;
-        if (std::abs(s.psi) <= tolerance) {
+        if (std::abs(s.psi) <= kTolerance) {
             pIndex = p;
             return true;
         }
@@ -289,6 +292,27 @@ bool projectToSurface(const Band& band, Vec3d& pIndex, double tolerance) {
         p -= (std::copysign(step, s.psi) / std::sqrt(g2)) * s.gradient;
     }
     return false;
+}
+
+}  // namespace
+
+bool projectToSurface(const Band& band, Vec3d& pIndex, const Vec3d& sheetNormal) {
+    constexpr double kFarthest = 2;
+    if (!band.triangles) return projectToPsi(band, pIndex);
+    const SurfaceTriangles::Place at = band.triangles->nearest(pIndex, kFarthest, sheetNormal);
+    if (at.triangle == SurfaceTriangles::kNone) return false;
+    pIndex = at.point;
+    return true;
+}
+
+Vec3d surfaceNormal(const Band& band, const Vec3d& p) {
+    constexpr double kFarthest = 2;
+    if (!band.triangles) {
+        const PsiSample psi = samplePsi(band, p);
+        return psi.valid ? normalized(psi.gradient) : Vec3d{};
+    }
+    const SurfaceTriangles::Place at = band.triangles->nearest(p, kFarthest);
+    return at.triangle == SurfaceTriangles::kNone ? Vec3d{} : band.triangles->normal(at.triangle);
 }
 
 }  // namespace igeo

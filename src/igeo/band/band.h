@@ -5,11 +5,13 @@
 #pragma once
 
 #include <igeo/band/severed_links.h>
+#include <igeo/band/surface_triangles.h>
 #include <igeo/base/types.h>
 
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace igeo {
@@ -106,6 +108,8 @@ struct Band {
     std::size_t joints = 0;
     /// The share of the core that no link joins with the rest of its component of a mesh.
     double cutOff = 0;
+    /// S itself, where the band was made from a mesh; null elsewhere.
+    std::shared_ptr<const SurfaceTriangles> triangles;
 
     std::vector<BandLeaf> leaves;
     std::vector<LeafIndex> leaf;        ///< per node: its leaf
@@ -394,9 +398,16 @@ struct PsiSample {
 };
 PsiSample samplePsi(const Band& band, const Vec3d& pIndex);
 
-/// Moves a position near S to psi = 0 by Newton steps along grad psi.
-/// @return false (and p unchanged) where the steps leave the band or do not settle within
-///         `tolerance` voxels
-bool projectToSurface(const Band& band, Vec3d& pIndex, double tolerance = 1e-6);
+/// Moves a position near S onto it: to the nearest point of the band's triangles, or to psi = 0 by
+/// Newton steps along grad psi.
+/// @param sheetNormal  normal of the sheet that is meant, where it is known: triangles that oppose
+///                     it count only where there are no others
+/// @return false (and p unchanged) where S is more than 2 voxels away, or where the steps leave the
+///         band or do not settle within 1e-6 voxels
+bool projectToSurface(const Band& band, Vec3d& pIndex, const Vec3d& sheetNormal = {});
+
+/// Unit normal at a point of S: of the nearest triangle, or of the trilinear interpolant of psi;
+/// zero where there is none.
+Vec3d surfaceNormal(const Band& band, const Vec3d& pIndex);
 
 }  // namespace igeo

@@ -35,7 +35,8 @@ Nearest nearestAmongAll(const Band& band, const Vec3d& p) {
     return best;
 }
 
-Nearest nearestAround(const Band& band, const Vec3d& p) {
+/// @param sheetNormal  nodes that oppose it are left out
+Nearest nearestAround(const Band& band, const Vec3d& p, const Vec3d& sheetNormal = {}) {
     Nearest best;
     // Far outside the range of Ijk no voxel can be near.
     if (!hasIjk(p)) return best;
@@ -44,38 +45,79 @@ Nearest nearestAround(const Band& band, const Vec3d& p) {
         for (int y = -2; y <= 2; ++y)
             for (int z = -2; z <= 2; ++z) {
                 const NodeIndex i = band.nodeAt(center + Ijk{x, y, z});
-                if (i != kNoNode) best.consider(band, i, p);
+                if (i != kNoNode && dot(Vec3f(sheetNormal), band.normal[i]) >= Band::kOtherSheet)
+                    best.consider(band, i, p);
             }
     // A foot point beyond 1.5 voxels may not be the nearest: its rival's voxel may lie outside.
     return best.squared < 1.5 * 1.5 ? best : Nearest{};
 }
 
-}  // namespace
-
-SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
-    Nearest best = nearestAround(band, pIndex);
-    if (best.node == kNoNode) best = nearestAmongAll(band, pIndex);
+Nearest nearestNode(const Band& band, const Vec3d& p) {
+    Nearest best = nearestAround(band, p);
+    if (best.node == kNoNode) best = nearestAmongAll(band, p);
     if (best.node == kNoNode)
         throw Error(Error::Kind::BadInput, "the band is empty: there is no surface to snap to");
+    return best;
+}
 
-    SurfacePoint s;
-    s.askedIndex = pIndex;
-    s.pIndex = band.footPoint(best.node);
+/// Where sheets cross or lie close together: the node around a point whose foot point is near and
+/// in the plane of the triangle there.
+NodeIndex nodeOnPlane(const Band& band, const Vec3d& pIndex, const Vec3d& normal) {
+    NodeIndex best = kNoNode;
+    double least = kInfinity;
+    const Ijk middle = roundToIjk(pIndex);
+    for (int x = -2; x <= 2; ++x)
+        for (int y = -2; y <= 2; ++y)
+            for (int z = -2; z <= 2; ++z) {
+                const NodeIndex i = band.nodeAt(middle + Ijk{x, y, z});
+                if (i == kNoNode) continue;
+                const Vec3d chord = band.footPoint(i) - pIndex;
+                const double rise = dot(chord, normal);
+                // The band may have turned the triangle over.
+                const double turn = 1 - std::abs(dot(Vec3d(band.normal[i]), normal));
+                const double off = dot(chord, chord) + rise * rise + turn;
+                if (off < least) least = off, best = i;
+            }
+    return best;
+}
+
+/// The point on psi = 0, from the node whose foot point is nearest.
+Vec3d onPsi(const Band& band, const Vec3d& pIndex, const Nearest& best) {
+    const Vec3d foot = band.footPoint(best.node);
     // From the point itself where it is near: that keeps its tangential position.
     Vec3d p = pIndex;
-    const Vec3d foot = s.pIndex;
     // Points further out lie outside the band, and perhaps outside the range of Ijk.
     const bool close = best.squared < 1e6;
     if (close && projectToSurface(band, p) && length(p - pIndex) <= std::sqrt(best.squared) + 1e-3)
-        s.pIndex = p;
-    else if (p = foot; projectToSurface(band, p) && length(p - foot) < 1)
-        s.pIndex = p;
+        return p;
+    p = foot;
+    return projectToSurface(band, p) && length(p - foot) < 1 ? p : foot;
+}
+
+}  // namespace
+
+SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
+    SurfacePoint s;
+    s.askedIndex = pIndex;
+    Nearest best;
+    const auto at = band.triangles ? band.triangles->nearest(pIndex) : SurfaceTriangles::Place{};
+    if (at.triangle != SurfaceTriangles::kNone) {
+        s.pIndex = at.point;
+        // In a thin plate the nearest foot point may lie on the other face.
+        best = nearestAround(band, at.point, band.triangles->normal(at.triangle));
+        if (best.node == kNoNode) best = nearestNode(band, at.point);
+    } else {
+        best = nearestNode(band, pIndex);
+        s.pIndex = onPsi(band, pIndex, best);
+    }
     s.snapDistance = length(s.pIndex - pIndex);
 
     // In a thin plate the nearest voxel may belong to the other face.
     s.node = band.nodeAt(roundToIjk(s.pIndex));
     if (s.node == kNoNode || dot(band.normal[s.node], band.normal[best.node]) < Band::kOtherSheet)
         s.node = best.node;
+    if (at.triangle != SurfaceTriangles::kNone && band.facing[s.node] & Band::kBesideSevered)
+        s.node = nodeOnPlane(band, s.pIndex, band.triangles->normal(at.triangle));
     return s;
 }
 

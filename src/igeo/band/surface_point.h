@@ -11,7 +11,7 @@ namespace igeo {
 /// A point of S, found for a point asked for.
 struct SurfacePoint {
     Vec3d askedIndex;          ///< as asked for, index space
-    Vec3d pIndex;              ///< on psi = 0, index space
+    Vec3d pIndex;              ///< on S, index space
     double snapDistance = 0;   ///< |pIndex - askedIndex|, voxels
     NodeIndex node = kNoNode;  ///< a band node of its sheet, nearest to pIndex
     double start = 0;          ///< distance at which a seed starts, voxels times weight
@@ -42,12 +42,14 @@ inline SnappedPoint inWorld(const SurfacePoint& p, const Similarity& transform) 
 
 /// The point of S nearest to `pIndex`.
 ///
-/// Starts from the node whose foot point is nearest (among the 5^3 voxels around the point where
-/// that settles it, else among all nodes), then projects to psi = 0 of the trilinear interpolant.
+/// Of a mesh, the nearest point of its triangles. Else it starts from the node whose foot point is
+/// nearest (among the 5^3 voxels around the point where that settles it, else among all nodes),
+/// then projects to psi = 0 of the trilinear interpolant.
 /// @param pIndex finite position in index space
 /// @throws Error  BadInput for an empty band
-/// Time O(1) near the surface, O(n) in parallel elsewhere. Accuracy: the snap distance is the
-/// least over the foot points of band voxels, which lie less than a voxel apart.
+/// Time O(1) near the surface, O(n) in parallel elsewhere; O(log triangles) on a mesh. Accuracy:
+/// exact on a mesh; else the snap distance is the least over the foot points of band voxels, which
+/// lie less than a voxel apart.
 SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex);
 
 /// Nodes within `radius` voxels of a point of S that are connected to it through such nodes,

@@ -13,6 +13,9 @@ namespace igeo {
 /// symmetric, so that errors do not add up turn by turn. S is read from the foot points and normals
 /// of the nodes around, as a blend of spheres: third order between nodes, where psi = 0 of the
 /// trilinear interpolant is off by 1 / (8 R) voxels at curvature 1 / R.
+///
+/// On a mesh it goes from triangle to triangle as if they were laid out flat, and past a vertex
+/// with the same angle on both sides: exact to rounding (TriangleWalk).
 /// @param direction index space; its part along S counts, not its length
 /// @param length    voxels, >= 0; weights and obstacles play no part
 /// @return status Reached: of the full length. Stalled: S ends before, at the edge of the band,

@@ -1,5 +1,7 @@
 #include <igeo/path/straighten.h>
 
+#include <igeo/path/detail/curve_on_triangles.h>
+
 #include <algorithm>
 
 namespace igeo {
@@ -7,11 +9,6 @@ namespace igeo {
 namespace {
 
 using Curve = std::vector<Vec3d>;
-
-Vec3d normalAt(const Band& band, const Vec3d& p) {
-    const PsiSample psi = samplePsi(band, p);
-    return psi.valid ? normalized(psi.gradient) : Vec3d{};
-}
 
 /// A curve on S that gets shorter.
 class Relaxation {
@@ -26,7 +23,7 @@ public:
 private:
     double costOf(const Curve& c) const;
     bool blocked(const Vec3d& a, const Vec3d& b) const {
-        return metric_.obstacles && metric_.blocked(a, b, normalAt(band_, a));
+        return metric_.obstacles && metric_.blocked(a, b, surfaceNormal(band_, a));
     }
     /// The curve at equal steps of its arc length, back on S.
     Curve resampled(const Curve& c) const;
@@ -82,7 +79,7 @@ double Relaxation::costOf(const Curve& c) const {
     double sum = 0;
     for (std::size_t k = 1; k < c.size(); ++k)
         sum += metric_.weighted()
-                   ? segmentCost(band_, metric_, c[k - 1], c[k], normalAt(band_, c[k]))
+                   ? segmentCost(band_, metric_, c[k - 1], c[k], surfaceNormal(band_, c[k]))
                    : length(c[k] - c[k - 1]);
     return sum;
 }
@@ -142,7 +139,7 @@ Relaxation::Variation Relaxation::variation(std::size_t end, const Vec3d& e) con
         const double e2 = dot(e, e), es = dot(e, s);
         return {es / std::sqrt(e2), (1 - es * es / e2) / std::sqrt(e2), 0};
     }
-    const Vec3d normal = normalAt(band_, c_[end]);
+    const Vec3d normal = surfaceNormal(band_, c_[end]);
     const SurfaceCell here(band_, metric_, c_[end], normal);
     auto squared = [&](const Vec3d& v) {
         const double c = metric_.stepCost(here, v);
@@ -162,7 +159,7 @@ Relaxation::NewtonSystem Relaxation::newtonSystem() {
                         std::vector<double>(n, 0.0)};
     across_.assign(n, {});
     for (std::size_t k = 1; k + 1 < n; ++k)
-        across_[k] = normalized(cross(normalAt(band_, c_[k]), c_[k + 1] - c_[k - 1]));
+        across_[k] = normalized(cross(surfaceNormal(band_, c_[k]), c_[k + 1] - c_[k - 1]));
     for (std::size_t k = 0; k + 1 < n; ++k) {
         const Vec3d e = c_[k + 1] - c_[k];
         if (!(dot(e, e) > 0)) continue;
@@ -259,33 +256,34 @@ bool Relaxation::shorten() {
     return cost_ < before;
 }
 
-}  // namespace
-
-void straighten(const Field& field, Path& path, Progress& progress) {
-    const Band& band = *field.band;
-    if (path.status != PathStatus::Reached || path.vertices.size() < 3) return;
+Curve relaxed(const Field& field, const Path& path, Progress& progress) {
     constexpr int kRounds = 40;
     constexpr double kSettled = 1e-7;
-    Relaxation curve(band, *field.metric, path);
+    Relaxation curve(*field.band, *field.metric, path);
     for (int round = 0; round < kRounds; ++round) {
         progress.throwIfCancelled();
         const double before = curve.cost();
         if (!curve.shorten() || before - curve.cost() < kSettled * before) break;
     }
-    if (curve.cost() >= path.weightedLength) return;
-    path.vertices.clear();
-    path.weightedLength = path.length = 0;
-    std::vector<double> lengths;
-    for (std::size_t k = 0; k < curve.curve().size(); ++k) {
-        const Vec3d& p = curve.curve()[k];
-        if (k) {
-            const Vec3d& last = curve.curve()[k - 1];
-            path.length += length(p - last);
-            path.weightedLength += segmentCost(band, *field.metric, last, p, normalAt(band, p));
-        }
-        lengths.push_back(path.weightedLength);
-        path.vertices.push_back({p, path.length, 0});
-    }
+    return curve.curve();
+}
+
+}  // namespace
+
+void straighten(const Field& field, Path& path, Progress& progress) {
+    if (path.status != PathStatus::Reached || path.vertices.size() < 3) return;
+    const SurfaceTriangles* const triangles = field.band->triangles.get();
+    // Over triangles that cost the same everywhere the shortest curve is known exactly.
+    const bool exact = triangles && !field.metric->weighted() && !field.metric->obstacles;
+    Path shorter = path;
+    shorter.vertices.clear();
+    for (const Vec3d& p :
+         exact ? shortestOnTriangles(*triangles, path, progress) : relaxed(field, path, progress))
+        shorter.vertices.push_back({p, 0, 0});
+    if (triangles && !exact) layOnTriangles(field, shorter);
+    const std::vector<double> lengths = measure(field, shorter);
+    if (shorter.weightedLength >= path.weightedLength) return;
+    path = std::move(shorter);
     const double start = field.seeds[path.seed].start;
     for (std::size_t k = 0; k < lengths.size(); ++k)
         path.vertices[k].distance = start + (path.weightedLength - lengths[k]);

@@ -8,9 +8,11 @@ namespace igeo {
 /// Moves the interior vertices of a path to a curve on S with the same ends that is locally
 /// shortest in the field's metric, and clear of its obstacles.
 ///
-/// Resamples the path to steps of about half a voxel, then repeats: Newton's equation for the
+/// On a mesh without weights or obstacles that is a curve from edge to edge over its triangles,
+/// exact to rounding (shortestCurve). Elsewhere it resamples the path to steps of about half a
+/// voxel, then repeats: Newton's equation for the
 /// sideways shifts s (first variation of length; tridiagonal; without a weight s'' = -kappa_g),
-/// shift, project to psi = 0. The error of the march is gone afterwards. What is left is psi as
+/// shift, project to S. The error of the march is gone afterwards. What is left is psi as
 /// read by trilinear interpolation, whose zero set lies inside convex parts: on a sphere of R
 /// voxels lengths are 1 / (6 R^2) short, and over a sharp edge some tenths of a voxel. Where a
 /// vertex would come into an obstacle it stays, so that paths lie along obstacles to within a

@@ -2,6 +2,7 @@
 
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
+#include <igeo/path/detail/curve_on_triangles.h>
 
 #include <algorithm>
 
@@ -114,7 +115,7 @@ bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
         const double ratio = error / options_.tolerance;
         if (ratio > 1) continue;
         const Vec3d free = q;
-        if (!projectToSurface(band_, q) || length(q - free) > step) continue;
+        if (!projectToSurface(band_, q, sheetNormal_) || length(q - free) > step) continue;
         if (field_.metric->blocked(p, q, sheetNormal_)) {
             return slide(p, k1, step);
         }
@@ -133,7 +134,8 @@ bool Tracer::slide(Vec3d& p, const Vec3d& v, double step) const {
     Vec3d q;
     auto isFree = [&](double angle) {
         q = p + std::min(step, kStep) * (std::cos(angle) * v + std::sin(angle) * across);
-        return projectToSurface(band_, q) && !field_.metric->blocked(p, q, sheetNormal_);
+        return projectToSurface(band_, q, sheetNormal_) &&
+               !field_.metric->blocked(p, q, sheetNormal_);
     };
     for (double angle = kCoarse; angle < kWidest; angle += kCoarse)
         for (const double turn : {1.0, -1.0}) {
@@ -257,7 +259,7 @@ void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
     const int segments = std::max(1, int(std::ceil(length(line) / options_.maxStep)));
     for (int k = 1; k < segments; ++k) {
         Vec3d p = from + (double(k) / segments) * line;
-        projectToSurface(band_, p);
+        projectToSurface(band_, p, sheetNormal_);
         // In a groove a point of the line may be put on the wall behind the one before.
         d = std::min(d, seed.start + costToSeed(field_, seed, p, sheetNormal_));
         append(path, p, d);
@@ -303,8 +305,8 @@ Path Tracer::trace(const SurfacePoint& target) {
         if (!advance(at)) return path;
         if (at.node != kNoNode) {
             at.p = band_.footPoint(at.node);
-            projectToSurface(band_, at.p);
             sheetNormal_ = Vec3d(band_.normal[at.node]);
+            projectToSurface(band_, at.p, sheetNormal_);
             at.disc = arrivalAt(field_, at.p, sheetNormal_).seed;
             // Values at points may lie below those of the nodes around them.
             at.d = std::min(at.d, field_.distance[at.node]);
@@ -319,7 +321,9 @@ Path Tracer::trace(const SurfacePoint& target) {
 }  // namespace
 
 Path tracePath(const Field& field, const SurfacePoint& target, const TraceOptions& options) {
-    return Tracer(field, options).trace(target);
+    Path path = Tracer(field, options).trace(target);
+    if (field.band->triangles && !path.vertices.empty()) layOnTriangles(field, path);
+    return path;
 }
 
 std::vector<Path> tracePaths(const Field& field, const std::vector<SurfacePoint>& targets,

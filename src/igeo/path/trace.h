@@ -3,35 +3,11 @@
 
 #include <igeo/base/progress.h>
 #include <igeo/march/field.h>
+#include <igeo/path/path.h>
 
 #include <vector>
 
 namespace igeo {
-
-enum class PathStatus {
-    Reached,      ///< ends at a seed
-    Unreachable,  ///< the target has no distance: no path in the band, or beyond an early stop
-    Stalled       ///< no lower point was found before a seed
-};
-const char* toString(PathStatus status);
-
-/// A point on a geodesic.
-struct PathVertex {
-    Vec3d pIndex;          ///< on psi = 0, index space
-    double arcLength = 0;  ///< from the target, voxels
-    double distance = 0;   ///< d here, voxels times weight
-};
-
-/// A geodesic from a target down to the seed its distance comes from.
-struct Path {
-    SurfacePoint target;
-    PathStatus status = PathStatus::Unreachable;
-    std::size_t seed = 0;              ///< index of the seed reached, if Reached
-    std::vector<PathVertex> vertices;  ///< from the target on; empty if Unreachable
-    double weightedLength = 0;         ///< by the metric: voxels times weight
-    double length = 0;                 ///< voxels; the same where there is no weight
-    double distance = kInfinity;       ///< d at the target, voxels times weight
-};
 
 struct TraceOptions {
     double maxStep = 1.0;     ///< voxels
@@ -41,13 +17,15 @@ struct TraceOptions {
 
 /// Follows gamma' = -grad_S d / |grad_S d|, or -G^-1 grad_S d made unit where the metric is a
 /// tensor G, from `target` by the embedded Runge-Kutta pair 2(3) of Bogacki and Shampine with
-/// adaptive step, back on psi = 0 after every step, until it enters a seed's start disc, which it
+/// adaptive step, back on S after every step, until it enters a seed's start disc, which it
 /// crosses straight on the surface.
 ///
 /// Where an obstacle blocks a step, the path slides along its rim. Where no step along the gradient
 /// leads down (cut loci, creases), it goes on over the foot points of nodes, each time to the
 /// neighbor of least distance. Distances never rise along a path.
-/// @return vertices lie on psi = 0 of the trilinear interpolant to 1e-6 voxels where that converges
+/// @return vertices lie on S: on psi = 0 of the trilinear interpolant to 1e-6 voxels where that
+///         converges; or on the triangles of a mesh, with all segments as well: where it passes
+///         from one to the next there is a vertex
 /// Time O(length).
 Path tracePath(const Field& field, const SurfacePoint& target, const TraceOptions& options = {});
 

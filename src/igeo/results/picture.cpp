@@ -5,7 +5,8 @@
 #include <igeo/results/detail/camera.h>
 #include <igeo/results/detail/canvas.h>
 #include <igeo/results/detail/legend.h>
-#include <igeo/results/detail/surface_rays.h>
+#include <igeo/results/detail/level_set_rays.h>
+#include <igeo/results/detail/triangle_rays.h>
 #include <openvdb/tools/RayTracer.h>
 
 #include <atomic>
@@ -131,10 +132,10 @@ struct Light {
 /// The scene, in index space: gives the light that comes along a ray. One per thread.
 class Scene {
 public:
-    Scene(const LevelSet& levelSet, const Field& field, const std::vector<Path>& paths,
-          const Scale& scale, const SurfaceRays& rays, const View& view, double pixel, int width)
+    Scene(const Field& field, const std::vector<Path>& paths, const Scale& scale,
+          const SurfaceRays& rays, const View& view, double pixel, int width)
         : field_(field), scale_(scale) {
-        const Similarity& t = levelSet.transform;
+        const Similarity& t = rays.transform();
         auto turned = [&](double right, double up, double back) {
             const Vec3d world = normalized(right * view.right + up * view.up + back * view.back);
             return Vec3d{dot(t.axis[0], world), dot(t.axis[1], world), dot(t.axis[2], world)};
@@ -171,7 +172,7 @@ public:
         double depth = kInfinity;
         if (hit) {
             const Vec3d p = eye_ + *hit * dir;
-            seen = surface(p, rays.normal(p), dir);
+            seen = surface(p, rays.normal(p, dir), dir);
             depth = *hit;
         }
         const Dot* front = nullptr;
@@ -241,10 +242,9 @@ private:
 /// Fills a film: one ray per pixel, then more where a pixel differs from its neighbors.
 class Renderer {
 public:
-    Renderer(const LevelSet& levelSet, const SurfaceRays& rays, const View& view,
-             const Scene& scene, Film& film, Progress& progress)
-        : levelSet_(levelSet),
-          rays_(rays),
+    Renderer(const SurfaceRays& rays, const View& view, const Scene& scene, Film& film,
+             Progress& progress)
+        : rays_(rays),
           scene_(scene),
           film_(film),
           camera_(film, openvdb::Vec3d(0), vdb(view.eye), View::kFocalLength, View::kAperture,
@@ -277,12 +277,12 @@ private:
         const auto rowCount = double(film_.height());
         for (std::size_t k = 0; k < scene_.dots().size(); ++k) {
             const Dot& d = scene_.dots()[k];
-            const Vec3d r = levelSet_.transform.worldFromIndex(d.center) - view.eye;
+            const Vec3d r = rays_.transform().worldFromIndex(d.center) - view.eye;
             const double depth = -dot(r, view.back);
             if (!(depth > 0)) continue;
             const double row = rowCount / 2 - scale * dot(r, view.up) / depth;
             // Off the axis a ball looks longer.
-            const double radius = 2 + 1.5 * scale * d.radius * levelSet_.transform.dx / depth;
+            const double radius = 2 + 1.5 * scale * d.radius * rays_.transform().dx / depth;
             const double from = std::max(row - radius, 0.0), to = std::min(row + radius, rowCount);
             for (double j = std::floor(from); j < to; ++j)
                 dotsInRow_[std::size_t(j)].push_back(std::uint32_t(k));
@@ -294,9 +294,9 @@ private:
     void rows(int pass, const Body& body) {
         std::atomic<std::size_t> done{0};
         parallelFor(film_.height(), 4, [&](std::size_t begin, std::size_t end) {
-            const SurfaceRays rays = rays_;
+            const auto rays = rays_.copy();
             for (std::size_t j = begin; j < end && !progress_.cancelled(); ++j) {
-                for (std::size_t i = 0; i < film_.width(); ++i) body(rays, i, j);
+                for (std::size_t i = 0; i < film_.width(); ++i) body(*rays, i, j);
                 progress_.update("picture", (pass + double(++done) / double(film_.height())) / 2);
             }
         });
@@ -306,7 +306,7 @@ private:
     /// Light at (i + x, j + y); premultiplied.
     Light light(const SurfaceRays& rays, std::size_t i, std::size_t j, double x, double y) const {
         const openvdb::Vec3d w = camera_.getRay(i, j, x, y).dir();
-        const Similarity& t = levelSet_.transform;
+        const Similarity& t = rays_.transform();
         const Vec3d world{w.x(), w.y(), w.z()};
         const Vec3d dir{dot(t.axis[0], world), dot(t.axis[1], world), dot(t.axis[2], world)};
         return scene_.along(rays, dir, dotsInRow_[j]);
@@ -339,7 +339,6 @@ private:
                (j > 0 && differs(at - width)) || (j + 1 < film_.height() && differs(at + width));
     }
 
-    const LevelSet& levelSet_;
     const SurfaceRays& rays_;
     const Scene& scene_;
     Film& film_;
@@ -358,30 +357,41 @@ void develop(const Film& film, Canvas& canvas) {
         }
 }
 
-}  // namespace
-
-std::string renderPng(const LevelSet& levelSet, const Field& field, const std::vector<Path>& paths,
-                      const PictureOptions& options, Progress& progress) {
-    checkOptions(options);
-    const double dx = levelSet.transform.dx;
+std::string render(const SurfaceRays& rays, const Field& field, const std::vector<Path>& paths,
+                   const PictureOptions& options, Progress& progress) {
+    const double dx = rays.transform().dx;
     const Scale scale(field, dx, options);
     const Legend legend(scale, field, dx, options);
     const int width = options.width - legend.taken();
 
     progress.update("picture", 0);
-    const SurfaceRays rays(levelSet);
-    const View view =
-        chooseView(levelSet, rays, field, paths, options, double(options.height) / width);
+    const View view = chooseView(rays, field, paths, options, double(options.height) / width);
     const double pixel = 2 * View::kHalfWidth * view.depth / width / dx;
-    const Scene scene(levelSet, field, paths, scale, rays, view, pixel, options.width);
+    const Scene scene(field, paths, scale, rays, view, pixel, options.width);
     Film film{std::size_t(width), std::size_t(options.height)};
-    Renderer(levelSet, rays, view, scene, film, progress).render();
+    Renderer(rays, view, scene, film, progress).render();
 
     Canvas canvas(options.width, options.height);
     canvas.fill(0, 0, options.width, options.height, kWhite);
     develop(film, canvas);
     legend.draw(canvas);
     return canvas.png();
+}
+
+}  // namespace
+
+std::string renderPng(const LevelSet& levelSet, const Field& field, const std::vector<Path>& paths,
+                      const PictureOptions& options, Progress& progress) {
+    checkOptions(options);
+    return render(LevelSetRays(levelSet), field, paths, options, progress);
+}
+
+std::string renderPng(const Field& field, const std::vector<Path>& paths,
+                      const PictureOptions& options, Progress& progress) {
+    checkOptions(options);
+    require(field.band->triangles != nullptr, "the field lies on no mesh",
+            "give its level set as well");
+    return render(TriangleRays(*field.band), field, paths, options, progress);
 }
 
 }  // namespace igeo

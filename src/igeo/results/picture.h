@@ -28,4 +28,10 @@ namespace igeo {
 std::string renderPng(const LevelSet& levelSet, const Field& field, const std::vector<Path>& paths,
                       const PictureOptions& options = {}, Progress& progress = Progress::none());
 
+/// The same of a field on the band of a mesh: its triangles, open or closed. Their shading is
+/// smooth over edges of less than 30 degrees.
+/// @throws Error  as above; InvalidArgument for a band without triangles
+std::string renderPng(const Field& field, const std::vector<Path>& paths,
+                      const PictureOptions& options = {}, Progress& progress = Progress::none());
+
 }  // namespace igeo

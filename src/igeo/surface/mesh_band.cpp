@@ -7,6 +7,7 @@
 #include <igeo/surface/detail/mesh_links.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace igeo {
 
@@ -159,7 +160,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     TriangleMesh mesh = given;
     orientConsistently(mesh);
     for (Vec3d& p : mesh.points) p *= 1 / dx;
-    const MeshTopology topology = meshTopology(mesh);
+    MeshTopology topology = meshTopology(mesh);
     const Pseudonormals normals(mesh, topology);
     std::vector<NearLeaf> nearLeaves = voxelsNear(mesh.points, mesh.triangles, h, progress);
 
@@ -192,69 +193,12 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
         band.joints = joints.pairs;
         band.bridge(joints.bridges);
     }
+    static_assert(MeshTopology::kNone == SurfaceTriangles::kNone &&
+                  MeshTopology::kMany == SurfaceTriangles::kMany);
+    band.triangles = std::make_shared<const SurfaceTriangles>(
+        std::move(mesh.points), std::move(mesh.triangles), std::move(topology.neighbor));
     progress.update("band", 1);
     return band;
-}
-
-namespace {
-
-/// Where sheets cross or lie close together: the node around a point whose foot point is near and
-/// in the plane of the triangle there.
-NodeIndex nodeOnPlane(const Band& band, const Vec3d& pIndex, const Vec3d& normal) {
-    NodeIndex best = kNoNode;
-    double least = kInfinity;
-    const Ijk middle = roundToIjk(pIndex);
-    for (int x = -2; x <= 2; ++x)
-        for (int y = -2; y <= 2; ++y)
-            for (int z = -2; z <= 2; ++z) {
-                const NodeIndex i = band.nodeAt(middle + Ijk{x, y, z});
-                if (i == kNoNode) continue;
-                const Vec3d chord = band.footPoint(i) - pIndex;
-                const double rise = dot(chord, normal);
-                // The band may have turned the triangle over.
-                const double turn = 1 - std::abs(dot(Vec3d(band.normal[i]), normal));
-                const double off = dot(chord, chord) + rise * rise + turn;
-                if (off < least) least = off, best = i;
-            }
-    return best;
-}
-
-}  // namespace
-
-SurfacePoint nearestMeshPoint(const TriangleMesh& mesh, const Band& band, const Vec3d& pIndex) {
-    const Vec3d p = band.transform.worldFromIndex(pIndex);
-    struct Found {
-        Vec3d point;
-        double squared = kInfinity;
-        std::size_t triangle = 0;
-    };
-    constexpr std::size_t kChunk = 1 << 14;
-    std::vector<Found> parts((mesh.triangles.size() + kChunk - 1) / kChunk);
-    parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t c = begin; c < end; ++c) {
-            const std::size_t last = std::min(mesh.triangles.size(), (c + 1) * kChunk);
-            for (std::size_t t = c * kChunk; t < last; ++t) {
-                const auto& [i, j, k] = mesh.triangles[t];
-                const Vec3d q =
-                    nearestOnTriangle(p, mesh.points[i], mesh.points[j], mesh.points[k]).point;
-                const double d2 = dot(q - p, q - p);
-                if (d2 < parts[c].squared) parts[c] = {q, d2, t};
-            }
-        }
-    });
-    Found best;
-    for (const Found& part : parts)
-        if (part.squared < best.squared) best = part;
-    SurfacePoint s = nearestSurfacePoint(band, band.transform.indexFromWorld(best.point));
-    s.askedIndex = pIndex;
-    s.pIndex = band.transform.indexFromWorld(best.point);
-    s.snapDistance = length(s.pIndex - pIndex);
-    if (band.facing[s.node] & Band::kBesideSevered) {
-        const auto& [i, j, k] = mesh.triangles[best.triangle];
-        const Vec3d &a = mesh.points[i], &b = mesh.points[j], &c = mesh.points[k];
-        s.node = nodeOnPlane(band, s.pIndex, normalized(cross(b - a, c - a)));
-    }
-    return s;
 }
 
 }  // namespace igeo

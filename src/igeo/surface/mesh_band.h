@@ -2,13 +2,13 @@
 #pragma once
 
 #include <igeo/band/band.h>
-#include <igeo/band/surface_point.h>
 #include <igeo/base/progress.h>
 #include <igeo/io/triangle_mesh.h>
 
 namespace igeo {
 
-/// Numbers the voxels less than h from the mesh, with the nearest point of it as foot point.
+/// Numbers the voxels less than h from the mesh, with the nearest point of it as foot point. The
+/// band keeps the triangles, for whatever asks for points of S.
 ///
 /// Nothing has to be inside of anything: psi is the distance with the sign of the side, by the
 /// normal of the part of the mesh that the foot point lies on (face, edge or corner: J. A.
@@ -35,15 +35,5 @@ namespace igeo {
 /// bytes per node, about 100 more while it works.
 Band bandFromMesh(const TriangleMesh& mesh, double dx, double h,
                   Progress& progress = Progress::none(), double gap = 0);
-
-/// The point of the mesh nearest to a point, for seeds and targets.
-///
-/// nearestSurfacePoint goes to the zero set of the trilinear interpolant of psi, which rounds edges
-/// off (by 0.27 voxels at a corner of a part with sharp edges) and does not know where the mesh
-/// ends.
-/// @param mesh, band  as given to and by bandFromMesh
-/// @throws Error  BadInput for an empty band
-/// Time O(triangles), in parallel.
-SurfacePoint nearestMeshPoint(const TriangleMesh& mesh, const Band& band, const Vec3d& pIndex);
 
 }  // namespace igeo

@@ -21,7 +21,7 @@ TEST_CASE("an open mesh is refined without cracks and carries the distance", "[m
     const double dx = 0.05;
     const Band band = bandFromMesh(mesh, dx, std::sqrt(3.0));
     const SurfacePoint seed =
-        nearestMeshPoint(mesh, band, band.transform.indexFromWorld({0.2, 0.1, 0.1}));
+        nearestSurfacePoint(band, band.transform.indexFromWorld({0.2, 0.1, 0.1}));
     const Field field = marchJet(band, nullptr, {seed});
     const SurfaceMesh fine = refinedMesh(mesh, field);
 
@@ -54,7 +54,7 @@ TEST_CASE("an open mesh is refined without cracks and carries the distance", "[m
 TEST_CASE("edges that are short enough are left alone", "[mesh]") {
     const TriangleMesh mesh = test::sphereMesh({}, 1, 3);
     const Band band = bandFromMesh(mesh, 0.3, std::sqrt(3.0));
-    const Field field = marchJet(band, nullptr, {nearestMeshPoint(mesh, band, Vec3d{0, 0, 10})});
+    const Field field = marchJet(band, nullptr, {nearestSurfacePoint(band, Vec3d{0, 0, 10})});
     CHECK(refinedMesh(mesh, field).triangles == mesh.triangles);
     CHECK(test::topologyOf(refinedMesh(mesh, field, 0.4)).closed());
     for (const double longest : {0.0, -1.0, std::nan("")})

@@ -42,7 +42,7 @@ struct Solved : Pinned {
     TriangleMesh mesh = read();
     Band band = bandFromMesh(mesh, kDx, std::sqrt(3.0));
     Field field = marchJet(band, nullptr,
-                           {nearestMeshPoint(mesh, band, band.transform.indexFromWorld(at(5, 8)))});
+                           {nearestSurfacePoint(band, band.transform.indexFromWorld(at(5, 8)))});
     VertexValues values = vertexValues(mesh, field);
 
     TriangleMesh read() const {

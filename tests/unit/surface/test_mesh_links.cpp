@@ -81,7 +81,7 @@ double largestError(const Strip& strip, double s, double z) {
         const TriangleMesh mesh = strip.mesh(motion);
         const Band band = bandFromMesh(mesh, 1, kH);
         const Field field =
-            marchJet(band, nullptr, {nearestMeshPoint(mesh, band, motion(strip.at(s, z)))});
+            marchJet(band, nullptr, {nearestSurfacePoint(band, motion(strip.at(s, z)))});
         for (NodeIndex i = 0; i < band.size(); ++i) {
             if (!band.inCore(i)) continue;
             const Vec3d p = motion.back(band.footPoint(i));
@@ -150,8 +150,7 @@ TEST_CASE("mesh links: slits of any width are walked around", "[mesh]") {
         for (const Motion& motion : kMotions) {
             const TriangleMesh mesh = slitRectangle(width, motion);
             const Band band = bandFromMesh(mesh, 1, kH);
-            const Field field =
-                marchJet(band, nullptr, {nearestMeshPoint(mesh, band, motion(seed))});
+            const Field field = marchJet(band, nullptr, {nearestSurfacePoint(band, motion(seed))});
             for (NodeIndex i = 0; i < band.size(); ++i)
                 if (band.inCore(i))
                     most = std::max(
@@ -177,8 +176,8 @@ TEST_CASE("mesh links: pieces that do not touch stay apart", "[mesh]") {
             const TriangleMesh mesh = test::together(square(0), square(12 + gap));
             const auto seed = motion({6, 5, 0}), target = motion({18 + gap, 8, 0});
             auto solve = [&](const Band& band) {
-                const Field f = marchJet(band, nullptr, {nearestMeshPoint(mesh, band, seed)});
-                return sampleDistance(f, nearestMeshPoint(mesh, band, target).pIndex);
+                const Field f = marchJet(band, nullptr, {nearestSurfacePoint(band, seed)});
+                return sampleDistance(f, nearestSurfacePoint(band, target).pIndex);
             };
             const Band apart = bandFromMesh(mesh, 1, kH);
             CHECK(apart.joints == 0);
@@ -205,9 +204,9 @@ TEST_CASE("mesh links: triangles that end on the edge of a larger one are joined
         weld(mesh);
         const auto seed = motion({3, 5, 0}), target = motion({21, 7, 0});
         const Band band = bandFromMesh(mesh, 1, kH);
-        const Field field = marchJet(band, nullptr, {nearestMeshPoint(mesh, band, seed)});
+        const Field field = marchJet(band, nullptr, {nearestSurfacePoint(band, seed)});
         CHECK(field.reached == band.size());
-        CHECK(sampleDistance(field, nearestMeshPoint(mesh, band, target).pIndex) ==
+        CHECK(sampleDistance(field, nearestSurfacePoint(band, target).pIndex) ==
               Approx(length(target - seed)).margin(0.01));
     }
 }
@@ -218,9 +217,8 @@ TEST_CASE("mesh links: balls that nearly touch are joined where they do", "[mesh
                                              test::sphereMesh({2 * r + gap, 0.3, 0}, r, 4));
     const Band band = bandFromMesh(mesh, 1, kH, Progress::none(), 0.8);
     CHECK(band.joints == 1);
-    const Field field = marchJet(band, nullptr, {nearestMeshPoint(mesh, band, {-r, 0, 0})});
-    const double d =
-        sampleDistance(field, nearestMeshPoint(mesh, band, {3 * r + gap, 0.3, 0}).pIndex);
+    const Field field = marchJet(band, nullptr, {nearestSurfacePoint(band, {-r, 0, 0})});
+    const double d = sampleDistance(field, nearestSurfacePoint(band, {3 * r + gap, 0.3, 0}).pIndex);
     // Half around both; a gap of 0.8 is 1.1 voxels off the middle.
     CHECK(d == Approx(2 * kPi * r + gap).margin(2.5));
 }
@@ -254,11 +252,11 @@ TEST_CASE("mesh links: pages at 20 to 40 degrees reach each other over their edg
                     return motion({r * std::cos(a), r * std::sin(a), z});
                 };
                 const Field field =
-                    marchJet(band, nullptr, {nearestMeshPoint(mesh, band, on(from, 12, 7))});
+                    marchJet(band, nullptr, {nearestSurfacePoint(band, on(from, 12, 7))});
                 for (const int to : {0, 1, 2}) {
                     if (to == from) continue;
                     INFO(degrees << " degrees, page " << from << " to " << to);
-                    const SurfacePoint p = nearestMeshPoint(mesh, band, on(to, 15, 13));
+                    const SurfacePoint p = nearestSurfacePoint(band, on(to, 15, 13));
                     const double d = sampleDistance(field, p.pIndex, Vec3d(band.normal[p.node]));
                     CHECK(d == Approx(std::hypot(27, 6)).margin(2));
                 }

@@ -11,43 +11,23 @@ namespace igeo {
 
 namespace {
 
-/// Calls visit(pWorld, k) for the voxels at the surface, in parallel, k a slot per chunk of leaves.
-class SurfaceVoxels {
-public:
-    explicit SurfaceVoxels(const LevelSet& levelSet) : levelSet_(levelSet) {
-        levelSet.psi->tree().getNodes(leaves_);
-    }
-
-    /// The largest value of each of N functions: values(pWorld) is an array of them.
-    template <std::size_t N, typename Values>
-    std::array<double, N> largest(const Values& values) const {
-        std::array<double, N> none;
-        none.fill(-kInfinity);
-        std::vector<std::array<double, N>> parts((leaves_.size() + kChunk - 1) / kChunk, none);
-        const Similarity& t = levelSet_.transform;
-        parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t c = begin; c < end; ++c)
-                for (std::size_t l = c * kChunk; l < std::min(leaves_.size(), (c + 1) * kChunk);
-                     ++l)
-                    for (auto it = leaves_[l]->cbeginValueOn(); it; ++it) {
-                        if (std::abs(*it) > t.dx) continue;
-                        const openvdb::Coord ijk = it.getCoord();
-                        const auto v = values(
-                            t.worldFromIndex({double(ijk.x()), double(ijk.y()), double(ijk.z())}));
-                        for (std::size_t k = 0; k < N; ++k)
-                            parts[c][k] = std::max(parts[c][k], v[k]);
-                    }
-        });
-        for (const auto& part : parts)
-            for (std::size_t k = 0; k < N; ++k) none[k] = std::max(none[k], part[k]);
-        return none;
-    }
-
-private:
-    static constexpr std::size_t kChunk = 64;
-    const LevelSet& levelSet_;
-    std::vector<const openvdb::FloatTree::LeafNodeType*> leaves_;
-};
+/// The largest value of each of N functions over a surface: values(pWorld) is an array of them.
+template <std::size_t N, typename Values>
+std::array<double, N> largest(const SurfaceRays& surface, const Values& values) {
+    std::array<double, N> none;
+    none.fill(-kInfinity);
+    std::vector<std::array<double, N>> parts(surface.chunks(), none);
+    parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t c = begin; c < end; ++c)
+            surface.forPoints(c, [&](const Vec3d& p) {
+                const auto v = values(surface.transform().worldFromIndex(p));
+                for (std::size_t k = 0; k < N; ++k) parts[c][k] = std::max(parts[c][k], v[k]);
+            });
+    });
+    for (const auto& part : parts)
+        for (std::size_t k = 0; k < N; ++k) none[k] = std::max(none[k], part[k]);
+    return none;
+}
 
 /// Something worth to be seen.
 struct Sight {
@@ -110,18 +90,17 @@ std::vector<Vec3d> eyeDirections(const Vec3d& up) {
 }
 
 /// The direction to the eye, world space.
-Vec3d chooseDirection(const LevelSet& levelSet, const SurfaceRays& rays,
-                      const std::vector<Sight>& seen, const Vec3d& up) {
+Vec3d chooseDirection(const SurfaceRays& rays, const std::vector<Sight>& seen, const Vec3d& up) {
     constexpr double kAlmost = 0.9;
     const std::vector<Vec3d> directions = eyeDirections(up);
     std::vector<double> scores(directions.size());
     parallelFor(directions.size(), 1, [&](std::size_t begin, std::size_t end) {
-        const SurfaceRays own = rays;
+        const auto own = rays.copy();
         for (std::size_t k = begin; k < end; ++k) {
-            const Vec3d toEye = indexDirection(levelSet.transform, directions[k]);
+            const Vec3d toEye = indexDirection(rays.transform(), directions[k]);
             for (const Sight& s : seen)
-                if (isVisible(own, s.pIndex, toEye))
-                    scores[k] += s.weight * std::abs(dot(own.normal(s.pIndex), toEye));
+                if (isVisible(*own, s.pIndex, toEye))
+                    scores[k] += s.weight * std::abs(dot(own->normal(s.pIndex), toEye));
         }
     });
     const double best = *std::max_element(scores.begin(), scores.end());
@@ -133,17 +112,17 @@ Vec3d chooseDirection(const LevelSet& levelSet, const SurfaceRays& rays,
 }  // namespace
 
 bool isVisible(const SurfaceRays& rays, const Vec3d& p, const Vec3d& toEye) {
-    constexpr double kClear = 1.5;  // voxels: off its own surface
     const Vec3d n = rays.normal(p);
-    return !rays.hit(p + (dot(n, toEye) < 0 ? -kClear : kClear) * n, toEye);
+    const double off = rays.clearance();
+    return !rays.hit(p + (dot(n, toEye) < 0 ? -off : off) * n, toEye);
 }
 
-View chooseView(const LevelSet& levelSet, const SurfaceRays& rays, const Field& field,
-                const std::vector<Path>& paths, const PictureOptions& options, double aspect) {
+View chooseView(const SurfaceRays& rays, const Field& field, const std::vector<Path>& paths,
+                const PictureOptions& options, double aspect) {
     constexpr double kMargin = 1.06;
-    const SurfaceVoxels voxels(levelSet);
-    const auto box = voxels.largest<6>(
-        [](const Vec3d& p) { return std::array<double, 6>{p.x, p.y, p.z, -p.x, -p.y, -p.z}; });
+    const auto box = largest<6>(rays, [](const Vec3d& p) {
+        return std::array<double, 6>{p.x, p.y, p.z, -p.x, -p.y, -p.z};
+    });
     const Vec3d middle = 0.5 * Vec3d{box[0] - box[3], box[1] - box[4], box[2] - box[5]};
     const Vec3d target = options.lookAt.value_or(middle);
     const Vec3d up = normalized(options.up);
@@ -152,7 +131,7 @@ View chooseView(const LevelSet& levelSet, const SurfaceRays& rays, const Field& 
     if (options.eye) {
         view.eye = *options.eye;
         const Vec3d back = view.eye - target;
-        if (!(length(back) > 1e-6 * levelSet.transform.dx))
+        if (!(length(back) > 1e-6 * rays.transform().dx))
             throw Error(Error::Kind::InvalidArgument,
                         fmt::format("the camera at {} looks at itself", textOf(view.eye)),
                         "give it another place or another point to look at");
@@ -161,20 +140,18 @@ View chooseView(const LevelSet& levelSet, const SurfaceRays& rays, const Field& 
                 Error::Kind::InvalidArgument,
                 fmt::format("the camera looks along its up direction, {}", textOf(options.up)),
                 "choose another up direction");
-        // A cut surface has no inside.
-        if (levelSet.stats.cutVoxels == 0 &&
-            rays.psi(levelSet.transform.indexFromWorld(view.eye)) < 0)
+        if (rays.encloses(rays.transform().indexFromWorld(view.eye)))
             throw Error(
                 Error::Kind::InvalidArgument,
                 fmt::format("the camera at {} is inside the surface", textOf(view.eye)),
                 fmt::format("move it out; the middle of the surface is {}", textOf(middle)));
         aim(view, back, up);
     } else {
-        aim(view, chooseDirection(levelSet, rays, sights(field, paths), up), up);
+        aim(view, chooseDirection(rays, sights(field, paths), up), up);
         // A point at (a, b, c) from the target along right, up and back is in the frame of an eye
         // at (x, y, depth) if |a - x| <= T (depth - c) and the same of b.
         const double tx = View::kHalfWidth / kMargin, ty = tx * aspect;
-        const auto need = voxels.largest<4>([&](const Vec3d& p) {
+        const auto need = largest<4>(rays, [&](const Vec3d& p) {
             const Vec3d r = p - target;
             const double a = dot(r, view.right), b = dot(r, view.up), c = dot(r, view.back);
             return std::array<double, 4>{a + tx * c, -a + tx * c, b + ty * c, -b + ty * c};

@@ -1,0 +1,205 @@
+#include <igeo/band/surface_triangles.h>
+
+#include <igeo/base/nearest_on_triangle.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace igeo {
+
+namespace {
+
+std::pair<std::uint32_t, std::uint32_t> ends(const SurfaceTriangles::Triangle& t, unsigned corner) {
+    return std::minmax(t[corner], t[(corner + 1) % 3]);
+}
+
+/// Where a ray meets the plane of a triangle within it, or +infinity. (T. Moeller and B. Trumbore,
+/// 1997; edges count, with some room for rounding, so that no ray slips through between two.)
+double meeting(const Vec3d& from, const Vec3d& dir, const Vec3d& a, const Vec3d& ab,
+               const Vec3d& ac) {
+    constexpr double kRoom = 1e-9;
+    const Vec3d p = cross(dir, ac), r = from - a;
+    const double volume = dot(ab, p);
+    if (volume == 0) return kInfinity;
+    const double u = dot(r, p) / volume;
+    const Vec3d q = cross(r, ab);
+    const double v = dot(dir, q) / volume;
+    if (!(u >= -kRoom && v >= -kRoom && u + v <= 1 + kRoom)) return kInfinity;
+    return dot(ac, q) / volume;
+}
+
+}  // namespace
+
+void SurfaceTriangles::Box::add(const Vec3d& p) {
+    for (int a = 0; a < 3; ++a) {
+        low[a] = std::min(low[a], p[a]);
+        high[a] = std::max(high[a], p[a]);
+    }
+}
+
+double SurfaceTriangles::Box::squaredDistance(const Vec3d& p) const {
+    double sum = 0;
+    for (int a = 0; a < 3; ++a) {
+        const double d = std::max({low[a] - p[a], p[a] - high[a], 0.0});
+        sum += d * d;
+    }
+    return sum;
+}
+
+double SurfaceTriangles::Box::entry(const Vec3d& from, const Vec3d& inverse) const {
+    double enter = 0, leave = kInfinity;
+    for (int a = 0; a < 3; ++a) {
+        // 0 times infinity, in a face of the box, is no bound.
+        const double s = (low[a] - from[a]) * inverse[a], t = (high[a] - from[a]) * inverse[a];
+        if (std::isnan(s) || std::isnan(t)) continue;
+        enter = std::max(enter, std::min(s, t));
+        leave = std::min(leave, std::max(s, t));
+    }
+    constexpr double kRoom = 1e-9;
+    return enter <= leave * (1 + kRoom) + kRoom ? enter : kInfinity;
+}
+
+SurfaceTriangles::SurfaceTriangles(std::vector<Vec3d> points, std::vector<Triangle> triangles,
+                                   std::vector<std::array<std::uint32_t, 3>> neighbor)
+    : points_(std::move(points)), triangles_(std::move(triangles)), neighbor_(std::move(neighbor)) {
+    for (std::uint32_t t = 0; t < neighbor_.size(); ++t)
+        for (unsigned k = 0; k < 3; ++k)
+            if (neighbor_[t][k] == kMany) many_.push_back({ends(triangles_[t], k), {t, k}});
+    std::stable_sort(many_.begin(), many_.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+}
+
+bool SurfaceTriangles::closed() const {
+    return std::all_of(neighbor_.begin(), neighbor_.end(), [](const auto& beside) {
+        return std::max({beside[0], beside[1], beside[2]}) < kMany;
+    });
+}
+
+unsigned SurfaceTriangles::cornerAt(std::uint32_t t, const Side& edge) const {
+    const auto wanted = ends(triangles_[edge.triangle], edge.corner);
+    unsigned k = 0;
+    // Two triangles may share more than one edge.
+    while (k < 2 && !(ends(triangles_[t], k) == wanted && neighbor_[t][k] == edge.triangle)) ++k;
+    return k;
+}
+
+std::vector<SurfaceTriangles::Side> SurfaceTriangles::sidesAtManyEdge(const Side& side) const {
+    const auto edge = ends(triangles_[side.triangle], side.corner);
+    std::vector<Side> sides;
+    for (auto it = std::lower_bound(many_.begin(), many_.end(), edge,
+                                    [](const auto&a, const auto&b) { return a.first < b; });
+         it != many_.end() && it->first == edge; ++it)
+        sides.push_back(it->second);
+    return sides;
+}
+
+const SurfaceTriangles::Tree& SurfaceTriangles::tree() const {
+    // On one thread: one that waits for others could come by here again.
+    std::call_once(treeMade_, [this] { makeTree(); });
+    return tree_;
+}
+
+void SurfaceTriangles::makeTree() const {
+    Tree& tree = tree_;
+    while ((size() >> tree.levels) >= kBucket) ++tree.levels;
+    tree.order.resize(size());
+    std::iota(tree.order.begin(), tree.order.end(), std::uint32_t(0));
+    tree.boxes.resize((std::size_t(2) << tree.levels) - 1);
+    std::vector<Vec3d> middle(size());
+    for (std::size_t t = 0; t < size(); ++t) middle[t] = corner(t, 0) + corner(t, 1) + corner(t, 2);
+    for (unsigned level = 0; level <= tree.levels; ++level)
+        for (std::size_t k = 0; k < std::size_t(1) << level; ++k) {
+            const auto begin = tree.order.begin() + std::ptrdiff_t(edge(level, k)),
+                       end = tree.order.begin() + std::ptrdiff_t(edge(level, k + 1));
+            if (level == tree.levels) {
+                std::sort(begin, end);
+                Box& box = tree.boxes[(std::size_t(1) << level) - 1 + k];
+                for (auto t = begin; t != end; ++t)
+                    for (unsigned c = 0; c < 3; ++c) box.add(corner(*t, c));
+                continue;
+            }
+            Box centers;
+            for (auto t = begin; t != end; ++t) centers.add(middle[*t]);
+            const Vec3d size = centers.high - centers.low;
+            const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+            std::nth_element(begin, tree.order.begin() + std::ptrdiff_t(edge(level + 1, 2 * k + 1)),
+                             end, [&](std::uint32_t a, std::uint32_t b) {
+                                 return std::pair(middle[a][axis], a) <
+                                        std::pair(middle[b][axis], b);
+                             });
+        }
+    for (std::size_t b = (std::size_t(1) << tree.levels) - 1; b-- > 0;)
+        for (const std::size_t half : {2 * b + 1, 2 * b + 2}) {
+            tree.boxes[b].add(tree.boxes[half].low);
+            tree.boxes[b].add(tree.boxes[half].high);
+        }
+}
+
+template <typename Key, typename Limit, typename Visit>
+void SurfaceTriangles::forLeaves(const Key& key, const Limit& limit, const Visit& visit) const {
+    const Tree& in = tree();
+    struct Waiting {
+        double key;
+        unsigned level;
+        std::size_t box;
+    };
+    auto boxAt = [&](unsigned level, std::size_t k) {
+        return Waiting{key(in.boxes[(std::size_t(1) << level) - 1 + k]), level, k};
+    };
+    Waiting stack[64];
+    std::size_t top = 0;
+    stack[top++] = boxAt(0, 0);
+    while (top > 0) {
+        const Waiting w = stack[--top];
+        // Equals go on: the first triangle of equals may be there.
+        if (!(w.key < kInfinity) || w.key > limit()) continue;
+        if (w.level < in.levels) {
+            Waiting nearer = boxAt(w.level + 1, 2 * w.box),
+                    farther = boxAt(w.level + 1, 2 * w.box + 1);
+            if (farther.key < nearer.key) std::swap(nearer, farther);
+            stack[top++] = farther;
+            stack[top++] = nearer;
+            continue;
+        }
+        for (std::size_t i = edge(w.level, w.box); i < edge(w.level, w.box + 1); ++i)
+            visit(in.order[i]);
+    }
+}
+
+SurfaceTriangles::Place SurfaceTriangles::nearest(const Vec3d& p, double within,
+                                                  const Vec3d& sheetNormal) const {
+    Place best, other;
+    const double most = within * within;
+    const bool anySheet = sheetNormal == Vec3d{};
+    forLeaves([&](const Box& b) { return b.squaredDistance(p); },
+              [&] { return std::min(best.squared, most); },
+              [&](std::uint32_t t) {
+                  const Vec3d q =
+                      nearestOnTriangle(p, corner(t, 0), corner(t, 1), corner(t, 2)).point;
+                  const Place here{t, q, dot(q - p, q - p)};
+                  if (!(here.squared <= most)) return;
+                  const bool opposes = !anySheet && dot(normal(t), sheetNormal) < kOpposed;
+                  Place& of = opposes ? other : best;
+                  if (here.squared < of.squared || (here.squared == of.squared && t < of.triangle))
+                      of = here;
+              });
+    return best.triangle != kNone ? best : other;
+}
+
+std::optional<SurfaceTriangles::Hit> SurfaceTriangles::hit(const Vec3d& from,
+                                                           const Vec3d& dir) const {
+    const Vec3d inverse{1 / dir.x, 1 / dir.y, 1 / dir.z};
+    Hit first{kInfinity, kNone};
+    forLeaves([&](const Box& b) { return b.entry(from, inverse); }, [&] { return first.along; },
+              [&](std::uint32_t t) {
+                  const Vec3d a = corner(t, 0);
+                  const double along = meeting(from, dir, a, corner(t, 1) - a, corner(t, 2) - a);
+                  if (!(along > 0 && along < kInfinity)) return;
+                  if (along < first.along || (along == first.along && t < first.triangle))
+                      first = {along, t};
+              });
+    if (first.triangle == kNone) return std::nullopt;
+    return first;
+}
+
+}  // namespace igeo

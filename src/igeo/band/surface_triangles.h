@@ -1,0 +1,116 @@
+/// The triangles that S consists of, where its band was made from a mesh.
+#pragma once
+
+#include <igeo/base/types.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace igeo {
+
+/// Triangles in index space, with their neighbors and a tree of boxes over them.
+class SurfaceTriangles {
+public:
+    using Triangle = std::array<std::uint32_t, 3>;
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max(),
+                                   kMany = kNone - 1;
+    /// An edge of a triangle: from a corner to the next.
+    struct Side {
+        std::uint32_t triangle = kNone;
+        unsigned corner = 0;
+    };
+    /// A point of a triangle.
+    struct Place {
+        std::uint32_t triangle = kNone;  ///< kNone: there is none
+        Vec3d point;
+        double squared = kInfinity;  ///< distance to the point asked for, voxels
+    };
+    struct Hit {
+        double along;  ///< distance along the ray, voxels
+        std::uint32_t triangle;
+    };
+
+    /// @param neighbor  per triangle, the one beyond the edge from corner k to k + 1: kNone at a
+    ///                  boundary, kMany where three or more meet
+    SurfaceTriangles(std::vector<Vec3d> points, std::vector<Triangle> triangles,
+                     std::vector<std::array<std::uint32_t, 3>> neighbor);
+
+    std::size_t size() const { return triangles_.size(); }
+    /// Whether every edge has two triangles, so that there is an inside.
+    bool closed() const;
+    const std::vector<Vec3d>& points() const { return points_; }
+    const Triangle& operator[](std::size_t t) const { return triangles_[t]; }
+    const Vec3d& corner(std::size_t t, unsigned k) const { return points_[triangles_[t][k % 3]]; }
+    /// Unit normal of a triangle, counter-clockwise; zero for one without area.
+    Vec3d normal(std::size_t t) const {
+        const Vec3d a = corner(t, 0);
+        return normalized(cross(corner(t, 1) - a, corner(t, 2) - a));
+    }
+
+    /// The nearest point that is at most `within` from p; of equals that of the first triangle.
+    /// @param sheetNormal  a unit normal: triangles whose normals oppose it count only where there
+    ///                     are no others
+    /// Time O(log n). The first call of any makes the tree, in O(n log n).
+    Place nearest(const Vec3d& p, double within = kInfinity, const Vec3d& sheetNormal = {}) const;
+
+    /// The first triangle that a ray from `from` in the unit direction `dir` meets.
+    std::optional<Hit> hit(const Vec3d& from, const Vec3d& dir) const;
+
+    /// Calls visit(side) for the other triangles at an edge, with the edge as a side of theirs.
+    template <typename Visit>
+    void forBeyond(const Side& side, const Visit& visit) const {
+        const std::uint32_t beside = neighbor_[side.triangle][side.corner];
+        if (beside == kNone) return;
+        if (beside != kMany) return visit(Side{beside, cornerAt(beside, side)});
+        for (const Side& other : sidesAtManyEdge(side))
+            if (other.triangle != side.triangle) visit(other);
+    }
+    /// The one triangle beyond an edge; none at a boundary and where three or more meet.
+    std::optional<Side> beyond(const Side& side) const {
+        const std::uint32_t beside = neighbor_[side.triangle][side.corner];
+        if (beside >= kMany) return std::nullopt;
+        return Side{beside, cornerAt(beside, side)};
+    }
+
+private:
+    struct Box {
+        Vec3d low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
+        void add(const Vec3d& p);
+        double squaredDistance(const Vec3d& p) const;
+        /// Where a ray enters; +infinity where it misses.
+        double entry(const Vec3d& from, const Vec3d& inverse) const;
+    };
+    /// Level by level: 2^level - 1 boxes come before a level.
+    struct Tree {
+        std::vector<std::uint32_t> order;
+        std::vector<Box> boxes;
+        unsigned levels = 0;  ///< below the root
+    };
+    static constexpr double kOpposed = -0.2;   ///< cosine of normals; as Band::kOtherSheet
+    static constexpr std::size_t kBucket = 4;  ///< triangles in a leaf, at least half of it
+
+    const Tree& tree() const;
+    void makeTree() const;
+    std::size_t edge(unsigned level, std::size_t k) const { return k * size() >> level; }
+    /// Visits leaves by their boxes' `key`, least first: visit(triangle), while key < limit().
+    template <typename Key, typename Limit, typename Visit>
+    void forLeaves(const Key& key, const Limit& limit, const Visit& visit) const;
+
+    unsigned cornerAt(std::uint32_t t, const Side& edge) const;
+    std::vector<Side> sidesAtManyEdge(const Side& side) const;
+
+    std::vector<Vec3d> points_;
+    std::vector<Triangle> triangles_;
+    std::vector<std::array<std::uint32_t, 3>> neighbor_;
+    /// Sides at edges of three or more, by the edge.
+    std::vector<std::pair<std::pair<std::uint32_t, std::uint32_t>, Side>> many_;
+    mutable std::once_flag treeMade_;
+    mutable Tree tree_;
+};
+
+}  // namespace igeo

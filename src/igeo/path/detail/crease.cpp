@@ -1,0 +1,214 @@
+#include <igeo/path/detail/crease.h>
+
+#include <array>
+#include <numbers>
+#include <optional>
+
+namespace igeo {
+
+namespace {
+
+constexpr double kStep = 0.5;
+
+/// One side of a crease, and beyond.
+class SheetFit {
+public:
+    /// @param center  near the crease
+    /// @param n       normal of the sheet
+    /// @param side    of S on which psi has the kink: -1 inside, 1 outside
+    SheetFit(const Band& band, const Vec3d& center, const Vec3d& n, int side);
+
+    bool valid() const { return valid_; }
+    Vec3d normal(const Vec3d& q) const {
+        const Vec3d r = q - center_;
+        return normalized(constant_ + dot(r, along_[0]) * slope_[0] +
+                          dot(r, along_[1]) * slope_[1]);
+    }
+    /// How far q lies above the sheet.
+    double height(const Vec3d& q) const {
+        const Vec3d n = normal(q);
+        double sum = 0;
+        for (const Vec3d& foot : feet_) sum += dot(q - foot, 0.5 * (normal(foot) + n));
+        return sum / double(feet_.size());
+    }
+    Local operator()(const Vec3d& q, const Vec3d&) const { return {true, height(q), normal(q)}; }
+
+private:
+    void fit();
+    bool dropOutliers();
+
+    Vec3d center_;
+    std::array<Vec3d, 2> along_;
+    std::vector<Vec3d> feet_, normals_;
+    Vec3d constant_;
+    std::array<Vec3d, 2> slope_;
+    bool valid_ = false;
+};
+
+SheetFit::SheetFit(const Band& band, const Vec3d& center, const Vec3d& n, int side)
+    : center_(center) {
+    constexpr int kReach = 4;
+    constexpr double kRadius = 4, kAlike = 0.9, kNear = 1.3;
+    constexpr std::size_t kFew = 8;
+    along_[0] = anyNormalTo(n);
+    along_[1] = cross(n, along_[0]);
+    const Ijk middle = roundToIjk(center);
+    for (int x = -kReach; x <= kReach; ++x)
+        for (int y = -kReach; y <= kReach; ++y)
+            for (int z = -kReach; z <= kReach; ++z) {
+                const NodeIndex i = band.nodeAt(middle + Ijk{x, y, z});
+                if (i == kNoNode || band.psi[i] * float(side) < 0 ||
+                    std::abs(band.psi[i]) > kNear || dot(Vec3d(band.normal[i]), n) < kAlike ||
+                    length(band.footPoint(i) - center) > kRadius)
+                    continue;
+                feet_.push_back(band.footPoint(i));
+                normals_.push_back(Vec3d(band.normal[i]));
+            }
+    if (feet_.size() < kFew) return;
+    fit();
+    while (dropOutliers()) {
+        if (feet_.size() < kFew) return;
+        fit();
+    }
+    valid_ = true;
+}
+
+/// Least squares, component by component.
+void SheetFit::fit() {
+    std::array<double, 6> m{};  // of 1, u, v: 11 1u 1v uu uv vv
+    std::array<Vec3d, 3> right{};
+    for (std::size_t k = 0; k < feet_.size(); ++k) {
+        const double u = dot(feet_[k] - center_, along_[0]), v = dot(feet_[k] - center_, along_[1]);
+        const std::array<double, 6> more{1, u, v, u * u, u * v, v * v};
+        for (std::size_t i = 0; i < 6; ++i) m[i] += more[i];
+        right[0] += normals_[k], right[1] += u * normals_[k], right[2] += v * normals_[k];
+    }
+    // Less the means, which leaves two equations.
+    const double count = m[0], u = m[1] / count, v = m[2] / count;
+    const double uu = m[3] - count * u * u, uv = m[4] - count * u * v, vv = m[5] - count * v * v;
+    const Vec3d mean = (1 / count) * right[0], a = right[1] - (count * u) * mean,
+                b = right[2] - (count * v) * mean;
+    const double volume = uu * vv - uv * uv;
+    // Feet in a line say nothing of what is beside it.
+    slope_ = {};
+    if (volume > 0.01 * count * count)
+        slope_ = {(1 / volume) * (vv * a - uv * b), (1 / volume) * (uu * b - uv * a)};
+    constant_ = mean - u * slope_[0] - v * slope_[1];
+}
+
+/// Takes out the node whose normal is farthest off, where that is too far.
+bool SheetFit::dropOutliers() {
+    constexpr double kOff = 0.05;
+    double most = kOff;
+    std::size_t worst = feet_.size();
+    for (std::size_t k = 0; k < feet_.size(); ++k)
+        if (const double off = length(normals_[k] - normal(feet_[k])); off > most)
+            most = off, worst = k;
+    if (worst == feet_.size()) return false;
+    feet_.erase(feet_.begin() + std::ptrdiff_t(worst));
+    normals_.erase(normals_.begin() + std::ptrdiff_t(worst));
+    return true;
+}
+
+/// Keeps the angle to the line where two sheets meet.
+void turnOver(const Vec3d& from, const Vec3d& to, int side, Walker& w) {
+    const Vec3d edge = normalized(cross(from, to));
+    Vec3d away = cross(to, edge);
+    if (dot(away, from) * side < 0) away = -away;
+    const double along = dot(w.v, edge);
+    w.v = along * edge + std::sqrt(std::max(1 - along * along, 0.0)) * away;
+    w.n = to;
+}
+
+/// The walk from one clean place to about another, over the line where their sheets meet.
+/// @param length  at which it ends
+/// @return nothing where that is no crease
+std::optional<std::vector<Walker>> over(const Band& band, const Walker& before, const Vec3d& middle,
+                                        const Walker& after, double length) {
+    constexpr double kBeyond = 2.5, kOff = 2.5, kFarthest = 10;
+    const int side = dot(after.n, before.v) > 0 ? -1 : 1;
+    const SheetFit a(band, middle, before.n, side), b(band, middle, after.n, side);
+    if (!a.valid() || !b.valid()) return std::nullopt;
+    const double start = b.height(before.p);
+    auto isOver = [&](const Walker& w) { return (b.height(w.p) < 0) != (start < 0); };
+    std::vector<Walker> walk{before};
+    Walker next = before;
+    double high = 0;
+    while (true) {
+        high = std::min(kStep, length - walk.back().at);
+        if (!(high > 0)) return walk;
+        if (!(next = walk.back()).step(a, high)) return std::nullopt;
+        if (isOver(next)) break;
+        if (next.at - before.at > kFarthest) return std::nullopt;
+        walk.push_back(next);
+    }
+    double low = 0;
+    for (int round = 0; round < 40; ++round) {
+        const double half = (low + high) / 2;
+        (next = walk.back()).step(a, half);
+        (isOver(next) ? high : low) = half;
+    }
+    (next = walk.back()).step(a, high);
+    if (igeo::length(next.p - middle) > kOff) return std::nullopt;
+    turnOver(a.normal(next.p), b.normal(next.p), side, next);
+    walk.push_back(next);
+    for (const double end = std::min(next.at + kBeyond, length); next.at < end;) {
+        if (!next.step(b, std::min(kStep, end - next.at))) return std::nullopt;
+        walk.push_back(next);
+    }
+    return walk;
+}
+
+double degrees(const Vec3d& a, const Vec3d& b) {
+    return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
+}
+
+}  // namespace
+
+bool CreaseWatch::unfold(std::vector<Walker>& track) {
+    constexpr std::size_t kWindow = 6, kClean = 4, kMost = 24;  // steps
+    constexpr double kBend = 35, kSettled = 8, kLeast = 25, kMostBend = 150;
+    const std::size_t last = track.size() - 1;
+    if (bend_ == 0) {
+        const std::size_t before = std::max(first_ + kWindow, last) - kWindow;
+        if (degrees(track[before].n, track[last].n) < kBend) return false;
+        bend_ = last;
+    }
+    // A walk that ends here shows the other side if it goes on for a while.
+    std::vector<Walker> more(track.begin() + std::ptrdiff_t(first_), track.end());
+    auto settled = [&] {
+        return more.size() > bend_ - first_ + kClean &&
+               degrees(more[more.size() - 1 - kClean].n, more.back().n) < kSettled;
+    };
+    const auto surface = [&](const Vec3d& p, const Vec3d& n) { return localSurface(band_, p, n); };
+    while (track.back().at >= length_ && !settled() && more.size() <= bend_ - first_ + kMost) {
+        Walker next = more.back();
+        if (!next.step(surface, kStep)) break;
+        more.push_back(next);
+    }
+    if (!settled()) {
+        if (last > bend_ + kMost) first_ = last, bend_ = 0;
+        return false;
+    }
+    const Walker after = more.back();
+    std::size_t middle = 0;
+    while (middle + 1 < more.size() &&
+           dot(more[middle].n, more[0].n) > dot(more[middle].n, after.n))
+        ++middle;
+    const std::size_t from = std::max(middle, kWindow) - kWindow;
+    const double bend = degrees(more[from].n, after.n);
+    std::optional<std::vector<Walker>> walk;
+    if (bend > kLeast && bend < kMostBend)
+        walk = over(band_, more[from], more[middle].p, after, length_);
+    bend_ = 0;
+    if (!walk) {
+        first_ = last;
+        return false;
+    }
+    track.resize(first_ + from);
+    track.insert(track.end(), walk->begin(), walk->end());
+    first_ = track.size() - 1 - std::min(kClean, walk->size() - 1);
+    return true;
+}
+
+}  // namespace igeo

@@ -1,0 +1,26 @@
+/// Paths over the triangles of a mesh. Internal to the paths.
+#pragma once
+
+#include <igeo/base/progress.h>
+#include <igeo/march/field.h>
+#include <igeo/path/path.h>
+
+#include <vector>
+
+namespace igeo {
+
+/// Sets the lengths of a path, and of its vertices, from where these are.
+/// @return per vertex: the weighted length up to it
+std::vector<double> measure(const Field& field, Path& path);
+
+/// Adds the vertices that a path needs for all of it to lie on the triangles of its band: each
+/// segment becomes the locally shortest curve over them. A segment whose ends they do not join
+/// nearby stays as it is. Sets the lengths.
+void layOnTriangles(const Field& field, Path& path);
+
+/// The locally shortest curve over the triangles near a path, in steps of a voxel at most.
+/// @throws Error  Cancelled
+std::vector<Vec3d> shortestOnTriangles(const SurfaceTriangles& triangles, const Path& path,
+                                       const Progress& progress);
+
+}  // namespace igeo

@@ -1,0 +1,36 @@
+/// A path on the surface, as tracing, straightening and shooting give it.
+#pragma once
+
+#include <igeo/band/surface_point.h>
+
+#include <cstddef>
+#include <vector>
+
+namespace igeo {
+
+enum class PathStatus {
+    Reached,      ///< ends at a seed
+    Unreachable,  ///< the target has no distance: no path in the band, or beyond an early stop
+    Stalled       ///< no lower point was found before a seed
+};
+const char* toString(PathStatus status);
+
+/// A point on a geodesic.
+struct PathVertex {
+    Vec3d pIndex;          ///< on S, index space
+    double arcLength = 0;  ///< from the target, voxels
+    double distance = 0;   ///< d here, voxels times weight
+};
+
+/// A geodesic from a target down to the seed its distance comes from.
+struct Path {
+    SurfacePoint target;
+    PathStatus status = PathStatus::Unreachable;
+    std::size_t seed = 0;              ///< index of the seed reached, if Reached
+    std::vector<PathVertex> vertices;  ///< from the target on; empty if Unreachable
+    double weightedLength = 0;         ///< by the metric: voxels times weight
+    double length = 0;                 ///< voxels; the same where there is no weight
+    double distance = kInfinity;       ///< d at the target, voxels times weight
+};
+
+}  // namespace igeo

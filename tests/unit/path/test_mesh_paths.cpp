@@ -1,0 +1,220 @@
+// Paths over the triangles of a mesh against unfolding: exact.
+#include <igeo/march/jet.h>
+#include <igeo/path/accuracy_estimate.h>
+#include <igeo/path/exponential_map.h>
+#include <igeo/path/straighten.h>
+#include <igeo/surface/mesh_band.h>
+#include <support/catch.h>
+#include <support/expect_error.h>
+#include <support/mesh_shapes.h>
+
+#include <numbers>
+
+namespace igeo {
+namespace {
+
+const double kH = std::sqrt(3.0);
+
+struct Solved {
+    Band band;
+    Field field;
+
+    Solved(const TriangleMesh& mesh, double dx, const Vec3d& seed)
+        : band(bandFromMesh(mesh, dx, kH)), field(marchJet(band, nullptr, {on(seed)})) {}
+
+    SurfacePoint on(const Vec3d& p) const {
+        return nearestSurfacePoint(band, band.transform.indexFromWorld(p));
+    }
+    /// Lengths of the traced and the straightened path, world units.
+    std::array<double, 2> lengths(const Vec3d& target) const {
+        Path path = tracePath(field, on(target));
+        REQUIRE(path.status == PathStatus::Reached);
+        requireOnMesh(path);
+        const double traced = path.length * band.transform.dx;
+        straighten(field, path);
+        requireOnMesh(path);
+        CHECK(path.vertices.front().distance == Approx(path.length));
+        return {traced, path.length * band.transform.dx};
+    }
+    /// Every segment lies on one triangle.
+    void requireOnMesh(const Path& path) const {
+        for (std::size_t k = 1; k < path.vertices.size(); ++k) {
+            const Vec3d a = path.vertices[k - 1].pIndex, b = path.vertices[k].pIndex;
+            INFO(k << " of " << path.vertices.size() << ": " << a.x << " " << a.y << " " << a.z
+                   << " to " << b.x << " " << b.y << " " << b.z << " d "
+                   << path.vertices[k - 1].distance << " " << path.vertices[k].distance);
+            CHECK(length(b - a) < 1 + 1e-9);
+            for (const double share : {0.0, 0.3, 0.5, 0.8}) {
+                const Vec3d p = a + share * (b - a);
+                REQUIRE(std::sqrt(band.triangles->nearest(p).squared) < 1e-6);
+            }
+        }
+    }
+};
+
+TriangleMesh turned(const TriangleMesh& mesh) {
+    return test::moved(mesh, [](const Vec3d& p) {
+        const Vec3d q{0.8 * p.x - 0.6 * p.y, 0.6 * p.x + 0.8 * p.y, p.z};
+        return Vec3d{q.x, 0.28 * q.y - 0.96 * q.z, 0.96 * q.y + 0.28 * q.z};
+    });
+}
+Vec3d turned(const Vec3d& p) {
+    TriangleMesh point;
+    point.points = {p};
+    return turned(point).points[0];
+}
+
+TEST_CASE("paths over a box are those of its unfolding", "[mesh]") {
+    const Vec3d size{1, 0.7, 0.5};
+    const Solved s(turned(test::boxMesh(size)), 0.02, turned(Vec3d{0.31, 0.22, 0.5}));
+    // On the top, on two sides beside it, and on a third beyond a corner of those.
+    for (const auto& [target, exact] :
+         std::vector<std::pair<Vec3d, double>>{{{0.83, 0.6, 0.5}, std::hypot(0.52, 0.38)},
+                                               {{1, 0.41, 0.17}, std::hypot(0.69 + 0.33, 0.19)},
+                                               {{0.62, 0.7, 0.28}, std::hypot(0.31, 0.48 + 0.22)},
+                                               {{0.4, 0, 0.09}, std::hypot(0.09, 0.22 + 0.41)}}) {
+        const auto [traced, straight] = s.lengths(turned(target));
+        INFO(exact << " " << traced << " " << straight);
+        CHECK(std::abs(straight - exact) < 1e-7);
+        CHECK(traced - exact < 0.0015);
+    }
+}
+
+TEST_CASE("paths on a plate a third of a voxel thick stay on its face", "[mesh]") {
+    const double thick = 0.007;
+    const Solved s(turned(test::boxMesh({1, 0.6, thick})), 0.02, turned(Vec3d{0.12, 0.13, thick}));
+    for (const Vec3d& p :
+         {Vec3d{0.9, 0.5, thick}, Vec3d{0.3, 0.55, thick}, Vec3d{0.7, 0.1, thick}}) {
+        const double exact = std::hypot(p.x - 0.12, p.y - 0.13);
+        const auto [traced, straight] = s.lengths(turned(p));
+        INFO(exact << " " << traced << " " << straight);
+        CHECK(std::abs(straight - exact) < 1e-7);
+        CHECK(std::abs(traced - exact) < 0.002 * exact);
+    }
+}
+
+/// From p to q in a plane, around the disc of radius r about the origin.
+double aroundDisc(double r, const Vec3d& p, const Vec3d& q) {
+    const double a = length(p), b = length(q), angle = std::acos(dot(p, q) / (a * b));
+    const double arc = angle - std::acos(r / a) - std::acos(r / b);
+    if (arc <= 0) return length(p - q);
+    return std::sqrt(a * a - r * r) + r * arc + std::sqrt(b * b - r * r);
+}
+
+TEST_CASE("a path around a hole goes along its rim", "[mesh]") {
+    const double hole = 0.15;
+    const TriangleMesh mesh = test::sheet(1, 360, [&](double u, double v) {
+        const double r = hole + u * (0.5 - hole), a = 2 * std::numbers::pi * v;
+        return Vec3d{r * std::cos(a), r * std::sin(a), 0};
+    });
+    const Solved s(mesh, 0.02, {-0.32, 0.03, 0});
+    for (const Vec3d& p : {Vec3d{0.33, 0.05, 0}, Vec3d{0.2, -0.3, 0}, Vec3d{-0.1, 0.2, 0}}) {
+        // Chords of half a degree are short by 1e-5.
+        CHECK(s.lengths(p)[1] == Approx(aroundDisc(hole, {-0.32, 0.03, 0}, p)).epsilon(3e-5));
+    }
+}
+
+TEST_CASE("the estimate on a mesh is the error of the distance, not that of lengths", "[mesh]") {
+    const Solved s(turned(test::boxMesh({1, 0.7, 0.5})), 0.02, turned(Vec3d{0.31, 0.22, 0.5}));
+    const AccuracyEstimate e = estimateAccuracy(s.field);
+    CHECK(e.samples >= 7);  // one lies close to the seed
+    CHECK(e.meanError < 0.0012);
+    CHECK(e.largestError < 0.004);
+}
+
+TEST_CASE("a path ends at seeds on vertices and edges", "[mesh]") {
+    const Vec3d size{1, 0.7, 0.5};
+    for (const Vec3d& seed : {Vec3d{1, 0.7, 0.5}, Vec3d{0.4, 0, 0.5}, Vec3d{1, 0, 0.5}}) {
+        const Solved s(test::boxMesh(size), 0.02, seed);
+        for (const Vec3d& target :
+             {Vec3d{0.31, 0.22, 0.5}, Vec3d{0.5, 0.35, 0.5}, Vec3d{0, 0, 0.5}})
+            CHECK(s.lengths(target)[1] == Approx(length(target - seed)).epsilon(1e-6));
+    }
+}
+
+/// Where a shot over a mesh ends, world units.
+Vec3d shotOn(const TriangleMesh& mesh, const Vec3d& from, const Vec3d& direction, double way) {
+    const Band band = bandFromMesh(mesh, 0.02, kH);
+    const Similarity& t = band.transform;
+    const Path path =
+        shoot(band, nearestSurfacePoint(band, t.indexFromWorld(from)), direction, way / t.dx);
+    CHECK(path.status == PathStatus::Reached);
+    CHECK(path.length * t.dx == Approx(way));
+    return t.worldFromIndex(path.vertices.back().pIndex);
+}
+
+TEST_CASE("shoot: over the edges of a box as if it were unfolded", "[mesh]") {
+    const TriangleMesh mesh = turned(test::boxMesh({1, 0.7, 0.5}));
+    const Vec3d from{0.31, 0.22, 0.5};
+    auto ends = [&](const Vec3d& direction, double way) {
+        return shotOn(mesh, turned(from), turned(direction), way);
+    };
+    const Vec3d d = normalized(Vec3d{1, 0.3, 0});
+    // Down the side at x = 1.
+    CHECK(length(ends(d, 1.1) - turned({1, 0.22 + 1.1 * d.y, 0.5 - (0.31 + 1.1 * d.x - 1)})) <
+          1e-7);
+    // On over the bottom.
+    CHECK(length(ends(d, 1.4) - turned({1 - (0.31 + 1.4 * d.x - 1.5), 0.22 + 1.4 * d.y, 0})) <
+          1e-7);
+}
+
+TEST_CASE("shoot: over the rim of a cap and around the side of a prism", "[mesh]") {
+    constexpr unsigned kSides = 24;
+    const double radius = 0.4, turn = 2 * std::numbers::pi / kSides;
+    TriangleMesh mesh;
+    for (unsigned k = 0; k < kSides; ++k)
+        for (const double z : {0.0, 1.0})
+            mesh.points.push_back({radius * std::cos(turn * k), radius * std::sin(turn * k), z});
+    for (unsigned k = 0; k < kSides; ++k) {
+        const std::uint32_t a = 2 * k, b = 2 * ((k + 1) % kSides);
+        mesh.triangles.push_back({a, b, b + 1});
+        mesh.triangles.push_back({a, b + 1, a + 1});
+        if (k == 0 || k + 1 == kSides) continue;
+        mesh.triangles.push_back({1, a + 1, b + 1});
+        mesh.triangles.push_back({0, b, a});
+    }
+    // From the middle of the cap, a little off the normal of the first side.
+    const double wide = 2 * radius * std::sin(turn / 2), apothem = radius * std::cos(turn / 2);
+    const Vec3d from = {0, 0, 1}, middle{std::cos(turn / 2), std::sin(turn / 2), 0},
+                across{-middle.y, middle.x, 0};
+    const Vec3d direction = normalized(middle + 0.1 * across);
+    const double toRim = apothem / dot(direction, middle), way = toRim + 0.9;
+    // On the developed side: along it, from the start of the first facet.
+    const double s = wide / 2 + toRim * dot(direction, across) + 0.9 * dot(direction, across),
+                 z = 1 - 0.9 * dot(direction, middle);
+    const double facet = std::floor(s / wide), left = s / wide - facet;
+    auto corner = [&](double k) {
+        return Vec3d{radius * std::cos(turn * k), radius * std::sin(turn * k), z};
+    };
+    const Vec3d exact = corner(facet) + left * (corner(facet + 1) - corner(facet));
+    CHECK(length(shotOn(mesh, from, direction, way) - exact) < 1e-7);
+}
+
+TEST_CASE("shoot: past vertices with the same angle on both sides", "[mesh]") {
+    // Flat: along the edges of a lattice.
+    const TriangleMesh flat = test::sheet(5, 5, [](double u, double v) { return Vec3d{u, v, 0}; });
+    CHECK(length(shotOn(flat, {0.2, 0.4, 0}, {1, 0, 0}, 0.7) - Vec3d{0.9, 0.4, 0}) < 1e-7);
+    CHECK(length(shotOn(flat, {0, 0, 0}, {1, 1, 0}, 1.2) - 1.2 / std::sqrt(2.0) * Vec3d{1, 1, 0}) <
+          1e-7);
+    // Along the rim.
+    CHECK(length(shotOn(flat, {0.1, 0, 0}, {1, 0, 0}, 0.7) - Vec3d{0.8, 0, 0}) < 1e-7);
+    // Over the corner of a cube, along the diagonal: 135 degrees on both sides.
+    CHECK(length(shotOn(test::boxMesh({1, 1, 1}), {0.3, 0.3, 1}, {1, 1, 0},
+                        0.7 * std::sqrt(2.0) + 0.4) -
+                 Vec3d{1, 1, 0.6}) < 1e-7);
+}
+
+TEST_CASE("shoot: ends where a mesh does, and refuses a direction off it", "[mesh]") {
+    const TriangleMesh flat = test::sheet(5, 5, [](double u, double v) { return Vec3d{u, v, 0}; });
+    const Band band = bandFromMesh(flat, 0.02, kH);
+    const SurfacePoint start = nearestSurfacePoint(band, {13.1, 20.2, 0});
+    const Path path = shoot(band, start, {1, 0.2, 0}, 100);
+    CHECK(path.status == PathStatus::Stalled);
+    CHECK(path.vertices.back().pIndex.x == Approx(50));
+    test::expectError(Error::Kind::InvalidArgument, {"no part along the surface"}, [&] {
+        shoot(band, start, {0, 0, 1}, 10);
+    });
+}
+
+}  // namespace
+}  // namespace igeo
