@@ -1,18 +1,16 @@
 #include "run.h"
 
 #include <fmt/core.h>
-#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/io/point_list.h>
 #include <igeo/path/accuracy_estimate.h>
 
-#include <algorithm>
-
-#include "exit_code.h"
 #include "input/guarded_read.h"
 #include "input/seed_input.h"
 #include "input/surface_input.h"
+#include "output/grids.h"
+#include "output/messages.h"
 #include "output/output_files.h"
 #include "output/report.h"
 #include "output/result_checks.h"
@@ -20,7 +18,6 @@
 #include "output/run_result.h"
 #include "process.h"
 
-using igeo::textOf;
 using igeo::Vec3d;
 
 namespace {
@@ -43,29 +40,6 @@ RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metri
     warn(seeds.warnings);
     warn(metric.warnings);
     return report;
-}
-
-/// With -v: the band, the points and the metric.
-void describe(const igeo::Distance& distance, const Console& console) {
-    if (!console.verbose()) return;
-    const igeo::Band& band = distance.band();
-    const double dx = band.transform.dx;
-    console.detail(fmt::format("band: h = {:.6g} ({:.4g} voxels), {} nodes{}", band.h * dx, band.h,
-                               band.size(),
-                               distance.ofWholeSurface() ? "" : ", not of the whole surface"));
-    for (const auto& [what, points] :
-         {std::pair("seed", &distance.seeds()), {"target", &distance.targets()}})
-        for (std::size_t k = 0; k < points->size(); ++k) {
-            const igeo::SurfacePoint& p = (*points)[k];
-            if (p.joined) continue;
-            console.detail(fmt::format("{} {}: {}, moved {:.3g}", what, k,
-                                       textOf(band.transform.worldFromIndex(p.pIndex), 9),
-                                       p.snapDistance * dx));
-        }
-    const igeo::Metric& metric = *distance.field().metric;
-    if (metric.weighted() || metric.obstacles)
-        console.detail(fmt::format("metric: weights from {:.4g} to {:.4g}, {} nodes blocked",
-                                   metric.least(), metric.largest(), metric.insideCount()));
 }
 
 igeo::AccuracyEstimate estimate(const igeo::Distance& distance, const Console& console,
@@ -109,78 +83,6 @@ std::vector<igeo::PairDistance> solvePairs(const igeo::GeodesicSolver& solver, c
     return pairs;
 }
 
-/// What became of targets, walks and pairs.
-/// @return kDone or kUnreached
-int tellPaths(const RunReport& report, const igeo::Distance& distance, const Console& console) {
-    const igeo::Field& field = distance.field();
-    int code = kDone;
-    for (std::size_t k = 0; k < report.paths.size(); ++k) {
-        const igeo::Polyline& p = report.paths[k];
-        if (p.status == igeo::PathStatus::Reached) {
-            console.info(fmt::format("target {}: distance {:.6g}, geodesic {:.6g} {}", k,
-                                     p.startDistance, p.weightedLength,
-                                     field.metric->weighted()
-                                         ? fmt::format("by the metric, {:.6g} long", p.length)
-                                         : "long"));
-            continue;
-        }
-        code = kUnreached;
-        console.warning(fmt::format(
-            "target {} is {}: {}", k, igeo::toString(p.status),
-            p.status == igeo::PathStatus::Stalled ? "no way down from the target was found"
-            : field.stoppedEarly                  ? "it lies beyond the distance marched"
-                                                  : "no path on the surface joins it to a seed"));
-    }
-    return code;
-}
-
-void tellWalks(const RunReport& report, const Console& console) {
-    for (std::size_t k = 0; k < report.walks.size(); ++k) {
-        const igeo::Polyline& walk = report.walks[k];
-        const std::string said = fmt::format("walk {}: {:.6g} long, ends at {}", k, walk.length,
-                                             textOf(walk.points.back(), 9));
-        if (walk.status == igeo::PathStatus::Reached)
-            console.info(said);
-        else
-            console.warning(said + ", where the surface ends");
-    }
-}
-
-int tellPairs(const RunReport& report, const Console& console) {
-    if (report.pairs.empty()) return kDone;
-    console.info(std::to_string(report.pairs.size()) + " pairs solved");
-    const auto lost =
-        std::count_if(report.pairs.begin(), report.pairs.end(),
-                      [](const igeo::PairDistance& p) { return !(p.distance < igeo::kInfinity); });
-    if (lost == 0) return kDone;
-    console.warning(fmt::format("no path on the surface joins the points of {} pairs", lost));
-    return kUnreached;
-}
-
-void tellJoints(std::size_t joints, double gap, const Console& console,
-                std::vector<std::string>& warnings) {
-    if (joints > 0)
-        console.info(fmt::format("{} pair{} of pieces of the mesh joined over gaps of up to {:.6g}",
-                                 joints, joints == 1 ? "" : "s", gap));
-    else
-        warnings.push_back(fmt::format(
-            "--join-gaps {:.6g} joins nothing: no two pieces of the mesh are as close as that",
-            gap));
-}
-
-int tell(const RunReport& report, const igeo::Distance& distance, const RunOptions& o,
-         const Console& console) {
-    for (const std::string& w : report.warnings) console.warning(w);
-    const int paths = tellPaths(report, distance, console);
-    tellWalks(report, console);
-    const int pairs = tellPairs(report, console);
-    if (o.hasSeeds())
-        console.info(fmt::format("distances up to {:.6g} on {} of {} band voxels in {}",
-                                 distance.largest(), distance.field().reached,
-                                 distance.band().size(), distanceFile(o, &report.surface.name)));
-    return std::max(paths, pairs);
-}
-
 }  // namespace
 
 igeo::SolverOptions solverOptions(const RunOptions& o) {
@@ -215,6 +117,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     const igeo::QueryRules rules{o.snap.value_or(-1), o.space,
                                  o.memoryLimit > 0 ? o.memoryLimit * kGiB : machineMemory()};
     const igeo::GeodesicSolver solver = prepared.solver.with(rules);
+    checkGridNames(o, solver.surface().gridName());
     const SeedInput input = readSeeds(o, solver.surface());
     RunReport report = newReport(solver, prepared.metric, input);
 
@@ -227,6 +130,8 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
             report.warnings.push_back(w);
 
     if (o.joinGaps > 0) tellJoints(distance.band().joints, o.joinGaps, console, report.warnings);
+    warnOfOverrunSeeds(distance, report);
+
     report.paths = distance.paths(o.straighten, stages);
     stages.finished("trace");
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))

@@ -47,21 +47,23 @@ void requireStarts(const Seeds& seeds, double dx) {
         requireStart(seeds.curves[k].start, dx, "seed curve " + std::to_string(k));
 }
 
-std::vector<std::uint8_t> insideAny(const Seeds& seeds, const Band& band, Progress& progress) {
-    std::vector<std::uint8_t> inside(band.size());
-    for (const auto& region : seeds.regions) {
-        const std::vector<std::uint8_t> more = nodesInside(band, *region, progress);
-        for (std::size_t i = 0; i < inside.size(); ++i) inside[i] |= more[i];
-    }
-    return inside;
-}
-
 /// What the march's distance is yet to become: 0 inside regions, or signed.
 void finishInside(const Seeds& seeds, Field& field, Progress& progress) {
-    if (!seeds.regions.empty())
-        (seeds.isSigned ? signInside : clearInside)(insideAny(seeds, *field.band, progress), field);
-    else if (seeds.isSigned)
+    std::vector<std::uint8_t> any(seeds.regions.empty() ? 0 : field.band->size());
+    for (std::size_t k = seeds.regions.size(); k-- > 0;) {
+        const std::vector<std::uint8_t> inside =
+            nodesInside(*field.band, *seeds.regions[k], progress);
+        for (std::size_t i = 0; i < any.size(); ++i) any[i] |= inside[i];
+        // Of regions that overlap the first counts, so it comes last.
+        if (!seeds.isSigned)
+            clearInside(inside, std::uint32_t(seeds.points.size() + seeds.curves.size() + k),
+                        field);
+    }
+    if (!seeds.isSigned) return;
+    if (seeds.regions.empty())
         field.sign = signsOfCurves(field, progress);
+    else
+        signInside(any, field);
 }
 
 }  // namespace

@@ -73,6 +73,40 @@ TEST_CASE("the distance grid has the surface's transform, active where a distanc
         if (grid->indexToWorld(value.getCoord()).x() < 0) FAIL("a voxel of the other sphere");
 }
 
+TEST_CASE("a stray voxel with a huge value decides neither snap nor the reach of grooves") {
+    const TempWorkspace desk;
+    desk.make("sound.vdb", "sphere --voxel-size 0.1");
+    const auto psi = readVdb(desk / "sound.vdb").get<FloatGrid>("psi");
+    psi->tree().setValueOn({20, 3, 4}, -50.0f);
+    openvdb::io::File(desk / "in.vdb").write({psi});
+    const Result done = desk.run(
+        "--sdf in.vdb --seed 0,0,1 --grids engraved --levels 3 -o out.vdb --report r.json");
+    INFO(done.err);
+    CHECK(done.exitCode == 0);
+    for (const char* part : {"warning: 1 of", "500 voxels", "20,3,4", "left out"})
+        CHECK(done.err.find(part) != std::string::npos);
+    requireRefused(desk, "--sdf in.vdb --seed 0,0,50.9", 2, {"49.9", "0.3 is allowed", "--snap"});
+}
+
+TEST_CASE("--name that gives two grids one name is refused") {
+    const TempWorkspace desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.1 --name shell");
+    const std::string line = "--sdf in.vdb --seed 0,0,1 -o out.vdb -q ";
+    for (const std::string bad :
+         {"--name shell --grids surface", "--name shell_label --grids gradient,label",
+          "--name shell_curvature_max --grids curvature",
+          "--name shell_engraved --grids engraved --levels 2"}) {
+        const std::string name = split(bad)[1];
+        requireRefused(desk, line + bad, 2,
+                       {"--name " + name, "two grids", "'" + name + "'", "--grids"});
+    }
+    desk.make("odd.vdb", "sphere --voxel-size 0.1 --name d_gradient");
+    requireRefused(desk, "--sdf odd.vdb --seed 0,0,1 --name d --grids surface,gradient", 2,
+                   {"'d_gradient'", "two grids"});
+    requireDone(desk, line + "--name shell --grids gradient");
+    requireDone(desk, line + "--name shell_label --grids surface");
+}
+
 TEST_CASE("more grids come in a fixed order, the surface first") {
     const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.1 --name shell");

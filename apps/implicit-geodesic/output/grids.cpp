@@ -9,10 +9,12 @@
 #include <igeo/results/log_map.h>
 #include <igeo/results/voronoi_cells.h>
 
+#include <set>
 #include <utility>
 
 #include "output/output_files.h"
 #include "output/run_result.h"
+#include "usage_error.h"
 
 namespace {
 
@@ -80,7 +82,37 @@ private:
     openvdb::GridCPtrVec grids_;
 };
 
+/// What the grids of --grids are called: the name of the surface's or the distance's grid, and
+/// this.
+constexpr struct {
+    Grid grid;
+    bool ofDistance;
+    const char* suffix;
+} kNames[] = {{Grid::Surface, false, ""},
+              {Grid::Gradient, true, "_gradient"},
+              {Grid::Label, false, "_label"},
+              {Grid::Color, true, "_color"},
+              {Grid::LogMap, false, "_logmap"},
+              {Grid::Weight, false, "_weight"},
+              {Grid::Curvature, false, "_curvature_mean"},
+              {Grid::Curvature, false, "_curvature_gaussian"},
+              {Grid::Curvature, false, "_curvature_max"},
+              {Grid::Curvature, false, "_curvature_min"},
+              {Grid::Engraved, false, "_engraved"}};
+
 }  // namespace
+
+void checkGridNames(const RunOptions& o, const std::string& surface) {
+    if (o.name.empty() || !o.hasSeeds()) return;
+    std::set<std::string> names{o.name};
+    for (const auto& [grid, ofDistance, suffix] : kNames)
+        if (o.asked(grid))
+            if (const std::string name = (ofDistance ? o.name : surface) + suffix;
+                !names.insert(name).second)
+                usageError(
+                    "--name " + o.name + " gives two grids of the output the name '" + name + "'",
+                    "choose another, or leave one of the two out of --grids");
+}
 
 void writeVolume(RunResult& r, const std::string& file) {
     // Areas and boundaries of the cells of the seeds, for the report.

@@ -3,6 +3,13 @@
 
 #include <string>
 
+#include "options/run_options.h"
+
 struct RunResult;
+
+/// Refuses --name where it gives two grids of the output one name.
+/// @param surface  name of the surface's grid
+/// @throws igeo::Error  InvalidArgument
+void checkGridNames(const RunOptions& options, const std::string& surface);
 
 void writeVolume(RunResult& result, const std::string& file);

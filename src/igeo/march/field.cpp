@@ -84,25 +84,6 @@ double costToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIn
     return r * field.metric->stepCost(seed.node, normalized(tangential(chord, normal)));
 }
 
-const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, const Vec3d& normal,
-                               double d) {
-    const SurfacePoint* nearest = nullptr;
-    double least = field.startRadius;
-    field.seedsNear.forNear(pIndex, [&](std::size_t k) {
-        const SurfacePoint& s = field.seeds[k];
-        const Vec3d at = s.nearestTo(pIndex);
-        const double r = length(pIndex - at);
-        // The distance tells a seed on this sheet from one on a sheet close by.
-        const double cost = field.metric->anisotropic() && r > 0
-                                ? costToSeed(field, s, pIndex, normal) / r
-                                : s.weight;
-        if (r < least && d - s.start < 1.5 * field.startRadius * cost &&
-            !field.metric->blocked(pIndex, at, normal))
-            least = r, nearest = &s;
-    });
-    return nearest;
-}
-
 SurfaceCell::SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pIndex,
                          const Vec3d& sheetNormal)
     : BandCell(cellAt(band, pIndex)), normal(dropFacingCorners(band, *this, sheetNormal)) {
@@ -119,63 +100,178 @@ double segmentCost(const Band& band, const Metric& metric, const Vec3d& a, const
 
 namespace {
 
-/// Trilinear over the reached corners: values belong to the voxels.
-double sampleVoxels(const BandCell& cell, const Field& field) {
+/// What a start disc says.
+struct Straight {
+    const SurfacePoint* seed = nullptr;
+    double distance = kInfinity;
+};
+
+/// Reads a field at a point of S.
+class Reader {
+public:
+    Reader(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal)
+        : field_(field),
+          band_(*field.band),
+          metric_(*field.metric),
+          p_(pIndex),
+          cell_(band_, metric_, pIndex, sheetNormal) {}
+
+    Arrival byVoxels() const;
+    Arrival byJets() const;
+
+private:
+    bool reached(NodeIndex j) const { return j != kNoNode && field_.distance[j] < kInfinity; }
+    std::uint32_t source(NodeIndex j) const { return field_.label.empty() ? 0 : field_.label[j]; }
+
+    /// The least distance by a start disc around the point.
+    /// @param d     the distance by the corners: it tells a seed on this sheet from one close by
+    /// @param isOf  which seeds count
+    template <typename IsOf>
+    Straight straight(double d, const IsOf& isOf) const;
+    Arrival arrival(double d, const Straight& disc, std::uint32_t source) const;
+    /// The same, or that of a seed so close to others that no node is nearest to it.
+    Arrival orBetweenNodes(const Arrival& first) const;
+    /// Whether a corner within the disc of this seed was reached before its front came.
+    bool isOverrun(const SurfacePoint& seed) const;
+    double trilinear() const;
+    /// The jets of one source, blended.
+    double blended(std::uint32_t source) const;
+
+    const Field& field_;
+    const Band& band_;
+    const Metric& metric_;
+    const Vec3d p_;
+    const SurfaceCell cell_;
+};
+
+template <typename IsOf>
+Straight Reader::straight(double d, const IsOf& isOf) const {
+    Straight least;
+    field_.seedsNear.forNear(p_, [&](std::size_t k) {
+        const SurfacePoint& s = field_.seeds[k];
+        const Vec3d at = s.nearestTo(p_);
+        const double r = length(p_ - at);
+        if (!(r < field_.startRadius) || !isOf(k)) return;
+        const double cost = costToSeed(field_, s, p_, cell_.normal);
+        const double perVoxel = metric_.anisotropic() && r > 0 ? cost / r : s.weight;
+        if (s.start + cost < least.distance && d - s.start < 1.5 * field_.startRadius * perVoxel &&
+            !metric_.blocked(p_, at, cell_.normal))
+            least = {&s, s.start + cost};
+    });
+    return least;
+}
+
+Arrival Reader::arrival(double d, const Straight& disc, std::uint32_t source) const {
+    if (!disc.seed) return {d, source, nullptr};
+    return {disc.seed->rim ? std::min(d, disc.distance) : disc.distance, source, disc.seed};
+}
+
+bool Reader::isOverrun(const SurfacePoint& seed) const {
+    constexpr double kRounding = 1e-3;  // voxels
+    const auto source = field_.source[std::size_t(&seed - field_.seeds.data())];
+    return std::any_of(cell_.node.begin(), cell_.node.end(), [&](NodeIndex j) {
+        if (!reached(j)) return false;
+        const Vec3d voxel(band_.ijk(j));
+        double straight = kInfinity;
+        field_.seedsNear.forNear(voxel, [&](std::size_t k) {
+            const SurfacePoint& s = field_.seeds[k];
+            const Vec3d chord = voxel - s.nearestTo(voxel);
+            if (field_.source[k] == source && length(chord) <= field_.startRadius)
+                straight = std::min(straight, s.start + metric_.stepCost(s.node, chord));
+        });
+        return straight < kInfinity && field_.distance[j] < straight - kRounding * metric_.at(j);
+    });
+}
+
+/// Values belong to the voxels.
+double Reader::trilinear() const {
     double sum = 0, weight = 0, nearest = kInfinity;
     for (std::size_t k = 0; k < 8; ++k) {
-        if (cell.node[k] == kNoNode) continue;
-        const double d = field.distance[cell.node[k]];
-        if (!(d < kInfinity)) continue;
+        if (!reached(cell_.node[k])) continue;
+        const double d = field_.distance[cell_.node[k]];
         nearest = std::min(nearest, d);
-        sum += cell.weight[k] * d;
-        weight += cell.weight[k];
+        sum += cell_.weight[k] * d;
+        weight += cell_.weight[k];
     }
     return weight > 0 ? sum / weight : nearest;
 }
 
-double sampleJets(const SurfaceCell& cell, const Field& field, const Vec3d& p) {
-    const Band& band = *field.band;
-    const Metric& metric = *field.metric;
-    const TangentFrame frame(Vec3f(cell.normal), band.faceted);
+double Reader::blended(std::uint32_t source) const {
+    const TangentFrame frame(Vec3f(cell_.normal), band_.faceted);
     PlaneMetric plane;
-    if (metric.anisotropic())
-        plane = metric.inPlane(frame, cell);
+    if (metric_.anisotropic())
+        plane = metric_.inPlane(frame, cell_);
     else
-        plane.weight = metric.at(cell);
+        plane.weight = metric_.at(cell_);
     const double here = plane.weight;
     JetNeighbors all;
     BlendWeights weight{};
     for (std::size_t k = 0; k < 8; ++k) {
-        const NodeIndex j = cell.node[k];
-        if (j == kNoNode || !(field.distance[j] < kInfinity)) continue;
-        const Vec3f nj = band.normal[j];
+        const NodeIndex j = cell_.node[k];
+        if (!reached(j) || this->source(j) != source) continue;
+        const Vec3f nj = band_.normal[j];
         const float cosine = dot(frame.normal(), nj);
         // A corner at p itself must not leave the sum empty.
-        weight[std::size_t(all.count())] = float(cell.weight[k]) + 1e-6f;
-        Vec3f chord(p - band.footPoint(j)), g = field.gradient[j];
-        if (metric.anisotropic()) {
+        weight[std::size_t(all.count())] = float(cell_.weight[k]) + 1e-6f;
+        Vec3f chord(p_ - band_.footPoint(j)), g = field_.gradient[j];
+        if (metric_.anisotropic()) {
             g *= float(1 / here);
-        } else if (metric.weighted()) {
-            chord *= float((1 + metric.at(j) / here) / 2);
+        } else if (metric_.weighted()) {
+            chord *= float((1 + metric_.at(j) / here) / 2);
             g = normalized(g);
         }
-        const JetNeighbor n = flattened(frame, chord, nj, cosine, g, field.distance[j] / here);
-        all.add(metric.anisotropic() ? stretched(plane.stretch, n) : n);
+        const JetNeighbor n = flattened(frame, chord, nj, cosine, g, field_.distance[j] / here);
+        all.add(metric_.anisotropic() ? stretched(plane.stretch, n) : n);
     }
     return here * blendJets(all, weight).u;
 }
 
+Arrival Reader::byVoxels() const {
+    const double d = std::max(field_.leastStart, trilinear());
+    const Straight disc = straight(d, [](std::size_t) { return true; });
+    if (disc.seed && d < disc.distance && field_.sourceCount() > 1 && isOverrun(*disc.seed))
+        return {d, 0, nullptr};
+    return arrival(d, disc, 0);
+}
+
+Arrival Reader::byJets() const {
+    Arrival first;
+    std::array<std::uint32_t, 8> sources;
+    std::size_t count = 0;
+    for (const NodeIndex j : cell_.node) {
+        if (!reached(j)) continue;
+        const auto end = sources.begin() + std::ptrdiff_t(count);
+        if (std::find(sources.begin(), end, source(j)) == end) sources[count++] = source(j);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::uint32_t own = sources[k];
+        // Beside a seed in a groove jets are carried on past it.
+        const double d = std::max(field_.leastStart, blended(own));
+        const Straight disc = straight(d, [&](std::size_t s) { return field_.source[s] == own; });
+        const Arrival a = arrival(d, disc, own);
+        if (a.distance < first.distance || (a.distance == first.distance && own < first.source))
+            first = a;
+    }
+    return count > 0 && !field_.label.empty() ? orBetweenNodes(first) : first;
+}
+
+Arrival Reader::orBetweenNodes(const Arrival& first) const {
+    constexpr double kCell2 = 3;  // squared diagonal
+    const Straight disc = straight(first.distance, [&](std::size_t k) {
+        const SurfacePoint& s = field_.seeds[k];
+        const Vec3d r = s.nearestTo(p_) - p_;
+        return dot(r, r) < kCell2 &&
+               dot(Vec3d(band_.normal[s.node]), cell_.normal) > Band::kOtherSheet;
+    });
+    if (!(disc.distance < first.distance)) return first;
+    return {disc.distance, field_.source[std::size_t(disc.seed - field_.seeds.data())], disc.seed};
+}
+
 }  // namespace
 
-double sampleDistance(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal) {
-    const SurfaceCell cell(*field.band, *field.metric, pIndex, sheetNormal);
-    // Beside a seed in a groove jets are carried on past it.
-    const double d = std::max(field.leastStart, field.atFootPoints ? sampleJets(cell, field, pIndex)
-                                                                   : sampleVoxels(cell, field));
-    const SurfacePoint* const s = seedAround(field, pIndex, cell.normal, d);
-    if (!s) return d;
-    const double straight = s->start + costToSeed(field, *s, pIndex, cell.normal);
-    return s->rim ? std::min(d, straight) : straight;
+Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal) {
+    const Reader reader(field, pIndex, sheetNormal);
+    return field.atFootPoints ? reader.byJets() : reader.byVoxels();
 }
 
 }  // namespace igeo

@@ -39,6 +39,7 @@ struct Field {
     double leastStart = 0;      ///< the least start value of its seeds
     double maxDistance = 0;     ///< the largest finite distance
     bool stoppedEarly = false;  ///< a limit ended the march: +inf need not mean unconnected
+    double limit = kInfinity;   ///< larger distances are left out
 
     std::size_t sourceCount() const { return source.empty() ? 0 : source.back() + 1; }
 
@@ -57,12 +58,6 @@ std::vector<Vec3f> surfaceGradient(const Field& field);
 double costToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIndex,
                   const Vec3d& normal);
 
-/// The seed whose start disc holds a point of S where the distance is `d`, with nothing in between,
-/// or nullptr.
-/// @param normal of S at the point
-const SurfacePoint* seedAround(const Field& field, const Vec3d& pIndex, const Vec3d& normal,
-                               double d);
-
 /// The cell around a point of S without the corners that lie on another sheet or behind an
 /// obstacle, and the normal blended from those left on the sheet.
 /// @param sheetNormal of the sheet that is meant, where two face each other within a cell
@@ -78,10 +73,26 @@ struct SurfaceCell : BandCell {
 double segmentCost(const Band& band, const Metric& metric, const Vec3d& a, const Vec3d& b,
                    const Vec3d& sheetNormal);
 
-/// d at a point of S: trilinear over the reached corners of its cell, +inf if there are none;
-/// within a start disc the straight distance to its seed, as trilinear interpolation blunts the
-/// cone there. Never below the least start value.
+/// The front that comes first to a point of S.
+struct Arrival {
+    double distance = kInfinity;  ///< +inf: not reached
+    std::uint32_t source = 0;     ///< as Field::label, where there are labels
+    /// The seed whose start disc holds the point with nothing in between, where its front is the
+    /// first; else nullptr.
+    const SurfacePoint* seed = nullptr;
+};
+
+/// How all readers read a field. Between the reached corners of the point's cell: trilinear
+/// (godunov), or each jet carried there (jet; detail/jet_blend.h); of several fronts, of one source
+/// or of several, each is read by itself and the first counts. Within a start disc the straight
+/// distance to its seed, as interpolation blunts the cone there. Never below the least start value.
 /// @param sheetNormal of the sheet that is meant, where two face each other within a cell
-double sampleDistance(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal = {});
+Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal = {});
+
+/// Its distance.
+inline double sampleDistance(const Field& field, const Vec3d& pIndex,
+                             const Vec3d& sheetNormal = {}) {
+    return arrivalAt(field, pIndex, sheetNormal).distance;
+}
 
 }  // namespace igeo

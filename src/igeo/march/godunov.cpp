@@ -78,6 +78,7 @@ public:
         accepted_.resize(band_.size());
         field.distance = std::move(accepted_);
         field.stoppedEarly = !heap_.empty();
+        field.limit = options_.maxDistance;
         field.metric = std::move(metric_);
         field.seeds = std::move(seeds_);
         field.startRadius = options_.startRadius;

@@ -334,6 +334,7 @@ Field JetMarch::take() {
     field.scheme = "jet";
     field.startRadius = options_.startRadius;
     field.stoppedEarly = stopped_ || options_.below;
+    field.limit = limit_;
     field.solved = accepted_;
     field.fallbackCount = fallbackCount_;
     field.summarize();

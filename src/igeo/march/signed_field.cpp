@@ -69,11 +69,12 @@ private:
 
 }  // namespace
 
-void clearInside(const std::vector<std::uint8_t>& inside, Field& field) {
+void clearInside(const std::vector<std::uint8_t>& inside, std::uint32_t source, Field& field) {
     for (std::size_t i = 0; i < inside.size(); ++i)
         if (inside[i] && field.distance[i] < kInfinity) {
             field.distance[i] = 0;
             if (!field.gradient.empty()) field.gradient[i] = {};
+            if (!field.label.empty()) field.label[i] = source;
         }
     field.summarize();
 }

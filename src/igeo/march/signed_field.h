@@ -10,9 +10,11 @@
 
 namespace igeo {
 
-/// Makes the distance from a region that of its outside: 0 at nodes inside.
+/// Makes the distance from a region that of its outside: 0 at nodes inside, whatever seeds there
+/// are besides.
 /// @param inside per node (nodesInside)
-void clearInside(const std::vector<std::uint8_t>& inside, Field& field);
+/// @param source of the region (Field::source)
+void clearInside(const std::vector<std::uint8_t>& inside, std::uint32_t source, Field& field);
 
 /// Makes it that of the rim, negative at nodes inside.
 void signInside(const std::vector<std::uint8_t>& inside, Field& field);

@@ -45,15 +45,19 @@ private:
     /// The normal at p of the sheet the path is on.
     Vec3d normalAt(const Vec3d& p) const;
     void append(Path& path, const Vec3d& p, double d) const;
-    /// The seed to which a path at p, where the distance is d, may go straight.
-    const SurfacePoint* seedAhead(const Vec3d& p, double d) const;
-    void finishAtSeed(Path& path, const SurfacePoint& seed) const;
     /// Where a path is.
     struct State {
         Vec3d p;
-        double d, step;
+        double d;
+        const SurfacePoint* disc;  ///< the seed of the start disc it is in, or nullptr
+        double step;
         NodeIndex node;  ///< while it goes from node to node, else kNoNode
     };
+    /// The seed of a region that the target lies in, so that its path has no length, or nullptr.
+    const SurfacePoint* regionAround(const Arrival& arrival) const;
+    /// The seed to which a path may go straight.
+    const SurfacePoint* seedAhead(const State& at) const;
+    void finishAtSeed(Path& path, const SurfacePoint& seed) const;
     /// A step along the gradient; where that does not lead down (cut loci, creases), the next node.
     /// With both the distance falls, so that the path ends.
     /// @return false where no neighbor lies lower
@@ -194,21 +198,30 @@ void Tracer::append(Path& path, const Vec3d& p, double d) const {
     path.vertices.push_back({p, path.length, d});
 }
 
-const SurfacePoint* Tracer::seedAhead(const Vec3d& p, double d) const {
-    const SurfacePoint* around = seedAround(field_, p, sheetNormal_, d);
-    if (around || !field_.metric->anisotropic()) return around;
+const SurfacePoint* Tracer::seedAhead(const State& at) const {
+    if (at.disc || !field_.metric->anisotropic()) return at.disc;
     // The rest of a start disc that tensors make long, where S is flat and the straight line as
     // good as the distance: there the front bends faster than a cell can show.
     constexpr double kRise = 1, kAgree = 0.02;
     const TangentFrame frame{Vec3f(sheetNormal_)};
     for (const SurfacePoint& s : field_.seeds) {
-        const double cost = costToSeed(field_, s, p, sheetNormal_);
-        if (std::abs(d - s.start - cost) <= kAgree * cost &&
-            std::abs(dot(sheetNormal_, s.nearestTo(p) - p)) <= kRise &&
+        const double cost = costToSeed(field_, s, at.p, sheetNormal_);
+        const Vec3d end = s.nearestTo(at.p);
+        if (std::abs(at.d - s.start - cost) <= kAgree * cost &&
+            std::abs(dot(sheetNormal_, end - at.p)) <= kRise &&
             cost <= field_.startRadius * field_.metric->inPlane(frame, s.node).largest() &&
-            !field_.metric->blocked(p, s.nearestTo(p), sheetNormal_))
+            !field_.metric->blocked(at.p, end, sheetNormal_))
             return &s;
     }
+    return nullptr;
+}
+
+const SurfacePoint* Tracer::regionAround(const Arrival& arrival) const {
+    if (arrival.distance > 0 || (arrival.seed && !arrival.seed->rim)) return nullptr;
+    if (arrival.seed) return arrival.seed;
+    for (std::size_t k = 0; k < field_.seeds.size(); ++k)
+        if (field_.seeds[k].rim && (field_.label.empty() || field_.source[k] == arrival.source))
+            return &field_.seeds[k];
     return nullptr;
 }
 
@@ -231,10 +244,10 @@ void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
 bool Tracer::advance(State& at) const {
     constexpr double kFall = 1e-4;  // voxels
     Vec3d next = at.p;
-    const double lower =
-        stepAlongGradient(next, at.step) ? sampleDistance(field_, next, sheetNormal_) : kInfinity;
-    if (lower < at.d - kFall * field_.metric->at(cellAt(band_, at.p))) {
-        at = {next, lower, at.step, kNoNode};
+    Arrival there;
+    if (stepAlongGradient(next, at.step)) there = arrivalAt(field_, next, sheetNormal_);
+    if (there.distance < at.d - kFall * field_.metric->at(cellAt(band_, at.p))) {
+        at = {next, there.distance, there.seed, at.step, kNoNode};
         return true;
     }
     at.node = at.node == kNoNode ? nodeAhead(at.p) : lowestNeighbor(at.node);
@@ -245,14 +258,19 @@ Path Tracer::trace(const SurfacePoint& target) {
     Path path;
     path.target = target;
     sheetNormal_ = Vec3d(band_.normal[target.node]);
-    State at{target.pIndex, sampleDistance(field_, target.pIndex, sheetNormal_),
-             options_.maxStep / 4, kNoNode};
-    path.distance = at.d;
-    if (!(at.d < kInfinity)) return path;
+    const Arrival arrival = arrivalAt(field_, target.pIndex, sheetNormal_);
+    path.distance = arrival.distance;
+    if (!(arrival.distance < kInfinity)) return path;
+    State at{target.pIndex, arrival.distance, arrival.seed, options_.maxStep / 4, kNoNode};
     append(path, at.p, at.d);
+    if (const SurfacePoint* seed = regionAround(arrival)) {
+        path.seed = std::size_t(seed - field_.seeds.data());
+        path.status = PathStatus::Reached;
+        return path;
+    }
     path.status = PathStatus::Stalled;
     while (true) {
-        if (const SurfacePoint* seed = seedAhead(at.p, at.d)) {
+        if (const SurfacePoint* seed = seedAhead(at)) {
             finishAtSeed(path, *seed);
             return path;
         }
@@ -261,6 +279,7 @@ Path Tracer::trace(const SurfacePoint& target) {
             at.p = band_.footPoint(at.node);
             projectToSurface(band_, at.p);
             sheetNormal_ = Vec3d(band_.normal[at.node]);
+            at.disc = arrivalAt(field_, at.p, sheetNormal_).seed;
             // Values at points may lie below those of the nodes around them.
             at.d = std::min(at.d, field_.distance[at.node]);
             at.step = options_.maxStep / 4;

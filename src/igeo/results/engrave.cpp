@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 #include <igeo/base/error.h>
 
+#include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/Composite.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace igeo {
 
@@ -15,12 +17,12 @@ namespace {
 /// A level set of round tubes about segments, voxel by voxel the least distance to any.
 class Tubes {
 public:
-    /// @param radius voxels
-    Tubes(double radius, const LevelSet& levelSet)
+    /// @param radius, halfWidth  voxels
+    Tubes(double radius, double halfWidth, double dx, float background)
         : radius_(radius),
-          dx_(levelSet.transform.dx),
-          halfWidth_(levelSet.stats.halfWidth),
-          grid_(openvdb::FloatGrid::create(levelSet.psi->background())),
+          dx_(dx),
+          halfWidth_(halfWidth),
+          grid_(openvdb::FloatGrid::create(background)),
           accessor_(grid_->getAccessor()) {}
 
     void add(const Vec3d& a, const Vec3d& b) {
@@ -57,6 +59,18 @@ private:
     openvdb::FloatGrid::Accessor accessor_;
 };
 
+/// psi, active below a half-width (voxels) only.
+openvdb::FloatTree::ConstPtr narrowed(const LevelSet& levelSet, double halfWidth) {
+    if (levelSet.stats.halfWidth <= halfWidth) return levelSet.psi->constTreePtr();
+    const auto psi = std::make_shared<openvdb::FloatTree>(levelSet.psi->tree());
+    const auto width = float(halfWidth * levelSet.transform.dx);
+    openvdb::tools::changeLevelSetBackground(*psi, width);
+    for (auto leaf = psi->beginLeaf(); leaf; ++leaf)
+        for (auto it = leaf->beginValueOn(); it; ++it)
+            if (std::abs(*it) >= width) leaf->setValueOff(it.pos(), std::copysign(width, *it));
+    return psi;
+}
+
 }  // namespace
 
 openvdb::FloatGrid::Ptr engraved(const LevelSet& levelSet, const std::vector<Isoline>& lines,
@@ -65,8 +79,9 @@ openvdb::FloatGrid::Ptr engraved(const LevelSet& levelSet, const std::vector<Iso
     if (!(radius >= 0.5 && radius <= 10))
         throw Error(Error::Kind::InvalidArgument,
                     fmt::format("a groove of radius {:f} voxels; allowed are 0.5 to 10", radius));
-    const openvdb::FloatGrid& psi = *levelSet.psi;
-    Tubes tubes(radius, levelSet);
+    const double halfWidth = std::min(levelSet.stats.halfWidth, kEngravedWidth);
+    const openvdb::FloatTree::ConstPtr psi = narrowed(levelSet, halfWidth);
+    Tubes tubes(radius, halfWidth, levelSet.transform.dx, psi->background());
     for (const Isoline& line : lines) {
         progress.throwIfCancelled();
         for (std::size_t i = 1; i < line.points.size(); ++i)
@@ -77,9 +92,9 @@ openvdb::FloatGrid::Ptr engraved(const LevelSet& levelSet, const std::vector<Iso
         for (std::size_t i = 1; i < path.vertices.size(); ++i)
             tubes.add(path.vertices[i - 1].pIndex, path.vertices[i].pIndex);
 
-    const auto grid = openvdb::FloatGrid::create(
-        openvdb::tools::csgDifferenceCopy(psi.tree(), tubes.grid().tree()));
-    grid->setTransform(psi.transform().copy());
+    const auto grid =
+        openvdb::FloatGrid::create(openvdb::tools::csgDifferenceCopy(*psi, tubes.grid().tree()));
+    grid->setTransform(levelSet.psi->transform().copy());
     grid->setGridClass(openvdb::GRID_LEVEL_SET);
     grid->setName(levelSet.name + "_engraved");
     return grid;

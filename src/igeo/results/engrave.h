@@ -12,13 +12,16 @@ namespace igeo {
 
 /// Half the width of a groove that shows at any magnification that shows the voxels.
 constexpr double kGrooveRadius = 1.2;
+/// Largest half-width of an engraved level set, voxels: the work grows with its square.
+constexpr double kEngravedWidth = 10;
 
 /// The level set with a groove along every line and path: S minus round tubes about them
 /// (OpenVDB's csgDifference, psi' = max(psi, radius - distance to the line)).
 ///
 /// That maximum is the exact distance inside S and a lower bound outside, so the result is a level
-/// set of the same half-width without redistancing; further than radius + half-width from all
-/// lines it has the values of psi bit by bit. A wall thinner than the radius is cut through.
+/// set of the same half-width, at most kEngravedWidth, without redistancing; further than radius +
+/// half-width from all lines it has the values of psi bit by bit. A wall thinner than the radius is
+/// cut through.
 /// @param radius depth and half the width of the grooves, voxels
 /// @return a grid of class level set with psi's transform, named <psi>_engraved
 /// @throws Error  InvalidArgument unless 0.5 <= radius <= 10; Cancelled through `progress`

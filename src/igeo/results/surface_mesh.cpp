@@ -139,19 +139,6 @@ std::vector<Vec3f> vertexNormals(const SurfaceMesh& mesh) {
     return normal;
 }
 
-/// The seed of the corner whose value, carried to p, is least.
-std::uint32_t labelAt(const Field& field, const BandCell& cell, const Vec3d& p) {
-    std::uint32_t label = kNoLabel;
-    double least = kInfinity;
-    for (const NodeIndex j : cell.node) {
-        if (j == kNoNode) continue;
-        double said = field.distance[j];
-        if (field.atFootPoints) said += dot(Vec3d(field.gradient[j]), p - field.band->footPoint(j));
-        if (said < least) least = said, label = field.label.empty() ? 0 : field.label[j];
-    }
-    return label;
-}
-
 }  // namespace
 
 SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, Progress& progress) {
@@ -197,8 +184,9 @@ void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {
             const Vec3d p = mesh.position[i], sheetNormal(mesh.normal[i]);
             const SurfaceCell cell(*field.band, *field.metric, p, sheetNormal);
             if (cell.normal != Vec3d{}) mesh.normal[i] = Vec3f(cell.normal);
-            mesh.distance[i] = sampleDistance(field, p, sheetNormal);
-            mesh.label[i] = labelAt(field, cell, p);
+            const Arrival first = arrivalAt(field, p, sheetNormal);
+            mesh.distance[i] = first.distance;
+            mesh.label[i] = first.distance < kInfinity ? first.source : kNoLabel;
         }
         reading.add(end - begin);
     });

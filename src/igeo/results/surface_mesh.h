@@ -36,7 +36,7 @@ struct SurfaceMesh {
 /// ends within two voxels of it. Vertices in cells with a corner outside the band stay as
 /// extracted: all beyond a band of a region, and of a band of sqrt(3) voxels a few per cent, some
 /// thousandths of a voxel off.
-/// @param field distances are sampleDistance(); a label is that of the node whose jet says least
+/// @param field distances are sampleDistance(); a label is Arrival::source
 /// @throws Error  Cancelled through `progress`
 /// Time O(active voxels), in parallel. Order and bits do not depend on the number of threads.
 SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Field& field,

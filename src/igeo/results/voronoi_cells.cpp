@@ -3,6 +3,8 @@
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 
+#include <algorithm>
+
 namespace igeo {
 
 namespace {
@@ -59,7 +61,8 @@ Vec3d gradientAt(const Field& field, const SurfaceMesh& mesh, std::uint32_t v) {
     double weight = 0;
     for (std::size_t k = 0; k < 8; ++k) {
         const NodeIndex j = cell.node[k];
-        if (j == kNoNode || !(field.distance[j] < kInfinity) || field.label[j] != mesh.label[v])
+        if (j == kNoNode || !(field.distance[j] < kInfinity) ||
+            (!field.label.empty() && field.label[j] != mesh.label[v]))
             continue;
         sum += cell.weight[k] * Vec3d(field.gradient[j]);
         weight += cell.weight[k];
@@ -67,22 +70,48 @@ Vec3d gradientAt(const Field& field, const SurfaceMesh& mesh, std::uint32_t v) {
     return weight > 0 ? tangential(sum * (1 / weight), n) : Vec3d{};
 }
 
+/// A point of a triangle and the distance there.
+struct Sample {
+    Vec3d p;
+    double d;
+};
+
 class Sums {
 public:
-    explicit Sums(std::size_t seeds) { all_.cells.resize(seeds); }
+    Sums(std::size_t seeds, double limit) : limit_(limit) { all_.cells.resize(seeds); }
 
-    void add(std::uint32_t label, double area) {
-        (label == kNoLabel ? all_.unreachedArea : all_.cells[label].area) += area;
+    /// A triangle of a cell; what lies beyond the limit is unreached.
+    void add(std::uint32_t label, const Sample& a, const Sample& b, const Sample& c) {
+        const double whole = area(a.p, b.p, c.p);
+        const double part = label == kNoLabel ? 0 : whole * shareWithin({a.d, b.d, c.d});
+        if (label != kNoLabel) all_.cells[label].area += part;
+        all_.unreachedArea += whole - part;
     }
-    void addBoundary(std::uint32_t a, std::uint32_t b, double length) {
+    /// The boundary of two cells, as far as it lies within the limit.
+    void addBoundary(std::uint32_t a, std::uint32_t b, const Sample& from, const Sample& to) {
         if (a == kNoLabel || b == kNoLabel) return;
-        all_.cells[a].boundary += length;
-        all_.cells[b].boundary += length;
+        const auto [least, most] = std::minmax(from.d, to.d);
+        const double share = most <= limit_    ? 1
+                             : least >= limit_ ? 0
+                                               : (limit_ - least) / (most - least);
+        all_.cells[a].boundary += share * length(to.p - from.p);
+        all_.cells[b].boundary += share * length(to.p - from.p);
     }
     void addWhole(double area) { all_.area += area; }
     const VoronoiCells& result() const { return all_; }
 
 private:
+    /// Of a triangle, by the distances at its corners: linear between them.
+    double shareWithin(std::array<double, 3> d) const {
+        std::sort(d.begin(), d.end());
+        if (d[2] <= limit_) return 1;
+        if (d[0] >= limit_) return 0;
+        auto part = [&](double tip, double other) { return (limit_ - tip) / (other - tip); };
+        return d[1] <= limit_ ? 1 - part(d[2], d[0]) * part(d[2], d[1])
+                              : part(d[0], d[1]) * part(d[0], d[2]);
+    }
+
+    const double limit_;
     VoronoiCells all_;
 };
 
@@ -90,20 +119,74 @@ private:
 void cutInTwo(const Piece& piece, Corner alone, Sums& sums) {
     const Corner j = (alone + 1) % 3, k = (alone + 2) % 3;
     const Vec3d q = piece.crossing(alone, j), r = piece.crossing(alone, k);
-    sums.add(piece.label[alone], area(piece.p[alone], q, r));
-    sums.add(piece.label[j], area(q, piece.p[j], piece.p[k]) + area(q, piece.p[k], r));
-    sums.addBoundary(piece.label[alone], piece.label[j], length(q - r));
+    auto own = [&](const Vec3d& p) { return Sample{p, piece.at(alone, p)}; };
+    auto other = [&](const Vec3d& p) { return Sample{p, piece.at(j, p)}; };
+    const Sample pj = {piece.p[j], piece.d[j]}, pk = {piece.p[k], piece.d[k]};
+    sums.add(piece.label[alone], own(piece.p[alone]), own(q), own(r));
+    sums.add(piece.label[j], other(q), pj, pk);
+    sums.add(piece.label[j], other(q), pk, other(r));
+    sums.addBoundary(piece.label[alone], piece.label[j], own(q), own(r));
 }
 
 void cutInThree(const Piece& piece, Sums& sums) {
     std::array<Vec3d, 3> crossings;  // k: on the edge from corner k to k + 1
     for (Corner k = 0; k < 3; ++k) crossings[k] = piece.crossing(k, (k + 1) % 3);
-    const Vec3d q = piece.triplePoint(crossings);
+    const Vec3d middle = piece.triplePoint(crossings);
     for (Corner k = 0; k < 3; ++k) {
-        sums.add(piece.label[k],
-                 area(piece.p[k], crossings[k], q) + area(piece.p[k], q, crossings[(k + 2) % 3]));
-        sums.addBoundary(piece.label[k], piece.label[(k + 1) % 3], length(crossings[k] - q));
+        auto own = [&](const Vec3d& p) { return Sample{p, piece.at(k, p)}; };
+        const Sample corner = own(piece.p[k]), q = own(middle);
+        sums.add(piece.label[k], corner, own(crossings[k]), q);
+        sums.add(piece.label[k], corner, q, own(crossings[(k + 2) % 3]));
+        sums.addBoundary(piece.label[k], piece.label[(k + 1) % 3], own(crossings[k]), q);
     }
+}
+
+/// Corners that were not reached, as the march stopped before, take what the jets of the others
+/// say, so that the triangle can be cut at the limit.
+void continueBeyond(double limit, Piece& piece) {
+    const Piece known = piece;
+    for (Corner i = 0; i < 3; ++i) {
+        if (known.label[i] != kNoLabel) continue;
+        double least = kInfinity;
+        for (Corner k = 0; k < 3; ++k)
+            if (known.label[k] != kNoLabel)
+                if (const double d = known.at(k, known.p[i]); d < least)
+                    least = d, piece.label[i] = known.label[k], piece.g[i] = known.g[k];
+        piece.d[i] = least;
+        // Not for the limit: an obstacle, or another part of S.
+        if (!(least > limit)) piece.label[i] = kNoLabel, piece.d[i] = 0, piece.g[i] = {};
+    }
+}
+
+void addTriangle(const Field& field, const SurfaceMesh& mesh, const SurfaceMesh::Triangle& v,
+                 Sums& sums) {
+    Piece piece;
+    auto alike = [&] {
+        return piece.label[0] == piece.label[1] && piece.label[1] == piece.label[2];
+    };
+    for (Corner k = 0; k < 3; ++k) {
+        piece.p[k] = mesh.position[v[k]];
+        piece.label[k] = mesh.label[v[k]];
+        if (piece.label[k] != kNoLabel) piece.d[k] = mesh.distance[v[k]];
+    }
+    sums.addWhole(area(piece.p[0], piece.p[1], piece.p[2]));
+    if (!alike()) {
+        for (Corner k = 0; k < 3; ++k)
+            if (piece.label[k] != kNoLabel) piece.g[k] = gradientAt(field, mesh, v[k]);
+        continueBeyond(field.limit, piece);
+    }
+    const auto& label = piece.label;
+    if (alike())
+        sums.add(label[0], {piece.p[0], piece.d[0]}, {piece.p[1], piece.d[1]},
+                 {piece.p[2], piece.d[2]});
+    else if (label[1] == label[2])
+        cutInTwo(piece, 0, sums);
+    else if (label[2] == label[0])
+        cutInTwo(piece, 1, sums);
+    else if (label[0] == label[1])
+        cutInTwo(piece, 2, sums);
+    else
+        cutInThree(piece, sums);
 }
 
 }  // namespace
@@ -115,36 +198,12 @@ VoronoiCells voronoiCells(const Field& field, const SurfaceMesh& mesh, Progress&
                         ") does not know which seed is nearest, so "
                         "there are no cells",
                     "compute it with the scheme jet");
-    Sums sums(field.sourceCount());
+    Sums sums(field.sourceCount(), field.limit);
     Steps steps(progress, "cells", mesh.triangles.size());
     std::size_t done = 0;
     for (const SurfaceMesh::Triangle& v : mesh.triangles) {
         if (++done % 65536 == 0) steps.add(65536), progress.throwIfCancelled();
-        Piece piece;
-        for (Corner k = 0; k < 3; ++k) {
-            piece.p[k] = mesh.position[v[k]];
-            piece.label[k] = mesh.label[v[k]];
-        }
-        const auto& label = piece.label;
-        const double whole = area(piece.p[0], piece.p[1], piece.p[2]);
-        sums.addWhole(whole);
-        if (label[0] == label[1] && label[1] == label[2]) {
-            sums.add(label[0], whole);
-            continue;
-        }
-        for (Corner k = 0; k < 3; ++k) {
-            if (label[k] == kNoLabel || field.label.empty()) continue;
-            piece.d[k] = mesh.distance[v[k]];
-            piece.g[k] = gradientAt(field, mesh, v[k]);
-        }
-        if (label[1] == label[2])
-            cutInTwo(piece, 0, sums);
-        else if (label[2] == label[0])
-            cutInTwo(piece, 1, sums);
-        else if (label[0] == label[1])
-            cutInTwo(piece, 2, sums);
-        else
-            cutInThree(piece, sums);
+        addTriangle(field, mesh, v, sums);
     }
     return sums.result();
 }

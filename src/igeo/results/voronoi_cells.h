@@ -16,7 +16,7 @@ struct VoronoiCell {
 
 struct VoronoiCells {
     std::vector<VoronoiCell> cells;  ///< one per seed
-    double unreachedArea = 0;        ///< square voxels, beyond all cells
+    double unreachedArea = 0;        ///< square voxels, beyond all cells or the limit of the march
     double area = 0;                 ///< of the whole mesh; cells and the rest add up to it
 };
 
@@ -24,8 +24,9 @@ struct VoronoiCells {
 ///
 /// A triangle whose corners belong to two seeds a and b is cut where their distances, continued
 /// along its edges by the jets at its corners, d_a + g_a . t and d_b + g_b . t, are equal; one of
-/// three seeds has a triple point where all three are. Half an edge counts as unreached where one
-/// end is.
+/// three seeds has a triple point where all three are. Where the march was limited (Field::limit),
+/// triangles are cut there, by distances continued to corners that were not reached; elsewhere half
+/// an edge counts as unreached where one end is.
 /// @param mesh surfaceMesh() of the same field
 /// @throws Error  InvalidArgument for several seeds without labels (Field::label)
 ///         Cancelled through `progress`

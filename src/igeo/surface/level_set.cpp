@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <utility>
 
 namespace igeo {
 
@@ -104,23 +105,86 @@ std::vector<const Leaf*> leavesOf(const openvdb::FloatGrid& grid) {
     return leaves;
 }
 
+/// Voxels by |psi|, in shells one voxel thick.
+class Shells {
+public:
+    void add(double voxels) { ++count_[std::size_t(std::min(voxels, double(kMost)))]; }
+    void add(const Shells& other) {
+        for (std::size_t k = 0; k <= kMost; ++k) count_[k] += other.count_[k];
+    }
+    /// |psi| from which on voxels are strays: two voxels beyond the last shell that is not a
+    /// hundredth of the one below. Infinite where these would be half of all.
+    double strayFrom() const {
+        constexpr std::uint64_t kThin = 100;
+        std::size_t last = 0;
+        while (last < kMost && count_[last + 1] && kThin * count_[last + 1] >= count_[last]) ++last;
+        std::uint64_t within = 0, all = 0;
+        for (std::size_t k = 0; k <= kMost; ++k) {
+            all += count_[k];
+            if (k < last + 2) within += count_[k];
+        }
+        return last + 2 < kMost && 2 * within > all ? double(last + 2) : kInfinity;
+    }
+
+private:
+    static constexpr std::size_t kMost = 1000;  // and all beyond
+    std::vector<std::uint64_t> count_ = std::vector<std::uint64_t>(kMost + 1);
+};
+
+/// Makes voxels with |psi| of `from` voxels or more inactive.
+void removeStrays(LevelSet& s, double from) {
+    const openvdb::FloatGrid::Ptr psi = s.psi->deepCopy();
+    LevelSetStats& st = s.stats;
+    const double largest = std::exchange(st.halfWidth, 0);
+    openvdb::Coord first;
+    float value = 0;
+    std::vector<Leaf*> leaves;
+    psi->tree().getNodes(leaves);
+    for (Leaf* leaf : leaves)
+        for (auto it = leaf->beginValueOn(); it; ++it) {
+            const double voxels = *it / s.transform.dx;
+            if (std::abs(voxels) < from) {
+                st.halfWidth = std::max(st.halfWidth, std::abs(voxels));
+                continue;
+            }
+            if (st.strayVoxels++ == 0) first = it.getCoord(), value = *it;
+            st.negative -= voxels < 0;
+            leaf->setValueOff(it.pos(), std::copysign(psi->background(), *it));
+        }
+    st.activeVoxels -= st.strayVoxels;
+    s.psi = psi;
+    s.warnings.push_back(fmt::format(
+        "{} of {} active voxels hold no distance: |psi| is up to {:.4g} voxels there, and {:.4g} "
+        "voxels at most elsewhere; the first is {:g} at index {},{},{}. They are left out; rebuild "
+        "the level set from its source",
+        st.strayVoxels, st.strayVoxels + st.activeVoxels, largest, st.halfWidth, value, first.x(),
+        first.y(), first.z()));
+}
+
 /// Finite values first: everything else assumes them.
 void measureRange(LevelSet& s) {
     const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
     LevelSetStats& st = s.stats;
+    Shells shells;
+    std::mutex mutex;  // sums of integers: the order of adding does not matter
     std::vector<std::uint64_t> bad(leaves.size());
     std::vector<std::uint64_t> negative(leaves.size()), active(leaves.size());
     std::vector<float> widest(leaves.size());
-    parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
+    parallelFor(leaves.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        Shells part;
         for (std::size_t l = begin; l < end; ++l)
             for (auto it = leaves[l]->cbeginValueOn(); it; ++it) {
                 ++active[l];
                 if (*it < 0) ++negative[l];
-                if (!std::isfinite(*it))
+                if (!std::isfinite(*it)) {
                     ++bad[l];
-                else
-                    widest[l] = std::max(widest[l], std::abs(*it));
+                    continue;
+                }
+                part.add(std::abs(*it) / s.transform.dx);
+                widest[l] = std::max(widest[l], std::abs(*it));
             }
+        std::lock_guard<std::mutex> lock(mutex);
+        shells.add(part);
     });
     for (std::size_t l = 0; l < leaves.size(); ++l) {
         if (bad[l] && !st.badVoxels)
@@ -135,6 +199,8 @@ void measureRange(LevelSet& s) {
         st.activeVoxels += active[l];
         st.halfWidth = std::max(st.halfWidth, widest[l] / s.transform.dx);
     }
+    if (const double from = shells.strayFrom(); !st.badVoxels && st.halfWidth >= from)
+        removeStrays(s, from);
 }
 
 /// An active tile holds one value for 8^3 voxels or more. Far from the surface that is harmless and

@@ -21,7 +21,8 @@ struct LevelSetStats {
     std::uint64_t badVoxels = 0;    ///< NaN or infinite
     Ijk firstBad{};                 ///< the first of them
     std::uint64_t negative = 0;     ///< active voxels inside
-    double halfWidth = 0;           ///< largest |psi| of an active voxel
+    double halfWidth = 0;           ///< largest |psi| of an active voxel that is no stray
+    std::uint64_t strayVoxels = 0;  ///< |psi| far beyond that of all others
     std::uint64_t nearSurface = 0;  ///< |psi| < 1
     double crossingShare = 0;       ///< of nearSurface: a face neighbor has the other sign
     double gradientMedian = 0;      ///< of |grad psi|, central differences
@@ -40,14 +41,16 @@ struct LevelSet {
     std::vector<std::string> warnings;  ///< what a user should know, one sentence each
 };
 
-/// Checks a grid and describes it. The grid is left as it is: where it has active tiles, or is too
-/// narrow, the level set has a copy.
+/// Checks a grid and describes it. The grid is left as it is: where it has active tiles or strays,
+/// or is too narrow, the level set has a copy.
 ///
 /// Asks for a transform of uniform scale, rotation and translation, indices within +-2^30, finite
 /// values, both signs, and |grad psi| near 1; judged by shares, since distances of real models have
 /// creases and medial axes. Fewer than 1 in 5 voxels next to the surface at a change of sign
 /// (closed surfaces: more than half) means an open surface was converted: psi is then next to
-/// nowhere negative.
+/// nowhere negative. Strays, active voxels whose |psi| lies two voxels and more beyond the last
+/// shell of the band, are made inactive with a warning: a distance grows by a voxel from voxel to
+/// voxel, so they hold none.
 /// @throws Error  BadInput with what to do about it
 /// Time O(active voxels), in parallel.
 LevelSet checkLevelSet(LoadedGrid loaded, Progress& progress = Progress::none());

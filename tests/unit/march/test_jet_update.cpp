@@ -5,6 +5,7 @@
 #include <support/catch.h>
 
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 namespace igeo {
@@ -107,6 +108,77 @@ TEST_CASE("blendJets interpolates a circular front exactly and keeps two fronts 
     both.add(onCircle({-0.5f, 0}, {-8, 0}));
     both.add(onCircle({0.5f, 0}, {8.5f, 0}));
     CHECK(std::abs(blendJets(both, weight).u - 8) < double(rounding(8)));
+}
+
+namespace {
+
+/// The corners of a cell around the origin, jittered as foot points are, with the jets of `at`.
+template <typename JetAt>
+JetNeighbors cornersOfCell(std::mt19937& random, const JetAt& at,
+                           std::array<float, JetNeighbors::kMax>& weight) {
+    std::uniform_real_distribution<float> place(0.05f, 0.95f), jitter(-0.1f, 0.1f);
+    const Vec2f low{place(random) - 1, place(random) - 1};
+    JetNeighbors all;
+    for (int k = 0; k < 8; ++k) {
+        const auto x = float(k & 1), y = float(k >> 1 & 1);
+        weight[std::size_t(k)] = (x > 0 ? -low.x : 1 + low.x) * (y > 0 ? -low.y : 1 + low.y) / 2;
+        all.add(at(low + Vec2f{x + jitter(random), y + jitter(random)}));
+    }
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("blendJets takes the least of two plane fronts, at whatever angle they meet") {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> offset(-0.4f, 0.4f);
+    std::array<float, JetNeighbors::kMax> weight{};
+    for (const double degrees : {10.0, 20.0, 30.0, 45.0, 60.0, 80.0, 90.0}) {
+        const auto c = float(std::cos(degrees * M_PI / 180)),
+                   s = float(std::sin(degrees * M_PI / 180));
+        for (int trial = 0; trial < 100; ++trial) {
+            const float ridge = offset(random);  // at y = ridge
+            auto at = [&](Vec2f p) {
+                const Vec2f g{c, p.y < ridge ? s : -s};
+                return JetNeighbor{-1.0f * p, g, double(c * p.x - s * std::abs(p.y - ridge))};
+            };
+            const Jet jet = blendJets(cornersOfCell(random, at, weight), weight);
+            INFO(degrees << " degrees, ridge at " << ridge);
+            REQUIRE(std::abs(jet.u + double(s * std::abs(ridge))) < 1e-5);
+        }
+    }
+}
+
+TEST_CASE("blendJets: at a focus, and on the way to it, and away from a source") {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> angle(0, 6.2831853f);
+    std::array<float, JetNeighbors::kMax> weight{};
+    const struct {
+        float distance, sign;  // -1: a focus
+        double most;
+    } cases[] = {{0, -1, 1e-5},      // exact: a focus is where all plane fronts arrive
+                 {0.5f, -1, 0.19},   // measured 0.128
+                 {1.5f, -1, 0.09},   // 0.059
+                 {3, -1, 0.0024},    // 0.0016
+                 {20, -1, 0.0003},   // 0.0002
+                 {3.5f, 1, 0.0014},  // 0.0009
+                 {20, 1, 0.0002}};   // 0.0001
+    for (const auto& [distance, sign, most] : cases) {
+        double worst = 0;
+        for (int trial = 0; trial < 200; ++trial) {
+            const float a = angle(random);
+            const Vec2f middle{distance * std::cos(a), distance * std::sin(a)};
+            auto at = [&](Vec2f p) {
+                JetNeighbor n = onCircle(p, middle);
+                return JetNeighbor{n.a, sign * n.g, double(sign) * n.u};
+            };
+            const Jet jet = blendJets(cornersOfCell(random, at, weight), weight);
+            worst = std::max(worst, std::abs(jet.u - double(sign * distance)));
+        }
+        std::printf("blendJets, %s at %.1f: at most %.4f off\n", sign < 0 ? "focus" : "source",
+                    double(distance), worst);
+        CHECK(worst < most);
+    }
 }
 
 TEST_CASE("TangentFrame: a geodesic of a sphere unfolds to its arc") {

@@ -1,4 +1,5 @@
 // Paths on fields known in closed form, so that only the tracer errs.
+#include <igeo/march/jet.h>
 #include <igeo/path/trace.h>
 #include <support/analytic_band.h>
 #include <support/catch.h>
@@ -173,6 +174,21 @@ TEST_CASE("tracePath: the nearest of several seeds, by number") {
     }
     // On the line between them either will do.
     CHECK(s.trace(s.at({1, 1, 1})).status == PathStatus::Reached);
+}
+
+TEST_CASE("tracePath: past a seed that another front has overrun") {
+    const Band band = planeBand({0, 0, 1}, 0, {-24, -24, -3}, {24, 24, 3}, 2);
+    const SurfacePoint first = nearestSurfacePoint(band, {-7.7, -0.4, 0});
+    SurfacePoint late = nearestSurfacePoint(band, {2.3, 0.2, 0});
+    late.start = 12;
+    const Field field = marchJet(band, {}, {late, first});
+    for (const Vec3d& to : {Vec3d{2.3, 0.2, 0}, {3.4, 0.9, 0}, {1.1, 0.3, 0}, {9.9, 1.2, 0}}) {
+        const Path path = tracePath(field, nearestSurfacePoint(band, to));
+        REQUIRE(path.status == PathStatus::Reached);
+        CHECK(path.seed == 1);
+        CHECK(path.distance == Approx(length(to - first.pIndex)).margin(0.01));
+        CHECK(path.length == Approx(length(to - first.pIndex)).margin(0.01));
+    }
 }
 
 TEST_CASE("tracePath: an unreached target has no path") {

@@ -143,6 +143,23 @@ TEST_CASE("engraved: nothing to engrave leaves the surface as it is") {
         REQUIRE(grid->tree().getValue(it.getCoord()) == *it);
 }
 
+TEST_CASE("engraved: of a wide level set a narrow band is left") {
+    // Where psi is known is where tubes would have to be known: the work would grow without bound.
+    const auto wide = makeLevelSet(sphere(kCenter, 0.4), 0.02, 18);
+    const LevelSet levelSet = checkedLevelSet(wide);
+    Isoline line;
+    line.points = {levelSet.transform.indexFromWorld({0.5, 0.5, 0.9}),
+                   levelSet.transform.indexFromWorld({0.5, 0.9, 0.5})};
+    const auto grid = engraved(levelSet, {line}, {});
+    CHECK(checkedLevelSet(grid).stats.halfWidth == Approx(kEngravedWidth).margin(0.05));
+    std::size_t changed = 0;
+    for (auto it = grid->cbeginValueOn(); it; ++it)
+        changed += *it != wide->tree().getValue(it.getCoord());
+    CHECK(changed > 100);
+    CHECK(changed < 0.5 * double(grid->activeVoxelCount()));
+    CHECK(grid->tree().getValue(openvdb::Coord(25, 25, 25)) < 0);  // the inside
+}
+
 TEST_CASE("engraved: the same voxels for any number of threads") {
     openvdb::FloatGrid::Ptr first;
     for (const int threads : {1, 2}) {

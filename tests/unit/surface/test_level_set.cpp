@@ -119,6 +119,50 @@ TEST_CASE("checkLevelSet: the transform becomes a similarity") {
     CHECK(checkedLevelSet(makeLevelSet(sphere(kCenter, 1), *mirrored, 3)).warnings.empty());
 }
 
+TEST_CASE("checkLevelSet: stray voxels decide no width, and are left out") {
+    const double dx = 0.05;
+    const auto sound = makeLevelSet(sphere(kCenter, 1), dx, 3);
+    const LevelSetStats expected = checkedLevelSet(sound).stats;
+    const openvdb::Coord far(60, 2, 3), inBand = sound->beginValueOn().getCoord();
+    for (const float voxels : {-499.0f, 12.5f, 1e30f}) {
+        const auto grid = sound->deepCopy();
+        grid->tree().setValueOn(far, voxels * float(dx));
+        const LevelSet s = checkedLevelSet(grid);
+        CHECK(s.stats.strayVoxels == 1);
+        CHECK(s.stats.halfWidth == expected.halfWidth);
+        CHECK(s.stats.activeVoxels == expected.activeVoxels);
+        CHECK(s.stats.negative == expected.negative);
+        CHECK(s.stats.reach == expected.reach);
+        CHECK_FALSE(s.psi->tree().isValueOn(far));
+        REQUIRE(s.warnings.size() == 1);
+        for (const char* part : {"1 of", "at index 60,2,3", "voxels at most", "rebuild"})
+            CHECK(s.warnings[0].find(part) != std::string::npos);
+        CHECK(grid->tree().isValueOn(far));  // the grid given stays as it is
+    }
+    // Some hundred of all sizes, and one of them in the band.
+    const auto noisy = sound->deepCopy();
+    for (int k = 0; k < 200; ++k)
+        noisy->tree().setValueOn({100 + k, 3 * k, 7},
+                                 float(dx) * (k % 2 ? 5.0f : -5.0f) * float(k + 1));
+    noisy->tree().setValueOn(inBand, 80 * float(dx));
+    const LevelSet s = checkedLevelSet(noisy);
+    CHECK(s.stats.strayVoxels == 201);
+    CHECK(s.stats.halfWidth == expected.halfWidth);
+}
+
+TEST_CASE("checkLevelSet: a level set that fills its inside has no strays") {
+    // Its shells shrink to a point, and another piece has its own.
+    const double dx = 0.05;
+    for (const double halfWidth : {3.0, 3.001, 7.3, 25.0}) {
+        const auto grid = makeLevelSet(sphere(kCenter, 1), dx, halfWidth);
+        for (auto it = grid->beginValueOn(); it; ++it)
+            if (*it > 3 * float(dx)) it.setValueOff();
+        const LevelSetStats s = checkedLevelSet(grid).stats;
+        CHECK(s.strayVoxels == 0);
+        CHECK(s.halfWidth > std::min(halfWidth, 20.0) - 0.5);
+    }
+}
+
 TEST_CASE("checkLevelSet: a narrow level set is widened to take differences") {
     const LevelSet s = checkedLevelSet(makeLevelSet(sphere(kCenter, 1), 0.05, 1.5));
     CHECK(s.stats.halfWidth == 3);

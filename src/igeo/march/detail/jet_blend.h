@@ -10,6 +10,49 @@ using BlendWeights = std::array<float, JetNeighbors::kMax>;
 
 namespace jet {
 
+/// Neighbors less than 3 degrees off their mean direction are of one front.
+constexpr float kClose = 0.9986f;
+/// Directions closer than 6 degrees, as those of one front are on either side of a voxel 10 voxels
+/// from its source: |g_i - g_j|^2.
+constexpr float kAlike2 = 0.01f;
+
+/// What two neighbors show of the front between them: its radius of curvature (positive where it
+/// spreads, negative where it narrows), and by how much the circular step from one to the other
+/// misses.
+struct Pair {
+    float bend2;   ///< |g_j - g_i|^2
+    float radius;  ///< (g_j - g_i) . chord / bend2
+    float miss;    ///< infinite where the directions are of two fronts in any case
+    Pair(const JetNeighbors& all, int i, int j) {
+        const Vec2f chord = all.a(i) - all.a(j), bend = all.g(j) - all.g(i);
+        const float cosine = dot(all.g(i), all.g(j));
+        bend2 = dot(bend, bend);
+        radius = dot(bend, chord) / bend2;
+        miss = cosine < kSameFront
+                   ? float(kInfinity)
+                   : std::abs(all.u(j) - all.u(i) - dot(all.g(i) + all.g(j), chord) / (1 + cosine));
+    }
+    /// Whether both are of a front that does not narrow: fronts that meet never look so.
+    bool spreads() const {
+        constexpr float kLeastRadius = 0.25f;  // below, their chord is too short to tell
+        return miss < float(kInfinity) && (bend2 <= kAlike2 || radius >= kLeastRadius);
+    }
+    /// Whether both may be of a front that narrows to a focus. Two fronts that meet look so where
+    /// one is the mirror image of the other, but not from corner to corner of a cell.
+    bool narrows() const {
+        constexpr float kAgree = 0.02f;  // voxels
+        return miss <= kAgree;
+    }
+};
+
+/// Whether the neighbors, all within 45 degrees of their mean direction, are of one front.
+inline bool ofOneFront(const JetNeighbors& all) {
+    for (int i = 0; i < all.count(); ++i)
+        for (int j = 0; j < i; ++j)
+            if (const Pair pair(all, i, j); !pair.spreads() && !pair.narrows()) return false;
+    return true;
+}
+
 /// The neighbor of those not blended yet whose plane front has the least value here, or -1.
 inline int leastOf(const JetNeighbors& all, const std::array<bool, JetNeighbors::kMax>& done) {
     int lead = -1;
@@ -21,28 +64,30 @@ inline int leastOf(const JetNeighbors& all, const std::array<bool, JetNeighbors:
     return lead;
 }
 
-/// blendJets for neighbors that may belong to two fronts: each is blended by itself, by the
-/// trapezoid rule with the direction of its lead, and the lesser value counts.
+/// blendJets for neighbors of several fronts: each front is blended by itself, and the least value
+/// counts.
 inline Jet blendFronts(const JetNeighbors& all, const BlendWeights& weight) {
     Jet best;
     std::array<bool, JetNeighbors::kMax> done{};
-    for (int front = 0; front < 2; ++front) {
-        const int lead = leastOf(all, done);
-        if (lead < 0) break;
-        float sum = 0, total = 0;
-        Vec2f g{};
+    for (int lead = leastOf(all, done); lead >= 0; lead = leastOf(all, done)) {
+        std::array<bool, JetNeighbors::kMax> own{};
+        Vec2f sum{};
         for (int k = 0; k < all.count(); ++k) {
-            if (done[std::size_t(k)]) continue;
-            if (k != lead && dot(all.g(k), all.g(lead)) < kSameFront) continue;
-            done[std::size_t(k)] = true;
+            if (done[std::size_t(k)] || (k != lead && !Pair(all, k, lead).spreads())) continue;
+            done[std::size_t(k)] = own[std::size_t(k)] = true;
+            sum = sum + weight[std::size_t(k)] * all.g(k);
+        }
+        const float len = length(sum);
+        const Vec2f g = len > 0 ? (1 / len) * sum : Vec2f{};
+        float value = 0, total = 0;
+        for (int k = 0; k < all.count(); ++k) {
+            if (!own[std::size_t(k)]) continue;
             const float w = weight[std::size_t(k)];
-            g = g + w * all.g(k);
-            sum += w * (all.u(k) + dot(all.g(k) + all.g(lead), all.a(k)) / 2);
+            value += w * (all.u(k) + dot(g + all.g(k), all.a(k)) / (1 + dot(g, all.g(k))));
             total += w;
         }
-        const double u = all.base() + double(sum / total);
-        const float len = length(g);
-        if (u < best.u) best = {u, len > 0 ? (1 / len) * g : g, false, false};
+        if (const double u = all.base() + double(value / total); u < best.u)
+            best = {u, g, false, false};
     }
     return best;
 }
@@ -56,8 +101,8 @@ inline Four fourOf(const BlendWeights& weight, int group) {
 }  // namespace jet
 
 /// The jet at the origin among jets on all sides of it: each neighbor carries its jet to the origin
-/// by the circular step (jet_fit.h) in the mean direction; the values are blended. Where two fronts
-/// meet, each is blended by itself and the lesser value counts.
+/// by the circular step (jet_fit.h) in the mean direction; the values are blended. Where fronts
+/// meet, each is blended by itself and the least value counts.
 /// @return u = +inf without neighbors
 inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
     if (all.count() == 0) return {};
@@ -72,14 +117,18 @@ inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
     if (!(len > 0)) return jet::blendFronts(all, weight);
     const Vec2f g = (1 / len) * mean;
     jet::Four value{};
+    bool close = true;
     for (int k = 0; k < all.groups(); ++k) {
         const auto n = all.group(k);
         const jet::Four w = jet::fourOf(weight, k);
         const jet::Four cosine = g.x * n.gx + g.y * n.gy;
         const auto other = (cosine < jet::kSameFront) & (w > 0);
         if (other[0] | other[1] | other[2] | other[3]) return jet::blendFronts(all, weight);
+        const auto off = (cosine < jet::kClose) & (w > 0);
+        close = close && !(off[0] | off[1] | off[2] | off[3]);
         value += w * (n.u + ((g.x + n.gx) * n.ax + (g.y + n.gy) * n.ay) / (1 + cosine));
     }
+    if (!close && !jet::ofOneFront(all)) return jet::blendFronts(all, weight);
     return {all.base() + double(jet::sum(value) / jet::sum(total)), g, false, false};
 }
 

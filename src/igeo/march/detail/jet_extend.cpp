@@ -43,6 +43,7 @@ private:
         std::size_t count = 0;
     };
 
+    Neighborhood neighborsOf(NodeIndex i, const Corners& corners, const LocalFrame& local) const;
     /// Every corner carries its jet to the foot point by the circular step (jet_fit.h).
     /// @param sum  of their gradients, weighted
     /// @return false where they are not of one front
@@ -97,30 +98,37 @@ bool Extension::carryInSpace(NodeIndex i, const Corners& corners, const Vec3f& s
     // Directions in space, not in one plane, change the step by (k c)^2 / 12 at curvature k.
     const double origin = corners.corner[0].node->u, weight = metric_.at(i);
     float value = 0, total = 0;
+    bool close = true;
     for (std::size_t c = 0; c < corners.count; ++c) {
         const auto& [node, w, chord] = corners.corner[c];
         const float cosine = dot(s.g, node->g);
         if (!(cosine >= jet::kSameFront)) return false;
+        close &= cosine >= jet::kClose;
         value +=
             w * (float((node->u - origin) / weight) + meanWeight(node->weight, float(weight)) *
                                                           dot(s.g + node->g, chord) / (1 + cosine));
         total += w;
     }
     s.u = origin + weight * double(value / total);
-    return true;
+    return close || jet::ofOneFront(neighborsOf(i, corners, core_.localFrameInBand(i)).all);
+}
+
+Neighborhood Extension::neighborsOf(NodeIndex i, const Corners& corners,
+                                    const LocalFrame& local) const {
+    Neighborhood around;
+    for (std::size_t c = 0; c < corners.count; ++c) {
+        const auto& [node, w, chord] = corners.corner[c];
+        addNeighbor(core_, NodeIndex(node - core_.nodes.data()), chord,
+                    dot(band_.normal[i], node->normal), local, around);
+    }
+    return around;
 }
 
 Solved Extension::carryInPlane(NodeIndex i, const Corners& corners, std::uint32_t label) const {
     const LocalFrame local = core_.localFrameInBand(i);
-    Neighborhood around;
     BlendWeights weight{};
-    for (std::size_t c = 0; c < corners.count; ++c) {
-        const auto& [node, w, chord] = corners.corner[c];
-        weight[c] = w;
-        addNeighbor(core_, NodeIndex(node - core_.nodes.data()), chord,
-                    dot(band_.normal[i], node->normal), local, around);
-    }
-    return fromChart(core_, local, blendJets(around.all, weight), label);
+    for (std::size_t c = 0; c < corners.count; ++c) weight[c] = corners.corner[c].weight;
+    return fromChart(core_, local, blendJets(neighborsOf(i, corners, local).all, weight), label);
 }
 
 Solved Extension::inDisc(NodeIndex i, const Solved& s) const {

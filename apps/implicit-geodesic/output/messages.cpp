@@ -1,0 +1,140 @@
+#include "output/messages.h"
+
+#include <fmt/core.h>
+#include <igeo/base/detail/text.h>
+
+#include <algorithm>
+
+#include "exit_code.h"
+#include "output/output_files.h"
+
+using igeo::textOf;
+using igeo::Vec3d;
+
+namespace {
+
+int tellPaths(const RunReport& report, const igeo::Distance& distance, const Console& console) {
+    const igeo::Field& field = distance.field();
+    int code = kDone;
+    for (std::size_t k = 0; k < report.paths.size(); ++k) {
+        const igeo::Polyline& p = report.paths[k];
+        if (p.status == igeo::PathStatus::Reached) {
+            console.info(fmt::format("target {}: distance {:.6g}, geodesic {:.6g} {}", k,
+                                     p.startDistance, p.weightedLength,
+                                     field.metric->weighted()
+                                         ? fmt::format("by the metric, {:.6g} long", p.length)
+                                         : "long"));
+            continue;
+        }
+        code = kUnreached;
+        console.warning(fmt::format(
+            "target {} is {}: {}", k, igeo::toString(p.status),
+            p.status == igeo::PathStatus::Stalled ? "no way down from the target was found"
+            : field.stoppedEarly                  ? "it lies beyond the distance marched"
+                                                  : "no path on the surface joins it to a seed"));
+    }
+    return code;
+}
+
+void tellWalks(const RunReport& report, const Console& console) {
+    for (std::size_t k = 0; k < report.walks.size(); ++k) {
+        const igeo::Polyline& walk = report.walks[k];
+        const std::string said = fmt::format("walk {}: {:.6g} long, ends at {}", k, walk.length,
+                                             textOf(walk.points.back(), 9));
+        if (walk.status == igeo::PathStatus::Reached)
+            console.info(said);
+        else
+            console.warning(said + ", where the surface ends");
+    }
+}
+
+int tellPairs(const RunReport& report, const Console& console) {
+    if (report.pairs.empty()) return kDone;
+    console.info(std::to_string(report.pairs.size()) + " pairs solved");
+    const auto lost =
+        std::count_if(report.pairs.begin(), report.pairs.end(),
+                      [](const igeo::PairDistance& p) { return !(p.distance < igeo::kInfinity); });
+    if (lost == 0) return kDone;
+    console.warning(fmt::format("no path on the surface joins the points of {} pairs", lost));
+    return kUnreached;
+}
+
+}  // namespace
+
+void describe(const igeo::Distance& distance, const Console& console) {
+    if (!console.verbose()) return;
+    const igeo::Band& band = distance.band();
+    const double dx = band.transform.dx;
+    console.detail(fmt::format("band: h = {:.6g} ({:.4g} voxels), {} nodes{}", band.h * dx, band.h,
+                               band.size(),
+                               distance.ofWholeSurface() ? "" : ", not of the whole surface"));
+    for (const auto& [what, points] :
+         {std::pair("seed", &distance.seeds()), {"target", &distance.targets()}})
+        for (std::size_t k = 0; k < points->size(); ++k) {
+            const igeo::SurfacePoint& p = (*points)[k];
+            if (p.joined) continue;
+            console.detail(fmt::format("{} {}: {}, moved {:.3g}", what, k,
+                                       textOf(band.transform.worldFromIndex(p.pIndex), 9),
+                                       p.snapDistance * dx));
+        }
+    const igeo::Metric& metric = *distance.field().metric;
+    if (metric.weighted() || metric.obstacles)
+        console.detail(fmt::format("metric: weights from {:.4g} to {:.4g}, {} nodes blocked",
+                                   metric.least(), metric.largest(), metric.insideCount()));
+}
+
+void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
+    constexpr double kLate = 0.01;  // voxels
+    const igeo::Field& field = distance.field();
+    const igeo::Band& band = distance.band();
+    struct Source {
+        std::size_t pieces = 0, lost = 0;
+        double start = 0, arrival = 0;  ///< of the first that is lost
+    };
+    std::vector<Source> sources(field.sourceCount());
+    for (std::size_t k = 0; k < field.seeds.size(); ++k) {
+        const igeo::SurfacePoint& s = field.seeds[k];
+        Source& source = sources[field.source[k]];
+        ++source.pieces;
+        if (!(s.start > field.leastStart)) continue;
+        const double d = igeo::arrivalAt(field, s.pIndex, Vec3d(band.normal[s.node])).distance;
+        if (d < s.start - kLate && source.lost++ == 0) source.start = s.start, source.arrival = d;
+    }
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+        const Source& s = sources[k];
+        if (s.lost == 0) continue;
+        const std::string part =
+            s.pieces > 1 ? fmt::format("{} of {} pieces of ", s.lost, s.pieces) : "";
+        const std::string name = k < report.sources.size() && !report.sources[k].empty()
+                                     ? report.sources[k]
+                                     : "seed " + std::to_string(k);
+        report.warnings.push_back(
+            fmt::format("{}{}: the front of another seed comes at {:.6g}, before the start at "
+                        "{:.6g}, which counts for nothing there",
+                        part, name, s.arrival * band.transform.dx, s.start * band.transform.dx));
+    }
+}
+
+void tellJoints(std::size_t joints, double gap, const Console& console,
+                std::vector<std::string>& warnings) {
+    if (joints > 0)
+        console.info(fmt::format("{} pair{} of pieces of the mesh joined over gaps of up to {:.6g}",
+                                 joints, joints == 1 ? "" : "s", gap));
+    else
+        warnings.push_back(fmt::format(
+            "--join-gaps {:.6g} joins nothing: no two pieces of the mesh are as close as that",
+            gap));
+}
+
+int tell(const RunReport& report, const igeo::Distance& distance, const RunOptions& o,
+         const Console& console) {
+    for (const std::string& w : report.warnings) console.warning(w);
+    const int paths = tellPaths(report, distance, console);
+    tellWalks(report, console);
+    const int pairs = tellPairs(report, console);
+    if (o.hasSeeds())
+        console.info(fmt::format("distances up to {:.6g} on {} of {} band voxels in {}",
+                                 distance.largest(), distance.field().reached,
+                                 distance.band().size(), distanceFile(o, &report.surface.name)));
+    return std::max(paths, pairs);
+}

@@ -1,0 +1,27 @@
+/// What a run says on stderr.
+#pragma once
+
+#include <igeo/distance.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "console.h"
+#include "options/run_options.h"
+#include "output/report.h"
+
+/// With -v: the band, the points and the metric.
+void describe(const igeo::Distance& distance, const Console& console);
+
+/// Adds a warning for each seed that starts later than another front comes there.
+void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report);
+
+/// How many components --join-gaps has joined; a warning if none.
+void tellJoints(std::size_t joints, double gap, const Console& console,
+                std::vector<std::string>& warnings);
+
+/// Warnings, and what became of targets, walks and pairs.
+/// @return kDone or kUnreached
+int tell(const RunReport& report, const igeo::Distance& distance, const RunOptions& options,
+         const Console& console);
