@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "printable.h"
 #include "process.h"
 
 namespace {
@@ -25,7 +26,7 @@ void put(const std::string& text, bool progress) {
     gProgressShown = progress;
 }
 
-void print(const std::string& line) { put("implicit-geodesic: " + line + "\n", false); }
+void print(const std::string& line) { put("implicit-geodesic: " + printable(line) + "\n", false); }
 
 double now() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
@@ -47,7 +48,8 @@ void Console::warning(const std::string& text) const {
 }
 
 void Console::error(const std::string& what, const std::string& remedy) {
-    print("error: " + what + (remedy.empty() ? "" : "\n  " + remedy));
+    const std::string remark = remedy.empty() ? "" : "\n  " + printable(remedy);
+    put("implicit-geodesic: error: " + printable(what) + remark + "\n", false);
 }
 
 ConsoleProgress::ConsoleProgress(ProgressWhen when) {

@@ -3,6 +3,7 @@
 #include <igeo/base/error.h>
 
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <system_error>
 
@@ -40,6 +41,10 @@ Failure currentFailure() {
         return {kFailed, "out of memory",
                 "use a narrower band, a coarser level set, a larger --memory-limit or a larger "
                 "machine"};
+    } catch (const std::filesystem::filesystem_error& e) {
+        const std::string what = e.path1().empty() ? "the working folder" : e.path1().string();
+        return {kUnusable, "cannot use '" + what + "': " + e.code().message(),
+                "check that it is there, and its permissions"};
     } catch (const std::system_error& e) {
         return {kFailed, "the system refuses: " + e.code().message(),
                 "raise the limits of the process (ulimit -a)"};

@@ -22,6 +22,7 @@
 #include "option_words.h"
 #include "output/output_files.h"
 #include "output/stdout.h"
+#include "printable.h"
 #include "process.h"
 
 using igeo::FileSurvey;
@@ -34,7 +35,9 @@ std::string count(std::uint64_t n, const char* one) {
     return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
 }
 
-std::string percent(double share) { return fmt::format("{:.2g} %", 100 * share); }
+std::string percent(double share) {
+    return fmt::format("{:.{}g} %", 100 * share, share < 0.995 ? 2 : 3);
+}
 
 /// A length given in voxels.
 std::string lengthOf(double voxels, double dx) {
@@ -63,10 +66,12 @@ std::string describe(const igeo::MeshFacts& mesh) {
     std::string line = count(mesh.triangles, "triangle") + ", " + count(mesh.points, "point") +
                        ", " + count(mesh.components, "component");
     if (mesh.closed) line += ", closed";
-    if (mesh.boundaryEdges > 0) line += ", open at " + count(mesh.boundaryEdges, "edge");
+    if (const std::string open = openness(mesh); !open.empty()) line += ", " + open;
     if (mesh.nonManifoldEdges > 0)
         line += ", " + count(mesh.nonManifoldEdges, "edge") + " of three triangles or more";
     if (mesh.nonOrientable > 0) line += ", " + std::to_string(mesh.nonOrientable) + " one-sided";
+    if (mesh.crossingPairs > 0)
+        line += ", " + count(mesh.crossingPairs, "pair") + " of faces cross";
     if (mesh.dropped > 0) line += "; " + count(mesh.dropped, "triangle") + " dropped";
     return line;
 }
@@ -110,7 +115,7 @@ class Table {
 public:
     void row(const std::string& name, const std::string& text) {
         results() << name << std::string(name.size() < kWidth ? kWidth - name.size() : 1, ' ')
-                  << text << "\n";
+                  << printable(text) << "\n";
     }
 
 private:
@@ -153,9 +158,11 @@ void printSurface(Table& table, const FileSurvey& file) {
     table.row("curvature", "radius at least " + radiusOf(stats.largestCurvature, dx) +
                                " on 95 % of the surface, " + radiusOf(s.largestCurvature, dx) +
                                " everywhere");
-    table.row("reach", stats.reach < stats.halfWidth
-                           ? "sheets meet within " + lengthOf(stats.reach, dx)
-                           : "no sheets meet within the half-width");
+    table.row("reach",
+              stats.reach < stats.halfWidth
+                  ? "sheets meet within " + lengthOf(stats.reach, dx)
+                  : "no sheets meet within " +
+                        (file.ofGrid() ? "the half-width" : lengthOf(stats.halfWidth, dx)));
     table.row("", percent(s.facingShare) + " of the surface has a sheet that faces it");
     printRoom(table, s, dx);
     const std::string least = lengthOf(s.bounds.lower, dx);
@@ -165,11 +172,12 @@ void printSurface(Table& table, const FileSurvey& file) {
     table.row("", "by default jet takes " +
                       fmt::format("{:.4g}, godunov {:.4g} voxels", s.bounds.lower, s.godunovBand));
     std::string why;
-    constexpr std::array<const char*, igeo::kUnreliableCauses> kWhy{"bends", "facing sheets",
-                                                                    "|grad psi|", "cuts"};
+    using Causes = std::array<const char*, igeo::kUnreliableCauses>;
+    const Causes causes = file.ofGrid() ? Causes{"bends", "facing sheets", "|grad psi|", "cuts"}
+                                        : Causes{"bends", "facing sheets", "kinks", "rims"};
     for (std::size_t k = 0; k < igeo::kUnreliableCauses; ++k)
         if (s.unreliableBy[k] > 0)
-            why += (why.empty() ? ": " : ", ") + std::string(kWhy[k]) + " " +
+            why += (why.empty() ? ": " : ", ") + std::string(causes[k]) + " " +
                    std::to_string(s.unreliableBy[k]);
     table.row("unreliable", fmt::format("{} of {:.0f} band voxels (", s.unreliable, n) +
                                 percent(double(s.unreliable) / n) + ")" + why);
@@ -201,7 +209,7 @@ void print(const FileSurvey& file) {
                               stats.gradientMedian, 100 * stats.gradientShare));
     if (file.surface) printSurface(table, file);
     for (const std::string& warning : file.warnings) table.row("warning", warning);
-    results() << inOptionWords(file.verdict()) << std::endl;
+    results() << printable(inOptionWords(file.verdict())) << "\n";
 }
 
 /// A survey of the file as a kind of surface.

@@ -1,5 +1,7 @@
 #include "json_file.h"
 
+#include <igeo/io/detail/json_depth.h>
+
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -17,7 +19,8 @@ Json readJson(const std::string& file) {
             "cannot read '" + file + "': " + (in ? "it is a folder" : std::strerror(errno)),
             "check the name and its permissions");
     std::vector<std::set<std::string>> members;  // of the objects that are open
-    const auto check = [&](int, Json::parse_event_t event, Json& value) {
+    const auto check = [&](int depth, Json::parse_event_t event, Json& value) {
+        igeo::requireShallow(depth, file);
         if (event == Json::parse_event_t::object_start) members.emplace_back();
         if (event == Json::parse_event_t::object_end) members.pop_back();
         if (event == Json::parse_event_t::key && !members.back().insert(value).second)
@@ -27,6 +30,10 @@ Json readJson(const std::string& file) {
     };
     try {
         return Json::parse(in, check);
+    } catch (const std::ios_base::failure& e) {
+        throw igeo::Error(igeo::Error::Kind::Io,
+                          "cannot read '" + file + "': " + e.code().message(),
+                          "name a regular file");
     } catch (const Json::exception& e) {
         const std::string text = e.what();  // "[json.exception.parse_error.101] parse error at ..."
         inputError(file + " is no JSON: " + text.substr(text.find(']') + 2),

@@ -58,8 +58,10 @@ int main(int argc, char** argv) {
     catchFaults();
     try {
         const std::optional<Options> options = parseOptions(argc, argv);
-        if (!options) return kDone;
-        return std::visit([](const auto& asked) { return start(asked); }, *options);
+        const int code =
+            options ? std::visit([](const auto& asked) { return start(asked); }, *options) : kDone;
+        flushResults();
+        return code;
     } catch (...) {
         const Failure failure = currentFailure();
         Console::error(failure.what, failure.remedy);

@@ -28,6 +28,25 @@ void requireSigned(const Seeds& seeds) {
                     "give either curves or regions, and no other seed");
 }
 
+/// Voxels: up to here double precision tells differences of 1e-4.
+constexpr double kLatestStart = 1e12;
+
+/// @param start  world units times weight
+void requireStart(double start, double dx, const std::string& what) {
+    if (start >= 0 && start / dx <= kLatestStart) return;
+    throw Error(Kind::InvalidArgument,
+                fmt::format("{} starts at {:.6g}; allowed are 0 to {:.4g}, 1e12 voxels", what,
+                            start, kLatestStart * dx),
+                "give a smaller start value, or leave out what starts so late");
+}
+
+void requireStarts(const Seeds& seeds, double dx) {
+    for (std::size_t k = 0; k < seeds.points.size(); ++k)
+        requireStart(seeds.points[k].start, dx, "seed " + std::to_string(k));
+    for (std::size_t k = 0; k < seeds.curves.size(); ++k)
+        requireStart(seeds.curves[k].start, dx, "seed curve " + std::to_string(k));
+}
+
 /// What the march's distance is yet to become: 0 inside regions, or signed.
 void finishInside(const Seeds& seeds, Field& field, Progress& progress) {
     std::vector<std::uint8_t> any(seeds.regions.empty() ? 0 : field.band->size());
@@ -80,6 +99,15 @@ struct GeodesicSolver::Setup {
     const Similarity& transform() const { return surface.transform(); }
     Vec3d indexOf(const Vec3d& p) const {
         return options.rules.space == Space::Index ? p : transform().indexFromWorld(p);
+    }
+    /// Unit: what is given may be of any length.
+    Vec3d indexDirectionOf(const Vec3d& v) const {
+        const double most = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+        if (!(most > 0 && most < kInfinity)) return {};
+        const Vec3d d = normalized(Vec3d{v.x / most, v.y / most, v.z / most});
+        if (options.rules.space == Space::Index) return d;
+        const auto& axis = transform().axis;
+        return {dot(axis[0], d), dot(axis[1], d), dot(axis[2], d)};
     }
     double snapVoxels() const { return maxSnap / transform().dx; }
     bool tooFar(const SurfacePoint& p) const { return !isNear(p, transform(), maxSnap); }
@@ -333,6 +361,7 @@ Distance GeodesicSolver::distance(const Seeds& seeds, const MarchLimits& limits,
     if (seeds.empty())
         throw Error(Kind::InvalidArgument, "there is no seed", "give a point, a curve or a region");
     if (seeds.isSigned) requireSigned(seeds);
+    requireStarts(seeds, setup_->transform().dx);
     return Query(*setup_, seeds, limits, progress).solve(setup_->surface);
 }
 
@@ -364,9 +393,17 @@ Polyline GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double
                                Progress& progress) const {
     constexpr double kBeyond = 8;  // voxels that a step and its cells look at
     const Setup& s = *setup_;
-    const Vec3d start = s.indexOf(from), along = s.indexOf(from + direction) - start;
-    const double voxels =
-        s.options.rules.space == Space::Index ? distance : distance / s.transform().dx;
+    const Vec3d start = s.indexOf(from), along = s.indexDirectionOf(direction);
+    const double unit = s.options.rules.space == Space::Index ? 1 : s.transform().dx,
+                 voxels = distance / unit;
+    // Half a minute and a gigabyte.
+    constexpr double kLongest = 1e7;
+    if (!(voxels >= 0 && voxels <= kLongest))
+        throw Error(Kind::InvalidArgument,
+                    fmt::format("a path of length {:.6g}; allowed are 0 to {:.6g}, 1e7 voxels",
+                                distance, kLongest * unit),
+                    distance < 0 ? "turn the direction round to walk backwards"
+                                 : "go on from the end of a shorter one");
     std::shared_ptr<const Band> band = s.surface.madeBand(s.width);
     if (!band)
         band = s.surface.band(s.width, {{start, s.snapVoxels() + voxels + kBeyond}}, progress);

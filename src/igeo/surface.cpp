@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/base/detail/box.h>
 #include <igeo/base/error.h>
+#include <igeo/io/voxel_size.h>
 #include <igeo/results/refined_mesh.h>
 #include <igeo/results/survey.h>
 #include <igeo/surface/band_bounds.h>
@@ -27,6 +28,11 @@ constexpr double kLevelSetWidth = 3;
 
 /// The name of the grids of a surface that comes from no grid.
 std::string stemOf(const std::string& file) { return std::filesystem::path(file).stem().string(); }
+
+/// Of a voxel size: that of a bad input, unless it was asked for.
+Error::Kind kindOfRefusal(const VoxelOptions& voxels) {
+    return voxels.size > 0 ? Error::Kind::InvalidArgument : Error::Kind::BadInput;
+}
 
 void warnUnresolved(const BandBounds& bounds, BandWidth& width) {
     if (!bounds.resolved)
@@ -188,35 +194,43 @@ private:
 /// Foot points on triangles are exact, which no level set of them is.
 class Triangles final : public MadeLevelSet {
 public:
-    Triangles(TriangleMesh mesh, const VoxelOptions& voxels) : mesh_(std::move(mesh)) {
+    Triangles(TriangleMesh mesh, const VoxelOptions& voxels, const Progress& progress)
+        : mesh_(std::move(mesh)) {
         constexpr int kResolution = 256;
         const Box box(mesh_.points);
         transform.dx =
             voxels.size > 0
                 ? voxels.size
                 : box.longestSide() / (voxels.resolution > 0 ? voxels.resolution : kResolution);
+        requireExtent(box.longestSide(), mesh_.file);
+        requireVoxelSize(transform.dx, mesh_.file, kindOfRefusal(voxels));
+        if (transform.dx > box.longestSide() && box.longestSide() > 0)
+            throw Error(Error::Kind::InvalidArgument,
+                        fmt::format("voxels of {:.4g} are larger than the mesh, which is {:.4g} "
+                                    "across ({})",
+                                    transform.dx, box.longestSide(), mesh_.file),
+                        "take smaller voxels");
         requireReasonable(mesh_, transform.dx);
-        const MeshTopology topology = meshTopology(mesh_);
         requireNarrow(voxels.joinGaps);
         facts.joinGaps = voxels.joinGaps;
         facts.kind = SurfaceFacts::Kind::Mesh;
         facts.file = mesh_.file;
         facts.name = stemOf(mesh_.file);
-        facts.closed = topology.closed();
+        facts.mesh = meshFacts(mesh_, progress);
         facts.halfWidth = kLevelSetWidth;
         facts.diagonal = length(box.size()) / transform.dx;
         facts.snap = kLevelSetWidth * transform.dx;
         facts.warnings = mesh_.warnings;
-        facts.summary =
-            std::to_string(mesh_.triangles.size()) + " triangles, " +
-            (*facts.closed
-                 ? "closed"
-                 : "open: " + std::to_string(topology.boundaryEdges) + " boundary edges, " +
-                       std::to_string(topology.nonManifoldEdges) + " of three triangles or more");
-        if (topology.nonOrientable > 0)
-            facts.warnings.push_back(
-                "the mesh has one side only in places (as a Moebius strip): "
-                "it is cut along a line there, which paths go around");
+        for (const std::string& w : meshWarnings(*facts.mesh)) facts.warnings.push_back(w);
+        const std::string open = openness(*facts.mesh);
+        if (!open.empty()) facts.warnings.push_back("the mesh is " + open);
+        facts.summary = std::to_string(mesh_.triangles.size()) + " triangles, " +
+                        (facts.mesh->closed ? "closed"
+                         : open.empty()     ? "without boundary"
+                                            : open);
+        if (facts.mesh->nonManifoldEdges > 0)
+            facts.summary += ", " + std::to_string(facts.mesh->nonManifoldEdges) +
+                             " edges of three triangles or more";
     }
 
     BandWidth bandWidth(Scheme scheme, int order, double h, Progress& progress) const override {
@@ -243,7 +257,7 @@ public:
         const double share = facingShare(band);
         if (share < kMuch) return {};
         return fmt::format(
-            "sheets face each other within two voxels on {:.2g} % of the surface: distances "
+            "sheets face each other within two voxels on {:.0f} % of the surface: distances "
             "are less accurate there; info says which voxels would tell them apart",
             100 * share);
     }
@@ -270,7 +284,7 @@ private:
     }
     LevelSet makeLevelSet(Progress& progress) const override {
         return levelSetFromBand(bandFromMesh(mesh_, transform.dx, kLevelSetWidth, progress),
-                                *facts.closed, mesh_.file, facts.name, progress);
+                                facts.mesh->closed, mesh_.file, facts.name, progress);
     }
 
     TriangleMesh mesh_;
@@ -282,6 +296,7 @@ public:
     Cloud(PointCloud cloud, const VoxelOptions& voxels, Progress& progress)
         : vertices_(cloud.points) {
         const Box box(cloud.points);
+        requireExtent(box.longestSide(), cloud.file);
         facts.kind = SurfaceFacts::Kind::Points;
         facts.file = cloud.file;
         facts.name = stemOf(cloud.file);
@@ -291,6 +306,7 @@ public:
         transform.dx = voxels.size > 0         ? voxels.size
                        : voxels.resolution > 0 ? box.longestSide() / voxels.resolution
                                                : defaultVoxelSize(density, kindFor(voxels.scheme));
+        requireVoxelSize(transform.dx, facts.file, kindOfRefusal(voxels));
         facts.diagonal = length(box.size()) / transform.dx;
         facts.snap = std::max(3 * transform.dx, 3 * density.spacing);
         facts.largestCurvature = density.largestCurvature * transform.dx;
@@ -364,8 +380,8 @@ Surface::Surface(const openvdb::FloatGrid& psi, Progress& progress)
     : Surface(loadedFrom(psi), progress) {}
 Surface::Surface(LoadedGrid psi, Progress& progress)
     : shape_(std::make_shared<Volume>(std::move(psi), progress)) {}
-Surface::Surface(TriangleMesh mesh, const VoxelOptions& voxels, Progress&)
-    : shape_(std::make_shared<Triangles>(std::move(mesh), voxels)) {}
+Surface::Surface(TriangleMesh mesh, const VoxelOptions& voxels, Progress& progress)
+    : shape_(std::make_shared<Triangles>(std::move(mesh), voxels, progress)) {}
 Surface::Surface(PointCloud cloud, const VoxelOptions& voxels, Progress& progress)
     : shape_(std::make_shared<Cloud>(std::move(cloud), voxels, progress)) {}
 

@@ -11,6 +11,7 @@
 #include <igeo/march/scheme.h>
 #include <igeo/results/surface_mesh.h>
 #include <igeo/surface/level_set.h>
+#include <igeo/surface/mesh_facts.h>
 
 #include <memory>
 #include <optional>
@@ -34,7 +35,7 @@ struct SurfaceFacts {
     enum class Kind { LevelSet, Mesh, Points };
     Kind kind = Kind::LevelSet;
     std::string file, name;               ///< for messages and results
-    std::optional<bool> closed;           ///< of a mesh: every edge has two triangles
+    std::optional<MeshFacts> mesh;        ///< of a mesh
     std::uint64_t activeVoxels = 0;       ///< of a level set
     double halfWidth = 0;                 ///< of the level set, voxels
     double largestCurvature = kInfinity;  ///< per voxel (LevelSetStats); +inf: not known
@@ -64,13 +65,13 @@ public:
     explicit Surface(const openvdb::FloatGrid& psi, Progress& progress = Progress::none());
     explicit Surface(LoadedGrid psi, Progress& progress = Progress::none());
     /// Triangles, open or closed, welded (readMesh does).
-    /// @throws Error  as requireReasonable, InvalidArgument for VoxelOptions::joinGaps of more than
-    ///         64 voxels
+    /// @throws Error  as requireVoxelSize and requireReasonable, InvalidArgument for
+    ///         VoxelOptions::joinGaps of more than 64 voxels
     explicit Surface(TriangleMesh mesh, const VoxelOptions& voxels = {},
                      Progress& progress = Progress::none());
     /// Points on a surface, with or without normals: for `jet` the surface fitted to them, for
     /// `godunov` the union of balls about them (M&S 5.2).
-    /// @throws Error  as PointSurface
+    /// @throws Error  as requireVoxelSize and PointSurface
     explicit Surface(PointCloud cloud, const VoxelOptions& voxels = {},
                      Progress& progress = Progress::none());
 

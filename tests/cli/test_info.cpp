@@ -325,7 +325,8 @@ TEST_CASE("info: wrong usage") {
     requireRefused(desk, "--sdf in.vdb info in.vdb", 2, {"info goes before", "--sdf"});
     requireRefused(desk, "info in.vdb --voxel-size 0.1", 2, {"--voxel-size", "meshes"});
     writeBytes(desk / "in.xyz", xyz(igeo::test::sphereCloud(400, 1, {0, 0, 0})));
-    requireRefused(desk, "info in.xyz --voxel-size 1e-5", 2, {"GiB of memory", "would fit"});
+    requireRefused(desk, "info in.xyz --voxel-size 1e-5", 2, {"1.5e-05", "larger voxels"});
+    requireRefused(desk, "info in.xyz --voxel-size 1e-4", 2, {"GiB of memory", "would fit"});
     requireRefused(desk, "info in.vdb --unreliable -", 2, {"--unreliable", "stdout"});
     requireRefused(desk, "info in.vdb --unreliable in.vdb", 2, {"overwrite"});
     requireRefused(desk, "info in.vdb --unreliable none/out.vdb", 2, {"no folder 'none'"});

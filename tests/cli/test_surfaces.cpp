@@ -98,6 +98,33 @@ TEST_CASE("an open mesh: ways lead around its hole, and every result is there") 
           openvdb::GRID_LEVEL_SET);
 }
 
+TEST_CASE("runs on meshes speak of meshes, whatever they write") {
+    const TempWorkspace desk;
+    writeBytes(desk / "open.obj", sheet(20, [](double x, double y) {
+                   return std::abs(x - 0.5) < 0.1 && std::abs(y - 0.5) < 0.1;
+               }));
+    // A slab of one voxel, of which no level set of that voxel size is a distance.
+    writeBytes(desk / "thin.obj",
+               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 0.01\nv 1 0 0.01\nv 1 1 0.01\n"
+               "v 0 1 0.01\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+    for (const std::string mesh : {"open.obj", "thin.obj"})
+        for (const std::string result :
+             {"", " --grids surface,engraved", " --image x.png --image-size 64x48",
+              " --scheme godunov"}) {
+            INFO(mesh << result);
+            const Result run = desk.run("--mesh " + mesh +
+                                        " --resolution 100 --seed 0.1,0.5,0 -o out.vdb" + result);
+            INFO(run.err);
+            CHECK(run.exitCode == 0);
+            for (const std::string word : {"psi", "|grad", "edge of the volume"})
+                CHECK(run.err.find(word) == std::string::npos);
+            CHECK((run.err.find("warning: the mesh is open: 96 boundary edges in 2 holes") !=
+                   std::string::npos) == (mesh == "open.obj"));
+        }
+    const std::string info = desk.run("info thin.obj --resolution 100").out;
+    CHECK(info.find("|grad psi|") == std::string::npos);
+}
+
 TEST_CASE("pieces of a mesh that do not touch are unreachable, unless gaps are joined") {
     const TempWorkspace desk;
     // A slit across the middle, 1/40 wide: three quarters of a voxel.

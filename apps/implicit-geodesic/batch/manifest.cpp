@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "json_file.h"
+#include "printable.h"
 
 namespace {
 
@@ -38,7 +39,13 @@ bool allNumbers(const Json& list) {
 
 /// As one word of a command line.
 std::string wordOf(const Json& value, const std::string& where) {
-    if (value.is_string()) return value.get<std::string>();
+    if (value.is_string()) {
+        const std::string word = value.get<std::string>();
+        if (hasControls(word))
+            inputError(where + ": '" + printable(word) + "' holds a control character",
+                       "take it out");
+        return word;
+    }
     if (value.is_number()) return value.dump();
     std::string word;
     if (value.is_array() && allNumbers(value)) {
@@ -71,6 +78,8 @@ ManifestJob jobOf(const Json& entry, const Values& defaults, const std::string& 
     ManifestJob job;
     job.name = entry["name"].get<std::string>();
     const std::string where = file + ": " + job.quoted();
+    if (hasControls(job.name))
+        inputError(printable(where) + " has a control character in its name", "take it out");
     Values values = valuesOf(entry, where);
     for (const auto& [option, value] : defaults)  // those that the job does not give
         if (values.emplace(option, value).second) job.defaults.insert("--" + option);

@@ -22,10 +22,18 @@ MatrixPart readPart(const std::string& file) {
         if (!part.document.contains("rows"))
             inputError(file + " is a whole matrix, no part of one",
                        "parts are written by --matrix FILE.json --matrix-rows K/N");
+        for (const char* list : {"seeds", "targets", "distance"})
+            if (!part.document.at(list).is_array())
+                inputError(file + ": '" + list + "' is no list", "write it again");
         part.document["rows"].at("first").get_to(part.first);
         part.document["rows"].at("count").get_to(part.count);
-        if (part.document.at("distance").size() != part.count)
+        if (part.document["distance"].size() != part.count)
             inputError(file + " lacks rows", "write it again");
+        for (const Json& row : part.document["distance"])
+            for (const Json& d : row)
+                if (!d.is_number() && !d.is_null())
+                    inputError(file + " holds distances that are no numbers", "write it again");
+        part.document.at("asymmetry");
     } catch (const Json::exception&) {
         inputError(file + " is no part of a matrix", "write it again");
     }

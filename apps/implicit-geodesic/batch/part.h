@@ -14,11 +14,10 @@ struct Part {
     /// @throws igeo::Error  InvalidArgument
     static Part parse(const std::string& text) {
         Part part;
-        constexpr std::size_t kMost = 1000000;
         char rest = 0;
         if (text.find('-') != std::string::npos ||
             std::sscanf(text.c_str(), "%zu/%zu%c", &part.number, &part.count, &rest) != 2 ||
-            part.number < 1 || part.number > part.count || part.count > kMost)
+            !part.valid())
             usageError("'" + text + "' is not K/N with K from 1 to N",
                        "write for instance 1/4, 2/4, 3/4 and 4/4 for the parts of a whole");
         return part;
@@ -28,6 +27,10 @@ struct Part {
     std::size_t begin(std::size_t n) const { return n * (number - 1) / count; }
     std::size_t end(std::size_t n) const { return n * number / count; }
 
+    bool valid() const {
+        constexpr std::size_t kMost = 1000000;
+        return number >= 1 && number <= count && count <= kMost;
+    }
     bool whole() const { return count == 1; }
     /// "2 of 3"
     std::string text() const { return std::to_string(number) + " of " + std::to_string(count); }

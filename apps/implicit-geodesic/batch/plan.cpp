@@ -160,11 +160,6 @@ std::string shellWord(const std::string& word) {
 
 }  // namespace
 
-std::string wholeName(const std::string& file) {
-    std::error_code ignored;
-    return fs::weakly_canonical(fs::absolute(file), ignored).string();
-}
-
 BatchPlan planBatch(const std::vector<ManifestJob>& jobs, const BatchFiles& files,
                     const Part& shard, ConsoleProgress& progress) {
     BatchPlan plan;

@@ -55,6 +55,3 @@ std::vector<JobNumbers> groupBy(const std::vector<BatchJob>& jobs, const JobNumb
     }
     return lots;
 }
-
-/// With all its folders, links resolved.
-std::string wholeName(const std::string& file);

@@ -1,5 +1,7 @@
 #include "batch/summary.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <set>
 #include <tuple>
@@ -63,6 +65,22 @@ JobRecord recordOf(const Json& j) {
     return job;
 }
 
+/// Numbers that only a file made by hand has.
+void requireSound(const Summary& summary, const std::string& file) {
+    constexpr std::size_t kMostJobs = 1000000000;
+    if (!summary.shard.valid())
+        inputError(file + " is of shard " + summary.shard.text() + ", which there is not",
+                   "shards are numbered from 1 to their count, 1000000 at most; run it again");
+    if (summary.count > kMostJobs)
+        inputError(fmt::format("{} is of {} jobs, more than {}", file, summary.count, kMostJobs),
+                   "run the batch again");
+    for (const JobRecord& job : summary.jobs)
+        if (job.index >= summary.count)
+            inputError(
+                fmt::format("{} has job {} of {} (counted from 0)", file, job.index, summary.count),
+                "run the batch again");
+}
+
 }  // namespace
 
 std::string Summary::text() const {
@@ -90,6 +108,7 @@ Summary readSummary(const std::string& file) {
             j["shard"].at("count").get_to(summary.shard.count);
         }
         for (const Json& job : j.at("jobs")) summary.jobs.push_back(recordOf(job));
+        requireSound(summary, file);
         return summary;
     } catch (const Json::exception&) {
         inputError(file + " is no summary of a batch", "name another file, or remove this one");

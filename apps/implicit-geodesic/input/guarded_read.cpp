@@ -82,7 +82,7 @@ FileGuard::FileGuard(const std::string& file, double seconds)
                               (file == "-" ? "standard input" : "'" + file.substr(0, 600) + "'");
     gFileFault.set(start +
                    ": its reader crashed, which damaged files bring about\n"
-                   "  write the file again; if it is sound, please report this with the file\n");
+                   "  write the file again, or in another format\n");
     gFileTime.set(start + ": it took more than " + std::to_string(std::llround(seconds)) +
                   " s of computing\n"
                   "  the file is damaged: write it again\n");

@@ -7,8 +7,15 @@
 #include <sstream>
 
 #include "options/command.h"
+#include "printable.h"
 
 namespace {
+
+std::string gridNameOf(const std::string& word) {
+    if (hasControls(word))
+        usageError("'" + word + "' holds a control character", "take it out of the name");
+    return word;
+}
 
 const Names<Grid> kGrids{{"surface", Grid::Surface},     {"gradient", Grid::Gradient},
                          {"label", Grid::Label},         {"color", Grid::Color},
@@ -68,7 +75,7 @@ std::vector<Option> volumeOptions(ResultOptions& o) {
             {.names = {"--name"},
              .value = "GRID",
              .text = "Name of the distance grid [<psi>_geodesic]",
-             .reads = text(o.name)}};
+             .reads = parsed(o.name, gridNameOf)}};
 }
 
 std::vector<Option> curveOptions(ResultOptions& o) {

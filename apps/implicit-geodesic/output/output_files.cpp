@@ -5,13 +5,13 @@
 #include <igeo/results/picture_options.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <filesystem>
 #include <ostream>
 #include <utility>
 #include <vector>
 
 #include "output/stdout.h"
+#include "printable.h"
 #include "usage_error.h"
 
 namespace fs = std::filesystem;
@@ -55,15 +55,26 @@ std::string colorMapOf(const RunOptions& options) {
     return options.colorMap.empty() ? igeo::PictureOptions{}.colorMap : options.colorMap;
 }
 
+std::string wholeName(const std::string& file) {
+    std::error_code error, ignored;
+    const fs::path whole = fs::absolute(igeo::fileBehindLinks(file), error);
+    if (error)
+        throw igeo::Error(igeo::Error::Kind::Io,
+                          "cannot tell where '" + file + "' is: the working folder is gone",
+                          "go to a folder that is there, or name files from the root on");
+    return fs::weakly_canonical(whole, ignored).string();
+}
+
 void checkOutputFiles(const std::vector<OutputFile>& outputs,
                       const std::vector<std::string>& inputs) {
     std::vector<std::string> taken;
     for (const OutputFile& output : outputs) {
         const std::string &file = output.file, named = std::string(output.option) + " " + file;
         checkEnding(output);
+        if (hasControls(file))
+            usageError(named + ": the name holds a control character", "take it out");
         std::error_code ignored;
-        const std::string whole =
-            file == "-" ? file : fs::weakly_canonical(fs::absolute(file), ignored).string();
+        const std::string whole = file == "-" ? file : wholeName(file);
         for (const std::string& input : inputs)
             if (input != "-" && file != "-" && fs::equivalent(file, input, ignored))
                 usageError(named + " would overwrite the input '" + input + "'",
@@ -88,9 +99,8 @@ void checkOutputFiles(const std::vector<OutputFile>& outputs,
 }
 
 void writeToStdout(const std::function<void(std::ostream&)>& write) {
-    errno = 0;
     write(results());
-    if (!results().flush()) igeo::AtomicFile::throwWriteError("standard output", errno);
+    flushResults();
 }
 
 void writeDocument(const std::string& file, const std::string& content) {

@@ -21,6 +21,11 @@ struct OutputFile {
 void checkOutputFiles(const std::vector<OutputFile>& outputs,
                       const std::vector<std::string>& inputs);
 
+/// The file that a name stands for, from the root on and behind all links: two names of one file
+/// are the same.
+/// @throws igeo::Error  Io for links that run in a circle, or without a working folder
+std::string wholeName(const std::string& file);
+
 /// Files that a run reads, without the grids in them; - is standard input.
 std::vector<std::string> inputFiles(const RunOptions& options);
 

@@ -19,6 +19,20 @@ std::string dump(const json& j, int indent) {
     return j.dump(indent, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
+json meshJson(const MeshFacts& m) {
+    return {{"points", m.points},
+            {"triangles", m.triangles},
+            {"dropped", m.dropped},
+            {"repeated", m.repeated},
+            {"components", m.components},
+            {"boundaryEdges", m.boundaryEdges},
+            {"holes", m.holes},
+            {"nonManifoldEdges", m.nonManifoldEdges},
+            {"nonOrientable", m.nonOrientable},
+            {"crossingPairs", m.crossingPairs},
+            {"closed", m.closed}};
+}
+
 json triple(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 /// JSON has no infinity: what is not known is null.
@@ -183,7 +197,8 @@ std::string reportJson(const RunReport& r, const Field& field) {
     j["surface"] = surfaceJson(r, band);
     const SurfaceFacts& s = r.surface;
     j["surface"]["kind"] = nameOf(s.kind);
-    j["surface"]["closed"] = s.closed ? json(*s.closed) : json(nullptr);
+    j["surface"]["closed"] = s.mesh ? json(s.mesh->closed) : json(nullptr);
+    j["surface"]["mesh"] = s.mesh ? meshJson(*s.mesh) : json(nullptr);
     j["surface"]["joints"] = s.joinGaps > 0 ? json(band.joints) : json(nullptr);
     j["surface"]["activeVoxels"] = s.activeVoxels ? json(s.activeVoxels) : json(nullptr);
     j["surface"]["halfWidthVoxels"] = s.halfWidth > 0 ? s.halfWidth : band.h;
@@ -283,17 +298,6 @@ json pieceJson(const SurfacePiece& p, double dx) {
             {"parts", p.parts},
             {"rims", p.rims},
             {"genus", p.genus}};
-}
-
-json meshJson(const MeshFacts& m) {
-    return {{"points", m.points},
-            {"triangles", m.triangles},
-            {"dropped", m.dropped},
-            {"components", m.components},
-            {"boundaryEdges", m.boundaryEdges},
-            {"nonManifoldEdges", m.nonManifoldEdges},
-            {"nonOrientable", m.nonOrientable},
-            {"closed", m.closed}};
 }
 
 json cloudJson(const CloudDensity& d) {

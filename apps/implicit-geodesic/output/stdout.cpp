@@ -1,5 +1,8 @@
 #include "output/stdout.h"
 
+#include <igeo/base/atomic_file.h>
+
+#include <cerrno>
 #include <cstdio>
 #include <iostream>
 #include <streambuf>
@@ -12,19 +15,28 @@ namespace {
 class FileBuffer : public std::streambuf {
 public:
     void open(std::FILE* file) { file_ = file; }
+    int error() const { return error_; }  ///< of the first write that failed
 
 protected:
     int_type overflow(int_type c) override {
         if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
-        return std::putc(c, file_);
+        return noted(std::putc(c, file_), c);
     }
     std::streamsize xsputn(const char* bytes, std::streamsize n) override {
-        return std::streamsize(std::fwrite(bytes, 1, std::size_t(n), file_));
+        return noted(std::streamsize(std::fwrite(bytes, 1, std::size_t(n), file_)), n);
     }
-    int sync() override { return std::fflush(file_); }
+    int sync() override { return noted(std::fflush(file_), 0); }
 
 private:
+    /// What was returned; the reason is kept where it is not what was expected.
+    template <typename Result>
+    Result noted(Result result, Result expected) {
+        if (result != expected && error_ == 0) error_ = errno;
+        return result;
+    }
+
     std::FILE* file_ = stdout;
+    int error_ = 0;
 };
 
 FileBuffer& buffer() {
@@ -49,6 +61,10 @@ void reserveStdout() {
 std::ostream& results() {
     static std::ostream stream(&buffer());
     return stream;
+}
+
+void flushResults() {
+    if (!results().flush()) igeo::AtomicFile::throwWriteError("standard output", buffer().error());
 }
 
 LibrariesSilenced::LibrariesSilenced() : printed_(std::cout.rdbuf()) {

@@ -7,8 +7,12 @@
 /// error. Call it first in main.
 void reserveStdout();
 
-/// The stream of results; where writing fails, its state says so and errno why.
+/// The stream of results; where writing fails, its state says so.
 std::ostream& results();
+
+/// Hands on what was written to it so far.
+/// @throws igeo::Error  Io where that failed, or anything before it
+void flushResults();
 
 /// While it lives, what libraries print to std::cout is dropped: they log there what they also
 /// throw, or what the program says in its own words.

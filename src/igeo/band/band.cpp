@@ -55,7 +55,7 @@ void Band::buildTopology() {
         count += l.band.count;
         if (count >= kNoNode)
             throw Error(Error::Kind::BadInput, "the band holds more than 4294967294 voxels",
-                        "use a narrower band or a coarser level set");
+                        "use a narrower band or coarser voxels");
     }
 
     std::size_t slots = 16;

@@ -26,15 +26,6 @@ std::set<std::string>& registry() {
     return names;
 }
 
-/// Follows links, also one to a file that does not exist yet.
-std::string resolve(fs::path path) {
-    std::error_code ignored;
-    constexpr int kMostLinks = 40;  // as Linux
-    for (int k = 0; k < kMostLinks && fs::is_symlink(path, ignored); ++k)
-        path = path.parent_path() / fs::read_symlink(path, ignored);
-    return path.string();
-}
-
 std::string folderOf(const std::string& path) {
     const fs::path folder = fs::path(path).parent_path();
     return folder.empty() ? "." : folder.string();
@@ -53,7 +44,20 @@ void AtomicFile::throwWriteError(const std::string& path, int systemError) {
     throw Error(Error::Kind::Io, "cannot write '" + path + "': " + why, remedy);
 }
 
-AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(resolve(path)) {
+std::string fileBehindLinks(const std::string& path) {
+    std::error_code ignored;
+    constexpr int kMostLinks = 40;  // as Linux
+    fs::path end = path;
+    for (int k = 0; fs::is_symlink(end, ignored); ++k) {
+        if (k == kMostLinks)
+            throw Error(Error::Kind::Io, "the links of '" + path + "' run in a circle",
+                        "remove them, or name another file");
+        end = end.parent_path() / fs::read_symlink(end, ignored);
+    }
+    return end.string();
+}
+
+AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(fileBehindLinks(path)) {
     std::error_code ignored;
     if (const fs::file_status status = fs::status(path, ignored); fs::exists(status)) {
         if (fs::is_directory(status)) throwWriteError(path, EISDIR);

@@ -36,6 +36,10 @@ private:
     std::fstream stream_;
 };
 
+/// The file that writing to `path` makes or replaces: behind all links, whether it is there or not.
+/// @throws Error  Io for links that run in a circle
+std::string fileBehindLinks(const std::string& path);
+
 /// Writes a whole text file atomically.
 void writeFile(const std::string& path, const std::string& content);
 

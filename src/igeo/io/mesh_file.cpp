@@ -5,6 +5,7 @@
 #include <igeo/base/error.h>
 #include <igeo/io/detail/ply_reader.h>
 #include <igeo/io/detail/text_mesh_reader.h>
+#include <igeo/io/voxel_size.h>
 
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
@@ -16,6 +17,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <tuple>
 #include <utility>
 
 namespace igeo {
@@ -34,13 +36,15 @@ std::string endingOf(const std::string& file) {
 
 /// The reasons that the system gives, which assimp does not.
 void requireReadable(const std::string& file) {
-    if (std::filesystem::is_directory(file))
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored))
         throw Error(Kind::Io, "cannot read '" + file + "': it is a folder", "name a file");
     errno = 0;
     if (!std::ifstream(file, std::ios::binary).good())
         throw Error(Kind::Io, "cannot open '" + file + "': " + std::strerror(errno ? errno : EIO),
                     "check the name and the permissions");
-    if (std::filesystem::is_regular_file(file) && std::filesystem::file_size(file) == 0)
+    if (std::filesystem::is_regular_file(file, ignored) &&
+        std::filesystem::file_size(file, ignored) == 0)
         throw Error(Kind::BadInput, "'" + file + "' is empty", kReadable);
 }
 
@@ -147,6 +151,23 @@ private:
     std::vector<Ear> ears_;
 };
 
+/// Cuts a polygon into the same triangles whichever corner comes first and whichever way it runs,
+/// so that weld() finds those of a face that is there in both orders.
+void cutAlike(std::vector<std::uint32_t> corners, TriangleMesh& mesh) {
+    const auto before = [&](std::uint32_t i, std::uint32_t j) {
+        const Vec3d &a = mesh.points[i], &b = mesh.points[j];
+        return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    };
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end(), before),
+                corners.end());
+    const bool turned = before(corners.back(), corners[1]);
+    if (turned) std::reverse(corners.begin() + 1, corners.end());
+    const std::size_t first = mesh.triangles.size();
+    EarCutter(std::move(corners), mesh).cut();
+    for (std::size_t t = first; turned && t < mesh.triangles.size(); ++t)
+        std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+}
+
 void appendPolygon(const std::vector<std::uint32_t>& corners, TriangleMesh& mesh) {
     // Some seconds.
     constexpr std::size_t kMostCorners = 20000;
@@ -155,7 +176,10 @@ void appendPolygon(const std::vector<std::uint32_t>& corners, TriangleMesh& mesh
                     fmt::format("a face of '{}' has {} corners, more than {}", mesh.file,
                                 corners.size(), kMostCorners),
                     "cut it into triangles in the program that made it");
-    EarCutter(corners, mesh).cut();
+    if (corners.size() == 3)
+        mesh.triangles.push_back({corners[0], corners[1], corners[2]});
+    else if (corners.size() > 3)
+        cutAlike(corners, mesh);
 }
 
 void append(const aiMesh& from, const Affine& place, TriangleMesh& mesh) {
@@ -272,7 +296,8 @@ TriangleMesh readMesh(const std::string& file) {
             throw Error(Kind::BadInput,
                         fmt::format("'{}' has coordinates that are not finite: {:f}, {:f}, {:f}",
                                     file, p.x, p.y, p.z),
-                        "export the mesh again");
+                        "export the mesh again, with coordinates of up to 3.4e38 but for .ply");
+    requireExtent(Box(mesh.points).longestSide(), file);
     weld(mesh);
     if (mesh.triangles.empty())
         throw Error(Kind::BadInput,

@@ -31,7 +31,8 @@ std::string endingOf(const std::string& file) {
 }
 
 std::string bytesOf(const std::string& file) {
-    if (std::filesystem::is_directory(file))
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored))
         throw Error(Kind::Io, "cannot read '" + file + "': it is a folder", "give a file");
     errno = 0;
     std::ifstream in(file, std::ios::binary);

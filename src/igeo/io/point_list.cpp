@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/error.h>
+#include <igeo/io/detail/json_depth.h>
 
 #include <algorithm>
 #include <array>
@@ -98,10 +99,19 @@ AskedPoint pointFrom(const json& j) {
     return p;
 }
 
+/// What a .json file holds; discarded where it is none.
+json parsedJson(std::istream& in, const std::string& file) {
+    const auto check = [&](int depth, json::parse_event_t, const json&) {
+        requireShallow(depth, file);
+        return true;
+    };
+    return json::parse(in, check, /*allow_exceptions=*/false);
+}
+
 /// The list that a .json file holds.
 json listFromJson(std::istream& in, const std::string& file, const char* what,
                   const std::string& remedy) {
-    json all = json::parse(in, nullptr, /*allow_exceptions=*/false);
+    json all = parsedJson(in, file);
     if (!all.is_array())
         throw Error(Kind::BadInput, file + " is not a JSON list of " + what, remedy);
     return all;
@@ -148,7 +158,7 @@ Curve curveFrom(const json& j) {
 std::vector<Curve> curvesFromJson(std::istream& in, const std::string& file) {
     const std::string remedy =
         R"(write [[x, y, z], ...] or [{"position": [[x, y, z], ...], "closed": true}, ...])";
-    const json document = json::parse(in, nullptr, /*allow_exceptions=*/false);
+    const json document = parsedJson(in, file);
     // No copy of it: that of a list in lists takes stack for each.
     const json* list = &document;
     for (const char* name : {"isolines", "paths"})
@@ -189,7 +199,8 @@ std::ifstream open(const std::string& file) {
     if (!in)
         throw Error(Kind::Io, "cannot read '" + file + "': " + std::strerror(errno),
                     "check the name and the permissions");
-    if (std::filesystem::is_directory(file))
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored))
         throw Error(Kind::Io, "cannot read '" + file + "': it is a folder",
                     "give a .json or .csv file");
     return in;

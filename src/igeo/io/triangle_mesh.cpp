@@ -196,8 +196,10 @@ void weld(TriangleMesh& mesh) {
     std::vector<bool> drop(mesh.triangles.size());
     for (std::size_t k = 0; k < sorted.size(); ++k) {
         const auto& [a, b, c] = sorted[k].first;
-        if (a == b || b == c || (k > 0 && sorted[k].first == sorted[k - 1].first))
-            drop[sorted[k].second] = true;
+        const bool thin = a == b || b == c,
+                   again = !thin && k > 0 && sorted[k].first == sorted[k - 1].first;
+        mesh.repeated += again;
+        drop[sorted[k].second] = thin || again;
     }
     std::size_t kept = 0;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)

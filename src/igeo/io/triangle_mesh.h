@@ -20,7 +20,8 @@ struct TriangleMesh {
     std::string file;           ///< as named, for messages
     std::vector<Vec3d> points;  ///< in the file's units
     std::vector<Triangle> triangles;
-    std::size_t dropped = 0;            ///< triangles with two equal corners, or there twice
+    std::size_t dropped = 0;            ///< triangles with two equal corners, or repeated
+    std::size_t repeated = 0;           ///< of them those that have the corners of another
     std::vector<std::string> warnings;  ///< what a user should know, one sentence each
 
     static constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max();

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/vdb_archive.h>
+#include <igeo/io/detail/vdb_sound.h>
 #include <openvdb/io/Stream.h>
 
 #include <cerrno>
@@ -269,7 +270,8 @@ void requireReadable(const std::string& name, const Wanted& wanted) {
     if (!in)
         throw Error(Kind::Io, fmt::format("cannot read '{}': {}", name, std::strerror(errno)),
                     "check the name and the permissions");
-    if (std::filesystem::is_directory(name))
+    std::error_code ignored;
+    if (std::filesystem::is_directory(name, ignored))
         throw Error(Kind::Io, fmt::format("cannot read '{}': it is a folder", name),
                     "give a .vdb file");
     std::array<unsigned char, 4> magic{};
@@ -277,25 +279,6 @@ void requireReadable(const std::string& name, const Wanted& wanted) {
     if (!in || std::memcmp(magic.data(), " BDV", 4) != 0)
         throw Error(Kind::BadInput, fmt::format("'{}' is not a VDB file", name),
                     "give " + wanted.one() + " written by OpenVDB, Houdini, Blender or vdb_tool");
-}
-
-/// Places in such a grid are nowhere in the world, or everywhere.
-void requireInvertible(const NamedGrid& read, const GridSource& source) {
-    const auto& transform = read.grid->transform();
-    bool sound = true;
-    try {
-        if (transform.isLinear()) {
-            const double volume = transform.baseMap()->getAffineMap()->getMat4().det();
-            sound = std::isfinite(volume) && volume != 0;
-        }
-    } catch (const openvdb::Exception&) {
-        sound = false;
-    }
-    if (!sound)
-        throw Error(Kind::BadInput,
-                    fmt::format("the transform of grid '{}' has no inverse ({})", read.name,
-                                nameOf(source)),
-                    "the file may be damaged; write it again");
 }
 
 /// What an exception of OpenVDB says, without the name of its class.
@@ -316,7 +299,11 @@ std::vector<NamedGrid> readGrids(const GridSource& source, const Wanted& wanted,
     try {
         auto read = source.file == "-" ? readFromStream(source, std::cin, check)
                                        : readFromFile(source, check);
-        for (const NamedGrid& grid : read) requireInvertible(grid, source);
+        for (const NamedGrid& grid : read) {
+            requireInvertible(*grid.grid,
+                              fmt::format("grid '{}' of {}", grid.name, nameOf(source)));
+            dropDamagedMetadata(*grid.grid);
+        }
         return read;
     } catch (const Error&) {
         throw;

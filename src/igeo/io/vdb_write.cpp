@@ -60,7 +60,9 @@ void writeVdb(const std::string& file, const openvdb::GridCPtrVec& grids) {
     AtomicFile out(file);
     try {
         out.stream().exceptions(std::ios::badbit | std::ios::failbit);
-        if (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file)) {
+        std::error_code ignored;
+        if (std::filesystem::exists(file, ignored) &&
+            !std::filesystem::is_regular_file(file, ignored)) {
             writeVdb(out.stream(), grids);
         } else {
             Writer().writeTo(out.stream(), grids, /*seekable=*/true);

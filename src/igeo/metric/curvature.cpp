@@ -309,7 +309,7 @@ Curvature curvature(const Band& band, double scale, Progress& progress) {
         throw Error(Error::Kind::InvalidArgument,
                     "a curvature scale of " + std::to_string(scale) +
                         " voxels is out of range: 1 to 16 are allowed",
-                    "resample the level set to coarser voxels for a larger scale");
+                    "take coarser voxels for a larger scale");
     CoreCurvature core(band, scale);
     core.compute(progress);
     Curvature c;

@@ -59,6 +59,19 @@ bool positiveDefinite(const Tensor& g) {
     return xx > 0 && yy > 0 && zz > 0 && xx + yy + zz < kInfinity;
 }
 
+/// Squares of these, times those of distances in voxels, keep to single precision.
+constexpr double kLeastCost = 1e-15, kLargestCost = 1e15;
+
+bool inRange(float cost) { return cost >= kLeastCost && cost <= kLargestCost; }
+
+[[noreturn]] void refuseCost(const Band& band, std::size_t node, const char* what, float cost) {
+    throw Error(Error::Kind::InvalidArgument,
+                fmt::format("the {} at {} is {:.6g}; allowed are {:.4g} to {:.4g}", what,
+                            worldPlace(band, NodeIndex(node)), cost, kLeastCost, kLargestCost),
+                "multiply it by one factor everywhere: distances change by that factor, or its "
+                "root for a tensor, and paths do not");
+}
+
 Tensor scaled(const Tensor& g, double s) {
     return {float(s * g.xx), float(s * g.yy), float(s * g.zz),
             float(s * g.xy), float(s * g.xz), float(s * g.yz)};
@@ -169,9 +182,8 @@ void Metric::check(const Band& band) const {
     if (!weight.empty() && !tensor.empty()) refuse("a metric has weights or tensors, not both");
     if (!weight.empty()) count(weight.size(), "weights");
     if (!tensor.empty()) count(tensor.size(), "tensors");
-    for (const float w : weight)
-        if (!(w > 0 && w < float(kInfinity)))
-            refuse("weight " + std::to_string(w) + " is not positive and finite");
+    for (std::size_t k = 0; k < weight.size(); ++k)
+        if (!inRange(weight[k])) refuseCost(band, k, "weight", weight[k]);
     for (std::size_t k = 0; k < tensor.size(); ++k)
         if (!positiveDefinite(tensor[k]))
             throw Error(
@@ -180,6 +192,9 @@ void Metric::check(const Band& band) const {
                     "the tensor at {} is not positive definite: its least eigenvalue is {:.6g}",
                     worldPlace(band, NodeIndex(k)), eigenvalues(tensor[k])[0]),
                 "give a cost per unit length squared that is positive in all directions");
+    for (std::size_t k = 0; k < tensor.size(); ++k)
+        for (const float g : {tensor[k].xx, tensor[k].yy, tensor[k].zz})
+            if (!inRange(g)) refuseCost(band, k, "diagonal of the tensor", g);
 }
 
 }  // namespace igeo

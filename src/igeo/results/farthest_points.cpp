@@ -96,7 +96,7 @@ std::vector<SurfacePoint> farthestPoints(const Band& band, const MetricPtr& metr
         throw Error(Error::Kind::InvalidArgument,
                     fmt::format("{} points asked for; there is room for 1 to {}", count,
                                 farthest.candidates()),
-                    "ask for fewer points, or give a finer level set");
+                    "ask for fewer points, or take finer voxels");
     CancelOnly quiet(progress);
     const std::size_t given = !start.empty();  // the march from them
     progress.update("points", 0);

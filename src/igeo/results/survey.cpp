@@ -408,15 +408,13 @@ FileSurvey surveyFile(const GridSource& source, Progress& progress) {
 }
 
 FileSurvey surveyMesh(const TriangleMesh& mesh, double dx, Progress& progress) {
-    const MeshTopology topology = meshTopology(mesh);
     FileSurvey file;
     file.file = mesh.file;
+    file.mesh = meshFacts(mesh, progress);
     file.warnings = mesh.warnings;
-    file.mesh = MeshFacts{mesh.points.size(),     mesh.triangles.size(),  mesh.dropped,
-                          topology.components,    topology.boundaryEdges, topology.nonManifoldEdges,
-                          topology.nonOrientable, topology.closed()};
+    for (const std::string& w : meshWarnings(*file.mesh)) file.warnings.push_back(w);
     putOnGrid(
-        file, topology.closed(), "mesh",
+        file, file.mesh->closed, "mesh",
         [&](double h) { return bandFromMesh(mesh, dx, h, progress); }, progress);
     file.surface =
         survey(file.levelSet, file.band, trianglesOf(mesh, file.band.transform), progress);

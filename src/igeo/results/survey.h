@@ -10,6 +10,7 @@
 #include <igeo/surface/band_bounds.h>
 #include <igeo/surface/cloud_density.h>
 #include <igeo/surface/level_set.h>
+#include <igeo/surface/mesh_facts.h>
 #include <igeo/surface/point_surface.h>
 
 #include <array>
@@ -97,14 +98,6 @@ std::string thinWarning(const Band& band);
 /// flat triangles: second order in dx.
 SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, const SurfaceMesh& mesh,
                      Progress& progress = Progress::none());
-
-/// A triangle mesh in numbers.
-struct MeshFacts {
-    std::size_t points = 0, triangles = 0, dropped = 0;  ///< as in TriangleMesh
-    std::size_t components = 0, boundaryEdges = 0, nonManifoldEdges = 0,
-                nonOrientable = 0;  ///< as in MeshTopology
-    bool closed = false;
-};
 
 /// What a file holds, and the surface among it. Where it is refused, what was found out before.
 struct FileSurvey {

@@ -4,6 +4,7 @@
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
+#include <igeo/io/voxel_size.h>
 #include <igeo/surface/detail/leaf_block.h>
 #include <openvdb/tools/FastSweeping.h>
 
@@ -396,6 +397,17 @@ void judgeShape(LevelSet& s) {
                         st.cutVoxels));
 }
 
+void take(const LoadedGrid& loaded, LevelSet& s) {
+    s = {};
+    s.psi = loaded.grid;
+    s.file = loaded.file;
+    s.name = loaded.name;
+    s.warnings = loaded.warnings;
+    s.transform.dx = 0;
+    s.transform = similarityOf(s.psi->transform(), where(s));
+    requireVoxelSize(s.transform.dx, fmt::format("grid '{}' of {}", s.name, s.file));
+}
+
 }  // namespace
 
 LevelSet checkLevelSet(LoadedGrid loaded, Progress& progress) {
@@ -404,14 +416,16 @@ LevelSet checkLevelSet(LoadedGrid loaded, Progress& progress) {
     return s;
 }
 
+LevelSet describeLevelSet(LoadedGrid made, Progress& progress) {
+    LevelSet s;
+    take(made, s);
+    measureRange(s);
+    measure(s, progress);
+    return s;
+}
+
 void checkLevelSet(LoadedGrid loaded, LevelSet& s, Progress& progress) {
-    s = {};
-    s.psi = loaded.grid;
-    s.file = loaded.file;
-    s.name = loaded.name;
-    s.warnings = loaded.warnings;
-    s.transform.dx = 0;
-    s.transform = similarityOf(s.psi->transform(), where(s));
+    take(loaded, s);
     if (!loaded.isLevelSetClass)
         s.warnings.push_back(
             "the grid's class is not 'level set': its values are taken as a signed "

@@ -60,6 +60,11 @@ LevelSet checkLevelSet(LoadedGrid loaded, Progress& progress = Progress::none())
 /// values and differences were not examined.
 void checkLevelSet(LoadedGrid loaded, LevelSet& levelSet, Progress& progress = Progress::none());
 
+/// A grid that the library has made of something else, which was judged before: described as
+/// checkLevelSet does, and neither refused nor warned of.
+/// @throws Error  Cancelled through `progress`
+LevelSet describeLevelSet(LoadedGrid made, Progress& progress = Progress::none());
+
 /// Widens the narrow band to at least `halfWidth` voxels with OpenVDB's fast sweeping (first order
 /// in the new voxels) and adds a warning that says so; does nothing if it is as wide already.
 void widen(LevelSet& levelSet, double halfWidth);

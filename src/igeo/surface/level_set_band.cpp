@@ -136,6 +136,7 @@ openvdb::math::Transform::Ptr gridTransform(const Similarity& t) {
 
 LevelSet levelSetFromBand(const Band& band, bool closed, const std::string& file,
                           const std::string& name, Progress& progress) {
+    constexpr double kMostlySmooth = 0.95;
     openvdb::initialize();
     const Similarity& t = band.transform;
     LoadedGrid loaded;
@@ -161,7 +162,13 @@ LevelSet levelSetFromBand(const Band& band, bool closed, const std::string& file
         }
     });
     if (closed) openvdb::tools::signedFloodFill(grid.tree());
-    return checkLevelSet(std::move(loaded), progress);
+    LevelSet made = describeLevelSet(std::move(loaded), progress);
+    if (made.stats.gradientShare < kMostlySmooth)
+        made.warnings.push_back(
+            fmt::format("as a level set, which some results need, {} is rough on {:.0f} % of its "
+                        "voxels: it has thin parts or sharp edges there; smaller voxels show them",
+                        name, 100 * (1 - made.stats.gradientShare)));
+    return made;
 }
 
 }  // namespace igeo

@@ -26,12 +26,12 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
 openvdb::math::Transform::Ptr gridTransform(const Similarity& transform);
 
 /// The other way: psi of a band as a level set, for what is made of one (pictures, meshes,
-/// engravings), checked as one from a file (checkLevelSet).
+/// engravings). Where much of it is no distance, as in thin parts, a warning says so.
 /// @param band    its psi signed, h at least 2 voxels
 /// @param closed  whether it has an inside, so that what is not active is known to be within or
 ///                without
 /// @param file, name  for messages and results
-/// @throws Error  as checkLevelSet
+/// @throws Error  as gridTransform, and Cancelled through `progress`
 LevelSet levelSetFromBand(const Band& band, bool closed, const std::string& file,
                           const std::string& name, Progress& progress = Progress::none());
 

@@ -59,6 +59,37 @@ TEST_CASE("every format gives the same mesh", "[mesh]") {
     }
 }
 
+TEST_CASE("of faces in both orders one is left", "[mesh]") {
+    // Squares, whose ears are equally good, and a hexagon; the second sides begin anywhere.
+    const TempDir dir;
+    std::ostringstream points, faces;
+    constexpr int kSide = 6;
+    for (int x = 0; x <= kSide; ++x)
+        for (int y = 0; y <= kSide; ++y) points << "v " << x / 7.0 << " " << y / 7.0 << " 0\n";
+    auto at = [](int x, int y) { return 1 + x * (kSide + 1) + y; };
+    auto add = [&](std::vector<int> corners, int turn) {
+        for (int sides = 0; sides < 2; ++sides) {
+            faces << "f";
+            for (const int c : corners) faces << " " << c;
+            faces << "\n";
+            std::reverse(corners.begin(), corners.end());
+            std::rotate(corners.begin(), corners.begin() + turn, corners.end());
+        }
+    };
+    for (int x = 0; x < kSide; ++x)
+        for (int y = 0; y < kSide; ++y)
+            add({at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)}, (x + y) % 4);
+    for (int k = 0; k < 6; ++k)
+        points << "v " << 3 + std::cos(k * M_PI / 3) << " " << std::sin(k * M_PI / 3) << " 0\n";
+    const int first = at(kSide, kSide) + 1;
+    add({first, first + 1, first + 2, first + 3, first + 4, first + 5}, 2);
+    const TriangleMesh mesh = readMesh(write(dir, "two.obj", points.str() + faces.str()));
+    CHECK(mesh.triangles.size() == 2 * kSide * kSide + 4);
+    CHECK(mesh.repeated == mesh.triangles.size());
+    CHECK(mesh.dropped == mesh.repeated);
+    CHECK(meshTopology(mesh).nonManifoldEdges == 0);
+}
+
 TEST_CASE("polygons of many corners are cut, of too many refused", "[mesh]") {
     // A star: every second corner is concave. Its area is that of n triangles of two radii.
     const TempDir dir;

@@ -1,0 +1,89 @@
+#include <igeo/surface/mesh_facts.h>
+
+#include <fmt/core.h>
+#include <igeo/base/detail/box.h>
+#include <igeo/base/detail/disjoint_sets.h>
+#include <igeo/surface/detail/mesh_crossings.h>
+
+namespace igeo {
+
+namespace {
+
+/// Boundary edges are joined around their points from triangle to triangle, so that sheets which
+/// only touch in a point have lines of their own.
+std::size_t countHoles(const TriangleMesh& mesh, const MeshTopology& topology) {
+    if (topology.boundaryEdges == 0) return 0;
+    const auto corner = [](std::size_t t, std::size_t k) { return std::uint32_t(3 * t + k % 3); };
+    const auto cornerAt = [&](std::size_t t, std::uint32_t point) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        return corner(t, a == point ? 0 : b == point ? 1 : 2);
+    };
+    DisjointSets fans(3 * mesh.triangles.size()), holes(3 * mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t u = topology.neighbor[t][k];
+            if (u >= mesh.triangles.size()) continue;
+            for (const std::size_t end : {k, k + 1})
+                fans.join(corner(t, end), cornerAt(u, mesh.triangles[t][end % 3]));
+        }
+    std::vector<bool> atBoundary(3 * mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (topology.neighbor[t][k] != MeshTopology::kNone) continue;
+            const std::uint32_t from = fans.first(corner(t, k)), to = fans.first(corner(t, k + 1));
+            holes.join(from, to);
+            atBoundary[from] = true;
+        }
+    std::size_t count = 0;
+    for (std::uint32_t c = 0; c < atBoundary.size(); ++c)
+        count += atBoundary[c] && holes.first(c) == c;
+    return count;
+}
+
+std::string counted(std::size_t n, const char* one) {
+    return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
+}
+
+}  // namespace
+
+MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress) {
+    constexpr double kContact = 1e-6;
+    const MeshTopology topology = meshTopology(mesh);
+    MeshFacts facts;
+    facts.points = mesh.points.size();
+    facts.triangles = mesh.triangles.size();
+    facts.dropped = mesh.dropped;
+    facts.repeated = mesh.repeated;
+    facts.components = topology.components;
+    facts.boundaryEdges = topology.boundaryEdges;
+    facts.nonManifoldEdges = topology.nonManifoldEdges;
+    facts.nonOrientable = topology.nonOrientable;
+    facts.holes = countHoles(mesh, topology);
+    facts.crossingPairs = crossingPairs(mesh, kContact * length(Box(mesh.points).size()), progress);
+    facts.closed = topology.closed();
+    return facts;
+}
+
+std::vector<std::string> meshWarnings(const MeshFacts& facts) {
+    std::vector<std::string> warnings;
+    if (facts.repeated > 0)
+        warnings.push_back(counted(facts.repeated, "triangle") +
+                           " repeat others, in the same or the opposite order of corners (as in "
+                           "two-sided exports): dropped");
+    if (facts.crossingPairs > 0)
+        warnings.push_back(counted(facts.crossingPairs, "pair") +
+                           " of faces cross: the mesh passes through itself");
+    if (facts.nonOrientable > 0)
+        warnings.push_back(
+            "the mesh has one side only in places (as a Moebius strip): it is cut along a line "
+            "there, which paths go around");
+    return warnings;
+}
+
+std::string openness(const MeshFacts& facts) {
+    if (facts.boundaryEdges == 0) return {};
+    return "open: " + counted(facts.boundaryEdges, "boundary edge") + " in " +
+           counted(facts.holes, "hole");
+}
+
+}  // namespace igeo

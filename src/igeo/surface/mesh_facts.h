@@ -1,0 +1,36 @@
+/// What is known of a triangle mesh before a band is made of it.
+#pragma once
+
+#include <igeo/base/progress.h>
+#include <igeo/io/triangle_mesh.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// A triangle mesh in numbers.
+struct MeshFacts {
+    std::size_t points = 0, triangles = 0, dropped = 0, repeated = 0;  ///< as in TriangleMesh
+    std::size_t components = 0, boundaryEdges = 0, nonManifoldEdges = 0,
+                nonOrientable = 0;  ///< as in MeshTopology
+    std::size_t holes = 0;          ///< closed lines of boundary edges
+    std::size_t crossingPairs = 0;  ///< of triangles that cross, or overlap in one plane
+    bool closed = false;            ///< every edge has two triangles
+};
+
+/// Crossings of less than 1e-6 of the bounding box's diagonal, as far as weld() joins points, are
+/// taken for contacts.
+/// @throws Error  Cancelled through `progress`
+/// Time O(n log n).
+MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress = Progress::none());
+
+/// What is odd about a mesh, a sentence each; empty for a good one.
+std::vector<std::string> meshWarnings(const MeshFacts& facts);
+
+/// "open: 80 boundary edges in 1 hole", or nothing. A good mesh may be open; where it was not meant
+/// to be, paths go around its holes.
+std::string openness(const MeshFacts& facts);
+
+}  // namespace igeo

@@ -1,0 +1,152 @@
+#include <igeo/surface/detail/mesh_crossings.h>
+#include <igeo/surface/mesh_facts.h>
+#include <support/catch.h>
+#include <support/mesh_shapes.h>
+
+#include <random>
+
+namespace igeo {
+namespace {
+
+using Triangle = TriangleMesh::Triangle;
+
+TriangleMesh meshOf(const std::vector<Vec3d>& points, const std::vector<Triangle>& triangles) {
+    TriangleMesh mesh;
+    mesh.points = points;
+    mesh.triangles = triangles;
+    return mesh;
+}
+
+std::size_t pairsOf(const std::vector<Vec3d>& points, const std::vector<Triangle>& triangles) {
+    return crossingPairs(meshOf(points, triangles), 1e-6);
+}
+
+Vec3d cornerOf(const TriangleMesh& mesh, std::size_t t, std::size_t k) {
+    return mesh.points[mesh.triangles[t][k % 3]];
+}
+
+double volume(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+    return dot(cross(b - a, c - a), d - a);
+}
+
+/// Whether an edge of triangle t goes through triangle u, of two in general position.
+bool pierces(const TriangleMesh& mesh, std::size_t t, std::size_t u) {
+    const Vec3d a = cornerOf(mesh, u, 0), b = cornerOf(mesh, u, 1), c = cornerOf(mesh, u, 2);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3d p = cornerOf(mesh, t, k), q = cornerOf(mesh, t, k + 1);
+        if (volume(a, b, c, p) * volume(a, b, c, q) >= 0) continue;
+        const double x = volume(p, q, a, b), y = volume(p, q, b, c), z = volume(p, q, c, a);
+        if (x * y > 0 && y * z > 0) return true;
+    }
+    return false;
+}
+
+std::size_t piercingPairs(const TriangleMesh& mesh) {
+    std::size_t pairs = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (std::size_t u = 0; u < t; ++u) pairs += pierces(mesh, t, u) || pierces(mesh, u, t);
+    return pairs;
+}
+
+MeshFacts factsOf(const TriangleMesh& mesh) { return meshFacts(mesh); }
+
+TEST_CASE("what touches does not cross", "[mesh]") {
+    const std::vector<Vec3d> p{{0, 0, 0},     {1, 0, 0},      {0, 1, 0}, {1, 1, 0},
+                               {0.2, 0.2, 1}, {0.2, 0.2, -1}, {3, 3, 0}, {0.3, 0.3, 0},
+                               {0.5, 0, 0.5}, {0, 0, 1}};
+    CHECK(pairsOf(p, {{0, 1, 2}, {1, 3, 2}}) == 0);  // neighbors in one plane
+    CHECK(pairsOf(p, {{0, 1, 2}, {0, 1, 9}}) == 0);  // neighbors at a right angle
+    CHECK(pairsOf(p, {{0, 1, 2}, {0, 6, 9}}) == 0);  // around a corner, across the other's plane
+    CHECK(pairsOf(p, {{0, 1, 2}, {7, 4, 9}}) == 0);  // a corner on a face
+    CHECK(pairsOf(p, {{0, 1, 2}, {8, 4, 9}}) == 0);  // above
+    CHECK(pairsOf(p, {{0, 1, 2}, {4, 5, 5}, {0, 7, 3}}) == 0);  // without area
+}
+
+TEST_CASE("what passes through or overlaps crosses", "[mesh]") {
+    const std::vector<Vec3d> p{{0, 0, 0},        {1, 0, 0},       {0, 1, 0},   {1, 1, 0},
+                               {0.2, 0.2, 1},    {0.2, 0.2, -1},  {2, 2, 0.1}, {0.2, 0.3, 0},
+                               {-0.5, 0.2, 0.1}, {0.6, 0.2, -0.1}};
+    CHECK(pairsOf(p, {{0, 1, 2}, {4, 5, 6}}) == 1);  // an edge through a face
+    CHECK(pairsOf(p, {{0, 1, 2}, {0, 4, 5}}) == 1);  // beside a corner of both
+    CHECK(pairsOf(p, {{0, 1, 2}, {0, 1, 7}}) == 1);  // folded over at an edge, in one plane
+    CHECK(pairsOf(p, {{0, 1, 2}, {0, 3, 1}}) == 1);
+    CHECK(pairsOf(p, {{0, 1, 3}, {0, 3, 2}, {4, 5, 8}, {4, 5, 9}}) == 2);  // at an edge
+}
+
+TEST_CASE("crossings are those of all pairs", "[mesh]") {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    auto point = [&](double r) {
+        return Vec3d{r * uniform(random), r * uniform(random), r * uniform(random)};
+    };
+    TriangleMesh mesh;
+    for (int k = 0; k < 400; ++k) {
+        const double size = std::pow(10.0, -2.0 + 2.2 * k / 400);
+        const Vec3d middle = point(1);
+        const auto first = std::uint32_t(mesh.points.size());
+        for (int i = 0; i < 3; ++i) mesh.points.push_back(middle + point(size));
+        mesh.triangles.push_back({first, first + 1, first + 2});
+    }
+    const std::size_t expected = piercingPairs(mesh);
+    CHECK(expected > 400);
+    CHECK(crossingPairs(mesh, 1e-9) == expected);
+
+    const TriangleMesh balls =
+        test::together(test::sphereMesh({}, 1, 3), test::sphereMesh({0.83, 0.11, 0.07}, 0.9, 3));
+    CHECK(piercingPairs(balls) > 100);
+    CHECK(factsOf(balls).crossingPairs == piercingPairs(balls));
+    CHECK(factsOf(test::sphereMesh({}, 1, 4)).crossingPairs == 0);
+}
+
+TEST_CASE("holes are lines of boundary edges", "[mesh]") {
+    const auto flat = [](double u, double v) { return Vec3d{u, v, 0}; };
+    const auto sheet = [&](const std::function<bool(double, double)>& keep) {
+        return factsOf(test::sheet(9, 9, flat, keep));
+    };
+    CHECK(sheet(nullptr).holes == 1);
+    CHECK(sheet([](double u, double v) {
+              return std::abs(u - 0.5) > 0.1 || std::abs(v - 0.5) > 0.1;
+          }).holes == 2);
+    // Two quadrilaterals out that touch in a corner: one line around both.
+    CHECK(sheet([](double u, double v) {
+              return !(u > 4.0 / 9 && u < 6.0 / 9 && v > 4.0 / 9 && v < 6.0 / 9 &&
+                       (u < 5.0 / 9) == (v < 5.0 / 9));
+          }).holes == 2);
+    CHECK(factsOf(test::moebius(1, 0.4, 40)).holes == 1);
+    CHECK(factsOf(test::sphereMesh({}, 1, 2)).holes == 0);
+    const MeshFacts bowTie = factsOf(
+        meshOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}));
+    CHECK(bowTie.holes == 2);
+    CHECK(bowTie.boundaryEdges == 6);
+}
+
+TEST_CASE("a mesh is told of in the words of meshes", "[mesh]") {
+    const auto saddle = [](double u, double v) { return Vec3d{u, v, (u - 0.5) * v}; };
+    CHECK(meshWarnings(factsOf(test::sphereMesh({}, 1, 2))).empty());
+    TriangleMesh twice = test::sheet(4, 4, saddle);
+    for (std::size_t t = 0; t < 32; ++t) {
+        const auto [a, b, c] = twice.triangles[t];
+        twice.triangles.push_back(t % 2 ? Triangle{b, a, c} : Triangle{b, c, a});
+    }
+    weld(twice);
+    const MeshFacts facts = factsOf(twice);
+    CHECK(facts.triangles == 32);
+    CHECK(facts.repeated == 32);
+    CHECK(meshWarnings(facts) ==
+          std::vector<std::string>{"32 triangles repeat others, in the same or the opposite order "
+                                   "of corners (as in two-sided exports): dropped"});
+    CHECK(openness(facts) == "open: 16 boundary edges in 1 hole");
+    CHECK(openness(factsOf(test::sphereMesh({}, 1, 2))).empty());
+    const TriangleMesh crossed = test::together(test::sheet(1, 1,
+                                                            [](double u, double v) {
+                                                                return Vec3d{u, v, 0};
+                                                            }),
+                                                test::sheet(1, 1, [](double u, double v) {
+                                                    return Vec3d{0.3, u, v - 0.4};
+                                                }));
+    CHECK(meshWarnings(factsOf(crossed)).back() ==
+          "3 pairs of faces cross: the mesh passes through itself");
+}
+
+}  // namespace
+}  // namespace igeo
