@@ -293,7 +293,7 @@ class Batch(TempWorkspace):
             bad = {**good, "name": "b", "output": "b.vdb", "matrix": "b.json", "rebuild": True, option: value}
             self.refused(with_job(bad), USAGE, "job 'b'", f"--{option}", value.split(",")[0])
         self.refused(with_job({**good, "name": "b", "output": "b.vdb", "signed": True}), USAGE, "job 'b'", "--signed")
-        self.refused(with_job(paths="nowhere/a.json"), USAGE, "job 'a'", "--paths", "no folder 'nowhere'")
+        self.refused(with_job(isolines="nowhere/a.json"), USAGE, "job 'a'", "--isolines", "no folder 'nowhere'")
         self.refused(with_job({**good, "name": "b", "output": "./a.vdb"}), USAGE, "job 'b'", "job 'a'", "a.vdb")
         self.refused(with_job({"name": "b", "sdf": "torus.vdb", "seed": [1.4, 0, 0]}, output=False), USAGE,
                      "job 'b'", "job 'a'", "torus_geodesic.vdb")

@@ -88,7 +88,7 @@ TEST_CASE("a stray voxel with a huge value decides neither snap nor the reach of
     requireRefused(desk, "--sdf in.vdb --seed 0,0,50.9", 2, {"49.9", "0.3 is allowed", "--snap"});
 }
 
-TEST_CASE("--name that gives two grids one name is refused") {
+TEST_CASE("a name that gives two grids one name is refused") {
     const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.1 --name shell");
     const std::string line = "--sdf in.vdb --seed 0,0,1 -o out.vdb -q ";

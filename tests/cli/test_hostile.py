@@ -127,11 +127,11 @@ class Hostile(unittest.TestCase):
     def test_links_to_one_file_are_one_output(self):
         for name in ("first.json", "second.json"):
             (self.folder / name).symlink_to("not_there.json")
-        self.refused("two results cannot go to one place", *NEAR, "-o", "x.vdb", "--paths", "first.json",
+        self.refused("two results cannot go to one place", *NEAR, "-o", "x.vdb", "--isolines", "first.json",
                      "--report", "second.json", code=USAGE)
-        self.write("jobs.json", {"version": 2, "jobs": [{**JOB, "paths": "first.json"},
+        self.write("jobs.json", {"version": 2, "jobs": [{**JOB, "isolines": "first.json"},
                                                         {**JOB, "name": "b", "output": "b.vdb",
-                                                         "paths": "second.json"}]})
+                                                         "isolines": "second.json"}]})
         self.refused("which job 'a' writes", "batch", "jobs.json", code=USAGE)
 
     def test_links_in_a_circle_are_refused(self):
@@ -140,7 +140,7 @@ class Hostile(unittest.TestCase):
             (self.folder / name).symlink_to(name)
         (self.folder / "folder").symlink_to("folder")
         self.refused("run in a circle", *NEAR, "-o", "loop.vdb")
-        for option in ("--paths", "--report", "--isolines"):
+        for option in ("--report", "--isolines"):
             self.refused("run in a circle", *NEAR, "-o", "x.vdb", option, "loop.json")
         self.refused("there is no folder", *NEAR, "-o", "folder/x.vdb", code=USAGE)
         reads = [["--sdf", "loop.vdb"], ["--sdf", "loop.vdb:psi"], ["--mesh", "loop.ply"], ["--points", "loop.xyz"],

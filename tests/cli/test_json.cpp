@@ -71,7 +71,7 @@ void requireConsistent(const json& path, double dx) {
 
 TEST_CASE("reports and paths are valid by their schemas") {
     const std::string options =
-        GENERATE("", "--target 0.7,0,0.5", "--target 0.7,0,0.5 --target -1.2,0,0 --grids gradient",
+        GENERATE("--target 0.7,0,0.5", "--target 0.7,0,0.5 --target -1.2,0,0 --grids gradient",
                  "--target 0.2,0,0 --max-distance 0.3",
                  "--target 0.7,0,0.5 --stop-at-targets --scheme godunov",
                  "--target 0.7,0,0.5 --weight-curvature valley --obstacle-sphere 3,0,0,1",

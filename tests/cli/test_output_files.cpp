@@ -158,11 +158,11 @@ TEST_CASE("an output behind a link is written where the link points") {
     const std::string expected = readBytes(desk / "plain.vdb");
     fs::create_directory(desk / "far");
     writeBytes(desk / "far/old.vdb", "old");
-    fs::create_symlink("far/old.vdb", desk / "toOld");
-    fs::create_symlink("far/new.vdb", desk / "toNothing");
-    fs::create_symlink("toOld", desk / "toLink");
-    for (const std::string link : {"toOld", "toNothing", "toLink"}) {
-        const std::string target = link == "toNothing" ? "far/new.vdb" : "far/old.vdb";
+    fs::create_symlink("far/old.vdb", desk / "toOld.vdb");
+    fs::create_symlink("far/new.vdb", desk / "toNothing.vdb");
+    fs::create_symlink("toOld.vdb", desk / "toLink.vdb");
+    for (const std::string link : {"toOld.vdb", "toNothing.vdb", "toLink.vdb"}) {
+        const std::string target = link == "toNothing.vdb" ? "far/new.vdb" : "far/old.vdb";
         requireDone(desk, kRun + "-o " + link);
         CHECK(fs::is_symlink(desk / link));
         CHECK_FALSE(fs::is_symlink(desk / target));

@@ -4,6 +4,7 @@
 #include <support/errors.h>
 #include <support/march_cases.h>
 #include <support/openvdb.h>
+#include <support/random_surface.h>
 #include <support/shapes.h>
 
 namespace igeo::test {
@@ -29,6 +30,33 @@ TEST_CASE("two components never talk") {
         const SurfacePoint other = nearestSurfacePoint(both, {28, 4, 3});
         CHECK(sampleDistance(b, other.pIndex) == kInfinity);
         CHECK(!b.stoppedEarly);
+    }
+}
+
+TEST_CASE("no distance is below the straight line, at nodes and between them") {
+    // Unions with creases: folds, edges and sheets that face each other.
+    for (const unsigned shape : {1u, 2u, 3u}) {
+        INFO("random union " << shape);
+        const openvdb::math::Transform::Ptr voxels =
+            openvdb::math::Transform::createLinearTransform(1.0);
+        const Band band = bandOf(randomLevelSet(shape, 0, *voxels), 1.8);
+        Random random(shape);
+        double below = 0;
+        for (int k = 0; k < 8; ++k) {
+            const SurfacePoint seed = nearestSurfacePoint(
+                band, band.footPoint(NodeIndex(random.between(0, double(band.size() - 1)))));
+            const Field field = marchFrom(band, {seed}, kJet);
+            for (NodeIndex i = 0; i < band.size(); ++i) {
+                const Vec3d foot = band.footPoint(i);
+                below = std::max(below, length(foot - seed.pIndex) - field.distance[i]);
+                const Vec3d n(band.normal[i]);
+                const Vec3d off = tangential(
+                    Vec3d{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)}, n);
+                below = std::max(below, length(foot + off - seed.pIndex) -
+                                            sampleDistance(field, foot + off, n));
+            }
+        }
+        CHECK(below < 1e-9);  // rounding; without the bound 0.1 and more
     }
 }
 

@@ -49,7 +49,8 @@ double detour(const RandomCase& c) {
         if (top.first > way[i]) continue;
         band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
                           [&](NodeIndex j, int, int, int) {
-                              if (band.inCore(j)) offer(j, way[i] + wayBetween(band, i, j));
+                              if (band.inCore(j) && !band.severed(i, j))
+                                  offer(j, way[i] + wayBetween(band, i, j));
                           });
     }
     return worstOver(c, Nodes::Marched, [&](NodeIndex i) { return field.distance[i] - way[i]; });
@@ -206,8 +207,9 @@ const std::vector<Property> kOfOneBand{
     {"what is connected is reached", missed, 0},
     {"no distance is negative", negative, 0},
     {"every marched node has one below", stuck, 0},
-    {"below the straight line", shortcut, kTooNear},
-    {"below the straight line, all nodes", shortcutAll, 2 * kTooNear},
+    // Of additions.
+    {"below the straight line", shortcut, 1e-9},
+    {"below the straight line, all nodes", shortcutAll, 1e-9},
     {"neighbors further apart than their way", jump, kBucket},
     {"beyond the way from node to node", detour, kBucket},
     {"there and back", symmetryOfJet, kTooFar + kTooNear, kMeasured},

@@ -185,6 +185,7 @@ std::vector<std::string> withTwoDashes(std::vector<std::string> words) {
 const Command* readCommandLine(const Command& command, std::vector<std::string> words) {
     CLI::App app("", command.name);
     const Words parsed(command, app);
+    const std::vector<std::string> all = words;
     try {
         words = withTwoDashes(words);
         std::reverse(words.begin(), words.end());  // CLI11 takes them last first
@@ -196,8 +197,7 @@ const Command* readCommandLine(const Command& command, std::vector<std::string> 
         results() << versionText() << "\n";
         return nullptr;
     } catch (const CLI::ExtrasError&) {
-        std::reverse(words.begin(), words.end());
-        parsed.named().back()->refuseExtra(words);
+        parsed.named().back()->refuseExtra(all);
     } catch (const CLI::ArgumentMismatch& e) {
         parsed.named().back()->refuseMissing(e.what());
     } catch (const CLI::ParseError& e) {

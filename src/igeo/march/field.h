@@ -37,6 +37,7 @@ struct Field {
     double startRadius = 0;     ///< within it, distances around seeds are exact; voxels
     std::size_t reached = 0;    ///< nodes with a finite distance
     double leastStart = 0;      ///< the least start value of its seeds
+    StraightLines lines;        ///< below which no distance is (jet)
     double maxDistance = 0;     ///< the largest finite distance
     bool stoppedEarly = false;  ///< a limit ended the march: +inf need not mean unconnected
     double limit = kInfinity;   ///< larger distances are left out

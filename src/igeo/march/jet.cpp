@@ -225,6 +225,7 @@ Solved JetMarch::solveNode(NodeIndex i, const Batch& batch, Chunk& chunk) {
     if (around.jump.u < s.u) s = around.jump;
     // Nodes of a disc wait in its buckets or earlier.
     if (batch.first <= bucketOf(core_.seeds.largestInDisc)) s = exactNearSeed(i, s);
+    s.u = std::max(s.u, core_.seeds.lines.from(s.label, core_.footOf(core_.nodes[i])));
     if (!withinLimit(i, s.u)) s.u = kInfinity;
     const double slack = slackOf(cost, around.leastAround);
     s.isFinal = s.u < kInfinity && bucketOf(s.u - (slack - bucketWidth_)) <= batch.first;
@@ -335,6 +336,7 @@ Field JetMarch::take() {
     field.startRadius = options_.startRadius;
     field.stoppedEarly = stopped_ || options_.below;
     field.limit = limit_;
+    field.lines = std::move(core_.seeds.lines);
     field.solved = accepted_;
     field.fallbackCount = fallbackCount_;
     field.summarize();

@@ -27,6 +27,16 @@ std::vector<std::uint32_t> sourcesOf(const std::vector<SurfacePoint>& seeds) {
     return source;
 }
 
+StraightLines::StraightLines(const std::vector<SurfacePoint>& seeds, double leastCost)
+    : leastCost_(leastCost) {
+    const std::vector<std::uint32_t> source = sourcesOf(seeds);
+    for (std::size_t k = 0; k < seeds.size(); ++k)
+        if (source[k] == seeds_.size())
+            seeds_.push_back(seeds[k].rim ? SurfacePoint{} : seeds[k]);
+        else
+            seeds_.back() = {};
+}
+
 SeedsNear::SeedsNear(const std::vector<SurfacePoint>& seeds, double radius) {
     constexpr std::size_t kFew = 8;
     few_ = seeds.size();

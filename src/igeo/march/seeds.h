@@ -21,6 +21,28 @@ namespace igeo {
 /// Per seed the number of its source.
 std::vector<std::uint32_t> sourcesOf(const std::vector<SurfacePoint>& seeds);
 
+/// What a distance is at least: no path on S is shorter than the straight line between its ends,
+/// and none costs less per unit length than the least cost. Known for sources of one point, or of
+/// one straight segment.
+class StraightLines {
+public:
+    StraightLines() = default;
+    /// @param leastCost  per unit length, over all of the surface
+    StraightLines(const std::vector<SurfacePoint>& seeds, double leastCost);
+    /// @return the start value of the source and the straight line from it at the least cost;
+    ///         -infinity for other sources
+    double from(std::uint32_t source, const Vec3d& p) const {
+        const SurfacePoint* seed = source < seeds_.size() ? &seeds_[source] : nullptr;
+        return seed && seed->node != kNoNode
+                   ? seed->start + leastCost_ * length(seed->nearestTo(p) - p)
+                   : -kInfinity;
+    }
+
+private:
+    std::vector<SurfacePoint> seeds_;  ///< per source; without a node: none
+    double leastCost_ = 0;
+};
+
 /// Finds the seeds near a place.
 class SeedsNear {
 public:

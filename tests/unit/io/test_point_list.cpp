@@ -151,7 +151,7 @@ TEST_CASE("readPoints: JSON that is no points") {
     refuse("p.json", "[[1, 2, 3], [1, 2]]", {"entry 1", remedy});
     refuse("p.json", "[[1, 2, null]]", {"entry 0"});
     refuse("p.json", R"([[1, 2, "3"]])", {"entry 0"});
-    refuse("p.json", "[1, 2, 3]", {"entry 0"});
+    refuse("p.json", "[1.5, 2, 3]", {"entry 0", "vertex"});
     refuse("p.json", R"([{"point": [1, 2, 3]}])", {"entry 0", "position"});
     refuse("p.json", R"([{"position": [1, 2, 3], "start": "x"}])", {"entry 0", "start"});
     refuse("p.json", R"([{"position": [1, 2, 3], "start": -1}])", {"start value", "negative"});

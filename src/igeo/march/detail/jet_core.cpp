@@ -168,6 +168,7 @@ JetCore buildJetCore(const Band& band, const Metric& metric, const std::vector<S
     if (!core.seeds.source.empty() && core.seeds.source.back() > 0)
         core.label.assign(core.nodes.size(), 0);
     placeSeeds(band, metric, costs.ratio, core.seeds);
+    core.seeds.lines = StraightLines(core.seeds.points, core.leastCost);
     return core;
 }
 

@@ -68,6 +68,7 @@ struct JetSeeds {
     double startRadius = 0;             ///< of the start discs, voxels
     double leastStart = kInfinity;      ///< the least start value
     double largestInDisc = 0;           ///< the largest value in a start disc
+    StraightLines lines;                ///< below which no value is
 };
 
 /// The core of a band in a metric, with its seeds.

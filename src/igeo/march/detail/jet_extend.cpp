@@ -227,10 +227,12 @@ void extendJets(const JetCore& core, double limit, bool everywhere, Field& field
                  ++i) {
                 const unsigned at = band.offset[i];
                 const NodeIndex k = leaf.core.node(at);
-                const Solved s = core.metric.inside(i) ? Solved{}
-                                 : k == kNoNode        ? extension.extendTo(i, LeafIndex(l), at)
-                                                       : Solved{core.nodes[k].u, core.nodes[k].g,
-                                                         core.labelOf(k), false};
+                Solved s = core.metric.inside(i) ? Solved{}
+                           : k == kNoNode        ? extension.extendTo(i, LeafIndex(l), at)
+                                                 : Solved{core.nodes[k].u, core.nodes[k].g,
+                                                   core.labelOf(k), false};
+                if (k == kNoNode && s.u < kInfinity)
+                    s.u = std::max(s.u, core.seeds.lines.from(s.label, band.footPoint(i)));
                 const bool withinLimit = s.u <= limit;
                 field.distance[i] = withinLimit ? s.u : kInfinity;
                 field.gradient[i] = withinLimit ? float(extension.weightOf(i)) * s.g : Vec3f();
