@@ -121,13 +121,14 @@ void Words::refuseExtra(const std::vector<std::string>& all) const {
         refuse("unknown option " + first + didYouMean(first, names), command_);
     }
     // --seed 0 0 1
-    const auto at = std::find(all.begin(), all.end(), first);
-    if (numberOf(first) && all.end() - at >= 1 && at - all.begin() >= 2) {
-        std::string joined = *(at - 1);
-        for (auto word = at; word != all.end() && numberOf(*word); ++word) joined += "," + *word;
-        usageError("'" + first + "' stands by itself",
-                   "numbers of one option are joined by commas: " + *(at - 2) + " " + joined);
-    }
+    for (std::size_t k = 1; k + 1 < all.size(); ++k)
+        if (all[k - 1].starts_with("--") && numberOf(all[k]) && numberOf(all[k + 1])) {
+            std::string joined = all[k];
+            for (std::size_t n = k + 1; n < all.size() && numberOf(all[n]); ++n)
+                joined += "," + all[n];
+            usageError("'" + all[k + 1] + "' stands by itself",
+                       "numbers of one option are joined by commas: " + all[k - 1] + " " + joined);
+        }
     std::vector<std::string> commands;
     for (const Command& below : command_.commands) commands.push_back(below.lastName());
     std::string surface;
