@@ -10,8 +10,8 @@
 #include <igeo/surface/level_set_band.h>
 #include <igeo/surface/mesh_band.h>
 #include <igeo/surface/point_band.h>
+#include <igeo/surface/vertex_name.h>
 
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -347,26 +347,6 @@ private:
     std::unique_ptr<PointSurface> surface_;
 };
 
-/// The number of the vertex that a name stands for; none for another name.
-std::optional<std::size_t> vertexNamed(const std::string& name, const std::vector<Vec3d>& points) {
-    const Box box(points);
-    const Vec3d middle = 0.5 * (box.low + box.high);
-    auto leastBy = [&](const auto& value) -> std::size_t {
-        std::size_t least = 0;
-        for (std::size_t v = 1; v < points.size(); ++v)
-            if (value(points[v]) < value(points[least])) least = v;
-        return least;
-    };
-    if (name == "center") return leastBy([&](const Vec3d& p) { return length(p - middle); });
-    if (name.size() == 2 && (name[0] == '+' || name[0] == '-') && name[1] >= 'x' && name[1] <= 'z')
-        return leastBy(
-            [&](const Vec3d& p) { return (name[0] == '+' ? -1 : 1) * p[name[1] - 'x']; });
-    std::size_t number = 0;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-    if (error != std::errc() || end != name.data() + name.size()) return {};
-    return number;
-}
-
 /// A grid of the caller's, shared.
 LoadedGrid loadedFrom(const openvdb::FloatGrid& psi) {
     openvdb::initialize();
@@ -393,22 +373,12 @@ openvdb::math::Transform::ConstPtr Surface::gridTransform() const {
 std::string Surface::gridName() const { return shape_->gridName(); }
 
 Vec3d Surface::vertex(const std::string& name) const {
-    using Kind = Error::Kind;
     const std::vector<Vec3d>* vertices = shape_->vertices();
     if (!vertices)
-        throw Error(Kind::InvalidArgument,
+        throw Error(Error::Kind::InvalidArgument,
                     "'" + name + "' is a vertex, and " + facts().name + " is a level set without",
                     "give a position x,y,z");
-    const std::optional<std::size_t> number = vertexNamed(name, *vertices);
-    if (!number)
-        throw Error(Kind::InvalidArgument, "'" + name + "' is no vertex",
-                    "give a number from 0 on, +x, -x, +y, -y, +z, -z or center");
-    if (*number >= vertices->size())
-        throw Error(
-            Kind::InvalidArgument,
-            fmt::format("vertex {} of {}, which has {}", name, facts().name, vertices->size()),
-            fmt::format("give a number from 0 to {}", vertices->size() - 1));
-    return (*vertices)[*number];
+    return (*vertices)[vertexNamed(name, *vertices, facts().name)];
 }
 
 BandWidth Surface::bandWidth(Scheme scheme, int order, double h, Progress& progress) const {

@@ -1,0 +1,41 @@
+/// How the values of a level set are spread. Internal.
+#pragma once
+
+#include <igeo/base/types.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace igeo {
+
+/// Voxels by |psi|, in shells one voxel thick.
+class Shells {
+public:
+    void add(double voxels) { ++count_[std::size_t(std::min(voxels, double(kMost)))]; }
+    void add(const Shells& other) {
+        for (std::size_t k = 0; k <= kMost; ++k) count_[k] += other.count_[k];
+    }
+    /// |psi| from which on voxels are strays: two voxels beyond the last shell that is not a
+    /// hundredth of the one below. Infinite where these would be half of all.
+    double strayFrom() const;
+
+private:
+    static constexpr std::size_t kMost = 1000;  // and all beyond
+    std::vector<std::uint64_t> count_ = std::vector<std::uint64_t>(kMost + 1);
+};
+
+inline double Shells::strayFrom() const {
+    constexpr std::uint64_t kThin = 100;
+    std::size_t last = 0;
+    while (last < kMost && count_[last + 1] && kThin * count_[last + 1] >= count_[last]) ++last;
+    std::uint64_t within = 0, all = 0;
+    for (std::size_t k = 0; k <= kMost; ++k) {
+        all += count_[k];
+        if (k < last + 2) within += count_[k];
+    }
+    return last + 2 < kMost && 2 * within > all ? double(last + 2) : kInfinity;
+}
+
+}  // namespace igeo
