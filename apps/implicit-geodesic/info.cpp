@@ -26,7 +26,7 @@
 #include "process.h"
 
 using igeo::FileSurvey;
-using igeo::SurfacePiece;
+using igeo::SurfaceComponent;
 using igeo::Vec3d;
 
 namespace {
@@ -80,7 +80,7 @@ std::string describe(const igeo::CloudDensity& cloud) {
     std::string line = count(cloud.points, "point") +
                        fmt::format(", {:.4g} apart (99 %: {:.4g}), scatter {:.2g}", cloud.spacing,
                                    cloud.spacing99, cloud.noise) +
-                       ", " + count(cloud.pieces, "piece");
+                       ", " + count(cloud.pieces, "component");
     if (cloud.duplicates > 0) line += "; " + count(cloud.duplicates, "duplicate");
     if (cloud.isolated > 0) line += "; " + std::to_string(cloud.isolated) + " left out";
     return line;
@@ -99,11 +99,12 @@ std::string describe(const igeo::Similarity& t) {
     return words + fmt::format(", voxel size dx {:.6g}", t.dx);
 }
 
-std::string describe(const SurfacePiece& p, double dx) {
+std::string describe(const SurfaceComponent& p, double dx) {
     const Vec3d size = p.high - p.low;
     std::string line = fmt::format("area {:.6g}, box {:.4g}", p.area * dx * dx, size.x) +
                        fmt::format(" x {:.4g} x {:.4g}", size.y, size.z);
-    if (p.parts == 0) return line + ", cut off from a larger piece by sheets that face each other";
+    if (p.parts == 0)
+        return line + ", cut off from a larger component by sheets that face each other";
     line += p.rims == 0 ? ", closed" : ", cut along " + count(std::uint64_t(p.rims), "rim");
     line += ", genus " + std::to_string(p.genus);
     if (p.parts > 1) line += ", of " + std::to_string(p.parts) + " parts that nearly touch";
@@ -122,22 +123,23 @@ private:
     static constexpr std::size_t kWidth = 12;
 };
 
-void printPieces(Table& table, const igeo::SurfaceSurvey& s, double dx) {
+void printComponents(Table& table, const igeo::SurfaceSurvey& s, double dx) {
     constexpr std::size_t kMost = 8;
-    if (s.pieces.size() == 1) return table.row("1 piece", describe(s.pieces[0], dx));
-    table.row(std::to_string(s.pieces.size()) + " pieces",
-              fmt::format("area {:.6g}", s.area * dx * dx));
-    for (std::size_t k = 0; k < std::min(s.pieces.size(), kMost); ++k)
-        table.row("", describe(s.pieces[k], dx));
-    if (s.pieces.size() > kMost)
-        table.row("", "and " + count(s.pieces.size() - kMost, "smaller piece"));
+    if (s.components.size() == 1)
+        return table.row("components", "1: " + describe(s.components[0], dx));
+    table.row("components", std::to_string(s.components.size()) + ": " +
+                                fmt::format("area {:.6g}", s.area * dx * dx));
+    for (std::size_t k = 0; k < std::min(s.components.size(), kMost); ++k)
+        table.row("", describe(s.components[k], dx));
+    if (s.components.size() > kMost)
+        table.row("", "and " + count(s.components.size() - kMost, "smaller component"));
 }
 
 void printRoom(Table& table, const igeo::SurfaceSurvey& s, double dx) {
     if (s.medialRadius == igeo::kInfinity)
-        return table.row("room", "95 % of the surface is without bends or sheets beside it");
-    table.row("room", "95 % of the surface has room for balls of radius " +
-                          lengthOf(s.medialRadius, dx) + " on both sides");
+        return table.row("clearance", "95 % of the surface is without bends or sheets beside it");
+    table.row("clearance", "95 % of the surface is clear for balls of radius " +
+                               lengthOf(s.medialRadius, dx) + " on both sides");
     if (s.facingRadius < igeo::kInfinity)
         table.row("", "99 % is " + lengthOf(2 * s.facingRadius, dx) +
                           " or more from sheets that face it");
@@ -154,7 +156,7 @@ void printSurface(Table& table, const FileSurvey& file) {
     const igeo::SurfaceSurvey& s = *file.surface;
     const igeo::LevelSetStats& stats = file.levelSet.stats;
     const double dx = file.levelSet.transform.dx, n = double(file.band.size());
-    printPieces(table, s, dx);
+    printComponents(table, s, dx);
     table.row("curvature", "radius at least " + radiusOf(stats.largestCurvature, dx) +
                                " on 95 % of the surface, " + radiusOf(s.largestCurvature, dx) +
                                " everywhere");

@@ -84,6 +84,9 @@ openvdb::FloatGrid::Ptr Distance::grid(const std::string& name) const {
                         name.empty() ? surface_.gridName() + "_geodesic" : name);
 }
 SurfaceMesh Distance::mesh(Progress& progress) const {
+    return inWorld(indexMesh(progress), band_->transform);
+}
+SurfaceMesh Distance::indexMesh(Progress& progress) const {
     return surface_.mesh(width_, *field_, progress);
 }
 const LevelSet& Distance::levelSet(Progress& progress) const {

@@ -51,8 +51,10 @@ public:
     /// As a grid in world units (distanceGrid), active where the distance is known.
     /// @param name  empty: <name of the surface's grid>_geodesic
     openvdb::FloatGrid::Ptr grid(const std::string& name = {}) const;
-    /// The surface as triangles that carry the distance; index space.
+    /// The surface as triangles that carry the distance.
     SurfaceMesh mesh(Progress& progress = Progress::none()) const;
+    /// The same in voxels and index space, as isolines, cells and the writers of meshes take it.
+    SurfaceMesh indexMesh(Progress& progress = Progress::none()) const;
     /// The surface as a level set.
     const LevelSet& levelSet(Progress& progress = Progress::none()) const;
 

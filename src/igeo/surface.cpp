@@ -311,7 +311,7 @@ public:
         facts.snap = std::max(3 * transform.dx, 3 * density.spacing);
         facts.largestCurvature = density.largestCurvature * transform.dx;
         facts.summary = std::to_string(density.points) + " points, " +
-                        fmt::format("spacing {:.4g}, scatter {:.2g}, {:.0f} pieces",
+                        fmt::format("spacing {:.4g}, scatter {:.2g}, {:.0f} components",
                                     density.spacing, density.noise, double(density.pieces));
         for (const std::string& w : densityWarnings(density, facts.file))
             facts.warnings.push_back(w);

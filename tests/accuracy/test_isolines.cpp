@@ -31,7 +31,7 @@ CircleErrors circlesOnSphere(int n, const openvdb::Vec3d& direction, double spac
     const Distance d = distanceFrom({fromVdb(kCenter + 0.4 * direction)}, n);
     const openvdb::Vec3d seed = seedOf(d);
     CircleErrors e;
-    for (const Isoline& line : isolines(d.field(), d.mesh(), levelsBySpacing(d.field(), spacing))) {
+    for (const Isoline& line : isolines(d.field(), d.indexMesh(), levelsBySpacing(d.field(), spacing))) {
         if (line.level > 0.95 * M_PI * r) continue;
         CHECK(line.closed);
         for (const Vec3d& p : line.points)
@@ -75,7 +75,7 @@ TEST_CASE("cells of two seeds are hemispheres") {
         for (int k = 0; k < 3; ++k) {
             const openvdb::Vec3d out = 0.4 * genericDirection(k);
             const Distance d = distanceFrom({fromVdb(kCenter + out), fromVdb(kCenter - out)}, n);
-            const VoronoiCells cells = voronoiCells(d.field(), d.mesh());
+            const VoronoiCells cells = voronoiCells(d.field(), d.indexMesh());
             const double area = 100 * (cells.cells[0].area / half - 1),
                          border = 100 * (cells.cells[0].boundary / (2 * M_PI * r) - 1);
             std::printf("cells, sphere N = %d: area %.4f %%, boundary %.4f %%, surface %.4f %%\n",

@@ -56,20 +56,20 @@ TEST_CASE("info: shapes are what they are") {
         std::string verdict;
     };
     const auto& [shape, genus, rims, verdict] =
-        GENERATE(Case{"sphere", {0}, {0}, "usable: closed surface, 1 piece, genus 0, resolved"},
+        GENERATE(Case{"sphere", {0}, {0}, "usable: closed surface, 1 component, genus 0, resolved"},
                  Case{"torus --rotate 1,2,3,40 --translate 1,2,3",
                       {1},
                       {0},
-                      "usable: closed surface, 1 piece, genus 1, resolved"},
+                      "usable: closed surface, 1 component, genus 1, resolved"},
                  Case{"two-spheres --double",
                       {0, 0},
                       {0, 0},
-                      "usable: closed surface, 2 pieces, genus 0 together, resolved"},
-                 Case{"plane-patch", {0}, {1}, "usable with care: surface with a rim, 1 piece"},
+                      "usable: closed surface, 2 components, genus 0 together, resolved"},
+                 Case{"plane-patch", {0}, {1}, "usable with care: surface with a rim, 1 component"},
                  Case{"thin-sheet --param thickness=0.1",
                       {0},
                       {0},
-                      "usable with care: closed surface, 1 piece, genus 0; in places"});
+                      "usable with care: closed surface, 1 component, genus 0; in places"});
     desk.make("in.vdb", shape);
     const json j = surveyed(desk, "in.vdb", 0);
     CHECK(j["usable"] == true);
@@ -78,9 +78,9 @@ TEST_CASE("info: shapes are what they are") {
     CHECK(j["levelSet"]["grid"] == "psi");
     CHECK(j["levelSet"]["voxelSize"].get<double>() == Approx(0.05));
     std::vector<int> foundGenus, foundRims;
-    for (const json& piece : j["surface"]["pieces"]) {
-        foundGenus.push_back(piece["genus"]);
-        foundRims.push_back(piece["rims"]);
+    for (const json& component : j["surface"]["components"]) {
+        foundGenus.push_back(component["genus"]);
+        foundRims.push_back(component["rims"]);
     }
     CHECK(foundGenus == genus);
     CHECK(foundRims == rims);
@@ -126,14 +126,15 @@ TEST_CASE("info: a mesh, closed or open") {
     CHECK(ball["mesh"]["points"] == 10 * 256 + 2);
     CHECK(ball["mesh"]["closed"] == true);
     CHECK(ball["mesh"]["components"] == 1);
-    CHECK(ball["verdict"] == "usable: closed surface, 1 piece, genus 0, resolved");
-    const json &s = ball["surface"], &room = s["room"];
+    CHECK(ball["verdict"] == "usable: closed surface, 1 component, genus 0, resolved");
+    const json &s = ball["surface"], &clearance = s["clearance"];
     CHECK(s["voxelSize"].get<double>() == Approx(dx));
     // Of the flat triangles, edges 0.08 long: short by their square over 8 in the radius.
     CHECK(s["area"].get<double>() == Approx(4 * M_PI).epsilon(0.002));
     // Balls grow to the sphere itself; they stop a twentieth before.
-    CHECK(room["radius95"].get<double>() == Approx(1).epsilon(0.06));
-    CHECK(room["resolvingVoxelSize"].get<double>() == Approx(1 / std::sqrt(3.0)).epsilon(0.06));
+    CHECK(clearance["radius95"].get<double>() == Approx(1).epsilon(0.06));
+    CHECK(clearance["resolvingVoxelSize"].get<double>() ==
+          Approx(1 / std::sqrt(3.0)).epsilon(0.06));
     // What a run of it says.
     requireDone(desk, "--mesh in.ply --voxel-size 0.05 --seed 1,2,4 -q -o out.vdb --report r.json");
     CHECK(s["band"]["nodes"] == json::parse(readBytes(desk / "r.json"))["band"]["nodes"]);
@@ -156,11 +157,11 @@ TEST_CASE("info: a mesh, closed or open") {
     CHECK(open["mesh"]["closed"] == false);
     // Twenty edges along each side, eight along each side of the hole.
     CHECK(open["mesh"]["boundaryEdges"] == 4 * 20 + 4 * 8);
-    CHECK(open["surface"]["pieces"][0]["rims"] == 2);
-    CHECK(open["surface"]["pieces"][0]["genus"] == 0);
-    CHECK(open["surface"]["room"]["radius95"].is_null());
+    CHECK(open["surface"]["components"][0]["rims"] == 2);
+    CHECK(open["surface"]["components"][0]["genus"] == 0);
+    CHECK(open["surface"]["clearance"]["radius95"].is_null());
     CHECK_THAT(open["verdict"].get<std::string>(),
-               startsWith("usable: surface with a rim, 1 piece, genus 0"));
+               startsWith("usable: surface with a rim, 1 component, genus 0"));
 }
 
 TEST_CASE("info: which voxels would tell the sheets of a mesh apart") {
@@ -169,15 +170,15 @@ TEST_CASE("info: which voxels would tell the sheets of a mesh apart") {
     // M&S (14): half the gap is at least sqrt(3) voxels.
     const double wanted = 0.05 / std::sqrt(3.0);
     const json coarse = surveyed(desk, "in.ply --voxel-size 0.05", 0);
-    const json& room = coarse["surface"]["room"];
-    CHECK(room["facingRadius99"].get<double>() == Approx(0.05).epsilon(0.06));
-    CHECK(room["resolvingVoxelSize"].get<double>() == Approx(wanted).epsilon(0.06));
+    const json& clearance = coarse["surface"]["clearance"];
+    CHECK(clearance["facingRadius99"].get<double>() == Approx(0.05).epsilon(0.06));
+    CHECK(clearance["resolvingVoxelSize"].get<double>() == Approx(wanted).epsilon(0.06));
     CHECK_THAT(coarse["verdict"].get<std::string>(), startsWith("usable with care"));
     CHECK(coarse["surface"]["facingShare"] > 0.5);
-    const std::string size = std::to_string(0.9 * room["resolvingVoxelSize"].get<double>());
+    const std::string size = std::to_string(0.9 * clearance["resolvingVoxelSize"].get<double>());
     const json fine = surveyed(desk, "in.ply --voxel-size " + size, 0);
     CHECK(fine["surface"]["facingShare"] == 0);
-    CHECK(fine["surface"]["pieces"].size() == 2);
+    CHECK(fine["surface"]["components"].size() == 2);
     CHECK_THAT(fine["verdict"].get<std::string>(), startsWith("usable: surface with a rim"));
 }
 
@@ -189,11 +190,11 @@ TEST_CASE("info: points, as text, PLY and in a volume") {
     CHECK(text["mesh"].is_null());
     CHECK(text["levelSet"].is_null());
     CHECK(text["points"]["points"] == 1000);
-    CHECK(text["points"]["pieces"] == 1);
+    CHECK(text["points"]["components"] == 1);
     const double spacing = text["points"]["spacing"];
     CHECK(text["surface"]["voxelSize"].get<double>() == Approx(spacing / 2));
-    CHECK(text["surface"]["pieces"].size() == 1);
-    CHECK(text["surface"]["room"]["radius95"].get<double>() == Approx(1).epsilon(0.06));
+    CHECK(text["surface"]["components"].size() == 1);
+    CHECK(text["surface"]["clearance"]["radius95"].get<double>() == Approx(1).epsilon(0.06));
 
     // Without faces a .ply is no mesh.
     std::string ply =

@@ -101,7 +101,7 @@ TEST_CASE("seed-curve: distances from a curve, by file or as isolines of another
     const json report = desk.report();
     REQUIRE(report["seeds"].size() == 1);
     CHECK(report["seeds"][0]["of"] == "curve curve.json");
-    CHECK(report["seeds"][0]["pieces"] > 100);
+    CHECK(report["seeds"][0]["segments"] > 100);
     // Along the meridian; the voxel size is 5 % of the radius, the error far below a voxel.
     const double angle = std::atan2(0.6, 0.8);
     CHECK(report["targets"][0]["distance"].get<double>() == Approx(angle).epsilon(1e-3));

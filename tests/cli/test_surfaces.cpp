@@ -139,7 +139,7 @@ TEST_CASE("pieces of a mesh that do not touch are unreachable, unless gaps are j
     CHECK(report(desk)["surface"]["joints"].is_null());
     const Result joined = desk.run(asked + " --join-gaps 0.03");
     CHECK(joined.exitCode == 0);
-    CHECK(joined.err.find("1 pair of pieces") != std::string::npos);
+    CHECK(joined.err.find("1 pair of components") != std::string::npos);
     CHECK(distanceOf(desk, 0) == Approx(0.6 * std::hypot(1, 0.1)).margin(0.5 / 30));
     CHECK(report(desk)["surface"]["joints"] == 1);
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));

@@ -131,6 +131,24 @@ TEST_CASE("GeodesicSolver: what is found near the seeds is what the whole surfac
     CHECK(near.at(on(1, 0, 1)) == kInfinity);
 }
 
+TEST_CASE("Distance: the mesh is in world units") {
+    const GeodesicSolver solver{Surface(*ball(0.04))};
+    const igeo::Distance d = solver.distance({on(0, 0, 1)});
+    const SurfaceMesh mesh = d.mesh();
+    REQUIRE(mesh.position.size() > 100);
+    const Vec3d middle = 0.5 * (on(0, 0, 1) + on(0, 0, -1));
+    const double radius = length(on(0, 0, 1) - middle);
+    for (std::size_t v = 0; v < mesh.position.size(); v += 50) {
+        const Vec3d out = mesh.position[v] - middle;
+        CHECK(length(out) == Approx(radius).epsilon(0.01));
+        CHECK(dot(Vec3d(mesh.normal[v]), out) > 0.9 * radius);
+        CHECK(mesh.distance[v] == Approx(d.at(mesh.position[v])).margin(1e-5));
+    }
+    const auto& [a, b, c] = mesh.triangles[0];
+    CHECK(dot(cross(mesh.position[b] - mesh.position[a], mesh.position[c] - mesh.position[a]),
+              mesh.position[a] - middle) > 0);
+}
+
 TEST_CASE("GeodesicSolver: several kinds of seeds and a sign") {
     const Surface surface(*ball(0.04));
     const GeodesicSolver solver(surface);

@@ -88,14 +88,14 @@ void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
     const igeo::Field& field = distance.field();
     const igeo::Band& band = distance.band();
     struct Source {
-        std::size_t pieces = 0, lost = 0;
+        std::size_t segments = 0, lost = 0;
         double start = 0, arrival = 0;  ///< of the first that is lost
     };
     std::vector<Source> sources(field.sourceCount());
     for (std::size_t k = 0; k < field.seeds.size(); ++k) {
         const igeo::SurfacePoint& s = field.seeds[k];
         Source& source = sources[field.source[k]];
-        ++source.pieces;
+        ++source.segments;
         if (!(s.start > field.leastStart)) continue;
         const double d = igeo::arrivalAt(field, s.pIndex, Vec3d(band.normal[s.node])).distance;
         if (d < s.start - kLate && source.lost++ == 0) source.start = s.start, source.arrival = d;
@@ -104,7 +104,7 @@ void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
         const Source& s = sources[k];
         if (s.lost == 0) continue;
         const std::string part =
-            s.pieces > 1 ? fmt::format("{} of {} pieces of ", s.lost, s.pieces) : "";
+            s.segments > 1 ? fmt::format("{} of {} segments of ", s.lost, s.segments) : "";
         const std::string name = k < report.sources.size() && !report.sources[k].empty()
                                      ? report.sources[k]
                                      : "seed " + std::to_string(k);
@@ -118,11 +118,12 @@ void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
 void tellJoints(std::size_t joints, double gap, const Console& console,
                 std::vector<std::string>& warnings) {
     if (joints > 0)
-        console.info(fmt::format("{} pair{} of pieces of the mesh joined over gaps of up to {:.6g}",
-                                 joints, joints == 1 ? "" : "s", gap));
+        console.info(
+            fmt::format("{} pair{} of components of the mesh joined over gaps of up to {:.6g}",
+                        joints, joints == 1 ? "" : "s", gap));
     else
         warnings.push_back(fmt::format(
-            "--join-gaps {:.6g} joins nothing: no two pieces of the mesh are as close as that",
+            "--join-gaps {:.6g} joins nothing: no two components of the mesh are as close as that",
             gap));
 }
 

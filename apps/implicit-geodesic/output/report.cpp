@@ -57,7 +57,7 @@ json seedsJson(const RunReport& r, const Field& field) {
     for (std::size_t k = 0; k < field.seeds.size(); ++k) {
         const std::size_t source = field.source[k];
         if (source < all.size()) {
-            all[source]["pieces"] = all[source]["pieces"].get<std::size_t>() + 1;
+            all[source]["segments"] = all[source]["segments"].get<std::size_t>() + 1;
             continue;
         }
         json j;
@@ -65,7 +65,7 @@ json seedsJson(const RunReport& r, const Field& field) {
             j = {{"index", source},
                  {"of", r.sources[source]},
                  {"start", field.seeds[k].start * band.transform.dx},
-                 {"pieces", 1}};
+                 {"segments", 1}};
         else
             j = seedJson(inWorld(field.seeds[k], band.transform), source,
                          field.seeds[k].start * band.transform.dx);
@@ -292,7 +292,7 @@ json levelSetJson(const FileSurvey& file) {
     return j;
 }
 
-json pieceJson(const SurfacePiece& p, double dx) {
+json componentJson(const SurfaceComponent& p, double dx) {
     return {{"area", p.area * dx * dx},
             {"box", boxJson(p.low, p.high)},
             {"parts", p.parts},
@@ -301,9 +301,9 @@ json pieceJson(const SurfacePiece& p, double dx) {
 }
 
 json cloudJson(const CloudDensity& d) {
-    return {{"points", d.points},   {"duplicates", d.duplicates}, {"isolated", d.isolated},
-            {"spacing", d.spacing}, {"spacing99", d.spacing99},   {"scatter", d.noise},
-            {"pieces", d.pieces}};
+    return {{"points", d.points},    {"duplicates", d.duplicates}, {"isolated", d.isolated},
+            {"spacing", d.spacing},  {"spacing99", d.spacing99},   {"scatter", d.noise},
+            {"components", d.pieces}};
 }
 
 json surfaceJson(const FileSurvey& file) {
@@ -311,15 +311,15 @@ json surfaceJson(const FileSurvey& file) {
     const LevelSetStats& stats = file.levelSet.stats;
     const double dx = file.levelSet.transform.dx;
     const auto unreliableBy = [&](Unreliable kind) { return s.unreliableBy[std::size_t(kind)]; };
-    json j = {{"voxelSize", dx}, {"area", s.area * dx * dx}, {"pieces", json::array()}};
-    for (const SurfacePiece& p : s.pieces) j["pieces"].push_back(pieceJson(p, dx));
+    json j = {{"voxelSize", dx}, {"area", s.area * dx * dx}, {"components", json::array()}};
+    for (const SurfaceComponent& p : s.components) j["components"].push_back(componentJson(p, dx));
     j["curvature"] = {{"largest", s.largestCurvature / dx},
                       {"percentile95", stats.largestCurvature / dx}};
     j["reach"] = stats.reach < stats.halfWidth ? json(stats.reach * dx) : json(nullptr);
     j["facingShare"] = s.facingShare;
-    j["room"] = {{"radius95", finiteOrNull(s.medialRadius * dx)},
-                 {"facingRadius99", finiteOrNull(s.facingRadius * dx)},
-                 {"resolvingVoxelSize", finiteOrNull(s.resolvingSize * dx)}};
+    j["clearance"] = {{"radius95", finiteOrNull(s.medialRadius * dx)},
+                      {"facingRadius99", finiteOrNull(s.facingRadius * dx)},
+                      {"resolvingVoxelSize", finiteOrNull(s.resolvingSize * dx)}};
     j["band"] = {{"boundsVoxels", {s.bounds.lower, s.bounds.upper}},
                  {"upperBoundFrom", s.bounds.why},
                  {"resolved", s.bounds.resolved},

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 const igeo::SurfaceMesh& RunResult::mesh() {
-    if (!madeMesh) madeMesh = distance.mesh(progress);
+    if (!madeMesh) madeMesh = distance.indexMesh(progress);
     return *madeMesh;
 }
 

@@ -193,6 +193,15 @@ void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {
     progress.throwIfCancelled();
 }
 
+SurfaceMesh inWorld(SurfaceMesh mesh, const Similarity& transform) {
+    for (Vec3d& p : mesh.position) p = transform.worldFromIndex(p);
+    for (Vec3f& n : mesh.normal) n = Vec3f(transform.worldFromIndexDirection(Vec3d(n)));
+    for (double& d : mesh.distance) d *= transform.dx;
+    if (transform.mirrors())
+        for (auto& [a, b, c] : mesh.triangles) std::swap(b, c);
+    return mesh;
+}
+
 MeshEdges meshEdges(const SurfaceMesh& mesh) {
     struct HalfEdge {
         std::uint32_t low, high;

@@ -28,6 +28,9 @@ struct SurfaceMesh {
     std::vector<Triangle> triangles;
 };
 
+/// The same in the world: world units, counter-clockwise seen from outside there.
+SurfaceMesh inWorld(SurfaceMesh mesh, const Similarity& transform);
+
 /// psi = 0 as OpenVDB extracts it (tools::volumeToMesh, adaptivity 0: a vertex per crossed cell, or
 /// several where sheets share it, a quadrilateral per crossed lattice edge), then moved onto the
 /// zero set of the trilinear interpolant and cut along the better diagonal.

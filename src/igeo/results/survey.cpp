@@ -120,7 +120,7 @@ void spreadDoubts(const Band& band, const std::vector<Judgement>& core, SurfaceS
     }
 }
 
-// Room
+// Clearance
 
 void measureRoom(const Band& band, const std::vector<NodeIndex>& nodes, SurfaceSurvey& s) {
     // So many show any feature that a voxel can resolve on all but the largest surfaces.
@@ -150,14 +150,14 @@ std::vector<NodeIndex> connect(const Band& band, const std::vector<NodeIndex>& n
                           });
         band.forBridges(i, [&](const Bridge& b) { sets.join(c, band.coreNode(b.to)); });
     }
-    std::vector<NodeIndex> piece(nodes.size());
-    for (NodeIndex c = 0; c < nodes.size(); ++c) piece[c] = sets.first(c);
-    return piece;
+    std::vector<NodeIndex> component(nodes.size());
+    for (NodeIndex c = 0; c < nodes.size(); ++c) component[c] = sets.first(c);
+    return component;
 }
 
-/// Per vertex of the mesh, the piece of the core node that its cell's values come from most.
-std::vector<NodeIndex> piecesOfVertices(const Band& band, const SurfaceMesh& mesh,
-                                        const std::vector<NodeIndex>& piece) {
+/// Per vertex of the mesh, the component of the core node that its cell's values come from most.
+std::vector<NodeIndex> componentsOfVertices(const Band& band, const SurfaceMesh& mesh,
+                                            const std::vector<NodeIndex>& component) {
     std::vector<NodeIndex> of(mesh.position.size(), kNoNode);
     parallelFor(of.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
@@ -166,7 +166,8 @@ std::vector<NodeIndex> piecesOfVertices(const Band& band, const SurfaceMesh& mes
             double most = 0;
             for (std::size_t k = 0; k < 8; ++k) {
                 const NodeIndex c = cell.node[k] == kNoNode ? kNoNode : band.coreNode(cell.node[k]);
-                if (c != kNoNode && cell.weight[k] > most) most = cell.weight[k], of[v] = piece[c];
+                if (c != kNoNode && cell.weight[k] > most)
+                    most = cell.weight[k], of[v] = component[c];
             }
         }
     });
@@ -177,7 +178,7 @@ std::vector<NodeIndex> piecesOfVertices(const Band& band, const SurfaceMesh& mes
 struct MeshPart {
     int euler = 0;  ///< corners - edges + triangles, corners being those of one fan of triangles
     int rims = 0;
-    std::map<NodeIndex, double> area;  ///< by piece, square voxels
+    std::map<NodeIndex, double> area;  ///< by component, square voxels
 };
 
 std::vector<MeshPart> partsOf(const SurfaceMesh& mesh, const std::vector<NodeIndex>& ofVertex) {
@@ -230,9 +231,9 @@ std::vector<MeshPart> partsOf(const SurfaceMesh& mesh, const std::vector<NodeInd
 
 void findPieces(const Band& band, const SurfaceMesh& mesh, const std::vector<NodeIndex>& nodes,
                 SurfaceSurvey& s) {
-    const std::vector<NodeIndex> piece = connect(band, nodes);
-    std::map<NodeIndex, SurfacePiece> found;
-    for (const MeshPart& part : partsOf(mesh, piecesOfVertices(band, mesh, piece))) {
+    const std::vector<NodeIndex> component = connect(band, nodes);
+    std::map<NodeIndex, SurfaceComponent> found;
+    for (const MeshPart& part : partsOf(mesh, componentsOfVertices(band, mesh, component))) {
         const auto most =
             std::max_element(part.area.begin(), part.area.end(),
                              [](const auto& a, const auto& b) { return a.second < b.second; });
@@ -241,14 +242,14 @@ void findPieces(const Band& band, const SurfaceMesh& mesh, const std::vector<Nod
             if (first != kNoNode) found[first].area += area;
         }
         if (most->first == kNoNode) continue;
-        SurfacePiece& p = found[most->first];
+        SurfaceComponent& p = found[most->first];
         // A manifold without the rims filled has 2 - 2 genus - rims.
         p.genus += (2 - part.euler - part.rims) / 2;
         p.rims += part.rims;
         ++p.parts;
     }
     for (std::size_t c = 0; c < nodes.size(); ++c) {
-        const auto p = found.find(piece[c]);
+        const auto p = found.find(component[c]);
         if (p == found.end()) continue;
         const Vec3d q = band.transform.worldFromIndex(band.footPoint(nodes[c]));
         for (int a = 0; a < 3; ++a) {
@@ -256,8 +257,8 @@ void findPieces(const Band& band, const SurfaceMesh& mesh, const std::vector<Nod
             p->second.high[a] = std::max(p->second.high[a], q[a]);
         }
     }
-    for (const auto& [first, p] : found) s.pieces.push_back(p);
-    std::stable_sort(s.pieces.begin(), s.pieces.end(),
+    for (const auto& [first, p] : found) s.components.push_back(p);
+    std::stable_sort(s.components.begin(), s.components.end(),
                      [](const auto& a, const auto& b) { return a.area > b.area; });
 }
 
@@ -363,16 +364,17 @@ bool FileSurvey::withCare() const {
 
 std::string FileSurvey::verdict() const {
     if (refusal) return std::string("not usable: ") + refusal->what() + "; " + refusal->remedy();
-    const std::vector<SurfacePiece>& pieces = surface->pieces;
+    const std::vector<SurfaceComponent>& components = surface->components;
     int rims = 0, genus = 0;
-    for (const SurfacePiece& p : pieces) {
+    for (const SurfaceComponent& p : components) {
         rims += p.rims;
         genus += p.genus;
     }
     std::string line = withCare() ? "usable with care: " : "usable: ";
     line += rims == 0 ? "closed surface, " : "surface with a rim, ";
-    line += fmt::format("{}{}", pieces.size(), pieces.size() == 1 ? " piece" : " pieces");
-    line += fmt::format(", genus {}{}", genus, pieces.size() == 1 ? "" : " together");
+    line += fmt::format("{}{}", components.size(),
+                        components.size() == 1 ? " component" : " components");
+    line += fmt::format(", genus {}{}", genus, components.size() == 1 ? "" : " together");
     if (surface->bounds.resolved) return line + ", resolved";
     return fmt::format(
         "{}; in places the surface bends or folds within {:.2g} voxels, less than the grid "

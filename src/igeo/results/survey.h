@@ -21,13 +21,13 @@
 
 namespace igeo {
 
-/// A connected piece of S: what one seed reaches.
-struct SurfacePiece {
+/// A connected component of S: what one seed reaches.
+struct SurfaceComponent {
     double area = 0;                                          ///< square voxels
     Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;  ///< box of its foot points, world
     /// Connected parts of its mesh: several where surfaces come so close that a front passes from
-    /// one to the next, none where its mesh is a part of a larger piece's (the band is cut between
-    /// sheets that the mesh joins).
+    /// one to the next, none where its mesh is a part of a larger component's (the band is cut
+    /// between sheets that the mesh joins).
     int parts = 0;
     /// Of these together: closed lines at which it ends (0: closed), and handles (0: sphere, 1:
     /// torus), counted as if those lines were filled.
@@ -45,18 +45,18 @@ constexpr std::size_t kUnreliableCauses = 4;
 
 /// Lengths and curvatures in voxels.
 struct SurfaceSurvey {
-    std::vector<SurfacePiece> pieces;  ///< those that hold surface, the largest first
-    double area = 0;                   ///< of all
-    double largestCurvature = 0;       ///< LevelSetStats has the 95th percentile
-    double facingShare = 0;            ///< of the core: a sheet faces it within two voxels
-    BandBounds bounds;                 ///< M&S (14)
-    double godunovBand = 0;            ///< h by default; that of `jet` is bounds.lower
+    std::vector<SurfaceComponent> components;  ///< those that hold surface, the largest first
+    double area = 0;                           ///< of all
+    double largestCurvature = 0;               ///< LevelSetStats has the 95th percentile
+    double facingShare = 0;                    ///< of the core: a sheet faces it within two voxels
+    BandBounds bounds;                         ///< M&S (14)
+    double godunovBand = 0;                    ///< h by default; that of `jet` is bounds.lower
 
     std::vector<float> unreliability;  ///< per band node: the largest factor; 0: none
     std::size_t unreliable = 0;        ///< nodes with any
     std::array<std::size_t, kUnreliableCauses> unreliableBy{};  ///< nodes with each
 
-    /// 95 % of the surface has room for balls of this radius, and 99 % is twice `facingRadius` or
+    /// 95 % of the surface is clear for balls of this radius, and 99 % is twice `facingRadius` or
     /// more from sheets that face it (MedialRadii). Of a level set only what its voxels show.
     double medialRadius = kInfinity, facingRadius = kInfinity;
     /// Largest voxel size, in voxels of now, at which M&S (14) holds by these: the smaller of the

@@ -36,23 +36,23 @@ Surveyed surveyed(const Shape& shape, double dx) { return surveyed(makeLevelSet(
 
 }  // namespace
 
-TEST_CASE("survey: a sphere is one closed piece of genus 0, its area right to second order") {
+TEST_CASE("survey: a sphere is one closed component of genus 0, its area right to second order") {
     for (const double dx : {0.1, 0.05, 0.025}) {
         const Surveyed s = surveyed(sphere(kCenter, 1), dx);
         const double r = 1 / dx;
-        REQUIRE(s.survey.pieces.size() == 1);
-        const SurfacePiece& piece = s.survey.pieces[0];
-        CHECK(piece.rims == 0);
-        CHECK(piece.genus == 0);
-        CHECK(piece.area == Approx(s.survey.area).epsilon(1e-12));
+        REQUIRE(s.survey.components.size() == 1);
+        const SurfaceComponent& component = s.survey.components[0];
+        CHECK(component.rims == 0);
+        CHECK(component.genus == 0);
+        CHECK(component.area == Approx(s.survey.area).epsilon(1e-12));
         // Vertices lie up to 1 / (4 r) below the sphere (trilinear psi), triangles with corners 1
         // from their middle 1 / (2 r) below them at most: twice that over r.
-        CHECK(piece.area == Approx(4 * M_PI * r * r).epsilon(1.5 / (r * r)));
+        CHECK(component.area == Approx(4 * M_PI * r * r).epsilon(1.5 / (r * r)));
         // Foot points are of second order as well: 1 / r^2 of r, and no further from the poles than
         // the lattice lets them.
         for (int a = 0; a < 3; ++a) {
-            CHECK(piece.low[a] == Approx(kCenter[a] - 1).margin(dx * dx));
-            CHECK(piece.high[a] == Approx(kCenter[a] + 1).margin(dx * dx));
+            CHECK(component.low[a] == Approx(kCenter[a] - 1).margin(dx * dx));
+            CHECK(component.high[a] == Approx(kCenter[a] + 1).margin(dx * dx));
         }
         // The Hessian is off by a part of the order of 1 / r^2; it is at most 1 here.
         CHECK(s.survey.largestCurvature == Approx(1 / r).epsilon(1 / (r * r) + 0.02));
@@ -64,40 +64,41 @@ TEST_CASE("survey: a sphere is one closed piece of genus 0, its area right to se
     }
 }
 
-TEST_CASE("survey: handles, pieces, and a placement that does not matter") {
+TEST_CASE("survey: handles, components, and a placement that does not matter") {
     const Surveyed ring = surveyed(torus(kCenter, 1, 0.4), 0.05);
-    REQUIRE(ring.survey.pieces.size() == 1);
-    CHECK(ring.survey.pieces[0].genus == 1);
-    CHECK(ring.survey.pieces[0].rims == 0);
+    REQUIRE(ring.survey.components.size() == 1);
+    CHECK(ring.survey.components[0].genus == 1);
+    CHECK(ring.survey.components[0].rims == 0);
     // As for the sphere, with the smaller radius: 8 voxels.
     CHECK(ring.area() == Approx(4 * M_PI * M_PI * 0.4).epsilon(1.5 / 64));
 
     const Surveyed turned = surveyed(
         makeLevelSet(torus(kCenter, 1, 0.4), *rotatedTransform(0.05, {1, 2, 3}, 40, {5, 6, 7}), 3));
-    REQUIRE(turned.survey.pieces.size() == 1);
-    CHECK(turned.survey.pieces[0].genus == 1);
+    REQUIRE(turned.survey.components.size() == 1);
+    CHECK(turned.survey.components[0].genus == 1);
     CHECK(turned.area() == Approx(ring.area()).epsilon(1.5 / 64));
     const Vec3d extent{1.4, 1.4, 0.4};
     for (int a = 0; a < 3; ++a)
-        CHECK(turned.survey.pieces[0].high[a] == Approx(kCenter[a] + extent[a]).margin(0.05 / 4));
+        CHECK(turned.survey.components[0].high[a] ==
+              Approx(kCenter[a] + extent[a]).margin(0.05 / 4));
 
     const Surveyed two = surveyed(twoSpheres({-0.7, 0, 0}, 0.4, {0.7, 0, 0}, 0.5), 0.05);
-    REQUIRE(two.survey.pieces.size() == 2);
-    for (const auto& [piece, r] :
-         {std::pair{two.survey.pieces[0], 10.0}, {two.survey.pieces[1], 8.0}}) {
-        CHECK(piece.genus == 0);
-        CHECK(piece.rims == 0);
-        CHECK(piece.area == Approx(4 * M_PI * r * r).epsilon(1.5 / (r * r)));
+    REQUIRE(two.survey.components.size() == 2);
+    for (const auto& [component, r] :
+         {std::pair{two.survey.components[0], 10.0}, {two.survey.components[1], 8.0}}) {
+        CHECK(component.genus == 0);
+        CHECK(component.rims == 0);
+        CHECK(component.area == Approx(4 * M_PI * r * r).epsilon(1.5 / (r * r)));
     }
-    CHECK(two.survey.pieces[0].low[0] == Approx(0.2).margin(0.01));
-    CHECK(two.survey.pieces[1].high[0] == Approx(-0.3).margin(0.01));
+    CHECK(two.survey.components[0].low[0] == Approx(0.2).margin(0.01));
+    CHECK(two.survey.components[1].high[0] == Approx(-0.3).margin(0.01));
 }
 
-TEST_CASE("survey: spheres that nearly touch are two pieces, and unreliable where they do") {
+TEST_CASE("survey: spheres that nearly touch are two components, and unreliable where they do") {
     // A fifth of a voxel apart.
     const Surveyed s = surveyed(twoSpheres({-0.505, 0, 0}, 0.5, {0.505, 0, 0}, 0.5), 0.05);
-    REQUIRE(s.survey.pieces.size() == 2);
-    for (const SurfacePiece& p : s.survey.pieces) {
+    REQUIRE(s.survey.components.size() == 2);
+    for (const SurfaceComponent& p : s.survey.components) {
         CHECK(p.parts == 1);
         CHECK(p.genus == 0);
         CHECK(p.rims == 0);
@@ -114,7 +115,7 @@ TEST_CASE("survey: spheres that nearly touch are two pieces, and unreliable wher
     }
 }
 
-TEST_CASE("survey: faces side by side are one piece of two parts") {
+TEST_CASE("survey: faces side by side are one component of two parts") {
     // A gap of a voxel, its middle on a lattice plane: psi is positive there, so that the mesh
     // knows two boxes, but no grid keeps a front on their upper faces from passing to the next.
     const double dx = 0.05;
@@ -124,20 +125,21 @@ TEST_CASE("survey: faces side by side are one piece of two parts") {
     both.bounds.expand(right.bounds);
     both.sdf = [=](const openvdb::Vec3d& p) { return std::min(left.sdf(p), right.sdf(p)); };
     const Surveyed s = surveyed(both, dx);
-    REQUIRE(s.survey.pieces.size() == 1);
-    CHECK(s.survey.pieces[0].parts == 2);
-    CHECK(s.survey.pieces[0].genus == 0);
-    CHECK(s.survey.pieces[0].rims == 0);
-    CHECK(s.survey.pieces[0].high[0] - s.survey.pieces[0].low[0] == Approx(2.05).margin(dx));
+    REQUIRE(s.survey.components.size() == 1);
+    CHECK(s.survey.components[0].parts == 2);
+    CHECK(s.survey.components[0].genus == 0);
+    CHECK(s.survey.components[0].rims == 0);
+    CHECK(s.survey.components[0].high[0] - s.survey.components[0].low[0] ==
+          Approx(2.05).margin(dx));
 }
 
 TEST_CASE("survey: a plane patch has one rim, and is unreliable along it only") {
     const double dx = 0.05, size = 2;
     const openvdb::Vec3d n = openvdb::Vec3d(1, 1, 2).unit();
     const Surveyed s = surveyed(planePatch(kCenter, n, size), dx);
-    REQUIRE(s.survey.pieces.size() == 1);
-    CHECK(s.survey.pieces[0].rims == 1);
-    CHECK(s.survey.pieces[0].genus == 0);
+    REQUIRE(s.survey.components.size() == 1);
+    CHECK(s.survey.components[0].rims == 1);
+    CHECK(s.survey.components[0].genus == 0);
     // The mesh ends within two voxels of the cut (surface_mesh.h).
     CHECK(s.area() <= size * size);
     CHECK(s.area() >= std::pow(size - 4 * dx, 2));
@@ -164,8 +166,8 @@ TEST_CASE("survey: the sheets of a plate that is too thin are found, and how far
                  all = 2 * 1.5 * 1.1 + M_PI * 0.05 * (2 * 1.5 + 2 * 1.1 + 2 * M_PI * 0.05);
     CHECK(double(thin.count(Unreliable::Facing)) > flat / all * double(thin.band.size()));
     CHECK(thin.survey.facingShare > flat / all);
-    REQUIRE(thin.survey.pieces.size() == 1);
-    CHECK(thin.survey.pieces[0].genus == 0);
+    REQUIRE(thin.survey.components.size() == 1);
+    CHECK(thin.survey.components[0].genus == 0);
     // In the middle, sheets 2 voxels apart: sqrt(3) voxels are too much by sqrt(3). psi is exact.
     std::size_t middle = 0;
     for (NodeIndex i = 0; i < thin.band.size(); ++i) {
@@ -189,8 +191,8 @@ TEST_CASE("survey: a box is unreliable at its edges, everywhere there, and nowhe
     const double dx = 0.05;
     const openvdb::Vec3d half(0.9, 0.7, 0.5);
     const Surveyed s = surveyed(box(kCenter, half), dx);
-    REQUIRE(s.survey.pieces.size() == 1);
-    CHECK(s.survey.pieces[0].genus == 0);
+    REQUIRE(s.survey.components.size() == 1);
+    CHECK(s.survey.components[0].genus == 0);
     // Edges are rounded off within a voxel: less than a voxel of area along their 33.6 length.
     CHECK(s.area() == Approx(8 * (0.9 * 0.7 + 0.7 * 0.5 + 0.9 * 0.5)).margin(33.6 * dx));
     CHECK(s.count(Unreliable::Bend) > 0);
@@ -251,8 +253,8 @@ TEST_CASE("survey: the same bits for any number of threads") {
         CHECK(s.area == first.area);
         CHECK(s.unreliability == first.unreliability);
         CHECK(s.largestCurvature == first.largestCurvature);
-        CHECK(s.pieces[1].area == first.pieces[1].area);
-        CHECK(s.pieces[1].high == first.pieces[1].high);
+        CHECK(s.components[1].area == first.components[1].area);
+        CHECK(s.components[1].high == first.components[1].high);
     }
 }
 
