@@ -59,6 +59,35 @@ std::vector<BandLeaf> bandLeaves(const std::vector<const Leaf*>& source, double 
     return leaves;
 }
 
+/// Nodes that are looked at again, per leaf.
+struct Marks {
+    explicit Marks(std::size_t leaves) : kinks(leaves), meetings(leaves), rims(leaves) {}
+    std::vector<std::vector<NodeIndex>> kinks;     ///< where psi has a kink
+    std::vector<std::vector<NodeIndex>> meetings;  ///< where sheets may meet
+    std::vector<std::vector<NodeIndex>> rims;      ///< around sharp bends
+};
+
+/// Sets psi, foot point and normal of a leaf's nodes.
+void fillLeaf(const LeafBlock& block, std::size_t l, Band& band, Marks& marks) {
+    const LeafNodes& nodes = band.leaves[l].band;
+    for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
+        const int o = band.offset[i], x = o >> 6, y = o >> 3 & 7, z = o & 7;
+        const PsiDifferences d(block, x, y, z);
+        const double value = block.at(x, y, z);
+        const Vec3d n = normalized(psiGradient(d, value));
+        if (!d.smooth()) {
+            marks.kinks[l].push_back(i);
+            if (length(d.central()) < kMeeting && d.laplacian(value < 0 ? -1 : 1) < 0)
+                marks.meetings[l].push_back(i);
+        }
+        if (std::abs(value) < kRim && d.laplacian(value < 0 ? -1 : 1) > 1 / kSharpRadius)
+            marks.rims[l].push_back(i);
+        band.psi[i] = float(value);
+        band.normal[i] = Vec3f(n);
+        band.foot[i] = Vec3f(-value * n);
+    }
+}
+
 }  // namespace
 
 Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball>& region,
@@ -84,7 +113,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
     band.leaves = bandLeaves(source, h * dx, kept);
     band.buildTopology();
 
-    std::vector<std::vector<NodeIndex>> kinks(kept.size()), meetings(kinks), rims(kinks);
+    Marks marks(kept.size());
     Steps steps(progress, "band", kept.size(), 0.2, 0.8);
     parallelFor(kept.size(), 32, [&](std::size_t begin, std::size_t end) {
         if (steps.cancelled()) return;
@@ -92,34 +121,18 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
         for (std::size_t l = begin; l < end; ++l) {
             block.gatherCross(psi, kept[l]->origin(), dx);
-            const LeafNodes& nodes = band.leaves[l].band;
-            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
-                const int o = band.offset[i], x = o >> 6, y = o >> 3 & 7, z = o & 7;
-                const PsiDifferences d(block, x, y, z);
-                const double value = block.at(x, y, z);
-                const Vec3d n = normalized(psiGradient(d, value));
-                if (!d.smooth()) {
-                    kinks[l].push_back(i);
-                    if (length(d.central()) < kMeeting && d.laplacian(value < 0 ? -1 : 1) < 0)
-                        meetings[l].push_back(i);
-                }
-                if (std::abs(value) < kRim && d.laplacian(value < 0 ? -1 : 1) > 1 / kSharpRadius)
-                    rims[l].push_back(i);
-                band.psi[i] = float(value);
-                band.normal[i] = Vec3f(n);
-                band.foot[i] = Vec3f(-value * n);
-            }
+            fillLeaf(block, l, band, marks);
         }
         steps.add(end - begin);
     });
     progress.throwIfCancelled();
-    parallelFor(kinks.size(), 256, [&](std::size_t begin, std::size_t end) {
+    parallelFor(marks.kinks.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l)
-            for (const NodeIndex i : kinks[l]) band.markFacing(i);
+            for (const NodeIndex i : marks.kinks[l]) band.markFacing(i);
     });
-    band.sever(linksThroughWalls(band, levelSet, meetings));
+    band.sever(linksThroughWalls(band, levelSet, marks.meetings));
     std::vector<NodeIndex> rim;
-    for (const auto& part : rims) rim.insert(rim.end(), part.begin(), part.end());
+    for (const auto& part : marks.rims) rim.insert(rim.end(), part.begin(), part.end());
     band.numberCore(rim);
     return band;
 }
