@@ -134,6 +134,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
 
     report.paths = distance.paths(o.straighten, stages);
     stages.finished("trace");
+    warnOfLongPaths(distance.band().transform.dx, report);
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
         report.accuracy = estimate(distance, console, stages);
     report.walks = shoot(solver, o.shots, stages);

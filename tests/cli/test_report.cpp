@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "output/messages.h"
 #include "output/report.h"
 
 namespace igeo::test {
@@ -183,6 +184,22 @@ TEST_CASE("matrixJson: world units, null where there is no way") {
     CHECK(part["rows"] == json({{"first", 4}, {"count", 1}}));
     CHECK(part["distance"] == j["distance"]);
     CHECK(part["asymmetry"].is_null());
+}
+
+TEST_CASE("warnOfLongPaths: paths that disagree with their distances") {
+    Run run;
+    auto warnings = [&](double distance, double length) {
+        run.report.warnings.clear();
+        run.report.paths[0].startDistance = distance, run.report.paths[0].weightedLength = length;
+        run.report.paths[0].endDistance = 0;
+        warnOfLongPaths(0.5, run.report);
+        return run.report.warnings;
+    };
+    CHECK(warnings(30, 31).empty());  // two voxels, but few percent
+    CHECK(warnings(3, 3.9).empty());  // many percent, but below two voxels
+    REQUIRE(warnings(10, 12).size() == 1);
+    CHECK(run.report.warnings[0].find("1 of 1 paths") != std::string::npos);
+    CHECK(run.report.warnings[0].find("target 0 by 20 %") != std::string::npos);
 }
 
 TEST_CASE("isolinesJson: world units") {

@@ -115,6 +115,26 @@ void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
     }
 }
 
+void warnOfLongPaths(double dx, RunReport& report) {
+    constexpr double kShare = 0.05, kVoxels = 2;
+    std::size_t count = 0, reached = 0, worst = 0;
+    double most = 0;
+    for (std::size_t k = 0; k < report.paths.size(); ++k) {
+        const igeo::Polyline& p = report.paths[k];
+        if (p.status != igeo::PathStatus::Reached || !(p.startDistance > 0)) continue;
+        ++reached;
+        const double excess = p.endDistance + p.weightedLength - p.startDistance;
+        if (excess < kVoxels * dx || excess < kShare * p.startDistance) continue;
+        ++count;
+        if (excess / p.startDistance > most) most = excess / p.startDistance, worst = k;
+    }
+    if (count == 0) return;
+    report.warnings.push_back(fmt::format(
+        "{} of {} paths are longer than their distances by more than 5 % (target {} by {:.2g} %): "
+        "the distance or the path is unreliable there",
+        count, reached, worst, 100 * most));
+}
+
 void tellJoints(std::size_t joints, double gap, const Console& console,
                 std::vector<std::string>& warnings) {
     if (joints > 0)

@@ -17,6 +17,11 @@ void describe(const igeo::Distance& distance, const Console& console);
 /// Adds a warning for each seed that starts later than another front comes there.
 void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report);
 
+/// Adds a warning where paths are longer than the distances they belong to, by more than the march
+/// errs: then one of the two is wrong.
+/// @param dx  voxel size
+void warnOfLongPaths(double dx, RunReport& report);
+
 /// How many components --join-gaps has joined; a warning if none.
 void tellJoints(std::size_t joints, double gap, const Console& console,
                 std::vector<std::string>& warnings);
