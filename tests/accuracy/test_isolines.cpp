@@ -31,7 +31,8 @@ CircleErrors circlesOnSphere(int n, const openvdb::Vec3d& direction, double spac
     const Distance d = distanceFrom({fromVdb(kCenter + 0.4 * direction)}, n);
     const openvdb::Vec3d seed = seedOf(d);
     CircleErrors e;
-    for (const Isoline& line : isolines(d.field(), d.indexMesh(), levelsBySpacing(d.field(), spacing))) {
+    for (const Isoline& line :
+         isolines(d.field(), d.indexMesh(), levelsBySpacing(d.field(), spacing))) {
         if (line.level > 0.95 * M_PI * r) continue;
         CHECK(line.closed);
         for (const Vec3d& p : line.points)

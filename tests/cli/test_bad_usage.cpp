@@ -132,10 +132,9 @@ TEST_CASE("two outputs never go to one place") {
     writeBytes(desk / "existing.vdb", "");
     std::filesystem::create_symlink("existing.vdb", desk / "link");
     const std::string run = "--sdf in.vdb --seed 0,0,1 ";
-    const std::string outputs =
-        GENERATE("-o out.vdb --report out.vdb", "-o out.vdb --report ./out.vdb",
-                 "-o existing.vdb --report link", "-o - --report -",
-                 "--report - --target 1,0,0 --paths -");
+    const std::string outputs = GENERATE(
+        "-o out.vdb --report out.vdb", "-o out.vdb --report ./out.vdb",
+        "-o existing.vdb --report link", "-o - --report -", "--report - --target 1,0,0 --paths -");
     requireRefused(desk, run + outputs, kUsage, {"one place", "its own name"});
 }
 

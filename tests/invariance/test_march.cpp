@@ -52,8 +52,8 @@ TEST_CASE("no distance is below the straight line, at nodes and between them") {
                 const Vec3d n(band.normal[i]);
                 const Vec3d off = tangential(
                     Vec3d{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)}, n);
-                below = std::max(below, length(foot + off - seed.pIndex) -
-                                            sampleDistance(field, foot + off, n));
+                below = std::max(
+                    below, length(foot + off - seed.pIndex) - sampleDistance(field, foot + off, n));
             }
         }
         CHECK(below < 1e-9);  // rounding; without the bound 0.1 and more

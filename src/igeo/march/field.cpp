@@ -246,8 +246,7 @@ Arrival Reader::byJets() const {
     for (std::size_t k = 0; k < count; ++k) {
         const std::uint32_t own = sources[k];
         // Beside a seed in a groove jets are carried on past it.
-        const double d =
-            std::max({field_.leastStart, blended(own), field_.lines.from(own, p_)});
+        const double d = std::max({field_.leastStart, blended(own), field_.lines.from(own, p_)});
         const Straight disc = straight(d, [&](std::size_t s) { return field_.source[s] == own; });
         const Arrival a = arrival(d, disc, own);
         if (a.distance < first.distance || (a.distance == first.distance && own < first.source))

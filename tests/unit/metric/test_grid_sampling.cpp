@@ -150,8 +150,10 @@ TEST_CASE("sampleWeight: refuses what is no weight, with place, value and way ou
         editable(w).denseFill({{v.x, v.y, v.z}, {v.x + 1, v.y + 1, v.z + 1}}, value);
         return w;
     };
-    expectError(bad, {"the weight is 0 there", "w.vdb", "'cost'", "positive", "MetricDefinition::obstacles"},
-                [&] { sampleWeight(put(0), band); });
+    expectError(
+        bad,
+        {"the weight is 0 there", "w.vdb", "'cost'", "positive", "MetricDefinition::obstacles"},
+        [&] { sampleWeight(put(0), band); });
     expectError(bad, {"the weight is -3.5"}, [&] { sampleWeight(put(-3.5f), band); });
     expectError(bad, {"nan"}, [&] { sampleWeight(put(std::nanf("")), band); });
     expectError(bad, {"inf"}, [&] { sampleWeight(put(float(kInfinity)), band); });

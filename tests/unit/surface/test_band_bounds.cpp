@@ -63,7 +63,8 @@ TEST_CASE("requireBandWidth: holds M&S (14) and explains itself") {
     const auto kind = Error::Kind::InvalidArgument;
     expectError(kind, {"h = 0.1 (1 voxels)", "M&S (14)", "sqrt(3) voxels", "0.4 (4 voxels)"},
                 [&] { requireBandWidth(1, b, 0.1); });
-    expectError(kind, {"two sheets", "leave SolverOptions::band out"}, [&] { requireBandWidth(4, b, 0.1); });
+    expectError(kind, {"two sheets", "leave SolverOptions::band out"},
+                [&] { requireBandWidth(4, b, 0.1); });
     expectError(kind, {"curvature"}, [&] { requireBandWidth(12, bandBounds(0.1, 3, 3), 0.1); });
     expectError(kind, {"finer level set"}, [&] { requireBandWidth(3, bandBounds(1, 3, 3), 0.1); });
     expectError(kind, {}, [&] { requireBandWidth(std::nan(""), b, 0.1); });

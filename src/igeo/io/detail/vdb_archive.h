@@ -12,8 +12,8 @@
 namespace igeo {
 
 /// A file with a directory of its grids. OpenVDB's own File reads on past the end of a file, and
-/// takes what is not there for zeros: here the stream must throw, and the directory is compared with
-/// the size first.
+/// takes what is not there for zeros: here the stream must throw, and the directory is compared
+/// with the size first.
 class VdbArchive : openvdb::io::Archive {
 public:
     struct Entry {

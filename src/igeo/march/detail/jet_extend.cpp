@@ -228,9 +228,9 @@ void extendJets(const JetCore& core, double limit, bool everywhere, Field& field
                 const unsigned at = band.offset[i];
                 const NodeIndex k = leaf.core.node(at);
                 Solved s = core.metric.inside(i) ? Solved{}
-                           : k == kNoNode        ? extension.extendTo(i, LeafIndex(l), at)
-                                                 : Solved{core.nodes[k].u, core.nodes[k].g,
-                                                   core.labelOf(k), false};
+                           : k == kNoNode
+                               ? extension.extendTo(i, LeafIndex(l), at)
+                               : Solved{core.nodes[k].u, core.nodes[k].g, core.labelOf(k), false};
                 if (k == kNoNode && s.u < kInfinity)
                     s.u = std::max(s.u, core.seeds.lines.from(s.label, band.footPoint(i)));
                 const bool withinLimit = s.u <= limit;
