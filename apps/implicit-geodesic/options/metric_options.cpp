@@ -118,19 +118,20 @@ std::vector<Option> costOptions(MetricOptions& o) {
 }
 
 std::vector<Option> obstacleOptions(MetricOptions& o) {
-    return {{.names = {"--obstacle"},
-             .value = "FILE[:GRID]",
-             .text = "No way through: a mask (active voxels), a level set (inside) or a fog volume "
-                     "(above 0.5)",
-             .reads = parsedEach(o.obstacles, igeo::parseGridSource)},
-            {.names = {"--obstacle-sphere"},
-             .value = "X,Y,Z,R",
-             .text = "No way through a ball; repeatable",
-             .reads = parsedEach(o.obstacleSpheres, sphereOf)},
-            {.names = {"--obstacle-box"},
-             .value = "X,Y,Z,X,Y,Z",
-             .text = "No way through a box given by two opposite corners; repeatable",
-             .reads = parsedEach(o.obstacleBoxes, boxOf)}};
+    return {
+        {.names = {"--obstacle"},
+         .value = "FILE[:GRID]",
+         .text = "What blocks paths: a mask (active voxels), a level set (inside) or a fog volume "
+                 "(above 0.5)",
+         .reads = parsedEach(o.obstacles, igeo::parseGridSource)},
+        {.names = {"--obstacle-sphere"},
+         .value = "X,Y,Z,R",
+         .text = "A ball that blocks paths; repeatable",
+         .reads = parsedEach(o.obstacleSpheres, sphereOf)},
+        {.names = {"--obstacle-box"},
+         .value = "X,Y,Z,X,Y,Z",
+         .text = "A box that blocks paths, given by two opposite corners; repeatable",
+         .reads = parsedEach(o.obstacleBoxes, boxOf)}};
 }
 
 }  // namespace

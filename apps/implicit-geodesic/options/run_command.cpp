@@ -103,7 +103,8 @@ Command runCommand(RunOptions& o) {
     addProcessOptions(command, o);
     command.add("Run", {helpOption(), versionOption()});
     command.about =
-        "How far is it, and which way, along a surface: a signed-distance volume, a mesh or "
+        "Geodesic distances and shortest paths along a surface: a signed-distance volume, a mesh "
+        "or "
         "points.\n"
         "Lengths are in world units of the surface; defaults are in brackets.";
     command.exitCodes = {{0, "done"},

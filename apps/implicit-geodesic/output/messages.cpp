@@ -29,7 +29,7 @@ int tellPaths(const RunReport& report, const igeo::Distance& distance, const Con
         code = kUnreached;
         console.warning(fmt::format(
             "target {} is {}: {}", k, igeo::toString(p.status),
-            p.status == igeo::PathStatus::Stalled ? "no way down from the target was found"
+            p.status == igeo::PathStatus::Stalled ? "no descent from the target to a seed was found"
             : field.stoppedEarly                  ? "it lies beyond the distance marched"
                                                   : "no path on the surface joins it to a seed"));
     }
