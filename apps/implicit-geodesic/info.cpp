@@ -227,7 +227,8 @@ FileSurvey surveyAs(SurfaceKind kind, const InfoOptions& options, igeo::Progress
     const igeo::Surface surface = readSurface(surfaceOptions, progress);
     surface.requireMemory(surface.bandWidth(igeo::Scheme::Jet), machineMemory());
     const double dx = surface.transform().dx;
-    if (surface.triangles()) return igeo::surveyMesh(*surface.triangles(), dx, progress);
+    if (surface.triangles())
+        return igeo::surveyMesh(*surface.triangles(), *surface.facts().mesh, dx, progress);
     FileSurvey survey = igeo::surveyPoints(*surface.points(), dx, progress);
     survey.warnings = surface.facts().warnings;
     return survey;

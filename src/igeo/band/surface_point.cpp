@@ -35,19 +35,24 @@ Nearest nearestAmongAll(const Band& band, const Vec3d& p) {
     return best;
 }
 
+/// Calls visit(i) for the nodes among the 5^3 voxels around a position.
+template <typename Visit>
+void forNodesAround(const Band& band, const Vec3d& p, const Visit& visit) {
+    const Ijk center = roundToIjk(p);
+    for (int x = -2; x <= 2; ++x)
+        for (int y = -2; y <= 2; ++y)
+            for (int z = -2; z <= 2; ++z)
+                if (const NodeIndex i = band.nodeAt(center + Ijk{x, y, z}); i != kNoNode) visit(i);
+}
+
 /// @param sheetNormal  nodes that oppose it are left out
 Nearest nearestAround(const Band& band, const Vec3d& p, const Vec3d& sheetNormal = {}) {
     Nearest best;
     // Far outside the range of Ijk no voxel can be near.
     if (!hasIjk(p)) return best;
-    const Ijk center = roundToIjk(p);
-    for (int x = -2; x <= 2; ++x)
-        for (int y = -2; y <= 2; ++y)
-            for (int z = -2; z <= 2; ++z) {
-                const NodeIndex i = band.nodeAt(center + Ijk{x, y, z});
-                if (i != kNoNode && dot(Vec3f(sheetNormal), band.normal[i]) >= Band::kOtherSheet)
-                    best.consider(band, i, p);
-            }
+    forNodesAround(band, p, [&](NodeIndex i) {
+        if (dot(Vec3f(sheetNormal), band.normal[i]) >= Band::kOtherSheet) best.consider(band, i, p);
+    });
     // A foot point beyond 1.5 voxels may not be the nearest: its rival's voxel may lie outside.
     return best.squared < 1.5 * 1.5 ? best : Nearest{};
 }
@@ -65,19 +70,14 @@ Nearest nearestNode(const Band& band, const Vec3d& p) {
 NodeIndex nodeOnPlane(const Band& band, const Vec3d& pIndex, const Vec3d& normal) {
     NodeIndex best = kNoNode;
     double least = kInfinity;
-    const Ijk middle = roundToIjk(pIndex);
-    for (int x = -2; x <= 2; ++x)
-        for (int y = -2; y <= 2; ++y)
-            for (int z = -2; z <= 2; ++z) {
-                const NodeIndex i = band.nodeAt(middle + Ijk{x, y, z});
-                if (i == kNoNode) continue;
-                const Vec3d chord = band.footPoint(i) - pIndex;
-                const double rise = dot(chord, normal);
-                // The band may have turned the triangle over.
-                const double turn = 1 - std::abs(dot(Vec3d(band.normal[i]), normal));
-                const double off = dot(chord, chord) + rise * rise + turn;
-                if (off < least) least = off, best = i;
-            }
+    forNodesAround(band, pIndex, [&](NodeIndex i) {
+        const Vec3d chord = band.footPoint(i) - pIndex;
+        const double rise = dot(chord, normal);
+        // The band may have turned the triangle over.
+        const double turn = 1 - std::abs(dot(Vec3d(band.normal[i]), normal));
+        const double off = dot(chord, chord) + rise * rise + turn;
+        if (off < least) least = off, best = i;
+    });
     return best;
 }
 

@@ -409,10 +409,11 @@ FileSurvey surveyFile(const GridSource& source, Progress& progress) {
     return file;
 }
 
-FileSurvey surveyMesh(const TriangleMesh& mesh, double dx, Progress& progress) {
+FileSurvey surveyMesh(const TriangleMesh& mesh, const MeshFacts& facts, double dx,
+                      Progress& progress) {
     FileSurvey file;
     file.file = mesh.file;
-    file.mesh = meshFacts(mesh, progress);
+    file.mesh = facts;
     file.warnings = mesh.warnings;
     for (const std::string& w : meshWarnings(*file.mesh)) file.warnings.push_back(w);
     putOnGrid(

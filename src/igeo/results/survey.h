@@ -130,8 +130,10 @@ bool holdsPoints(const GridEntry& grid);
 FileSurvey surveyFile(const GridSource& source, Progress& progress = Progress::none());
 
 /// Surveys a mesh on voxels of size dx, by way of the level set that its band gives.
+/// @param facts  meshFacts(mesh), as its Surface has them
 /// @throws Error  as bandFromMesh
-FileSurvey surveyMesh(const TriangleMesh& mesh, double dx, Progress& progress = Progress::none());
+FileSurvey surveyMesh(const TriangleMesh& mesh, const MeshFacts& facts, double dx,
+                      Progress& progress = Progress::none());
 
 /// Surveys points, as `jet` takes them, on voxels of size dx.
 /// @throws Error  as bandFromPoints
