@@ -22,6 +22,7 @@ Polyline inWorld(const Path& path, const Similarity& t) {
     line.length = path.length * t.dx;
     line.weightedLength = path.weightedLength * t.dx;
     line.startDistance = path.distance * t.dx;
+    line.roundedBends = path.roundedBends;
     return line;
 }
 

@@ -26,6 +26,7 @@ struct Polyline {
     std::size_t seed = 0;    ///< index of the seed reached, if Reached
     SnappedPoint end;        ///< that seed; of a curve or region the point where the path meets it
     double endDistance = 0;  ///< at which the seed's front starts, world units times weight
+    std::size_t roundedBends = 0;  ///< of a walk: Path::roundedBends
 };
 
 /// A path of the engine in world units, but for its end.

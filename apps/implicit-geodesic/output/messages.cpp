@@ -135,6 +135,17 @@ void warnOfLongPaths(double dx, RunReport& report) {
         count, reached, worst, 100 * most));
 }
 
+void warnOfRoundedBends(RunReport& report) {
+    for (std::size_t k = 0; k < report.walks.size(); ++k)
+        if (const std::size_t bends = report.walks[k].roundedBends)
+            report.warnings.push_back(fmt::format(
+                "walk {} goes over {} sharp bend{} as the voxels round {} off, below 25 degrees or "
+                "less than 5 voxels from another: behind {} its direction is off by up to some "
+                "degrees; smaller voxels, or the mesh itself, show such edges",
+                k, bends, bends == 1 ? "" : "s", bends == 1 ? "it" : "them",
+                bends == 1 ? "it" : "them"));
+}
+
 void tellJoints(std::size_t joints, double gap, const Console& console,
                 std::vector<std::string>& warnings) {
     if (joints > 0)

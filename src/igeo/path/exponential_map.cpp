@@ -60,11 +60,10 @@ Path shootOnTriangles(const SurfaceTriangles& triangles, const SurfacePoint& sta
 
 /// From a start on, in steps; shorter than asked for where S ends.
 std::vector<Walker> walkOver(const Band& band, const Walker& start, double length,
-                             Progress& progress) {
+                             CreaseWatch& creases, Progress& progress) {
     constexpr std::size_t kLookEvery = 256;  // steps, half a millisecond
     const auto surface = [&](const Vec3d& p, const Vec3d& n) { return localSurface(band, p, n); };
     std::vector<Walker> track{start};
-    CreaseWatch creases(band, length);
     for (double from = 0; track.back().at < length;) {
         const auto steps = std::size_t(std::ceil((length - from) / kStep));
         bool unfolded = false;
@@ -102,8 +101,11 @@ Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, 
     Path path;
     path.target = start;
     path.status = PathStatus::Reached;
-    for (const Walker& w : walkOver(band, {p, normalized(along), at.normal}, length, progress))
-        append(path, w.p, w.at);
+    CreaseWatch creases(band, length);
+    const std::vector<Walker> track =
+        walkOver(band, {p, normalized(along), at.normal}, length, creases, progress);
+    for (const Walker& w : track) append(path, w.p, w.at);
+    path.roundedBends = creases.roundedBends(track);
     if (path.length < length) path.status = PathStatus::Stalled;
     return path;
 }

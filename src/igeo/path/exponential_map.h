@@ -20,7 +20,8 @@ namespace igeo {
 /// @param length    voxels, >= 0; weights and obstacles play no part
 /// @return status Reached: of the full length. Stalled: S ends before, at the edge of the band,
 ///         after Path::length. `target` is the start; the vertices' `distance` is their arc
-///         length, as is Path::distance. Vertices are on S as described
+///         length, as is Path::distance. Vertices are on S as described. Of a level set
+///         `roundedBends` are the sharp bends that were not laid out flat
 /// @throws Error  InvalidArgument for a direction without a part along S, or a length that is
 ///         negative or not finite; BadInput where S has no band around the start; Cancelled
 /// Time O(length), some 4 microseconds per voxel. Error: tests/accuracy/test_shoot.cpp; 0.02 % of

@@ -31,6 +31,8 @@ struct Path {
     double weightedLength = 0;         ///< by the metric: voxels times weight
     double length = 0;                 ///< voxels; the same where there is no weight
     double distance = kInfinity;       ///< d at the target, voxels times weight
+    /// Of a walk: sharp bends that it went over as the voxels round them off (shoot).
+    std::size_t roundedBends = 0;
 };
 
 }  // namespace igeo

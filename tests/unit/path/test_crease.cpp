@@ -6,6 +6,7 @@
 #include <support/openvdb.h>
 #include <support/shapes.h>
 
+#include <cmath>
 #include <cstdio>
 #include <random>
 
@@ -102,6 +103,52 @@ TEST_CASE("shoot: over the rim of a cylinder, voxels off after a walk of 0.55") 
                     m.mean, m.worst);
         CHECK(m.worst < most);  // measured 0.65, 0.75
     }
+}
+
+namespace {
+
+/// Two half planes that meet at the y axis and fall to both sides, in a ball.
+Shape roof(double bendDegrees) {
+    const double half = bendDegrees / 2 * M_PI / 180, s = std::sin(half), c = std::cos(half);
+    Shape shape;
+    shape.name = "roof";
+    shape.sdf = [=](const openvdb::Vec3d& p) {
+        const double x = std::abs(p.x()), along = c * x - s * p.z(), above = s * x + c * p.z();
+        return above > 0 && along < 0 ? std::hypot(x, p.z()) : above;
+    };
+    shape.bounds = {openvdb::Vec3d(-1), openvdb::Vec3d(1)};
+    shape.closed = false;
+    shape.domain = [](const openvdb::Vec3d& p) { return p.length() - 0.9; };
+    return shape;
+}
+
+/// Of a walk from a point along x, voxels of 0.02 in general position.
+std::size_t roundedBends(const Shape& shape, const Vec3d& from, double length) {
+    const auto transform = rotatedTransform(0.02, {1, 2, 3}, 20, {0.1, 0.2, 0.3});
+    const LevelSet levelSet = checkedLevelSet(makeLevelSet(shape, *transform, 3));
+    const Band band = bandFromLevelSet(levelSet, std::sqrt(3.0));
+    const Similarity& t = band.transform;
+    const Vec3d along = t.indexFromWorld(from + Vec3d{1, 0.2, 0}) - t.indexFromWorld(from);
+    return shoot(band, nearestSurfacePoint(band, t.indexFromWorld(from)), along, length / 0.02)
+        .roundedBends;
+}
+
+}  // namespace
+
+TEST_CASE("shoot: bends that are not laid out flat are counted") {
+    for (const double bend : {14.0, 20.0}) {
+        INFO("roof of " << bend);
+        CHECK(roundedBends(roof(bend), {-0.4, 0, 0}, 0.8) == 1);
+    }
+    // Laid out flat.
+    CHECK(roundedBends(roof(60), {-0.4, 0, 0}, 0.8) == 0);
+    CHECK(roundedBends(box(kCenter, {0.35, 0.3, 0.3}), {0.6, 0.5, 0.8}, 0.5) == 0);
+    // Over the rim of a plate of 3 voxels and back below: two edges.
+    CHECK(roundedBends(box(kCenter, {0.35, 0.3, 0.03}), {0.5, 0.5, 0.53}, 0.7) > 0);
+    // Not sharp.
+    CHECK(roundedBends(sphere(kCenter, 0.1), {0.5, 0.5, 0.6}, 0.6) == 0);
+    CHECK(roundedBends(torus(kCenter, 0.3, 0.1), {0.8, 0.5, 0.6}, 1) == 0);
+    CHECK(roundedBends(roundedBox(kCenter, {0.35, 0.3, 0.3}, 0.12), {0.5, 0.5, 0.8}, 0.6) == 0);
 }
 
 }  // namespace igeo::test

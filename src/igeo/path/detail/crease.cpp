@@ -168,6 +168,7 @@ double degrees(const Vec3d& a, const Vec3d& b) {
 bool CreaseWatch::unfold(std::vector<Walker>& track) {
     constexpr std::size_t kWindow = 6, kClean = 4, kMost = 24;  // steps
     constexpr double kBend = 35, kSettled = 8, kLeast = 25, kMostBend = 150;
+    constexpr double kSharp = 0.8;  // of the bend within the window; rounded edges have less
     const std::size_t last = track.size() - 1;
     if (bend_ == 0) {
         const std::size_t before = std::max(first_ + kWindow, last) - kWindow;
@@ -202,13 +203,39 @@ bool CreaseWatch::unfold(std::vector<Walker>& track) {
         walk = over(band_, more[from], more[middle].p, after, length_);
     bend_ = 0;
     if (!walk) {
+        const std::size_t beyond = std::min(middle + kWindow, more.size() - 1);
+        if (degrees(more[from].n, more[beyond].n) > kSharp * bend && bend > kLeast) {
+            ++missed_;
+            seen_.push_back(more[middle].at);
+        }
         first_ = last;
         return false;
     }
+    seen_.push_back(more[middle].at);
     track.resize(first_ + from);
     track.insert(track.end(), walk->begin(), walk->end());
     first_ = track.size() - 1 - std::min(kClean, walk->size() - 1);
     return true;
+}
+
+std::size_t CreaseWatch::roundedBends(const std::vector<Walker>& track) const {
+    // Steps to either side: a sharp bend turns within two voxels as far as within eight.
+    constexpr std::size_t kNarrow = 2, kWide = 8;
+    constexpr double kLeast = 10, kSpread = 1.25, kNear = 5;
+    std::size_t count = missed_;
+    for (std::size_t k = kNarrow; k + kNarrow < track.size(); ++k) {
+        const double turn = degrees(track[k - kNarrow].n, track[k + kNarrow].n);
+        if (turn < kLeast) continue;
+        const std::size_t before = std::max(k, kWide) - kWide,
+                          after = std::min(k + kWide, track.size() - 1);
+        const bool seen = std::any_of(seen_.begin(), seen_.end(), [&](double at) {
+            return std::abs(at - track[k].at) < kNear;
+        });
+        if (seen || degrees(track[before].n, track[after].n) > kSpread * turn) continue;
+        ++count;
+        k += kWide;
+    }
+    return count;
 }
 
 }  // namespace igeo

@@ -25,9 +25,15 @@ public:
     /// @return whether it has
     bool unfold(std::vector<Walker>& track);
 
+    /// How many sharp bends of the walk, of 10 degrees or more, were not unfolded: too flat for a
+    /// fit of each side, or too near to another. Behind them its direction is off by some degrees.
+    std::size_t roundedBends(const std::vector<Walker>& track) const;
+
 private:
     const Band& band_;
     double length_;
+    std::vector<double> seen_;  ///< along the walk: bends that were unfolded, or counted below
+    std::size_t missed_ = 0;
     std::size_t first_ = 0;  ///< of the walk: what comes before is done
     std::size_t bend_ = 0;   ///< where the walk has turned; 0: nowhere
 };
