@@ -125,9 +125,11 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
                                         ? solver.distance(input.seeds, input.limits, stages)
                                         : solver.unreached(/*whole=*/!o.image.empty(), stages);
     describe(distance, console);
-    if (distance.ofWholeSurface())
-        if (const std::string w = solver.surface().facingWarning(distance.band()); !w.empty())
+    if (distance.ofWholeSurface()) {
+        report.unresolved = solver.surface().unresolved(distance.band());
+        for (const std::string& w : igeo::unresolvedWarnings(report.unresolved))
             report.warnings.push_back(w);
+    }
 
     if (o.joinGaps > 0) tellJoints(distance.band().joints, o.joinGaps, console, report.warnings);
     warnOfOverrunSeeds(distance, report);
@@ -138,6 +140,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
         report.accuracy = estimate(distance, console, stages);
     report.walks = shoot(solver, o.shots, stages);
+    warnOfRoundedBends(report);
     report.pairs = solvePairs(solver, o, stages);
 
     RunResult result{o, solver, distance, report, stages};

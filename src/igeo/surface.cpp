@@ -5,7 +5,6 @@
 #include <igeo/base/error.h>
 #include <igeo/io/voxel_size.h>
 #include <igeo/results/refined_mesh.h>
-#include <igeo/results/survey.h>
 #include <igeo/surface/band_bounds.h>
 #include <igeo/surface/level_set_band.h>
 #include <igeo/surface/mesh_band.h>
@@ -74,7 +73,7 @@ public:
     virtual SurfaceMesh mesh(double h, const Field& field, Progress& progress) const {
         return surfaceMesh(levelSet(h, progress), field, progress);
     }
-    virtual std::string facingWarning(const Band&) const { return {}; }
+    virtual Unresolved unresolved(const Band&) const { return {}; }
     virtual std::string gridName() const { return facts.name; }
     /// In the order of the file; null: a level set has none.
     virtual const std::vector<Vec3d>* vertices() const { return nullptr; }
@@ -160,7 +159,9 @@ public:
         widen(wide, h);
         return wide;
     }
-    std::string facingWarning(const Band& band) const override { return thinWarning(band); }
+    Unresolved unresolved(const Band& band) const override {
+        return unresolvedOf(levelSet(band.h, Progress::none()), band);
+    }
     std::string gridName() const override { return levelSet_.psi->getName(); }
     openvdb::math::Transform::ConstPtr gridTransform() const override {
         return levelSet_.psi->transformPtr();
@@ -245,21 +246,8 @@ public:
     SurfaceMesh mesh(double, const Field& field, Progress& progress) const override {
         return refinedMesh(mesh_, field, 1, progress);
     }
-    std::string facingWarning(const Band& band) const override {
-        constexpr double kCutOff = 1e-3;
-        if (band.cutOff > kCutOff)
-            return fmt::format(
-                "{:.2g} % of the surface is thinner than the voxels can show, and no "
-                "path leads there: take smaller voxels",
-                100 * band.cutOff);
-        // Less is next to sharp edges.
-        constexpr double kMuch = 0.02;
-        const double share = facingShare(band);
-        if (share < kMuch) return {};
-        return fmt::format(
-            "sheets face each other within two voxels on {:.0f} % of the surface: distances "
-            "are less accurate there; info says which voxels would tell them apart",
-            100 * share);
+    Unresolved unresolved(const Band& band) const override {
+        return unresolvedOf(*facts.mesh, band);
     }
     const TriangleMesh* triangles() const override { return &mesh_; }
     const std::vector<Vec3d>* vertices() const override {
@@ -413,7 +401,7 @@ void Surface::requireMemory(const BandWidth& width, double limit) const {
         "voxels of " + fmt::format("{:.3g}", 1.1 * factor * transform().dx) +
             " or more would fit; or stay near the seeds with maxDistance, or raise memoryLimit");
 }
-std::string Surface::facingWarning(const Band& band) const { return shape_->facingWarning(band); }
+Unresolved Surface::unresolved(const Band& band) const { return shape_->unresolved(band); }
 
 SurfacePoint Surface::nearest(const Band& band, const Vec3d& pIndex) const {
     return nearestSurfacePoint(band, pIndex);

@@ -12,6 +12,7 @@
 #include <igeo/results/surface_mesh.h>
 #include <igeo/surface/level_set.h>
 #include <igeo/surface/mesh_facts.h>
+#include <igeo/surface/unresolved.h>
 
 #include <memory>
 #include <optional>
@@ -100,11 +101,10 @@ public:
     /// @param limit  bytes
     /// @throws Error  InvalidArgument where estimatedMemory is more
     void requireMemory(const BandWidth& width, double limit) const;
-    /// Sheets that face each other within two voxels (a level set: 1.1), where that makes distances
-    /// unreliable, or parts of a mesh too thin for the voxels: a sentence with their share of the
-    /// surface, or nothing.
+    /// Where the voxels do not show the surface, for unresolvedWarnings; of points nothing.
     /// @param band  of the whole surface
-    std::string facingWarning(const Band& band) const;
+    /// Time O(n), in parallel.
+    Unresolved unresolved(const Band& band) const;
 
     /// The point of the surface nearest to one in index space.
     SurfacePoint nearest(const Band& band, const Vec3d& pIndex) const;

@@ -1,5 +1,6 @@
 // Surfaces that are no level sets: meshes, points, and volumes to be rebuilt.
 #include <support/catch.h>
+#include <support/mesh_shapes.h>
 
 #include <openvdb/tools/ChangeBackground.h>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include "vdb_files.h"
 
 using namespace igeo::test;
+using igeo::Vec3d;
 using nlohmann::json;
 
 namespace {
@@ -123,6 +125,41 @@ TEST_CASE("runs on meshes speak of meshes, whatever they write") {
         }
     const std::string info = desk.run("info thin.obj --resolution 100").out;
     CHECK(info.find("|grad psi|") == std::string::npos);
+}
+
+TEST_CASE("what the voxels do not show is said, by a run, its report and info") {
+    const TempWorkspace desk;
+    const auto said = [&](const std::string& surface, const std::string& seed,
+                          const std::string& warning, const std::string& key) {
+        INFO(surface);
+        const Result run =
+            requireDone(desk, surface + " --seed " + seed + " -o out.vdb --report r.json");
+        CHECK((run.err.find(warning) != std::string::npos) == !key.empty());
+        const json j = report(desk);
+        CHECK(validBySchema(desk, "report.schema.json", "r.json"));
+        const Result info = desk.run("info " + surface.substr(surface.find(' ')) + " --json");
+        writeBytes(desk / "i.json", info.out);
+        CHECK(validBySchema(desk, "info.schema.json", "i.json"));
+        const json of = json::parse(info.out)["surface"]["unresolved"];
+        if (key.empty()) return;
+        CHECK(j["unresolved"][key] != 0);
+        CHECK(of[key] == j["unresolved"][key]);
+        CHECK(info.out.find(warning) != std::string::npos);
+    };
+    // Walls of one and of two voxels.
+    desk.make("thin.vdb", "thin-sheet --param thickness=0.05");
+    said("--sdf thin.vdb", "0,0,0.025", "thinner than 1.1 voxels", "thinShare");
+    desk.make("thick.vdb", "thin-sheet --param thickness=0.1");
+    said("--sdf thick.vdb", "0,0,0.05", "thinner than 1.1 voxels", "");
+    // A plate with a tunnel of 0.4 and of 4 voxels.
+    writeMesh(moved(plateWithTunnel(0.4),
+                    [](const Vec3d& p) {
+                        return Vec3d{0.8 * p.x - 0.6 * p.y + 0.123, 0.6 * p.x + 0.8 * p.y + 0.321,
+                                     p.z + 0.3 * p.x + 0.2 * p.y};
+                    }),
+              desk / "plate.obj");
+    said("--mesh plate.obj --voxel-size 1", "4,3,5", "tunnels or gaps", "eulerDifference");
+    said("--mesh plate.obj --voxel-size 0.1", "4,3,5", "tunnels or gaps", "");
 }
 
 TEST_CASE("pieces of a mesh that do not touch are unreachable, unless gaps are joined") {

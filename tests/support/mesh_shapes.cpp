@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace igeo::test {
 
@@ -73,6 +74,27 @@ TriangleMesh boxMesh(const Vec3d& size) {
                                      Quad{2, 3, 7, 6}, Quad{0, 2, 6, 4}, Quad{1, 5, 7, 3}}) {
         mesh.triangles.push_back({a, b, c});
         mesh.triangles.push_back({a, c, d});
+    }
+    return mesh;
+}
+
+TriangleMesh plateWithTunnel(double width) {
+    TriangleMesh mesh;
+    for (const double z : {-3.0, 3.0})
+        for (const double half : {10.0, width / 2})
+            for (const auto& [x, y] :
+                 {std::pair(-half, -half), {half, -half}, {half, half}, {-half, half}})
+                mesh.points.push_back({x, y, z});
+    const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+        mesh.triangles.push_back({a, b, c});
+        mesh.triangles.push_back({a, c, d});
+    };
+    for (std::uint32_t k = 0; k < 4; ++k) {
+        const std::uint32_t n = (k + 1) % 4;
+        quad(8 + k, 8 + n, 12 + n, 12 + k);  // above
+        quad(n, k, 4 + k, 4 + n);            // below
+        quad(k, n, 8 + n, 8 + k);            // around
+        quad(4 + n, 4 + k, 12 + k, 12 + n);  // inside
     }
     return mesh;
 }

@@ -19,6 +19,9 @@ TriangleMesh sphereMesh(const Vec3d& center, double radius, int rounds);
 /// The box from 0 to `size`, two triangles per face.
 TriangleMesh boxMesh(const Vec3d& size);
 
+/// A plate of 20 x 20 x 6 about the origin with a square tunnel of `width` through its middle.
+TriangleMesh plateWithTunnel(double width);
+
 /// Moebius strip of a turn of `radius`, `width` across, in n pieces.
 TriangleMesh moebius(double radius, double width, std::size_t n);
 

@@ -38,6 +38,17 @@ json triple(const Vec3d& v) { return {v.x, v.y, v.z}; }
 /// JSON has no infinity: what is not known is null.
 json finiteOrNull(double v) { return std::isfinite(v) ? json(v) : json(nullptr); }
 
+json shareOrNull(const std::optional<double>& share) {
+    return share ? json(*share) : json(nullptr);
+}
+
+json unresolvedJson(const Unresolved& u) {
+    return {{"thinShare", shareOrNull(u.thin)},
+            {"closedShare", shareOrNull(u.closed)},
+            {"cutOffShare", shareOrNull(u.cutOff)},
+            {"eulerDifference", u.eulerDifference ? json(*u.eulerDifference) : json(nullptr)}};
+}
+
 json pointJson(const SnappedPoint& p) {
     return {
         {"asked", triple(p.asked)}, {"position", triple(p.position)}, {"snapDistance", p.distance}};
@@ -209,6 +220,8 @@ std::string reportJson(const RunReport& r, const Field& field) {
     j["metric"] = metricJson(r, field);
     j["band"] = {
         {"nodes", band.size()}, {"leaves", band.leaves.size()}, {"bytes", band.memUsage()}};
+    j["unresolved"] = unresolvedJson(r.unresolved);
+    j["unresolved"]["facingShare"] = shareOrNull(r.unresolved.facing);
     j["distance"] = {{"reached", field.reached},
                      {"unreached", band.size() - field.reached},
                      {"max", field.maxDistance * dx},
@@ -317,6 +330,7 @@ json surfaceJson(const FileSurvey& file) {
                       {"percentile95", stats.largestCurvature / dx}};
     j["reach"] = stats.reach < stats.halfWidth ? json(stats.reach * dx) : json(nullptr);
     j["facingShare"] = s.facingShare;
+    j["unresolved"] = unresolvedJson(s.unresolved);
     j["clearance"] = {{"radius95", finiteOrNull(s.medialRadius * dx)},
                       {"facingRadius99", finiteOrNull(s.facingRadius * dx)},
                       {"resolvingVoxelSize", finiteOrNull(s.resolvingSize * dx)}};

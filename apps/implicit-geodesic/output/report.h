@@ -32,6 +32,7 @@ struct RunReport {
     std::vector<igeo::Polyline> walks;  ///< straight on, one per --shoot
     std::vector<igeo::PairDistance> pairs;
     std::optional<igeo::VoronoiCells> cells;
+    igeo::Unresolved unresolved;
     igeo::AccuracyEstimate accuracy;
     std::vector<std::pair<std::string, double>> seconds;       ///< wall time per stage, in order
     std::uint64_t peakMemory = 0;                              ///< bytes

@@ -42,16 +42,6 @@ struct Judgement {
     }
 };
 
-/// Half the way to the nearest sheet that faces core node i, voxels.
-double reachAt(const Band& band, NodeIndex i) {
-    double least = kInfinity;
-    band.forBox(&BandLeaf::band, band.leaf[i], band.offset[i], {}, 2, [&](NodeIndex j, const Ijk&) {
-        if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet)
-            least = std::min(least, length(band.footPoint(j) - band.footPoint(i)) / 2);
-    });
-    return least;
-}
-
 std::vector<Judgement> judgeCore(const LevelSet& levelSet, const Band& band,
                                  const std::vector<NodeIndex>& nodes, double lower,
                                  Progress& progress) {
@@ -264,35 +254,6 @@ void findPieces(const Band& band, const SurfaceMesh& mesh, const std::vector<Nod
 
 }  // namespace
 
-double facingShare(const Band& band) {
-    std::size_t facing = 0;
-    for (NodeIndex i = 0; i < band.size(); ++i)
-        facing += (band.facing[i] & Band::kFacing) && band.inCore(i);
-    return band.coreSize() > 0 ? double(facing) / double(band.coreSize()) : 0;
-}
-
-std::string thinWarning(const Band& band) {
-    // Voxels. No link leads through walls of 1.2, some through those of 1.0: measured.
-    constexpr double kResolved = 1.1;
-    // Less is next to sharp edges.
-    constexpr double kMuch = 0.005;
-    std::atomic<std::size_t> thin{0};
-    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        std::size_t count = 0;
-        for (auto i = NodeIndex(begin); i < end; ++i)
-            count += band.facing[i] & Band::kFacing && band.inCore(i) &&
-                     2 * reachAt(band, i) < kResolved;
-        thin += count;
-    });
-    const double share = double(thin) / double(std::max<std::size_t>(band.coreSize(), 1));
-    if (share < kMuch) return {};
-    return fmt::format(
-        "walls or gaps are thinner than {} voxels on {:.2g} % of the surface: fronts may cross "
-        "them, "
-        "and distances come out too short; smaller voxels tell their sides apart",
-        kResolved, 100 * share);
-}
-
 SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, const SurfaceMesh& mesh,
                      Progress& progress) {
     const LevelSetStats& stats = levelSet.stats;
@@ -405,6 +366,9 @@ FileSurvey surveyFile(const GridSource& source, Progress& progress) {
     file.band = bandFromLevelSet(file.levelSet, bounds.lower, {}, progress);
     file.surface =
         survey(file.levelSet, file.band, surfaceMesh(file.levelSet, file.band, progress), progress);
+    file.surface->unresolved = unresolvedOf(file.levelSet, file.band);
+    for (const std::string& w : unresolvedWarnings(file.surface->unresolved))
+        file.warnings.push_back(w);
     estimate(file, kVolumeCost);
     return file;
 }
@@ -421,6 +385,10 @@ FileSurvey surveyMesh(const TriangleMesh& mesh, const MeshFacts& facts, double d
         [&](double h) { return bandFromMesh(mesh, dx, h, progress); }, progress);
     file.surface =
         survey(file.levelSet, file.band, trianglesOf(mesh, file.band.transform), progress);
+    file.surface->unresolved = unresolvedOf(facts, file.band);
+    file.surface->unresolved.facing.reset();  // facingShare says it
+    for (const std::string& w : unresolvedWarnings(file.surface->unresolved))
+        file.warnings.push_back(w);
     estimate(file, kMeshCost);
     file.surface->seconds += kSecondsPerTriangle * double(mesh.triangles.size());
     return file;

@@ -12,6 +12,7 @@
 #include <igeo/surface/level_set.h>
 #include <igeo/surface/mesh_facts.h>
 #include <igeo/surface/point_surface.h>
+#include <igeo/surface/unresolved.h>
 
 #include <array>
 #include <cstdint>
@@ -49,6 +50,7 @@ struct SurfaceSurvey {
     double area = 0;                           ///< of all
     double largestCurvature = 0;               ///< LevelSetStats has the 95th percentile
     double facingShare = 0;                    ///< of the core: a sheet faces it within two voxels
+    Unresolved unresolved;                     ///< of a level set and a mesh
     BandBounds bounds;                         ///< M&S (14)
     double godunovBand = 0;                    ///< h by default; that of `jet` is bounds.lower
 
@@ -75,15 +77,6 @@ struct RunCost {
 };
 constexpr RunCost kVolumeCost{95, 0.55e-6}, kMeshCost{105, 0.9e-6}, kPointsCost{95, 16e-6};
 constexpr double kProgramBytes = 45e6, kSecondsPerTriangle = 5e-6;
-
-/// The share of the core that a sheet faces within two voxels, so that a front there depends on
-/// Band::linked. Time O(n).
-double facingShare(const Band& band);
-
-/// Where another sheet is within 1.1 voxels on more than 0.5 % of the core, a sentence with the
-/// share: a voxel may hold one of the two sheets only, and fronts may cross. Time O(n), in
-/// parallel.
-std::string thinWarning(const Band& band);
 
 /// Describes a surface, on a grid.
 ///

@@ -9,28 +9,33 @@ namespace igeo {
 
 namespace {
 
-/// Boundary edges are joined around their points from triangle to triangle, so that sheets which
-/// only touch in a point have lines of their own.
-std::size_t countHoles(const TriangleMesh& mesh, const MeshTopology& topology) {
-    if (topology.boundaryEdges == 0) return 0;
-    const auto corner = [](std::size_t t, std::size_t k) { return std::uint32_t(3 * t + k % 3); };
+/// Corners of triangles, joined around their points from triangle to triangle, so that sheets which
+/// only touch in a point keep points of their own.
+DisjointSets fansOf(const TriangleMesh& mesh, const MeshTopology& topology) {
     const auto cornerAt = [&](std::size_t t, std::uint32_t point) {
         const auto& [a, b, c] = mesh.triangles[t];
-        return corner(t, a == point ? 0 : b == point ? 1 : 2);
+        return std::uint32_t(3 * t + (a == point ? 0 : b == point ? 1 : 2));
     };
-    DisjointSets fans(3 * mesh.triangles.size()), holes(3 * mesh.triangles.size());
+    DisjointSets fans(3 * mesh.triangles.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t u = topology.neighbor[t][k];
             if (u >= mesh.triangles.size()) continue;
-            for (const std::size_t end : {k, k + 1})
-                fans.join(corner(t, end), cornerAt(u, mesh.triangles[t][end % 3]));
+            for (const std::size_t end : {k, (k + 1) % 3})
+                fans.join(std::uint32_t(3 * t + end), cornerAt(u, mesh.triangles[t][end]));
         }
+    return fans;
+}
+
+std::size_t countHoles(const TriangleMesh& mesh, const MeshTopology& topology, DisjointSets& fans) {
+    if (topology.boundaryEdges == 0) return 0;
+    DisjointSets holes(3 * mesh.triangles.size());
     std::vector<bool> atBoundary(3 * mesh.triangles.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
             if (topology.neighbor[t][k] != MeshTopology::kNone) continue;
-            const std::uint32_t from = fans.first(corner(t, k)), to = fans.first(corner(t, k + 1));
+            const std::uint32_t from = fans.first(std::uint32_t(3 * t + k)),
+                                to = fans.first(std::uint32_t(3 * t + (k + 1) % 3));
             holes.join(from, to);
             atBoundary[from] = true;
         }
@@ -38,6 +43,13 @@ std::size_t countHoles(const TriangleMesh& mesh, const MeshTopology& topology) {
     for (std::uint32_t c = 0; c < atBoundary.size(); ++c)
         count += atBoundary[c] && holes.first(c) == c;
     return count;
+}
+
+/// Of a closed mesh: points - edges + triangles.
+int eulerOf(const TriangleMesh& mesh, DisjointSets& fans) {
+    int points = 0;
+    for (std::uint32_t c = 0; c < 3 * mesh.triangles.size(); ++c) points += fans.first(c) == c;
+    return points - int(mesh.triangles.size() / 2);
 }
 
 std::string counted(std::size_t n, const char* one) {
@@ -58,9 +70,11 @@ MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress) {
     facts.boundaryEdges = topology.boundaryEdges;
     facts.nonManifoldEdges = topology.nonManifoldEdges;
     facts.nonOrientable = topology.nonOrientable;
-    facts.holes = countHoles(mesh, topology);
+    DisjointSets fans = fansOf(mesh, topology);
+    facts.holes = countHoles(mesh, topology, fans);
     facts.crossingPairs = crossingPairs(mesh, kContact * length(Box(mesh.points).size()), progress);
     facts.closed = topology.closed();
+    if (facts.closed) facts.euler = eulerOf(mesh, fans);
     return facts;
 }
 

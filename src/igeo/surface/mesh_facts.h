@@ -18,6 +18,7 @@ struct MeshFacts {
     std::size_t holes = 0;          ///< closed lines of boundary edges
     std::size_t crossingPairs = 0;  ///< of triangles that cross, or overlap in one plane
     bool closed = false;            ///< every edge has two triangles
+    int euler = 0;                  ///< of a closed mesh: points - edges + triangles
 };
 
 /// Crossings of less than 1e-6 of the bounding box's diagonal, as far as weld() joins points, are

@@ -1,0 +1,242 @@
+#include <igeo/surface/unresolved.h>
+
+#include <fmt/core.h>
+#include <igeo/base/parallel.h>
+#include <igeo/surface/detail/leaf_block.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+
+namespace igeo {
+
+namespace {
+
+/// Voxels. No link leads through walls of 1.2, some through those of 1.0: measured.
+constexpr double kResolved = 1.1;
+/// Cosine of normals across a wall; at sharp edges they are further from opposite.
+constexpr float kParallel = -0.7f;
+/// Voxels. Values that OpenVDB lowers beside bends contradict others by up to 0.35.
+constexpr float kContradiction = 0.4f;
+/// Steps from such a place at which S is next to it.
+constexpr int kBeside = 2;
+
+/// Balls about the neighbors of a voxel in which S is not.
+class EmptyBalls {
+public:
+    EmptyBalls(const LeafBlock& psi, int x, int y, int z) {
+        for (int dx = -1; dx <= 1; ++dx)
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dz = -1; dz <= 1; ++dz) {
+                    const double value = psi.at(x + dx, y + dy, z + dz);
+                    if ((dx | dy | dz) && !std::isnan(value))
+                        ball_[count_++] = {Vec3f(Ijk{dx, dy, dz}), float(std::abs(value))};
+                }
+    }
+    struct Ball {
+        Vec3f center;  ///< relative to the voxel
+        float radius;
+    };
+    /// The ball that a point is deepest inside of, or nearest to.
+    struct Deepest {
+        Ball ball{};
+        float depth = -float(kInfinity);
+    };
+    Deepest at(const Vec3f& p) const {
+        Deepest deepest;
+        for (std::size_t k = 0; k < count_; ++k)
+            if (const float depth = ball_[k].radius - length(p - ball_[k].center);
+                depth > deepest.depth)
+                deepest = {ball_[k], depth};
+        return deepest;
+    }
+    /// The least depth at points at a distance from the voxel, found by steps out of the deepest
+    /// ball.
+    float leastDepth(Vec3f direction, float distance) const {
+        constexpr int kSteps = 10;
+        float least = float(kInfinity);
+        for (int k = 0; k < kSteps; ++k) {
+            const Vec3f p = distance * direction;
+            const Deepest deepest = at(p);
+            least = std::min(least, deepest.depth);
+            if (least < kContradiction) break;
+            const Vec3f out = normalized(p - deepest.ball.center);
+            direction = normalized(p + (deepest.depth / 2) * out);
+        }
+        return least;
+    }
+
+private:
+    std::array<Ball, 26> ball_;
+    std::size_t count_ = 0;
+};
+
+}  // namespace
+
+double facingShare(const Band& band) {
+    std::size_t facing = 0;
+    for (NodeIndex i = 0; i < band.size(); ++i)
+        facing += (band.facing[i] & Band::kFacing) && band.inCore(i);
+    return band.coreSize() > 0 ? double(facing) / double(band.coreSize()) : 0;
+}
+
+double reachAt(const Band& band, NodeIndex i, float cosine) {
+    double least = kInfinity;
+    band.forBox(&BandLeaf::band, band.leaf[i], band.offset[i], {}, 2, [&](NodeIndex j, const Ijk&) {
+        if (dot(band.normal[i], band.normal[j]) < cosine)
+            least = std::min(least, length(band.footPoint(j) - band.footPoint(i)) / 2);
+    });
+    return least;
+}
+
+namespace {
+
+/// Whether psi at a voxel is a distance to no surface.
+/// @param foot  the foot point that differences of psi show
+bool contradictsItself(const LeafBlock& psi, int x, int y, int z, const Vec3f& foot) {
+    // Nearer voxels have a foot point in any direction.
+    constexpr float kLeast = 0.25f;
+    const float distance = float(std::abs(psi.at(x, y, z)));
+    if (distance < kLeast || PsiDifferences(psi, x, y, z).smooth()) return false;
+    const EmptyBalls balls(psi, x, y, z);
+    if (balls.leastDepth(normalized(foot), distance) < kContradiction) return false;
+    for (int dx = -1; dx <= 1; ++dx)
+        for (int dy = -1; dy <= 1; ++dy)
+            for (int dz = -1; dz <= 1; ++dz)
+                if ((dx | dy | dz) &&
+                    balls.leastDepth(normalized(Vec3f(Ijk{dx, dy, dz})), distance) < kContradiction)
+                    return false;
+    return true;
+}
+
+double shareOf(const Band& band, const std::vector<std::uint8_t>& marked) {
+    const auto count = std::count(marked.begin(), marked.end(), std::uint8_t(1));
+    return double(count) / double(std::max<std::size_t>(band.coreSize(), 1));
+}
+
+}  // namespace
+
+Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
+    std::vector<std::uint8_t> thin(band.size()), closed(band.coreSize());
+    parallelFor(band.leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
+        LeafBlock block;
+        const LeafBlock::Accessor psi(levelSet.psi->constTree());
+        for (std::size_t l = begin; l < end; ++l) {
+            const BandLeaf& leaf = band.leaves[l];
+            const Ijk& origin = leaf.origin;
+            block.gather(psi, openvdb::Coord(origin.x, origin.y, origin.z), band.transform.dx);
+            for (NodeIndex i = leaf.band.firstNode; i < leaf.band.firstNode + leaf.band.count;
+                 ++i) {
+                const unsigned at = band.offset[i];
+                thin[i] = band.facing[i] & Band::kFacing && leaf.core.node(at) != kNoNode &&
+                          2 * reachAt(band, i, kParallel) < kResolved;
+                if (contradictsItself(block, int(at >> 6), int(at >> 3 & 7), int(at & 7),
+                                      band.foot[i]))
+                    band.forBox(
+                        &BandLeaf::core, LeafIndex(l), at, {}, kBeside,
+                        [&](NodeIndex core, const Ijk&) {
+                            std::atomic_ref(closed[core]).store(1, std::memory_order_relaxed);
+                        });
+            }
+        }
+    });
+    Unresolved unresolved;
+    unresolved.thin = shareOf(band, thin);
+    unresolved.closed = shareOf(band, closed);
+    return unresolved;
+}
+
+namespace {
+
+/// Eight times the part of the Euler characteristic of a union of voxels that belongs to the corner
+/// of eight voxels, by which of them are in it: a corner belongs to one, an edge to two, a face to
+/// four and a voxel to eight such corners.
+std::array<int, 256> eulerTable() {
+    std::array<int, 256> table{};
+    for (unsigned in = 0; in < 256; ++in) {
+        int edges = 0, faces = 0;
+        for (unsigned axis = 1; axis <= 4; axis *= 2)
+            for (unsigned k = 0; k < 8; ++k) {
+                if (k & axis) continue;
+                faces += (in >> k & 1) || (in >> (k | axis) & 1);
+            }
+        for (unsigned axis = 1; axis <= 4; axis *= 2)
+            for (const unsigned side : {0u, axis}) {
+                bool any = false;
+                for (unsigned k = 0; k < 8; ++k) any |= (k & axis) == side && (in >> k & 1);
+                edges += any;
+            }
+        const int voxels = std::popcount(in);
+        table[in] = in == 0 ? 0 : 8 - 4 * edges + 2 * faces - voxels;
+    }
+    return table;
+}
+
+}  // namespace
+
+int eulerOnVoxels(const Band& band) {
+    static const std::array<int, 256> table = eulerTable();
+    std::atomic<std::int64_t> sum{0};
+    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        std::int64_t part = 0;
+        for (auto i = NodeIndex(begin); i < end; ++i) {
+            unsigned in = 0, count = 0;
+            band.forCorners(&BandLeaf::band, band.leaf[i], band.offset[i], {},
+                            [&](NodeIndex j, unsigned k) {
+                                ++count;
+                                in |= unsigned(band.psi[j] < 0) << k;
+                            });
+            // Corners between both signs are next to S, so that all eight are there.
+            if (count == 8) part += table[in];
+        }
+        sum += part;
+    });
+    // That of a surface is twice that of what it bounds.
+    return int(sum / 4);
+}
+
+Unresolved unresolvedOf(const MeshFacts& facts, const Band& band) {
+    Unresolved unresolved;
+    unresolved.facing = facingShare(band);
+    unresolved.cutOff = band.cutOff;
+    if (facts.closed && facts.crossingPairs == 0)
+        unresolved.eulerDifference = eulerOnVoxels(band) - facts.euler;
+    return unresolved;
+}
+
+std::vector<std::string> unresolvedWarnings(const Unresolved& unresolved) {
+    // Less is next to sharp edges, and where a conversion has rounded bends off.
+    constexpr double kClosed = 0.001, kThin = 0.005, kCutOff = 0.001, kFacing = 0.02;
+    std::vector<std::string> warnings;
+    auto warn = [&](const std::optional<double>& share, double much, const char* sentence) {
+        if (!share || *share < much) return false;
+        warnings.push_back(fmt::format(fmt::runtime(sentence), 100 * *share));
+        return true;
+    };
+    warn(unresolved.closed, kClosed,
+         "psi contradicts itself next to {:.2g} % of the surface: folds or gaps of up to two "
+         "voxels were closed when the level set was made, and distances across them come out too "
+         "short; smaller voxels, or the mesh itself, keep them open");
+    warn(unresolved.thin, kThin,
+         "walls or gaps are thinner than 1.1 voxels on {:.2g} % of the surface: fronts may cross "
+         "them, and distances come out too short; smaller voxels tell their sides apart");
+    if (!warn(unresolved.cutOff, kCutOff,
+              "{:.2g} % of the surface is thinner than the voxels can show, and no path leads "
+              "there: take smaller voxels"))
+        warn(unresolved.facing, kFacing,
+             "sheets face each other within two voxels on {:.0f} % of the surface: distances are "
+             "less accurate there; info says which voxels would tell them apart");
+    if (const int difference = unresolved.eulerDifference.value_or(0))
+        warnings.push_back(fmt::format(
+            "the voxels show tunnels or gaps otherwise than the mesh has them (Euler "
+            "characteristic "
+            "off by {}): they are about as narrow as voxels, and distances through them are off by "
+            "parts of a voxel; take smaller voxels",
+            std::abs(difference)));
+    return warnings;
+}
+
+}  // namespace igeo

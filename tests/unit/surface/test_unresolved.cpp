@@ -1,0 +1,142 @@
+// What the voxels do not show: said with its share, and not where they do.
+#include <igeo/surface/level_set_band.h>
+#include <igeo/surface/mesh_band.h>
+#include <igeo/surface/unresolved.h>
+#include <openvdb/tools/MeshToVolume.h>
+#include <support/catch.h>
+#include <support/errors.h>
+#include <support/mesh_shapes.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+
+#include <cmath>
+
+namespace igeo::test {
+namespace {
+
+const openvdb::Vec3d kCenter(0.137, -0.291, 0.413);
+
+Unresolved unresolved(const openvdb::FloatGrid::Ptr& grid) {
+    const LevelSet levelSet = checkedLevelSet(grid);
+    return unresolvedOf(levelSet, bandFromLevelSet(levelSet, std::sqrt(3.0)));
+}
+
+bool warns(const Unresolved& of, const std::string& word) {
+    for (const std::string& w : unresolvedWarnings(of))
+        if (w.find(word) != std::string::npos) return true;
+    return false;
+}
+
+/// Turned about two axes, and moved off the lattice.
+TriangleMesh turned(TriangleMesh mesh) {
+    const auto transform = rotatedTransform(1, {1, 2, 3}, 40, {0.1, 0.2, 0.3});
+    return moved(std::move(mesh), [&](const Vec3d& p) {
+        const openvdb::Vec3d q = transform->indexToWorld(openvdb::Vec3d(p.x, p.y, p.z));
+        return Vec3d{q.x(), q.y(), q.z()};
+    });
+}
+
+/// As OpenVDB converts a mesh, voxels of 1.
+openvdb::FloatGrid::Ptr converted(const TriangleMesh& mesh) {
+    std::vector<openvdb::Vec3s> points;
+    std::vector<openvdb::Vec3I> triangles;
+    for (const Vec3d& p : mesh.points) points.emplace_back(p.x, p.y, p.z);
+    for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+    return openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(
+        *openvdb::math::Transform::createLinearTransform(1), points, triangles);
+}
+
+//// Two blocks side by side, a gap between them.
+TriangleMesh blocks(double gap) {
+    const TriangleMesh block = boxMesh({16, 24, 20});
+    return turned(together(block, moved(block, [&](const Vec3d& p) {
+                               return p + Vec3d{16 + gap, 0, 0};
+                           })));
+}
+
+Unresolved onVoxels(const TriangleMesh& mesh, double dx) {
+    return unresolvedOf(meshFacts(mesh), bandFromMesh(mesh, dx, std::sqrt(3.0)));
+}
+
+}  // namespace
+
+TEST_CASE("unresolved: nothing of smooth and creased shapes") {
+    for (const Shape& shape :
+         {sphere(kCenter, 0.5), torus(kCenter, 1, 0.4), box(kCenter, {0.9, 0.7, 0.5}),
+          roundedBox(kCenter, {0.9, 0.7, 0.5}, 0.2), cylinder(kCenter, 0.5, 0.8),
+          trefoilTube(kCenter, 0.3, 0.12), frustum(kCenter, 0.5, 0.2, 0.5)}) {
+        INFO(shape.name);
+        const Unresolved u =
+            unresolved(makeLevelSet(shape, *rotatedTransform(0.05, {1, 2, 3}, 40, {5, 6, 7}), 3));
+        CHECK(*u.closed == 0);
+        CHECK(*u.thin == 0);
+        CHECK(unresolvedWarnings(u).empty());
+    }
+}
+
+TEST_CASE("unresolved: gaps that a conversion closed, by psi alone") {
+    for (const double gap : {0.3, 0.9, 1.5}) {
+        INFO("gap of " << gap);
+        const Unresolved u = unresolved(converted(blocks(gap)));
+        std::printf("gap of %.1f voxels: psi contradicts itself next to %.3g %%\n", gap,
+                    100 * *u.closed);
+        CHECK(*u.closed > 0.01);
+        CHECK(warns(u, "closed when the level set was made"));
+    }
+    for (const double gap : {3.0, 4.0}) {
+        INFO("gap of " << gap);
+        const Unresolved u = unresolved(converted(blocks(gap)));
+        CHECK(*u.closed == 0);
+        CHECK(unresolvedWarnings(u).empty());
+    }
+}
+
+TEST_CASE("unresolved: walls of about a voxel") {
+    for (const double voxels : {0.9, 1.0}) {
+        INFO("wall of " << voxels);
+        const Unresolved u =
+            unresolved(makeLevelSet(thinSheet(kCenter, 0.8, 0.6, 0.05 * voxels), 0.05, 3));
+        CHECK(*u.thin > 0.9);
+        CHECK(warns(u, "thinner than 1.1 voxels"));
+    }
+    for (const double voxels : {1.3, 2.0}) {
+        INFO("wall of " << voxels);
+        const Unresolved u =
+            unresolved(makeLevelSet(thinSheet(kCenter, 0.8, 0.6, 0.05 * voxels), 0.05, 3));
+        CHECK(*u.thin < 0.005);
+        CHECK_FALSE(warns(u, "thinner than"));
+    }
+}
+
+TEST_CASE("unresolved: the Euler characteristic on the voxels is that of the mesh, or is told") {
+    const auto ring = [](double u, double v) {
+        const double a = 2 * M_PI * u, b = 2 * M_PI * v, r = 10 + 4 * std::cos(b);
+        return Vec3d{r * std::cos(a), r * std::sin(a), 4 * std::sin(b)};
+    };
+    TriangleMesh torusMesh = sheet(80, 40, ring);
+    weld(torusMesh);
+    CHECK(meshFacts(torusMesh).euler == 0);
+    CHECK(*onVoxels(torusMesh, 1).eulerDifference == 0);
+
+    const TriangleMesh two = together(sphereMesh({0, 0, 0}, 6, 3), sphereMesh({14, 0, 0}, 6, 3));
+    CHECK(meshFacts(two).euler == 4);
+    CHECK(*onVoxels(two, 1).eulerDifference == 0);
+
+    CHECK(meshFacts(turned(plateWithTunnel(3))).euler == 0);
+    for (const double width : {2.5, 4.0})
+        CHECK(*onVoxels(turned(plateWithTunnel(width)), 1).eulerDifference == 0);
+    for (const double width : {0.2, 0.4}) {
+        const Unresolved u = onVoxels(turned(plateWithTunnel(width)), 1);
+        CHECK(*u.eulerDifference != 0);
+        CHECK(warns(u, "tunnels or gaps"));
+    }
+    // What has no inside has none.
+    CHECK_FALSE(onVoxels(sheet(8, 8,
+                               [](double u, double v) {
+                                   return Vec3d{16 * u, 16 * v, 0};
+                               }),
+                         1)
+                    .eulerDifference);
+}
+
+}  // namespace igeo::test
