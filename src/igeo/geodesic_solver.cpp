@@ -7,6 +7,7 @@
 #include <igeo/march/jet.h>
 #include <igeo/march/local_search.h>
 #include <igeo/march/signed_field.h>
+#include <igeo/path/curve_normals.h>
 #include <igeo/path/exponential_map.h>
 #include <igeo/results/farthest_points.h>
 
@@ -365,30 +366,6 @@ Distance GeodesicSolver::distance(const Seeds& seeds, const MarchLimits& limits,
     return Query(*setup_, seeds, limits, progress).solve(setup_->surface);
 }
 
-std::vector<PairDistance> GeodesicSolver::pairs(const std::vector<Vec3d>& sources,
-                                                const std::vector<Vec3d>& targets,
-                                                Progress& progress) const {
-    const Setup& s = *setup_;
-    PairSurface surface;
-    surface.band = [&](const std::vector<Ball>& region, Progress& p) {
-        return region.empty() ? s.wholeBand(p) : s.surface.band(s.width, region, p);
-    };
-    surface.metric = [&](const Band& b, Progress& p) { return metricOn(s.options.metric, b, p); };
-    surface.nearest = [&](const Band& b, const Vec3d& p) { return s.surface.nearest(b, p); };
-    surface.leastWeight = s.needsWholeSurface ? 0 : s.leastWeight;
-    surface.diagonal = s.surface.facts().diagonal;
-    auto inIndexSpace = [&](std::vector<Vec3d> points) {
-        for (Vec3d& p : points) p = s.indexOf(p);
-        return points;
-    };
-    std::vector<PairDistance> pairs;
-    for (const SolvedPair& pair : pairDistances(surface, inIndexSpace(sources),
-                                                inIndexSpace(targets), s.snapVoxels(), progress))
-        pairs.push_back({inWorld(pair.source, s.transform()), inWorld(pair.target, s.transform()),
-                         pair.distance * s.transform().dx});
-    return pairs;
-}
-
 Polyline GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double distance,
                                Progress& progress) const {
     constexpr double kBeyond = 8;  // voxels that a step and its cells look at
@@ -410,7 +387,9 @@ Polyline GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double
     if (band->size() == 0) band = s.wholeBand(progress);
     const SurfacePoint p = s.surface.nearest(*band, start);
     s.requireNear(p, from, "the start");
-    return inWorld(igeo::shoot(*band, p, along, voxels, progress), s.transform());
+    Path path = igeo::shoot(*band, p, along, voxels, progress);
+    addNormals(*band, path);
+    return inWorld(path, s.transform());
 }
 
 Distance GeodesicSolver::unreached(bool whole, Progress& progress) const {

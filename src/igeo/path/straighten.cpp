@@ -256,11 +256,10 @@ bool Relaxation::shorten() {
     return cost_ < before;
 }
 
-Curve relaxed(const Field& field, const Path& path, Progress& progress) {
-    constexpr int kRounds = 40;
+Curve relaxed(const Field& field, const Path& path, int rounds, Progress& progress) {
     constexpr double kSettled = 1e-7;
     Relaxation curve(*field.band, *field.metric, path);
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < rounds; ++round) {
         progress.throwIfCancelled();
         const double before = curve.cost();
         if (!curve.shorten() || before - curve.cost() < kSettled * before) break;
@@ -268,20 +267,63 @@ Curve relaxed(const Field& field, const Path& path, Progress& progress) {
     return curve.curve();
 }
 
-}  // namespace
+/// How far a curve may have to be moved.
+enum class Reach { Near, Whole };
 
-void straighten(const Field& field, Path& path, Progress& progress) {
-    if (path.status != PathStatus::Reached || path.vertices.size() < 3) return;
+/// A path made shorter with its ends fixed, and measured.
+/// @param lengths  per vertex: the weighted length up to it
+Path shortened(const Field& field, const Path& path, Reach reach, Progress& progress,
+               std::vector<double>& lengths) {
+    constexpr int kRounds = 40, kManyRounds = 4000;
+    const bool whole = reach == Reach::Whole;
     const SurfaceTriangles* const triangles = field.band->triangles.get();
     // Over triangles that cost the same everywhere the shortest curve is known exactly.
     const bool exact = triangles && !field.metric->weighted() && !field.metric->obstacles;
     Path shorter = path;
     shorter.vertices.clear();
-    for (const Vec3d& p :
-         exact ? shortestOnTriangles(*triangles, path, progress) : relaxed(field, path, progress))
+    for (const Vec3d& p : exact ? shortestOnTriangles(*triangles, path, progress, whole)
+                                : relaxed(field, path, whole ? kManyRounds : kRounds, progress))
         shorter.vertices.push_back({p, 0, 0});
     if (triangles && !exact) layOnTriangles(field, shorter);
-    const std::vector<double> lengths = measure(field, shorter);
+    lengths = measure(field, shorter);
+    return shorter;
+}
+
+/// A closed path that begins at its middle.
+void turnToMiddle(Path& path) {
+    auto& v = path.vertices;
+    v.pop_back();
+    std::rotate(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
+    v.push_back(v.front());
+}
+
+}  // namespace
+
+bool straightenWhole(const Field& field, Path& path, bool closed, Progress& progress) {
+    constexpr int kMostTurns = 400;
+    constexpr double kPoint = 2;  // voxels
+    const double kSettled = field.band->triangles ? 1e-12 : 1e-7;
+    std::vector<double> lengths;
+    double before = kInfinity;
+    for (int turn = 0, settled = 0; turn < kMostTurns && settled < 2; ++turn) {
+        path = shortened(field, path, Reach::Whole, progress, lengths);
+        if (closed && path.length < kPoint) return false;
+        // Once for each of the two places at which a closed curve begins.
+        settled = before - path.weightedLength < kSettled * before ? settled + 1 : 0;
+        before = path.weightedLength;
+        if (!closed) break;
+        turnToMiddle(path);
+    }
+    if (closed) lengths = measure(field, path);
+    path.distance = 0;
+    for (std::size_t k = 0; k < lengths.size(); ++k) path.vertices[k].distance = lengths[k];
+    return true;
+}
+
+void straighten(const Field& field, Path& path, Progress& progress) {
+    if (path.status != PathStatus::Reached || path.vertices.size() < 3) return;
+    std::vector<double> lengths;
+    Path shorter = shortened(field, path, Reach::Near, progress, lengths);
     if (shorter.weightedLength >= path.weightedLength) return;
     path = std::move(shorter);
     const double start = field.seeds[path.seed].start;
