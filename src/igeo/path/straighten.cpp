@@ -289,6 +289,22 @@ Path shortened(const Field& field, const Path& path, Reach reach, Progress& prog
     return shorter;
 }
 
+/// A path without the vertices at which it turns by more than a right angle: where it comes back
+/// along itself Newton's equation has no sideways direction.
+void cutNeedles(Path& path) {
+    constexpr double kRightAngle = 0.7;  // chord over both sides
+    std::vector<PathVertex> kept;
+    for (const PathVertex& v : path.vertices) {
+        while (kept.size() > 1) {
+            const Vec3d &a = kept[kept.size() - 2].pIndex, &b = kept.back().pIndex;
+            if (length(v.pIndex - a) >= kRightAngle * (length(b - a) + length(v.pIndex - b))) break;
+            kept.pop_back();
+        }
+        kept.push_back(v);
+    }
+    path.vertices = std::move(kept);
+}
+
 /// A closed path that begins at its middle.
 void turnToMiddle(Path& path) {
     auto& v = path.vertices;
@@ -306,6 +322,7 @@ bool straightenWhole(const Field& field, Path& path, bool closed, Progress& prog
     std::vector<double> lengths;
     double before = kInfinity;
     for (int turn = 0, settled = 0; turn < kMostTurns && settled < 2; ++turn) {
+        if (!field.band->triangles && !field.metric->obstacles) cutNeedles(path);
         path = shortened(field, path, Reach::Whole, progress, lengths);
         if (closed && path.length < kPoint) return false;
         // Once for each of the two places at which a closed curve begins.

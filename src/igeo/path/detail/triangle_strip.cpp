@@ -218,7 +218,9 @@ void FlatStrip::pullTight() {
             const Flat p = portals_[i].at[side], own = at(border[side]),
                        other = at(border[1 - side]);
             if (sign * leftOf(apex, own, p) > 0) continue;  // wider
-            if (p == apex || p == other || other == apex || sign * leftOf(apex, other, p) > 0) {
+            // A start on an edge sees both ends in one line: rounding must not tell them apart.
+            if (p == own || p == apex || p == other || other == apex ||
+                sign * leftOf(apex, other, p) >= 0) {
                 border[side] = {i, side};
                 continue;
             }
