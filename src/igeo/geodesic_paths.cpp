@@ -2,6 +2,7 @@
 #include <igeo/geodesic_solver.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/path/curve_normals.h>
 #include <igeo/path/straighten.h>
@@ -136,7 +137,8 @@ Polyline GeodesicSolver::through(const std::vector<Vec3d>& points, bool closed, 
     PairSurface surface = pairSurface(*this);
     surface.paths = PairSurface::Paths::Straightened;
     surface.nameOf = [&points](std::size_t leg, bool target) {
-        return "point " + std::to_string((leg + target) % points.size());
+        const std::size_t k = (leg + target) % points.size();
+        return fmt::format("point {} ({})", k, textOf(points[k], 9));
     };
     const std::vector<SolvedPair> legs = solve(*this, surface, from, to, progress);
     std::vector<std::size_t> corners;

@@ -177,6 +177,32 @@ TEST_CASE("through: on a turned and scaled sphere and torus, as level sets") {
     CHECK(neck.length == Approx(2 * kPi * 0.6).epsilon(2e-3));
 }
 
+TEST_CASE("pairs and through: with a weight that the whole surface says, and around an obstacle") {
+    const auto grid = makeLevelSet(sphere({0, 0, 0}, 1), 0.05, 3);
+    const Surface ball(*grid);
+    SolverOptions options;
+    options.metric.curvature = CurvatureWeight{};
+    const GeodesicSolver weighted(ball, options);
+    const std::vector<Vec3d> points{{1, 0, 0}, {0, 0.8, 0.6}, {-0.6, 0.8, 0}};
+    const auto pairs = weighted.pairPaths({points[0]}, {points[1]}, true);
+    requireSound(pairs[0].path);
+    CHECK(pairs[0].path.weightedLength == Approx(pairs[0].distance).epsilon(0.01));
+    const Polyline whole = weighted.through(points, false, true);
+    requireSound(whole);
+    CHECK(whole.weightedLength <= weighted.through(points).weightedLength);
+
+    // On the great circle between the ends.
+    auto rock = std::make_shared<ObstacleSet>(ball.transform());
+    rock->addSphere({0, 1, 0}, 0.4);
+    options.metric = {};
+    options.metric.obstacles = rock;
+    const Polyline around = GeodesicSolver(ball, options)
+                                .through({{1, 0, 0}, {0, 0.6, 0.8}, {-0.6, 0.8, 0}}, false, true);
+    requireSound(around);
+    CHECK(around.length > std::acos(-0.6) + 0.01);
+    for (const Vec3d& p : around.points) CHECK(length(p - Vec3d{0, 1, 0}) > 0.38);
+}
+
 TEST_CASE("through: what cannot be one is refused") {
     const GeodesicSolver solver = onBox();
     using Kind = Error::Kind;
@@ -227,7 +253,6 @@ TEST_CASE("moveAlongNormals: above a sphere, and inside") {
     const auto grid = makeLevelSet(sphere({0, 0, 0}, 1), 0.05, 3);
     const GeodesicSolver solver{Surface(*grid)};
     const Polyline walk = solver.shoot({1, 0, 0}, {0, 1, 0.3}, 3);
-    requireSound(walk);
     for (const double by : {0.2, -0.3}) {
         Polyline moved = walk;
         moveAlongNormals(moved, by);

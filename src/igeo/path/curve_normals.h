@@ -10,7 +10,7 @@ namespace igeo {
 ///
 /// On a mesh that of the triangle there; on an edge the mean of both sides, at a vertex the mean of
 /// the triangles around it, weighted by their angles. Elsewhere the gradient of the surface that
-/// foot points and normals of the nodes around show: third order between them, where the gradient
+/// foot points and normals of the nodes around show: second order, where the gradient
 /// of the trilinear interpolant of psi is of first.
 /// @param sheetNormal  normal of the sheet that is meant, where it is known; what is left where
 ///                     there is no surface near

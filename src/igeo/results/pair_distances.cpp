@@ -127,6 +127,7 @@ Path PairSolver::pathTo(const Field& field, const SurfacePoint& target) {
 }
 
 bool PairSolver::solveAround(const Group& group) {
+    if (!(surface_.leastWeight > 0)) return false;
     double reach = 16;
     for (const std::size_t k : group) reach = std::max(reach, 1.5 * straight(k));
     const double least = surface_.leastWeight;
