@@ -94,7 +94,8 @@ void relaxWhole(const PairSurface& surface, bool closed, Path& path, Progress& p
     Field field;
     field.band = band.get();
     if (MetricPtr metric = surface.metric(*band, progress)) field.metric = metric;
-    if (straightenWhole(field, path, closed, progress)) return addNormals(*band, path);
+    const Vec3d sheet = path.vertices.front().normal;
+    if (straightenWhole(field, path, closed, progress)) return addNormals(*band, path, sheet);
     path.status = PathStatus::Stalled;
     path.vertices.clear();
 }

@@ -270,7 +270,7 @@ TEST_CASE("through and pairPaths: the same bits for any number of threads") {
         found.push_back(solver.through({{1.4, 0, 0}, {0, 1.4, 0}, {-1.4, 0, 0}}, false, true));
         found.push_back(solver.pairPaths({{1.4, 0, 0}}, {{0, -1, 0.4}})[0].path);
     }
-    for (const std::size_t k : {0, 1}) {
+    for (std::size_t k = 0; k < 2; ++k) {
         CHECK((found[k].points == found[k + 2].points));
         CHECK((found[k].normals == found[k + 2].normals));
     }

@@ -85,8 +85,10 @@ Vec3d normalAt(const Band& band, const Vec3d& p, const Vec3d& sheetNormal) {
     return n != Vec3d{} ? n : sheetNormal;
 }
 
-void addNormals(const Band& band, Path& path) {
-    Vec3d sheet = path.target.node != kNoNode ? Vec3d(band.normal[path.target.node]) : Vec3d{};
+void addNormals(const Band& band, Path& path, const Vec3d& sheetNormal) {
+    Vec3d sheet = sheetNormal;
+    if (sheet == Vec3d{} && path.target.node != kNoNode)
+        sheet = Vec3d(band.normal[path.target.node]);
     for (PathVertex& v : path.vertices) v.normal = sheet = normalAt(band, v.pIndex, sheet);
 }
 

@@ -17,7 +17,8 @@ namespace igeo {
 Vec3d normalAt(const Band& band, const Vec3d& pIndex, const Vec3d& sheetNormal = {});
 
 /// Sets PathVertex::normal, each by the sheet of the vertex before.
+/// @param sheetNormal  of the first; none: of the target's node
 /// Time O(vertices), on a mesh times the logarithm of its triangles.
-void addNormals(const Band& band, Path& path);
+void addNormals(const Band& band, Path& path, const Vec3d& sheetNormal = {});
 
 }  // namespace igeo
