@@ -1,10 +1,11 @@
-// GeodesicSolver: pairs of points, curves through points, and their vertices.
+// GeodesicSolver: pairs of points, curves through points, walks, and their vertices.
 #include <igeo/geodesic_solver.h>
 
 #include <fmt/core.h>
-#include <igeo/base/detail/text.h>
+#include <igeo/band/detail/snap.h>
 #include <igeo/base/error.h>
 #include <igeo/path/curve_normals.h>
+#include <igeo/path/exponential_map.h>
 #include <igeo/path/straighten.h>
 
 #include <algorithm>
@@ -27,6 +28,11 @@ PairSurface pairSurface(const GeodesicSolver& solver) {
     surface.metric = [&metric](const Band& b, Progress& p) { return metricOn(metric, b, p); };
     surface.nearest = [&solver](const Band& b, const Vec3d& p) {
         return solver.surface().nearest(b, p);
+    };
+    surface.refuse = [&solver](const Vec3d& askedIndex, const std::string& what) {
+        const bool index = solver.options().rules.space == Space::Index;
+        solver.requireNear(
+            index ? askedIndex : solver.surface().transform().worldFromIndex(askedIndex), what);
     };
     surface.leastWeight = needsWholeSurface(metric) ? 0 : leastWeight(metric);
     surface.diagonal = solver.surface().facts().diagonal;
@@ -100,12 +106,24 @@ void relaxWhole(const PairSurface& surface, bool closed, Path& path, Progress& p
     path.vertices.clear();
 }
 
+Vec3d indexDirection(const Similarity& t, const Vec3d& v) {
+    return {dot(t.axis[0], v), dot(t.axis[1], v), dot(t.axis[2], v)};
+}
+
 /// Unit normal of a band's surface at a point of it, world space.
 /// @param about  a normal not far from it
 Vec3d normalOn(const Band& band, const Vec3d& p, const Vec3d& about) {
     const Similarity& t = band.transform;
-    const Vec3d sheet{dot(t.axis[0], about), dot(t.axis[1], about), dot(t.axis[2], about)};
-    return t.worldFromIndexDirection(normalAt(band, t.indexFromWorld(p), sheet));
+    return t.worldFromIndexDirection(normalAt(band, t.indexFromWorld(p), indexDirection(t, about)));
+}
+
+/// Unit: what is given may be of any length. Zero where it has none.
+Vec3d indexDirection(const GeodesicSolver& solver, const Vec3d& v) {
+    const double most = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    if (!(most > 0 && most < kInfinity)) return {};
+    const Vec3d d = normalized(Vec3d{v.x / most, v.y / most, v.z / most});
+    if (solver.options().rules.space == Space::Index) return d;
+    return indexDirection(solver.surface().transform(), d);
 }
 
 }  // namespace
@@ -138,8 +156,7 @@ Polyline GeodesicSolver::through(const std::vector<Vec3d>& points, bool closed, 
     PairSurface surface = pairSurface(*this);
     surface.paths = PairSurface::Paths::Straightened;
     surface.nameOf = [&points](std::size_t leg, bool target) {
-        const std::size_t k = (leg + target) % points.size();
-        return fmt::format("point {} ({})", k, textOf(points[k], 9));
+        return fmt::format("point {}", (leg + target) % points.size());
     };
     const std::vector<SolvedPair> legs = solve(*this, surface, from, to, progress);
     std::vector<std::size_t> corners;
@@ -156,6 +173,33 @@ Polyline GeodesicSolver::through(const std::vector<Vec3d>& points, bool closed, 
     line.endDistance = line.weightedLength;
     line.corners = std::move(corners);
     return line;
+}
+
+Polyline GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double distance,
+                               Progress& progress) const {
+    constexpr double kBeyond = 8;  // voxels that a step and its cells look at
+    const Similarity& transform = surface().transform();
+    const Vec3d start = indexOf(from), along = indexDirection(*this, direction);
+    const double unit = options().rules.space == Space::Index ? 1 : transform.dx,
+                 voxels = distance / unit;
+    // Half a minute and a gigabyte.
+    constexpr double kLongest = 1e7;
+    if (!(voxels >= 0 && voxels <= kLongest))
+        throw Error(Kind::InvalidArgument,
+                    fmt::format("a path of length {:.6g}; allowed are 0 to {:.6g}, 1e7 voxels",
+                                distance, kLongest * unit),
+                    distance < 0 ? "turn the direction round to walk backwards"
+                                 : "go on from the end of a shorter one");
+    std::shared_ptr<const Band> band = surface().madeBand(bandWidth());
+    if (!band)
+        band = surface().band(bandWidth(), {{start, maxSnap() / transform.dx + voxels + kBeyond}},
+                              progress);
+    if (band->size() == 0) band = wholeBand(progress);
+    const SurfacePoint p = surface().nearest(*band, start);
+    if (!isNear(p, transform, maxSnap())) requireNear(from, "the start");
+    Path path = igeo::shoot(*band, p, along, voxels, progress);
+    addNormals(*band, path);
+    return inWorld(path, transform);
 }
 
 Polyline GeodesicSolver::resampled(const Polyline& line, double step) const {

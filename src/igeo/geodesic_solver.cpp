@@ -1,14 +1,13 @@
 #include <igeo/geodesic_solver.h>
 
 #include <igeo/band/detail/snap.h>
+#include <igeo/base/detail/box.h>
 #include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/march/godunov.h>
 #include <igeo/march/jet.h>
 #include <igeo/march/local_search.h>
 #include <igeo/march/signed_field.h>
-#include <igeo/path/curve_normals.h>
-#include <igeo/path/exponential_map.h>
 #include <igeo/results/farthest_points.h>
 
 #include <algorithm>
@@ -101,20 +100,16 @@ struct GeodesicSolver::Setup {
     Vec3d indexOf(const Vec3d& p) const {
         return options.rules.space == Space::Index ? p : transform().indexFromWorld(p);
     }
-    /// Unit: what is given may be of any length.
-    Vec3d indexDirectionOf(const Vec3d& v) const {
-        const double most = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-        if (!(most > 0 && most < kInfinity)) return {};
-        const Vec3d d = normalized(Vec3d{v.x / most, v.y / most, v.z / most});
-        if (options.rules.space == Space::Index) return d;
-        const auto& axis = transform().axis;
-        return {dot(axis[0], d), dot(axis[1], d), dot(axis[2], d)};
-    }
     double snapVoxels() const { return maxSnap / transform().dx; }
     bool tooFar(const SurfacePoint& p) const { return !isNear(p, transform(), maxSnap); }
-    void requireNear(const SurfacePoint& p, const Vec3d& asked, const std::string& what) const {
-        igeo::requireNear(p, transform(), maxSnap, what + " (" + textOf(asked, 9) + ")");
+    void requireNear(const SurfacePoint& p, const Band& band, const Vec3d& asked,
+                     const std::string& what) const {
+        if (tooFar(p))
+            refuseFar(p, transform(), maxSnap, what + " (" + textOf(asked, 9) + ")",
+                      boxOf(band) + hintFor(band, asked));
     }
+    static std::string boxOf(const Band& band);
+    std::string hintFor(const Band& band, const Vec3d& asked) const;
     std::shared_ptr<const Band> wholeBand(Progress& progress) const {
         surface.requireMemory(width, options.rules.memoryLimit);
         return surface.band(width, {}, progress);
@@ -127,6 +122,32 @@ struct GeodesicSolver::Setup {
         return *cache->wholeMetric;
     }
 };
+
+/// The box of the surface in the world, for messages.
+std::string GeodesicSolver::Setup::boxOf(const Band& band) {
+    Box box;
+    for (NodeIndex i = 0; i < band.size(); ++i)
+        box.include(band.transform.worldFromIndex(band.footPoint(i)));
+    return "; the surface lies between " + textOf(box.low) + " and " + textOf(box.high);
+}
+
+/// The mistakes of coordinates that are made most, where one of them puts the point on the surface.
+std::string GeodesicSolver::Setup::hintFor(const Band& band, const Vec3d& asked) const {
+    auto isOn = [&](const Vec3d& pIndex) {
+        const double reach = length(pIndex);
+        return reach < kFarthestIndex && !tooFar(surface.nearest(band, pIndex));
+    };
+    if (options.rules.space == Space::Index)
+        return isOn(transform().indexFromWorld(asked)) ? "; as a point of the world it is on the "
+                                                         "surface: Space::World"
+                                                       : "";
+    if (isOn(asked)) return "; as index coordinates it is on the surface: Space::Index";
+    for (const double factor : {1000.0, 0.001, 100.0, 0.01, 25.4, 1 / 25.4})
+        if (isOn(transform().indexFromWorld(factor * asked)))
+            return fmt::format("; times {:.4g} it is on the surface: are its units the same?",
+                               factor);
+    return "";
+}
 
 namespace {
 
@@ -230,9 +251,10 @@ bool Query::anyTooFar() const {
 
 void Query::requireNearPoints() const {
     for (std::size_t k = 0; k < seeds_.size(); ++k)
-        setup_.requireNear(seeds_[k], asked_.points[k].position, "seed " + std::to_string(k));
+        setup_.requireNear(seeds_[k], band(), asked_.points[k].position,
+                           "seed " + std::to_string(k));
     for (std::size_t k = 0; k < targets_.size(); ++k)
-        setup_.requireNear(targets_[k], limits_.targets[k], "target " + std::to_string(k));
+        setup_.requireNear(targets_[k], band(), limits_.targets[k], "target " + std::to_string(k));
 }
 
 void Query::requireFree(const std::vector<SurfacePoint>& points, const char* what) const {
@@ -366,32 +388,6 @@ Distance GeodesicSolver::distance(const Seeds& seeds, const MarchLimits& limits,
     return Query(*setup_, seeds, limits, progress).solve(setup_->surface);
 }
 
-Polyline GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double distance,
-                               Progress& progress) const {
-    constexpr double kBeyond = 8;  // voxels that a step and its cells look at
-    const Setup& s = *setup_;
-    const Vec3d start = s.indexOf(from), along = s.indexDirectionOf(direction);
-    const double unit = s.options.rules.space == Space::Index ? 1 : s.transform().dx,
-                 voxels = distance / unit;
-    // Half a minute and a gigabyte.
-    constexpr double kLongest = 1e7;
-    if (!(voxels >= 0 && voxels <= kLongest))
-        throw Error(Kind::InvalidArgument,
-                    fmt::format("a path of length {:.6g}; allowed are 0 to {:.6g}, 1e7 voxels",
-                                distance, kLongest * unit),
-                    distance < 0 ? "turn the direction round to walk backwards"
-                                 : "go on from the end of a shorter one");
-    std::shared_ptr<const Band> band = s.surface.madeBand(s.width);
-    if (!band)
-        band = s.surface.band(s.width, {{start, s.snapVoxels() + voxels + kBeyond}}, progress);
-    if (band->size() == 0) band = s.wholeBand(progress);
-    const SurfacePoint p = s.surface.nearest(*band, start);
-    s.requireNear(p, from, "the start");
-    Path path = igeo::shoot(*band, p, along, voxels, progress);
-    addNormals(*band, path);
-    return inWorld(path, s.transform());
-}
-
 Distance GeodesicSolver::unreached(bool whole, Progress& progress) const {
     std::shared_ptr<const Band> band;
     if (whole) {
@@ -421,5 +417,9 @@ MetricPtr GeodesicSolver::wholeMetric(Progress& progress) const {
     return setup_->metricOf(*wholeBand(progress), true, progress);
 }
 Vec3d GeodesicSolver::indexOf(const Vec3d& position) const { return setup_->indexOf(position); }
+void GeodesicSolver::requireNear(const Vec3d& position, const std::string& what) const {
+    const std::shared_ptr<const Band> whole = wholeBand();
+    setup_->requireNear(surface().nearest(*whole, indexOf(position)), *whole, position, what);
+}
 
 }  // namespace igeo

@@ -154,6 +154,10 @@ public:
     /// The metric on it; null where it is Euclidean.
     MetricPtr wholeMetric(Progress& progress = Progress::none()) const;
     Vec3d indexOf(const Vec3d& position) const;
+    /// @param what  names the point in the message
+    /// @throws Error  InvalidArgument for a point farther from the surface than maxSnap, with the
+    ///         nearest point, the box of the surface and the mistake it may be; as wholeBand
+    void requireNear(const Vec3d& position, const std::string& what) const;
 
     struct Setup;
 

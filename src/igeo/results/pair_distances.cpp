@@ -141,12 +141,14 @@ void PairSolver::refuseFarPoints() const {
         for (const SurfacePoint* p : {&pairs_[k].source, &pairs_[k].target})
             if (!(p->snapDistance <= snap_)) {
                 const bool target = p == &pairs_[k].target;
-                const std::string name = surface_.nameOf
-                                             ? surface_.nameOf(k, target)
-                                             : (target ? "target " : "source ") + std::to_string(k);
+                const std::string what =
+                    surface_.nameOf
+                        ? surface_.nameOf(k, target)
+                        : fmt::format("the {} of pair {}", target ? "target" : "source", k);
+                if (surface_.refuse) surface_.refuse(p->askedIndex, what);
                 throw Error(
                     Error::Kind::InvalidArgument,
-                    fmt::format("{} is more than {:f} voxels from the surface", name, snap_),
+                    fmt::format("{} is more than {:f} voxels from the surface", what, snap_),
                     "move it to the surface, or allow for more");
             }
 }
