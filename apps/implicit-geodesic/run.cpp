@@ -68,7 +68,7 @@ std::vector<igeo::Polyline> shoot(const igeo::GeodesicSolver& solver,
     return walks;
 }
 
-std::vector<igeo::PairDistance> solvePairs(const igeo::GeodesicSolver& solver, const SeedOptions& o,
+std::vector<igeo::PairDistance> solvePairs(const igeo::GeodesicSolver& solver, const RunOptions& o,
                                            igeo::Progress& progress) {
     if (o.pairs.empty()) return {};
     std::vector<Vec3d> sources, targets;
@@ -78,9 +78,27 @@ std::vector<igeo::PairDistance> solvePairs(const igeo::GeodesicSolver& solver, c
         targets.push_back(positionOf(pair.target, o, solver.surface()));
     }
     progress.update("pairs", 0);
-    std::vector<igeo::PairDistance> pairs = solver.pairs(sources, targets, progress);
+    std::vector<igeo::PairDistance> pairs =
+        o.paths.empty() ? solver.pairs(sources, targets, progress)
+                        : solver.pairPaths(sources, targets, o.straighten, progress);
     progress.finished("pairs");
     return pairs;
+}
+
+std::vector<ViaCurve> solveVias(const igeo::GeodesicSolver& solver, const RunOptions& o,
+                                igeo::Progress& progress) {
+    std::vector<ViaCurve> curves;
+    for (const ViaInput& via : readVias(o, solver.surface())) {
+        ViaCurve curve{via.name, via.points, via.closed, {}};
+        if (o.space == igeo::Space::Index)
+            for (Vec3d& p : curve.points) p = solver.surface().transform().worldFromIndex(p);
+        curve.line = igeo::naming(via.name, [&] {
+            return solver.through(via.points, via.closed, o.straighten, progress);
+        });
+        curves.push_back(std::move(curve));
+    }
+    if (!curves.empty()) progress.finished("via");
+    return curves;
 }
 
 }  // namespace
@@ -143,6 +161,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     report.walks = shoot(solver, o.shots, stages);
     warnOfRoundedBends(report);
     report.pairs = solvePairs(solver, o, stages);
+    report.vias = solveVias(solver, o, stages);
 
     RunResult result{o, solver, distance, report, stages};
     writeResults(result);

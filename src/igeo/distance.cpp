@@ -2,7 +2,9 @@
 
 #include <igeo/band/detail/snap.h>
 #include <igeo/base/detail/text.h>
+#include <igeo/base/parallel.h>
 #include <igeo/march/signed_field.h>
+#include <igeo/path/curve_normals.h>
 #include <igeo/path/straighten.h>
 #include <igeo/results/field_grids.h>
 
@@ -16,6 +18,7 @@ Polyline inWorld(const Path& path, const Similarity& t) {
     line.start = inWorld(path.target, t);
     for (const PathVertex& v : path.vertices) {
         line.points.push_back(t.worldFromIndex(v.pIndex));
+        line.normals.push_back(t.worldFromIndexDirection(v.normal));
         line.arcLength.push_back(v.arcLength * t.dx);
         line.distance.push_back(v.distance * t.dx);
     }
@@ -24,6 +27,10 @@ Polyline inWorld(const Path& path, const Similarity& t) {
     line.startDistance = path.distance * t.dx;
     line.roundedBends = path.roundedBends;
     return line;
+}
+
+void moveAlongNormals(Polyline& line, double by) {
+    for (std::size_t k = 0; k < line.points.size(); ++k) line.points[k] += by * line.normals[k];
 }
 
 Distance::Distance(Surface surface, BandWidth width, std::shared_ptr<const Band> band,
@@ -64,19 +71,23 @@ Polyline Distance::polylineOf(const Path& path) const {
 Polyline Distance::path(const Vec3d& pWorld, bool straightened) const {
     Path path = tracePath(*field_, nearest(pWorld));
     if (straightened) straighten(*field_, path);
+    addNormals(*band_, path);
     return polylineOf(path);
 }
 
 std::vector<Polyline> Distance::paths(bool straightened, Progress& progress) const {
     std::vector<Path> paths = tracePaths(*field_, targets_, {}, progress);
-    std::vector<Polyline> lines;
-    for (Path& path : paths) {
-        if (straightened) {
-            straighten(*field_, path, progress);
-            progress.update("straighten", double(lines.size() + 1) / double(paths.size()));
-        }
-        lines.push_back(polylineOf(path));
+    for (std::size_t k = 0; straightened && k < paths.size(); ++k) {
+        straighten(*field_, paths[k], progress);
+        progress.update("straighten", double(k + 1) / double(paths.size()));
     }
+    std::vector<Polyline> lines(paths.size());
+    parallelFor(paths.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            addNormals(*band_, paths[k]);
+            lines[k] = polylineOf(paths[k]);
+        }
+    });
     return lines;
 }
 

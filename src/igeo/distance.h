@@ -17,8 +17,11 @@ struct Polyline {
     PathStatus status = PathStatus::Unreachable;
     SnappedPoint start;             ///< the point that it leaves
     std::vector<Vec3d> points;      ///< from there on, on the surface; empty if Unreachable
+    std::vector<Vec3d> normals;     ///< unit, of the surface at each (normalAt)
     std::vector<double> arcLength;  ///< from the start, at each
     std::vector<double> distance;   ///< to the seed at each, world units times weight
+    /// Of one through points: the vertices at these, where it may turn.
+    std::vector<std::size_t> corners;
     double length = 0;
     double weightedLength = 0;         ///< by the metric; the same where there is no weight
     double startDistance = kInfinity;  ///< that of the start, world units times weight
@@ -30,7 +33,12 @@ struct Polyline {
 };
 
 /// A path of the engine in world units, but for its end.
+/// @param path  with normals (addNormals)
 Polyline inWorld(const Path& path, const Similarity& transform);
+
+/// The points moved by a length along the normals of the surface, world units; less than 0: to the
+/// other side. Lengths and distances stay those on the surface.
+void moveAlongNormals(Polyline& line, double by);
 
 /// What GeodesicSolver::distance found. Cheap to copy.
 class Distance {

@@ -8,7 +8,6 @@
 #include <igeo/march/jet.h>
 #include <igeo/march/local_search.h>
 #include <igeo/march/signed_field.h>
-#include <igeo/path/exponential_map.h>
 #include <igeo/results/farthest_points.h>
 
 #include <algorithm>
@@ -100,15 +99,6 @@ struct GeodesicSolver::Setup {
     const Similarity& transform() const { return surface.transform(); }
     Vec3d indexOf(const Vec3d& p) const {
         return options.rules.space == Space::Index ? p : transform().indexFromWorld(p);
-    }
-    /// Unit: what is given may be of any length.
-    Vec3d indexDirectionOf(const Vec3d& v) const {
-        const double most = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-        if (!(most > 0 && most < kInfinity)) return {};
-        const Vec3d d = normalized(Vec3d{v.x / most, v.y / most, v.z / most});
-        if (options.rules.space == Space::Index) return d;
-        const auto& axis = transform().axis;
-        return {dot(axis[0], d), dot(axis[1], d), dot(axis[2], d)};
     }
     double snapVoxels() const { return maxSnap / transform().dx; }
     bool tooFar(const SurfacePoint& p) const { return !isNear(p, transform(), maxSnap); }
@@ -398,60 +388,6 @@ Distance GeodesicSolver::distance(const Seeds& seeds, const MarchLimits& limits,
     return Query(*setup_, seeds, limits, progress).solve(setup_->surface);
 }
 
-std::vector<PairDistance> GeodesicSolver::pairs(const std::vector<Vec3d>& sources,
-                                                const std::vector<Vec3d>& targets,
-                                                Progress& progress) const {
-    const Setup& s = *setup_;
-    PairSurface surface;
-    surface.band = [&](const std::vector<Ball>& region, Progress& p) {
-        return region.empty() ? s.wholeBand(p) : s.surface.band(s.width, region, p);
-    };
-    surface.metric = [&](const Band& b, Progress& p) { return metricOn(s.options.metric, b, p); };
-    surface.nearest = [&](const Band& b, const Vec3d& p) { return s.surface.nearest(b, p); };
-    surface.refuse = [&](const Vec3d& askedIndex, const std::string& what) {
-        const std::shared_ptr<const Band> whole = s.wholeBand(progress);
-        const bool index = s.options.rules.space == Space::Index;
-        s.requireNear(s.surface.nearest(*whole, askedIndex), *whole,
-                      index ? askedIndex : s.transform().worldFromIndex(askedIndex), what);
-    };
-    surface.leastWeight = s.needsWholeSurface ? 0 : s.leastWeight;
-    surface.diagonal = s.surface.facts().diagonal;
-    auto inIndexSpace = [&](std::vector<Vec3d> points) {
-        for (Vec3d& p : points) p = s.indexOf(p);
-        return points;
-    };
-    std::vector<PairDistance> pairs;
-    for (const SolvedPair& pair : pairDistances(surface, inIndexSpace(sources),
-                                                inIndexSpace(targets), s.snapVoxels(), progress))
-        pairs.push_back({inWorld(pair.source, s.transform()), inWorld(pair.target, s.transform()),
-                         pair.distance * s.transform().dx});
-    return pairs;
-}
-
-Polyline GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double distance,
-                               Progress& progress) const {
-    constexpr double kBeyond = 8;  // voxels that a step and its cells look at
-    const Setup& s = *setup_;
-    const Vec3d start = s.indexOf(from), along = s.indexDirectionOf(direction);
-    const double unit = s.options.rules.space == Space::Index ? 1 : s.transform().dx,
-                 voxels = distance / unit;
-    // Half a minute and a gigabyte.
-    constexpr double kLongest = 1e7;
-    if (!(voxels >= 0 && voxels <= kLongest))
-        throw Error(Kind::InvalidArgument,
-                    fmt::format("a path of length {:.6g}; allowed are 0 to {:.6g}, 1e7 voxels",
-                                distance, kLongest * unit),
-                    distance < 0 ? "turn the direction round to walk backwards"
-                                 : "go on from the end of a shorter one");
-    std::shared_ptr<const Band> band = s.surface.madeBand(s.width);
-    if (!band)
-        band = s.surface.band(s.width, {{start, s.snapVoxels() + voxels + kBeyond}}, progress);
-    if (band->size() == 0) band = s.wholeBand(progress);
-    const SurfacePoint p = s.surface.nearest(*band, start);
-    s.requireNear(p, *band, from, "the start");
-    return inWorld(igeo::shoot(*band, p, along, voxels, progress), s.transform());
-}
-
 Distance GeodesicSolver::unreached(bool whole, Progress& progress) const {
     std::shared_ptr<const Band> band;
     if (whole) {
@@ -481,5 +417,9 @@ MetricPtr GeodesicSolver::wholeMetric(Progress& progress) const {
     return setup_->metricOf(*wholeBand(progress), true, progress);
 }
 Vec3d GeodesicSolver::indexOf(const Vec3d& position) const { return setup_->indexOf(position); }
+void GeodesicSolver::requireNear(const Vec3d& position, const std::string& what) const {
+    const std::shared_ptr<const Band> whole = wholeBand();
+    setup_->requireNear(surface().nearest(*whole, indexOf(position)), *whole, position, what);
+}
 
 }  // namespace igeo

@@ -65,6 +65,8 @@ struct MarchLimits {
 struct PairDistance {
     SnappedPoint source, target;
     double distance = kInfinity;  ///< world units times weight; +infinity: no path joins them
+    /// From source to target, of pairPaths: `distance` at each vertex is that from the source.
+    Polyline path = {};
 };
 
 /// The band that a solver would take.
@@ -104,6 +106,32 @@ public:
     std::vector<PairDistance> pairs(const std::vector<Vec3d>& sources,
                                     const std::vector<Vec3d>& targets,
                                     Progress& progress = Progress::none()) const;
+    /// The same with the geodesics (tracePath).
+    /// @param straighten  relax them to locally shortest curves, free of the march's error
+    std::vector<PairDistance> pairPaths(const std::vector<Vec3d>& sources,
+                                        const std::vector<Vec3d>& targets, bool straighten = false,
+                                        Progress& progress = Progress::none()) const;
+
+    /// The curve through points in their order: each leg is the straightened geodesic between two
+    /// of them (pairPaths), so that it turns at the points in between.
+    /// @param closed  a leg leads from the last point to the first; the last vertex repeats the
+    ///                first
+    /// @param whole   relaxed as a whole (straightenWhole): the points in between say how the curve
+    ///                goes around the surface, and a closed one passes none of them
+    /// @return `distance` at each vertex is the cost from the start. Unreachable where no path
+    ///         joins two points that follow each other, Stalled where a closed curve contracts to a
+    ///         point: there is no closed geodesic; without vertices then
+    /// @throws Error  InvalidArgument for fewer than two points, three of a closed curve; as pairs
+    Polyline through(const std::vector<Vec3d>& points, bool closed = false, bool whole = false,
+                     Progress& progress = Progress::none()) const;
+
+    /// A polyline of this solver with its vertices at equal lengths along it: from its start, and
+    /// anew from each corner, the last piece before a corner and before the end being shorter. They
+    /// lie on the polyline given, so that the new one cuts over the edges of a mesh. The length is
+    /// still that of the one given.
+    /// @param step  world units
+    /// @throws Error  InvalidArgument for a step not above 0, or more than 1e7 vertices
+    Polyline resampled(const Polyline& line, double step) const;
 
     /// The geodesic that leaves a point in a direction (shoot), on the band around it, or of the
     /// whole surface if that is made.
@@ -126,6 +154,10 @@ public:
     /// The metric on it; null where it is Euclidean.
     MetricPtr wholeMetric(Progress& progress = Progress::none()) const;
     Vec3d indexOf(const Vec3d& position) const;
+    /// @param what  names the point in the message
+    /// @throws Error  InvalidArgument for a point farther from the surface than maxSnap, with the
+    ///         nearest point, the box of the surface and the mistake it may be; as wholeBand
+    void requireNear(const Vec3d& position, const std::string& what) const;
 
     struct Setup;
 

@@ -13,6 +13,7 @@
 #include <igeo/io/vdb_read.h>
 #include <igeo/io/vdb_write.h>
 #include <igeo/results/color_map.h>
+#include <igeo/results/curve_files.h>
 #include <igeo/results/engrave.h>
 #include <igeo/results/extend.h>
 #include <igeo/results/farthest_points.h>

@@ -103,7 +103,7 @@ TEST_CASE("an output that has nowhere to go is refused before any work") {
     requireRefused(desk, run + "-o out.vdb --report none/out.json", kUsage,
                    {"--report none/out.json", "no folder 'none'"});
     requireRefused(desk, run + "-o out.obj", kUsage, {"-o out.obj", ".vdb"});
-    for (const std::string paths : {"out.ply", "out", "out.vdb"})
+    for (const std::string paths : {"out.stl", "out", "out.vdb"})
         requireRefused(desk, run + "-o o.vdb --target 1,0,0 --paths " + paths, kUsage,
                        {"--paths " + paths, ".json", ".obj"});
 }

@@ -120,7 +120,7 @@ TEST_CASE("output options that cannot work are refused before any work") {
     requireRefused(desk, query + "--image p.png --camera 1,2", kUsage, {"1,2", "x,y,z"});
     requireRefused(desk, query + "--image p.png --color-map jet", kUsage, {"jet", "viridis"});
     requireRefused(desk, query + "--mesh-out m.stl", kUsage, {"m.stl", ".ply"});
-    requireRefused(desk, query + "--isolines i.csv", kUsage, {"i.csv", ".json"});
+    requireRefused(desk, query + "--isolines i.txt", kUsage, {"i.txt", ".json", ".usda"});
     requireRefused(desk, query + "--matrix d.txt", kUsage, {"d.txt", ".npy"});
     requireRefused(desk, query + "--isolines x.obj --mesh-out x.obj", kUsage,
                    {"x.obj", "one place"});

@@ -3,10 +3,11 @@
 #include <support/pinned.h>
 #include <support/two_isolines.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "output/messages.h"
+#include "output/path_curves.h"
 #include "output/report.h"
 
 namespace igeo::test {
@@ -38,6 +39,7 @@ struct Run : Pinned {
         reached.status = PathStatus::Reached;
         reached.start = {{11.5, 20, 30}, {11.5, 20, 30}};
         reached.points = {{11.5, 20, 30}, {10.5, 20, 30}};
+        reached.normals = {{0, 0, 1}, {0, 0, 1}};
         reached.arcLength = {0, 1}, reached.distance = {3, 2};
         reached.weightedLength = 1, reached.startDistance = 3;
         reached.end = {{10.5, 20, 30.25}, {10.5, 20, 30}, 0.25};
@@ -66,7 +68,7 @@ json parse(const std::string& text) {
 TEST_CASE("geodesicsJson: world units, null for what is not known") {
     const Run run;
     const json j = parse(geodesicsJson(run.report, run.field));
-    CHECK(j["schema"] == 2);
+    CHECK(j["schema"] == 3);
     CHECK(j["type"] == "geodesics");
     CHECK(j["surface"]["file"] == "a.vdb");
     CHECK(j["surface"]["voxelSize"] == 0.5);
@@ -85,6 +87,7 @@ TEST_CASE("geodesicsJson: world units, null for what is not known") {
     CHECK(reached["seed"]["snapDistance"] == 0.25);
     CHECK(reached["seed"]["asked"] == json({10.5, 20, 30.25}));
     CHECK(reached["vertices"]["position"] == json({{11.5, 20, 30}, {10.5, 20, 30}}));
+    CHECK(reached["vertices"]["normal"] == json({{0, 0, 1}, {0, 0, 1}}));
     CHECK(reached["vertices"]["arcLength"] == json({0, 1}));
     CHECK(reached["vertices"]["distance"] == json({3, 2}));
 
@@ -123,15 +126,6 @@ TEST_CASE("reports: doubles survive the way through text") {
     CHECK(p[0].get<double>() == 1.0 / 3);
     CHECK(p[1].get<double>() == std::sqrt(2.0));
     CHECK(p[2].get<double>() == 1e-17);
-    // Also as OBJ.
-    std::istringstream obj(geodesicsObj(run.report.paths));
-    for (std::string line; std::getline(obj, line);)
-        if (line.compare(0, 2, "v ") == 0) {
-            double x = 0;
-            std::istringstream(line.substr(2)) >> x;
-            CHECK(x == 1.0 / 3);
-            break;
-        }
 }
 
 TEST_CASE("reports: names that are no UTF-8 still make valid JSON") {
@@ -143,19 +137,24 @@ TEST_CASE("reports: names that are no UTF-8 still make valid JSON") {
     CHECK_NOTHROW(parse(reportJson(run.report, run.field)));
 }
 
-TEST_CASE("geodesicsObj: one object per path with two vertices or more") {
-    const Run run;
-    CHECK(geodesicsObj(run.report.paths) ==
-          "# geodesics, world units; from each target to its seed\n"
-          "o geodesic_0\n"
-          "v 11.5 20 30\n"
-          "v 10.5 20 30\n"
-          "l 1 2\n");
-    // Vertices are counted across objects.
-    const std::string two =
-        geodesicsObj({run.report.paths[0], run.report.paths[2], run.report.paths[0]});
-    CHECK(two.find("o geodesic_2\n") != std::string::npos);
-    CHECK(two.find("l 3 4\n") != std::string::npos);
+TEST_CASE("pathCurves: a number and a name for each, through all kinds") {
+    Run run;
+    run.report.walks = {run.report.paths[0]};
+    run.report.pairs.resize(2);
+    run.report.pairs[1].path = run.report.paths[0];
+    run.report.vias.push_back({"--via p.csv", {}, true, run.report.paths[0]});
+    std::string names;
+    for (const NamedCurve& c : pathCurves(run.report)) {
+        names += c.name + " ";
+        CHECK(c.closed == (c.name == "via_0"));
+        CHECK(c.number + 1 == std::size_t(std::count(names.begin(), names.end(), ' ')));
+    }
+    CHECK(names == "target_0 target_1 target_2 walk_0 pair_0 pair_1 via_0 ");
+    const json j = parse(geodesicsJson(run.report, run.field));
+    CHECK(j["pairs"][0]["status"] == "unreachable");
+    CHECK(j["pairs"][1]["pair"] == 1);
+    CHECK(j["via"][0]["of"] == "--via p.csv");
+    CHECK(j["walks"].size() == 1);
 }
 
 TEST_CASE("matrixJson: world units, null where there is no way") {

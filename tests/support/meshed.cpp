@@ -89,17 +89,23 @@ double Ply::value(const std::string& element, std::size_t row, const std::string
 namespace {
 
 double readNumber(const std::string& bytes, std::size_t& at, const std::string& type) {
-    const std::size_t size = type == "uchar" ? 1 : 4;
+    const std::size_t size = type == "uchar" ? 1 : type == "double" ? 8 : 4;
     if (at + size > bytes.size()) throw std::runtime_error("the file ends early");
-    std::uint32_t bits = 0;
+    std::uint64_t bits = 0;
     for (std::size_t k = 0; k < size; ++k)
-        bits |= std::uint32_t(static_cast<unsigned char>(bytes[at + k])) << 8 * k;
+        bits |= std::uint64_t(static_cast<unsigned char>(bytes[at + k])) << 8 * k;
     at += size;
-    if (type == "uchar") return bits;
+    if (type == "uchar") return double(bits);
     if (type == "int") return std::int32_t(bits);
+    if (type == "double") {
+        double value;
+        std::memcpy(&value, &bits, sizeof value);
+        return value;
+    }
     if (type != "float") throw std::runtime_error("type " + type);
+    const auto half = std::uint32_t(bits);
     float value;
-    std::memcpy(&value, &bits, sizeof value);
+    std::memcpy(&value, &half, sizeof value);
     return double(value);
 }
 

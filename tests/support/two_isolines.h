@@ -12,8 +12,10 @@ inline std::vector<Isoline> twoLines() {
     Isoline closed, open;
     closed.level = 4, closed.closed = true, closed.length = 3;
     closed.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    closed.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
     open.level = 6, open.length = 1;
     open.points = {{0, 0, 1}, {0, 0, 2}};
+    open.normals = {{1, 0, 0}, {1, 0, 0}};
     return {closed, open};
 }
 

@@ -61,3 +61,19 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Surface& surface) {
     if (o.maxDistance > 0) in.limits.maxDistance = o.maxDistance;
     return in;
 }
+
+std::vector<ViaInput> readVias(const SeedOptions& o, const igeo::Surface& surface) {
+    std::vector<ViaInput> vias;
+    for (const Via& via : o.vias) {
+        const std::string name = "--via " + via.text;
+        for (const igeo::AskedCurve& asked :
+             !via.curve.points.empty() ? std::vector{via.curve} : guardedRead(via.text, [&] {
+                 return igeo::readAskedCurves(via.text);
+             })) {
+            vias.push_back({{}, asked.closed, name});
+            for (const igeo::AskedPoint& p : asked.points)
+                vias.back().points.push_back(positionOf(p, o, surface));
+        }
+    }
+    return vias;
+}

@@ -18,6 +18,15 @@ struct SeedInput {
 /// @throws igeo::Error  as the readers, ObstacleSet and Surface::vertex
 SeedInput readSeeds(const SeedOptions& options, const igeo::Surface& surface);
 
+/// A curve through points, in the space of the options.
+struct ViaInput {
+    std::vector<igeo::Vec3d> points;
+    bool closed = false;
+    std::string name;  ///< for messages
+};
+/// @throws igeo::Error  as the readers and Surface::vertex
+std::vector<ViaInput> readVias(const SeedOptions& options, const igeo::Surface& surface);
+
 /// Where a point is, in the space of the options.
 igeo::Vec3d positionOf(const igeo::AskedPoint& point, const SeedOptions& options,
                        const igeo::Surface& surface);

@@ -82,16 +82,27 @@ std::vector<Option> volumeOptions(ResultOptions& o) {
 std::vector<Option> curveOptions(ResultOptions& o) {
     return {{.names = {"--paths"},
              .value = "FILE",
-             .text = "Geodesics from all targets, and walks of --shoot, as polylines: .json "
-                     "(docs/geodesics.schema.json) or .obj; - writes JSON to stdout",
+             .text = "Geodesics from all targets, of --pairs and --via, and walks of --shoot, as "
+                     "polylines with normals: .json (docs/geodesics.schema.json), .csv, .obj, "
+                     ".ply, .vtp or .usda; - writes JSON to stdout",
              .reads = text(o.paths)},
             {.names = {"--straighten"},
-             .text = "Relax the geodesics to locally shortest curves, free of the march's error",
+             .text = "Relax the geodesics to locally shortest curves, free of the march's error; "
+                     "of --via the curve as a whole, which its points then only guide",
              .reads = flag(o.straighten)},
+            {.names = {"--path-step"},
+             .value = "D",
+             .text = "Vertices of --paths D apart along the path, world units [as traced]",
+             .reads = numberAboveZero(o.pathStep)},
+            {.names = {"--path-offset"},
+             .value = "D",
+             .text = "Vertices of --paths moved by D along the normal of the surface, world units; "
+                     "may be negative",
+             .reads = number(o.pathOffset)},
             {.names = {"--isolines"},
              .value = "FILE",
              .text = "Lines of equal distance on the surface: .json (docs/isolines.schema.json), "
-                     ".obj or .ply; - writes JSON to stdout",
+                     ".csv, .obj, .ply, .vtp or .usda; - writes JSON to stdout",
              .reads = text(o.isolines)},
             {.names = {"--levels"},
              .value = "N",

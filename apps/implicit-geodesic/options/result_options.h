@@ -41,6 +41,8 @@ struct ResultOptions {
     bool extend = false;
     std::string paths, isolines, meshOut, perVertex, matrix, pairsOut, report;
     bool straighten = false;
+    double pathStep = 0;               ///< between vertices of paths, world units; 0: as traced
+    std::optional<double> pathOffset;  ///< of paths along the normal, world units
     int levels = 0;                  ///< of isolines; 0: by spacing
     double spacing = 0;              ///< of isolines, world units times weight; 0: chosen
     std::optional<Part> matrixRows;  ///< none: all

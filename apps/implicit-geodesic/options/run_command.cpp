@@ -42,7 +42,7 @@ void checkKind(const RunOptions& o) {
 }
 
 void checkSeeds(const RunOptions& o) {
-    if (!o.hasSeeds() && o.pairs.empty() && o.shots.empty())
+    if (!o.hasSeeds() && o.pairs.empty() && o.shots.empty() && o.vias.empty())
         usageError("no seed is given", "add --seed x,y,z, --seeds FILE or --sample K");
     const bool hasPoints = !o.seeds.empty() || !o.seedFile.empty() || o.sample > 0;
     if (o.withSign && (hasPoints || o.seedCurves.empty() == o.seedMasks.empty()))

@@ -17,6 +17,14 @@ Shot shotOf(const std::string& word) {
     return shot;
 }
 
+Via viaOf(const std::string& word) {
+    const Via via{igeo::parseCurve(word), word};
+    if (via.curve.points.size() == 1)
+        usageError("'" + word + "' is one point",
+                   "give two or more with blanks between, as in \"0,0,1 1,0,0\", or a file");
+    return via;
+}
+
 std::vector<Option> seedOptions(SeedOptions& o) {
     return {{.names = {"--seed"},
              .value = "X,Y,Z",
@@ -84,7 +92,13 @@ std::vector<Option> pairAndShotOptions(SeedOptions& o) {
              .value = "X,Y,Z,DX,DY,DZ,L",
              .text = "Walk straight on (a geodesic) from a point in a direction for a length, "
                      "world units; for --paths and --image; needs no seed; repeatable",
-             .reads = parsedEach(o.shots, shotOf)}};
+             .reads = parsedEach(o.shots, shotOf)},
+            {.names = {"--via"},
+             .value = "POINTS|FILE",
+             .text = "A geodesic through points in order: \"X,Y,Z X,Y,Z ...\" or a .json or .csv "
+                     "file; the first point again at the end closes it; it turns at the points, "
+                     "but with --straighten; for --paths and --image; needs no seed; repeatable",
+             .reads = parsedEach(o.vias, viaOf)}};
 }
 
 }  // namespace

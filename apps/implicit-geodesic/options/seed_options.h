@@ -19,6 +19,12 @@ struct Shot {
     std::string text;  ///< as given
 };
 
+/// A curve to go through points.
+struct Via {
+    igeo::AskedCurve curve;  ///< as given; without points: in a file
+    std::string text;        ///< as given
+};
+
 struct SeedOptions {
     std::vector<igeo::AskedPoint> seeds, targets;
     std::string seedFile, targetFile;
@@ -32,6 +38,7 @@ struct SeedOptions {
     double maxDistance = 0;   ///< world units times weight; 0: none
     std::string pairs;        ///< file of pairs
     std::vector<Shot> shots;  ///< of --shoot
+    std::vector<Via> vias;
 
     /// Seeds that are more than points.
     bool hasExtendedSeeds() const { return !seedCurves.empty() || !seedMasks.empty(); }

@@ -48,6 +48,25 @@ void tellWalks(const RunReport& report, const Console& console) {
     }
 }
 
+int tellVias(const RunReport& report, const Console& console) {
+    int code = kDone;
+    for (std::size_t k = 0; k < report.vias.size(); ++k) {
+        const ViaCurve& via = report.vias[k];
+        if (via.line.status == igeo::PathStatus::Reached) {
+            console.info(fmt::format("via {}: {} points, {}geodesic {:.6g} long", k,
+                                     via.points.size(), via.closed ? "closed, " : "",
+                                     via.line.length));
+            continue;
+        }
+        code = kUnreached;
+        console.warning(fmt::format("via {} has no geodesic: {}", k,
+                                    via.line.status == igeo::PathStatus::Stalled
+                                        ? "the closed curve contracts to a point"
+                                        : "no path on the surface joins its points"));
+    }
+    return code;
+}
+
 int tellPairs(const RunReport& report, const Console& console) {
     if (report.pairs.empty()) return kDone;
     console.info(std::to_string(report.pairs.size()) + " pairs solved");
@@ -189,7 +208,7 @@ int tell(const RunReport& report, const igeo::Distance& distance, const RunOptio
     for (const std::string& w : report.warnings) console.warning(w);
     const int paths = tellPaths(report, distance, console);
     tellWalks(report, console);
-    const int pairs = tellPairs(report, console);
+    const int pairs = std::max(tellPairs(report, console), tellVias(report, console));
     if (o.hasSeeds()) console.info(reachOf(distance));
     for (const auto& [name, file] : report.outputs)
         console.file(fmt::format("wrote {} to {}", name, file == "-" ? "standard output" : file));

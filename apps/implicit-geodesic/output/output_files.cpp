@@ -20,6 +20,8 @@ namespace fs = std::filesystem;
 std::vector<std::string> inputFiles(const RunOptions& o) {
     std::vector<std::string> files{o.source.file, o.seedFile, o.targetFile, o.pairs};
     files.insert(files.end(), o.seedCurves.begin(), o.seedCurves.end());
+    for (const Via& via : o.vias)
+        if (via.curve.points.empty()) files.push_back(via.text);
     for (const auto* list : {&o.weights, &o.obstacles, &o.seedMasks})
         for (const igeo::GridSource& source : *list) files.push_back(source.file);
     if (o.metric) files.push_back(o.metric->file);

@@ -90,8 +90,8 @@ json seedsJson(const RunReport& r, const Field& field) {
     return all;
 }
 
-json header(const char* type) {
-    return {{"schema", 2},
+json header(const char* type, int schema = 2) {
+    return {{"schema", schema},
             {"type", type},
             {"creator", std::string("implicit-geodesic ") + kVersion},
             {"units", "lengths and distances in world units of the surface's transform"},
@@ -131,21 +131,57 @@ json metricJson(const RunReport& r, const Field& field) {
             {"blocked", metric.insideCount()}};
 }
 
+json triples(const std::vector<Vec3d>& vectors) {
+    json all = json::array();
+    for (const Vec3d& v : vectors) all.push_back(triple(v));
+    return all;
+}
+
 json verticesJson(const Polyline& line) {
-    json positions = json::array();
-    for (const Vec3d& p : line.points) positions.push_back(triple(p));
-    return {{"position", positions}, {"arcLength", line.arcLength}, {"distance", line.distance}};
+    return {{"position", triples(line.points)},
+            {"normal", triples(line.normals)},
+            {"arcLength", line.arcLength},
+            {"distance", line.distance}};
+}
+
+/// Its lengths; null where there is no curve.
+json lengthsJson(const Polyline& line) {
+    const bool any = !line.points.empty();
+    return {{"weightedLength", any ? json(line.weightedLength) : json(nullptr)},
+            {"length", any ? json(line.length) : json(nullptr)}};
 }
 
 json pathJson(const Polyline& path) {
-    const bool reached = path.status == PathStatus::Reached, any = !path.points.empty();
-    return {{"status", toString(path.status)},
-            {"target", pointJson(path.start)},
-            {"seed", reached ? seedJson(path.end, path.seed, path.endDistance) : json(nullptr)},
-            {"weightedLength", any ? json(path.weightedLength) : json(nullptr)},
-            {"length", any ? json(path.length) : json(nullptr)},
-            {"distance", finiteOrNull(path.startDistance)},
-            {"vertices", verticesJson(path)}};
+    const bool reached = path.status == PathStatus::Reached;
+    json j = {{"status", toString(path.status)},
+              {"target", pointJson(path.start)},
+              {"seed", reached ? seedJson(path.end, path.seed, path.endDistance) : json(nullptr)}};
+    j.update(lengthsJson(path));
+    j["distance"] = finiteOrNull(path.startDistance);
+    j["vertices"] = verticesJson(path);
+    return j;
+}
+
+json pairPathJson(const PairDistance& pair, std::size_t number) {
+    json j = {{"pair", number},
+              {"status", toString(pair.path.status)},
+              {"source", pointJson(pair.source)},
+              {"target", pointJson(pair.target)}};
+    j.update(lengthsJson(pair.path));
+    j["distance"] = finiteOrNull(pair.distance);
+    j["vertices"] = verticesJson(pair.path);
+    return j;
+}
+
+json viaJson(const ViaCurve& via) {
+    json j = {{"of", via.name},
+              {"status", toString(via.line.status)},
+              {"closed", via.closed},
+              {"points", triples(via.points)},
+              {"corners", via.line.corners}};
+    j.update(lengthsJson(via.line));
+    j["vertices"] = verticesJson(via.line);
+    return j;
 }
 
 json walkJson(const Polyline& walk) {
@@ -159,7 +195,7 @@ json walkJson(const Polyline& walk) {
 
 std::string geodesicsJson(const RunReport& r, const Field& field) {
     const Band& band = *field.band;
-    json j = header("geodesics");
+    json j = header("geodesics", 3);
     j["surface"] = surfaceJson(r, band);
     j["parameters"] = parametersJson(r, field);
     j["metric"] = metricJson(r, field);
@@ -167,6 +203,11 @@ std::string geodesicsJson(const RunReport& r, const Field& field) {
     for (const Polyline& path : r.paths) j["paths"].push_back(pathJson(path));
     if (!r.walks.empty()) j["walks"] = json::array();
     for (const Polyline& walk : r.walks) j["walks"].push_back(walkJson(walk));
+    if (!r.pairs.empty()) j["pairs"] = json::array();
+    for (std::size_t k = 0; k < r.pairs.size(); ++k)
+        j["pairs"].push_back(pairPathJson(r.pairs[k], k));
+    if (!r.vias.empty()) j["via"] = json::array();
+    for (const ViaCurve& via : r.vias) j["via"].push_back(viaJson(via));
     return dump(j, -1);
 }
 
@@ -185,18 +226,20 @@ std::string isolinesJson(const RunReport& r, const Field& field,
                          const std::vector<Isoline>& lines) {
     const Band& band = *field.band;
     const double dx = band.transform.dx;
-    json j = header("isolines");
+    json j = header("isolines", 3);
     j["surface"] = surfaceJson(r, band);
     j["parameters"] = parametersJson(r, field);
     j["isolines"] = json::array();
     for (const Isoline& line : lines) {
-        json points = json::array();
-        for (const Vec3d& p : line.points)
-            points.push_back(triple(band.transform.worldFromIndex(p)));
+        std::vector<Vec3d> points, normals;
+        for (const Vec3d& p : line.points) points.push_back(band.transform.worldFromIndex(p));
+        for (const Vec3d& n : line.normals)
+            normals.push_back(band.transform.worldFromIndexDirection(n));
         j["isolines"].push_back({{"level", line.level * dx},
                                  {"length", line.length * dx},
                                  {"closed", line.closed},
-                                 {"position", std::move(points)}});
+                                 {"position", triples(points)},
+                                 {"normal", triples(normals)}});
     }
     return dump(j, -1);
 }
@@ -377,21 +420,4 @@ std::string pairsCsv(const std::vector<PairDistance>& pairs) {
         all += fmt::format("{},{:.17g},{:.17g},{:.17g}\n", k, pairs[k].distance,
                            pairs[k].source.distance, pairs[k].target.distance);
     return all;
-}
-
-std::string geodesicsObj(const std::vector<Polyline>& paths) {
-    std::string text = "# geodesics, world units; from each target to its seed\n";
-    std::size_t first = 1;
-    for (std::size_t k = 0; k < paths.size(); ++k) {
-        const std::vector<Vec3d>& points = paths[k].points;
-        if (points.size() < 2) continue;
-        text += fmt::format("o geodesic_{}\n", k);
-        for (const Vec3d& p : points)
-            text += fmt::format("v {:.17g} {:.17g} {:.17g}\n", p.x, p.y, p.z);
-        text += "l";
-        for (std::size_t i = 0; i < points.size(); ++i) text += fmt::format(" {}", first + i);
-        text += "\n";
-        first += points.size();
-    }
-    return text;
 }

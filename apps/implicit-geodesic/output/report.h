@@ -1,4 +1,4 @@
-/// Results as JSON, and geodesics as OBJ: the program's own formats. World units throughout.
+/// Results as JSON, and tables of pairs: the program's own formats. World units throughout.
 #pragma once
 
 #include <igeo/geodesic_solver.h>
@@ -18,6 +18,14 @@ namespace igeo {
 struct FileSurvey;
 }
 
+/// A curve of --via.
+struct ViaCurve {
+    std::string name;                 ///< as asked for
+    std::vector<igeo::Vec3d> points;  ///< as asked for, world
+    bool closed = false;              ///< the last vertex repeats the first
+    igeo::Polyline line;
+};
+
 /// What a run was asked to do, what it found and what it cost.
 struct RunReport {
     igeo::SurfaceFacts surface;
@@ -31,6 +39,7 @@ struct RunReport {
     std::vector<igeo::Polyline> paths;  ///< one per target
     std::vector<igeo::Polyline> walks;  ///< straight on, one per --shoot
     std::vector<igeo::PairDistance> pairs;
+    std::vector<ViaCurve> vias;
     std::optional<igeo::VoronoiCells> cells;
     igeo::Unresolved unresolved;
     igeo::AccuracyEstimate accuracy;
@@ -62,6 +71,3 @@ std::string pairsJson(const RunReport& report, const igeo::Band& band);
 /// Comma-separated: a first line `pair,distance,sourceSnap,targetSnap`, then a line per pair; `inf`
 /// where no path joins them. Reading the numbers gives the same doubles.
 std::string pairsCsv(const std::vector<igeo::PairDistance>& pairs);
-
-/// Paths as Wavefront OBJ polylines, one object per path.
-std::string geodesicsObj(const std::vector<igeo::Polyline>& paths);

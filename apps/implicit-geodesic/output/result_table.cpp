@@ -10,13 +10,22 @@
 
 #include "output/grids.h"
 #include "output/output_files.h"
+#include "output/path_curves.h"
 #include "output/run_result.h"
 
 namespace {
 
+/// What is no file of curves is JSON: standard output, devices.
+bool isCurveFile(const std::string& file) {
+    const std::string ending = endingOf(file), all = std::string(igeo::kCurveEndings) + " ";
+    return !ending.empty() && all.find(ending + " ") != std::string::npos;
+}
+
 void writePaths(RunResult& r, const std::string& file) {
-    writeDocument(file, endingOf(file) == ".obj" ? geodesicsObj(r.lines())
-                                                 : geodesicsJson(r.report, r.field()));
+    const RunReport report = withPathsAsAsked(r.report, r.solver, r.options);
+    writeDocument(file, isCurveFile(file) ? igeo::curveFile(endingOf(file), igeo::CurveKind::Path,
+                                                            pathCurves(report))
+                                          : geodesicsJson(report, r.field()));
 }
 
 igeo::Color srgb(const RunOptions& options) {
@@ -33,11 +42,10 @@ void writeMesh(RunResult& r, const std::string& file) {
 }
 
 void writeIsolines(RunResult& r, const std::string& file) {
-    const std::string ending = endingOf(file);
-    const igeo::Similarity& transform = r.band().transform;
-    writeDocument(file, ending == ".obj"   ? igeo::isolinesObj(r.isolines(), transform)
-                        : ending == ".ply" ? igeo::isolinesPly(r.isolines(), transform)
-                                           : isolinesJson(r.report, r.field(), r.isolines()));
+    writeDocument(file, isCurveFile(file)
+                            ? igeo::curveFile(endingOf(file), igeo::CurveKind::Isoline,
+                                              igeo::namedCurves(r.isolines(), r.band().transform))
+                            : isolinesJson(r.report, r.field(), r.isolines()));
 }
 
 void writeVertices(RunResult& r, const std::string& file) {
@@ -100,9 +108,10 @@ std::string volumeFile(const RunOptions& o, const std::string* grid) {
 const std::vector<ResultKind>& resultKinds() {
     using Options = const RunOptions&;
     using Name = const std::string*;
+    static const char* const kCurveFiles = ".json .csv .obj .ply .vtp .usda";
     static const std::vector<ResultKind> kinds{
         {"-o", "distance", ".vdb", volumeFile, {.seeds = true}, writeVolume},
-        {"--paths", "paths", ".json .obj", [](Options o, Name) { return o.paths; }, {}, writePaths},
+        {"--paths", "paths", kCurveFiles, [](Options o, Name) { return o.paths; }, {}, writePaths},
         {"--mesh-out",
          "mesh",
          ".ply .obj",
@@ -117,7 +126,7 @@ const std::vector<ResultKind>& resultKinds() {
          writeVertices},
         {"--isolines",
          "isolines",
-         ".json .obj .ply",
+         kCurveFiles,
          [](Options o, Name) { return o.isolines; },
          {.seeds = true},
          writeIsolines},

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "output/path_curves.h"
+
 const igeo::SurfaceMesh& RunResult::mesh() {
     if (!madeMesh) madeMesh = distance.indexMesh(progress);
     return *madeMesh;
@@ -30,17 +32,11 @@ const igeo::LevelSet& RunResult::levelSet() {
     return levelSet;
 }
 
-std::vector<igeo::Polyline> RunResult::lines() const {
-    std::vector<igeo::Polyline> all = report.paths;
-    all.insert(all.end(), report.walks.begin(), report.walks.end());
-    return all;
-}
-
 std::vector<igeo::Path> RunResult::drawnLines() const {
     std::vector<igeo::Path> all;
-    for (const igeo::Polyline& line : lines()) {
+    for (const igeo::NamedCurve& curve : pathCurves(report)) {
         all.emplace_back();
-        for (const igeo::Vec3d& p : line.points)
+        for (const igeo::Vec3d& p : curve.points)
             all.back().vertices.push_back({band().transform.indexFromWorld(p)});
     }
     return all;

@@ -29,8 +29,6 @@ struct RunResult {
     const std::vector<igeo::Isoline>& isolines();
     /// The surface as a level set, with warnings for the report.
     const igeo::LevelSet& levelSet();
-    /// Paths and walks.
-    std::vector<igeo::Polyline> lines() const;
-    /// The same for what is drawn, index space: the vertices alone.
+    /// All paths for what is drawn, index space: the vertices alone.
     std::vector<igeo::Path> drawnLines() const;
 };

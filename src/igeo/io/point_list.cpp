@@ -161,8 +161,9 @@ std::vector<Curve> curvesFromJson(std::istream& in, const std::string& file) {
     const json document = parsedJson(in, file);
     // No copy of it: that of a list in lists takes stack for each.
     const json* list = &document;
-    for (const char* name : {"isolines", "paths"})
-        if (list->is_object() && list->contains(name)) list = &(*list)[name];
+    for (const char* name : {"isolines", "paths", "walks", "pairs", "via"})
+        if (list->is_object() && list->contains(name) && !(*list)[name].empty())
+            list = &(*list)[name];
     const json& all = *list;
     if (!all.is_array() || all.empty())
         throw Error(Kind::BadInput, file + " is not a JSON list of curves", remedy);
@@ -290,6 +291,60 @@ std::vector<Curve> readCurves(const std::string& file) {
         if (points.size() < 2 || points.front() != points.back()) continue;
         points.pop_back();
         curve.closed = true;
+    }
+    return curves;
+}
+
+namespace {
+
+bool same(const AskedPoint& a, const AskedPoint& b) {
+    return a.vertex == b.vertex && a.position == b.position;
+}
+
+/// A curve that ends where it begins is closed.
+AskedCurve curveThrough(std::vector<AskedPoint> points) {
+    AskedCurve curve{std::move(points), false};
+    if (curve.points.size() < 3 || !same(curve.points.front(), curve.points.back())) return curve;
+    curve.points.pop_back();
+    curve.closed = true;
+    return curve;
+}
+
+/// Whether a .json file holds curves, and not the points of one.
+bool holdsCurves(const std::string& file) {
+    std::ifstream in = open(file);
+    const json all = parsedJson(in, file);
+    if (!all.is_array() || all.empty() || !all[0].is_object()) return all.is_object();
+    const json& first = all[0];
+    if (!first.contains("position")) return first.contains("vertices");
+    const json& position = first["position"];
+    return position.is_array() && !position.empty() && position[0].is_array();
+}
+
+}  // namespace
+
+AskedCurve parseCurve(const std::string& text) {
+    std::string words = text;
+    std::replace(words.begin(), words.end(), ';', ' ');
+    std::istringstream in(words);
+    std::vector<AskedPoint> points;
+    for (std::string word; in >> word;) {
+        try {
+            points.push_back(parsePoint(word));
+        } catch (const Error&) {
+            if (points.empty()) return {};
+            throw;
+        }
+    }
+    return curveThrough(std::move(points));
+}
+
+std::vector<AskedCurve> readAskedCurves(const std::string& file) {
+    if (!endsWith(file, ".json") || !holdsCurves(file)) return {curveThrough(readPoints(file))};
+    std::vector<AskedCurve> curves;
+    for (const Curve& curve : readCurves(file)) {
+        curves.push_back({{}, curve.closed});
+        for (const Vec3d& p : curve.points) curves.back().points.emplace_back(p);
     }
     return curves;
 }

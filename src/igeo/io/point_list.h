@@ -38,6 +38,21 @@ std::vector<AskedPoint> readPoints(const std::string& file);
 /// @throws Error  Io, or BadInput with the entry
 std::vector<Curve> readCurves(const std::string& file);
 
+/// Points to go through, in order.
+struct AskedCurve {
+    std::vector<AskedPoint> points;
+    bool closed = false;  ///< the last point joins the first
+};
+
+/// "x,y,z x,y,z vertex:12": points as parsePoint with blanks or semicolons between; the first
+/// once more at the end closes the curve. Empty unless the first word is a point.
+/// @throws Error  InvalidArgument for another word that is none
+AskedCurve parseCurve(const std::string& text);
+
+/// Points to go through: files as readCurves, or as readPoints, which may name vertices: one curve.
+/// @throws Error  Io, or BadInput with the line or entry
+std::vector<AskedCurve> readAskedCurves(const std::string& file);
+
 /// Two points to go between.
 struct AskedPair {
     AskedPoint source, target;

@@ -20,6 +20,7 @@ struct PathVertex {
     Vec3d pIndex;          ///< on S, index space
     double arcLength = 0;  ///< from the target, voxels
     double distance = 0;   ///< d here, voxels times weight
+    Vec3d normal = {};     ///< unit, of S; zero until addNormals
 };
 
 /// A geodesic from a target down to the seed its distance comes from.

@@ -3,6 +3,7 @@
 #include <igeo/path/detail/curve_on_triangles.h>
 
 #include <algorithm>
+#include <array>
 
 namespace igeo {
 
@@ -13,7 +14,9 @@ using Curve = std::vector<Vec3d>;
 /// A curve on S that gets shorter.
 class Relaxation {
 public:
-    Relaxation(const Band& band, const Metric& metric, const Path& path);
+    /// @param whole  it may have to go far: shifts of more than a voxel are all made smaller, where
+    ///               clamping each would leave kinks
+    Relaxation(const Band& band, const Metric& metric, const Path& path, bool whole);
 
     /// One round of shifts. @return false where it finds no shorter curve
     bool shorten();
@@ -58,6 +61,7 @@ private:
 
     const Band& band_;
     const Metric& metric_;
+    const bool whole_;
     std::size_t segments_ = 0;
     Curve c_;
     double cost_ = 0;
@@ -65,9 +69,10 @@ private:
     std::vector<double> stopped_;  ///< per vertex: the shift an obstacle did not allow, or 0
 };
 
-Relaxation::Relaxation(const Band& band, const Metric& metric, const Path& path)
+Relaxation::Relaxation(const Band& band, const Metric& metric, const Path& path, bool whole)
     : band_(band),
       metric_(metric),
+      whole_(whole),
       segments_(std::size_t(std::max(2.0, std::ceil(2 * path.length)))) {
     for (const PathVertex& v : path.vertices) c_.push_back(v.pIndex);
     c_ = metric_.obstacles ? respaced(c_) : resampled(c_);
@@ -163,14 +168,18 @@ Relaxation::NewtonSystem Relaxation::newtonSystem() {
     for (std::size_t k = 0; k + 1 < n; ++k) {
         const Vec3d e = c_[k + 1] - c_[k];
         if (!(dot(e, e) > 0)) continue;
+        std::array<double, 2> bend{};
         for (const std::size_t end : {k, k + 1}) {
             if (across_[end] == Vec3d{}) continue;
             const double sign = end == k ? -1 : 1;
             const Variation v = variation(end, e);
             system.pull[end] -= sign * v.slope + v.drift;
             system.diagonal[end] += v.bend;
-            system.beside[k] += v.bend / 2;
+            bend[end - k] = v.bend;
         }
+        // At corners the two differ, and only the geometric mean keeps the system definite.
+        system.beside[k] =
+            whole_ ? std::sqrt(std::max(bend[0] * bend[1], 0.0)) : (bend[0] + bend[1]) / 2;
     }
     return system;
 }
@@ -195,6 +204,10 @@ std::vector<double> Relaxation::shifts() {
     }
     for (std::size_t k = n - 2; k > 0; --k)
         shift[k] = (pull[k] + beside[k] * shift[k + 1]) / diagonal[k];
+    if (!whole_) return shift;
+    double most = 1;
+    for (const double s : shift) most = std::max(most, std::abs(s));
+    for (double& s : shift) s /= most;
     return shift;
 }
 
@@ -256,11 +269,15 @@ bool Relaxation::shorten() {
     return cost_ < before;
 }
 
-Curve relaxed(const Field& field, const Path& path, Progress& progress) {
-    constexpr int kRounds = 40;
+/// How far a curve may have to be moved.
+enum class Reach { Near, Whole };
+
+Curve relaxed(const Field& field, const Path& path, Reach reach, Progress& progress) {
+    constexpr int kRounds = 40, kManyRounds = 4000;
     constexpr double kSettled = 1e-7;
-    Relaxation curve(*field.band, *field.metric, path);
-    for (int round = 0; round < kRounds; ++round) {
+    const bool whole = reach == Reach::Whole;
+    Relaxation curve(*field.band, *field.metric, path, whole);
+    for (int round = 0; round < (whole ? kManyRounds : kRounds); ++round) {
         progress.throwIfCancelled();
         const double before = curve.cost();
         if (!curve.shorten() || before - curve.cost() < kSettled * before) break;
@@ -268,20 +285,76 @@ Curve relaxed(const Field& field, const Path& path, Progress& progress) {
     return curve.curve();
 }
 
-}  // namespace
-
-void straighten(const Field& field, Path& path, Progress& progress) {
-    if (path.status != PathStatus::Reached || path.vertices.size() < 3) return;
+/// A path made shorter with its ends fixed, and measured.
+/// @param lengths  per vertex: the weighted length up to it
+Path shortened(const Field& field, const Path& path, Reach reach, Progress& progress,
+               std::vector<double>& lengths) {
     const SurfaceTriangles* const triangles = field.band->triangles.get();
     // Over triangles that cost the same everywhere the shortest curve is known exactly.
     const bool exact = triangles && !field.metric->weighted() && !field.metric->obstacles;
     Path shorter = path;
     shorter.vertices.clear();
     for (const Vec3d& p :
-         exact ? shortestOnTriangles(*triangles, path, progress) : relaxed(field, path, progress))
+         exact ? shortestOnTriangles(*triangles, path, progress, reach == Reach::Whole)
+               : relaxed(field, path, reach, progress))
         shorter.vertices.push_back({p, 0, 0});
     if (triangles && !exact) layOnTriangles(field, shorter);
-    const std::vector<double> lengths = measure(field, shorter);
+    lengths = measure(field, shorter);
+    return shorter;
+}
+
+/// A path without the vertices at which it turns by more than a right angle: where it comes back
+/// along itself Newton's equation has no sideways direction.
+void cutNeedles(Path& path) {
+    constexpr double kRightAngle = 0.7;  // chord over both sides
+    std::vector<PathVertex> kept;
+    for (const PathVertex& v : path.vertices) {
+        while (kept.size() > 1) {
+            const Vec3d &a = kept[kept.size() - 2].pIndex, &b = kept.back().pIndex;
+            if (length(v.pIndex - a) >= kRightAngle * (length(b - a) + length(v.pIndex - b))) break;
+            kept.pop_back();
+        }
+        kept.push_back(v);
+    }
+    path.vertices = std::move(kept);
+}
+
+/// A closed path that begins at its middle.
+void turnToMiddle(Path& path) {
+    auto& v = path.vertices;
+    v.pop_back();
+    std::rotate(v.begin(), v.begin() + std::ptrdiff_t(v.size() / 2), v.end());
+    v.push_back(v.front());
+}
+
+}  // namespace
+
+bool straightenWhole(const Field& field, Path& path, bool closed, Progress& progress) {
+    constexpr int kMostTurns = 400;
+    constexpr double kPoint = 2;  // voxels
+    const double kSettled = field.band->triangles ? 1e-12 : 1e-7;
+    std::vector<double> lengths;
+    double before = kInfinity;
+    for (int turn = 0, settled = 0; turn < kMostTurns && settled < 2; ++turn) {
+        if (!field.band->triangles && !field.metric->obstacles) cutNeedles(path);
+        path = shortened(field, path, Reach::Whole, progress, lengths);
+        if (closed && path.length < kPoint) return false;
+        // Once for each of the two places at which a closed curve begins.
+        settled = before - path.weightedLength < kSettled * before ? settled + 1 : 0;
+        before = path.weightedLength;
+        if (!closed) break;
+        turnToMiddle(path);
+    }
+    if (closed) lengths = measure(field, path);
+    path.distance = 0;
+    for (std::size_t k = 0; k < lengths.size(); ++k) path.vertices[k].distance = lengths[k];
+    return true;
+}
+
+void straighten(const Field& field, Path& path, Progress& progress) {
+    if (path.status != PathStatus::Reached || path.vertices.size() < 3) return;
+    std::vector<double> lengths;
+    Path shorter = shortened(field, path, Reach::Near, progress, lengths);
     if (shorter.weightedLength >= path.weightedLength) return;
     path = std::move(shorter);
     const double start = field.seeds[path.seed].start;

@@ -22,4 +22,17 @@ namespace igeo {
 /// @throws Error  Cancelled, looked at before each round; the path is then as it was
 void straighten(const Field& field, Path& path, Progress& progress = Progress::none());
 
+/// The same for a curve that may be far from shortest, as one through points: it is relaxed as a
+/// whole to the locally shortest curve that it can be moved to on S with its ends fixed, loops
+/// around S included. The vertices' distances become lengths from its start by the metric.
+/// @param closed  the last vertex repeats the first, and no vertex is fixed: pieces of the curve
+///                are relaxed in turn (Birkhoff's curve shortening) until none gets shorter
+/// @return false where a closed curve contracts to a point: there is no closed geodesic. The path
+///         is then without use
+/// @throws Error  Cancelled
+/// Time O(length), times the voxels that the curve is moved by; on a mesh times the triangles that
+/// it is moved over.
+bool straightenWhole(const Field& field, Path& path, bool closed,
+                     Progress& progress = Progress::none());
+
 }  // namespace igeo

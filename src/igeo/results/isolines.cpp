@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
-#include <igeo/io/detail/little_endian.h>
+#include <igeo/path/curve_normals.h>
 
 #include <algorithm>
 
@@ -96,6 +96,11 @@ std::vector<Chain> chainsOf(const std::vector<Segment>& segments) {
     return chains;
 }
 
+/// The normal of the sheet that an edge belongs to.
+Vec3d sheetAt(const SurfaceMesh& mesh, const std::array<std::uint32_t, 2>& ends) {
+    return normalized(Vec3d(mesh.normal[ends[0]] + mesh.normal[ends[1]]));
+}
+
 /// Where the distance equals `level` on the projection of an edge to S, by regula falsi (Illinois).
 Vec3d crossing(const Field& field, const SurfaceMesh& mesh,
                const std::array<std::uint32_t, 2>& ends, double level) {
@@ -105,7 +110,7 @@ Vec3d crossing(const Field& field, const SurfaceMesh& mesh,
     double lo = 0, hi = 1, atLo = mesh.distance[a] - level, atHi = mesh.distance[b] - level;
     if (atLo == 0) return mesh.position[a];
     if (atHi == 0) return mesh.position[b];
-    const Vec3d sheetNormal = normalized(Vec3d(mesh.normal[a] + mesh.normal[b]));
+    const Vec3d sheetNormal = sheetAt(mesh, ends);
     Vec3d p;
     int last = 0;  // which end moved last
     for (int step = 0; step < kMostSteps; ++step) {
@@ -129,16 +134,20 @@ Vec3d crossing(const Field& field, const SurfaceMesh& mesh,
 }
 
 /// The line without points that repeat the one before, as where a vertex lies exactly at the level.
-Isoline lineOf(const std::vector<Vec3d>& points, double level, bool closed) {
+Isoline lineOf(const std::vector<Vec3d>& points, const std::vector<Vec3d>& normals, double level,
+               bool closed) {
     constexpr double kSame = 1e-9;  // voxels
     Isoline line;
     line.level = level;
     line.closed = closed;
-    for (const Vec3d& p : points)
-        if (line.points.empty() || length(p - line.points.back()) > kSame) line.points.push_back(p);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        if (!line.points.empty() && length(points[k] - line.points.back()) <= kSame) continue;
+        line.points.push_back(points[k]);
+        line.normals.push_back(normals[k]);
+    }
     while (closed && line.points.size() > 1 &&
            length(line.points.front() - line.points.back()) <= kSame)
-        line.points.pop_back();
+        line.points.pop_back(), line.normals.pop_back();
     for (std::size_t i = 1; i < line.points.size(); ++i)
         line.length += length(line.points[i] - line.points[i - 1]);
     if (closed) line.length += length(line.points.front() - line.points.back());
@@ -176,12 +185,15 @@ std::vector<Isoline> isolines(const Field& field, const SurfaceMesh& mesh,
         progress.update("isolines", double(l) / double(ascending.size()));
         for (const Chain& chain : chainsOf(segments[l])) {
             progress.throwIfCancelled();
-            std::vector<Vec3d> points(chain.edges.size());
+            std::vector<Vec3d> points(chain.edges.size()), normals(chain.edges.size());
             parallelFor(points.size(), 64, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i)
-                    points[i] = crossing(field, mesh, edges.ends[chain.edges[i]], ascending[l]);
+                for (std::size_t i = begin; i < end; ++i) {
+                    const auto& ends = edges.ends[chain.edges[i]];
+                    points[i] = crossing(field, mesh, ends, ascending[l]);
+                    normals[i] = normalAt(*field.band, points[i], sheetAt(mesh, ends));
+                }
             });
-            Isoline line = lineOf(points, ascending[l], chain.closed);
+            Isoline line = lineOf(points, normals, ascending[l], chain.closed);
             // A vertex at the level that is a peak makes a line of one point.
             if (line.points.size() > (line.closed ? 2 : 1)) lines.push_back(std::move(line));
         }
@@ -212,59 +224,6 @@ std::vector<double> levelsByCount(const Field& field, int count) {
     std::vector<double> levels;
     for (int k = 1; k <= count; ++k) levels.push_back(least + range * k / (count + 1));
     return levels;
-}
-
-std::string isolinesObj(const std::vector<Isoline>& lines, const Similarity& transform) {
-    std::string text = "# isolines of the geodesic distance, world units\n";
-    std::size_t first = 1;
-    for (std::size_t k = 0; k < lines.size(); ++k) {
-        const Isoline& line = lines[k];
-        text += fmt::format("o isoline_{}_at_{:.9g}\n", k, line.level * transform.dx);
-        for (const Vec3d& v : line.points) {
-            const Vec3d p = transform.worldFromIndex(v);
-            text += fmt::format("v {:.17g} {:.17g} {:.17g}\n", p.x, p.y, p.z);
-        }
-        text += "l";
-        for (std::size_t i = 0; i < line.points.size(); ++i) text += fmt::format(" {}", first + i);
-        if (line.closed) text += fmt::format(" {}", first);
-        text += "\n";
-        first += line.points.size();
-    }
-    return text;
-}
-
-std::string isolinesPly(const std::vector<Isoline>& lines, const Similarity& transform) {
-    std::size_t vertices = 0, edges = 0;
-    for (const Isoline& line : lines) {
-        vertices += line.points.size();
-        edges += line.points.size() - (line.closed ? 0 : 1);
-    }
-    std::string bytes = fmt::format(
-        "ply\n"
-        "format binary_little_endian 1.0\n"
-        "comment isolines of the geodesic distance, world units\n"
-        "element vertex {}\n"
-        "property float x\nproperty float y\nproperty float z\nproperty float distance\n"
-        "element edge {}\n"
-        "property int vertex1\nproperty int vertex2\n"
-        "end_header\n",
-        vertices, edges);
-    for (const Isoline& line : lines)
-        for (const Vec3d& v : line.points) {
-            const Vec3d p = transform.worldFromIndex(v);
-            for (int k = 0; k < 3; ++k) putLittleEndian(bytes, float(p[k]));
-            putLittleEndian(bytes, float(line.level * transform.dx));
-        }
-    std::size_t first = 0;
-    for (const Isoline& line : lines) {
-        const std::size_t n = line.points.size();
-        for (std::size_t i = 0; i < (line.closed ? n : n - 1); ++i) {
-            putLittleEndian(bytes, std::int32_t(first + i));
-            putLittleEndian(bytes, std::int32_t(first + (i + 1) % n));
-        }
-        first += n;
-    }
-    return bytes;
 }
 
 double roundSpacing(double range, double lines) {

@@ -5,7 +5,6 @@
 #include <igeo/march/field.h>
 #include <igeo/results/surface_mesh.h>
 
-#include <string>
 #include <vector>
 
 namespace igeo {
@@ -13,10 +12,11 @@ namespace igeo {
 /// A line on which the distance is `level`. What is nearer to the seeds lies to its left, seen from
 /// outside.
 struct Isoline {
-    double level = 0;           ///< voxels times weight
-    double length = 0;          ///< of the polyline, voxels
-    bool closed = false;        ///< the last point is joined to the first
-    std::vector<Vec3d> points;  ///< on psi = 0, index space; none twice
+    double level = 0;            ///< voxels times weight
+    double length = 0;           ///< of the polyline, voxels
+    bool closed = false;         ///< the last point is joined to the first
+    std::vector<Vec3d> points;   ///< on psi = 0, index space; none twice
+    std::vector<Vec3d> normals;  ///< unit, of S at each (normalAt), index space
 };
 
 /// The isolines of `field` at some levels, in ascending order of level.
@@ -44,13 +44,6 @@ std::vector<double> levelsBySpacing(const Field& field, double spacing);
 /// `count` levels that cut the range of the distance into count + 1 equal parts.
 /// @throws Error  InvalidArgument unless 1 <= count <= 100000
 std::vector<double> levelsByCount(const Field& field, int count);
-
-/// Isolines as Wavefront OBJ polylines in world units, one object per line.
-std::string isolinesObj(const std::vector<Isoline>& lines, const Similarity& transform);
-
-/// Isolines as a binary PLY file of vertices (x y z distance, float) and edges (vertex1 vertex2,
-/// int). World units.
-std::string isolinesPly(const std::vector<Isoline>& lines, const Similarity& transform);
 
 /// The one of 1, 2 and 5 times the powers of ten that comes nearest, by ratio, to cutting `range` >
 /// 0 into so many parts.

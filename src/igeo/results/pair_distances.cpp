@@ -5,6 +5,8 @@
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
 #include <igeo/march/local_search.h>
+#include <igeo/path/curve_normals.h>
+#include <igeo/path/straighten.h>
 #include <igeo/surface/level_set_band.h>
 
 #include <algorithm>
@@ -42,6 +44,8 @@ private:
     bool solveAround(const Group& group);
     /// @return whether all targets are within `reach`, or a point is too far from S
     bool solveOn(const Band& band, const Group& group, double reach);
+    /// The geodesic from the seed of a field to a target.
+    Path pathTo(const Field& field, const SurfacePoint& target);
     bool snapTo(const Band& band, const Vec3d& asked, SurfacePoint& p) const;
     void refuseFarPoints() const;
 
@@ -106,10 +110,24 @@ bool PairSolver::solveOn(const Band& band, const Group& group, double reach) {
             sampleDistance(field, pair.target.pIndex, Vec3d(band.normal[pair.target.node]));
         found = found && pair.distance <= reach;
     }
+    if (surface_.paths != PairSurface::Paths::None && (found || !(reach < kInfinity)))
+        for (const std::size_t k : group) pairs_[k].path = pathTo(field, pairs_[k].target);
     return found;
 }
 
+Path PairSolver::pathTo(const Field& field, const SurfacePoint& target) {
+    Path path = tracePath(field, target);
+    if (surface_.paths == PairSurface::Paths::Straightened) straighten(field, path, quiet_);
+    if (path.status != PathStatus::Reached) path.vertices.clear();
+    addNormals(*field.band, path);
+    std::reverse(path.vertices.begin(), path.vertices.end());
+    for (PathVertex& v : path.vertices) v.arcLength = path.length - v.arcLength;
+    path.target.node = kNoNode;
+    return path;
+}
+
 bool PairSolver::solveAround(const Group& group) {
+    if (!(surface_.leastWeight > 0)) return false;
     double reach = 16;
     for (const std::size_t k : group) reach = std::max(reach, 1.5 * straight(k));
     const double least = surface_.leastWeight;
@@ -122,8 +140,11 @@ void PairSolver::refuseFarPoints() const {
     for (std::size_t k = 0; k < pairs_.size(); ++k)
         for (const SurfacePoint* p : {&pairs_[k].source, &pairs_[k].target})
             if (!(p->snapDistance <= snap_)) {
-                const std::string what = fmt::format(
-                    "the {} of pair {}", p == &pairs_[k].source ? "source" : "target", k);
+                const bool target = p == &pairs_[k].target;
+                const std::string what =
+                    surface_.nameOf
+                        ? surface_.nameOf(k, target)
+                        : fmt::format("the {} of pair {}", target ? "target" : "source", k);
                 if (surface_.refuse) surface_.refuse(p->askedIndex, what);
                 throw Error(
                     Error::Kind::InvalidArgument,

@@ -4,6 +4,7 @@
 #include <igeo/band/surface_point.h>
 #include <igeo/base/progress.h>
 #include <igeo/metric/metric.h>
+#include <igeo/path/path.h>
 #include <igeo/surface/level_set.h>
 #include <igeo/surface/level_set_band.h>
 
@@ -18,6 +19,9 @@ struct SolvedPair {
     /// As found on S; `node` is kNoNode, as the bands are gone.
     SurfacePoint source, target;
     double distance = kInfinity;  ///< voxels times weight; +infinity: no path joins them
+    /// From source to target, if asked for: with normals, and at each vertex the distance from the
+    /// source. Without vertices unless Reached.
+    Path path = {};
 };
 
 /// A surface of which bands are made part by part, and the metric on them.
@@ -33,6 +37,10 @@ struct PairSurface {
     double leastWeight = 1;  ///< no unit of length costs less; 0: not known, and every pair takes
                              ///< the whole surface
     double diagonal = 0;     ///< across the surface, voxels
+    enum class Paths { None, Traced, Straightened } paths = Paths::None;
+    /// What messages call a point, by its pair and whether it is the target; none: "the target of
+    /// pair 3".
+    std::function<std::string(std::size_t pair, bool target)> nameOf = {};
 };
 
 /// Distances from sources[k] to targets[k] by marchJet.

@@ -217,4 +217,47 @@ TEST_CASE("readPairs: six numbers each") {
     expectError(Error::Kind::BadInput, {"no pairs"}, [&] { pairs("p.csv", "# none\n"); });
 }
 
+TEST_CASE("parseCurve: points with blanks between") {
+    const AskedCurve curve = parseCurve("0,0,1  1,0,0;vertex:12 +x");
+    REQUIRE(curve.points.size() == 4);
+    CHECK(curve.points[1].position == Vec3d{1, 0, 0});
+    CHECK(curve.points[2].vertex == "12");
+    CHECK_FALSE(curve.closed);
+    const AskedCurve closed = parseCurve("0,0,1 1,0,0 0,1,0 0,0,1");
+    CHECK(closed.closed);
+    CHECK(closed.points.size() == 3);
+    CHECK(parseCurve("vertex:1 vertex:2 vertex:3 vertex:1").closed);
+    CHECK_FALSE(parseCurve("0,0,1 0,0,1").closed);
+    for (const char* file : {"points.csv", "my points.csv", "", "a,b,c"})
+        CHECK(parseCurve(file).points.empty());
+    expectError(Error::Kind::InvalidArgument, {"'points.csv'"},
+                [] { parseCurve("0,0,1 points.csv"); });
+}
+
+TEST_CASE("readAskedCurves: curves, or the points of one") {
+    auto curves = [](const std::string& name, const std::string& content) {
+        const TempDir folder;
+        std::ofstream(folder / name) << content;
+        return readAskedCurves(folder / name);
+    };
+    const auto text = curves("c.csv", "3\n14\n15\n3\n");
+    REQUIRE(text.size() == 1);
+    CHECK(text[0].closed);
+    CHECK(text[0].points.size() == 3);
+    CHECK(text[0].points[1].vertex == "14");
+    CHECK(curves("c.json", "[3, 14, 15]")[0].points[2].vertex == "15");
+    CHECK(curves("c.json", "[[0,0,1],[1,0,0]]")[0].points.size() == 2);
+    CHECK(curves("c.json", R"([{"position": [0,0,1]}, {"vertex": 4}])")[0].points.size() == 2);
+    const auto two = curves("c.json", R"([{"position": [[0,0,0],[1,0,0],[1,1,0]], "closed": true},
+                                          {"position": [[0,0,0],[1,0,0]]}])");
+    REQUIRE(two.size() == 2);
+    CHECK(two[0].closed);
+    CHECK(curves("c.json", R"({"paths": [], "walks":
+                              [{"vertices": {"position": [[1,2,3],[2,2,3]]}}]})")[0]
+              .points.size() == 2);
+    for (const char* bad :
+         {"{}", "[]", "nonsense", R"([{"position": []}])", R"([{"vertices": 1}])"})
+        expectError(Error::Kind::BadInput, {"c.json"}, [&] { curves("c.json", bad); });
+}
+
 }  // namespace igeo::test

@@ -1,4 +1,5 @@
 #include <igeo/base/parallel.h>
+#include <igeo/results/curve_files.h>
 #include <igeo/results/isolines.h>
 #include <support/catch.h>
 #include <support/errors.h>
@@ -6,7 +7,6 @@
 #include <support/expect_error.h>
 #include <support/meshed.h>
 #include <support/openvdb.h>
-#include <support/two_isolines.h>
 
 #include <algorithm>
 #include <cmath>
@@ -49,6 +49,7 @@ void checkLines(const Meshed& m, const std::vector<Isoline>& lines, double radiu
             total += piece;
         }
         CHECK(distinct.size() == n);
+        CHECK(line.normals.size() == n);
         CHECK(line.length == Approx(total).epsilon(1e-12));
         CHECK(off <= 1.5e-06);  // measured 1e-06
         // Where a corner of the cell is not in the band, points stay on the chord of their edge.
@@ -243,6 +244,13 @@ TEST_CASE("isolines: where a grid lies in the world does not matter") {
     REQUIRE(lines.size() == 1);
     for (const Vec3d& p : lines[0].points)
         CHECK(geodesicOnSphere(middle, r, seed, m.world(p)) == Approx(1.0).epsilon(1e-3));
+    double turned = 0;
+    const NamedCurve curve = namedCurves(lines, m.band.transform)[0];
+    for (std::size_t k = 0; k < curve.points.size(); ++k) {
+        const Vec3d exact = (1 / r) * (curve.points[k] - Vec3d{middle.x(), middle.y(), middle.z()});
+        turned = std::max(turned, length(curve.normals[k] - exact));
+    }
+    CHECK(turned <= 1e-3);
     CHECK(lines[0].length * dx == Approx(2 * M_PI * r * std::sin(1.0 / r)).epsilon(2e-3));
 }
 
@@ -252,8 +260,9 @@ TEST_CASE("isolines: the same bytes for any number of threads") {
         const ThreadLimit limit(threads);
         const Meshed m = meshed(torus(kCenter, 0.3, 0.12), 0.01, {{0.81, 0.57, 0.61}});
         const auto lines = linesOf(m, levelsByCount(m.field, 20));
-        const std::string bytes =
-            isolinesPly(lines, m.band.transform) + isolinesObj(lines, m.band.transform);
+        const auto curves = namedCurves(lines, m.band.transform);
+        const std::string bytes = curveFile(".ply", CurveKind::Isoline, curves) +
+                                  curveFile(".obj", CurveKind::Isoline, curves);
         if (first.empty()) first = bytes;
         CHECK(bytes == first);
     }
@@ -280,41 +289,6 @@ TEST_CASE("levels by spacing and by count") {
                     [&] { levelsBySpacing(field, spacing); });
     for (const int count : {0, -3, 100001})
         expectError(Error::Kind::InvalidArgument, {"100000"}, [&] { levelsByCount(field, count); });
-}
-
-namespace {
-
-Similarity halved() {
-    Similarity t;
-    t.dx = 0.5;
-    t.origin = {10, 20, 30};
-    return t;
-}
-
-}  // namespace
-
-TEST_CASE("isolinesObj: one object per line, closed ones back to their first vertex") {
-    CHECK(isolinesObj(twoLines(), halved()) ==
-          "# isolines of the geodesic distance, world units\n"
-          "o isoline_0_at_2\n"
-          "v 10 20 30\nv 10.5 20 30\nv 10 20.5 30\n"
-          "l 1 2 3 1\n"
-          "o isoline_1_at_3\n"
-          "v 10 20 30.5\nv 10 20 31\n"
-          "l 4 5\n");
-}
-
-TEST_CASE("isolinesPly: vertices and edges") {
-    const Ply ply = parsePly(isolinesPly(twoLines(), halved()));
-    using Rows = std::vector<std::vector<double>>;
-    CHECK(ply.rows.at("vertex") == Rows{{10, 20, 30, 2},
-                                        {10.5, 20, 30, 2},
-                                        {10, 20.5, 30, 2},
-                                        {10, 20, 30.5, 3},
-                                        {10, 20, 31, 3}});
-    CHECK(ply.rows.at("edge") == Rows{{0, 1}, {1, 2}, {2, 0}, {3, 4}});
-    CHECK(ply.properties.at("edge") == std::vector<std::string>{"vertex1", "vertex2"});
-    CHECK(parsePly(isolinesPly({}, halved())).rows.at("vertex").empty());
 }
 
 }  // namespace igeo::test

@@ -63,7 +63,7 @@ void layOnTriangles(const Field& field, Path& path) {
 }
 
 std::vector<Vec3d> shortestOnTriangles(const SurfaceTriangles& triangles, const Path& path,
-                                       const Progress& progress) {
+                                       const Progress& progress, bool winds) {
     constexpr double kStep = 1;
     const std::vector<TriangleStrip> strips = stripsAlong(triangles, pointsOf(path));
     std::vector<Vec3d> curve{path.vertices.front().pIndex};
@@ -77,7 +77,10 @@ std::vector<Vec3d> shortestOnTriangles(const SurfaceTriangles& triangles, const 
         std::size_t end = begin;
         while (end < strips.size() && !isGap(strips[end])) ++end;
         if (end > begin) {
-            const auto shortest = shortestCurve(triangles, joined(strips, begin, end), progress);
+            const auto shortest = shortestCurve(
+                triangles,
+                winds ? joinedWinding(triangles, strips, begin, end) : joined(strips, begin, end),
+                progress);
             for (std::size_t i = 1; i < shortest.size(); ++i) goTo(shortest[i]);
         }
         if (end < strips.size()) curve.push_back(strips[end++].to);

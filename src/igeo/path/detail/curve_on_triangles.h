@@ -19,8 +19,9 @@ std::vector<double> measure(const Field& field, Path& path);
 void layOnTriangles(const Field& field, Path& path);
 
 /// The locally shortest curve over the triangles near a path, in steps of a voxel at most.
+/// @param winds  it keeps the loops by which the path goes around the surface
 /// @throws Error  Cancelled
 std::vector<Vec3d> shortestOnTriangles(const SurfaceTriangles& triangles, const Path& path,
-                                       const Progress& progress);
+                                       const Progress& progress, bool winds = false);
 
 }  // namespace igeo

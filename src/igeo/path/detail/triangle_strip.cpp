@@ -218,7 +218,9 @@ void FlatStrip::pullTight() {
             const Flat p = portals_[i].at[side], own = at(border[side]),
                        other = at(border[1 - side]);
             if (sign * leftOf(apex, own, p) > 0) continue;  // wider
-            if (p == apex || p == other || other == apex || sign * leftOf(apex, other, p) > 0) {
+            // A start on an edge sees both ends in one line: rounding must not tell them apart.
+            if (p == own || p == apex || p == other || other == apex ||
+                sign * leftOf(apex, other, p) >= 0) {
                 border[side] = {i, side};
                 continue;
             }
@@ -317,8 +319,23 @@ bool FlatStrip::turned(TriangleStrip& strip) const {
     }
     if (!any) return false;
     exits.insert(exits.end(), strip_.exits.begin() + std::ptrdiff_t(done), strip_.exits.end());
-    strip = joined({{strip_.from, strip_.to, std::move(exits), strip_.last}}, 0, 1);
+    const std::vector<TriangleStrip> one{{strip_.from, strip_.to, std::move(exits), strip_.last}};
+    strip = strip_.winds ? joinedWinding(triangles_, one, 0, 1) : joined(one, 0, 1);
     return true;
+}
+
+/// Takes back a turn around one vertex that has come to triangle t again, as a step there and back.
+void cutTurn(const SurfaceTriangles& triangles, std::vector<Side>& exits, std::uint32_t t) {
+    std::array<std::uint32_t, 2> shared{kNone, kNone};
+    for (std::size_t k = exits.size(); k-- > 0;) {
+        const SurfaceTriangles::Triangle& corners = triangles[exits[k].triangle];
+        const std::uint32_t a = corners[exits[k].corner], b = corners[(exits[k].corner + 1) % 3];
+        if (k + 1 == exits.size()) shared = {a, b};
+        for (std::uint32_t& v : shared)
+            if (v != a && v != b) v = kNone;
+        if (shared[0] == kNone && shared[1] == kNone) return;
+        if (exits[k].triangle == t) return exits.resize(k);
+    }
 }
 
 }  // namespace
@@ -333,6 +350,19 @@ std::vector<TriangleStrip> stripsAlong(const SurfaceTriangles& triangles,
         at = strips.back().last;
     }
     return strips;
+}
+
+TriangleStrip joinedWinding(const SurfaceTriangles& triangles,
+                            const std::vector<TriangleStrip>& strips, std::size_t begin,
+                            std::size_t end) {
+    TriangleStrip all{strips[begin].from, strips[end - 1].to, {}, strips[end - 1].last, true};
+    for (std::size_t s = begin; s < end; ++s)
+        for (const Side& exit : strips[s].exits) {
+            cutTurn(triangles, all.exits, exit.triangle);
+            all.exits.push_back(exit);
+        }
+    cutTurn(triangles, all.exits, all.last);
+    return all;
 }
 
 TriangleStrip joined(const std::vector<TriangleStrip>& strips, std::size_t begin, std::size_t end) {

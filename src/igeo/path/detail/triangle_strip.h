@@ -13,6 +13,8 @@ struct TriangleStrip {
     Vec3d from, to;
     std::vector<SurfaceTriangles::Side> exits;  ///< the edge by which each but the last is left
     std::uint32_t last = SurfaceTriangles::kNone;
+    /// It may come back to a triangle, as a curve that goes around the surface more than once does.
+    bool winds = false;
 
     std::uint32_t triangle(std::size_t k) const {
         return k < exits.size() ? exits[k].triangle : last;
@@ -28,6 +30,11 @@ std::vector<TriangleStrip> stripsAlong(const SurfaceTriangles& triangles,
 
 /// Strips that follow each other as one, without loops.
 TriangleStrip joined(const std::vector<TriangleStrip>& strips, std::size_t begin, std::size_t end);
+/// The same with the loops by which a curve goes around the surface: only turns around one vertex
+/// are left out.
+TriangleStrip joinedWinding(const SurfaceTriangles& triangles,
+                            const std::vector<TriangleStrip>& strips, std::size_t begin,
+                            std::size_t end);
 
 /// The locally shortest curve over the triangles near a strip: exact to rounding.
 ///
