@@ -119,6 +119,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     const igeo::GeodesicSolver solver = prepared.solver.with(rules);
     checkGridNames(o, solver.surface().gridName());
     const SeedInput input = readSeeds(o, solver.surface());
+    checkSeeds(o, input.seeds);
     RunReport report = newReport(solver, prepared.metric, input);
 
     const igeo::Distance distance = o.hasSeeds()
@@ -132,15 +133,17 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     if (o.joinGaps > 0) tellJoints(distance.band().joints, o.joinGaps, console, report.warnings);
     warnOfOverrunSeeds(distance, report);
 
-    report.paths = distance.paths(o.straighten, stages);
-    stages.finished("trace");
+    if (showsPaths(o, distance.targets().size())) {
+        report.paths = distance.paths(o.straighten, stages);
+        stages.finished("trace");
+    }
     warnOfLongPaths(distance.band().transform.dx, report);
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
         report.accuracy = estimate(distance, console, stages);
     report.walks = shoot(solver, o.shots, stages);
     report.pairs = solvePairs(solver, o, stages);
 
-    RunResult result{o, solver, distance, report, stages};
+    RunResult result{o, input, solver, distance, report, stages};
     writeResults(result);
     stages.finished("write");
     report.seconds = stages.seconds();

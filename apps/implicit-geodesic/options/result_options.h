@@ -39,7 +39,8 @@ struct ResultOptions {
     std::set<Grid> grids;
     std::string name;  ///< of the distance grid; empty: <psi>_geodesic
     bool extend = false;
-    std::string paths, isolines, meshOut, perVertex, matrix, pairsOut, report;
+    std::string paths, isolines, meshOut, perVertex, samples, matrix, pairsOut, report;
+    bool perSeed = false;
     bool straighten = false;
     int levels = 0;                  ///< of isolines; 0: by spacing
     double spacing = 0;              ///< of isolines, world units times weight; 0: chosen

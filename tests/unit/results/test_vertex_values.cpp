@@ -102,6 +102,31 @@ TEST_CASE("vertexValues: the files", "[mesh]") {
     }
 }
 
+TEST_CASE("vertexValues: columns beside the nearest distance", "[mesh]") {
+    Solved s;
+    const std::size_t n = s.values.distance.size();
+    s.values.columns = {{"distance_0", s.values.distance},
+                        {"distance_b", std::vector<double>(n, kInfinity)}};
+    std::istringstream csv(verticesCsv(s.values));
+    std::string line;
+    std::getline(csv, line);
+    CHECK(line == "vertex,distance,label,distance_0,distance_b");
+    std::getline(csv, line);
+    CHECK(line == "0,nan,-1,nan,inf");
+    const std::string shape = "'shape': (" + std::to_string(n) + ", 2)";
+    CHECK(verticesNpy(s.values).find(shape) != std::string::npos);
+    const std::string npz = verticesNpz(s.values);
+    for (const char* name : {"distance.npy", "label.npy", "distances.npy"})
+        CHECK(npz.find(name) != std::string::npos);
+    CHECK(npz.find(shape) != std::string::npos);
+    CHECK(npz.find("'<i4'") != std::string::npos);
+    CHECK(npz.substr(0, 4) == "PK\x03\x04");
+    for (const std::string& text : {verticesPly(*s.mesh.source, s.values, kGray),
+                                    verticesVtp(*s.mesh.source, s.values), verticesGifti(s.values)})
+        CHECK(text.find("distance_b") != std::string::npos);
+    CHECK(verticesGifti(s.values).find("NumberOfDataArrays=\"4\"") != std::string::npos);
+}
+
 TEST_CASE("vertexValues: a mesh without a source has its points and triangles", "[mesh]") {
     Solved s;
     s.mesh.source = nullptr;
