@@ -61,6 +61,11 @@ struct Seeds {
     /// Whether there are curves or regions.
     bool extended() const { return !curves.empty() || !regions.empty(); }
     bool empty() const { return points.empty() && groups.empty() && !extended() && samples == 0; }
+    /// @param dx  voxel size
+    /// @throws Error  InvalidArgument without seeds, for start values below 0 or beyond 1e12
+    /// voxels,
+    ///         and for `isSigned` with seeds of another kind than either curves or regions
+    void requireUsable(double dx) const;
     /// Each source by itself, without the samples, which only a march finds.
     std::vector<Seeds> sources() const;
 };
