@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/text.h>
-#include <igeo/io/mesh_file.h>
-#include <igeo/io/point_cloud_file.h>
 #include <igeo/io/vdb_write.h>
 #include <igeo/results/field_grids.h>
 #include <igeo/results/survey.h>
@@ -250,8 +248,9 @@ FileSurvey tryAs(SurfaceKind kind, const InfoOptions& options, igeo::Progress& p
 /// Surveys a file by what it holds.
 FileSurvey surveyOf(const InfoOptions& options, igeo::Progress& progress) {
     const std::string name = options.source.text();
-    if (igeo::isPointFile(name)) return tryAs(SurfaceKind::Points, options, progress);
-    if (!igeo::isMeshFile(name)) {
+    const SurfaceKind kind = kindByName(name);
+    if (kind == SurfaceKind::Points) return tryAs(kind, options, progress);
+    if (kind == SurfaceKind::Volume) {
         if (options.voxelSize > 0 || options.resolution > 0)
             usageError("--voxel-size and --resolution are for meshes and points",
                        "a volume has a fixed voxel size: leave them out");

@@ -1,8 +1,5 @@
 #include "options/run_command.h"
 
-#include <igeo/io/mesh_file.h>
-#include <igeo/io/point_cloud_file.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -16,9 +13,19 @@ namespace {
 
 void checkSurface(const RunOptions& o) {
     if (o.kind == SurfaceKind::None || o.source.file.empty())
-        usageError(
-            "no surface is given",
-            "add --sdf FILE.vdb, --mesh FILE or --points FILE; see implicit-geodesic --help");
+        usageError("no surface is given",
+                   "name a .vdb, mesh or point file, or add --sdf, --mesh or --points; see "
+                   "implicit-geodesic --help");
+    const bool volume = o.kind == SurfaceKind::Volume;
+    if (volume && (o.voxelSize > 0 || o.resolution > 0))
+        usageError("--voxel-size and --resolution are for meshes and points",
+                   "a volume has a fixed voxel size: leave them out");
+    if (!volume && o.rebuild)
+        usageError("--rebuild is for volumes, and " + o.source.text() + " is none",
+                   "leave it out: meshes and points need no signed distance");
+    if (o.kind != SurfaceKind::Mesh && o.joinGaps > 0)
+        usageError("--join-gaps is for meshes, and " + o.source.text() + " is none",
+                   "leave it out");
     if (o.joinGaps > 0 && o.scheme == igeo::Scheme::Godunov)
         usageError("--join-gaps is for scheme jet, and --scheme is godunov",
                    "leave out one of the two");
@@ -27,8 +34,8 @@ void checkSurface(const RunOptions& o) {
 /// A mesh or points by the name of the file, given as a volume.
 void checkKind(const RunOptions& o) {
     if (o.kind != SurfaceKind::Volume) return;
-    const bool mesh = igeo::isMeshFile(o.source.file);
-    if (mesh || igeo::isPointFile(o.source.file))
+    const bool mesh = kindByName(o.source.file) == SurfaceKind::Mesh;
+    if (mesh || kindByName(o.source.file) == SurfaceKind::Points)
         usageError(
             "--sdf " + o.source.text() + ": its ending is that of " + (mesh ? "a mesh" : "points"),
             std::string("write ") + (mesh ? "--mesh " : "--points ") + o.source.text());
@@ -71,6 +78,31 @@ double gibibytesOf(const std::string& word) {
     return *number * bytes / kGiB;
 }
 
+/// What -h has: the options used most, in a few words each.
+void describeBriefly(Command& command) {
+    const std::pair<const char*, const char*> words[] = {
+        {"--seed", "where the distance is 0; of meshes also vertex:123, +x"},
+        {"--seeds", "seeds from a .json or .csv file"},
+        {"--target", "where a path to the nearest seed starts"},
+        {"--targets", "targets from a .json or .csv file"},
+        {"--max-distance", "stop beyond this distance"},
+        {"--voxel-size", "of a mesh or points [longest side / 256]"},
+        {"--weight", "cost per unit length: any float grid"},
+        {"--obstacle", "where no path may go: a mask, a level set"},
+        {"--output", "distances [<sdf>_geodesic.vdb, here]"},
+        {"--grids", "more in it: gradient, label, color, logmap, ..."},
+        {"--paths", "paths as .json or .obj"},
+        {"--isolines", "lines of equal distance: .json .obj .ply"},
+        {"--mesh-out", "the surface with distances: .ply .obj"},
+        {"--per-vertex", "distances at the vertices of the mesh: .csv .npy"},
+        {"--matrix", "from all seeds to all targets: .csv .json .npy"},
+        {"--image", "a picture"},
+        {"--report", "what was done, as JSON"}};
+    for (Option& option : command.options)
+        for (const auto& [name, brief] : words)
+            if (option.longName() == name) option.brief = brief;
+}
+
 }  // namespace
 
 Command jobCommand(RunOptions& o) {
@@ -95,6 +127,7 @@ Command jobCommand(RunOptions& o) {
 
 Command runCommand(RunOptions& o) {
     Command command = jobCommand(o);
+    addSurfaceArgument(command, o);
     // A batch has options for all of its jobs, which need not matter to each.
     command.check = [&o] {
         checkTogether(o);
@@ -102,10 +135,10 @@ Command runCommand(RunOptions& o) {
     };
     addProcessOptions(command, o);
     command.add("Run", {helpOption(), versionOption()});
+    describeBriefly(command);
     command.about =
         "Geodesic distances and shortest paths along a surface: a signed-distance volume, a mesh "
-        "or "
-        "points.\n"
+        "or points.\n"
         "Lengths are in world units of the surface; defaults are in brackets.";
     command.exitCodes = {{0, "done"},
                          {1, "failed"},
@@ -114,7 +147,7 @@ Command runCommand(RunOptions& o) {
                          {4, "done, but a target is unreached"},
                          {130, "interrupted"}};
     command.examples = {
-        {"implicit-geodesic --sdf data/trefoil.vdb --seed 0,-0.42,0",
+        {"implicit-geodesic data/trefoil.vdb --seed 0,-0.42,0",
          "distances along the surface, in trefoil_geodesic.vdb"},
         {"implicit-geodesic --sdf data/sphere.vdb --seed 0,0,1 --target 0.6,0,-0.8 --paths "
          "path.json",
