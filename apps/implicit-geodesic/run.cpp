@@ -137,6 +137,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     const igeo::GeodesicSolver solver = prepared.solver.with(rules);
     checkGridNames(o, solver.surface().gridName());
     const SeedInput input = readSeeds(o, solver.surface());
+    checkSeeds(o, input.seeds);
     RunReport report = newReport(solver, prepared.metric, input);
 
     const igeo::Distance distance = o.hasSeeds()
@@ -153,8 +154,10 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     warnOfOverrunSeeds(distance, report);
     warnOfIdleObstacles(distance, report);
 
-    report.paths = distance.paths(o.straighten, stages);
-    stages.finished("trace");
+    if (showsPaths(o, distance.targets().size())) {
+        report.paths = distance.paths(o.straighten, stages);
+        stages.finished("trace");
+    }
     warnOfLongPaths(distance.band().transform.dx, report);
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
         report.accuracy = estimate(distance, console, stages);
@@ -163,7 +166,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     report.pairs = solvePairs(solver, o, stages);
     report.vias = solveVias(solver, o, stages);
 
-    RunResult result{o, solver, distance, report, stages};
+    RunResult result{o, input, solver, distance, report, stages};
     writeResults(result);
     stages.finished("write");
     report.seconds = stages.seconds();

@@ -2,6 +2,7 @@
 
 #include <igeo/band/detail/snap.h>
 #include <igeo/base/detail/text.h>
+#include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/signed_field.h>
 #include <igeo/path/curve_normals.h>
@@ -11,6 +12,13 @@
 #include <utility>
 
 namespace igeo {
+
+const TriangleMesh& requireMesh(const Surface& surface) {
+    if (const TriangleMesh* mesh = surface.triangles()) return *mesh;
+    throw Error(Error::Kind::InvalidArgument,
+                surface.facts().name + " is no mesh, and has no vertices",
+                "take the surface as triangles, which has vertices with distances");
+}
 
 Polyline inWorld(const Path& path, const Similarity& t) {
     Polyline line;
@@ -89,6 +97,25 @@ std::vector<Polyline> Distance::paths(bool straightened, Progress& progress) con
         }
     });
     return lines;
+}
+
+std::vector<double> Distance::atTargets() const {
+    std::vector<double> distances(targets_.size());
+    parallelFor(distances.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const SurfacePoint& p = targets_[k];
+            distances[k] = band_->transform.dx *
+                           sampleDistance(*field_, p.pIndex, Vec3d(band_->normal[p.node]));
+        }
+    });
+    return distances;
+}
+VertexValues Distance::atVertices(Progress& progress) const {
+    return vertexValues(requireMesh(surface_), *field_, progress);
+}
+Samples Distance::samples() const { return samplesOf(*field_); }
+DistanceMatrix Distance::matrix(Progress& progress) const {
+    return distances(*band_, field_->metric, field_->seeds, targets_, progress);
 }
 
 openvdb::FloatGrid::Ptr Distance::grid(const std::string& name) const {

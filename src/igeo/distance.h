@@ -4,6 +4,9 @@
 #include <igeo/band/surface_point.h>
 #include <igeo/march/field.h>
 #include <igeo/path/trace.h>
+#include <igeo/results/distance_matrix.h>
+#include <igeo/results/samples.h>
+#include <igeo/results/vertex_values.h>
 #include <igeo/surface.h>
 
 #include <memory>
@@ -11,6 +14,9 @@
 #include <vector>
 
 namespace igeo {
+
+/// @throws Error  InvalidArgument for a surface that is no mesh
+const TriangleMesh& requireMesh(const Surface& surface);
 
 /// A geodesic on the surface, in world units.
 struct Polyline {
@@ -56,6 +62,20 @@ public:
     /// The same for the targets that the march was given, side by side.
     std::vector<Polyline> paths(bool straighten = false,
                                 Progress& progress = Progress::none()) const;
+
+    /// The distances of the targets that the march was given, in their order: as `at`, without a
+    /// sign.
+    std::vector<double> atTargets() const;
+    /// The distance and the nearest source at the vertices of the mesh, under the numbers of its
+    /// file.
+    /// @throws Error  InvalidArgument for a surface that is no mesh
+    VertexValues atVertices(Progress& progress = Progress::none()) const;
+    /// What jet found at its foot points (samplesOf).
+    /// @throws Error  InvalidArgument for another scheme
+    Samples samples() const;
+    /// Distances from each seed or group of seeds to each target, or between the seeds where the
+    /// march was given no target, each by a march of its own (distances).
+    DistanceMatrix matrix(Progress& progress = Progress::none()) const;
 
     /// As a grid in world units (distanceGrid), active where the distance is known.
     /// @param name  empty: <name of the surface's grid>_geodesic

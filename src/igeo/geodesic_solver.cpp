@@ -4,6 +4,7 @@
 #include <igeo/base/detail/box.h>
 #include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
 #include <igeo/march/godunov.h>
 #include <igeo/march/jet.h>
 #include <igeo/march/local_search.h>
@@ -17,56 +18,8 @@
 namespace igeo {
 
 namespace {
-
 using Kind = Error::Kind;
-
-/// A signed distance needs curves or regions, and nothing else.
-void requireSigned(const Seeds& seeds) {
-    if (!seeds.points.empty() || seeds.samples > 0 || seeds.curves.empty() == seeds.regions.empty())
-        throw Error(Kind::InvalidArgument,
-                    "a signed distance needs closed curves or regions, and seeds of one kind only",
-                    "give either curves or regions, and no other seed");
 }
-
-/// Voxels: up to here double precision tells differences of 1e-4.
-constexpr double kLatestStart = 1e12;
-
-/// @param start  world units times weight
-void requireStart(double start, double dx, const std::string& what) {
-    if (start >= 0 && start / dx <= kLatestStart) return;
-    throw Error(Kind::InvalidArgument,
-                fmt::format("{} starts at {:.6g}; allowed are 0 to {:.4g}, 1e12 voxels", what,
-                            start, kLatestStart * dx),
-                "give a smaller start value, or leave out what starts so late");
-}
-
-void requireStarts(const Seeds& seeds, double dx) {
-    for (std::size_t k = 0; k < seeds.points.size(); ++k)
-        requireStart(seeds.points[k].start, dx, "seed " + std::to_string(k));
-    for (std::size_t k = 0; k < seeds.curves.size(); ++k)
-        requireStart(seeds.curves[k].start, dx, "seed curve " + std::to_string(k));
-}
-
-/// What the march's distance is yet to become: 0 inside regions, or signed.
-void finishInside(const Seeds& seeds, Field& field, Progress& progress) {
-    std::vector<std::uint8_t> any(seeds.regions.empty() ? 0 : field.band->size());
-    for (std::size_t k = seeds.regions.size(); k-- > 0;) {
-        const std::vector<std::uint8_t> inside =
-            nodesInside(*field.band, *seeds.regions[k], progress);
-        for (std::size_t i = 0; i < any.size(); ++i) any[i] |= inside[i];
-        // Of regions that overlap the first counts, so it comes last.
-        if (!seeds.isSigned)
-            clearInside(inside, std::uint32_t(seeds.points.size() + seeds.curves.size() + k),
-                        field);
-    }
-    if (!seeds.isSigned) return;
-    if (seeds.regions.empty())
-        field.sign = signsOfCurves(field, progress);
-    else
-        signInside(any, field);
-}
-
-}  // namespace
 
 struct GeodesicSolver::Setup {
     Setup(Surface s, SolverOptions o, Progress& progress)
@@ -156,10 +109,22 @@ class Query {
 public:
     Query(const GeodesicSolver::Setup& setup, const Seeds& seeds, const MarchLimits& limits,
           Progress& progress)
-        : setup_(setup), asked_(seeds), limits_(limits), progress_(progress) {}
+        : setup_(setup), asked_(seeds), limits_(limits), progress_(progress) {
+        for (std::size_t k = 0; k < seeds.points.size(); ++k)
+            points_.push_back({seeds.points[k], "seed " + std::to_string(k), false});
+        for (std::size_t g = 0; g < seeds.groups.size(); ++g) addGroup(seeds.groups[g], g);
+    }
     Distance solve(const Surface& surface);
 
 private:
+    /// A point of a source.
+    struct AskedPoint {
+        Seed seed;
+        std::string name;  ///< for messages
+        bool joined;       ///< with the one before, in a group
+    };
+
+    void addGroup(const SeedGroup& group, std::size_t number);
     const Band& band() const { return *band_; }
     double firstReach(double limit) const;
     std::vector<Ball> regionWithin(double reach) const;
@@ -168,7 +133,7 @@ private:
     bool anyTooFar() const;
     void requireNearPoints() const;
     void makeMetric();
-    void requireFree(const std::vector<SurfacePoint>& points, const char* what) const;
+    void requireFree(const SurfacePoint& p, const std::string& what) const;
     void addCurvesAndRegions();
     std::string nameOf(const char* what, std::size_t number, std::size_t place) const {
         return place < asked_.names.size() ? asked_.names[place]
@@ -182,6 +147,7 @@ private:
     const Seeds& asked_;
     const MarchLimits& limits_;
     Progress& progress_;
+    std::vector<AskedPoint> points_;
     std::shared_ptr<const Band> band_;
     bool whole_ = false;
     MetricPtr metric_;
@@ -189,15 +155,24 @@ private:
     Field field_;
 };
 
+void Query::addGroup(const SeedGroup& group, std::size_t number) {
+    const std::string name =
+        "group " + (group.name.empty() ? std::to_string(number) : "'" + group.name + "'");
+    if (group.points.empty())
+        throw Error(Kind::InvalidArgument, name + " has no points", "give it one, or leave it out");
+    for (std::size_t k = 0; k < group.points.size(); ++k)
+        points_.push_back({group.points[k], "seed " + std::to_string(k) + " of " + name, k > 0});
+}
+
 /// How far a first march goes: to the limit, or as far as the targets may be.
 double Query::firstReach(double limit) const {
     if (!limits_.stopAtTargets) return limit;
     double farthest = 0;
     for (const Vec3d& target : limits_.targets) {
         double nearest = kInfinity;
-        for (const Seed& seed : asked_.points)
+        for (const AskedPoint& p : points_)
             nearest =
-                std::min(nearest, length(setup_.indexOf(target) - setup_.indexOf(seed.position)));
+                std::min(nearest, length(setup_.indexOf(target) - setup_.indexOf(p.seed.position)));
         farthest = std::max(farthest, nearest);
     }
     return std::min(limit, std::max(1.5 * farthest, 16.0) * setup_.leastWeight);
@@ -212,14 +187,14 @@ std::vector<Ball> Query::regionWithin(double reach) const {
     constexpr double kBeyond = 16, kShort = 1.1;
     // Every leaf is compared with every ball: for many points the whole surface is cheaper.
     constexpr std::size_t kMany = 200;
-    if (!(reach < kInfinity) || asked_.points.size() + limits_.targets.size() > kMany ||
+    if (!(reach < kInfinity) || points_.size() + limits_.targets.size() > kMany ||
         setup_.needsWholeSurface || asked_.extended() || asked_.samples > 0)
         return {};
     const double radius = std::max(reach, 0.0) / setup_.leastWeight;
     std::vector<Ball> region;
-    for (const Seed& seed : asked_.points)
+    for (const AskedPoint& p : points_)
         region.push_back(
-            {setup_.indexOf(seed.position), setup_.snapVoxels() + kShort * radius + kBeyond});
+            {setup_.indexOf(p.seed.position), setup_.snapVoxels() + kShort * radius + kBeyond});
     for (const Vec3d& target : limits_.targets)
         region.push_back({setup_.indexOf(target), setup_.snapVoxels() + kBeyond});
     return region;
@@ -233,14 +208,22 @@ void Query::makeBand(const std::vector<Ball>& region) {
 }
 
 void Query::snapPoints() {
-    seeds_.clear();
-    targets_.clear();
-    for (const Seed& seed : asked_.points) {
-        seeds_.push_back(setup_.surface.nearest(band(), setup_.indexOf(seed.position)));
-        seeds_.back().start = seed.start / band().transform.dx;
+    auto snapAll = [&](std::size_t count, const auto& positionOf) {
+        std::vector<SurfacePoint> snapped(count);
+        parallelFor(count, 64, [&](std::size_t begin, std::size_t end) {
+            if (progress_.cancelled()) return;
+            for (std::size_t k = begin; k < end; ++k)
+                snapped[k] = setup_.surface.nearest(band(), setup_.indexOf(positionOf(k)));
+        });
+        progress_.throwIfCancelled();
+        return snapped;
+    };
+    seeds_ = snapAll(points_.size(), [&](std::size_t k) { return points_[k].seed.position; });
+    for (std::size_t k = 0; k < seeds_.size(); ++k) {
+        seeds_[k].start = points_[k].seed.start / band().transform.dx;
+        seeds_[k].joined = points_[k].joined;
     }
-    for (const Vec3d& target : limits_.targets)
-        targets_.push_back(setup_.surface.nearest(band(), setup_.indexOf(target)));
+    targets_ = snapAll(limits_.targets.size(), [&](std::size_t k) { return limits_.targets[k]; });
 }
 
 bool Query::anyTooFar() const {
@@ -251,29 +234,24 @@ bool Query::anyTooFar() const {
 
 void Query::requireNearPoints() const {
     for (std::size_t k = 0; k < seeds_.size(); ++k)
-        setup_.requireNear(seeds_[k], band(), asked_.points[k].position,
-                           "seed " + std::to_string(k));
+        setup_.requireNear(seeds_[k], band(), points_[k].seed.position, points_[k].name);
     for (std::size_t k = 0; k < targets_.size(); ++k)
         setup_.requireNear(targets_[k], band(), limits_.targets[k], "target " + std::to_string(k));
 }
 
-void Query::requireFree(const std::vector<SurfacePoint>& points, const char* what) const {
-    for (std::size_t k = 0; k < points.size(); ++k) {
-        const Vec3d& p = points[k].pIndex;
-        if (!metric_->blocked(p, p, Vec3d(band().normal[points[k].node]))) continue;
-        const Vec3d world = band().transform.worldFromIndex(p);
-        throw Error(Kind::InvalidArgument,
-                    std::string(what) + " " + std::to_string(k) + " (" + textOf(world, 9) +
-                        ") lies inside an obstacle",
-                    "move it, or leave the obstacle out");
-    }
+void Query::requireFree(const SurfacePoint& p, const std::string& what) const {
+    if (!metric_->blocked(p.pIndex, p.pIndex, Vec3d(band().normal[p.node]))) return;
+    const Vec3d world = band().transform.worldFromIndex(p.pIndex);
+    throw Error(Kind::InvalidArgument, what + " (" + textOf(world, 9) + ") lies inside an obstacle",
+                "move it, or leave the obstacle out");
 }
 
 void Query::makeMetric() {
     metric_ = setup_.metricOf(band(), whole_, progress_);
     if (!metric_) return;
-    requireFree(seeds_, "seed");
-    requireFree(targets_, "target");
+    for (std::size_t k = 0; k < seeds_.size(); ++k) requireFree(seeds_[k], points_[k].name);
+    for (std::size_t k = 0; k < targets_.size(); ++k)
+        requireFree(targets_[k], "target " + std::to_string(k));
     progress_.finished("metric");
 }
 
@@ -356,7 +334,8 @@ Distance Query::solve(const Surface& surface) {
                        return region.empty() || allFound();
                    });
     if (!near) solveOn({}, limit);
-    finishInside(asked_, field_, progress_);
+    finishInside(asked_.regions, asked_.points.size() + asked_.groups.size() + asked_.curves.size(),
+                 asked_.isSigned, field_, progress_);
     return Distance(surface, setup_.width, band_, whole_, std::move(field_), std::move(targets_),
                     setup_.maxSnap);
 }
@@ -381,10 +360,7 @@ GeodesicSolver GeodesicSolver::with(const QueryRules& rules) const {
 
 Distance GeodesicSolver::distance(const Seeds& seeds, const MarchLimits& limits,
                                   Progress& progress) const {
-    if (seeds.empty())
-        throw Error(Kind::InvalidArgument, "there is no seed", "give a point, a curve or a region");
-    if (seeds.isSigned) requireSigned(seeds);
-    requireStarts(seeds, setup_->transform().dx);
+    seeds.requireUsable(setup_->transform().dx);
     return Query(*setup_, seeds, limits, progress).solve(setup_->surface);
 }
 

@@ -7,6 +7,7 @@
 #include <igeo/metric/metric_definition.h>
 #include <igeo/results/distance_matrix.h>
 #include <igeo/results/pair_distances.h>
+#include <igeo/results/vertex_values.h>
 #include <igeo/surface.h>
 
 #include <initializer_list>
@@ -34,9 +35,17 @@ struct SolverOptions {
     QueryRules rules;
 };
 
-/// Where the distance is 0.
+/// Points that are one seed: the distance from a group is that from its nearest point.
+struct SeedGroup {
+    std::string name;  ///< for messages and results; may be empty
+    std::vector<Seed> points;
+};
+
+/// Where the distance is 0. Its points, groups, curves, regions and samples are its sources, which
+/// labels number in this order.
 struct Seeds {
     std::vector<Seed> points;
+    std::vector<SeedGroup> groups;
     std::vector<Curve> curves;                              ///< `start` in world units
     std::vector<std::shared_ptr<const Obstacles>> regions;  ///< the part of the surface inside
     /// What messages call the curves and then the regions; may be empty.
@@ -51,7 +60,14 @@ struct Seeds {
 
     /// Whether there are curves or regions.
     bool extended() const { return !curves.empty() || !regions.empty(); }
-    bool empty() const { return points.empty() && !extended() && samples == 0; }
+    bool empty() const { return points.empty() && groups.empty() && !extended() && samples == 0; }
+    /// @param dx  voxel size
+    /// @throws Error  InvalidArgument without seeds, for start values below 0 or beyond 1e12
+    /// voxels,
+    ///         and for `isSigned` with seeds of another kind than either curves or regions
+    void requireUsable(double dx) const;
+    /// Each source by itself, without the samples, which only a march finds.
+    std::vector<Seeds> sources() const;
 };
 
 /// How far a march goes, and the points that it is for.
@@ -98,6 +114,14 @@ public:
     /// bits for any number of threads.
     Distance distance(const Seeds& seeds, const MarchLimits& limits = {},
                       Progress& progress = Progress::none()) const;
+
+    /// Distances from several seeds one by one, at the vertices of the mesh: column k has what
+    /// distance(seeds[k], limits).atVertices() has, and the name of its group or its number k. The
+    /// seeds are marched side by side, with at most one field per thread in memory.
+    /// @throws Error  as distance; InvalidArgument for a surface that is no mesh
+    std::vector<VertexColumn> atVertices(const std::vector<Seeds>& seeds,
+                                         const MarchLimits& limits = {},
+                                         Progress& progress = Progress::none()) const;
 
     /// Distances between pairs of points by `jet`, each found on the part of the surface around it
     /// (pair_distances.h).

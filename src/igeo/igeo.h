@@ -21,5 +21,6 @@
 #include <igeo/results/isolines.h>
 #include <igeo/results/log_map.h>
 #include <igeo/results/picture.h>
+#include <igeo/results/surface_files.h>
 #include <igeo/results/voronoi_cells.h>
 #include <igeo/surface/rebuild.h>

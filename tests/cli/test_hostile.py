@@ -84,11 +84,13 @@ class Hostile(unittest.TestCase):
         self.refused("has job 9223372036854775808 of 7", "batch", "merge", "part.json")
 
     def test_parts_of_matrices_are_checked(self):
-        part = {"schema": 2, "type": "matrix", "seeds": [0, 0], "targets": [0, 0],
+        point = {"position": [0, 0, 0]}
+        part = {"schema": 2, "type": "matrix", "seeds": [point, point], "targets": [point, point],
                 "rows": {"first": 0, "count": 2}, "distance": [[0, 1], [1, 0]], "asymmetry": 0}
         self.write("part.json", part)
         self.assertEqual(self.run_program("batch", "merge", "--matrix", "part.json").returncode, DONE)
-        for change in ({"seeds": 5}, {"targets": None}, {"distance": {}}, {"distance": [["a", 1], [1, 0]]},
+        for change in ({"seeds": 5}, {"targets": None}, {"seeds": [0, 0]}, {"targets": [point, {"position": [0]}]},
+                       {"targets": [point, {"group": 5}]}, {"distance": {}}, {"distance": [["a", 1], [1, 0]]},
                        {"distance": [[0], [1]]}, {"distance": [[0, 1]]}, {"rows": {"first": 2**63, "count": 2}},
 {"rows": []}, {"distance": [5, 6]}):
             self.write("part.json", {**part, **change})

@@ -23,6 +23,11 @@ import images  # noqa: E402
 PROGRAM = os.path.abspath(os.environ.get("IGEO_PROGRAM", ROOT / "build/release/bin/implicit-geodesic"))
 
 
+def srgb(light):
+    """Of a gray in linear light."""
+    return 12.92 * light if light <= 0.0031308 else 1.055 * light ** (1 / 2.4) - 0.055
+
+
 class Pipelines(unittest.TestCase):
     def setUp(self):
         self.desk = tempfile.TemporaryDirectory()
@@ -140,12 +145,13 @@ class Pipelines(unittest.TestCase):
                 if r > 1.03:
                     self.assertEqual(pixel, (0, 0, 0))
                 elif r < 0.95:
-                    # From above the seed, distance asin r. Gray goes from black to white in sRGB,
-                    # which the grid holds and vdb_render writes as it is. It takes the nearest
-                    # voxel, at most half a diagonal away; a gray level is 0.0123 of distance.
+                    # From above the seed, distance asin r. Gray goes from black to white in sRGB; the
+                    # grid holds linear light, which vdb_render writes as it is. It takes the nearest
+                    # voxel, at most half a diagonal away.
                     self.assertEqual(len(set(pixel)), 1)
-                    distance = (pixel[0] + 0.5) / 256 * math.pi
-                    self.assertAlmostEqual(distance, math.asin(r), delta=0.05 * math.sqrt(3) / 2 + 0.0123)
+                    slack = 0.05 * math.sqrt(3) / 2
+                    self.assertLess(math.pi * srgb(pixel[0] / 256) - slack, math.asin(r))
+                    self.assertGreater(math.pi * srgb((pixel[0] + 1) / 256) + slack, math.asin(r))
                     seen += 1
         self.assertGreater(seen, 28000)
 

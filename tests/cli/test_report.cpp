@@ -160,12 +160,12 @@ TEST_CASE("pathCurves: a number and a name for each, through all kinds") {
 TEST_CASE("matrixJson: world units, null where there is no way") {
     const Run run;
     DistanceMatrix m;
-    m.seeds = {run.field.seeds[0]};
+    m.seeds = {{"", inWorld(run.field.seeds[0], run.band.transform)}};
     m.targets.resize(3);
-    m.targets[2].pIndex = {3, 0, 0};
+    m.targets[2].point.position = {11.5, 20, 30};
     m.distance = {0, kInfinity, 1.0 / 3};
     m.asymmetry = 0.25;
-    const json j = parse(matrixJson(run.report, run.band, m));
+    const json j = parse(matrixJson(run.report, 0.5, m));
     CHECK(j["type"] == "matrix");
     CHECK(j["surface"]["grid"] == "psi");
     REQUIRE(j["seeds"].size() == 1);
@@ -179,7 +179,7 @@ TEST_CASE("matrixJson: world units, null where there is no way") {
 
     m.firstRow = 4;
     m.asymmetry = std::nan("");
-    const json part = parse(matrixJson(run.report, run.band, m));
+    const json part = parse(matrixJson(run.report, 0.5, m));
     CHECK(part["rows"] == json({{"first", 4}, {"count", 1}}));
     CHECK(part["distance"] == j["distance"]);
     CHECK(part["asymmetry"].is_null());

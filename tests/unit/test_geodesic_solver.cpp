@@ -236,4 +236,60 @@ TEST_CASE("InterrupterProgress and OpenVdbInterrupter: either stops the other's 
     expectError(Error::Kind::Cancelled, {}, [&] { rebuilt(fog, 0, stop); });
 }
 
+TEST_CASE("GeodesicSolver: a group is one source, and each source has a column of its own",
+          "[mesh]") {
+    const TriangleMesh mesh = sphereMesh({0, 0, 0}, 1, 3);
+    const GeodesicSolver solver{Surface(mesh, {.size = 0.05})};
+    const std::vector<Vec3d>& p = mesh.points;
+    Seeds seeds{{p[0]}};
+    seeds.groups = {{"two", {p[5], p[40]}}, {"", {p[100]}}};
+    const igeo::Distance d = solver.distance(seeds);
+    CHECK(d.field().sourceCount() == 3);
+    const VertexValues all = d.atVertices();
+    CHECK(all.distance[0] == 0);
+    CHECK(all.label[40] == 1);
+    CHECK(all.label[100] == 2);
+
+    const std::vector<VertexColumn> columns = solver.atVertices(seeds.sources());
+    REQUIRE(columns.size() == 3);
+    CHECK(columns[0].name == "distance_0");
+    CHECK(columns[1].name == "distance_two");
+    CHECK(columns[2].name == "distance_2");
+    CHECK(columns[0].distance == solver.distance({p[0]}).atVertices().distance);
+    const auto one = solver.distance({p[5]}).atVertices().distance,
+               other = solver.distance({p[40]}).atVertices().distance;
+    double off = 0, nearest = 0;
+    for (std::size_t v = 0; v < p.size(); ++v) {
+        off = std::max(off, std::abs(columns[1].distance[v] - std::min(one[v], other[v])));
+        const double least =
+            std::min({columns[0].distance[v], columns[1].distance[v], columns[2].distance[v]});
+        nearest = std::max(nearest, std::abs(all.distance[v] - least));
+    }
+    CHECK(off < 8.5e-5);      // measured 5.6e-5
+    CHECK(nearest < 3.7e-4);  // measured 2.4e-4
+
+    const igeo::Distance asked = solver.distance(seeds, {.targets = {p[7], p[8]}});
+    const std::vector<double> targets = asked.atTargets();
+    CHECK(targets[1] == Approx(asked.at(p[8])));
+    const DistanceMatrix m = asked.matrix();
+    CHECK(m.rows() == 3);
+    CHECK(std::min({m.at(0, 0), m.at(1, 0), m.at(2, 0)}) == Approx(targets[0]).margin(0.003));
+    CHECK(asked.samples().position.size() > 1000);
+
+    const ThreadLimit limit(1);
+    CHECK(solver.atVertices(seeds.sources())[1].distance == columns[1].distance);
+    expectError(Error::Kind::InvalidArgument, {"group 'none'"}, [&] {
+        Seeds empty;
+        empty.groups = {{"none", {}}};
+        solver.distance(empty);
+    });
+    expectError(Error::Kind::InvalidArgument, {"seed 1 of group 'off'"}, [&] {
+        Seeds away;
+        away.groups = {{"off", {p[0], Vec3d{9, 9, 9}}}};
+        solver.distance(away);
+    });
+    expectError(Error::Kind::InvalidArgument, {"no mesh"},
+                [&] { GeodesicSolver(Surface(*ball(0.1))).atVertices({{on(0, 0, 1)}}); });
+}
+
 }  // namespace igeo::test

@@ -13,7 +13,26 @@ struct MatrixPart {
     std::string file;
     Json document;
     std::size_t first = 0, count = 0;
+    std::vector<igeo::MatrixPlace> seeds = {}, targets = {};
 };
+
+/// What the rows or columns of a part are of, as far as a table shows it.
+std::vector<igeo::MatrixPlace> placesOf(const Json& list) {
+    std::vector<igeo::MatrixPlace> places;
+    for (const Json& entry : list) {
+        igeo::MatrixPlace place;
+        if (entry.contains("group")) {
+            entry.at("group").get_to(place.name);
+            entry.at("points").get_to(place.points);
+        } else {
+            const Json& p = entry.at("position");
+            place.point.position = {p.at(0).get<double>(), p.at(1).get<double>(),
+                                    p.at(2).get<double>()};
+        }
+        places.push_back(place);
+    }
+    return places;
+}
 
 MatrixPart readPart(const std::string& file) {
     MatrixPart part{file, readJson(file)};
@@ -34,6 +53,8 @@ MatrixPart readPart(const std::string& file) {
                 if (!d.is_number() && !d.is_null())
                     inputError(file + " holds distances that are no numbers", "write it again");
         part.document.at("asymmetry");
+        part.seeds = placesOf(part.document["seeds"]);
+        part.targets = placesOf(part.document["targets"]);
     } catch (const Json::exception&) {
         inputError(file + " is no part of a matrix", "write it again");
     }
@@ -50,8 +71,7 @@ void requireSameMatrix(const MatrixPart& a, const MatrixPart& b) {
                        "make all parts with the same options, but for --matrix-rows and files");
 }
 
-/// @return how many rows the matrix has
-std::size_t requireAllRows(const std::vector<MatrixPart>& parts) {
+void requireAllRows(const std::vector<MatrixPart>& parts) {
     std::size_t next = 0;
     const std::size_t rows = parts.front().document.at("seeds").size();
     auto range = [](std::size_t begin, std::size_t end) {
@@ -71,7 +91,6 @@ std::size_t requireAllRows(const std::vector<MatrixPart>& parts) {
         next += part.count;
     }
     if (next < rows) missing(rows);
-    return rows;
 }
 
 }  // namespace
@@ -87,9 +106,10 @@ std::string joinedMatrix(const std::vector<std::string>& files, const std::strin
         return std::pair(a.first, a.count) < std::pair(b.first, b.count);
     });
     igeo::DistanceMatrix matrix;
-    matrix.seeds.resize(requireAllRows(parts));
+    requireAllRows(parts);
     Json& whole = parts.front().document;
-    matrix.targets.resize(whole.at("targets").size());
+    matrix.seeds = parts.front().seeds;
+    matrix.targets = parts.front().targets;
     for (const MatrixPart& part : parts)
         for (const Json& row : part.document["distance"]) {
             if (row.size() != matrix.targets.size())

@@ -1,5 +1,6 @@
 #include "input/seed_input.h"
 
+#include <igeo/base/error.h>
 #include <igeo/io/vdb_read.h>
 #include <igeo/metric/obstacles.h>
 
@@ -9,19 +10,39 @@
 
 namespace {
 
-/// Points of an option and of a file, in that order, where they are.
-std::vector<igeo::Seed> pointsOf(const std::vector<igeo::AskedPoint>& given,
-                                 const std::string& file, const SeedOptions& options,
-                                 const igeo::Surface& surface) {
-    std::vector<igeo::AskedPoint> asked = given;
-    if (!file.empty()) {
-        const auto more = guardedRead(file, [&] { return igeo::readPoints(file); });
-        asked.insert(asked.end(), more.begin(), more.end());
-    }
+std::vector<igeo::Seed> placed(const std::vector<igeo::AskedPoint>& asked,
+                               const SeedOptions& options, const igeo::Surface& surface) {
     std::vector<igeo::Seed> points;
     for (const igeo::AskedPoint& p : asked)
         points.emplace_back(positionOf(p, options, surface), p.start);
     return points;
+}
+
+/// The points of --seed, then what --seeds holds.
+void addPointsAndGroups(const SeedOptions& o, const igeo::Surface& surface, SeedInput& in) {
+    std::vector<igeo::AskedPoint> asked = o.seeds;
+    igeo::AskedSeeds more;
+    if (!o.seedFile.empty())
+        more = guardedRead(o.seedFile, [&] { return igeo::readSeeds(o.seedFile); });
+    asked.insert(asked.end(), more.points.begin(), more.points.end());
+    in.seeds.points = placed(asked, o, surface);
+    in.names.resize(in.seeds.points.size());
+    for (const igeo::AskedGroup& group : more.groups) {
+        const std::string name = group.name.empty() ? "" : "'" + group.name + "'";
+        in.names.push_back("group " +
+                           (name.empty() ? std::to_string(in.seeds.groups.size()) : name));
+        in.seeds.groups.push_back(
+            {group.name, igeo::naming(o.seedFile + ", " + in.names.back(),
+                                      [&] { return placed(group.points, o, surface); })});
+    }
+}
+
+std::vector<igeo::AskedPoint> targetsOf(const SeedOptions& o) {
+    std::vector<igeo::AskedPoint> asked = o.targets;
+    if (o.targetFile.empty()) return asked;
+    const auto more = guardedRead(o.targetFile, [&] { return igeo::readPoints(o.targetFile); });
+    asked.insert(asked.end(), more.begin(), more.end());
+    return asked;
 }
 
 }  // namespace
@@ -35,8 +56,7 @@ igeo::Vec3d positionOf(const igeo::AskedPoint& point, const SeedOptions& o,
 
 SeedInput readSeeds(const SeedOptions& o, const igeo::Surface& surface) {
     SeedInput in;
-    in.seeds.points = pointsOf(o.seeds, o.seedFile, o, surface);
-    in.names.resize(in.seeds.points.size());
+    addPointsAndGroups(o, surface, in);
     for (const std::string& file : o.seedCurves)
         for (const igeo::Curve& curve : guardedRead(file, [&] { return igeo::readCurves(file); })) {
             in.seeds.curves.push_back(curve);
@@ -55,7 +75,7 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Surface& surface) {
     }
     in.seeds.samples = std::size_t(o.sample);
     in.seeds.isSigned = o.withSign;
-    for (const igeo::Seed& p : pointsOf(o.targets, o.targetFile, o, surface))
+    for (const igeo::Seed& p : placed(targetsOf(o), o, surface))
         in.limits.targets.push_back(p.position);
     in.limits.stopAtTargets = o.stopAtTargets;
     if (o.maxDistance > 0) in.limits.maxDistance = o.maxDistance;

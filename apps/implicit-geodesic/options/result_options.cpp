@@ -120,18 +120,27 @@ std::vector<Option> meshAndTableOptions(ResultOptions& o) {
     return {
         {.names = {"--mesh-out"},
          .value = "FILE",
-         .text = "The surface as triangles with distance, label and color: .ply or .obj; - "
-                 "writes PLY to stdout",
+         .text = "The surface as triangles with distance, label and color: .ply, .vtp, .glb or "
+                 ".obj; - writes PLY to stdout",
          .reads = text(o.meshOut)},
         {.names = {"--per-vertex"},
          .value = "FILE",
          .text = "Distances at the vertices of --mesh, under the file's own numbers: .csv, "
-                 ".npy, or .ply or .obj with its own vertices and faces; - writes CSV to stdout",
+                 ".npy, .npz, .func.gii, or .ply, .vtp or .obj with its own vertices and faces; "
+                 "- writes CSV to stdout",
          .reads = text(o.perVertex)},
+        {.names = {"--per-seed"},
+         .text = "In --per-vertex, a column for each seed, group of seeds, curve or mask by itself",
+         .reads = flag(o.perSeed)},
+        {.names = {"--samples"},
+         .value = "FILE",
+         .text = "What jet found at its foot points: position, normal, distance, gradient, "
+                 "label; .npz, .csv or .ply; - writes CSV to stdout",
+         .reads = text(o.samples)},
         {.names = {"--matrix"},
          .value = "FILE",
          .text = "All distances from seeds to targets, or between the seeds if there is no "
-                 "target: .csv, .json or .npy; - writes CSV to stdout",
+                 "target: .csv (a line per target), .json or .npy; - writes CSV to stdout",
          .reads = text(o.matrix)},
         {.names = {"--matrix-rows"},
          .value = "K/N",

@@ -39,7 +39,8 @@ struct ResultOptions {
     std::set<Grid> grids;
     std::string name;  ///< of the distance grid; empty: <psi>_geodesic
     bool extend = false;
-    std::string paths, isolines, meshOut, perVertex, matrix, pairsOut, report;
+    std::string paths, isolines, meshOut, perVertex, samples, matrix, pairsOut, report;
+    bool perSeed = false;
     bool straighten = false;
     double pathStep = 0;               ///< between vertices of paths, world units; 0: as traced
     std::optional<double> pathOffset;  ///< of paths along the normal, world units

@@ -33,8 +33,8 @@ std::vector<Option> seedOptions(SeedOptions& o) {
              .reads = parsedEach(o.seeds, igeo::parsePoint)},
             {.names = {"--seeds"},
              .value = "FILE",
-             .text = "Seeds from a .json or .csv file: x,y,z and, if given, a start distance; or "
-                     "numbers of vertices",
+             .text = "Seeds from a .json or .csv file: x,y,z and, if given, a start distance; "
+                     "numbers of vertices; or in .json groups of them, each one seed",
              .reads = text(o.seedFile)},
             {.names = {"--seed-curve"},
              .value = "FILE",

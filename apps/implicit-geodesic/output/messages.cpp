@@ -13,7 +13,40 @@ using igeo::Vec3d;
 
 namespace {
 
+/// Targets that have a line each.
+constexpr std::size_t kFewTargets = 20;
+
+/// Of many targets how far they are, and how many are not reached.
+int tellTargets(const RunReport& report, const igeo::Distance& distance, const Console& console) {
+    const std::vector<double> d = distance.atTargets();
+    double least = igeo::kInfinity, most = 0;
+    std::size_t unreached = 0, first = 0;
+    for (std::size_t k = 0; k < d.size(); ++k) {
+        if (d[k] < igeo::kInfinity)
+            least = std::min(least, d[k]), most = std::max(most, d[k]);
+        else if (unreached++ == 0)
+            first = k;
+    }
+    if (unreached < d.size())
+        console.info(
+            fmt::format("{} targets: distances from {:.6g} to {:.6g}", d.size(), least, most));
+    if (unreached > 0)
+        console.warning(fmt::format("{} of {} targets, target {} the first, are unreachable: {}",
+                                    unreached, d.size(), first,
+                                    distance.field().stoppedEarly
+                                        ? "they lie beyond the distance marched"
+                                        : "no path on the surface joins them to a seed"));
+    const auto stalled = std::count_if(
+        report.paths.begin(), report.paths.end(),
+        [](const igeo::Polyline& p) { return p.status == igeo::PathStatus::Stalled; });
+    if (stalled > 0)
+        console.warning(
+            fmt::format("no descent to a seed was found from {} of {} targets", stalled, d.size()));
+    return unreached > 0 || stalled > 0 ? kUnreached : kDone;
+}
+
 int tellPaths(const RunReport& report, const igeo::Distance& distance, const Console& console) {
+    if (distance.targets().size() > kFewTargets) return tellTargets(report, distance, console);
     const igeo::Field& field = distance.field();
     int code = kDone;
     for (std::size_t k = 0; k < report.paths.size(); ++k) {
@@ -80,6 +113,11 @@ int tellPairs(const RunReport& report, const Console& console) {
 
 }  // namespace
 
+bool showsPaths(const RunOptions& o, std::size_t targets) {
+    return targets <= kFewTargets || o.straighten || !o.paths.empty() || !o.image.empty() ||
+           !o.report.empty() || o.asked(Grid::Engraved);
+}
+
 void describe(const igeo::Distance& distance, const Console& console) {
     if (!console.verbose()) return;
     const igeo::Band& band = distance.band();
@@ -93,6 +131,10 @@ void describe(const igeo::Distance& distance, const Console& console) {
         for (std::size_t k = 0; k < points->size(); ++k) {
             const igeo::SurfacePoint& p = (*points)[k];
             if (p.joined) continue;
+            if (k >= kFewTargets) {
+                console.detail(fmt::format("... {} {}s in all", points->size(), what));
+                break;
+            }
             console.detail(fmt::format("{} {}: {}, moved {:.3g}", what, k,
                                        textOf(band.transform.worldFromIndex(p.pIndex), 9),
                                        p.snapDistance * dx));

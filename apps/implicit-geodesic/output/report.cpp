@@ -98,9 +98,10 @@ json header(const char* type, int schema = 2) {
             {"space", "world"}};
 }
 
-json surfaceJson(const RunReport& r, const Band& band) {
-    return {{"file", r.surface.file}, {"grid", r.surface.name}, {"voxelSize", band.transform.dx}};
+json surfaceJson(const RunReport& r, double dx) {
+    return {{"file", r.surface.file}, {"grid", r.surface.name}, {"voxelSize", dx}};
 }
+json surfaceJson(const RunReport& r, const Band& band) { return surfaceJson(r, band.transform.dx); }
 
 const char* nameOf(SurfaceFacts::Kind kind) {
     switch (kind) {
@@ -293,13 +294,14 @@ std::string reportJson(const RunReport& r, const Field& field) {
     return dump(j, 2);
 }
 
-std::string matrixJson(const RunReport& r, const Band& band, const DistanceMatrix& m) {
+std::string matrixJson(const RunReport& r, double dx, const DistanceMatrix& m) {
     json j = header("matrix");
-    j["surface"] = surfaceJson(r, band);
-    for (const auto& [name, points] : {std::pair("seeds", &m.seeds), {"targets", &m.targets}}) {
+    j["surface"] = surfaceJson(r, dx);
+    for (const auto& [name, places] : {std::pair("seeds", &m.seeds), {"targets", &m.targets}}) {
         j[name] = json::array();
-        for (const SurfacePoint& p : *points)
-            j[name].push_back(pointJson(inWorld(p, band.transform)));
+        for (const MatrixPlace& p : *places)
+            j[name].push_back(p.isGroup() ? json{{"group", p.name}, {"points", p.points}}
+                                          : pointJson(p.point));
     }
     if (m.rows() < m.seeds.size() || std::isnan(m.asymmetry))
         j["rows"] = {{"first", m.firstRow}, {"count", m.rows()}};

@@ -60,8 +60,8 @@ std::string isolinesJson(const RunReport& report, const igeo::Field& field,
 std::string reportJson(const RunReport& report, const igeo::Field& field);
 
 /// docs/matrix.schema.json. Of the report, it takes the names of the surface.
-std::string matrixJson(const RunReport& report, const igeo::Band& band,
-                       const igeo::DistanceMatrix& matrix);
+/// @param dx  voxel size
+std::string matrixJson(const RunReport& report, double dx, const igeo::DistanceMatrix& matrix);
 
 /// docs/info.schema.json.
 std::string surveyJson(const igeo::FileSurvey& file);

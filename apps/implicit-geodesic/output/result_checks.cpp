@@ -54,6 +54,12 @@ void checkGrids(const RunOptions& o) {
 
 }  // namespace
 
+void checkSeeds(const RunOptions& o, const igeo::Seeds& seeds) {
+    if (!seeds.groups.empty() && o.asked(Grid::LogMap))
+        usageError("--grids logmap does not go with groups of seeds",
+                   "polar coordinates are those about a point");
+}
+
 void checkResults(const RunOptions& o) {
     for (const ResultKind& kind : resultKinds()) {
         if (kind.file(o, nullptr).empty()) continue;
@@ -97,7 +103,10 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
         {!o.pairsOut.empty(), !o.pairs.empty(), "--pairs-out", "--pairs"},
         {o.imageSize.has_value(), !o.image.empty(), "--image-size", "--image"},
         {o.camera.has_value(), !o.image.empty(), "--camera", "--image"},
-        {o.up.has_value(), !o.image.empty(), "--up", "--image"},
+        {o.up.has_value(), !o.image.empty() || endingOf(o.meshOut) == ".glb", "--up",
+         "--image or --mesh-out FILE.glb"},
+        {o.perSeed, !o.perVertex.empty() && endingOf(o.perVertex) != ".obj", "--per-seed",
+         "--per-vertex FILE that holds columns (.csv .npy .npz .ply .vtp .gii)"},
         {!o.colorMap.empty(),
          !o.image.empty() || !o.meshOut.empty() || !o.perVertex.empty() || o.asked(Grid::Color),
          "--color-map", "--image, --mesh-out, --per-vertex or --grids color"},

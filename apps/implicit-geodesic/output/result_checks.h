@@ -1,6 +1,8 @@
 /// What is refused of the results of a run, before anything is read. By the table of results.
 #pragma once
 
+#include <igeo/geodesic_solver.h>
+
 #include <string>
 #include <vector>
 
@@ -10,6 +12,10 @@
 /// @throws igeo::Error  InvalidArgument
 void checkResults(const RunOptions& options);
 void refuseWithoutEffect(const RunOptions& options);
+
+/// Refuses results that groups of seeds do not give, once the seeds are read.
+/// @throws igeo::Error  InvalidArgument
+void checkSeeds(const RunOptions& options, const igeo::Seeds& seeds);
 
 struct WithoutEffect {
     std::string option, users;  ///< --straighten; what would make it matter

@@ -3,8 +3,7 @@
 #include <igeo/results/color_map.h>
 #include <igeo/results/distance_matrix.h>
 #include <igeo/results/picture.h>
-#include <igeo/results/surface_mesh.h>
-#include <igeo/results/vertex_values.h>
+#include <igeo/results/surface_files.h>
 
 #include <algorithm>
 
@@ -34,11 +33,22 @@ igeo::Color srgb(const RunOptions& options) {
     };
 }
 
-void writeMesh(RunResult& r, const std::string& file) {
-    const igeo::Color color = srgb(r.options);
+igeo::Color linear(const RunOptions& options) {
+    return
+        [colors = igeo::ColorMap(colorMapOf(options))](double t) { return igeo::Vec3f(colors(t)); };
+}
+
+std::string meshAs(const std::string& ending, RunResult& r) {
     const igeo::Similarity& transform = r.band().transform;
-    writeDocument(file, endingOf(file) == ".obj" ? igeo::surfaceObj(r.mesh(), transform, color)
-                                                 : igeo::surfacePly(r.mesh(), transform, color));
+    if (ending == ".vtp") return igeo::surfaceVtp(r.mesh(), transform);
+    if (ending == ".glb")
+        return igeo::surfaceGlb(r.mesh(), transform, linear(r.options), r.options.up == UpAxis::Z);
+    return (ending == ".obj" ? igeo::surfaceObj : igeo::surfacePly)(r.mesh(), transform,
+                                                                    srgb(r.options));
+}
+
+void writeMesh(RunResult& r, const std::string& file) {
+    writeDocument(file, meshAs(endingOf(file), r));
 }
 
 void writeIsolines(RunResult& r, const std::string& file) {
@@ -48,28 +58,68 @@ void writeIsolines(RunResult& r, const std::string& file) {
                             : isolinesJson(r.report, r.field(), r.isolines()));
 }
 
+/// The sources one by one. Samples are points that the march has found.
+std::vector<igeo::Seeds> sourcesOf(const RunResult& r) {
+    std::vector<igeo::Seeds> sources = r.input.seeds.sources();
+    const std::vector<igeo::SurfacePoint>& found = r.field().seeds;
+    const igeo::Similarity& transform = r.band().transform;
+    for (std::size_t k = found.size() - (r.field().sourceCount() - sources.size());
+         k < found.size(); ++k) {
+        const igeo::Vec3d p = found[k].pIndex;
+        sources.push_back(
+            {igeo::Seed(r.options.space == igeo::Space::Index ? p : transform.worldFromIndex(p))});
+    }
+    return sources;
+}
+
+std::string verticesAs(const std::string& ending, const igeo::TriangleMesh& mesh,
+                       const igeo::VertexValues& values, const igeo::Color& color) {
+    if (ending == ".npy") return igeo::verticesNpy(values);
+    if (ending == ".npz") return igeo::verticesNpz(values);
+    if (ending == ".gii") return igeo::verticesGifti(values);
+    if (ending == ".ply") return igeo::verticesPly(igeo::polygonsOf(mesh), values, color);
+    if (ending == ".vtp") return igeo::verticesVtp(igeo::polygonsOf(mesh), values);
+    if (ending == ".obj") return igeo::verticesObj(igeo::polygonsOf(mesh), values, color);
+    return igeo::verticesCsv(values);
+}
+
 void writeVertices(RunResult& r, const std::string& file) {
-    const igeo::TriangleMesh& mesh = *r.distance.surface().triangles();
-    const igeo::VertexValues values = igeo::vertexValues(mesh, r.field(), r.progress);
-    const igeo::Color color = srgb(r.options);
+    igeo::VertexValues values = r.distance.atVertices(r.progress);
+    if (r.options.perSeed)
+        values.columns = r.solver.atVertices(sourcesOf(r), r.input.limits, r.progress);
+    writeDocument(file, verticesAs(endingOf(file), *r.distance.surface().triangles(), values,
+                                   srgb(r.options)));
+}
+
+void writeSamples(RunResult& r, const std::string& file) {
+    const igeo::Samples samples = r.distance.samples();
     const std::string ending = endingOf(file);
-    writeDocument(file,
-                  ending == ".npy"   ? igeo::verticesNpy(values)
-                  : ending == ".ply" ? igeo::verticesPly(igeo::polygonsOf(mesh), values, color)
-                  : ending == ".obj" ? igeo::verticesObj(igeo::polygonsOf(mesh), values, color)
-                                     : igeo::verticesCsv(values));
+    writeDocument(file, ending == ".npz"   ? igeo::samplesNpz(samples)
+                        : ending == ".ply" ? igeo::samplesPly(samples)
+                                           : igeo::samplesCsv(samples));
+}
+
+/// Rows, and between seeds columns, have the names of the groups.
+void nameGroups(const igeo::Seeds& seeds, bool betweenSeeds, igeo::DistanceMatrix& matrix) {
+    for (std::size_t g = 0; g < seeds.groups.size(); ++g) {
+        const std::size_t k = seeds.points.size() + g;
+        matrix.seeds[k].name = seeds.groups[g].name;
+        if (betweenSeeds) matrix.targets[k].name = seeds.groups[g].name;
+    }
 }
 
 void writeMatrix(RunResult& r, const std::string& file) {
     const std::vector<igeo::SurfacePoint>&seeds = r.field().seeds, &targets = r.distance.targets();
     const igeo::MetricPtr& metric = r.field().metric;
     const std::optional<Part>& rows = r.options.matrixRows;
-    const igeo::DistanceMatrix matrix =
-        rows ? igeo::distanceRows(r.band(), metric, seeds, targets, rows->begin(seeds.size()),
-                                  rows->end(seeds.size()), r.progress)
+    const std::size_t count = r.field().sourceCount();
+    igeo::DistanceMatrix matrix =
+        rows ? igeo::distanceRows(r.band(), metric, seeds, targets, rows->begin(count),
+                                  rows->end(count), r.progress)
              : igeo::distances(r.band(), metric, seeds, targets, r.progress);
+    nameGroups(r.input.seeds, targets.empty(), matrix);
     const std::string ending = endingOf(file);
-    writeDocument(file, ending == ".json"  ? matrixJson(r.report, r.band(), matrix)
+    writeDocument(file, ending == ".json"  ? matrixJson(r.report, r.band().transform.dx, matrix)
                         : ending == ".npy" ? igeo::matrixNpy(matrix)
                                            : igeo::matrixCsv(matrix));
 }
@@ -114,16 +164,22 @@ const std::vector<ResultKind>& resultKinds() {
         {"--paths", "paths", kCurveFiles, [](Options o, Name) { return o.paths; }, {}, writePaths},
         {"--mesh-out",
          "mesh",
-         ".ply .obj",
+         ".ply .vtp .glb .obj",
          [](Options o, Name) { return o.meshOut; },
          {.seeds = true},
          writeMesh},
         {"--per-vertex",
          "vertices",
-         ".csv .npy .ply .obj",
+         ".csv .npy .npz .ply .vtp .gii .obj",
          [](Options o, Name) { return o.perVertex; },
          {.seeds = true, .mesh = true},
          writeVertices},
+        {"--samples",
+         "samples",
+         ".npz .csv .ply",
+         [](Options o, Name) { return o.samples; },
+         {.seeds = true, .jet = true},
+         writeSamples},
         {"--isolines",
          "isolines",
          kCurveFiles,

@@ -9,12 +9,14 @@
 #include <optional>
 #include <vector>
 
+#include "input/seed_input.h"
 #include "options/run_options.h"
 #include "output/report.h"
 
 /// All that results are made of. What several are made of is made once, by the first that asks.
 struct RunResult {
     const RunOptions& options;
+    const SeedInput& input;
     const igeo::GeodesicSolver& solver;
     const igeo::Distance& distance;
     RunReport& report;

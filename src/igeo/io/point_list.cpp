@@ -19,7 +19,8 @@ namespace igeo {
 namespace {
 
 using Kind = Error::Kind;
-using nlohmann::json;
+/// Members stay in the order of the file.
+using json = nlohmann::ordered_json;
 
 /// A first line in which no field begins like a number names the columns.
 bool isHeader(const std::string& line) {
@@ -207,12 +208,10 @@ std::ifstream open(const std::string& file) {
     return in;
 }
 
-std::vector<AskedPoint> pointsFrom(std::ifstream& in, const std::string& file) {
-    if (endsWith(file, ".json")) {
-        const std::string remedy =
-            R"(write [[x, y, z], ...], [{"position": [x, y, z], "start": s}, ...] or [vertex, ...])";
-        return readEntries(listFromJson(in, file, "points", remedy), file, remedy, pointFrom);
-    }
+constexpr const char* kPointsRemedy =
+    R"(write [[x, y, z], ...], [{"position": [x, y, z], "start": s}, ...] or [vertex, ...])";
+
+std::vector<AskedPoint> pointsFromText(std::istream& in, const std::string& file) {
     std::vector<AskedPoint> points;
     for (const auto& v : rowsFromText(in, file, {1, 3, 4}, "x,y,z, x,y,z,start or a vertex"))
         if (v.size() == 1)
@@ -220,6 +219,72 @@ std::vector<AskedPoint> pointsFrom(std::ifstream& in, const std::string& file) {
         else
             points.emplace_back(Vec3d{v[0], v[1], v[2]}, v.size() == 4 ? v[3] : 0.0);
     return points;
+}
+
+/// @throws Error  BadInput without points, and for a start value out of range
+void requirePoints(const std::vector<AskedPoint>& points, const std::string& file) {
+    if (points.empty())
+        throw Error(Kind::BadInput, file + " holds no points",
+                    "write one point per line: x,y,z or x,y,z,start, or a vertex");
+    for (const Seed& p : points)
+        if (!(p.start >= 0 && std::isfinite(p.start)))
+            throw Error(Kind::BadInput,
+                        fmt::format("{}: start value {:f} is negative", file, p.start),
+                        "start values are distances: finite and at least 0");
+}
+
+/// @param what  names the file, and the group in it
+AskedGroup groupFrom(const json& list, const std::string& name, const std::string& what) {
+    if (!list.is_array())
+        throw Error(Kind::BadInput, what + " is not a list of points", kPointsRemedy);
+    AskedGroup group{name, readEntries(list, what, kPointsRemedy, pointFrom)};
+    requirePoints(group.points, what);
+    return group;
+}
+
+std::vector<AskedGroup> groupsFrom(const json& groups, const std::string& file) {
+    std::vector<AskedGroup> all;
+    if (groups.is_object()) {
+        for (const auto& [name, list] : groups.items()) {
+            const bool hasControls = std::any_of(name.begin(), name.end(), [](char c) {
+                return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+            });
+            if (name.empty() || hasControls)
+                throw Error(Kind::BadInput,
+                            fmt::format("{}: the name of group {} is empty or holds a control "
+                                        "character",
+                                        file, all.size()),
+                            "give each group a name that can be printed");
+            all.push_back(groupFrom(list, name, file + ", group '" + name + "'"));
+        }
+    } else if (groups.is_array()) {
+        for (const json& list : groups)
+            all.push_back(groupFrom(list, "", file + ", group " + std::to_string(all.size())));
+    }
+    if (all.empty())
+        throw Error(
+            Kind::BadInput, file + ": \"groups\" is no list of groups",
+            R"(write {"groups": {"name": [vertex, ...], ...}} or {"groups": [[...], ...]})");
+    return all;
+}
+
+AskedSeeds seedsFrom(std::istream& in, const std::string& file) {
+    AskedSeeds seeds;
+    if (!endsWith(file, ".json")) {
+        seeds.points = pointsFromText(in, file);
+        requirePoints(seeds.points, file);
+        return seeds;
+    }
+    const json document = parsedJson(in, file);
+    if (document.is_object() && document.contains("groups")) {
+        seeds.groups = groupsFrom(document["groups"], file);
+        return seeds;
+    }
+    if (!document.is_array())
+        throw Error(Kind::BadInput, file + " is not a JSON list of points", kPointsRemedy);
+    seeds.points = readEntries(document, file, kPointsRemedy, pointFrom);
+    requirePoints(seeds.points, file);
+    return seeds;
 }
 
 }  // namespace
@@ -257,18 +322,17 @@ AskedPoint parsePoint(const std::string& text) {
     return {v[0], v[1], v[2]};
 }
 
-std::vector<AskedPoint> readPoints(const std::string& file) {
+AskedSeeds readSeeds(const std::string& file) {
     std::ifstream in = open(file);
-    const std::vector<AskedPoint> points = pointsFrom(in, file);
-    if (points.empty())
-        throw Error(Kind::BadInput, file + " holds no points",
-                    "write one point per line: x,y,z or x,y,z,start, or a vertex");
-    for (const Seed& p : points)
-        if (!(p.start >= 0 && std::isfinite(p.start)))
-            throw Error(Kind::BadInput,
-                        fmt::format("{}: start value {:f} is negative", file, p.start),
-                        "start values are distances: finite and at least 0");
-    return points;
+    return seedsFrom(in, file);
+}
+
+std::vector<AskedPoint> readPoints(const std::string& file) {
+    const AskedSeeds seeds = readSeeds(file);
+    if (!seeds.groups.empty())
+        throw Error(Kind::BadInput, file + " holds groups, where points are asked for",
+                    "give groups as seeds, and points as a list");
+    return seeds.points;
 }
 
 std::vector<Curve> readCurves(const std::string& file) {

@@ -25,6 +25,24 @@ struct AskedPoint : Seed {
 /// @throws Error  InvalidArgument for anything else
 AskedPoint parsePoint(const std::string& text);
 
+/// Points that are one seed.
+struct AskedGroup {
+    std::string name;  ///< empty: none
+    std::vector<AskedPoint> points;
+};
+
+/// What a file of seeds holds.
+struct AskedSeeds {
+    std::vector<AskedPoint> points;
+    std::vector<AskedGroup> groups;
+};
+
+/// Seeds from a file of points (readPoints), or groups of points from a .json file,
+/// {"groups": {"name": [...], ...}} or {"groups": [[...], ...]}, whose lists are as those of
+/// readPoints.
+/// @throws Error  Io, or BadInput with the line or the group and entry
+AskedSeeds readSeeds(const std::string& file);
+
 /// Points from a .json file, [[x, y, z], ...], [{"position": [x, y, z], "start": s}, ...] or
 /// numbers of vertices, [12, {"vertex": 40, "start": s}, ...]; or from a text file of lines
 /// x,y,z[,start] or of a vertex each; empty lines, lines with # and one header line are skipped.

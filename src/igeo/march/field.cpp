@@ -274,4 +274,29 @@ Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNor
     return field.atFootPoints ? reader.byJets() : reader.byVoxels();
 }
 
+Vec3d gradientAt(const Field& field, const Arrival& arrival, const Vec3d& pIndex,
+                 const SurfaceCell& cell) {
+    if (!(arrival.distance < kInfinity) || field.gradient.empty()) return {};
+    const bool isotropic = !field.metric->anisotropic();
+    const double here = isotropic ? field.metric->at(cell) : 1;
+    if (arrival.seed && isotropic)
+        return here * normalized(tangential(pIndex - arrival.seed->nearestTo(pIndex), cell.normal));
+    Vec3d sum{}, first{};
+    double lengths = 0, weights = 0, most = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        const NodeIndex j = cell.node[k];
+        if (j == kNoNode || !(field.distance[j] < kInfinity)) continue;
+        if (!field.label.empty() && field.label[j] != arrival.source) continue;
+        const Vec3d g = tangential(Vec3d(field.gradient[j]), cell.normal);
+        sum += cell.weight[k] * g;
+        lengths += cell.weight[k] * length(g);
+        weights += cell.weight[k];
+        if (cell.weight[k] > most) most = cell.weight[k], first = g;
+    }
+    // Where two fronts of one source meet they cancel each other: that of the nearest corner.
+    const bool cancels = !(length(sum) > 0.1 * lengths);
+    const Vec3d g = cancels ? first : (1 / weights) * sum;
+    return isotropic ? here * normalized(g) : g;
+}
+
 }  // namespace igeo

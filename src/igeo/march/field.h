@@ -90,6 +90,13 @@ struct Arrival {
 /// @param sheetNormal of the sheet that is meant, where two face each other within a cell
 Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal = {});
 
+/// The gradient of the distance along S where a front arrives: index space, as long as the weight
+/// there. Blended from the corners of the cell that have the front's source; within a start disc
+/// the direction away from the seed. 0 where not reached and at a seed.
+/// @param cell  around the point
+Vec3d gradientAt(const Field& field, const Arrival& arrival, const Vec3d& pIndex,
+                 const SurfaceCell& cell);
+
 /// Its distance.
 inline double sampleDistance(const Field& field, const Vec3d& pIndex,
                              const Vec3d& sheetNormal = {}) {

@@ -167,6 +167,22 @@ std::vector<std::int8_t> signsOfCurves(const Field& field, Progress& progress) {
     return sign;
 }
 
+void finishInside(const std::vector<std::shared_ptr<const Obstacles>>& regions, std::size_t first,
+                  bool isSigned, Field& field, Progress& progress) {
+    std::vector<std::uint8_t> any(regions.empty() ? 0 : field.band->size());
+    for (std::size_t k = regions.size(); k-- > 0;) {
+        const std::vector<std::uint8_t> inside = nodesInside(*field.band, *regions[k], progress);
+        for (std::size_t i = 0; i < any.size(); ++i) any[i] |= inside[i];
+        // Of regions that overlap the first counts, so it comes last.
+        if (!isSigned) clearInside(inside, std::uint32_t(first + k), field);
+    }
+    if (!isSigned) return;
+    if (regions.empty())
+        field.sign = signsOfCurves(field, progress);
+    else
+        signInside(any, field);
+}
+
 double signAt(const Field& field, const Vec3d& pIndex) {
     if (field.sign.empty()) return 1;
     const Band& band = *field.band;

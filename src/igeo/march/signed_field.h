@@ -5,7 +5,9 @@
 #include <igeo/march/field.h>
 #include <igeo/metric/metric.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace igeo {
@@ -30,6 +32,13 @@ void signInside(const std::vector<std::uint8_t>& inside, Field& field);
 ///         Cancelled
 /// Time O(n), one thread.
 std::vector<std::int8_t> signsOfCurves(const Field& field, Progress& progress = Progress::none());
+
+/// What is left to do after a march from sources of which some are regions: 0 inside of them, or,
+/// of a signed distance, the sign by them, or by the curves where there are none.
+/// @param first  number of the source that is the first region
+/// @throws Error  as signsOfCurves
+void finishInside(const std::vector<std::shared_ptr<const Obstacles>>& regions, std::size_t first,
+                  bool isSigned, Field& field, Progress& progress = Progress::none());
 
 /// The sign of the distance at a point of S: that of the nearest node; 1 where there are no sides.
 double signAt(const Field& field, const Vec3d& pIndex);

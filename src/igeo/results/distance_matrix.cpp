@@ -4,6 +4,7 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
+#include <igeo/results/detail/column_name.h>
 #include <igeo/results/detail/npy.h>
 
 #include <algorithm>
@@ -31,32 +32,63 @@ void makeSymmetric(DistanceMatrix& m) {
     }
 }
 
+namespace {
+
+using Group = std::vector<SurfacePoint>;
+
+std::vector<Group> groupsOf(const std::vector<SurfacePoint>& points) {
+    std::vector<Group> groups;
+    for (const SurfacePoint& p : points) {
+        if (!p.joined || groups.empty()) groups.emplace_back();
+        groups.back().push_back(p);
+    }
+    return groups;
+}
+
+std::vector<MatrixPlace> placesOf(const std::vector<Group>& groups, const Similarity& transform) {
+    std::vector<MatrixPlace> places;
+    for (const Group& group : groups)
+        places.push_back({"", inWorld(group.front(), transform), group.size()});
+    return places;
+}
+
+/// From the point of the group to which the front comes first.
+double distanceTo(const Group& group, const Field& field) {
+    double least = kInfinity;
+    for (const SurfacePoint& p : group)
+        least = std::min(least, sampleDistance(field, p.pIndex, Vec3d(field.band->normal[p.node])));
+    return least;
+}
+
+}  // namespace
+
 DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
                             const std::vector<SurfacePoint>& seeds,
                             const std::vector<SurfacePoint>& targets, std::size_t firstRow,
                             std::size_t endRow, Progress& progress) {
     if (seeds.empty())
         throw Error(Error::Kind::InvalidArgument, "a distance matrix needs at least one seed");
-    DistanceMatrix m{seeds, targets.empty() ? seeds : targets, firstRow, {}, 0};
+    const std::vector<SurfacePoint>& ends = targets.empty() ? seeds : targets;
+    const std::vector<Group> from = groupsOf(seeds), to = groupsOf(ends);
+    DistanceMatrix m{placesOf(from, band.transform), placesOf(to, band.transform), firstRow, {}, 0};
     if (targets.empty()) m.asymmetry = std::numeric_limits<double>::quiet_NaN();
-    const std::size_t rows = endRow - firstRow, columns = m.targets.size();
+    const std::size_t rows = endRow - firstRow, columns = to.size();
     m.distance.resize(rows * columns);
+    // To look for many targets takes longer than to march past them.
+    constexpr std::size_t kNodesPerTarget = 16;
+    const bool mayStop = ends.size() * kNodesPerTarget < band.coreSize();
     CancelOnly quiet(progress);
     std::atomic<std::size_t> done{0};
     parallelFor(rows, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            SurfacePoint seed = m.seeds[firstRow + k];
-            seed.start = 0;
+            Group group = from[firstRow + k];
+            for (SurfacePoint& seed : group) seed.start = 0;
             JetOptions options;
-            options.stopAt = m.targets;
-            const Field field = marchJet(band, metric, {seed}, options, quiet);
-            for (std::size_t t = 0; t < columns; ++t) {
-                const SurfacePoint& target = m.targets[t];
-                // In world units here, so that rows read from files have the same bits.
-                m.distance[k * columns + t] =
-                    band.transform.dx *
-                    sampleDistance(field, target.pIndex, Vec3d(band.normal[target.node]));
-            }
+            if (mayStop) options.stopAt = ends;
+            const Field field = marchJet(band, metric, group, options, quiet);
+            // In world units here, so that rows read from files have the same bits.
+            for (std::size_t t = 0; t < columns; ++t)
+                m.distance[k * columns + t] = band.transform.dx * distanceTo(to[t], field);
             progress.update("matrix", double(++done) / double(rows));
         }
     });
@@ -66,19 +98,24 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
 DistanceMatrix distances(const Band& band, const MetricPtr& metric,
                          const std::vector<SurfacePoint>& seeds,
                          const std::vector<SurfacePoint>& targets, Progress& progress) {
-    DistanceMatrix m = distanceRows(band, metric, seeds, targets, 0, seeds.size(), progress);
+    const std::size_t rows = sourcesOf(seeds).empty() ? 0 : sourcesOf(seeds).back() + 1;
+    DistanceMatrix m = distanceRows(band, metric, seeds, targets, 0, rows, progress);
     if (targets.empty()) makeSymmetric(m);
     return m;
 }
 
 std::string matrixCsv(const DistanceMatrix& m) {
-    std::string text = "seed";
-    for (std::size_t t = 0; t < m.targets.size(); ++t) text += fmt::format(",{}", t);
+    std::string text = "target,x,y,z";
+    const std::size_t endRow = m.firstRow + m.rows();
+    for (std::size_t s = m.firstRow; s < endRow; ++s)
+        text += "," + distanceColumn(m.seeds[s].name, s);
     text += "\n";
-    for (std::size_t s = m.firstRow; s < m.firstRow + m.rows(); ++s) {
-        text += std::to_string(s);
-        for (std::size_t t = 0; t < m.targets.size(); ++t)
-            text += fmt::format(",{:.17g}", m.at(s, t));
+    for (std::size_t t = 0; t < m.targets.size(); ++t) {
+        const MatrixPlace& target = m.targets[t];
+        text += target.name.empty() ? std::to_string(t) : plainName(target.name);
+        const Vec3d& p = target.point.position;
+        text += target.isGroup() ? ",nan,nan,nan" : fmt::format(",{},{},{}", p.x, p.y, p.z);
+        for (std::size_t s = m.firstRow; s < endRow; ++s) text += fmt::format(",{}", m.at(s, t));
         text += "\n";
     }
     return text;

@@ -1,4 +1,4 @@
-/// All distances between two lists of points.
+/// All distances between two lists of points or groups of points.
 #pragma once
 
 #include <igeo/band/surface_point.h>
@@ -11,9 +11,17 @@
 
 namespace igeo {
 
+/// What a row or a column of a matrix is of: a point, or a group of points.
+struct MatrixPlace {
+    std::string name;        ///< of a group that has one
+    SnappedPoint point;      ///< of a group the first of its points
+    std::size_t points = 1;  ///< how many it has
+    bool isGroup() const { return points > 1 || !name.empty(); }
+};
+
 struct DistanceMatrix {
-    std::vector<SurfacePoint> seeds, targets;  ///< of its rows and its columns
-    std::size_t firstRow = 0;                  ///< not 0 only in a part
+    std::vector<MatrixPlace> seeds, targets;  ///< of its rows and its columns
+    std::size_t firstRow = 0;                 ///< not 0 only in a part
     std::vector<double> distance;  ///< row by row, world units times weight; +inf: no way between
     /// Between seeds: the largest |d_ij - d_ji| / (their mean), what one march and the one back
     /// differ by; NaN in a part, which does not know; else 0.
@@ -26,7 +34,8 @@ struct DistanceMatrix {
 };
 
 /// Distances from every seed to every target by marchJet, one march per seed that stops once its
-/// targets are known.
+/// targets are known. Points joined with the one before (SurfacePoint::joined) are one group, with
+/// one row or column: the distance between the nearest points of two groups.
 /// @param targets empty: the seeds themselves. Then d_ij is the mean of the marches from i and from
 ///                j (makeSymmetric)
 /// SurfacePoint::start plays no part.
@@ -50,8 +59,10 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
 /// that of the one that arrived, and 0 on the diagonal; sets `asymmetry`.
 void makeSymmetric(DistanceMatrix& matrix);
 
-/// Comma-separated: a first line `seed,0,1,...` that numbers the targets, then a line per seed that
-/// begins with its number. `inf` where there is no way. Reading the numbers gives the same doubles.
+/// Comma-separated: a first line `target,x,y,z` and a name per seed, `distance_` and the name of
+/// the group or the number of the seed; then a line per target: its number or the name of its
+/// group, where it is on the surface (`nan` of a group), and its distance from each seed, `inf`
+/// where there is no way. Reading the numbers gives the same doubles.
 std::string matrixCsv(const DistanceMatrix& matrix);
 
 /// NumPy's format, version 1.0: little-endian float64, C order, shape (seeds, targets), with

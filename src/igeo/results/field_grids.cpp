@@ -115,11 +115,11 @@ std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curv
 openvdb::Vec3SGrid::Ptr colorGrid(const Field& field, const ColorMap& colors,
                                   const openvdb::math::Transform& transform,
                                   const std::string& name) {
-    constexpr float kUnreached = 0.7f;
+    constexpr float kUnreached = 0.45f;
     auto grid = makeGrid<openvdb::Vec3SGrid>(openvdb::Vec3s(kUnreached), transform, name);
     const double scale = field.maxDistance > 0 ? 1 / field.maxDistance : 0;
     fill(*grid, *field.band, reached(field), [&](NodeIndex i) {
-        const Vec3f c(srgbFromLinear(colors(field.distance[i] * scale)));
+        const Vec3f c(colors(field.distance[i] * scale));
         return openvdb::Vec3s(c.x, c.y, c.z);
     });
     return grid;

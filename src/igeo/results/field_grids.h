@@ -42,8 +42,8 @@ openvdb::FloatGrid::Ptr weightGrid(const Band& band, const Metric& metric,
 std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curvature& curvature,
                                                     const openvdb::math::Transform& transform,
                                                     const std::string& psi);
-/// Colors of the distances, sRGB in [0, 1], for `vdb_render -color`: the map from 0 to the largest
-/// distance where the distance is known; gray, and inactive, elsewhere.
+/// Colors of the distances in linear light, 0 to 1, as renderers take volumes: the map from 0 to
+/// the largest distance where the distance is known; gray, and inactive, elsewhere.
 openvdb::Vec3SGrid::Ptr colorGrid(const Field& field, const ColorMap& colors,
                                   const openvdb::math::Transform& transform,
                                   const std::string& name);

@@ -4,6 +4,7 @@
 #include <igeo/base/error.h>
 
 #include <string>
+#include <utility>
 
 namespace igeo {
 
@@ -70,6 +71,16 @@ bool halve(SurfaceMesh& mesh, double longest) {
 
 }  // namespace
 
+SurfaceMesh meshAsGiven(const TriangleMesh& given, const Similarity& transform) {
+    TriangleMesh oriented = given;
+    orientConsistently(oriented);
+    SurfaceMesh mesh;
+    mesh.triangles = std::move(oriented.triangles);
+    mesh.position.reserve(oriented.points.size());
+    for (const Vec3d& p : oriented.points) mesh.position.push_back(transform.indexFromWorld(p));
+    return mesh;
+}
+
 SurfaceMesh refinedMesh(const TriangleMesh& given, const Field& field, double longest,
                         Progress& progress) {
     if (!(longest > 0))
@@ -78,13 +89,7 @@ SurfaceMesh refinedMesh(const TriangleMesh& given, const Field& field, double lo
                     "1 is usual");
     constexpr std::size_t kMost = std::size_t(1) << 31;
     progress.update("mesh", 0);
-    TriangleMesh oriented = given;
-    orientConsistently(oriented);
-    SurfaceMesh mesh;
-    mesh.triangles = std::move(oriented.triangles);
-    mesh.position.reserve(oriented.points.size());
-    for (const Vec3d& p : oriented.points)
-        mesh.position.push_back(field.band->transform.indexFromWorld(p));
+    SurfaceMesh mesh = meshAsGiven(given, field.band->transform);
     while (halve(mesh, longest)) {
         progress.throwIfCancelled();
         if (mesh.triangles.size() > kMost / 4)

@@ -6,6 +6,10 @@
 
 namespace igeo {
 
+/// The input mesh in index space, its triangles oriented alike (orientConsistently), without
+/// values.
+SurfaceMesh meshAsGiven(const TriangleMesh& mesh, const Similarity& transform);
+
 /// The input mesh with distance, label and normal at its corners, as surfaceMesh() is for a level
 /// set; also for meshes that are open.
 ///

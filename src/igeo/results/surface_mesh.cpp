@@ -4,13 +4,11 @@
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
-#include <igeo/io/detail/little_endian.h>
 #include <igeo/surface/level_set.h>
 
 #include <openvdb/tools/VolumeToMesh.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 namespace igeo {
@@ -177,6 +175,7 @@ void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {
     mesh.normal = vertexNormals(mesh);
     mesh.distance.resize(n);
     mesh.label.resize(n);
+    mesh.gradient.resize(n);
     Steps reading(progress, "mesh", n, 0.7, 1);
     parallelFor(n, 1024, [&](std::size_t begin, std::size_t end) {
         if (reading.cancelled()) return;
@@ -187,6 +186,7 @@ void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {
             const Arrival first = arrivalAt(field, p, sheetNormal);
             mesh.distance[i] = first.distance;
             mesh.label[i] = first.distance < kInfinity ? first.source : kNoLabel;
+            mesh.gradient[i] = Vec3f(gradientAt(field, first, p, cell));
         }
         reading.add(end - begin);
     });
@@ -195,7 +195,8 @@ void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {
 
 SurfaceMesh inWorld(SurfaceMesh mesh, const Similarity& transform) {
     for (Vec3d& p : mesh.position) p = transform.worldFromIndex(p);
-    for (Vec3f& n : mesh.normal) n = Vec3f(transform.worldFromIndexDirection(Vec3d(n)));
+    for (std::vector<Vec3f>* vectors : {&mesh.normal, &mesh.gradient})
+        for (Vec3f& v : *vectors) v = Vec3f(transform.worldFromIndexDirection(Vec3d(v)));
     for (double& d : mesh.distance) d *= transform.dx;
     if (transform.mirrors())
         for (auto& [a, b, c] : mesh.triangles) std::swap(b, c);
@@ -241,73 +242,6 @@ MeshEdges meshEdges(const SurfaceMesh& mesh) {
         begin = end;
     }
     return edges;
-}
-
-namespace {
-
-/// Calls visit(i, world position, color) per vertex.
-template <typename Visit>
-void forVertices(const SurfaceMesh& mesh, const Similarity& transform, const Color& color,
-                 const Visit& visit) {
-    double largest = 0;
-    for (const double d : mesh.distance)
-        if (d < kInfinity) largest = std::max(largest, d);
-    for (std::size_t i = 0; i < mesh.position.size(); ++i) {
-        const double d = mesh.distance[i];
-        const Vec3f c = !(d < kInfinity) ? Vec3f{0.5f, 0.5f, 0.5f}
-                                         : color(largest > 0 ? std::max(d, 0.0) / largest : 0.0);
-        visit(i, transform.worldFromIndex(mesh.position[i]), c);
-    }
-}
-
-}  // namespace
-
-std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, const Color& color) {
-    std::string bytes = fmt::format(
-        "ply\n"
-        "format binary_little_endian 1.0\n"
-        "comment geodesic distance, world units; -1: not reached\n"
-        "element vertex {}\n"
-        "property float x\nproperty float y\nproperty float z\n"
-        "property float nx\nproperty float ny\nproperty float nz\n"
-        "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-        "property float distance\nproperty int label\n"
-        "element face {}\n"
-        "property list uchar int vertex_indices\n"
-        "end_header\n",
-        mesh.position.size(), mesh.triangles.size());
-    bytes.reserve(bytes.size() + 35 * mesh.position.size() + 13 * mesh.triangles.size());
-    forVertices(mesh, transform, color, [&](std::size_t i, const Vec3d& p, const Vec3f& c) {
-        const Vec3d n = transform.worldFromIndexDirection(Vec3d(mesh.normal[i]));
-        for (int k = 0; k < 3; ++k) putLittleEndian(bytes, float(p[k]));
-        for (int k = 0; k < 3; ++k) putLittleEndian(bytes, float(n[k]));
-        for (int k = 0; k < 3; ++k)
-            putLittleEndian(bytes, std::uint8_t(std::clamp(c[k], 0.0f, 1.0f) * 255 + 0.5f));
-        const bool reached = mesh.distance[i] < kInfinity;
-        putLittleEndian(bytes, reached ? float(mesh.distance[i] * transform.dx) : -1.0f);
-        putLittleEndian(bytes, reached ? std::int32_t(mesh.label[i]) : -1);
-    });
-    const bool mirrored = transform.mirrors();  // turns triangles over
-    for (auto [a, b, c] : mesh.triangles) {
-        if (mirrored) std::swap(b, c);
-        putLittleEndian(bytes, std::uint8_t(3));
-        for (const std::uint32_t v : {a, b, c}) putLittleEndian(bytes, std::int32_t(v));
-    }
-    return bytes;
-}
-
-std::string surfaceObj(const SurfaceMesh& mesh, const Similarity& transform, const Color& color) {
-    std::string text = "# surface, world units; colors are shares of the largest distance\n";
-    forVertices(mesh, transform, color, [&](std::size_t, const Vec3d& p, const Vec3f& c) {
-        text += fmt::format("v {:.12g} {:.12g} {:.12g} {:.4g} {:.4g} {:.4g}\n", p.x, p.y, p.z, c.x,
-                            c.y, c.z);
-    });
-    const bool mirrored = transform.mirrors();  // turns triangles over
-    for (auto [a, b, c] : mesh.triangles) {
-        if (mirrored) std::swap(b, c);
-        text += fmt::format("f {} {} {}\n", a + 1, b + 1, c + 1);
-    }
-    return text;
 }
 
 }  // namespace igeo

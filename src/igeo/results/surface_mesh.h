@@ -8,7 +8,6 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <string>
 #include <vector>
 
 namespace igeo {
@@ -25,6 +24,7 @@ struct SurfaceMesh {
     std::vector<Vec3f> normal;         ///< unit, outward
     std::vector<double> distance;      ///< voxels times weight; +inf: not reached
     std::vector<std::uint32_t> label;  ///< the nearest seed, kNoLabel: not reached
+    std::vector<Vec3f> gradient;       ///< of the distance along the surface (gradientAt)
     std::vector<Triangle> triangles;
 };
 
@@ -49,7 +49,7 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Field& field,
 SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band,
                         Progress& progress = Progress::none());
 
-/// Fills normal, distance and label of a mesh on S from its positions and triangles.
+/// Fills normal, distance, label and gradient of a mesh on S from its positions and triangles.
 /// @throws Error  Cancelled through `progress`
 void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress = Progress::none());
 
@@ -66,13 +66,5 @@ MeshEdges meshEdges(const SurfaceMesh& mesh);
 
 /// Color (red, green, blue in [0, 1]) of a share of the largest distance, in [0, 1].
 using Color = std::function<Vec3f(double)>;
-
-/// The mesh as a binary PLY file: x y z, nx ny nz (float), red green blue (uchar), distance
-/// (float), label (int); triangles. World units; unreached vertices are gray and have distance -1
-/// and label -1, since MeshLab does not cope with NaN.
-std::string surfacePly(const SurfaceMesh& mesh, const Similarity& transform, const Color& color);
-
-/// The mesh as Wavefront OBJ, `v x y z r g b` (colors as Blender and MeshLab read them) and `f`.
-std::string surfaceObj(const SurfaceMesh& mesh, const Similarity& transform, const Color& color);
 
 }  // namespace igeo

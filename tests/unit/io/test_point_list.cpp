@@ -66,6 +66,44 @@ TEST_CASE("points by vertex") {
     expectError(Error::Kind::BadInput, {"curve"}, [&] { readCurves(folder / "a.csv"); });
 }
 
+TEST_CASE("readSeeds: groups in the order of the file, or points") {
+    const TempDir folder;
+    auto write = [&](const std::string& content) {
+        std::ofstream(folder / "g.json") << content;
+        return folder / "g.json";
+    };
+    const AskedSeeds named = readSeeds(
+        write(R"({"groups": {"V2": [12, [1, 2, 3]], "A1": [{"vertex": 4, "start": 1}]}})"));
+    CHECK(named.points.empty());
+    REQUIRE(named.groups.size() == 2);
+    CHECK(named.groups[0].name == "V2");
+    REQUIRE(named.groups[0].points.size() == 2);
+    CHECK(named.groups[0].points[0].vertex == "12");
+    CHECK(named.groups[0].points[1].position == Vec3d{1, 2, 3});
+    CHECK(named.groups[1].name == "A1");
+    CHECK(named.groups[1].points[0].start == 1);
+    const AskedSeeds numbered = readSeeds(write(R"({"groups": [[1, 2], [3]]})"));
+    REQUIRE(numbered.groups.size() == 2);
+    CHECK(numbered.groups[1].name.empty());
+    CHECK(readSeeds(write("[1, 2]")).points.size() == 2);
+
+    expectError(Error::Kind::BadInput, {"groups", "points"},
+                [&] { readPoints(write(R"({"groups": [[1, 2]]})")); });
+    for (const auto& [content, says] :
+         {std::pair(R"({"groups": {}})", "groups"),
+          {R"({"groups": 5})", "groups"},
+          {R"({"groups": [[1], 5]})", "group 1"},
+          {R"({"groups": {"a": []}})", "group 'a'"},
+          {R"({"groups": {"a": [1, "b"]}})", "group 'a', entry 1"},
+          {R"({"groups": {"": [1]}})", "name of group 0"},
+          {R"({"groups": {"a\u0007": [1]}})", "name of group 0"},
+          {R"({"groups": {"a": [{"vertex": 1, "start": -2}]}})", "-2"},
+          {R"({"regions": [[1]]})", "list of points"}}) {
+        INFO(content);
+        expectError(Error::Kind::BadInput, {"g.json", says}, [&] { readSeeds(write(content)); });
+    }
+}
+
 TEST_CASE("readPoints: text") {
     const auto points = read("p.csv",
                              "x, y, z, start\n"

@@ -151,27 +151,61 @@ TEST_CASE("distances: the same bits on any number of threads; refuses to do with
     expectError(Error::Kind::Cancelled, {}, [&] { distances(band, {}, p, {}, stop); });
 }
 
-TEST_CASE("matrixCsv: numbered rows and columns, inf, numbers that read back") {
+TEST_CASE("distances: groups are one row and one column, by their nearest points") {
+    const Band band = plane();
+    auto p = points(band, kPlaces);
+    p[1].joined = true;  // {0, 1}, {2, 3}
+    p[3].joined = true;
+    const DistanceMatrix m = distances(band, {}, p);
+    REQUIRE(m.rows() == 2);
+    REQUIRE(m.distance.size() == 4);
+    CHECK(m.seeds[0].points == 2);
+    double least = kInfinity;
+    for (const std::size_t i : {0u, 1u})
+        for (const std::size_t j : {2u, 3u})
+            least = std::min(least, length(p[i].pIndex - p[j].pIndex));
+    CHECK(m.at(0, 1) == Approx(least).margin(2e-4));
+    CHECK(m.at(1, 0) == m.at(0, 1));
+    CHECK(m.at(0, 0) == 0);
+    // To points: the nearest of the group counts.
+    const DistanceMatrix across = distances(band, {}, {p[0], p[1]}, points(band, kPlaces));
+    REQUIRE(across.distance.size() == 4);
+    CHECK(across.at(0, 0) == 0);
+    CHECK(across.at(0, 1) == 0);
+    CHECK(across.at(0, 2) == Approx(least).margin(2e-4));
+}
+
+TEST_CASE("matrixCsv: a row per target, inf, numbers that read back") {
     DistanceMatrix m;
     m.seeds.resize(2), m.targets.resize(3);
+    m.seeds[1].name = "V1, left";
+    m.targets[0].point.position = {0.1, -2, 1e-9};
+    m.targets[2] = {"", {}, 5};
     m.distance = {0, 1.0 / 3, kInfinity, 2, 1e-300, 4};
     std::istringstream text(matrixCsv(m));
     std::string line;
     std::getline(text, line);
-    CHECK(line == "seed,0,1,2");
-    for (std::size_t s = 0; s < 2; ++s) {
+    CHECK(line == "target,x,y,z,distance_0,distance_V1__left");
+    for (std::size_t t = 0; t < 3; ++t) {
         std::getline(text, line);
         std::istringstream row(line);
         std::string cell;
         std::getline(row, cell, ',');
-        CHECK(cell == std::to_string(s));
-        for (std::size_t t = 0; t < 3; ++t) {
+        CHECK(cell == std::to_string(t));
+        for (int k = 0; k < 3; ++k) {
+            std::getline(row, cell, ',');
+            if (t == 2)
+                CHECK(cell == "nan");
+            else
+                CHECK(std::stod(cell) == m.targets[t].point.position[k]);
+        }
+        for (std::size_t s = 0; s < 2; ++s) {
             std::getline(row, cell, ',');
             CHECK(std::stod(cell) == m.at(s, t));
         }
     }
     CHECK(!std::getline(text, line));
-    CHECK(matrixCsv(m).find(",inf\n") != std::string::npos);
+    CHECK(matrixCsv(m).find(",inf,4\n") != std::string::npos);
 }
 
 TEST_CASE("matrixNpy: NumPy's format") {

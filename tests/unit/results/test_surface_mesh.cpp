@@ -1,5 +1,5 @@
 #include <igeo/base/parallel.h>
-#include <igeo/results/surface_mesh.h>
+#include <igeo/results/surface_files.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/expect_error.h>
@@ -154,6 +154,7 @@ TEST_CASE("surfaceMesh: what is not reached") {
         if (!(m.mesh.distance[i] < kInfinity)) {
             CHECK(ply.value("vertex", i, "distance") == -1);
             CHECK(ply.value("vertex", i, "label") == -1);
+            CHECK(ply.value("vertex", i, "t") == 1);
             CHECK(ply.value("vertex", i, "red") == 128);
             CHECK(ply.value("vertex", i, "green") == 128);
         }
@@ -252,9 +253,10 @@ TEST_CASE("surfacePly and surfaceObj: world units, outward, also in a mirror") {
     if (GENERATE(false, true)) transform->preScale(openvdb::Vec3d(1, 1, -1));
     const Meshed m = meshed(sphere(middle, 0.8), *transform, {middle + openvdb::Vec3d(0.8, 0, 0)});
     const Ply ply = parsePly(surfacePly(m.mesh, m.band.transform, ramp));
-    CHECK(ply.properties.at("vertex") == std::vector<std::string>{"x", "y", "z", "nx", "ny", "nz",
-                                                                  "red", "green", "blue",
-                                                                  "distance", "label"});
+    CHECK(ply.properties.at("vertex") ==
+          std::vector<std::string>{"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue",
+                                   "distance", "quality", "label", "s", "t", "texture_u",
+                                   "texture_v"});
     const auto& vertices = ply.rows.at("vertex");
     const auto& faces = ply.rows.at("face");
     REQUIRE(vertices.size() == m.mesh.position.size());
@@ -271,7 +273,12 @@ TEST_CASE("surfacePly and surfaceObj: world units, outward, also in a mirror") {
         CHECK(vertices[i][6] == std::floor(255 * share + 0.5));
         CHECK(vertices[i][7] == 64);
         CHECK(vertices[i][9] == Approx(0.05 * m.mesh.distance[i]));
-        CHECK(vertices[i][10] == 0);
+        CHECK(vertices[i][10] == vertices[i][9]);
+        CHECK(vertices[i][11] == 0);
+        for (const std::size_t u : {12u, 14u}) {
+            CHECK(vertices[i][u] == Approx(share).margin(1e-6));
+            CHECK(vertices[i][u + 1] == 0);
+        }
     }
     for (const auto& f : faces) {
         REQUIRE(f.size() == 3);

@@ -102,6 +102,58 @@ TEST_CASE("vertexValues: the files", "[mesh]") {
     }
 }
 
+TEST_CASE("vertexValues: fins and faces that repeat stay in the files as they are", "[mesh]") {
+    const TempDir dir;
+    // A square, a fin on its diagonal, so that three faces share an edge, and a face once more,
+    // turned over.
+    std::ofstream(dir / "fin.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\n"
+                                      "f 1 2 3\nf 1 3 4\nf 1 3 5\nf 3 2 1\n";
+    const TriangleMesh mesh = readMesh(dir / "fin.obj");
+    CHECK(mesh.triangles.size() == 3);
+    const Band band = bandFromMesh(mesh, 0.05, std::sqrt(3.0));
+    const Vec3d seed = band.transform.indexFromWorld({1, 0, 0});
+    const VertexValues values =
+        vertexValues(mesh, marchJet(band, nullptr, {nearestSurfacePoint(band, seed)}));
+    REQUIRE(values.distance.size() == 5);
+    CHECK(values.distance[2] == Approx(1).margin(0.01));
+    CHECK(values.distance[3] == Approx(std::sqrt(2.0)).margin(0.02));
+    // Over the middle of the diagonal and up; measured: 0.047, a voxel.
+    CHECK(values.distance[4] == Approx(1 + std::sqrt(0.5)).margin(0.07));
+    for (const char* name : {"b.ply", "b.obj"}) {
+        std::ofstream(dir / name, std::ios::binary)
+            << (name[2] == 'p' ? verticesPly : verticesObj)(*mesh.source, values, kGray);
+        const TriangleMesh again = readMesh(dir / name);
+        CHECK(again.source->vertices == mesh.source->vertices);
+        CHECK(again.source->corners == mesh.source->corners);
+    }
+    CHECK(verticesVtp(*mesh.source, values).find("NumberOfPolys=\"4\"") != std::string::npos);
+}
+
+TEST_CASE("vertexValues: columns beside the nearest distance", "[mesh]") {
+    Solved s;
+    const std::size_t n = s.values.distance.size();
+    s.values.columns = {{"distance_0", s.values.distance},
+                        {"distance_b", std::vector<double>(n, kInfinity)}};
+    std::istringstream csv(verticesCsv(s.values));
+    std::string line;
+    std::getline(csv, line);
+    CHECK(line == "vertex,distance,label,distance_0,distance_b");
+    std::getline(csv, line);
+    CHECK(line == "0,nan,-1,nan,inf");
+    const std::string shape = "'shape': (" + std::to_string(n) + ", 2)";
+    CHECK(verticesNpy(s.values).find(shape) != std::string::npos);
+    const std::string npz = verticesNpz(s.values);
+    for (const char* name : {"distance.npy", "label.npy", "distances.npy"})
+        CHECK(npz.find(name) != std::string::npos);
+    CHECK(npz.find(shape) != std::string::npos);
+    CHECK(npz.find("'<i4'") != std::string::npos);
+    CHECK(npz.substr(0, 4) == "PK\x03\x04");
+    for (const std::string& text : {verticesPly(*s.mesh.source, s.values, kGray),
+                                    verticesVtp(*s.mesh.source, s.values), verticesGifti(s.values)})
+        CHECK(text.find("distance_b") != std::string::npos);
+    CHECK(verticesGifti(s.values).find("NumberOfDataArrays=\"4\"") != std::string::npos);
+}
+
 TEST_CASE("vertexValues: a mesh without a source has its points and triangles", "[mesh]") {
     Solved s;
     s.mesh.source = nullptr;
