@@ -2,6 +2,7 @@
 
 #include <igeo/io/mesh_file.h>
 #include <igeo/io/point_cloud_file.h>
+#include <igeo/io/volume_file.h>
 
 #include <algorithm>
 #include <cctype>
@@ -16,22 +17,35 @@ namespace {
 
 void checkSurface(const RunOptions& o) {
     if (o.kind == SurfaceKind::None || o.source.file.empty())
-        usageError(
-            "no surface is given",
-            "add --sdf FILE.vdb, --mesh FILE or --points FILE; see implicit-geodesic --help");
+        usageError("no surface is given",
+                   "add --sdf FILE.vdb, --mesh FILE, --points FILE or --volume FILE; see "
+                   "implicit-geodesic --help");
+    if (o.iso && !o.rebuild && o.kind != SurfaceKind::VoxelVolume)
+        usageError("--iso needs --rebuild or --volume", "add one of them, or leave --iso out");
     if (o.joinGaps > 0 && o.scheme == igeo::Scheme::Godunov)
         usageError("--join-gaps is for scheme jet, and --scheme is godunov",
                    "leave out one of the two");
 }
 
-/// A mesh or points by the name of the file, given as a volume.
+/// Another kind of surface by the name of the file.
 void checkKind(const RunOptions& o) {
+    const std::string file = o.source.text();
+    const auto refuse = [&](const char* given, const char* what, const std::string& remedy) {
+        usageError(std::string(given) + " " + file + ": its ending is that of " + what, remedy);
+    };
+    if (o.kind == SurfaceKind::VoxelVolume) {
+        if (file.ends_with(".vdb"))
+            refuse("--volume", "a VDB file", "write --sdf " + file + " --rebuild --iso V");
+        return;
+    }
+    if (igeo::isVolumeFile(file))
+        refuse(o.kind == SurfaceKind::Volume ? "--sdf"
+               : o.kind == SurfaceKind::Mesh ? "--mesh"
+                                             : "--points",
+               "a volume of voxels", "write --volume " + file + " --iso V");
     if (o.kind != SurfaceKind::Volume) return;
-    const bool mesh = igeo::isMeshFile(o.source.file);
-    if (mesh || igeo::isPointFile(o.source.file))
-        usageError(
-            "--sdf " + o.source.text() + ": its ending is that of " + (mesh ? "a mesh" : "points"),
-            std::string("write ") + (mesh ? "--mesh " : "--points ") + o.source.text());
+    if (igeo::isMeshFile(file)) refuse("--sdf", "a mesh", "write --mesh " + file);
+    if (igeo::isPointFile(file)) refuse("--sdf", "points", "write --points " + file);
 }
 
 void checkSeeds(const RunOptions& o) {

@@ -28,7 +28,7 @@ void addVoxelSizeOptions(Command& command, double& voxelSize, int& resolution) {
         {{.names = {"--voxel-size"},
           .value = "S",
           .text = "Of a mesh or points, world units [longest side / 256; points: half their "
-                  "spacing]",
+                  "spacing; --volume: its finest]",
           .reads = numberAboveZero(voxelSize)},
          {.names = {"--resolution"},
           .value = "N",
@@ -47,15 +47,22 @@ void addSurfaceOptions(Command& command, SurfaceOptions& o) {
           .excludes = {"--voxel-size", "--resolution"}},
          {.names = {"--mesh"},
           .value = "FILE",
-          .text = "Instead: triangles or polygons, open or closed; .obj .ply .stl .off .gltf .glb",
+          .text = "Instead: triangles or polygons, open or closed; .obj .ply .stl .off .gltf "
+                  ".glb .gii .mz3, FreeSurfer",
           .reads = file(o, SurfaceKind::Mesh),
           .excludes = {"--sdf"}},
          {.names = {"--points"},
           .value = "FILE",
-          .text = "Instead: points on a surface, with or without normals; .ply .xyz .csv .txt .obj "
-                  "or points in a .vdb",
+          .text = "Instead: points on a surface, with or without normals; .ply .xyz .csv .txt .pwn "
+                  ".obj or points in a .vdb",
           .reads = file(o, SurfaceKind::Points),
-          .excludes = {"--sdf", "--mesh"}}});
+          .excludes = {"--sdf", "--mesh"}},
+         {.names = {"--volume"},
+          .value = "FILE",
+          .text = "Instead: where a volume of voxels has the value --iso; .nii .nii.gz .hdr .nrrd "
+                  ".nhdr",
+          .reads = file(o, SurfaceKind::VoxelVolume),
+          .excludes = {"--sdf", "--mesh", "--points"}}});
     addVoxelSizeOptions(command, o.voxelSize, o.resolution);
     command.add("Surface",
                 {{.names = {"--join-gaps"},
@@ -71,9 +78,9 @@ void addSurfaceOptions(Command& command, SurfaceOptions& o) {
                   .needs = {"--sdf"}},
                  {.names = {"--iso"},
                   .value = "V",
-                  .text = "The value that is the surface, for --rebuild [0; fog: 0.5]",
-                  .reads = number(o.iso),
-                  .needs = {"--rebuild"}}});
+                  .text = "The value that is the surface, for --volume [masks: halfway] and "
+                          "--rebuild [0; fog: 0.5]",
+                  .reads = number(o.iso)}});
 }
 
 void addBandOptions(Command& command, SurfaceOptions& o) {

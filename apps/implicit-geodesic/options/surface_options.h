@@ -9,13 +9,13 @@
 
 struct Command;
 
-enum class SurfaceKind { None, Volume, Mesh, Points };
+enum class SurfaceKind { None, Volume, Mesh, Points, VoxelVolume };
 
 /// What decides on a surface and its bands: jobs that agree in it may share both.
 struct SurfaceOptions {
     SurfaceKind kind = SurfaceKind::None;
     igeo::GridSource source;    ///< only of a volume with a grid
-    double voxelSize = 0;       ///< of a mesh or points; 0: by resolution
+    double voxelSize = 0;       ///< of a mesh, points or volume; 0: by resolution
     int resolution = 0;         ///< voxels along the longest side; 0: default
     double joinGaps = 0;        ///< between pieces of a mesh, world units; 0: they stay apart
     bool rebuild = false;       ///< redistance the volume
