@@ -1,7 +1,7 @@
 #include <igeo/io/detail/file_bytes.h>
 
+#include <igeo/base/detail/deflate.h>
 #include <igeo/base/error.h>
-#include <igeo/io/detail/compression.h>
 
 #include <algorithm>
 #include <cctype>
@@ -30,16 +30,13 @@ std::string fileBytes(const std::string& file) {
     return std::move(all).str();
 }
 
+bool isGzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
+
 std::string inflatedFileBytes(const std::string& file) {
     constexpr std::size_t kMost = std::size_t(1) << 36;
-    std::string bytes = fileBytes(file);
+    const std::string bytes = fileBytes(file);
     if (!isGzip(bytes)) return bytes;
-    std::optional<std::string> all = inflated(bytes, kMost);
-    if (!all || all->size() == kMost)
-        throw Error(Error::Kind::BadInput,
-                    "the compressed data of '" + file + "' are damaged or cut off",
-                    "write the file again");
-    return *std::move(all);
+    return naming("'" + file + "'", [&] { return inflated(bytes, kMost); });
 }
 
 std::string endingBeforeGz(const std::string& file) {

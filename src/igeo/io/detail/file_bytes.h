@@ -10,6 +10,9 @@ namespace igeo {
 ///         may not be read
 std::string fileBytes(const std::string& file);
 
+/// Whether bytes begin as those of a gzip file.
+bool isGzip(std::string_view bytes);
+
 /// The same, inflated where it is a gzip file.
 /// @throws Error  BadInput also for damaged data and for more than 2^36 bytes
 std::string inflatedFileBytes(const std::string& file);

@@ -1,10 +1,11 @@
 #include <igeo/io/detail/gifti_reader.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/deflate.h>
 #include <igeo/base/detail/numbers.h>
 #include <igeo/base/error.h>
+#include <igeo/io/detail/base64.h>
 #include <igeo/io/detail/byte_reader.h>
-#include <igeo/io/detail/compression.h>
 
 #include <algorithm>
 #include <charconv>
@@ -176,13 +177,12 @@ private:
                             encoding.substr(0, 40)));
         const NumberType type = numberType(tag);
         const std::size_t size = count * sizeOf(type);
-        std::optional<std::string> raw = base64Decoded(text);
+        std::optional<std::string> raw = fromBase64(text);
         if (!raw) tags_.fail("the data are not in base64");
-        if (encoding == "GZipBase64Binary") raw = inflated(*raw, size + 1);
-        if (!raw) tags_.fail("the compressed data are damaged or cut off");
+        if (encoding == "GZipBase64Binary")
+            raw = naming("'" + file_ + "'", [&] { return inflated(*raw, size); });
         if (raw->size() != size)
-            tags_.fail(fmt::format("an array of {} bytes has data of {}{}", size,
-                                   raw->size() > size ? "more, at least " : "", raw->size()));
+            tags_.fail(fmt::format("an array of {} bytes has data of {}", size, raw->size()));
         ByteReader reader(file_, *raw, attribute(tag, "Endian") == "BigEndian");
         std::vector<double> values(count);
         for (double& value : values) value = reader.next(type);

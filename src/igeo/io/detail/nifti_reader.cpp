@@ -1,9 +1,9 @@
 #include <igeo/io/detail/nifti_reader.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/deflate.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/byte_reader.h>
-#include <igeo/io/detail/compression.h>
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/voxel_values.h>
 
@@ -175,7 +175,8 @@ VoxelVolume niftiFrom(const std::string& file, const std::string& header, const 
     VoxelVolume volume;
     volume.file = file;
     std::string begin = header.substr(0, kNifti2.size);
-    if (isGzip(header)) begin = inflated(header, kNifti2.size).value_or("");
+    if (isGzip(header))
+        begin = naming("'" + file + "'", [&] { return inflatedStart(header, kNifti2.size); });
     const Header head(file, begin);
     const Layout& at = head.at();
     readSize(head, volume);

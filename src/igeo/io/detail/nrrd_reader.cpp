@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <igeo/base/detail/numbers.h>
 #include <igeo/base/error.h>
-#include <igeo/io/detail/compression.h>
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/voxel_values.h>
 

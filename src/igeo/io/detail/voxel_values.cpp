@@ -1,9 +1,8 @@
 #include <igeo/io/detail/voxel_values.h>
 
 #include <fmt/core.h>
-#include <igeo/io/detail/compression.h>
-
-#include <optional>
+#include <igeo/base/detail/deflate.h>
+#include <igeo/io/detail/file_bytes.h>
 
 namespace igeo {
 
@@ -39,12 +38,8 @@ std::string rawDataOf(const std::string& file, std::string_view data, std::size_
 std::string dataOf(const std::string& file, std::string_view data, std::size_t begin,
                    std::size_t end) {
     if (!isGzip(data)) return rawDataOf(file, data, begin, end);
-    const std::optional<std::string> all = inflated(data, end);
-    if (!all)
-        throw Error(Error::Kind::BadInput,
-                    "the compressed data of '" + file + "' are damaged or cut off",
-                    "write the file again");
-    return rawDataOf(file, *all, begin, end);
+    const std::string start = naming("'" + file + "'", [&] { return inflatedStart(data, end); });
+    return rawDataOf(file, start, begin, end);
 }
 
 std::vector<float> voxelsOf(const std::string& file, std::string_view bytes, NumberType type,
