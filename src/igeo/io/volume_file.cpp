@@ -45,10 +45,6 @@ void requireValues(const VoxelVolume& volume) {
 
 }  // namespace
 
-double VoxelVolume::finestSpacing() const {
-    return std::min({length(axis[0]), length(axis[1]), length(axis[2])});
-}
-
 bool isVolumeFile(const std::string& file) {
     const std::string ending = endingBeforeGz(file);
     return ending == ".nii" || ending == ".hdr" || ending == ".img" || isNrrd(ending);

@@ -185,11 +185,12 @@ double chosenIso(const VoxelVolume& volume, const VolumeRange& range, std::optio
 VolumeRange rangeOf(const VoxelVolume& volume) {
     VolumeRange range;
     if (volume.values.empty()) return range;
-    const auto [low, high] = std::minmax_element(volume.values.begin(), volume.values.end());
-    range.low = *low;
-    range.high = *high;
-    range.isMask = *low < *high && std::all_of(volume.values.begin(), volume.values.end(),
-                                               [&](float v) { return v == *low || v == *high; });
+    const auto [least, most] = std::minmax_element(volume.values.begin(), volume.values.end());
+    range.low = *least;
+    range.high = *most;
+    range.isMask = range.low < range.high &&
+                   std::all_of(volume.values.begin(), volume.values.end(),
+                               [&](float v) { return v == range.low || v == range.high; });
     return range;
 }
 

@@ -3,7 +3,7 @@
 
 #include <igeo/base/progress.h>
 #include <igeo/io/triangle_mesh.h>
-#include <igeo/io/volume_file.h>
+#include <igeo/io/voxel_volume.h>
 
 #include <array>
 #include <optional>
@@ -32,10 +32,10 @@ VolumeFacts volumeFacts(const VoxelVolume& volume);
 /// lengths and angles. Normals point out of what is `iso` or more, or, where most voxels at the
 /// border of the volume are that, out of what is less. It is open where it leaves the volume.
 ///
-/// A mask (two values) is a staircase, on which ways are up to 1.7 times too long. It is smoothed
-/// first, as little as that takes: the values within three voxels of the surface become those of a
-/// membrane that keeps every voxel on its side (after R. T. Whitaker, Reducing aliasing artifacts
-/// in iso-surfaces of binary volumes, 2000). A warning says so.
+/// A mask (two values) is a staircase, on which ways are some per cent too long at any spacing. It is
+/// smoothed first: values beside the surface are averaged with their neighbors, and every voxel
+/// keeps its side (after the constraint of R. T. Whitaker, Reducing aliasing artifacts in
+/// iso-surfaces of binary volumes, 2000). A warning says so.
 /// @param iso  none: of a mask halfway between its values; other volumes need one
 /// @throws Error  BadInput where there is no such surface and where `iso` is missing;
 ///         InvalidArgument for an `iso` beyond the values; Cancelled through `progress`

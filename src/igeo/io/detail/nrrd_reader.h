@@ -1,7 +1,7 @@
 /// Volumes from NRRD files. Internal.
 #pragma once
 
-#include <igeo/io/volume_file.h>
+#include <igeo/io/voxel_volume.h>
 
 #include <string>
 
