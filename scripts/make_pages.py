@@ -86,12 +86,15 @@ def man_synopsis(command):
     return f"\\fB{roff(command['name'])}\\fR{arguments} [\\fIoptions\\fR]"
 
 
+def man_arguments(command):
+    return [line for argument in command["arguments"]
+            for line in (".TP", f"\\fI{roff(argument['names'][0] + argument['value'])}\\fR", man_text(argument))]
+
+
 def man_command(title, command):
     """A section of its own for a subcommand."""
     lines = [f".SH {roff(title.upper())}", man_synopsis(command), ".PP", roff(command["about"] + ".")]
-    for argument in command["arguments"]:
-        lines += [".TP", f"\\fI{roff(argument['names'][0] + argument['value'])}\\fR", man_text(argument)]
-    return [*lines, *man_options(command), ".SS Exit status", *man_exit_codes(command),
+    return [*lines, *man_arguments(command), *man_options(command), ".SS Exit status", *man_exit_codes(command),
             ".SS Examples", *man_examples(command)]
 
 
@@ -103,12 +106,10 @@ def man_page(commands):
              f"{roff(NAME)} \\- distances and shortest paths along a surface held as a level set",
              ".SH SYNOPSIS", "\n.br\n".join(map(man_synopsis, commands.values())),
              ".SH DESCRIPTION", *map(roff, program["about"].splitlines()),
-             ".SH OPTIONS", *man_options(program)]
+             ".SH OPTIONS", *man_arguments(program), *man_options(program)]
     for title, command in below.items():
         lines += man_command(title, command)
     lines += [".SH EXIT STATUS", *man_exit_codes(program),
-              ".SH ENVIRONMENT", ".TP", "\\fBNO_COLOR\\fR",
-              "If set, no progress is shown unless asked for.",
               ".SH EXAMPLES", *man_examples(program),
               ".SH SEE ALSO", ".BR vdb_tool (1),", ".BR vdb_print (1),", ".BR vdb_view (1),",
               ".BR vdb_render (1)"]

@@ -43,6 +43,11 @@ void Console::detail(const std::string& text) const {
     if (level_ == Level::Verbose) print(before_ + text);
 }
 
+void Console::file(const std::string& text) const {
+    if (level_ == Level::Verbose || (level_ == Level::Normal && before_.empty()))
+        print(before_ + text);
+}
+
 void Console::warning(const std::string& text) const {
     if (level_ != Level::Quiet) print("warning: " + before_ + text);
 }
@@ -53,7 +58,7 @@ void Console::error(const std::string& what, const std::string& remedy) {
 }
 
 ConsoleProgress::ConsoleProgress(ProgressWhen when) {
-    terminal_ = stderrIsTerminal() && !std::getenv("NO_COLOR");
+    terminal_ = stderrIsTerminal();
     enabled_ = when == ProgressWhen::Always || (when == ProgressWhen::Auto && terminal_);
     if (enabled_) shower_ = std::thread([this] { show(); });
 }

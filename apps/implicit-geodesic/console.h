@@ -23,6 +23,7 @@ public:
     bool verbose() const { return level_ == Level::Verbose; }
     void info(const std::string& text) const;
     void detail(const std::string& text) const;  ///< with -v only
+    void file(const std::string& text) const;    ///< of one run, or with -v
     void warning(const std::string& text) const;
     static void error(const std::string& what, const std::string& remedy);
 
@@ -35,7 +36,7 @@ private:
 /// second on a terminal, else a new line every second.
 class ConsoleProgress : public igeo::Progress {
 public:
-    /// @param when Auto: only on a terminal and without NO_COLOR
+    /// @param when  Auto: only on a terminal
     explicit ConsoleProgress(ProgressWhen when);
     ~ConsoleProgress() override;
 

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/text.h>
-#include <igeo/io/mesh_file.h>
-#include <igeo/io/point_cloud_file.h>
 #include <igeo/io/vdb_write.h>
 #include <igeo/io/volume_file.h>
 #include <igeo/results/field_grids.h>
@@ -276,11 +274,12 @@ FileSurvey surveyVoxels(const InfoOptions& options, igeo::Progress& progress) {
 /// Surveys a file by what it holds.
 FileSurvey surveyOf(const InfoOptions& options, igeo::Progress& progress) {
     const std::string name = options.source.text();
-    if (igeo::isVolumeFile(name)) return surveyVoxels(options, progress);
+    const SurfaceKind kind = kindByName(name);
+    if (kind == SurfaceKind::VoxelVolume) return surveyVoxels(options, progress);
     if (options.iso)
         usageError("--iso is for volumes of voxels, as .nii and .nrrd", "leave it out");
-    if (igeo::isPointFile(name)) return tryAs(SurfaceKind::Points, options, progress);
-    if (!igeo::isMeshFile(name)) {
+    if (kind == SurfaceKind::Points) return tryAs(kind, options, progress);
+    if (kind == SurfaceKind::Volume) {
         if (options.voxelSize > 0 || options.resolution > 0)
             usageError("--voxel-size and --resolution are for meshes and points",
                        "a volume has a fixed voxel size: leave them out");

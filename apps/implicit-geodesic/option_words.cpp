@@ -13,6 +13,8 @@ std::string inOptionWords(std::string text) {
         {"readLevelSetGrid", "--sdf"},
         {"TriangleMesh", "--mesh"},
         {"Scheme::Jet", "--scheme jet"},
+        {"Space::Index", "add --space index"},
+        {"Space::World", "leave out --space index"},
         {"SolverOptions::band", "--band"},
         {"MetricDefinition::obstacles", "--obstacle"},
         {"maxDistance", "--max-distance"},

@@ -18,6 +18,12 @@ std::FILE* takeStdout();
 
 bool stderrIsTerminal();
 
+/// Of the terminal that is the standard output, as takeStdout() found it; 0 where it is none.
+int stdoutColumns();
+
+/// Whether that output is a terminal.
+bool stdoutIsTerminal();
+
 /// Writes at once; handlers of faults may call it.
 void writeToStderr(const char* text, std::size_t size);
 

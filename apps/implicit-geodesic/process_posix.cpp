@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -14,6 +15,8 @@
 #include <thread>
 
 namespace {
+
+int gStdout = STDOUT_FILENO;
 
 constexpr std::array<int, 5> kFaults{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 
@@ -53,11 +56,18 @@ void openStandardStreams() {
 
 std::FILE* takeStdout() {
     const int given = ::dup(STDOUT_FILENO);
+    gStdout = given;
     std::FILE* const file = given < 0 ? nullptr : ::fdopen(given, "wb");
     return file && ::dup2(STDERR_FILENO, STDOUT_FILENO) >= 0 ? file : nullptr;
 }
 
 bool stderrIsTerminal() { return ::isatty(STDERR_FILENO) == 1; }
+bool stdoutIsTerminal() { return ::isatty(gStdout) == 1; }
+
+int stdoutColumns() {
+    struct winsize size {};
+    return ::ioctl(gStdout, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
 
 void writeToStderr(const char* text, std::size_t size) {
     // Nothing is left to do where stderr takes no more.

@@ -12,6 +12,8 @@
 
 namespace {
 
+int gStdout = 1;
+
 constexpr int kStdout = 1, kStderr = 2;
 constexpr std::array<int, 4> kFaults{SIGSEGV, SIGFPE, SIGILL, SIGABRT};
 
@@ -30,11 +32,14 @@ void openStandardStreams() {}  // a file opened takes no closed stream's place h
 
 std::FILE* takeStdout() {
     const int given = ::_dup(kStdout);
+    gStdout = given;
     std::FILE* const file = given < 0 ? nullptr : ::_fdopen(given, "wb");
     return file && ::_dup2(kStderr, kStdout) == 0 ? file : nullptr;
 }
 
 bool stderrIsTerminal() { return ::_isatty(kStderr) != 0; }
+bool stdoutIsTerminal() { return ::_isatty(gStdout) != 0; }
+int stdoutColumns() { return 0; }
 
 void writeToStderr(const char* text, std::size_t size) {
     if (::_write(kStderr, text, unsigned(size)) < 0) return;

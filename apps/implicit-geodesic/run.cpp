@@ -131,6 +131,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
 
     if (o.joinGaps > 0) tellJoints(distance.band().joints, o.joinGaps, console, report.warnings);
     warnOfOverrunSeeds(distance, report);
+    warnOfIdleObstacles(distance, report);
 
     report.paths = distance.paths(o.straighten, stages);
     stages.finished("trace");
@@ -146,6 +147,9 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     report.seconds = stages.seconds();
     report.peakMemory = peakMemory();
     report.threads = igeo::ThreadLimit::current();
-    if (!o.report.empty()) writeDocument(o.report, reportJson(report, distance.field()));
+    if (!o.report.empty()) {
+        writeDocument(o.report, reportJson(report, distance.field()));
+        report.outputs.emplace_back("report", o.report);
+    }
     return tell(report, distance, o, console);
 }

@@ -1,6 +1,7 @@
 #include <igeo/geodesic_solver.h>
 
 #include <igeo/band/detail/snap.h>
+#include <igeo/base/detail/box.h>
 #include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/march/godunov.h>
@@ -111,9 +112,14 @@ struct GeodesicSolver::Setup {
     }
     double snapVoxels() const { return maxSnap / transform().dx; }
     bool tooFar(const SurfacePoint& p) const { return !isNear(p, transform(), maxSnap); }
-    void requireNear(const SurfacePoint& p, const Vec3d& asked, const std::string& what) const {
-        igeo::requireNear(p, transform(), maxSnap, what + " (" + textOf(asked, 9) + ")");
+    void requireNear(const SurfacePoint& p, const Band& band, const Vec3d& asked,
+                     const std::string& what) const {
+        if (tooFar(p))
+            refuseFar(p, transform(), maxSnap, what + " (" + textOf(asked, 9) + ")",
+                      boxOf(band) + hintFor(band, asked));
     }
+    static std::string boxOf(const Band& band);
+    std::string hintFor(const Band& band, const Vec3d& asked) const;
     std::shared_ptr<const Band> wholeBand(Progress& progress) const {
         surface.requireMemory(width, options.rules.memoryLimit);
         return surface.band(width, {}, progress);
@@ -126,6 +132,32 @@ struct GeodesicSolver::Setup {
         return *cache->wholeMetric;
     }
 };
+
+/// The box of the surface in the world, for messages.
+std::string GeodesicSolver::Setup::boxOf(const Band& band) {
+    Box box;
+    for (NodeIndex i = 0; i < band.size(); ++i)
+        box.include(band.transform.worldFromIndex(band.footPoint(i)));
+    return "; the surface lies between " + textOf(box.low) + " and " + textOf(box.high);
+}
+
+/// The mistakes of coordinates that are made most, where one of them puts the point on the surface.
+std::string GeodesicSolver::Setup::hintFor(const Band& band, const Vec3d& asked) const {
+    auto isOn = [&](const Vec3d& pIndex) {
+        const double reach = length(pIndex);
+        return reach < kFarthestIndex && !tooFar(surface.nearest(band, pIndex));
+    };
+    if (options.rules.space == Space::Index)
+        return isOn(transform().indexFromWorld(asked)) ? "; as a point of the world it is on the "
+                                                         "surface: Space::World"
+                                                       : "";
+    if (isOn(asked)) return "; as index coordinates it is on the surface: Space::Index";
+    for (const double factor : {1000.0, 0.001, 100.0, 0.01, 25.4, 1 / 25.4})
+        if (isOn(transform().indexFromWorld(factor * asked)))
+            return fmt::format("; times {:.4g} it is on the surface: are its units the same?",
+                               factor);
+    return "";
+}
 
 namespace {
 
@@ -229,9 +261,10 @@ bool Query::anyTooFar() const {
 
 void Query::requireNearPoints() const {
     for (std::size_t k = 0; k < seeds_.size(); ++k)
-        setup_.requireNear(seeds_[k], asked_.points[k].position, "seed " + std::to_string(k));
+        setup_.requireNear(seeds_[k], band(), asked_.points[k].position,
+                           "seed " + std::to_string(k));
     for (std::size_t k = 0; k < targets_.size(); ++k)
-        setup_.requireNear(targets_[k], limits_.targets[k], "target " + std::to_string(k));
+        setup_.requireNear(targets_[k], band(), limits_.targets[k], "target " + std::to_string(k));
 }
 
 void Query::requireFree(const std::vector<SurfacePoint>& points, const char* what) const {
@@ -375,6 +408,12 @@ std::vector<PairDistance> GeodesicSolver::pairs(const std::vector<Vec3d>& source
     };
     surface.metric = [&](const Band& b, Progress& p) { return metricOn(s.options.metric, b, p); };
     surface.nearest = [&](const Band& b, const Vec3d& p) { return s.surface.nearest(b, p); };
+    surface.refuse = [&](const Vec3d& askedIndex, const std::string& what) {
+        const std::shared_ptr<const Band> whole = s.wholeBand(progress);
+        const bool index = s.options.rules.space == Space::Index;
+        s.requireNear(s.surface.nearest(*whole, askedIndex), *whole,
+                      index ? askedIndex : s.transform().worldFromIndex(askedIndex), what);
+    };
     surface.leastWeight = s.needsWholeSurface ? 0 : s.leastWeight;
     surface.diagonal = s.surface.facts().diagonal;
     auto inIndexSpace = [&](std::vector<Vec3d> points) {
@@ -409,7 +448,7 @@ Polyline GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double
         band = s.surface.band(s.width, {{start, s.snapVoxels() + voxels + kBeyond}}, progress);
     if (band->size() == 0) band = s.wholeBand(progress);
     const SurfacePoint p = s.surface.nearest(*band, start);
-    s.requireNear(p, from, "the start");
+    s.requireNear(p, *band, from, "the start");
     return inWorld(igeo::shoot(*band, p, along, voxels, progress), s.transform());
 }
 

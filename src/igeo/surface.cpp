@@ -201,12 +201,7 @@ public:
                 : box.longestSide() / (voxels.resolution > 0 ? voxels.resolution : kResolution);
         requireExtent(box.longestSide(), mesh_.file);
         requireVoxelSize(transform.dx, mesh_.file, kindOfRefusal(voxels));
-        if (transform.dx > box.longestSide() && box.longestSide() > 0)
-            throw Error(Error::Kind::InvalidArgument,
-                        fmt::format("voxels of {:.4g} are larger than the mesh, which is {:.4g} "
-                                    "across ({})",
-                                    transform.dx, box.longestSide(), mesh_.file),
-                        "take smaller voxels");
+        requireFine(transform.dx, box.longestSide(), mesh_.file);
         requireReasonable(mesh_, transform.dx);
         requireNarrow(voxels.joinGaps);
         facts.joinGaps = voxels.joinGaps;
@@ -304,6 +299,7 @@ public:
                        : voxels.resolution > 0 ? box.longestSide() / voxels.resolution
                                                : defaultVoxelSize(density, kindFor(voxels.scheme));
         requireVoxelSize(transform.dx, facts.file, kindOfRefusal(voxels));
+        if (voxels.size > 0) requireFine(transform.dx, box.longestSide(), facts.file);
         facts.diagonal = length(box.size()) / transform.dx;
         facts.snap = std::max(3 * transform.dx, 3 * density.spacing);
         facts.largestCurvature = density.largestCurvature * transform.dx;

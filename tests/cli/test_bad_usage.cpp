@@ -25,7 +25,8 @@ struct BadLine {
 
 TEST_CASE("a wrong option is refused by its name, with the values allowed") {
     const BadLine bad = GENERATE(
-        BadLine{"--color", {"--color", "--help"}}, BadLine{"other.vdb", {"other.vdb", "--help"}},
+        BadLine{"--color", {"--color", "--help"}},
+        BadLine{"other.vdb", {"'other.vdb' excludes --sdf", "one of the two"}},
         BadLine{"--max-distance", {"--max-distance", "D is missing"}},
         BadLine{"--order 3", {"--order", "3", "1 to 2"}}, BadLine{"--order two", {"--order"}},
         BadLine{"--threads -1", {"--threads", "-1", "0 to 4096"}},
@@ -72,8 +73,8 @@ TEST_CASE("a malformed value is refused before any file is read") {
         BadLine{"-q -v", {"--quiet", "--verbose"}},
         BadLine{"--sead 0,0,1", {"--sead", "did you mean '--seed'?"}},
         BadLine{"--target 0 0 1", {"'0' stands by itself", "--target 0,0,1"}},
-        BadLine{"a.vdb", {"'a.vdb' belongs to no option", "--sdf a.vdb"}},
-        BadLine{"inf", {"'inf' belongs to no option", "did you mean 'info'?"}},
+        BadLine{"a.vdb b.vdb", {"'b.vdb' belongs to no option"}},
+        BadLine{"inf", {"'inf' is no command", "did you mean 'info'?"}},
         BadLine{"--scheme jet --scheme jet", {"--scheme", "2 times", "once"}});
     const TempWorkspace desk;
     requireRefused(desk, "--sdf none.vdb --seed 0,0,1 -o out.vdb " + bad.line, kUsage, bad.says);

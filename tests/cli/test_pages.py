@@ -140,7 +140,7 @@ class ManualPage(unittest.TestCase):
         codes = re.findall(r"(?m)^  (\d+) +(.*)$", FOOTER)
         self.assertEqual([code for code, _ in codes], ["0", "1", "2", "3", "4", "130"])
         for code, meaning in codes:
-            self.assertRegex(text, rf"EXIT STATUS.* {code} {meaning} .*ENVIRONMENT")
+            self.assertRegex(text, rf"EXIT STATUS.* {code} {meaning} .*EXAMPLES")
         # And nothing else.
         self.assertLessEqual(set(re.findall(r"--[a-z][a-z-]*", text)),
                              set(OPTIONS).union(*COMMAND_OPTIONS.values()))
@@ -292,7 +292,7 @@ class FishCompletion(Completion):
         self.assertEqual(self.after("batch merge seeds.json --"), ["--help", "--matrix", "--output"])
 
     def test_subcommands(self):
-        self.assertEqual(self.after(""), ["batch", "info"])
+        self.assertEqual(self.after(""), ["a.vdb", "b c.vdb", "batch", "info", "model.obj", "models/", "seeds.csv"])
         self.assertEqual(self.after("--straighten in"), [])
         self.assertEqual(self.after("batch m"), ["merge", "models/"])
 
@@ -359,7 +359,7 @@ class ZshCompletion(Completion):
         self.assertEqual(self.after("batch merge seeds.json --"), ["--help", "--matrix", "--output"])
 
     def test_subcommands(self):
-        self.assertEqual(self.after(""), ["batch", "info"])
+        self.assertEqual(self.after(""), ["a.vdb", "b c.vdb", "batch", "info", "model.obj", "models", "seeds.csv"])
         self.assertEqual(self.after("batch m"), ["merge", "models"])
 
     def test_files_and_values(self):

@@ -225,7 +225,8 @@ TEST_CASE("pairs: unreached pairs end with 4, wrong files are refused") {
     requireRefused(desk, "--sdf in.vdb --pairs bad.csv", kUnusable,
                    {"bad.csv", "line 1", "x,y,z,x,y,z"});
     writeBytes(desk / "off.csv", "0,0,0,1.2,0,0\n");
-    requireRefused(desk, "--sdf in.vdb --pairs off.csv", kUsage, {"source 0", "surface"});
+    requireRefused(desk, "--sdf in.vdb --pairs off.csv", kUsage,
+                   {"source of pair 0 (0,0,0)", "nearest point of the surface", "--snap"});
     requireRefused(desk, "--sdf in.vdb --pairs p.csv --pairs-out x.vdb", kUsage, {".csv .json"});
     requireRefused(desk, "--sdf in.vdb --pairs p.csv --mesh-out m.ply", kUsage, {"no seed"});
     requireRefused(desk, "--sdf in.vdb --seed 1.2,0,0 --pairs-out x.csv", kUsage, {"--pairs"});

@@ -22,8 +22,8 @@ TEST_CASE("without -o the result is named after the input, in the current folder
     fs::create_directory(desk / "models");
     desk.make("models/two.vdb", "bad two-level-sets");
     const Result result = requireDone(desk, "--sdf models/two.vdb:psi_b --seed 1,0,0");
-    CHECK(lines(result.err).size() == 1);
-    CHECK_THAT(result.err, contains("two_geodesic.vdb"));
+    CHECK(lines(result.err).size() == 2);
+    CHECK_THAT(result.err, contains("wrote distance to two_geodesic.vdb"));
     CHECK(desk.files().size() == 3);
     CHECK(readVdb(desk / "two_geodesic.vdb").grids.at(0)->getName() == "psi_b_geodesic");
 }
@@ -81,9 +81,11 @@ TEST_CASE("messages: none with -q, one line per result without, the stages with 
     CHECK(requireDone(desk, base + "-q").err.empty());
 
     const auto normal = lines(requireDone(desk, base).err);
-    REQUIRE(normal.size() == 2);
+    REQUIRE(normal.size() == 3);
     CHECK_THAT(normal[0], startsWith("implicit-geodesic: target 0: distance "));
-    CHECK_THAT(normal[1], startsWith("implicit-geodesic: distances up to ") && contains("out.vdb"));
+    CHECK_THAT(normal[1], startsWith("implicit-geodesic: distances up to ") &&
+                              contains("on the whole surface"));
+    CHECK(normal[2] == "implicit-geodesic: wrote distance to out.vdb");
 
     const std::string verbose = requireDone(desk, base + "-v").err;
     for (const std::string stage : {"read", "check", "band", "snap", "march", "trace", "write"})
@@ -100,7 +102,7 @@ TEST_CASE("stderr that is no terminal gets neither colors nor progress") {
     const Result result = requireDone(desk, "--sdf in.vdb --seed 1.4,0,0 -o out.vdb");
     CHECK(result.err.find('\033') == std::string::npos);
     CHECK(result.err.find('\r') == std::string::npos);
-    CHECK(lines(result.err).size() == 1);
+    CHECK(lines(result.err).size() == 2);
 }
 
 TEST_CASE("a target on another piece is reported with exit code 4, all else is written") {
@@ -112,11 +114,14 @@ TEST_CASE("a target on another piece is reported with exit code 4, all else is w
     INFO(result.err);
     CHECK(result.exitCode == 4);
     const auto told = lines(result.err);
-    REQUIRE(told.size() == 3);
+    REQUIRE(told.size() == 6);
     CHECK_THAT(told[0], startsWith("implicit-geodesic: warning: target 0") &&
                             contains("no path on the surface"));
     CHECK_THAT(told[1], startsWith("implicit-geodesic: target 1: distance "));
-    CHECK_THAT(told[2], contains("out.vdb"));
+    CHECK_THAT(told[2], contains("50 % of the surface is not reached, as no seed is on its "
+                                 "components"));
+    CHECK(told[3] == "implicit-geodesic: wrote distance to out.vdb");
+    CHECK(told[5] == "implicit-geodesic: wrote report to report.json");
     CHECK(desk.files().size() == 4);
     // A quarter of a circle of radius 0.5, within a voxel of 0.05.
     const auto at = told[1].find("distance ");

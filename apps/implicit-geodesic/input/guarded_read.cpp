@@ -10,8 +10,10 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <vector>
 
 #include "exit_code.h"
+#include "options/spelling.h"
 #include "process.h"
 
 namespace {
@@ -72,6 +74,24 @@ void catchFaults() {
                      "  use a coarser level set or a larger machine\n");
     std::set_terminate(onTerminate);
     onFault(reportFault, endNow);
+}
+
+std::string namesLike(const std::string& file) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    if (file == "-" || fs::symlink_status(file, error).type() != fs::file_type::not_found)
+        return "";
+    constexpr int kMost = 10000;  // names to look through
+    const fs::path folder = fs::path(file).parent_path();
+    std::vector<std::string> names;
+    for (fs::directory_iterator entry(folder.empty() ? "." : folder, error), end;
+         !error && entry != end && names.size() < kMost; entry.increment(error))
+        names.push_back((folder / entry->path().filename()).string());
+    std::sort(names.begin(), names.end());
+    const auto longer = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+        return name.starts_with(file + ".");
+    });
+    return longer == names.end() ? didYouMean(file, names) : ", did you mean '" + *longer + "'?";
 }
 
 FileGuard::FileGuard(const std::string& file) : FileGuard(file, readingSeconds(file)) {}

@@ -36,6 +36,10 @@ private:
     const int exceptions_;  ///< on their way when it was made
 };
 
+/// ", did you mean 'FILE'?" with the name in its folder that is most like that of a file that is not
+/// there; else empty.
+std::string namesLike(const std::string& file);
+
 /// What `read` returns, which reads `file`. Whatever goes wrong in it names the file: a refusal as
 /// it is, memory that runs out and other exceptions as a refusal (BadInput), a fault as above.
 template <typename Read>
@@ -49,8 +53,10 @@ auto guardedRead(const std::string& file, const Read& read) {
         "it is too large for this machine or for --memory-limit, or damaged";
     try {
         return read();
-    } catch (const Error&) {
-        throw;
+    } catch (const Error& e) {
+        const std::string like = e.kind() == Error::Kind::Io ? namesLike(file) : "";
+        if (like.empty()) throw;
+        throw Error(e.kind(), e.what() + like, e.remedy());
     } catch (const std::bad_alloc&) {
         throw refuse("out of memory", kTooLarge);
     } catch (const std::length_error&) {

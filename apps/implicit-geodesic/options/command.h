@@ -16,6 +16,7 @@ struct Option {
     std::vector<std::string> needs = {}, excludes = {};  ///< other options, by their long names
     bool required = false;
     std::string group = {};
+    std::string brief = {};  ///< what -h says of it; empty: --help alone has it
 
     const std::string& longName() const { return names.back(); }
 };

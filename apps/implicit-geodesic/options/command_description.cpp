@@ -6,10 +6,18 @@
 #include <sstream>
 
 #include "json_file.h"
+#include "process.h"
 
 namespace {
 
-constexpr std::size_t kTextColumn = 28, kColumns = 80;
+constexpr std::size_t kTextColumn = 28;
+
+/// Of the terminal, or of a page.
+std::size_t columns() {
+    constexpr int kPage = 80, kLeast = 60, kMost = 120;
+    static const int width = stdoutColumns();
+    return std::size_t(width > 0 ? std::clamp(width, kLeast, kMost) : kPage);
+}
 
 std::string joined(const std::vector<std::string>& words, const char* separator) {
     std::string text;
@@ -17,14 +25,15 @@ std::string joined(const std::vector<std::string>& words, const char* separator)
     return text;
 }
 
-/// In lines of kColumns; those after the first begin in `column`, where the first stands already.
+/// In lines of columns() characters; those after the first begin in `column`, where the first
+/// stands already.
 std::string wrapped(const std::string& text, std::size_t column) {
     std::istringstream words(text);
     std::string out;
     std::size_t end = column;
     for (std::string word; words >> word; end += word.size(), out += word) {
         if (out.empty()) continue;
-        const bool fits = end + 1 + word.size() <= kColumns;
+        const bool fits = end + 1 + word.size() <= columns();
         out += fits ? " " : "\n" + std::string(column, ' ');
         end = fits ? end + 1 : column;
     }
@@ -50,13 +59,11 @@ std::string headOfArgument(const Option& argument) {
     return argument.names.front() + argument.value + (argument.reads.repeatable ? "..." : "");
 }
 
-/// The text and, in parentheses, what goes with the option.
-std::string textOf(const Option& option, const Command& command) {
-    const std::vector<std::string> excluded = command.excludedBy(option);
+/// The text and, in parentheses, its range and what it needs.
+std::string textOf(const Option& option) {
     std::vector<std::string> notes;
     if (!option.reads.range.empty()) notes.push_back(option.reads.range);
     if (!option.needs.empty()) notes.push_back("needs " + joined(option.needs, ", "));
-    if (!excluded.empty()) notes.push_back("not with " + joined(excluded, ", "));
     return option.text + (notes.empty() ? "" : " (" + joined(notes, "; ") + ")");
 }
 
@@ -66,6 +73,35 @@ std::string usage(const Command& command) {
     return text + " [options]\n";
 }
 
+std::string allUsages(const Command& command) {
+    std::string text = "\nUsage: " + usage(command);
+    for (const Command& below : command.commands) text += "       " + usage(below);
+    return text;
+}
+
+std::string aboutLines(const Command& command) {
+    std::string text;
+    std::istringstream about(command.about);
+    for (std::string line; std::getline(about, line);) text += wrapped(line, 0);
+    return text;
+}
+
+/// One screen: the options that have a few words for it.
+std::string briefHelp(const Command& command) {
+    std::string text = aboutLines(command) + allUsages(command) + "\n";
+    for (const Option& option : command.options)
+        if (!option.brief.empty()) text += entry(headOf(option), option.brief);
+    text += "\nExample:\n  " + command.examples.front().command + "\n      " +
+            command.examples.front().meaning + "\n";
+    return text + "\nAll " + std::to_string(command.options.size()) + " options: " + command.name +
+           " --help\n";
+}
+
+bool hasBriefHelp(const Command& command) {
+    return std::any_of(command.options.begin(), command.options.end(),
+                       [](const Option& option) { return !option.brief.empty(); });
+}
+
 /// Groups are in the order of their first options.
 std::string optionGroups(const Command& command) {
     std::vector<std::pair<std::string, std::string>> groups;
@@ -73,7 +109,7 @@ std::string optionGroups(const Command& command) {
         auto group = std::find_if(groups.begin(), groups.end(),
                                   [&](const auto& g) { return g.first == option.group; });
         if (group == groups.end()) group = groups.insert(group, {option.group, ""});
-        group->second += entry(headOf(option), textOf(option, command));
+        group->second += entry(headOf(option), textOf(option));
     }
     std::string text;
     for (const auto& [name, entries] : groups) text += "\n" + name + ":\n" + entries;
@@ -122,15 +158,12 @@ Json toJson(const Command& c) {
 
 }  // namespace
 
-std::string helpText(const Command& command) {
-    std::string text;
-    std::istringstream about(command.about);
-    for (std::string line; std::getline(about, line);) text += wrapped(line, 0);
-    text += "\nUsage: " + usage(command);
-    for (const Command& below : command.commands) text += "       " + usage(below);
+std::string helpText(const Command& command, bool brief) {
+    if (brief && hasBriefHelp(command)) return briefHelp(command);
+    std::string text = aboutLines(command) + allUsages(command);
     if (!command.arguments.empty()) text += "\nArguments:\n";
     for (const Option& argument : command.arguments)
-        text += entry(headOfArgument(argument), textOf(argument, command));
+        text += entry(headOfArgument(argument), textOf(argument));
     text += optionGroups(command);
     if (!command.commands.empty()) text += "\nCommands:\n";
     for (const Command& below : command.commands) text += entry(below.lastName(), below.about);

@@ -6,8 +6,10 @@
 
 #include "options/command.h"
 
-/// In lines of 80 columns; an example stays in one line, for a shell to take.
-std::string helpText(const Command& command);
+/// In lines of the terminal's width, else of 80 columns; an example stays in one line, for a shell
+/// to take.
+/// @param brief  one screen of what is used most, where the command has such a choice
+std::string helpText(const Command& command, bool brief = false);
 
 /// Of a command and those below it.
 std::string descriptionJson(const Command& command);

@@ -38,8 +38,9 @@ public:
     const Command& command() const { return command_; }
 
     /// Words that are no option, no value and no command.
-    /// @param all  the command line
-    [[noreturn]] void refuseExtra(const std::vector<std::string>& all) const;
+    [[noreturn]] void refuseExtra() const;
+    /// A word that is no command, but nearly one.
+    void refuseMisspelled() const;
 
     /// CLI11 misses a value; its message begins with the option.
     [[noreturn]] void refuseMissing(const std::string& message) const {
@@ -111,7 +112,7 @@ void Words::declare(const Option& option) {
     if (option.reads.repeatable && !isArgument) given.parsed->allow_extra_args(false);
 }
 
-void Words::refuseExtra(const std::vector<std::string>& all) const {
+void Words::refuseExtra() const {
     const std::vector<std::string> extras = app_.remaining(/*recurse=*/true);
     const std::string first = extras.empty() ? "" : extras.front();
     if (first.size() > 1 && first[0] == '-' && !numberOf(first)) {
@@ -120,31 +121,31 @@ void Words::refuseExtra(const std::vector<std::string>& all) const {
             names.insert(names.end(), option.names.begin(), option.names.end());
         refuse("unknown option " + first + didYouMean(first, names), command_);
     }
-    // --seed 0 0 1
-    for (std::size_t k = 1; k + 1 < all.size(); ++k)
-        if (all[k - 1].starts_with("--") && numberOf(all[k]) && numberOf(all[k + 1])) {
-            std::string joined = all[k];
-            for (std::size_t n = k + 1; n < all.size() && numberOf(all[n]); ++n)
-                joined += "," + all[n];
-            usageError("'" + all[k + 1] + "' stands by itself",
-                       "numbers of one option are joined by commas: " + all[k - 1] + " " + joined);
-        }
-    std::vector<std::string> commands;
+    refuseMisspelled();
+    refuse("'" + first + "' belongs to no option", command_);
+}
+
+void Words::refuseMisspelled() const {
+    std::vector<std::string> commands{"help"};
     for (const Command& below : command_.commands) commands.push_back(below.lastName());
-    std::string surface;
-    for (const char* name : {"--sdf", "--mesh", "--points"})
-        if (std::any_of(command_.options.begin(), command_.options.end(),
-                        [&](const Option& o) { return o.longName() == name; }))
-            surface += (surface.empty() ? "" : ", ") + std::string(name) + " " + first;
-    refuse("'" + first + "' belongs to no option" + didYouMean(first, commands) +
-               (surface.empty() ? "" : "; a surface is given by " + surface),
-           command_);
+    for (const Given& given : given_) {
+        const bool isArgument = given.option->names.front().front() != '-';
+        if (!isArgument || !given.here() || command_.commands.empty()) continue;
+        // A file's name has an ending.
+        const std::string hint = didYouMean(given.one, commands);
+        if (!hint.empty() && given.one.find_first_of("./") == std::string::npos)
+            refuse("'" + given.one + "' is no command" +
+                       (given.one == "help" ? ", did you mean '--help'?" : hint),
+                   command_);
+    }
 }
 
 void Words::refuseConflicts() const {
     for (const Given& given : given_) {
         const Option& option = *given.option;
-        const std::string name = option.longName();
+        const bool isArgument = option.names.front().front() != '-';
+        const std::string name =
+            isArgument && given.here() ? "'" + given.one + "'" : option.longName();
         if (option.required && !given.here()) refuse(name + " is required", command_);
         if (!given.here()) continue;
         const bool once = !option.reads.repeatable && !option.reads.isFlag;
@@ -174,6 +175,19 @@ void Words::read() const {
     }
 }
 
+/// --seed 0 0 1
+void refuseLooseNumbers(const std::vector<std::string>& words) {
+    for (std::size_t k = 1; k + 1 < words.size(); ++k) {
+        if (!words[k - 1].starts_with("--") || !numberOf(words[k]) || !numberOf(words[k + 1]))
+            continue;
+        std::string joined = words[k];
+        for (std::size_t n = k + 1; n < words.size() && numberOf(words[n]); ++n)
+            joined += "," + words[n];
+        usageError("'" + words[k + 1] + "' stands by itself",
+                   "numbers of one option are joined by commas: " + words[k - 1] + " " + joined);
+    }
+}
+
 /// OpenVDB's tools spell their options with one dash: -help and -version work here as well.
 std::vector<std::string> withTwoDashes(std::vector<std::string> words) {
     for (std::string& word : words)
@@ -186,19 +200,23 @@ std::vector<std::string> withTwoDashes(std::vector<std::string> words) {
 const Command* readCommandLine(const Command& command, std::vector<std::string> words) {
     CLI::App app("", command.name);
     const Words parsed(command, app);
-    const std::vector<std::string> all = words;
+    words = withTwoDashes(words);
+    refuseLooseNumbers(words);
+    auto has = [&](const char* word) {
+        return std::find(words.begin(), words.end(), word) != words.end();
+    };
+    const bool brief = has("-h") && !has("--help");
     try {
-        words = withTwoDashes(words);
         std::reverse(words.begin(), words.end());  // CLI11 takes them last first
         app.parse(words);
     } catch (const CLI::CallForHelp&) {
-        results() << helpText(parsed.named().back()->command());
+        results() << helpText(parsed.named().back()->command(), brief);
         return nullptr;
     } catch (const CLI::CallForVersion&) {
         results() << versionText() << "\n";
         return nullptr;
     } catch (const CLI::ExtrasError&) {
-        parsed.named().back()->refuseExtra(all);
+        parsed.named().back()->refuseExtra();
     } catch (const CLI::ArgumentMismatch& e) {
         parsed.named().back()->refuseMissing(e.what());
     } catch (const CLI::ParseError& e) {
@@ -207,6 +225,7 @@ const Command* readCommandLine(const Command& command, std::vector<std::string> 
     const std::vector<const Words*> chain = parsed.named();
     for (std::size_t k = 0; k + 1 < chain.size(); ++k)
         chain[k]->refuseBefore(chain[k + 1]->command());
+    chain.back()->refuseMisspelled();
     chain.back()->refuseConflicts();
     chain.back()->read();
     if (chain.back()->command().check) chain.back()->command().check();

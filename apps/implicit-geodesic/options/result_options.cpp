@@ -12,6 +12,7 @@
 namespace {
 
 std::string gridNameOf(const std::string& word) {
+    if (word.empty()) usageError("the name is empty", "give one, or leave --name out");
     if (hasControls(word))
         usageError("'" + word + "' holds a control character", "take it out of the name");
     return word;

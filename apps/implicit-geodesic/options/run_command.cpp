@@ -1,9 +1,5 @@
 #include "options/run_command.h"
 
-#include <igeo/io/mesh_file.h>
-#include <igeo/io/point_cloud_file.h>
-#include <igeo/io/volume_file.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -18,10 +14,20 @@ namespace {
 void checkSurface(const RunOptions& o) {
     if (o.kind == SurfaceKind::None || o.source.file.empty())
         usageError("no surface is given",
-                   "add --sdf FILE.vdb, --mesh FILE, --points FILE or --volume FILE; see "
-                   "implicit-geodesic --help");
+                   "name a .vdb, mesh, point or volume file, or add --sdf, --mesh, --points or "
+                   "--volume; see implicit-geodesic --help");
+    const bool volume = o.kind == SurfaceKind::Volume;
+    if (volume && (o.voxelSize > 0 || o.resolution > 0))
+        usageError("--voxel-size and --resolution are for meshes and points",
+                   "a volume has a fixed voxel size: leave them out");
+    if (!volume && o.rebuild)
+        usageError("--rebuild is for volumes, and " + o.source.text() + " is none",
+                   "leave it out: meshes and points need no signed distance");
     if (o.iso && !o.rebuild && o.kind != SurfaceKind::VoxelVolume)
         usageError("--iso needs --rebuild or --volume", "add one of them, or leave --iso out");
+    if (o.kind != SurfaceKind::Mesh && o.joinGaps > 0)
+        usageError("--join-gaps is for meshes, and " + o.source.text() + " is none",
+                   "leave it out");
     if (o.joinGaps > 0 && o.scheme == igeo::Scheme::Godunov)
         usageError("--join-gaps is for scheme jet, and --scheme is godunov",
                    "leave out one of the two");
@@ -30,22 +36,21 @@ void checkSurface(const RunOptions& o) {
 /// Another kind of surface by the name of the file.
 void checkKind(const RunOptions& o) {
     const std::string file = o.source.text();
+    const SurfaceKind byName = kindByName(o.source.file);
     const auto refuse = [&](const char* given, const char* what, const std::string& remedy) {
-        usageError(std::string(given) + " " + file + ": its ending is that of " + what, remedy);
+        usageError(std::string(given) + " " + file + ": its ending is that of " + what,
+                   "write " + remedy);
     };
-    if (o.kind == SurfaceKind::VoxelVolume) {
-        if (file.ends_with(".vdb"))
-            refuse("--volume", "a VDB file", "write --sdf " + file + " --rebuild --iso V");
-        return;
-    }
-    if (igeo::isVolumeFile(file))
+    if (o.kind == SurfaceKind::VoxelVolume && file.ends_with(".vdb"))
+        refuse("--volume", "a VDB file", "--sdf " + file + " --rebuild --iso V");
+    if (o.kind != SurfaceKind::VoxelVolume && byName == SurfaceKind::VoxelVolume)
         refuse(o.kind == SurfaceKind::Volume ? "--sdf"
                : o.kind == SurfaceKind::Mesh ? "--mesh"
                                              : "--points",
-               "a volume of voxels", "write --volume " + file + " --iso V");
+               "a volume of voxels", "--volume " + file + " --iso V");
     if (o.kind != SurfaceKind::Volume) return;
-    if (igeo::isMeshFile(file)) refuse("--sdf", "a mesh", "write --mesh " + file);
-    if (igeo::isPointFile(file)) refuse("--sdf", "points", "write --points " + file);
+    if (byName == SurfaceKind::Mesh) refuse("--sdf", "a mesh", "--mesh " + file);
+    if (byName == SurfaceKind::Points) refuse("--sdf", "points", "--points " + file);
 }
 
 void checkSeeds(const RunOptions& o) {
@@ -85,6 +90,31 @@ double gibibytesOf(const std::string& word) {
     return *number * bytes / kGiB;
 }
 
+/// What -h has: the options used most, in a few words each.
+void describeBriefly(Command& command) {
+    const std::pair<const char*, const char*> words[] = {
+        {"--seed", "where the distance is 0; of meshes also vertex:123, +x"},
+        {"--seeds", "seeds from a .json or .csv file"},
+        {"--target", "where a path to the nearest seed starts"},
+        {"--targets", "targets from a .json or .csv file"},
+        {"--max-distance", "stop beyond this distance"},
+        {"--voxel-size", "of a mesh or points [longest side / 256]"},
+        {"--weight", "cost per unit length: a float grid, or per vertex"},
+        {"--obstacle", "where no path may go: a mask, a level set"},
+        {"--output", "distances [<sdf>_geodesic.vdb, here]"},
+        {"--grids", "more in it: gradient, label, color, logmap, ..."},
+        {"--paths", "paths as .json or .obj"},
+        {"--isolines", "lines of equal distance: .json .obj .ply"},
+        {"--mesh-out", "the surface with distances: .ply .obj"},
+        {"--per-vertex", "distances at the vertices of the mesh: .csv .npy"},
+        {"--matrix", "from all seeds to all targets: .csv .json .npy"},
+        {"--image", "a picture"},
+        {"--report", "what was done, as JSON"}};
+    for (Option& option : command.options)
+        for (const auto& [name, brief] : words)
+            if (option.longName() == name) option.brief = brief;
+}
+
 }  // namespace
 
 Command jobCommand(RunOptions& o) {
@@ -109,6 +139,7 @@ Command jobCommand(RunOptions& o) {
 
 Command runCommand(RunOptions& o) {
     Command command = jobCommand(o);
+    addSurfaceArgument(command, o);
     // A batch has options for all of its jobs, which need not matter to each.
     command.check = [&o] {
         checkTogether(o);
@@ -116,10 +147,10 @@ Command runCommand(RunOptions& o) {
     };
     addProcessOptions(command, o);
     command.add("Run", {helpOption(), versionOption()});
+    describeBriefly(command);
     command.about =
         "Geodesic distances and shortest paths along a surface: a signed-distance volume, a mesh "
-        "or "
-        "points.\n"
+        "or points.\n"
         "Lengths are in world units of the surface; defaults are in brackets.";
     command.exitCodes = {{0, "done"},
                          {1, "failed"},
@@ -128,7 +159,7 @@ Command runCommand(RunOptions& o) {
                          {4, "done, but a target is unreached"},
                          {130, "interrupted"}};
     command.examples = {
-        {"implicit-geodesic --sdf data/trefoil.vdb --seed 0,-0.42,0",
+        {"implicit-geodesic data/trefoil.vdb --seed 0,-0.42,0",
          "distances along the surface, in trefoil_geodesic.vdb"},
         {"implicit-geodesic --sdf data/sphere.vdb --seed 0,0,1 --target 0.6,0,-0.8 --paths "
          "path.json",

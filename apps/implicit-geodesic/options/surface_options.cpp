@@ -1,5 +1,9 @@
 #include "options/surface_options.h"
 
+#include <igeo/io/mesh_file.h>
+#include <igeo/io/point_cloud_file.h>
+#include <igeo/io/volume_file.h>
+
 #include "options/command.h"
 
 namespace {
@@ -22,6 +26,27 @@ Reader file(SurfaceOptions& options, SurfaceKind kind) {
 
 }  // namespace
 
+SurfaceKind kindByName(const std::string& file) {
+    if (igeo::isVolumeFile(file)) return SurfaceKind::VoxelVolume;
+    if (igeo::isMeshFile(file)) return SurfaceKind::Mesh;
+    return igeo::isPointFile(file) ? SurfaceKind::Points : SurfaceKind::Volume;
+}
+
+void addSurfaceArgument(Command& command, SurfaceOptions& o) {
+    auto read = [&o](const std::string& word) {
+        o.kind = kindByName(word);
+        o.source = o.kind == SurfaceKind::Volume ? igeo::parseGridSource(word)
+                                                 : igeo::GridSource{word, ""};
+    };
+    command.arguments.push_back(
+        {.names = {"FILE"},
+         .value = "[:GRID]",
+         .text = "The surface, as --sdf, --mesh, --points or --volume by its ending: .vdb; .obj "
+                 ".ply .stl .off .gltf .glb .gii .mz3; .xyz .csv .txt .pwn; .nii .nrrd",
+         .reads = {.read = read},
+         .excludes = {"--sdf", "--mesh", "--points", "--volume"}});
+}
+
 void addVoxelSizeOptions(Command& command, double& voxelSize, int& resolution) {
     command.add(
         "Surface",
@@ -43,8 +68,7 @@ void addSurfaceOptions(Command& command, SurfaceOptions& o) {
         {{.names = {"--sdf"},
           .value = "FILE[:GRID]",
           .text = "Level set to walk on: a .vdb file, its grid if it holds several; - reads stdin",
-          .reads = volume(o),
-          .excludes = {"--voxel-size", "--resolution"}},
+          .reads = volume(o)},
          {.names = {"--mesh"},
           .value = "FILE",
           .text = "Instead: triangles or polygons, open or closed; .obj .ply .stl .off .gltf "
@@ -69,13 +93,11 @@ void addSurfaceOptions(Command& command, SurfaceOptions& o) {
                   .value = "D",
                   .text = "Paths may cross gaps up to this wide between pieces of a mesh, or "
                           "between its rims, world units",
-                  .reads = numberAboveZero(o.joinGaps),
-                  .needs = {"--mesh"}},
+                  .reads = numberAboveZero(o.joinGaps)},
                  {.names = {"--rebuild"},
                   .text = "Make a signed distance of a volume that is none: a fog volume, another "
                           "function, an unsigned distance",
-                  .reads = flag(o.rebuild),
-                  .needs = {"--sdf"}},
+                  .reads = flag(o.rebuild)},
                  {.names = {"--iso"},
                   .value = "V",
                   .text = "The value that is the surface, for --volume [masks: halfway] and "

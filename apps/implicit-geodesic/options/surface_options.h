@@ -30,6 +30,12 @@ struct SurfaceOptions {
     bool operator==(const SurfaceOptions&) const = default;
 };
 
+/// What the name of a file says that it holds: a VDB volume, unless it is that of a mesh, points or
+/// voxels.
+SurfaceKind kindByName(const std::string& file);
+
+/// The surface as a word without an option, its kind by its name.
+void addSurfaceArgument(Command& command, SurfaceOptions& options);
 void addSurfaceOptions(Command& command, SurfaceOptions& options);
 void addBandOptions(Command& command, SurfaceOptions& options);
 void addSchemeOptions(Command& command, SurfaceOptions& options);

@@ -65,9 +65,10 @@ void describe(const igeo::Distance& distance, const Console& console) {
     if (!console.verbose()) return;
     const igeo::Band& band = distance.band();
     const double dx = band.transform.dx;
-    console.detail(fmt::format("band: h = {:.6g} ({:.4g} voxels), {} nodes{}", band.h * dx, band.h,
-                               band.size(),
-                               distance.ofWholeSurface() ? "" : ", not of the whole surface"));
+    console.detail(fmt::format("band: h = {:.6g} ({:.4g} voxels), {} nodes{}; {} reached",
+                               band.h * dx, band.h, band.size(),
+                               distance.ofWholeSurface() ? "" : ", not of the whole surface",
+                               distance.field().reached));
     for (const auto& [what, points] :
          {std::pair("seed", &distance.seeds()), {"target", &distance.targets()}})
         for (std::size_t k = 0; k < points->size(); ++k) {
@@ -135,6 +136,14 @@ void warnOfLongPaths(double dx, RunReport& report) {
         count, reached, worst, 100 * most));
 }
 
+void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report) {
+    if (report.obstacles.empty() || !distance.ofWholeSurface()) return;
+    if (distance.field().metric->blocksAny(distance.band())) return;
+    std::string names;
+    for (const std::string& name : report.obstacles) names += (names.empty() ? "" : ", ") + name;
+    report.warnings.push_back("no obstacle meets the surface, so nothing is blocked: " + names);
+}
+
 void tellJoints(std::size_t joints, double gap, const Console& console,
                 std::vector<std::string>& warnings) {
     if (joints > 0)
@@ -147,15 +156,31 @@ void tellJoints(std::size_t joints, double gap, const Console& console,
             gap));
 }
 
+namespace {
+
+/// How far the distances go, and over how much of the surface.
+std::string reachOf(const igeo::Distance& distance) {
+    const igeo::Field& field = distance.field();
+    const std::string most = fmt::format("distances up to {:.6g}", distance.largest());
+    const std::size_t all = distance.band().size(), lost = all - field.reached;
+    if (field.stoppedEarly || !distance.ofWholeSurface()) return most + " around the seeds";
+    if (lost == 0) return most + " on the whole surface";
+    const double share = 100 * double(lost) / double(all);
+    return fmt::format("{}; {:.2g} % of the surface is not reached, as {}", most, share,
+                       field.metric->obstacles ? "obstacles or gaps lie between it and the seeds"
+                                               : "no seed is on its components");
+}
+
+}  // namespace
+
 int tell(const RunReport& report, const igeo::Distance& distance, const RunOptions& o,
          const Console& console) {
     for (const std::string& w : report.warnings) console.warning(w);
     const int paths = tellPaths(report, distance, console);
     tellWalks(report, console);
     const int pairs = tellPairs(report, console);
-    if (o.hasSeeds())
-        console.info(fmt::format("distances up to {:.6g} on {} of {} band voxels in {}",
-                                 distance.largest(), distance.field().reached,
-                                 distance.band().size(), distanceFile(o, &report.surface.name)));
+    if (o.hasSeeds()) console.info(reachOf(distance));
+    for (const auto& [name, file] : report.outputs)
+        console.file(fmt::format("wrote {} to {}", name, file == "-" ? "standard output" : file));
     return std::max(paths, pairs);
 }

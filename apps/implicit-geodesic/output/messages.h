@@ -22,6 +22,9 @@ void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report);
 /// @param dx  voxel size
 void warnOfLongPaths(double dx, RunReport& report);
 
+/// Adds a warning where the obstacles block nothing of the surface.
+void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report);
+
 /// How many components --join-gaps has joined; a warning if none.
 void tellJoints(std::size_t joints, double gap, const Console& console,
                 std::vector<std::string>& warnings);

@@ -13,6 +13,7 @@
 
 #include "output/stdout.h"
 #include "printable.h"
+#include "process.h"
 #include "usage_error.h"
 
 namespace fs = std::filesystem;
@@ -41,6 +42,12 @@ void checkEnding(const OutputFile& output) {
         usageError(
             std::string(output.option) + " " + output.file + ": the ending is none of " + allowed,
             "name the file with one of them");
+}
+
+/// What goes to standard output, of the first of the endings.
+bool isBinary(const OutputFile& output) {
+    const std::string endings = output.endings, first = endings.substr(0, endings.find(' '));
+    return first == ".vdb" || first == ".ply" || first == ".png" || first == ".npz";
 }
 
 }  // namespace
@@ -76,6 +83,9 @@ void checkOutputFiles(const std::vector<OutputFile>& outputs,
             usageError(named + ": the name holds a control character", "take it out");
         std::error_code ignored;
         const std::string whole = file == "-" ? file : wholeName(file);
+        if (file == "-" && stdoutIsTerminal() && isBinary(output))
+            usageError(std::string(output.option) + " - would write binary data to the terminal",
+                       "redirect standard output to a file or a program");
         for (const std::string& input : inputs)
             if (input != "-" && file != "-" && fs::equivalent(file, input, ignored))
                 usageError(named + " would overwrite the input '" + input + "'",

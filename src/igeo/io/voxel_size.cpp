@@ -36,4 +36,15 @@ void requireExtent(double side, const std::string& where) {
            side < kFewest * kLeastVoxelSize, "");
 }
 
+void requireFine(double dx, double side, const std::string& where) {
+    constexpr double kFewest = 8;
+    if (side == 0 || dx * kFewest <= side * (1 + 1e-9)) return;
+    throw Error(Error::Kind::InvalidArgument,
+                fmt::format("voxels of {:.4g} are larger than an eighth of the surface, which is "
+                            "{:.4g} across ({})",
+                            dx, side, where),
+                fmt::format("take voxels of up to {:.2g}; 1/256 of its longest side is usual",
+                            side / kFewest));
+}
+
 }  // namespace igeo

@@ -21,4 +21,9 @@ void requireVoxelSize(double dx, const std::string& where,
 /// @throws Error  BadInput for a side, but 0, on which no voxel size is in that range
 void requireExtent(double longestSide, const std::string& where);
 
+/// @throws Error  InvalidArgument for voxels larger than an eighth of the longest side: a band
+/// around
+///         fewer has no inside
+void requireFine(double dx, double longestSide, const std::string& where);
+
 }  // namespace igeo

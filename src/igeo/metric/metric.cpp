@@ -27,6 +27,18 @@ void Metric::setObstacles(const Band& band, std::shared_ptr<const Obstacles> set
     });
 }
 
+bool Metric::blocksAny(const Band& band) const {
+    for (NodeIndex i = 0; i < obstacleState.size(); ++i) {
+        if (obstacleState[i] == Inside) return true;
+        if (obstacleState[i] == Clear) continue;
+        for (const Ijk step : {Ijk{1, 0, 0}, Ijk{0, 1, 0}, Ijk{0, 0, 1}}) {
+            const NodeIndex j = band.neighbor(i, step.x, step.y, step.z);
+            if (j != kNoNode && blocked(band, i, j)) return true;
+        }
+    }
+    return false;
+}
+
 std::string shortText(double x) { return fmt::format("{:.6g}", x); }
 
 std::string worldPlace(const Band& band, NodeIndex i) {

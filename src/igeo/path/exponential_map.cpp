@@ -25,8 +25,9 @@ void requireLength(double length) {
 }
 
 [[noreturn]] void refuseDirection() {
-    throw Error(Error::Kind::InvalidArgument, "the direction has no part along the surface",
-                "give one that is not normal to it, and not zero");
+    throw Error(Error::Kind::InvalidArgument,
+                "the direction is zero, or within 0.6 degrees of the surface's normal",
+                "give one that leads along the surface");
 }
 
 void append(Path& path, const Vec3d& p, double at) {
@@ -85,7 +86,8 @@ std::vector<Walker> walkOver(const Band& band, const Walker& start, double lengt
 
 Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, double length,
            Progress& progress) {
-    constexpr double kAlong = 1e-6;  // normals are floats
+    // Within 0.6 degrees of the normal a direction says little of where to go.
+    constexpr double kAlong = 0.01;
     requireLength(length);
     if (!(igeo::length(direction) > 0) || !(igeo::length(direction) < kInfinity)) refuseDirection();
     if (band.triangles)

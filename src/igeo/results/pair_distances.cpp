@@ -121,11 +121,15 @@ bool PairSolver::solveAround(const Group& group) {
 void PairSolver::refuseFarPoints() const {
     for (std::size_t k = 0; k < pairs_.size(); ++k)
         for (const SurfacePoint* p : {&pairs_[k].source, &pairs_[k].target})
-            if (!(p->snapDistance <= snap_))
-                throw Error(Error::Kind::InvalidArgument,
-                            fmt::format("{}{} is more than {:f} voxels from the surface",
-                                        p == &pairs_[k].source ? "source " : "target ", k, snap_),
-                            "move it to the surface, or allow for more");
+            if (!(p->snapDistance <= snap_)) {
+                const std::string what = fmt::format(
+                    "the {} of pair {}", p == &pairs_[k].source ? "source" : "target", k);
+                if (surface_.refuse) surface_.refuse(p->askedIndex, what);
+                throw Error(
+                    Error::Kind::InvalidArgument,
+                    fmt::format("{} is more than {:f} voxels from the surface", what, snap_),
+                    "move it to the surface, or allow for more");
+            }
 }
 
 std::vector<SolvedPair> PairSolver::solve(Progress& progress) {

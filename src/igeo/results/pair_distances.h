@@ -28,6 +28,8 @@ struct PairSurface {
     std::function<MetricPtr(const Band&, Progress&)> metric;  ///< none: Euclidean
     /// The point of the surface nearest to one in index space; none: nearestSurfacePoint.
     std::function<SurfacePoint(const Band&, const Vec3d&)> nearest;
+    /// Throws for a point of pair k that is too far from S; none: a message in voxels.
+    std::function<void(const Vec3d& askedIndex, const std::string& what)> refuse;
     double leastWeight = 1;  ///< no unit of length costs less; 0: not known, and every pair takes
                              ///< the whole surface
     double diagonal = 0;     ///< across the surface, voxels

@@ -211,7 +211,7 @@ TEST_CASE("shoot: ends where a mesh does, and refuses a direction off it", "[mes
     const Path path = shoot(band, start, {1, 0.2, 0}, 100);
     CHECK(path.status == PathStatus::Stalled);
     CHECK(path.vertices.back().pIndex.x == Approx(50));
-    test::expectError(Error::Kind::InvalidArgument, {"no part along the surface"}, [&] {
+    test::expectError(Error::Kind::InvalidArgument, {"within 0.6 degrees"}, [&] {
         shoot(band, start, {0, 0, 1}, 10);
     });
 }

@@ -113,8 +113,10 @@ TEST_CASE("pairDistances: refuses what is no pair, not finite, or off the surfac
     expectError(Kind::InvalidArgument, {"pair 1", "finite"},
                 solve({on, on}, {on, {0, std::nan(""), 0}}, 1));
     expectError(Kind::InvalidArgument, {"less than 0"}, solve({on}, {on}, -1));
-    expectError(Kind::InvalidArgument, {"target 1", "1.9"}, solve({on, on}, {on, near}, 1.9));
-    expectError(Kind::InvalidArgument, {"source 1"}, solve({on, far, far}, {on, far, on}, 1));
+    expectError(Kind::InvalidArgument, {"target of pair 1", "1.9"},
+                solve({on, on}, {on, near}, 1.9));
+    expectError(Kind::InvalidArgument, {"source of pair 1"},
+                solve({on, far, far}, {on, far, on}, 1));
     CHECK(pairDistances(pairSurface(s.levelSet, kH), {near}, {on}, 2.1)[0].distance < 0.1);
     CHECK(pairDistances(pairSurface(s.levelSet, kH), {}, {}, 1).empty());
     struct Stop : Progress {

@@ -16,16 +16,23 @@ inline bool isNear(const SurfacePoint& p, const Similarity& transform, double ma
 }
 
 /// @param what  names the point in the message
-/// @throws Error  InvalidArgument, with the nearest point, unless isNear()
-inline void requireNear(const SurfacePoint& p, const Similarity& transform, double maxSnap,
-                        const std::string& what) {
-    if (isNear(p, transform, maxSnap)) return;
+/// @param hint  what else the user may do
+/// @throws Error  InvalidArgument, with the nearest point
+[[noreturn]] inline void refuseFar(const SurfacePoint& p, const Similarity& transform,
+                                   double maxSnap, const std::string& what,
+                                   const std::string& hint = {}) {
     throw Error(Error::Kind::InvalidArgument,
                 what + fmt::format(" is {:.6g} from the surface, {:.6g} is allowed",
                                    p.snapDistance * transform.dx, maxSnap),
                 "the nearest point of the surface is " +
                     textOf(transform.worldFromIndex(p.pIndex), 9) +
-                    " (world); move it there or raise maxSnap");
+                    " (world); move it there or raise maxSnap" + hint);
+}
+
+/// @throws Error  as refuseFar, unless isNear()
+inline void requireNear(const SurfacePoint& p, const Similarity& transform, double maxSnap,
+                        const std::string& what) {
+    if (!isNear(p, transform, maxSnap)) refuseFar(p, transform, maxSnap, what);
 }
 
 }  // namespace igeo

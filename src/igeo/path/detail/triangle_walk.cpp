@@ -48,8 +48,8 @@ bool TriangleWalk::leadsInto(std::uint32_t t, const Vec3d& along) const {
 /// into and is nearest to.
 void TriangleWalk::chooseTriangle(const Vec3d& direction) {
     constexpr std::size_t kMost = 1000;
-    // A direction of normals in single precision has a small part along S.
-    constexpr double kAlong = 1e-6;
+    // Within 0.6 degrees of the normal a direction says little of where to go.
+    constexpr double kAlong = 0.01;
     const Vec3d unit = normalized(direction);
     std::vector<std::uint32_t> around{t_};
     double most = 0;
