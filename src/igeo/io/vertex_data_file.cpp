@@ -63,14 +63,16 @@ std::size_t vertexOf(double number, std::size_t count, const std::string& file, 
 
 std::vector<double> fromText(const std::string& file, const std::string& bytes, std::size_t count) {
     std::vector<double> values;
-    std::size_t columns = 0;
+    std::size_t columns = 0, most = 2;
     bool mayBeHeader = true;
     forLines(bytes, [&](std::string_view line, std::size_t number) {
         const std::vector<double> v = numbersIn(line);
         const bool isHeader = mayBeHeader && v.empty();
         mayBeHeader = false;
+        // Further columns only where the first is named: x,y,z are no vertex and value.
+        if (isHeader && line.starts_with("vertex")) most = v.max_size();
         if (isHeader) return;
-        if (v.empty() || (columns != 0 && v.size() != columns))
+        if (v.empty() || v.size() > most || (columns != 0 && v.size() != columns))
             throw Error(Kind::BadInput,
                         fmt::format("{}, line {}: '{}' is neither a value nor a vertex and a value",
                                     file, number, line.substr(0, 60)),

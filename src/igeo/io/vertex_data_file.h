@@ -15,8 +15,9 @@ bool isVertexDataFile(const std::string& file);
 ///
 /// - `.gii`: the array of values, of any intent; of any number type, text or binary.
 /// - `.csv .txt`: a value per line in the order of the vertices, or lines of a vertex and its value
-///   (further columns are skipped; vertices that are not named have 0): what --per-vertex writes.
-///   A first line without numbers names the columns; `#` begins a comment.
+///   (vertices that are not named have 0). A first line without numbers names the columns; where
+///   the first is `vertex`, as in what --per-vertex writes, columns behind the value are skipped.
+///   `#` begins a comment.
 /// - `.npy`: NumPy's format, one dimension (or one column) of integers, booleans or floats.
 /// - `.label`: FreeSurfer's list of vertices: 1 at those, 0 at others.
 /// - FreeSurfer's morphometry: its floats.

@@ -230,6 +230,7 @@ TEST_CASE("values that do not fit the mesh are refused", "[brain]") {
     };
     refused("a.txt", "0\n1\n2\n", {"a.txt", "3 values", "4 vertices"});
     refused("a.txt", "0\n1\n2 2\n", {"a.txt, line 3", "'2 2'"});
+    refused("a.csv", "0,0,1\n1,0,1\n", {"a.csv, line 1", "'0,0,1'"});
     refused("a.csv", "vertex,value\n4,1\n", {"a.csv, line 2", "4 is no vertex", "0 to 3"});
     refused("a.npy", "no numpy", {"a.npy", "no .npy file"});
     refused("a.label", "#!ascii label\n3\n1 0 0 0 0\n", {"a.label", "announces 3", "lists 1"});
