@@ -103,9 +103,16 @@ InterruptGuard::InterruptGuard() {
         gSignal = signal;
         std::this_thread::sleep_for(std::chrono::milliseconds(150));
         igeo::AtomicFile::discardAll();
-        print("error: interrupted");
+        print("error: " + message());
         std::_Exit(exitCode());
     });
+}
+
+std::string InterruptGuard::message() {
+    const std::size_t files = igeo::AtomicFile::committed();
+    if (files == 0) return "interrupted; nothing was written";
+    return "interrupted; " + std::to_string(files) +
+           (files == 1 ? " file was written before" : " files were written before");
 }
 
 bool InterruptGuard::requested() { return gSignal != 0; }

@@ -62,5 +62,7 @@ class InterruptGuard {
 public:
     InterruptGuard();
     static bool requested();
+    /// "interrupted", and what is written already.
+    static std::string message();
     static int exitCode();  ///< 130 for SIGINT, 143 for SIGTERM, 129 for SIGHUP
 };

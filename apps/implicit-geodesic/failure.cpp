@@ -10,6 +10,7 @@
 #include "console.h"
 #include "exit_code.h"
 #include "option_words.h"
+#include "output/stdout.h"
 
 namespace {
 
@@ -35,7 +36,11 @@ int exitCodeFor(igeo::Error::Kind kind) {
 Failure currentFailure() {
     try {
         throw;
+    } catch (const ReaderGone&) {
+        return {kUnusable, "", ""};
     } catch (const igeo::Error& e) {
+        if (e.kind() == igeo::Error::Kind::Cancelled && InterruptGuard::requested())
+            return {InterruptGuard::exitCode(), InterruptGuard::message(), ""};
         return {exitCodeFor(e.kind()), inOptionWords(e.what()), inOptionWords(e.remedy())};
     } catch (const std::bad_alloc&) {
         return {kFailed, "out of memory",

@@ -151,13 +151,20 @@ void printRoom(Table& table, const igeo::SurfaceSurvey& s, double dx) {
     if (s.facingRadius < igeo::kInfinity)
         table.row("", "99 % is " + lengthOf(2 * s.facingRadius, dx) +
                           " or more from sheets that face it");
-    std::string advice =
-        fmt::format("voxels of up to {:.4g} show all of this", s.resolvingSize * dx);
+}
+
+/// The voxel sizes to choose from.
+void printVoxels(Table& table, const FileSurvey& file) {
+    const igeo::SurfaceSurvey& s = *file.surface;
+    const double dx = file.levelSet.transform.dx;
+    std::string text = fmt::format("of {:.6g}", dx);
     // Sharp edges ask for more than any grid has; it is sheets that must be separated.
     if (s.facingRadius < igeo::kInfinity && s.facingRadius > s.medialRadius)
-        advice += fmt::format(", of up to {:.4g} tell its sheets apart",
-                              s.facingRadius / std::sqrt(3.0) * dx);
-    table.row("", advice);
+        text +=
+            fmt::format("; up to {:.4g} separate its sheets", s.facingRadius / std::sqrt(3.0) * dx);
+    if (s.resolvingSize < igeo::kInfinity)
+        text += fmt::format("; up to {:.4g} resolve 95 % of the surface", s.resolvingSize * dx);
+    table.row("voxels", text);
 }
 
 void printSurface(Table& table, const FileSurvey& file) {
@@ -165,6 +172,10 @@ void printSurface(Table& table, const FileSurvey& file) {
     const igeo::LevelSetStats& stats = file.levelSet.stats;
     const double dx = file.levelSet.transform.dx, n = double(file.band.size());
     printComponents(table, s, dx);
+    if (file.mesh && file.mesh->components != s.components.size())
+        table.row("",
+                  count(file.mesh->components, "component") +
+                      " in the file; parts thinner than the voxels fall apart or are missing here");
     table.row("curvature", "radius at least " + radiusOf(stats.largestCurvature, dx) +
                                " on 95 % of the surface, " + radiusOf(s.largestCurvature, dx) +
                                " everywhere");
@@ -189,6 +200,7 @@ void printSurface(Table& table, const FileSurvey& file) {
         if (s.unreliableBy[k] > 0)
             why += (why.empty() ? ": " : ", ") + std::string(causes[k]) + " " +
                    std::to_string(s.unreliableBy[k]);
+    printVoxels(table, file);
     table.row("unreliable", fmt::format("{} of {:.0f} band voxels (", s.unreliable, n) +
                                 percent(double(s.unreliable) / n) + ")" + why);
     table.row("a run", fmt::format("about {:.3g} MB, {:.2g} s on one core", double(s.bytes) / 1e6,
@@ -206,12 +218,11 @@ void print(const FileSurvey& file) {
     if (file.voxels) table.row("volume", describe(*file.voxels));
     if (file.mesh) table.row("mesh", describe(*file.mesh));
     if (file.points) table.row("points", describe(*file.points));
-    if (levelSet.psi && !file.ofGrid()) table.row("voxels", fmt::format("of {:.6g}", dx));
     if (file.ofGrid())
         table.row("transform", dx > 0 ? describe(levelSet.transform) : "refused, see below");
     if (stats.activeVoxels > 0) {
         if (file.ofGrid()) table.row("half-width", lengthOf(stats.halfWidth, dx));
-        table.row(file.ofGrid() ? "volume" : "within",
+        table.row(file.ofGrid() ? "volume" : "box",
                   igeo::textOf(file.low) + " to " + igeo::textOf(file.high));
     }
     if (file.ofGrid() && stats.nearSurface > 0)

@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
         return code;
     } catch (...) {
         const Failure failure = currentFailure();
-        Console::error(failure.what, failure.remedy);
+        if (!failure.what.empty()) Console::error(failure.what, failure.remedy);
         return failure.exitCode;
     }
 }

@@ -47,7 +47,8 @@ void limitComputing(double seconds);
 /// @param threads  room for so many stacks comes on top
 void limitMemory(double bytes, int threads);
 
-/// The memory of the machine, or of the container that the process runs in, bytes.
+/// The memory that the process may use, bytes: of the machine, of its control groups (containers),
+/// of its Slurm job, whichever is least.
 double machineMemory();
 
 /// The most memory that the process has held so far, bytes.

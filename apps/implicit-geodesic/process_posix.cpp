@@ -11,7 +11,9 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
+#include <string>
 #include <thread>
 
 namespace {
@@ -135,11 +137,53 @@ void limitMemory(double bytes, int threads) {
     ::setrlimit(RLIMIT_DATA, &limit);
 }
 
+namespace {
+
+/// The number that a file begins with; nothing where it is "max", or not there.
+void limitBy(const std::string& file, double& bytes) {
+    double limit = 0;
+    if (std::ifstream(file) >> limit && limit > 0) bytes = std::min(bytes, limit);
+}
+
+/// Of the control groups of the process, and of all above them.
+void limitByControlGroups(double& bytes) {
+    std::ifstream groups("/proc/self/cgroup");
+    for (std::string line; std::getline(groups, line);) {
+        const bool second = line.starts_with("0::");  // version 2 of control groups
+        if (!second && line.find(":memory:") == line.npos) continue;
+        const std::string root = second ? "/sys/fs/cgroup" : "/sys/fs/cgroup/memory",
+                          name = second ? "/memory.max" : "/memory.limit_in_bytes";
+        std::string group = line.substr(line.rfind(':') + 1);
+        while (group.size() > 1) {
+            limitBy(root + group + name, bytes);
+            group.erase(group.rfind('/'));
+        }
+        limitBy(root + name, bytes);
+    }
+    limitBy("/sys/fs/cgroup/memory.max", bytes);
+}
+
+/// MiB in an environment variable.
+double mebibytesIn(const char* name) {
+    const char* const text = std::getenv(name);
+    return text ? std::strtod(text, nullptr) : 0;
+}
+
+/// What Slurm granted: per node, or per processor.
+void limitBySlurm(double& bytes) {
+    double granted = mebibytesIn("SLURM_MEM_PER_NODE");
+    if (!(granted > 0))
+        granted = mebibytesIn("SLURM_MEM_PER_CPU") * mebibytesIn("SLURM_CPUS_ON_NODE");
+    constexpr double kMiB = 1 << 20;
+    if (granted > 0) bytes = std::min(bytes, granted * kMiB);
+}
+
+}  // namespace
+
 double machineMemory() {
     double bytes = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));
-    // "max" where there is no limit: no number.
-    double limit = 0;
-    if (std::ifstream("/sys/fs/cgroup/memory.max") >> limit) bytes = std::min(bytes, limit);
+    limitByControlGroups(bytes);
+    limitBySlurm(bytes);
     return bytes;
 }
 

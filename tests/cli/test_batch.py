@@ -258,6 +258,46 @@ class Batch(TempWorkspace):
         self.write(jobs)
         self.assertIn("targets are unreached in apart", self.batch(code=UNREACHED))
 
+    def test_one_set_of_options_for_many_files(self):
+        scans = self.folder / "scans"
+        scans.mkdir()
+        for name in ("b.obj", "a.obj", "c.ply", ".hidden.obj"):
+            (scans / name).write_text(ball(3))
+        template = {"version": 2, "files": "scans/*.obj",
+                    "defaults": {"seed": "+z", "resolution": 20, "output": "out-{name}.vdb"}}
+        self.write(template)
+        self.valid("batch.schema.json", "jobs.json")
+        self.batch()
+        self.assertEqual({file.name for file in self.folder.glob("out-*")}, {"out-a.vdb", "out-b.vdb"})
+        self.assertEqual(list(self.statuses()), ["a", "b"])
+        self.write({"version": 2, "files": ["scans/?.obj"],
+                    "defaults": {"seed": "+z", "mesh": "{file}", "resolution": 20, "per-vertex": "{name}.csv",
+                                 "output": "/dev/null"}})
+        self.batch()
+        self.assertTrue((self.folder / "b.csv").exists())
+        self.refused({"version": 2, "files": "scans/*.stl"}, UNUSABLE, "no file is like 'scans/*.stl'")
+        self.refused({"version": 2, "files": 7}, UNUSABLE, "no pattern")
+        self.refused({**template, "jobs": []}, UNUSABLE, "no manifest of version 2")
+
+    def test_a_table_of_jobs(self):
+        table = self.folder / "jobs.csv"
+        table.write_text('name,sdf,seed,output,extend\r\nnear,torus.vdb,"1.4,0,0",{name}.vdb,true\r\n\r\n'
+                         'far,torus.vdb,"-1.4,0,0",{name}.vdb,\r\n')
+        said = self.program("batch", "jobs.csv", "--dry-run").stdout
+        self.assertIn("--extend --output=near.vdb", said)
+        self.assertIn("--output=far.vdb --sdf=torus.vdb --seed=-1.4,0,0", said)
+        self.write({"version": 2, "defaults": {"max-distance": 0.5}, "jobs": "jobs.csv"})
+        self.batch()
+        for text, words in (("mesh,seed\na.obj,+x\n", "no column 'name'"),
+                            ("name,sdf,seed\na,torus.vdb,0,0,1\n", "line 2: 5 cells for 3 columns"),
+                            ('name,sdf\na,"torus', "line 2: a quote has no end"),
+                            ("name,sdf,sdf\na,b,c\n", "two columns are named 'sdf'"),
+                            ("name\n", "has no jobs")):
+            table.write_text(text)
+            done = self.program("batch", "jobs.csv")
+            self.assertEqual(done.returncode, UNUSABLE)
+            self.assertIn(words, done.stderr)
+
     def test_refusals_before_anything_runs(self):
         good = {"name": "a", "sdf": "torus.vdb", "seed": [1.4, 0, 0], "output": "a.vdb"}
 

@@ -58,7 +58,10 @@ TEST_CASE("Ctrl-C and kill end a run at once and leave nothing behind") {
         CHECK(result.out.empty());
         const auto told = lines(result.err);
         REQUIRE(!told.empty());
-        CHECK(told.front().rfind("implicit-geodesic: error: interrupted", 0) == 0);
+        const bool wrote = desk.files().size() > 1;
+        CHECK_THAT(told.front(),
+                   startsWith(std::string("implicit-geodesic: error: interrupted; ") +
+                              (wrote ? "1 file was written before" : "nothing was written")));
         CHECK(told.size() <= 2);
         // No temporaries; an output that was complete before the signal may stay, but only whole.
         for (const auto& [name, bytes] : desk.files()) {
@@ -93,7 +96,7 @@ TEST_CASE("an interrupted run keeps the output of an earlier one") {
     FAIL("no signal arrived in time");
 }
 
-TEST_CASE("a reader of stdout that has gone is an error, not a death") {
+TEST_CASE("a reader of stdout that has gone ends the program quietly") {
     const TempWorkspace desk;
     desk.make("in.vdb", "sphere");
     const std::string output = GENERATE("-o -", "-o out.vdb --report -");
@@ -105,8 +108,5 @@ TEST_CASE("a reader of stdout that has gone is an error, not a death") {
     const Result result = run(command);
     INFO(result.err);
     CHECK(readBytes(desk / "code") == "3\n");
-    const auto told = lines(result.err);
-    REQUIRE(told.size() == 2);
-    CHECK_THAT(told[0], contains("standard output") && contains("Broken pipe"));
-    CHECK_THAT(told[1], startsWith("  "));
+    CHECK(result.err.empty());
 }

@@ -1,11 +1,17 @@
 #include "batch/manifest.h"
 
+#include <algorithm>
+#include <filesystem>
 #include <map>
 #include <set>
 #include <utility>
 
+#include "batch/job_table.h"
 #include "json_file.h"
+#include "options/surface_options.h"
 #include "printable.h"
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -69,6 +75,17 @@ void addArguments(const std::string& option, const Json& value, const std::strin
         arguments.push_back("--" + option + "=" + wordOf(item, where + ": '" + option + "'"));
 }
 
+/// {name} and, of a job made of a file, {file} become words.
+std::string filled(std::string text, const std::string& name, const std::string& file) {
+    for (const auto& [mark, word] : {std::pair("{name}", name), {"{file}", file}}) {
+        const std::size_t size = std::string(mark).size();
+        if (word.empty()) continue;
+        for (auto at = text.find(mark); at != text.npos; at = text.find(mark, at + word.size()))
+            text.replace(at, size, word);
+    }
+    return text;
+}
+
 ManifestJob jobOf(const Json& entry, const Values& defaults, const std::string& file,
                   std::size_t number) {
     const std::string place = file + ": job " + std::to_string(number);
@@ -84,19 +101,74 @@ ManifestJob jobOf(const Json& entry, const Values& defaults, const std::string& 
     for (const auto& [option, value] : defaults)  // those that the job does not give
         if (values.emplace(option, value).second) job.defaults.insert("--" + option);
     for (const auto& [option, value] : values) addArguments(option, value, where, job.arguments);
+    for (std::string& argument : job.arguments) argument = filled(argument, job.name, "");
     return job;
+}
+
+/// A job of a file: its surface, unless the defaults say what to do with {file}.
+ManifestJob jobOfFile(const fs::path& path, const Values& defaults, const std::string& manifest) {
+    const std::string file = path.string(), name = path.stem().string();
+    ManifestJob job;
+    job.name = name;
+    bool used = false;
+    for (const auto& [option, value] : defaults) {
+        addArguments(option, value, manifest + ": defaults", job.arguments);
+        job.defaults.insert("--" + option);
+    }
+    for (std::string& argument : job.arguments) {
+        used = used || argument.find("{file}") != argument.npos;
+        argument = filled(argument, name, file);
+    }
+    const char* const option = kindByName(file) == SurfaceKind::Mesh     ? "--mesh="
+                               : kindByName(file) == SurfaceKind::Points ? "--points="
+                                                                         : "--sdf=";
+    if (!used) job.arguments.push_back(option + file);
+    std::sort(job.arguments.begin(), job.arguments.end());
+    return job;
+}
+
+/// Of "files": a pattern, or a list of them.
+std::vector<ManifestJob> jobsOfFiles(const Json& patterns, const Values& defaults,
+                                     const std::string& manifest) {
+    std::vector<ManifestJob> jobs;
+    for (const Json& pattern : patterns.is_array() ? patterns : Json::array({patterns})) {
+        if (!pattern.is_string())
+            inputError(manifest + ": \"files\" is no pattern, nor a list of them",
+                       "write for instance \"scans/*.obj\"");
+        const std::string text = pattern.get<std::string>();
+        const std::vector<fs::path> files = filesLike(text, fs::absolute(manifest).parent_path());
+        if (files.empty())
+            inputError(manifest + ": no file is like '" + text + "'",
+                       "* and ? stand for letters of the name; folders are those of the manifest");
+        for (const fs::path& file : files) jobs.push_back(jobOfFile(file, defaults, manifest));
+    }
+    return jobs;
+}
+
+/// A JSON document with jobs, or the rows of a table as such.
+Json manifestOf(const std::string& file) {
+    if (fs::path(file).extension() != ".csv") return readJson(file);
+    return {{"version", 2}, {"jobs", jobsOfTable(file)}};
 }
 
 }  // namespace
 
 std::vector<ManifestJob> readManifest(const std::string& file) {
-    const Json manifest = readJson(file);
-    if (!manifest.is_object() || !manifest.contains("version") || manifest["version"] != 2 ||
-        !manifest.contains("jobs") || !manifest["jobs"].is_array())
-        inputError(file + " is no manifest of version 2",
-                   "write {\"version\": 2, \"defaults\": {...}, \"jobs\": [{\"name\": ...}, ...]}");
+    Json manifest = manifestOf(file);
+    const bool hasVersion =
+        manifest.is_object() && manifest.contains("version") && manifest["version"] == 2;
+    if (hasVersion && manifest.contains("jobs") && manifest["jobs"].is_string())
+        manifest["jobs"] = jobsOfTable(
+            (fs::path(file).parent_path() / manifest["jobs"].get<std::string>()).string());
+    const bool hasJobs = hasVersion && manifest.contains("jobs") && manifest["jobs"].is_array();
+    if (!hasVersion || hasJobs == manifest.contains("files"))
+        inputError(
+            file + " is no manifest of version 2",
+            "write {\"version\": 2, \"defaults\": {...}, \"jobs\": [{\"name\": ...}, ...]}, or "
+            "\"files\" instead of \"jobs\"");
     for (const auto& [key, value] : manifest.items())
-        if (key != "version" && key != "defaults" && key != "jobs" && key != "$schema")
+        if (key != "version" && key != "defaults" && key != "jobs" && key != "files" &&
+            key != "$schema")
             inputError(file + ": '" + key + "' is no member of a manifest",
                        "options stand in \"defaults\" and in the jobs");
     Values defaults;
@@ -108,13 +180,16 @@ std::vector<ManifestJob> readManifest(const std::string& file) {
         defaults = valuesOf(given, file + ": defaults");
     }
     std::vector<ManifestJob> jobs;
+    if (hasJobs)
+        for (const Json& entry : manifest["jobs"])
+            jobs.push_back(jobOf(entry, defaults, file, jobs.size()));
+    else
+        jobs = jobsOfFiles(manifest["files"], defaults, file);
     std::set<std::string> names;
-    for (const Json& entry : manifest["jobs"]) {
-        jobs.push_back(jobOf(entry, defaults, file, jobs.size()));
-        if (!names.insert(jobs.back().name).second)
-            inputError(file + ": two jobs are named '" + jobs.back().name + "'",
+    for (const ManifestJob& job : jobs)
+        if (!names.insert(job.name).second)
+            inputError(file + ": two jobs are named '" + job.name + "'",
                        "give each a name of its own: results are recorded by it");
-    }
     if (jobs.empty()) inputError(file + " has no jobs", "add some to \"jobs\"");
     return jobs;
 }

@@ -14,7 +14,9 @@ struct ManifestJob {
     std::string quoted() const { return "job '" + name + "'"; }
 };
 
-/// Reads docs/batch.schema.json. Each job becomes the arguments of an ordinary run, so it takes
-/// every option that a run takes, and is refused in the same words.
+/// Reads docs/batch.schema.json, or a table: a .csv file with a row per job, whose first line names
+/// an option per column, and `name`. "files" makes a job of each file of a pattern; in all values
+/// {name} is the job's name, and {file} such a file. Each job becomes the arguments of an ordinary
+/// run, so it takes every option that a run takes, and is refused in the same words.
 /// @throws igeo::Error  Io, BadInput
 std::vector<ManifestJob> readManifest(const std::string& file);

@@ -7,7 +7,7 @@ Command batchCommand(BatchOptions& o) {
         .name = "implicit-geodesic batch",
         .about = "Many jobs in one go; what is done already is not done again",
         .arguments = {{.names = {"JOBS"},
-                       .text = "The jobs (docs/batch.schema.json); .json",
+                       .text = "The jobs (docs/batch.schema.json), or a table of them; .json .csv",
                        .reads = text(o.manifest)}},
         .exitCodes = {{0, "all jobs are done"},
                       {1, "failed; of several jobs that failed, the largest code counts"},

@@ -64,7 +64,9 @@ std::ostream& results() {
 }
 
 void flushResults() {
-    if (!results().flush()) igeo::AtomicFile::throwWriteError("standard output", buffer().error());
+    if (results().flush()) return;
+    if (buffer().error() == EPIPE) throw ReaderGone();
+    igeo::AtomicFile::throwWriteError("standard output", buffer().error());
 }
 
 LibrariesSilenced::LibrariesSilenced() : printed_(std::cout.rdbuf()) {

@@ -4,6 +4,7 @@
 #include <igeo/base/detail/system.h>
 #include <igeo/base/error.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -16,6 +17,8 @@ namespace igeo {
 namespace fs = std::filesystem;
 
 namespace {
+
+std::atomic<std::size_t> committedFiles{0};
 
 std::mutex& registryMutex() {
     static std::mutex m;
@@ -111,7 +114,10 @@ void AtomicFile::commit() {
     if (error) throwWriteError(path_, error.default_error_condition().value());
     registry().erase(temporary_);
     temporary_.clear();
+    ++committedFiles;
 }
+
+std::size_t AtomicFile::committed() noexcept { return committedFiles; }
 
 void AtomicFile::discardAll() noexcept {
     std::lock_guard<std::mutex> lock(registryMutex());

@@ -26,6 +26,9 @@ public:
     /// The Io error for a failed write to `path`, with the system's reason.
     [[noreturn]] static void throwWriteError(const std::string& path, int systemError);
 
+    /// Files that the process has committed so far.
+    static std::size_t committed() noexcept;
+
     /// Removes the temporary files of all AtomicFiles alive: for a program about to exit at once.
     static void discardAll() noexcept;
 

@@ -302,6 +302,8 @@ SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, const SurfaceMe
     const std::vector<NodeIndex> nodes = coreNodes(band);
     const std::vector<Judgement> judged =
         judgeCore(levelSet, band, nodes, s.bounds.lower, progress);
+    // A percentile of it on all voxels may be the larger by a rounding.
+    s.largestCurvature = stats.largestCurvature;
     for (const Judgement& j : judged)
         s.largestCurvature = std::max(s.largestCurvature, double(j.curvature));
     s.facingShare = facingShare(band);
@@ -337,8 +339,11 @@ void putOnGrid(FileSurvey& file, bool closed, const std::string& name, const Fil
     file.levelSet = levelSetFromBand(fill(kRoomForDifferences), closed, file.file, name, progress);
     // They speak of a volume, where a rim is a fault.
     file.levelSet.warnings.clear();
-    measureBox(file);
     file.band = fill(std::sqrt(3.0));
+    Box world;
+    for (NodeIndex i = 0; i < file.band.size(); ++i)
+        world.include(file.band.transform.worldFromIndex(file.band.footPoint(i)));
+    file.low = world.low, file.high = world.high;
 }
 
 void estimate(FileSurvey& file, const RunCost& cost) {
@@ -372,8 +377,8 @@ std::string FileSurvey::verdict() const {
     }
     std::string line = withCare() ? "usable with care: " : "usable: ";
     line += rims == 0 ? "closed surface, " : "surface with a rim, ";
-    line += fmt::format("{}{}", components.size(),
-                        components.size() == 1 ? " component" : " components");
+    const std::size_t count = mesh ? mesh->components : components.size();
+    line += fmt::format("{}{}", count, count == 1 ? " component" : " components");
     line += fmt::format(", genus {}{}", genus, components.size() == 1 ? "" : " together");
     if (surface->bounds.resolved) return line + ", resolved";
     return fmt::format(
@@ -419,6 +424,8 @@ FileSurvey surveyMesh(const TriangleMesh& mesh, const MeshFacts& facts, double d
     putOnGrid(
         file, file.mesh->closed, "mesh",
         [&](double h) { return bandFromMesh(mesh, dx, h, progress); }, progress);
+    const Box box(mesh.points);
+    file.low = box.low, file.high = box.high;
     file.surface =
         survey(file.levelSet, file.band, trianglesOf(mesh, file.band.transform), progress);
     estimate(file, kMeshCost);

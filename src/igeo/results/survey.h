@@ -110,8 +110,10 @@ struct FileSurvey {
     /// psi null: none was chosen; else as checkLevelSet leaves it. Of a mesh or points: made of
     /// their band.
     LevelSet levelSet;
-    Vec3d low, high;  ///< box of its active voxels, world; if transform.dx is not 0
-    Band band;        ///< of the default width for `jet`
+    /// A box in the world, if transform.dx is not 0: of the active voxels of a grid, of the mesh,
+    /// of the surface on points.
+    Vec3d low, high;
+    Band band;                             ///< of the default width for `jet`
     std::vector<std::string> warnings;     ///< what a user should know, one sentence each
     std::optional<SurfaceSurvey> surface;  ///< none where it is refused
     std::optional<Error> refusal;          ///< BadInput or Io
