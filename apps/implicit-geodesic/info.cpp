@@ -3,8 +3,10 @@
 #include <fmt/core.h>
 #include <igeo/base/detail/text.h>
 #include <igeo/io/vdb_write.h>
+#include <igeo/io/volume_file.h>
 #include <igeo/results/field_grids.h>
 #include <igeo/results/survey.h>
+#include <igeo/surface/volume_mesh.h>
 #include "output/report.h"
 
 #include <algorithm>
@@ -58,6 +60,14 @@ std::string describe(const igeo::GridEntry& grid, bool chosen) {
         if (can) uses += (uses.empty() ? "" : " ") + std::string(option);
     line += uses.empty() ? "; of no use here" : "; for " + uses;
     return line + (chosen ? " (chosen)" : "");
+}
+
+std::string describe(const igeo::VolumeFacts& v) {
+    return fmt::format("{}, {} x {} x {} of {:.4g} x {:.4g} x {:.4g}, values {:.6g} {} {:.6g}",
+                       v.kind, v.size[0], v.size[1], v.size[2], v.spacing.x, v.spacing.y,
+                       v.spacing.z, double(v.range.low), v.range.isMask ? "and" : "to",
+                       double(v.range.high)) +
+           (v.range.isMask ? " (a mask)" : "");
 }
 
 std::string describe(const igeo::MeshFacts& mesh) {
@@ -205,6 +215,7 @@ void print(const FileSurvey& file) {
     table.row("file", file.file);
     for (const igeo::GridEntry& grid : file.grids)
         table.row("grid", describe(grid, levelSet.psi && grid.name == levelSet.name));
+    if (file.voxels) table.row("volume", describe(*file.voxels));
     if (file.mesh) table.row("mesh", describe(*file.mesh));
     if (file.points) table.row("points", describe(*file.points));
     if (file.ofGrid())
@@ -233,6 +244,7 @@ FileSurvey surveyAs(SurfaceKind kind, const InfoOptions& options, igeo::Progress
     surfaceOptions.source = options.source;
     surfaceOptions.voxelSize = options.voxelSize;
     surfaceOptions.resolution = options.resolution;
+    surfaceOptions.iso = options.iso;
     const igeo::Surface surface = readSurface(surfaceOptions, progress);
     surface.requireMemory(surface.bandWidth(igeo::Scheme::Jet), machineMemory());
     const double dx = surface.transform().dx;
@@ -256,10 +268,27 @@ FileSurvey tryAs(SurfaceKind kind, const InfoOptions& options, igeo::Progress& p
     }
 }
 
+/// Also where the surface is refused, as for want of --iso.
+FileSurvey surveyVoxels(const InfoOptions& options, igeo::Progress& progress) {
+    const std::string name = options.source.text();
+    std::optional<igeo::VolumeFacts> facts;
+    try {
+        facts = guardedRead(name, [&] { return igeo::volumeFacts(igeo::readVolume(name)); });
+    } catch (const igeo::Error&) {
+        // The survey says why.
+    }
+    FileSurvey file = tryAs(SurfaceKind::VoxelVolume, options, progress);
+    file.voxels = facts;
+    return file;
+}
+
 /// Surveys a file by what it holds.
 FileSurvey surveyOf(const InfoOptions& options, igeo::Progress& progress) {
     const std::string name = options.source.text();
     const SurfaceKind kind = kindByName(name);
+    if (kind == SurfaceKind::VoxelVolume) return surveyVoxels(options, progress);
+    if (options.iso)
+        usageError("--iso is for volumes of voxels, as .nii and .nrrd", "leave it out");
     if (kind == SurfaceKind::Points) return tryAs(kind, options, progress);
     if (kind == SurfaceKind::Volume) {
         if (options.voxelSize > 0 || options.resolution > 0)

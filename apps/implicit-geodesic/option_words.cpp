@@ -6,6 +6,7 @@ std::string inOptionWords(std::string text) {
     // The longer of two that begin alike goes first.
     static constexpr std::pair<const char*, const char*> kWords[] = {
         {"the iso of rebuilt()", "--iso"},
+        {"the iso of volumeMesh()", "--iso"},
         {"rebuilt(psi, D)", "--rebuild --iso D"},
         {"rebuilt()", "--rebuild"},
         {"readPointCloud", "--points"},

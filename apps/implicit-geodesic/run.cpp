@@ -114,7 +114,7 @@ igeo::SolverOptions solverOptions(const RunOptions& o) {
 
 PreparedSolver prepareSolver(const igeo::Surface& surface, const RunOptions& o,
                              igeo::Progress& progress) {
-    MetricInput metric = readMetric(o, surface.transform());
+    MetricInput metric = readMetric(o, surface);
     igeo::SolverOptions options = solverOptions(o);
     options.metric = metric.definition;
     return {igeo::GeodesicSolver(surface, options, progress), std::move(metric)};

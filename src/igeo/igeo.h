@@ -12,6 +12,8 @@
 #include <igeo/io/point_list.h>
 #include <igeo/io/vdb_read.h>
 #include <igeo/io/vdb_write.h>
+#include <igeo/io/vertex_data_file.h>
+#include <igeo/io/volume_file.h>
 #include <igeo/results/color_map.h>
 #include <igeo/results/curve_files.h>
 #include <igeo/results/engrave.h>
@@ -24,3 +26,4 @@
 #include <igeo/results/surface_files.h>
 #include <igeo/results/voronoi_cells.h>
 #include <igeo/surface/rebuild.h>
+#include <igeo/surface/volume_mesh.h>

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/box.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/io/voxel_size.h>
 #include <igeo/results/refined_mesh.h>
@@ -12,7 +13,6 @@
 #include <igeo/surface/vertex_name.h>
 
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -24,9 +24,6 @@ namespace {
 
 /// Half the width of the level set that is made of a mesh or points, voxels: room for differences.
 constexpr double kLevelSetWidth = 3;
-
-/// The name of the grids of a surface that comes from no grid.
-std::string stemOf(const std::string& file) { return std::filesystem::path(file).stem().string(); }
 
 /// Of a voxel size: that of a bad input, unless it was asked for.
 Error::Kind kindOfRefusal(const VoxelOptions& voxels) {

@@ -21,7 +21,7 @@ POINT = r"is not a point.*three finite numbers with commas"
 # The words, the exit code, and what standard error says, line after line.
 MISTAKES = [
     # The surface
-    ("", USAGE, r"no surface is given.*--sdf, --mesh or --points"),
+    ("", USAGE, r"no surface is given.*--sdf, --mesh, --points or --volume"),
     ("sphere.vdb", USAGE, r"no seed is given.*--seed x,y,z"),
     ("--seed 0,0,1", USAGE, r"no surface is given"),
     ("--sdf spher.vdb --seed 0,0,1", UNUSABLE, r"cannot read 'spher.vdb'.*did you mean 'sphere.vdb'"),
@@ -35,7 +35,10 @@ MISTAKES = [
     (f"{SPHERE} --mesh cube.obj --seed 0,0,1", USAGE, r"--mesh excludes --sdf"),
     (f"torus.vdb {RUN}", USAGE, r"'torus.vdb' excludes --sdf"),
     (f"{RUN} --resolution 100", USAGE, r"for meshes and points.*fixed voxel size"),
-    (f"{RUN} --iso 0.5", USAGE, r"--iso needs --rebuild"),
+    (f"{RUN} --iso 0.5", USAGE, r"--iso needs --rebuild or --volume"),
+    ("--mesh head.nii.gz --seed 0,0,1", USAGE, r"ending is that of a volume.*write --volume head.nii.gz --iso V"),
+    ("--volume sphere.vdb --iso 0 --seed 0,0,1", USAGE, r"ending is that of a VDB file.*--sdf sphere.vdb --rebuild"),
+    ("head.nii.gz --seed 0,0,1", UNUSABLE, r"cannot read 'head.nii.gz'"),
     (f"{RUN} --join-gaps 1", USAGE, r"--join-gaps is for meshes"),
     ("--mesh cube.obj --seed vertex:0 --rebuild", USAGE, r"--rebuild is for volumes"),
     ("--mesh cube.obj --seed vertex:0 --voxel-size 0.5", USAGE,
@@ -107,6 +110,9 @@ MISTAKES = [
     (f"{RUN} --weight sphere.vdb", UNUSABLE, r"the weight is 0 there.*--obstacle"),
     (f"{RUN} --weight-curvature vale", USAGE, r"none of valley.*did you mean 'valley'"),
     (f"{RUN} --weight-curvature valley,eps=x", USAGE, r"neither eps=E nor p=P"),
+    (f"{RUN} --weight-slope 30", USAGE, r"none of up=AXIS, max=ANGLE.*up=z,max=30deg,power=2"),
+    (f"{RUN} --obstacle far.csv", USAGE, r"'far.csv' holds values per vertex, and the surface is no mesh"),
+    ("--mesh cube.obj --seed vertex:0 --obstacle far.csv", UNUSABLE, r"far.csv, line 1: .* is neither a value nor a vertex and a value"),
     # Results
     (f"{RUN} -o x.obj", USAGE, r"the ending is none of .vdb"),
     (f"{RUN} -o none/x.vdb", USAGE, r"there is no folder 'none'"),

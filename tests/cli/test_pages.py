@@ -88,7 +88,6 @@ class Dump(unittest.TestCase):
         self.assertEqual(self.options["--scheme"]["choices"], ["jet", "godunov"])
         self.assertEqual(self.options["--metric-curvature"]["choices"], ["avoid", "prefer"])
         self.assertEqual(self.options["--grids"]["separator"], ",")
-        self.assertEqual(self.options["--iso"]["needs"], ["--rebuild"])
         self.assertEqual(self.options["--spacing"]["excludes"], ["--levels"])
         self.assertEqual(self.options["--levels"]["excludes"], ["--spacing"])
         self.assertTrue(self.options["--seed"]["repeatable"])

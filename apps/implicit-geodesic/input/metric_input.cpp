@@ -1,18 +1,21 @@
 #include "input/metric_input.h"
 
 #include <igeo/io/vdb_read.h>
+#include <igeo/io/vertex_data_file.h>
 
 #include <memory>
 
 #include "input/guarded_read.h"
+#include "input/vertex_input.h"
 
 namespace {
 
 class MetricReader {
 public:
-    explicit MetricReader(const MetricOptions& options) : o_(options) {}
+    MetricReader(const MetricOptions& options, const igeo::Surface& surface)
+        : o_(options), surface_(surface) {}
 
-    MetricInput read(const igeo::Similarity& transform) {
+    MetricInput read() {
         if (o_.curvatureScale > 0) in_.definition.curvatureScale = o_.curvatureScale;
         readWeights();
         if (o_.metricCurvature) {
@@ -25,26 +28,35 @@ public:
             warn(in_.definition.tensor->warnings);
             in_.weightNames.push_back("tensor " + o_.metric->text());
         }
-        readObstacles(transform);
+        readObstacles();
         return std::move(in_);
     }
 
 private:
     void readWeights() {
         for (const igeo::GridSource& source : o_.weights) {
+            in_.weightNames.push_back(source.text());
+            if (igeo::isVertexDataFile(source.text())) {
+                in_.definition.vertexWeights.push_back(vertexWeights(source.text(), surface_));
+                continue;
+            }
             in_.definition.weights.push_back(
                 guardedRead(source.file, [&] { return igeo::readScalarGrid(source); }));
             warn(in_.definition.weights.back().warnings);
-            in_.weightNames.push_back(source.text());
         }
-        if (!o_.weightCurvature) return;
-        in_.definition.curvature = o_.weightCurvature->value;
-        in_.weightNames.push_back("curvature " + o_.weightCurvature->text);
+        if (o_.weightCurvature) {
+            in_.definition.curvature = o_.weightCurvature->value;
+            in_.weightNames.push_back("curvature " + o_.weightCurvature->text);
+        }
+        if (o_.weightSlope) {
+            in_.definition.slope = o_.weightSlope->value;
+            in_.weightNames.push_back("slope " + o_.weightSlope->text);
+        }
     }
 
-    void readObstacles(const igeo::Similarity& transform) {
+    void readObstacles() {
         if (o_.obstacles.empty() && o_.obstacleSpheres.empty() && o_.obstacleBoxes.empty()) return;
-        auto all = std::make_shared<igeo::ObstacleSet>(transform);
+        auto all = std::make_shared<igeo::ObstacleSet>(surface_.transform());
         for (const ObstacleSphere& sphere : o_.obstacleSpheres) {
             all->addSphere(sphere.center, sphere.radius);
             in_.obstacleNames.push_back("sphere " + sphere.text);
@@ -54,10 +66,7 @@ private:
             in_.obstacleNames.push_back("box " + box.text);
         }
         for (const igeo::GridSource& source : o_.obstacles) {
-            const igeo::ObstacleGrid grid =
-                guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); });
-            all->addGrid(grid);
-            warn(grid.warnings);
+            warn(addObstacle(source, surface_, *all));
             in_.obstacleNames.push_back(source.text());
         }
         in_.definition.obstacles = all;
@@ -68,11 +77,12 @@ private:
     }
 
     const MetricOptions& o_;
+    const igeo::Surface& surface_;
     MetricInput in_;
 };
 
 }  // namespace
 
-MetricInput readMetric(const MetricOptions& options, const igeo::Similarity& transform) {
-    return MetricReader(options).read(transform);
+MetricInput readMetric(const MetricOptions& options, const igeo::Surface& surface) {
+    return MetricReader(options, surface).read();
 }

@@ -1,8 +1,8 @@
 /// The metric of a job, from its files.
 #pragma once
 
-#include <igeo/base/types.h>
 #include <igeo/metric/metric_definition.h>
+#include <igeo/surface.h>
 
 #include <string>
 #include <vector>
@@ -15,6 +15,5 @@ struct MetricInput {
     std::vector<std::string> warnings;                    ///< of the files read
 };
 
-/// @param transform of the surface: obstacles are kept in its index space
 /// @throws igeo::Error  as the readers and ObstacleSet
-MetricInput readMetric(const MetricOptions& options, const igeo::Similarity& transform);
+MetricInput readMetric(const MetricOptions& options, const igeo::Surface& surface);

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "input/guarded_read.h"
+#include "input/vertex_input.h"
 
 namespace {
 
@@ -65,10 +66,8 @@ SeedInput readSeeds(const SeedOptions& o, const igeo::Surface& surface) {
         }
     for (const igeo::GridSource& source : o.seedMasks) {
         auto region = std::make_shared<igeo::ObstacleSet>(surface.transform());
-        const igeo::ObstacleGrid grid =
-            guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); });
-        region->addGrid(grid);
-        in.warnings.insert(in.warnings.end(), grid.warnings.begin(), grid.warnings.end());
+        const auto warnings = addObstacle(source, surface, *region);
+        in.warnings.insert(in.warnings.end(), warnings.begin(), warnings.end());
         in.seeds.regions.push_back(region);
         in.names.push_back("mask " + source.text());
         in.seeds.names.push_back("--seed-mask " + source.text());

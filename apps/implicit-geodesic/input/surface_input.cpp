@@ -4,7 +4,9 @@
 #include <igeo/io/mesh_file.h>
 #include <igeo/io/point_cloud_file.h>
 #include <igeo/io/vdb_read.h>
+#include <igeo/io/volume_file.h>
 #include <igeo/surface/rebuild.h>
+#include <igeo/surface/volume_mesh.h>
 
 #include "input/guarded_read.h"
 
@@ -24,6 +26,16 @@ igeo::LoadedGrid readVolume(const SurfaceOptions& o, igeo::Progress& progress) {
     return psi;
 }
 
+/// The surface in a volume of voxels, on voxels as fine as its own.
+igeo::TriangleMesh readVoxels(const SurfaceOptions& o, igeo::VoxelOptions& voxels,
+                              igeo::Progress& progress) {
+    const std::string& file = o.source.file;
+    const igeo::VoxelVolume volume = guardedRead(file, [&] { return igeo::readVolume(file); });
+    if (voxels.size == 0 && voxels.resolution == 0) voxels.size = volume.finestSpacing();
+    const FileGuard guard(file, FileGuard::kNoLimit);
+    return igeo::volumeMesh(volume, o.iso, progress);
+}
+
 /// What is read, as a surface.
 template <typename Input, typename... Voxels>
 igeo::Surface checked(Input&& input, const SurfaceOptions& o, igeo::Progress& progress,
@@ -40,7 +52,7 @@ igeo::Surface checked(Input&& input, const SurfaceOptions& o, igeo::Progress& pr
 igeo::Surface readSurface(const SurfaceOptions& o, igeo::Progress& progress) {
     progress.update("read", 0);
     const std::string file = o.source.text();
-    const igeo::VoxelOptions voxels{o.voxelSize, o.resolution, o.scheme, o.joinGaps};
+    igeo::VoxelOptions voxels{o.voxelSize, o.resolution, o.scheme, o.joinGaps};
     switch (o.kind) {
         case SurfaceKind::Mesh:
             return checked(guardedRead(file, [&] { return igeo::readMesh(file); }), o, progress,
@@ -48,6 +60,10 @@ igeo::Surface readSurface(const SurfaceOptions& o, igeo::Progress& progress) {
         case SurfaceKind::Points:
             return checked(guardedRead(file, [&] { return igeo::readPointCloud(file); }), o,
                            progress, voxels);
+        case SurfaceKind::VoxelVolume: {
+            igeo::TriangleMesh mesh = readVoxels(o, voxels, progress);
+            return checked(std::move(mesh), o, progress, voxels);
+        }
         case SurfaceKind::None:
         case SurfaceKind::Volume:
             break;

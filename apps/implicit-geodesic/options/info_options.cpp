@@ -11,8 +11,8 @@ Command infoCommand(InfoOptions& o) {
             "take",
         .arguments = {{.names = {"FILE"},
                        .value = "[:GRID]",
-                       .text = "A volume and a grid of it, a mesh or points: .vdb .obj .ply .stl "
-                               ".off .gltf .glb .xyz .csv .txt",
+                       .text = "A volume and a grid of it, a mesh, points or voxels: .vdb .obj "
+                               ".ply .stl .off .gltf .glb .gii .mz3 .xyz .csv .txt .pwn .nii .nrrd",
                        .reads = parsed(o.source, igeo::parseGridSource),
                        .required = true}},
         .exitCodes = {{0, "usable"},
@@ -26,6 +26,11 @@ Command infoCommand(InfoOptions& o) {
                      {"implicit-geodesic info model.obj --resolution 400",
                       "whether voxels of 1/400 of a mesh's longest side show all of it"}}};
     addVoxelSizeOptions(command, o.voxelSize, o.resolution);
+    command.add("Surface", {{.names = {"--iso"},
+                             .value = "V",
+                             .text = "Of a volume of voxels, the value that is the surface "
+                                     "[masks: halfway]",
+                             .reads = number(o.iso)}});
     command.add(
         "Results",
         {{.names = {"--json"}, .text = "Print JSON (docs/info.schema.json)", .reads = flag(o.json)},

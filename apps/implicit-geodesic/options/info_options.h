@@ -3,6 +3,7 @@
 
 #include <igeo/io/grid_source.h>
 
+#include <optional>
 #include <string>
 
 #include "options/process_options.h"
@@ -10,11 +11,12 @@
 struct Command;
 
 struct InfoOptions : ProcessOptions {
-    igeo::GridSource source;  ///< a volume and a grid of it, a mesh or points
-    double voxelSize = 0;     ///< of a mesh or points; 0: by resolution
-    int resolution = 0;       ///< voxels along the longest side; 0: default
-    bool json = false;        ///< the survey, instead of words
-    std::string unreliable;   ///< file of the volume of unreliable places; empty: none
+    igeo::GridSource source;    ///< a volume and a grid of it, a mesh or points
+    double voxelSize = 0;       ///< of a mesh or points; 0: by resolution
+    std::optional<double> iso;  ///< of a volume of voxels
+    int resolution = 0;         ///< voxels along the longest side; 0: default
+    bool json = false;          ///< the survey, instead of words
+    std::string unreliable;     ///< file of the volume of unreliable places; empty: none
 };
 
 Command infoCommand(InfoOptions& options);

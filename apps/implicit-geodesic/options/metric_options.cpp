@@ -3,6 +3,7 @@
 #include <igeo/io/point_list.h>
 
 #include <algorithm>
+#include <numbers>
 #include <sstream>
 
 #include "options/command.h"
@@ -55,6 +56,38 @@ Given<igeo::BendingCost> bendingCostOf(const std::string& word) {
     return {cost, word};
 }
 
+/// 30deg as radians.
+double angleOf(const std::string& text, const std::string& word) {
+    const bool hasUnit = text.ends_with("deg");
+    const auto degrees = numberOf(hasUnit ? text.substr(0, text.size() - 3) : text);
+    if (!degrees || !(*degrees > 0 && *degrees < 90))
+        usageError("'" + word + "' has an angle that is not above 0 and below 90 degrees",
+                   "write for instance max=30deg");
+    return *degrees * std::numbers::pi / 180;
+}
+
+Given<igeo::SlopeWeight> slopeWeightOf(const std::string& word) {
+    static const Names<igeo::Vec3d> kAxes{{"x", {1, 0, 0}}, {"y", {0, 1, 0}}, {"z", {0, 0, 1}}};
+    igeo::SlopeWeight slope;
+    bool hasMost = false;
+    std::stringstream parts(word);
+    for (std::string part; std::getline(parts, part, ',');) {
+        if (part.starts_with("up="))
+            slope.up = valueNamed(part.substr(3), kAxes);
+        else if (part.starts_with("max="))
+            slope.steepest = angleOf(part.substr(4), word), hasMost = true;
+        else if (const auto power = valueOf("power", part))
+            slope.power = *power;
+        else
+            usageError("'" + part + "' is none of up=AXIS, max=ANGLE and power=P above 0",
+                       "write for instance up=z,max=30deg,power=2");
+    }
+    if (!hasMost)
+        usageError("'" + word + "' does not say which slopes are too steep",
+                   "write for instance up=z,max=30deg,power=2");
+    return {slope, word};
+}
+
 /// `count` numbers.
 std::vector<double> numbersOf(const std::string& word, std::size_t count, const char* shape) {
     std::vector<double> v = igeo::parseNumbers(word);
@@ -93,13 +126,19 @@ std::vector<Option> costOptions(MetricOptions& o) {
     return {{.names = {"--weight"},
              .value = "FILE[:GRID]",
              .text = "Cost per unit length: a positive float grid of its own resolution, sampled "
-                     "on the surface; several multiply",
+                     "on the surface; or values at the vertices of --mesh (.gii .csv .txt .npy, "
+                     "FreeSurfer); several multiply",
              .reads = parsedEach(o.weights, igeo::parseGridSource)},
             {.names = {"--weight-curvature"},
              .value = "KIND[,eps=E][,p=P]",
              .text = "Cost from curvature: cheap in a valley, along a crest, or where mean, "
                      "gaussian or principal curvature is small [eps=100,p=3]",
              .reads = curvatureWeight(o.weightCurvature)},
+            {.names = {"--weight-slope"},
+             .value = "[up=AXIS,]max=ANGLE[,power=P]",
+             .text = "Cost of slopes, for terrain: 1 on the flat, 2 at an angle of max degrees, "
+                     "an obstacle where it is steeper [up=z,power=2]",
+             .reads = parsed(o.weightSlope, slopeWeightOf)},
             {.names = {"--curvature-scale"},
              .value = "N",
              .text = "Radius over which curvature is averaged, voxels, 1 to 16 [2]",
@@ -122,7 +161,8 @@ std::vector<Option> obstacleOptions(MetricOptions& o) {
         {.names = {"--obstacle"},
          .value = "FILE[:GRID]",
          .text = "What blocks paths: a mask (active voxels), a level set (inside) or a fog volume "
-                 "(above 0.5)",
+                 "(above 0.5); or vertices of --mesh, whose value in FILE (.gii .csv .txt .npy "
+                 ".label, FreeSurfer) is not 0, or is V in FILE:V",
          .reads = parsedEach(o.obstacles, igeo::parseGridSource)},
         {.names = {"--obstacle-sphere"},
          .value = "X,Y,Z,R",

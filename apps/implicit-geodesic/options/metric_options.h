@@ -4,6 +4,7 @@
 #include <igeo/base/types.h>
 #include <igeo/io/grid_source.h>
 #include <igeo/metric/curvature_cost.h>
+#include <igeo/metric/slope.h>
 
 #include <optional>
 #include <string>
@@ -37,10 +38,11 @@ struct ObstacleBox {
 
 /// What decides on the cost of ways: jobs on one surface that agree in it share what is read.
 struct MetricOptions {
-    std::vector<igeo::GridSource> weights;
+    std::vector<igeo::GridSource> weights;  ///< also FILE of values per vertex
     std::optional<Given<igeo::CurvatureWeight>> weightCurvature;
-    double curvatureScale = 0;  ///< voxels; 0: default
-    std::vector<igeo::GridSource> obstacles;
+    std::optional<Given<igeo::SlopeWeight>> weightSlope;
+    double curvatureScale = 0;                ///< voxels; 0: default
+    std::vector<igeo::GridSource> obstacles;  ///< also FILE[:VALUE] of values per vertex
     std::vector<ObstacleSphere> obstacleSpheres;
     std::vector<ObstacleBox> obstacleBoxes;
     std::optional<igeo::GridSource> metric;  ///< of a tensor

@@ -14,8 +14,8 @@ namespace {
 void checkSurface(const RunOptions& o) {
     if (o.kind == SurfaceKind::None || o.source.file.empty())
         usageError("no surface is given",
-                   "name a .vdb, mesh or point file, or add --sdf, --mesh or --points; see "
-                   "implicit-geodesic --help");
+                   "name a .vdb, mesh, point or volume file, or add --sdf, --mesh, --points or "
+                   "--volume; see implicit-geodesic --help");
     const bool volume = o.kind == SurfaceKind::Volume;
     if (volume && (o.voxelSize > 0 || o.resolution > 0))
         usageError("--voxel-size and --resolution are for meshes and points",
@@ -23,6 +23,8 @@ void checkSurface(const RunOptions& o) {
     if (!volume && o.rebuild)
         usageError("--rebuild is for volumes, and " + o.source.text() + " is none",
                    "leave it out: meshes and points need no signed distance");
+    if (o.iso && !o.rebuild && o.kind != SurfaceKind::VoxelVolume)
+        usageError("--iso needs --rebuild or --volume", "add one of them, or leave --iso out");
     if (o.kind != SurfaceKind::Mesh && o.joinGaps > 0)
         usageError("--join-gaps is for meshes, and " + o.source.text() + " is none",
                    "leave it out");
@@ -31,14 +33,24 @@ void checkSurface(const RunOptions& o) {
                    "leave out one of the two");
 }
 
-/// A mesh or points by the name of the file, given as a volume.
+/// Another kind of surface by the name of the file.
 void checkKind(const RunOptions& o) {
+    const std::string file = o.source.text();
+    const SurfaceKind byName = kindByName(o.source.file);
+    const auto refuse = [&](const char* given, const char* what, const std::string& remedy) {
+        usageError(std::string(given) + " " + file + ": its ending is that of " + what,
+                   "write " + remedy);
+    };
+    if (o.kind == SurfaceKind::VoxelVolume && file.ends_with(".vdb"))
+        refuse("--volume", "a VDB file", "--sdf " + file + " --rebuild --iso V");
+    if (o.kind != SurfaceKind::VoxelVolume && byName == SurfaceKind::VoxelVolume)
+        refuse(o.kind == SurfaceKind::Volume ? "--sdf"
+               : o.kind == SurfaceKind::Mesh ? "--mesh"
+                                             : "--points",
+               "a volume of voxels", "--volume " + file + " --iso V");
     if (o.kind != SurfaceKind::Volume) return;
-    const bool mesh = kindByName(o.source.file) == SurfaceKind::Mesh;
-    if (mesh || kindByName(o.source.file) == SurfaceKind::Points)
-        usageError(
-            "--sdf " + o.source.text() + ": its ending is that of " + (mesh ? "a mesh" : "points"),
-            std::string("write ") + (mesh ? "--mesh " : "--points ") + o.source.text());
+    if (byName == SurfaceKind::Mesh) refuse("--sdf", "a mesh", "--mesh " + file);
+    if (byName == SurfaceKind::Points) refuse("--sdf", "points", "--points " + file);
 }
 
 void checkSeeds(const RunOptions& o) {
@@ -87,7 +99,7 @@ void describeBriefly(Command& command) {
         {"--targets", "targets from a .json or .csv file"},
         {"--max-distance", "stop beyond this distance"},
         {"--voxel-size", "of a mesh or points [longest side / 256]"},
-        {"--weight", "cost per unit length: any float grid"},
+        {"--weight", "cost per unit length: a float grid, or per vertex"},
         {"--obstacle", "where no path may go: a mask, a level set"},
         {"--output", "distances [<sdf>_geodesic.vdb, here]"},
         {"--grids", "more in it: gradient, label, color, logmap, ..."},

@@ -2,6 +2,7 @@
 
 #include <igeo/io/mesh_file.h>
 #include <igeo/io/point_cloud_file.h>
+#include <igeo/io/volume_file.h>
 
 #include "options/command.h"
 
@@ -26,6 +27,7 @@ Reader file(SurfaceOptions& options, SurfaceKind kind) {
 }  // namespace
 
 SurfaceKind kindByName(const std::string& file) {
+    if (igeo::isVolumeFile(file)) return SurfaceKind::VoxelVolume;
     if (igeo::isMeshFile(file)) return SurfaceKind::Mesh;
     return igeo::isPointFile(file) ? SurfaceKind::Points : SurfaceKind::Volume;
 }
@@ -39,10 +41,10 @@ void addSurfaceArgument(Command& command, SurfaceOptions& o) {
     command.arguments.push_back(
         {.names = {"FILE"},
          .value = "[:GRID]",
-         .text = "The surface, as --sdf, --mesh or --points by its ending: .vdb; .obj .ply .stl "
-                 ".off .gltf .glb; .xyz .csv .txt",
+         .text = "The surface, as --sdf, --mesh, --points or --volume by its ending: .vdb; .obj "
+                 ".ply .stl .off .gltf .glb .gii .mz3; .xyz .csv .txt .pwn; .nii .nrrd",
          .reads = {.read = read},
-         .excludes = {"--sdf", "--mesh", "--points"}});
+         .excludes = {"--sdf", "--mesh", "--points", "--volume"}});
 }
 
 void addVoxelSizeOptions(Command& command, double& voxelSize, int& resolution) {
@@ -51,7 +53,7 @@ void addVoxelSizeOptions(Command& command, double& voxelSize, int& resolution) {
         {{.names = {"--voxel-size"},
           .value = "S",
           .text = "Of a mesh or points, world units [longest side / 256; points: half their "
-                  "spacing]",
+                  "spacing; --volume: its finest]",
           .reads = numberAboveZero(voxelSize)},
          {.names = {"--resolution"},
           .value = "N",
@@ -69,15 +71,22 @@ void addSurfaceOptions(Command& command, SurfaceOptions& o) {
           .reads = volume(o)},
          {.names = {"--mesh"},
           .value = "FILE",
-          .text = "Instead: triangles or polygons, open or closed; .obj .ply .stl .off .gltf .glb",
+          .text = "Instead: triangles or polygons, open or closed; .obj .ply .stl .off .gltf "
+                  ".glb .gii .mz3, FreeSurfer",
           .reads = file(o, SurfaceKind::Mesh),
           .excludes = {"--sdf"}},
          {.names = {"--points"},
           .value = "FILE",
-          .text = "Instead: points on a surface, with or without normals; .ply .xyz .csv .txt .obj "
-                  "or points in a .vdb",
+          .text = "Instead: points on a surface, with or without normals; .ply .xyz .csv .txt .pwn "
+                  ".obj or points in a .vdb",
           .reads = file(o, SurfaceKind::Points),
-          .excludes = {"--sdf", "--mesh"}}});
+          .excludes = {"--sdf", "--mesh"}},
+         {.names = {"--volume"},
+          .value = "FILE",
+          .text = "Instead: where a volume of voxels has the value --iso; .nii .nii.gz .hdr .nrrd "
+                  ".nhdr",
+          .reads = file(o, SurfaceKind::VoxelVolume),
+          .excludes = {"--sdf", "--mesh", "--points"}}});
     addVoxelSizeOptions(command, o.voxelSize, o.resolution);
     command.add("Surface",
                 {{.names = {"--join-gaps"},
@@ -91,9 +100,9 @@ void addSurfaceOptions(Command& command, SurfaceOptions& o) {
                   .reads = flag(o.rebuild)},
                  {.names = {"--iso"},
                   .value = "V",
-                  .text = "The value that is the surface, for --rebuild [0; fog: 0.5]",
-                  .reads = number(o.iso),
-                  .needs = {"--rebuild"}}});
+                  .text = "The value that is the surface, for --volume [masks: halfway] and "
+                          "--rebuild [0; fog: 0.5]",
+                  .reads = number(o.iso)}});
 }
 
 void addBandOptions(Command& command, SurfaceOptions& o) {

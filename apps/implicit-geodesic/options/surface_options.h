@@ -9,13 +9,13 @@
 
 struct Command;
 
-enum class SurfaceKind { None, Volume, Mesh, Points };
+enum class SurfaceKind { None, Volume, Mesh, Points, VoxelVolume };
 
 /// What decides on a surface and its bands: jobs that agree in it may share both.
 struct SurfaceOptions {
     SurfaceKind kind = SurfaceKind::None;
     igeo::GridSource source;    ///< only of a volume with a grid
-    double voxelSize = 0;       ///< of a mesh or points; 0: by resolution
+    double voxelSize = 0;       ///< of a mesh, points or volume; 0: by resolution
     int resolution = 0;         ///< voxels along the longest side; 0: default
     double joinGaps = 0;        ///< between pieces of a mesh, world units; 0: they stay apart
     bool rebuild = false;       ///< redistance the volume
@@ -30,7 +30,8 @@ struct SurfaceOptions {
     bool operator==(const SurfaceOptions&) const = default;
 };
 
-/// What the ending of a file says that it holds: a volume, unless it is that of a mesh or points.
+/// What the name of a file says that it holds: a VDB volume, unless it is that of a mesh, points or
+/// voxels.
 SurfaceKind kindByName(const std::string& file);
 
 /// The surface as a word without an option, its kind by its name.

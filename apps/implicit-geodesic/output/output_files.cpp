@@ -2,6 +2,7 @@
 
 #include <igeo/base/atomic_file.h>
 #include <igeo/base/detail/system.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/results/picture_options.h>
 
 #include <algorithm>
@@ -56,7 +57,7 @@ bool isBinary(const OutputFile& output) {
 std::string distanceFile(const RunOptions& options, const std::string* grid) {
     if (!options.output.empty()) return options.output;
     const std::string& file = options.source.file;
-    if (file != "-") return fs::path(file).stem().string() + "_geodesic.vdb";
+    if (file != "-") return igeo::stemOf(file) + "_geodesic.vdb";
     return grid ? *grid + "_geodesic.vdb" : "";
 }
 

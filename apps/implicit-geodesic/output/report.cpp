@@ -397,11 +397,21 @@ json surfaceJson(const FileSurvey& file) {
 
 }  // namespace
 
+json voxelsJson(const VolumeFacts& v) {
+    return {{"kind", v.kind},
+            {"size", v.size},
+            {"spacing", triple(v.spacing)},
+            {"least", double(v.range.low)},
+            {"largest", double(v.range.high)},
+            {"mask", v.range.isMask}};
+}
+
 std::string surveyJson(const FileSurvey& file) {
     json j = header("info");
     j["file"] = file.file;
     j["grids"] = json::array();
     for (const GridEntry& g : file.grids) j["grids"].push_back(gridJson(g));
+    j["voxels"] = file.voxels ? voxelsJson(*file.voxels) : json(nullptr);
     j["mesh"] = file.mesh ? meshJson(*file.mesh) : json(nullptr);
     j["points"] = file.points ? cloudJson(*file.points) : json(nullptr);
     j["levelSet"] = file.ofGrid() ? levelSetJson(file) : json(nullptr);

@@ -3,6 +3,9 @@
 #include <fmt/core.h>
 #include <igeo/base/detail/box.h>
 #include <igeo/base/error.h>
+#include <igeo/io/detail/brain_mesh_reader.h>
+#include <igeo/io/detail/file_bytes.h>
+#include <igeo/io/detail/gifti_reader.h>
 #include <igeo/io/detail/ply_reader.h>
 #include <igeo/io/detail/text_mesh_reader.h>
 #include <igeo/io/voxel_size.h>
@@ -11,12 +14,10 @@
 #include <assimp/Importer.hpp>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -26,13 +27,9 @@ namespace {
 
 using Kind = Error::Kind;
 
-constexpr const char* kReadable = "meshes are read from .obj, .ply, .stl, .off, .gltf and .glb";
-
-std::string endingOf(const std::string& file) {
-    std::string ending = std::filesystem::path(file).extension().string();
-    for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return ending;
-}
+constexpr const char* kReadable =
+    "meshes are read from .obj, .ply, .stl, .off, .gii, .mz3, .gltf and .glb, and from triangle "
+    "files of FreeSurfer";
 
 /// The reasons that the system gives, which assimp does not.
 void requireReadable(const std::string& file) {
@@ -232,10 +229,27 @@ PolygonMesh readPlyMesh(const std::string& file, const std::string& bytes) {
     return mesh;
 }
 
+using PolygonReader = PolygonMesh (*)(const std::string& file, const std::string& bytes);
+
+/// The reader of a kind of file that has numbers of vertices; null for others.
+PolygonReader polygonReaderFor(const std::string& file) {
+    static constexpr std::pair<const char*, PolygonReader> kReaders[] = {{".ply", readPlyMesh},
+                                                                         {".obj", readObjMesh},
+                                                                         {".off", readOffMesh},
+                                                                         {".gii", readGiftiMesh},
+                                                                         {".mz3", readMz3Mesh}};
+    const std::string ending = endingBeforeGz(file);
+    for (const auto& [known, reader] : kReaders)
+        if (ending == known) return reader;
+    // FreeSurfer's have names without endings, or such as .pial.
+    std::array<char, 3> begin{};
+    std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
+    return isFreeSurferSurface({begin.data(), begin.size()}) ? readFreeSurferMesh : nullptr;
+}
+
 /// Keeps the numbers of vertices and faces.
-void readPolygons(TriangleMesh& mesh, PolygonMesh (*read)(const std::string&, const std::string&)) {
-    std::ifstream in(mesh.file, std::ios::binary);
-    const std::string bytes(std::istreambuf_iterator<char>(in), {});
+void readPolygons(TriangleMesh& mesh, PolygonReader read) {
+    const std::string bytes = inflatedFileBytes(mesh.file);
     const auto source = std::make_shared<const PolygonMesh>(read(mesh.file, bytes));
     requireRoom(source->vertices.size(), mesh.file);
     mesh.points = source->vertices;
@@ -264,10 +278,10 @@ void warnOfRounding(TriangleMesh& mesh) {
 }  // namespace
 
 bool isMeshFile(const std::string& file) {
-    constexpr std::array<const char*, 6> kEndings{".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
-    const std::string ending = endingOf(file);
-    return std::any_of(kEndings.begin(), kEndings.end(),
-                       [&](const char* e) { return ending == e; });
+    constexpr std::array<const char*, 3> kByAssimp{".stl", ".gltf", ".glb"};
+    const std::string ending = endingBeforeGz(file);
+    return std::count(kByAssimp.begin(), kByAssimp.end(), ending) > 0 ||
+           polygonReaderFor(file) != nullptr;
 }
 
 TriangleMesh readMesh(const std::string& file) {
@@ -278,13 +292,8 @@ TriangleMesh readMesh(const std::string& file) {
                         "; level sets go to readLevelSetGrid, clouds to readPointCloud");
     TriangleMesh mesh;
     mesh.file = file;
-    const std::string ending = endingOf(file);
-    if (ending == ".ply")
-        readPolygons(mesh, readPlyMesh);
-    else if (ending == ".obj")
-        readPolygons(mesh, readObjMesh);
-    else if (ending == ".off")
-        readPolygons(mesh, readOffMesh);
+    if (const PolygonReader reader = polygonReaderFor(file))
+        readPolygons(mesh, reader);
     else
         readScene(mesh);
     const std::size_t read = mesh.points.size();

@@ -7,12 +7,18 @@
 
 namespace igeo {
 
-/// Whether a file is a mesh by the ending of its name: .obj .ply .stl .off .gltf .glb, in any case.
+/// Whether a file is a mesh by the ending of its name, in any case: .obj .ply .stl .off .gii .mz3
+/// .gltf .glb; or a triangle file of FreeSurfer by its first bytes.
 bool isMeshFile(const std::string& file);
 
 /// Reads all surfaces of a file as one mesh: polygons are cut into triangles, the transforms of a
-/// glTF scene applied, points and lines left out, the mesh welded (weld()). PLY, OBJ and
-/// OFF keep the numbers of their vertices (TriangleMesh::source); STL and glTF go through assimp.
+/// glTF scene applied, points and lines left out, the mesh welded (weld()). STL and
+/// glTF go through assimp; all others keep the numbers of their vertices (TriangleMesh::source),
+/// and may be gzip files (.gii.gz).
+///
+/// GIFTI: positions as they are in the array of points; transforms that the file names are not
+/// applied. FreeSurfer: positions as they are in the file, relative to the center that its last
+/// part, the geometry of the volume, gives.
 ///
 /// Coordinates of STL and glTF pass through single precision, and many files hold no more; a
 /// warning says so where the mesh is so far from the origin that it loses more than 1e-5 of its

@@ -1,18 +1,15 @@
 #include <igeo/io/point_cloud_file.h>
 
 #include <fmt/core.h>
-#include <igeo/base/detail/numbers.h>
 #include <igeo/base/error.h>
+#include <igeo/io/detail/file_bytes.h>
+#include <igeo/io/detail/number_lines.h>
 #include <igeo/io/detail/ply_reader.h>
 #include <igeo/io/detail/vdb_points.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 namespace igeo {
 
@@ -28,62 +25,6 @@ std::string endingOf(const std::string& file) {
     if (name.find(".vdb:") != std::string::npos) return ".vdb";
     const auto dot = name.rfind('.');
     return dot == std::string::npos ? "" : name.substr(dot);
-}
-
-std::string bytesOf(const std::string& file) {
-    std::error_code ignored;
-    if (std::filesystem::is_directory(file, ignored))
-        throw Error(Kind::Io, "cannot read '" + file + "': it is a folder", "give a file");
-    errno = 0;
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream all;
-    if (in) all << in.rdbuf();
-    if (!in || in.bad())
-        throw Error(Kind::Io,
-                    "cannot read '" + file + "'" + (errno ? ": " : "") +
-                        (errno ? std::strerror(errno) : ""),
-                    "check the name and the permissions");
-    return all.str();
-}
-
-/// Calls visit(line, number) for all lines, without line ends and what follows a `#`.
-template <typename Visit>
-void forLines(const std::string& bytes, const Visit& visit) {
-    // Spreadsheets begin UTF-8 files with a byte order mark.
-    std::size_t at = bytes.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0;
-    for (std::size_t number = 1; at < bytes.size(); ++number) {
-        const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
-        std::string_view line(bytes.data() + at, end - at);
-        line = line.substr(0, line.find('#'));
-        while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())))
-            line.remove_suffix(1);
-        if (!line.empty()) visit(line, number);
-        at = end + 1;
-    }
-}
-
-bool isSeparator(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
-/// The numbers of a line; empty where something else is in it. Between two is a comma, a semicolon
-/// or blanks; nan and inf are numbers here.
-std::vector<double> numbersIn(std::string_view line) {
-    std::vector<double> numbers;
-    const char *at = line.data(), *const end = at + line.size();
-    for (bool first = true;; first = false) {
-        while (at != end && isSeparator(*at)) ++at;
-        if (at == end) return numbers;
-        if (!first && (*at == ',' || *at == ';')) {
-            do ++at;
-            while (at != end && isSeparator(*at));
-        }
-        if (at != end && *at == '+') ++at;
-        const char* const stop =
-            std::find_if(at, end, [](char c) { return isSeparator(c) || c == ',' || c == ';'; });
-        const auto value = parseDouble({at, std::size_t(stop - at)});
-        if (!value) return {};
-        numbers.push_back(*value);
-        at = stop;
-    }
 }
 
 [[noreturn]] void failAt(const std::string& file, std::size_t number, std::string_view line,
@@ -117,6 +58,34 @@ PointCloud pointsFromText(const std::string& file, const std::string& bytes) {
     return cloud;
 }
 
+/// A .pwn file: the count of points, then all positions, then all normals; or both in each line.
+PointCloud pointsFromPwn(const std::string& file, const std::string& bytes) {
+    PointCloud cloud{file, {}, {}};
+    std::vector<Vec3d> rows;
+    double count = -1;
+    forLines(bytes, [&](std::string_view line, std::size_t number) {
+        const std::vector<double> v = numbersIn(line);
+        if (rows.empty() && count < 0 && v.size() == 1 && v[0] >= 0) {
+            count = v[0];
+        } else if (v.size() == (count < 0 ? 6u : 3u)) {
+            rows.push_back({v[0], v[1], v[2]});
+            if (count < 0) cloud.normals.push_back(Vec3f(Vec3d{v[3], v[4], v[5]}));
+        } else {
+            failAt(file, number, line, count < 0 ? "is not x y z nx ny nz" : "is not x y z");
+        }
+    });
+    if (count >= 0 && double(rows.size()) != 2 * count)
+        throw Error(
+            Kind::BadInput,
+            fmt::format("'{}' announces {} points and as many normals, and holds {} of both", file,
+                        count, rows.size()),
+            "the file is cut off or broken: write it again");
+    const std::size_t points = count < 0 ? rows.size() : rows.size() / 2;
+    cloud.points.assign(rows.begin(), rows.begin() + std::ptrdiff_t(points));
+    for (std::size_t k = points; k < rows.size(); ++k) cloud.normals.push_back(Vec3f(rows[k]));
+    return cloud;
+}
+
 PointCloud pointsFromObj(const std::string& file, const std::string& bytes) {
     PointCloud cloud{file, {}, {}};
     forLines(bytes, [&](std::string_view line, std::size_t number) {
@@ -145,7 +114,7 @@ PointCloud pointsFromPly(const std::string& file, const std::string& bytes) {
 bool isPointFile(const std::string& file) {
     const std::string ending = endingOf(file);
     return ending == ".xyz" || ending == ".txt" || ending == ".csv" || ending == ".pts" ||
-           ending == ".asc";
+           ending == ".asc" || ending == ".pwn";
 }
 
 PointCloud readPointCloud(const std::string& file) {
@@ -154,14 +123,16 @@ PointCloud readPointCloud(const std::string& file) {
     if (ending == ".vdb")
         cloud = readVdbPoints(file);
     else if (ending == ".ply")
-        cloud = pointsFromPly(file, bytesOf(file));
+        cloud = pointsFromPly(file, fileBytes(file));
     else if (ending == ".obj")
-        cloud = pointsFromObj(file, bytesOf(file));
+        cloud = pointsFromObj(file, fileBytes(file));
+    else if (ending == ".pwn")
+        cloud = pointsFromPwn(file, fileBytes(file));
     else if (isPointFile(file))
-        cloud = pointsFromText(file, bytesOf(file));
+        cloud = pointsFromText(file, fileBytes(file));
     else
         throw Error(Kind::BadInput, file + ": '" + ending + "' is no ending of a cloud of points",
-                    "give a .ply, .xyz, .csv, .txt, .obj or .vdb file");
+                    "give a .ply, .xyz, .csv, .txt, .pwn, .obj or .vdb file");
     requireUsable(cloud);
     return cloud;
 }

@@ -7,8 +7,8 @@
 
 namespace igeo {
 
-/// Whether a file is points by the ending of its name, and nothing else: .xyz .txt .csv .pts .asc,
-/// in any case.
+/// Whether a file is points by the ending of its name, and nothing else: .xyz .txt .csv .pts .asc
+/// .pwn, in any case.
 bool isPointFile(const std::string& file);
 
 /// Reads a cloud, by the ending of the file's name:
@@ -18,6 +18,7 @@ bool isPointFile(const std::string& file);
 /// - `.xyz .txt .csv .pts .asc`: a point per line, x y z or x y z nx ny nz, with blanks, commas or
 ///   semicolons between them; `#` begins a comment, and a first line without a number names the
 ///   columns.
+/// - `.pwn`: a count, then as many lines x y z, then as many nx ny nz; or lines x y z nx ny nz.
 /// - `.obj`: the lines `v`, and if there are as many, `vn`.
 /// - `.vdb`: a grid of points, FILE.vdb:GRID where there are several; normals are the attribute
 /// `N`.

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/json_depth.h>
+#include <igeo/io/vertex_data_file.h>
 
 #include <algorithm>
 #include <array>
@@ -213,6 +214,11 @@ constexpr const char* kPointsRemedy =
 
 std::vector<AskedPoint> pointsFromText(std::istream& in, const std::string& file) {
     std::vector<AskedPoint> points;
+    if (endsWith(file, ".label")) {
+        for (const std::size_t v : readLabelFile(file))
+            points.push_back(AskedPoint(std::to_string(v)));
+        return points;
+    }
     for (const auto& v : rowsFromText(in, file, {1, 3, 4}, "x,y,z, x,y,z,start or a vertex"))
         if (v.size() == 1)
             points.push_back(vertexFrom(v[0], file));

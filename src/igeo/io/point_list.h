@@ -45,7 +45,8 @@ AskedSeeds readSeeds(const std::string& file);
 
 /// Points from a .json file, [[x, y, z], ...], [{"position": [x, y, z], "start": s}, ...] or
 /// numbers of vertices, [12, {"vertex": 40, "start": s}, ...]; or from a text file of lines
-/// x,y,z[,start] or of a vertex each; empty lines, lines with # and one header line are skipped.
+/// x,y,z[,start] or of a vertex each; empty lines, lines with # and one header line are skipped;
+/// or the vertices of a .label file of FreeSurfer.
 /// @throws Error  Io, or BadInput with the line or entry
 std::vector<AskedPoint> readPoints(const std::string& file);
 

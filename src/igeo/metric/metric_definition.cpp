@@ -1,6 +1,9 @@
 #include <igeo/metric/metric_definition.h>
 
 #include <igeo/metric/grid_sampling.h>
+#include <igeo/metric/vertex_weights.h>
+
+#include <algorithm>
 
 namespace igeo {
 
@@ -18,13 +21,19 @@ MetricPtr metricOn(const MetricDefinition& d, const Band& band, Progress& progre
     if (d.curvature)
         metric->multiply(
             curvatureWeights(curved, d.curvature->kind, d.curvature->epsilon, d.curvature->power));
-    metric->setObstacles(band, d.obstacles);
+    for (const std::vector<double>& weights : d.vertexWeights)
+        metric->multiply(sampleVertexWeights(weights, band, progress));
+    if (d.slope) metric->multiply(slopeWeights(band, *d.slope));
+    metric->setObstacles(
+        band, d.slope ? steepObstacles(band.transform, *d.slope, d.obstacles) : d.obstacles);
     return metric;
 }
 
 double leastWeight(const MetricDefinition& d) {
     double least = 1;
     for (const LoadedGrid& grid : d.weights) least *= leastWeight(grid);
+    for (const std::vector<double>& weights : d.vertexWeights)
+        if (!weights.empty()) least *= *std::min_element(weights.begin(), weights.end());
     return d.curvature ? least * d.curvature->epsilon : least;
 }
 

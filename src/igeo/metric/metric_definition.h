@@ -7,6 +7,7 @@
 #include <igeo/metric/curvature_cost.h>
 #include <igeo/metric/metric.h>
 #include <igeo/metric/obstacles.h>
+#include <igeo/metric/slope.h>
 
 #include <memory>
 #include <optional>
@@ -16,20 +17,25 @@ namespace igeo {
 
 /// All that a cost is made of; several weights multiply. As it is here, Euclidean.
 struct MetricDefinition {
-    std::vector<LoadedGrid> weights;           ///< cost per unit length
+    std::vector<LoadedGrid> weights;  ///< cost per unit length
+    /// Further weights: per point of the mesh that the surface is (valuesAtPoints).
+    std::vector<std::vector<double>> vertexWeights;
     std::optional<CurvatureWeight> curvature;  ///< another weight
+    std::optional<SlopeWeight> slope;          ///< another weight, and obstacles
     std::optional<TensorGrids> tensor;         ///< instead of a bending cost
     std::optional<BendingCost> bending;
     double curvatureScale = kDefaultCurvatureScale;  ///< radius of averages, voxels
     std::shared_ptr<const ObstacleSet> obstacles;    ///< null: none
 
     bool euclidean() const {
-        return weights.empty() && !curvature && !tensor && !bending && !obstacles;
+        return weights.empty() && vertexWeights.empty() && !curvature && !slope && !tensor &&
+               !bending && !obstacles;
     }
 };
 
 /// The metric on a band; null where it is Euclidean.
-/// @throws Error  as sampleWeight, sampleTensor, curvature, curvatureWeights, curvatureTensor
+/// @throws Error  as sampleWeight, sampleVertexWeights, sampleTensor, curvature, curvatureWeights,
+///         curvatureTensor, slopeWeights
 /// Time O(n), in parallel.
 MetricPtr metricOn(const MetricDefinition& definition, const Band& band,
                    Progress& progress = Progress::none());

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/error.h>
+#include <igeo/metric/vertex_weights.h>
 #include <openvdb/tools/Interpolation.h>
 
 #include <algorithm>
@@ -24,6 +25,9 @@ constexpr double kFat = 0.1;
 constexpr double kReach = 0.6;
 /// S strays from a chord of length L by L^2 / (8 R); R is 2 voxels where it is sharpest.
 constexpr double kBulge = 1.0 / 16, kMostBulge = 1;
+/// How far around the vertices, edges and triangles of a part of a mesh paths are blocked: more
+/// than half of what lies between two points of a segment that are looked at. Voxels.
+constexpr double kPatchFat = 0.2, kPatchStep = 0.25;
 /// Width of a cell of `near_`: a look-up 5 voxels around a point meets 2 to 3 per axis.
 constexpr double kCell = 8;
 
@@ -115,6 +119,24 @@ bool levelSetBlocks(const openvdb::FloatGrid& grid, const IndexMap& map, const V
     return false;
 }
 
+/// Whether a segment runs over a part of a mesh, or within kPatchFat beside it. Where the segment
+/// leaves S, a chord of a bend, the part is looked for along the normal.
+bool patchBlocks(const SurfaceTriangles& patch, const Vec3d& a, const Vec3d& b,
+                 const Vec3d& normal) {
+    const Vec3d along = b - a;
+    const double reach = kReach + std::min(kBulge * dot(along, along), kMostBulge);
+    const int steps = int(std::ceil(length(along) / kPatchStep));
+    for (int k = 0; k <= steps; ++k) {
+        const Vec3d p = a + (steps ? double(k) / steps : 0.0) * along;
+        const auto place = patch.nearest(p, reach + kPatchFat);
+        if (place.triangle == SurfaceTriangles::kNone) continue;
+        const Vec3d off = place.point - p;
+        const double up = dot(off, normal);
+        if (std::abs(up) <= reach && length(off - up * normal) <= kPatchFat) return true;
+    }
+    return false;
+}
+
 /// Whether the strip center +-u +-v meets the grown cube of a voxel of the mask.
 bool stripMeets(const openvdb::MaskTree& mask, const Vec3d& center, const Vec3d& u,
                 const Vec3d& v) {
@@ -186,6 +208,38 @@ void ObstacleSet::addGrid(const ObstacleGrid& source) {
                     "other grid in active voxels that are true or above 0.5");
 }
 
+void ObstacleSet::addVertices(const TriangleMesh& mesh, const std::vector<bool>& blocked) {
+    const std::vector<double> atPoint =
+        valuesAtPoints(mesh, std::vector<double>(blocked.begin(), blocked.end()));
+    std::vector<Vec3d> points;
+    for (const Vec3d& p : mesh.points) points.push_back(transform_.indexFromWorld(p));
+    std::vector<SurfaceTriangles::Triangle> parts;
+    for (const TriangleMesh::Triangle& t : mesh.triangles) {
+        std::vector<std::uint32_t> corners;
+        for (const std::uint32_t c : t)
+            if (atPoint[c] > 0) corners.push_back(c);
+        if (corners.empty()) continue;
+        // Edges and points are triangles without area.
+        corners.resize(3, corners.back());
+        parts.push_back({corners[0], corners[1], corners[2]});
+        const Vec3d &a = points[corners[0]], &b = points[corners[1]], &c = points[corners[2]];
+        const double grown = kReach + kMostBulge + kPatchFat;
+        Vec3d low = a, high = a;
+        for (int k = 0; k < 3; ++k) {
+            low[k] = std::min({a[k], b[k], c[k]}) - grown;
+            high[k] = std::max({a[k], b[k], c[k]}) + grown;
+        }
+        markNear(low, high);
+    }
+    if (parts.empty())
+        throw Error(Kind::BadInput, "the obstacle blocks no vertex of '" + mesh.file + "'",
+                    "a vertex is blocked by a value that is not 0, or by the value that is named");
+    std::vector<std::array<std::uint32_t, 3>> alone(
+        parts.size(), {SurfaceTriangles::kNone, SurfaceTriangles::kNone, SurfaceTriangles::kNone});
+    patches_.push_back(
+        std::make_shared<SurfaceTriangles>(std::move(points), std::move(parts), std::move(alone)));
+}
+
 void ObstacleSet::addLevelSet(const openvdb::FloatGrid::ConstPtr& grid, const IndexMap& map) {
     const IndexMap toBand = map.inverse();
     bool any = grid->background() < 0;
@@ -227,8 +281,11 @@ void ObstacleSet::markNear(const IndexMap& toBand, const CoordBBox& voxels, doub
     Vec3d extent{kMostBulge, kMostBulge, kMostBulge};
     for (std::size_t a = 0; a < 3; ++a)
         extent += (0.5 * (high[a] - low[a]) + grown) * absolute(toBand.axis[a]);
-    const Ijk first = floorToIjk((center - extent) * (1 / kCell)),
-              last = floorToIjk((center + extent) * (1 / kCell));
+    markNear(center - extent, center + extent);
+}
+
+void ObstacleSet::markNear(const Vec3d& from, const Vec3d& to) {
+    const Ijk first = floorToIjk(from * (1 / kCell)), last = floorToIjk(to * (1 / kCell));
     near_->fill({{first.x, first.y, first.z}, {last.x, last.y, last.z}}, true, true);
 }
 
@@ -268,6 +325,8 @@ bool ObstacleSet::block(const Vec3d& oneEnd, const Vec3d& otherEnd, const Vec3d&
         if (levelSetBlocks(*body.grid, body.map, a, b)) return true;
     for (const MaskBody& body : masks_)
         if (maskBlocks(*body.blocked, body.map, a, b, normal)) return true;
+    for (const auto& patch : patches_)
+        if (patchBlocks(*patch, a, b, normal)) return true;
     return false;
 }
 

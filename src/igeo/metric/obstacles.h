@@ -1,11 +1,14 @@
-/// Spheres, boxes, level sets and masks that no path may enter.
+/// Spheres, boxes, level sets, masks and parts of a mesh that no path may enter.
 #pragma once
 
+#include <igeo/band/surface_triangles.h>
+#include <igeo/io/triangle_mesh.h>
 #include <igeo/io/vdb_read.h>
 #include <igeo/metric/index_map.h>
 #include <igeo/metric/metric.h>
 #include <openvdb/openvdb.h>
 
+#include <memory>
 #include <vector>
 
 namespace igeo {
@@ -48,8 +51,17 @@ public:
     /// Time O(voxels).
     void addGrid(const ObstacleGrid& grid);
 
+    /// A part of the mesh that is the surface: vertices, edges between two and triangles between
+    /// three of them, and what is within a fifth of a voxel of these along the surface. So a closed
+    /// line of vertices, each the neighbor of the next, is a wall.
+    /// @param blocked  per vertex of the mesh's source, or per point of the mesh
+    /// @throws Error  BadInput where nothing is blocked, InvalidArgument for another number
+    /// Time O(n log n).
+    void addVertices(const TriangleMesh& mesh, const std::vector<bool>& blocked);
+
     bool empty() const {
-        return spheres_.empty() && boxes_.empty() && levelSets_.empty() && masks_.empty();
+        return spheres_.empty() && boxes_.empty() && levelSets_.empty() && masks_.empty() &&
+               patches_.empty();
     }
 
     /// O(spheres and boxes), and 0.3 to 0.5 microseconds measured per grid where one is near; more
@@ -77,6 +89,7 @@ private:
     template <typename Grid, typename IsBlocked>
     void addMask(const Grid& grid, const IndexMap& map, const IsBlocked& isBlocked);
     void markNear(const IndexMap& toBand, const openvdb::CoordBBox& voxels, double grown);
+    void markNear(const Vec3d& low, const Vec3d& high);
     bool gridMayBeNear(const Vec3d& p, double radius) const;
 
     Similarity transform_;
@@ -84,6 +97,7 @@ private:
     std::vector<Box> boxes_;
     std::vector<LevelSetBody> levelSets_;
     std::vector<MaskBody> masks_;
+    std::vector<std::shared_ptr<const SurfaceTriangles>> patches_;  ///< index space of the band
     openvdb::MaskTree::Ptr near_;  ///< cells of 8^3 voxels of the band that grids come into
     bool everywhere_ = false;      ///< a level set blocks all that lies far away
 };

@@ -13,6 +13,7 @@
 #include <igeo/surface/mesh_facts.h>
 #include <igeo/surface/point_surface.h>
 #include <igeo/surface/unresolved.h>
+#include <igeo/surface/volume_mesh.h>
 
 #include <array>
 #include <cstdint>
@@ -98,6 +99,7 @@ struct FileSurvey {
     std::vector<GridEntry> grids;        ///< of a VDB file: all of them
     std::optional<MeshFacts> mesh;       ///< of a mesh
     std::optional<CloudDensity> points;  ///< of points
+    std::optional<VolumeFacts> voxels;   ///< of a volume of voxels, whose surface is a mesh
     /// psi null: none was chosen; else as checkLevelSet leaves it. Of a mesh or points: made of
     /// their band.
     LevelSet levelSet;

@@ -44,7 +44,10 @@ std::string deflated(std::string_view bytes) {
     return out;
 }
 
-std::string inflated(std::string_view bytes, std::size_t limit) {
+namespace {
+
+/// @param isStart  leaves out what is beyond the limit, instead of an error
+std::string inflatedUpTo(std::string_view bytes, std::size_t limit, bool isStart) {
     Inflater inflater;
     z_stream& z = inflater.stream;
     std::string out;
@@ -58,6 +61,10 @@ std::string inflated(std::string_view bytes, std::size_t limit) {
         const int status = inflate(&z, Z_NO_FLUSH);
         bytes.remove_prefix(given - z.avail_in);
         out.resize(out.size() - z.avail_out);
+        if (out.size() > limit && isStart) {
+            out.resize(limit);
+            return out;
+        }
         if (out.size() > limit)
             throw Error(Error::Kind::BadInput,
                         fmt::format("the compressed data holds more than {} bytes", limit));
@@ -74,6 +81,16 @@ std::string inflated(std::string_view bytes, std::size_t limit) {
                         "get the file again");
         }
     }
+}
+
+}  // namespace
+
+std::string inflated(std::string_view bytes, std::size_t limit) {
+    return inflatedUpTo(bytes, limit, false);
+}
+
+std::string inflatedStart(std::string_view bytes, std::size_t most) {
+    return inflatedUpTo(bytes, most, true);
 }
 
 unsigned long crc32Of(std::string_view bytes) {

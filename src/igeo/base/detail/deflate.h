@@ -15,6 +15,10 @@ std::string deflated(std::string_view bytes);
 /// @throws Error  BadInput for damaged or cut bytes, and beyond the limit
 std::string inflated(std::string_view bytes, std::size_t limit);
 
+/// The first bytes of that, `most` or, if there are no more, all. What follows is not looked at.
+/// @throws Error  BadInput for damaged or cut bytes
+std::string inflatedStart(std::string_view bytes, std::size_t most);
+
 /// CRC-32 as in gzip, zip and PNG.
 unsigned long crc32Of(std::string_view bytes);
 

@@ -4,12 +4,22 @@
 #include <fmt/core.h>
 #include <igeo/base/types.h>
 
+#include <filesystem>
 #include <string>
 
 namespace igeo {
 
 inline std::string textOf(const Vec3d& p, int digits = 6) {
     return fmt::format("{:.{}g},{:.{}g},{:.{}g}", p.x, digits, p.y, digits, p.z, digits);
+}
+
+/// The name of a file without folder and ending: bunny of a/bunny.obj, head of head.nii.gz.
+/// FreeSurfer has names without endings: lh.pial stays.
+inline std::string stemOf(const std::string& file) {
+    std::filesystem::path name = std::filesystem::path(file).filename();
+    if (name.extension() == ".gz") name = name.stem();
+    const std::string stem = name.stem().string();
+    return stem == "lh" || stem == "rh" ? name.string() : stem;
 }
 
 }  // namespace igeo

@@ -1,0 +1,79 @@
+#include "input/vertex_input.h"
+
+#include <fmt/core.h>
+#include <igeo/base/detail/numbers.h>
+#include <igeo/base/error.h>
+#include <igeo/io/vdb_read.h>
+#include <igeo/io/vertex_data_file.h>
+#include <igeo/metric/vertex_weights.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "input/guarded_read.h"
+
+namespace {
+
+using Kind = igeo::Error::Kind;
+
+const igeo::TriangleMesh& meshOf(const igeo::Surface& surface, const std::string& file) {
+    if (const igeo::TriangleMesh* mesh = surface.triangles()) return *mesh;
+    throw igeo::Error(Kind::InvalidArgument,
+                      "'" + file + "' holds values per vertex, and the surface is no mesh",
+                      "give the surface by --mesh, or the values as a grid in a .vdb file");
+}
+
+std::vector<double> valuesOf(const std::string& file, const igeo::TriangleMesh& mesh) {
+    const std::size_t count = mesh.source ? mesh.source->vertices.size() : mesh.points.size();
+    return guardedRead(file, [&] { return igeo::readVertexData(file, count); });
+}
+
+std::vector<bool> blockedVertices(const igeo::GridSource& source,
+                                  const std::vector<double>& values) {
+    std::vector<bool> blocked(values.size());
+    const auto wanted =
+        source.grid.empty() ? std::optional<double>(0) : igeo::parseDouble(source.grid);
+    if (!wanted)
+        throw igeo::Error(Kind::InvalidArgument,
+                          "'" + source.grid + "' is no value of a vertex ('" + source.file + "')",
+                          "write FILE, or FILE:V with the value of the vertices that are meant");
+    for (std::size_t v = 0; v < values.size(); ++v) {
+        if (std::isnan(values[v]) && !std::isnan(*wanted))
+            throw igeo::Error(Kind::BadInput,
+                              fmt::format("the value of vertex {} in '{}' is NaN", v, source.file),
+                              "write " + source.file + ":nan if the vertices with NaN are meant");
+        const bool same = std::isnan(*wanted) ? std::isnan(values[v]) : values[v] == *wanted;
+        blocked[v] = source.grid.empty() ? !same : same;
+    }
+    return blocked;
+}
+
+}  // namespace
+
+std::vector<std::string> addObstacle(const igeo::GridSource& source, const igeo::Surface& surface,
+                                     igeo::ObstacleSet& obstacles) {
+    if (igeo::isVertexDataFile(source.file)) {
+        const igeo::TriangleMesh& mesh = meshOf(surface, source.file);
+        obstacles.addVertices(mesh, blockedVertices(source, valuesOf(source.file, mesh)));
+        return {};
+    }
+    const igeo::ObstacleGrid grid =
+        guardedRead(source.file, [&] { return igeo::readObstacleGrid(source); });
+    obstacles.addGrid(grid);
+    return grid.warnings;
+}
+
+std::vector<double> vertexWeights(const std::string& file, const igeo::Surface& surface) {
+    const igeo::TriangleMesh& mesh = meshOf(surface, file);
+    const std::vector<double> values = valuesOf(file, mesh);
+    const auto bad = std::find_if(values.begin(), values.end(), [](double value) {
+        return !(value > 0 && std::isfinite(value));
+    });
+    if (bad != values.end())
+        throw igeo::Error(Kind::BadInput,
+                          fmt::format("the weight of vertex {} in '{}' is {}; allowed are finite "
+                                      "numbers above 0",
+                                      bad - values.begin(), file, *bad),
+                          "block those vertices by --obstacle, and give them any weight above 0");
+    return igeo::valuesAtPoints(mesh, values);
+}

@@ -1,0 +1,28 @@
+/// Meshes in the binary formats of FreeSurfer and Surfice. Internal.
+#pragma once
+
+#include <igeo/io/polygon_mesh.h>
+
+#include <string>
+#include <string_view>
+
+namespace igeo {
+
+/// Whether bytes begin as those of FreeSurfer's triangle files (lh.pial), which have no ending.
+bool isFreeSurferSurface(std::string_view bytes);
+
+/// Reads a triangle file of FreeSurfer, positions as they are in it: what follows the faces, as the
+/// geometry of the volume, is not looked at.
+/// @param file   its name, for messages
+/// @param bytes  all of the file
+/// @throws Error  BadInput, with the byte, for another kind of file, one that ends too early, and a
+///         corner that is no number of a vertex
+/// Time O(size). Memory O(size), whatever counts the file announces.
+PolygonMesh readFreeSurferMesh(const std::string& file, const std::string& bytes);
+
+/// Reads vertices and faces of Surfice's .mz3; colors and scalars are skipped.
+/// @param bytes  of the file, inflated
+/// @throws Error  BadInput as readFreeSurferMesh
+PolygonMesh readMz3Mesh(const std::string& file, const std::string& bytes);
+
+}  // namespace igeo

@@ -1,0 +1,51 @@
+#include <igeo/io/detail/file_bytes.h>
+
+#include <igeo/base/detail/deflate.h>
+#include <igeo/base/error.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+namespace igeo {
+
+std::string fileBytes(const std::string& file) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored))
+        throw Error(Error::Kind::Io, "cannot read '" + file + "': it is a folder", "give a file");
+    errno = 0;
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream all;
+    if (in) all << in.rdbuf();
+    if (!in || in.bad())
+        throw Error(Error::Kind::Io,
+                    "cannot read '" + file + "'" + (errno ? ": " : "") +
+                        (errno ? std::strerror(errno) : ""),
+                    "check the name and the permissions");
+    return std::move(all).str();
+}
+
+bool isGzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
+
+std::string inflatedFileBytes(const std::string& file) {
+    constexpr std::size_t kMost = std::size_t(1) << 36;
+    const std::string bytes = fileBytes(file);
+    if (!isGzip(bytes)) return bytes;
+    return naming("'" + file + "'", [&] { return inflated(bytes, kMost); });
+}
+
+std::string endingBeforeGz(const std::string& file) {
+    std::string name = std::filesystem::path(file).filename().string();
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    if (name.ends_with(".gz")) name.resize(name.size() - 3);
+    const auto dot = name.rfind('.');
+    return dot == std::string::npos ? "" : name.substr(dot);
+}
+
+}  // namespace igeo

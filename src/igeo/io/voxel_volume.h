@@ -1,0 +1,36 @@
+/// A volume of voxels.
+#pragma once
+
+#include <igeo/base/types.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// A value per voxel, and where the voxels lie.
+struct VoxelVolume {
+    std::string file;  ///< as named, for messages
+    std::string kind;  ///< in words: "NIfTI-1, int16"
+    std::array<std::size_t, 3> size{};
+    std::vector<float> values;    ///< i + size[0] (j + size[1] k); finite
+    std::array<Vec3d, 3> axis{};  ///< world, from a voxel to the next along i, j, k; of any lengths
+                                  ///< and angles
+    Vec3d origin;                 ///< world, the center of voxel 0,0,0
+    std::vector<std::string> warnings = {};
+
+    Vec3d worldFromIndex(const Vec3d& p) const {
+        return origin + p.x * axis[0] + p.y * axis[1] + p.z * axis[2];
+    }
+    /// Whether i, j, k is a left-handed system.
+    bool mirrors() const { return dot(cross(axis[0], axis[1]), axis[2]) < 0; }
+    /// The shortest step to the next voxel, world.
+    double finestSpacing() const {
+        return std::min({length(axis[0]), length(axis[1]), length(axis[2])});
+    }
+};
+
+}  // namespace igeo

@@ -1,0 +1,32 @@
+/// The cost of slopes, for terrain.
+#pragma once
+
+#include <igeo/band/band.h>
+#include <igeo/metric/metric.h>
+
+#include <memory>
+#include <vector>
+
+namespace igeo {
+
+/// A weight of 1 + (tan a / tan steepest)^power where the surface is inclined by the angle a: 1 on
+/// the flat, 2 at the steepest. What is steeper is an obstacle. The same up and down, and in all
+/// directions; both sides of a surface count alike.
+struct SlopeWeight {
+    Vec3d up{0, 0, 1};      ///< world, unit
+    double steepest = 0.5;  ///< radians, above 0 and below pi/2
+    double power = 2;       ///< above 0
+
+    bool operator==(const SlopeWeight&) const = default;
+};
+
+/// The weight per band node, by its normal; where it is too steep, 2. Time O(n), in parallel.
+/// @throws Error  InvalidArgument for a field out of its range
+std::vector<float> slopeWeights(const Band& band, const SlopeWeight& slope);
+
+/// What is too steep, by the normal of the surface, and what `others` block, which may be null.
+std::shared_ptr<const Obstacles> steepObstacles(const Similarity& transform,
+                                                const SlopeWeight& slope,
+                                                std::shared_ptr<const Obstacles> others);
+
+}  // namespace igeo

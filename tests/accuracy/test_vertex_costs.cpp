@@ -1,0 +1,194 @@
+// Slopes, and costs and obstacles at the vertices of a mesh, against closed forms.
+#include <igeo/geodesic_solver.h>
+#include <igeo/metric/obstacles.h>
+#include <igeo/metric/vertex_weights.h>
+#include <support/catch.h>
+#include <support/clouds.h>
+#include <support/errors.h>
+#include <support/expect_error.h>
+#include <support/mesh_shapes.h>
+#include <support/openvdb.h>
+#include <support/shapes.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace igeo::test {
+namespace {
+
+using igeo::Vec3d;
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// A square of side 1 that rises along x by the angle, and y is level.
+Vec3d onSlope(double angle, double u, double v) {
+    return {u * std::cos(angle), v, u * std::sin(angle)};
+}
+
+TriangleMesh slopeMesh(double angle) {
+    return sheet(7, 9, [=](double u, double v) { return onSlope(angle, u, v); });
+}
+
+GeodesicSolver solverOn(Surface surface, const MetricDefinition& metric) {
+    SolverOptions options;
+    options.metric = metric;
+    return GeodesicSolver(std::move(surface), options);
+}
+
+MetricDefinition slopeMetric(double degrees, double power) {
+    MetricDefinition metric;
+    metric.slope = SlopeWeight{{0, 0, 1}, degrees * kDegree, power};
+    return metric;
+}
+
+double between(const GeodesicSolver& solver, const Vec3d& from, const Vec3d& to) {
+    return solver.distance({Seed(from)}).at(to);
+}
+
+TEST_CASE("slope on an inclined plane: a factor, the same up, down and across", "[slope]") {
+    const double angle = 20 * kDegree;
+    const Vec3d low = onSlope(angle, 0.1, 0.5), high = onSlope(angle, 0.9, 0.5),
+                left = onSlope(angle, 0.5, 0.1), right = onSlope(angle, 0.5, 0.9);
+    PointCloud cloud = movedCloud(squareCloud(60, 1.0 / 60),
+                                  [=](const Vec3d& p) { return onSlope(angle, p.x, p.y); });
+    const openvdb::FloatGrid::Ptr psi =
+        makeLevelSet(planePatch({0, 0, 0}, {-std::sin(angle), 0, std::cos(angle)}, 2), 0.02, 3);
+    for (const double power : {1.0, 2.0}) {
+        const double factor = 1 + std::pow(std::tan(angle) / std::tan(30 * kDegree), power);
+        const MetricDefinition metric = slopeMetric(30, power);
+        const VoxelOptions voxels{.resolution = 40};
+        // Measured 6.8e-8 at most.
+        for (const Surface& surface :
+             {Surface(slopeMesh(angle), voxels), Surface(cloud, voxels), Surface(*psi)}) {
+            const GeodesicSolver solver = solverOn(surface, metric);
+            CHECK(between(solver, low, high) == Approx(0.8 * factor).epsilon(1e-7));
+            CHECK(between(solver, high, low) == Approx(0.8 * factor).epsilon(1e-7));
+            CHECK(between(solver, left, right) == Approx(0.8 * factor).epsilon(1e-7));
+        }
+    }
+}
+
+TEST_CASE("slope on a cone, which is one factor on a surface that unrolls", "[slope]") {
+    // A cone of slope 40 degrees, cut off at both ends.
+    const double angle = 40 * kDegree,
+                 factor = 1 + std::pow(std::tan(angle) / std::tan(50 * kDegree), 2);
+    const TriangleMesh cone = sheet(20, 240, [=](double u, double v) {
+        const double r = 0.3 + 0.7 * u, turn = 2 * std::numbers::pi * v;
+        return Vec3d{r * std::cos(turn), r * std::sin(turn), (1 - r) * std::tan(angle)};
+    });
+    const GeodesicSolver solver =
+        solverOn(Surface(cone, VoxelOptions{.resolution = 160}), slopeMetric(50, 2));
+    const auto at = [=](double r, double turn) {
+        return Vec3d{r * std::cos(turn), r * std::sin(turn), (1 - r) * std::tan(angle)};
+    };
+    for (const double turn : {0.5, 1.0, 1.5}) {
+        // Unrolled: lengths from the apex grow by 1 / cos, angles shrink by cos.
+        const double a = 0.6 / std::cos(angle), b = 0.9 / std::cos(angle),
+                     t = turn * std::cos(angle);
+        const double exact = std::sqrt(a * a + b * b - 2 * a * b * std::cos(t));
+        CHECK(between(solver, at(0.6, 0), at(0.9, turn)) ==
+              Approx(factor * exact).epsilon(7.8e-5));  // measured 5.2e-5
+    }
+}
+
+TEST_CASE("what is steeper is an obstacle", "[slope]") {
+    // A ridge with sides of 45 degrees across a level field, and a gap of level ground in it.
+    const TriangleMesh field = sheet(40, 40, [](double u, double v) {
+        const double height = std::max(0.0, 0.1 - std::abs(u - 0.5));
+        return Vec3d{u, v, v < 0.8 ? height : 0};
+    });
+    const Vec3d from{0.2, 0.2, 0}, to{0.8, 0.2, 0};
+    const VoxelOptions voxels{.resolution = 160};
+    const double over = 0.4 + 0.2 * std::sqrt(2.0), around = 2 * std::hypot(0.2, 0.6) + 0.2;
+    CHECK(between(solverOn(Surface(field, voxels), {}), from, to) ==
+          Approx(over).epsilon(4.2e-8));  // measured 2.8e-8
+    const double distance = between(solverOn(Surface(field, voxels), slopeMetric(30, 2)), from, to);
+    CHECK(distance == Approx(around).epsilon(0.0086));  // measured 0.57 %
+    expectError(Error::Kind::InvalidArgument, {"obstacle"}, [&] {
+        between(solverOn(Surface(slopeMesh(40 * kDegree), voxels), slopeMetric(30, 2)),
+                onSlope(40 * kDegree, 0.2, 0.5), onSlope(40 * kDegree, 0.8, 0.5));
+    });
+}
+
+/// The unit square in 20 x 20 cells with the numbers of its vertices.
+TriangleMesh square() {
+    TriangleMesh mesh = sheet(20, 20, [](double u, double v) { return Vec3d{u, v, 0}; });
+    auto source = std::make_shared<PolygonMesh>();
+    source->vertices = mesh.points;
+    for (const auto& t : mesh.triangles) source->addFace(t);
+    mesh.source = source;
+    mesh.pointOfVertex.resize(mesh.points.size());
+    for (std::size_t v = 0; v < mesh.points.size(); ++v) mesh.pointOfVertex[v] = std::uint32_t(v);
+    return mesh;
+}
+
+std::vector<bool> verticesWhere(const TriangleMesh& mesh, const std::function<bool(Vec3d)>& test) {
+    std::vector<bool> chosen;
+    for (const Vec3d& p : mesh.source->vertices) chosen.push_back(test(p));
+    return chosen;
+}
+
+double around(const TriangleMesh& mesh, const std::function<void(ObstacleSet&)>& block) {
+    const Surface surface(mesh, VoxelOptions{.resolution = 100});
+    auto obstacles = std::make_shared<ObstacleSet>(surface.transform());
+    block(*obstacles);
+    MetricDefinition metric;
+    metric.obstacles = obstacles;
+    return between(solverOn(surface, metric), {0.2, 0.5, 0}, {0.8, 0.5, 0});
+}
+
+double around(const TriangleMesh& mesh, const std::vector<bool>& blocked) {
+    return around(mesh, [&](ObstacleSet& set) { set.addVertices(mesh, blocked); });
+}
+
+TEST_CASE("blocked vertices: a part of a mesh, and a line of them, that paths go around",
+          "[vertices]") {
+    const TriangleMesh mesh = square();
+    constexpr double kTiny = 1e-9, kFat = 0.002;  // a fifth of a voxel
+    const auto within = [&](double half) {
+        return verticesWhere(mesh, [=](const Vec3d& p) {
+            return std::abs(p.x - 0.5) < half + kTiny && std::abs(p.y - 0.5) < 0.2 + kTiny;
+        });
+    };
+    // A part of a mesh is a box as wide; of no width, its edges are a wall.
+    for (const double half : {0.1, 0.0}) {
+        const double distance = around(mesh, within(half)), wide = half + kFat, high = 0.2 + kFat;
+        const double boxed = around(mesh, [&](ObstacleSet& set) {
+            set.addBox({0.5 - wide, 0.5 - high, -1}, {0.5 + wide, 0.5 + high, 1});
+        });
+        CHECK(distance == Approx(boxed).epsilon(1e-6));
+        const double exact = 2 * std::hypot(0.3 - wide, high) + 2 * wide;
+        CHECK(distance == Approx(exact).epsilon(0.018));  // measured 1.2 %, first order in dx
+    }
+    // One vertex is a point.
+    const double beside = around(mesh, verticesWhere(mesh, [](const Vec3d& p) {
+                                     return length(p - Vec3d{0.5, 0.5, 0}) < kTiny;
+                                 }));
+    CHECK(beside == Approx(0.6).epsilon(3.5e-5));  // measured 2.3e-5
+    // From side to side nothing is left.
+    CHECK(around(mesh, verticesWhere(mesh, [](const Vec3d& p) {
+                     return std::abs(p.x - 0.5) < kTiny;
+                 })) == kInfinity);
+}
+
+TEST_CASE("blocked vertices that are none, or of another mesh", "[vertices]") {
+    const TriangleMesh mesh = square();
+    expectError(Error::Kind::BadInput, {"blocks no vertex"},
+                [&] { around(mesh, std::vector<bool>(441, false)); });
+    expectError(Error::Kind::InvalidArgument, {"440 values for 441 vertices"},
+                [&] { around(mesh, std::vector<bool>(440, true)); });
+}
+
+TEST_CASE("weights at vertices are linear between them", "[vertices]") {
+    const TriangleMesh mesh = square();
+    std::vector<double> weights;
+    for (const Vec3d& p : mesh.source->vertices) weights.push_back(1 + 2 * p.y);
+    MetricDefinition metric;
+    metric.vertexWeights.push_back(valuesAtPoints(mesh, weights));
+    const GeodesicSolver solver = solverOn(Surface(mesh, VoxelOptions{.resolution = 100}), metric);
+    // Along the gradient of the weight a straight line is shortest: the integral of 1 + 2 y.
+    CHECK(between(solver, {0.5, 0.1, 0}, {0.5, 0.9, 0}) ==
+          Approx(0.8 * 2).epsilon(7e-5));  // measured 4.6e-5
+}
+
+}  // namespace
+}  // namespace igeo::test

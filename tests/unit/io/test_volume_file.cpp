@@ -1,0 +1,284 @@
+#include <igeo/io/volume_file.h>
+#include <support/binary.h>
+#include <support/catch.h>
+#include <support/expect_error.h>
+#include <support/temp_dir.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <numeric>
+
+namespace igeo {
+namespace {
+
+using Kind = Error::Kind;
+using test::bytesOf;
+using test::expectError;
+using test::gzipped;
+using test::TempDir;
+
+std::string write(const TempDir& dir, const std::string& name, const std::string& bytes) {
+    std::ofstream(dir / name, std::ios::binary) << bytes;
+    return dir / name;
+}
+
+/// 2 x 3 x 4 numbers from 0 on.
+std::vector<float> counted() {
+    std::vector<float> values(24);
+    std::iota(values.begin(), values.end(), 0.0f);
+    return values;
+}
+
+/// A header of NIfTI, 0 where nothing is put.
+class Header {
+public:
+    Header(int version, bool bigEndian = false)
+        : bytes_(version == 1 ? 352 : 544, '\0'), version_(version), big_(bigEndian) {
+        put<std::int32_t>(0, version == 1 ? 348 : 540);
+        const std::string magic = version == 1 ? "n+1" : "n+2";
+        bytes_.replace(version == 1 ? 344 : 4, 3, magic);
+        for (const int d : {3, 2, 3, 4, 1, 1, 1, 1}) dims_.push_back(d);
+        datatype(16);
+        number(108, 168, version == 1 ? 352 : 544, /*isOffset=*/true);
+    }
+    template <typename T>
+    void put(std::size_t at, T value) {
+        bytes_.replace(at, sizeof(T), bytesOf(std::vector<T>{value}, big_));
+    }
+    void number(std::size_t in1, std::size_t in2, double value, bool isOffset = false) {
+        if (version_ == 1)
+            put(in1, float(value));
+        else if (isOffset)
+            put(in2, std::int64_t(value));
+        else
+            put(in2, value);
+    }
+    void code(std::size_t in1, std::size_t in2, int value) {
+        if (version_ == 1)
+            put(in1, std::uint16_t(value));
+        else
+            put(in2, std::int32_t(value));
+    }
+    void datatype(int type) { put(version_ == 1 ? 70u : 12u, std::uint16_t(type)); }
+    void dim(std::size_t d, int n) { dims_[d] = n; }
+    void pixdim(std::size_t d, double v) { number(76 + 4 * d, 104 + 8 * d, v); }
+    void sform(const std::vector<double>& rows) {
+        code(254, 348, 1);
+        for (std::size_t k = 0; k < 12; ++k) number(280 + 4 * k, 400 + 8 * k, rows[k]);
+    }
+    void qform(const std::vector<double>& bcd, const std::vector<double>& shift) {
+        code(252, 344, 1);
+        for (std::size_t k = 0; k < 3; ++k) {
+            number(256 + 4 * k, 352 + 8 * k, bcd[k]);
+            number(268 + 4 * k, 376 + 8 * k, shift[k]);
+        }
+    }
+    void magic(const std::string& word) { bytes_.replace(version_ == 1 ? 344 : 4, 3, word); }
+    std::string bytes() {
+        for (std::size_t d = 0; d < 8; ++d)
+            if (version_ == 1)
+                put(40 + 2 * d, std::uint16_t(dims_[d]));
+            else
+                put(16 + 8 * d, std::int64_t(dims_[d]));
+        return bytes_;
+    }
+
+private:
+    std::string bytes_;
+    int version_;
+    bool big_;
+    std::vector<int> dims_;
+};
+
+const std::vector<double> kSheared{-2, 0.5, 0, 10, 0, 3, 0.25, 20, 0, 0, 4, 30};
+
+TEST_CASE("NIfTI-1 and 2 of either byte order, raw and compressed", "[volume]") {
+    const TempDir dir;
+    for (const int version : {1, 2})
+        for (const bool big : {false, true})
+            for (const bool packed : {false, true}) {
+                INFO(version << big << packed);
+                Header header(version, big);
+                header.sform(kSheared);
+                std::string bytes = header.bytes() + bytesOf(counted(), big);
+                if (packed) bytes = gzipped(bytes);
+                const VoxelVolume v = readVolume(write(dir, packed ? "a.nii.gz" : "a.nii", bytes));
+                CHECK(v.size == std::array<std::size_t, 3>{2, 3, 4});
+                CHECK(v.values == counted());
+                CHECK(v.axis[0] == Vec3d{-2, 0, 0});
+                CHECK(v.axis[1] == Vec3d{0.5, 3, 0});
+                CHECK(v.axis[2] == Vec3d{0, 0.25, 4});
+                CHECK(v.origin == Vec3d{10, 20, 30});
+                CHECK(v.mirrors());
+                CHECK(v.finestSpacing() == 2);
+                CHECK(v.kind == "NIfTI-" + std::to_string(version) + ", float32");
+                CHECK(v.warnings.empty());
+            }
+}
+
+TEST_CASE("the qform of NIfTI is a rotation, and its first spacing mirrors", "[volume]") {
+    const TempDir dir;
+    for (const int version : {1, 2})
+        for (const double handed : {1.0, -1.0}) {
+            Header header(version);
+            // A third of a turn about 1,1,1 takes x to y, y to z, z to x.
+            header.qform({0.5, 0.5, 0.5}, {1, 2, 3});
+            for (std::size_t d = 0; d < 4; ++d) header.pixdim(d, d == 0 ? handed : double(d) + 1);
+            const VoxelVolume v =
+                readVolume(write(dir, "a.nii", header.bytes() + bytesOf(counted())));
+            CHECK(v.origin == Vec3d{1, 2, 3});
+            CHECK(length(v.axis[0] - Vec3d{0, 2, 0}) < 1e-12);
+            CHECK(length(v.axis[1] - Vec3d{0, 0, 3}) < 1e-12);
+            CHECK(length(v.axis[2] - Vec3d{4 * handed, 0, 0}) < 1e-12);
+        }
+}
+
+TEST_CASE("scale and intercept of NIfTI are applied, and every type is read", "[volume]") {
+    const TempDir dir;
+    const std::vector<float> values = counted();
+    const auto check = [&](int type, auto one) {
+        INFO(type);
+        using T = decltype(one);
+        Header header(1);
+        header.sform(kSheared);
+        header.datatype(type);
+        header.number(112, 176, 0.5);
+        header.number(116, 184, -3);
+        const VoxelVolume v = readVolume(write(
+            dir, "a.nii", header.bytes() + bytesOf(std::vector<T>(values.begin(), values.end()))));
+        for (std::size_t k = 0; k < 24; ++k) CHECK(v.values[k] == 0.5f * values[k] - 3);
+    };
+    check(2, std::uint8_t());
+    check(256, std::int8_t());
+    check(4, std::int16_t());
+    check(512, std::uint16_t());
+    check(8, std::int32_t());
+    check(768, std::uint32_t());
+    check(1024, std::int64_t());
+    check(1280, std::uint64_t());
+    check(16, float());
+    check(64, double());
+}
+
+TEST_CASE("a pair of files, named by either", "[volume]") {
+    const TempDir dir;
+    Header header(1);
+    header.sform(kSheared);
+    header.magic("ni1");
+    header.number(108, 168, 0);
+    write(dir, "a.hdr", header.bytes().substr(0, 348));
+    write(dir, "a.img", bytesOf(counted()));
+    for (const char* name : {"a.hdr", "a.img"}) CHECK(readVolume(dir / name).values == counted());
+    write(dir, "b.hdr.gz", gzipped(header.bytes().substr(0, 348)));
+    write(dir, "b.img.gz", gzipped(bytesOf(counted())));
+    CHECK(readVolume(dir / "b.hdr.gz").values == counted());
+    CHECK(readVolume(dir / "b.img.gz").values == counted());
+    std::filesystem::remove(dir / "a.img");
+    expectError(Kind::Io, {"a.img"}, [&] { readVolume(dir / "a.hdr"); });
+}
+
+TEST_CASE("NIfTI that is no volume of numbers is refused", "[volume]") {
+    const TempDir dir;
+    const auto refused = [&](const std::vector<std::string>& says, const auto& change,
+                             std::vector<float> values = counted(), std::size_t cut = 0) {
+        Header header(1);
+        header.sform(kSheared);
+        change(header);
+        std::string bytes = header.bytes() + bytesOf(values);
+        bytes.resize(bytes.size() - cut);
+        for (const bool packed : {false, true}) {
+            const std::string file =
+                write(dir, packed ? "a.nii.gz" : "a.nii", packed ? gzipped(bytes) : bytes);
+            INFO(says[0]);
+            expectError(Kind::BadInput, says, [&] { readVolume(file); });
+        }
+    };
+    const auto same = [](Header&) {};
+    refused({"a.nii", "ends after"}, same, counted(), 5);
+    refused({"a.nii", "holds 2 volumes"}, [](Header& h) { h.dim(0, 4), h.dim(4, 2); });
+    refused({"a.nii", "image, not a volume"}, [](Header& h) { h.dim(3, 1); });
+    refused({"a.nii", "type 128"}, [](Header& h) { h.datatype(128); });
+    refused({"a.nii", "ANALYZE"}, [](Header& h) { h.magic(std::string(3, '\0')); });
+    refused({"a.nii", "dimension of 0"}, [](Header& h) { h.dim(2, 0); });
+    refused({"a.nii", "byte 100"}, [](Header& h) { h.number(108, 168, 100); });
+    refused({"a.nii", "lie in one plane"}, [](Header& h) {
+        h.sform({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0});
+    });
+    std::vector<float> values = counted();
+    values[9] = std::numeric_limits<float>::quiet_NaN();
+    refused({"voxel 1,1,1", "a.nii", "nan"}, same, values);
+    const std::string none = write(dir, "b.nii", "hello"),
+                      damaged = write(dir, "b.nii.gz", "\x1f\x8bhello, no gzip");
+    expectError(Kind::BadInput, {"b.nii", "no NIfTI"}, [&] { readVolume(none); });
+    expectError(Kind::BadInput, {"b.nii.gz", "damaged"}, [&] { readVolume(damaged); });
+    const std::string vdb = write(dir, "b.vdb", "hello");
+    expectError(Kind::BadInput, {"b.vdb", ".nii"}, [&] { readVolume(vdb); });
+}
+
+TEST_CASE("NIfTI without an orientation says so", "[volume]") {
+    const TempDir dir;
+    Header header(1);
+    for (std::size_t d = 0; d < 4; ++d) header.pixdim(d, double(d));
+    const VoxelVolume v = readVolume(write(dir, "a.nii", header.bytes() + bytesOf(counted())));
+    CHECK(v.axis[2] == Vec3d{0, 0, 3});
+    REQUIRE(v.warnings.size() == 1);
+    CHECK(v.warnings[0].find("neither sform nor qform") != std::string::npos);
+}
+
+const std::string kNrrd =
+    "NRRD0004\n# made by hand\ntype: float\ndimension: 3\nsizes: 2 3 4\n"
+    "space: left-posterior-superior\nspace directions: (-2,0,0) (0.5,3,0) (0,0.25,4)\n"
+    "space origin: (10,20,30)\nkinds: domain domain domain\nendian: little\nkey:=value: 7\n";
+
+TEST_CASE("NRRD raw, gzip and text, in one file or two", "[volume]") {
+    const TempDir dir;
+    const std::string raw = bytesOf(counted());
+    std::string text;
+    for (const float v : counted()) text += std::to_string(int(v)) + (v == 7 ? "\n" : " ");
+    write(dir, "a.raw", "two lines\nto skip\n" + raw);
+    write(dir, "b.raw", "some bytes" + raw);
+    for (const auto& [name, bytes] :
+         {std::pair("a.nrrd", kNrrd + "encoding: raw\n\n" + raw),
+          {"b.nrrd", kNrrd + "encoding: gzip\n\n" + gzipped(raw)},
+          {"c.nrrd", kNrrd + "encoding: ascii\n\n" + text},
+          {"d.nhdr", kNrrd + "encoding: raw\nline skip: 2\ndata file: a.raw\n"},
+          {"e.nhdr", kNrrd + "encoding: raw\nbyte skip: -1\ndatafile: b.raw\n"}}) {
+        INFO(name);
+        const VoxelVolume v = readVolume(write(dir, name, bytes));
+        CHECK(v.size == std::array<std::size_t, 3>{2, 3, 4});
+        CHECK(v.values == counted());
+        CHECK(v.axis[1] == Vec3d{0.5, 3, 0});
+        CHECK(v.origin == Vec3d{10, 20, 30});
+        CHECK(v.kind == "NRRD, float32");
+    }
+}
+
+TEST_CASE("NRRD that is no volume of numbers is refused", "[volume]") {
+    const TempDir dir;
+    const std::string raw = bytesOf(counted());
+    const auto refused = [&](const std::vector<std::string>& says, const std::string& from,
+                             const std::string& to, const std::string& data) {
+        INFO(says[0]);
+        std::string bytes = kNrrd + "encoding: raw\n\n" + data;
+        bytes.replace(bytes.find(from), from.size(), to);
+        const std::string file = write(dir, "a.nrrd", bytes);
+        expectError(Kind::BadInput, says, [&] { readVolume(file); });
+    };
+    refused({"a.nrrd", "no NRRD"}, "NRRD0004", "PNG", raw);
+    refused({"a.nrrd", "dimension '4'"}, "dimension: 3", "dimension: 4", raw);
+    refused({"a.nrrd", "'none'"}, "(-2,0,0)", "none", raw);
+    refused({"a.nrrd", "type 'block'"}, "type: float", "type: block", raw);
+    refused({"a.nrrd", "'bzip2'"}, "encoding: raw", "encoding: bzip2", raw);
+    refused({"a.nrrd", "byte order"}, "endian: little", "content: x", raw);
+    refused({"a.nrrd", "ends after 90 of 96"}, "raw", "raw", raw.substr(0, 90));
+    refused({"a.nrrd", "no gzip data"}, "encoding: raw", "encoding: gzip", raw);
+    refused({"a.nrrd", "cut off"}, "encoding: raw", "encoding: gzip", gzipped(raw).substr(0, 30));
+    refused({"a.nrrd", "2^34"}, "sizes: 2 3 4", "sizes: 2000000 3000000 4", raw);
+    refused({"a.nrrd", "several files"}, "kinds: domain domain domain", "data file: LIST", raw);
+    const std::string lonely = write(dir, "b.nhdr", kNrrd + "encoding: raw\ndata file: none.raw\n");
+    expectError(Kind::Io, {"none.raw"}, [&] { readVolume(lonely); });
+}
+
+}  // namespace
+}  // namespace igeo
