@@ -1,7 +1,6 @@
 #include "input/seed_input.h"
 
 #include <igeo/base/error.h>
-#include <igeo/io/vdb_read.h>
 #include <igeo/metric/obstacles.h>
 
 #include <memory>
