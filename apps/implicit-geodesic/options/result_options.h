@@ -44,9 +44,9 @@ struct ResultOptions {
     bool straighten = false;
     double pathStep = 0;               ///< between vertices of paths, world units; 0: as traced
     std::optional<double> pathOffset;  ///< of paths along the normal, world units
-    int levels = 0;                  ///< of isolines; 0: by spacing
-    double spacing = 0;              ///< of isolines, world units times weight; 0: chosen
-    std::optional<Part> matrixRows;  ///< none: all
+    int levels = 0;                    ///< of isolines; 0: by spacing
+    double spacing = 0;                ///< of isolines, world units times weight; 0: chosen
+    std::optional<Part> matrixRows;    ///< none: all
 
     /// By --grids.
     bool asked(Grid grid) const { return grids.count(grid) > 0; }
