@@ -32,8 +32,8 @@ VolumeFacts volumeFacts(const VoxelVolume& volume);
 /// lengths and angles. Normals point out of what is `iso` or more, or, where most voxels at the
 /// border of the volume are that, out of what is less. It is open where it leaves the volume.
 ///
-/// A mask (two values) is a staircase, on which ways are some per cent too long at any spacing. It is
-/// smoothed first: values beside the surface are averaged with their neighbors, and every voxel
+/// A mask (two values) is a staircase, on which ways are some per cent too long at any spacing. It
+/// is smoothed first: values beside the surface are averaged with their neighbors, and every voxel
 /// keeps its side (after the constraint of R. T. Whitaker, Reducing aliasing artifacts in
 /// iso-surfaces of binary volumes, 2000). A warning says so.
 /// @param iso  none: of a mask halfway between its values; other volumes need one
