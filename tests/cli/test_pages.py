@@ -241,7 +241,7 @@ class BashCompletion(Completion):
 
     def test_subcommand_of_a_subcommand(self):
         self.assertEqual(self.after("ba"), ["batch"])
-        self.assertEqual(self.after("batch", ""), ["models", "seeds.json"])
+        self.assertEqual(self.after("batch", ""), ["models", "seeds.csv", "seeds.json"])
         self.assertEqual(self.after("batch", "m"), ["merge"])
         self.assertEqual(self.after("batch", "seeds.json", "--s"), ["--shard", "--summary"])
         self.assertEqual(self.after("batch", "seeds.json", "--shard", ""), [])
