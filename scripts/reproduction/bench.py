@@ -4,6 +4,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import struct
 import sys
 
@@ -176,9 +177,11 @@ def surface_values(ply):
     """(x, y, z, distance) of every vertex of --mesh-out: d where S crosses the edges of the grid."""
     header, _, body = ply.read_bytes().partition(b"end_header\n")
     count = int(header.partition(b"element vertex ")[2].split()[0])
-    row = struct.Struct("<6f3Bfi")
-    for x, y, z, _, _, _, _, _, _, d, _ in row.iter_unpack(body[:count * row.size]):
-        yield x, y, z, d
+    properties = re.findall(rb"^property (float|uchar|int) (\w+)$", header, re.MULTILINE)
+    row = struct.Struct("<" + "".join({b"float": "f", b"uchar": "B", b"int": "i"}[kind] for kind, _ in properties))
+    wanted = [[name for _, name in properties].index(name) for name in (b"x", b"y", b"z", b"distance")]
+    for values in row.iter_unpack(body[:count * row.size]):
+        yield tuple(values[k] for k in wanted)
 
 
 def mesh_points(file, count):

@@ -59,7 +59,10 @@ class Arithmetic(unittest.TestCase):
             ply = pathlib.Path(folder) / "x.ply"
             rows = b"".join(struct.pack("<6f3Bfi", *p, 0, 0, 0, 0, 0, 0, d, 0)
                             for p, d in zip(on, distances))
-            ply.write_bytes(b"ply\nelement vertex 3\nend_header\n" + rows)
+            names = ("float x", "float y", "float z", "float nx", "float ny", "float nz", "uchar red", "uchar green",
+                     "uchar blue", "float distance", "int label")
+            properties = "".join(f"property {name}\n" for name in names).encode()
+            ply.write_bytes(b"ply\nelement vertex 3\n" + properties + b"end_header\n" + rows)
             self.assertAlmostEqual(tables.largest_error(ply, on[0], bench.RADIUS), 0.03, places=6)
 
 
