@@ -1,6 +1,7 @@
 #include "run.h"
 
 #include <fmt/core.h>
+#include <igeo/base/digest.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/io/point_list.h>
@@ -22,9 +23,21 @@ using igeo::Vec3d;
 
 namespace {
 
+/// Whether a document is asked for that names its inputs with their digests.
+bool writesDocument(const RunOptions& o) {
+    const std::vector<std::string> files{o.paths, o.isolines, o.matrix, o.pairsOut};
+    return !o.report.empty() || std::any_of(files.begin(), files.end(), [](const std::string& f) {
+        return f == "-" || endingOf(f) == ".json";
+    });
+}
+
 RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metric,
-                    const SeedInput& seeds) {
+                    const SeedInput& seeds, const RunOptions& o) {
     RunReport report;
+    report.command = o.words;
+    if (writesDocument(o))
+        for (const std::string& file : inputFiles(o))
+            report.inputs.emplace_back(file, igeo::digestOfFile(file));
     report.surface = solver.surface().facts();
     report.width = solver.bandWidth();
     report.snap = solver.maxSnap();
@@ -138,7 +151,7 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     checkGridNames(o, solver.surface().gridName());
     const SeedInput input = readSeeds(o, solver.surface());
     checkSeeds(o, input.seeds);
-    RunReport report = newReport(solver, prepared.metric, input);
+    RunReport report = newReport(solver, prepared.metric, input, o);
 
     const igeo::Distance distance = o.hasSeeds()
                                         ? solver.distance(input.seeds, input.limits, stages)

@@ -64,7 +64,7 @@ MatrixPart readPart(const std::string& file) {
 /// All but the rows is the same in all parts: the surface, the points, the program.
 void requireSameMatrix(const MatrixPart& a, const MatrixPart& b) {
     for (const auto& [member, value] : a.document.items())
-        if (member != "rows" && member != "distance" &&
+        if (member != "rows" && member != "distance" && member != "warnings" &&
             (!b.document.contains(member) || b.document[member] != value))
             inputError(a.file + " and " + b.file + " differ in '" + member +
                            "': they are parts of different matrices",

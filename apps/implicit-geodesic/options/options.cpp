@@ -28,11 +28,13 @@ std::optional<Options> parseOptions(int argc, char** argv) {
     if (name == "info") return info;
     if (name == "batch") return batch;
     if (name == "merge") return merge;
+    run.words = words;
     return run;
 }
 
 RunOptions parseJob(const std::vector<std::string>& arguments) {
     RunOptions options;
     readCommandLine(jobCommand(options), arguments);
+    options.words = arguments;
     return options;
 }

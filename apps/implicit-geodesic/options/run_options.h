@@ -13,5 +13,6 @@ struct RunOptions : SurfaceOptions,
                     ResultOptions,
                     PictureOptions,
                     ProcessOptions {
-    double memoryLimit = 0;  ///< GiB; 0: what the machine has
+    std::vector<std::string> words;  ///< of the command line, for the report
+    double memoryLimit = 0;          ///< GiB; 0: what the machine has
 };

@@ -1,52 +1,19 @@
 #include "output/report.h"
 
 #include <fmt/core.h>
-#include <igeo/base/version.h>
-#include <igeo/results/survey.h>
+#include <sstream>
 
-#include <nlohmann/json.hpp>
-
-#include "option_words.h"
+#include "output/json_parts.h"
+#include "version_text.h"
 
 using namespace igeo;
+using json = Json;
 
 namespace {
 
-using json = nlohmann::ordered_json;
-
-/// File and grid names may be no UTF-8; JSON is.
-std::string dump(const json& j, int indent) {
-    return j.dump(indent, ' ', false, json::error_handler_t::replace) + "\n";
-}
-
-json meshJson(const MeshFacts& m) {
-    return {{"points", m.points},
-            {"triangles", m.triangles},
-            {"dropped", m.dropped},
-            {"repeated", m.repeated},
-            {"components", m.components},
-            {"boundaryEdges", m.boundaryEdges},
-            {"holes", m.holes},
-            {"nonManifoldEdges", m.nonManifoldEdges},
-            {"nonOrientable", m.nonOrientable},
-            {"crossingPairs", m.crossingPairs},
-            {"closed", m.closed}};
-}
-
-json triple(const Vec3d& v) { return {v.x, v.y, v.z}; }
-
-/// JSON has no infinity: what is not known is null.
-json finiteOrNull(double v) { return std::isfinite(v) ? json(v) : json(nullptr); }
-
-json shareOrNull(const std::optional<double>& share) {
-    return share ? json(*share) : json(nullptr);
-}
-
-json unresolvedJson(const Unresolved& u) {
-    return {{"thinShare", shareOrNull(u.thin)},
-            {"closedShare", shareOrNull(u.closed)},
-            {"cutOffShare", shareOrNull(u.cutOff)},
-            {"eulerDifference", u.eulerDifference ? json(*u.eulerDifference) : json(nullptr)}};
+/// digestOfFile says "missing" of what is no file, such as standard input.
+json orNull(const std::string& digest) {
+    return digest == "missing" ? json(nullptr) : json(digest);
 }
 
 json pointJson(const SnappedPoint& p) {
@@ -90,12 +57,14 @@ json seedsJson(const RunReport& r, const Field& field) {
     return all;
 }
 
-json header(const char* type, int schema = 2) {
-    return {{"schema", schema},
-            {"type", type},
-            {"creator", std::string("implicit-geodesic ") + kVersion},
-            {"units", "lengths and distances in world units of the surface's transform"},
-            {"space", "world"}};
+/// What every document of a run begins with.
+json header(const char* type, const RunReport& r, int schema = 2) {
+    json j = ::header(type, schema);
+    j["inputs"] = json::array();
+    for (const auto& [file, digest] : r.inputs)
+        j["inputs"].push_back({{"file", file}, {"digest", orNull(digest)}});
+    j["warnings"] = r.warnings;
+    return j;
 }
 
 json surfaceJson(const RunReport& r, double dx) {
@@ -196,7 +165,7 @@ json walkJson(const Polyline& walk) {
 
 std::string geodesicsJson(const RunReport& r, const Field& field) {
     const Band& band = *field.band;
-    json j = header("geodesics", 3);
+    json j = header("geodesics", r, 3);
     j["surface"] = surfaceJson(r, band);
     j["parameters"] = parametersJson(r, field);
     j["metric"] = metricJson(r, field);
@@ -213,7 +182,7 @@ std::string geodesicsJson(const RunReport& r, const Field& field) {
 }
 
 std::string pairsJson(const RunReport& r, const Band& band) {
-    json j = header("pairs");
+    json j = header("pairs", r);
     j["surface"] = surfaceJson(r, band);
     j["pairs"] = json::array();
     for (const PairDistance& p : r.pairs)
@@ -227,7 +196,7 @@ std::string isolinesJson(const RunReport& r, const Field& field,
                          const std::vector<Isoline>& lines) {
     const Band& band = *field.band;
     const double dx = band.transform.dx;
-    json j = header("isolines", 3);
+    json j = header("isolines", r, 3);
     j["surface"] = surfaceJson(r, band);
     j["parameters"] = parametersJson(r, field);
     j["isolines"] = json::array();
@@ -248,7 +217,12 @@ std::string isolinesJson(const RunReport& r, const Field& field,
 std::string reportJson(const RunReport& r, const Field& field) {
     const Band& band = *field.band;
     const double dx = band.transform.dx;
-    json j = header("report");
+    json j = header("report", r);
+    j["command"] = r.command;
+    j["versions"] = json::object();
+    std::istringstream versions(versionText());  // "OpenVDB 10.0.1, file format 224"
+    for (std::string line; std::getline(versions, line);)
+        j["versions"][line.substr(0, line.find(' '))] = line.substr(line.find(' ') + 1);
     j["surface"] = surfaceJson(r, band);
     const SurfaceFacts& s = r.surface;
     j["surface"]["kind"] = nameOf(s.kind);
@@ -290,12 +264,11 @@ std::string reportJson(const RunReport& r, const Field& field) {
     j["peakMemoryBytes"] = r.peakMemory;
     j["outputs"] = json::object();
     for (const auto& [kind, file] : r.outputs) j["outputs"][kind] = file;
-    j["warnings"] = r.warnings;
     return dump(j, 2);
 }
 
 std::string matrixJson(const RunReport& r, double dx, const DistanceMatrix& m) {
-    json j = header("matrix");
+    json j = header("matrix", r);
     j["surface"] = surfaceJson(r, dx);
     for (const auto& [name, places] : {std::pair("seeds", &m.seeds), {"targets", &m.targets}}) {
         j[name] = json::array();
@@ -313,117 +286,6 @@ std::string matrixJson(const RunReport& r, double dx, const DistanceMatrix& m) {
     }
     j["asymmetry"] = finiteOrNull(m.asymmetry);
     return dump(j, -1);
-}
-
-namespace {
-
-json gridJson(const GridEntry& g) {
-    return {{"name", g.name},
-            {"type", g.type},
-            {"class", g.gridClass},
-            {"activeVoxels", g.activeVoxels ? json(*g.activeVoxels) : json(nullptr)},
-            {"surface", g.surface},
-            {"weight", g.weight},
-            {"obstacle", g.obstacle},
-            {"points", holdsPoints(g)}};
-}
-
-json boxJson(const Vec3d& low, const Vec3d& high) { return {triple(low), triple(high)}; }
-
-/// What a grid shows, as far as it was examined.
-json levelSetJson(const FileSurvey& file) {
-    const LevelSet& s = file.levelSet;
-    const Similarity& t = s.transform;
-    json j = {{"grid", s.name}};
-    if (!(t.dx > 0)) return j;
-    j["voxelSize"] = t.dx;
-    j["axes"] = {triple(t.axis[0]), triple(t.axis[1]), triple(t.axis[2])};
-    j["origin"] = triple(t.origin);
-    if (s.stats.activeVoxels == 0) return j;
-    j["box"] = boxJson(file.low, file.high);
-    j["activeVoxels"] = s.stats.activeVoxels;
-    j["badVoxels"] = s.stats.badVoxels;
-    j["halfWidthVoxels"] = s.stats.halfWidth;
-    if (s.stats.nearSurface == 0) return j;
-    j["gradient"] = {{"median", s.stats.gradientMedian}, {"goodShare", s.stats.gradientShare}};
-    j["cutVoxels"] = s.stats.cutVoxels;
-    return j;
-}
-
-json componentJson(const SurfaceComponent& p, double dx) {
-    return {{"area", p.area * dx * dx},
-            {"box", boxJson(p.low, p.high)},
-            {"parts", p.parts},
-            {"rims", p.rims},
-            {"genus", p.genus}};
-}
-
-json cloudJson(const CloudDensity& d) {
-    return {{"points", d.points},    {"duplicates", d.duplicates}, {"isolated", d.isolated},
-            {"spacing", d.spacing},  {"spacing99", d.spacing99},   {"scatter", d.noise},
-            {"components", d.pieces}};
-}
-
-json surfaceJson(const FileSurvey& file) {
-    const SurfaceSurvey& s = *file.surface;
-    const LevelSetStats& stats = file.levelSet.stats;
-    const double dx = file.levelSet.transform.dx;
-    const auto unreliableBy = [&](Unreliable kind) { return s.unreliableBy[std::size_t(kind)]; };
-    json j = {{"voxelSize", dx}, {"area", s.area * dx * dx}, {"components", json::array()}};
-    for (const SurfaceComponent& p : s.components) j["components"].push_back(componentJson(p, dx));
-    j["curvature"] = {{"largest", s.largestCurvature / dx},
-                      {"percentile95", stats.largestCurvature / dx}};
-    j["reach"] = stats.reach < stats.halfWidth ? json(stats.reach * dx) : json(nullptr);
-    j["facingShare"] = s.facingShare;
-    j["unresolved"] = unresolvedJson(s.unresolved);
-    j["clearance"] = {{"radius95", finiteOrNull(s.medialRadius * dx)},
-                      {"facingRadius99", finiteOrNull(s.facingRadius * dx)},
-                      {"resolvingVoxelSize", finiteOrNull(s.resolvingSize * dx)}};
-    j["band"] = {{"boundsVoxels", {s.bounds.lower, s.bounds.upper}},
-                 {"upperBoundFrom", s.bounds.why},
-                 {"resolved", s.bounds.resolved},
-                 {"jetVoxels", s.bounds.lower},
-                 {"godunovVoxels", s.godunovBand},
-                 {"nodes", file.band.size()}};
-    j["unreliable"] = {{"nodes", s.unreliable},
-                       {"share", double(s.unreliable) / double(file.band.size())},
-                       {"bend", unreliableBy(Unreliable::Bend)},
-                       {"facing", unreliableBy(Unreliable::Facing)},
-                       {"gradient", unreliableBy(Unreliable::Rough)},
-                       {"cut", unreliableBy(Unreliable::Cut)}};
-    j["estimate"] = {{"bytes", s.bytes}, {"secondsOnOneCore", s.seconds}};
-    return j;
-}
-
-}  // namespace
-
-json voxelsJson(const VolumeFacts& v) {
-    return {{"kind", v.kind},
-            {"size", v.size},
-            {"spacing", triple(v.spacing)},
-            {"least", double(v.range.low)},
-            {"largest", double(v.range.high)},
-            {"mask", v.range.isMask}};
-}
-
-std::string surveyJson(const FileSurvey& file) {
-    json j = header("info");
-    j["file"] = file.file;
-    j["grids"] = json::array();
-    for (const GridEntry& g : file.grids) j["grids"].push_back(gridJson(g));
-    j["voxels"] = file.voxels ? voxelsJson(*file.voxels) : json(nullptr);
-    j["mesh"] = file.mesh ? meshJson(*file.mesh) : json(nullptr);
-    j["points"] = file.points ? cloudJson(*file.points) : json(nullptr);
-    j["levelSet"] = file.ofGrid() ? levelSetJson(file) : json(nullptr);
-    j["surface"] = file.surface ? surfaceJson(file) : json(nullptr);
-    j["warnings"] = file.warnings;
-    j["usable"] = !file.refusal;
-    j["withCare"] = file.withCare();
-    j["verdict"] = inOptionWords(file.verdict());
-    j["refusal"] = file.refusal ? json{{"what", file.refusal->what()},
-                                       {"remedy", inOptionWords(file.refusal->remedy())}}
-                                : json(nullptr);
-    return dump(j, 2);
 }
 
 std::string pairsCsv(const std::vector<PairDistance>& pairs) {

@@ -28,6 +28,8 @@ struct ViaCurve {
 
 /// What a run was asked to do, what it found and what it cost.
 struct RunReport {
+    std::vector<std::string> command;                         ///< words after the program's name
+    std::vector<std::pair<std::string, std::string>> inputs;  ///< file, digest (digestOfFile)
     igeo::SurfaceFacts surface;
     igeo::BandWidth width;
     double snap = 0;                       ///< how far a point may be from the surface, world units
