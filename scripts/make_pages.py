@@ -126,7 +126,10 @@ def endings(option):
     if value.endswith(("[:GRID]", "[:PREFIX]")) and option["names"][0].startswith("-"):
         return ["vdb"]
     named = re.fullmatch(r"FILE\.(\w+)", value)
-    return [named[1]] if named else re.findall(r"(?<!\S)\.(\w+)", option["text"]) or ["*"]
+    if named:
+        return [named[1]]
+    said = re.findall(r"(?<!\S)\.([\w.]*\w)", option["text"])  # .func.gii ends in gii
+    return list(dict.fromkeys(ending.split(".")[-1] for ending in said)) or ["*"]
 
 
 BASH = r"""# Completion of implicit-geodesic in bash, made from its options.
