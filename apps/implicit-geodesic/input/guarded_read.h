@@ -36,8 +36,8 @@ private:
     const int exceptions_;  ///< on their way when it was made
 };
 
-/// ", did you mean 'FILE'?" with the name in its folder that is most like that of a file that is not
-/// there; else empty.
+/// ", did you mean 'FILE'?" with the name in its folder that is most like that of a file that is
+/// not there; else empty.
 std::string namesLike(const std::string& file);
 
 /// What `read` returns, which reads `file`. Whatever goes wrong in it names the file: a refusal as
