@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string_view>
 
@@ -103,8 +104,16 @@ AskedPoint pointFrom(const json& j) {
 
 /// What a .json file holds; discarded where it is none.
 json parsedJson(std::istream& in, const std::string& file) {
-    const auto check = [&](int depth, json::parse_event_t, const json&) {
+    std::vector<std::set<std::string>> members;  // of the objects that are open
+    const auto check = [&](int depth, json::parse_event_t event, const json& value) {
         requireShallow(depth, file);
+        if (event == json::parse_event_t::object_start) members.emplace_back();
+        if (event == json::parse_event_t::object_end) members.pop_back();
+        if (event == json::parse_event_t::key &&
+            !members.back().insert(value.get<std::string>()).second)
+            throw Error(Kind::BadInput,
+                        file + ": '" + value.get<std::string>() + "' stands twice in one object",
+                        "keep one");
         return true;
     };
     return json::parse(in, check, /*allow_exceptions=*/false);

@@ -186,14 +186,15 @@ bool finite(const Vec3d& p) {
 std::vector<SolvedPair> pairDistances(const PairSurface& surface, const std::vector<Vec3d>& sources,
                                       const std::vector<Vec3d>& targets, double snap,
                                       Progress& progress) {
-    using Kind = Error::Kind;
     if (sources.size() != targets.size())
-        throw Error(Kind::InvalidArgument, fmt::format("{} sources and {} targets are no pairs",
-                                                       sources.size(), targets.size()));
-    if (!(snap >= 0)) throw Error(Kind::InvalidArgument, "points cannot be less than 0 from S");
+        throw Error(
+            Error::Kind::InvalidArgument,
+            fmt::format("{} sources and {} targets are no pairs", sources.size(), targets.size()));
+    if (!(snap >= 0))
+        throw Error(Error::Kind::InvalidArgument, "points cannot be less than 0 from S");
     for (std::size_t k = 0; k < sources.size(); ++k)
         if (!finite(sources[k]) || !finite(targets[k]))
-            throw Error(Kind::InvalidArgument, fmt::format("pair {} is not finite", k));
+            throw Error(Error::Kind::InvalidArgument, fmt::format("pair {} is not finite", k));
     return PairSolver(surface, sources, targets, snap, progress).solve(progress);
 }
 

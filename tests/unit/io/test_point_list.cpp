@@ -92,6 +92,7 @@ TEST_CASE("readSeeds: groups in the order of the file, or points") {
     for (const auto& [content, says] :
          {std::pair(R"({"groups": {}})", "groups"),
           {R"({"groups": 5})", "groups"},
+          {R"({"groups": {"a": [1], "a": [2]}})", "'a' stands twice"},
           {R"({"groups": [[1], 5]})", "group 1"},
           {R"({"groups": {"a": []}})", "group 'a'"},
           {R"({"groups": {"a": [1, "b"]}})", "group 'a', entry 1"},
@@ -100,7 +101,8 @@ TEST_CASE("readSeeds: groups in the order of the file, or points") {
           {R"({"groups": {"a": [{"vertex": 1, "start": -2}]}})", "-2"},
           {R"({"regions": [[1]]})", "list of points"}}) {
         INFO(content);
-        expectError(Error::Kind::BadInput, {"g.json", says}, [&] { readSeeds(write(content)); });
+        const std::string file = write(content);
+        expectError(Error::Kind::BadInput, {"g.json", says}, [&] { readSeeds(file); });
     }
 }
 

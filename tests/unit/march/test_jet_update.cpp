@@ -163,7 +163,8 @@ TEST_CASE("blendJets: at a focus, and on the way to it, and away from a source")
                  {20, -1, 0.0003},   // 0.0002
                  {3.5f, 1, 0.0014},  // 0.0009
                  {20, 1, 0.0002}};   // 0.0001
-    for (const auto& [distance, sign, most] : cases) {
+    for (const auto& [distance, side, most] : cases) {
+        const float sign = side;  // a lambda captures no binding in clang 14
         double worst = 0;
         for (int trial = 0; trial < 200; ++trial) {
             const float a = angle(random);

@@ -9,7 +9,9 @@
 
 namespace igeo {
 
+namespace {
 using Kind = Error::Kind;
+}
 using openvdb::GridBase;
 
 VdbArchive::VdbArchive(const std::string& file, std::istream& in) : file_(file), in_(in) {
