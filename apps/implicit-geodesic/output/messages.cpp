@@ -253,6 +253,8 @@ int tell(const RunReport& report, const igeo::Distance& distance, const RunOptio
     const int pairs = std::max(tellPairs(report, console), tellVias(report, console));
     if (o.hasSeeds()) console.info(reachOf(distance));
     for (const auto& [name, file] : report.outputs)
-        console.file(fmt::format("wrote {} to {}", name, file == "-" ? "standard output" : file));
+        if (file != "/dev/null")
+            console.file(
+                fmt::format("wrote {} to {}", name, file == "-" ? "standard output" : file));
     return std::max(paths, pairs);
 }
