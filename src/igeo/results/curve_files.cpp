@@ -39,17 +39,16 @@ std::string csv(CurveKind kind, const Curves& curves) {
     const bool path = kind == CurveKind::Path;
     std::string text = path ? "path,vertex,x,y,z,arcLength,distance,nx,ny,nz\n"
                             : "line,level,vertex,x,y,z,arcLength,nx,ny,nz\n";
-    auto out = std::back_inserter(text);
     for (const NamedCurve& c : curves)
         for (std::size_t k = 0; k < c.points.size(); ++k) {
             const Vec3d &p = c.points[k], &n = c.normals[k];
             if (path)
-                fmt::format_to(out, "{},{}", c.number, k);
+                text += fmt::format("{},{}", c.number, k);
             else
-                fmt::format_to(out, "{},{:.17g},{}", c.number, c.distance[k], k);
-            fmt::format_to(out, ",{:.17g},{:.17g},{:.17g},{:.17g}", p.x, p.y, p.z, c.arcLength[k]);
-            if (path) fmt::format_to(out, ",{:.17g}", c.distance[k]);
-            fmt::format_to(out, ",{:.17g},{:.17g},{:.17g}\n", n.x, n.y, n.z);
+                text += fmt::format("{},{:.17g},{}", c.number, c.distance[k], k);
+            text += fmt::format(",{:.17g},{:.17g},{:.17g},{:.17g}", p.x, p.y, p.z, c.arcLength[k]);
+            if (path) text += fmt::format(",{:.17g}", c.distance[k]);
+            text += fmt::format(",{:.17g},{:.17g},{:.17g}\n", n.x, n.y, n.z);
         }
     return text;
 }
@@ -59,20 +58,19 @@ std::string obj(CurveKind kind, const Curves& curves) {
                            ? "# geodesics, world units; the normal vn of each vertex v\n"
                            : "# isolines of the geodesic distance, world units; the normal vn of "
                              "each vertex v\n";
-    auto out = std::back_inserter(text);
     std::size_t first = 1;
     forObjects(curves, [&](auto begin, auto end) {
-        fmt::format_to(out, "o {}\n", begin->name);
+        text += fmt::format("o {}\n", begin->name);
         std::size_t next = first;
         for (auto c = begin; c != end; next += distinct(*c), ++c)
             for (std::size_t k = 0; k < distinct(*c); ++k) {
                 const Vec3d &p = c->points[k], &n = c->normals[k];
-                fmt::format_to(out, "v {:.17g} {:.17g} {:.17g}\nvn {:.9g} {:.9g} {:.9g}\n", p.x,
-                               p.y, p.z, n.x, n.y, n.z);
+                text += fmt::format("v {:.17g} {:.17g} {:.17g}\nvn {:.9g} {:.9g} {:.9g}\n", p.x,
+                                    p.y, p.z, n.x, n.y, n.z);
             }
         for (auto c = begin; c != end; first += distinct(*c), ++c)
             forSegments(*c, first, [&](std::size_t a, std::size_t b) {
-                fmt::format_to(out, "l {} {}\n", a, b);
+                text += fmt::format("l {} {}\n", a, b);
             });
     });
     return text;
@@ -128,24 +126,23 @@ std::string primName(std::string name, std::set<std::string>& taken) {
 std::string basisCurves(const std::string& name, Curves::const_iterator begin,
                         Curves::const_iterator end, double width) {
     std::string text = fmt::format("    def BasisCurves \"{}\"\n    {{\n", name);
-    auto out = std::back_inserter(text);
     auto list = [&](const char* declaration, const char* after, const auto& item) {
-        fmt::format_to(out, "        {} = [", declaration);
+        text += fmt::format("        {} = [", declaration);
         const char* separator = "";
         for (auto c = begin; c != end; ++c)
             for (std::size_t k = 0; k < c->points.size(); ++k, separator = ", ") {
                 text += separator;
                 item(*c, k);
             }
-        fmt::format_to(out, "]{}\n", after);
+        text += fmt::format("]{}\n", after);
     };
     auto triple = [&](const Vec3d& v) {
-        fmt::format_to(out, "({:.9g}, {:.9g}, {:.9g})", v.x, v.y, v.z);
+        text += fmt::format("({:.9g}, {:.9g}, {:.9g})", v.x, v.y, v.z);
     };
     const char* const perVertex = " (\n            interpolation = \"vertex\"\n        )";
     text += "        uniform token type = \"linear\"\n        int[] curveVertexCounts = [";
     for (auto c = begin; c != end; ++c)
-        fmt::format_to(out, "{}{}", c == begin ? "" : ", ", c->points.size());
+        text += fmt::format("{}{}", c == begin ? "" : ", ", c->points.size());
     text += "]\n";
     Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
     for (auto c = begin; c != end; ++c)
@@ -162,9 +159,9 @@ std::string basisCurves(const std::string& name, Curves::const_iterator begin,
                    "\"constant\"\n        )\n",
                    width);
     list("float[] primvars:distance", perVertex,
-         [&](const NamedCurve& c, std::size_t k) { fmt::format_to(out, "{:.9g}", c.distance[k]); });
+         [&](const NamedCurve& c, std::size_t k) { text += fmt::format("{:.9g}", c.distance[k]); });
     list("float[] primvars:arcLength", perVertex, [&](const NamedCurve& c, std::size_t k) {
-        fmt::format_to(out, "{:.9g}", c.arcLength[k]);
+        text += fmt::format("{:.9g}", c.arcLength[k]);
     });
     return text + "    }\n";
 }
