@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <iterator>
 #include <set>
 
 namespace igeo {
@@ -154,10 +153,10 @@ std::string basisCurves(const std::string& name, Curves::const_iterator begin,
     list("point3f[] points", "", [&](const NamedCurve& c, std::size_t k) { triple(c.points[k]); });
     list("normal3f[] normals", perVertex,
          [&](const NamedCurve& c, std::size_t k) { triple(c.normals[k]); });
-    fmt::format_to(out,
-                   "        float[] widths = [{:.9g}] (\n            interpolation = "
-                   "\"constant\"\n        )\n",
-                   width);
+    text += fmt::format(
+        "        float[] widths = [{:.9g}] (\n            interpolation = "
+        "\"constant\"\n        )\n",
+        width);
     list("float[] primvars:distance", perVertex,
          [&](const NamedCurve& c, std::size_t k) { text += fmt::format("{:.9g}", c.distance[k]); });
     list("float[] primvars:arcLength", perVertex, [&](const NamedCurve& c, std::size_t k) {
