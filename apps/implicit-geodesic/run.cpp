@@ -38,6 +38,11 @@ RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metri
     if (writesDocument(o))
         for (const std::string& file : inputFiles(o))
             report.inputs.emplace_back(file, igeo::digestOfFile(file));
+    if (o.space == igeo::Space::World) {
+        for (const igeo::Seed& seed : seeds.seeds.points)
+            report.askedSeeds.push_back(seed.position);
+        report.askedTargets = seeds.limits.targets;
+    }
     report.surface = solver.surface().facts();
     report.width = solver.bandWidth();
     report.snap = solver.maxSnap();

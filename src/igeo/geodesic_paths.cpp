@@ -50,13 +50,21 @@ std::vector<SolvedPair> solve(const GeodesicSolver& solver, const PairSurface& s
                          solver.maxSnap() / solver.surface().transform().dx, progress);
 }
 
-std::vector<PairDistance> pairsInWorld(const std::vector<SolvedPair>& solved,
-                                       const Similarity& transform) {
+/// @param sources, targets  as they were given
+std::vector<PairDistance> pairsInWorld(const GeodesicSolver& solver,
+                                       const std::vector<SolvedPair>& solved,
+                                       const std::vector<Vec3d>& sources,
+                                       const std::vector<Vec3d>& targets) {
+    const Similarity& transform = solver.surface().transform();
     std::vector<PairDistance> pairs;
     for (const SolvedPair& pair : solved) {
         pairs.push_back({inWorld(pair.source, transform), inWorld(pair.target, transform),
                          pair.distance * transform.dx, inWorld(pair.path, transform)});
         PairDistance& p = pairs.back();
+        if (solver.options().rules.space == Space::World) {
+            p.source.asked = sources[pairs.size() - 1];
+            p.target.asked = targets[pairs.size() - 1];
+        }
         p.path.start = p.source;
         p.path.end = p.target;
         p.path.endDistance = p.distance;
@@ -131,8 +139,8 @@ Vec3d indexDirection(const GeodesicSolver& solver, const Vec3d& v) {
 std::vector<PairDistance> GeodesicSolver::pairs(const std::vector<Vec3d>& sources,
                                                 const std::vector<Vec3d>& targets,
                                                 Progress& progress) const {
-    return pairsInWorld(solve(*this, pairSurface(*this), sources, targets, progress),
-                        surface().transform());
+    return pairsInWorld(*this, solve(*this, pairSurface(*this), sources, targets, progress),
+                        sources, targets);
 }
 
 std::vector<PairDistance> GeodesicSolver::pairPaths(const std::vector<Vec3d>& sources,
@@ -140,8 +148,7 @@ std::vector<PairDistance> GeodesicSolver::pairPaths(const std::vector<Vec3d>& so
                                                     bool straighten, Progress& progress) const {
     PairSurface surface = pairSurface(*this);
     surface.paths = straighten ? PairSurface::Paths::Straightened : PairSurface::Paths::Traced;
-    return pairsInWorld(solve(*this, surface, sources, targets, progress),
-                        this->surface().transform());
+    return pairsInWorld(*this, solve(*this, surface, sources, targets, progress), sources, targets);
 }
 
 Polyline GeodesicSolver::through(const std::vector<Vec3d>& points, bool closed, bool whole,

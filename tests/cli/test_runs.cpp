@@ -32,7 +32,8 @@ std::size_t countWithin(const FloatGrid& grid, float limit) {
 /// A report without what depends on the machine.
 json timeless(const std::string& text) {
     json report = json::parse(text);
-    for (const char* name : {"seconds", "peakMemoryBytes", "outputs"}) report.erase(name);
+    for (const char* name : {"seconds", "peakMemoryBytes", "outputs", "command"})
+        report.erase(name);
     report["parameters"].erase("threads");
     return report;
 }

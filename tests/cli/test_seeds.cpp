@@ -213,6 +213,30 @@ TEST_CASE("pairs: CSV on stdout or in a file, JSON by its schema, weights count"
     CHECK(around == Approx(desk.report()["targets"][0]["distance"].get<double>()).epsilon(1e-6));
 }
 
+TEST_CASE("lists of points: any separator, and asked in reports as it was given") {
+    const SphereDesk desk;
+    for (const std::string line : {"0.1,0.2,0.97", "0.1;0.2;0.97", "0.1\t0.2\t0.97",
+                                   " 0.1  0.2 0.97 ", "x;y;z\n0.1; 0.2; 0.97"}) {
+        INFO(line);
+        writeBytes(desk / "points.txt", line + "\n");
+        requireDone(
+            desk,
+            "--sdf in.vdb --seeds points.txt --targets points.txt -o out.vdb --report r.json");
+        const json report = desk.report();
+        const json asked = {0.1, 0.2, 0.97};
+        CHECK(report["seeds"][0]["asked"] == asked);
+        CHECK(report["targets"][0]["target"]["asked"] == asked);
+        CHECK(report["targets"][0]["seed"]["asked"] == asked);
+    }
+    // A decimal comma beside semicolons is no row of four numbers.
+    writeBytes(desk / "points.txt", "0,1;0,2;0,97\n");
+    requireRefused(desk, "--sdf in.vdb --seeds points.txt", kUnusable, {"line 1", "semicolons"});
+    writeBytes(desk / "pairs.csv", "0.1 0.2 0.97 0 0 1\n");
+    requireDone(desk, "--sdf in.vdb --pairs pairs.csv --pairs-out pairs.json -q");
+    CHECK(json::parse(readBytes(desk / "pairs.json"))["pairs"][0]["source"]["asked"] ==
+          json({0.1, 0.2, 0.97}));
+}
+
 TEST_CASE("pairs: unreached pairs end with 4, wrong files are refused") {
     const TempWorkspace desk;
     desk.make("in.vdb", "two-spheres");

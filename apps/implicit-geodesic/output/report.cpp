@@ -21,9 +21,15 @@ json pointJson(const SnappedPoint& p) {
         {"asked", triple(p.asked)}, {"position", triple(p.position)}, {"snapDistance", p.distance}};
 }
 
-json seedJson(const SnappedPoint& p, std::size_t index, double start) {
+/// With the k-th of the points as they were given.
+SnappedPoint asGiven(SnappedPoint p, const std::vector<Vec3d>& given, std::size_t k) {
+    if (k < given.size()) p.asked = given[k];
+    return p;
+}
+
+json seedJson(const RunReport& r, const SnappedPoint& p, std::size_t index, double start) {
     json j = {{"index", index}};
-    j.update(pointJson(p));
+    j.update(pointJson(asGiven(p, r.askedSeeds, index)));
     j["start"] = start;
     return j;
 }
@@ -45,7 +51,7 @@ json seedsJson(const RunReport& r, const Field& field) {
                  {"start", field.seeds[k].start * band.transform.dx},
                  {"segments", 1}};
         else
-            j = seedJson(inWorld(field.seeds[k], band.transform), source,
+            j = seedJson(r, inWorld(field.seeds[k], band.transform), source,
                          field.seeds[k].start * band.transform.dx);
         if (r.cells) {
             const double dx = band.transform.dx;
@@ -121,11 +127,12 @@ json lengthsJson(const Polyline& line) {
             {"length", any ? json(line.length) : json(nullptr)}};
 }
 
-json pathJson(const Polyline& path) {
+json pathJson(const RunReport& r, const Polyline& path, std::size_t k) {
     const bool reached = path.status == PathStatus::Reached;
-    json j = {{"status", toString(path.status)},
-              {"target", pointJson(path.start)},
-              {"seed", reached ? seedJson(path.end, path.seed, path.endDistance) : json(nullptr)}};
+    json j = {
+        {"status", toString(path.status)},
+        {"target", pointJson(asGiven(path.start, r.askedTargets, k))},
+        {"seed", reached ? seedJson(r, path.end, path.seed, path.endDistance) : json(nullptr)}};
     j.update(lengthsJson(path));
     j["distance"] = finiteOrNull(path.startDistance);
     j["vertices"] = verticesJson(path);
@@ -170,7 +177,8 @@ std::string geodesicsJson(const RunReport& r, const Field& field) {
     j["parameters"] = parametersJson(r, field);
     j["metric"] = metricJson(r, field);
     j["paths"] = json::array();
-    for (const Polyline& path : r.paths) j["paths"].push_back(pathJson(path));
+    for (std::size_t k = 0; k < r.paths.size(); ++k)
+        j["paths"].push_back(pathJson(r, r.paths[k], k));
     if (!r.walks.empty()) j["walks"] = json::array();
     for (const Polyline& walk : r.walks) j["walks"].push_back(walkJson(walk));
     if (!r.pairs.empty()) j["pairs"] = json::array();
@@ -254,8 +262,8 @@ std::string reportJson(const RunReport& r, const Field& field) {
         j["cells"] = {{"area", r.cells->area * dx * dx},
                       {"unreachedArea", r.cells->unreachedArea * dx * dx}};
     j["targets"] = json::array();
-    for (const Polyline& path : r.paths) {
-        json t = pathJson(path);
+    for (std::size_t k = 0; k < r.paths.size(); ++k) {
+        json t = pathJson(r, r.paths[k], k);
         t.erase("vertices");
         j["targets"].push_back(t);
     }

@@ -30,6 +30,8 @@ struct ViaCurve {
 struct RunReport {
     std::vector<std::string> command;                         ///< words after the program's name
     std::vector<std::pair<std::string, std::string>> inputs;  ///< file, digest (digestOfFile)
+    /// Points as they were given, digit by digit; empty in index space.
+    std::vector<igeo::Vec3d> askedSeeds, askedTargets;
     igeo::SurfaceFacts surface;
     igeo::BandWidth width;
     double snap = 0;                       ///< how far a point may be from the surface, world units

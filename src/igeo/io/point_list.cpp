@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/json_depth.h>
+#include <igeo/io/detail/number_rows.h>
 #include <igeo/io/vertex_data_file.h>
 
 #include <algorithm>
@@ -23,43 +24,6 @@ namespace {
 using Kind = Error::Kind;
 /// Members stay in the order of the file.
 using json = nlohmann::ordered_json;
-
-/// A first line in which no field begins like a number names the columns.
-bool isHeader(const std::string& line) {
-    std::stringstream parts(line);
-    for (std::string part; std::getline(parts, part, ',');) {
-        char* end = nullptr;
-        std::strtod(part.c_str(), &end);
-        if (end != part.c_str()) return false;
-    }
-    return true;
-}
-
-/// Numbers line by line; `counts` of them may be on a line, as `shape` says in words.
-std::vector<std::vector<double>> rowsFromText(std::istream& in, const std::string& file,
-                                              const std::vector<std::size_t>& counts,
-                                              const std::string& shape) {
-    std::vector<std::vector<double>> rows;
-    std::size_t lineNumber = 0;
-    bool mayBeHeader = true;
-    for (std::string line; std::getline(in, line);) {
-        ++lineNumber;
-        // Spreadsheets begin UTF-8 files with a byte order mark.
-        if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
-        if (const auto hash = line.find('#'); hash != std::string::npos) line.erase(hash);
-        if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-        std::vector<double> v = parseNumbers(line);
-        if (std::count(counts.begin(), counts.end(), v.size()) > 0)
-            rows.push_back(std::move(v));
-        else if (!mayBeHeader || !isHeader(line))
-            throw Error(Kind::BadInput,
-                        fmt::format("{}, line {}: '{}' is not {}", file, lineNumber,
-                                    line.substr(0, 60), shape),
-                        "write that many finite numbers with commas between them");
-        mayBeHeader = false;
-    }
-    return rows;
-}
 
 /// Three numbers of a list from one on.
 /// @throws std::invalid_argument
