@@ -89,6 +89,8 @@ std::string aboutLines(const Command& command) {
 /// One screen: the options that have a few words for it.
 std::string briefHelp(const Command& command) {
     std::string text = aboutLines(command) + allUsages(command) + "\n";
+    for (const Option& argument : command.arguments)
+        text += entry(headOfArgument(argument), argument.brief);
     for (const Option& option : command.options)
         if (!option.brief.empty()) text += entry(headOf(option), option.brief);
     text += "\nExample:\n  " + command.examples.front().command + "\n      " +

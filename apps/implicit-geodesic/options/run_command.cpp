@@ -93,7 +93,7 @@ double gibibytesOf(const std::string& word) {
 /// What -h has: the options used most, in a few words each.
 void describeBriefly(Command& command) {
     const std::pair<const char*, const char*> words[] = {
-        {"--seed", "where the distance is 0; of meshes also vertex:123, +x"},
+        {"--seed", "distance 0 here; on meshes also vertex:123, +x"},
         {"--seeds", "seeds from a .json or .csv file"},
         {"--target", "where a path to the nearest seed starts"},
         {"--targets", "targets from a .json or .csv file"},
@@ -103,10 +103,10 @@ void describeBriefly(Command& command) {
         {"--obstacle", "where no path may go: a mask, a level set"},
         {"--output", "distances [<sdf>_geodesic.vdb, here]"},
         {"--grids", "more in it: gradient, label, color, logmap, ..."},
-        {"--paths", "paths as .json or .obj"},
-        {"--isolines", "lines of equal distance: .json .obj .ply"},
-        {"--mesh-out", "the surface with distances: .ply .obj"},
-        {"--per-vertex", "distances at the vertices of the mesh: .csv .npy"},
+        {"--paths", "paths: .json .csv .obj .ply .vtp .usda"},
+        {"--isolines", "lines of equal distance, in the same formats"},
+        {"--mesh-out", "the surface with distances: .ply .vtp .glb .obj"},
+        {"--per-vertex", "distances at the mesh's vertices: .csv .npz .gii ..."},
         {"--matrix", "from all seeds to all targets: .csv .json .npy"},
         {"--image", "a picture"},
         {"--report", "what was done, as JSON"}};

@@ -44,7 +44,8 @@ void addSurfaceArgument(Command& command, SurfaceOptions& o) {
          .text = "The surface, as --sdf, --mesh, --points or --volume by its ending: .vdb; .obj "
                  ".ply .stl .off .gltf .glb .gii .mz3; .xyz .csv .txt .pwn; .nii .nrrd",
          .reads = {.read = read},
-         .excludes = {"--sdf", "--mesh", "--points", "--volume"}});
+         .excludes = {"--sdf", "--mesh", "--points", "--volume"},
+         .brief = "the surface: .vdb, a mesh, points, .nii, .nrrd"});
 }
 
 void addVoxelSizeOptions(Command& command, double& voxelSize, int& resolution) {
