@@ -41,8 +41,6 @@ def man_text(option):
         text += f" Allowed: {option['range']}."
     if option["repeatable"] and not option["separator"] and "repeat" not in option["text"]:
         text += " May be repeated."
-    if option["needs"]:
-        text += f" Needs {', '.join(option['needs'])}."
     if option["excludes"]:
         text += f" Not with {', '.join(option['excludes'])}."
     return roff(text)

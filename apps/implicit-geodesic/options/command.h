@@ -13,7 +13,7 @@ struct Option {
     std::string value = {};          ///< as the help names it; empty for a flag
     std::string text = {};
     Reader reads = {};  ///< without a function: the help or the version, which end the program
-    std::vector<std::string> needs = {}, excludes = {};  ///< other options, by their long names
+    std::vector<std::string> excludes = {};  ///< other options, by their long names
     bool required = false;
     std::string group = {};
     std::string brief = {};  ///< what -h says of it; empty: --help alone has it

@@ -59,12 +59,9 @@ std::string headOfArgument(const Option& argument) {
     return argument.names.front() + argument.value + (argument.reads.repeatable ? "..." : "");
 }
 
-/// The text and, in parentheses, its range and what it needs.
+/// The text and, in parentheses, its range.
 std::string textOf(const Option& option) {
-    std::vector<std::string> notes;
-    if (!option.reads.range.empty()) notes.push_back(option.reads.range);
-    if (!option.needs.empty()) notes.push_back("needs " + joined(option.needs, ", "));
-    return option.text + (notes.empty() ? "" : " (" + joined(notes, "; ") + ")");
+    return option.text + (option.reads.range.empty() ? "" : " (" + option.reads.range + ")");
 }
 
 std::string usage(const Command& command) {
@@ -128,7 +125,6 @@ Json optionsJson(const std::vector<Option>& options, const Command& command) {
                         {"separator", o.reads.separator ? std::string(1, o.reads.separator) : ""},
                         {"repeatable", o.reads.repeatable},
                         {"required", o.required},
-                        {"needs", o.needs},
                         {"excludes", command.excludedBy(o)},
                         {"group", o.group},
                         {"text", o.text}});

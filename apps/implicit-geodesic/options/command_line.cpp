@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <list>
 
 #include "options/command_description.h"
 #include "output/stdout.h"
@@ -88,7 +89,7 @@ private:
     const Command& command_;
     CLI::App& app_;
     std::deque<Given> given_;  // CLI11 keeps the addresses
-    std::deque<Words> below_;
+    std::list<Words> below_;   // may be of an incomplete type
 };
 
 void Words::declare(const Option& option) {
@@ -151,9 +152,6 @@ void Words::refuseConflicts() const {
         const bool once = !option.reads.repeatable && !option.reads.isFlag;
         if (const auto times = given.parsed->count(); times > 1 && once)
             usageError(name + " is given " + std::to_string(times) + " times", "give it once");
-        for (const std::string& needed : option.needs)
-            if (!has(needed))
-                usageError(name + " needs " + needed, "add it, or leave " + name + " out");
         for (const std::string& excluded : option.excludes)
             if (has(excluded)) usageError(name + " excludes " + excluded, "give one of the two");
     }
