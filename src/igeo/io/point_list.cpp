@@ -268,21 +268,7 @@ AskedSeeds seedsFrom(std::istream& in, const std::string& file) {
 
 }  // namespace
 
-std::vector<double> parseNumbers(const std::string& text) {
-    std::vector<double> out;
-    std::stringstream parts(text);
-    for (std::string part; std::getline(parts, part, ',');) {
-        // strtod also reads "nan" and "1x": both are refused here.
-        char* end = nullptr;
-        const double v = std::strtod(part.c_str(), &end);
-        const bool blank = part.find_first_not_of(" \t\r") == std::string::npos;
-        while (*end == ' ' || *end == '\t' || *end == '\r') ++end;
-        if (blank || *end != '\0' || !std::isfinite(v)) return {};
-        out.push_back(v);
-    }
-    if (!text.empty() && text.back() == ',') return {};
-    return out;
-}
+std::vector<double> parseNumbers(const std::string& text) { return numbersIn(text); }
 
 AskedPoint parsePoint(const std::string& text) {
     constexpr std::array<const char*, 7> kNames{"+x", "-x", "+y", "-y", "+z", "-z", "center"};

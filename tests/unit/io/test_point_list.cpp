@@ -140,7 +140,7 @@ TEST_CASE("readPoints: text that is no points") {
     refuse("p.csv", "x,y,z\n", {"holds no points"});
     // A mistake in the first line is no header: it would cost a point without a word.
     refuse("p.csv", "1,2\n1,2,3\n", {"line 1"});
-    refuse("p.csv", "1;2;3\n1,2,3\n", {"line 1"});
+    refuse("p.csv", "1,5;2;3\n1,2,3\n", {"line 1"});
     refuse("p.csv", "1,2,oops\n1,2,3\n", {"line 1"});
 }
 

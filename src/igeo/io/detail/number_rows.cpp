@@ -2,9 +2,9 @@
 
 #include <fmt/core.h>
 #include <igeo/base/error.h>
-#include <igeo/io/point_list.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <sstream>
 
@@ -40,6 +40,22 @@ std::string withCommas(std::string line) {
 
 }  // namespace
 
+std::vector<double> numbersIn(const std::string& text) {
+    std::vector<double> out;
+    std::stringstream parts(text);
+    for (std::string part; std::getline(parts, part, ',');) {
+        // strtod also reads "nan" and "1x": both are refused here.
+        char* end = nullptr;
+        const double v = std::strtod(part.c_str(), &end);
+        const bool blank = part.find_first_not_of(" \t\r") == std::string::npos;
+        while (*end == ' ' || *end == '\t' || *end == '\r') ++end;
+        if (blank || *end != '\0' || !std::isfinite(v)) return {};
+        out.push_back(v);
+    }
+    if (!text.empty() && text.back() == ',') return {};
+    return out;
+}
+
 std::vector<std::vector<double>> rowsFromText(std::istream& in, const std::string& file,
                                               const std::vector<std::size_t>& counts,
                                               const std::string& shape) {
@@ -52,7 +68,7 @@ std::vector<std::vector<double>> rowsFromText(std::istream& in, const std::strin
         if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
         if (const auto hash = line.find('#'); hash != std::string::npos) line.erase(hash);
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-        std::vector<double> v = parseNumbers(withCommas(line));
+        std::vector<double> v = numbersIn(withCommas(line));
         if (std::count(counts.begin(), counts.end(), v.size()) > 0)
             rows.push_back(std::move(v));
         else if (!mayBeHeader || !isHeader(withCommas(line)))

@@ -7,6 +7,9 @@
 
 namespace igeo {
 
+/// Finite numbers with commas between them; empty where a part is none.
+std::vector<double> numbersIn(const std::string& text);
+
 /// Numbers line by line, between commas, semicolons, blanks or tabs. Lines may be empty or end in
 /// comments (#); the first may name the columns.
 /// @param counts  how many numbers may be on a line, as `shape` says in words
