@@ -6,8 +6,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <set>
-#include <vector>
 
 Json readJson(const std::string& file) {
     std::error_code ignored;
@@ -18,18 +16,8 @@ Json readJson(const std::string& file) {
             igeo::Error::Kind::Io,
             "cannot read '" + file + "': " + (in ? "it is a folder" : std::strerror(errno)),
             "check the name and its permissions");
-    std::vector<std::set<std::string>> members;  // of the objects that are open
-    const auto check = [&](int depth, Json::parse_event_t event, Json& value) {
-        igeo::requireShallow(depth, file);
-        if (event == Json::parse_event_t::object_start) members.emplace_back();
-        if (event == Json::parse_event_t::object_end) members.pop_back();
-        if (event == Json::parse_event_t::key && !members.back().insert(value).second)
-            inputError(file + ": '" + value.get<std::string>() + "' stands twice in one object",
-                       "keep one; a list holds several values");
-        return true;
-    };
     try {
-        return Json::parse(in, check);
+        return Json::parse(in, igeo::JsonGuard<Json>(file));
     } catch (const std::ios_base::failure& e) {
         throw igeo::Error(igeo::Error::Kind::Io,
                           "cannot read '" + file + "': " + e.code().message(),

@@ -275,6 +275,11 @@ class Batch(TempWorkspace):
                                  "output": "/dev/null"}})
         self.batch()
         self.assertTrue((self.folder / "b.csv").exists())
+        (scans / "t1.nii.gz").write_bytes(b"")
+        self.write({**template, "files": "scans/*.nii.gz", "defaults": {"seed": "0,0,0", "iso": 60}})
+        said = self.program("batch", "jobs.json", "--dry-run").stdout
+        self.assertIn("--volume=scans/t1.nii.gz", said)
+        self.assertIn("t1:", said.replace("'", ""))
         self.refused({"version": 2, "files": "scans/*.stl"}, UNUSABLE, "no file is like 'scans/*.stl'")
         self.refused({"version": 2, "files": 7}, UNUSABLE, "no pattern")
         self.refused({**template, "jobs": []}, UNUSABLE, "no manifest of version 2")

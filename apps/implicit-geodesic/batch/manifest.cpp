@@ -1,5 +1,7 @@
 #include "batch/manifest.h"
 
+#include <igeo/base/detail/text.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -107,7 +109,7 @@ ManifestJob jobOf(const Json& entry, const Values& defaults, const std::string& 
 
 /// A job of a file: its surface, unless the defaults say what to do with {file}.
 ManifestJob jobOfFile(const fs::path& path, const Values& defaults, const std::string& manifest) {
-    const std::string file = path.string(), name = path.stem().string();
+    const std::string file = path.string(), name = igeo::stemOf(file);
     ManifestJob job;
     job.name = name;
     bool used = false;
@@ -119,10 +121,7 @@ ManifestJob jobOfFile(const fs::path& path, const Values& defaults, const std::s
         used = used || argument.find("{file}") != argument.npos;
         argument = filled(argument, name, file);
     }
-    const char* const option = kindByName(file) == SurfaceKind::Mesh     ? "--mesh="
-                               : kindByName(file) == SurfaceKind::Points ? "--points="
-                                                                         : "--sdf=";
-    if (!used) job.arguments.push_back(option + file);
+    if (!used) job.arguments.push_back(optionFor(kindByName(file)) + "=" + file);
     std::sort(job.arguments.begin(), job.arguments.end());
     return job;
 }

@@ -37,17 +37,13 @@ void checkSurface(const RunOptions& o) {
 void checkKind(const RunOptions& o) {
     const std::string file = o.source.text();
     const SurfaceKind byName = kindByName(o.source.file);
-    const auto refuse = [&](const char* given, const char* what, const std::string& remedy) {
-        usageError(std::string(given) + " " + file + ": its ending is that of " + what,
-                   "write " + remedy);
+    const auto refuse = [&](const std::string& given, const char* what, const std::string& remedy) {
+        usageError(given + " " + file + ": its ending is that of " + what, "write " + remedy);
     };
     if (o.kind == SurfaceKind::VoxelVolume && file.ends_with(".vdb"))
         refuse("--volume", "a VDB file", "--sdf " + file + " --rebuild --iso V");
     if (o.kind != SurfaceKind::VoxelVolume && byName == SurfaceKind::VoxelVolume)
-        refuse(o.kind == SurfaceKind::Volume ? "--sdf"
-               : o.kind == SurfaceKind::Mesh ? "--mesh"
-                                             : "--points",
-               "a volume of voxels", "--volume " + file + " --iso V");
+        refuse(optionFor(o.kind), "a volume of voxels", "--volume " + file + " --iso V");
     if (o.kind != SurfaceKind::Volume) return;
     if (byName == SurfaceKind::Mesh) refuse("--sdf", "a mesh", "--mesh " + file);
     if (byName == SurfaceKind::Points) refuse("--sdf", "points", "--points " + file);

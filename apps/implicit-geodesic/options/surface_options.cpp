@@ -32,6 +32,21 @@ SurfaceKind kindByName(const std::string& file) {
     return igeo::isPointFile(file) ? SurfaceKind::Points : SurfaceKind::Volume;
 }
 
+std::string optionFor(SurfaceKind kind) {
+    switch (kind) {
+        case SurfaceKind::Mesh:
+            return "--mesh";
+        case SurfaceKind::Points:
+            return "--points";
+        case SurfaceKind::VoxelVolume:
+            return "--volume";
+        case SurfaceKind::None:
+        case SurfaceKind::Volume:
+            break;
+    }
+    return "--sdf";
+}
+
 void addSurfaceArgument(Command& command, SurfaceOptions& o) {
     auto read = [&o](const std::string& word) {
         o.kind = kindByName(word);

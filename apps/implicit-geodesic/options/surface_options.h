@@ -34,6 +34,9 @@ struct SurfaceOptions {
 /// voxels.
 SurfaceKind kindByName(const std::string& file);
 
+/// The option that gives a surface of a kind: --sdf, --mesh, --points or --volume.
+std::string optionFor(SurfaceKind kind);
+
 /// The surface as a word without an option, its kind by its name.
 void addSurfaceArgument(Command& command, SurfaceOptions& options);
 void addSurfaceOptions(Command& command, SurfaceOptions& options);

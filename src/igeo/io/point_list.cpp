@@ -13,7 +13,6 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
 #include <string_view>
 
@@ -68,19 +67,7 @@ AskedPoint pointFrom(const json& j) {
 
 /// What a .json file holds; discarded where it is none.
 json parsedJson(std::istream& in, const std::string& file) {
-    std::vector<std::set<std::string>> members;  // of the objects that are open
-    const auto check = [&](int depth, json::parse_event_t event, const json& value) {
-        requireShallow(depth, file);
-        if (event == json::parse_event_t::object_start) members.emplace_back();
-        if (event == json::parse_event_t::object_end) members.pop_back();
-        if (event == json::parse_event_t::key &&
-            !members.back().insert(value.get<std::string>()).second)
-            throw Error(Kind::BadInput,
-                        file + ": '" + value.get<std::string>() + "' stands twice in one object",
-                        "keep one");
-        return true;
-    };
-    return json::parse(in, check, /*allow_exceptions=*/false);
+    return json::parse(in, JsonGuard<json>(file), /*allow_exceptions=*/false);
 }
 
 /// The list that a .json file holds.

@@ -1,12 +1,15 @@
-/// A bound on how deep JSON may be nested: copying and printing it take stack for each level.
+/// What JSON files may not be: nested without end, or with a member twice. Internal.
 #pragma once
 
 #include <igeo/base/error.h>
 
+#include <set>
 #include <string>
+#include <vector>
 
 namespace igeo {
 
+/// Copying and printing take stack for each level.
 /// @param depth  as a callback of nlohmann::json's parser is given it
 /// @throws Error  BadInput
 inline void requireShallow(int depth, const std::string& file) {
@@ -17,5 +20,32 @@ inline void requireShallow(int depth, const std::string& file) {
             file + ": lists and objects are nested more than " + std::to_string(kDeepest) + " deep",
             "write the file again; nothing that is read from it is so deep");
 }
+
+/// Looks on as a file is parsed: the callback of nlohmann::json's parser. Of a member that stands
+/// twice a reader would see one only.
+/// @throws Error  BadInput
+template <typename Json>
+class JsonGuard {
+public:
+    explicit JsonGuard(std::string file) : file_(std::move(file)) {}
+
+    bool operator()(int depth, typename Json::parse_event_t event, const Json& value) {
+        using Event = typename Json::parse_event_t;
+        requireShallow(depth, file_);
+        if (event == Event::object_start) members_.emplace_back();
+        if (event == Event::object_end) members_.pop_back();
+        if (event != Event::key) return true;
+        const std::string name = value.template get<std::string>();
+        if (!members_.back().insert(name).second)
+            throw Error(Error::Kind::BadInput,
+                        file_ + ": '" + name + "' stands twice in one object",
+                        "keep one; a list holds several values");
+        return true;
+    }
+
+private:
+    std::string file_;
+    std::vector<std::set<std::string>> members_;  // of the objects that are open
+};
 
 }  // namespace igeo
