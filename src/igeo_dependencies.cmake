@@ -96,6 +96,24 @@ macro(igeo_find_xxhash)
     endif()
 endmacro()
 
+# Sets igeo_three to three.js and its OrbitControls, which pages of results are drawn with, or to
+# nothing. They are compiled in: users of the library do without them.
+macro(igeo_find_three)
+    set(places ${CMAKE_PREFIX_PATH} ${CMAKE_SYSTEM_PREFIX_PATH})
+    find_file(IGEO_THREE_JS three.min.js PATHS ${places}
+        PATH_SUFFIXES share/javascript/three share/nodejs/three/build NO_DEFAULT_PATH
+        DOC "three.js, for --view")
+    find_file(IGEO_THREE_CONTROLS OrbitControls.js PATHS ${places}
+        PATH_SUFFIXES share/javascript/three/examples/js/controls NO_DEFAULT_PATH
+        DOC "OrbitControls of three.js, for --view")
+    mark_as_advanced(IGEO_THREE_JS IGEO_THREE_CONTROLS)
+    set(igeo_three ${IGEO_THREE_JS} ${IGEO_THREE_CONTROLS})
+    if(NOT IGEO_THREE_JS OR NOT IGEO_THREE_CONTROLS)
+        set(igeo_three "")
+        message(STATUS "No three.js (Debian: libjs-three): --view is left out")
+    endif()
+endmacro()
+
 cmake_policy(PUSH)
 if(POLICY CMP0167)
     cmake_policy(SET CMP0167 NEW)  # Boost by its own config

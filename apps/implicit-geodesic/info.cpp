@@ -7,6 +7,7 @@
 #include <igeo/results/field_grids.h>
 #include <igeo/results/survey.h>
 #include <igeo/surface/volume_mesh.h>
+#include <igeo/view.h>
 #include "output/report.h"
 
 #include <algorithm>
@@ -24,6 +25,7 @@
 #include "output/stdout.h"
 #include "printable.h"
 #include "process.h"
+#include "usage_error.h"
 
 using igeo::FileSurvey;
 using igeo::SurfaceComponent;
@@ -311,23 +313,37 @@ FileSurvey surveyOf(const InfoOptions& options, igeo::Progress& progress) {
     return points.refusal ? mesh : points;
 }
 
+/// Before the survey.
+void checkUnreliable(const InfoOptions& options) {
+    checkOutputFiles({{"--unreliable", options.unreliable, ".vdb .html"}}, {options.source.file});
+    if (endingOf(options.unreliable) == ".html" && !igeo::hasViewer())
+        usageError(
+            "--unreliable FILE.html: this program was built without three.js, which draws its "
+            "pages",
+            "write a .vdb file; or install three.js (Debian: libjs-three), configure and build "
+            "anew");
+}
+
+void writeUnreliable(const std::string& name, const FileSurvey& file, igeo::Progress& progress) {
+    if (endingOf(name) == ".html")
+        return writeDocument(name, igeo::viewPage(igeo::viewScene(file, {}, progress)));
+    igeo::writeVdb(name, {igeo::unreliableGrid(file.band, file.surface->unreliability,
+                                               file.levelSet.psi->transform(),
+                                               file.levelSet.psi->getName() + "_unreliable")});
+}
+
 }  // namespace
 
 int info(const InfoOptions& options, Console& console, ConsoleProgress& progress) {
     const std::string& unreliable = options.unreliable;
-    if (!unreliable.empty())
-        checkOutputFiles({{"--unreliable", unreliable, ".vdb"}}, {options.source.file});
+    if (!unreliable.empty()) checkUnreliable(options);
     const auto start = std::chrono::steady_clock::now();
     const FileSurvey file = surveyOf(options, progress);
     // A refusal is data here; the reader may have left the heap in ruins all the same.
     const FileGuard reporting(options.source.text(), FileGuard::kNoLimit);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const bool asked = file.surface && !unreliable.empty();
-    if (asked)
-        igeo::writeVdb(unreliable,
-                       {igeo::unreliableGrid(file.band, file.surface->unreliability,
-                                             file.levelSet.psi->transform(),
-                                             file.levelSet.psi->getName() + "_unreliable")});
+    if (asked) writeUnreliable(unreliable, file, progress);
     progress.clear();
     console.detail(fmt::format("surveyed in {:.3f} s", seconds.count()));
     if (options.json)

@@ -158,9 +158,10 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
     checkSeeds(o, input.seeds);
     RunReport report = newReport(solver, prepared.metric, input, o);
 
-    const igeo::Distance distance = o.hasSeeds()
-                                        ? solver.distance(input.seeds, input.limits, stages)
-                                        : solver.unreached(/*whole=*/!o.image.empty(), stages);
+    const igeo::Distance distance =
+        o.hasSeeds() ? solver.distance(input.seeds, input.limits, stages)
+                     : solver.unreached(
+                           /*whole=*/!o.image.empty() || !o.view.empty(), stages);
     describe(distance, console);
     if (distance.ofWholeSurface()) {
         report.unresolved = solver.surface().unresolved(distance.band());

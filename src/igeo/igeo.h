@@ -4,6 +4,7 @@
 #include <igeo/distance.h>
 #include <igeo/geodesic_solver.h>
 #include <igeo/surface.h>
+#include <igeo/view.h>
 
 #include <igeo/base/version.h>
 #include <igeo/io/mesh_file.h>
@@ -24,6 +25,7 @@
 #include <igeo/results/log_map.h>
 #include <igeo/results/picture.h>
 #include <igeo/results/surface_files.h>
+#include <igeo/results/view_page.h>
 #include <igeo/results/voronoi_cells.h>
 #include <igeo/surface/rebuild.h>
 #include <igeo/surface/volume_mesh.h>

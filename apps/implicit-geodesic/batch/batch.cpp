@@ -16,6 +16,7 @@
 #include <optional>
 #include <utility>
 
+#include "batch/index_page.h"
 #include "batch/manifest.h"
 #include "batch/matrix_parts.h"
 #include "batch/plan.h"
@@ -64,10 +65,11 @@ private:
 /// A plan at work.
 class Batch {
 public:
-    Batch(const BatchPlan& plan, const std::string& summaryFile, bool verbose, Console& console,
+    Batch(const BatchPlan& plan, const BatchFiles& files, bool verbose, Console& console,
           ConsoleProgress& progress)
         : plan_(plan),
-          summaryFile_(summaryFile),
+          summaryFile_(files.summary),
+          view_(files.view),
           verbose_(verbose),
           console_(console),
           progress_(progress),
@@ -87,7 +89,7 @@ private:
     int tellEnd();
 
     const BatchPlan& plan_;
-    const std::string summaryFile_;
+    const std::string summaryFile_, view_;
     const bool verbose_;
     Console& console_;
     ConsoleProgress& progress_;
@@ -112,6 +114,7 @@ int Batch::run() {
         if (!group.empty()) runGroup(group);
     }
     if (!unsaid_.empty()) writeSummary();
+    if (!view_.empty()) writeDocument(view_, indexPage(plan_, summary_, view_));
     return tellEnd();
 }
 
@@ -257,15 +260,18 @@ int batch(const BatchOptions& options, Console& console, ConsoleProgress& progre
     const std::string manifest = wholeName(options.manifest);
     const std::string summary = options.summary.empty() ? defaultSummary(manifest, options.shard)
                                                         : wholeName(options.summary);
+    if (!options.view.empty())
+        checkOutputFiles({{"--view", options.view, ".html"}}, {options.manifest});
+    const BatchFiles files{manifest, summary, options.view.empty() ? "" : wholeName(options.view)};
     const std::vector<ManifestJob> jobs = readManifest(options.manifest);
     // Jobs then name their files as single runs in that folder do, in reports as well.
     fs::current_path(fs::path(manifest).parent_path());
-    const BatchPlan plan = planBatch(jobs, {manifest, summary}, options.shard, progress);
+    const BatchPlan plan = planBatch(jobs, files, options.shard, progress);
     if (options.dryRun) {
         printPlan(plan);
         return kDone;
     }
-    return Batch(plan, summary, options.verbose, console, progress).run();
+    return Batch(plan, files, options.verbose, console, progress).run();
 }
 
 int merge(const MergeOptions& options, Console& console) {

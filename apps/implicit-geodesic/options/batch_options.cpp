@@ -29,6 +29,10 @@ Command batchCommand(BatchOptions& o) {
                   .value = "FILE",
                   .text = "What became of each job, as JSON [beside the jobs: jobs.summary.json]",
                   .reads = text(o.summary)},
+                 {.names = {"--view"},
+                  .value = "FILE.html",
+                  .text = "A page of all jobs: their pictures, with links to what they wrote",
+                  .reads = text(o.view)},
                  {.names = {"--dry-run"},
                   .text = "Check all, and print each job, whether it is to do, and its command",
                   .reads = flag(o.dryRun)}});

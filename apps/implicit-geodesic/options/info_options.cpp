@@ -35,9 +35,9 @@ Command infoCommand(InfoOptions& o) {
         "Results",
         {{.names = {"--json"}, .text = "Print JSON (docs/info.schema.json)", .reads = flag(o.json)},
          {.names = {"--unreliable"},
-          .value = "FILE.vdb",
-          .text = "Where results are unreliable, as a grid: 1 where a bound is "
-                  "just met, larger is worse",
+          .value = "FILE",
+          .text = "Where results are unreliable: 1 where a bound is just met, larger is worse; a "
+                  "grid (.vdb), or a page for a browser (.html)",
           .reads = text(o.unreliable)}});
     addProcessOptions(command, o);
     command.add("Run", {helpOption()});

@@ -177,6 +177,10 @@ void addPictureOptions(Command& command, PictureOptions& o) {
           .value = "FILE.png",
           .text = "The surface as a picture: distances, isolines, paths",
           .reads = text(o.image)},
+         {.names = {"--view"},
+          .value = "FILE.html",
+          .text = "The same as a page to turn, zoom and read in a browser; it needs no network",
+          .reads = text(o.view)},
          {.names = {"--image-size"},
           .value = "WxH",
           .text = "In pixels [1280x960]",
@@ -191,7 +195,8 @@ void addPictureOptions(Command& command, PictureOptions& o) {
           .reads = choice(o.up, kUpAxes)},
          {.names = {"--color-map"},
           .value = "NAME",
-          .text = "Colors of picture, mesh and color grid: viridis, magma, cividis, turbo, gray "
-                  "[viridis]",
+          .text =
+              "Colors of picture, page, mesh and color grid: viridis, magma, cividis, turbo, gray "
+              "[viridis]",
           .reads = colorMap(o.colorMap)}});
 }

@@ -26,7 +26,7 @@ struct Camera {
 };
 
 struct PictureOptions {
-    std::string image;                   ///< file; empty: none
+    std::string image, view;             ///< files; empty: none
     std::optional<ImageSize> imageSize;  ///< none: default
     std::optional<Camera> camera;        ///< none: chosen
     std::optional<UpAxis> up;            ///< none: y

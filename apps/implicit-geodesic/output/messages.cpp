@@ -115,7 +115,7 @@ int tellPairs(const RunReport& report, const Console& console) {
 
 bool showsPaths(const RunOptions& o, std::size_t targets) {
     return targets <= kFewTargets || o.straighten || !o.paths.empty() || !o.image.empty() ||
-           !o.report.empty() || o.asked(Grid::Engraved);
+           !o.view.empty() || !o.report.empty() || o.asked(Grid::Engraved);
 }
 
 void describe(const igeo::Distance& distance, const Console& console) {

@@ -1,5 +1,7 @@
 #include "output/result_checks.h"
 
+#include <igeo/results/view_page.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -60,13 +62,21 @@ void checkSeeds(const RunOptions& o, const igeo::Seeds& seeds) {
                    "polar coordinates are those about a point");
 }
 
+void requireViewer(const RunOptions& o) {
+    if (!o.view.empty() && !igeo::hasViewer())
+        usageError("--view: this program was built without three.js, which draws its pages",
+                   "take --image FILE.png; or install three.js (Debian: libjs-three), configure "
+                   "and build anew");
+}
+
 void checkResults(const RunOptions& o) {
+    requireViewer(o);
     for (const ResultKind& kind : resultKinds()) {
         if (kind.file(o, nullptr).empty()) continue;
         if (kind.needs.seeds && !o.hasSeeds())
             usageError(std::string(kind.option) + " needs distances, but no seed is given",
-                       "add --seed x,y,z; without seeds only --paths, --pairs-out, --image and "
-                       "--report are written");
+                       "add --seed x,y,z; without seeds only --paths, --pairs-out, --image, "
+                       "--view and --report are written");
         requireTogether(kind, o);
     }
     checkGrids(o);
@@ -76,7 +86,8 @@ void checkResults(const RunOptions& o) {
 }
 
 std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
-    const bool grids = !o.grids.empty(), lines = o.asked(Grid::Engraved);
+    const bool grids = !o.grids.empty(), drawn = !o.image.empty() || !o.view.empty();
+    const bool lines = drawn || !o.isolines.empty() || o.asked(Grid::Engraved);
     const bool curved = o.weightCurvature || o.metricCurvature || o.asked(Grid::Curvature);
     const struct {
         bool given, used;
@@ -96,20 +107,18 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
         {o.pathOffset.has_value(), !o.paths.empty(), "--path-offset", "--paths"},
         {o.stopAtTargets, o.hasTargets(), "--stop-at-targets", "--target or --targets"},
         {o.maxDistance > 0, o.hasSeeds(), "--max-distance", "a seed"},
-        {o.levels > 0, !o.isolines.empty() || !o.image.empty() || lines, "--levels",
-         "--isolines, --image or --grids engraved"},
-        {o.spacing > 0, !o.isolines.empty() || !o.image.empty() || lines, "--spacing",
-         "--isolines, --image or --grids engraved"},
+        {o.levels > 0, lines, "--levels", "--isolines, --image, --view or --grids engraved"},
+        {o.spacing > 0, lines, "--spacing", "--isolines, --image, --view or --grids engraved"},
         {!o.pairsOut.empty(), !o.pairs.empty(), "--pairs-out", "--pairs"},
         {o.imageSize.has_value(), !o.image.empty(), "--image-size", "--image"},
-        {o.camera.has_value(), !o.image.empty(), "--camera", "--image"},
-        {o.up.has_value(), !o.image.empty() || endingOf(o.meshOut) == ".glb", "--up",
-         "--image or --mesh-out FILE.glb"},
+        {o.camera.has_value(), drawn, "--camera", "--image or --view"},
+        {o.up.has_value(), drawn || endingOf(o.meshOut) == ".glb", "--up",
+         "--image, --view or --mesh-out FILE.glb"},
         {o.perSeed, !o.perVertex.empty() && endingOf(o.perVertex) != ".obj", "--per-seed",
          "--per-vertex FILE that holds columns (.csv .npy .npz .ply .vtp .gii)"},
         {!o.colorMap.empty(),
-         !o.image.empty() || !o.meshOut.empty() || !o.perVertex.empty() || o.asked(Grid::Color),
-         "--color-map", "--image, --mesh-out, --per-vertex or --grids color"},
+         drawn || !o.meshOut.empty() || !o.perVertex.empty() || o.asked(Grid::Color), "--color-map",
+         "--image, --view, --mesh-out, --per-vertex or --grids color"},
         {o.order.has_value(), o.scheme == igeo::Scheme::Godunov, "--order", "--scheme godunov"},
         {o.curvatureScale > 0, curved, "--curvature-scale",
          "--weight-curvature, --metric-curvature or --grids curvature"}};

@@ -4,6 +4,7 @@
 #include <igeo/results/distance_matrix.h>
 #include <igeo/results/picture.h>
 #include <igeo/results/surface_files.h>
+#include <igeo/view.h>
 
 #include <algorithm>
 
@@ -129,20 +130,37 @@ void writePairs(RunResult& r, const std::string& file) {
         file, endingOf(file) == ".json" ? pairsJson(r.report, r.band()) : pairsCsv(r.report.pairs));
 }
 
-void writePicture(RunResult& r, const std::string& file) {
+/// A picture as asked for, but for its size.
+igeo::PictureOptions pictureOf(const RunResult& r, igeo::PictureOptions picture = {}) {
     const RunOptions& o = r.options;
-    igeo::PictureOptions picture;
-    if (o.imageSize) picture.width = o.imageSize->width, picture.height = o.imageSize->height;
     if (o.camera) picture.eye = o.camera->eye, picture.lookAt = o.camera->lookAt;
     if (o.up == UpAxis::Z) picture.up = {0, 0, 1};
     picture.colorMap = colorMapOf(o);
     if (o.spacing > 0) picture.isolineSpacing = o.spacing;
     if (o.levels > 0) picture.isolineSpacing = r.distance.largest() / (o.levels + 1);
+    return picture;
+}
+
+void writePicture(RunResult& r, const std::string& file) {
+    igeo::PictureOptions picture = pictureOf(r);
+    if (const std::optional<ImageSize>& size = r.options.imageSize)
+        picture.width = size->width, picture.height = size->height;
     // A mesh is drawn as it is given.
     writeDocument(
         file, r.band().triangles
                   ? igeo::renderPng(r.field(), r.drawnLines(), picture, r.progress)
                   : igeo::renderPng(r.levelSet(), r.field(), r.drawnLines(), picture, r.progress));
+}
+
+/// The page, with the names that the seeds have in their files, and what a user should know.
+void writeViewPage(RunResult& r, const std::string& file) {
+    igeo::ViewScene scene = igeo::viewScene(r.distance, pathCurves(r.report),
+                                            pictureOf(r, igeo::viewPicture()), {}, r.progress);
+    const std::vector<std::string>& names = r.report.sources;
+    for (std::size_t k = 0; k < std::min(names.size(), scene.labelNames.size()); ++k)
+        if (!names[k].empty()) scene.labelNames[k] = names[k];
+    scene.notes.insert(scene.notes.end(), r.report.warnings.begin(), r.report.warnings.end());
+    writeDocument(file, igeo::viewPage(scene));
 }
 
 std::string pairsFile(const RunOptions& o, const std::string*) {
@@ -194,6 +212,7 @@ const std::vector<ResultKind>& resultKinds() {
          writeMatrix},
         {"--pairs-out", "pairs", ".csv .json", pairsFile, {.jet = true}, writePairs},
         {"--image", "image", ".png", [](Options o, Name) { return o.image; }, {}, writePicture},
+        {"--view", "view", ".html", [](Options o, Name) { return o.view; }, {}, writeViewPage},
         {"--report", "report", "", [](Options o, Name) { return o.report; }, {}, nullptr}};
     return kinds;
 }

@@ -1,0 +1,241 @@
+#include <igeo/view.h>
+
+#include <fmt/core.h>
+#include <igeo/base/atomic_file.h>
+#include <igeo/base/detail/text.h>
+#include <igeo/base/error.h>
+#include <igeo/base/parallel.h>
+#include <igeo/base/version.h>
+#include <igeo/results/detail/camera.h>
+#include <igeo/results/detail/level_set_rays.h>
+#include <igeo/results/detail/triangle_rays.h>
+#include <igeo/results/picture.h>
+#include <igeo/results/refined_mesh.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace igeo {
+
+namespace {
+
+/// Square voxels.
+double areaOf(const TriangleMesh& mesh, double dx) {
+    double sum = 0;
+    for (const auto& [a, b, c] : mesh.triangles)
+        sum += length(cross(mesh.points[b] - mesh.points[a], mesh.points[c] - mesh.points[a])) / 2;
+    return sum / (dx * dx);
+}
+
+/// The mesh itself, its long edges halved as far as `most` triangles allow.
+SurfaceMesh ownTriangles(const TriangleMesh& mesh, const Field& field, std::size_t most,
+                         Progress& progress) {
+    // Halves of edges leave triangles of about a fifth of the square of the longest; half of `most`
+    // is left for those that are small already.
+    const double area = areaOf(mesh, field.band->transform.dx);
+    double longest =
+        std::max(2.0, std::sqrt(area / (0.1 * double(std::max<std::size_t>(most, 1)))));
+    while (true) {
+        SurfaceMesh refined = refinedMesh(mesh, field, longest, progress);
+        if (refined.triangles.size() <= most || refined.triangles.size() == mesh.triangles.size())
+            return refined;
+        longest *= 1.5;
+    }
+}
+
+/// Of each point of a mesh the first vertex of its file that became it; empty: there is no file.
+std::vector<std::uint32_t> vertexNumbers(const TriangleMesh& mesh) {
+    std::vector<std::uint32_t> number;
+    if (!mesh.source) return number;
+    number.resize(mesh.points.size(), ViewScene::kNoNumber);
+    for (std::size_t v = mesh.pointOfVertex.size(); v-- > 0;)
+        if (mesh.pointOfVertex[v] != TriangleMesh::kNoPoint)
+            number[mesh.pointOfVertex[v]] = std::uint32_t(v);
+    return number;
+}
+
+std::vector<std::uint8_t> blockedVertices(const SurfaceMesh& mesh, const Metric& metric) {
+    std::vector<std::uint8_t> blocked;
+    if (!metric.obstacles) return blocked;
+    blocked.resize(mesh.position.size());
+    parallelFor(blocked.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v)
+            blocked[v] = metric.blocked(mesh.position[v], mesh.position[v], Vec3d(mesh.normal[v]));
+    });
+    return blocked;
+}
+
+/// Seeds that are points, and the pieces of curves and rims as lines.
+void addSeeds(ViewScene& scene, const Distance& distance) {
+    const Similarity& t = distance.band().transform;
+    const std::vector<SurfacePoint>& seeds = distance.seeds();
+    for (std::size_t k = 0; k < seeds.size(); ++k) {
+        const SurfacePoint& seed = seeds[k];
+        const std::string name = fmt::format("seed {}", distance.field().source[k]);
+        const Vec3d from = t.worldFromIndex(seed.pIndex);
+        if (seed.segment == Vec3d{}) {
+            const bool piece = seed.joined || (k + 1 < seeds.size() && seeds[k + 1].joined);
+            if (!piece) scene.seeds.push_back({name, from});
+            continue;
+        }
+        const Vec3d to = t.worldFromIndex(seed.pIndex + seed.segment);
+        if (!seed.joined || scene.lines.empty() || scene.lines.back().points.back() != from) {
+            scene.lines.emplace_back();
+            scene.lines.back().name = name;
+            scene.lines.back().points.push_back(from);
+        }
+        scene.lines.back().points.push_back(to);
+    }
+}
+
+void addTargets(ViewScene& scene, const Distance& distance) {
+    const std::vector<double> to = distance.atTargets();
+    for (std::size_t k = 0; k < to.size(); ++k)
+        scene.targets.push_back(
+            {fmt::format("target {}", k),
+             distance.band().transform.worldFromIndex(distance.targets()[k].pIndex), to[k]});
+}
+
+/// The paths of a picture, index space.
+std::vector<Path> asPaths(const std::vector<NamedCurve>& lines, const Similarity& t) {
+    std::vector<Path> paths;
+    for (const NamedCurve& line : lines) {
+        paths.emplace_back();
+        for (const Vec3d& p : line.points) paths.back().vertices.push_back({t.indexFromWorld(p)});
+    }
+    return paths;
+}
+
+/// The first view, and a picture from there.
+/// @param levelSet  the surface; null: the triangles of the field's band are
+void addPicture(ViewScene& scene, const Field& field, const LevelSet* levelSet,
+                const std::vector<Path>& paths, const PictureOptions& picture, Progress& progress) {
+    const double aspect = double(picture.height) / picture.width;
+    auto look = [&](const SurfaceRays& rays) {
+        scene.toEye = chooseView(rays, field, paths, picture, aspect).back;
+        scene.up = normalized(picture.up);
+    };
+    if (levelSet)
+        look(LevelSetRays(*levelSet));
+    else
+        look(TriangleRays(*field.band));
+    scene.still = levelSet ? renderPng(*levelSet, field, paths, picture, progress)
+                           : renderPng(field, paths, picture, progress);
+}
+
+/// Thins the mesh out and says so.
+std::vector<std::uint32_t> keepToLimit(ViewScene& scene, SurfaceMesh& mesh,
+                                       const ViewLimits& limits) {
+    const std::size_t all = mesh.triangles.size();
+    std::vector<std::uint32_t> kept;
+    if (thinOut(mesh, limits.triangles, kept))
+        scene.notes.push_back(fmt::format(
+            "Drawn with {} of {} triangles; what is read is linear between the vertices left.",
+            mesh.triangles.size(), all));
+    return kept;
+}
+
+std::string creator() { return fmt::format("implicit-geodesic {}", kVersion); }
+
+/// The largest factor among the voxels around a point; +infinity: all of them are reliable.
+double largestAround(const FileSurvey& survey, const Vec3d& pIndex) {
+    double largest = 0;
+    for (const NodeIndex i : cellAt(survey.band, pIndex).node)
+        if (i != kNoNode) largest = std::max(largest, double(survey.surface->unreliability[i]));
+    return largest > 0 ? largest : kInfinity;
+}
+
+/// That as a distance, for pictures.
+Field fieldOf(const FileSurvey& survey) {
+    Field field;
+    field.band = &survey.band;
+    for (const float factor : survey.surface->unreliability)
+        field.distance.push_back(factor > 0 ? double(factor) : kInfinity);
+    field.summarize();
+    return field;
+}
+
+}  // namespace
+
+PictureOptions viewPicture() {
+    PictureOptions picture;
+    picture.width = 640, picture.height = 480;
+    return picture;
+}
+
+ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lines,
+                    const PictureOptions& picture, const ViewLimits& limits, Progress& progress) {
+    const Field& field = distance.field();
+    const Surface& surface = distance.surface();
+    ViewScene scene;
+    scene.title = surface.facts().name;
+    scene.creator = creator();
+    scene.voxels = field.band->transform;
+    if (field.metric->weighted()) scene.unit = "world units times weight";
+
+    const TriangleMesh* given = surface.triangles();
+    SurfaceMesh mesh = given ? ownTriangles(*given, field, limits.triangles, progress)
+                             : distance.indexMesh(progress);
+    const std::vector<std::uint32_t> kept = keepToLimit(scene, mesh, limits);
+    if (given) {
+        const std::vector<std::uint32_t> number = vertexNumbers(*given);
+        for (const std::uint32_t v : kept)
+            if (!number.empty())
+                scene.number.push_back(v < number.size() ? number[v] : ViewScene::kNoNumber);
+    }
+    scene.blocked = blockedVertices(mesh, *field.metric);
+    scene.mesh = inWorld(std::move(mesh), field.band->transform);
+    scene.lines = lines;
+    addSeeds(scene, distance);
+    addTargets(scene, distance);
+    for (std::size_t k = 0; k < field.sourceCount(); ++k)
+        scene.labelNames.push_back(fmt::format("seed {}", k));
+    if (field.stoppedEarly) scene.rest = "beyond the distance marched";
+    scene.colorMap = picture.colorMap;
+    scene.isolineSpacing = picture.isolineSpacing;
+    const double dx = field.band->transform.dx;
+    scene.range = {{field.leastStart * dx, field.maxDistance * dx}};
+    addPicture(scene, field, field.band->triangles ? nullptr : &distance.levelSet(progress),
+               asPaths(lines, field.band->transform), picture, progress);
+    return scene;
+}
+
+ViewScene viewScene(const FileSurvey& survey, const ViewLimits& limits, Progress& progress) {
+    const Field field = fieldOf(survey);
+    ViewScene scene;
+    scene.title = stemOf(survey.file);
+    scene.creator = creator();
+    scene.voxels = survey.band.transform;
+    scene.quantity = "factor";
+    scene.unit = "by which a bound on reliable distances is passed";
+    scene.rest = "reliable";
+    scene.grows = false;
+    scene.colorMap = "magma";  // whose middle stands out from gray
+    SurfaceMesh mesh = surfaceMesh(survey.levelSet, survey.band, progress);
+    mesh.distance.resize(mesh.position.size());
+    parallelFor(mesh.position.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v)
+            mesh.distance[v] = largestAround(survey, mesh.position[v]);
+    });
+    keepToLimit(scene, mesh, limits);
+    scene.range = {{0, field.maxDistance}};
+    scene.mesh = std::move(mesh);
+    for (Vec3d& p : scene.mesh.position) p = field.band->transform.worldFromIndex(p);
+    scene.notes.push_back(survey.verdict());
+    scene.notes.insert(scene.notes.end(), survey.warnings.begin(), survey.warnings.end());
+    PictureOptions picture = viewPicture();
+    picture.legend = false;
+    picture.isolineSpacing = -1;
+    picture.colorMap = scene.colorMap;
+    addPicture(scene, field, &survey.levelSet, {}, picture, progress);
+    return scene;
+}
+
+void writeView(const std::string& file, const Distance& distance,
+               const std::vector<NamedCurve>& lines, const PictureOptions& picture,
+               Progress& progress) {
+    writeFile(file, viewPage(viewScene(distance, lines, picture, {}, progress)));
+}
+
+}  // namespace igeo

@@ -1,0 +1,48 @@
+/// Distances as a page to be turned and read in a browser.
+#pragma once
+
+#include <igeo/distance.h>
+#include <igeo/results/picture_options.h>
+#include <igeo/results/survey.h>
+#include <igeo/results/view_page.h>
+
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// How large pages may become.
+struct ViewLimits {
+    std::size_t triangles = 300000;  ///< drawn; a page of them has about 4 MB
+};
+
+/// The picture that stands in where a browser draws nothing in 3D: 640 x 480 pixels.
+PictureOptions viewPicture();
+
+/// What a page shows of a result: the surface with its distances, obstacles, seeds and targets.
+///
+/// Of a mesh the vertices are its own, with more between them where edges are longer than some
+/// voxels; of other surfaces those of Distance::mesh. Beyond the limit they are thinned out
+/// (thinOut), which a note says.
+/// @param lines    paths, world units
+/// @param picture  color map, spacing of isolines and camera of both picture and page
+/// @throws Error  as renderPng
+/// Time about that of Distance::mesh and renderPng together.
+ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lines = {},
+                    const PictureOptions& picture = viewPicture(), const ViewLimits& limits = {},
+                    Progress& progress = Progress::none());
+
+/// The same of a survey: where results are unreliable, and by what factor a bound is passed there
+/// (SurfaceSurvey::unreliability).
+/// @param survey  with a surface
+ViewScene viewScene(const FileSurvey& survey, const ViewLimits& limits = {},
+                    Progress& progress = Progress::none());
+
+/// Writes the scene of a distance as a page.
+/// @throws Error  as viewScene and viewPage, and Io
+void writeView(const std::string& file, const Distance& distance,
+               const std::vector<NamedCurve>& lines = {},
+               const PictureOptions& picture = viewPicture(),
+               Progress& progress = Progress::none());
+
+}  // namespace igeo
