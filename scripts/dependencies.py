@@ -17,7 +17,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PROGRAM = ROOT / "build/release/bin/implicit-geodesic"
 # Compiled in, or needed to build and test only.
-HEADERS = ("nlohmann-json3-dev", "libcli11-dev", "libxxhash-dev", "catch2")
+HEADERS = ("nlohmann-json3-dev", "libcli11-dev", "libxxhash-dev", "libjs-three", "catch2")
 # Copyright files that are not in Debian's machine-readable form, read by a person.
 BY_HAND = {"libc6": "LGPL-2.1+", "libgcc-s1": "GPL-3+ with GCC exception", "libstdc++6": "GPL-3+ with GCC exception"}
 

@@ -93,29 +93,35 @@ else
     targets=("$(extreme 1,-0.6,0.8)" "$(extreme -1,-2,1)")
     camera=$(python3 scripts/mesh_tool.py camera "out/$name.obj" -0.13,0.22,1)
 fi
-view=()
-[ "$name" != bunny ] || view=(--camera="$camera" --image-size 1280x900)
+picture=()
+[ "$name" != bunny ] || picture=(--camera="$camera" --image-size 1280x900)
 seed=${SEED:-$seed}
 [ -z "${TARGET:-}" ] || targets=("$TARGET")
 
 targetOptions=()
 for target in "${targets[@]}"; do targetOptions+=(--target "$target"); done
-command=(build/release/bin/implicit-geodesic --sdf "$surface" --seed "$seed" "${targetOptions[@]}"
-    -o "out/${name}_geodesic.vdb" --grids surface --paths "out/${name}_paths.json"
-    --report "out/${name}_report.json" --image "out/$name.png" "${view[@]}")
+program=build/release/bin/implicit-geodesic
+page=()
+"$program" --version | grep -q "^no three.js" || page=(--view "out/$name.html")
+command=("$program" --sdf "$surface" --seed "$seed" "${targetOptions[@]}"
+    -o "out/${name}_geodesic.vdb" --grids surface,color,engraved --paths "out/${name}_paths.json"
+    --report "out/${name}_report.json" --image "out/$name.png" "${picture[@]}" "${page[@]}")
 say "${command[*]}"
 "${command[@]}"
 
+pageLine=""
+[ ${#page[@]} -eq 0 ] || pageLine="
+  out/${name}.html           a page to turn, zoom and read: open it in a browser"
 cat >&2 <<END
 
 The distance from $seed on $surface, and the shortest paths to it:
-  out/${name}.png            a picture
-  out/${name}_geodesic.vdb   grids psi and psi_geodesic
+  out/${name}.png            a picture$pageLine
+  out/${name}_geodesic.vdb   grids psi, psi_geodesic, its colors, and psi with isolines and paths cut into it
   out/${name}_paths.json     the paths, vertex by vertex
   out/${name}_report.json    what was computed, and with which parameters
 To look at them:
-  vdb_view out/${name}_geodesic.vdb
+  vdb_view out/${name}_geodesic.vdb     key 2: surfaces; right arrow: the next grid; mouse: turn, zoom
   vdb_print -l out/${name}_geodesic.vdb
-  vdb_render out/${name}_geodesic.vdb out/${name}_plain.png -name psi \\
-      -translate $camera -shader diffuse -res 960x720
+  vdb_render out/${name}_geodesic.vdb out/${name}_render.png -name psi -color psi_geodesic_color \\
+      -translate $camera -focal 75 -res 960x720
 END

@@ -3,7 +3,8 @@
 #
 # usage: scripts/setup.sh [--dev] [--viewer] [--slurm]
 #   --dev      also what scripts/check.sh needs: clang, clang-format, clang-tidy, lintian, valgrind
-#   --viewer   also what the tests labeled viewer need: an X server without a screen, OpenGL
+#   --viewer   also what the tests labeled viewer need: an X server without a screen, OpenGL; and those of the
+#              pages of --view: Chromium
 #   --slurm    also what the test labeled slurm needs: Slurm and MUNGE, run without a service
 #
 # Uses sudo unless root. Does and prints nothing when everything is there.
@@ -17,6 +18,7 @@ packages=(
     libboost-iostreams-dev  # FindOpenVDB.cmake asks for it, libopenvdb-dev does not
     zlib1g-dev libpng-dev libassimp-dev libfmt-dev libxxhash-dev
     nlohmann-json3-dev libcli11-dev catch2
+    libjs-three                        # draws the pages of --view; packed into the program
     libopenvdb-tools python3-openvdb   # vdb_tool, vdb_print, vdb_render, pyopenvdb: for the tests
     python3 python3-jsonschema         # the tests check reports against their schema
     groff-base                         # and that the manual page is one
@@ -27,7 +29,7 @@ packages=(
     ca-certificates
 )
 dev_packages=(clang clang-format clang-tidy libclang-rt-dev lintian valgrind)
-viewer_packages=(xvfb xdotool libgl1-mesa-dri)
+viewer_packages=(xvfb xdotool libgl1-mesa-dri chromium chromium-driver python3-selenium)
 slurm_packages=(slurmctld slurmd slurm-client munge)
 
 for option in "$@"; do

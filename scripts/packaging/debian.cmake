@@ -23,8 +23,9 @@ foreach(stage IN LISTS stages)
 "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 Upstream-Name: implicit-geodesic
 Upstream-Contact: ${CPACK_PACKAGE_CONTACT}
-Comment: The program has CLI11 (BSD-3-clause), nlohmann-json (Expat) and xxHash (BSD-2-clause)
- compiled in, the library nlohmann-json and xxHash.
+Comment: The program has CLI11 (BSD-3-clause), nlohmann-json (Expat), xxHash (BSD-2-clause) and
+ three.js (Expat) compiled in, the library all of these but CLI11. Pages of --view have three.js in them, with
+ its license.
 
 Files: *
 Copyright: 2026 ${CPACK_PACKAGE_VENDOR}

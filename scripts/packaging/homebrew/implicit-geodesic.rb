@@ -19,6 +19,7 @@ class ImplicitGeodesic < Formula
   depends_on "openvdb"
   depends_on "tbb"
 
+  # Homebrew has no three.js: the program is built without --view.
   uses_from_macos "python" => :build # makes the manual page and the completions
   uses_from_macos "zlib"
 
