@@ -123,5 +123,5 @@ To look at them:
   vdb_view out/${name}_geodesic.vdb     key 2: surfaces; right arrow: the next grid; mouse: turn, zoom
   vdb_print -l out/${name}_geodesic.vdb
   vdb_render out/${name}_geodesic.vdb out/${name}_render.png -name psi -color psi_geodesic_color \\
-      -translate $camera -focal 75 -res 960x720
+      -translate $camera -focal 60 -res 960x720
 END

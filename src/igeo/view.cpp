@@ -136,6 +136,12 @@ std::vector<std::uint32_t> keepToLimit(ViewScene& scene, SurfaceMesh& mesh,
     return kept;
 }
 
+/// bunny, or torus:psi of a grid in a file.
+std::string titleOf(const SurfaceFacts& facts) {
+    const std::string file = facts.file == "-" ? "" : stemOf(facts.file);
+    return file.empty() || file == facts.name ? facts.name : file + ":" + facts.name;
+}
+
 std::string creator() { return fmt::format("implicit-geodesic {}", kVersion); }
 
 /// The largest factor among the voxels around a point; +infinity: all of them are reliable.
@@ -169,7 +175,7 @@ ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lin
     const Field& field = distance.field();
     const Surface& surface = distance.surface();
     ViewScene scene;
-    scene.title = surface.facts().name;
+    scene.title = titleOf(surface.facts());
     scene.creator = creator();
     scene.voxels = field.band->transform;
     if (field.metric->weighted()) scene.unit = "world units times weight";

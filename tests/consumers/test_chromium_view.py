@@ -112,6 +112,7 @@ def check_keys(view: browser.View) -> None:
     view.press(Keys.TAB)
     assert view.run("return document.activeElement.id") == "canvas"
     view.press("0")
+    assert view.run("return getComputedStyle(document.getElementById('middle')).display") == "block", "no cross"
     first = view.picture()
     for keys in ([Keys.ARROW_LEFT] * 3, [Keys.ARROW_UP] * 2, ["+"] * 2, [Keys.SHIFT + Keys.ARROW_RIGHT + Keys.NULL]):
         before = view.picture()

@@ -136,6 +136,10 @@ class Page {
             else return;
             event.preventDefault();
         });
+        // The cross in the middle is for those who came by keys.
+        const byKeys = (yes) => document.body.classList.toggle("keys", yes);
+        this.canvas.addEventListener("keyup", () => byKeys(true));
+        for (const event of ["blur", "pointerdown", "pointermove"]) this.canvas.addEventListener(event, () => byKeys(false));
     }
 
     setUpPointer() {
