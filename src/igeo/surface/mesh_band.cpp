@@ -168,7 +168,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     Band band;
     band.transform.dx = dx;
     band.h = h;
-    // Below this arcs err less: docs/trials.md, "Meshes and level sets".
+    // Wider faces are followed plane by plane: docs/trials.md, "Meshes and level sets".
     constexpr double kFaceWidth = 1;
     band.faceted = meshArea(mesh) > kFaceWidth * kFaceWidth * double(mesh.triangles.size());
     numberNodes(normals, nearLeaves, band);
