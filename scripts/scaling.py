@@ -2,7 +2,7 @@
 """What a march of `jet` over many machines would work and send, and what that would bring.
 
 usage: scripts/scaling.py            counts, model, tables and plot into docs/scaling.md and
-                                  docs/distributed.md: five minutes
+                                     docs/distributed.md: five minutes
        scripts/scaling.py --quick    small, nothing is written into docs
 
 `igeo_bench domains` counts; the counts are the same on every machine. A model turns them into times:
