@@ -321,7 +321,7 @@ void checkUnreliable(const InfoOptions& options) {
             "--unreliable FILE.html: this program was built without three.js, which draws its "
             "pages",
             "write a .vdb file; or install three.js (Debian: libjs-three), configure and build "
-            "anew");
+            "again");
 }
 
 void writeUnreliable(const std::string& name, const FileSurvey& file, igeo::Progress& progress) {

@@ -49,6 +49,7 @@ void refuseConflicts(const std::vector<BatchJob>& jobs, const BatchFiles& files)
     std::map<std::string, std::string> writers{{files.manifest, "is the manifest"},
                                                {files.summary, "is the summary"}};
     if (!files.view.empty()) writers.emplace(files.view, "is the page of the batch");
+    if (!files.log.empty()) writers.emplace(files.log, "is the log");
     std::error_code ignored;
     for (const BatchJob& job : jobs)
         for (const std::string& file : outputFiles(job.options)) {

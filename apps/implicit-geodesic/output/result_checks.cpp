@@ -66,7 +66,7 @@ void requireViewer(const RunOptions& o) {
     if (!o.view.empty() && !igeo::hasViewer())
         usageError("--view: this program was built without three.js, which draws its pages",
                    "take --image FILE.png; or install three.js (Debian: libjs-three), configure "
-                   "and build anew");
+                   "and build again");
 }
 
 void checkResults(const RunOptions& o) {

@@ -274,7 +274,7 @@ std::string viewPage(const ViewScene& scene) {
     if (!hasViewer())
         throw Error(
             Kind::InvalidArgument, "igeo was built without three.js, which draws its pages",
-            "install it (Debian: libjs-three), configure and build anew; or write a picture");
+            "install it (Debian: libjs-three), configure and build again; or write a picture");
     if (scene.mesh.triangles.empty())
         throw Error(Kind::InvalidArgument, "a page of a surface without triangles",
                     "show a surface that has some");
