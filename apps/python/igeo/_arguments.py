@@ -34,50 +34,55 @@ class Box(NamedTuple):
     high: ArrayLike
 
 
-def numbers(value: Any, name: str) -> Floats:
-    """As float64, finite or not."""
+def array(value: Any, name: str) -> NDArray[Any]:
+    """Of any type, but not of lists of several lengths."""
     try:
-        array = np.asarray(value)
+        return np.asarray(value)
     except ValueError as error:
         raise InputError(f"{name} is no array of numbers: {error}") from None
-    if array.dtype.kind not in "iuf":
-        raise InputError(f"{name} has dtype {array.dtype}; allowed are real numbers")
-    return np.asarray(array, dtype=np.float64, order="C")
 
 
-def shaped(array: NDArray[Any], name: str, *shape: Optional[int]) -> None:
+def numbers(value: Any, name: str) -> Floats:
+    """As float64, finite or not."""
+    found = array(value, name)
+    if found.dtype.kind not in "iuf":
+        raise InputError(f"{name} has dtype {found.dtype}; allowed are real numbers")
+    return np.asarray(found, dtype=np.float64, order="C")
+
+
+def shaped(values: NDArray[Any], name: str, *shape: Optional[int]) -> None:
     """None in `shape` allows any length but 0."""
-    fits = array.ndim == len(shape) and all(
-        n == wanted or (wanted is None and n > 0) for n, wanted in zip(array.shape, shape)
+    fits = values.ndim == len(shape) and all(
+        n == wanted or (wanted is None and n > 0) for n, wanted in zip(values.shape, shape)
     )
     if not fits:
         wanted = ", ".join("n" if n is None else str(n) for n in shape) + ("," if len(shape) == 1 else "")
         more = " with n of 1 or more" if None in shape else ""
-        raise InputError(f"{name} has shape {array.shape}; allowed is ({wanted}){more}")
+        raise InputError(f"{name} has shape {values.shape}; allowed is ({wanted}){more}")
 
 
-def finite(array: Floats, name: str) -> Floats:
-    bad = ~np.isfinite(array)
+def finite(values: Floats, name: str) -> Floats:
+    bad = ~np.isfinite(values)
     if bad.any():
         at = tuple(int(k) for k in np.argwhere(bad)[0])
         where = ", ".join(map(str, at))
-        raise InputError(f"{name}[{where}] is {array[at]}; allowed are finite numbers ({bad.sum()} are not)")
-    return array
+        raise InputError(f"{name}[{where}] is {values[at]}; allowed are finite numbers ({bad.sum()} are not)")
+    return values
 
 
 def points(value: Any, name: str) -> Floats:
     """Shape (n, 3), n at least 1; one point may have shape (3,)."""
-    array = numbers(value, name)
-    if array.shape == (3,):
-        array = array[np.newaxis]
-    shaped(array, name, None, 3)
-    return finite(array, name)
+    values = numbers(value, name)
+    if values.shape == (3,):
+        values = values[np.newaxis]
+    shaped(values, name, None, 3)
+    return finite(values, name)
 
 
 def vector(value: Any, name: str) -> Floats:
-    array = numbers(value, name)
-    shaped(array, name, 3)
-    return finite(array, name)
+    values = numbers(value, name)
+    shaped(values, name, 3)
+    return finite(values, name)
 
 
 def number(value: Any, name: str, above: float = 0.0) -> float:
@@ -96,58 +101,58 @@ def above_zero_or_none(value: Optional[float], name: str) -> float:
     return 0.0 if value is None else number(value, name)
 
 
-def integers(value: Any, name: str, count: int, what: str = "vertices") -> NDArray[np.int64]:
+def integers(value: Any, name: str, count: int, what: str = "vertices") -> NDArray[Any]:
     """Numbers from 0 to before `count`, of any shape."""
-    array = np.asarray(value)
-    if array.dtype.kind not in "iu":
-        raise InputError(f"{name} has dtype {array.dtype}; allowed are integers")
-    bad = (array < 0) | (array >= count)
+    values = array(value, name)
+    if values.dtype.kind not in "iu":
+        raise InputError(f"{name} has dtype {values.dtype}; allowed are integers")
+    bad = (values < 0) | (values >= count)
     if bad.any():
         at = tuple(int(k) for k in np.argwhere(bad)[0])
         where = f"[{', '.join(map(str, at))}]" if at else ""
-        raise InputError(f"{name}{where} is {array[at]}; allowed are 0 to {count - 1}, the {what}")
-    return array.astype(np.int64)
+        raise InputError(f"{name}{where} is {values[at]}; allowed are 0 to {count - 1}, the {what}")
+    return values
 
 
 def mask(value: Any, name: str, count: int, what: str) -> NDArray[np.bool_]:
-    array = np.asarray(value)
-    if array.dtype.kind != "b":
-        raise InputError(f"{name} has dtype {array.dtype}; allowed is bool")
-    if array.shape != (count,):
-        raise InputError(f"{name} has shape {array.shape}; allowed is ({count},), one per {what}")
-    return np.ascontiguousarray(array)
+    values = np.asarray(value)
+    if values.dtype.kind != "b":
+        raise InputError(f"{name} has dtype {values.dtype}; allowed is bool")
+    if values.shape != (count,):
+        raise InputError(f"{name} has shape {values.shape}; allowed is ({count},), one per {what}")
+    return np.ascontiguousarray(values)
 
 
 def costs(value: Any, name: str, count: int, what: str) -> Floats:
     """One finite number above 0 each."""
-    array = numbers(value, name)
-    if array.shape != (count,):
-        raise InputError(f"{name} has shape {array.shape}; allowed is ({count},), one per {what}")
-    bad = ~((array > 0) & np.isfinite(array))
+    values = numbers(value, name)
+    if values.shape != (count,):
+        raise InputError(f"{name} has shape {values.shape}; allowed is ({count},), one per {what}")
+    bad = ~((values > 0) & np.isfinite(values))
     if bad.any():
         k = int(np.argmax(bad))
         raise InputError(
-            f"{name}[{k}] is {array[k]}; allowed are finite numbers above 0 ({bad.sum()} are not)",
+            f"{name}[{k}] is {values[k]}; allowed are finite numbers above 0 ({bad.sum()} are not)",
             "block such places by obstacles, and give them any weight above 0",
         )
-    return array
+    return values
 
 
 def tensors(value: Any, name: str, count: int, what: str) -> Floats:
     """One symmetric, positive definite 3x3 matrix each."""
-    array = numbers(value, name)
-    if array.shape != (count, 3, 3):
-        raise InputError(f"{name} has shape {array.shape}; allowed is ({count}, 3, 3), one per {what}")
-    finite(array, name)
-    skew = np.abs(array - array.transpose(0, 2, 1)).max(axis=(1, 2))
-    bad = skew > 1e-6 * np.abs(array).max(axis=(1, 2))
+    values = numbers(value, name)
+    if values.shape != (count, 3, 3):
+        raise InputError(f"{name} has shape {values.shape}; allowed is ({count}, 3, 3), one per {what}")
+    finite(values, name)
+    skew = np.abs(values - values.transpose(0, 2, 1)).max(axis=(1, 2))
+    bad = skew > 1e-6 * np.abs(values).max(axis=(1, 2))
     if bad.any():
         raise InputError(f"{name}[{int(np.argmax(bad))}] is not symmetric; allowed are symmetric matrices")
-    least = np.linalg.eigvalsh(array)[:, 0]
+    least = np.linalg.eigvalsh(values)[:, 0]
     if not (least > 0).all():
         k = int(np.argmin(least))
         raise InputError(f"{name}[{k}] has the eigenvalue {least[k]:g}; allowed are eigenvalues above 0")
-    return array
+    return values
 
 
 def affine(spacing: Any, origin: Any, matrix: Any) -> Floats:
@@ -155,39 +160,39 @@ def affine(spacing: Any, origin: Any, matrix: Any) -> Floats:
     if matrix is not None:
         if spacing is not None or origin is not None:
             raise InputError("affine is given beside spacing or origin", "leave out spacing and origin")
-        array = finite(numbers(matrix, "affine"), "affine")
-        shaped(array, "affine", 4, 4)
-        if tuple(array[3]) != (0, 0, 0, 1):
-            raise InputError(f"the last row of affine is {array[3]}; allowed is 0, 0, 0, 1")
-        if np.linalg.matrix_rank(array[:3, :3]) < 3:
+        values = finite(numbers(matrix, "affine"), "affine")
+        shaped(values, "affine", 4, 4)
+        if tuple(values[3]) != (0, 0, 0, 1):
+            raise InputError(f"the last row of affine is {values[3]}; allowed is 0, 0, 0, 1")
+        if np.linalg.matrix_rank(values[:3, :3]) < 3:
             raise InputError("the columns of affine lie in one plane; allowed are three directions")
-        return array
-    array = np.eye(4)
+        return values
+    values = np.eye(4)
     steps = numbers(1.0 if spacing is None else spacing, "spacing")
     if steps.shape not in ((), (3,)):
         raise InputError(f"spacing has shape {steps.shape}; allowed are a number and (3,)")
     if not (np.isfinite(steps) & (steps > 0)).all():
         raise InputError(f"spacing is {steps}; allowed are finite numbers above 0")
-    array[:3, :3] *= steps
+    values[:3, :3] *= steps
     if origin is not None:
-        array[:3, 3] = vector(origin, "origin")
-    return array
+        values[:3, 3] = vector(origin, "origin")
+    return values
 
 
 def volume(values: Any, name: str) -> NDArray[np.float32]:
     """As float32 with the first index fastest, as the library has it."""
-    array = np.asarray(values)
-    if array.dtype.kind not in "iufb":
-        raise InputError(f"{name} has dtype {array.dtype}; allowed are real numbers and bool")
-    if array.ndim != 3 or min(array.shape) < 2:
-        raise InputError(f"{name} has shape {array.shape}; allowed are three axes of 2 or more")
-    if max(array.shape) >= _igeo.farthest_index:
-        raise InputError(f"{name} has shape {array.shape}; allowed are axes below {_igeo.farthest_index}")
-    array = np.asfortranarray(array, dtype=np.float32)
-    if not np.isfinite(array).all():
-        at = tuple(int(k) for k in np.argwhere(~np.isfinite(array))[0])
-        raise InputError(f"{name}[{', '.join(map(str, at))}] is {array[at]}; allowed are finite numbers")
-    return array
+    given = array(values, name)
+    if given.dtype.kind not in "iufb":
+        raise InputError(f"{name} has dtype {given.dtype}; allowed are real numbers and bool")
+    if given.ndim != 3 or min(given.shape) < 2:
+        raise InputError(f"{name} has shape {given.shape}; allowed are three axes of 2 or more")
+    if max(given.shape) >= _igeo.farthest_index:
+        raise InputError(f"{name} has shape {given.shape}; allowed are axes below {_igeo.farthest_index}")
+    found = np.asfortranarray(given, dtype=np.float32)
+    if not np.isfinite(found).all():
+        at = tuple(int(k) for k in np.argwhere(~np.isfinite(found))[0])
+        raise InputError(f"{name}[{', '.join(map(str, at))}] is {found[at]}; allowed are finite numbers")
+    return found
 
 
 def one_of(value: str, name: str, allowed: Sequence[str]) -> str:

@@ -75,29 +75,22 @@ class Distance:
         return gradient
 
     def at(self, points: ArrayLike, *, progress: Progress = None) -> Floats:
-        """(n,), at the points of the surface nearest to points (n, 3).
+        """(n,), at the points of the surface nearest to points (n, 3), or at vertices.
 
         Raises InputError for a point farther from the surface than Solver.snap.
         """
         return self._values_at(points, progress)[0]
 
     def gradient_at(self, points: ArrayLike, *, progress: Progress = None) -> Floats:
-        """(n, 3), as `gradient`, at the points of the surface nearest to points (n, 3)."""
+        """(n, 3), as `gradient`, at the points of the surface nearest to points (n, 3), or at vertices."""
         return self._values_at(points, progress)[1]
 
     def labels_at(self, points: ArrayLike, *, progress: Progress = None) -> Labels:
-        """(n,), as `labels`, at the points of the surface nearest to points (n, 3)."""
+        """(n,), as `labels`, at the points of the surface nearest to points (n, 3), or at vertices."""
         return self._values_at(points, progress)[2]
 
     def _values_at(self, points: ArrayLike, progress: Progress) -> tuple[Floats, Floats, Labels]:
-        return self._made.values_at(arguments.points(points, "points"), progress)
-
-    def _positions(self, value: Any, name: str) -> Floats:
-        array = np.asarray(value)
-        if array.dtype.kind in "iu" and array.ndim < 2:
-            numbers = arguments.integers(array, name, len(self.surface.vertices)).reshape(-1)
-            return np.ascontiguousarray(self.surface.vertices[numbers])
-        return arguments.points(value, name)
+        return self._made.values_at(self.surface._positions(points, "points"), progress)
 
     def path(self, target: ArrayLike, *, straighten: bool = False) -> Floats:
         """(n, 3), the geodesic from a point or a vertex to the nearest seed; (0, 3) where none leads
@@ -105,7 +98,7 @@ class Distance:
 
         straighten: relax it to a locally shortest curve, free of the error of the distance.
         """
-        points = self._positions(target, "target")
+        points = self.surface._positions(target, "target")
         if len(points) != 1:
             raise InputError(f"target holds {len(points)} points; allowed is one", "use paths for several")
         return self.paths(points, straighten=straighten)[0]
@@ -114,7 +107,7 @@ class Distance:
         self, targets: ArrayLike, *, straighten: bool = False, progress: Progress = None
     ) -> list[Floats]:
         """The same for points (n, 3) or vertices, on all cores."""
-        found = self._made.paths(self._positions(targets, "targets"), straighten, progress)
+        found = self._made.paths(self.surface._positions(targets, "targets"), straighten, progress)
         for k, (status, _) in enumerate(found):
             if status not in ("reached", "unreachable"):
                 raise Error(f"the path of target {k} is {status}", "use smaller voxels, or move the target")
@@ -181,7 +174,7 @@ class Distance:
             options.eye(arguments.vector(eye, "eye"))
         if look_at is not None:
             options.look_at(arguments.vector(look_at, "look_at"))
-        ends = np.empty((0, 3)) if paths_from is None else self._positions(paths_from, "paths_from")
+        ends = np.empty((0, 3)) if paths_from is None else self.surface._positions(paths_from, "paths_from")
         png = self._made.picture(options, ends, progress)
         if path is not None:
             _igeo.write_file(arguments.path(path, "path"), png)

@@ -60,7 +60,7 @@ class _MetricReader:
 
     def weight(self, value: Cost) -> None:
         if _is_file(value):
-            self.metric.weight_by_grid(arguments.path(value, "weight"))
+            warn(self.metric.weight_by_grid(arguments.path(value, "weight")), 6)
         elif callable(value):
             found = self._at_feet(value)
             found = arguments.costs(found, "what weight returns", self._nodes(), "point")
@@ -71,7 +71,7 @@ class _MetricReader:
 
     def tensor(self, value: Cost) -> None:
         if _is_file(value):
-            self.metric.tensor_by_grid(arguments.path(value, "tensor"))
+            warn(self.metric.tensor_by_grid(arguments.path(value, "tensor")), 6)
         elif callable(value):
             found = self._at_feet(value)
             found = arguments.tensors(found, "what tensor returns", self._nodes(), "point")
@@ -91,7 +91,7 @@ class _MetricReader:
                 raise InputError(f"{name}.low is {low}; allowed is up to high, {high}")
             self.metric.block_box(low, high)
         elif _is_file(value):
-            self.metric.block_grid(arguments.path(value, name))
+            warn(self.metric.block_grid(arguments.path(value, name)), 6)
         elif callable(value):
             found = self._at_feet(value)
             blocked = arguments.mask(found, f"what {name} returns", self._nodes(), "point")
@@ -181,27 +181,23 @@ class Solver:
         """How far points may be from the surface, world units."""
         return self._made.snap
 
-    def _positions(self, value: Any, name: str) -> Floats:
-        """Points, or where vertices are."""
-        array = np.asarray(value)
-        if array.dtype.kind in "iu" and array.ndim < 2:
-            numbers = arguments.integers(array, name, len(self.surface.vertices)).reshape(-1)
-            arguments.shaped(numbers, name, None)
-            return np.ascontiguousarray(self.surface.vertices[numbers])
-        return arguments.points(value, name)
-
     def _add_seeds(self, seeds: _igeo.Seeds, value: Any, start: Any, name: str) -> None:
         """Of one argument `seeds`: groups by name, a region, vertices or points."""
         if isinstance(value, Mapping):
             for group, members in value.items():
-                seeds.add_group(str(group), self._positions(members, f"{name}[{group!r}]"))
+                seeds.add_group(str(group), self.surface._positions(members, f"{name}[{group!r}]"))
             return
-        array = np.asarray(value)
+        array = arguments.array(value, name)
+        if array.dtype.kind in "iu" and array.shape == (3,) and len(set(array.tolist())) < 3:
+            raise InputError(
+                f"{name} is {array.tolist()}, a vertex twice",
+                "write a point with floats, [0.0, 0.0, 1.0], and each vertex once",
+            )
         if array.dtype.kind == "b":
             count = len(self.surface.vertices)
             seeds.add_region(self._made, arguments.mask(array, name, count, "vertex"))
             return
-        positions = self._positions(value, name)
+        positions = self.surface._positions(value, name)
         starts = np.empty(0) if start is None else arguments.numbers(start, "start")
         if start is not None:
             if starts.shape != (len(positions),):
@@ -244,7 +240,7 @@ class Solver:
         asked.signed = bool(signed)
         if max_distance != math.inf:
             max_distance = arguments.number(max_distance, "max_distance")
-        ends = np.empty((0, 3)) if targets is None else self._positions(targets, "targets")
+        ends = np.empty((0, 3)) if targets is None else self.surface._positions(targets, "targets")
         made = self._made.distance(asked, max_distance, ends, targets is not None, progress)
         self._warn(made.of_whole_surface)
         return Distance(made, self.surface)
@@ -273,7 +269,7 @@ class Solver:
             raise InputError("many is empty", "give one seed or more")
         if at is None:
             self._require_mesh("distances")
-        points = None if at is None else self._positions(at, "at")
+        points = None if at is None else self.surface._positions(at, "at")
         if max_distance != math.inf:
             max_distance = arguments.number(max_distance, "max_distance")
         return self._made.distances(all_seeds, points, max_distance, progress)
@@ -287,7 +283,7 @@ class Solver:
         """
         asked = _igeo.Seeds()
         self._add_seeds(asked, seeds, None, "seeds")
-        ends = np.empty((0, 3)) if targets is None else self._positions(targets, "targets")
+        ends = np.empty((0, 3)) if targets is None else self.surface._positions(targets, "targets")
         found = self._made.distance(asked, math.inf, ends, False, progress)
         self._warn(found.of_whole_surface)
         return found.matrix(progress)
@@ -312,7 +308,7 @@ class Solver:
         start: a point or a vertex. direction: (3,), its part along the surface counts. length: world
         units.
         """
-        points = self._positions(start, "start")
+        points = self.surface._positions(start, "start")
         if len(points) != 1:
             raise InputError(f"start holds {len(points)} points; allowed is one")
         along = arguments.vector(direction, "direction")

@@ -103,8 +103,9 @@ class Surface:
         points = arguments.points(vertices, "vertices")
         corners = arguments.integers(faces, "faces", len(points))
         arguments.shaped(corners, "faces", None, 3)
+        corners = np.ascontiguousarray(corners, dtype=np.uint32)
         voxels = _voxels(voxel_size, resolution, "jet", join_gaps)
-        return cls(_igeo.Surface.from_mesh(points, corners.astype(np.uint32), name, voxels, progress))
+        return cls(_igeo.Surface.from_mesh(points, corners, name, voxels, progress))
 
     @classmethod
     def from_points(
@@ -241,13 +242,22 @@ class Surface:
             raise InputError(f"{self.name} is no mesh, and has no faces", "Distance.mesh() has some")
         return faces
 
+    def _positions(self, value: Any, name: str) -> Floats:
+        """Points, or where vertices are."""
+        array = arguments.array(value, name)
+        if array.dtype.kind in "iu" and array.ndim < 2:
+            numbers = arguments.integers(array, name, len(self.vertices)).reshape(-1)
+            arguments.shaped(numbers, name, None)
+            return np.ascontiguousarray(self.vertices[numbers])
+        return arguments.points(array, name)
+
     def __repr__(self) -> str:
         return f"<igeo.Surface {self.name}: {self.kind}, {self._made.summary}, voxel size {self.voxel_size:.6g}>"
 
     def _repr_html_(self) -> str:
         rows = {"name": self.name, "kind": self.kind, "summary": self._made.summary}
         rows["voxel size"] = f"{self.voxel_size:.6g}"
-        for warning in self.warnings:
-            rows["warning"] = warning
+        if self.warnings:
+            rows["warnings"] = "; ".join(self.warnings)
         cells = "".join(f"<tr><th>{key}</th><td>{html.escape(value)}</td></tr>" for key, value in rows.items())
         return f"<table>{cells}</table>"

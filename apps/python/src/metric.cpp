@@ -120,7 +120,9 @@ void bindMetric(py::module_& module) {
         .def(
             "weight_by_grid",
             [](MetricBuilder& m, const std::string& file) {
-                m.definition().weights.push_back(igeo::readScalarGrid(igeo::parseGridSource(file)));
+                auto& all = m.definition().weights;
+                all.push_back(igeo::readScalarGrid(igeo::parseGridSource(file)));
+                return all.back().warnings;
             },
             "file"_a)
         .def("tensor_by_node", &setNodeTensors, "tensors"_a)
@@ -129,6 +131,7 @@ void bindMetric(py::module_& module) {
             "tensor_by_grid",
             [](MetricBuilder& m, const std::string& file) {
                 m.definition().tensor = igeo::readTensorGrids(igeo::parseGridSource(file));
+                return m.definition().tensor->warnings;
             },
             "file"_a)
         .def(
@@ -153,7 +156,9 @@ void bindMetric(py::module_& module) {
         .def(
             "block_grid",
             [](MetricBuilder& m, const std::string& file) {
-                m.obstacles().addGrid(igeo::readObstacleGrid(igeo::parseGridSource(file)));
+                const auto grid = igeo::readObstacleGrid(igeo::parseGridSource(file));
+                m.obstacles().addGrid(grid);
+                return grid.warnings;
             },
             "file"_a)
         .def(

@@ -143,7 +143,6 @@ void bindSolver(py::module_& module) {
                 return arrayOf(std::move(line.points));
             },
             "start"_a, "direction"_a, "length"_a, "progress"_a)
-        .def_property_readonly("surface", &GeodesicSolver::surface)
         .def_property_readonly("snap", &GeodesicSolver::maxSnap)
         .def_property_readonly("band", [](const GeodesicSolver& s) { return s.bandWidth().h; })
         .def_property_readonly("warnings", &warningsOf);

@@ -86,5 +86,7 @@ def test_wheel(tmp_path):
     subprocess.run(install, check=True, capture_output=True)
     code = "import igeo; print(igeo.__version__, igeo.__file__)"
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-    done = subprocess.run([python, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [python, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
+    )
     assert done.stdout.split()[0] == igeo.__version__ and str(folder) in done.stdout
