@@ -25,6 +25,8 @@ packages=(
     zsh fish                           # and what the completions offer
     parallel                           # and batches in shards
     pkg-config python3-yaml            # and what is installed or packed
+    pybind11-dev python3-dev python3-numpy python3-setuptools python3-wheel python3-pip python3-venv
+    python3-pytest mypy python3-matplotlib   # the Python package and its tests
     dpkg-dev file                      # cpack makes the dependencies of a .deb with them
     ca-certificates
 )

@@ -3,7 +3,7 @@
 #
 # usage: scripts/test.sh [ctest options]
 #   scripts/test.sh -L unit       the tests of one label: unit accuracy invariance cli
-#                                 viewer slurm install slow
+#                                 python viewer slurm install slow
 #   scripts/test.sh -R trefoil    the tests whose name matches
 
 set -euo pipefail
@@ -14,5 +14,9 @@ case ${1:-} in
 esac
 
 scripts/setup.sh
+# The Python package is no part of what users build by default.
+if "$(command -v pybind11-config || echo false)" --version >/dev/null; then
+    cmake --preset release -DIGEO_PYTHON=ON
+fi
 scripts/build.sh release
 ctest --preset release -j2 "$@"

@@ -51,9 +51,10 @@ Distance::Distance(Surface surface, BandWidth width, std::shared_ptr<const Band>
       targets_(std::move(targets)),
       maxSnap_(maxSnap) {}
 
-SurfacePoint Distance::nearest(const Vec3d& pWorld) const {
+SurfacePoint Distance::nearest(const Vec3d& pWorld, const std::string& what) const {
     const SurfacePoint p = surface_.nearest(*band_, band_->transform.indexFromWorld(pWorld));
-    requireNear(p, band_->transform, maxSnap_, "the point " + textOf(pWorld));
+    if (!isNear(p, band_->transform, maxSnap_))
+        requireNear(p, band_->transform, maxSnap_, what + " " + textOf(pWorld));
     return p;
 }
 
@@ -61,6 +62,27 @@ double Distance::at(const Vec3d& pWorld) const {
     const SurfacePoint p = nearest(pWorld);
     return sampleDistance(*field_, p.pIndex, Vec3d(band_->normal[p.node])) *
            signAt(*field_, p.pIndex) * band_->transform.dx;
+}
+
+PointValue Distance::valueAt(const SurfacePoint& p) const {
+    const Vec3d normal(band_->normal[p.node]);
+    const Arrival arrival = arrivalAt(*field_, p.pIndex, normal);
+    if (!(arrival.distance < kInfinity)) return {};
+    const SurfaceCell cell(*band_, *field_->metric, p.pIndex, normal);
+    const double sign = signAt(*field_, p.pIndex);
+    const Vec3d gradient = gradientAt(*field_, arrival, p.pIndex, cell);
+    return {arrival.distance * sign * band_->transform.dx, arrival.source,
+            sign * band_->transform.worldFromIndexDirection(gradient)};
+}
+
+std::vector<PointValue> Distance::valuesAt(const std::vector<Vec3d>& pWorld,
+                                           Progress& progress) const {
+    std::vector<PointValue> values(pWorld.size());
+    parallelFor(values.size(), 64, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+            values[k] = valueAt(nearest(pWorld[k], "point " + std::to_string(k) + " at"));
+    });
+    return values;
 }
 
 Polyline Distance::polylineOf(const Path& path) const {

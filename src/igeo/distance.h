@@ -46,6 +46,14 @@ Polyline inWorld(const Path& path, const Similarity& transform);
 /// other side. Lengths and distances stay those on the surface.
 void moveAlongNormals(Polyline& line, double by);
 
+/// What is known at a point of the surface.
+struct PointValue {
+    double distance = kInfinity;      ///< as Distance::at
+    std::uint32_t source = kNoLabel;  ///< the nearest source; kNoLabel: not reached
+    Vec3d gradient{};                 ///< of the distance along the surface, world, as long as the
+                                      ///< weight there; 0 where not reached and at a seed
+};
+
 /// What GeodesicSolver::distance found. Cheap to copy.
 class Distance {
 public:
@@ -56,6 +64,11 @@ public:
     /// times weight, +infinity where unreached, negative where the seeds enclose it (isSigned).
     /// @throws Error  InvalidArgument where the surface is farther away than the solver's maxSnap
     double at(const Vec3d& pWorld) const;
+    /// The same at many points, with the gradient and the source.
+    /// @throws Error  as `at`, with the number of the point; Cancelled
+    /// In parallel.
+    std::vector<PointValue> valuesAt(const std::vector<Vec3d>& pWorld,
+                                     Progress& progress = Progress::none()) const;
     /// The geodesic from there to the nearest seed.
     /// @param straighten  relax it to a locally shortest curve, free of the march's error
     Polyline path(const Vec3d& pWorld, bool straighten = false) const;
@@ -98,7 +111,8 @@ public:
     const Surface& surface() const { return surface_; }
 
 private:
-    SurfacePoint nearest(const Vec3d& pWorld) const;
+    SurfacePoint nearest(const Vec3d& pWorld, const std::string& what = "the point") const;
+    PointValue valueAt(const SurfacePoint& p) const;
     Polyline polylineOf(const Path& path) const;
 
     Surface surface_;

@@ -362,6 +362,8 @@ Vec3d Surface::vertex(const std::string& name) const {
     return (*vertices)[vertexNamed(name, *vertices, facts().name)];
 }
 
+const std::vector<Vec3d>* Surface::vertices() const { return shape_->vertices(); }
+
 BandWidth Surface::bandWidth(Scheme scheme, int order, double h, Progress& progress) const {
     return shape_->bandWidth(scheme, order, h, progress);
 }

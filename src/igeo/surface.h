@@ -120,6 +120,8 @@ public:
     /// @return its position, world
     /// @throws Error  InvalidArgument for another name, a number out of range, and a level set
     Vec3d vertex(const std::string& name) const;
+    /// All of them, world; null: of a level set.
+    const std::vector<Vec3d>* vertices() const;
 
     /// What it is made of; null: of something else.
     const TriangleMesh* triangles() const;

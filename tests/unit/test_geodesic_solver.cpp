@@ -292,4 +292,49 @@ TEST_CASE("GeodesicSolver: a group is one source, and each source has a column o
                 [&] { GeodesicSolver(Surface(*ball(0.1))).atVertices({{on(0, 0, 1)}}); });
 }
 
+TEST_CASE("Distance: values at many points, with gradient and source") {
+    const GeodesicSolver solver{Surface(*ball(0.05))};
+    const std::vector<Vec3d> seeds{on(0, 0, 1), on(0, 0, -1)},
+        points{on(1, 2, 1), on(-1, 0.5, -0.8), on(0.3, -1, 2)};
+    const igeo::Distance d = solver.distance({seeds[0], seeds[1]});
+    const std::vector<PointValue> values = d.valuesAt(points);
+    REQUIRE(values.size() == points.size());
+    const Vec3d c{kCenter.x(), kCenter.y(), kCenter.z()};
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        CHECK(values[k].distance == d.at(points[k]));
+        CHECK(values[k].source == (points[k].z > kCenter.z() ? 0 : 1));
+        const Vec3d n = points[k] - c, away = seeds[values[k].source] - c;
+        // Measured: 1.4e-3.
+        CHECK(length(values[k].gradient + normalized(tangential(away, n))) < 2.1e-3);
+    }
+    CHECK(solver.unreached(true).valuesAt(points).front().source == kNoLabel);
+    expectError(Error::Kind::InvalidArgument, {"point 1 at ", "raise maxSnap"}, [&] {
+        d.valuesAt({points[0], {9, 9, 9}});
+    });
+}
+
+TEST_CASE("GeodesicSolver: costs per node are those computed at its foot points") {
+    const Surface surface(*ball(0.1));
+    const GeodesicSolver plain{surface};
+    const std::size_t nodes = plain.wholeBand()->size();
+    SolverOptions options;
+    options.metric.nodeWeights = {std::vector<float>(nodes, 3.0f)};
+    MarchLimits limits;
+    limits.maxDistance = 2;  // the whole band all the same
+    const Vec3d seed = on(0, 0, 1), target = on(0.5, 0, 1);
+    const double once = plain.distance({seed}).at(target);
+    CHECK(GeodesicSolver(surface, options).distance({seed}, limits).at(target) ==
+          Approx(3 * once).epsilon(1e-6));
+    options.metric.nodeWeights.clear();
+    options.metric.nodeTensors.assign(nodes, Tensor{4, 4, 4, 0, 0, 0});
+    CHECK(GeodesicSolver(surface, options).distance({seed}).at(target) ==
+          Approx(2 * once).epsilon(1e-6));
+    options.metric.nodeTensors.pop_back();
+    expectError(Error::Kind::InvalidArgument, {"costs for a band of"},
+                [&] { GeodesicSolver(surface, options).distance({seed}); });
+    options.metric.nodeTensors.assign(nodes, Tensor{4, -4, 4, 0, 0, 0});
+    expectError(Error::Kind::InvalidArgument, {"eigenvalue"},
+                [&] { GeodesicSolver(surface, options).distance({seed}); });
+}
+
 }  // namespace igeo::test

@@ -248,9 +248,8 @@ PolygonReader polygonReaderFor(const std::string& file) {
 }
 
 /// Keeps the numbers of vertices and faces.
-void readPolygons(TriangleMesh& mesh, PolygonReader read) {
-    const std::string bytes = inflatedFileBytes(mesh.file);
-    const auto source = std::make_shared<const PolygonMesh>(read(mesh.file, bytes));
+void takePolygons(TriangleMesh& mesh, PolygonMesh polygons) {
+    const auto source = std::make_shared<const PolygonMesh>(std::move(polygons));
     requireRoom(source->vertices.size(), mesh.file);
     mesh.points = source->vertices;
     for (std::size_t f = 0; f < source->faces(); ++f) {
@@ -275,6 +274,26 @@ void warnOfRounding(TriangleMesh& mesh) {
                     furthest, size, off));
 }
 
+/// What every mesh is asked for, and weld().
+void finish(TriangleMesh& mesh) {
+    if (mesh.triangles.empty())
+        throw Error(Kind::BadInput,
+                    fmt::format("'{}' holds {} points and no faces", mesh.file, mesh.points.size()),
+                    "give points without faces to readPointCloud");
+    for (const Vec3d& p : mesh.points)
+        if (!std::isfinite(dot(p, p)))
+            throw Error(Kind::BadInput,
+                        fmt::format("'{}' has coordinates that are not finite: {:f}, {:f}, {:f}",
+                                    mesh.file, p.x, p.y, p.z),
+                        "export the mesh again, with coordinates of up to 3.4e38 but for .ply");
+    requireExtent(Box(mesh.points).longestSide(), mesh.file);
+    weld(mesh);
+    if (mesh.triangles.empty())
+        throw Error(Kind::BadInput,
+                    "all triangles of '" + mesh.file + "' have shrunk to points or lines",
+                    "give a mesh with faces");
+}
+
 }  // namespace
 
 bool isMeshFile(const std::string& file) {
@@ -293,26 +312,25 @@ TriangleMesh readMesh(const std::string& file) {
     TriangleMesh mesh;
     mesh.file = file;
     if (const PolygonReader reader = polygonReaderFor(file))
-        readPolygons(mesh, reader);
+        takePolygons(mesh, reader(file, inflatedFileBytes(file)));
     else
         readScene(mesh);
-    const std::size_t read = mesh.points.size();
-    if (mesh.triangles.empty())
-        throw Error(Kind::BadInput, fmt::format("'{}' holds {} points and no faces", file, read),
-                    "give points without faces to readPointCloud");
-    for (const Vec3d& p : mesh.points)
-        if (!std::isfinite(dot(p, p)))
-            throw Error(Kind::BadInput,
-                        fmt::format("'{}' has coordinates that are not finite: {:f}, {:f}, {:f}",
-                                    file, p.x, p.y, p.z),
-                        "export the mesh again, with coordinates of up to 3.4e38 but for .ply");
-    requireExtent(Box(mesh.points).longestSide(), file);
-    weld(mesh);
-    if (mesh.triangles.empty())
-        throw Error(Kind::BadInput,
-                    "all triangles of '" + file + "' have shrunk to points or lines",
-                    "give a mesh with faces");
+    finish(mesh);
     warnOfRounding(mesh);
+    return mesh;
+}
+
+TriangleMesh meshOf(PolygonMesh polygons, const std::string& name) {
+    for (const std::uint32_t corner : polygons.corners)
+        if (corner >= polygons.vertices.size())
+            throw Error(Kind::BadInput,
+                        fmt::format("a face of '{}' names vertex {} of {}", name, corner,
+                                    polygons.vertices.size()),
+                        "count vertices from 0 on");
+    TriangleMesh mesh;
+    mesh.file = name;
+    takePolygons(mesh, std::move(polygons));
+    finish(mesh);
     return mesh;
 }
 

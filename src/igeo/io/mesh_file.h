@@ -29,4 +29,11 @@ bool isMeshFile(const std::string& file);
 /// Time O(size).
 TriangleMesh readMesh(const std::string& file);
 
+/// The mesh of vertices and faces that are in memory, as readMesh makes it of a file: polygons cut
+/// into triangles, welded, with the numbers of its vertices.
+/// @param name  what messages and results call it
+/// @throws Error  BadInput without vertices or faces, for corners that are no vertices, and as
+///         readMesh
+TriangleMesh meshOf(PolygonMesh polygons, const std::string& name);
+
 }  // namespace igeo

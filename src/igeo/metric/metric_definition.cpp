@@ -1,5 +1,7 @@
 #include <igeo/metric/metric_definition.h>
 
+#include <fmt/core.h>
+#include <igeo/base/error.h>
 #include <igeo/metric/grid_sampling.h>
 #include <igeo/metric/vertex_weights.h>
 
@@ -7,12 +9,28 @@
 
 namespace igeo {
 
+namespace {
+
+/// Costs per node cannot be put on another band.
+void requireNodes(std::size_t given, const Band& band) {
+    if (given == band.size()) return;
+    throw Error(Error::Kind::InvalidArgument,
+                fmt::format("{} costs for a band of {} nodes", given, band.size()),
+                "compute them at the foot points of the solver that they are for");
+}
+
+}  // namespace
+
 MetricPtr metricOn(const MetricDefinition& d, const Band& band, Progress& progress) {
     if (d.euclidean()) return nullptr;
     auto metric = std::make_shared<Metric>();
     const Curvature curved =
         d.curvature || d.bending ? curvature(band, d.curvatureScale, progress) : Curvature{};
     if (d.tensor) metric->tensor = sampleTensor(*d.tensor, band, progress);
+    if (!d.nodeTensors.empty()) {
+        requireNodes(d.nodeTensors.size(), band);
+        metric->tensor = d.nodeTensors;
+    }
     if (d.bending)
         metric->tensor = curvatureTensor(
             band, curved, d.bending->bending,
@@ -24,6 +42,11 @@ MetricPtr metricOn(const MetricDefinition& d, const Band& band, Progress& progre
     for (const std::vector<double>& weights : d.vertexWeights)
         metric->multiply(sampleVertexWeights(weights, band, progress));
     if (d.slope) metric->multiply(slopeWeights(band, *d.slope));
+    for (const std::vector<float>& weights : d.nodeWeights) {
+        requireNodes(weights.size(), band);
+        metric->multiply(weights);
+    }
+    if (!d.nodeWeights.empty() || !d.nodeTensors.empty()) metric->check(band);
     metric->setObstacles(
         band, d.slope ? steepObstacles(band.transform, *d.slope, d.obstacles) : d.obstacles);
     return metric;
@@ -37,6 +60,8 @@ double leastWeight(const MetricDefinition& d) {
     return d.curvature ? least * d.curvature->epsilon : least;
 }
 
-bool needsWholeSurface(const MetricDefinition& d) { return d.curvature || d.tensor || d.bending; }
+bool needsWholeSurface(const MetricDefinition& d) {
+    return d.curvature || d.tensor || d.bending || !d.nodeWeights.empty() || !d.nodeTensors.empty();
+}
 
 }  // namespace igeo

@@ -20,6 +20,10 @@ struct MetricDefinition {
     std::vector<LoadedGrid> weights;  ///< cost per unit length
     /// Further weights: per point of the mesh that the surface is (valuesAtPoints).
     std::vector<std::vector<double>> vertexWeights;
+    /// Further weights, and a tensor in index axes instead of `tensor`: per node of the band of the
+    /// whole surface, for costs that are computed at its foot points.
+    std::vector<std::vector<float>> nodeWeights;
+    std::vector<Tensor> nodeTensors;
     std::optional<CurvatureWeight> curvature;  ///< another weight
     std::optional<SlopeWeight> slope;          ///< another weight, and obstacles
     std::optional<TensorGrids> tensor;         ///< instead of a bending cost
@@ -28,14 +32,15 @@ struct MetricDefinition {
     std::shared_ptr<const ObstacleSet> obstacles;    ///< null: none
 
     bool euclidean() const {
-        return weights.empty() && vertexWeights.empty() && !curvature && !slope && !tensor &&
-               !bending && !obstacles;
+        return weights.empty() && vertexWeights.empty() && nodeWeights.empty() &&
+               nodeTensors.empty() && !curvature && !slope && !tensor && !bending && !obstacles;
     }
 };
 
 /// The metric on a band; null where it is Euclidean.
 /// @throws Error  as sampleWeight, sampleVertexWeights, sampleTensor, curvature, curvatureWeights,
-///         curvatureTensor, slopeWeights
+///         curvatureTensor, slopeWeights; InvalidArgument for costs per node of another band, and
+///         for such a cost out of its range (Metric::check)
 /// Time O(n), in parallel.
 MetricPtr metricOn(const MetricDefinition& definition, const Band& band,
                    Progress& progress = Progress::none());

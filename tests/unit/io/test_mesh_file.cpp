@@ -277,5 +277,25 @@ TEST_CASE("files that are no meshes are refused", "[mesh]") {
     CHECK(printed.str().empty());
 }
 
+TEST_CASE("vertices and faces in memory are a mesh as those of a file", "[mesh]") {
+    PolygonMesh cube;
+    for (int k = 0; k < 8; ++k)
+        cube.vertices.push_back({double(k & 1), double(k >> 1 & 1), double(k >> 2 & 1)});
+    for (const auto& face : std::vector<std::vector<std::uint32_t>>{
+             {0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}})
+        cube.addFace(face);
+    const TriangleMesh mesh = meshOf(cube, "cube");
+    CHECK(mesh.triangles.size() == 12);
+    CHECK(volume(mesh) == Approx(1));
+    REQUIRE(mesh.source);
+    CHECK(mesh.source->vertices.size() == 8);
+    test::expectError(Kind::BadInput, {"no faces"}, [&] {
+        meshOf({cube.vertices, {}, {}}, "cube");
+    });
+    cube.corners.back() = 8;
+    test::expectError(Kind::BadInput, {"'cube'", "names vertex 8 of 8"},
+                      [&] { meshOf(cube, "cube"); });
+}
+
 }  // namespace
 }  // namespace igeo

@@ -1,0 +1,208 @@
+"""Checks of arguments: each refusal names the argument, what it is, and what it may be."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from typing import Any, Callable, NamedTuple, Optional, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _igeo
+from ._errors import InputError
+
+Floats = NDArray[np.float64]
+Path = Union[str, "os.PathLike[str]"]
+Progress = Optional[Callable[[str, float], Any]]
+# From foot points, shape (n, 3), to a value for each.
+OfPoints = Callable[[Floats], ArrayLike]
+
+
+class Sphere(NamedTuple):
+    """A ball that no path may enter; world units."""
+
+    center: ArrayLike
+    radius: float
+
+
+class Box(NamedTuple):
+    """A box along the axes that no path may enter; a flat one is a wall. World units."""
+
+    low: ArrayLike
+    high: ArrayLike
+
+
+def array(value: Any, name: str) -> NDArray[Any]:
+    """Of any type, but not of lists of several lengths."""
+    try:
+        return np.asarray(value)
+    except ValueError as error:
+        raise InputError(f"{name} is no array of numbers: {error}") from None
+
+
+def numbers(value: Any, name: str) -> Floats:
+    """As float64, finite or not."""
+    found = array(value, name)
+    if found.dtype.kind not in "iuf":
+        raise InputError(f"{name} has dtype {found.dtype}; allowed are real numbers")
+    return np.asarray(found, dtype=np.float64, order="C")
+
+
+def shaped(values: NDArray[Any], name: str, *shape: Optional[int]) -> None:
+    """None in `shape` allows any length but 0."""
+    fits = values.ndim == len(shape) and all(
+        n == wanted or (wanted is None and n > 0) for n, wanted in zip(values.shape, shape)
+    )
+    if not fits:
+        wanted = ", ".join("n" if n is None else str(n) for n in shape) + ("," if len(shape) == 1 else "")
+        more = " with n of 1 or more" if None in shape else ""
+        raise InputError(f"{name} has shape {values.shape}; allowed is ({wanted}){more}")
+
+
+def finite(values: Floats, name: str) -> Floats:
+    bad = ~np.isfinite(values)
+    if bad.any():
+        at = tuple(int(k) for k in np.argwhere(bad)[0])
+        where = ", ".join(map(str, at))
+        raise InputError(f"{name}[{where}] is {values[at]}; allowed are finite numbers ({bad.sum()} are not)")
+    return values
+
+
+def points(value: Any, name: str) -> Floats:
+    """Shape (n, 3), n at least 1; one point may have shape (3,)."""
+    values = numbers(value, name)
+    if values.shape == (3,):
+        values = values[np.newaxis]
+    shaped(values, name, None, 3)
+    return finite(values, name)
+
+
+def vector(value: Any, name: str) -> Floats:
+    values = numbers(value, name)
+    shaped(values, name, 3)
+    return finite(values, name)
+
+
+def number(value: Any, name: str, above: float = 0.0) -> float:
+    """A finite number above a bound."""
+    try:
+        x = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is {value!r}; allowed are numbers above {above:g}") from None
+    if not (x > above and math.isfinite(x)):
+        raise InputError(f"{name} is {x:g}; allowed are finite numbers above {above:g}")
+    return x
+
+
+def above_zero_or_none(value: Optional[float], name: str) -> float:
+    """0 stands for None."""
+    return 0.0 if value is None else number(value, name)
+
+
+def integers(value: Any, name: str, count: int, what: str = "vertices") -> NDArray[Any]:
+    """Numbers from 0 to before `count`, of any shape."""
+    values = array(value, name)
+    if values.dtype.kind not in "iu":
+        raise InputError(f"{name} has dtype {values.dtype}; allowed are integers")
+    bad = (values < 0) | (values >= count)
+    if bad.any():
+        at = tuple(int(k) for k in np.argwhere(bad)[0])
+        where = f"[{', '.join(map(str, at))}]" if at else ""
+        raise InputError(f"{name}{where} is {values[at]}; allowed are 0 to {count - 1}, the {what}")
+    return values
+
+
+def mask(value: Any, name: str, count: int, what: str) -> NDArray[np.bool_]:
+    values = np.asarray(value)
+    if values.dtype.kind != "b":
+        raise InputError(f"{name} has dtype {values.dtype}; allowed is bool")
+    if values.shape != (count,):
+        raise InputError(f"{name} has shape {values.shape}; allowed is ({count},), one per {what}")
+    return np.ascontiguousarray(values)
+
+
+def costs(value: Any, name: str, count: int, what: str) -> Floats:
+    """One finite number above 0 each."""
+    values = numbers(value, name)
+    if values.shape != (count,):
+        raise InputError(f"{name} has shape {values.shape}; allowed is ({count},), one per {what}")
+    bad = ~((values > 0) & np.isfinite(values))
+    if bad.any():
+        k = int(np.argmax(bad))
+        raise InputError(
+            f"{name}[{k}] is {values[k]}; allowed are finite numbers above 0 ({bad.sum()} are not)",
+            "block such places by obstacles, and give them any weight above 0",
+        )
+    return values
+
+
+def tensors(value: Any, name: str, count: int, what: str) -> Floats:
+    """One symmetric, positive definite 3x3 matrix each."""
+    values = numbers(value, name)
+    if values.shape != (count, 3, 3):
+        raise InputError(f"{name} has shape {values.shape}; allowed is ({count}, 3, 3), one per {what}")
+    finite(values, name)
+    skew = np.abs(values - values.transpose(0, 2, 1)).max(axis=(1, 2))
+    bad = skew > 1e-6 * np.abs(values).max(axis=(1, 2))
+    if bad.any():
+        raise InputError(f"{name}[{int(np.argmax(bad))}] is not symmetric; allowed are symmetric matrices")
+    least = np.linalg.eigvalsh(values)[:, 0]
+    if not (least > 0).all():
+        k = int(np.argmin(least))
+        raise InputError(f"{name}[{k}] has the eigenvalue {least[k]:g}; allowed are eigenvalues above 0")
+    return values
+
+
+def affine(spacing: Any, origin: Any, matrix: Any) -> Floats:
+    """World from array indices, 4x4: of `matrix`, else of spacing and origin."""
+    if matrix is not None:
+        if spacing is not None or origin is not None:
+            raise InputError("affine is given beside spacing or origin", "leave out spacing and origin")
+        values = finite(numbers(matrix, "affine"), "affine")
+        shaped(values, "affine", 4, 4)
+        if tuple(values[3]) != (0, 0, 0, 1):
+            raise InputError(f"the last row of affine is {values[3]}; allowed is 0, 0, 0, 1")
+        if np.linalg.matrix_rank(values[:3, :3]) < 3:
+            raise InputError("the columns of affine lie in one plane; allowed are three directions")
+        return values
+    values = np.eye(4)
+    steps = numbers(1.0 if spacing is None else spacing, "spacing")
+    if steps.shape not in ((), (3,)):
+        raise InputError(f"spacing has shape {steps.shape}; allowed are a number and (3,)")
+    if not (np.isfinite(steps) & (steps > 0)).all():
+        raise InputError(f"spacing is {steps}; allowed are finite numbers above 0")
+    values[:3, :3] *= steps
+    if origin is not None:
+        values[:3, 3] = vector(origin, "origin")
+    return values
+
+
+def volume(values: Any, name: str) -> NDArray[np.float32]:
+    """As float32 with the first index fastest, as the library has it."""
+    given = array(values, name)
+    if given.dtype.kind not in "iufb":
+        raise InputError(f"{name} has dtype {given.dtype}; allowed are real numbers and bool")
+    if given.ndim != 3 or min(given.shape) < 2:
+        raise InputError(f"{name} has shape {given.shape}; allowed are three axes of 2 or more")
+    if max(given.shape) >= _igeo.farthest_index:
+        raise InputError(f"{name} has shape {given.shape}; allowed are axes below {_igeo.farthest_index}")
+    found = np.asfortranarray(given, dtype=np.float32)
+    if not np.isfinite(found).all():
+        at = tuple(int(k) for k in np.argwhere(~np.isfinite(found))[0])
+        raise InputError(f"{name}[{', '.join(map(str, at))}] is {found[at]}; allowed are finite numbers")
+    return found
+
+
+def one_of(value: str, name: str, allowed: Sequence[str]) -> str:
+    if value not in allowed:
+        raise InputError(f"{name} is {value!r}; allowed are {', '.join(map(repr, allowed))}")
+    return value
+
+
+def path(value: Any, name: str) -> str:
+    try:
+        return str(os.fspath(value))
+    except TypeError:
+        raise InputError(f"{name} is {value!r}; allowed are names of files") from None

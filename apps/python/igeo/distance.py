@@ -1,0 +1,205 @@
+"""What a solver found."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, NamedTuple, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arguments as arguments
+from . import _igeo
+from ._arguments import Floats, Path, Progress
+from ._errors import Error, InputError
+from .surface import Surface
+
+Labels = NDArray[np.int32]
+
+
+class Isoline(NamedTuple):
+    """A line on which the distance is `level`."""
+
+    level: float
+    points: Floats  # (n, 3); none twice
+    closed: bool  # the last point joins the first
+
+
+class Mesh(NamedTuple):
+    """The surface as triangles that carry the distance."""
+
+    vertices: Floats  # (n, 3)
+    faces: NDArray[np.uint32]  # (m, 3), counter-clockwise seen from outside
+    distance: Floats  # (n,), infinite where not reached
+    labels: Labels  # (n,), -1 where not reached
+    gradient: NDArray[np.float32]  # (n, 3), of the distance along the surface
+    normals: NDArray[np.float32]  # (n, 3), unit
+
+
+class Distance:
+    """The distance from the seeds of Solver.distance, in world units times weight.
+
+    Infinite where not reached. Results of properties are computed once.
+    """
+
+    def __init__(self, made: _igeo.Distance, surface: Surface) -> None:
+        self._made = made
+        self.surface = surface
+
+    @cached_property
+    def _on_vertices(self) -> tuple[Floats, Labels]:
+        if self.surface.kind != "mesh":
+            raise InputError(
+                f"{self.surface.name} is of kind {self.surface.kind}, and values at vertices need a mesh",
+                "use at(points), or mesh(), which has triangles with distances",
+            )
+        return self._made.at_vertices(None)
+
+    @property
+    def on_vertices(self) -> Floats:
+        """(n,), under the numbers of the mesh; NaN at vertices without a face."""
+        return self._on_vertices[0]
+
+    @property
+    def labels(self) -> Labels:
+        """(n,), the nearest seed of each vertex, from 0; -1 where not reached or without a face."""
+        return self._on_vertices[1]
+
+    @cached_property
+    def gradient(self) -> Floats:
+        """(n, 3), of the distance along the surface at the vertices, as long as the weight there; 0
+        where not reached and at seeds, NaN at vertices without a face."""
+        used = ~np.isnan(self.on_vertices)
+        gradient = np.full((len(used), 3), np.nan)
+        gradient[used] = self.gradient_at(self.surface.vertices[used])
+        return gradient
+
+    def at(self, points: ArrayLike, *, progress: Progress = None) -> Floats:
+        """(n,), at the points of the surface nearest to points (n, 3), or at vertices.
+
+        Raises InputError for a point farther from the surface than Solver.snap.
+        """
+        return self._values_at(points, progress)[0]
+
+    def gradient_at(self, points: ArrayLike, *, progress: Progress = None) -> Floats:
+        """(n, 3), as `gradient`, at the points of the surface nearest to points (n, 3), or at vertices."""
+        return self._values_at(points, progress)[1]
+
+    def labels_at(self, points: ArrayLike, *, progress: Progress = None) -> Labels:
+        """(n,), as `labels`, at the points of the surface nearest to points (n, 3), or at vertices."""
+        return self._values_at(points, progress)[2]
+
+    def _values_at(self, points: ArrayLike, progress: Progress) -> tuple[Floats, Floats, Labels]:
+        return self._made.values_at(self.surface._positions(points, "points"), progress)
+
+    def path(self, target: ArrayLike, *, straighten: bool = False) -> Floats:
+        """(n, 3), the geodesic from a point or a vertex to the nearest seed; (0, 3) where none leads
+        there.
+
+        straighten: relax it to a locally shortest curve, free of the error of the distance.
+        """
+        points = self.surface._positions(target, "target")
+        if len(points) != 1:
+            raise InputError(f"target holds {len(points)} points; allowed is one", "use paths for several")
+        return self.paths(points, straighten=straighten)[0]
+
+    def paths(
+        self, targets: ArrayLike, *, straighten: bool = False, progress: Progress = None
+    ) -> list[Floats]:
+        """The same for points (n, 3) or vertices, on all cores."""
+        found = self._made.paths(self.surface._positions(targets, "targets"), straighten, progress)
+        for k, (status, _) in enumerate(found):
+            if status not in ("reached", "unreachable"):
+                raise Error(f"the path of target {k} is {status}", "use smaller voxels, or move the target")
+        return [points for _, points in found]
+
+    def isolines(self, levels: Any, *, progress: Progress = None) -> list[Isoline]:
+        """Lines of equal distance, by rising level.
+
+        levels: distances, 0 or more; or an integer, so many that cut the range into equal parts.
+        """
+        if isinstance(levels, (int, np.integer)):
+            if levels < 1:
+                raise InputError(f"levels is {levels}; allowed are 1 and more, or an array of distances")
+            values = self.largest * np.arange(1, levels + 1) / (levels + 1)
+        else:
+            values = np.atleast_1d(arguments.numbers(levels, "levels"))
+            arguments.shaped(values, "levels", None)
+            arguments.finite(values, "levels")
+            if (values < 0).any():
+                raise InputError(f"levels has {values.min():g}; allowed are 0 and more")
+        found = self._made.isolines(np.sort(values).tolist(), progress)
+        return [Isoline(level, points, closed) for level, closed, points in found]
+
+    def mesh(self, *, progress: Progress = None) -> Mesh:
+        """The surface as triangles: those of the mesh, refined, or the level set's."""
+        return Mesh(*self._made.mesh(progress))
+
+    def to_vdb(self, path: Path, *, name: str = "") -> None:
+        """Writes a grid of the distances for OpenVDB, active where they are known.
+
+        name: of the grid; by default that of the surface and "_geodesic". Raises FileError.
+        """
+        self._made.write_grid(arguments.path(path, "path"), name)
+
+    def image(
+        self,
+        path: Optional[Path] = None,
+        *,
+        width: int = 1280,
+        height: int = 960,
+        color_map: str = "viridis",
+        spacing: Optional[float] = None,
+        legend: bool = True,
+        eye: Optional[ArrayLike] = None,
+        look_at: Optional[ArrayLike] = None,
+        up: ArrayLike = (0.0, 1.0, 0.0),
+        paths_from: Optional[ArrayLike] = None,
+        progress: Progress = None,
+    ) -> bytes:
+        """A picture as the bytes of a PNG file, which is written if `path` is given.
+
+        width, height: pixels. color_map: one of igeo.color_maps. spacing: of isolines, world units
+        times weight; 0: none; None: a round one. eye, look_at: (3,), where from and where to. up:
+        (3,). paths_from: points or vertices whose paths are drawn.
+        """
+        options = _igeo.Picture()
+        options.width, options.height = int(width), int(height)
+        options.color_map = arguments.one_of(color_map, "color_map", _igeo.color_maps)
+        if spacing is not None:
+            options.spacing = arguments.number(spacing, "spacing") if spacing != 0 else -1.0
+        options.legend = bool(legend)
+        options.up(arguments.vector(up, "up"))
+        if eye is not None:
+            options.eye(arguments.vector(eye, "eye"))
+        if look_at is not None:
+            options.look_at(arguments.vector(look_at, "look_at"))
+        ends = np.empty((0, 3)) if paths_from is None else self.surface._positions(paths_from, "paths_from")
+        png = self._made.picture(options, ends, progress)
+        if path is not None:
+            _igeo.write_file(arguments.path(path, "path"), png)
+        return png
+
+    @property
+    def seeds(self) -> Floats:
+        """(k, 3), the seeds on the surface."""
+        return self._made.seeds
+
+    @property
+    def largest(self) -> float:
+        """The largest distance reached."""
+        return self._made.largest
+
+    @property
+    def reached(self) -> float:
+        """The share of the band that was reached, 0 to 1."""
+        return self._made.reached
+
+    def __repr__(self) -> str:
+        return (
+            f"<igeo.Distance on {self.surface.name}: {len(self.seeds)} seeds, largest {self.largest:.6g}, "
+            f"{100 * self.reached:.3g} % reached>"
+        )
+
+    def _repr_png_(self) -> bytes:
+        return self.image(width=640, height=480)

@@ -1,0 +1,335 @@
+"""Distances on a surface: one solver, many seeds."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Optional, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arguments as arguments
+from . import _igeo
+from ._arguments import Box, Floats, OfPoints, Path, Progress, Sphere
+from ._errors import InputError, warn
+from .distance import Distance
+from .surface import _SCHEMES, Surface
+
+# An array per vertex, a function of foot points, or FILE[:GRID] of a .vdb file.
+Cost = Union[ArrayLike, OfPoints, Path]
+
+
+def _machine_memory() -> float:
+    """Bytes; infinity where the system does not tell."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, OSError, ValueError):
+        return math.inf
+
+
+def _is_file(value: Any) -> bool:
+    return isinstance(value, (str, os.PathLike))
+
+
+class _MetricReader:
+    """Puts what a solver was given as costs into a metric."""
+
+    def __init__(self, plain: _igeo.Solver, surface: Surface, progress: Progress) -> None:
+        self._plain, self._surface, self._progress = plain, surface, progress
+        self._feet: Optional[Floats] = None
+        self.metric = _igeo.Metric(plain)
+
+    def _at_feet(self, function: Callable[[Floats], ArrayLike]) -> Any:
+        """What a function says of all foot points; it is called once."""
+        if self._feet is None:
+            self._feet = _igeo.foot_points(self._plain, self._progress)
+        return function(self._feet)
+
+    def _nodes(self) -> int:
+        return 0 if self._feet is None else len(self._feet)
+
+    def _vertices(self, name: str) -> int:
+        if self._surface.kind != "mesh":
+            raise InputError(
+                f"{name} is an array, and {self._surface.name} is no mesh",
+                f"give {name} as a function of points (n, 3), or as a grid in a .vdb file",
+            )
+        return len(self._surface.vertices)
+
+    def weight(self, value: Cost) -> None:
+        if _is_file(value):
+            warn(self.metric.weight_by_grid(arguments.path(value, "weight")), 6)
+        elif callable(value):
+            found = self._at_feet(value)
+            found = arguments.costs(found, "what weight returns", self._nodes(), "point")
+            self.metric.weight_by_node(found.astype(np.float32))
+        else:
+            count = self._vertices("weight")
+            self.metric.weight_by_vertex(arguments.costs(value, "weight", count, "vertex"))
+
+    def tensor(self, value: Cost) -> None:
+        if _is_file(value):
+            warn(self.metric.tensor_by_grid(arguments.path(value, "tensor")), 6)
+        elif callable(value):
+            found = self._at_feet(value)
+            found = arguments.tensors(found, "what tensor returns", self._nodes(), "point")
+            self.metric.tensor_by_node(found)
+        else:
+            count = self._vertices("tensor")
+            found = arguments.tensors(value, "tensor", count, "vertex")
+            self.metric.tensor_by_vertex(found, self._progress)
+
+    def obstacle(self, value: Any, name: str) -> None:
+        if isinstance(value, Sphere):
+            center = arguments.vector(value.center, f"{name}.center")
+            self.metric.block_sphere(center, arguments.number(value.radius, f"{name}.radius"))
+        elif isinstance(value, Box):
+            low, high = arguments.vector(value.low, f"{name}.low"), arguments.vector(value.high, f"{name}.high")
+            if not (low <= high).all():
+                raise InputError(f"{name}.low is {low}; allowed is up to high, {high}")
+            self.metric.block_box(low, high)
+        elif _is_file(value):
+            warn(self.metric.block_grid(arguments.path(value, name)), 6)
+        elif callable(value):
+            found = self._at_feet(value)
+            blocked = arguments.mask(found, f"what {name} returns", self._nodes(), "point")
+            if blocked.any():
+                self.metric.block_nodes(blocked, name)
+        else:
+            count = self._vertices(name)
+            blocked = arguments.mask(value, name, count, "vertex")
+            if blocked.any():
+                self.metric.block_vertices(blocked)
+
+
+class Solver:
+    """Everything that does not depend on the seeds: the band of voxels and the metric on it.
+
+    May be used by several threads at once. Copies of arrays and values of functions are taken when
+    it is made.
+    """
+
+    def __init__(
+        self,
+        surface: Surface,
+        *,
+        weight: Optional[Cost] = None,
+        tensor: Optional[Cost] = None,
+        obstacles: Any = None,
+        scheme: str = "jet",
+        order: int = 2,
+        band: Optional[float] = None,
+        snap: Optional[float] = None,
+        memory_limit: Optional[float] = None,
+        progress: Progress = None,
+    ) -> None:
+        """
+        weight: cost per unit length, above 0. Of a mesh an array (n_vertices,), linear over each
+            triangle; of any surface a function that is called once with points of the surface, (n, 3),
+            and returns (n,); or "FILE.vdb:GRID".
+        tensor: the square of a cost per unit length, symmetric and positive definite, in world axes:
+            as `weight` with (n, 3, 3). Instead of or beside a weight.
+        obstacles: what no path may enter. A Sphere, a Box, bool of shape (n_vertices,) of a mesh, a
+            function of points (n, 3) that returns bool (n,), "FILE.vdb:GRID", or a list of these.
+        scheme: "jet", second order, or "godunov" of `order` 1 or 2, Fast Marching in the band.
+        band: half the thickness of the band, world units; None: the best one.
+        snap: how far points may be from the surface, world units; None: Surface.snap.
+        memory_limit: bytes that the band may take; None: the memory of the machine.
+        progress: called with the name of a stage and the share that is done, 0 to 1, in this thread.
+            An exception in it ends the work, as Ctrl-C does.
+        """
+        if not isinstance(surface, Surface):
+            raise TypeError(f"surface is of type {type(surface).__name__}; allowed is Surface (Surface.read)")
+        if order not in (1, 2):
+            raise InputError(f"order is {order!r}; allowed are 1 and 2")
+        self.surface = surface
+        plain = _igeo.plain_solver(
+            surface._made,
+            arguments.one_of(scheme, "scheme", _SCHEMES),
+            order,
+            arguments.above_zero_or_none(band, "band"),
+            -1.0 if snap is None else arguments.number(snap, "snap"),
+            _machine_memory() if memory_limit is None else arguments.number(memory_limit, "memory_limit"),
+            progress,
+        )
+        self._made = plain
+        if weight is not None or tensor is not None or obstacles is not None:
+            self._made = self._with_metric(plain, weight, tensor, obstacles, progress)
+        self._warned: set[str] = set()
+        self._has_obstacles = obstacles is not None
+
+    def _with_metric(
+        self, plain: _igeo.Solver, weight: Any, tensor: Any, obstacles: Any, progress: Progress
+    ) -> _igeo.Solver:
+        reader = _MetricReader(plain, self.surface, progress)
+        if weight is not None:
+            reader.weight(weight)
+        if tensor is not None:
+            reader.tensor(tensor)
+        several = isinstance(obstacles, (list, tuple)) and not isinstance(obstacles, (Sphere, Box))
+        if several and obstacles and not all(isinstance(o, (bool, np.bool_)) for o in obstacles):
+            for k, one in enumerate(obstacles):
+                reader.obstacle(one, f"obstacles[{k}]")
+        elif obstacles is not None and not (several and not obstacles):
+            reader.obstacle(obstacles, "obstacles")
+        return reader.metric.solver(progress)
+
+    @property
+    def snap(self) -> float:
+        """How far points may be from the surface, world units."""
+        return self._made.snap
+
+    def _add_seeds(self, seeds: _igeo.Seeds, value: Any, start: Any, name: str) -> None:
+        """Of one argument `seeds`: groups by name, a region, vertices or points."""
+        if isinstance(value, Mapping):
+            for group, members in value.items():
+                seeds.add_group(str(group), self.surface._positions(members, f"{name}[{group!r}]"))
+            return
+        array = arguments.array(value, name)
+        if array.dtype.kind in "iu" and array.shape == (3,) and len(set(array.tolist())) < 3:
+            raise InputError(
+                f"{name} is {array.tolist()}, a vertex twice",
+                "write a point with floats, [0.0, 0.0, 1.0], and each vertex once",
+            )
+        if array.dtype.kind == "b":
+            count = len(self.surface.vertices)
+            seeds.add_region(self._made, arguments.mask(array, name, count, "vertex"))
+            return
+        positions = self.surface._positions(value, name)
+        starts = np.empty(0) if start is None else arguments.numbers(start, "start")
+        if start is not None:
+            if starts.shape != (len(positions),):
+                raise InputError(f"start has shape {starts.shape}; allowed is ({len(positions)},), one per seed")
+            arguments.finite(starts, "start")
+        seeds.add_points(positions, starts)
+
+    def distance(
+        self,
+        seeds: Any = None,
+        *,
+        start: Optional[ArrayLike] = None,
+        curves: Iterable[ArrayLike] = (),
+        signed: bool = False,
+        max_distance: float = math.inf,
+        targets: Optional[ArrayLike] = None,
+        progress: Progress = None,
+    ) -> Distance:
+        """The distance from seeds.
+
+        seeds: points of floats, (k, 3) or (3,); vertices by number, integers of shape (k,) or one; a
+            region, bool (n_vertices,); or groups of points by name, {"A": [0, 1, 2], ...}, each one
+            source.
+        start: (k,), the distance at each seed, 0 or more; of points and vertices.
+        curves: polylines (m, 3) on the surface; one whose last point is its first is closed.
+        signed: negative inside a region, or on the smaller side of closed curves.
+        max_distance: world units times weight; farther away the distance is infinite.
+        targets: points or vertices; the march stops once it has reached all of them.
+        progress: as Solver.
+        Raises InputError for a point farther from the surface than `snap`, KeyboardInterrupt for
+        Ctrl-C. Labels count groups, points, curves and regions in this order.
+        """
+        asked = _igeo.Seeds()
+        if seeds is not None:
+            self._add_seeds(asked, seeds, start, "seeds")
+        for k, line in enumerate(curves):
+            vertices = arguments.points(line, f"curves[{k}]")
+            closed = len(vertices) > 2 and bool((vertices[0] == vertices[-1]).all())
+            asked.add_curve(vertices[:-1] if closed else vertices, closed)
+        asked.signed = bool(signed)
+        if max_distance != math.inf:
+            max_distance = arguments.number(max_distance, "max_distance")
+        ends = np.empty((0, 3)) if targets is None else self.surface._positions(targets, "targets")
+        made = self._made.distance(asked, max_distance, ends, targets is not None, progress)
+        self._warn(made.of_whole_surface)
+        return Distance(made, self.surface)
+
+    def distances(
+        self,
+        many: Iterable[Any],
+        *,
+        at: Optional[ArrayLike] = None,
+        max_distance: float = math.inf,
+        progress: Progress = None,
+    ) -> Floats:
+        """The distance from each of many seeds by itself, on all cores: row k is that of many[k].
+
+        many: of each element what `distance` takes as seeds: [0, 5, 7] are three vertices, an array
+            (k, 3) has k points.
+        at: points (m, 3) or vertices, the columns; None: the vertices of the mesh.
+        Shape (k, m); infinite where not reached. Each row takes m numbers of memory, and each thread
+        one march.
+        """
+        all_seeds = []
+        for k, value in enumerate(many):
+            all_seeds.append(_igeo.Seeds())
+            self._add_seeds(all_seeds[-1], value, None, f"many[{k}]")
+        if not all_seeds:
+            raise InputError("many is empty", "give one seed or more")
+        if at is None:
+            self._require_mesh("distances")
+        points = None if at is None else self.surface._positions(at, "at")
+        if max_distance != math.inf:
+            max_distance = arguments.number(max_distance, "max_distance")
+        return self._made.distances(all_seeds, points, max_distance, progress)
+
+    def matrix(self, seeds: Any, targets: Optional[ArrayLike] = None, *, progress: Progress = None) -> Floats:
+        """Distances between seeds, (k, k), or from each to each target, (k, m); on all cores.
+
+        seeds: points, vertices or groups, as `distance` takes them; between groups it is the
+            distance of their nearest points. targets: points or vertices.
+        Between seeds each number is the mean of both directions. For the scheme "jet".
+        """
+        asked = _igeo.Seeds()
+        self._add_seeds(asked, seeds, None, "seeds")
+        ends = np.empty((0, 3)) if targets is None else self.surface._positions(targets, "targets")
+        found = self._made.distance(asked, math.inf, ends, False, progress)
+        self._warn(found.of_whole_surface)
+        return found.matrix(progress)
+
+    def sample(self, count: int, seeds: Any = None, *, progress: Progress = None) -> Floats:
+        """Farthest-point sampling: `count` points, (count, 3), each as far as can be from those before
+        it and from `seeds`."""
+        if not isinstance(count, (int, np.integer)) or count < 1:
+            raise InputError(f"count is {count!r}; allowed are integers of 1 and more")
+        asked = _igeo.Seeds()
+        if seeds is not None:
+            self._add_seeds(asked, seeds, None, "seeds")
+        asked.samples = int(count)
+        found: NDArray[np.float64] = self._made.distance(asked, math.inf, np.empty((0, 3)), False, progress).seeds
+        return found[-int(count) :]
+
+    def shoot(
+        self, start: ArrayLike, direction: ArrayLike, length: float, *, progress: Progress = None
+    ) -> Floats:
+        """The geodesic that leaves a point in a direction, (n, 3).
+
+        start: a point or a vertex. direction: (3,), its part along the surface counts. length: world
+        units.
+        """
+        points = self.surface._positions(start, "start")
+        if len(points) != 1:
+            raise InputError(f"start holds {len(points)} points; allowed is one")
+        along = arguments.vector(direction, "direction")
+        return self._made.shoot(points[0], along, arguments.number(length, "length"), progress)
+
+    def _require_mesh(self, what: str) -> None:
+        if self.surface.kind != "mesh":
+            raise InputError(
+                f"{what} at vertices needs a mesh, and {self.surface.name} is of kind {self.surface.kind}",
+                "give points by at",
+            )
+
+    def _warn(self, of_whole_surface: bool) -> None:
+        """What there is to say of the band, once."""
+        if not of_whole_surface or self._warned:
+            return
+        found = list(self._made.warnings)
+        if self._has_obstacles and not _igeo.blocks_any(self._made):
+            found.append("no obstacle meets the surface, so nothing is blocked")
+        self._warned = {"", *found}
+        warn(found, 4)
+
+    def __repr__(self) -> str:
+        return f"<igeo.Solver on {self.surface.name}: band {self._made.band:.4g} voxels, snap {self.snap:.4g}>"

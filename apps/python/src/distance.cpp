@@ -1,0 +1,157 @@
+#include <igeo/base/parallel.h>
+#include <igeo/path/trace.h>
+
+#include <fstream>
+#include <optional>
+
+#include "arrays.h"
+#include "background.h"
+#include "bindings.h"
+
+namespace {
+
+using igeo::Distance;
+
+/// Distances and labels at the vertices.
+py::tuple atVertices(const Distance& d, const py::object& progress) {
+    igeo::VertexValues values =
+        inBackground(progress, [&](igeo::Progress& p) { return d.atVertices(p); });
+    return py::make_tuple(arrayOf(std::move(values.distance)), labelsOf(values.label));
+}
+
+/// Distances, gradients and labels.
+py::tuple valuesAt(const Distance& d, const Array<double>& points, const py::object& progress) {
+    const auto asked = pointsOf(points);
+    const auto values =
+        inBackground(progress, [&](igeo::Progress& p) { return d.valuesAt(asked, p); });
+    std::vector<double> distance;
+    std::vector<igeo::Vec3d> gradient;
+    std::vector<std::uint32_t> label;
+    for (const igeo::PointValue& v : values) {
+        distance.push_back(v.distance);
+        gradient.push_back(v.gradient);
+        label.push_back(v.source);
+    }
+    return py::make_tuple(arrayOf(std::move(distance)), arrayOf(std::move(gradient)),
+                          labelsOf(label));
+}
+
+/// Per target how its path ended, and its points.
+py::list paths(const Distance& d, const Array<double>& targets, bool straighten,
+               const py::object& progress) {
+    const auto asked = pointsOf(targets);
+    std::vector<igeo::Polyline> lines(asked.size());
+    runInBackground(progress, [&](igeo::Progress& p) {
+        igeo::parallelFor(asked.size(), 1, p, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k)
+                lines[k] = igeo::naming("target " + std::to_string(k),
+                                        [&] { return d.path(asked[k], straighten); });
+        });
+    });
+    py::list all;
+    for (igeo::Polyline& line : lines)
+        all.append(py::make_tuple(igeo::toString(line.status), arrayOf(std::move(line.points))));
+    return all;
+}
+
+/// Level, whether it is closed, and points of each line.
+py::list isolinesOf(const Distance& d, std::vector<double> levels, const py::object& progress) {
+    const igeo::Similarity& t = d.band().transform;
+    for (double& level : levels) level /= t.dx;
+    auto lines = inBackground(progress, [&](igeo::Progress& p) {
+        return igeo::isolines(d.field(), d.indexMesh(p), levels, p);
+    });
+    py::list all;
+    for (igeo::Isoline& line : lines) {
+        for (igeo::Vec3d& p : line.points) p = t.worldFromIndex(p);
+        all.append(py::make_tuple(line.level * t.dx, line.closed, arrayOf(std::move(line.points))));
+    }
+    return all;
+}
+
+py::bytes picture(const Distance& d, const igeo::PictureOptions& options,
+                  const Array<double>& targets, const py::object& progress) {
+    const auto asked = pointsOf(targets);
+    return inBackground(progress, [&](igeo::Progress& p) {
+        std::vector<igeo::Path> lines;
+        for (const igeo::Vec3d& target : asked) {
+            lines.emplace_back();
+            for (const igeo::Vec3d& v : d.path(target).points)
+                lines.back().vertices.push_back({d.band().transform.indexFromWorld(v)});
+        }
+        // A mesh is drawn as it is given.
+        return d.band().triangles ? igeo::renderPng(d.field(), lines, options, p)
+                                  : igeo::renderPng(d.levelSet(p), d.field(), lines, options, p);
+    });
+}
+
+void writeGrid(const Distance& d, const std::string& file, const std::string& name) {
+    const py::gil_scoped_release released;
+    igeo::writeVdb(file, {d.grid(name)});
+}
+
+py::tuple meshOf(const Distance& d, const py::object& progress) {
+    igeo::SurfaceMesh mesh = inBackground(progress, [&](igeo::Progress& p) { return d.mesh(p); });
+    return py::make_tuple(arrayOf(std::move(mesh.position)), arrayOf(std::move(mesh.triangles)),
+                          arrayOf(std::move(mesh.distance)), labelsOf(mesh.label),
+                          arrayOf(std::move(mesh.gradient)), arrayOf(std::move(mesh.normal)));
+}
+
+Array<double> seedPoints(const Distance& d) {
+    std::vector<igeo::Vec3d> points;
+    for (const igeo::SurfacePoint& s : d.seeds())
+        points.push_back(d.band().transform.worldFromIndex(s.pIndex));
+    return arrayOf(std::move(points));
+}
+
+/// Rows of seeds or groups, columns of targets or of the same.
+Array<double> matrixOf(const Distance& d, const py::object& progress) {
+    igeo::DistanceMatrix matrix =
+        inBackground(progress, [&](igeo::Progress& p) { return d.matrix(p); });
+    const auto rows = py::ssize_t(matrix.rows()), columns = py::ssize_t(matrix.targets.size());
+    return owning<double>(std::move(matrix.distance), {rows, columns});
+}
+
+void bindPicture(py::module_& module) {
+    using namespace py::literals;
+    py::class_<igeo::PictureOptions>(module, "Picture")
+        .def(py::init<>())
+        .def_readwrite("width", &igeo::PictureOptions::width)
+        .def_readwrite("height", &igeo::PictureOptions::height)
+        .def_readwrite("color_map", &igeo::PictureOptions::colorMap)
+        .def_readwrite("spacing", &igeo::PictureOptions::isolineSpacing)
+        .def_readwrite("legend", &igeo::PictureOptions::legend)
+        .def(
+            "eye", [](igeo::PictureOptions& o, const Array<double>& p) { o.eye = pointOf(p); },
+            "point"_a)
+        .def(
+            "look_at",
+            [](igeo::PictureOptions& o, const Array<double>& p) { o.lookAt = pointOf(p); },
+            "point"_a)
+        .def(
+            "up", [](igeo::PictureOptions& o, const Array<double>& v) { o.up = pointOf(v); },
+            "direction"_a);
+}
+
+}  // namespace
+
+void bindDistance(py::module_& module) {
+    using namespace py::literals;
+    bindPicture(module);
+    py::class_<Distance>(module, "Distance")
+        .def("at_vertices", &atVertices, "progress"_a)
+        .def("values_at", &valuesAt, "points"_a, "progress"_a)
+        .def("paths", &paths, "targets"_a, "straighten"_a, "progress"_a)
+        .def("isolines", &isolinesOf, "levels"_a, "progress"_a)
+        .def("picture", &picture, "options"_a, "targets"_a, "progress"_a)
+        .def("write_grid", &writeGrid, "file"_a, "name"_a)
+        .def("mesh", &meshOf, "progress"_a)
+        .def("matrix", &matrixOf, "progress"_a)
+        .def_property_readonly("seeds", &seedPoints)
+        .def_property_readonly("largest", &Distance::largest)
+        .def_property_readonly("of_whole_surface", &Distance::ofWholeSurface)
+        .def_property_readonly("reached", [](const Distance& d) {
+            const std::size_t nodes = d.band().size();
+            return nodes ? double(d.field().reached) / double(nodes) : 0.0;
+        });
+}

@@ -1,0 +1,149 @@
+#include <igeo/base/parallel.h>
+#include <igeo/surface/unresolved.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include "arrays.h"
+#include "background.h"
+#include "bindings.h"
+
+namespace {
+
+using igeo::GeodesicSolver;
+using igeo::MarchLimits;
+using igeo::Seeds;
+
+GeodesicSolver plainSolver(const igeo::Surface& surface, const std::string& scheme, int order,
+                           double band, double snap, double memoryLimit,
+                           const py::object& progress) {
+    igeo::SolverOptions options;
+    options.scheme = scheme == "godunov" ? igeo::Scheme::Godunov : igeo::Scheme::Jet;
+    options.order = order;
+    options.band = band;
+    options.rules.maxSnap = snap;
+    options.rules.memoryLimit = memoryLimit;
+    return inBackground(progress,
+                        [&](igeo::Progress& p) { return GeodesicSolver(surface, options, p); });
+}
+
+std::vector<igeo::Seed> seedsOf(const Array<double>& points, const Array<double>& starts) {
+    std::vector<igeo::Seed> seeds;
+    for (const igeo::Vec3d& p : pointsOf(points))
+        seeds.emplace_back(p, starts.size() ? starts.data()[seeds.size()] : 0.0);
+    return seeds;
+}
+
+/// The vertices of a mesh for which `inside` is true, as a region.
+void addRegion(Seeds& seeds, const GeodesicSolver& solver, const Array<bool>& inside) {
+    auto region = std::make_shared<igeo::ObstacleSet>(solver.surface().transform());
+    region->addVertices(igeo::requireMesh(solver.surface()),
+                        std::vector<bool>(inside.data(), inside.data() + inside.size()));
+    seeds.regions.push_back(region);
+}
+
+MarchLimits limitsOf(double maxDistance, const Array<double>& targets, bool stopAtTargets) {
+    return {maxDistance, pointsOf(targets), stopAtTargets};
+}
+
+/// A row per element of `all`, at the points or, without any, at the vertices of the mesh.
+Array<double> distances(const GeodesicSolver& solver, const std::vector<Seeds>& all,
+                        const std::optional<Array<double>>& at, double maxDistance,
+                        const py::object& progress) {
+    const MarchLimits limits{maxDistance};
+    const std::vector<igeo::Vec3d> points = at ? pointsOf(*at) : std::vector<igeo::Vec3d>{};
+    const std::size_t columns = at ? points.size() : solver.surface().vertices()->size();
+    Array<double> rows({py::ssize_t(all.size()), py::ssize_t(columns)});
+    double* const first = rows.mutable_data();
+    runInBackground(progress, [&](igeo::Progress& p) {
+        if (!at) {
+            auto found = solver.atVertices(all, limits, p);
+            for (std::size_t k = 0; k < all.size(); ++k) {
+                std::copy(found[k].distance.begin(), found[k].distance.end(), first + k * columns);
+                found[k].distance = {};
+            }
+            return;
+        }
+        igeo::CancelOnly quiet(p);
+        std::atomic<std::size_t> done{0};
+        igeo::parallelFor(all.size(), 1, p, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k) {
+                const auto values = solver.distance(all[k], limits, quiet).valuesAt(points, quiet);
+                std::transform(values.begin(), values.end(), first + k * columns,
+                               [](const igeo::PointValue& v) { return v.distance; });
+                p.update("rows", double(++done) / double(all.size()));
+            }
+        });
+    });
+    return rows;
+}
+
+/// Of the band of the whole surface, where that is made.
+std::vector<std::string> warningsOf(const GeodesicSolver& solver) {
+    std::vector<std::string> warnings = solver.bandWidth().warnings;
+    const py::gil_scoped_release released;
+    if (const auto band = solver.surface().madeBand(solver.bandWidth()))
+        for (const std::string& w : igeo::unresolvedWarnings(solver.surface().unresolved(*band)))
+            warnings.push_back(w);
+    return warnings;
+}
+
+void bindSeeds(py::module_& module) {
+    using namespace py::literals;
+    py::class_<Seeds>(module, "Seeds")
+        .def(py::init<>())
+        .def(
+            "add_points",
+            [](Seeds& s, const Array<double>& points, const Array<double>& starts) {
+                for (const igeo::Seed& seed : seedsOf(points, starts)) s.points.push_back(seed);
+            },
+            "points"_a, "starts"_a)
+        .def(
+            "add_group",
+            [](Seeds& s, const std::string& name, const Array<double>& points) {
+                s.groups.push_back({name, seedsOf(points, {})});
+            },
+            "name"_a, "points"_a)
+        .def(
+            "add_curve",
+            [](Seeds& s, const Array<double>& points, bool closed) {
+                s.curves.push_back({pointsOf(points), closed, 0});
+            },
+            "points"_a, "closed"_a)
+        .def("add_region", &addRegion, "solver"_a, "inside"_a)
+        .def_readwrite("samples", &Seeds::samples)
+        .def_readwrite("signed", &Seeds::isSigned);
+}
+
+}  // namespace
+
+void bindSolver(py::module_& module) {
+    using namespace py::literals;
+    bindSeeds(module);
+    module.def("plain_solver", &plainSolver, "surface"_a, "scheme"_a, "order"_a, "band"_a, "snap"_a,
+               "memory_limit"_a, "progress"_a);
+    py::class_<GeodesicSolver>(module, "Solver")
+        .def(
+            "distance",
+            [](const GeodesicSolver& s, const Seeds& seeds, double maxDistance,
+               const Array<double>& targets, bool stopAtTargets, const py::object& progress) {
+                const MarchLimits limits = limitsOf(maxDistance, targets, stopAtTargets);
+                return inBackground(
+                    progress, [&](igeo::Progress& p) { return s.distance(seeds, limits, p); });
+            },
+            "seeds"_a, "max_distance"_a, "targets"_a, "stop_at_targets"_a, "progress"_a)
+        .def("distances", &distances, "seeds"_a, "at"_a, "max_distance"_a, "progress"_a)
+        .def(
+            "shoot",
+            [](const GeodesicSolver& s, const Array<double>& from, const Array<double>& direction,
+               double length, const py::object& progress) {
+                const igeo::Vec3d start = pointOf(from), along = pointOf(direction);
+                igeo::Polyline line = inBackground(
+                    progress, [&](igeo::Progress& p) { return s.shoot(start, along, length, p); });
+                return arrayOf(std::move(line.points));
+            },
+            "start"_a, "direction"_a, "length"_a, "progress"_a)
+        .def_property_readonly("snap", &GeodesicSolver::maxSnap)
+        .def_property_readonly("band", [](const GeodesicSolver& s) { return s.bandWidth().h; })
+        .def_property_readonly("warnings", &warningsOf);
+}

@@ -1,0 +1,168 @@
+"""Refusals name the argument, what it is and what it may be; remedies use the words of Python."""
+
+import re
+
+import numpy as np
+import pytest
+
+import igeo
+from conftest import ROOT, sheet
+from igeo import _errors
+
+VERTICES, FACES = sheet(5)
+
+
+def with_value(array, at, value):
+    changed = np.array(array, dtype=float)
+    changed[at] = value
+    return changed
+
+
+@pytest.mark.parametrize(
+    "vertices, faces, message",
+    [
+        (np.zeros((0, 3)), FACES, r"vertices has shape \(0, 3\); allowed is \(n, 3\) with n of 1 or more"),
+        (VERTICES[:, :2], FACES, r"vertices has shape \(25, 2\)"),
+        (with_value(VERTICES, (3, 1), np.nan), FACES, r"vertices\[3, 1\] is nan"),
+        (with_value(VERTICES, (4, 2), np.inf), FACES, r"vertices\[4, 2\] is inf"),
+        (VERTICES.astype(complex), FACES, "vertices has dtype complex128"),
+        ([["a", "b", "c"]], FACES, "vertices has dtype"),
+        ([[1, 2, 3], [4, 5]], FACES, "vertices is no array of numbers"),
+        (VERTICES, FACES.astype(float), "faces has dtype float64; allowed are integers"),
+        (VERTICES, FACES[:, :2], r"faces has shape \(32, 2\)"),
+        (VERTICES, FACES[:0], r"faces has shape \(0, 3\)"),
+        (VERTICES, FACES + 1, r"faces\[15, 2\] is 25; allowed are 0 to 24"),
+        (VERTICES, FACES - 1, r"faces\[0, 0\] is -1; allowed are 0 to 24"),
+    ],
+)
+def test_meshes(vertices, faces, message):
+    with pytest.raises(ValueError, match=message) as refusal:
+        igeo.Surface.from_mesh(vertices, faces)
+    assert isinstance(refusal.value, igeo.InputError)
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"voxel_size": -1}, "voxel_size is -1; allowed are finite numbers above 0"),
+        ({"voxel_size": "a"}, "voxel_size is 'a'"),
+        ({"resolution": 2.5}, "resolution is 2.5"),
+        ({"resolution": 9, "voxel_size": 1}, "voxel_size is given beside resolution"),
+        ({"join_gaps": float("nan")}, "join_gaps is nan"),
+        ({"join_gaps": 1e6}, "join_gaps is 1e\\+06, which is"),
+        ({"voxel_size": 0.9}, "voxels of 0.9"),
+    ],
+)
+def test_voxels(options, message):
+    with pytest.raises(igeo.InputError, match=message):
+        igeo.Surface.from_mesh(VERTICES, FACES, **options)
+
+
+def test_volumes_and_points():
+    cube = np.zeros((4, 4, 4))
+    for call, message in [
+        (lambda: igeo.Surface.from_volume(cube[0]), "values has shape"),
+        (lambda: igeo.Surface.from_volume(with_value(cube, (1, 2, 3), np.nan), 0), r"values\[1, 2, 3\] is nan"),
+        (lambda: igeo.Surface.from_volume(cube, 0, spacing=0), "spacing is 0"),
+        (lambda: igeo.Surface.from_volume(cube, 0, affine=np.eye(3)), r"affine has shape \(3, 3\)"),
+        (lambda: igeo.Surface.from_volume(cube, 0, affine=np.zeros((4, 4))), "last row of affine"),
+        (lambda: igeo.Surface.from_volume(cube, 0, affine=np.diag([1, 0, 1, 1])), "lie in one plane"),
+        (lambda: igeo.Surface.from_volume(cube, 0, affine=np.eye(4), origin=[0, 0, 0]), "affine is given beside"),
+        (lambda: igeo.Surface.from_volume(cube + np.arange(4)), "iso"),
+        (lambda: igeo.Surface.from_level_set(cube + 1), "level_set"),
+        (lambda: igeo.Surface.from_points(VERTICES, VERTICES[:3]), r"normals has shape \(3, 3\)"),
+        (lambda: igeo.Surface.from_openvdb(cube), "grid is of type ndarray"),
+        (lambda: igeo.Surface.read("nowhere.obj"), "nowhere.obj"),
+        (lambda: igeo.Surface.read("a.obj", grid="psi"), "grid is given, and a.obj is read as mesh"),
+        (lambda: igeo.Surface.read("a.obj", kind="cloud"), "kind is 'cloud'; allowed are 'mesh', 'points'"),
+    ]:
+        with pytest.raises(igeo.Error, match=message):
+            call()
+    with pytest.raises(OSError):
+        igeo.Surface.read("nowhere.obj")
+
+
+def test_seeds(sheet_solver, sphere_solver):
+    solver = sheet_solver
+    for call, message in [
+        (lambda: solver.distance(), "no seed"),
+        (lambda: solver.distance([]), r"seeds has shape \(0,\)"),
+        (lambda: solver.distance([441]), r"seeds\[0\] is 441; allowed are 0 to 440"),
+        (lambda: solver.distance([0, 0, 1]), r"seeds is \[0, 0, 1\], a vertex twice"),
+        (lambda: solver.distance([-1]), r"seeds\[0\] is -1"),
+        (lambda: solver.distance([[0, 0, np.nan]]), r"seeds\[0, 2\] is nan"),
+        (lambda: solver.distance([[0.5, 0.5, 2.0]]), "seed 0 .* from the surface"),
+        (lambda: solver.distance([0], start=[1.0, 2]), r"start has shape \(2,\); allowed is \(1,\)"),
+        (lambda: solver.distance([0], start=[-1.0]), "seed 0 starts at -1"),
+        (lambda: solver.distance([0], max_distance=-2), "max_distance is -2"),
+        (lambda: solver.distance([0], signed=True), "signed distance"),
+        (lambda: solver.distance(np.ones(7, bool)), r"seeds has shape \(7,\); allowed is \(441,\)"),
+        (lambda: solver.distance({"A": [0.5]}), r"seeds\['A'\] has shape"),
+        (lambda: solver.distance([0]).at([[0.5, 0.5, 0], [9, 9, 9]]), "point 1 .* from the surface"),
+        (lambda: solver.distance([0]).at(np.zeros(2)), r"points has shape \(2,\)"),
+        (lambda: solver.distance([0]).at([441]), r"points\[0\] is 441"),
+        (lambda: solver.distance([0]).path([[0, 0, 0], [1, 1, 0]]), "target holds 2 points"),
+        (lambda: solver.distance([0]).paths([[0.0, 0, 0], [5, 5, 5]]), "target 1: "),
+        (lambda: solver.distance([0]).isolines([-1.0]), "levels has -1"),
+        (lambda: solver.distance([0]).isolines([]), r"levels has shape \(0,\)"),
+        (lambda: solver.distance([0]).image(color_map="jet"), "color_map is 'jet'"),
+        (lambda: solver.distance([0]).image(width=0), "0"),
+        (lambda: solver.distance([0]).to_vdb("no/folder/a.vdb"), "no/folder"),
+        (lambda: solver.distances([]), "many is empty"),
+        (lambda: solver.sample(0), "count is 0"),
+        (lambda: sphere_solver.distance([0]), "has no vertices"),
+        (lambda: sphere_solver.distance([0, 0, 1.0]).on_vertices, "values at vertices need a mesh"),
+        (lambda: sphere_solver.distances([[0, 0, 1.0]]), "give points by at"),
+    ]:
+        with pytest.raises(igeo.Error, match=message):
+            call()
+
+
+def test_costs():
+    surface = igeo.Surface.from_mesh(VERTICES, FACES, resolution=32)
+    level_set = igeo.Surface.from_level_set(np.linalg.norm(np.indices((20, 20, 20)) - 9.5, axis=0) - 6)
+    for call, message in [
+        (lambda: igeo.Solver(surface, weight=np.ones(3)), r"weight has shape \(3,\); allowed is \(25,\)"),
+        (lambda: igeo.Solver(surface, weight=-np.ones(25)), r"weight\[0\] is -1"),
+        (lambda: igeo.Solver(surface, weight=lambda p: p), "what weight returns has shape"),
+        (lambda: igeo.Solver(surface, weight=lambda p: 0 * p[:, 0]), r"what weight returns\[0\] is 0"),
+        (lambda: igeo.Solver(surface, tensor=-np.tile(np.eye(3), (25, 1, 1))), "has the eigenvalue -1"),
+        (lambda: igeo.Solver(surface, tensor=np.triu(np.ones((25, 3, 3)))), "is not symmetric"),
+        (lambda: igeo.Solver(surface, obstacles=np.zeros(25)), "obstacles has dtype float64; allowed is bool"),
+        (lambda: igeo.Solver(surface, obstacles=igeo.Sphere([0, 0, 0], -1)), "obstacles.radius is -1"),
+        (lambda: igeo.Solver(surface, obstacles=[igeo.Box([0, 0, 0], [1, 1, -1])]), r"obstacles\[0\].low"),
+        (lambda: igeo.Solver(level_set, weight=np.ones(3)), "is no mesh"),
+        (lambda: igeo.Solver(surface, scheme="fast"), "scheme is 'fast'"),
+        (lambda: igeo.Solver(surface, order=3), "order is 3"),
+        (lambda: igeo.Solver(surface, memory_limit=1.0).distance([0]), "memory"),
+    ]:
+        with pytest.raises(igeo.InputError, match=message):
+            call()
+
+
+def test_what_a_function_raises_comes_out():
+    surface = igeo.Surface.from_mesh(VERTICES, FACES, resolution=32)
+    with pytest.raises(ZeroDivisionError):
+        igeo.Solver(surface, weight=lambda p: 1 // 0)
+
+
+def test_remedies_speak_of_arguments(sheet_solver):
+    with pytest.raises(igeo.Error) as refusal:
+        sheet_solver.distance([[0.5, 0.5, 2.0]])
+    assert "raise snap" in refusal.value.remedy and refusal.value.remedy in str(refusal.value)
+    with pytest.raises(igeo.Error) as refusal:
+        igeo.Solver(sheet_solver.surface, memory_limit=1.0).distance([0])
+    assert "max_distance" in refusal.value.remedy and "memory_limit" in refusal.value.remedy
+
+
+def test_every_word_of_the_library_has_one_of_python():
+    """The program's own table is the list of words that remedies use."""
+    table = (ROOT / "apps/implicit-geodesic/option_words.cpp").read_text()
+    words = re.findall(r'\{"([^"]+)", "', table)
+    assert len(words) > 10
+    for word in words:
+        text = _errors.in_python_words(f"give {word}.")
+        assert word not in text or word.islower(), word
+        assert "--" not in text and "::" not in text and not re.search(r"\b[a-z]+[A-Z]", text), text
+
+

@@ -1,0 +1,182 @@
+"""Distances, gradients and paths on shapes where they are known."""
+
+import numpy as np
+import pytest
+
+import igeo
+from conftest import ball, box_mesh, grid, sheet
+
+# 1.5 times what was measured: 9.5e-5, 2.0e-3, 3.3e-3, 2.8e-4, 8.0e-4, 2.2e-3, 4.3e-5.
+SPHERE_MEAN, SPHERE_MOST, GRADIENT, TORUS, BOX, VOLUME, POINTS = 1.5e-4, 3e-3, 5e-3, 4.2e-4, 1.2e-3, 3.4e-3, 6.5e-5
+
+
+def angles(points, seed):
+    unit = points / np.linalg.norm(points, axis=1, keepdims=True)
+    return np.arccos(np.clip(unit @ seed, -1, 1))
+
+
+def directions(n):
+    random = np.random.default_rng(7)
+    points = random.normal(size=(n, 3))
+    return points / np.linalg.norm(points, axis=1, keepdims=True)
+
+
+def test_sphere_of_a_dense_level_set(sphere_solver):
+    points = directions(500)
+    distance = sphere_solver.distance([0.0, 0.0, 1.0])
+    error = np.abs(distance.at(points) - angles(points, [0, 0, 1]))
+    assert error.mean() < SPHERE_MEAN and error.max() < SPHERE_MOST
+    assert distance.largest == pytest.approx(np.pi, abs=4.2e-2)
+    assert distance.reached == 1
+
+
+def test_gradient_leads_away_from_the_seed(sphere_solver):
+    points = directions(500)
+    points = points[np.abs(points[:, 2]) < 0.9]
+    gradient = sphere_solver.distance([0, 0, 1.0]).gradient_at(points)
+    exact = points * points[:, 2:] - [0, 0, 1]
+    exact /= np.linalg.norm(exact, axis=1, keepdims=True)
+    assert np.abs(np.linalg.norm(gradient, axis=1) - 1).max() < 1e-5
+    assert np.linalg.norm(gradient - exact, axis=1).max() < GRADIENT
+
+
+def test_path_on_a_sphere_is_a_great_circle(sphere_solver):
+    target = np.array([1.0, 0, 0])
+    path = sphere_solver.distance([0, 0, 1.0]).path(target, straighten=True)
+    assert path.shape[1] == 3 and np.allclose(path[0], target, atol=1e-3)
+    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+    assert length == pytest.approx(np.pi / 2, abs=1e-3)
+    assert np.abs(path[:, 1]).max() < 1e-3
+    several = sphere_solver.distance([0, 0, 1.0]).paths([target, [0, 1, 0]])
+    assert len(several) == 2 and np.allclose(several[0][-1], [0, 0, 1], atol=1e-3)
+
+
+def test_plane(sheet_solver):
+    vertices = sheet_solver.surface.vertices
+    distance = sheet_solver.distance([220])  # the middle
+    exact = np.linalg.norm(vertices - vertices[220], axis=1)
+    assert np.abs(distance.on_vertices - exact).max() < 1e-6
+    gradient = distance.gradient
+    away = exact > 0.1
+    assert np.abs(gradient[away] - ((vertices - vertices[220]) / exact.clip(1e-9)[:, None])[away]).max() < 1e-3
+
+
+def test_torus_meridians():
+    x, y, z, spacing, origin = grid(96, 1.5)
+    values = np.hypot(np.hypot(x, y) - 1, z) - 0.4
+    surface = igeo.Surface.from_level_set(values, spacing=spacing, origin=origin)
+    angle = np.linspace(0, np.pi, 20)
+    points = np.column_stack([1 + 0.4 * np.cos(angle), 0 * angle, 0.4 * np.sin(angle)])
+    found = igeo.Solver(surface).distance([1.4, 0.0, 0.0]).at(points)
+    assert np.abs(found - 0.4 * angle).max() < TORUS
+
+
+def test_box():
+    solver = igeo.Solver(igeo.Surface.from_mesh(*box_mesh(), resolution=96))
+    distance = solver.distance([0])
+    exact = [0, 1, 1, np.sqrt(2), 1, np.sqrt(2), np.sqrt(2), np.sqrt(5)]
+    assert np.abs(distance.on_vertices - exact).max() < BOX
+    assert distance.at([[0.5, 0.5, 1.0]])[0] == pytest.approx(np.sqrt(0.25 + 1.5**2), abs=BOX)
+
+
+def test_volume_with_an_affine_that_turns_and_stretches():
+    turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
+    affine = np.eye(4)
+    affine[:3, :3] = turn @ np.diag([0.04, 0.05, 0.06])
+    affine[:3, 3] = [1.3, -1.3, -1.3]
+    index = np.stack(np.meshgrid(*map(np.arange, (66, 53, 44)), indexing="ij"), axis=-1)
+    world = index @ affine[:3, :3].T + affine[:3, 3]
+    values = 100 * np.exp(-(world**2).sum(axis=-1))  # 100 / e on the unit sphere
+    surface = igeo.Surface.from_volume(values, 100 / np.e, affine=affine)
+    points = directions(200)
+    found = igeo.Solver(surface).distance([0, 0, 1.0]).at(points)
+    assert np.abs(found - angles(points, [0, 0, 1])).max() < VOLUME
+    assert surface.kind == "mesh" and surface.voxel_size == pytest.approx(0.04)
+
+
+def test_points_with_normals():
+    points = directions(5000)
+    solver = igeo.Solver(igeo.Surface.from_points(points, points))
+    found = solver.distance([0, 0, 1.0]).at(points[:300])
+    assert np.abs(found - angles(points[:300], [0, 0, 1])).max() < POINTS
+    assert np.abs(solver.distance([0]).at(points[:9]) - angles(points[:9], points[0])).max() < POINTS
+
+
+def test_starts_labels_groups_and_limits(sheet_solver):
+    vertices = sheet_solver.surface.vertices
+    both = sheet_solver.distance([[0.0, 0.5, 0], [1.0, 0.5, 0]], start=[0.0, 0.2])
+    exact = np.linalg.norm(vertices[:, None] - [[0, 0.5, 0], [1, 0.5, 0]], axis=2) + [0, 0.2]
+    assert np.abs(both.on_vertices - exact.min(axis=1)).max() < 2e-3
+    clear = np.abs(exact[:, 0] - exact[:, 1]) > 0.05
+    assert (both.labels == exact.argmin(axis=1))[clear].all()
+    groups = sheet_solver.distance({"left": [0, 20], "right": [420]})
+    assert set(groups.labels) == {0, 1} and groups.labels[421] == 1
+    close = sheet_solver.distance([0], max_distance=0.3)
+    assert np.isinf(close.on_vertices[440]) and close.labels[440] == -1
+    assert close.path(440).shape == (0, 3)
+    stopped = sheet_solver.distance([0], targets=[44])
+    assert stopped.at(vertices[44]) == pytest.approx(np.hypot(0.1, 0.1), abs=1e-6)
+
+
+def test_isolines_are_circles(sheet_solver):
+    lines = sheet_solver.distance([220]).isolines([0.2, 0.1])
+    assert [line.level for line in lines] == pytest.approx([0.1, 0.2]) and all(line.closed for line in lines)
+    for line in lines:
+        radius = np.linalg.norm(line.points - sheet_solver.surface.vertices[220], axis=1)
+        assert np.abs(radius - line.level).max() < 1e-4
+    assert len({line.level for line in sheet_solver.distance([220]).isolines(5)}) == 5
+
+
+def test_curves_and_signs(sheet_solver):
+    angle = 2 * np.pi * np.arange(101) / 100
+    circle = np.column_stack([0.5 + 0.25 * np.cos(angle), 0.5 + 0.25 * np.sin(angle), 0 * angle])
+    circle[-1] = circle[0]
+    distance = sheet_solver.distance(curves=[circle], signed=True)
+    found = distance.at([[0.5, 0.5, 0], [0.5, 0.9, 0]])
+    assert found == pytest.approx([-0.25, 0.15], abs=2e-3)
+    inside = np.linalg.norm(sheet_solver.surface.vertices - [0.5, 0.5, 0], axis=1) < 0.26
+    region = sheet_solver.distance(inside, signed=True)
+    assert region.at([[0.5, 0.5, 0]])[0] < -0.2 and region.at([[0.95, 0.5, 0]])[0] > 0.1
+
+
+def test_matrix_and_many(sheet_solver):
+    vertices = sheet_solver.surface.vertices
+    some = np.array([0, 20, 220, 440])
+    exact = np.linalg.norm(vertices[some][:, None] - vertices[some], axis=2)
+    assert np.abs(sheet_solver.matrix(some) - exact).max() < 1e-6
+    assert np.abs(sheet_solver.matrix(some[:2], vertices[some]) - exact[:2]).max() < 1e-6
+    regions = {"low": [0, 1, 2], "high": [438, 439, 440]}
+    apart = np.linalg.norm(vertices[2] - vertices[438])
+    assert sheet_solver.matrix(regions) == pytest.approx(np.array([[0, apart], [apart, 0]]), abs=1e-3)
+    rows = sheet_solver.distances(some)
+    assert rows.shape == (4, 441)
+    for k, seed in enumerate(some):
+        assert (rows[k] == sheet_solver.distance([seed]).on_vertices).all()
+    at = sheet_solver.distances(some, at=some)
+    assert np.abs(at - exact).max() < 1e-6
+
+
+def test_sampling_and_shooting(sheet_solver):
+    corners = sheet_solver.sample(4, seeds=[0])
+    spread = np.linalg.norm(corners[:, None] - corners, axis=2) + np.eye(4)
+    assert corners.shape == (4, 3) and spread.min() > 0.45
+    walk = sheet_solver.shoot([0.2, 0.2, 0.0], [1, 1, 0], 0.5)
+    assert np.allclose(walk[-1], [0.2 + 0.5**0.5 / 2] * 2 + [0], atol=1e-3)
+
+
+def test_meshes_that_come_out(sphere_solver):
+    mesh = sphere_solver.distance([0, 0, 1.0]).mesh()
+    assert mesh.faces.max() < len(mesh.vertices) == len(mesh.distance) == len(mesh.labels)
+    assert np.abs(np.linalg.norm(mesh.vertices, axis=1) - 1).max() < 2e-3
+    assert np.abs(mesh.distance - angles(mesh.vertices, [0, 0, 1])).max() < SPHERE_MOST
+    vertices, faces = ball()
+    surface = igeo.Surface.from_mesh(vertices, faces, resolution=48)
+    assert (surface.vertices == vertices).all() and (surface.faces == faces).all()
+
+
+def test_vertices_without_faces_are_nan():
+    vertices, faces = sheet(5)
+    surface = igeo.Surface.from_mesh(np.vstack([vertices, [[9.0, 9, 9]]]), faces, resolution=32)
+    distance = igeo.Solver(surface).distance([0])
+    assert np.isnan(distance.on_vertices[-1]) and distance.labels[-1] == -1
+    assert np.isnan(distance.gradient[-1]).all() and np.isfinite(distance.gradient[:-1]).all()
