@@ -1,0 +1,50 @@
+#include <igeo/surface/detail/points_around.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace igeo {
+
+namespace {
+constexpr double kRounding = 1 + 1e-9;
+}  // namespace
+
+void PointsAround::moveTo(const Vec3d& middle, double radius, double beside) {
+    middle_ = middle;
+    radius_ = radius * kRounding;
+    reach_ = (radius + beside) * kRounding;
+    hasReaching_ = false;
+    points_.nearest(middle, kNearest, found_);
+    const double within = std::sqrt(found_.back().squared) + 2 * radius_;
+    points_.nearest(middle, points_.size(), found_, within * kRounding);
+    near_.clear();
+    for (const PointTree::Found& f : found_)
+        near_.push_back({std::sqrt(f.squared), points_[f.point], f.point});
+}
+
+const std::vector<PointTree::Found>& PointsAround::nearest(const Vec3d& p) {
+    const std::size_t count = std::min(kNearest, points_.size());
+    const double off = length(p - middle_) * kRounding;
+    found_.clear();
+    double farthest = kInfinity;  // of those found, if they are enough
+    for (const Near& n : near_) {
+        if (n.distance - off > farthest) break;
+        const Vec3d r = p - n.at;
+        const PointTree::Found here{dot(r, r), n.point};
+        if (found_.size() == count) {
+            if (!(here < found_.back())) continue;
+            found_.pop_back();
+        }
+        found_.insert(std::upper_bound(found_.begin(), found_.end(), here), here);
+        if (found_.size() == count) farthest = std::sqrt(found_.back().squared) * kRounding;
+    }
+    return found_;
+}
+
+void PointsAround::findReaching() {
+    reaching_.clear();
+    points_.forReaching(middle_, reach_, [&](Index i) { reaching_.push_back(i); });
+    hasReaching_ = true;
+}
+
+}  // namespace igeo
