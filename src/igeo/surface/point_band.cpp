@@ -146,12 +146,16 @@ void Filler::fill(LeafPart& part, PointsAround& around, Feet& feet) const {
     const double beside = surface_.reachOfProject(nearest.point, h_ * dx_);
     for (int block = 0; block < 8; ++block) {
         const Ijk low{4 * (block >> 2), 4 * (block >> 1 & 1), 4 * (block & 1)};
-        around.moveTo(dx_ * (Vec3d(part.leaf.origin + low) + Vec3d{1.5, 1.5, 1.5}),
-                      kHalfBlock * dx_, beside);
+        const Vec3d center = dx_ * (Vec3d(part.leaf.origin + low) + Vec3d{1.5, 1.5, 1.5});
+        around.moveTo(center, kHalfBlock * dx_, beside);
+        const bool any =
+            kind_ == PointBandKind::Balls || around.anyNear([&](Index i) {
+                return surface_.mayProject(center, kHalfBlock * dx_, i, h_ * dx_);
+            });
         for (int k = 0; k < 64; ++k) {
             const Ijk in = low + Ijk{k >> 4, k >> 2 & 3, k & 3};
             feet[Band::offsetOf(in.x, in.y, in.z)] =
-                footOf(dx_ * Vec3d(part.leaf.origin + in), around);
+                any ? footOf(dx_ * Vec3d(part.leaf.origin + in), around) : PointSurface::Foot{};
         }
     }
     for (unsigned at = 0; at < feet.size(); ++at) {
@@ -221,9 +225,7 @@ Band bandFromPoints(const PointSurface& surface, PointBandKind kind, double dx, 
         }
     });
     // psi of points has no kinks that differences would show: all nodes are looked at.
-    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) band.markFacing(NodeIndex(i));
-    });
+    band.markFacing();
     band.numberCore();
     return band;
 }

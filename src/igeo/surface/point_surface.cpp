@@ -115,6 +115,11 @@ PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.f
     std::vector<double> reach = spacing_;
     for (double& r : reach) r *= kReach;
     points_.setReach(std::move(reach));
+    patches_.resize(points_.size());
+    for (std::size_t i = 0; i < patches_.size(); ++i)
+        patches_[i] = {points_[i], normals_[i], squared(points_.reach(i)), fits_[i]};
+    std::vector<Quadric>().swap(fits_);
+    std::vector<Index>().swap(ring_);
 }
 
 void PointSurface::nearestTo(std::size_t i, std::size_t count,
@@ -317,17 +322,18 @@ PointSurface::Blend PointSurface::blend(const Vec3d& y, const Vec3d& n,
     double sum = 0, value = 0;
     Vec3d sumSlope{}, slope{};
     for (const Index j : neighbors) {
-        const Vec3d d = y - points_[j];
-        const double reach2 = squared(points_.reach(j)), left = 1 - dot(d, d) / reach2;
-        if (!(left > 0) || !sameSheet(j, n)) continue;
+        const Patch& patch = patches_[j];
+        const Vec3d d = y - patch.at;
+        const double left = 1 - dot(d, d) / patch.reach2;
+        if (!(left > 0) || !(dot(patch.normal, n) > kOtherSheet)) continue;
         const double w = left * left * left;
-        const Vec3d dw = (-6 * left * left / reach2) * d;
-        const Vec3d bent = fits_[j].bend(d);
-        const double f = fits_[j].value + dot(fits_[j].gradient + bent, d);
+        const Vec3d dw = (-6 * left * left / patch.reach2) * d;
+        const Vec3d bent = patch.fit.bend(d);
+        const double f = patch.fit.value + dot(patch.fit.gradient + bent, d);
         sum += w;
         value += w * f;
         sumSlope += dw;
-        slope += w * (fits_[j].gradient + 2.0 * bent) + f * dw;
+        slope += w * (patch.fit.gradient + 2.0 * bent) + f * dw;
     }
     if (!(sum > 0)) return {};
     value /= sum;
@@ -359,9 +365,23 @@ bool PointSurface::within(const Vec3d& y, const Vec3d& n,
 }
 
 double PointSurface::roughDistance(const Vec3d& x, Index nearest) const {
-    const Vec3d d = x - points_[nearest];
-    const Quadric& f = fits_[nearest];
+    const Vec3d d = x - patches_[nearest].at;
+    const Quadric& f = patches_[nearest].fit;
     return std::abs(f.value + dot(f.gradient + f.bend(d), d));
+}
+
+bool PointSurface::mayProject(const Vec3d& middle, double radius, Index nearest,
+                              double farthest) const {
+    const Quadric& f = patches_[nearest].fit;
+    const Vec3d slope = f.gradient + 2.0 * f.bend(middle - patches_[nearest].at);
+    const double bend = std::sqrt(squaredLength(f.diagonal) + 2 * squaredLength(f.mixed));
+    const double change = radius * (length(slope) + bend * radius);
+    return roughDistance(middle, nearest) <=
+           (roughLimit(nearest, farthest) + change) * (1 + 1e-9);
+}
+
+double PointSurface::roughLimit(Index nearest, double farthest) const {
+    return 1.25 * farthest + spacing_[nearest] / 4;
 }
 
 PointSurface::Index PointSurface::nearestSheet(const std::vector<PointTree::Found>& neighbors,
@@ -386,7 +406,7 @@ PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest) const 
 }
 
 double PointSurface::reachOfProject(Index nearest, double farthest) const {
-    return 1.25 * farthest + 0.75 * spacing_[nearest];
+    return roughLimit(nearest, farthest) + spacing_[nearest] / 2;
 }
 
 PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest,
@@ -398,8 +418,8 @@ PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest,
     constexpr int kSteps = 12;
     const double spacing = spacing_[nearest], flat = 1e-4 * spacing, straight = 2e-3 * spacing;
     const Vec3d d = x - points_[nearest];
-    const Quadric& first = fits_[nearest];
-    if (roughDistance(x, nearest) > 1.25 * farthest + spacing / 4) return {};
+    const Quadric& first = patches_[nearest].fit;
+    if (roughDistance(x, nearest) > roughLimit(nearest, farthest)) return {};
     Vec3d n = normalized(first.gradient + 2.0 * first.bend(d));
     Vec3d y = x - (first.value + dot(first.gradient + first.bend(d), d)) * n;
 

@@ -65,11 +65,19 @@ public:
     double reachOfProject(Index nearest, double farthest) const;
     /// About how far x is from the surface, by the fit at the point nearest to x alone.
     double roughDistance(const Vec3d& x, Index nearest) const;
+    /// Whether project() may find a foot point for a position in a ball by the fit at a point.
+    bool mayProject(const Vec3d& middle, double radius, Index nearest, double farthest) const;
 
 private:
     struct Blend {
         double weight = 0, value = 0;
         Vec3d gradient;
+    };
+    /// What a blend reads of a point, in one place.
+    struct Patch {
+        Vec3d at, normal;
+        double reach2;
+        Quadric fit;
     };
     struct PointFit {
         Quadric quadric;
@@ -87,6 +95,8 @@ private:
     std::vector<char> strays() const;
     void build(const PointCloud& cloud, Progress& progress);
     Index nearestSheet(const std::vector<PointTree::Found>& nearest, const Vec3d& x) const;
+    /// Positions further than this from the fit at the nearest point have no foot point.
+    double roughLimit(Index nearest, double farthest) const;
     bool sameSheet(std::size_t j, const Vec3d& n) const;
     Blend blend(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
     bool within(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
@@ -94,9 +104,10 @@ private:
     std::string file_;
     PointTree points_;
     std::vector<double> spacing_;
-    std::vector<Index> ring_;  ///< per point, those nearest to it, nearest first
+    std::vector<Index> ring_;      ///< per point, those nearest to it, nearest first
     std::vector<Vec3d> normals_;
     std::vector<Quadric> fits_;
+    std::vector<Patch> patches_;
     std::vector<double> curvature_;  ///< per fit
     std::vector<double> off_;  ///< per point: distance to the surface that its neighbors show
     CloudDensity density_;

@@ -30,12 +30,14 @@ const std::vector<PointTree::Found>& PointsAround::nearest(const Vec3d& p) {
     for (const Near& n : near_) {
         if (n.distance - off > farthest) break;
         const Vec3d r = p - n.at;
-        const PointTree::Found here{dot(r, r), n.point};
+        const PointTree::Found here{dot(r, r), n.index};
         if (found_.size() == count) {
             if (!(here < found_.back())) continue;
             found_.pop_back();
         }
-        found_.insert(std::upper_bound(found_.begin(), found_.end(), here), here);
+        auto at = found_.end();
+        while (at != found_.begin() && here < *(at - 1)) --at;
+        found_.insert(at, here);
         if (found_.size() == count) farthest = std::sqrt(found_.back().squared) * kRounding;
     }
     return found_;
@@ -43,7 +45,9 @@ const std::vector<PointTree::Found>& PointsAround::nearest(const Vec3d& p) {
 
 void PointsAround::findReaching() {
     reaching_.clear();
-    points_.forReaching(middle_, reach_, [&](Index i) { reaching_.push_back(i); });
+    points_.forReaching(middle_, reach_, [&](Index i) {
+        reaching_.push_back({points_[i], points_.reach(i), i});
+    });
     hasReaching_ = true;
 }
 

@@ -25,16 +25,23 @@ public:
     /// call.
     const std::vector<PointTree::Found>& nearest(const Vec3d& p);
     static constexpr std::size_t kNearest = 5;
+    /// Whether holds(i) for one of the points that nearest() may give in the ball.
+    template <typename Holds>
+    bool anyNear(const Holds& holds) const {
+        for (const Near& n : near_)
+            if (holds(n.index)) return true;
+        return false;
+    }
 
     /// As PointTree::forReaching; fast near the ball.
     template <typename Visit>
     void forReaching(const Vec3d& p, double more, const Visit& visit) {
         if (length(p - middle_) + more > reach_) return points_.forReaching(p, more, visit);
         if (!hasReaching_) findReaching();
-        for (const Index i : reaching_) {
-            const Vec3d r = p - points_[i];
-            const double reach = points_.reach(i) + more;
-            if (dot(r, r) < reach * reach) visit(i);
+        for (const Reaching& point : reaching_) {
+            const Vec3d r = p - point.at;
+            const double reach = point.reach + more;
+            if (dot(r, r) < reach * reach) visit(point.index);
         }
     }
 
@@ -42,15 +49,20 @@ private:
     struct Near {
         double distance;  ///< to the middle
         Vec3d at;
-        Index point;
+        Index index;
+    };
+    struct Reaching {
+        Vec3d at;
+        double reach;
+        Index index;
     };
     void findReaching();
 
     const PointTree& points_;
     Vec3d middle_;
     double radius_ = 0, reach_ = 0;
-    std::vector<Near> near_;       ///< by distance
-    std::vector<Index> reaching_;  ///< all that reach a position within reach_ of the middle
+    std::vector<Near> near_;          ///< by distance
+    std::vector<Reaching> reaching_;  ///< all that reach a position within reach_ of the middle
     bool hasReaching_ = false;
     std::vector<PointTree::Found> found_;
 };
