@@ -205,8 +205,8 @@ void Batch::runJob(const igeo::Surface& surface, SharedSolver& solver, std::size
                         job.quoted() + ": ");
         ConsoleProgress quiet(ProgressWhen::Never);
         Stages stages(console, quiet);
-        outcome.exitCode =
-            runOn(solver.prepared(surface, job.options, stages), job.options, console, stages);
+        outcome.exitCode = runOn(solver.prepared(surface, job.options, stages), job.options,
+                                 console, stages, plan_.inputDigests);
         for (const std::string& file : outputFiles(job.options))
             outcome.outputs[file] = igeo::digestOfFile(file);
     } catch (...) {

@@ -88,7 +88,8 @@ void forEdges(const TriangleMesh& mesh, const Visit& visit) {
     forSides([&](const HalfEdge& h) { half[place[h.low]++] = h; });
     std::size_t first = 0;
     for (std::size_t point = 0; point < mesh.points.size(); first = place[point++])
-        std::sort(half.begin() + std::ptrdiff_t(first), half.begin() + std::ptrdiff_t(place[point]));
+        std::sort(half.begin() + std::ptrdiff_t(first),
+                  half.begin() + std::ptrdiff_t(place[point]));
     for (std::size_t begin = 0, end; begin < half.size(); begin = end) {
         end = begin + 1;
         while (end < half.size() && half[end].low == half[begin].low &&

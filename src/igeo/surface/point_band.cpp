@@ -148,10 +148,9 @@ void Filler::fill(LeafPart& part, PointsAround& around, Feet& feet) const {
         const Ijk low{4 * (block >> 2), 4 * (block >> 1 & 1), 4 * (block & 1)};
         const Vec3d center = dx_ * (Vec3d(part.leaf.origin + low) + Vec3d{1.5, 1.5, 1.5});
         around.moveTo(center, kHalfBlock * dx_, beside);
-        const bool any =
-            kind_ == PointBandKind::Balls || around.anyNear([&](Index i) {
-                return surface_.mayProject(center, kHalfBlock * dx_, i, h_ * dx_);
-            });
+        const bool any = kind_ == PointBandKind::Balls || around.anyNear([&](Index i) {
+            return surface_.mayProject(center, kHalfBlock * dx_, i, h_ * dx_);
+        });
         for (int k = 0; k < 64; ++k) {
             const Ijk in = low + Ijk{k >> 4, k >> 2 & 3, k & 3};
             feet[Band::offsetOf(in.x, in.y, in.z)] =

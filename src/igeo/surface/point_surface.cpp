@@ -262,7 +262,8 @@ PointSurface::PointFit PointSurface::fitAt(std::size_t i, std::size_t count,
     // Twice as many, should half of them be on another sheet.
     thread_local std::vector<PointTree::Found> neighbors;
     neighbors.clear();
-    for (std::size_t k = 0; k < std::min(2 * count, nearest.size()) && neighbors.size() < count; ++k)
+    for (std::size_t k = 0; k < std::min(2 * count, nearest.size()) && neighbors.size() < count;
+         ++k)
         if (sameSheet(nearest[k].point, normals_[i])) neighbors.push_back(nearest[k]);
     const double radius2 = 1.1 * neighbors.back().squared, radius = std::sqrt(radius2);
     PointFit result{};
@@ -376,8 +377,7 @@ bool PointSurface::mayProject(const Vec3d& middle, double radius, Index nearest,
     const Vec3d slope = f.gradient + 2.0 * f.bend(middle - patches_[nearest].at);
     const double bend = std::sqrt(squaredLength(f.diagonal) + 2 * squaredLength(f.mixed));
     const double change = radius * (length(slope) + bend * radius);
-    return roughDistance(middle, nearest) <=
-           (roughLimit(nearest, farthest) + change) * (1 + 1e-9);
+    return roughDistance(middle, nearest) <= (roughLimit(nearest, farthest) + change) * (1 + 1e-9);
 }
 
 double PointSurface::roughLimit(Index nearest, double farthest) const {

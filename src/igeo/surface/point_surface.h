@@ -104,12 +104,12 @@ private:
     std::string file_;
     PointTree points_;
     std::vector<double> spacing_;
-    std::vector<Index> ring_;      ///< per point, those nearest to it, nearest first
+    std::vector<Index> ring_;  ///< per point, those nearest to it, nearest first
     std::vector<Vec3d> normals_;
     std::vector<Quadric> fits_;
     std::vector<Patch> patches_;
     std::vector<double> curvature_;  ///< per fit
-    std::vector<double> off_;  ///< per point: distance to the surface that its neighbors show
+    std::vector<double> off_;        ///< per point: distance to the surface that its neighbors show
     CloudDensity density_;
 };
 

@@ -66,8 +66,7 @@ void findMeetings(const Corners& t, std::uint32_t number, double reach, std::vec
                 const double r = reach + kHalfDiagonal;
                 if (!one && !t.mayReach(center, r)) continue;
                 // Triangles across many leaves: their boxes hold more than they meet.
-                if (!one && length(t.nearest(center).point - center) > r)
-                    continue;
+                if (!one && length(t.nearest(center).point - center) > r) continue;
                 out.push_back({{x, y, z}, number});
             }
 }
