@@ -68,8 +68,7 @@ void Tally::visit(const LeafBlock& b, int x, int y, double halfWidth) {
         ++nearSurface;
         crossing += crosses(b, x, y, z);
         if (complete)
-            addCurvature(
-                largestCurvature(b, x, y, z, slope > 0 ? row.central(k) * (1 / slope) : Vec3d{}));
+            addCurvature(largestCurvature(b, x, y, z));
         else
             cut += cutBeside(PsiDifferences(b, x, y, z), psi[z], halfWidth);
     }

@@ -92,19 +92,16 @@ public:
 private:
     void fillNode(NodeIndex i, const PsiRow& row, int x, int y, int z) {
         const auto k = std::size_t(z);
-        const double value = block_.at(x, y, z);
-        const double onRoundSide = value < 0 ? -1 : 1;
-        const double slope = row.slope(k);
-        Vec3d n;
-        if (row.smooth(k, slope)) {
-            n = row.central(k) * (1 / slope);
-        } else {
-            n = normalized(psiGradient(PsiDifferences(block_, x, y, z), value));
+        const PsiDifferences d(block_, x, y, z);
+        const double value = block_.at(x, y, z), onRoundSide = value < 0 ? -1 : 1;
+        const bool smooth = row.smooth(k);
+        const Vec3d n = normalized(smooth ? d.central() : psiGradient(d, value));
+        if (!smooth) {
             marks_.kinks[l_].push_back(i);
-            if (slope < kMeeting && onRoundSide * row.laplacian[k] < 0)
+            if (length(d.central()) < kMeeting && d.laplacian(onRoundSide) < 0)
                 marks_.meetings[l_].push_back(i);
         }
-        if (std::abs(value) < kRim && onRoundSide * row.laplacian[k] > 1 / kSharpRadius)
+        if (std::abs(value) < kRim && d.laplacian(onRoundSide) > 1 / kSharpRadius)
             marks_.rims[l_].push_back(i);
         band_.psi[i] = float(value);
         band_.normal[i] = Vec3f(n);

@@ -58,22 +58,33 @@ private:
         for (int x = first(s.x); x < last(s.x); ++x) {
             const std::uint64_t slice =
                 leaf ? leaf->valueMask().getWord<openvdb::Index64>(openvdb::Index(x)) : 0;
-            for (int y = first(s.y); y < last(s.y); ++y) {
-                const float* in = from + 64 * x + 8 * y;
-                const unsigned bits = slice >> (8 * y) & 0xff;
-                const auto row = std::size_t(10 * (x + 8 * s.x + 1) + y + 8 * s.y + 1);
-                float* to = &values_[10 * row + 1];
-                if (s.z == 0) {
-                    active_[row] = std::uint16_t((active_[row] & 0x201u) | bits << 1);
-                    copyRow(in, bits, scale, to);
-                } else if (s.z < 0) {
-                    active_[row] = std::uint16_t((active_[row] & ~1u) | bits >> 7);
-                    to[-1] = bits >> 7 ? float(in[7] * scale) : kMissing;
-                } else {
-                    active_[row] = std::uint16_t((active_[row] & ~0x200u) | (bits & 1) << 9);
-                    to[8] = bits & 1 ? float(in[0] * scale) : kMissing;
-                }
-            }
+            const auto row = std::size_t(10 * (x + 8 * s.x + 1) + 8 * s.y + 1);
+            if (s.z == 0)
+                copyRows(from + 64 * x, slice, s.y, scale, row);
+            else
+                copyEnds(from + 64 * x, slice, s, scale, row);
+        }
+    }
+    void copyRows(const float* from, std::uint64_t slice, int stepY, double scale,
+                  std::size_t row) {
+        for (int y = first(stepY), end = last(stepY); y < end; ++y) {
+            const unsigned bits = slice >> (8 * y) & 0xff;
+            const std::size_t at = row + std::size_t(y);
+            active_[at] = std::uint16_t((active_[at] & 0x201u) | bits << 1);
+            copyRow(from + 8 * y, bits, scale, &values_[10 * at + 1]);
+        }
+    }
+    /// The voxels before or behind the rows, from the leaf there.
+    void copyEnds(const float* from, std::uint64_t slice, const Ijk& s, double scale,
+                  std::size_t row) {
+        const unsigned z = s.z < 0 ? 7 : 0, shift = s.z < 0 ? 0 : 9;
+        float* to = &values_[s.z < 0 ? 0 : 9];
+        for (int y = first(s.y), end = last(s.y); y < end; ++y) {
+            const unsigned is = slice >> (8 * unsigned(y) + z) & 1;
+            const std::size_t at = row + std::size_t(y);
+            active_[at] = std::uint16_t((active_[at] & ~(1u << shift)) | is << shift);
+            const float value = float(from[8 * unsigned(y) + z] * scale);
+            to[10 * at] = is ? value : kMissing;
         }
     }
     /// Per set of active voxels, ones where there is one.
@@ -99,46 +110,34 @@ private:
     std::array<std::uint16_t, 100> active_{};
 };
 
-/// Differences of psi at the eight voxels of a row, side by side: where they are complete, those of
-/// PsiDifferences bit by bit.
+/// What differences of psi show at the eight voxels of a row, side by side and in single precision.
 struct PsiRow {
-    unsigned active, complete;              ///< bits by z
-    std::array<double, 8> x, y, z, slope2;  ///< central differences, squared length
-    std::array<double, 8> laplacian;        ///< of psi
+    unsigned active, complete;    ///< bits by z; the rest is for complete ones
+    std::array<float, 8> slope2;  ///< squared length of the central differences
 
-    PsiRow(const LeafBlock& b, int atX, int atY) {
-        const unsigned here = b.active(atX, atY);
+    PsiRow(const LeafBlock& b, int x, int y) {
+        const unsigned here = b.active(x, y);
         active = here >> 1 & 0xff;
-        complete = active & here & here >> 2 &
-                   (b.active(atX - 1, atY) & b.active(atX + 1, atY) & b.active(atX, atY - 1) &
-                    b.active(atX, atY + 1)) >>
-                       1;
+        complete =
+            active & here & here >> 2 &
+            (b.active(x - 1, y) & b.active(x + 1, y) & b.active(x, y - 1) & b.active(x, y + 1)) >>
+                1;
         if (active == 0) return;
-        const float* row = b.row(atX, atY);
-        for (std::size_t k = 0; k < 8; ++k) laplacian[k] = 0;
-        addAxis(b.row(atX - 1, atY), row, b.row(atX + 1, atY), x);
-        addAxis(b.row(atX, atY - 1), row, b.row(atX, atY + 1), y);
-        addAxis(row - 1, row, row + 1, z);
-        for (std::size_t k = 0; k < 8; ++k) slope2[k] = x[k] * x[k] + y[k] * y[k] + z[k] * z[k];
-    }
-    Vec3d central(std::size_t k) const { return {x[k], y[k], z[k]}; }
-    double slope(std::size_t k) const { return std::sqrt(slope2[k]); }
-    /// PsiDifferences::smooth.
-    bool smooth(std::size_t k) const { return smooth(k, slope(k)); }
-    bool smooth(std::size_t k, double itsSlope) const {
-        return complete >> k & 1 && std::abs(itsSlope - 1) < kSmooth;
-    }
-    static constexpr double kSmooth = 0.1;
-
-private:
-    void addAxis(const float* before, const float* at, const float* after,
-                 std::array<double, 8>& central) {
+        const float *row = b.row(x, y), *x0 = b.row(x - 1, y), *x1 = b.row(x + 1, y),
+                    *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1), *z0 = row - 1, *z1 = row + 1;
         for (std::size_t k = 0; k < 8; ++k) {
-            const double v = at[k], back = v - before[k], ahead = after[k] - v;
-            central[k] = 0.5 * (back + ahead);
-            laplacian[k] += ahead - back;
+            const float dx = x1[k] - x0[k], dy = y1[k] - y0[k], dz = z1[k] - z0[k];
+            slope2[k] = 0.25f * (dx * dx + dy * dy + dz * dz);
         }
     }
+    float slope(std::size_t k) const { return std::sqrt(slope2[k]); }
+    /// Whether PsiDifferences::smooth, but for rounding.
+    bool smooth(std::size_t k) const {
+        constexpr float kLeast = float((1 - kSmooth) * (1 - kSmooth)),
+                        kMost = float((1 + kSmooth) * (1 + kSmooth));
+        return complete >> k & 1 && slope2[k] > kLeast && slope2[k] < kMost;
+    }
+    static constexpr double kSmooth = 0.1;
 };
 
 /// Differences of psi at a voxel of a block, along each axis.
@@ -171,8 +170,7 @@ void forRows(const BandLeaf& leaf, const Visit& visit) {
 
 /// Largest |principal curvature| of S at the foot point, from the Hessian of psi: the eigenvalues
 /// on the tangent plane, moved from psi to 0 by k / (1 - psi k). NaN where a neighbor is missing.
-/// @param n  the unit normal, of the central differences
-inline double largestCurvature(const LeafBlock& b, int x, int y, int z, const Vec3d& n) {
+inline double largestCurvature(const LeafBlock& b, int x, int y, int z) {
     const float *row = b.row(x, y) + z, *x0 = b.row(x - 1, y) + z, *x1 = b.row(x + 1, y) + z,
                 *y0 = b.row(x, y - 1) + z, *y1 = b.row(x, y + 1) + z;
     const double c = *row;
@@ -184,6 +182,7 @@ inline double largestCurvature(const LeafBlock& b, int x, int y, int z, const Ve
                             b.at(x - 1, y - 1, z)),
                  xz = mixed(x1[1], x1[-1], x0[1], x0[-1]), yz = mixed(y1[1], y1[-1], y0[1], y0[-1]);
     const Vec3d hx{d2(*x1, *x0), xy, xz}, hy{xy, d2(*y1, *y0), yz}, hz{xz, yz, d2(row[1], row[-1])};
+    const Vec3d n = normalized(PsiDifferences(b, x, y, z).central());
     // Trace and squared norm of P H P, P = I - n n^T.
     const Vec3d hn{dot(hx, n), dot(hy, n), dot(hz, n)};
     const double nhn = dot(n, hn);
@@ -196,10 +195,6 @@ inline double largestCurvature(const LeafBlock& b, int x, int y, int z, const Ve
         largest = std::max(largest, std::abs(k) / std::max(shift, 0.1));
     }
     return std::isnan(curvatures[1]) ? std::numeric_limits<double>::quiet_NaN() : largest;
-}
-
-inline double largestCurvature(const LeafBlock& b, int x, int y, int z) {
-    return largestCurvature(b, x, y, z, normalized(PsiDifferences(b, x, y, z).central()));
 }
 
 /// Whether a neighbor is missing that the level set has elsewhere: S is cut at this voxel.
