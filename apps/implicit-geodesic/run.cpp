@@ -32,12 +32,15 @@ bool writesDocument(const RunOptions& o) {
 }
 
 RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metric,
-                    const SeedInput& seeds, const RunOptions& o) {
+                    const SeedInput& seeds, const RunOptions& o, const FileDigests& digests) {
     RunReport report;
     report.command = o.words;
     if (writesDocument(o))
-        for (const std::string& file : inputFiles(o))
-            report.inputs.emplace_back(file, igeo::digestOfFile(file));
+        for (const std::string& file : inputFiles(o)) {
+            const auto known = digests.find(file);
+            report.inputs.emplace_back(
+                file, known == digests.end() ? igeo::digestOfFile(file) : known->second);
+        }
     if (o.space == igeo::Space::World) {
         for (const igeo::Seed& seed : seeds.seeds.points)
             report.askedSeeds.push_back(seed.position);
@@ -149,14 +152,14 @@ RunOutcome run(const RunOptions& options, const Console& console, ConsoleProgres
 }
 
 RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& console,
-                 Stages& stages) {
+                 Stages& stages, const FileDigests& digests) {
     const igeo::QueryRules rules{o.snap.value_or(-1), o.space,
                                  o.memoryLimit > 0 ? o.memoryLimit * kGiB : machineMemory()};
     const igeo::GeodesicSolver solver = prepared.solver.with(rules);
     checkGridNames(o, solver.surface().gridName());
     const SeedInput input = readSeeds(o, solver.surface());
     checkSeeds(o, input.seeds);
-    RunReport report = newReport(solver, prepared.metric, input, o);
+    RunReport report = newReport(solver, prepared.metric, input, o, digests);
 
     const igeo::Distance distance =
         o.hasSeeds() ? solver.distance(input.seeds, input.limits, stages)

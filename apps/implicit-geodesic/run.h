@@ -3,6 +3,7 @@
 
 #include <igeo/geodesic_solver.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct PreparedSolver {
     igeo::GeodesicSolver solver;
     MetricInput metric;  ///< its names and warnings
 };
+
+using FileDigests = std::map<std::string, std::string>;  ///< by name
 
 /// Scheme and band, still without a metric.
 igeo::SolverOptions solverOptions(const RunOptions& options);
@@ -35,5 +38,6 @@ RunOutcome run(const RunOptions& options, const Console& console, ConsoleProgres
 
 /// The same from the seeds on, with a solver for the job's surface, band and metric. Jobs may share
 /// one and run side by side; each writes what `run` would.
+/// @param digests  of input files, as far as they are known
 RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& options, const Console& console,
-          Stages& stages);
+                 Stages& stages, const FileDigests& digests = {});

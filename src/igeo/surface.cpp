@@ -70,7 +70,6 @@ public:
     virtual SurfaceMesh mesh(double h, const Field& field, Progress& progress) const {
         return surfaceMesh(levelSet(h, progress), field, progress);
     }
-    virtual Unresolved unresolved(const Band&) const { return {}; }
     virtual std::string gridName() const { return facts.name; }
     /// In the order of the file; null: a level set has none.
     virtual const std::vector<Vec3d>* vertices() const { return nullptr; }
@@ -96,10 +95,24 @@ public:
         return at == wholeBands_.end() ? nullptr : at->second;
     }
 
+    /// Once for each whole band.
+    Unresolved unresolved(const Band& band) const {
+        {
+            const std::lock_guard<std::mutex> lock(bandMutex_);
+            if (const auto at = unresolved_.find(&band); at != unresolved_.end()) return at->second;
+        }
+        const Unresolved found = findUnresolved(band);
+        const std::lock_guard<std::mutex> lock(bandMutex_);
+        for (const auto& [width, whole] : wholeBands_)
+            if (whole.get() == &band) unresolved_[&band] = found;
+        return found;
+    }
+
     SurfaceFacts facts;
     Similarity transform;
 
 protected:
+    virtual Unresolved findUnresolved(const Band&) const { return {}; }
     virtual bool makesParts() const { return false; }
     virtual Band makeBand(const BandWidth& width, const std::vector<Ball>& region,
                           Progress& progress) const = 0;
@@ -109,6 +122,7 @@ protected:
 private:
     mutable std::mutex bandMutex_;
     mutable std::map<std::pair<Scheme, double>, std::shared_ptr<const Band>> wholeBands_;
+    mutable std::map<const Band*, Unresolved> unresolved_;  ///< of those, which stay
 };
 
 namespace {
@@ -156,9 +170,6 @@ public:
         widen(wide, h);
         return wide;
     }
-    Unresolved unresolved(const Band& band) const override {
-        return unresolvedOf(levelSet(band.h, Progress::none()), band);
-    }
     std::string gridName() const override { return levelSet_.psi->getName(); }
     openvdb::math::Transform::ConstPtr gridTransform() const override {
         return levelSet_.psi->transformPtr();
@@ -166,6 +177,9 @@ public:
 
 private:
     bool makesParts() const override { return true; }
+    Unresolved findUnresolved(const Band& band) const override {
+        return unresolvedOf(levelSet(band.h, Progress::none()), band);
+    }
     Band makeBand(const BandWidth& width, const std::vector<Ball>& region,
                   Progress& progress) const override {
         return bandFromLevelSet(levelSet(width.h, progress), width.h, region, progress);
@@ -238,15 +252,15 @@ public:
     SurfaceMesh mesh(double, const Field& field, Progress& progress) const override {
         return refinedMesh(mesh_, field, 1, progress);
     }
-    Unresolved unresolved(const Band& band) const override {
-        return unresolvedOf(*facts.mesh, band);
-    }
     const TriangleMesh* triangles() const override { return &mesh_; }
     const std::vector<Vec3d>* vertices() const override {
         return mesh_.source ? &mesh_.source->vertices : &mesh_.points;
     }
 
 private:
+    Unresolved findUnresolved(const Band& band) const override {
+        return unresolvedOf(*facts.mesh, band);
+    }
     Band makeBand(const BandWidth& width, const std::vector<Ball>&,
                   Progress& progress) const override {
         return bandFromMesh(mesh_, transform.dx, width.h, progress, facts.joinGaps);

@@ -212,8 +212,8 @@ void Batch::runJob(const igeo::Surface& surface, SharedSolver& solver, std::size
                         job.quoted() + ": ");
         ConsoleProgress quiet(ProgressWhen::Never);
         Stages stages(console, quiet);
-        const RunOutcome ended =
-            runOn(solver.prepared(surface, job.options, stages), job.options, console, stages);
+        const RunOutcome ended = runOn(solver.prepared(surface, job.options, stages), job.options,
+                                       console, stages, plan_.inputDigests);
         outcome.exitCode = ended.exitCode, outcome.warnings = ended.warnings;
         for (const std::string& file : outputFiles(job.options))
             outcome.outputs[file] = igeo::digestOfFile(file);

@@ -173,7 +173,6 @@ BatchPlan planBatch(const std::vector<ManifestJob>& jobs, const BatchFiles& file
     plan.summary.count = plan.jobs.size();
     plan.summary.digest = digestOf(plan.jobs);
     plan.summary.shard = shard;
-    std::map<std::string, std::string> inputDigests;
     for (const JobNumbers& group : plan.groups)
         for (const std::size_t k : group) {
             const BatchJob& job = plan.jobs[k];
@@ -181,7 +180,7 @@ BatchPlan planBatch(const std::vector<ManifestJob>& jobs, const BatchFiles& file
             JobRecord& record = plan.records[k];
             record.index = k;
             record.name = job.name;
-            record.digest = digestOf(job, plan.summary.creator, inputDigests);
+            record.digest = digestOf(job, plan.summary.creator, plan.inputDigests);
         }
     std::error_code ignored;
     if (fs::exists(files.summary, ignored))

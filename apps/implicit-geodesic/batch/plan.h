@@ -22,7 +22,8 @@ struct BatchPlan {
     std::vector<JobNumbers> groups;            ///< of the shard: those on one surface together
     std::map<std::size_t, JobRecord> records;  ///< of the shard; those of jobs done before are full
     std::size_t doneBefore = 0;
-    Summary summary;  ///< but for its jobs
+    Summary summary;                                  ///< but for its jobs
+    std::map<std::string, std::string> inputDigests;  ///< of the shard's input files
 };
 
 /// Files by their whole names.

@@ -127,17 +127,28 @@ void Band::numberCore(const std::vector<NodeIndex>& rim) {
     }
 }
 
+void Band::markFacing(NodeIndex i, const Ijk& step) {
+    const NodeIndex j = neighbor(i, step);
+    if (j == kNoNode) return;
+    const Vec3f a = normal[i], b = normal[j];
+    if (dot(a, b) > kOtherSheet && !igeo::stacked(Vec3f(step) + foot[j] - foot[i], a, b)) return;
+    // Several threads may set one flag: always to 1.
+    std::atomic_ref(facing[i]).fetch_or(kFacing, std::memory_order_relaxed);
+    std::atomic_ref(facing[j]).fetch_or(kFacing, std::memory_order_relaxed);
+}
+
 void Band::markFacing(NodeIndex i) {
-    for (int step = 0; step < 12; ++step) {
-        Ijk d{};
-        constexpr std::array<int, 4> kSteps{-2, -1, 1, 2};
-        d[step / 4] = kSteps[std::size_t(step % 4)];
-        const NodeIndex j = neighbor(i, d.x, d.y, d.z);
-        if (j == kNoNode || (dot(normal[i], normal[j]) > kOtherSheet && !stacked(i, j))) continue;
-        // Several threads may set one flag: always to 1.
-        std::atomic_ref(facing[i]).fetch_or(kFacing, std::memory_order_relaxed);
-        std::atomic_ref(facing[j]).fetch_or(kFacing, std::memory_order_relaxed);
-    }
+    for (int face = 0; face < 6; ++face)
+        for (const int steps : {1, 2}) markFacing(i, steps * faceStep(face));
+}
+
+void Band::markFacing() {
+    parallelFor(size(), 4096, [&](std::size_t begin, std::size_t end) {
+        // Each pair from one end.
+        for (auto i = NodeIndex(begin); i < end; ++i)
+            for (int face = 1; face < 6; face += 2)
+                for (const int steps : {1, 2}) markFacing(i, steps * faceStep(face));
+    });
 }
 
 void Band::sever(const std::vector<Link>& links) {

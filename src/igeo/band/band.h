@@ -238,6 +238,8 @@ struct Band {
     /// or sheets are stacked.
     /// May be called for many nodes in parallel; call it for every node at which psi has a kink.
     void markFacing(NodeIndex i);
+    /// markFacing of all nodes, in parallel.
+    void markFacing();
 
     /// Severs links between neighbors, in both directions. Call it once psi, foot points and
     /// normals are set, as often as there are links to add.
@@ -293,6 +295,7 @@ struct Band {
     std::size_t memUsage() const;
 
 private:
+    void markFacing(NodeIndex i, const Ijk& step);
     /// Bits of a slice in the rows y - 1 to y + 1, and in the columns z - 1 to z + 1; y and z in
     /// [-1, 8].
     static std::uint64_t rowsNear(int y) {

@@ -59,6 +59,58 @@ PointTree::Found PointTree::nearest(const Vec3d& p) const {
     return found.front();
 }
 
+namespace {
+
+/// The nearest so far, by a bound that the farthest of them sets.
+class NearestSoFar {
+public:
+    using Found = PointTree::Found;
+    NearestSoFar(std::vector<Found>& found, std::size_t count, double most)
+        : found_(found), count_(count), most_(most) {}
+
+    /// What is farther does not matter; equals go on, as the lower number may be there.
+    double most() const { return most_; }
+    void add(const Found& here) {
+        if (here.squared > most_) return;
+        if (count_ <= kFew) return insert(here);
+        found_.push_back(here);
+        if (found_.size() == 2 * count_) drop();
+    }
+    void finish() {
+        if (count_ <= kFew) return;
+        if (found_.size() > count_) drop();
+        std::sort(found_.begin(), found_.end());
+    }
+
+private:
+    static constexpr std::size_t kFew = 16;
+
+    /// In order.
+    void insert(const Found& here) {
+        if (found_.size() == count_) {
+            if (!(here < found_.back())) return;
+            found_.pop_back();
+        }
+        auto at = found_.end();
+        while (at != found_.begin() && here < *(at - 1)) --at;
+        found_.insert(at, here);
+        if (found_.size() == count_) most_ = found_.back().squared;
+    }
+    /// Those beyond the first `count`.
+    void drop() {
+        const auto last = found_.begin() + std::ptrdiff_t(count_) - 1;
+        std::nth_element(found_.begin(), last, found_.end());
+        most_ = last->squared;
+        found_.resize(count_);
+    }
+
+    std::vector<Found>& found_;
+    std::size_t count_;
+    double most_;
+};
+
+}  // namespace
+
 void PointTree::nearest(const Vec3d& p, std::size_t count, std::vector<Found>& found,
                         double within) const {
     found.clear();
@@ -72,36 +124,27 @@ void PointTree::nearest(const Vec3d& p, std::size_t count, std::vector<Found>& f
     auto boxAt = [&](unsigned level, std::size_t k) {
         return Waiting{boxes_[(std::size_t(1) << level) - 1 + k].squaredDistance(p), level, k};
     };
-    // `found` is a heap with the farthest on top. Equals go on, as the lower number may be there.
-    const double most = within * within;
+    NearestSoFar nearest(found, count, within * within);
     Waiting stack[64];
     std::size_t top = 0;
     stack[top++] = boxAt(0, 0);
     while (top > 0) {
         const Waiting w = stack[--top];
-        if (w.squared > (found.size() == count ? found.front().squared : most)) continue;
+        if (w.squared > nearest.most()) continue;
         if (w.level < levels_) {
             Waiting nearer = boxAt(w.level + 1, 2 * w.box),
                     farther = boxAt(w.level + 1, 2 * w.box + 1);
             if (farther.squared < nearer.squared) std::swap(nearer, farther);
-            stack[top++] = farther;
+            if (farther.squared <= nearest.most()) stack[top++] = farther;
             stack[top++] = nearer;
             continue;
         }
         for (std::size_t i = edge(w.level, w.box); i < edge(w.level, w.box + 1); ++i) {
             const Vec3d r = p - points_[i];
-            const Found here{dot(r, r), Index(i)};
-            if (here.squared > most) continue;
-            if (found.size() == count) {
-                if (!(here < found.front())) continue;
-                std::pop_heap(found.begin(), found.end());
-                found.pop_back();
-            }
-            found.push_back(here);
-            std::push_heap(found.begin(), found.end());
+            nearest.add({dot(r, r), Index(i)});
         }
     }
-    std::sort_heap(found.begin(), found.end());
+    nearest.finish();
 }
 
 void PointTree::setReach(std::vector<double> reach) {

@@ -68,6 +68,8 @@ MeshTopology meshTopology(const TriangleMesh& mesh);
 /// are.
 /// @return triangles turned
 std::size_t orientConsistently(TriangleMesh& mesh);
+/// The same where the topology is known, which is turned with the triangles.
+std::size_t orientConsistently(TriangleMesh& mesh, MeshTopology& topology);
 
 /// In the file's units, squared.
 double meshArea(const TriangleMesh& mesh);

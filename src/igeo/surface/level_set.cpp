@@ -5,11 +5,14 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/io/voxel_size.h>
+#include <igeo/surface/detail/histogram.h>
 #include <igeo/surface/detail/leaf_block.h>
 #include <igeo/surface/detail/psi_shells.h>
 #include <openvdb/tools/FastSweeping.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <mutex>
 #include <utility>
 
@@ -22,43 +25,6 @@ using Leaf = LeafBlock::Leaf;
 
 std::string where(const LevelSet& s) { return " (" + s.file + ", grid '" + s.name + "')"; }
 
-/// Counts over [0, 1) of some monotone scale: quantiles that do not depend on the order of adding.
-class Histogram {
-public:
-    void add(double x) {
-        const auto bin = std::size_t(std::clamp(x, 0.0, 0.999999) * double(kBins));
-        ++counts_[bin], ++total_;
-    }
-    void add(const Histogram& other) {
-        for (std::size_t k = 0; k < kBins; ++k) counts_[k] += other.counts_[k];
-        total_ += other.total_;
-    }
-    std::uint64_t total() const { return total_; }
-    /// Least x (the middle of its bin) with more than `count` entries at or below it; 1 if none.
-    double valueAfter(std::uint64_t count) const {
-        std::uint64_t sum = 0;
-        for (std::size_t k = 0; k < kBins; ++k)
-            if ((sum += counts_[k]) > count) return (double(k) + 0.5) / double(kBins);
-        return 1;
-    }
-    /// Share of the entries in [lo, hi]; 1 if there are none.
-    double share(double lo, double hi) const {
-        std::uint64_t sum = 0;
-        for (auto k = std::size_t(lo * double(kBins)); k < std::size_t(hi * double(kBins)); ++k)
-            sum += counts_[k];
-        return total_ ? double(sum) / double(total_) : 1;
-    }
-    double quantile(double q) const { return valueAfter(std::uint64_t(q * double(total_))); }
-
-private:
-    static constexpr std::size_t kBins = 4096;
-    std::vector<std::uint64_t> counts_ = std::vector<std::uint64_t>(kBins);
-    std::uint64_t total_ = 0;
-};
-
-// Curvatures from 1e-6 to 10 per voxel on a logarithmic scale, bins 0.4 % wide.
-double scaleOfCurvature(double k) { return (std::log10(std::max(k, 1e-6)) + 6) / 7; }
-double curvatureOfScale(double s) { return std::pow(10.0, 7 * s - 6); }
 constexpr double kGradientRange = 4;  // histogram of |grad psi| over [0, 4)
 constexpr double kReachRange = 16;    // histogram of |psi| at medial voxels, voxels
 
@@ -71,33 +37,46 @@ struct Tally {
         nearSurface += o.nearSurface, crossing += o.crossing, cut += o.cut;
         gradient.add(o.gradient), curvature.add(o.curvature), meeting.add(o.meeting);
     }
-    void visit(const LeafBlock& b, int x, int y, int z, double halfWidth);
+    void visit(const LeafBlock& b, int x, int y, double halfWidth);
+    void addCurvature(double k);
 };
 
-void Tally::visit(const LeafBlock& b, int x, int y, int z, double halfWidth) {
-    const double psi = b.at(x, y, z);
-    const PsiDifferences d(b, x, y, z);
-    const bool complete = d.complete();
-    if (complete) {
-        const double g = length(d.central());
-        gradient.add(g / kGradientRange);
-        // Where opposite sheets meet, central differences cancel; at creases they stay above 0.58.
-        if (g < 0.5) meeting.add(std::abs(psi) / kReachRange);
-    }
-    if (!(std::abs(psi) < 1)) return;
-    ++nearSurface;
-    auto otherSide = [&](double difference) {
-        return std::signbit(psi) != std::signbit(psi + difference);
-    };
-    for (int a = 0; a < 3; ++a)
-        if ((!std::isnan(d.backward[a]) && otherSide(-d.backward[a])) ||
-            (!std::isnan(d.forward[a]) && otherSide(d.forward[a]))) {
-            ++crossing;
-            break;
+/// Whether a neighbor of a voxel has the other sign; NaN has none.
+bool crosses(const LeafBlock& b, int x, int y, int z) {
+    const float *row = b.row(x, y) + z, *x0 = b.row(x - 1, y) + z, *x1 = b.row(x + 1, y) + z,
+                *y0 = b.row(x, y - 1) + z, *y1 = b.row(x, y + 1) + z;
+    if (std::signbit(*row))
+        return *x0 >= 0 || *x1 >= 0 || *y0 >= 0 || *y1 >= 0 || row[-1] >= 0 || row[1] >= 0;
+    return *x0 < 0 || *x1 < 0 || *y0 < 0 || *y1 < 0 || row[-1] < 0 || row[1] < 0;
+}
+
+void Tally::visit(const LeafBlock& b, int x, int y, double halfWidth) {
+    const PsiRow row(b, x, y);
+    const float* psi = b.row(x, y);
+    for (unsigned bits = row.active; bits; bits &= bits - 1) {
+        const int z = std::countr_zero(bits);
+        const auto k = std::size_t(z);
+        const double value = std::abs(psi[z]), slope = row.slope(k);
+        const bool complete = row.complete >> z & 1;
+        if (complete) {
+            gradient.add(slope / kGradientRange);
+            // Where opposite sheets meet, central differences cancel; at creases they stay above
+            // 0.58.
+            if (slope < 0.5) meeting.add(value / kReachRange);
         }
-    if (cutBeside(d, psi, halfWidth)) ++cut;
-    const double k = complete ? largestCurvature(b, x, y, z) : 0;
-    if (complete && !std::isnan(k)) curvature.add(scaleOfCurvature(k));
+        if (!(value < 1)) continue;
+        ++nearSurface;
+        crossing += crosses(b, x, y, z);
+        if (complete)
+            addCurvature(largestCurvature(b, x, y, z));
+        else
+            cut += cutBeside(PsiDifferences(b, x, y, z), psi[z], halfWidth);
+    }
+}
+
+void Tally::addCurvature(double k) {
+    static const CurvatureBins bins;
+    if (!std::isnan(k)) curvature.addToBin(bins(k));
 }
 
 std::vector<const Leaf*> leavesOf(const openvdb::FloatGrid& grid) {
@@ -136,6 +115,15 @@ void removeStrays(LevelSet& s, double from) {
         first.y(), first.z()));
 }
 
+/// Calls visit(value) for the active voxels of a leaf. OpenVDB's iterator is not inlined.
+template <typename Visit>
+void forActive(const Leaf& leaf, const Visit& visit) {
+    const float* values = leaf.buffer().data();
+    for (openvdb::Index x = 0; x < 8; ++x)
+        for (auto bits = leaf.valueMask().getWord<openvdb::Index64>(x); bits; bits &= bits - 1)
+            visit(values[64 * x + openvdb::Index(std::countr_zero(bits))]);
+}
+
 /// Finite values first: everything else assumes them.
 void measureRange(LevelSet& s) {
     const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
@@ -148,16 +136,16 @@ void measureRange(LevelSet& s) {
     parallelFor(leaves.size(), 1024, [&](std::size_t begin, std::size_t end) {
         Shells part;
         for (std::size_t l = begin; l < end; ++l)
-            for (auto it = leaves[l]->cbeginValueOn(); it; ++it) {
+            forActive(*leaves[l], [&](float value) {
                 ++active[l];
-                if (*it < 0) ++negative[l];
-                if (!std::isfinite(*it)) {
+                if (value < 0) ++negative[l];
+                if (!std::isfinite(value)) {
                     ++bad[l];
-                    continue;
+                    return;
                 }
-                part.add(std::abs(*it) / s.transform.dx);
-                widest[l] = std::max(widest[l], std::abs(*it));
-            }
+                part.add(std::abs(value) / s.transform.dx);
+                widest[l] = std::max(widest[l], std::abs(value));
+            });
         std::lock_guard<std::mutex> lock(mutex);
         shells.add(part);
     });
@@ -207,11 +195,9 @@ void measure(LevelSet& s, Progress& progress) {
         LeafBlock block;
         const LeafBlock::Accessor psi(s.psi->constTree());
         for (std::size_t l = begin; l < end; ++l) {
-            block.gather(psi, leaves[l]->origin(), s.transform.dx);
-            for (auto it = leaves[l]->cbeginValueOn(); it; ++it) {
-                const int n = int(it.pos());
-                part.visit(block, n >> 6, n >> 3 & 7, n & 7, s.stats.halfWidth);
-            }
+            block.gather(psi, leaves[l]->origin(), s.transform.dx, LeafBlock::kEdges);
+            for (int x = 0; x < 8; ++x)
+                for (int y = 0; y < 8; ++y) part.visit(block, x, y, s.stats.halfWidth);
         }
         steps.add(end - begin);
         std::lock_guard<std::mutex> lock(mutex);

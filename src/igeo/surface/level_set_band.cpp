@@ -9,6 +9,8 @@
 #include <openvdb/tools/SignedFloodFill.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 
 namespace igeo {
 
@@ -44,8 +46,14 @@ std::vector<BandLeaf> bandLeaves(const std::vector<const Leaf*>& source, double 
         for (std::size_t l = begin; l < end; ++l) {
             const openvdb::Coord o = source[l]->origin();
             all[l].origin = {o.x(), o.y(), o.z()};
-            for (auto it = source[l]->cbeginValueOn(); it; ++it)
-                if (std::abs(*it) < hWorld) all[l].band.insert(it.pos());
+            const float* values = source[l]->buffer().data();
+            for (std::size_t x = 0; x < 8; ++x) {
+                std::uint64_t within = 0;
+                for (std::size_t k = 0; k < 64; ++k)
+                    within |= std::uint64_t(std::abs(values[64 * x + k]) < hWorld) << k;
+                all[l].band.mask[x] =
+                    within & source[l]->valueMask().getWord<openvdb::Index64>(openvdb::Index(x));
+            }
         }
     });
     std::vector<BandLeaf> leaves;
@@ -67,26 +75,44 @@ struct Marks {
     std::vector<std::vector<NodeIndex>> rims;      ///< around sharp bends
 };
 
-/// Sets psi, foot point and normal of a leaf's nodes.
-void fillLeaf(const LeafBlock& block, std::size_t l, Band& band, Marks& marks) {
-    const LeafNodes& nodes = band.leaves[l].band;
-    for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
-        const int o = band.offset[i], x = o >> 6, y = o >> 3 & 7, z = o & 7;
-        const PsiDifferences d(block, x, y, z);
-        const double value = block.at(x, y, z);
-        const Vec3d n = normalized(psiGradient(d, value));
-        if (!d.smooth()) {
-            marks.kinks[l].push_back(i);
-            if (length(d.central()) < kMeeting && d.laplacian(value < 0 ? -1 : 1) < 0)
-                marks.meetings[l].push_back(i);
-        }
-        if (std::abs(value) < kRim && d.laplacian(value < 0 ? -1 : 1) > 1 / kSharpRadius)
-            marks.rims[l].push_back(i);
-        band.psi[i] = float(value);
-        band.normal[i] = Vec3f(n);
-        band.foot[i] = Vec3f(-value * n);
+/// Fills a leaf's nodes.
+class LeafFiller {
+public:
+    LeafFiller(const LeafBlock& block, std::size_t l, Band& band, Marks& marks)
+        : block_(block), l_(l), band_(band), marks_(marks) {}
+
+    void fill() {
+        NodeIndex i = band_.leaves[l_].band.firstNode;
+        forRows(band_.leaves[l_], [&](int x, int y, unsigned bits) {
+            const PsiRow row(block_, x, y);
+            for (; bits; bits &= bits - 1) fillNode(i++, row, x, y, std::countr_zero(bits));
+        });
     }
-}
+
+private:
+    void fillNode(NodeIndex i, const PsiRow& row, int x, int y, int z) {
+        const auto k = std::size_t(z);
+        const PsiDifferences d(block_, x, y, z);
+        const double value = block_.at(x, y, z), onRoundSide = value < 0 ? -1 : 1;
+        const bool smooth = row.smooth(k);
+        const Vec3d n = normalized(smooth ? d.central() : psiGradient(d, value));
+        if (!smooth) {
+            marks_.kinks[l_].push_back(i);
+            if (length(d.central()) < kMeeting && d.laplacian(onRoundSide) < 0)
+                marks_.meetings[l_].push_back(i);
+        }
+        if (std::abs(value) < kRim && d.laplacian(onRoundSide) > 1 / kSharpRadius)
+            marks_.rims[l_].push_back(i);
+        band_.psi[i] = float(value);
+        band_.normal[i] = Vec3f(n);
+        band_.foot[i] = Vec3f(-value * n);
+    }
+
+    const LeafBlock& block_;
+    std::size_t l_;
+    Band& band_;
+    Marks& marks_;
+};
 
 }  // namespace
 
@@ -120,8 +146,8 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
         LeafBlock block;
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
         for (std::size_t l = begin; l < end; ++l) {
-            block.gatherCross(psi, kept[l]->origin(), dx);
-            fillLeaf(block, l, band, marks);
+            block.gather(psi, kept[l]->origin(), dx, LeafBlock::kFaces);
+            LeafFiller(block, l, band, marks).fill();
         }
         steps.add(end - begin);
     });

@@ -158,9 +158,9 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     requireReasonable(given, dx, h);
     progress.update("band", 0);
     TriangleMesh mesh = given;
-    orientConsistently(mesh);
-    for (Vec3d& p : mesh.points) p *= 1 / dx;
     MeshTopology topology = meshTopology(mesh);
+    orientConsistently(mesh, topology);
+    for (Vec3d& p : mesh.points) p *= 1 / dx;
     const Pseudonormals normals(mesh, topology);
     std::vector<NearLeaf> nearLeaves = voxelsNear(mesh.points, mesh.triangles, h, progress);
 
@@ -179,9 +179,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
             "take smaller voxels");
     const std::vector<NodeIndex> rim = fillNodes(normals, nearLeaves, band);
     progress.throwIfCancelled();
-    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) band.markFacing(NodeIndex(i));
-    });
+    band.markFacing();
     const MeshAdjacency adjacency(mesh, topology);
     const MeshBand on{adjacency, normals.ofFace, nearLeaves, band};
     band.numberCore(rim);

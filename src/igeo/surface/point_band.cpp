@@ -74,10 +74,11 @@ public:
 
     /// The leaves that come within the reach of a point, sorted.
     std::vector<Ijk> candidates() const;
-    void fill(LeafPart& part) const;
+    using Feet = std::vector<PointSurface::Foot>;  ///< per voxel of a leaf
+    void fill(LeafPart& part, PointsAround& around, Feet& feet) const;
 
 private:
-    bool fillVoxel(const Ijk& ijk, LeafPart& part) const;
+    PointSurface::Foot footOf(const Vec3d& x, PointsAround& around) const;
 
     const PointSurface& surface_;
     const PointTree& points_;
@@ -123,37 +124,48 @@ std::vector<Ijk> Filler::candidates() const {
     return all;
 }
 
-bool Filler::fillVoxel(const Ijk& ijk, LeafPart& part) const {
-    const Vec3d x = dx_ * Vec3d(ijk);
-    const PointTree::Found nearest = points_.nearest(x);
+PointSurface::Foot Filler::footOf(const Vec3d& x, PointsAround& around) const {
+    const PointTree::Found nearest = around.nearest(x).front();
     const Index i = nearest.point;
-    PointSurface::Foot foot{true, points_[i], surface_.normal(i), 0};
-    if (kind_ == PointBandKind::Balls) {
-        if (!(nearest.squared < h_ * h_ * dx_ * dx_)) return false;
-        foot.psi = dot(x - foot.point, foot.normal);
-    } else {
-        if (!(nearest.squared < reach(i) * reach(i))) return false;
-        foot = surface_.project(x, h_ * dx_);
-        if (!foot.valid) return false;
-    }
-    part.psi.push_back(float(foot.psi / dx_));
-    part.foot.push_back(Vec3f((foot.point - x) * (1 / dx_)));
-    part.normal.push_back(Vec3f(foot.normal));
-    return true;
+    if (kind_ == PointBandKind::Fits)
+        return nearest.squared < reach(i) * reach(i) ? surface_.project(x, h_ * dx_, around)
+                                                     : PointSurface::Foot{};
+    const Vec3d n = surface_.normal(i);
+    return {nearest.squared < h_ * h_ * dx_ * dx_, points_[i], n, dot(x - points_[i], n)};
 }
 
-void Filler::fill(LeafPart& part) const {
+void Filler::fill(LeafPart& part, PointsAround& around, Feet& feet) const {
     // Most leaves lie off the surface if voxels are fine. All voxels are within kHalf of the
-    // middle.
-    constexpr double kHalf = 6.1;
+    // middle; of a block of 4^3 within kHalfBlock of its own.
+    constexpr double kHalf = 6.1, kHalfBlock = 2.6;
     const Vec3d middle = dx_ * (Vec3d(part.leaf.origin) + Vec3d{3.5, 3.5, 3.5});
     const PointTree::Found nearest = points_.nearest(middle);
     const double farthest = (kHalf + 1.25 * h_) * dx_ + points_.reach(nearest.point) / 8;
     if (kind_ == PointBandKind::Fits && surface_.roughDistance(middle, nearest.point) > farthest)
         return;
-    for (unsigned at = 0; at < 512; ++at) {
-        const Ijk step{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
-        if (fillVoxel(part.leaf.origin + step, part)) part.leaf.band.insert(at);
+    const double beside = surface_.reachOfProject(nearest.point, h_ * dx_);
+    for (int block = 0; block < 8; ++block) {
+        const Ijk low{4 * (block >> 2), 4 * (block >> 1 & 1), 4 * (block & 1)};
+        const Vec3d center = dx_ * (Vec3d(part.leaf.origin + low) + Vec3d{1.5, 1.5, 1.5});
+        around.moveTo(center, kHalfBlock * dx_, beside);
+        const bool any = kind_ == PointBandKind::Balls || around.anyNear([&](Index i) {
+            return surface_.mayProject(center, kHalfBlock * dx_, i, h_ * dx_);
+        });
+        for (int k = 0; k < 64; ++k) {
+            const Ijk in = low + Ijk{k >> 4, k >> 2 & 3, k & 3};
+            feet[Band::offsetOf(in.x, in.y, in.z)] =
+                any ? footOf(dx_ * Vec3d(part.leaf.origin + in), around) : PointSurface::Foot{};
+        }
+    }
+    for (unsigned at = 0; at < feet.size(); ++at) {
+        const PointSurface::Foot& foot = feet[at];
+        if (!foot.valid) continue;
+        const Ijk in{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
+        const Vec3d x = dx_ * Vec3d(part.leaf.origin + in);
+        part.leaf.band.insert(at);
+        part.psi.push_back(float(foot.psi / dx_));
+        part.foot.push_back(Vec3f((foot.point - x) * (1 / dx_)));
+        part.normal.push_back(Vec3f(foot.normal));
     }
 }
 
@@ -182,15 +194,15 @@ Band bandFromPoints(const PointSurface& surface, PointBandKind kind, double dx, 
                     Progress& progress) {
     requireRange(surface, kind, dx, h);
     const Filler filler(surface, kind, dx, h);
-    std::vector<LeafPart> parts;
-    for (const Ijk& origin : filler.candidates()) {
-        parts.emplace_back();
-        parts.back().leaf.origin = origin;
-    }
+    const std::vector<Ijk> origins = filler.candidates();
+    std::vector<LeafPart> parts(origins.size());
+    for (std::size_t l = 0; l < parts.size(); ++l) parts[l].leaf.origin = origins[l];
     std::atomic<std::size_t> done{0};
     parallelFor(parts.size(), 4, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
-        for (std::size_t l = begin; l < end; ++l) filler.fill(parts[l]);
+        PointsAround around(surface.points());
+        Filler::Feet feet(512);
+        for (std::size_t l = begin; l < end; ++l) filler.fill(parts[l], around, feet);
         progress.update("band", double(done += end - begin) / double(parts.size()));
     });
     progress.throwIfCancelled();
@@ -212,9 +224,7 @@ Band bandFromPoints(const PointSurface& surface, PointBandKind kind, double dx, 
         }
     });
     // psi of points has no kinks that differences would show: all nodes are looked at.
-    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) band.markFacing(NodeIndex(i));
-    });
+    band.markFacing();
     band.numberCore();
     return band;
 }

@@ -21,6 +21,8 @@ using Kind = Error::Kind;
 constexpr std::size_t kLeastPoints = 16;
 /// Neighbors that tell the spacing and the first normal: two rings of a square lattice.
 constexpr std::size_t kNear = 12;
+/// Those, and the point itself: found once for all that asks for them.
+constexpr std::size_t kRing = kNear + 1;
 /// Neighbors in a fit: few where points are exact, as details count; as many as it takes to
 /// average where they scatter by `noise` spacings.
 std::size_t fittedAt(double noise) {
@@ -113,15 +115,34 @@ PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.f
     std::vector<double> reach = spacing_;
     for (double& r : reach) r *= kReach;
     points_.setReach(std::move(reach));
+    patches_.resize(points_.size());
+    for (std::size_t i = 0; i < patches_.size(); ++i)
+        patches_[i] = {points_[i], normals_[i], squared(points_.reach(i)), fits_[i]};
+    std::vector<Quadric>().swap(fits_);
+    std::vector<Index>().swap(ring_);
+}
+
+void PointSurface::nearestTo(std::size_t i, std::size_t count,
+                             std::vector<PointTree::Found>& found) const {
+    if (count > kRing) return points_.nearest(points_[i], count, found);
+    found.clear();
+    for (std::size_t k = 0; k < count; ++k) {
+        const Index j = ring_[kRing * i + k];
+        const Vec3d r = points_[i] - points_[j];
+        found.push_back({dot(r, r), j});
+    }
 }
 
 void PointSurface::measureSpacing() {
+    static_assert(kRing <= kLeastPoints);
     spacing_.resize(points_.size());
+    ring_.resize(kRing * points_.size());
     const double perRadius = std::sqrt(std::numbers::pi / double(kNear));
     parallelFor(points_.size(), 512, [&](std::size_t begin, std::size_t end) {
         std::vector<PointTree::Found> neighbors;
         for (std::size_t i = begin; i < end; ++i) {
-            points_.nearest(points_[i], kNear + 1, neighbors);
+            points_.nearest(points_[i], kRing, neighbors);
+            for (std::size_t k = 0; k < kRing; ++k) ring_[kRing * i + k] = neighbors[k].point;
             spacing_[i] = perRadius * std::sqrt(neighbors.back().squared);
         }
     });
@@ -130,12 +151,11 @@ void PointSurface::measureSpacing() {
 std::vector<char> PointSurface::strays() const {
     std::vector<char> off(points_.size());
     parallelFor(points_.size(), 512, [&](std::size_t begin, std::size_t end) {
-        std::vector<PointTree::Found> neighbors;
+        std::vector<double> around;
         for (std::size_t i = begin; i < end; ++i) {
-            points_.nearest(points_[i], kNear + 1, neighbors);
-            std::vector<double> around;
-            for (const PointTree::Found& f : neighbors)
-                if (f.point != i) around.push_back(spacing_[f.point]);
+            around.clear();
+            for (std::size_t k = 0; k < kRing; ++k)
+                if (const Index j = ring_[kRing * i + k]; j != i) around.push_back(spacing_[j]);
             const double usual = quantile(around, 0.5);
             off[i] =
                 spacing_[i] > kIsolated * usual || (!fits_.empty() && off_[i] > kStray * usual);
@@ -163,18 +183,23 @@ double PointSurface::measureNoise(Progress& progress) {
     // by 3 or more from 24 points to 48. That separates the two.
     constexpr std::size_t kCount = 24;
     constexpr double kGrowth = 3;
-    std::array<double, 2> left{};
-    const std::vector<Vec3d> normals = normals_;
-    for (std::size_t k = 0; k < 2; ++k) {
-        normals_ = normals;
-        fitQuadrics(kCount << k, progress);
-        std::vector<double> relative(scatter_.size());
-        for (std::size_t i = 0; i < relative.size(); ++i)
-            relative[i] = squared(scatter_[i] / spacing_[i]);
-        left[k] = quantile(relative, 0.5);
-    }
-    normals_ = normals;
-    return std::sqrt(std::max(0.0, (kGrowth * left[0] - left[1]) / (kGrowth - 1)));
+    const std::size_t n = points_.size();
+    std::array<std::vector<double>, 2> relative;
+    for (auto& r : relative) r.resize(n);
+    std::atomic<std::size_t> done{0};
+    parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
+        if (progress.cancelled()) return;
+        std::vector<PointTree::Found> nearest;
+        for (std::size_t i = begin; i < end; ++i) {
+            points_.nearest(points_[i], 4 * kCount, nearest);
+            for (std::size_t k = 0; k < 2; ++k)
+                relative[k][i] = squared(fitAt(i, kCount << k, nearest).scatter / spacing_[i]);
+        }
+        progress.update("fitting points", double(done += end - begin) / double(n) / 2);
+    });
+    progress.throwIfCancelled();
+    const double few = quantile(relative[0], 0.5), many = quantile(relative[1], 0.5);
+    return std::sqrt(std::max(0.0, (kGrowth * few - many) / (kGrowth - 1)));
 }
 
 void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count) {
@@ -185,7 +210,7 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
         std::vector<PointTree::Found> neighbors;
         std::vector<double> weights;
         for (std::size_t i = begin; i < end; ++i) {
-            points_.nearest(points_[i], count + 1, neighbors);
+            nearestTo(i, count + 1, neighbors);
             const double radius2 = 1.2 * neighbors.back().squared;
             weights.clear();
             for (const PointTree::Found& f : neighbors) {
@@ -232,53 +257,62 @@ bool PointSurface::sameSheet(std::size_t j, const Vec3d& n) const {
     return dot(normals_[j], n) > kOtherSheet;
 }
 
+PointSurface::PointFit PointSurface::fitAt(std::size_t i, std::size_t count,
+                                           const std::vector<PointTree::Found>& nearest) const {
+    // Twice as many, should half of them be on another sheet.
+    thread_local std::vector<PointTree::Found> neighbors;
+    neighbors.clear();
+    for (std::size_t k = 0; k < std::min(2 * count, nearest.size()) && neighbors.size() < count;
+         ++k)
+        if (sameSheet(nearest[k].point, normals_[i])) neighbors.push_back(nearest[k]);
+    const double radius2 = 1.1 * neighbors.back().squared, radius = std::sqrt(radius2);
+    PointFit result{};
+    result.normal = normals_[i];
+    // Over the first plane, and again over the tangent plane of what came out.
+    for (int round = 0; round < 2; ++round) {
+        QuadricFit fit(result.normal, radius);
+        double total = 0, squares = 0;
+        for (const PointTree::Found& f : neighbors) {
+            const double w = squared(1 - f.squared / radius2);
+            fit.add(points_[f.point] - points_[i], w);
+            total += w, squares += w * w;
+        }
+        fit.solve();
+        result.normal = fit.normal();
+        if (round == 0) continue;
+        result.quadric = fit.quadric();
+        result.curvature = fit.curvature();
+        result.off = std::abs(result.quadric.value) / std::max(1e-3, 1 - fit.ownShare());
+        double sum = 0;
+        for (const PointTree::Found& f : neighbors)
+            sum += squared(1 - f.squared / radius2) *
+                   squared(fit.residual(points_[f.point] - points_[i]));
+        // Six unknowns take their share of the scatter.
+        const double free = 1 - 6 * squares / (total * total);
+        result.scatter = free > 0.1 ? std::sqrt(sum / total / free) : 0;
+    }
+    return result;
+}
+
 void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
     const std::size_t n = points_.size();
     fits_.resize(n);
-    scatter_.resize(n);
     curvature_.resize(n);
     off_.resize(n);
     std::vector<Vec3d> fitted(n);
     std::atomic<std::size_t> done{0};
     parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
-        std::vector<PointTree::Found> neighbors;
+        std::vector<PointTree::Found> nearest;
         for (std::size_t i = begin; i < end; ++i) {
-            // Twice as many, should half of them be on another sheet.
-            points_.nearest(points_[i], 2 * count, neighbors);
-            neighbors.erase(
-                std::remove_if(neighbors.begin(), neighbors.end(),
-                               [&](const auto& f) { return !sameSheet(f.point, normals_[i]); }),
-                neighbors.end());
-            if (neighbors.size() > count) neighbors.resize(count);
-            const double radius2 = 1.1 * neighbors.back().squared, radius = std::sqrt(radius2);
-            Vec3d normal = normals_[i];
-            // Over the first plane, and again over the tangent plane of what came out.
-            for (int round = 0; round < 2; ++round) {
-                QuadricFit fit(normal, radius);
-                double total = 0, squares = 0;
-                for (const PointTree::Found& f : neighbors) {
-                    const double w = squared(1 - f.squared / radius2);
-                    fit.add(points_[f.point] - points_[i], w);
-                    total += w, squares += w * w;
-                }
-                fit.solve();
-                normal = fit.normal();
-                if (round == 0) continue;
-                fits_[i] = fit.quadric();
-                curvature_[i] = fit.curvature();
-                off_[i] = std::abs(fits_[i].value) / std::max(1e-3, 1 - fit.ownShare());
-                double sum = 0;
-                for (const PointTree::Found& f : neighbors)
-                    sum += squared(1 - f.squared / radius2) *
-                           squared(fit.residual(points_[f.point] - points_[i]));
-                // Six unknowns take their share of the scatter.
-                const double free = 1 - 6 * squares / (total * total);
-                scatter_[i] = free > 0.1 ? std::sqrt(sum / total / free) : 0;
-            }
-            fitted[i] = normal;
+            points_.nearest(points_[i], 2 * count, nearest);
+            const PointFit fit = fitAt(i, count, nearest);
+            fits_[i] = fit.quadric;
+            curvature_[i] = fit.curvature;
+            off_[i] = fit.off;
+            fitted[i] = fit.normal;
         }
-        progress.update("fitting points", double(done += end - begin) / double(n));
+        progress.update("fitting points", (1 + double(done += end - begin) / double(n)) / 2);
     });
     progress.throwIfCancelled();
     normals_ = std::move(fitted);
@@ -289,17 +323,18 @@ PointSurface::Blend PointSurface::blend(const Vec3d& y, const Vec3d& n,
     double sum = 0, value = 0;
     Vec3d sumSlope{}, slope{};
     for (const Index j : neighbors) {
-        const Vec3d d = y - points_[j];
-        const double reach2 = squared(points_.reach(j)), left = 1 - dot(d, d) / reach2;
-        if (!(left > 0) || !sameSheet(j, n)) continue;
+        const Patch& patch = patches_[j];
+        const Vec3d d = y - patch.at;
+        const double left = 1 - dot(d, d) / patch.reach2;
+        if (!(left > 0) || !(dot(patch.normal, n) > kOtherSheet)) continue;
         const double w = left * left * left;
-        const Vec3d dw = (-6 * left * left / reach2) * d;
-        const Vec3d bent = fits_[j].bend(d);
-        const double f = fits_[j].value + dot(fits_[j].gradient + bent, d);
+        const Vec3d dw = (-6 * left * left / patch.reach2) * d;
+        const Vec3d bent = patch.fit.bend(d);
+        const double f = patch.fit.value + dot(patch.fit.gradient + bent, d);
         sum += w;
         value += w * f;
         sumSlope += dw;
-        slope += w * (fits_[j].gradient + 2.0 * bent) + f * dw;
+        slope += w * (patch.fit.gradient + 2.0 * bent) + f * dw;
     }
     if (!(sum > 0)) return {};
     value /= sum;
@@ -331,17 +366,28 @@ bool PointSurface::within(const Vec3d& y, const Vec3d& n,
 }
 
 double PointSurface::roughDistance(const Vec3d& x, Index nearest) const {
-    const Vec3d d = x - points_[nearest];
-    const Quadric& f = fits_[nearest];
+    const Vec3d d = x - patches_[nearest].at;
+    const Quadric& f = patches_[nearest].fit;
     return std::abs(f.value + dot(f.gradient + f.bend(d), d));
 }
 
-PointSurface::Index PointSurface::nearestSheet(const Vec3d& x) const {
+bool PointSurface::mayProject(const Vec3d& middle, double radius, Index nearest,
+                              double farthest) const {
+    const Quadric& f = patches_[nearest].fit;
+    const Vec3d slope = f.gradient + 2.0 * f.bend(middle - patches_[nearest].at);
+    const double bend = std::sqrt(squaredLength(f.diagonal) + 2 * squaredLength(f.mixed));
+    const double change = radius * (length(slope) + bend * radius);
+    return roughDistance(middle, nearest) <= (roughLimit(nearest, farthest) + change) * (1 + 1e-9);
+}
+
+double PointSurface::roughLimit(Index nearest, double farthest) const {
+    return 1.25 * farthest + spacing_[nearest] / 4;
+}
+
+PointSurface::Index PointSurface::nearestSheet(const std::vector<PointTree::Found>& neighbors,
+                                               const Vec3d& x) const {
     // Between two sheets the nearest point may be on the farther one, straight above a gap of the
     // nearer.
-    constexpr std::size_t kAround = 5;
-    thread_local std::vector<PointTree::Found> neighbors;
-    points_.nearest(x, kAround, neighbors);
     const Index first = neighbors.front().point;
     Index best = first;
     double least = roughDistance(x, first);
@@ -354,15 +400,26 @@ PointSurface::Index PointSurface::nearestSheet(const Vec3d& x) const {
 }
 
 PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest) const {
-    const Index nearest = nearestSheet(x);
+    PointsAround around(points_);
+    around.moveTo(x, 0, reachOfProject(points_.nearest(x).point, farthest));
+    return project(x, farthest, around);
+}
+
+double PointSurface::reachOfProject(Index nearest, double farthest) const {
+    return roughLimit(nearest, farthest) + spacing_[nearest] / 2;
+}
+
+PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest,
+                                         PointsAround& around) const {
+    const Index nearest = nearestSheet(around.nearest(x), x);
     // Each step goes to F = 0 along grad F, and along the surface to where x is straight above.
     // That is off by psi times curvature of what it was off before; but wherever it ends is on F =
     // 0 to second order in `flat`.
     constexpr int kSteps = 12;
     const double spacing = spacing_[nearest], flat = 1e-4 * spacing, straight = 2e-3 * spacing;
     const Vec3d d = x - points_[nearest];
-    const Quadric& first = fits_[nearest];
-    if (roughDistance(x, nearest) > 1.25 * farthest + spacing / 4) return {};
+    const Quadric& first = patches_[nearest].fit;
+    if (roughDistance(x, nearest) > roughLimit(nearest, farthest)) return {};
     Vec3d n = normalized(first.gradient + 2.0 * first.bend(d));
     Vec3d y = x - (first.value + dot(first.gradient + first.bend(d), d)) * n;
 
@@ -370,12 +427,12 @@ PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest) const 
     neighbors.clear();
     const double margin = spacing / 2;
     const Vec3d middle = y;
-    points_.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
+    around.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
     for (int step = 0;; ++step) {
         if (squaredLength(y - middle) > margin * margin && step < kSteps / 2) {
             // Far from where it began: begin anew from here.
             neighbors.clear();
-            points_.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
+            around.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
         }
         const Blend f = blend(y, n, neighbors);
         const double slope = length(f.gradient);

@@ -6,6 +6,7 @@
 #include <igeo/base/types.h>
 #include <igeo/io/point_cloud.h>
 #include <igeo/surface/cloud_density.h>
+#include <igeo/surface/detail/points_around.h>
 #include <igeo/surface/quadric_fit.h>
 
 #include <cstddef>
@@ -58,21 +59,44 @@ public:
     /// The point of the surface nearest to x, on the sheet of the fit that passes nearest to x.
     /// @param farthest  not valid beyond
     Foot project(const Vec3d& x, double farthest) const;
+    /// The same for one of many positions in a ball: reachOfProject() beyond it is looked at.
+    Foot project(const Vec3d& x, double farthest, PointsAround& around) const;
+    /// @param nearest  the point nearest to the middle of the ball
+    double reachOfProject(Index nearest, double farthest) const;
     /// About how far x is from the surface, by the fit at the point nearest to x alone.
     double roughDistance(const Vec3d& x, Index nearest) const;
+    /// Whether project() may find a foot point for a position in a ball by the fit at a point.
+    bool mayProject(const Vec3d& middle, double radius, Index nearest, double farthest) const;
 
 private:
     struct Blend {
         double weight = 0, value = 0;
         Vec3d gradient;
     };
+    /// What a blend reads of a point, in one place.
+    struct Patch {
+        Vec3d at, normal;
+        double reach2;
+        Quadric fit;
+    };
+    struct PointFit {
+        Quadric quadric;
+        double curvature, off, scatter;
+        Vec3d normal;
+    };
     void measureSpacing();
+    /// The `count` points nearest to point i.
+    void nearestTo(std::size_t i, std::size_t count, std::vector<PointTree::Found>& found) const;
     void fitNormals(const std::vector<Vec3f>& given, std::size_t count);
     double measureNoise(Progress& progress);
     void fitQuadrics(std::size_t count, Progress& progress);
+    PointFit fitAt(std::size_t i, std::size_t count,
+                   const std::vector<PointTree::Found>& nearest) const;
     std::vector<char> strays() const;
     void build(const PointCloud& cloud, Progress& progress);
-    Index nearestSheet(const Vec3d& x) const;
+    Index nearestSheet(const std::vector<PointTree::Found>& nearest, const Vec3d& x) const;
+    /// Positions further than this from the fit at the nearest point have no foot point.
+    double roughLimit(Index nearest, double farthest) const;
     bool sameSheet(std::size_t j, const Vec3d& n) const;
     Blend blend(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
     bool within(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
@@ -80,10 +104,12 @@ private:
     std::string file_;
     PointTree points_;
     std::vector<double> spacing_;
+    std::vector<Index> ring_;  ///< per point, those nearest to it, nearest first
     std::vector<Vec3d> normals_;
     std::vector<Quadric> fits_;
-    std::vector<double> scatter_, curvature_;  ///< per fit
-    std::vector<double> off_;  ///< per point: distance to the surface that its neighbors show
+    std::vector<Patch> patches_;
+    std::vector<double> curvature_;  ///< per fit
+    std::vector<double> off_;        ///< per point: distance to the surface that its neighbors show
     CloudDensity density_;
 };
 

@@ -23,6 +23,8 @@ constexpr float kParallel = -0.7f;
 constexpr float kContradiction = 0.4f;
 /// Steps from such a place at which S is next to it.
 constexpr int kBeside = 2;
+/// Nearer voxels have a foot point in any direction.
+constexpr float kLeast = 0.25f;
 
 /// Balls about the neighbors of a voxel in which S is not.
 class EmptyBalls {
@@ -94,13 +96,10 @@ double reachAt(const Band& band, NodeIndex i, float cosine) {
 
 namespace {
 
-/// Whether psi at a voxel is a distance to no surface.
+/// Whether psi at a voxel, where it is not smooth and kLeast at least, is a distance to no surface.
 /// @param foot  the foot point that differences of psi show
 bool contradictsItself(const LeafBlock& psi, int x, int y, int z, const Vec3f& foot) {
-    // Nearer voxels have a foot point in any direction.
-    constexpr float kLeast = 0.25f;
     const float distance = float(std::abs(psi.at(x, y, z)));
-    if (distance < kLeast || PsiDifferences(psi, x, y, z).smooth()) return false;
     const EmptyBalls balls(psi, x, y, z);
     if (balls.leastDepth(normalized(foot), distance) < kContradiction) return false;
     for (int dx = -1; dx <= 1; ++dx)
@@ -110,6 +109,12 @@ bool contradictsItself(const LeafBlock& psi, int x, int y, int z, const Vec3f& f
                     balls.leastDepth(normalized(Vec3f(Ijk{dx, dy, dz})), distance) < kContradiction)
                     return false;
     return true;
+}
+
+void markBeside(const Band& band, LeafIndex l, unsigned at, std::vector<std::uint8_t>& closed) {
+    band.forBox(&BandLeaf::core, l, at, {}, kBeside, [&](NodeIndex core, const Ijk&) {
+        std::atomic_ref(closed[core]).store(1, std::memory_order_relaxed);
+    });
 }
 
 double shareOf(const Band& band, const std::vector<std::uint8_t>& marked) {
@@ -126,21 +131,27 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
-            const Ijk& origin = leaf.origin;
-            block.gather(psi, openvdb::Coord(origin.x, origin.y, origin.z), band.transform.dx);
-            for (NodeIndex i = leaf.band.firstNode; i < leaf.band.firstNode + leaf.band.count;
-                 ++i) {
-                const unsigned at = band.offset[i];
-                thin[i] = band.facing[i] & Band::kFacing && leaf.core.node(at) != kNoNode &&
-                          2 * reachAt(band, i, kParallel) < kResolved;
-                if (contradictsItself(block, int(at >> 6), int(at >> 3 & 7), int(at & 7),
-                                      band.foot[i]))
-                    band.forBox(
-                        &BandLeaf::core, LeafIndex(l), at, {}, kBeside,
-                        [&](NodeIndex core, const Ijk&) {
-                            std::atomic_ref(closed[core]).store(1, std::memory_order_relaxed);
-                        });
-            }
+            const openvdb::Coord origin(leaf.origin.x, leaf.origin.y, leaf.origin.z);
+            block.gather(psi, origin, band.transform.dx, LeafBlock::kFaces);
+            bool whole = false;  // few leaves need all of it
+            auto isClosed = [&](int x, int y, int z, const Vec3f& foot) {
+                if (!whole) block.gather(psi, origin, band.transform.dx);
+                whole = true;
+                return contradictsItself(block, x, y, z, foot);
+            };
+            NodeIndex i = leaf.band.firstNode;
+            forRows(leaf, [&](int x, int y, unsigned bits) {
+                const PsiRow row(block, x, y);
+                for (; bits; bits &= bits - 1, ++i) {
+                    const int z = std::countr_zero(bits);
+                    const unsigned at = Band::offsetOf(x, y, z);
+                    thin[i] = band.facing[i] & Band::kFacing && leaf.core.node(at) != kNoNode &&
+                              2 * reachAt(band, i, kParallel) < kResolved;
+                    if (!row.smooth(std::size_t(z)) && std::abs(band.psi[i]) >= kLeast &&
+                        isClosed(x, y, z, band.foot[i]))
+                        markBeside(band, LeafIndex(l), at, closed);
+                }
+            });
         }
     });
     Unresolved unresolved;

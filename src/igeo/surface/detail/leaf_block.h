@@ -8,7 +8,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 
 namespace igeo {
@@ -19,46 +22,122 @@ public:
     using Leaf = openvdb::FloatTree::LeafNodeType;
     using Accessor = openvdb::tree::ValueAccessor<const openvdb::FloatTree, false>;
 
+    /// What is gathered beyond the leaf: enough for differences along the axes, for second ones of
+    /// two axes, or all.
+    enum Beyond { kFaces = 1, kEdges = 2, kCorners = 3 };
     /// @param dx divides the values: voxel size in world units
-    void gather(const Accessor& psi, const openvdb::Coord& origin, double dx) {
+    void gather(const Accessor& psi, const openvdb::Coord& origin, double dx,
+                Beyond beyond = kCorners) {
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y)
-                for (int z = -1; z <= 1; ++z) copyFrom(psi, origin, {x, y, z}, 1 / dx);
-    }
-    /// The same without edges and corners: enough for differences along the axes.
-    void gatherCross(const Accessor& psi, const openvdb::Coord& origin, double dx) {
-        copyFrom(psi, origin, {}, 1 / dx);
-        for (int face = 0; face < 6; ++face) copyFrom(psi, origin, Band::faceStep(face), 1 / dx);
+                for (int z = -1; z <= 1; ++z)
+                    if (std::abs(x) + std::abs(y) + std::abs(z) <= beyond)
+                        copyFrom(psi, origin, {x, y, z}, 1 / dx);
     }
 
     /// psi at voxel (x, y, z) of the leaf, each in [-1, 8].
-    double at(int x, int y, int z) const {
-        return values_[std::size_t(100 * (x + 1) + 10 * (y + 1) + z + 1)];
+    double at(int x, int y, int z) const { return row(x, y)[z]; }
+    /// psi at the voxels (x, y, -1) to (x, y, 8), at -1 to 8.
+    const float* row(int x, int y) const {
+        return &values_[std::size_t(100 * (x + 1) + 10 * (y + 1) + 1)];
     }
+    /// Which of them are active: bit z + 1.
+    unsigned active(int x, int y) const { return active_[std::size_t(10 * (x + 1) + y + 1)]; }
 
 private:
+    static constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
+
     /// Slice of the leaf at step s that lies in the block, as [begin, end) of leaf coordinates.
     static int first(int s) { return s < 0 ? 7 : 0; }
     static int last(int s) { return s > 0 ? 1 : 8; }
 
     void copyFrom(const Accessor& psi, const openvdb::Coord& origin, const Ijk& s, double scale) {
-        constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
         const Leaf* leaf = psi.probeConstLeaf(origin.offsetBy(8 * s.x, 8 * s.y, 8 * s.z));
-        const float* from = leaf ? leaf->buffer().data() : nullptr;
-        for (int x = first(s.x); x < last(s.x); ++x)
-            for (int y = first(s.y); y < last(s.y); ++y) {
-                const auto row = std::size_t(x << 6 | y << 3);
-                const unsigned active =
-                    leaf ? leaf->valueMask().getWord<unsigned char>(openvdb::Index(row >> 3)) : 0;
-                float* to =
-                    &values_[std::size_t(100 * (x + 8 * s.x + 1) + 10 * (y + 8 * s.y + 1) + 1)];
-                for (int z = first(s.z); z < last(s.z); ++z)
-                    to[z + 8 * s.z] =
-                        active >> z & 1 ? float(from[row + std::size_t(z)] * scale) : kMissing;
-            }
+        static constexpr std::array<float, 512> kEmpty{};
+        const float* from = leaf ? leaf->buffer().data() : kEmpty.data();
+        for (int x = first(s.x); x < last(s.x); ++x) {
+            const std::uint64_t slice =
+                leaf ? leaf->valueMask().getWord<openvdb::Index64>(openvdb::Index(x)) : 0;
+            const auto row = std::size_t(10 * (x + 8 * s.x + 1) + 8 * s.y + 1);
+            if (s.z == 0)
+                copyRows(from + 64 * x, slice, s.y, scale, row);
+            else
+                copyEnds(from + 64 * x, slice, s, scale, row);
+        }
+    }
+    void copyRows(const float* from, std::uint64_t slice, int stepY, double scale,
+                  std::size_t row) {
+        for (int y = first(stepY), end = last(stepY); y < end; ++y) {
+            const unsigned bits = slice >> (8 * y) & 0xff;
+            const std::size_t at = row + std::size_t(y);
+            active_[at] = std::uint16_t((active_[at] & 0x201u) | bits << 1);
+            copyRow(from + 8 * y, bits, scale, &values_[10 * at + 1]);
+        }
+    }
+    /// The voxels before or behind the rows, from the leaf there.
+    void copyEnds(const float* from, std::uint64_t slice, const Ijk& s, double scale,
+                  std::size_t row) {
+        const unsigned z = s.z < 0 ? 7 : 0, shift = s.z < 0 ? 0 : 9;
+        float* to = &values_[s.z < 0 ? 0 : 9];
+        for (int y = first(s.y), end = last(s.y); y < end; ++y) {
+            const unsigned is = slice >> (8 * unsigned(y) + z) & 1;
+            const std::size_t at = row + std::size_t(y);
+            active_[at] = std::uint16_t((active_[at] & ~(1u << shift)) | is << shift);
+            const float value = float(from[8 * unsigned(y) + z] * scale);
+            to[10 * at] = is ? value : kMissing;
+        }
+    }
+    /// Per set of active voxels, ones where there is one.
+    static constexpr auto kMasks = [] {
+        std::array<std::array<std::uint32_t, 8>, 256> masks{};
+        for (std::size_t set = 0; set < 256; ++set)
+            for (std::size_t z = 0; z < 8; ++z) masks[set][z] = set >> z & 1 ? ~0u : 0u;
+        return masks;
+    }();
+    /// Without branches: half of the rows hold voxels of both kinds.
+    static void copyRow(const float* from, unsigned active, double scale, float* to) {
+        constexpr auto kNaN = std::bit_cast<std::uint32_t>(kMissing);
+        const std::array<std::uint32_t, 8>& mask = kMasks[active];
+        std::array<float, 8> scaled;
+        for (std::size_t z = 0; z < 8; ++z) scaled[z] = float(from[z] * scale);
+        const auto bits = std::bit_cast<std::array<std::uint32_t, 8>>(scaled);
+        std::array<std::uint32_t, 8> out;
+        for (std::size_t z = 0; z < 8; ++z) out[z] = (bits[z] & mask[z]) | (kNaN & ~mask[z]);
+        std::copy_n(std::bit_cast<std::array<float, 8>>(out).begin(), 8, to);
     }
 
     std::array<float, 1000> values_;
+    std::array<std::uint16_t, 100> active_{};
+};
+
+/// What differences of psi show at the eight voxels of a row, side by side and in single precision.
+struct PsiRow {
+    unsigned active, complete;    ///< bits by z; the rest is for complete ones
+    std::array<float, 8> slope2;  ///< squared length of the central differences
+
+    PsiRow(const LeafBlock& b, int x, int y) {
+        const unsigned here = b.active(x, y);
+        active = here >> 1 & 0xff;
+        complete =
+            active & here & here >> 2 &
+            (b.active(x - 1, y) & b.active(x + 1, y) & b.active(x, y - 1) & b.active(x, y + 1)) >>
+                1;
+        if (active == 0) return;
+        const float *row = b.row(x, y), *x0 = b.row(x - 1, y), *x1 = b.row(x + 1, y),
+                    *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1), *z0 = row - 1, *z1 = row + 1;
+        for (std::size_t k = 0; k < 8; ++k) {
+            const float dx = x1[k] - x0[k], dy = y1[k] - y0[k], dz = z1[k] - z0[k];
+            slope2[k] = 0.25f * (dx * dx + dy * dy + dz * dz);
+        }
+    }
+    float slope(std::size_t k) const { return std::sqrt(slope2[k]); }
+    /// Whether PsiDifferences::smooth, but for rounding.
+    bool smooth(std::size_t k) const {
+        constexpr float kLeast = float((1 - kSmooth) * (1 - kSmooth)),
+                        kMost = float((1 + kSmooth) * (1 + kSmooth));
+        return complete >> k & 1 && slope2[k] > kLeast && slope2[k] < kMost;
+    }
+    static constexpr double kSmooth = 0.1;
 };
 
 /// Differences of psi at a voxel of a block, along each axis.
@@ -77,37 +156,42 @@ struct PsiDifferences {
     /// Laplacian of |psi|: the curvature 1 / r + 1 / r' of its level set on the round side.
     double laplacian(double side) const { return bend(0, side) + bend(1, side) + bend(2, side); }
     /// No kink of psi here: no crease, no medial axis.
-    bool smooth() const {
-        constexpr double kSmooth = 0.1;
-        return complete() && std::abs(length(central()) - 1) < kSmooth;
-    }
+    bool smooth() const { return complete() && std::abs(length(central()) - 1) < PsiRow::kSmooth; }
 };
+
+/// Calls visit(x, y, bits) for the rows of a leaf that hold nodes of the band, in their order.
+template <typename Visit>
+void forRows(const BandLeaf& leaf, const Visit& visit) {
+    for (int x = 0; x < 8; ++x)
+        for (int y = 0; y < 8; ++y)
+            if (const unsigned bits = leaf.band.mask[std::size_t(x)] >> (8 * y) & 0xff)
+                visit(x, y, bits);
+}
 
 /// Largest |principal curvature| of S at the foot point, from the Hessian of psi: the eigenvalues
 /// on the tangent plane, moved from psi to 0 by k / (1 - psi k). NaN where a neighbor is missing.
 inline double largestCurvature(const LeafBlock& b, int x, int y, int z) {
-    auto d2 = [&](int i, int j, int k) {
-        return b.at(x + i, y + j, z + k) - 2 * b.at(x, y, z) + b.at(x - i, y - j, z - k);
+    const float *row = b.row(x, y) + z, *x0 = b.row(x - 1, y) + z, *x1 = b.row(x + 1, y) + z,
+                *y0 = b.row(x, y - 1) + z, *y1 = b.row(x, y + 1) + z;
+    const double c = *row;
+    auto d2 = [&](double after, double before) { return after - 2 * c + before; };
+    auto mixed = [](double both, double first, double second, double neither) {
+        return (both - first - second + neither) / 4;
     };
-    auto mixed = [&](int i, int j, int k, int l, int m, int n) {
-        return (b.at(x + i + l, y + j + m, z + k + n) - b.at(x + i - l, y + j - m, z + k - n) -
-                b.at(x - i + l, y - j + m, z - k + n) + b.at(x - i - l, y - j - m, z - k - n)) /
-               4;
-    };
+    const double xy = mixed(b.at(x + 1, y + 1, z), b.at(x + 1, y - 1, z), b.at(x - 1, y + 1, z),
+                            b.at(x - 1, y - 1, z)),
+                 xz = mixed(x1[1], x1[-1], x0[1], x0[-1]), yz = mixed(y1[1], y1[-1], y0[1], y0[-1]);
+    const Vec3d hx{d2(*x1, *x0), xy, xz}, hy{xy, d2(*y1, *y0), yz}, hz{xz, yz, d2(row[1], row[-1])};
     const Vec3d n = normalized(PsiDifferences(b, x, y, z).central());
-    const double xy = mixed(1, 0, 0, 0, 1, 0), xz = mixed(1, 0, 0, 0, 0, 1),
-                 yz = mixed(0, 1, 0, 0, 0, 1);
-    const Vec3d hx{d2(1, 0, 0), xy, xz}, hy{xy, d2(0, 1, 0), yz}, hz{xz, yz, d2(0, 0, 1)};
     // Trace and squared norm of P H P, P = I - n n^T.
     const Vec3d hn{dot(hx, n), dot(hy, n), dot(hz, n)};
     const double nhn = dot(n, hn);
     const double trace = hx.x + hy.y + hz.z - nhn;
     const double norm2 = dot(hx, hx) + dot(hy, hy) + dot(hz, hz) - 2 * dot(hn, hn) + nhn * nhn;
-    const double psi = b.at(x, y, z);
     double largest = 0;
     const std::array<double, 2> curvatures = eigenvaluesOfInvariants(trace, norm2);
     for (const double k : curvatures) {
-        const double shift = 1 - psi * k;
+        const double shift = 1 - c * k;
         largest = std::max(largest, std::abs(k) / std::max(shift, 0.1));
     }
     return std::isnan(curvatures[1]) ? std::numeric_limits<double>::quiet_NaN() : largest;

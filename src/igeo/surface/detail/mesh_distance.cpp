@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace igeo {
 
@@ -22,16 +23,16 @@ struct Meeting {
     }
 };
 
-struct Corners {
-    Vec3d a, b, c;
+struct Corners : TriangleCorners {
     Vec3d low, high, normal;
 
-    Corners(const std::vector<Vec3d>& p, const Triangle& t) : a(p[t[0]]), b(p[t[1]]), c(p[t[2]]) {
+    Corners(const std::vector<Vec3d>& p, const Triangle& t)
+        : TriangleCorners(p[t[0]], p[t[1]], p[t[2]]) {
         for (int k = 0; k < 3; ++k) {
             low[k] = std::min({a[k], b[k], c[k]});
             high[k] = std::max({a[k], b[k], c[k]});
         }
-        normal = normalized(cross(b - a, c - a));
+        normal = normalized(cross(ab, ac));
     }
     /// Whether it may come within r of p: by its plane and its box.
     bool mayReach(const Vec3d& p, double r) const {
@@ -65,18 +66,29 @@ void findMeetings(const Corners& t, std::uint32_t number, double reach, std::vec
                 const double r = reach + kHalfDiagonal;
                 if (!one && !t.mayReach(center, r)) continue;
                 // Triangles across many leaves: their boxes hold more than they meet.
-                if (!one && length(nearestOnTriangle(center, t.a, t.b, t.c).point - center) > r)
-                    continue;
+                if (!one && length(t.nearest(center).point - center) > r) continue;
                 out.push_back({{x, y, z}, number});
             }
 }
 
 /// Nearest so far, per voxel of a leaf.
 struct Best {
-    double squared = kInfinity;
+    double squared = kInfinity, distance = kInfinity;
     std::uint32_t triangle = 0;
     NearestOnTriangle nearest;
 };
+
+/// Voxels [first, second] of a row that come within `reach` of the plane of a triangle; a bit more.
+std::pair<int, int> nearPlane(const Corners& t, const Vec3d& row, double reach) {
+    const double slack = reach * (1 + 1e-9) + 1e-6, at = dot(t.normal, row - t.a),
+                 slope = t.normal.z;
+    if (std::abs(at) - 7 * std::abs(slope) > slack) return {0, -1};
+    constexpr double kFlat = 1e-3;
+    if (std::abs(slope) < kFlat) return {0, 7};
+    const double one = (-slack - at) / slope, other = (slack - at) / slope;
+    return {int(std::ceil(std::clamp(std::min(one, other), 0.0, 8.0))),
+            int(std::floor(std::clamp(std::max(one, other), -1.0, 7.0)))};
+}
 
 void lookAt(const Corners& t, std::uint32_t number, const Ijk& origin, double reach,
             std::vector<Best>& best) {
@@ -86,16 +98,17 @@ void lookAt(const Corners& t, std::uint32_t number, const Ijk& origin, double re
         to[a] = std::min(7, int(std::floor(t.high[a] + reach - origin[a])));
     }
     for (int x = from.x; x <= to.x; ++x)
-        for (int y = from.y; y <= to.y; ++y)
-            for (int z = from.z; z <= to.z; ++z) {
+        for (int y = from.y; y <= to.y; ++y) {
+            const auto [first, last] = nearPlane(t, Vec3d(origin + Ijk{x, y, 0}), reach);
+            for (int z = std::max(from.z, first); z <= std::min(to.z, last); ++z) {
                 Best& b = best[std::size_t(x << 6 | y << 3 | z)];
                 const Vec3d p(origin + Ijk{x, y, z});
-                const double r = std::min(reach, std::sqrt(b.squared));
-                if (!t.mayReach(p, r)) continue;
-                const NearestOnTriangle n = nearestOnTriangle(p, t.a, t.b, t.c);
+                if (!t.mayReach(p, std::min(reach, b.distance))) continue;
+                const NearestOnTriangle n = t.nearest(p);
                 const double d2 = dot(n.point - p, n.point - p);
-                if (d2 < reach * reach && d2 < b.squared) b = {d2, number, n};
+                if (d2 < reach * reach && d2 < b.squared) b = {d2, std::sqrt(d2), number, n};
             }
+        }
 }
 
 }  // namespace

@@ -1,0 +1,84 @@
+/// Quantiles of what is counted voxel by voxel. Internal.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace igeo {
+
+/// Counts over [0, 1) of some monotone scale: quantiles that do not depend on the order of adding.
+class Histogram {
+public:
+    static constexpr std::size_t kBins = 4096;
+    static std::size_t binOf(double x) {
+        return std::size_t(std::clamp(x, 0.0, 0.999999) * double(kBins));
+    }
+    void add(double x) { addToBin(binOf(x)); }
+    void addToBin(std::size_t bin) { ++counts_[bin], ++total_; }
+    void add(const Histogram& other) {
+        for (std::size_t k = 0; k < kBins; ++k) counts_[k] += other.counts_[k];
+        total_ += other.total_;
+    }
+    std::uint64_t total() const { return total_; }
+    /// Least x (the middle of its bin) with more than `count` entries at or below it; 1 if none.
+    double valueAfter(std::uint64_t count) const {
+        std::uint64_t sum = 0;
+        for (std::size_t k = 0; k < kBins; ++k)
+            if ((sum += counts_[k]) > count) return (double(k) + 0.5) / double(kBins);
+        return 1;
+    }
+    /// Share of the entries in [lo, hi]; 1 if there are none.
+    double share(double lo, double hi) const {
+        std::uint64_t sum = 0;
+        for (auto k = std::size_t(lo * double(kBins)); k < std::size_t(hi * double(kBins)); ++k)
+            sum += counts_[k];
+        return total_ ? double(sum) / double(total_) : 1;
+    }
+    double quantile(double q) const { return valueAfter(std::uint64_t(q * double(total_))); }
+
+private:
+    std::vector<std::uint64_t> counts_ = std::vector<std::uint64_t>(kBins);
+    std::uint64_t total_ = 0;
+};
+
+// Curvatures from 1e-6 to 10 per voxel on a logarithmic scale, bins 0.4 % wide.
+inline double scaleOfCurvature(double k) { return (std::log10(k) + 6) / 7; }
+inline double curvatureOfScale(double s) { return std::pow(10.0, 7 * s - 6); }
+constexpr double kLeastCurvature = 1e-6, kMostCurvature = 10;
+
+/// The bins of curvatures without logarithms: a table by exponent and the first bits of the
+/// mantissa leads to one bin or the next.
+class CurvatureBins {
+public:
+    CurvatureBins() {
+        for (std::size_t bin = 0; bin <= Histogram::kBins; ++bin)
+            from_.push_back(curvatureOfScale(double(bin) / double(Histogram::kBins)));
+        for (std::uint64_t cell = kFirst; cell <= cellOf(kMostCurvature); ++cell) {
+            const double least = std::bit_cast<double>(cell << kDropped);
+            first_.push_back(std::uint16_t(
+                Histogram::binOf(scaleOfCurvature(std::max(least, kLeastCurvature)))));
+        }
+    }
+    std::size_t operator()(double k) const {
+        k = std::clamp(k, kLeastCurvature, kMostCurvature);
+        std::size_t bin = first_[cellOf(k) - kFirst];
+        while (bin + 1 < Histogram::kBins && k >= from_[bin + 1]) ++bin;
+        return bin;
+    }
+
+private:
+    static constexpr unsigned kDropped = 44;  ///< bits of the mantissa, of 52
+    static constexpr std::uint64_t cellOf(double k) {
+        return std::bit_cast<std::uint64_t>(k) >> kDropped;
+    }
+    static constexpr std::uint64_t kFirst =
+        std::bit_cast<std::uint64_t>(kLeastCurvature) >> kDropped;
+    std::vector<double> from_;          ///< per bin, its least curvature
+    std::vector<std::uint16_t> first_;  ///< per cell, the bin of its least curvature
+};
+
+}  // namespace igeo
