@@ -103,6 +103,8 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
         {!o.pairsOut.empty(), !o.pairs.empty(), "--pairs-out", "--pairs"},
         {o.imageSize.has_value(), !o.image.empty(), "--image-size", "--image"},
         {o.camera.has_value(), !o.image.empty(), "--camera", "--image"},
+        {o.background.has_value(), !o.image.empty(), "--background", "--image"},
+        {!o.unit.empty(), !o.image.empty(), "--unit", "--image"},
         {o.up.has_value(), !o.image.empty() || endingOf(o.meshOut) == ".glb", "--up",
          "--image or --mesh-out FILE.glb"},
         {o.perSeed, !o.perVertex.empty() && endingOf(o.perVertex) != ".obj", "--per-seed",

@@ -38,11 +38,16 @@ igeo::Color linear(const RunOptions& options) {
         [colors = igeo::ColorMap(colorMapOf(options))](double t) { return igeo::Vec3f(colors(t)); };
 }
 
+/// Of pictures and .glb.
+igeo::Vec3d upOf(const RunOptions& options) {
+    return options.up.value_or(igeo::PictureOptions{}.up);
+}
+
 std::string meshAs(const std::string& ending, RunResult& r) {
     const igeo::Similarity& transform = r.band().transform;
     if (ending == ".vtp") return igeo::surfaceVtp(r.mesh(), transform);
     if (ending == ".glb")
-        return igeo::surfaceGlb(r.mesh(), transform, linear(r.options), r.options.up == UpAxis::Z);
+        return igeo::surfaceGlb(r.mesh(), transform, linear(r.options), upOf(r.options));
     return (ending == ".obj" ? igeo::surfaceObj : igeo::surfacePly)(r.mesh(), transform,
                                                                     srgb(r.options));
 }
@@ -134,15 +139,17 @@ void writePicture(RunResult& r, const std::string& file) {
     igeo::PictureOptions picture;
     if (o.imageSize) picture.width = o.imageSize->width, picture.height = o.imageSize->height;
     if (o.camera) picture.eye = o.camera->eye, picture.lookAt = o.camera->lookAt;
-    if (o.up == UpAxis::Z) picture.up = {0, 0, 1};
+    picture.up = upOf(o);
+    picture.background = o.background.value_or(picture.background);
+    picture.unit = o.unit;
     picture.colorMap = colorMapOf(o);
-    if (o.spacing > 0) picture.isolineSpacing = o.spacing;
-    if (o.levels > 0) picture.isolineSpacing = r.distance.largest() / (o.levels + 1);
-    // A mesh is drawn as it is given.
+    picture.isolineSpacing = o.spacing;
+    picture.isolineCount = o.levels;
+    // The band of a level set may be a part of it.
+    const bool volume = r.distance.surface().facts().kind == igeo::SurfaceFacts::Kind::LevelSet;
     writeDocument(
-        file, r.band().triangles
-                  ? igeo::renderPng(r.field(), r.drawnLines(), picture, r.progress)
-                  : igeo::renderPng(r.levelSet(), r.field(), r.drawnLines(), picture, r.progress));
+        file, volume ? igeo::renderPng(r.levelSet(), r.field(), r.drawnLines(), picture, r.progress)
+                     : igeo::renderPng(r.field(), r.drawnLines(), picture, r.progress));
 }
 
 std::string pairsFile(const RunOptions& o, const std::string*) {
