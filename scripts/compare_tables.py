@@ -144,8 +144,7 @@ def readme(results):
     """The few figures of the README."""
     methods = ("jet", "godunov2", "heat", "exact")
     rows = []
-    for name in ("sphere-100", "sphere-200", "torus-200", "bunny-256-A", "knot-256-A", "blub-256-A",
-                 "cad-anchor-256-A", "brain-128-A", "brain-256-A"):
+    for name in ("sphere-100", "torus-200", "bunny-256-A", "cad-anchor-256-A", "brain-256-A"):
         case = results["cases"].get(name)
         if case is None:
             continue
