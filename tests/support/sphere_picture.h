@@ -34,8 +34,7 @@ struct Image {
         if (!png_image_finish_read(&image, nullptr, rgba.data(), 0, nullptr))
             throw std::runtime_error(image.message);
         width = int(image.width), height = int(image.height);
-        for (std::size_t k = 0; k < rgba.size(); ++k)
-            (k % 4 == 3 ? alpha : rgb).push_back(rgba[k]);
+        for (std::size_t k = 0; k < rgba.size(); ++k) (k % 4 == 3 ? alpha : rgb).push_back(rgba[k]);
     }
     const std::uint8_t* at(int x, int y) const {
         if (x < 0 || x >= width || y < 0 || y >= height) throw std::out_of_range("no such pixel");

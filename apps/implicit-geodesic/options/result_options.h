@@ -25,13 +25,13 @@ struct Camera {
 };
 
 struct PictureOptions {
-    std::string image;                   ///< file; empty: none
-    std::optional<ImageSize> imageSize;  ///< none: default
-    std::optional<Camera> camera;        ///< none: chosen
-    std::optional<igeo::Vec3d> up;       ///< none: y
+    std::string image;                           ///< file; empty: none
+    std::optional<ImageSize> imageSize;          ///< none: default
+    std::optional<Camera> camera;                ///< none: chosen
+    std::optional<igeo::Vec3d> up;               ///< none: y
     std::optional<igeo::Background> background;  ///< none: white
-    std::string unit;                    ///< of lengths, in the legend; empty: none
-    std::string colorMap;                ///< of igeo::ColorMap::names(); empty: viridis
+    std::string unit;                            ///< of lengths, in the legend; empty: none
+    std::string colorMap;                        ///< of igeo::ColorMap::names(); empty: viridis
 };
 
 /// Files are empty where none is asked for.

@@ -11,8 +11,7 @@ const igeo::SurfaceMesh& RunResult::mesh() {
 
 const std::vector<igeo::Isoline>& RunResult::isolines() {
     if (madeIsolines) return *madeIsolines;
-    const std::vector<double> levels =
-        igeo::chosenLevels(field(), options.levels, options.spacing);
+    const std::vector<double> levels = igeo::chosenLevels(field(), options.levels, options.spacing);
     madeIsolines = igeo::isolines(field(), mesh(), levels, progress);
     return *madeIsolines;
 }

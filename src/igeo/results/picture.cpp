@@ -42,12 +42,17 @@ Frame frameOf(const View& view, const Similarity& t, int width, int height) {
     auto turned = [&](const Vec3d& world) {
         return Vec3d{dot(t.axis[0], world), dot(t.axis[1], world), dot(t.axis[2], world)};
     };
-    return {t.indexFromWorld(view.eye), turned(view.right), turned(view.up), turned(view.back),
-            width / (2 * View::kHalfWidth), width, height};
+    return {t.indexFromWorld(view.eye),
+            turned(view.right),
+            turned(view.up),
+            turned(view.back),
+            width / (2 * View::kHalfWidth),
+            width,
+            height};
 }
 
-/// Draws the surface on a film: a sample per pixel, then more where pixels belong to different parts
-/// of the surface. Lines on it are smooth by their width at a sample.
+/// Draws the surface on a film: a sample per pixel, then more where pixels belong to different
+/// parts of the surface. Lines on it are smooth by their width at a sample.
 class Renderer {
 public:
     Renderer(const DrawnSurface& surface, const Frame& frame, const Shader& shader,
@@ -192,8 +197,8 @@ private:
         std::vector<Raster::Offset> offsets;
         for (int a = 0; a < kFiner; ++a)
             for (int b = 0; b < kFiner; ++b)
-                offsets.push_back({(a + (b + 0.5) / kFiner) / kFiner,
-                                   (b + (a + 0.5) / kFiner) / kFiner});
+                offsets.push_back(
+                    {(a + (b + 0.5) / kFiner) / kFiner, (b + (a + 0.5) / kFiner) / kFiner});
         parallelFor(refine.size(), 1, progress_, [&](std::size_t begin, std::size_t end) {
             std::vector<Sample> samples;
             for (std::size_t t = begin; t < end; ++t) {
@@ -255,14 +260,14 @@ bool isHidden(const MarkedSegment& s, const Frame& frame, const Renderer& seen) 
     if (!front.covered() || at.z <= double(front.depth)) return false;
     // On the sheet that is seen it lies in its tangent plane, but for curvature.
     const Vec3d n(seen.normals()[i]);
-    const Vec3d p = frame.eye + double(front.depth) *
-                                    frame.toward(std::floor(x) + 0.5, std::floor(y) + 0.5);
+    const Vec3d p =
+        frame.eye + double(front.depth) * frame.toward(std::floor(x) + 0.5, std::floor(y) + 0.5);
     return dot(n, s.normal) <= Band::kOtherSheet ||
            std::abs(dot(middle - p, n)) > 0.2 + 3 * at.z / frame.scale;
 }
 
-void drawPaths(const std::vector<MarkedSegment>& segments, const Frame& frame,
-               const Renderer& seen, int pictureWidth, Film& film) {
+void drawPaths(const std::vector<MarkedSegment>& segments, const Frame& frame, const Renderer& seen,
+               int pictureWidth, Film& film) {
     const double core = std::max(1.0, 0.002 * pictureWidth),
                  edge = core + std::max(0.8, 0.001 * pictureWidth);
     Strokes hidden(frame.width, frame.height, edge + 1), shown = hidden;
@@ -294,8 +299,8 @@ std::string render(const DrawnSurface& surface, const Field& field, const std::v
     const bool dark = options.background == Background::Black;
     film.drawRim(dark ? kUnreached : kInk);
     drawPaths(markedSegments(paths, field.seeds, surface), frame, renderer, options.width, film);
-    const std::vector<Dot> marks = dots(field, paths, surface, frame.eye,
-                                        std::max(3 * pixel, 0.0075 * across));
+    const std::vector<Dot> marks =
+        dots(field, paths, surface, frame.eye, std::max(3 * pixel, 0.0075 * across));
     for (const bool hidden : {true, false})
         for (const Dot& mark : marks)
             if (mark.hidden == hidden) film.drawDot(mark, frame, renderer.samples());

@@ -16,11 +16,11 @@ namespace igeo {
 /// seeds.
 ///
 /// The surface is that of surfaceMesh(), as far as psi is known, shaded where folds keep light off.
-/// Distances are those of sampleDistance() at every pixel; where there is none, it is gray. Isolines
-/// (chosenLevels) are as wide everywhere on the surface, as |grad d| there is the weight. Paths and
-/// isolines lie on the surface, as do seed curves; seeds and the ends of paths are dots that face the
-/// camera. Paths, seed curves and dots behind the surface show through it, faint. The frame holds the
-/// whole surface unless an eye is given.
+/// Distances are those of sampleDistance() at every pixel; where there is none, it is gray.
+/// Isolines (chosenLevels) are as wide everywhere on the surface, as |grad d| there is the weight.
+/// Paths and isolines lie on the surface, as do seed curves; seeds and the ends of paths are dots
+/// that face the camera. Paths, seed curves and dots behind the surface show through it, faint. The
+/// frame holds the whole surface unless an eye is given.
 /// @throws Error  InvalidArgument for options out of range, too many isolines, a view from inside a
 ///         closed surface or along `up`; Cancelled through `progress`
 /// The same bytes for any number of threads. Time O(triangles + pixels), in parallel, about half a

@@ -69,8 +69,8 @@ TEST_CASE("renderPng: a seed is a white dot with a dark ring, wherever the voxel
     const auto [x, y] = behind.pixelOf(behind.center);
     const Vec3d shown = image.light(int(x), int(y)), bare = image.light(int(x) + 6, int(y));
     for (int k = 0; k < 3; ++k)
-        CHECK(std::sqrt(shown[k]) ==
-              Approx(0.65 * std::sqrt(bare[k]) + 0.35 * std::sqrt(0.95)).margin(0.048));  // measured 0.032
+        CHECK(std::sqrt(shown[k]) == Approx(0.65 * std::sqrt(bare[k]) + 0.35 * std::sqrt(0.95))
+                                         .margin(0.048));  // measured 0.032
 }
 
 TEST_CASE("renderPng: isolines lie at the multiples of their spacing") {
@@ -505,7 +505,8 @@ TEST_CASE("renderPng: words and the surface stand out from every background") {
 
 TEST_CASE("renderPng: each of six directions is up") {
     // The seed is the one white dot; from a little above it is in the half that `up` says.
-    for (const Vec3d& up : {Vec3d{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
+    for (const Vec3d& up :
+         {Vec3d{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
         const SpherePicture scene(up + 0.3 * Vec3d{up.y, up.z, up.x});
         PictureOptions options;
         options.width = options.height = 160;

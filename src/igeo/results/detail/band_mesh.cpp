@@ -12,9 +12,7 @@ namespace {
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 constexpr float kMostPerVoxel = 2.5f;  ///< change of a distance, with room for its error
 
-bool crosses(float a, float b) {
-    return (a < 0) != (b < 0) && std::abs(a - b) < kMostPerVoxel;
-}
+bool crosses(float a, float b) { return (a < 0) != (b < 0) && std::abs(a - b) < kMostPerVoxel; }
 
 Ijk cornerOf(unsigned k) { return {int(k >> 2), int(k >> 1 & 1), int(k & 1)}; }
 
@@ -61,8 +59,7 @@ public:
                 for (std::size_t i = c * kChunk; i < std::min(n, (c + 1) * kChunk); ++i)
                     for (unsigned k = 0; k < 8; ++k) {
                         Vec3d p;
-                        if (owns(NodeIndex(i), k) &&
-                            vertexIn(band, NodeIndex(i), -cornerOf(k), p))
+                        if (owns(NodeIndex(i), k) && vertexIn(band, NodeIndex(i), -cornerOf(k), p))
                             parts[c].push_back({NodeIndex(i), k, p});
                     }
         });

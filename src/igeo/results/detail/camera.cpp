@@ -98,7 +98,8 @@ std::vector<Vec3d> eyeDirections(const Vec3d& up) {
 Vec3d chooseDirection(const DrawnSurface& surface, const std::vector<Sight>& seen,
                       const Vec3d& up) {
     constexpr double kAlmost = 0.9;
-    constexpr double kOpenEnough = 0.4;  // cosine from which on a place is seen as well as it can be
+    constexpr double kOpenEnough =
+        0.4;  // cosine from which on a place is seen as well as it can be
     const std::vector<Vec3d> directions = eyeDirections(up);
     std::vector<double> scores(directions.size());
     parallelFor(directions.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -106,7 +107,8 @@ Vec3d chooseDirection(const DrawnSurface& surface, const std::vector<Sight>& see
             const Vec3d toEye = indexDirection(surface.transform(), directions[k]);
             for (const Sight& s : seen)
                 if (surface.isVisible(s.pIndex, toEye))
-                    scores[k] += s.weight * std::min(std::abs(dot(s.normal, toEye)) / kOpenEnough, 1.0);
+                    scores[k] +=
+                        s.weight * std::min(std::abs(dot(s.normal, toEye)) / kOpenEnough, 1.0);
         }
     });
     const double best = *std::max_element(scores.begin(), scores.end());

@@ -27,8 +27,8 @@ public:
     /// A text that begins at (x, y) on its base line, over what is there.
     void text(const Font& font, double x, double y, const std::string& text, const Vec3d& linear);
 
-    /// As a PNG file, marked as sRGB, with alpha where a pixel is not opaque; the same bytes for the
-    /// same pixels.
+    /// As a PNG file, marked as sRGB, with alpha where a pixel is not opaque; the same bytes for
+    /// the same pixels.
     std::string png() const;
 
 private:

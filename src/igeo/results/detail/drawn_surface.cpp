@@ -98,8 +98,8 @@ Vec3d DrawnSurface::normal(std::uint32_t triangle, const std::array<double, 3>& 
 }
 
 Vec3d DrawnSurface::normalNear(const Vec3d& p) const {
-    const std::uint32_t t = triangles_->size() ? triangles_->nearest(p).triangle
-                                               : SurfaceTriangles::kNone;
+    const std::uint32_t t =
+        triangles_->size() ? triangles_->nearest(p).triangle : SurfaceTriangles::kNone;
     return t == SurfaceTriangles::kNone ? Vec3d{} : triangles_->normal(t);
 }
 
@@ -112,8 +112,8 @@ bool DrawnSurface::encloses(const Vec3d& p) const {
     if (!closed_ || triangles_->size() == 0) return false;
     // What a ray to the middle of the nearest triangle meets first shows its outside or its inside.
     const std::uint32_t t = triangles_->nearest(p).triangle;
-    const Vec3d middle =
-        (1.0 / 3) * (triangles_->corner(t, 0) + triangles_->corner(t, 1) + triangles_->corner(t, 2));
+    const Vec3d middle = (1.0 / 3) * (triangles_->corner(t, 0) + triangles_->corner(t, 1) +
+                                      triangles_->corner(t, 2));
     const Vec3d dir = normalized(middle - p);
     const auto hit = triangles_->hit(p, dir);
     return hit && dot(triangles_->normal(hit->triangle), dir) > 0;

@@ -35,7 +35,9 @@ public:
     Film(int width, int height)
         : width_(width), height_(height), pixels_(std::size_t(width) * std::size_t(height)) {}
 
-    Rgba& at(int x, int y) { return pixels_[std::size_t(y) * std::size_t(width_) + std::size_t(x)]; }
+    Rgba& at(int x, int y) {
+        return pixels_[std::size_t(y) * std::size_t(width_) + std::size_t(x)];
+    }
     const Rgba& at(int x, int y) const {
         return pixels_[std::size_t(y) * std::size_t(width_) + std::size_t(x)];
     }
@@ -47,7 +49,8 @@ public:
 
     /// White lines with dark edges, where the surface is.
     /// @param core, edge  half widths; pixels
-    /// @param strength    share of their color, by the square root of light: about what the eye sees
+    /// @param strength    share of their color, by the square root of light: about what the eye
+    /// sees
     void drawStrokes(const Strokes& strokes, double core, double edge, double strength);
     /// Full where nothing that `samples` show is in front of it, elsewhere faint.
     void drawDot(const Dot& dot, const Frame& frame, const std::vector<Sample>& samples);

@@ -59,7 +59,8 @@ struct Font::Face {
 
     /// With the outline in its slot.
     FT_GlyphSlot load(char32_t c) const {
-        require(FT_Load_Char(face, c, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP), "a glyph is missing");
+        require(FT_Load_Char(face, c, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP),
+                "a glyph is missing");
         return face->glyph;
     }
 };

@@ -36,8 +36,7 @@ std::string nodeJson(const Vec3d& up) {
     if (w < 1e-12) axis = {1, 0, 0}, w = 0;
     const double scale = 1 / std::sqrt(dot(axis, axis) + w * w);
     return fmt::format(R"({{"mesh":0,"rotation":[{:.17g},{:.17g},{:.17g},{:.17g}]}})",
-                       axis.x * scale + 0.0, axis.y * scale + 0.0, axis.z * scale + 0.0,
-                       w * scale);
+                       axis.x * scale + 0.0, axis.y * scale + 0.0, axis.z * scale + 0.0, w * scale);
 }
 
 }  // namespace

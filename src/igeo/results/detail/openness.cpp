@@ -24,8 +24,8 @@ public:
         for (int turn = 0; turn < kPattern * kPattern; ++turn)
             for (int k = 0; k < kTaps; ++k) {
                 const double share = (k + 0.5) / kTaps,
-                             angle = kTurns * share + turn * 2 * std::numbers::pi /
-                                                          (kPattern * kPattern);
+                             angle = kTurns * share +
+                                     turn * 2 * std::numbers::pi / (kPattern * kPattern);
                 taps_[std::size_t(turn * kTaps + k)] = {share * std::cos(angle),
                                                         share * std::sin(angle)};
             }
@@ -35,8 +35,8 @@ public:
     double covered(int x, int y) const {
         constexpr double kFlat = 0.08;  // rises that count as none: curvature, rounding
         // Neighbors in the pattern differ by about a quarter of a turn.
-        static constexpr std::array<int, 16> kTurn{0, 8, 2, 10, 12, 4, 14, 6,
-                                                   3, 11, 1, 9, 15, 7, 13, 5};
+        static constexpr std::array<int, 16> kTurn{0, 8,  2, 10, 12, 4, 14, 6,
+                                                   3, 11, 1, 9,  15, 7, 13, 5};
         const std::size_t i = index(x, y);
         const Vec3d p = place(x, y, samples_[i].depth), n = facing(i, p);
         const double reach = std::max(radius_ * frame_.scale / double(samples_[i].depth), 3.0);
@@ -108,9 +108,8 @@ std::vector<float> openness(const Frame& frame, const std::vector<Sample>& sampl
         });
     };
     forSeen([&](int x, int y) { raw[around.index(x, y)] = float(around.covered(x, y)); });
-    forSeen([&](int x, int y) {
-        open[around.index(x, y)] = 1 - float(around.smoothed(raw, x, y));
-    });
+    forSeen(
+        [&](int x, int y) { open[around.index(x, y)] = 1 - float(around.smoothed(raw, x, y)); });
     return open;
 }
 

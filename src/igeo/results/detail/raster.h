@@ -42,8 +42,9 @@ struct Sample {
 /// Triangles sorted into tiles of the picture, so that threads draw tiles by themselves.
 ///
 /// A place shows the triangle that its ray meets first, of equals the first in the list: edge
-/// functions of the ray itself (M. Olano and T. Greer, Triangle scan conversion using 2D homogeneous
-/// coordinates, 1997), so that nothing is clipped. An edge belongs to both of its triangles.
+/// functions of the ray itself (M. Olano and T. Greer, Triangle scan conversion using 2D
+/// homogeneous coordinates, 1997), so that nothing is clipped. An edge belongs to both of its
+/// triangles.
 class Raster {
 public:
     static constexpr int kTile = 32;  ///< pixels along a side
@@ -56,9 +57,7 @@ public:
     std::array<int, 2> origin(std::size_t tile) const {
         return {int(tile) % across_ * kTile, int(tile) / across_ * kTile};
     }
-    std::size_t tileOf(int x, int y) const {
-        return std::size_t(y / kTile * across_ + x / kTile);
-    }
+    std::size_t tileOf(int x, int y) const { return std::size_t(y / kTile * across_ + x / kTile); }
 
     /// The samples of a tile, at `offsets` from the corner of each pixel: that of pixel (x, y) in
     /// the tile and offset k comes at (y * kTile + x) * offsets.size() + k.

@@ -15,7 +15,6 @@ struct Spot {
     double slope = 0;     ///< change of the distance from one sample to the next; 0: a sharp line
 };
 
-
 class Shader {
 public:
     /// @param isolineHalf  half the width of isolines, voxels
