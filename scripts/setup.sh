@@ -16,7 +16,7 @@ packages=(
     g++ cmake ninja-build ccache
     libopenvdb-dev libtbb-dev
     libboost-iostreams-dev  # FindOpenVDB.cmake asks for it, libopenvdb-dev does not
-    zlib1g-dev libpng-dev libassimp-dev libfmt-dev libxxhash-dev
+    zlib1g-dev libpng-dev libfreetype-dev libassimp-dev libfmt-dev libxxhash-dev
     nlohmann-json3-dev libcli11-dev catch2
     libjs-three                        # draws the pages of --view; packed into the program
     libopenvdb-tools python3-openvdb   # vdb_tool, vdb_print, vdb_render, pyopenvdb: for the tests

@@ -27,6 +27,7 @@ CLI/       src apps tests  apps/implicit-geodesic/options/command_line.cpp
 nlohmann/  src apps        src/igeo/io/point_list.cpp apps/implicit-geodesic/json_file.h
 zlib.h     src apps        src/igeo/base/detail/deflate.cpp
 png.h      src apps        src/igeo/results/detail/canvas.cpp
+ft2build.h src apps        src/igeo/results/detail/font.cpp
 assimp/    src apps        src/igeo/io/mesh_file.cpp
 xxhash     src apps        src/igeo/base/digest.cpp
 fmt/format.h  src apps

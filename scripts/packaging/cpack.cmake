@@ -54,6 +54,7 @@ set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS  # what igeo_find_dependencies and igeo.pc ask for
     "libopenvdb-dev (>= ${igeo_least_OpenVDB})" "libtbb-dev (>= ${igeo_least_TBB})"
     libboost-iostreams-dev zlib1g-dev "libpng-dev (>= ${igeo_least_PNG})"
+    "libfreetype-dev (>= ${igeo_least_Freetype})"
     "libassimp-dev (>= ${igeo_least_assimp})" "libfmt-dev (>= ${igeo_least_fmt})")
 list(JOIN CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS ", " CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "${about}

@@ -17,8 +17,12 @@ foreach(stage IN LISTS stages)
     set(share ${stage}${CPACK_PACKAGING_INSTALL_PREFIX}/share)
     set(doc ${share}/doc/${package})
 
+    file(READ ${CMAKE_CURRENT_LIST_DIR}/../../src/igeo/results/font/LICENSE font_license)
+    string(REGEX REPLACE "\n+$" "" font_license "${font_license}")
+    string(REGEX REPLACE "\n\n" "\n.\n" font_license "${font_license}")
+    string(REGEX REPLACE "\n" "\n " font_license " ${font_license}")
     # Debian has the license itself; the file that is installed elsewhere would be one too many.
-    file(REMOVE ${doc}/LICENSE)
+    file(REMOVE ${doc}/LICENSE ${doc}/LICENSE.font)
     file(WRITE ${doc}/copyright
 "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
 Upstream-Name: implicit-geodesic
@@ -27,6 +31,10 @@ Comment: The program has CLI11 (BSD-3-clause), nlohmann-json (Expat), xxHash (BS
  three.js (Expat) compiled in, the library all of these but CLI11. Pages of --view have three.js in them, with
  its license.
 
+Files: src/igeo/results/font/*
+Copyright: 2003 Bitstream, Inc.; changes of DejaVu are in the public domain
+License: bitstream-vera
+${font_license}
 Files: *
 Copyright: 2026 ${CPACK_PACKAGE_VENDOR}
 License: Apache-2.0

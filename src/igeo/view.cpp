@@ -7,8 +7,7 @@
 #include <igeo/base/parallel.h>
 #include <igeo/base/version.h>
 #include <igeo/results/detail/camera.h>
-#include <igeo/results/detail/level_set_rays.h>
-#include <igeo/results/detail/triangle_rays.h>
+#include <igeo/results/detail/drawn_surface.h>
 #include <igeo/results/picture.h>
 #include <igeo/results/refined_mesh.h>
 
@@ -108,18 +107,16 @@ std::vector<Path> asPaths(const std::vector<NamedCurve>& lines, const Similarity
 }
 
 /// The first view, and a picture from there.
-/// @param levelSet  the surface; null: the triangles of the field's band are
+/// @param levelSet  the surface; null: that of the field's band
 void addPicture(ViewScene& scene, const Field& field, const LevelSet* levelSet,
                 const std::vector<Path>& paths, const PictureOptions& picture, Progress& progress) {
     const double aspect = double(picture.height) / picture.width;
-    auto look = [&](const SurfaceRays& rays) {
-        scene.toEye = chooseView(rays, field, paths, picture, aspect).back;
-        scene.up = normalized(picture.up);
-    };
-    if (levelSet)
-        look(LevelSetRays(*levelSet));
-    else
-        look(TriangleRays(*field.band));
+    const Band& band = *field.band;
+    const DrawnSurface surface = levelSet ? DrawnSurface(band, surfaceMesh(*levelSet, band, progress),
+                                                         levelSet->stats.cutVoxels == 0)
+                                          : DrawnSurface(band);
+    scene.toEye = chooseView(surface, field, paths, picture, aspect).back;
+    scene.up = normalized(picture.up);
     scene.still = levelSet ? renderPng(*levelSet, field, paths, picture, progress)
                            : renderPng(field, paths, picture, progress);
 }
@@ -178,7 +175,8 @@ ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lin
     scene.title = titleOf(surface.facts());
     scene.creator = creator();
     scene.voxels = field.band->transform;
-    if (field.metric->weighted()) scene.unit = "world units times weight";
+    if (!picture.unit.empty()) scene.unit = picture.unit;
+    if (field.metric->weighted()) scene.unit += " times weight";
 
     const TriangleMesh* given = surface.triangles();
     SurfaceMesh mesh = given ? ownTriangles(*given, field, limits.triangles, progress)
@@ -199,10 +197,14 @@ ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lin
         scene.labelNames.push_back(fmt::format("seed {}", k));
     if (field.stoppedEarly) scene.rest = "beyond the distance marched";
     scene.colorMap = picture.colorMap;
-    scene.isolineSpacing = picture.isolineSpacing;
     const double dx = field.band->transform.dx;
     scene.range = {{field.leastStart * dx, field.maxDistance * dx}};
-    addPicture(scene, field, field.band->triangles ? nullptr : &distance.levelSet(progress),
+    scene.isolineSpacing =
+        picture.isolineCount > 0
+            ? (field.maxDistance - field.leastStart) * dx / (picture.isolineCount + 1)
+            : picture.isolineSpacing;
+    const bool volume = surface.facts().kind == SurfaceFacts::Kind::LevelSet;
+    addPicture(scene, field, volume ? &distance.levelSet(progress) : nullptr,
                asPaths(lines, field.band->transform), picture, progress);
     return scene;
 }

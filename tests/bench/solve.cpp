@@ -137,15 +137,16 @@ void benchPicture(const Arguments& args) {
     error.distance.assign(band.size(), kInfinity);
     for (std::size_t k = 0; k < near.size(); ++k) {
         const double off = std::abs(field.distance[near[k]] * dx - exact[k]);
-        if (off < kInfinity) error.distance[near[k]] = std::min(100 * off / largest, most);
+        if (off < kInfinity) error.distance[near[k]] = std::min(100 * off / largest, most) / dx;
     }
     error.summarize();
-    error.maxDistance = most;
+    error.maxDistance = most / dx;
     PictureOptions options;
     options.width = 800, options.height = 600;
     options.colorMap = "magma";
     options.isolineSpacing = -1;
-    options.legend = false;  // it would speak of a distance
+    options.quantity = "error";
+    options.unit = "% of the largest";
     if (args.has("camera")) options.eye = args.point("camera");
     if (args.has("up")) options.up = args.point("up");
     writeFile(args.text("image"), renderPng(levelSet, error, {}, options));

@@ -35,13 +35,15 @@ TEST_CASE("one run writes picture, mesh, isolines, matrix and all grids") {
     desk.make("in.vdb", "sphere --voxel-size 0.05");
     requireDone(desk,
                 "--sdf in.vdb --seed 0,0,1 --seed 0,0.6,-0.8 --target 1,0,0 -q -o out.vdb "
-                "--image p.png --image-size 160x120 --mesh-out m.ply --isolines i.json --spacing "
+                "--image p.png --image-size 160x120 --background transparent --unit \u00b5m "
+                "--up -z --mesh-out m.ply --isolines i.json --spacing "
                 "0.25 --matrix d.json --report r.json --grids "
                 "surface,gradient,label,color,logmap,weight,curvature,engraved");
     const std::string png = readBytes(desk / "p.png");
     CHECK(png.substr(1, 3) == "PNG");
     CHECK(bigEndian(png, 16) == 160);
     CHECK(bigEndian(png, 20) == 120);
+    CHECK(png[25] == 6);  // red, green, blue and alpha
 
     const std::string ply = readBytes(desk / "m.ply");
     // A closed surface of genus 0: twice as many triangles as vertices, less 4.

@@ -20,18 +20,21 @@ namespace igeo::test {
 
 struct Image {
     int width = 0, height = 0;
-    std::vector<std::uint8_t> rgb;
+    bool hasAlpha = false;
+    std::vector<std::uint8_t> rgb, alpha;
 
     explicit Image(const std::string& bytes) {
         png_image image{};
         image.version = PNG_IMAGE_VERSION;
         if (!png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()))
             throw std::runtime_error(image.message);
-        image.format = PNG_FORMAT_RGB;
-        rgb.resize(PNG_IMAGE_SIZE(image));
-        if (!png_image_finish_read(&image, nullptr, rgb.data(), 0, nullptr))
+        hasAlpha = image.format & PNG_FORMAT_FLAG_ALPHA;
+        image.format = PNG_FORMAT_RGBA;
+        std::vector<std::uint8_t> rgba(PNG_IMAGE_SIZE(image));
+        if (!png_image_finish_read(&image, nullptr, rgba.data(), 0, nullptr))
             throw std::runtime_error(image.message);
         width = int(image.width), height = int(image.height);
+        for (std::size_t k = 0; k < rgba.size(); ++k) (k % 4 == 3 ? alpha : rgb).push_back(rgba[k]);
     }
     const std::uint8_t* at(int x, int y) const {
         if (x < 0 || x >= width || y < 0 || y >= height) throw std::out_of_range("no such pixel");

@@ -22,7 +22,19 @@ const Names<Grid> kGrids{{"surface", Grid::Surface},     {"gradient", Grid::Grad
                          {"label", Grid::Label},         {"color", Grid::Color},
                          {"logmap", Grid::LogMap},       {"weight", Grid::Weight},
                          {"curvature", Grid::Curvature}, {"engraved", Grid::Engraved}};
-const Names<UpAxis> kUpAxes{{"y", UpAxis::Y}, {"z", UpAxis::Z}};
+const Names<igeo::Vec3d> kUpAxes{{"x", {1, 0, 0}},   {"y", {0, 1, 0}},   {"z", {0, 0, 1}},
+                                 {"-x", {-1, 0, 0}}, {"-y", {0, -1, 0}}, {"-z", {0, 0, -1}}};
+const Names<igeo::Background> kBackgrounds{{"white", igeo::Background::White},
+                                           {"black", igeo::Background::Black},
+                                           {"transparent", igeo::Background::Transparent}};
+
+/// A plus before an axis changes nothing.
+Reader upAxis(std::optional<igeo::Vec3d>& field) {
+    auto read = [&field](const std::string& word) {
+        field = valueNamed(word.substr(word[0] == '+' ? 1 : 0), kUpAxes);
+    };
+    return {.read = read, .choices = namesIn(kUpAxes)};
+}
 
 Reader gridList(std::set<Grid>& field) {
     auto read = [&field](const std::string& word) {
@@ -51,6 +63,25 @@ Camera cameraOf(const std::string& word) {
     Camera camera{{v[0], v[1], v[2]}, {}};
     if (v.size() == 6) camera.lookAt = igeo::Vec3d{v[3], v[4], v[5]};
     return camera;
+}
+
+/// What the font of the pictures has: Latin-1 and the Greek mu, in UTF-8.
+std::string unitOf(const std::string& word) {
+    constexpr std::size_t kMost = 16;
+    std::size_t count = 0;
+    bool drawn = !word.empty() && !hasControls(word);
+    for (std::size_t i = 0; i < word.size() && drawn; ++i, ++count) {
+        const auto c = static_cast<unsigned char>(word[i]);
+        if (c < 0x80) continue;
+        const auto next = static_cast<unsigned char>(++i < word.size() ? word[i] : 0);
+        const bool latin = (c == 0xc2 && next >= 0xa0 && next <= 0xbf) ||
+                           (c == 0xc3 && next >= 0x80 && next <= 0xbf);
+        drawn = latin || (c == 0xce && next == 0xbc);
+    }
+    if (!drawn || count > kMost)
+        usageError("'" + word + "' is not 1 to 16 characters of Latin-1",
+                   "write for instance --unit mm");
+    return word;
 }
 
 Reader colorMap(std::string& field) {
@@ -192,8 +223,16 @@ void addPictureOptions(Command& command, PictureOptions& o) {
           .reads = parsed(o.camera, cameraOf)},
          {.names = {"--up"},
           .value = "AXIS",
-          .text = "The axis that points up: y or z [y]",
-          .reads = choice(o.up, kUpAxes)},
+          .text = "The direction that points up: x, y, z, -x, -y or -z [y]",
+          .reads = upAxis(o.up)},
+         {.names = {"--background"},
+          .value = "COLOR",
+          .text = "white, black or transparent [white]",
+          .reads = choice(o.background, kBackgrounds)},
+         {.names = {"--unit"},
+          .value = "NAME",
+          .text = "Unit of the world, for the legend, such as mm",
+          .reads = parsed(o.unit, unitOf)},
          {.names = {"--color-map"},
           .value = "NAME",
           .text =

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/base/types.h>
+#include <igeo/results/picture_options.h>
 
 #include <optional>
 #include <set>
@@ -14,8 +15,6 @@ struct Command;
 /// A grid that goes into the output beside the distance.
 enum class Grid { Surface, Gradient, Label, Color, LogMap, Weight, Curvature, Engraved };
 
-enum class UpAxis { Y, Z };
-
 struct ImageSize {
     int width = 0, height = 0;  ///< pixels
 };
@@ -26,11 +25,13 @@ struct Camera {
 };
 
 struct PictureOptions {
-    std::string image, view;             ///< files; empty: none
-    std::optional<ImageSize> imageSize;  ///< none: default
-    std::optional<Camera> camera;        ///< none: chosen
-    std::optional<UpAxis> up;            ///< none: y
-    std::string colorMap;                ///< of igeo::ColorMap::names(); empty: viridis
+    std::string image, view;                     ///< files; empty: none
+    std::optional<ImageSize> imageSize;          ///< none: default
+    std::optional<Camera> camera;                ///< none: chosen
+    std::optional<igeo::Vec3d> up;               ///< none: y
+    std::optional<igeo::Background> background;  ///< none: white
+    std::string unit;                            ///< of lengths, in the legend; empty: none
+    std::string colorMap;                        ///< of igeo::ColorMap::names(); empty: viridis
 };
 
 /// Files are empty where none is asked for.

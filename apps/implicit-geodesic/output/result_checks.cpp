@@ -112,6 +112,8 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
         {!o.pairsOut.empty(), !o.pairs.empty(), "--pairs-out", "--pairs"},
         {o.imageSize.has_value(), !o.image.empty(), "--image-size", "--image"},
         {o.camera.has_value(), drawn, "--camera", "--image or --view"},
+        {o.background.has_value(), !o.image.empty(), "--background", "--image"},
+        {!o.unit.empty(), drawn, "--unit", "--image or --view"},
         {o.up.has_value(), drawn || endingOf(o.meshOut) == ".glb", "--up",
          "--image, --view or --mesh-out FILE.glb"},
         {o.perSeed, !o.perVertex.empty() && endingOf(o.perVertex) != ".obj", "--per-seed",

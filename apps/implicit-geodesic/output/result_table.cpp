@@ -39,11 +39,16 @@ igeo::Color linear(const RunOptions& options) {
         [colors = igeo::ColorMap(colorMapOf(options))](double t) { return igeo::Vec3f(colors(t)); };
 }
 
+/// Of pictures and .glb.
+igeo::Vec3d upOf(const RunOptions& options) {
+    return options.up.value_or(igeo::PictureOptions{}.up);
+}
+
 std::string meshAs(const std::string& ending, RunResult& r) {
     const igeo::Similarity& transform = r.band().transform;
     if (ending == ".vtp") return igeo::surfaceVtp(r.mesh(), transform);
     if (ending == ".glb")
-        return igeo::surfaceGlb(r.mesh(), transform, linear(r.options), r.options.up == UpAxis::Z);
+        return igeo::surfaceGlb(r.mesh(), transform, linear(r.options), upOf(r.options));
     return (ending == ".obj" ? igeo::surfaceObj : igeo::surfacePly)(r.mesh(), transform,
                                                                     srgb(r.options));
 }
@@ -134,10 +139,12 @@ void writePairs(RunResult& r, const std::string& file) {
 igeo::PictureOptions pictureOf(const RunResult& r, igeo::PictureOptions picture = {}) {
     const RunOptions& o = r.options;
     if (o.camera) picture.eye = o.camera->eye, picture.lookAt = o.camera->lookAt;
-    if (o.up == UpAxis::Z) picture.up = {0, 0, 1};
+    picture.up = upOf(o);
+    picture.background = o.background.value_or(picture.background);
+    picture.unit = o.unit;
     picture.colorMap = colorMapOf(o);
-    if (o.spacing > 0) picture.isolineSpacing = o.spacing;
-    if (o.levels > 0) picture.isolineSpacing = r.distance.largest() / (o.levels + 1);
+    picture.isolineSpacing = o.spacing;
+    picture.isolineCount = o.levels;
     return picture;
 }
 
@@ -145,11 +152,11 @@ void writePicture(RunResult& r, const std::string& file) {
     igeo::PictureOptions picture = pictureOf(r);
     if (const std::optional<ImageSize>& size = r.options.imageSize)
         picture.width = size->width, picture.height = size->height;
-    // A mesh is drawn as it is given.
+    // The band of a level set may be a part of it.
+    const bool volume = r.distance.surface().facts().kind == igeo::SurfaceFacts::Kind::LevelSet;
     writeDocument(
-        file, r.band().triangles
-                  ? igeo::renderPng(r.field(), r.drawnLines(), picture, r.progress)
-                  : igeo::renderPng(r.levelSet(), r.field(), r.drawnLines(), picture, r.progress));
+        file, volume ? igeo::renderPng(r.levelSet(), r.field(), r.drawnLines(), picture, r.progress)
+                     : igeo::renderPng(r.field(), r.drawnLines(), picture, r.progress));
 }
 
 /// The page, with the names that the seeds have in their files, and what a user should know.

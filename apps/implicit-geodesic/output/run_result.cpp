@@ -11,15 +11,7 @@ const igeo::SurfaceMesh& RunResult::mesh() {
 
 const std::vector<igeo::Isoline>& RunResult::isolines() {
     if (madeIsolines) return *madeIsolines;
-    // As asked for, else at the spacing a picture has.
-    const double dx = band().transform.dx, largest = field().maxDistance;
-    std::vector<double> levels;
-    if (options.levels > 0)
-        levels = igeo::levelsByCount(field(), options.levels);
-    else if (largest > 0)
-        levels = igeo::levelsBySpacing(
-            field(),
-            (options.spacing > 0 ? options.spacing : igeo::roundSpacing(largest * dx, 16)) / dx);
+    const std::vector<double> levels = igeo::chosenLevels(field(), options.levels, options.spacing);
     madeIsolines = igeo::isolines(field(), mesh(), levels, progress);
     return *madeIsolines;
 }

@@ -15,6 +15,7 @@ class ImplicitGeodesic < Formula
   depends_on "assimp"
   depends_on "boost"
   depends_on "fmt"
+  depends_on "freetype"
   depends_on "libpng"
   depends_on "openvdb"
   depends_on "tbb"

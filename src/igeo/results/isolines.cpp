@@ -226,6 +226,15 @@ std::vector<double> levelsByCount(const Field& field, int count) {
     return levels;
 }
 
+std::vector<double> chosenLevels(const Field& field, int count, double spacing) {
+    constexpr double kLines = 16;
+    const double dx = field.band->transform.dx, range = field.maxDistance - leastStart(field);
+    if (count > 0) return levelsByCount(field, count);
+    if (spacing > 0) return levelsBySpacing(field, spacing / dx);
+    if (!(range > 0)) return {};
+    return levelsBySpacing(field, roundSpacing(range * dx, kLines) / dx);
+}
+
 double roundSpacing(double range, double lines) {
     const double exact = range / lines;
     const double power = std::pow(10, std::floor(std::log10(exact)));

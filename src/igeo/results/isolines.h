@@ -45,6 +45,12 @@ std::vector<double> levelsBySpacing(const Field& field, double spacing);
 /// @throws Error  InvalidArgument unless 1 <= count <= 100000
 std::vector<double> levelsByCount(const Field& field, int count);
 
+/// The levels of isolines in files, pictures and legends: by count if that is above 0, else by
+/// spacing (world units times weight), or by a round spacing that gives about 16 if that is 0. None
+/// where all distances are equal.
+/// @throws Error  as the two above
+std::vector<double> chosenLevels(const Field& field, int count, double spacing);
+
 /// The one of 1, 2 and 5 times the powers of ten that comes nearest, by ratio, to cutting `range` >
 /// 0 into so many parts.
 double roundSpacing(double range, double lines);

@@ -8,12 +8,19 @@
 
 namespace igeo {
 
+/// What is where there is no surface. Words are white on black, else dark.
+enum class Background { White, Black, Transparent };
+
 struct PictureOptions {
     int width = 1280, height = 960;    ///< pixels, 1 to 16384
     std::string colorMap = "viridis";  ///< ColorMap::names()
-    double isolineSpacing = 0;    ///< world units times weight; 0: a round one that gives 10 to
-                                  ///< 25 lines, negative: no lines
-    bool legend = true;           ///< where there is room for it
+    Background background = Background::White;
+    int isolineCount = 0;       ///< chosenLevels(); 0: by spacing
+    double isolineSpacing = 0;  ///< world units times weight; 0: a round one that gives 10 to
+                                ///< 25 lines, negative: no lines
+    bool legend = true;         ///< where there is room for it
+    std::string quantity = "distance",
+                unit;             ///< in the legend, UTF-8 of Latin-1; no unit: world units
     std::optional<Vec3d> eye;     ///< world; none: chosen
     std::optional<Vec3d> lookAt;  ///< world; none: the middle of the surface
     Vec3d up{0, 1, 0};            ///< world

@@ -78,7 +78,7 @@ std::string surfaceVtp(const SurfaceMesh& given, const Similarity& transform) {
 }
 
 std::string surfaceGlb(const SurfaceMesh& given, const Similarity& transform, const Color& color,
-                       bool zUp) {
+                       const Vec3d& up) {
     const SurfaceMesh mesh = inWorld(given, transform);
     const std::size_t n = mesh.position.size();
     const std::vector<Vec3f> colors = colorsOf(mesh.distance, color);
@@ -97,7 +97,7 @@ std::string surfaceGlb(const SurfaceMesh& given, const Similarity& transform, co
     glb.addNumbers("_LABEL", [&](std::size_t v) {
         return mesh.label[v] == kNoLabel ? -1.0f : float(mesh.label[v]);
     });
-    return glb.bytes(mesh.triangles, zUp);
+    return glb.bytes(mesh.triangles, up);
 }
 
 }  // namespace igeo

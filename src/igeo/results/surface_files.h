@@ -25,9 +25,9 @@ std::string surfaceVtp(const SurfaceMesh& mesh, const Similarity& transform);
 /// (distance / largest, 0) or (0, 1) where not reached, _DISTANCE and _LABEL (-1: not reached), all
 /// float32. Coordinates stay those of the world. In glTF y points up.
 /// @param color  in linear light
-/// @param zUp    z points up in the world: the node of the mesh turns it so that it does in glTF
+/// @param up     what points up in the world: the node of the mesh turns it so that it does in glTF
 /// @throws Error  InvalidArgument for 4 GiB and more, which glTF cannot hold
 std::string surfaceGlb(const SurfaceMesh& mesh, const Similarity& transform, const Color& color,
-                       bool zUp = false);
+                       const Vec3d& up = {0, 1, 0});
 
 }  // namespace igeo

@@ -103,10 +103,14 @@ TEST_CASE("surfaceGlb: attributes as glTF has them") {
         CHECK(float(accessors[0]["min"][std::size_t(k)].get<double>()) == float(low[k]));
     CHECK(accessors.back()["count"] == 3 * m.mesh.triangles.size());
     CHECK(!glb.json["nodes"][0].contains("rotation"));
-    // About x by -90 degrees: z comes to y.
-    const nlohmann::json q = Glb(surfaceGlb(m.mesh, t, ramp, true)).json["nodes"][0]["rotation"];
-    CHECK(q[0].get<double>() == -q[3].get<double>());
-    CHECK(q[3].get<double>() == Approx(std::sqrt(0.5)));
+    for (const Vec3d& up : {Vec3d{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}}) {
+        const nlohmann::json q = Glb(surfaceGlb(m.mesh, t, ramp, up)).json["nodes"][0]["rotation"];
+        // v + 2 r x (r x v + w v)
+        const Vec3d r{q[0].get<double>(), q[1].get<double>(), q[2].get<double>()};
+        const Vec3d turned = up + 2.0 * cross(r, cross(r, up) + q[3].get<double>() * up);
+        CHECK(length(turned - Vec3d{0, 1, 0}) < 1e-15);
+        CHECK(dot(r, r) + q[3].get<double>() * q[3].get<double>() == Approx(1));
+    }
 }
 
 }  // namespace igeo::test

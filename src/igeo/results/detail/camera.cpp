@@ -13,16 +13,18 @@ namespace {
 
 /// The largest value of each of N functions over a surface: values(pWorld) is an array of them.
 template <std::size_t N, typename Values>
-std::array<double, N> largest(const SurfaceRays& surface, const Values& values) {
+std::array<double, N> largest(const DrawnSurface& surface, const Values& values) {
+    constexpr std::size_t kChunk = 4096;
+    const std::vector<Vec3d>& points = surface.triangles().points();
     std::array<double, N> none;
     none.fill(-kInfinity);
-    std::vector<std::array<double, N>> parts(surface.chunks(), none);
+    std::vector<std::array<double, N>> parts((points.size() + kChunk - 1) / kChunk, none);
     parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c)
-            surface.forPoints(c, [&](const Vec3d& p) {
-                const auto v = values(surface.transform().worldFromIndex(p));
+            for (std::size_t i = c * kChunk; i < std::min(points.size(), (c + 1) * kChunk); ++i) {
+                const auto v = values(surface.transform().worldFromIndex(points[i]));
                 for (std::size_t k = 0; k < N; ++k) parts[c][k] = std::max(parts[c][k], v[k]);
-            });
+            }
     });
     for (const auto& part : parts)
         for (std::size_t k = 0; k < N; ++k) none[k] = std::max(none[k], part[k]);
@@ -31,12 +33,13 @@ std::array<double, N> largest(const SurfaceRays& surface, const Values& values) 
 
 /// Something worth to be seen.
 struct Sight {
-    Vec3d pIndex;
+    Vec3d pIndex, normal;
     double weight;
 };
 
 /// Seeds, paths and the reached surface; paths count most.
-std::vector<Sight> sights(const Field& field, const std::vector<Path>& paths) {
+std::vector<Sight> sights(const DrawnSurface& surface, const Field& field,
+                          const std::vector<Path>& paths) {
     const Band& band = *field.band;
     constexpr std::size_t kMost = 128;  // of each
     std::vector<Vec3d> seeds, vertices, reached;
@@ -50,8 +53,10 @@ std::vector<Sight> sights(const Field& field, const std::vector<Path>& paths) {
     std::vector<Sight> all;
     auto add = [&](const std::vector<Vec3d>& points, double weight) {
         const std::size_t n = std::min(points.size(), kMost);
-        for (std::size_t k = 0; k < n; ++k)
-            all.push_back({points[k * points.size() / n], weight / double(n)});
+        for (std::size_t k = 0; k < n; ++k) {
+            const Vec3d& p = points[k * points.size() / n];
+            all.push_back({p, surface.normalNear(p), weight / double(n)});
+        }
     };
     add(seeds, 1);
     add(vertices, 2);
@@ -90,17 +95,20 @@ std::vector<Vec3d> eyeDirections(const Vec3d& up) {
 }
 
 /// The direction to the eye, world space.
-Vec3d chooseDirection(const SurfaceRays& rays, const std::vector<Sight>& seen, const Vec3d& up) {
+Vec3d chooseDirection(const DrawnSurface& surface, const std::vector<Sight>& seen,
+                      const Vec3d& up) {
     constexpr double kAlmost = 0.9;
+    constexpr double kOpenEnough =
+        0.4;  // cosine from which on a place is seen as well as it can be
     const std::vector<Vec3d> directions = eyeDirections(up);
     std::vector<double> scores(directions.size());
     parallelFor(directions.size(), 1, [&](std::size_t begin, std::size_t end) {
-        const auto own = rays.copy();
         for (std::size_t k = begin; k < end; ++k) {
-            const Vec3d toEye = indexDirection(rays.transform(), directions[k]);
+            const Vec3d toEye = indexDirection(surface.transform(), directions[k]);
             for (const Sight& s : seen)
-                if (isVisible(*own, s.pIndex, toEye))
-                    scores[k] += s.weight * std::abs(dot(own->normal(s.pIndex), toEye));
+                if (surface.isVisible(s.pIndex, toEye))
+                    scores[k] +=
+                        s.weight * std::min(std::abs(dot(s.normal, toEye)) / kOpenEnough, 1.0);
         }
     });
     const double best = *std::max_element(scores.begin(), scores.end());
@@ -111,16 +119,10 @@ Vec3d chooseDirection(const SurfaceRays& rays, const std::vector<Sight>& seen, c
 
 }  // namespace
 
-bool isVisible(const SurfaceRays& rays, const Vec3d& p, const Vec3d& toEye) {
-    const Vec3d n = rays.normal(p);
-    const double off = rays.clearance();
-    return !rays.hit(p + (dot(n, toEye) < 0 ? -off : off) * n, toEye);
-}
-
-View chooseView(const SurfaceRays& rays, const Field& field, const std::vector<Path>& paths,
+View chooseView(const DrawnSurface& surface, const Field& field, const std::vector<Path>& paths,
                 const PictureOptions& options, double aspect) {
     constexpr double kMargin = 1.06;
-    const auto box = largest<6>(rays, [](const Vec3d& p) {
+    const auto box = largest<6>(surface, [](const Vec3d& p) {
         return std::array<double, 6>{p.x, p.y, p.z, -p.x, -p.y, -p.z};
     });
     const Vec3d middle = 0.5 * Vec3d{box[0] - box[3], box[1] - box[4], box[2] - box[5]};
@@ -131,7 +133,7 @@ View chooseView(const SurfaceRays& rays, const Field& field, const std::vector<P
     if (options.eye) {
         view.eye = *options.eye;
         const Vec3d back = view.eye - target;
-        if (!(length(back) > 1e-6 * rays.transform().dx))
+        if (!(length(back) > 1e-6 * surface.transform().dx))
             throw Error(Error::Kind::InvalidArgument,
                         fmt::format("the camera at {} looks at itself", textOf(view.eye)),
                         "give it another place or another point to look at");
@@ -140,18 +142,18 @@ View chooseView(const SurfaceRays& rays, const Field& field, const std::vector<P
                 Error::Kind::InvalidArgument,
                 fmt::format("the camera looks along its up direction, {}", textOf(options.up)),
                 "choose another up direction");
-        if (rays.encloses(rays.transform().indexFromWorld(view.eye)))
+        if (surface.encloses(surface.transform().indexFromWorld(view.eye)))
             throw Error(
                 Error::Kind::InvalidArgument,
                 fmt::format("the camera at {} is inside the surface", textOf(view.eye)),
                 fmt::format("move it out; the middle of the surface is {}", textOf(middle)));
         aim(view, back, up);
     } else {
-        aim(view, chooseDirection(rays, sights(field, paths), up), up);
+        aim(view, chooseDirection(surface, sights(surface, field, paths), up), up);
         // A point at (a, b, c) from the target along right, up and back is in the frame of an eye
         // at (x, y, depth) if |a - x| <= T (depth - c) and the same of b.
         const double tx = View::kHalfWidth / kMargin, ty = tx * aspect;
-        const auto need = largest<4>(rays, [&](const Vec3d& p) {
+        const auto need = largest<4>(surface, [&](const Vec3d& p) {
             const Vec3d r = p - target;
             const double a = dot(r, view.right), b = dot(r, view.up), c = dot(r, view.back);
             return std::array<double, 4>{a + tx * c, -a + tx * c, b + ty * c, -b + ty * c};

@@ -3,7 +3,7 @@
 
 #include <igeo/march/field.h>
 #include <igeo/path/trace.h>
-#include <igeo/results/detail/surface_rays.h>
+#include <igeo/results/detail/drawn_surface.h>
 #include <igeo/results/picture_options.h>
 
 #include <vector>
@@ -25,10 +25,7 @@ struct View {
 /// surface in the frame.
 /// @param aspect  height / width of the frame
 /// @throws Error  InvalidArgument for a view that shows nothing
-View chooseView(const SurfaceRays& rays, const Field& field, const std::vector<Path>& paths,
+View chooseView(const DrawnSurface& surface, const Field& field, const std::vector<Path>& paths,
                 const PictureOptions& options, double aspect);
-
-/// Whether nothing lies between a point of S and an eye in direction `toEye`; all in index space.
-bool isVisible(const SurfaceRays& rays, const Vec3d& p, const Vec3d& toEye);
 
 }  // namespace igeo

@@ -4,111 +4,79 @@
 #include <igeo/results/color_map.h>
 #include <png.h>
 
-#include <cctype>
-#include <cstring>
+#include <array>
 
 namespace igeo {
 
 namespace {
 
-constexpr int kGlyphWidth = 5, kGlyphHeight = 9;
-
-/// Some glyphs side by side, a column free between two.
-struct GlyphRow {
-    const char* characters;
-    const char* pixels[kGlyphHeight];
-};
-constexpr GlyphRow kFont[] = {
-    {"0123456789abcd",
-     {".###. .#... .###. .###. ...#. ##### ..##. ##### .###. .###. ..... #.... ..... ....#",
-      "#...# ##... #...# #...# ..##. #.... .#... ....# #...# #...# ..... #.... ..... ....#",
-      "#...# .#... ....# ....# .#.#. ####. #.... ...#. #...# #...# .###. ####. .###. .####",
-      "#...# .#... ...#. ..##. #..#. ....# ####. ...#. .###. .#### ....# #...# #...# #...#",
-      "#...# .#... ..#.. ....# ##### ....# #...# ..#.. #...# ....# .#### #...# #.... #...#",
-      "#...# .#... .#... #...# ...#. #...# #...# ..#.. #...# ...#. #...# #...# #...# #...#",
-      ".###. ###.. ##### .###. ...#. .###. .###. ..#.. .###. .##.. .#### ####. .###. .####",
-      "..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....",
-      "..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ....."}},
-    {"efghijklmnopqr",
-     {"..... ..##. ..... #.... #.... ..#.. #.... #.... ..... ..... ..... ..... ..... .....",
-      "..... .#... ..... #.... ..... ..... #.... #.... ..... ..... ..... ..... ..... .....",
-      ".###. ####. .#### ####. #.... ..#.. #..#. #.... ####. ####. .###. ####. .#### #.##.",
-      "#...# .#... #...# #...# #.... ..#.. #.#.. #.... #.#.# #...# #...# #...# #...# ##...",
-      "##### .#... #...# #...# #.... ..#.. ##... #.... #.#.# #...# #...# #...# #...# #....",
-      "#.... .#... #...# #...# #.... ..#.. #.#.. #.... #.#.# #...# #...# #...# #...# #....",
-      ".###. .#... .#### #...# #.... ..#.. #..#. .#... #.#.# #...# .###. ####. .#### #....",
-      "..... ..... ....# ..... ..... ..#.. ..... ..... ..... ..... ..... #.... ....# .....",
-      "..... ..... .###. ..... ..... ##... ..... ..... ..... ..... ..... #.... ....# ....."}},
-    {"stuvwxyz.,-+()",
-     {"..... .#... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..#.. #....",
-      "..... .#... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .#... .#...",
-      ".#### ####. #...# #...# #.#.# #...# #...# ##### ..... ..... ..... ..#.. #.... ..#..",
-      "#.... .#... #...# #...# #.#.# .#.#. #...# ...#. ..... ..... ####. ..#.. #.... ..#..",
-      ".###. .#... #...# #...# #.#.# ..#.. #...# ..#.. ..... ..... ..... ##### #.... ..#..",
-      "....# .#... #...# .#.#. #.#.# .#.#. #...# .#... ..... ..... ..... ..#.. #.... ..#..",
-      "####. ..##. .#### ..#.. .#.#. #...# .#### ##### #.... .#... ..... ..#.. #.... ..#..",
-      "..... ..... ..... ..... ..... ..... ....# ..... ..... .#... ..... ..... .#... .#...",
-      "..... ..... ..... ..... ..... ..... .###. ..... ..... #.... ..... ..... ..#.. #...."}},
-    {":/",
-     {"..... ....#", "..... ....#", "#.... ...#.", "..... ..#..", "..... .#...", "#.... #....",
-      "..... #....", "..... .....", "..... ....."}},
-};
-
-/// Whether a pixel of a character is set; characters without a glyph are blank.
-bool inGlyph(char c, int x, int y) {
-    c = char(std::tolower(static_cast<unsigned char>(c)));
-    for (const GlyphRow& row : kFont)
-        if (const char* at = c ? std::strchr(row.characters, c) : nullptr)
-            return row.pixels[y][(at - row.characters) * (kGlyphWidth + 1) + x] == '#';
-    return false;
-}
-
-/// Columns up to the last one used; a blank is three wide.
-int glyphWidth(char c) {
-    for (int x = kGlyphWidth - 1; x >= 0; --x)
-        for (int y = 0; y < kGlyphHeight; ++y)
-            if (inGlyph(c, x, y)) return x + 1;
-    return 3;
-}
-
 std::uint8_t byteOf(double x) { return std::uint8_t(255 * std::clamp(x, 0.0, 1.0) + 0.5); }
+
+/// Of linear light, from a table: right to the nearest byte but for a quarter of a step.
+std::array<std::uint8_t, 3> srgbBytes(const Vec3d& linear) {
+    constexpr int kSteps = 1 << 14;
+    static const std::vector<std::uint8_t> table = [] {
+        std::vector<std::uint8_t> bytes(kSteps + 1);
+        for (int k = 0; k <= kSteps; ++k)
+            bytes[std::size_t(k)] = byteOf(srgbFromLinear(Vec3d{1, 1, 1} * (double(k) / kSteps)).x);
+        return bytes;
+    }();
+    auto encode = [](double c) {
+        return table[std::size_t(kSteps * std::clamp(c, 0.0, 1.0) + 0.5)];
+    };
+    return {encode(linear.x), encode(linear.y), encode(linear.z)};
+}
 
 }  // namespace
 
 Canvas::Canvas(int width, int height)
-    : width_(width), height_(height), rgb_(3 * std::size_t(width) * std::size_t(height)) {}
+    : width_(width), height_(height), rgba_(4 * std::size_t(width) * std::size_t(height)) {}
 
-void Canvas::set(int x, int y, const Vec3d& linear) {
-    if (x < 0 || y < 0 || x >= width_ || y >= height_) return;
-    std::uint8_t* pixel = &rgb_[3 * (std::size_t(y) * std::size_t(width_) + std::size_t(x))];
-    const Vec3d c = srgbFromLinear(linear);
-    for (int k = 0; k < 3; ++k) pixel[k] = byteOf(c[k]);
+void Canvas::set(int x, int y, const Vec3d& linear, double alpha) {
+    if (!holds(x, y)) return;
+    const auto c = srgbBytes(linear);
+    std::uint8_t* pixel = at(x, y);
+    std::copy(c.begin(), c.end(), pixel);
+    pixel[3] = byteOf(alpha);
 }
 
-void Canvas::fill(int x, int y, int width, int height, const Vec3d& linear) {
+void Canvas::fill(int x, int y, int width, int height, const Vec3d& linear, double alpha) {
     for (int j = y; j < y + height; ++j)
-        for (int i = x; i < x + width; ++i) set(i, j, linear);
+        for (int i = x; i < x + width; ++i) set(i, j, linear, alpha);
 }
 
-void Canvas::text(int x, int y, const std::string& text, int scale, const Vec3d& linear) {
-    for (const char c : text) {
-        for (int j = 0; j < kGlyphHeight; ++j)
-            for (int i = 0; i < kGlyphWidth; ++i)
-                if (inGlyph(c, i, j)) fill(x + scale * i, y + scale * j, scale, scale, linear);
-        x += scale * (glyphWidth(c) + 1);
-    }
+void Canvas::text(const Font& font, double x, double y, const std::string& text,
+                  const Vec3d& linear) {
+    const auto ink = srgbBytes(linear);
+    font.draw(text, x, y, [&](int i, int j, double coverage) {
+        if (!holds(i, j)) return;
+        // Mixed as encoded: strokes look as heavy on white as on black.
+        std::uint8_t* pixel = at(i, j);
+        const double below = (1 - coverage) * pixel[3] / 255.0, alpha = coverage + below;
+        for (std::size_t k = 0; k < 3; ++k)
+            pixel[k] = byteOf((coverage * ink[k] + below * pixel[k]) / alpha / 255);
+        pixel[3] = byteOf(alpha);
+    });
 }
 
 std::string Canvas::png() const {
+    bool opaque = true;
+    for (std::size_t k = 3; k < rgba_.size(); k += 4) opaque = opaque && rgba_[k] == 255;
+    std::vector<std::uint8_t> rgb;
+    if (opaque) {
+        rgb.reserve(rgba_.size() / 4 * 3);
+        for (std::size_t k = 0; k < rgba_.size(); k += 4)
+            rgb.insert(rgb.end(), &rgba_[k], &rgba_[k] + 3);
+    }
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
     image.width = png_uint_32(width_);
     image.height = png_uint_32(height_);
-    image.format = PNG_FORMAT_RGB;
+    image.format = opaque ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
     png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(image);
     std::string file(bytes, '\0');
-    if (!png_image_write_to_memory(&image, file.data(), &bytes, /*convert_to_8_bit=*/0, rgb_.data(),
-                                   /*row_stride=*/0, nullptr))
+    if (!png_image_write_to_memory(&image, file.data(), &bytes, /*convert_to_8_bit=*/0,
+                                   opaque ? rgb.data() : rgba_.data(), /*row_stride=*/0, nullptr))
         throw Error(Error::Kind::Internal, std::string("libpng: ") + image.message);
     file.resize(bytes);
     return file;

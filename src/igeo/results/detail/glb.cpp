@@ -27,6 +27,18 @@ std::string chunk(const char* kind, std::string content, char filler) {
     return bytes + content;
 }
 
+/// The node of the mesh, turned the least way from `up` to y.
+std::string nodeJson(const Vec3d& up) {
+    const Vec3d from = normalized(up), y{0, 1, 0};
+    if (from == y) return R"({"mesh":0})";
+    Vec3d axis = cross(from, y);
+    double w = 1 + dot(from, y);
+    if (w < 1e-12) axis = {1, 0, 0}, w = 0;
+    const double scale = 1 / std::sqrt(dot(axis, axis) + w * w);
+    return fmt::format(R"({{"mesh":0,"rotation":[{:.17g},{:.17g},{:.17g},{:.17g}]}})",
+                       axis.x * scale + 0.0, axis.y * scale + 0.0, axis.z * scale + 0.0, w * scale);
+}
+
 }  // namespace
 
 void GlbWriter::addAccessor(const char* name, const char* type, std::size_t begin,
@@ -72,18 +84,15 @@ void GlbWriter::addNumbers(const char* name, const std::function<float(std::size
 }
 
 std::string GlbWriter::bytes(const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                             bool zUp) const {
+                             const Vec3d& up) const {
     std::string buffer = buffer_;
     for (const auto& t : triangles)
         for (const std::uint32_t v : t) putLittleEndian(buffer, v);
-    const std::string node =
-        zUp ? R"({"mesh":0,"rotation":[-0.70710678118654752,0,0,0.70710678118654752]})"
-            : R"({"mesh":0})";
     std::string json = fmt::format(
         R"({{"asset":{{"version":"2.0","generator":"implicit-geodesic {}"}},"scene":0,)"
         R"("scenes":[{{"nodes":[0]}}],"nodes":[{}],)"
         R"("meshes":[{{"primitives":[{{"attributes":{{{}}},"indices":{},"material":0}}]}}],)",
-        kVersion, node, attributes_, count_);
+        kVersion, nodeJson(up), attributes_, count_);
     // Open surfaces are seen from both sides; colors are those of the distance, not of a light.
     json += R"("materials":[{"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":1},)"
             R"("doubleSided":true}],)";

@@ -20,9 +20,10 @@ public:
     void addPairs(const char* name, const std::function<Vec2f(std::size_t)>& value);
     void addNumbers(const char* name, const std::function<float(std::size_t)>& value);
 
-    /// @param zUp  the mesh is turned so that its z axis points along y, which is up in glTF
+    /// @param up  the mesh is turned so that this points along y, which is up in glTF
     /// @throws Error  InvalidArgument for 4 GiB and more
-    std::string bytes(const std::vector<std::array<std::uint32_t, 3>>& triangles, bool zUp) const;
+    std::string bytes(const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                      const Vec3d& up) const;
 
 private:
     /// @param low, high  what the numbers lie between, where that is to be written

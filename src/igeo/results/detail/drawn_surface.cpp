@@ -1,0 +1,122 @@
+#include <igeo/results/detail/drawn_surface.h>
+
+#include <igeo/base/parallel.h>
+#include <igeo/path/curve_normals.h>
+#include <igeo/results/detail/band_mesh.h>
+
+#include <algorithm>
+
+namespace igeo {
+
+namespace {
+
+using CornerNormals = std::vector<std::array<Vec3f, 3>>;
+
+/// The triangles at each vertex, one vertex after the other.
+struct Stars {
+    std::vector<std::uint32_t> first, triangle;
+
+    explicit Stars(const SurfaceTriangles& triangles)
+        : first(triangles.points().size() + 1), triangle(3 * triangles.size()) {
+        for (std::size_t t = 0; t < triangles.size(); ++t)
+            for (const std::uint32_t v : triangles[t]) ++first[v + 1];
+        for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
+        std::vector<std::uint32_t> next = first;
+        for (std::size_t t = 0; t < triangles.size(); ++t)
+            for (const std::uint32_t v : triangles[t]) triangle[next[v]++] = std::uint32_t(t);
+    }
+};
+
+/// Per triangle and corner: the mean normal of the faces there that are nearly parallel.
+CornerNormals creasedNormals(const SurfaceTriangles& triangles) {
+    constexpr double kParallel = 0.766;  // 40 degrees
+    const Stars stars(triangles);
+    std::vector<Vec3d> area(triangles.size()), unit(triangles.size());
+    parallelFor(triangles.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            const Vec3d a = triangles.corner(t, 0);
+            area[t] = cross(triangles.corner(t, 1) - a, triangles.corner(t, 2) - a);
+            unit[t] = normalized(area[t]);
+        }
+    });
+    CornerNormals normals(triangles.size());
+    parallelFor(triangles.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t)
+            for (std::size_t k = 0; k < 3; ++k) {
+                Vec3d sum = 1e-6 * unit[t];
+                const std::uint32_t v = triangles[t][k];
+                for (std::uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i) {
+                    const std::uint32_t u = stars.triangle[i];
+                    if (dot(unit[u], unit[t]) > kParallel) sum += area[u];
+                }
+                normals[t][k] = Vec3f(normalized(sum));
+            }
+    });
+    return normals;
+}
+
+/// Those of psi at the vertices, where the band has them.
+CornerNormals smoothNormals(const Band& band, const SurfaceMesh& mesh) {
+    std::vector<Vec3f> at(mesh.position.size());
+    parallelFor(at.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            const Vec3d mean(mesh.normal[v]), n = normalAt(band, mesh.position[v], mean);
+            at[v] = Vec3f(dot(n, mean) > 0.5 ? n : mean);
+        }
+    });
+    CornerNormals normals(mesh.triangles.size());
+    for (std::size_t t = 0; t < normals.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) normals[t][k] = at[mesh.triangles[t][k]];
+    return normals;
+}
+
+}  // namespace
+
+DrawnSurface::DrawnSurface(const Band& band)
+    : DrawnSurface(band, band.triangles ? SurfaceMesh{} : bandMesh(band), false) {
+    if (!band.triangles) return;
+    triangles_ = band.triangles;
+    closed_ = triangles_->closed();
+    clearance_ = 0.01;
+    cornerNormals_ = creasedNormals(*triangles_);
+}
+
+DrawnSurface::DrawnSurface(const Band& band, SurfaceMesh mesh, bool closed)
+    : band_(band), closed_(closed), clearance_(0.5), cornerNormals_(smoothNormals(band, mesh)) {
+    triangles_ = std::make_shared<SurfaceTriangles>(
+        std::move(mesh.position), std::move(mesh.triangles),
+        /*neighbor, which rays do not need*/ std::vector<std::array<std::uint32_t, 3>>{});
+}
+
+Vec3d DrawnSurface::normal(std::uint32_t triangle, const std::array<double, 3>& share,
+                           const Vec3d& dir) const {
+    const Vec3d own = triangles_->normal(triangle);
+    Vec3d sum;
+    for (std::size_t k = 0; k < 3; ++k) sum += share[k] * Vec3d(cornerNormals_[triangle][k]);
+    const Vec3d n = normalized(sum);
+    return n == Vec3d{} || dot(n, dir) * dot(own, dir) < 0 ? own : n;
+}
+
+Vec3d DrawnSurface::normalNear(const Vec3d& p) const {
+    const std::uint32_t t =
+        triangles_->size() ? triangles_->nearest(p).triangle : SurfaceTriangles::kNone;
+    return t == SurfaceTriangles::kNone ? Vec3d{} : triangles_->normal(t);
+}
+
+bool DrawnSurface::isVisible(const Vec3d& p, const Vec3d& toEye) const {
+    const Vec3d n = normalNear(p);
+    return !triangles_->hit(p + (dot(n, toEye) < 0 ? -clearance_ : clearance_) * n, toEye);
+}
+
+bool DrawnSurface::encloses(const Vec3d& p) const {
+    if (!closed_ || triangles_->size() == 0) return false;
+    // What a ray to the middle of the nearest triangle meets first shows its outside or its inside.
+    const std::uint32_t t = triangles_->nearest(p).triangle;
+    const Vec3d middle = (1.0 / 3) * (triangles_->corner(t, 0) + triangles_->corner(t, 1) +
+                                      triangles_->corner(t, 2));
+    const Vec3d dir = normalized(middle - p);
+    const auto hit = triangles_->hit(p, dir);
+    return hit && dot(triangles_->normal(hit->triangle), dir) > 0;
+}
+
+}  // namespace igeo

@@ -1,0 +1,96 @@
+#include <igeo/results/detail/film.h>
+
+#include <igeo/results/detail/legend.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace igeo {
+
+void Rgba::tint(const Vec3d& color, double share) {
+    if (!(a > 0)) return;
+    auto mix = [&](float& c, double with) {
+        const double root = (1 - share) * std::sqrt(double(c / a)) + share * std::sqrt(with);
+        c = float(root * root) * a;
+    };
+    mix(r, color.x);
+    mix(g, color.y);
+    mix(b, color.z);
+}
+
+void Film::drawRim(const Vec3d& color) {
+    constexpr double kStrength = 0.5;
+    for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+            Rgba& here = at(x, y);
+            if (!(here.a > 0)) continue;
+            float least = here.a;
+            for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height_ - 1); ++v)
+                for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width_ - 1); ++u)
+                    least = std::min(least, at(u, v).a);
+            const double share = kStrength * double(1 - least / here.a);
+            const float alpha = here.a;
+            here = here * float(1 - share);
+            here += Rgba(color, share * double(alpha));
+            here.a = alpha;
+        }
+}
+
+void Film::drawStrokes(const Strokes& strokes, double core, double edge, double strength) {
+    if (strokes.empty()) return;
+    for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+            const double off = strokes.at(x, y);
+            if (!(off < edge + 0.5)) continue;
+            const double all = std::min(edge - off + 0.5, 1.0),
+                         white = std::clamp(core - off + 0.5, 0.0, all) / all;
+            at(x, y).tint(white * kWhite + (1 - white) * kInk, strength * all);
+        }
+}
+
+void Film::drawDot(const Dot& dot, const Frame& frame, const std::vector<Sample>& samples) {
+    constexpr double kRing = 0.72;
+    const Vec3d s = frame.seen(dot.center);
+    if (!(s.z > 0)) return;
+    const auto [cx, cy] = frame.place(s);
+    const double radius = frame.scale * dot.radius / s.z;
+    auto from = [&](double c) { return int(std::max(std::floor(c - radius - 1), 0.0)); };
+    auto to = [&](double c, int count) {
+        return int(std::clamp(std::ceil(c + radius + 1), 0.0, double(count)));
+    };
+    const Vec3d light = 0.95 * kWhite;  // white paper stays whiter
+    const Vec3d core = dot.seed ? light : kInk, ring = dot.seed ? kInk : light;
+    for (int y = from(cy); y < to(cy, height_); ++y)
+        for (int x = from(cx); x < to(cx, width_); ++x) {
+            const double off = std::hypot(x + 0.5 - cx, y + 0.5 - cy),
+                         covered = std::clamp(radius - off + 0.5, 0.0, 1.0);
+            if (!(covered > 0)) continue;
+            const Sample& front = samples[std::size_t(y) * std::size_t(width_) + std::size_t(x)];
+            // It lies on the surface, which may bulge toward the eye a little.
+            const bool hidden =
+                dot.hidden || (front.covered() && double(front.depth) < s.z - 2 * dot.radius);
+            const double inner = std::clamp(kRing * radius - off + 0.5, 0.0, 1.0);
+            const Vec3d color = inner * core + (1 - inner) * ring;
+            if (hidden)
+                at(x, y).tint(color, kFaint * covered);
+            else
+                at(x, y).cover(color, covered);
+        }
+}
+
+void Film::develop(Background background, Canvas& canvas) const {
+    for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+            const Rgba& c = at(x, y);
+            if (!(c.a > 0)) continue;
+            const Vec3d light{double(c.r), double(c.g), double(c.b)};
+            const double alpha = std::min(double(c.a), 1.0);
+            if (background == Background::Transparent)
+                canvas.set(x, y, light * (1 / double(c.a)), alpha);
+            else
+                canvas.set(x, y,
+                           background == Background::White ? light + (1 - alpha) * kWhite : light);
+        }
+}
+
+}  // namespace igeo

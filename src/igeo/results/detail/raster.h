@@ -1,0 +1,83 @@
+/// Which triangles are seen through the pixels of a picture. Internal to the pictures.
+#pragma once
+
+#include <igeo/band/surface_triangles.h>
+#include <igeo/base/progress.h>
+
+#include <array>
+#include <limits>
+#include <vector>
+
+namespace igeo {
+
+/// A perspective camera in index space, its axes unit vectors; pixels count from the upper left.
+struct Frame {
+    Vec3d eye, right, up, back;
+    double scale = 1;  ///< pixels per unit of length at depth 1
+    int width = 0, height = 0;
+
+    /// The ray through a place of the picture: as long as its depth is 1.
+    Vec3d toward(double x, double y) const {
+        return ((x - 0.5 * width) / scale) * right + ((0.5 * height - y) / scale) * up - back;
+    }
+    /// A point from the eye along right, up and into the picture.
+    Vec3d seen(const Vec3d& p) const {
+        const Vec3d r = p - eye;
+        return {dot(r, right), dot(r, up), -dot(r, back)};
+    }
+    /// Where a point seen at depth > 0 is in the picture.
+    std::array<double, 2> place(const Vec3d& s) const {
+        return {0.5 * width + scale * s.x / s.z, 0.5 * height - scale * s.y / s.z};
+    }
+};
+
+/// What is seen at a place of the picture.
+struct Sample {
+    float depth = std::numeric_limits<float>::infinity();
+    std::uint32_t triangle = SurfaceTriangles::kNone;
+
+    bool covered() const { return triangle != SurfaceTriangles::kNone; }
+};
+
+/// Triangles sorted into tiles of the picture, so that threads draw tiles by themselves.
+///
+/// A place shows the triangle that its ray meets first, of equals the first in the list: edge
+/// functions of the ray itself (M. Olano and T. Greer, Triangle scan conversion using 2D
+/// homogeneous coordinates, 1997), so that nothing is clipped. An edge belongs to both of its
+/// triangles.
+class Raster {
+public:
+    static constexpr int kTile = 32;  ///< pixels along a side
+    using Offset = std::array<double, 2>;
+
+    Raster(const SurfaceTriangles& triangles, const Frame& frame);
+
+    std::size_t tiles() const { return std::size_t(across_) * std::size_t(down_); }
+    /// The upper left pixel.
+    std::array<int, 2> origin(std::size_t tile) const {
+        return {int(tile) % across_ * kTile, int(tile) / across_ * kTile};
+    }
+    std::size_t tileOf(int x, int y) const { return std::size_t(y / kTile * across_ + x / kTile); }
+
+    /// The samples of a tile, at `offsets` from the corner of each pixel: that of pixel (x, y) in
+    /// the tile and offset k comes at (y * kTile + x) * offsets.size() + k.
+    void draw(std::size_t tile, const std::vector<Offset>& offsets,
+              std::vector<Sample>& samples) const;
+
+    /// The shares of the corners of a triangle where the ray `toward` meets its plane.
+    std::array<double, 3> shares(std::uint32_t triangle, const Vec3d& toward) const;
+
+private:
+    struct Box {
+        double left = 1e30, top = 1e30, right = -1e30, bottom = -1e30;
+    };
+    Box boxOf(std::size_t triangle) const;
+
+    const SurfaceTriangles& triangles_;
+    const Frame& frame_;
+    int across_, down_;
+    std::vector<std::size_t> first_;  ///< per tile, of its triangles in the list
+    std::vector<std::uint32_t> list_;
+};
+
+}  // namespace igeo

@@ -1,0 +1,46 @@
+/// The color of what a picture shows. Internal.
+#pragma once
+
+#include <igeo/march/field.h>
+#include <igeo/results/detail/legend.h>
+#include <igeo/results/detail/raster.h>
+
+namespace igeo {
+
+/// A point that is seen; index space.
+struct Spot {
+    Vec3d p, normal;  ///< normal as the surface has it, toward the eye or not
+    double distance = kInfinity;
+    double occluded = 0;  ///< light kept off by what is around, 0 to 1
+    double slope = 0;     ///< change of the distance from one sample to the next; 0: a sharp line
+};
+
+class Shader {
+public:
+    /// @param isolineHalf  half the width of isolines, voxels
+    Shader(const Field& field, const Scale& scale, double isolineHalf, const Frame& frame);
+
+    /// The distance where S is seen; +infinity beyond an early stop.
+    double distanceAt(const Vec3d& p, const Vec3d& normal) const;
+    /// @param dir  of the ray, unit
+    Vec3d color(const Spot& spot, const Vec3d& dir) const;
+
+private:
+    double lastKnown(const Vec3d& p) const;
+    double weightAt(const Vec3d& p) const {
+        return field_.metric->weighted() ? field_.metric->at(cellAt(*field_.band, p)) : 1.0;
+    }
+    Vec3d lit(const Vec3d& c, const Vec3d& n, const Vec3d& dir, double occluded) const;
+
+    const Field& field_;
+    const Scale& scale_;
+    double isolineHalf_;
+    Vec3d key_, fill_;
+};
+
+/// Of two colors, by the share of the first.
+inline Vec3d mixed(double share, const Vec3d& a, const Vec3d& b) {
+    return share * a + (1 - share) * b;
+}
+
+}  // namespace igeo
