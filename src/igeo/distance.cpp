@@ -9,6 +9,7 @@
 #include <igeo/path/straighten.h>
 #include <igeo/results/field_grids.h>
 
+#include <mutex>
 #include <utility>
 
 namespace igeo {
@@ -41,15 +42,43 @@ void moveAlongNormals(Polyline& line, double by) {
     for (std::size_t k = 0; k < line.points.size(); ++k) line.points[k] += by * line.normals[k];
 }
 
+/// Readers of points take what there is; the first that needs the whole band extends it, and what
+/// the march left is given back once its last reader is done.
+struct Distance::Fields {
+    explicit Fields(Field f) : seeds(f.seeds), points(std::make_shared<const Field>(std::move(f))) {
+        if (!points->core) whole = points;
+    }
+    const std::vector<SurfacePoint> seeds;
+    std::mutex mutex;
+    std::shared_ptr<const Field> points, whole;
+};
+
 Distance::Distance(Surface surface, BandWidth width, std::shared_ptr<const Band> band,
                    bool wholeBand, Field field, std::vector<SurfacePoint> targets, double maxSnap)
     : surface_(std::move(surface)),
       width_(std::move(width)),
       band_(std::move(band)),
       wholeBand_(wholeBand),
-      field_(std::make_shared<const Field>(std::move(field))),
+      fields_(std::make_shared<Fields>(std::move(field))),
       targets_(std::move(targets)),
       maxSnap_(maxSnap) {}
+
+const Field& Distance::field() const {
+    const std::lock_guard<std::mutex> lock(fields_->mutex);
+    if (!fields_->whole) {
+        Field whole = *fields_->points;
+        extendToBand(whole);
+        fields_->points = fields_->whole = std::make_shared<const Field>(std::move(whole));
+    }
+    return *fields_->whole;
+}
+std::shared_ptr<const Field> Distance::forPoints(std::size_t count) const {
+    constexpr std::size_t kCorners = 8;
+    if (count * kCorners > band_->size()) field();
+    const std::lock_guard<std::mutex> lock(fields_->mutex);
+    return fields_->points;
+}
+const std::vector<SurfacePoint>& Distance::seeds() const { return fields_->seeds; }
 
 SurfacePoint Distance::nearest(const Vec3d& pWorld, const std::string& what) const {
     const SurfacePoint p = surface_.nearest(*band_, band_->transform.indexFromWorld(pWorld));
@@ -60,17 +89,18 @@ SurfacePoint Distance::nearest(const Vec3d& pWorld, const std::string& what) con
 
 double Distance::at(const Vec3d& pWorld) const {
     const SurfacePoint p = nearest(pWorld);
-    return sampleDistance(*field_, p.pIndex, Vec3d(band_->normal[p.node])) *
-           signAt(*field_, p.pIndex) * band_->transform.dx;
+    const std::shared_ptr<const Field> field = forPoints(1);
+    return sampleDistance(*field, p.pIndex, Vec3d(band_->normal[p.node])) *
+           signAt(*field, p.pIndex) * band_->transform.dx;
 }
 
-PointValue Distance::valueAt(const SurfacePoint& p) const {
+PointValue Distance::valueAt(const Field& field, const SurfacePoint& p) const {
     const Vec3d normal(band_->normal[p.node]);
-    const Arrival arrival = arrivalAt(*field_, p.pIndex, normal);
+    const Arrival arrival = arrivalAt(field, p.pIndex, normal);
     if (!(arrival.distance < kInfinity)) return {};
-    const SurfaceCell cell(*band_, *field_->metric, p.pIndex, normal);
-    const double sign = signAt(*field_, p.pIndex);
-    const Vec3d gradient = gradientAt(*field_, arrival, p.pIndex, cell);
+    const SurfaceCell cell(*band_, *field.metric, p.pIndex, normal);
+    const double sign = signAt(field, p.pIndex);
+    const Vec3d gradient = gradientAt(field, arrival, p.pIndex, cell);
     return {arrival.distance * sign * band_->transform.dx, arrival.source,
             sign * band_->transform.worldFromIndexDirection(gradient)};
 }
@@ -78,9 +108,11 @@ PointValue Distance::valueAt(const SurfacePoint& p) const {
 std::vector<PointValue> Distance::valuesAt(const std::vector<Vec3d>& pWorld,
                                            Progress& progress) const {
     std::vector<PointValue> values(pWorld.size());
+    const std::shared_ptr<const Field> field = forPoints(pWorld.size());
     parallelFor(values.size(), 64, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k)
-            values[k] = valueAt(nearest(pWorld[k], "point " + std::to_string(k) + " at"));
+            values[k] =
+                valueAt(*field, nearest(pWorld[k], "point " + std::to_string(k) + " at"));
     });
     return values;
 }
@@ -88,10 +120,9 @@ std::vector<PointValue> Distance::valuesAt(const std::vector<Vec3d>& pWorld,
 Polyline Distance::polylineOf(const Path& path) const {
     Polyline line = inWorld(path, band_->transform);
     if (path.status != PathStatus::Reached) return line;
-    const SurfacePoint& seed = field_->seeds[path.seed];
-    const bool several =
-        path.seed + 1 < field_->seeds.size() && field_->seeds[path.seed + 1].joined;
-    line.seed = field_->source[path.seed];
+    const SurfacePoint& seed = seeds()[path.seed];
+    const bool several = path.seed + 1 < seeds().size() && seeds()[path.seed + 1].joined;
+    line.seed = field().source[path.seed];
     line.end = inWorld(seed, band_->transform);
     if (seed.joined || several) line.end = {line.points.back(), line.points.back()};
     line.endDistance = seed.start * band_->transform.dx;
@@ -99,16 +130,16 @@ Polyline Distance::polylineOf(const Path& path) const {
 }
 
 Polyline Distance::path(const Vec3d& pWorld, bool straightened) const {
-    Path path = tracePath(*field_, nearest(pWorld));
-    if (straightened) straighten(*field_, path);
+    Path path = tracePath(field(), nearest(pWorld));
+    if (straightened) straighten(field(), path);
     addNormals(*band_, path);
     return polylineOf(path);
 }
 
 std::vector<Polyline> Distance::paths(bool straightened, Progress& progress) const {
-    std::vector<Path> paths = tracePaths(*field_, targets_, {}, progress);
+    std::vector<Path> paths = tracePaths(field(), targets_, {}, progress);
     for (std::size_t k = 0; straightened && k < paths.size(); ++k) {
-        straighten(*field_, paths[k], progress);
+        straighten(field(), paths[k], progress);
         progress.update("straighten", double(k + 1) / double(paths.size()));
     }
     std::vector<Polyline> lines(paths.size());
@@ -123,36 +154,38 @@ std::vector<Polyline> Distance::paths(bool straightened, Progress& progress) con
 
 std::vector<double> Distance::atTargets() const {
     std::vector<double> distances(targets_.size());
+    const std::shared_ptr<const Field> field = forPoints(targets_.size());
     parallelFor(distances.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const SurfacePoint& p = targets_[k];
             distances[k] = band_->transform.dx *
-                           sampleDistance(*field_, p.pIndex, Vec3d(band_->normal[p.node]));
+                           sampleDistance(*field, p.pIndex, Vec3d(band_->normal[p.node]));
         }
     });
     return distances;
 }
 VertexValues Distance::atVertices(Progress& progress) const {
-    return vertexValues(requireMesh(surface_), *field_, progress);
+    const TriangleMesh& mesh = requireMesh(surface_);
+    return vertexValues(mesh, *forPoints(mesh.points.size()), progress);
 }
-Samples Distance::samples() const { return samplesOf(*field_); }
+Samples Distance::samples() const { return samplesOf(*forPoints(0)); }
 DistanceMatrix Distance::matrix(Progress& progress) const {
-    return distances(*band_, field_->metric, field_->seeds, targets_, progress);
+    return distances(*band_, forPoints(0)->metric, seeds(), targets_, progress);
 }
 
 openvdb::FloatGrid::Ptr Distance::grid(const std::string& name) const {
-    return distanceGrid(*field_, *surface_.gridTransform(),
+    return distanceGrid(field(), *surface_.gridTransform(),
                         name.empty() ? surface_.gridName() + "_geodesic" : name);
 }
 SurfaceMesh Distance::mesh(Progress& progress) const {
     return inWorld(indexMesh(progress), band_->transform);
 }
 SurfaceMesh Distance::indexMesh(Progress& progress) const {
-    return surface_.mesh(width_, *field_, progress);
+    return surface_.mesh(width_, field(), progress);
 }
 const LevelSet& Distance::levelSet(Progress& progress) const {
     return surface_.levelSet(width_, progress);
 }
-double Distance::largest() const { return field_->maxDistance * band_->transform.dx; }
+double Distance::largest() const { return field().maxDistance * band_->transform.dx; }
 
 }  // namespace igeo

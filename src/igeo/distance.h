@@ -102,24 +102,29 @@ public:
 
     double largest() const;  ///< the largest distance reached, world units times weight
 
-    /// As the march left it: voxels, index space.
-    const Field& field() const { return *field_; }
+    /// On the whole band: voxels, index space. Of `jet` the first call extends it from the core.
+    const Field& field() const;
     const Band& band() const { return *band_; }
     bool ofWholeSurface() const { return wholeBand_; }  ///< or of the part around the seeds
-    const std::vector<SurfacePoint>& seeds() const { return field_->seeds; }
+    const std::vector<SurfacePoint>& seeds() const;
     const std::vector<SurfacePoint>& targets() const { return targets_; }
     const Surface& surface() const { return surface_; }
 
 private:
+    /// The field as the march left it, until it is extended.
+    struct Fields;
+
+    /// For values at so many points: extended where that is cheaper than what each needs.
+    std::shared_ptr<const Field> forPoints(std::size_t count) const;
     SurfacePoint nearest(const Vec3d& pWorld, const std::string& what = "the point") const;
-    PointValue valueAt(const SurfacePoint& p) const;
+    PointValue valueAt(const Field& field, const SurfacePoint& p) const;
     Polyline polylineOf(const Path& path) const;
 
     Surface surface_;
     BandWidth width_;
     std::shared_ptr<const Band> band_;
     bool wholeBand_;
-    std::shared_ptr<const Field> field_;
+    std::shared_ptr<Fields> fields_;
     std::vector<SurfacePoint> targets_;
     double maxSnap_;
 };

@@ -42,6 +42,9 @@ struct GeodesicSolver::Setup {
     struct Cache {
         std::mutex mutex;
         std::optional<MetricPtr> wholeMetric;
+        std::size_t wholeMarches = 0;
+        std::shared_ptr<const Band> ofCore;
+        JetCorePtr wholeCore;
     };
     std::shared_ptr<Cache> cache = std::make_shared<Cache>();
 
@@ -73,6 +76,16 @@ struct GeodesicSolver::Setup {
         const std::lock_guard<std::mutex> lock(cache->mutex);
         if (!cache->wholeMetric) cache->wholeMetric = metricOn(options.metric, band, progress);
         return *cache->wholeMetric;
+    }
+    /// What marches on the whole band share, from the second on: most solvers are asked once, and
+    /// then its memory is better used elsewhere. Null before.
+    JetCorePtr coreOf(const std::shared_ptr<const Band>& band, const MetricPtr& metric) const {
+        const std::lock_guard<std::mutex> lock(cache->mutex);
+        if (cache->wholeMarches++ > 0 && cache->ofCore != band) {
+            cache->wholeCore = jetCore(*band, metric);
+            cache->ofCore = band;
+        }
+        return cache->wholeCore;
     }
 };
 
@@ -292,7 +305,11 @@ void Query::march(double maxDistance) {
         JetOptions jet;
         jet.maxDistance = maxDistance;
         jet.stopAt = stopAt;
-        field_ = marchJet(band(), metric_, seeds_, jet, progress_);
+        // Signs and regions are those of the nodes.
+        jet.extend = !asked_.regions.empty() || asked_.isSigned;
+        const JetCorePtr core = whole_ ? setup_.coreOf(band_, metric_) : nullptr;
+        field_ = core ? marchJet(core, seeds_, jet, progress_)
+                      : marchJet(band(), metric_, seeds_, jet, progress_);
     } else {
         GodunovOptions godunov;
         godunov.order = setup_.options.order;

@@ -3,8 +3,19 @@
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_blend.h>
+#include <igeo/march/detail/jet_extend.h>
 
 namespace igeo {
+
+NodeJet Field::atCore(NodeIndex i) const { return extendJet(*core, i); }
+
+void extendToBand(Field& field) {
+    if (!field.core) return;
+    const auto core = std::move(field.core);
+    field.core = nullptr;
+    extendJets(*core, field.solved == core->state.size(), field);
+    field.summarize();
+}
 
 void Field::summarize() {
     constexpr std::size_t kChunk = 1 << 16;
@@ -12,14 +23,16 @@ void Field::summarize() {
         std::size_t reached = 0;
         double largest = 0;
     };
-    std::vector<Part> parts((distance.size() + kChunk - 1) / kChunk);
+    const std::size_t n = core ? core->state.size() : distance.size();
+    std::vector<Part> parts((n + kChunk - 1) / kChunk);
     parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c)
-            for (std::size_t k = c * kChunk; k < std::min(distance.size(), (c + 1) * kChunk); ++k)
-                if (distance[k] < kInfinity) {
-                    ++parts[c].reached;
-                    parts[c].largest = std::max(parts[c].largest, distance[k]);
-                }
+            for (std::size_t k = c * kChunk; k < std::min(n, (c + 1) * kChunk); ++k) {
+                const double d = core ? core->valueOf(NodeIndex(k)) : distance[k];
+                if (!(d < kInfinity)) continue;
+                ++parts[c].reached;
+                parts[c].largest = std::max(parts[c].largest, d);
+            }
     });
     source = sourcesOf(seeds);
     seedsNear = SeedsNear(seeds, startRadius);
@@ -114,15 +127,15 @@ public:
           band_(*field.band),
           metric_(*field.metric),
           p_(pIndex),
-          cell_(band_, metric_, pIndex, sheetNormal) {}
+          cell_(band_, metric_, pIndex, sheetNormal) {
+        for (std::size_t k = 0; k < 8; ++k)
+            if (cell_.node[k] != kNoNode) corner_[k] = field_.at(cell_.node[k]);
+    }
 
     Arrival byVoxels() const;
     Arrival byJets() const;
 
 private:
-    bool reached(NodeIndex j) const { return j != kNoNode && field_.distance[j] < kInfinity; }
-    std::uint32_t source(NodeIndex j) const { return field_.label.empty() ? 0 : field_.label[j]; }
-
     /// The least distance by a start disc around the point.
     /// @param d     the distance by the corners: it tells a seed on this sheet from one close by
     /// @param isOf  which seeds count
@@ -142,6 +155,7 @@ private:
     const Metric& metric_;
     const Vec3d p_;
     const SurfaceCell cell_;
+    std::array<NodeJet, 8> corner_;  ///< of the cell; unreached: +inf
 };
 
 template <typename IsOf>
@@ -169,8 +183,7 @@ Arrival Reader::arrival(double d, const Straight& disc, std::uint32_t source) co
 bool Reader::isOverrun(const SurfacePoint& seed) const {
     constexpr double kRounding = 1e-3;  // voxels
     const auto source = field_.source[std::size_t(&seed - field_.seeds.data())];
-    return std::any_of(cell_.node.begin(), cell_.node.end(), [&](NodeIndex j) {
-        if (!reached(j)) return false;
+    auto isEarlier = [&](NodeIndex j, double distance) {
         const Vec3d voxel(band_.ijk(j));
         double straight = kInfinity;
         field_.seedsNear.forNear(voxel, [&](std::size_t k) {
@@ -179,16 +192,20 @@ bool Reader::isOverrun(const SurfacePoint& seed) const {
             if (field_.source[k] == source && length(chord) <= field_.startRadius)
                 straight = std::min(straight, s.start + metric_.stepCost(s.node, chord));
         });
-        return straight < kInfinity && field_.distance[j] < straight - kRounding * metric_.at(j);
-    });
+        return straight < kInfinity && distance < straight - kRounding * metric_.at(j);
+    };
+    for (std::size_t k = 0; k < 8; ++k)
+        if (corner_[k].distance < kInfinity && isEarlier(cell_.node[k], corner_[k].distance))
+            return true;
+    return false;
 }
 
 /// Values belong to the voxels.
 double Reader::trilinear() const {
     double sum = 0, weight = 0, nearest = kInfinity;
     for (std::size_t k = 0; k < 8; ++k) {
-        if (!reached(cell_.node[k])) continue;
-        const double d = field_.distance[cell_.node[k]];
+        const double d = corner_[k].distance;
+        if (!(d < kInfinity)) continue;
         nearest = std::min(nearest, d);
         sum += cell_.weight[k] * d;
         weight += cell_.weight[k];
@@ -207,20 +224,21 @@ double Reader::blended(std::uint32_t source) const {
     JetNeighbors all;
     BlendWeights weight{};
     for (std::size_t k = 0; k < 8; ++k) {
+        const NodeJet& jet = corner_[k];
+        if (!(jet.distance < kInfinity) || jet.label != source) continue;
         const NodeIndex j = cell_.node[k];
-        if (!reached(j) || this->source(j) != source) continue;
         const Vec3f nj = band_.normal[j];
         const float cosine = dot(frame.normal(), nj);
         // A corner at p itself must not leave the sum empty.
         weight[std::size_t(all.count())] = float(cell_.weight[k]) + 1e-6f;
-        Vec3f chord(p_ - band_.footPoint(j)), g = field_.gradient[j];
+        Vec3f chord(p_ - band_.footPoint(j)), g = jet.gradient;
         if (metric_.anisotropic()) {
             g *= float(1 / here);
         } else if (metric_.weighted()) {
             chord *= float((1 + metric_.at(j) / here) / 2);
             g = normalized(g);
         }
-        const JetNeighbor n = flattened(frame, chord, nj, cosine, g, field_.distance[j] / here);
+        const JetNeighbor n = flattened(frame, chord, nj, cosine, g, jet.distance / here);
         all.add(metric_.anisotropic() ? stretched(plane.stretch, n) : n);
     }
     return here * blendJets(all, weight).u;
@@ -238,10 +256,10 @@ Arrival Reader::byJets() const {
     Arrival first;
     std::array<std::uint32_t, 8> sources;
     std::size_t count = 0;
-    for (const NodeIndex j : cell_.node) {
-        if (!reached(j)) continue;
+    for (const NodeJet& jet : corner_) {
+        if (!(jet.distance < kInfinity)) continue;
         const auto end = sources.begin() + std::ptrdiff_t(count);
-        if (std::find(sources.begin(), end, source(j)) == end) sources[count++] = source(j);
+        if (std::find(sources.begin(), end, jet.label) == end) sources[count++] = jet.label;
     }
     for (std::size_t k = 0; k < count; ++k) {
         const std::uint32_t own = sources[k];
@@ -252,7 +270,7 @@ Arrival Reader::byJets() const {
         if (a.distance < first.distance || (a.distance == first.distance && own < first.source))
             first = a;
     }
-    return count > 0 && !field_.label.empty() ? orBetweenNodes(first) : first;
+    return count > 0 && field_.sourceCount() > 1 ? orBetweenNodes(first) : first;
 }
 
 Arrival Reader::orBetweenNodes(const Arrival& first) const {
@@ -276,7 +294,7 @@ Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNor
 
 Vec3d gradientAt(const Field& field, const Arrival& arrival, const Vec3d& pIndex,
                  const SurfaceCell& cell) {
-    if (!(arrival.distance < kInfinity) || field.gradient.empty()) return {};
+    if (!(arrival.distance < kInfinity) || (field.gradient.empty() && !field.core)) return {};
     const bool isotropic = !field.metric->anisotropic();
     const double here = isotropic ? field.metric->at(cell) : 1;
     if (arrival.seed && isotropic)
@@ -285,9 +303,9 @@ Vec3d gradientAt(const Field& field, const Arrival& arrival, const Vec3d& pIndex
     double lengths = 0, weights = 0, most = 0;
     for (std::size_t k = 0; k < 8; ++k) {
         const NodeIndex j = cell.node[k];
-        if (j == kNoNode || !(field.distance[j] < kInfinity)) continue;
-        if (!field.label.empty() && field.label[j] != arrival.source) continue;
-        const Vec3d g = tangential(Vec3d(field.gradient[j]), cell.normal);
+        const NodeJet jet = j == kNoNode ? NodeJet{} : field.at(j);
+        if (!(jet.distance < kInfinity) || jet.label != arrival.source) continue;
+        const Vec3d g = tangential(Vec3d(jet.gradient), cell.normal);
         sum += cell.weight[k] * g;
         lengths += cell.weight[k] * length(g);
         weights += cell.weight[k];

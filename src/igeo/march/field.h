@@ -8,10 +8,20 @@
 #include <igeo/metric/metric.h>
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace igeo {
+
+struct CoreJets;
+
+/// What a field says at a node of the band.
+struct NodeJet {
+    double distance = kInfinity;  ///< +inf: not reached, or beyond an early stop
+    Vec3f gradient;               ///< as Field::gradient
+    std::uint32_t label = 0;      ///< as Field::label; 0 for one source
+};
 
 /// Distances in voxels times weight; multiply by band->transform.dx for world units.
 struct Field {
@@ -24,29 +34,46 @@ struct Field {
     bool atFootPoints = false;  ///< distance and gradient are those of the foot points (jet), not
                                 ///< of the voxels (godunov)
     std::vector<std::uint32_t>
-        label;                        ///< per band node: the source it is nearest to; empty for one
-    std::vector<std::int8_t> sign;    ///< per band node, of what the sources enclose
-                                      ///< (signed_field.h); empty: distances have no sign
-    std::size_t solved = 0;           ///< nodes that were marched (jet: of the core)
-    std::size_t fallbackCount = 0;    ///< of those, solved by the fallback (jet)
-    std::vector<SurfacePoint> seeds;  ///< where it starts
+        label;                      ///< per band node: the source it is nearest to; empty for one
+    std::vector<std::int8_t> sign;  ///< per band node, of what the sources enclose
+                                    ///< (signed_field.h); empty: distances have no sign
+    /// The jets of the core, where they were not extended to the band (JetOptions::extend): then
+    /// distance, gradient and label are empty, and `at` finds what they would hold. Else null.
+    std::shared_ptr<const CoreJets> core;
+    std::size_t solved = 0;             ///< nodes that were marched (jet: of the core)
+    std::size_t fallbackCount = 0;      ///< of those, solved by the fallback (jet)
+    std::vector<SurfacePoint> seeds;    ///< where it starts
     std::vector<std::uint32_t> source;  ///< per seed: the point, curve or region it belongs to
     SeedsNear seedsNear;                ///< finds seeds by place
     MetricPtr metric = std::make_shared<Metric>();  ///< what was marched with; never null
     std::string scheme;                             ///< what computed it, e.g. "godunov, order 2"
     double startRadius = 0;     ///< within it, distances around seeds are exact; voxels
-    std::size_t reached = 0;    ///< nodes with a finite distance
+    std::size_t reached = 0;    ///< nodes with a finite distance; of the core if not extended
     double leastStart = 0;      ///< the least start value of its seeds
     StraightLines lines;        ///< below which no distance is (jet)
     double maxDistance = 0;     ///< the largest finite distance
     bool stoppedEarly = false;  ///< a limit ended the march: +inf need not mean unconnected
     double limit = kInfinity;   ///< larger distances are left out
 
+    /// What is known at a node. O(1).
+    NodeJet at(NodeIndex i) const { return core ? atCore(i) : atBand(i); }
     std::size_t sourceCount() const { return source.empty() ? 0 : source.back() + 1; }
 
     /// Sets `reached`, `leastStart`, `maxDistance`, `source` and `seedsNear`.
     void summarize();
+
+private:
+    NodeJet atBand(NodeIndex i) const {
+        if (!(distance[i] < kInfinity)) return {};
+        return {distance[i], gradient.empty() ? Vec3f{} : gradient[i],
+                label.empty() ? 0 : label[i]};
+    }
+    NodeJet atCore(NodeIndex i) const;
 };
+
+/// Extends the jets of the core to the whole band, if that was not done by the march.
+/// Time O(n), in parallel.
+void extendToBand(Field& field);
 
 /// Gradient of the distance along S per node: M&S 4.1, grad d - (grad d . n) n, by differences of
 /// reached neighbors (central where both sides are reached, one-sided otherwise). Its length is

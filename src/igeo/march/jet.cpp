@@ -3,9 +3,9 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_extend.h>
-#include <igeo/march/detail/jet_neighborhood.h>
 #include <igeo/march/detail/jet_queue.h>
 #include <igeo/march/detail/jet_start.h>
+#include <igeo/march/detail/jet_update.h>
 
 #include <algorithm>
 
@@ -16,17 +16,17 @@ namespace {
 /// An early stop marches this far beyond its limit, so that the nodes within it have all the
 /// neighbors that a full march would give them.
 constexpr double kMargin = 3;
-/// Nodes per chunk of a batch.
-constexpr std::size_t kChunk = 64;
 
 /// The march over the core of a band, batch by batch: the nodes of the first buckets are solved
 /// from nodes accepted before, accepted together, and put their neighbors into later buckets.
+///
+/// Within a batch values are single, relative to its start, in units of cost; a group of nodes
+/// (JetGroup) counts them in units of the weight of each node.
 class JetMarch {
 public:
-    JetMarch(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
-             const JetOptions& options);
+    JetMarch(JetCorePtr core, const std::vector<SurfacePoint>& seeds, const JetOptions& options);
     void march(Progress& progress);
-    /// The field on the whole band; the march is over then.
+    /// The field; the march is over then.
     Field take();
 
 private:
@@ -34,49 +34,63 @@ private:
         std::uint32_t bucket;
         NodeIndex node;
     };
-    /// A node without a jet next to one that is solved. Bare numbers, which cost nothing until they
-    /// are set.
-    struct Waiting {
+    struct Accepted {
         NodeIndex node;
-        float x, y, z;  ///< the chord from its foot point to the other
-    };
-    /// The neighbors of a node that is solved.
-    struct Gathered {
-        Neighborhood known;
-        std::array<Waiting, JetStencil::kMax> waiting;
-        std::size_t waitingCount = 0;
-        Solved jump;         ///< the least value over jumps
-        double leastAround;  ///< the least cost per unit length of the node and its neighbors
+        std::uint32_t label;
+        JetState state;
     };
     /// Part of a batch, for one thread: what it found out, to be written once all are solved.
     struct Chunk {
-        std::vector<std::pair<NodeIndex, Solved>> accepted;
+        std::vector<Accepted> accepted;
         std::vector<Queued> queued;        ///< neighbors, into an earlier bucket than before
         std::vector<Queued> deferred;      ///< nodes of the batch that are not final
         std::vector<Queued> requeueLater;  ///< neighbors that are in the batch themselves
+        std::size_t fallbackCount = 0, stopNodes = 0;  ///< of the accepted nodes
+        double heaviest = 0;
 
-        void clear() { accepted.clear(), queued.clear(), deferred.clear(), requeueLater.clear(); }
+        void clear() {
+            accepted.clear(), queued.clear(), deferred.clear(), requeueLater.clear();
+            fallbackCount = stopNodes = 0;
+        }
+    };
+    /// A node of a group.
+    struct Node {
+        NodeIndex core;
+        std::array<std::uint8_t, JetLinks::kMax> waiting;  ///< links to nodes without a jet
+        std::size_t waitingCount;
+        float jump;               ///< the least value over jumps, +inf without
+        std::uint32_t jumpLabel;  ///< its source
+    };
+    struct Group {
+        JetGroup jets;
+        std::array<Node, Lanes::kNodes> nodes;
+    };
+    /// What a solve comes to.
+    struct Result {
+        float u;  ///< relative to the start of the batch
+        Vec2f g;
+        std::uint32_t label;
+        bool usedFallback;
     };
 
-    std::uint32_t bucketOf(double u) const {
-        return std::uint32_t(std::min(std::max(0.0, (u - core_.seeds.leastStart) / bucketWidth_),
-                                      double(kLastBucket)));
+    std::uint32_t bucketOf(double u) const { return jets_.buckets.bucketOf(u, kLastBucket); }
+    /// So many buckets after the start of a batch lies a value.
+    std::uint32_t bucketsTo(float u) const {
+        return std::uint32_t(std::clamp(double(u / width_), 0.0, double(kLastBucket)));
     }
-    double startOf(std::uint32_t bucket) const {
-        return core_.seeds.leastStart + bucket * bucketWidth_;
+    static std::uint32_t later(std::uint32_t bucket, std::uint32_t by) {
+        return by < kLastBucket - bucket ? bucket + by : kLastBucket;
     }
     /// How far beyond the start of a batch a value may lie and be final: nodes still to come lie
     /// beyond the start, and a step from one of them costs more than half a voxel at the mean of
     /// both costs. One bucket where costs are least, and many where they are large, so that these
     /// need no march bucket by bucket.
-    double slackOf(double cost, double leastAround) const {
-        return options_.bucketWidth * (cost + leastAround) / 2;
+    float slackOf(NodeIndex i) const {
+        if (core_.leastAround.empty()) return width_;
+        return slackOf(i, core_.leastAround[i]);
     }
-    /// Whether a value at a core node is within JetOptions::below, or next to it.
-    bool withinLimit(NodeIndex core, double u) const {
-        if (!options_.below) return true;
-        return u < (*options_.below)[core_.inBand(core_.nodes[core])] +
-                       kMargin * core_.largestCostAt(core);
+    float slackOf(NodeIndex i, float leastAround) const {
+        return float(options_.bucketWidth) * (float(core_.leastCostAt(i)) + leastAround) / 2;
     }
 
     void enqueueStartDiscs();
@@ -90,45 +104,69 @@ private:
     void collect(std::size_t chunkCount);
 
     void solveChunk(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk);
-    /// Solves a node from its accepted neighbors; if the result is final, enqueues the others.
-    Solved solveNode(NodeIndex i, const Batch& batch, Chunk& chunk);
-    void gather(NodeIndex i, const LocalFrame& local, double cost, Gathered& around) const;
-    void gatherJumps(NodeIndex i, Gathered& around) const;
+    void prefetchNode(NodeIndex i) const {
+        __builtin_prefetch(&core_.nodes[i]);
+        __builtin_prefetch(&jets_.state[i]);
+        core_.links.prefetchPlace(i);
+    }
+    void solveGroup(const Batch& batch, Group& group, Chunk& chunk);
+    void gather(NodeIndex i, const Batch& batch, Group& group) const;
+    void gatherJumps(const Batch& batch, Node& node) const;
+    /// Accepts a node and enqueues its neighbors if its value is final, else defers it.
+    void settle(const Node& node, Result s, const Batch& batch, Chunk& chunk);
     /// The jet of its start disc, unless the front of another seed was there before.
-    Solved exactNearSeed(NodeIndex core, const Solved& s) const;
-    /// Puts node i into the bucket of the value that a jet nearby carries to it, after the batch at
-    /// the earliest.
-    /// @param from, chord  the foot point with that jet, and the chord from there to node i
-    void enqueue(NodeIndex i, const LocalFrame& from, const Vec3f& chord, const Solved& jet,
+    Result exactNearSeed(NodeIndex core, const Result& s, const Batch& batch) const;
+    /// Not below the straight line from the seed.
+    float boundedBelow(NodeIndex i, float u, std::uint32_t label, const Batch& batch) const;
+    /// Whether a value at a core node is within JetOptions::below, or next to it.
+    bool withinLimit(NodeIndex i, float u, const Batch& batch) const;
+    JetState stateOf(const Result& s, const Batch& batch) const;
+    /// Puts the node at the other end of a link into the bucket of the value that a jet carries to
+    /// it, after the batch at the earliest.
+    void enqueue(const JetLink& link, NodeIndex from, const Result& jet, float radius,
                  const Batch& batch, Chunk& chunk);
+    void enqueueJumps(NodeIndex from, const Result& jet, const Batch& batch, Chunk& chunk);
+    /// Puts a node into the bucket of a value, after the batch at the earliest.
+    void put(NodeIndex i, float u, const Batch& batch, Chunk& chunk);
 
-    const MetricPtr metric_;
+    const JetCorePtr shared_;
+    const JetCore& core_;
     const JetOptions& options_;
-    JetCore core_;
+    CoreJets jets_;
     BucketQueue queue_;
     const StartDiscs discs_;
-    const double bucketWidth_;  ///< half a voxel at the least cost
-    double heaviest_ = 0;       ///< the largest cost per unit length accepted so far
-    double limit_;              ///< larger distances are left out
-    bool stopped_ = false;      ///< the limit ended the march
+    const float width_;     ///< of a bucket: half a voxel at the least cost
+    double heaviest_ = 0;   ///< the largest cost per unit length accepted so far
+    bool stopped_ = false;  ///< the limit ended the march
     std::vector<Chunk> chunks_;
     std::vector<bool> stopNodes_;  ///< nodes of the core that the march has to reach; empty: all
-    std::size_t stopNodesLeft_ = 0, accepted_ = 0, fallbackCount_ = 0;
+    std::size_t stopNodesLeft_ = 0, accepted_ = 0, fallbackCount_ = 0, chunkSize_ = 0;
 };
 
-JetMarch::JetMarch(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
+CoreJets unmarched(const JetCorePtr& core, const std::vector<SurfacePoint>& seeds,
+                   const JetOptions& options) {
+    CoreJets jets{core, JetSeeds(*core, seeds, options.startRadius), {}, {}, {}, 0};
+    // In single precision, as the march takes it.
+    jets.buckets = {jets.seeds.leastStart, double(float(options.bucketWidth * core->leastCost))};
+    jets.state.resize(core->nodes.size());
+    if (jets.seeds.source.back() > 0) jets.label.assign(core->nodes.size(), 0);
+    jets.limit = options.maxDistance;
+    return jets;
+}
+
+JetMarch::JetMarch(JetCorePtr core, const std::vector<SurfacePoint>& seeds,
                    const JetOptions& options)
-    : metric_(std::move(metric)),
+    : shared_(std::move(core)),
+      core_(*shared_),
       options_(options),
-      core_(buildJetCore(band, *metric_, seeds, options.startRadius)),
-      queue_(core_.nodes),
-      discs_(startDiscs(core_)),
-      bucketWidth_(options.bucketWidth * core_.leastCost),
-      limit_(options.maxDistance) {
+      jets_(unmarched(shared_, seeds, options)),
+      queue_(jets_.state),
+      discs_(startDiscs(core_, jets_.seeds)),
+      width_(float(jets_.buckets.width)) {
     const auto last = std::max_element(seeds.begin(), seeds.end(),
                                        [](auto& a, auto& b) { return a.start < b.start; });
     // Buckets are numbered in 32 bits.
-    if (!(last->start - core_.seeds.leastStart < 1e9 * core_.leastCost))
+    if (!(last->start - jets_.seeds.leastStart < 1e9 * core_.leastCost))
         throw Error(Error::Kind::InvalidArgument,
                     "start values of seeds differ by more than 1e9 voxels",
                     "give seeds that no front comes near to a run of their own");
@@ -138,8 +176,8 @@ JetMarch::JetMarch(const Band& band, MetricPtr metric, const std::vector<Surface
 
 void JetMarch::enqueueStartDiscs() {
     for (const auto& [i, s] : discs_) {
-        core_.nodes[i].bucket = bucketOf(s.u);
-        queue_.add(i, core_.nodes[i].bucket);
+        jets_.state[i].bucket = bucketOf(s.u);
+        queue_.add(i, jets_.state[i].bucket);
     }
 }
 
@@ -149,7 +187,7 @@ void JetMarch::initStopNodes() {
     for (const SurfacePoint& p : options_.stopAt)
         for (const NodeIndex i : nodesAround(core_.band, p, 3.0)) {
             const NodeIndex core = core_.band.coreNode(i);
-            if (core != kNoNode && !stopNodes_[core] && !metric_->inside(i))
+            if (core != kNoNode && !stopNodes_[core] && !core_.metric.inside(i))
                 stopNodes_[core] = true, ++stopNodesLeft_;
         }
 }
@@ -162,14 +200,14 @@ void JetMarch::march(Progress& progress) {
             throw Error(Error::Kind::InvalidArgument,
                         "a distance is more than 2e9 times the least weight, in voxels",
                         "raise the least weights: they make no difference beside the largest");
-        if (startOf(bucket) > limit_ + kMargin * heaviest_) {
+        if (jets_.buckets.startOf(bucket) > jets_.limit + kMargin * heaviest_) {
             stopped_ = true;
             return;
         }
         const Batch batch = nextBatch();
         process(batch);
         if (mayStop && stopNodesLeft_ == 0) {
-            limit_ = std::min(limit_, startOf(batch.last + 1));
+            jets_.limit = std::min(jets_.limit, jets_.buckets.startOf(batch.last + 1));
             mayStop = false;
         }
         progress.throwIfCancelled();
@@ -178,13 +216,16 @@ void JetMarch::march(Progress& progress) {
 }
 
 Batch JetMarch::nextBatch() {
-    if (!core_.variableCost) return queue_.popFirst();
-    return queue_.popTogether(bucketWidth_,
-                              [&](NodeIndex i) { return slackOf(core_.leastCostAt(i), 0); });
+    if (core_.leastAround.empty()) return queue_.popFirst();
+    return queue_.popTogether(double(width_), [&](NodeIndex i) { return double(slackOf(i, 0)); });
 }
 
 void JetMarch::process(const Batch& batch) {
-    const std::size_t chunkCount = (batch.nodes.size() + kChunk - 1) / kChunk;
+    // As many chunks as keep the threads busy to the end, of whole groups.
+    const auto threads = std::size_t(ThreadLimit::current());
+    chunkSize_ = std::clamp(batch.nodes.size() / (2 * threads) / Lanes::kNodes * Lanes::kNodes,
+                            Lanes::kNodes, 8 * Lanes::kNodes);
+    const std::size_t chunkCount = (batch.nodes.size() + chunkSize_ - 1) / chunkSize_;
     if (chunks_.size() < chunkCount) chunks_.resize(chunkCount);
     solve(batch, chunkCount);
     accept(chunkCount);
@@ -194,103 +235,170 @@ void JetMarch::process(const Batch& batch) {
 void JetMarch::solve(const Batch& batch, std::size_t chunkCount) {
     parallelFor(chunkCount, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c)
-            solveChunk(batch, c * kChunk, std::min(batch.nodes.size(), (c + 1) * kChunk),
+            solveChunk(batch, c * chunkSize_, std::min(batch.nodes.size(), (c + 1) * chunkSize_),
                        chunks_[c]);
     });
 }
 
 void JetMarch::solveChunk(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk) {
     chunk.clear();
+    Group group;
+    group.jets.clear(core_.pull());
+    // Nodes of a bucket lie all over the surface: what they need is on its way before it is used.
+    constexpr std::size_t kNode = 16, kLinks = 8;
     for (std::size_t k = begin; k < end; ++k) {
+        if (k + kNode < batch.nodes.size()) prefetchNode(batch.nodes[k + kNode]);
+        if (k + kLinks < batch.nodes.size()) core_.links.prefetch(batch.nodes[k + kLinks]);
         const NodeIndex i = batch.nodes[k];
-        if (!queue_.take(i, batch.first, batch.last)) continue;
-        const Solved s = solveNode(i, batch, chunk);
-        if (s.isFinal) {
-            chunk.accepted.emplace_back(i, s);
-        } else if (s.u < kInfinity) {
-            // Half as far as its bucket: soon, with what is known then, but not in every bucket in
-            // between, of which there are many where weights differ by much.
-            const std::uint32_t half = batch.first + (bucketOf(s.u) - batch.first + 1) / 2;
-            chunk.deferred.push_back({std::max(batch.last + 1, half), i});
-        }
+        if (queue_.take(i, batch.first, batch.last)) gather(i, batch, group);
+        if (group.jets.full()) solveGroup(batch, group, chunk);
     }
+    if (group.jets.size() > 0) solveGroup(batch, group, chunk);
 }
 
-Solved JetMarch::solveNode(NodeIndex i, const Batch& batch, Chunk& chunk) {
-    const LocalFrame local = core_.localFrame(i);
-    const double cost = core_.leastCostAt(i);
-    Gathered around;
-    gather(i, local, cost, around);
-    Solved s = solveJet(core_, local, around.known);
-    if (around.jump.u < s.u) s = around.jump;
-    // Nodes of a disc wait in its buckets or earlier.
-    if (batch.first <= bucketOf(core_.seeds.largestInDisc)) s = exactNearSeed(i, s);
-    s.u = std::max(s.u, core_.seeds.lines.from(s.label, core_.footOf(core_.nodes[i])));
-    if (!withinLimit(i, s.u)) s.u = kInfinity;
-    const double slack = slackOf(cost, around.leastAround);
-    s.isFinal = s.u < kInfinity && bucketOf(s.u - (slack - bucketWidth_)) <= batch.first;
-    if (s.isFinal)
-        for (std::size_t k = 0; k < around.waitingCount; ++k) {
-            const Waiting& w = around.waiting[k];
-            enqueue(w.node, local, -Vec3f(w.x, w.y, w.z), s, batch, chunk);
+void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
+    const JetGroup::Solutions solutions = group.jets.solve();
+    for (std::size_t k = 0; k < group.jets.size(); ++k) {
+        const Node& node = group.nodes[k];
+        const JetGroup::Solution& s = solutions[k];
+        const JetNode& at = core_.nodes[node.core];
+        Result result{s.u * at.weight, s.g, s.source, s.usedFallback};
+        if (!core_.stretch.empty()) result.g = core_.stretch[node.core].covectorBack(s.g);
+        settle(node, result, batch, chunk);
+    }
+    group.jets.clear(core_.pull());
+}
+
+void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) const {
+    Node& node = group.nodes[group.jets.size()];
+    node.core = i;
+    node.waitingCount = 0;
+    const JetNode& here = core_.nodes[i];
+    const bool isotropic = core_.stretch.empty();
+    const float perWeight = 1 / here.weight;
+    const auto start = float(jets_.buckets.startOf(batch.first) - jets_.seeds.leastStart);
+    // Relative to the least start: near a source the solve takes u for the distance to it.
+    group.jets.begin(start * perWeight,
+                     isotropic ? JetNeighbors::kLongest2 : core_.longest2(core_.stretch[i]));
+    const auto row = core_.links.row(i);
+    for (std::size_t k = 0; k < row.size(); ++k) {
+        const JetLink& link = row[k];
+        const NodeIndex j = link.node();
+        const JetState& state = jets_.state[j];
+        if (!state.accepted()) {
+            node.waiting[node.waitingCount++] = std::uint8_t(k);
+            continue;
         }
-    return s;
-}
-
-void JetMarch::gather(NodeIndex i, const LocalFrame& local, double cost, Gathered& around) const {
-    around.leastAround = cost;
-    forStencil(core_, i, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
-        if (core_.variableCost)
-            around.leastAround = std::min(around.leastAround, core_.leastCostAt(j));
-        if (!(core_.nodes[j].u < kInfinity))
-            around.waiting[around.waitingCount++] = {j, chord.x, chord.y, chord.z};
-        else if (!around.known.full())
-            addNeighbor(core_, j, chord, cosine, local, around.known);
-    });
-    gatherJumps(i, around);
+        const float u = float(std::int32_t(state.bucket - batch.first)) * width_ + state.rest;
+        JetNeighbor n{link.a, link.turned(state.g)};
+        if (!isotropic) {
+            n.g = (core_.nodes[j].weight * perWeight) * n.g;
+            n = stretched(core_.stretch[i], n);
+        }
+        group.jets.add(n.a, n.g, u * perWeight, jets_.labelOf(j), link.overCrease());
+    }
     // One per lattice column: on a surface that goes on all around these are eight, or nearly so.
     // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
     // saves.
     constexpr std::size_t kAllAround = 7;
-    JetNeighbors& all = around.known.all;
-    all.rim =
-        core_.nodes[i].obstacleState != Metric::Clear ||
-        (core_.stretch.empty() && std::size_t(all.count()) + around.waitingCount < kAllAround);
+    group.jets.setRim(here.obstacleState != Metric::Clear ||
+                      (isotropic && row.size() < kAllAround));
+    gatherJumps(batch, node);
 }
 
-void JetMarch::gatherJumps(NodeIndex i, Gathered& around) const {
-    forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
-        const JetNode& other = core_.nodes[j];
-        if (!(other.u < kInfinity)) {
-            around.waiting[around.waitingCount++] = {j, chord.x, chord.y, chord.z};
-            return;
-        }
-        const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2;
-        const double u = other.u + cost * double(length(chord));
-        if (u < around.jump.u) around.jump = {u, {}, core_.labelOf(j), false};
+void JetMarch::gatherJumps(const Batch& batch, Node& node) const {
+    node.jump = float(kInfinity);
+    forJumps(core_, node.core, [&](NodeIndex j, const Vec3f& chord) {
+        if (!jets_.accepted(j)) return;
+        const double cost = (core_.largestCostAt(node.core) + core_.largestCostAt(j)) / 2;
+        const auto u = float(jets_.valueOf(j) - jets_.buckets.startOf(batch.first) +
+                             cost * double(length(chord)));
+        if (u < node.jump) node.jump = u, node.jumpLabel = jets_.labelOf(j);
     });
 }
 
-Solved JetMarch::exactNearSeed(NodeIndex i, const Solved& s) const {
-    const auto disc = discs_.find(i);
-    if (disc == discs_.end() || (s.u < disc->second.u && s.label != disc->second.label)) return s;
-    return disc->second;
+void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chunk) {
+    const NodeIndex i = node.core;
+    if (node.jump < s.u) s = {node.jump, {}, node.jumpLabel, false};
+    // Nodes of a disc wait in its buckets or earlier.
+    if (batch.first <= bucketOf(jets_.seeds.largestInDisc)) s = exactNearSeed(i, s, batch);
+    if (!(s.u < float(kInfinity))) return;
+    s.u = boundedBelow(i, s.u, s.label, batch);
+    if (options_.below && !withinLimit(i, s.u, batch)) return;
+    if (!(s.u < slackOf(i))) {
+        // Half as far as its bucket: soon, with what is known then, but not in every bucket in
+        // between, of which there are many where weights differ by much.
+        const std::uint32_t half = later(batch.first, (bucketsTo(s.u) + 1) / 2);
+        chunk.deferred.push_back({std::max(batch.last + 1, half), i});
+        return;
+    }
+    chunk.accepted.push_back({i, s.label, stateOf(s, batch)});
+    chunk.fallbackCount += s.usedFallback;
+    chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
+    if (!stopNodes_.empty() && stopNodes_[i]) ++chunk.stopNodes;
+    const auto radius =
+        float(jets_.buckets.startOf(batch.first) - jets_.seeds.leastStart + double(s.u));
+    const auto row = core_.links.row(i);
+    for (std::size_t k = 0; k < node.waitingCount; ++k)
+        enqueue(row[node.waiting[k]], i, s, radius, batch, chunk);
+    enqueueJumps(i, s, batch, chunk);
 }
 
-void JetMarch::enqueue(NodeIndex i, const LocalFrame& from, const Vec3f& chord, const Solved& jet,
+JetMarch::Result JetMarch::exactNearSeed(NodeIndex i, const Result& s, const Batch& batch) const {
+    const auto disc = discs_.find(i);
+    if (disc == discs_.end()) return s;
+    const auto u = float(disc->second.u - jets_.buckets.startOf(batch.first));
+    if (s.u < u && s.label != disc->second.label) return s;
+    return {u, disc->second.g, disc->second.label, false};
+}
+
+float JetMarch::boundedBelow(NodeIndex i, float u, std::uint32_t label, const Batch& batch) const {
+    const double bound = jets_.seeds.lines.from(label, core_.footOf(core_.nodes[i]));
+    return std::max(u, float(bound - jets_.buckets.startOf(batch.first)));
+}
+
+bool JetMarch::withinLimit(NodeIndex i, float u, const Batch& batch) const {
+    const NodeIndex inBand = core_.inBand(core_.nodes[i]);
+    return jets_.buckets.startOf(batch.first) + double(u) <
+           (*options_.below)[inBand] + kMargin * core_.largestCostAt(i);
+}
+
+JetState JetMarch::stateOf(const Result& s, const Batch& batch) const {
+    // Fits may lie before the batch, by a few buckets.
+    const float before = std::floor(s.u / width_);
+    const auto by = std::int64_t(std::max(before, 1 - float(batch.first)));
+    return {std::uint32_t(std::int64_t(batch.first) + by), s.u - float(by) * width_, s.g};
+}
+
+void JetMarch::enqueue(const JetLink& link, NodeIndex from, const Result& jet, float radius,
                        const Batch& batch, Chunk& chunk) {
+    // Along a circle about the source.
+    const float weight = core_.nodes[from].weight;
+    const Vec2f step = -weight * link.a;
+    const Vec2f flat =
+        core_.stretch.empty() ? step : weight * core_.stretch[from].vector(-1.0f * link.a);
+    const float along = dot(jet.g, step), square = dot(flat, flat);
+    const float r = radius + std::max(along, 0.0f), across = std::max(square - along * along, 0.0f);
+    const float further =
+        along > 0 ? along + across / (std::sqrt(r * r + across) + r) : std::sqrt(square);
+    put(link.node(), jet.u + further, batch, chunk);
+}
+
+void JetMarch::enqueueJumps(NodeIndex from, const Result& jet, const Batch& batch, Chunk& chunk) {
+    forJumps(core_, from, [&](NodeIndex j, const Vec3f& chord) {
+        if (jets_.accepted(j)) return;
+        const double cost = (core_.largestCostAt(from) + core_.largestCostAt(j)) / 2;
+        put(j, jet.u + float(cost) * length(chord), batch, chunk);
+    });
+}
+
+void JetMarch::put(NodeIndex i, float u, const Batch& batch, Chunk& chunk) {
     const std::uint32_t current = queue_.bucketOf(i), next = batch.last + 1;
     // In this batch, or taken out of it just now: its next bucket is settled in collect(). Without
     // tensors such nodes come back soon enough.
     const bool inBatch = current < next;
     if (current == next || (inBatch && core_.stretch.empty())) return;
-    // The circular step by chords: good enough to know the bucket.
-    const Vec3f c = float(from.weight) * chord;
-    const double along = dot(jet.g, c), c2 = squaredCost(core_, from, c);
-    const double r = jet.u - core_.seeds.leastStart + std::max(along, 0.0);
-    const double carried =
-        along > 0 ? std::sqrt(r * r + std::max(c2 - along * along, 0.0)) : r + std::sqrt(c2);
-    const std::uint32_t to = std::max(next, bucketOf(core_.seeds.leastStart + carried));
+    const std::uint32_t to = std::max(next, later(batch.first, bucketsTo(u)));
     if (inBatch)
         chunk.requeueLater.push_back({to, i});
     else if (queue_.lower(i, to, current))
@@ -300,11 +408,10 @@ void JetMarch::enqueue(NodeIndex i, const LocalFrame& from, const Vec3f& chord, 
 void JetMarch::accept(std::size_t chunkCount) {
     parallelFor(chunkCount, 4, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c) {
-            for (const Queued& q : chunks_[c].deferred) core_.nodes[q.node].bucket = q.bucket;
-            for (const auto& [i, s] : chunks_[c].accepted) {
-                core_.nodes[i].u = s.u;
-                core_.nodes[i].g = s.g;
-                if (!core_.label.empty()) core_.label[i] = s.label;
+            for (const Queued& q : chunks_[c].deferred) jets_.state[q.node].bucket = q.bucket;
+            for (const Accepted& a : chunks_[c].accepted) {
+                jets_.state[a.node] = a.state;
+                if (!jets_.label.empty()) jets_.label[a.node] = a.label;
             }
         }
     });
@@ -314,11 +421,9 @@ void JetMarch::collect(std::size_t chunkCount) {
     for (std::size_t c = 0; c < chunkCount; ++c) {
         const Chunk& chunk = chunks_[c];
         accepted_ += chunk.accepted.size();
-        for (const auto& [i, s] : chunk.accepted) {
-            fallbackCount_ += s.usedFallback;
-            heaviest_ = std::max(heaviest_, core_.largestCostAt(i));
-            if (!stopNodes_.empty() && stopNodes_[i]) --stopNodesLeft_;
-        }
+        fallbackCount_ += chunk.fallbackCount;
+        heaviest_ = std::max(heaviest_, chunk.heaviest);
+        stopNodesLeft_ -= chunk.stopNodes;
         for (const auto* list : {&chunk.queued, &chunk.deferred})
             for (const Queued& q : *list) queue_.add(q.node, q.bucket);
         for (const Queued& q : chunk.requeueLater) queue_.requeue(q.node, q.bucket);
@@ -328,41 +433,72 @@ void JetMarch::collect(std::size_t chunkCount) {
 Field JetMarch::take() {
     Field field;
     field.band = &core_.band;
-    extendJets(core_, limit_, /*everywhere=*/accepted_ == core_.nodes.size(), field);
     field.atFootPoints = true;
-    field.metric = metric_;
-    field.seeds = std::move(core_.seeds.points);
+    field.metric = core_.metricPtr;
+    field.seeds = jets_.seeds.points;
     field.scheme = "jet";
     field.startRadius = options_.startRadius;
     field.stoppedEarly = stopped_ || options_.below;
-    field.limit = limit_;
-    field.lines = std::move(core_.seeds.lines);
+    field.limit = jets_.limit;
+    field.lines = jets_.seeds.lines;
     field.solved = accepted_;
     field.fallbackCount = fallbackCount_;
-    field.summarize();
+    field.core = std::make_shared<const CoreJets>(std::move(jets_));
+    return field;
+}
+
+std::shared_ptr<JetCore> coreOf(const Band& band, MetricPtr metric) {
+    if (!(band.h >= std::sqrt(0.75)))
+        throw Error(Error::Kind::InvalidArgument, "a band of " + std::to_string(band.h) +
+                                                      " voxels is too narrow: jet needs sqrt(3)/2");
+    return buildJetCore(band, std::move(metric));
+}
+
+void requireUsable(const Band& band, const std::vector<SurfacePoint>& seeds,
+                   const JetOptions& options) {
+    using Kind = Error::Kind;
+    if (seeds.empty()) throw Error(Kind::InvalidArgument, "a march needs at least one seed");
+    if (!(options.maxDistance > 0))
+        throw Error(Kind::InvalidArgument, "the largest distance must be positive");
+    if (options.below && options.below->size() != band.size())
+        throw Error(Kind::InvalidArgument,
+                    "JetOptions::below has " + std::to_string(options.below->size()) +
+                        " values for " + std::to_string(band.size()) + " nodes");
+}
+
+Field marchOnCore(const JetCorePtr& core, const std::vector<SurfacePoint>& seeds,
+                  const JetOptions& options, Progress& progress) {
+    JetMarch march(core, seeds, options);
+    march.march(progress);
+    return march.take();
+}
+
+/// To the band if wanted.
+Field finished(Field field, const JetOptions& options) {
+    if (options.extend)
+        extendToBand(field);
+    else
+        field.summarize();
     return field;
 }
 
 }  // namespace
 
+JetCorePtr jetCore(const Band& band, MetricPtr metric) { return coreOf(band, std::move(metric)); }
+
+Field marchJet(const JetCorePtr& core, const std::vector<SurfacePoint>& seeds,
+               const JetOptions& options, Progress& progress) {
+    requireUsable(core->band, seeds, options);
+    return finished(marchOnCore(core, seeds, options, progress), options);
+}
+
 Field marchJet(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
                const JetOptions& options, Progress& progress) {
-    using Kind = Error::Kind;
-    if (!metric) metric = std::make_shared<Metric>();
-    if (seeds.empty()) throw Error(Kind::InvalidArgument, "a march needs at least one seed");
-    if (!(options.maxDistance > 0))
-        throw Error(Kind::InvalidArgument, "the largest distance must be positive");
-    if (!(band.h >= std::sqrt(0.75)))
-        throw Error(Kind::InvalidArgument, "a band of " + std::to_string(band.h) +
-                                               " voxels is too narrow: jet needs sqrt(3)/2");
-    if (options.below && options.below->size() != band.size())
-        throw Error(Kind::InvalidArgument,
-                    "JetOptions::below has " + std::to_string(options.below->size()) +
-                        " values for " + std::to_string(band.size()) + " nodes");
-    metric->check(band);
-    JetMarch march(band, std::move(metric), seeds, options);
-    march.march(progress);
-    return march.take();
+    requireUsable(band, seeds, options);
+    const std::shared_ptr<JetCore> core = coreOf(band, std::move(metric));
+    Field field = marchOnCore(core, seeds, options, progress);
+    core->links = {};
+    return finished(std::move(field), options);
 }
 
 }  // namespace igeo

@@ -7,6 +7,7 @@
 #include <igeo/march/field.h>
 #include <igeo/metric/metric.h>
 
+#include <memory>
 #include <vector>
 
 namespace igeo {
@@ -18,7 +19,21 @@ struct JetOptions {
     std::vector<SurfacePoint> stopAt;  ///< stop when d is known around all of these; empty: do not
     /// Per band node: the march covers d below this, and a few voxels more; null: all d.
     const std::vector<double>* below = nullptr;
+    /// Whether to fill the field on the whole band. If not, the field holds the jets of the core
+    /// (Field::core), and its readers find what they need of the rest.
+    bool extend = true;
 };
+
+/// What marches on a band in a metric share: the core and its links, laid out flat.
+struct JetCore;
+using JetCorePtr = std::shared_ptr<const JetCore>;
+
+/// Makes it, once for all marches. It points to the band.
+/// @param metric weights or tensors, obstacles, or null
+/// @throws Error  InvalidArgument for a metric out of range (tensors: costs in a tangent plane more
+///         than 20 times apart), or a band narrower than sqrt(3)/2 voxels
+/// Time O(n), in parallel, about as long as a march; 60 bytes per node of the band.
+JetCorePtr jetCore(const Band& band, MetricPtr metric);
 
 /// Marches the jet of the distance (value and gradient along S) outward from `seeds`.
 ///
@@ -36,18 +51,21 @@ struct JetOptions {
 /// their 26 neighbors those of Selling's reduction (detail/selling_reduction.h). Within a start
 /// disc are the foot points whose cost is at most that of `startRadius` voxels in the dearest
 /// direction.
-/// @param band   any h >= sqrt(3)/2 voxels; the field points to it
-/// @param metric weights or tensors, obstacles, or null
+/// @param core   the field points to its band
 /// @param seeds  at least one; a seed may start at a distance > 0. With several, Field::label is
 ///              the source of a node (the earlier one where they tie), and fronts of different
 ///              seeds are never fitted together
 /// @return distances in voxels times weight, +inf where no front comes: second order in dx where S
 ///         is smooth, first order at creases. Field::gradient is set. In Field::fallbackCount:
 ///         nodes of the core whose jet is from the fallback, of first order at worst
-/// @throws Error  InvalidArgument for options or a metric out of range (tensors: costs in a tangent
-///         plane more than 20 times apart), a narrower band, start values 1e9 voxels apart, or
+/// @throws Error  InvalidArgument for options out of range, start values 1e9 voxels apart, or
 ///         distances beyond 2e9 voxels of the least weight; Cancelled through `progress`
-/// Time O(n), in parallel; 33 bytes per node, the field's 20 included. Error: docs/accuracy.md.
+/// Time O(n), in parallel; 5 bytes per node of the band for the core, 20 for a field on all of it.
+/// Error: docs/accuracy.md.
+Field marchJet(const JetCorePtr& core, const std::vector<SurfacePoint>& seeds,
+               const JetOptions& options = {}, Progress& progress = Progress::none());
+
+/// The same for a single march: the core is given back before the field is filled.
 Field marchJet(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
                const JetOptions& options = {}, Progress& progress = Progress::none());
 

@@ -75,17 +75,18 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
     const std::size_t rows = endRow - firstRow, columns = to.size();
     m.distance.resize(rows * columns);
     // To look for many targets takes longer than to march past them.
-    constexpr std::size_t kNodesPerTarget = 16;
-    const bool mayStop = ends.size() * kNodesPerTarget < band.coreSize();
+    constexpr std::size_t kNodesPerTarget = 16, kCorners = 8;
+    JetOptions options;
+    if (ends.size() * kNodesPerTarget < band.coreSize()) options.stopAt = ends;
+    options.extend = ends.size() * kCorners > band.size();
+    const JetCorePtr core = jetCore(band, metric);
     CancelOnly quiet(progress);
     std::atomic<std::size_t> done{0};
     parallelFor(rows, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             Group group = from[firstRow + k];
             for (SurfacePoint& seed : group) seed.start = 0;
-            JetOptions options;
-            if (mayStop) options.stopAt = ends;
-            const Field field = marchJet(band, metric, group, options, quiet);
+            const Field field = marchJet(core, group, options, quiet);
             // In world units here, so that rows read from files have the same bits.
             for (std::size_t t = 0; t < columns; ++t)
                 m.distance[k * columns + t] = band.transform.dx * distanceTo(to[t], field);

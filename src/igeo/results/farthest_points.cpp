@@ -17,7 +17,7 @@ namespace {
 class Farthest {
 public:
     Farthest(const Band& band, const MetricPtr& metric)
-        : band_(band), metric_(metric), nearest_(band.size(), kInfinity) {
+        : core_(jetCore(band, metric)), nearest_(band.size(), kInfinity) {
         for (std::size_t k = 0; k < band.size(); ++k)
             if (band.inCore(NodeIndex(k)) && !(metric && metric->inside(NodeIndex(k))))
                 candidates_.push_back({NodeIndex(k), kInfinity});
@@ -34,8 +34,7 @@ private:
         double distance;  ///< negative: taken
     };
 
-    const Band& band_;
-    const MetricPtr& metric_;
+    const JetCorePtr core_;
     std::vector<double> nearest_;  ///< per band node; set for candidates
     std::vector<Candidate> candidates_;
 };
@@ -43,12 +42,13 @@ private:
 void Farthest::add(const std::vector<SurfacePoint>& seeds, Progress& progress) {
     JetOptions options;
     options.below = &nearest_;
-    const Field field = marchJet(band_, metric_, seeds, options, progress);
+    options.extend = false;
+    const Field field = marchJet(core_, seeds, options, progress);
     parallelFor(candidates_.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             Candidate& c = candidates_[k];
             double& nearest = nearest_[c.node];
-            nearest = std::min(nearest, field.distance[c.node]);
+            nearest = std::min(nearest, field.at(c.node).distance);
             c.distance = std::min(c.distance, nearest);
         }
     });

@@ -42,8 +42,13 @@ private:
     std::vector<Ball> region(const Group& group, double reach) const;
     /// Solves a group near by; false if that takes the whole surface.
     bool solveAround(const Group& group);
+    /// @param core  of the band in the metric, if it is at hand
     /// @return whether all targets are within `reach`, or a point is too far from S
-    bool solveOn(const Band& band, const Group& group, double reach);
+    bool solveOn(const Band& band, const MetricPtr& metric, const Group& group, double reach,
+                 const JetCorePtr& core);
+    MetricPtr metricOn(const Band& band) {
+        return surface_.metric ? surface_.metric(band, quiet_) : nullptr;
+    }
     /// The geodesic from the seed of a field to a target.
     Path pathTo(const Field& field, const SurfacePoint& target);
     bool snapTo(const Band& band, const Vec3d& asked, SurfacePoint& p) const;
@@ -89,11 +94,12 @@ bool PairSolver::snapTo(const Band& band, const Vec3d& asked, SurfacePoint& p) c
     return p.snapDistance <= snap_;
 }
 
-bool PairSolver::solveOn(const Band& band, const Group& group, double reach) {
+bool PairSolver::solveOn(const Band& band, const MetricPtr& metric, const Group& group,
+                         double reach, const JetCorePtr& core) {
     SurfacePoint source;
     bool snapped = snapTo(band, sources_[group.front()], source);
-    const MetricPtr metric = surface_.metric ? surface_.metric(band, quiet_) : nullptr;
     JetOptions options;
+    options.extend = surface_.paths != PairSurface::Paths::None;
     // Room for the cells around a target at the very end.
     options.maxDistance = reach + 2 * (metric ? metric->largest() : 1);
     for (const std::size_t k : group) {
@@ -102,7 +108,8 @@ bool PairSolver::solveOn(const Band& band, const Group& group, double reach) {
         options.stopAt.push_back(pairs_[k].target);
     }
     if (!snapped) return true;
-    const Field field = marchJet(band, metric, {source}, options, quiet_);
+    const Field field = core ? marchJet(core, {source}, options, quiet_)
+                             : marchJet(band, metric, {source}, options, quiet_);
     bool found = true;
     for (const std::size_t k : group) {
         SolvedPair& pair = pairs_[k];
@@ -132,7 +139,8 @@ bool PairSolver::solveAround(const Group& group) {
     for (const std::size_t k : group) reach = std::max(reach, 1.5 * straight(k));
     const double least = surface_.leastWeight;
     return searchNear(reach * least, kInfinity, surface_.diagonal / 2 * least, [&](double within) {
-        return solveOn(*surface_.band(region(group, within), quiet_), group, within);
+        const auto band = surface_.band(region(group, within), quiet_);
+        return solveOn(*band, metricOn(*band), group, within, nullptr);
     });
 }
 
@@ -170,7 +178,9 @@ std::vector<SolvedPair> PairSolver::solve(Progress& progress) {
     forAll([&](const Group& group) { return solveAround(group); });
     if (count < all.size()) {
         const auto whole = surface_.band({}, quiet_);
-        forAll([&](const Group& group) { return solveOn(*whole, group, kInfinity); });
+        const MetricPtr metric = metricOn(*whole);
+        const JetCorePtr core = jetCore(*whole, metric);
+        forAll([&](const Group& group) { return solveOn(*whole, metric, group, kInfinity, core); });
     }
     refuseFarPoints();
     for (SolvedPair& pair : pairs_) pair.source.node = pair.target.node = kNoNode;

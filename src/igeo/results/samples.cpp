@@ -65,11 +65,12 @@ Samples samplesOf(const Field& field) {
             const NodeIndex i = nodes[k];
             s.position[k] = t.worldFromIndex(band.footPoint(i));
             s.normal[k] = Vec3f(t.worldFromIndexDirection(Vec3d(band.normal[i])));
-            if (!(field.distance[i] < kInfinity)) continue;
+            const NodeJet jet = field.at(i);
+            if (!(jet.distance < kInfinity)) continue;
             const bool isNegative = !field.sign.empty() && field.sign[i] < 0;
-            s.distance[k] = (isNegative ? -t.dx : t.dx) * field.distance[i];
-            s.gradient[k] = Vec3f(t.worldFromIndexDirection(Vec3d(field.gradient[i])));
-            s.label[k] = field.label.empty() ? 0 : std::int32_t(field.label[i]);
+            s.distance[k] = (isNegative ? -t.dx : t.dx) * jet.distance;
+            s.gradient[k] = Vec3f(t.worldFromIndexDirection(Vec3d(jet.gradient)));
+            s.label[k] = std::int32_t(jet.label);
         }
     });
     return s;

@@ -193,14 +193,50 @@ TEST_CASE("sampleDistance: seeds closer than the nodes are") {
     }
 }
 
+TEST_CASE("marchJet: on a shared core, by itself and read at points the same bits") {
+    const double radius = 15;
+    const Vec3d center{0.31, -0.17, 0.43};
+    for (const double h : {1.8, 4.5}) {
+        const Band band = sphereBand(center, radius, h);
+        auto waves = std::make_shared<Metric>();
+        for (NodeIndex i = 0; i < band.size(); ++i)
+            waves->weight.push_back(float(1.5 + std::sin(band.footPoint(i).x / 3)));
+        const std::vector<SurfacePoint> seeds{
+            nearestSurfacePoint(band, center + Vec3d{radius, 0, 0}),
+            nearestSurfacePoint(band, center + Vec3d{-9, 9, 8})};
+        for (const MetricPtr& metric : {MetricPtr{}, MetricPtr{waves}}) {
+            const JetCorePtr core = jetCore(band, metric);
+            JetOptions atPoints;
+            atPoints.extend = false;
+            marchJet(core, {seeds[1]}, atPoints);
+            const Field single = marchJet(band, metric, seeds), shared = marchJet(core, seeds);
+            const Field points = marchJet(core, seeds, atPoints);
+            CHECK(shared.distance == single.distance);
+            CHECK(shared.label == single.label);
+            REQUIRE(points.distance.empty());
+            std::size_t unequal = 0;
+            for (NodeIndex i = 0; i < band.size(); ++i) {
+                const NodeJet jet = points.at(i);
+                const Vec3f off = jet.gradient - single.gradient[i];
+                unequal += jet.distance != single.distance[i] || dot(off, off) != 0 ||
+                           jet.label != single.label[i];
+            }
+            CHECK(unequal == 0);
+            const Vec3d p = center + (radius / std::sqrt(3.0)) * Vec3d{-1, 1, -1};
+            CHECK(sampleDistance(points, p) == sampleDistance(single, p));
+        }
+    }
+}
+
 TEST_CASE("sampleDistance: opposite a seed, where fronts come from all sides") {
     const double radius = 20;
     const Vec3d center{0.31, -0.17, 0.43};
     const Band band = sphereBand(center, radius, 2);
     std::mt19937 random(2);
     std::normal_distribution<double> gauss;
-    double low = 0, high = 0;
-    for (int trial = 0; trial < 8; ++trial) {
+    double low = 0, high = 0, squares = 0;
+    std::size_t count = 0;
+    for (int trial = 0; trial < 60; ++trial) {
         const Vec3d pole = normalized(Vec3d{gauss(random), gauss(random), gauss(random)});
         const Field field = marchJet(band, {}, {nearestSurfacePoint(band, center + radius * pole)});
         for (const double away : {0.0, 0.3, 0.7, 1.5}) {
@@ -209,11 +245,15 @@ TEST_CASE("sampleDistance: opposite a seed, where fronts come from all sides") {
             const Vec3d p = center - radius * (std::cos(a) * pole + std::sin(a) * side);
             const double error = sampleDistance(field, p) - (M_PI * radius - away);
             low = std::min(low, error), high = std::max(high, error);
+            squares += error * error, ++count;
         }
     }
-    std::printf("opposite a seed: %.4f to %.4f voxels off\n", low, high);
-    CHECK(low > -0.015);  // measured -0.010
-    CHECK(high < 0.05);   // 0.033
+    // The extremes are those of single nodes at the cut locus, where roundings choose the fit.
+    const double rms = std::sqrt(squares / double(count));
+    std::printf("opposite a seed: %.4f to %.4f voxels off, rms %.4f\n", low, high, rms);
+    CHECK(rms < 0.021);  // measured 0.014
+    CHECK(low > -0.2);   // -0.130
+    CHECK(high < 0.13);  // 0.088
 }
 
 TEST_CASE("distanceGrid: world units at reached nodes, the largest elsewhere") {

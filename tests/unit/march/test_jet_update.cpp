@@ -1,5 +1,6 @@
 // The local solve of jet against fronts known in closed form.
 #include <igeo/band/tangent_frame.h>
+#include <igeo/march/detail/fermat_update.h>
 #include <igeo/march/detail/jet_blend.h>
 #include <igeo/march/detail/jet_update.h>
 #include <support/catch.h>
@@ -7,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <random>
+#include <vector>
 
 namespace igeo {
 namespace {
@@ -180,6 +182,62 @@ TEST_CASE("blendJets: at a focus, and on the way to it, and away from a source")
                     double(distance), worst);
         CHECK(worst < most);
     }
+}
+
+TEST_CASE("JetGroup: a node has the same bits in any lane and any company") {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> at(-1.7f, 1.7f), angle(0, 6.2831853f);
+    std::uniform_int_distribution<int> count(0, 9), sourceOf(0, 5);
+    struct Case {
+        std::vector<JetNeighbor> neighbors;
+        std::vector<std::uint32_t> sources;
+        bool rim, crease;
+    };
+    auto randomCase = [&] {
+        Case c;
+        // Circular fronts with noise: fits, second fronts, fallbacks and several sources.
+        const float a = angle(random), noise = sourceOf(random) == 0 ? 0.1f : 1e-4f;
+        const Vec2f source{9 * std::cos(a), 9 * std::sin(a)}, other{-8 * std::cos(a), 7};
+        const bool fronts = sourceOf(random) == 0, labels = sourceOf(random) == 0;
+        for (int k = count(random); k > 0; --k) {
+            const bool second = (fronts || labels) && sourceOf(random) < 2;
+            JetNeighbor n = onCircle({at(random), at(random)}, second ? other : source, -9);
+            n.u += double(noise * at(random));
+            c.neighbors.push_back(n);
+            c.sources.push_back(labels && second ? 1 : 0);
+        }
+        c.rim = sourceOf(random) == 0, c.crease = sourceOf(random) == 0;
+        return c;
+    };
+    auto add = [](const Case& c, JetGroup& group) {
+        group.begin(9);
+        for (std::size_t k = 0; k < c.neighbors.size(); ++k) {
+            const JetNeighbor& n = c.neighbors[k];
+            group.add(n.a, n.g, float(n.u), c.sources[k], c.crease);
+        }
+        group.setRim(c.rim);
+    };
+    std::size_t fallbacks = 0, seconds = 0;
+    for (int trial = 0; trial < 500; ++trial) {
+        std::vector<Case> cases;
+        for (std::size_t k = 0; k < Lanes::kNodes; ++k) cases.push_back(randomCase());
+        JetGroup together;
+        together.clear();
+        for (const Case& c : cases) add(c, together);
+        const JetGroup::Solutions all = together.solve();
+        for (std::size_t k = 0; k < cases.size(); ++k) {
+            JetGroup alone;
+            alone.clear();
+            add(cases[k], alone);
+            const JetGroup::Solution a = all[k], b = alone.solve()[0];
+            REQUIRE(a.u == b.u);
+            REQUIRE((a.g.x == b.g.x && a.g.y == b.g.y && a.source == b.source));
+            REQUIRE(a.usedFallback == b.usedFallback);
+            fallbacks += a.usedFallback, seconds += a.source == 1;
+        }
+    }
+    CHECK(fallbacks > 100);
+    CHECK(seconds > 20);
 }
 
 TEST_CASE("TangentFrame: a geodesic of a sphere unfolds to its arc") {

@@ -59,7 +59,7 @@ struct Segment {
 /// 120 degrees.
 inline bool isSegment(const JetNeighbors& all, int p, int q) {
     const Vec2f e = all.a(p) - all.a(q);
-    return dot(e, e) <= all.far2 && dot(all.a(p), all.a(q)) >= -0.5f * all.len(p) * all.len(q);
+    return dot(e, e) <= all.longest2 && dot(all.a(p), all.a(q)) >= -0.5f * all.len(p) * all.len(q);
 }
 
 /// Lowers `best`, relative to base(), to the least over the segment between neighbors p and q.

@@ -86,8 +86,7 @@ inline Jet blendFronts(const JetNeighbors& all, const BlendWeights& weight) {
             value += w * (all.u(k) + dot(g + all.g(k), all.a(k)) / (1 + dot(g, all.g(k))));
             total += w;
         }
-        if (const double u = all.base() + double(value / total); u < best.u)
-            best = {u, g, false, false};
+        if (const double u = all.base() + double(value / total); u < best.u) best = {u, g};
     }
     return best;
 }
@@ -129,7 +128,7 @@ inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
         value += w * (n.u + ((g.x + n.gx) * n.ax + (g.y + n.gy) * n.ay) / (1 + cosine));
     }
     if (!close && !jet::ofOneFront(all)) return jet::blendFronts(all, weight);
-    return {all.base() + double(jet::sum(value) / jet::sum(total)), g, false, false};
+    return {all.base() + double(jet::sum(value) / jet::sum(total)), g};
 }
 
 }  // namespace igeo

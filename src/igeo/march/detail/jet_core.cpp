@@ -44,12 +44,9 @@ CostRange fillLeaf(JetCore& core, LeafIndex l) {
             core.stretch[k] = plane.stretch;
             costs.add(i, plane.least(), plane.stretch.largest());
         }
-        core.nodes[k++] = {kInfinity,
-                           {},
-                           band.foot[i],
+        core.nodes[k++] = {band.foot[i],
                            band.normal[i],
                            l,
-                           kNoBucket,
                            o,
                            metric.obstacleState.empty() ? Metric::Clear : metric.obstacleState[i],
                            band.facing[i],
@@ -135,40 +132,32 @@ void placeRimNodes(JetCore& core) {
         core.nodes[k].foot = foot, core.nodes[k].obstacleState = Metric::Beside;
 }
 
-/// Normal, metric and weight at the seeds.
-/// @param largestRatio  tensors stretch start discs by as much
-void placeSeeds(const Band& band, const Metric& metric, float largestRatio, JetSeeds& seeds) {
-    seeds.near = SeedsNear(seeds.points, seeds.startRadius * double(largestRatio));
-    for (SurfacePoint& s : seeds.points) {
-        const PsiSample psi = samplePsi(band, s.pIndex + 0.5 * s.segment);
-        // Where two faces share a cell their gradients cancel.
-        const bool clear = psi.valid && length(psi.gradient) > 0.5;
-        seeds.normal.push_back(clear ? Vec3f(normalized(psi.gradient)) : band.normal[s.node]);
-        if (metric.anisotropic())
-            seeds.plane.push_back(metric.inPlane(TangentFrame(band.normal[s.node]), s.node));
-        s.weight = metric.anisotropic() ? seeds.plane.back().weight : metric.at(s.node);
-        seeds.leastStart = std::min(seeds.leastStart, s.start);
-    }
+void findLeastAround(JetCore& core) {
+    core.leastAround.resize(core.nodes.size());
+    parallelFor(core.nodes.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            double least = core.leastCostAt(NodeIndex(k));
+            for (const JetLink& link : core.links.row(NodeIndex(k)))
+                least = std::min(least, core.leastCostAt(link.node()));
+            core.leastAround[k] = float(least);
+        }
+    });
 }
 
 }  // namespace
 
-JetCore buildJetCore(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
-                     double startRadius) {
-    JetCore core{band, metric, {}, {}, {}, {}, {}};
-    core.seeds.points = seeds;
-    core.seeds.source = sourcesOf(seeds);
-    core.seeds.startRadius = startRadius;
-    const CostRange costs = fillNodes(core);
-    core.leastCost = costs.least;
-    core.variableCost = costs.most > costs.least;
+std::unique_ptr<JetCore> buildJetCore(const Band& band, MetricPtr metric) {
+    if (!metric) metric = std::make_shared<Metric>();
+    metric->check(band);
+    auto core = std::make_unique<JetCore>(band, std::move(metric));
+    const CostRange costs = fillNodes(*core);
+    core->leastCost = costs.least;
+    core->largestRatio = costs.ratio;
     refuseLargeRatio(band, costs);
-    if (metric.obstacles) placeRimNodes(core);
-    if (costs.ratio > kLinksRatio) core.stencil = buildStencil(core);
-    if (!core.seeds.source.empty() && core.seeds.source.back() > 0)
-        core.label.assign(core.nodes.size(), 0);
-    placeSeeds(band, metric, costs.ratio, core.seeds);
-    core.seeds.lines = StraightLines(core.seeds.points, core.leastCost);
+    if (core->metric.obstacles) placeRimNodes(*core);
+    core->stenciled = costs.ratio > kLinksRatio;
+    buildLinks(*core, core->stenciled ? buildStencil(*core) : JetStencil{});
+    if (costs.most > costs.least) findLeastAround(*core);
     return core;
 }
 

@@ -1,16 +1,19 @@
-/// What scheme `jet` knows while it runs, as plain data: the nodes of the core with their jets, the
-/// neighbors they use, and the seeds. Filled by buildJetCore (jet_core.cpp), changed by the march
-/// (jet.cpp), read by the extension to the rest of the band (jet_extend.cpp).
+/// The core of a band in a metric, as scheme `jet` marches it: its nodes, and the links between
+/// them laid out flat. It depends on no seed, so all marches on a band share it. Filled by
+/// buildJetCore (jet_core.cpp).
 #pragma once
 
 #include <igeo/band/band.h>
 #include <igeo/band/surface_point.h>
 #include <igeo/band/tangent_frame.h>
-#include <igeo/march/field.h>
+#include <igeo/march/detail/jet_neighbors.h>
 #include <igeo/metric/metric.h>
 
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace igeo {
@@ -19,17 +22,6 @@ namespace igeo {
 /// too few neighbors, and by this much at all: measured, docs/trials.md, "Tensors".
 constexpr float kLinksRatio = 2, kLargestRatio = 20;
 
-constexpr std::uint32_t kNoBucket = std::numeric_limits<std::uint32_t>::max();
-
-/// The jet of a node as a solve leaves it.
-struct Solved {
-    double u = kInfinity;
-    Vec3f g;                    ///< gradient over the node's weight
-    std::uint32_t label = 0;    ///< the source whose front it is
-    bool usedFallback = false;  ///< from fermatUpdate
-    bool isFinal = false;       ///< no node still to come can change it
-};
-
 /// The chart of a foot point: its tangent plane and the metric in it.
 struct LocalFrame {
     TangentFrame frame;
@@ -37,53 +29,84 @@ struct LocalFrame {
     Stretch stretch;  ///< identity where the metric is isotropic
 };
 
-/// All that a march touches of a core node, side by side.
+/// A core node on the surface.
 struct JetNode {
-    double u = kInfinity;  ///< +inf until accepted
-    Vec3f g, foot, normal;
+    Vec3f foot, normal;
     LeafIndex leaf;
-    std::uint32_t bucket = kNoBucket;  ///< in which it waits, 0 once taken out: jet_queue.h
     std::uint16_t offset;
     Metric::ObstacleState obstacleState;
     std::uint8_t facing;  ///< Band::facing
     float weight;
 };
 
+/// A neighbor of a core node, laid out in the chart of that node.
+struct JetLink {
+    std::uint32_t key;   ///< node() and overCrease()
+    Vec2f a;             ///< from the neighbor to the node; isotropic: times the mean of both
+                         ///< weights, over the node's
+    float cosine, sine;  ///< of the angle by which directions of the neighbor's frame turn
+
+    static constexpr std::uint32_t kCrease = std::uint32_t(1) << 31;
+    NodeIndex node() const { return key & ~kCrease; }
+    /// Whether the normals at both ends are more than 26 degrees apart.
+    bool overCrease() const { return key & kCrease; }
+    Vec2f turned(Vec2f g) const { return {cosine * g.x - sine * g.y, sine * g.x + cosine * g.y}; }
+};
+
+/// The links of all core nodes, row by row, in blocks that are filled side by side. If j is in the
+/// row of i, i is in that of j: so an accepted node enqueues all that use it.
+class JetLinks {
+public:
+    static constexpr std::size_t kBlock = 4096;  ///< nodes
+    static constexpr std::size_t kMax = 64;      ///< links per node
+
+    struct Block {
+        std::vector<JetLink> link;
+        std::array<std::uint32_t, kBlock + 1> begin;  ///< of the rows, and the end of the last
+    };
+    std::span<const JetLink> row(NodeIndex i) const {
+        const Block& block = blocks[i / kBlock];
+        const std::uint32_t first = block.begin[i % kBlock];
+        return {block.link.data() + first, block.begin[i % kBlock + 1] - first};
+    }
+    /// Brings the row of a node, or its place, nearer to the processor: nine links, line by line.
+    void prefetch(NodeIndex i) const {
+        const auto* const bytes = reinterpret_cast<const char*>(row(i).data());
+        __builtin_prefetch(bytes);
+        __builtin_prefetch(bytes + 64);
+        __builtin_prefetch(bytes + 128);
+    }
+    void prefetchPlace(NodeIndex i) const {
+        __builtin_prefetch(&blocks[i / kBlock].begin[i % kBlock]);
+    }
+    std::vector<Block> blocks;
+};
+
 /// The neighbors of core nodes where links are not enough (kLinksRatio). If j is one of i's, i is
-/// one of j's: so an accepted node enqueues all that use it.
+/// one of j's.
 struct JetStencil {
-    static constexpr std::size_t kMax = 64;  ///< per node
-    std::vector<NodeIndex> node;             ///< those of node i from begin[i] to begin[i + 1]
-    std::vector<std::uint32_t> begin;
+    std::vector<NodeIndex> node;       ///< those of node i from begin[i] to begin[i + 1]
+    std::vector<std::uint32_t> begin;  ///< at most JetLinks::kMax per node
 
     bool empty() const { return node.empty(); }
 };
 
-struct JetSeeds {
-    std::vector<SurfacePoint> points;
-    std::vector<std::uint32_t> source;  ///< per seed (sourcesOf)
-    SeedsNear near;                     ///< finds those whose start discs hold a point
-    std::vector<Vec3f> normal;          ///< of S at the seed
-    std::vector<PlaneMetric> plane;     ///< in the frames of their nodes; empty: isotropic
-    double startRadius = 0;             ///< of the start discs, voxels
-    double leastStart = kInfinity;      ///< the least start value
-    double largestInDisc = 0;           ///< the largest value in a start disc
-    StraightLines lines;                ///< below which no value is
-};
-
-/// The core of a band in a metric, with its seeds.
+/// The core of a band in a metric.
 struct JetCore {
     const Band& band;
-    const Metric& metric;
-    JetSeeds seeds;
+    const MetricPtr metricPtr;
+    const Metric& metric = *metricPtr;
     std::vector<JetNode> nodes;
-    std::vector<Stretch> stretch;      ///< per core node; empty: isotropic
-    std::vector<std::uint32_t> label;  ///< per core node; empty for one source
-    JetStencil stencil;                ///< empty: links
-    double leastCost = kInfinity;      ///< per unit length along S, over the core
-    bool variableCost = false;         ///< costs differ from node to node
+    std::vector<Stretch> stretch;    ///< per core node; empty: isotropic
+    std::vector<float> leastAround;  ///< the least cost of each node and its neighbors; empty:
+                                     ///< costs are the same at all nodes
+    JetLinks links;
+    bool stenciled = false;        ///< neighbors are those of JetStencil
+    float largestRatio = 1;        ///< of the costs along the two axes in a tangent plane
+    double leastCost = kInfinity;  ///< per unit length along S, over the core
 
-    std::uint32_t labelOf(NodeIndex core) const { return label.empty() ? 0 : label[core]; }
+    JetCore(const Band& b, MetricPtr m) : band(b), metricPtr(std::move(m)) {}
+
     Ijk voxelOf(const JetNode& node) const {
         return band.leaves[node.leaf].origin +
                Ijk{node.offset >> 6, node.offset >> 3 & 7, node.offset & 7};
@@ -109,6 +132,17 @@ struct JetCore {
         return {frame, plane.weight, plane.stretch};
     }
 
+    /// Of fits (JetLanes): where neighbors lie far to the left and right they say little about the
+    /// gradient, and fits would swing.
+    float pull() const { return stenciled ? 0.1f : 0.005f; }
+    /// Of fermatUpdate (JetNeighbors): in a chart that is stretched segments between neighbors are
+    /// so too.
+    float longest2(const Stretch& here) const {
+        if (stretch.empty()) return JetNeighbors::kLongest2;
+        const float l = here.largest();
+        return JetNeighbors::kLongest2 * l * l;
+    }
+
     /// Cost per unit length along S, in the cheapest and in the dearest direction.
     double leastCostAt(NodeIndex core) const {
         const double weight = nodes[core].weight;
@@ -120,14 +154,16 @@ struct JetCore {
     }
 };
 
-/// @throws Error  InvalidArgument where costs along S differ by more than kLargestRatio
-/// Time O(n), in parallel.
-JetCore buildJetCore(const Band& band, const Metric& metric, const std::vector<SurfacePoint>& seeds,
-                     double startRadius);
+/// @throws Error  InvalidArgument for a metric that does not fit the band, where costs along S
+///         differ by more than kLargestRatio, or for more nodes than links can name
+/// Time O(n), in parallel; about 60 bytes per node of the band.
+std::unique_ptr<JetCore> buildJetCore(const Band& band, MetricPtr metric);
 
 /// The neighbors of every node by Selling's reduction of the metric in its tangent plane, the nodes
 /// that use it, and its links. Time O(n), in parallel.
 JetStencil buildStencil(const JetCore& core);
+/// Lays out the links of all nodes. Time O(n), in parallel.
+void buildLinks(JetCore& core, const JetStencil& stencil);
 
 /// Whether an obstacle lies between core node j and a point of S, or around j.
 inline bool isHidden(const JetCore& core, const JetNode& j, const Vec3d& p, const Vec3f& normal) {
@@ -194,12 +230,12 @@ void forLinks(const JetCore& core, NodeIndex i, const Visit& visit) {
 
 /// The same for the nodes of its stencil, or for its links where there are no stencils.
 template <typename Visit>
-void forStencil(const JetCore& core, NodeIndex i, const Visit& visit) {
-    if (core.stencil.empty()) return forLinks(core, i, visit);
+void forStencil(const JetCore& core, const JetStencil& stencil, NodeIndex i, const Visit& visit) {
+    if (stencil.empty()) return forLinks(core, i, visit);
     const JetNode& node = core.nodes[i];
     const Ijk voxel = core.voxelOf(node);
-    for (std::size_t k = core.stencil.begin[i]; k < core.stencil.begin[i + 1]; ++k) {
-        const NodeIndex j = core.stencil.node[k];
+    for (std::size_t k = stencil.begin[i]; k < stencil.begin[i + 1]; ++k) {
+        const NodeIndex j = stencil.node[k];
         const JetNode& other = core.nodes[j];
         const float cosine = dot(node.normal, other.normal);
         if (cosine < Band::kOtherSheet) continue;

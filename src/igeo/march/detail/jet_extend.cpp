@@ -2,27 +2,63 @@
 
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_blend.h>
-#include <igeo/march/detail/jet_neighborhood.h>
 #include <igeo/march/detail/jet_start.h>
+#include <igeo/march/detail/jet_update.h>
+#include <igeo/march/detail/leaf_numbers.h>
 
 namespace igeo {
 
 namespace {
 
+/// Nodes around a foot point that have a jet, in its chart, with the sources of their fronts.
+struct Around {
+    struct Node {
+        JetNeighbor jet;
+        std::uint32_t source;
+        bool overCrease;
+    };
+    std::array<Node, JetNeighbors::kMax> node;
+    std::size_t count = 0;
+
+    bool full() const { return count == node.size(); }
+    JetNeighbors all() const {
+        JetNeighbors all;
+        for (std::size_t k = 0; k < count; ++k) all.add(node[k].jet);
+        return all;
+    }
+};
+
 /// Gives nodes outside the core the jets of the core around their foot points.
 class Extension {
 public:
-    explicit Extension(const JetCore& core) : core_(core), band_(core.band), metric_(core.metric) {}
+    /// @param gradients  of the core, or empty: each is found anew
+    Extension(const CoreJets& jets, const std::vector<Vec3f>& gradients)
+        : jets_(jets),
+          core_(*jets.core),
+          band_(core_.band),
+          metric_(core_.metric),
+          gradients_(gradients) {}
 
-    /// A jet for a band node outside the core.
+    /// The jet of a band node.
     /// @param l, at  its leaf and offset
-    Solved extendTo(NodeIndex i, LeafIndex l, unsigned at) const;
+    /// @param core   of the leaf
+    NodeJet at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core) const;
+    NodeJet at(NodeIndex i) const;
 
+private:
+    /// A jet, its gradient over the weight.
+    using Found = NodeJet;
+
+    Vec3f gradientOf(NodeIndex k) const {
+        return gradients_.empty() ? jets_.gradientOf(k) : gradients_[k];
+    }
+    Found ofCore(NodeIndex k) const {
+        if (!jets_.accepted(k)) return {};
+        return {jets_.valueOf(k), gradientOf(k), jets_.labelOf(k)};
+    }
     double weightOf(NodeIndex i) const {
         return metric_.anisotropic() ? core_.localFrameInBand(i).weight : metric_.at(i);
     }
-
-private:
     /// Whether no severed links part node i from a core node.
     bool isJoined(NodeIndex i, const JetNode& other) const {
         return !(band_.facing[i] & Band::kBesideSevered) || band_.joined(i, core_.inBand(other));
@@ -32,140 +68,266 @@ private:
         const LocalFrame local = core_.localFrameInBand(i);
         return local.weight * double(local.stretch.largest());
     }
-    /// Core nodes beside a foot point.
+    /// Core nodes beside a foot point, for the vector units.
     struct Corners {
-        struct Corner {
-            const JetNode* node;
-            float weight;  ///< trilinear
-            Vec3f chord;   ///< from its foot point
-        };
-        std::array<Corner, 8> corner;
-        std::size_t count = 0;
-    };
+        using Array = std::array<float, 8>;
 
-    Neighborhood neighborsOf(NodeIndex i, const Corners& corners, const LocalFrame& local) const;
+        std::size_t count = 0;
+        bool simple = true;  ///< all are of one smooth sheet, of one source, and have a jet
+        std::array<NodeIndex, 8> core;
+        alignas(16) Array weight{};       ///< trilinear; 0: none
+        alignas(16) Array x{}, y{}, z{};  ///< the chord from the foot point of the corner
+        alignas(16) Array gx{}, gy{}, gz{};
+
+        Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
+        Vec3f g(std::size_t k) const { return {gx[k], gy[k], gz[k]}; }
+        static jet::Four four(const Array& a, std::size_t k) {
+            return *reinterpret_cast<const jet::Four*>(a.data() + k);
+        }
+    };
+    /// @param from  from the voxel of core node k to the foot point of node i
+    void addCorner(NodeIndex i, NodeIndex k, float weight, const Vec3f& from,
+                   Corners& corners) const;
+    Corners cornersOf(NodeIndex i, LeafIndex l, unsigned at) const;
+    Corners cornersOf(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core) const;
+    /// A jet for a node outside the core.
+    Found extendTo(NodeIndex i, LeafIndex l, unsigned at, const Corners& corners) const;
+    /// What is left to do for any node.
+    NodeJet finished(NodeIndex i, Found s) const;
+
+    void addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
+                     const LocalFrame& local, Around& around) const;
+    Around around(NodeIndex i, const Corners& corners, const LocalFrame& local) const;
     /// Every corner carries its jet to the foot point by the circular step (jet_fit.h).
-    /// @param sum  of their gradients, weighted
     /// @return false where they are not of one front
-    bool carryInSpace(NodeIndex i, const Corners& corners, const Vec3f& sum, Solved& s) const;
+    bool carryInSpace(NodeIndex i, const Corners& corners, Found& s) const;
     /// The same with tensors.
-    Solved carryInPlane(NodeIndex i, const Corners& corners, std::uint32_t label) const;
+    Found carryInPlane(NodeIndex i, const Corners& corners) const;
     /// Where the core around the foot point is not of one smooth front: as in the march.
-    Solved solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const;
+    Found solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const;
+    Found solve(const Around& around, const LocalFrame& local) const;
+    /// A jet of the chart, back on S; u relative to the least start.
+    Found fromChart(double u, Vec2f g, std::uint32_t label, const LocalFrame& local) const {
+        return {jets_.seeds.leastStart + local.weight * u,
+                local.frame.lift(core_.stretch.empty() ? g : local.stretch.covectorBack(g)), label};
+    }
     /// Adds the nodes of the core around a node that have a jet.
     /// @return whether any of it is on the node's sheet, reached or not
     bool gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,
-                      const LocalFrame& local, Neighborhood& found) const;
+                      const LocalFrame& local, Around& found) const;
     /// The jet of the start disc that holds the foot point; s where none does.
-    Solved exactNearSeed(NodeIndex i, const Solved& s) const {
+    Found exactNearSeed(NodeIndex i, const Found& s) const {
         constexpr double kMargin = 3;  // voxels
-        return s.u > core_.seeds.largestInDisc + kMargin * largestCost(i) ? s : inDisc(i, s);
+        return s.distance > jets_.seeds.largestInDisc + kMargin * largestCost(i) ? s : inDisc(i, s);
     }
-    Solved inDisc(NodeIndex i, const Solved& s) const;
+    Found inDisc(NodeIndex i, const Found& s) const;
 
+    const CoreJets& jets_;
     const JetCore& core_;
     const Band& band_;
     const Metric& metric_;
+    const std::vector<Vec3f>& gradients_;
 };
 
-Solved Extension::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
-    constexpr float kFlat = 0.8f;
-    const Vec3f n = band_.normal[i];
-    // The corners around the foot point that are in the core, and their mean gradient.
-    Corners corners;
-    Solved s;
-    Vec3f sum;
-    bool simple = true;
-    band_.forCornersOfFoot(&BandLeaf::core, i, l, at, [&](NodeIndex j, float w, const Vec3f& from) {
-        const JetNode& node = core_.nodes[j];
-        if (corners.count == 0) s.label = core_.labelOf(j);
-        simple &= node.u < kInfinity && core_.labelOf(j) == s.label &&
-                  dot(n, node.normal) >= kFlat && isJoined(i, node);
-        corners.corner[corners.count++] = {&node, w, from - node.foot};
-        sum += w * node.g;
-    });
-    if (corners.count == 0 || !metric_.clear(i)) simple = false;
-    if (simple && metric_.anisotropic())
-        s = carryInPlane(i, corners, s.label);
-    else if (simple)
-        simple = carryInSpace(i, corners, sum, s);
-    return simple ? exactNearSeed(i, s) : solveFromCore(i, l, at);
+NodeJet Extension::at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core) const {
+    const NodeIndex k = band_.leaves[l].core.node(at);
+    return finished(i, k == kNoNode ? extendTo(i, l, at, cornersOf(i, l, at, core)) : ofCore(k));
 }
 
-bool Extension::carryInSpace(NodeIndex i, const Corners& corners, const Vec3f& sum,
-                             Solved& s) const {
-    s.g = normalized(tangential(sum, band_.normal[i]));
+NodeJet Extension::at(NodeIndex i) const {
+    const LeafIndex l = band_.leaf[i];
+    const unsigned at = band_.offset[i];
+    const NodeIndex k = band_.leaves[l].core.node(at);
+    if (k != kNoNode) return finished(i, ofCore(k));
+    Corners corners;
+    band_.forCornersOfFoot(&BandLeaf::core, i, l, at, [&](NodeIndex j, float w, const Vec3f& from) {
+        addCorner(i, j, w, from, corners);
+    });
+    return finished(i, extendTo(i, l, at, corners));
+}
+
+NodeJet Extension::finished(NodeIndex i, Found s) const {
+    if (!(s.distance <= jets_.limit) || metric_.inside(i)) return {kInfinity, {}, s.label};
+    if (metric_.weighted()) s.gradient *= float(weightOf(i));
+    return s;
+}
+
+Extension::Corners Extension::cornersOf(NodeIndex i, LeafIndex l, unsigned at) const {
+    Corners corners;
+    band_.forCornersOfFoot(&BandLeaf::core, i, l, at, [&](NodeIndex k, float w, const Vec3f& from) {
+        addCorner(i, k, w, from, corners);
+    });
+    return corners;
+}
+
+Extension::Corners Extension::cornersOf(NodeIndex i, LeafIndex l, unsigned at,
+                                        const LeafNumbers<2>& core) const {
+    // As Band::forCornersOfFoot has it, in the same order.
+    constexpr float kLight = 0.01f;
+    const Vec3f y = band_.foot[i];
+    const Ijk low{floorToInt(y.x), floorToInt(y.y), floorToInt(y.z)};
+    const Ijk cell = low + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
+    if (std::min({cell.x, cell.y, cell.z}) < -2 || std::max({cell.x, cell.y, cell.z}) > 8)
+        return cornersOf(i, l, at);
+    Corners corners;
+    const int first = core.indexOf(cell);
+    const Vec3f up = y - Vec3f(low);
+    for (int k = 0; k < 8; ++k) {
+        const Ijk corner{k >> 2, k >> 1 & 1, k & 1};
+        const NodeIndex j = core.at(first + core.indexOfStep(corner));
+        if (j == kNoNode) continue;
+        const Vec3f from = up - Vec3f(corner);
+        const float weight =
+            (1 - std::abs(from.x)) * (1 - std::abs(from.y)) * (1 - std::abs(from.z));
+        if (weight >= kLight) addCorner(i, j, weight, from, corners);
+    }
+    return corners;
+}
+
+void Extension::addCorner(NodeIndex i, NodeIndex k, float weight, const Vec3f& from,
+                          Corners& corners) const {
+    constexpr float kFlat = 0.8f;
+    const JetNode& node = core_.nodes[k];
+    if (!jets_.accepted(k) || dot(band_.normal[i], node.normal) < kFlat || !isJoined(i, node) ||
+        (corners.count > 0 && jets_.labelOf(k) != jets_.labelOf(corners.core[0]))) {
+        corners.simple = false;
+        return;
+    }
+    const std::size_t c = corners.count++;
+    const Vec3f chord = from - node.foot, g = gradientOf(k);
+    corners.core[c] = k, corners.weight[c] = weight;
+    corners.x[c] = chord.x, corners.y[c] = chord.y, corners.z[c] = chord.z;
+    corners.gx[c] = g.x, corners.gy[c] = g.y, corners.gz[c] = g.z;
+}
+
+Extension::Found Extension::extendTo(NodeIndex i, LeafIndex l, unsigned at,
+                                     const Corners& corners) const {
+    if (metric_.inside(i)) return {};
+    Found s;
+    bool simple = corners.simple && corners.count > 0 && metric_.clear(i);
+    if (simple && metric_.anisotropic())
+        s = carryInPlane(i, corners);
+    else if (simple)
+        simple = carryInSpace(i, corners, s);
+    s = simple ? exactNearSeed(i, s) : solveFromCore(i, l, at);
+    if (s.distance < kInfinity)
+        s.distance = std::max(s.distance, jets_.seeds.lines.from(s.label, band_.footPoint(i)));
+    return s;
+}
+
+bool Extension::carryInSpace(NodeIndex i, const Corners& corners, Found& s) const {
+    const std::size_t count = corners.count;
+    jet::Four sx{}, sy{}, sz{};
+    for (std::size_t c = 0; c < count; c += 4) {
+        const jet::Four w = corners.four(corners.weight, c);
+        sx += w * corners.four(corners.gx, c), sy += w * corners.four(corners.gy, c);
+        sz += w * corners.four(corners.gz, c);
+    }
+    const Vec3f sum{jet::sum(sx), jet::sum(sy), jet::sum(sz)};
+    const Vec3f g = normalized(tangential(sum, band_.normal[i]));
+    // Relative to the first corner, and with what a chord counts there.
+    alignas(16) Corners::Array u{}, mean{};
+    const JetState& first = jets_.state[corners.core[0]];
+    const auto weight = float(metric_.at(i)), width = float(jets_.buckets.width);
+    for (std::size_t c = 0; c < count; ++c) {
+        const JetState& state = jets_.state[corners.core[c]];
+        u[c] = (float(std::int32_t(state.bucket - first.bucket)) * width + state.rest) / weight;
+        mean[c] = meanWeight(core_.nodes[corners.core[c]].weight, weight);
+    }
     // Directions in space, not in one plane, change the step by (k c)^2 / 12 at curvature k.
-    const double origin = corners.corner[0].node->u, weight = metric_.at(i);
-    float value = 0, total = 0;
+    jet::Four value{}, total{};
     bool close = true;
-    for (std::size_t c = 0; c < corners.count; ++c) {
-        const auto& [node, w, chord] = corners.corner[c];
-        const float cosine = dot(s.g, node->g);
-        if (!(cosine >= jet::kSameFront)) return false;
-        close &= cosine >= jet::kClose;
-        value +=
-            w * (float((node->u - origin) / weight) + meanWeight(node->weight, float(weight)) *
-                                                          dot(s.g + node->g, chord) / (1 + cosine));
+    for (std::size_t c = 0; c < count; c += 4) {
+        const jet::Four w = corners.four(corners.weight, c), gx = corners.four(corners.gx, c),
+                        gy = corners.four(corners.gy, c), gz = corners.four(corners.gz, c);
+        const jet::Four cosine = g.x * gx + g.y * gy + g.z * gz;
+        const auto other = (cosine < jet::kSameFront) & (w > 0),
+                   off = (cosine < jet::kClose) & (w > 0);
+        if (other[0] | other[1] | other[2] | other[3]) return false;
+        close = close && !(off[0] | off[1] | off[2] | off[3]);
+        const jet::Four along = (g.x + gx) * corners.four(corners.x, c) +
+                                (g.y + gy) * corners.four(corners.y, c) +
+                                (g.z + gz) * corners.four(corners.z, c);
+        value += w * (corners.four(u, c) + corners.four(mean, c) * along / (1 + cosine));
         total += w;
     }
-    s.u = origin + weight * double(value / total);
-    return close || jet::ofOneFront(neighborsOf(i, corners, core_.localFrameInBand(i)).all);
+    const double origin = jets_.buckets.startOf(first.bucket);
+    s = {origin + double(weight * (jet::sum(value) / jet::sum(total))), g,
+         jets_.labelOf(corners.core[0])};
+    return close || jet::ofOneFront(around(i, corners, core_.localFrameInBand(i)).all());
 }
 
-Neighborhood Extension::neighborsOf(NodeIndex i, const Corners& corners,
-                                    const LocalFrame& local) const {
-    Neighborhood around;
+void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
+                            const LocalFrame& local, Around& around) const {
+    constexpr float kSmooth = 0.9f;
+    const JetNode& other = core_.nodes[k];
+    const auto here = float(local.weight);
+    // Relative to the least start: near a source the solve takes u for the distance to it.
+    const double u = (jets_.valueOf(k) - jets_.seeds.leastStart) / local.weight;
+    around.node[around.count++] = {
+        core_.stretch.empty()
+            ? flattened(local.frame, meanWeight(other.weight, here) * chord, other.normal, cosine,
+                        g, u)
+            : stretched(local.stretch, flattened(local.frame, chord, other.normal, cosine,
+                                                 (other.weight / here) * g, u)),
+        jets_.labelOf(k), cosine < kSmooth};
+}
+
+Around Extension::around(NodeIndex i, const Corners& corners, const LocalFrame& local) const {
+    Around around;
     for (std::size_t c = 0; c < corners.count; ++c) {
-        const auto& [node, w, chord] = corners.corner[c];
-        addNeighbor(core_, NodeIndex(node - core_.nodes.data()), chord,
-                    dot(band_.normal[i], node->normal), local, around);
+        const NodeIndex k = corners.core[c];
+        addNeighbor(k, corners.chord(c), dot(band_.normal[i], core_.nodes[k].normal), corners.g(c),
+                    local, around);
     }
     return around;
 }
 
-Solved Extension::carryInPlane(NodeIndex i, const Corners& corners, std::uint32_t label) const {
+Extension::Found Extension::carryInPlane(NodeIndex i, const Corners& corners) const {
     const LocalFrame local = core_.localFrameInBand(i);
     BlendWeights weight{};
-    for (std::size_t c = 0; c < corners.count; ++c) weight[c] = corners.corner[c].weight;
-    return fromChart(core_, local, blendJets(neighborsOf(i, corners, local).all, weight), label);
+    for (std::size_t c = 0; c < corners.count; ++c) weight[c] = corners.weight[c];
+    const Jet jet = blendJets(around(i, corners, local).all(), weight);
+    return fromChart(jet.u, jet.g, jets_.labelOf(corners.core[0]), local);
 }
 
-Solved Extension::inDisc(NodeIndex i, const Solved& s) const {
+Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
     // The core around such a node has been reached from its seed, so that it is on the same sheet;
     // in the long discs of tensors it may have been along another path.
     constexpr double kOtherPath = 1.2;
+    const JetSeeds& seeds = jets_.seeds;
     const Vec3d foot = band_.footPoint(i);
+    const LocalFrame local = core_.localFrameInBand(i);
     Solved best;
     double leastStart = kInfinity;
     auto visit = [&](std::size_t k) {
-        const SurfacePoint& seed = core_.seeds.points[k];
-        if (core_.seeds.source[k] != s.label) return;
+        const SurfacePoint& seed = seeds.points[k];
+        if (seeds.source[k] != s.label) return;
         leastStart = std::min(leastStart, seed.start);
         const Vec3d from = seed.nearestTo(foot);
         Solved disc;
-        if (!metric_.blocked(from, foot, Vec3d(core_.seeds.normal[k])) &&
-            seedNeighborhoodJet(core_, std::uint32_t(k), core_.localFrameInBand(i), foot, disc) &&
-            (length(foot - from) <= core_.seeds.startRadius ||
-             s.u - seed.start <= kOtherPath * (disc.u - seed.start)) &&
+        if (!metric_.blocked(from, foot, Vec3d(seeds.normal[k])) &&
+            seedNeighborhoodJet(core_, seeds, std::uint32_t(k), local, foot, disc) &&
+            (length(foot - from) <= seeds.startRadius ||
+             s.distance - seed.start <= kOtherPath * (disc.u - seed.start)) &&
             disc.u < best.u)
             best = disc;
     };
-    core_.seeds.near.forNear(foot, visit);
-    if (best.u < kInfinity) return best;
-    best = s;
-    if (leastStart < kInfinity) best.u = std::max(s.u, leastStart);
-    return best;
+    seeds.near.forNear(foot, visit);
+    if (best.u < kInfinity) return {best.u, local.frame.lift(best.g), best.label};
+    Found other = s;
+    if (leastStart < kInfinity) other.distance = std::max(s.distance, leastStart);
+    return other;
 }
 
 bool Extension::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,
-                             const LocalFrame& local, Neighborhood& found) const {
+                             const LocalFrame& local, Around& found) const {
     // Further off than a cell's diagonal it may be another surface.
     constexpr float kNear2 = 3;
     const Vec3f& normal = local.frame.normal();
     bool onSheet = false;
-    band_.forBox(&BandLeaf::core, l, at, middle, reach, [&](NodeIndex j, const Ijk& step) {
-        const JetNode& other = core_.nodes[j];
+    band_.forBox(&BandLeaf::core, l, at, middle, reach, [&](NodeIndex k, const Ijk& step) {
+        const JetNode& other = core_.nodes[k];
         const float cosine = dot(normal, other.normal);
         const Vec3f chord = band_.foot[i] - other.foot - Vec3f(step);
         if (cosine < Band::kOtherSheet || dot(chord, chord) > kNear2 ||
@@ -174,48 +336,73 @@ bool Extension::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& m
         if (!metric_.clear(i) && isHidden(core_, other, band_.footPoint(i), normal + other.normal))
             return;
         onSheet = true;
-        if (!(other.u < kInfinity) || found.full()) return;
-        addNeighbor(core_, j, chord, cosine, local, found);
+        if (jets_.accepted(k) && !found.full())
+            addNeighbor(k, chord, cosine, gradientOf(k), local, found);
     });
     return onSheet;
 }
 
-Solved Extension::solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const {
+Extension::Found Extension::solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const {
     const LocalFrame local = core_.localFrameInBand(i);
-    Neighborhood around;
+    Around around;
     // Where the foot point is off, the core passes within two voxels all the same.
     if (!gatherAround(i, l, at, roundToIjk(Vec3d(band_.foot[i])), 1, local, around))
         gatherAround(i, l, at, {}, 2, local, around);
-    return exactNearSeed(i, solveJet(core_, local, around));
+    return exactNearSeed(i, solve(around, local));
+}
+
+Extension::Found Extension::solve(const Around& around, const LocalFrame& local) const {
+    if (around.count == 0) return {};
+    const double base = around.node[0].jet.u;
+    JetGroup group;
+    group.clear(core_.pull());
+    group.begin(float(base), core_.longest2(local.stretch));
+    for (std::size_t k = 0; k < around.count; ++k) {
+        const auto& [jet, source, overCrease] = around.node[k];
+        group.add(jet.a, jet.g, float(jet.u - base), source, overCrease);
+    }
+    const JetGroup::Solution s = group.solve()[0];
+    return fromChart(base + double(s.u), s.g, s.source, local);
 }
 
 /// Per leaf: whether it or one beside it has been reached, so that its nodes may have a jet.
-std::vector<std::uint8_t> leavesReached(const JetCore& core) {
-    const std::vector<BandLeaf>& leaves = core.band.leaves;
+std::vector<std::uint8_t> leavesReached(const CoreJets& jets) {
+    const std::vector<BandLeaf>& leaves = jets.core->band.leaves;
     std::vector<std::uint8_t> reached(leaves.size()), beside(reached);
-    for (const JetNode& node : core.nodes)
-        if (node.u < kInfinity) reached[node.leaf] = 1;
+    for (std::size_t k = 0; k < jets.state.size(); ++k)
+        if (jets.state[k].accepted()) reached[jets.core->nodes[k].leaf] = 1;
     for (std::size_t l = 0; l < beside.size(); ++l)
         for (const LeafIndex m : leaves[l].neighbor)
             if (m != kNoLeaf && reached[m]) beside[l] = 1;
     return beside;
 }
 
+std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
+    std::vector<Vec3f> gradients(jets.state.size());
+    parallelFor(gradients.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+            if (jets.state[k].accepted()) gradients[k] = jets.gradientOf(NodeIndex(k));
+    });
+    return gradients;
+}
+
 }  // namespace
 
-void extendJets(const JetCore& core, double limit, bool everywhere, Field& field) {
-    const Band& band = core.band;
-    const Extension extension(core);
+void extendJets(const CoreJets& jets, bool everywhere, Field& field) {
+    const Band& band = jets.core->band;
+    const std::vector<Vec3f> gradients = gradientsOf(jets);
+    const Extension extension(jets, gradients);
     // In parallel: the first touch of fresh memory costs more than what is written there.
     parallelFor(3, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             if (k == 0) field.distance.resize(band.size());
             if (k == 1) field.gradient.resize(band.size());
-            if (k == 2 && !core.label.empty()) field.label.resize(band.size());
+            if (k == 2 && !jets.label.empty()) field.label.resize(band.size());
         }
     });
-    const auto beside = everywhere ? std::vector<std::uint8_t>() : leavesReached(core);
+    const auto beside = everywhere ? std::vector<std::uint8_t>() : leavesReached(jets);
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
+        LeafNumbers<2> numbers;
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
             if (!everywhere && !beside[l]) {
@@ -223,23 +410,21 @@ void extendJets(const JetCore& core, double limit, bool everywhere, Field& field
                             kInfinity);
                 continue;
             }
+            numbers.fill(band, LeafIndex(l));
             for (NodeIndex i = leaf.band.firstNode; i < leaf.band.firstNode + leaf.band.count;
                  ++i) {
-                const unsigned at = band.offset[i];
-                const NodeIndex k = leaf.core.node(at);
-                Solved s = core.metric.inside(i) ? Solved{}
-                           : k == kNoNode
-                               ? extension.extendTo(i, LeafIndex(l), at)
-                               : Solved{core.nodes[k].u, core.nodes[k].g, core.labelOf(k), false};
-                if (k == kNoNode && s.u < kInfinity)
-                    s.u = std::max(s.u, core.seeds.lines.from(s.label, band.footPoint(i)));
-                const bool withinLimit = s.u <= limit;
-                field.distance[i] = withinLimit ? s.u : kInfinity;
-                field.gradient[i] = withinLimit ? float(extension.weightOf(i)) * s.g : Vec3f();
-                if (!core.label.empty()) field.label[i] = s.label;
+                const NodeJet s = extension.at(i, LeafIndex(l), band.offset[i], numbers);
+                field.distance[i] = s.distance;
+                field.gradient[i] = s.gradient;
+                if (!jets.label.empty()) field.label[i] = s.label;
             }
         }
     });
+}
+
+NodeJet extendJet(const CoreJets& jets, NodeIndex i) {
+    const std::vector<Vec3f> none;
+    return Extension(jets, none).at(i);
 }
 
 }  // namespace igeo

@@ -1,4 +1,5 @@
-/// The fit of scheme `jet`: the jet at a node by weighted least squares over one front.
+/// The fit of scheme `jet`: the jet at a node by weighted least squares over one front, for the
+/// nodes of a group side by side in the vector registers.
 ///
 /// For a circular front in the plane with directions g, g_j at two of its points, a_j apart,
 ///
@@ -13,112 +14,65 @@
 /// between a_j and the direction of travel over |a_j|^2 + 0.1, so that neighbors straight behind
 /// the node decide. A small Tikhonov term pulls g to the predicted direction where the neighbors
 /// leave it open.
+///
+/// Each node has a lane of its own and its sums run over its neighbors in their order, so its
+/// result has the same bits in whatever group it is solved, and in registers of any width.
 #pragma once
 
 #include <igeo/march/detail/jet_neighbors.h>
 
-namespace igeo::jet {
+namespace igeo {
 
-/// Where the neighbors' directions, bent as circles about a source at distance u, point at the
-/// origin: weighted mean of r_j g_j + a_j over the neighbors of the front of direction `start`. Not
-/// normalized.
-inline Vec2f predictDirection(const JetNeighbors& all, Vec2f start) {
-    Four x{}, y{};
-    for (int k = 0; k < all.groups(); ++k) {
-        const auto n = all.group(k);
-        const Four along = n.gx * n.ax + n.gy * n.ay;
-        const auto ok = (start.x * n.gx + start.y * n.gy >= kSameFront) & (along > 0);
-        const Four r = n.u + float(all.base());
-        const Four wx = r * n.gx + n.ax, wy = r * n.gy + n.ay;
-        // |r g + a| is r + along to second order in a / r, and near a source a rough weight will
-        // do.
-        const Four w = ok ? along * along * n.nearness() / (r + along) : Four{};
-        x += w * wx, y += w * wy;
+/// A number per node of a group.
+struct alignas(32) Lanes {
+    static constexpr std::size_t kNodes = 8;
+    float of[kNodes];
+    float& operator[](std::size_t lane) { return of[lane]; }
+    float operator[](std::size_t lane) const { return of[lane]; }
+};
+
+/// The neighbors of up to eight nodes: the first of each node, the second of each, and so on.
+struct JetLanes {
+    static constexpr std::size_t kMax = JetNeighbors::kMax;  ///< neighbors of a node
+    struct Neighbor {
+        Lanes ax, ay, gx, gy, u;  ///< as in JetNeighbor; u relative to `base`
+    };
+    std::array<Neighbor, kMax> neighbor;
+    Lanes base;
+    std::array<std::uint32_t, Lanes::kNodes> count{};
+    float pull = 0.005f;  ///< weight of the predicted direction in a fit, of all weights
+
+    JetNeighbor at(std::size_t lane, std::size_t k) const {
+        const Neighbor& n = neighbor[k];
+        return {{n.ax[lane], n.ay[lane]}, {n.gx[lane], n.gy[lane]}, double(n.u[lane])};
     }
-    return {sum(x), sum(y)};
-}
+    /// Makes lanes as long as the longest. What is filled in belongs to no front.
+    void pad();
+};
 
-/// One round of the fit: the direction that solves the normal equations with f_j and the weights
-/// taken from the direction g. Not normalized: their determinant is left out, as |g| = 1 is known.
-/// @return 0 where fewer than two neighbors of the front lie behind the node
-inline Vec2f solveDirection(const JetNeighbors& all, Vec2f g, Vec2f predicted) {
-    Four s0{}, sx{}, sy{}, sxx{}, sxy{}, syy{}, b0{}, bx{}, by{};
-    int used = 0;
-    for (int k = 0; k < all.groups(); ++k) {
-        const auto n = all.group(k);
-        const Four cosine = g.x * n.gx + g.y * n.gy, along = g.x * n.ax + g.y * n.ay;
-        const auto ok = (cosine >= kSameFront) & (along > 0);
-        used -= ok[0] + ok[1] + ok[2] + ok[3];
-        const Four w = ok ? along * along * n.nearness() : Four{};
-        const Four f = 1 / (1 + cosine);
-        const Four cx = -f * n.ax, cy = -f * n.ay;
-        const Four rhs = n.u + f * (n.ax * n.gx + n.ay * n.gy);
-        const Four wx = w * cx, wy = w * cy, wr = w * rhs;
-        s0 += w, sx += wx, sy += wy;
-        sxx += wx * cx, sxy += wx * cy, syy += wy * cy;
-        b0 += wr, bx += wr * cx, by += wr * cy;
-    }
-    if (used < 2) return {};
-    // Eliminate u.
-    const float w = sum(s0), ux = sum(sx), uy = sum(sy), ub = sum(b0), inverse = 1 / w;
-    const float pull = all.pull * w;
-    const float axx = sum(sxx) - ux * ux * inverse + pull, axy = sum(sxy) - ux * uy * inverse,
-                ayy = sum(syy) - uy * uy * inverse + pull;
-    const float rx = sum(bx) - ux * ub * inverse + pull * predicted.x,
-                ry = sum(by) - uy * ub * inverse + pull * predicted.y;
-    return {rx * ayy - ry * axy, ry * axx - rx * axy};
-}
+/// Which fronts the neighbors of a node belong to, and what they say one by one, relative to
+/// JetLanes::base. Two fronts at most are distinguished: that of the neighbor that carries the
+/// least value along a circle about its source, and the best of those that disagree with it.
+struct JetFronts {
+    Lanes leadX, leadY;      ///< direction of the neighbor that carries the least value
+    Lanes second;            ///< the least value by a neighbor of another front; kNoValue: none
+    Lanes secondX, secondY;  ///< its direction
+    Lanes bound;             ///< least u_j + |a_j|: no value lies above it
+    Lanes straight;          ///< least u_j + g_j . a_j: plane fronts
 
-/// The jet of a front whose direction g is known: u is the weighted mean of what its neighbors say
-/// by the circular step.
-/// @param residual  standard deviation of what they say, by the same weights
-/// @return u = +inf where no neighbor of the front lies behind the node
-inline Jet evaluateFit(const JetNeighbors& all, Vec2f g, float& residual) {
-    // Neighbors to the left and right of the ray; straight behind counts for both.
-    constexpr float kStraight = 0.03f;
-    Four total{}, value{}, square{};
-    int left = 0, right = 0;
-    for (int k = 0; k < all.groups(); ++k) {
-        const auto n = all.group(k);
-        const Four cosine = g.x * n.gx + g.y * n.gy, along = g.x * n.ax + g.y * n.ay;
-        const auto ok = (cosine >= kSameFront) & (along > 0);
-        const Four across = g.x * n.ay - g.y * n.ax, slack = kStraight * along;
-        const auto isLeft = ok & (across >= -slack), isRight = ok & (across <= slack);
-        left |= isLeft[0] | isLeft[1] | isLeft[2] | isLeft[3];
-        right |= isRight[0] | isRight[1] | isRight[2] | isRight[3];
-        const Four w = ok ? along * along * n.nearness() : Four{};
-        const Four v = n.u + (along + n.gx * n.ax + n.gy * n.ay) / (1 + cosine);
-        total += w, value += w * v, square += w * v * v;
-    }
-    const float w = sum(total);
-    Jet jet;
-    if (!(w > 0)) return jet;
-    const float u = sum(value) / w;
-    residual = std::sqrt(std::max(sum(square) / w - u * u, 0.0f));
-    jet.u = all.base() + double(u);
-    jet.g = g;
-    jet.fromBothSides = left && right;
-    return jet;
-}
+    static constexpr float kNoValue = 1e18f;  ///< squares of it are still finite
+};
+void findFronts(const JetLanes& lanes, JetFronts& fronts);
 
-/// The jet at the origin of the front that has direction `start` at one of the neighbors, in two
-/// rounds.
-/// @param residual  weighted root mean square of the equations' misfits, relative to the weights
-/// @return u = +inf where fewer than two neighbors are behind the node, or they do not agree
-inline Jet fitFront(const JetNeighbors& all, Vec2f start, float& residual) {
-    constexpr int kRounds = 2;
-    const Vec2f mean = predictDirection(all, start);
-    const float meanLength = length(mean);
-    if (!(meanLength > 0)) return {};
-    const Vec2f predicted = (1 / meanLength) * mean;
-    Vec2f g = predicted;
-    for (int round = 0; round < kRounds; ++round) {
-        const Vec2f next = solveDirection(all, g, predicted);
-        const float len = length(next);
-        if (!(len > 0) || dot(next, g) < kSameFront * len) return {};
-        g = (1 / len) * next;
-    }
-    return evaluateFit(all, g, residual);
-}
+/// A front fitted. u is the weighted mean of what its neighbors say by the circular step.
+struct JetFits {
+    Lanes u;       ///< relative to JetLanes::base; NaN or +inf where fewer than two neighbors are
+                   ///< behind the node, or they do not agree
+    Lanes gx, gy;  ///< direction of travel
+    Lanes residual2;  ///< variance of what the neighbors say, by the same weights
+    Lanes oneSided;   ///< 0 where neighbors lie to the left and to the right of the ray, else 1
+};
+/// Fits the fronts that have the directions `x`, `y` at one of the neighbors, in two rounds.
+void fitFronts(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& fits);
 
-}  // namespace igeo::jet
+}  // namespace igeo

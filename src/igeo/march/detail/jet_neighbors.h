@@ -51,8 +51,7 @@ inline JetNeighbor stretched(const Stretch& stretch, JetNeighbor n) {
 struct Jet {
     double u = kInfinity;
     Vec2f g;
-    bool usedFallback = false;   ///< from fermatUpdate, not from a fit
-    bool fromBothSides = false;  ///< fit: neighbors lie to the left and to the right of its ray
+    bool usedFallback = false;  ///< from fermatUpdate, not from a fit
 };
 
 /// Up to 28 neighbors, each quantity in an array of its own, in groups of four for the vector
@@ -80,22 +79,14 @@ public:
     typedef float Four __attribute__((vector_size(16)));
     struct Group {
         Four ax, ay, gx, gy, u;
-
-        /// 1 / (|a|^2 (|a|^2 + 0.1)); foot points of one voxel column may coincide.
-        Four nearness() const {
-            const Four l2 = ax * ax + ay * ay + 1e-12f;
-            return 1 / (l2 * (l2 + 0.1f));
-        }
     };
     int groups() const { return (count_ + 3) / 4; }
     Group group(int k) const {
         return {load(ax_, k), load(ay_, k), load(gx_, k), load(gy_, k), load(u_, k)};
     }
 
-    bool smooth = true;   ///< S is smooth between the node and all of them
-    bool rim = false;     ///< the node may lie at an obstacle, or where S ends
-    float pull = 0.005f;  ///< weight of the predicted direction in a fit, of all weights
-    float far2 = 2.3f;    ///< squared length up to which fermatUpdate takes segments
+    static constexpr float kLongest2 = 2.3f;
+    float longest2 = kLongest2;  ///< squared length up to which fermatUpdate takes segments
 
 private:
     using Array = std::array<float, kMax>;

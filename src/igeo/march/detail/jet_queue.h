@@ -1,9 +1,10 @@
 /// The queue of scheme `jet`: the nodes that wait, in buckets of equal width of the distance.
 #pragma once
 
-#include <igeo/march/detail/jet_core.h>
+#include <igeo/march/detail/jet_state.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <map>
 #include <vector>
@@ -19,20 +20,20 @@ struct Batch {
     std::vector<NodeIndex> nodes;
 };
 
-/// Bucket of each waiting node (JetNode::bucket) and, per bucket, a list of nodes.
+/// Bucket of each waiting node (JetState::bucket) and, per bucket, a list of nodes.
 ///
 /// The bucket of a node is the least that any front has asked for. A list also holds nodes that an
 /// earlier front has put into another bucket since, and may hold a node twice: which of these there
 /// are depends on the order of the threads, so that nothing is decided by them. isIn() tells them
 /// from those that wait.
 ///
-/// **Memory order.** A batch has three phases, and JetNode::bucket is the only thing that two
+/// **Memory order.** A batch has three phases, and JetState::bucket is the only thing that two
 /// threads may write at the same time, in the first.
 ///
 /// 1. *Solve*, in parallel. take() removes a node from its bucket (to 0), one thread of those that
 ///    find it in a list; lower() puts a waiting node into an earlier bucket. Both are atomic, and
 ///    both use relaxed order: the final value, a minimum, is the same for every order of the
-///    threads, and it carries no other data. Jets (u, g, label) are read in this phase and not
+///    threads, and it carries no other data. Jets (rest, g, label) are read in this phase and not
 ///    written. So are all other fields of a node.
 /// 2. *Accept*, in parallel. Jets of accepted nodes and buckets of deferred ones are written, each
 ///    by the one thread that has its chunk. No thread reads them.
@@ -42,12 +43,15 @@ struct Batch {
 /// in phases 2 and 3, and before the first batch, where start discs are enqueued.
 class BucketQueue {
 public:
-    explicit BucketQueue(std::vector<JetNode>& nodes) : nodes_(nodes) {}
+    explicit BucketQueue(std::vector<JetState>& nodes) : nodes_(nodes) {}
 
-    bool isIn(std::uint32_t bucket, NodeIndex i) const { return nodes_[i].bucket == bucket; }
+    bool isIn(std::uint32_t bucket, NodeIndex i) const {
+        return nodes_[i].bucket == bucket && !nodes_[i].accepted();
+    }
 
     /// Phase 1: takes a node out, unless another thread has, or a front has put it elsewhere.
     bool take(NodeIndex i, std::uint32_t first, std::uint32_t last) {
+        if (nodes_[i].accepted()) return false;
         const std::atomic_ref bucket(nodes_[i].bucket);
         std::uint32_t expected = bucket.load(std::memory_order_relaxed);
         return expected >= first && expected <= last &&
@@ -69,31 +73,34 @@ public:
     }
 
     /// Phase 3: lists a node whose bucket is set already.
-    void add(NodeIndex i, std::uint32_t bucket) { lists_[bucket].push_back(i); }
+    void add(NodeIndex i, std::uint32_t bucket) {
+        (bucket - first_ < kRing ? ring_[bucket % kRing] : later_[bucket]).push_back(i);
+    }
     /// Phase 3: puts a node into a bucket unless it is accepted or in an earlier one.
     void requeue(NodeIndex i, std::uint32_t bucket) {
-        JetNode& node = nodes_[i];
-        if (node.u < kInfinity || node.bucket <= bucket) return;
+        JetState& node = nodes_[i];
+        if (node.accepted() || node.bucket <= bucket) return;
         node.bucket = bucket;
         add(i, bucket);
     }
 
-    /// Whether a node waits; drops leading buckets in which none does.
+    /// Whether a node waits; drops the lists before firstBucket().
     bool anyWaits() {
-        for (; !lists_.empty(); lists_.erase(lists_.begin())) {
-            const auto& [bucket, list] = *lists_.begin();
-            for (const NodeIndex i : list)
-                if (isIn(bucket, i)) return true;
+        for (std::uint32_t bucket = first_; bucket < first_ + kRing; ++bucket) {
+            if (waitsIn(bucket, ring_[bucket % kRing])) return true;
+            ring_[bucket % kRing].clear();
         }
+        for (; !later_.empty(); later_.erase(later_.begin()))
+            if (waitsIn(later_.begin()->first, later_.begin()->second)) return true;
         return false;
     }
-    std::uint32_t firstBucket() const { return lists_.begin()->first; }
+    /// The first bucket in which a node waits, after anyWaits().
+    std::uint32_t firstBucket() const { return waiting_; }
 
     /// Takes the list of the first bucket out of the queue; isIn() still has to be asked.
     Batch popFirst() {
-        const auto at = lists_.begin();
-        Batch batch{at->first, at->first, std::move(at->second)};
-        lists_.erase(at);
+        Batch batch{waiting_, waiting_, std::move(listOf(waiting_))};
+        drop();
         return batch;
     }
     /// Takes the nodes of the first bucket out, and those of buckets behind it that need not wait
@@ -105,9 +112,9 @@ public:
         Batch batch{firstBucket(), firstBucket(), {}};
         double slack = kInfinity;
         do {
-            const auto& [bucket, list] = *lists_.begin();
+            const std::uint32_t bucket = waiting_;
             const std::size_t before = batch.nodes.size();
-            for (const NodeIndex i : list)
+            for (const NodeIndex i : listOf(bucket))
                 if (isIn(bucket, i)) {
                     batch.nodes.push_back(i);
                     slack = std::min(slack, slackOf(i));
@@ -117,14 +124,36 @@ public:
                 break;
             }
             batch.last = bucket;
-            lists_.erase(lists_.begin());
+            drop();
         } while (anyWaits());
         return batch;
     }
 
 private:
-    std::vector<JetNode>& nodes_;
-    std::map<std::uint32_t, std::vector<NodeIndex>> lists_;
+    /// Buckets that have a list at hand; a step of a front hardly ever leads further.
+    static constexpr std::uint32_t kRing = 64;
+
+    bool waitsIn(std::uint32_t bucket, const std::vector<NodeIndex>& list) {
+        waiting_ = bucket;
+        return std::any_of(list.begin(), list.end(), [&](NodeIndex i) { return isIn(bucket, i); });
+    }
+    std::vector<NodeIndex>& listOf(std::uint32_t bucket) {
+        return bucket - first_ < kRing ? ring_[bucket % kRing] : later_.begin()->second;
+    }
+    /// Drops the first bucket; lists of buckets further on come to hand.
+    void drop() {
+        listOf(waiting_).clear();
+        if (waiting_ - first_ >= kRing) later_.erase(later_.begin());
+        first_ = waiting_ + 1;
+        for (; !later_.empty() && later_.begin()->first - first_ < kRing;
+             later_.erase(later_.begin()))
+            ring_[later_.begin()->first % kRing] = std::move(later_.begin()->second);
+    }
+
+    std::vector<JetState>& nodes_;
+    std::uint32_t first_ = 1, waiting_ = 0;  ///< no list lies before the first
+    std::array<std::vector<NodeIndex>, kRing> ring_;
+    std::map<std::uint32_t, std::vector<NodeIndex>> later_;
 };
 
 }  // namespace igeo

@@ -7,9 +7,8 @@ namespace igeo {
 namespace {
 
 /// Cost of a chord at seed k, turned into its tangent plane.
-double seedCost(const JetCore& core, std::uint32_t k, const Vec3f& chord) {
-    const JetSeeds& seeds = core.seeds;
-    const Vec2f flat = TangentFrame(core.band.normal[seeds.points[k].node]).flat(chord);
+double seedCost(const Band& band, const JetSeeds& seeds, std::uint32_t k, const Vec3f& chord) {
+    const Vec2f flat = TangentFrame(band.normal[seeds.points[k].node]).flat(chord);
     const float l = length(flat);
     return l > 0 ? seeds.plane[k].cost((length(chord) / l) * flat) : 0;
 }
@@ -18,15 +17,14 @@ double seedCost(const JetCore& core, std::uint32_t k, const Vec3f& chord) {
 /// surface close by.
 class StartDisc {
 public:
-    StartDisc(const JetCore& core, std::uint32_t k)
-        : core_(core), k_(k), seed_(core.seeds.points[k]) {
+    StartDisc(const JetCore& core, const JetSeeds& seeds, std::uint32_t k)
+        : core_(core), seeds_(seeds), k_(k), seed_(seeds.points[k]) {
         visitAroundSeed();
         for (std::size_t at = 0; at < found_.size(); ++at) visitNeighbors(found_[at].first);
         // A seed in a corner that obstacles hide from all nodes near it: straight to the nearest.
         if (found_.empty() && nearest_ != kNoNode)
-            found_.emplace_back(
-                nearest_,
-                Solved{seed_.start + seed_.weight * least_, {}, core.seeds.source[k], false});
+            found_.emplace_back(nearest_,
+                                Solved{seed_.start + seed_.weight * least_, {}, seeds.source[k]});
     }
     const std::vector<std::pair<NodeIndex, Solved>>& jets() const { return found_; }
 
@@ -60,14 +58,15 @@ private:
         if (!visited_.insert(i).second) return;
         const Vec3d foot = core_.footOf(core_.nodes[i]), from = seed_.nearestTo(foot);
         if (core_.nodes[i].obstacleState == Metric::Inside ||
-            core_.metric.blocked(from, foot, Vec3d(core_.seeds.normal[k_])))
+            core_.metric.blocked(from, foot, Vec3d(seeds_.normal[k_])))
             return;
         if (const double r = length(foot - from); r < least_) least_ = r, nearest_ = i;
-        if (Solved s; seedNeighborhoodJet(core_, k_, core_.localFrame(i), foot, s))
+        if (Solved s; seedNeighborhoodJet(core_, seeds_, k_, core_.localFrame(i), foot, s))
             found_.emplace_back(i, s);
     }
 
     const JetCore& core_;
+    const JetSeeds& seeds_;
     const std::uint32_t k_;
     const SurfacePoint& seed_;
     std::set<NodeIndex> visited_;
@@ -78,9 +77,28 @@ private:
 
 }  // namespace
 
-bool seedNeighborhoodJet(const JetCore& core, std::uint32_t k, const LocalFrame& local,
-                         const Vec3d& foot, Solved& s) {
-    const JetSeeds& seeds = core.seeds;
+JetSeeds::JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, double radius)
+    : points(seeds),
+      source(sourcesOf(seeds)),
+      near(points, radius * double(core.largestRatio)),
+      startRadius(radius) {
+    const Band& band = core.band;
+    const Metric& metric = core.metric;
+    for (SurfacePoint& s : points) {
+        const PsiSample psi = samplePsi(band, s.pIndex + 0.5 * s.segment);
+        // Where two faces share a cell their gradients cancel.
+        const bool clear = psi.valid && length(psi.gradient) > 0.5;
+        normal.push_back(clear ? Vec3f(normalized(psi.gradient)) : band.normal[s.node]);
+        if (metric.anisotropic())
+            plane.push_back(metric.inPlane(TangentFrame(band.normal[s.node]), s.node));
+        s.weight = metric.anisotropic() ? plane.back().weight : metric.at(s.node);
+        leastStart = std::min(leastStart, s.start);
+    }
+    lines = StraightLines(points, core.leastCost);
+}
+
+bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
+                         const LocalFrame& local, const Vec3d& foot, Solved& s) {
     const SurfacePoint& seed = seeds.points[k];
     const TangentFrame& frame = local.frame;
     const Vec3f chord(foot - seed.nearestTo(foot)), &normal = frame.normal();
@@ -88,7 +106,7 @@ bool seedNeighborhoodJet(const JetCore& core, std::uint32_t k, const LocalFrame&
     const bool isotropic = core.stretch.empty();
     // With tensors as far in cost as such a chord in the dearest direction: along the cheap axis
     // the lattice is coarse beside the bends of the front, further out than elsewhere.
-    const double costThere = isotropic ? 0 : seedCost(core, k, chord);
+    const double costThere = isotropic ? 0 : seedCost(core.band, seeds, k, chord);
     if (c > float(seeds.startRadius) &&
         (isotropic || costThere > seeds.startRadius * seeds.plane[k].largest()))
         return false;
@@ -99,26 +117,26 @@ bool seedNeighborhoodJet(const JetCore& core, std::uint32_t k, const LocalFrame&
     const Vec2f a =
         cosine < kSmooth ? frame.flat(chord) : frame.unfold(chord, seeds.normal[k], cosine);
     const float arc = length(a);
-    s = {seed.start, {}, seeds.source[k], false};
+    s = {seed.start, {}, seeds.source[k]};
     if (isotropic) {
         s.u += (seed.weight + local.weight) / 2 * double(arc);
-        if (arc > 1e-6f) s.g = frame.lift((1 / arc) * a);
+        if (arc > 1e-6f) s.g = (1 / arc) * a;
         return true;
     }
     // The mean of the costs at both ends, each in its own plane.
     const Vec2f here = local.stretch.vector(a);
     const double ratio = c > 0 ? double(arc / c) : 1;
     s.u += (local.weight * double(length(here)) + ratio * costThere) / 2;
-    if (arc > 1e-6f) s.g = frame.lift(local.stretch.covectorBack((1 / length(here)) * here));
+    if (arc > 1e-6f) s.g = local.stretch.covectorBack((1 / length(here)) * here);
     return true;
 }
 
-StartDiscs startDiscs(JetCore& core) {
+StartDiscs startDiscs(const JetCore& core, JetSeeds& seeds) {
     StartDiscs discs;
-    for (std::size_t k = 0; k < core.seeds.points.size(); ++k) {
-        const StartDisc disc(core, std::uint32_t(k));
+    for (std::size_t k = 0; k < seeds.points.size(); ++k) {
+        const StartDisc disc(core, seeds, std::uint32_t(k));
         for (const auto& [i, s] : disc.jets()) {
-            core.seeds.largestInDisc = std::max(core.seeds.largestInDisc, s.u);
+            seeds.largestInDisc = std::max(seeds.largestInDisc, s.u);
             const auto [at, isNew] = discs.try_emplace(i, s);
             if (!isNew && s.u < at->second.u) at->second = s;
         }

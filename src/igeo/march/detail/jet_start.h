@@ -1,7 +1,7 @@
 /// Where scheme `jet` starts: the start discs around the seeds, in which jets are known.
 #pragma once
 
-#include <igeo/march/detail/jet_core.h>
+#include <igeo/march/detail/jet_state.h>
 
 #include <map>
 
@@ -12,14 +12,14 @@ namespace igeo {
 /// ends.
 /// @param foot  the foot point, index space; `local` its chart
 /// @return false where it lies outside of the disc, or across a crease from the seed
-bool seedNeighborhoodJet(const JetCore& core, std::uint32_t k, const LocalFrame& local,
-                         const Vec3d& foot, Solved& s);
+bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
+                         const LocalFrame& local, const Vec3d& foot, Solved& s);
 
 /// Jets by core node.
 using StartDiscs = std::map<NodeIndex, Solved>;
 
 /// The start discs of all seeds, each connected to its seed over links of the core; the least value
 /// where they overlap, and the earlier seed where they are equal. Sets JetSeeds::largestInDisc.
-StartDiscs startDiscs(JetCore& core);
+StartDiscs startDiscs(const JetCore& core, JetSeeds& seeds);
 
 }  // namespace igeo

@@ -112,7 +112,7 @@ struct Backward {
 
 /// The neighbors of one node, each once.
 struct NeighborList {
-    std::array<NodeIndex, JetStencil::kMax> node;
+    std::array<NodeIndex, JetLinks::kMax> node;
     std::size_t count = 0;
 
     void add(NodeIndex j) {

@@ -1,75 +1,84 @@
-/// The local solve of scheme `jet`, alone: no grid, no states, no surface.
+/// The local solve of scheme `jet`: no grid, no states, no surface.
 ///
 /// In the chart of a node it looks for the jet (value and gradient) at the origin that continues
-/// its neighbors' jets, in three parts: the fronts that the neighbors belong to (jet_fronts.h), a
-/// fit of each front (jet_fit.h), and a fallback where the fit is in doubt (fermat_update.h).
-/// docs/method.md, "3. Local solve", has the thresholds.
+/// its neighbors' jets: a fit of each front that they belong to (jet_fit.h), and a fallback where
+/// the fit is in doubt (fermat_update.h). docs/method.md, "3. Local solve", has the
+/// thresholds.
 #pragma once
 
-#include <igeo/march/detail/fermat_update.h>
 #include <igeo/march/detail/jet_fit.h>
-#include <igeo/march/detail/jet_fronts.h>
+
+#include <array>
 
 namespace igeo {
 
-namespace jet {
+/// Up to eight nodes that are solved side by side, each with the neighbors that have a jet. A node
+/// gets the same bits in any group.
+class JetGroup {
+public:
+    /// Takes the nodes out.
+    /// @param pull  JetLanes::pull
+    void clear(float pull = 0.005f) { size_ = 0, lanes_.pull = pull; }
+    bool full() const { return size_ == Lanes::kNodes; }
+    std::size_t size() const { return size_; }
 
-/// The least of the fits of one or two fronts, and how far it can be trusted.
-struct FrontFits {
-    Jet best;
-    bool valid = true;          ///< no fit failed
-    bool fromBothSides = true;  ///< no fit is an extrapolation where that makes a difference
-    float doubt = 0;            ///< the largest residual
-
-    /// Fits the front of neighbor k. The fit fails where its residual is large, or its value more
-    /// than kSlack above the straight line from some neighbor.
-    void tryFront(const JetNeighbors& all, const Fronts& fronts, int k) {
-        constexpr float kResidual = 0.02f, kSlack = 1e-3f, kFocus = 0.2f;
-        float residual = 0;
-        const Jet fit = fitFront(all, all.g(k), residual);
-        if (!(fit.u - all.base() <= double(fronts.bound + kSlack)) || residual > kResidual) {
-            valid = false;
-            return;
-        }
-        // Below all plane fronts: two neighbors always agree, however wrong.
-        if (fit.u - all.base() < double(fronts.straight - kFocus)) doubt = kDoubt;
-        doubt = std::max(doubt, residual);
-        fromBothSides &= fit.fromBothSides || !all.rim;
-        if (fit.u < best.u) best = fit;
+    /// Begins a node.
+    /// @param base   values of its neighbors count from here, as the distance to the source does
+    /// @param longest2  squared length up to which fermatUpdate takes segments
+    void begin(float base, float longest2 = JetNeighbors::kLongest2) {
+        nodes_[size_] = {true, false, true, longest2};
+        lanes_.base[size_] = base;
+        lanes_.count[size_++] = 0;
     }
-    bool certain(bool smooth) const { return valid && fromBothSides && smooth && doubt < kDoubt; }
+    /// Adds a neighbor to the node begun last; those beyond JetLanes::kMax are left out.
+    /// @param u      relative to the base
+    /// @param source whose front it is
+    void add(Vec2f a, Vec2f g, float u, std::uint32_t source, bool overCrease) {
+        const std::size_t lane = size_ - 1, k = lanes_.count[lane];
+        if (k == JetLanes::kMax) return;
+        JetLanes::Neighbor& n = lanes_.neighbor[k];
+        n.ax[lane] = a.x, n.ay[lane] = a.y, n.gx[lane] = g.x, n.gy[lane] = g.y, n.u[lane] = u;
+        sources_[lane][k] = source;
+        Node& node = nodes_[lane];
+        node.oneSource &= source == sources_[lane][0];
+        node.smooth &= !overCrease;
+        lanes_.count[lane] = std::uint32_t(k + 1);
+    }
+    /// @param rim  the node begun last may lie at an obstacle, or where S ends
+    void setRim(bool rim) { nodes_[size_ - 1].rim = rim; }
+    std::size_t count() const { return lanes_.count[size_ - 1]; }  ///< of the node begun last
+
+    /// The jet of a node by one of its fronts.
+    struct Solution {
+        float u = float(kInfinity);  ///< relative to the base; +inf without neighbors
+        Vec2f g;
+        std::uint32_t source = 0;
+        bool usedFallback = false;
+    };
+    /// The jets of all nodes. Per node the least of the fits of its fronts; where a fit is in doubt
+    /// the fallback is computed as well, and the fit counts if it is valid and the two agree within
+    /// 0.01. Fronts of different sources are never fitted together: the lesser value counts, and
+    /// the earlier source where they are equal.
+    using Solutions = std::array<Solution, Lanes::kNodes>;
+    Solutions solve();
 
 private:
-    static constexpr float kDoubt = 2e-3f;
+    struct Node {
+        bool smooth, rim, oneSource;
+        float longest2;
+    };
+    struct Fits;
+    Solution settle(std::size_t lane, const Fits& fits) const;
+    Solution solvePerSource(std::size_t lane) const;
+    JetNeighbors neighborsOf(std::size_t lane) const;
+
+    std::size_t size_ = 0;
+    std::array<Node, Lanes::kNodes> nodes_;
+    std::array<std::array<std::uint32_t, JetLanes::kMax>, Lanes::kNodes> sources_;
+    JetLanes lanes_;
 };
 
-/// Fits the front of the neighbor that carries the least value; where other neighbors belong to
-/// another front (a cut locus) that may come first, fits theirs as well.
-inline FrontFits fitFronts(const JetNeighbors& all) {
-    constexpr double kLater = 0.2;
-    const Fronts fronts(all);
-    FrontFits fits;
-    fits.tryFront(all, fronts, fronts.lead);
-    const int second = fronts.second(all);
-    if (second >= 0 && all.base() + double(fronts.carriedBy(second)) < fits.best.u + kLater)
-        fits.tryFront(all, fronts, second);
-    return fits;
-}
-
-}  // namespace jet
-
-/// The jet at the origin: the least of the fits of its fronts. Where a fit is in doubt the fallback
-/// is computed as well, and the fit counts if it is valid and the two agree within 0.01.
-/// @return u = +inf without neighbors
-inline Jet jetUpdate(const JetNeighbors& all) {
-    constexpr double kAgree = 0.01;
-    if (all.count() == 0) return {};
-    const jet::FrontFits fits = jet::fitFronts(all);
-    if (fits.certain(all.smooth)) return fits.best;
-    const Jet fallback = fermatUpdate(all);
-    // Extrapolated from one side: around a rim a front reaches the node by the last neighbor only.
-    if (!fits.fromBothSides && all.smooth) return fallback;
-    return fits.valid && std::abs(fits.best.u - fallback.u) < kAgree ? fits.best : fallback;
-}
+/// The jet at the origin from the neighbors of one source, by itself.
+Jet jetUpdate(const JetNeighbors& all);
 
 }  // namespace igeo

@@ -1,0 +1,249 @@
+#include <igeo/march/detail/jet_fit.h>
+
+#include <cmath>
+
+// Vectors are passed by reference only, and all is inlined: what a register holds depends on the
+// processor that a function is compiled for.
+#define IGEO_INLINE inline __attribute__((always_inline))
+#if defined(__x86_64__) && defined(__linux__)
+#define IGEO_AVX2 __attribute__((target("avx2")))
+#endif
+
+namespace igeo {
+
+void JetLanes::pad() {
+    const std::uint32_t most = *std::max_element(count.begin(), count.end());
+    for (std::size_t lane = 0; lane < count.size(); ++lane)
+        for (std::size_t k = count[lane]; k < most; ++k) {
+            Neighbor& n = neighbor[k];
+            n.ax[lane] = n.ay[lane] = n.gx[lane] = n.gy[lane] = 0;
+            n.u[lane] = JetFronts::kNoValue;
+        }
+}
+
+namespace {
+
+template <int Width>
+struct Registers;
+template <>
+struct Registers<4> {
+    typedef float Vector __attribute__((vector_size(16)));
+};
+template <>
+struct Registers<8> {
+    typedef float Vector __attribute__((vector_size(32)));
+};
+
+/// The lanes from `first` on that fit into a register.
+template <int Width>
+class LaneFit {
+    using V = typename Registers<Width>::Vector;
+    using Mask = decltype(V{} < V{});
+
+public:
+    IGEO_INLINE LaneFit(const JetLanes& lanes, std::size_t first)
+        : lanes_(lanes), first_(first), most_(0) {
+        for (std::size_t k = first; k < first + Width; ++k)
+            most_ = std::max(most_, std::size_t(lanes.count[k]));
+    }
+
+    IGEO_INLINE void findFronts(JetFronts& fronts) const {
+        const V base = in(lanes_.base), zero{}, one = zero + 1, none = zero + JetFronts::kNoValue;
+        V carried[JetLanes::kMax];
+        V least = none, x{}, y{}, bound = none, straight = none;
+        for (std::size_t k = 0; k < most_; ++k) {
+            const auto& n = lanes_.neighbor[k];
+            const V ax = in(n.ax), ay = in(n.ay), gx = in(n.gx), gy = in(n.gy), u = in(n.u);
+            const V along = gx * ax + gy * ay, square = ax * ax + ay * ay;
+            V len = square;
+            takeRoots(len);
+            // To second order |r g + a| = r + along + (|a|^2 - along^2) / (2 r), r = base + u,
+            // which is enough to compare neighbors.
+            const V ahead = base + u + along, r = ahead > one ? ahead : one;
+            const V byCircle = u + along + (square - along * along) / (2 * r), byLine = u + len;
+            carried[k] = along > zero ? byCircle : byLine;
+            const Mask less = carried[k] < least;
+            least = less ? carried[k] : least;
+            x = less ? gx : x, y = less ? gy : y;
+            bound = byLine < bound ? byLine : bound;
+            const V byPlane = u + along;
+            straight = byPlane < straight ? byPlane : straight;
+        }
+        V second = none, x2{}, y2{};
+        for (std::size_t k = 0; k < most_; ++k) {
+            const auto& n = lanes_.neighbor[k];
+            const V gx = in(n.gx), gy = in(n.gy);
+            const Mask better = (gx * x + gy * y < zero + jet::kSameFront) & (carried[k] < second);
+            second = better ? carried[k] : second;
+            x2 = better ? gx : x2, y2 = better ? gy : y2;
+        }
+        out(fronts.leadX) = x, out(fronts.leadY) = y;
+        out(fronts.second) = second, out(fronts.secondX) = x2, out(fronts.secondY) = y2;
+        out(fronts.bound) = bound, out(fronts.straight) = straight;
+    }
+
+    IGEO_INLINE void fit(const Lanes& startX, const Lanes& startY, JetFits& fits) {
+        constexpr int kRounds = 2;
+        V px, py;
+        Mask ok;
+        predictDirection(in(startX), in(startY), px, py);
+        normalize(px, py, ok);
+        V x = px, y = py;
+        for (int round = 0; round < kRounds; ++round) {
+            V nx, ny;
+            Mask solved;
+            solveDirection(x, y, px, py, nx, ny, ok);
+            normalize(nx, ny, solved);
+            ok &= solved & (nx * x + ny * y >= V{} + jet::kSameFront);
+            x = nx, y = ny;
+        }
+        evaluate(x, y, ok, fits);
+    }
+
+private:
+    IGEO_INLINE const V& in(const Lanes& l) const {
+        return *reinterpret_cast<const V*>(l.of + first_);
+    }
+    IGEO_INLINE V& out(Lanes& l) const { return *reinterpret_cast<V*>(l.of + first_); }
+
+    IGEO_INLINE static void takeRoots(V& v) {
+        alignas(32) float of[Width];
+        *reinterpret_cast<V*>(of) = v;
+        for (int k = 0; k < Width; ++k) of[k] = std::sqrt(of[k]);
+        v = *reinterpret_cast<const V*>(of);
+    }
+    /// @param ok  where it was not 0
+    IGEO_INLINE static void normalize(V& x, V& y, Mask& ok) {
+        V len = x * x + y * y;
+        takeRoots(len);
+        ok = len > V{};
+        const V inverse = 1 / len;
+        x *= inverse, y *= inverse;
+    }
+
+    /// Where the neighbors' directions, bent as circles about a source at distance u, point at the
+    /// node: weighted mean of r_j g_j + a_j over the neighbors of the front. Not normalized.
+    IGEO_INLINE void predictDirection(const V& startX, const V& startY, V& x, V& y) {
+        const V base = in(lanes_.base), zero{};
+        x = y = zero;
+        for (std::size_t k = 0; k < most_; ++k) {
+            const auto& n = lanes_.neighbor[k];
+            const V ax = in(n.ax), ay = in(n.ay), gx = in(n.gx), gy = in(n.gy);
+            // Foot points of one voxel column may coincide.
+            const V square = ax * ax + ay * ay + 1e-12f;
+            nearness_[k] = 1 / (square * (square + 0.1f));
+            const V along = gx * ax + gy * ay, r = in(n.u) + base;
+            const Mask ok = (startX * gx + startY * gy >= zero + jet::kSameFront) & (along > zero);
+            // |r g + a| is r + along to second order in a / r, and near a source a rough weight
+            // will do.
+            const V w = ok ? along * along * nearness_[k] / (r + along) : zero;
+            x += w * (r * gx + ax), y += w * (r * gy + ay);
+        }
+    }
+
+    /// One round of the fit: the direction that solves the normal equations with f_j and the
+    /// weights taken from the direction (x, y). Not normalized: their determinant is left out, as
+    /// |g| = 1 is known.
+    /// @param ok  cleared where fewer than two neighbors of the front lie behind the node
+    IGEO_INLINE void solveDirection(const V& x, const V& y, const V& px, const V& py, V& nx, V& ny,
+                                    Mask& ok) const {
+        const V zero{};
+        V s0{}, sx{}, sy{}, sxx{}, sxy{}, syy{}, b0{}, bx{}, by{};
+        Mask used{};
+        for (std::size_t k = 0; k < most_; ++k) {
+            const auto& n = lanes_.neighbor[k];
+            const V ax = in(n.ax), ay = in(n.ay), gx = in(n.gx), gy = in(n.gy);
+            const V cosine = x * gx + y * gy, along = x * ax + y * ay;
+            const Mask counts = (cosine >= zero + jet::kSameFront) & (along > zero);
+            used -= counts;
+            const V w = counts ? along * along * nearness_[k] : zero;
+            const V f = 1 / (1 + cosine), cx = -f * ax, cy = -f * ay;
+            const V rhs = in(n.u) + f * (ax * gx + ay * gy);
+            const V wx = w * cx, wy = w * cy, wr = w * rhs;
+            s0 += w, sx += wx, sy += wy;
+            sxx += wx * cx, sxy += wx * cy, syy += wy * cy;
+            b0 += wr, bx += wr * cx, by += wr * cy;
+        }
+        ok &= used >= 2;
+        // Eliminate u.
+        const V inverse = 1 / s0, pull = lanes_.pull * s0;
+        const V axx = sxx - sx * sx * inverse + pull, axy = sxy - sx * sy * inverse,
+                ayy = syy - sy * sy * inverse + pull;
+        const V rx = bx - sx * b0 * inverse + pull * px, ry = by - sy * b0 * inverse + pull * py;
+        nx = rx * ayy - ry * axy, ny = ry * axx - rx * axy;
+    }
+
+    /// The jet of a front whose direction is known.
+    IGEO_INLINE void evaluate(const V& x, const V& y, const Mask& ok, JetFits& fits) const {
+        // Neighbors to the left and right of the ray; straight behind counts for both.
+        constexpr float kStraight = 0.03f;
+        const V zero{}, one = zero + 1;
+        V total{}, value{}, square{};
+        Mask left{}, right{};
+        for (std::size_t k = 0; k < most_; ++k) {
+            const auto& n = lanes_.neighbor[k];
+            const V ax = in(n.ax), ay = in(n.ay), gx = in(n.gx), gy = in(n.gy);
+            const V cosine = x * gx + y * gy, along = x * ax + y * ay;
+            const Mask counts = (cosine >= zero + jet::kSameFront) & (along > zero);
+            const V across = x * ay - y * ax, slack = kStraight * along;
+            left |= counts & (across >= -slack), right |= counts & (across <= slack);
+            const V w = counts ? along * along * nearness_[k] : zero;
+            const V v = in(n.u) + (along + gx * ax + gy * ay) / (1 + cosine);
+            total += w, value += w * v, square += w * v * v;
+        }
+        const V inverse = 1 / total, u = value * inverse;
+        out(fits.u) = ok ? u : zero + float(kInfinity);
+        out(fits.gx) = x, out(fits.gy) = y;
+        out(fits.residual2) = square * inverse - u * u;
+        out(fits.oneSided) = (left & right) != 0 ? zero : one;
+    }
+
+    const JetLanes& lanes_;
+    const std::size_t first_;
+    std::size_t most_;
+    V nearness_[JetLanes::kMax];  ///< 1 / (|a|^2 (|a|^2 + 0.1))
+};
+
+/// One width of registers.
+struct Kernels {
+    void (*findFronts)(const JetLanes&, JetFronts&);
+    void (*fitFronts)(const JetLanes&, const Lanes&, const Lanes&, JetFits&);
+};
+
+void findByFour(const JetLanes& lanes, JetFronts& fronts) {
+    for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
+        LaneFit<4>(lanes, first).findFronts(fronts);
+}
+void fitByFour(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& fits) {
+    for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
+        LaneFit<4>(lanes, first).fit(x, y, fits);
+}
+
+#ifdef IGEO_AVX2
+IGEO_AVX2 void findByEight(const JetLanes& lanes, JetFronts& fronts) {
+    LaneFit<8>(lanes, 0).findFronts(fronts);
+}
+IGEO_AVX2 void fitByEight(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& fits) {
+    LaneFit<8>(lanes, 0).fit(x, y, fits);
+}
+Kernels bestKernels() {
+    if (__builtin_cpu_supports("avx2")) return {findByEight, fitByEight};
+    return {findByFour, fitByFour};
+}
+#else
+Kernels bestKernels() { return {findByFour, fitByFour}; }
+#endif
+
+const Kernels& kernels() {
+    static const Kernels best = bestKernels();
+    return best;
+}
+
+}  // namespace
+
+void findFronts(const JetLanes& lanes, JetFronts& fronts) { kernels().findFronts(lanes, fronts); }
+void fitFronts(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& fits) {
+    kernels().fitFronts(lanes, x, y, fits);
+}
+
+}  // namespace igeo

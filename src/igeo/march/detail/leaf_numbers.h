@@ -1,0 +1,71 @@
+/// The core around a leaf, so that many nodes of the leaf find theirs by one look each.
+#pragma once
+
+#include <igeo/band/band.h>
+
+#include <array>
+#include <bit>
+
+namespace igeo {
+
+/// The core's numbers of the voxels of a leaf, and of those up to `Margin` beyond.
+template <int Margin>
+class LeafNumbers {
+public:
+    static_assert(Margin >= 1 && Margin <= 8);
+
+    void fill(const Band& band, LeafIndex l) {
+        number_.fill(kNoNode);
+        for (int dx = -1; dx <= 1; ++dx)
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dz = -1; dz <= 1; ++dz) {
+                    const LeafIndex m = dx || dy || dz ? band.leafBeside(l, dx, dy, dz) : l;
+                    if (m != kNoLeaf) add(band.leaves[m].core, {8 * dx, 8 * dy, 8 * dz});
+                }
+    }
+    /// Index of a voxel relative to the leaf, -Margin to 7 + Margin along each axis.
+    static constexpr int indexOf(const Ijk& v) {
+        return indexOfStep(v + Ijk{Margin, Margin, Margin});
+    }
+    /// What a step adds to the index.
+    static constexpr int indexOfStep(const Ijk& v) { return (v.x * kEdge + v.y) * kEdge + v.z; }
+    /// The core's number there, or kNoNode.
+    NodeIndex at(int index) const { return number_[std::size_t(index)]; }
+
+    /// Calls visit(j, step) for the nodes around the voxel at an offset of the leaf, in the order
+    /// of the steps.
+    template <typename Visit>
+    void forNeighbors(unsigned offset, const Visit& visit) const {
+        const int middle = indexOf({int(offset >> 6), int(offset >> 3 & 7), int(offset & 7)});
+        for (int dx = -1; dx <= 1; ++dx)
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dz = -1; dz <= 1; ++dz) {
+                    const NodeIndex j = at(middle + indexOfStep({dx, dy, dz}));
+                    if (j != kNoNode && (dx || dy || dz)) visit(j, Ijk{dx, dy, dz});
+                }
+    }
+
+private:
+    static constexpr int kEdge = 8 + 2 * Margin;
+
+    /// Bits 0 to 7: places along an axis that are within reach in a leaf at a shift.
+    static constexpr unsigned reach(int shift) {
+        return shift < 0 ? (0xff00u >> Margin) & 0xff : shift > 0 ? 0xffu >> (8 - Margin) : 0xff;
+    }
+    void add(const LeafNodes& nodes, const Ijk& shift) {
+        std::uint64_t seen = 0;
+        for (int y = 0; y < 8; ++y)
+            if (reach(shift.y) >> y & 1) seen |= std::uint64_t(reach(shift.z)) << 8 * y;
+        for (int x = 0; x < 8; ++x) {
+            if (!(reach(shift.x) >> x & 1)) continue;
+            for (std::uint64_t bits = nodes.mask[std::size_t(x)] & seen; bits; bits &= bits - 1) {
+                const int bit = std::countr_zero(bits);
+                const Ijk voxel = shift + Ijk{x, bit >> 3, bit & 7};
+                number_[std::size_t(indexOf(voxel))] = nodes.numberOf(unsigned(x << 6 | bit));
+            }
+        }
+    }
+    std::array<NodeIndex, std::size_t(kEdge* kEdge* kEdge)> number_;
+};
+
+}  // namespace igeo
