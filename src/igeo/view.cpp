@@ -110,10 +110,12 @@ std::vector<Path> asPaths(const std::vector<NamedCurve>& lines, const Similarity
 /// The first view, and a picture from there.
 /// @param levelSet  the surface; null: the triangles of the field's band are
 void addPicture(ViewScene& scene, const Field& field, const LevelSet* levelSet,
-                const std::vector<Path>& paths, const PictureOptions& picture, Progress& progress) {
+                const std::vector<Path>& paths, PictureOptions picture, Progress& progress) {
     const double aspect = double(picture.height) / picture.width;
     auto look = [&](const SurfaceRays& rays) {
-        scene.toEye = chooseView(rays, field, paths, picture, aspect).back;
+        const View view = chooseView(rays, field, paths, picture, aspect);
+        scene.toEye = view.back;
+        picture.eye = view.eye, picture.lookAt = view.eye - view.depth * view.back;
         scene.up = normalized(picture.up);
     };
     if (levelSet)
@@ -166,7 +168,7 @@ Field fieldOf(const FileSurvey& survey) {
 
 PictureOptions viewPicture() {
     PictureOptions picture;
-    picture.width = 640, picture.height = 480;
+    picture.width = 480, picture.height = 360;
     return picture;
 }
 
