@@ -109,13 +109,15 @@ std::vector<Path> asPaths(const std::vector<NamedCurve>& lines, const Similarity
 /// The first view, and a picture from there.
 /// @param levelSet  the surface; null: that of the field's band
 void addPicture(ViewScene& scene, const Field& field, const LevelSet* levelSet,
-                const std::vector<Path>& paths, const PictureOptions& picture, Progress& progress) {
+                const std::vector<Path>& paths, PictureOptions picture, Progress& progress) {
     const double aspect = double(picture.height) / picture.width;
     const Band& band = *field.band;
     const DrawnSurface surface = levelSet ? DrawnSurface(band, surfaceMesh(*levelSet, band, progress),
                                                          levelSet->stats.cutVoxels == 0)
                                           : DrawnSurface(band);
-    scene.toEye = chooseView(surface, field, paths, picture, aspect).back;
+    const View view = chooseView(surface, field, paths, picture, aspect);
+    picture.eye = view.eye, picture.lookAt = view.eye - view.depth * view.back;
+    scene.toEye = view.back;
     scene.up = normalized(picture.up);
     scene.still = levelSet ? renderPng(*levelSet, field, paths, picture, progress)
                            : renderPng(field, paths, picture, progress);
@@ -163,7 +165,7 @@ Field fieldOf(const FileSurvey& survey) {
 
 PictureOptions viewPicture() {
     PictureOptions picture;
-    picture.width = 640, picture.height = 480;
+    picture.width = 480, picture.height = 360;
     return picture;
 }
 

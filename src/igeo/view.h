@@ -16,7 +16,7 @@ struct ViewLimits {
     std::size_t triangles = 300000;  ///< drawn; a page of them has about 4 MB
 };
 
-/// The picture of a page where a browser draws nothing in 3D: 640 x 480 pixels.
+/// The picture of a page where a browser draws nothing in 3D: 480 x 360 pixels.
 PictureOptions viewPicture();
 
 /// What a page shows of a result: the surface with its distances, obstacles, seeds and targets.

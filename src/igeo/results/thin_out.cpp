@@ -90,8 +90,8 @@ bool thinOut(SurfaceMesh& mesh, std::size_t most, std::vector<std::uint32_t>& ke
     kept.clear();
     for (std::uint32_t v = 0; v < mesh.position.size(); ++v) kept.push_back(v);
     if (mesh.triangles.size() <= most) return false;
-    // About two triangles per cube, which is cut in two where it meets an edge of octants.
-    double side = std::sqrt(areaOf(mesh) / double(std::max<std::size_t>(most, 1)));
+    // Two triangles per cube, and some more where the surface passes from octant to octant.
+    double side = 1.2 * std::sqrt(areaOf(mesh) / double(std::max<std::size_t>(most, 1)));
     std::vector<std::uint32_t> clusterOf;
     std::vector<SurfaceMesh::Triangle> left;
     std::size_t count = 0;

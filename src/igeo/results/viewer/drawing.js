@@ -295,11 +295,14 @@ class Drawing {
         this.onScreen = {size: {value: new THREE.Vector2(1, 1)}, pixel: {value: 0}, ratio: {value: 1}};
         const geometry = ribbonGeometry(this.scene);
         if (geometry.index.count === 0) return;
-        for (const [halfWidth, lift, color] of [[3, 4, "vec3(0.09)"], [1.6, 9, "vec3(1.0)"]]) {
+        // The rim leaves no depth, so that it cannot cover the line inside it.
+        for (const [halfWidth, lift, color] of [[3, 4, "vec3(0.09)"], [1.6, 5, "vec3(1.0)"]]) {
             const width = {value: halfWidth};
             const ribbon = new THREE.Mesh(geometry, new THREE.ShaderMaterial({
                 vertexShader: RIBBON_VERTEX, fragmentShader: `void main() { gl_FragColor = vec4(${color}, 1.0); }`,
-                uniforms: {...this.onScreen, lift: {value: lift}, halfWidth: width}, side: THREE.DoubleSide}));
+                uniforms: {...this.onScreen, lift: {value: lift}, halfWidth: width},
+                side: THREE.DoubleSide, depthWrite: halfWidth < 2}));
+            ribbon.renderOrder = lift;
             ribbon.onBeforeRender = () => { width.value = halfWidth * this.onScreen.ratio.value; };
             ribbon.frustumCulled = false;
             this.world.add(ribbon);
@@ -320,6 +323,7 @@ class Drawing {
         const points = new THREE.Points(geometry, new THREE.ShaderMaterial({
             vertexShader: DOT_VERTEX, fragmentShader: DOT_FRAGMENT, uniforms: this.onScreen}));
         points.frustumCulled = false;
+        points.renderOrder = 10;
         this.world.add(points);
     }
 
