@@ -149,7 +149,7 @@ py::object verticesOf(const py::object& self) {
     if (!vertices) return py::none();
     Array<double> view({py::ssize_t(vertices->size()), py::ssize_t(3)},
                        reinterpret_cast<const double*>(vertices->data()), self);
-    py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+    view.attr("setflags")(py::arg("write") = false);
     return view;
 }
 
