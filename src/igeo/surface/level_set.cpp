@@ -11,6 +11,7 @@
 #include <openvdb/tools/FastSweeping.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <mutex>
@@ -43,31 +44,35 @@ struct Tally {
 
 /// Whether a neighbor of a voxel has the other sign; NaN has none.
 bool crosses(const LeafBlock& b, int x, int y, int z) {
-    const float *row = b.row(x, y) + z, *x0 = b.row(x - 1, y) + z, *x1 = b.row(x + 1, y) + z,
-                *y0 = b.row(x, y - 1) + z, *y1 = b.row(x, y + 1) + z;
-    if (std::signbit(*row))
-        return *x0 >= 0 || *x1 >= 0 || *y0 >= 0 || *y1 >= 0 || row[-1] >= 0 || row[1] >= 0;
-    return *x0 < 0 || *x1 < 0 || *y0 < 0 || *y1 < 0 || row[-1] < 0 || row[1] < 0;
+    const float* row = b.row(x, y) + z;
+    const std::array<float, 6> around{b.row(x - 1, y)[z],
+                                      b.row(x + 1, y)[z],
+                                      b.row(x, y - 1)[z],
+                                      b.row(x, y + 1)[z],
+                                      row[-1],
+                                      row[1]};
+    unsigned below = 0, above = 0;
+    for (const float value : around) below |= value < 0, above |= value >= 0;
+    return std::signbit(*row) ? above : below;
 }
 
 void Tally::visit(const LeafBlock& b, int x, int y, double halfWidth) {
     const PsiRow row(b, x, y);
     const float* psi = b.row(x, y);
-    for (unsigned bits = row.active; bits; bits &= bits - 1) {
+    for (unsigned bits = row.complete; bits; bits &= bits - 1) {
+        const auto k = std::size_t(std::countr_zero(bits));
+        const double slope = row.slope(k);
+        gradient.add(slope / kGradientRange);
+        // Where opposite sheets meet, central differences cancel; at creases they stay above 0.58.
+        if (slope < 0.5) meeting.add(std::abs(psi[k]) / kReachRange);
+    }
+    unsigned within = 0;
+    for (unsigned z = 0; z < 8; ++z) within |= unsigned(std::abs(psi[z]) < 1) << z;
+    for (unsigned bits = within & row.active; bits; bits &= bits - 1) {
         const int z = std::countr_zero(bits);
-        const auto k = std::size_t(z);
-        const double value = std::abs(psi[z]), slope = row.slope(k);
-        const bool complete = row.complete >> z & 1;
-        if (complete) {
-            gradient.add(slope / kGradientRange);
-            // Where opposite sheets meet, central differences cancel; at creases they stay above
-            // 0.58.
-            if (slope < 0.5) meeting.add(value / kReachRange);
-        }
-        if (!(value < 1)) continue;
         ++nearSurface;
         crossing += crosses(b, x, y, z);
-        if (complete)
+        if (row.complete >> z & 1)
             addCurvature(largestCurvature(b, x, y, z));
         else
             cut += cutBeside(PsiDifferences(b, x, y, z), psi[z], halfWidth);

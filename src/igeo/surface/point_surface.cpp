@@ -115,11 +115,11 @@ PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.f
     std::vector<double> reach = spacing_;
     for (double& r : reach) r *= kReach;
     points_.setReach(std::move(reach));
+    std::vector<Index>().swap(ring_);
     patches_.resize(points_.size());
     for (std::size_t i = 0; i < patches_.size(); ++i)
         patches_[i] = {points_[i], normals_[i], squared(points_.reach(i)), fits_[i]};
     std::vector<Quadric>().swap(fits_);
-    std::vector<Index>().swap(ring_);
 }
 
 void PointSurface::nearestTo(std::size_t i, std::size_t count,

@@ -47,7 +47,9 @@ TEST_CASE("triangles are turned to agree", "[mesh]") {
     for (std::size_t t = 0; t < mixed.triangles.size(); t += 3)
         std::swap(mixed.triangles[t][0], mixed.triangles[t][1]);
     CHECK(test::turnedEdges(mixed) > 0);
-    CHECK(orientConsistently(mixed) == (mixed.triangles.size() + 2) / 3);
+    MeshTopology topology = meshTopology(mixed);
+    CHECK(orientConsistently(mixed, topology) == (mixed.triangles.size() + 2) / 3);
+    CHECK(topology.neighbor == meshTopology(mixed).neighbor);
     CHECK(test::turnedEdges(mixed) == 0);
     // As most were: outward.
     for (const auto& [a, b, c] : mixed.triangles)

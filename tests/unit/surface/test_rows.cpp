@@ -1,0 +1,85 @@
+// What is found once for many voxels is what is found for each: points around a block, differences
+// of a row, bins of curvature, facing pairs.
+#include <igeo/surface/detail/histogram.h>
+#include <igeo/surface/detail/leaf_block.h>
+#include <igeo/surface/detail/points_around.h>
+#include <support/catch.h>
+#include <support/clouds.h>
+
+#include <cmath>
+
+namespace igeo::test {
+
+TEST_CASE("Points around a ball are those of the tree, bit by bit") {
+    PointTree tree(torusCloud(2000, 2, 0.7, {}).points);
+    std::vector<double> reach(tree.size());
+    for (std::size_t i = 0; i < reach.size(); ++i) reach[i] = 0.1 + 0.02 * double(i % 11);
+    tree.setReach(reach);
+    PointsAround around(tree);
+    std::vector<PointTree::Found> expected;
+    for (const Vec3d& middle : {Vec3d{2.5, 0.1, 0.2}, Vec3d{0, 1.5, 0.6}, Vec3d{0, 0, 0}}) {
+        constexpr double kRadius = 0.3;
+        around.moveTo(middle, kRadius, 0.4);
+        for (const Vec3d& off : {Vec3d{}, Vec3d{0.17, -0.17, 0.17}, Vec3d{0, kRadius, 0}}) {
+            const Vec3d p = middle + off;
+            tree.nearest(p, PointsAround::kNearest, expected);
+            const auto& found = around.nearest(p);
+            REQUIRE(found.size() == expected.size());
+            for (std::size_t k = 0; k < found.size(); ++k) {
+                CHECK(found[k].point == expected[k].point);
+                CHECK(found[k].squared == expected[k].squared);
+            }
+            // Also beyond what was gathered.
+            for (const double more : {0.0, 0.3, 2.0}) {
+                std::vector<PointTree::Index> all, some;
+                tree.forReaching(p, more, [&](PointTree::Index i) { all.push_back(i); });
+                around.forReaching(p, more, [&](PointTree::Index i) { some.push_back(i); });
+                CHECK(some == all);
+            }
+        }
+    }
+}
+
+TEST_CASE("A row of a block shows what each of its voxels shows, also where voxels are missing") {
+    const openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(3);
+    const openvdb::Coord origin(8, 0, -8);
+    for (int x = -1; x <= 8; ++x)
+        for (int y = -1; y <= 8; ++y)
+            for (int z = -1; z <= 8; ++z) {
+                const openvdb::Coord c = origin.offsetBy(x, y, z);
+                const auto value = float(length(Vec3d(x, y - 3, 1.1 * z)) - 5);
+                if ((7 * x + 5 * y + 3 * z) % 11) grid->tree().setValueOn(c, value);
+            }
+    LeafBlock block;
+    block.gather(LeafBlock::Accessor(grid->constTree()), origin, 0.5);
+    std::size_t complete = 0, smooth = 0;
+    for (int x = 0; x < 8; ++x)
+        for (int y = 0; y < 8; ++y) {
+            const PsiRow row(block, x, y);
+            for (int z = 0; z < 8; ++z) {
+                const PsiDifferences d(block, x, y, z);
+                const auto k = std::size_t(z);
+                const bool is = grid->constTree().isValueOn(origin.offsetBy(x, y, z));
+                REQUIRE(bool(row.active >> z & 1) == is);
+                REQUIRE(std::isnan(block.at(x, y, z)) == !is);
+                REQUIRE(bool(row.complete >> z & 1) == d.complete());
+                REQUIRE(row.smooth(k) == d.smooth());
+                complete += d.complete(), smooth += d.smooth();
+                if (d.complete())
+                    REQUIRE(double(row.slope(k)) == Approx(length(d.central())).epsilon(1e-6));
+            }
+        }
+    CHECK(complete > 50);
+    CHECK(complete < 450);
+    CHECK(smooth < complete);
+}
+
+TEST_CASE("Bins of curvature are those of the logarithm") {
+    const CurvatureBins bins;
+    for (double k = 3e-7; k < 30; k *= 1.00037) {
+        const double clamped = std::max(k, 1e-6);
+        REQUIRE(bins(k) == Histogram::binOf(scaleOfCurvature(clamped)));
+    }
+}
+
+}  // namespace igeo::test
