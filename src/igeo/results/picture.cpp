@@ -47,6 +47,7 @@ Frame frameOf(const View& view, const Similarity& t, int width, int height) {
             turned(view.up),
             turned(view.back),
             width / (2 * View::kHalfWidth),
+            2 * View::kHalfWidth / width,
             width,
             height};
 }
@@ -69,22 +70,17 @@ public:
     /// @param radius  within which folds shade each other, voxels
     void render(double radius, Film& film) {
         sample();
-        rows(0, [&](int x, int y) {
-            const std::size_t i = index(x, y);
-            if (!samples_[i].covered()) return;
-            const Spot spot = spotAt(samples_[i], frame_.toward(x + 0.5, y + 0.5));
-            normals_[i] = Vec3f(spot.normal);
-            distances_[i] = float(spot.distance);
-        });
+        rows(0, [&](int y) { lookAt(y); });
         open_ = openness(frame_, samples_, normals_, radius);
         std::vector<std::uint8_t> refine(raster_.tiles());
-        rows(1, [&](int x, int y) {
-            const std::size_t i = index(x, y);
-            const Around around = lookAround(x, y);
-            if (around.edge)
-                refine[raster_.tileOf(x, y)] = 1;
-            else if (samples_[i].covered())
-                film.at(x, y) = Rgba(colorAt(x, y, around.slope), 1);
+        rows(1, [&](int y) {
+            for (int x = 0; x < frame_.width; ++x) {
+                const Around around = lookAround(x, y);
+                if (around.edge)
+                    refine[raster_.tileOf(x, y)] = 1;
+                else if (samples_[index(x, y)].covered())
+                    film.at(x, y) = Rgba(colorAt(x, y, around.slope), 1);
+            }
         });
         refineTiles(refine, film);
     }
@@ -124,17 +120,58 @@ private:
                 visit(x, y, std::size_t((y - top) * kTile + x - left));
     }
 
-    /// Calls body(x, y) for all pixels; `pass` 0 or 1 of 2.
+    /// Calls body(y) for all rows; `pass` 0 or 1 of 2.
     template <typename Body>
     void rows(int pass, const Body& body) {
         std::atomic<int> done{0};
         parallelFor(std::size_t(frame_.height), 4, [&](std::size_t begin, std::size_t end) {
             for (int y = int(begin); y < int(end) && !progress_.cancelled(); ++y) {
-                for (int x = 0; x < frame_.width; ++x) body(x, y);
+                body(y);
                 progress_.update("picture", (pass + double(++done) / frame_.height) / 2);
             }
         });
         progress_.throwIfCancelled();
+    }
+
+    /// Normals and distances of a row.
+    void lookAt(int y) {
+        auto distanceAt = [&](int x) {
+            const std::size_t i = index(x, y);
+            const Vec3d p =
+                frame_.eye + double(samples_[i].depth) * frame_.toward(x + 0.5, y + 0.5);
+            return float(shader_.distanceAt(p, Vec3d(normals_[i])));
+        };
+        for (int x = 0; x < frame_.width; ++x) {
+            const std::size_t i = index(x, y);
+            if (!samples_[i].covered()) continue;
+            const std::uint32_t t = samples_[i].triangle;
+            const Vec3d toward = frame_.toward(x + 0.5, y + 0.5);
+            normals_[i] = Vec3f(surface_.normal(t, raster_.shares(t, toward), toward));
+            if (x % 2 == 0) distances_[i] = distanceAt(x);
+        }
+        for (int x = 1; x < frame_.width; x += 2) {
+            const std::size_t i = index(x, y);
+            if (samples_[i].covered()) distances_[i] = isSmooth(x, y) ? between(i) : distanceAt(x);
+        }
+    }
+    /// By the cubic through two on either side.
+    float between(std::size_t i) const {
+        return (9 * (distances_[i - 1] + distances_[i + 1]) -
+                (distances_[i - 3] + distances_[i + 3])) /
+               16;
+    }
+    /// Whether the distance is straight in a row around a pixel, to a few hundredths of a pixel, so
+    /// that the cubic is good to less than that; costs must be the same everywhere.
+    bool isSmooth(int x, int y) const {
+        if (!shader_.evenCosts() || x < 3 || x + 3 >= frame_.width) return false;
+        const std::size_t i = index(x, y);
+        for (const std::size_t j : {i - 3, i - 1, i + 1, i + 3})
+            if (!samples_[j].covered() || !std::isfinite(distances_[j])) return false;
+        const float most = 0.04f * samples_[i].depth * float(frame_.perPixel);
+        auto bends = [&](std::size_t j) {
+            return std::abs(distances_[j - 2] - 2 * distances_[j] + distances_[j + 2]) > most;
+        };
+        return !bends(i - 1) && !bends(i + 1) && !parted(x, y, x - 1, y) && !parted(x, y, x + 1, y);
     }
 
     Spot spotAt(const Sample& s, const Vec3d& toward) const {

@@ -16,7 +16,8 @@ namespace igeo {
 /// seeds.
 ///
 /// The surface is that of surfaceMesh(), as far as psi is known, shaded where folds keep light off.
-/// Distances are those of sampleDistance() at every pixel; where there is none, it is gray.
+/// Distances are those of sampleDistance() at every pixel, or between pixels
+/// where they are even to a few hundredths of a pixel; where there is none, it is gray.
 /// Isolines (chosenLevels) are as wide everywhere on the surface, as |grad d| there is the weight.
 /// Paths and isolines lie on the surface, as do seed curves; seeds and the ends of paths are dots
 /// that face the camera. Paths, seed curves and dots behind the surface show through it, faint. The

@@ -13,12 +13,13 @@ namespace igeo {
 /// A perspective camera in index space, its axes unit vectors; pixels count from the upper left.
 struct Frame {
     Vec3d eye, right, up, back;
-    double scale = 1;  ///< pixels per unit of length at depth 1
+    double scale = 1;     ///< pixels per unit of length at depth 1
+    double perPixel = 1;  ///< 1 / scale
     int width = 0, height = 0;
 
     /// The ray through a place of the picture: as long as its depth is 1.
     Vec3d toward(double x, double y) const {
-        return ((x - 0.5 * width) / scale) * right + ((0.5 * height - y) / scale) * up - back;
+        return ((x - 0.5 * width) * perPixel) * right + ((0.5 * height - y) * perPixel) * up - back;
     }
     /// A point from the eye along right, up and into the picture.
     Vec3d seen(const Vec3d& p) const {

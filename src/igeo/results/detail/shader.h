@@ -20,6 +20,8 @@ public:
     /// @param isolineHalf  half the width of isolines, voxels
     Shader(const Field& field, const Scale& scale, double isolineHalf, const Frame& frame);
 
+    /// Whether a step costs the same everywhere.
+    bool evenCosts() const { return !field_.metric->weighted(); }
     /// The distance where S is seen; +infinity beyond an early stop.
     double distanceAt(const Vec3d& p, const Vec3d& normal) const;
     /// @param dir  of the ray, unit
