@@ -382,11 +382,13 @@ JetState JetMarch::stateOf(const Result& s, const Batch& batch) const {
 
 void JetMarch::enqueue(const JetLink& link, NodeIndex from, const Result& jet, float radius,
                        const Batch& batch, Chunk& chunk) {
-    // Along a circle about the source.
-    const float weight = core_.nodes[from].weight;
+    // Along a circle about the source, at the mean cost of both ends.
+    const bool isotropic = core_.stretch.empty();
+    const float here = core_.nodes[from].weight;
+    const float weight =
+        isotropic ? here : meanWeight(core_.nodes[link.node()].weight, here) * here;
     const Vec2f step = -weight * link.a;
-    const Vec2f flat =
-        core_.stretch.empty() ? step : weight * core_.stretch[from].vector(-1.0f * link.a);
+    const Vec2f flat = isotropic ? step : core_.stretch[from].vector(step);
     const float along = dot(jet.g, step), square = dot(flat, flat);
     const float r = radius + std::max(along, 0.0f), across = std::max(square - along * along, 0.0f);
     const float further =
