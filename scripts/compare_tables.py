@@ -1,7 +1,7 @@
 """What scripts/compare.py says of its results: tables, sentences, plots."""
 import measure
 
-ACCURACY = measure.ROOT / "docs" / "accuracy.md"
+BENCHMARKS = measure.ROOT / "docs" / "benchmarks.md"
 README = measure.ROOT / "README.md"
 IMAGES = measure.ROOT / "docs" / "images" / "accuracy"
 
@@ -144,8 +144,7 @@ def readme(results):
     """The few figures of the README."""
     methods = ("jet", "godunov2", "heat", "exact")
     rows = []
-    for name in ("sphere-100", "sphere-200", "torus-200", "bunny-256-A", "knot-256-A", "blub-256-A",
-                 "cad-anchor-256-A", "brain-128-A", "brain-256-A"):
+    for name in ("sphere-100", "torus-200", "bunny-256-A", "cad-anchor-256-A", "brain-256-A"):
         case = results["cases"].get(name)
         if case is None:
             continue
@@ -169,7 +168,7 @@ def write_documents(results):
              "stages-bunny": lambda r: stages(r, "bunny-256-A"),
              "machine": lambda r: f"Measured on: {r['machine']}; command: `{r['command']}`."}
     for name, make in parts.items():
-        measure.rewrite(ACCURACY, f"compare-{name}", make(results))
+        measure.rewrite(BENCHMARKS, f"compare-{name}", make(results))
     measure.rewrite(README, "compare", readme(results))
 
 

@@ -138,7 +138,7 @@ PreparedSolver prepareSolver(const igeo::Surface& surface, const RunOptions& o,
     return {igeo::GeodesicSolver(surface, options, progress), std::move(metric)};
 }
 
-int run(const RunOptions& options, const Console& console, ConsoleProgress& progress) {
+RunOutcome run(const RunOptions& options, const Console& console, ConsoleProgress& progress) {
     checkFiles(options);
     Stages stages(console, progress);
     const igeo::Surface surface = readSurface(options, stages);
@@ -148,8 +148,8 @@ int run(const RunOptions& options, const Console& console, ConsoleProgress& prog
     return runOn(prepareSolver(surface, options, stages), options, console, stages);
 }
 
-int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& console,
-          Stages& stages) {
+RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& console,
+                 Stages& stages) {
     const igeo::QueryRules rules{o.snap.value_or(-1), o.space,
                                  o.memoryLimit > 0 ? o.memoryLimit * kGiB : machineMemory()};
     const igeo::GeodesicSolver solver = prepared.solver.with(rules);
@@ -194,5 +194,5 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
         writeDocument(o.report, reportJson(report, distance.field()));
         report.outputs.emplace_back("report", o.report);
     }
-    return tell(report, distance, o, console);
+    return {tell(report, distance, o, console), report.warnings};
 }
