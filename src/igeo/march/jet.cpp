@@ -17,6 +17,12 @@ namespace {
 /// neighbors that a full march would give them.
 constexpr double kMargin = 3;
 
+[[noreturn]] void refuseTooFar() {
+    throw Error(Error::Kind::InvalidArgument,
+                "a distance is more than 2e9 times the least weight, in voxels",
+                "raise the least weights: they make no difference beside the largest");
+}
+
 /// The march over the core of a band, batch by batch: the nodes of the first buckets are solved
 /// from nodes accepted before, accepted together, and put their neighbors into later buckets.
 ///
@@ -46,6 +52,7 @@ private:
         std::vector<Queued> deferred;      ///< nodes of the batch that are not final
         std::vector<Queued> requeueLater;  ///< neighbors that are in the batch themselves
         std::size_t fallbackCount = 0, stopNodes = 0;  ///< of the accepted nodes
+        bool tooFar = false;                           ///< a value beyond the last bucket
         double heaviest = 0;
 
         void clear() {
@@ -196,10 +203,7 @@ void JetMarch::march(Progress& progress) {
     bool mayStop = stopNodesLeft_ > 0;
     while (queue_.anyWaits()) {
         const std::uint32_t bucket = queue_.firstBucket();
-        if (bucket >= kLastBucket)
-            throw Error(Error::Kind::InvalidArgument,
-                        "a distance is more than 2e9 times the least weight, in voxels",
-                        "raise the least weights: they make no difference beside the largest");
+        if (bucket >= kLastBucket) refuseTooFar();
         if (jets_.buckets.startOf(bucket) > jets_.limit + kMargin * heaviest_) {
             stopped_ = true;
             return;
@@ -275,10 +279,12 @@ void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) const {
     node.waitingCount = 0;
     const JetNode& here = core_.nodes[i];
     const bool isotropic = core_.stretch.empty();
-    const float perWeight = 1 / here.weight;
+    // Divided, as a product with 1 / weight would be off to the same side in each step.
+    const bool weighted = core_.metric.weighted();
+    auto perWeight = [&](float u) { return weighted ? u / here.weight : u; };
     const auto start = float(jets_.buckets.startOf(batch.first) - jets_.seeds.leastStart);
     // Relative to the least start: near a source the solve takes u for the distance to it.
-    group.jets.begin(start * perWeight,
+    group.jets.begin(perWeight(start),
                      isotropic ? JetNeighbors::kLongest2 : core_.longest2(core_.stretch[i]));
     const auto row = core_.links.row(i);
     for (std::size_t k = 0; k < row.size(); ++k) {
@@ -289,13 +295,13 @@ void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) const {
             node.waiting[node.waitingCount++] = std::uint8_t(k);
             continue;
         }
-        const float u = float(std::int32_t(state.bucket - batch.first)) * width_ + state.rest;
+        const float u = float(std::int64_t(state.bucket) - batch.first) * width_ + state.rest;
         JetNeighbor n{link.a, link.turned(state.g)};
         if (!isotropic) {
-            n.g = (core_.nodes[j].weight * perWeight) * n.g;
+            n.g = perWeight(core_.nodes[j].weight) * n.g;
             n = stretched(core_.stretch[i], n);
         }
-        group.jets.add(n.a, n.g, u * perWeight, jets_.labelOf(j), link.overCrease());
+        group.jets.add(n.a, n.g, perWeight(u), jets_.labelOf(j), link.overCrease());
     }
     // One per lattice column: on a surface that goes on all around these are eight, or nearly so.
     // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
@@ -330,6 +336,10 @@ void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chu
         // between, of which there are many where weights differ by much.
         const std::uint32_t half = later(batch.first, (bucketsTo(s.u) + 1) / 2);
         chunk.deferred.push_back({std::max(batch.last + 1, half), i});
+        return;
+    }
+    if (later(batch.first, bucketsTo(s.u)) >= kLastBucket) {
+        chunk.tooFar = true;
         return;
     }
     chunk.accepted.push_back({i, s.label, stateOf(s, batch)});
@@ -372,11 +382,13 @@ JetState JetMarch::stateOf(const Result& s, const Batch& batch) const {
 
 void JetMarch::enqueue(const JetLink& link, NodeIndex from, const Result& jet, float radius,
                        const Batch& batch, Chunk& chunk) {
-    // Along a circle about the source.
-    const float weight = core_.nodes[from].weight;
+    // Along a circle about the source, at the mean cost of both ends.
+    const bool isotropic = core_.stretch.empty();
+    const float here = core_.nodes[from].weight;
+    const float weight =
+        isotropic ? here : meanWeight(core_.nodes[link.node()].weight, here) * here;
     const Vec2f step = -weight * link.a;
-    const Vec2f flat =
-        core_.stretch.empty() ? step : weight * core_.stretch[from].vector(-1.0f * link.a);
+    const Vec2f flat = isotropic ? step : core_.stretch[from].vector(step);
     const float along = dot(jet.g, step), square = dot(flat, flat);
     const float r = radius + std::max(along, 0.0f), across = std::max(square - along * along, 0.0f);
     const float further =
@@ -420,6 +432,7 @@ void JetMarch::accept(std::size_t chunkCount) {
 void JetMarch::collect(std::size_t chunkCount) {
     for (std::size_t c = 0; c < chunkCount; ++c) {
         const Chunk& chunk = chunks_[c];
+        if (chunk.tooFar) refuseTooFar();
         accepted_ += chunk.accepted.size();
         fallbackCount_ += chunk.fallbackCount;
         heaviest_ = std::max(heaviest_, chunk.heaviest);

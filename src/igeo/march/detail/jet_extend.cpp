@@ -39,10 +39,31 @@ public:
           metric_(core_.metric),
           gradients_(gradients) {}
 
+    /// Core nodes beside a foot point, for the vector units.
+    struct Corners {
+        using Array = std::array<float, 8>;
+
+        void clear() { count = 0, simple = true, weight = {}; }
+
+        std::size_t count = 0;
+        bool simple = true;  ///< all are of one smooth sheet, of one source, and have a jet
+        std::array<NodeIndex, 8> core{};
+        alignas(16) Array weight{};       ///< trilinear; 0: none
+        alignas(16) Array x{}, y{}, z{};  ///< the chord from the foot point of the corner
+        alignas(16) Array gx{}, gy{}, gz{};
+
+        Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
+        Vec3f g(std::size_t k) const { return {gx[k], gy[k], gz[k]}; }
+        static jet::Four four(const Array& a, std::size_t k) {
+            return *reinterpret_cast<const jet::Four*>(a.data() + k);
+        }
+    };
     /// The jet of a band node.
     /// @param l, at  its leaf and offset
     /// @param core   of the leaf
-    NodeJet at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core) const;
+    /// @param corners  room to work in
+    NodeJet at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
+               Corners& corners) const;
     NodeJet at(NodeIndex i) const;
 
 private:
@@ -54,7 +75,10 @@ private:
     }
     Found ofCore(NodeIndex k) const {
         if (!jets_.accepted(k)) return {};
-        return {jets_.valueOf(k), gradientOf(k), jets_.labelOf(k)};
+        const std::uint32_t label = jets_.labelOf(k);
+        // The march holds to the bound in single precision.
+        const double bound = jets_.seeds.lines.from(label, core_.footOf(core_.nodes[k]));
+        return {std::max(jets_.valueOf(k), bound), gradientOf(k), label};
     }
     double weightOf(NodeIndex i) const {
         return metric_.anisotropic() ? core_.localFrameInBand(i).weight : metric_.at(i);
@@ -68,28 +92,12 @@ private:
         const LocalFrame local = core_.localFrameInBand(i);
         return local.weight * double(local.stretch.largest());
     }
-    /// Core nodes beside a foot point, for the vector units.
-    struct Corners {
-        using Array = std::array<float, 8>;
-
-        std::size_t count = 0;
-        bool simple = true;  ///< all are of one smooth sheet, of one source, and have a jet
-        std::array<NodeIndex, 8> core;
-        alignas(16) Array weight{};       ///< trilinear; 0: none
-        alignas(16) Array x{}, y{}, z{};  ///< the chord from the foot point of the corner
-        alignas(16) Array gx{}, gy{}, gz{};
-
-        Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
-        Vec3f g(std::size_t k) const { return {gx[k], gy[k], gz[k]}; }
-        static jet::Four four(const Array& a, std::size_t k) {
-            return *reinterpret_cast<const jet::Four*>(a.data() + k);
-        }
-    };
     /// @param from  from the voxel of core node k to the foot point of node i
     void addCorner(NodeIndex i, NodeIndex k, float weight, const Vec3f& from,
                    Corners& corners) const;
-    Corners cornersOf(NodeIndex i, LeafIndex l, unsigned at) const;
-    Corners cornersOf(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core) const;
+    void findCorners(NodeIndex i, LeafIndex l, unsigned at, Corners& corners) const;
+    void findCorners(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
+                     Corners& corners) const;
     /// A jet for a node outside the core.
     Found extendTo(NodeIndex i, LeafIndex l, unsigned at, const Corners& corners) const;
     /// What is left to do for any node.
@@ -129,9 +137,12 @@ private:
     const std::vector<Vec3f>& gradients_;
 };
 
-NodeJet Extension::at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core) const {
+NodeJet Extension::at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
+                      Corners& corners) const {
     const NodeIndex k = band_.leaves[l].core.node(at);
-    return finished(i, k == kNoNode ? extendTo(i, l, at, cornersOf(i, l, at, core)) : ofCore(k));
+    if (k != kNoNode) return finished(i, ofCore(k));
+    findCorners(i, l, at, core, corners);
+    return finished(i, extendTo(i, l, at, corners));
 }
 
 NodeJet Extension::at(NodeIndex i) const {
@@ -140,9 +151,7 @@ NodeJet Extension::at(NodeIndex i) const {
     const NodeIndex k = band_.leaves[l].core.node(at);
     if (k != kNoNode) return finished(i, ofCore(k));
     Corners corners;
-    band_.forCornersOfFoot(&BandLeaf::core, i, l, at, [&](NodeIndex j, float w, const Vec3f& from) {
-        addCorner(i, j, w, from, corners);
-    });
+    findCorners(i, l, at, corners);
     return finished(i, extendTo(i, l, at, corners));
 }
 
@@ -152,36 +161,44 @@ NodeJet Extension::finished(NodeIndex i, Found s) const {
     return s;
 }
 
-Extension::Corners Extension::cornersOf(NodeIndex i, LeafIndex l, unsigned at) const {
-    Corners corners;
+void Extension::findCorners(NodeIndex i, LeafIndex l, unsigned at, Corners& corners) const {
+    corners.clear();
     band_.forCornersOfFoot(&BandLeaf::core, i, l, at, [&](NodeIndex k, float w, const Vec3f& from) {
         addCorner(i, k, w, from, corners);
     });
-    return corners;
 }
 
-Extension::Corners Extension::cornersOf(NodeIndex i, LeafIndex l, unsigned at,
-                                        const LeafNumbers<2>& core) const {
+void Extension::findCorners(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
+                            Corners& corners) const {
     // As Band::forCornersOfFoot has it, in the same order.
     constexpr float kLight = 0.01f;
     const Vec3f y = band_.foot[i];
     const Ijk low{floorToInt(y.x), floorToInt(y.y), floorToInt(y.z)};
     const Ijk cell = low + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
     if (std::min({cell.x, cell.y, cell.z}) < -2 || std::max({cell.x, cell.y, cell.z}) > 8)
-        return cornersOf(i, l, at);
-    Corners corners;
+        return findCorners(i, l, at, corners);
+    corners.clear();
     const int first = core.indexOf(cell);
     const Vec3f up = y - Vec3f(low);
-    for (int k = 0; k < 8; ++k) {
-        const Ijk corner{k >> 2, k >> 1 & 1, k & 1};
+    auto parts = [](float u) { return std::array{1 - std::abs(u), 1 - std::abs(u - 1)}; };
+    const std::array<std::array<float, 2>, 3> part{parts(up.x), parts(up.y), parts(up.z)};
+    // Which are there changes from node to node: first a list without branches.
+    std::array<unsigned, 8> found;
+    std::array<float, 8> weight;
+    std::size_t count = 0;
+    for (unsigned k = 0; k < 8; ++k) {
+        const Ijk corner{int(k >> 2), int(k >> 1 & 1), int(k & 1)};
         const NodeIndex j = core.at(first + core.indexOfStep(corner));
-        if (j == kNoNode) continue;
-        const Vec3f from = up - Vec3f(corner);
-        const float weight =
-            (1 - std::abs(from.x)) * (1 - std::abs(from.y)) * (1 - std::abs(from.z));
-        if (weight >= kLight) addCorner(i, j, weight, from, corners);
+        weight[k] = part[0][k >> 2] * part[1][k >> 1 & 1] * part[2][k & 1];
+        found[count] = k;
+        count += std::size_t((j != kNoNode) & (weight[k] >= kLight));
     }
-    return corners;
+    for (std::size_t c = 0; c < count; ++c) {
+        const unsigned k = found[c];
+        const Ijk corner{int(k >> 2), int(k >> 1 & 1), int(k & 1)};
+        addCorner(i, core.at(first + core.indexOfStep(corner)), weight[k], up - Vec3f(corner),
+                  corners);
+    }
 }
 
 void Extension::addCorner(NodeIndex i, NodeIndex k, float weight, const Vec3f& from,
@@ -231,7 +248,7 @@ bool Extension::carryInSpace(NodeIndex i, const Corners& corners, Found& s) cons
     const auto weight = float(metric_.at(i)), width = float(jets_.buckets.width);
     for (std::size_t c = 0; c < count; ++c) {
         const JetState& state = jets_.state[corners.core[c]];
-        u[c] = (float(std::int32_t(state.bucket - first.bucket)) * width + state.rest) / weight;
+        u[c] = (float(std::int64_t(state.bucket) - first.bucket) * width + state.rest) / weight;
         mean[c] = meanWeight(core_.nodes[corners.core[c]].weight, weight);
     }
     // Directions in space, not in one plane, change the step by (k c)^2 / 12 at curvature k.
@@ -403,6 +420,7 @@ void extendJets(const CoreJets& jets, bool everywhere, Field& field) {
     const auto beside = everywhere ? std::vector<std::uint8_t>() : leavesReached(jets);
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         LeafNumbers<2> numbers;
+        Extension::Corners corners;
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
             if (!everywhere && !beside[l]) {
@@ -413,7 +431,7 @@ void extendJets(const CoreJets& jets, bool everywhere, Field& field) {
             numbers.fill(band, LeafIndex(l));
             for (NodeIndex i = leaf.band.firstNode; i < leaf.band.firstNode + leaf.band.count;
                  ++i) {
-                const NodeJet s = extension.at(i, LeafIndex(l), band.offset[i], numbers);
+                const NodeJet s = extension.at(i, LeafIndex(l), band.offset[i], numbers, corners);
                 field.distance[i] = s.distance;
                 field.gradient[i] = s.gradient;
                 if (!jets.label.empty()) field.label[i] = s.label;

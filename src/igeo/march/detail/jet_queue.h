@@ -86,7 +86,8 @@ public:
 
     /// Whether a node waits; drops the lists before firstBucket().
     bool anyWaits() {
-        for (std::uint32_t bucket = first_; bucket < first_ + kRing; ++bucket) {
+        for (std::uint32_t k = 0; k < kRing; ++k) {
+            const std::uint32_t bucket = first_ + k;
             if (waitsIn(bucket, ring_[bucket % kRing])) return true;
             ring_[bucket % kRing].clear();
         }

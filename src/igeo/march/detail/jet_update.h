@@ -2,8 +2,8 @@
 ///
 /// In the chart of a node it looks for the jet (value and gradient) at the origin that continues
 /// its neighbors' jets: a fit of each front that they belong to (jet_fit.h), and a fallback where
-/// the fit is in doubt (fermat_update.h). docs/method.md, "3. Local solve", has the
-/// thresholds.
+/// the fit is in doubt (fermat_update.h). docs/method.md, "3. Local solve", has
+/// the thresholds.
 #pragma once
 
 #include <igeo/march/detail/jet_fit.h>
