@@ -91,24 +91,25 @@ Reader colorMap(std::string& field) {
 }
 
 std::vector<Option> volumeOptions(ResultOptions& o) {
-    return {{.names = {"-o", "--output"},
-             .value = "FILE.vdb",
-             .text = "Distances as a VDB file; - writes to stdout [<sdf>_geodesic.vdb here, where no "
-                     "other result is asked for]",
-             .reads = text(o.output)},
-            {.names = {"--grids"},
-             .value = "LIST",
-             .text = "More grids in the output: surface (psi, first), gradient (of the distance), "
-                     "label (nearest seed), color, logmap, weight, curvature, engraved (isolines "
-                     "and paths cut into psi)",
-             .reads = gridList(o.grids)},
-            {.names = {"--extend"},
-             .text = "Cover the whole narrow band of the level set, not only the band marched",
-             .reads = flag(o.extend)},
-            {.names = {"--name"},
-             .value = "GRID",
-             .text = "Name of the distance grid [<psi>_geodesic]",
-             .reads = parsed(o.name, gridNameOf)}};
+    return {
+        {.names = {"-o", "--output"},
+         .value = "FILE.vdb",
+         .text = "Distances as a VDB file; - writes to stdout [<sdf>_geodesic.vdb here, where no "
+                 "other result is asked for]",
+         .reads = text(o.output)},
+        {.names = {"--grids"},
+         .value = "LIST",
+         .text = "More grids in the output: surface (psi, first), gradient (of the distance), "
+                 "label (nearest seed), color, logmap, weight, curvature, engraved (isolines "
+                 "and paths cut into psi)",
+         .reads = gridList(o.grids)},
+        {.names = {"--extend"},
+         .text = "Cover the whole narrow band of the level set, not only the band marched",
+         .reads = flag(o.extend)},
+        {.names = {"--name"},
+         .value = "GRID",
+         .text = "Name of the distance grid [<psi>_geodesic]",
+         .reads = parsed(o.name, gridNameOf)}};
 }
 
 std::vector<Option> curveOptions(ResultOptions& o) {
