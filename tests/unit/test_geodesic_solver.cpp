@@ -304,8 +304,8 @@ TEST_CASE("Distance: values at many points, with gradient and source") {
         CHECK(values[k].distance == d.at(points[k]));
         CHECK(values[k].source == (points[k].z > kCenter.z() ? 0 : 1));
         const Vec3d n = points[k] - c, away = seeds[values[k].source] - c;
-        // Measured: 1.4e-3.
-        CHECK(length(values[k].gradient + normalized(tangential(away, n))) < 2.1e-3);
+        // Measured: 1.6e-3.
+        CHECK(length(values[k].gradient + normalized(tangential(away, n))) < 2.4e-3);
     }
     CHECK(solver.unreached(true).valuesAt(points).front().source == kNoLabel);
     expectError(Error::Kind::InvalidArgument, {"point 1 at ", "raise maxSnap"}, [&] {
