@@ -3,19 +3,9 @@
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_blend.h>
-#include <igeo/march/detail/jet_extend.h>
+#include <igeo/march/detail/jet_state.h>
 
 namespace igeo {
-
-NodeJet Field::atCore(NodeIndex i) const { return extendJet(*core, i); }
-
-void extendToBand(Field& field) {
-    if (!field.core) return;
-    const auto core = std::move(field.core);
-    field.core = nullptr;
-    extendJets(*core, field.solved == core->state.size(), field);
-    field.summarize();
-}
 
 void Field::summarize() {
     constexpr std::size_t kChunk = 1 << 16;

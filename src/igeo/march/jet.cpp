@@ -2,7 +2,6 @@
 
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
-#include <igeo/march/detail/jet_extend.h>
 #include <igeo/march/detail/jet_queue.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>

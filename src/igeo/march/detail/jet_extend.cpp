@@ -1,10 +1,9 @@
-#include <igeo/march/detail/jet_extend.h>
-
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_blend.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
 #include <igeo/march/detail/leaf_numbers.h>
+#include <igeo/march/field.h>
 
 namespace igeo {
 
@@ -403,8 +402,10 @@ std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
     return gradients;
 }
 
-}  // namespace
-
+/// Fills distance, gradient and label on the whole band: core nodes have their own jets, the others
+/// take those of the core around their foot points.
+/// @param everywhere  whether the march reached all of the core; if not, leaves without a jet in or
+///                    next to them are skipped
 void extendJets(const CoreJets& jets, bool everywhere, Field& field) {
     const Band& band = jets.core->band;
     const std::vector<Vec3f> gradients = gradientsOf(jets);
@@ -440,9 +441,19 @@ void extendJets(const CoreJets& jets, bool everywhere, Field& field) {
     });
 }
 
-NodeJet extendJet(const CoreJets& jets, NodeIndex i) {
+}  // namespace
+
+NodeJet Field::atCore(NodeIndex i) const {
     const std::vector<Vec3f> none;
-    return Extension(jets, none).at(i);
+    return Extension(*core, none).at(i);
+}
+
+void extendToBand(Field& field) {
+    if (!field.core) return;
+    const auto core = std::move(field.core);
+    field.core = nullptr;
+    extendJets(*core, field.solved == core->state.size(), field);
+    field.summarize();
 }
 
 }  // namespace igeo

@@ -178,7 +178,7 @@ private:
             const float cosine = candidates.cosine(k);
             if (cosine < mayBeCrease)  // TangentFrame decides
                 link.a = frame.unfold(candidates.chord(k), candidates.normal(k), cosine);
-            // docs/method.md, jet, 4: weights.
+            // docs/method.md, "The metric": weights.
             if (core_.stretch.empty()) link.a = meanWeight(other.weight, node.weight) * link.a;
             if (cosine < kSmooth) link.key |= JetLink::kCrease;
             row.push_back(link);

@@ -1,5 +1,5 @@
 /// What one march of scheme `jet` knows, as plain data: its seeds, and the jets of the core so far.
-/// Changed by the march (jet.cpp), read by the extension to the rest of the band (jet_extend.h).
+/// Changed by the march (jet.cpp), read by the extension to the rest of the band (jet_extend.cpp).
 #pragma once
 
 #include <igeo/band/surface_point.h>
