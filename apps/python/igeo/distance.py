@@ -180,6 +180,28 @@ class Distance:
             _igeo.write_file(arguments.path(path, "path"), png)
         return png
 
+    def view(
+        self,
+        path: Path,
+        *,
+        color_map: str = "viridis",
+        spacing: Optional[float] = None,
+        up: ArrayLike = (0.0, 1.0, 0.0),
+        paths_from: Optional[ArrayLike] = None,
+        progress: Progress = None,
+    ) -> None:
+        """A page of HTML to turn and read in a browser, in one file that needs no network.
+
+        Options as of `image`. Raises Error where the library was built without three.js, FileError.
+        """
+        options = _igeo.Picture()
+        options.color_map = arguments.one_of(color_map, "color_map", _igeo.color_maps)
+        if spacing is not None:
+            options.spacing = arguments.number(spacing, "spacing") if spacing != 0 else -1.0
+        options.up(arguments.vector(up, "up"))
+        ends = np.empty((0, 3)) if paths_from is None else self.surface._positions(paths_from, "paths_from")
+        _igeo.write_file(arguments.path(path, "path"), self._made.page(options, ends, progress))
+
     @property
     def seeds(self) -> Floats:
         """(k, 3), the seeds on the surface."""

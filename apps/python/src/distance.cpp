@@ -79,9 +79,28 @@ py::bytes picture(const Distance& d, const igeo::PictureOptions& options,
             for (const igeo::Vec3d& v : d.path(target).points)
                 lines.back().vertices.push_back({d.band().transform.indexFromWorld(v)});
         }
-        // A mesh is drawn as it is given.
-        return d.band().triangles ? igeo::renderPng(d.field(), lines, options, p)
-                                  : igeo::renderPng(d.levelSet(p), d.field(), lines, options, p);
+        // The band of a level set may be a part of it.
+        const bool volume = d.surface().facts().kind == igeo::SurfaceFacts::Kind::LevelSet;
+        return volume ? igeo::renderPng(d.levelSet(p), d.field(), lines, options, p)
+                      : igeo::renderPng(d.field(), lines, options, p);
+    });
+}
+
+py::bytes page(const Distance& d, igeo::PictureOptions options, const Array<double>& targets,
+               const py::object& progress) {
+    const auto asked = pointsOf(targets);
+    const igeo::PictureOptions still = igeo::viewPicture();
+    options.width = still.width, options.height = still.height;
+    return inBackground(progress, [&](igeo::Progress& p) {
+        std::vector<igeo::NamedCurve> lines;
+        for (const igeo::Vec3d& target : asked) {
+            igeo::NamedCurve line;
+            line.name = "path_" + std::to_string(lines.size());
+            line.number = lines.size();
+            line.points = d.path(target).points;
+            lines.push_back(std::move(line));
+        }
+        return igeo::viewPage(igeo::viewScene(d, lines, options, {}, p));
     });
 }
 
@@ -144,6 +163,7 @@ void bindDistance(py::module_& module) {
         .def("paths", &paths, "targets"_a, "straighten"_a, "progress"_a)
         .def("isolines", &isolinesOf, "levels"_a, "progress"_a)
         .def("picture", &picture, "options"_a, "targets"_a, "progress"_a)
+        .def("page", &page, "options"_a, "targets"_a, "progress"_a)
         .def("write_grid", &writeGrid, "file"_a, "name"_a)
         .def("mesh", &meshOf, "progress"_a)
         .def("matrix", &matrixOf, "progress"_a)

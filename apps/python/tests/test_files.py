@@ -95,6 +95,16 @@ def test_pictures_and_notebooks(tmp_path, sphere_solver):
     assert "1 seeds" in repr(distance) and "band" in repr(sphere_solver) and "level_set" in repr(sphere_solver.surface)
 
 
+def test_the_page_is_one_file(tmp_path, sphere_solver):
+    distance = sphere_solver.distance([0, 0, 1.0])
+    try:
+        distance.view(tmp_path / "a.html", paths_from=[[1.0, 0, 0]], spacing=0.5)
+    except igeo.Error as missing:
+        pytest.skip(str(missing))
+    page = (tmp_path / "a.html").read_bytes()
+    assert page.startswith(b"<!") and b"path_0" in page and b"http-equiv" in page
+
+
 def test_vtk_is_longer_along_edges(tmp_path):
     """vtkDijkstraGraphGeodesicPath keeps to edges: never shorter, and equal along them."""
     vtk = pytest.importorskip("vtkmodules.all")
