@@ -44,7 +44,7 @@ void limitComputing(double seconds);
 /// Lets the process take no more memory than `bytes` beyond what it has now, so that sizes that a
 /// damaged file makes up end as std::bad_alloc and not by the system's choice of a victim. Nothing
 /// happens where a lower limit is set already, nor on systems other than Linux.
-/// @param threads  room for so many stacks comes on top
+/// @param threads  the stacks of so many are added
 void limitMemory(double bytes, int threads);
 
 /// The memory that the process may use, bytes: of the machine, of its control groups (containers),

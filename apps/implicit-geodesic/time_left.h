@@ -9,7 +9,7 @@
 /// Times are seconds on any one clock.
 class TimeLeft {
 public:
-    /// A stage that starts again, as a march that reaches further, begins anew. What comes from
+    /// A stage that starts again, as a march that reaches further, begins again. What comes from
     /// several threads may come in any order.
     void update(const char* stage, double fraction, double now) {
         if (stage != stage_ || fraction < fraction_ / 2)

@@ -150,7 +150,7 @@ public:
                      Progress& progress = Progress::none()) const;
 
     /// A polyline of this solver with its vertices at equal lengths along it: from its start, and
-    /// anew from each corner, the last piece before a corner and before the end being shorter. They
+    /// again from each corner, the last piece before a corner and before the end being shorter. They
     /// lie on the polyline given, so that the new one cuts over the edges of a mesh. The length is
     /// still that of the one given.
     /// @param step  world units

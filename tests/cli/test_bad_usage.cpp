@@ -72,7 +72,7 @@ TEST_CASE("a malformed value is refused before any file is read") {
         BadLine{"--memory-limit 4XB", {"--memory-limit", "'4XB'", "500MB"}},
         BadLine{"-q -v", {"--quiet", "--verbose"}},
         BadLine{"--sead 0,0,1", {"--sead", "did you mean '--seed'?"}},
-        BadLine{"--target 0 0 1", {"'0' stands by itself", "--target 0,0,1"}},
+        BadLine{"--target 0 0 1", {"'0' belongs to no option", "--target 0,0,1"}},
         BadLine{"a.vdb b.vdb", {"'b.vdb' belongs to no option"}},
         BadLine{"inf", {"'inf' is no command", "did you mean 'info'?"}},
         BadLine{"--scheme jet --scheme jet", {"--scheme", "2 times", "once"}});

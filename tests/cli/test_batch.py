@@ -349,7 +349,7 @@ class Batch(TempWorkspace):
         self.refused({"version": 2, "jobs": [{"seed": "1,0,0"}]}, UNUSABLE, "job 0", "has no name")
         self.refused({"version": 2, "defaults": {"name": "a"}, "jobs": [good]}, UNUSABLE, '"--name"')
         self.refused('{"version": 2, "jobs": [{"name": "a", "seed": "1,0,0", "seed": "0,1,0"}]}', UNUSABLE,
-                     "'seed' stands twice")
+                     "'seed' is twice")
         self.refused(with_job(good), UNUSABLE, "two jobs are named 'a'")
         self.refused(with_job(sead="1,0,0"), USAGE, "job 'a'", "--sead=1,0,0")
         self.refused(with_job(**{"--seed": "1,0,0"}), UNUSABLE, "job 'a'", "with and without dashes")

@@ -48,7 +48,7 @@ MISTAKES = [
     (f"{RUN} --band 100", USAGE, r"outside the bounds.*leave --band out"),
     (f"{RUN} --band-voxels 0.5", USAGE, r"outside the bounds"),
     # Points
-    (f"{SPHERE} --seed 0 0 1", USAGE, r"'0' stands by itself.*joined by commas: --seed 0,0,1"),
+    (f"{SPHERE} --seed 0 0 1", USAGE, r"'0' belongs to no option.*joined by commas: --seed 0,0,1"),
     (f"{SPHERE} --seed 0,0", USAGE, POINT),
     (f"{SPHERE} --seed 0,0,1,2", USAGE, POINT),
     (f"{SPHERE} --seed 0,0,x", USAGE, POINT),

@@ -11,7 +11,7 @@
 ///
 /// A job writes what its single run in the folder of the manifest would, byte by byte. It counts as
 /// done if the summary has it with the same program, options, content of inputs and content of
-/// outputs; times of files play no part.
+/// outputs; times of files have no effect.
 /// @return 0; the largest code of the jobs that failed; or kUnreached, if none did
 /// @throws igeo::Error  before anything runs: the manifest, options, outputs; later: the summary
 int batch(const BatchOptions& options, Console& console, ConsoleProgress& progress);

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Values of options by their names; sorted, so that the order of writing plays no part.
+/// Values of options by their names; sorted, so that the order of writing has no effect.
 using Values = std::map<std::string, Json>;
 
 /// The members of an object, but for its name.
@@ -169,7 +169,7 @@ std::vector<ManifestJob> readManifest(const std::string& file) {
         if (key != "version" && key != "defaults" && key != "jobs" && key != "files" &&
             key != "$schema")
             inputError(file + ": '" + key + "' is no member of a manifest",
-                       "options stand in \"defaults\" and in the jobs");
+                       "options belong to \"defaults\" and to the jobs");
     Values defaults;
     if (manifest.contains("defaults")) {
         const Json& given = manifest["defaults"];

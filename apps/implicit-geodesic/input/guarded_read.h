@@ -33,7 +33,7 @@ public:
 private:
     const std::lock_guard<std::mutex> alone_;
     const LibrariesSilenced silenced_;
-    const int exceptions_;  ///< on their way when it was made
+    const int exceptions_;  ///< in flight when it was made
 };
 
 /// ", did you mean 'FILE'?" with the name in its folder that is most like that of a file that is

@@ -17,7 +17,7 @@ Command batchCommand(BatchOptions& o) {
                       {130, "interrupted"}},
         .examples = {
             {"implicit-geodesic batch jobs.json",
-             "all jobs of jobs.json; once more after an interruption: those that are left"},
+             "all jobs of jobs.json; after an interruption: those that are left"},
             {"implicit-geodesic batch jobs.json --shard 2/8 --threads 1",
              "the second of eight parts of them, for eight processes on any machines"}}};
     command.add("Jobs",

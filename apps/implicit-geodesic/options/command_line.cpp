@@ -57,7 +57,7 @@ public:
         for (const Given& given : given_)
             if (given.here())
                 refuse(below.lastName() + " goes before all options, and " +
-                           given.option->longName() + " stands before it",
+                           given.option->longName() + " is before it",
                        below);
     }
     void refuseConflicts() const;
@@ -181,7 +181,7 @@ void refuseLooseNumbers(const std::vector<std::string>& words) {
         std::string joined = words[k];
         for (std::size_t n = k + 1; n < words.size() && numberOf(words[n]); ++n)
             joined += "," + words[n];
-        usageError("'" + words[k + 1] + "' stands by itself",
+        usageError("'" + words[k + 1] + "' belongs to no option",
                    "numbers of one option are joined by commas: " + words[k - 1] + " " + joined);
     }
 }

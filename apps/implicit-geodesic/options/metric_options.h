@@ -36,7 +36,7 @@ struct ObstacleBox {
     bool operator==(const ObstacleBox&) const = default;
 };
 
-/// What decides on the cost of ways: jobs on one surface that agree in it share what is read.
+/// What decides on the cost of paths: jobs on one surface that agree in it share what is read.
 struct MetricOptions {
     std::vector<igeo::GridSource> weights;  ///< also FILE of values per vertex
     std::optional<Given<igeo::CurvatureWeight>> weightCurvature;

@@ -58,7 +58,7 @@ void checkSeeds(const RunOptions& o) {
                    "give either --seed-curve or --seed-mask, and no other seed");
 }
 
-/// Refuses what options say against each other, which no file can mend.
+/// Refuses options that contradict each other, whatever the files hold.
 void checkTogether(const RunOptions& options) {
     checkSurface(options);
     checkKind(options);

@@ -172,7 +172,7 @@ void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
                                      : "seed " + std::to_string(k);
         report.warnings.push_back(
             fmt::format("{}{}: the front of another seed comes at {:.6g}, before the start at "
-                        "{:.6g}, which counts for nothing there",
+                        "{:.6g}, so it has no effect there",
                         part, name, s.arrival * band.transform.dx, s.start * band.transform.dx));
     }
 }

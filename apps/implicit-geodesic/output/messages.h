@@ -11,7 +11,7 @@
 #include "options/run_options.h"
 #include "output/report.h"
 
-/// Whether geodesics are traced: a few are always told; many only for a result that they are in.
+/// Whether geodesics are traced: a few always; many only for a result that they are in.
 bool showsPaths(const RunOptions& options, std::size_t targets);
 
 /// With -v: the band, the points and the metric.

@@ -11,7 +11,7 @@ namespace igeo {
 namespace {
 
 std::size_t hashOf(const Ijk& origin) {
-    // Leaves are 8 voxels wide: drop the zero bits, then mix (64-bit finaliser of SplitMix64).
+    // Leaves are 8 voxels wide: drop the zero bits, then mix (64-bit finalizer of SplitMix64).
     std::uint64_t key = (std::uint64_t(std::uint32_t(origin.x >> 3)) << 42) ^
                         (std::uint64_t(std::uint32_t(origin.y >> 3)) << 21) ^
                         std::uint64_t(std::uint32_t(origin.z >> 3));
@@ -92,7 +92,7 @@ void Band::buildTopology() {
 }
 
 void Band::numberCore(const std::vector<NodeIndex>& rim) {
-    // Half of an edge, and room for a psi that is 10 % off: where S has a hole in the core, fronts
+    // Half of an edge, and a margin for a psi that is 10 % off: where S has a hole in the core, fronts
     // would go around it.
     constexpr float kHalfEdge = 0.55f;
     // Whether the other end of the edge that S crosses lies on another sheet, in a plate thinner

@@ -14,7 +14,7 @@ std::pair<std::uint32_t, std::uint32_t> ends(const SurfaceTriangles::Triangle& t
 }
 
 /// Where a ray meets the plane of a triangle within it, or +infinity. (T. Moeller and B. Trumbore,
-/// 1997; edges count, with some room for rounding, so that no ray slips through between two.)
+/// 1997; edges count, with a margin for rounding, so that no ray slips through between two.)
 double meeting(const Vec3d& from, const Vec3d& dir, const Vec3d& a, const Vec3d& ab,
                const Vec3d& ac) {
     constexpr double kRoom = 1e-9;

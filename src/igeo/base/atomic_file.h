@@ -7,7 +7,7 @@
 namespace igeo {
 
 /// A file that is written under a temporary name in its final folder and renamed when complete.
-/// What stood under the final name before survives any failure. Links are followed; devices and
+/// The file that had the final name before survives any failure. Links are followed; devices and
 /// pipes are written directly.
 class AtomicFile {
 public:

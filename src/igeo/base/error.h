@@ -6,7 +6,7 @@
 
 namespace igeo {
 
-/// Thrown with what happened, where, the value seen, the value allowed, and the way out.
+/// Thrown with what happened, where, the value seen, the value allowed, and the remedy.
 class Error : public std::runtime_error {
 public:
     enum class Kind {
@@ -19,7 +19,7 @@ public:
     };
 
     /// @param what   one sentence: what is wrong, the value seen and the value allowed
-    /// @param remedy the way out, one line; may be empty
+    /// @param remedy the remedy, one line; may be empty
     Error(Kind kind, const std::string& what, std::string remedy = {})
         : std::runtime_error(what), kind_(kind), remedy_(std::move(remedy)) {}
 

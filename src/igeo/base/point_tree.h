@@ -13,7 +13,7 @@ namespace igeo {
 /// A balanced k-d tree over distinct points.
 ///
 /// The points are stored in an order of their own, which depends on where they are and not on the
-/// order they came in: whoever works in that order gets the same bytes for a shuffled input.
+/// order they came in: work in that order gives the same bytes for a shuffled input.
 class PointTree {
 public:
     using Index = std::uint32_t;

@@ -5,7 +5,7 @@
 
 namespace igeo {
 
-/// A seed, or a target with a start that plays no part, before it is put on the surface.
+/// A seed, or a target whose start has no effect, before it is put on the surface.
 struct Seed {
     Vec3d position;    ///< world or index space, as the caller says
     double start = 0;  ///< distance there, world units times weight, >= 0

@@ -47,7 +47,7 @@ public:
 
 private:
     void ask(int percent) const {
-        // Whoever comes while another asks takes the answer of before.
+        // A thread that asks while another does takes the last answer.
         const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
         if (lock.owns_lock() && host_.wasInterrupted(percent)) interrupted_ = true;
     }

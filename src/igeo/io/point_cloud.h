@@ -20,7 +20,7 @@ struct PointCloud {
 void requireUsable(const PointCloud& cloud);
 
 /// Each position once, sorted; of several points in one place the one whose normal is lowest by
-/// coordinates, so that the order of the input plays no part.
+/// coordinates, so that the order of the input has no effect.
 PointCloud distinctPoints(const PointCloud& cloud);
 
 }  // namespace igeo

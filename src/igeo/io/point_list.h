@@ -64,7 +64,7 @@ struct AskedCurve {
 };
 
 /// "x,y,z x,y,z vertex:12": points as parsePoint with blanks or semicolons between; the first
-/// once more at the end closes the curve. Empty unless the first word is a point.
+/// again at the end closes the curve. Empty unless the first word is a point.
 /// @throws Error  InvalidArgument for another word that is none
 AskedCurve parseCurve(const std::string& text);
 

@@ -247,7 +247,7 @@ void JetMarch::solveChunk(const Batch& batch, std::size_t begin, std::size_t end
     chunk.clear();
     Group group;
     group.jets.clear(core_.pull());
-    // Nodes of a bucket lie all over the surface: what they need is on its way before it is used.
+    // Nodes of a bucket lie all over the surface: what they need is fetched before it is used.
     constexpr std::size_t kNode = 16, kLinks = 8;
     for (std::size_t k = begin; k < end; ++k) {
         if (k + kNode < batch.nodes.size()) prefetchNode(batch.nodes[k + kNode]);

@@ -37,7 +37,7 @@ JetCorePtr jetCore(const Band& band, MetricPtr metric);
 
 /// Marches the jet of the distance (value and gradient along S) outward from `seeds`.
 ///
-/// Every band node carries the jet of its foot point y_i on S, so the band needs no room for paths
+/// Every band node carries the jet of its foot point y_i on S, so the band need not hold paths
 /// (h = sqrt(3) voxels is enough) and no neighbor is outside. The nodes of the core (Band) go
 /// through buckets of equal width in the distance; all nodes of a bucket are solved
 /// (detail/jet_update.h) from nodes of earlier buckets only and accepted together. So the work is
@@ -49,7 +49,7 @@ JetCorePtr jetCore(const Band& band, MetricPtr metric);
 /// tensor G (M&S 5.1). With tensors each solve is done in coordinates in which the metric of its
 /// tangent plane is Euclidean. Where that stretches the plane by more than 2, nodes use beyond
 /// their 26 neighbors those of Selling's reduction (detail/selling_reduction.h). Within a start
-/// disc are the foot points whose cost is at most that of `startRadius` voxels in the dearest
+/// disc are the foot points whose cost is at most that of `startRadius` voxels in the most expensive
 /// direction.
 /// @param core   the field points to its band
 /// @param seeds  at least one; a seed may start at a distance > 0. With several, Field::label is

@@ -42,7 +42,7 @@ public:
         for (int k = 0; k < 8; ++k) {
             const int a = k >> 2, b = k >> 1 & 1, c = k & 1;
             const double share = (a ? t.x : 1 - t.x) * (b ? t.y : 1 - t.y) * (c ? t.z : 1 - t.z);
-            if (share == 0) continue;  // Whatever is there, NaN too, plays no part.
+            if (share == 0) continue;  // Whatever is there, NaN too, has no effect.
             typename Grid::ValueType value;
             const bool active = voxels_.probeValue({low.x + a, low.y + b, low.z + c}, value);
             s.value += share * Sum(active ? value : background_);

@@ -17,7 +17,7 @@ namespace igeo {
 /// On a mesh it goes from triangle to triangle as if they were laid out flat, and past a vertex
 /// with the same angle on both sides: exact to rounding (TriangleWalk).
 /// @param direction index space; its part along S counts, not its length
-/// @param length    voxels, >= 0; weights and obstacles play no part
+/// @param length    voxels, >= 0; weights and obstacles have no effect
 /// @return status Reached: of the full length. Stalled: S ends before, at the edge of the band,
 ///         after Path::length. `target` is the start; the vertices' `distance` is their arc
 ///         length, as is Path::distance. Vertices are on S as described. Of a level set

@@ -231,7 +231,7 @@ bool Relaxation::shifted(const std::vector<double>& shift, double share, Curve& 
 void Relaxation::moveSingly(bool all) {
     for (std::size_t k = 1; k + 1 < c_.size(); ++k) {
         if (!all && stopped_[k] == 0) continue;
-        // Onto the chord of its neighbors, or as near as there is room.
+        // Onto the chord of its neighbors, or as near as obstacles allow.
         const Vec3d &a = c_[k - 1], &b = c_[k + 1];
         const double whole = dot(a + 0.5 * (b - a) - c_[k], across_[k]);
         const double before = costOf({a, c_[k], b});

@@ -22,7 +22,7 @@ struct MatrixPlace {
 struct DistanceMatrix {
     std::vector<MatrixPlace> seeds, targets;  ///< of its rows and its columns
     std::size_t firstRow = 0;                 ///< not 0 only in a part
-    std::vector<double> distance;  ///< row by row, world units times weight; +inf: no way between
+    std::vector<double> distance;  ///< row by row, world units times weight; +inf: no path between
     /// Between seeds: the largest |d_ij - d_ji| / (their mean), what one march and the one back
     /// differ by; NaN in a part, which does not know; else 0.
     double asymmetry = 0;
@@ -38,7 +38,7 @@ struct DistanceMatrix {
 /// one row or column: the distance between the nearest points of two groups.
 /// @param targets empty: the seeds themselves. Then d_ij is the mean of the marches from i and from
 ///                j (makeSymmetric)
-/// SurfacePoint::start plays no part.
+/// SurfacePoint::start has no effect.
 /// @throws Error  InvalidArgument without seeds; as marchJet; Cancelled
 /// Seeds run side by side, with at most one field per thread in memory. Same bits for any number
 /// of threads.
@@ -62,7 +62,7 @@ void makeSymmetric(DistanceMatrix& matrix);
 /// Comma-separated: a first line `target,x,y,z` and a name per seed, `distance_` and the name of
 /// the group or the number of the seed; then a line per target: its number or the name of its
 /// group, where it is on the surface (`nan` of a group), and its distance from each seed, `inf`
-/// where there is no way. Reading the numbers gives the same doubles.
+/// where there is no path. Reading the numbers gives the same doubles.
 std::string matrixCsv(const DistanceMatrix& matrix);
 
 /// NumPy's format, version 1.0: little-endian float64, C order, shape (seeds, targets), with

@@ -94,7 +94,7 @@ std::vector<SurfacePoint> farthestPoints(const Band& band, const MetricPtr& metr
     Farthest farthest(band, metric);
     if (count == 0 || count > farthest.candidates())
         throw Error(Error::Kind::InvalidArgument,
-                    fmt::format("{} points asked for; there is room for 1 to {}", count,
+                    fmt::format("{} points asked for; the surface has 1 to {}", count,
                                 farthest.candidates()),
                     "ask for fewer points, or take finer voxels");
     CancelOnly quiet(progress);

@@ -24,7 +24,7 @@ struct Isoline {
 /// A line goes from triangle to triangle over the edges whose ends lie on two sides of the level (a
 /// value equal to it counts as above), so it can neither break nor branch: on a closed surface that
 /// is reached everywhere all lines are closed. They end at the rim of an open surface, and where
-/// distances are unknown or an obstacle stands. The point on an edge is where sampleDistance()
+/// distances are unknown or an obstacle lies. The point on an edge is where sampleDistance()
 /// equals the level along the edge's projection to psi = 0, to 1e-6 voxels (along the edge itself
 /// where a corner of the cell is not in the band).
 /// @param mesh   surfaceMesh() of the same field

@@ -41,7 +41,7 @@ struct LogMap {
 /// @throws Error  InvalidArgument for a field that is not of marchJet, or of a tensor; Cancelled
 ///                through `progress`
 /// At the cut locus a node has the direction of one of its shortest geodesics. Where S has sharp
-/// corners, and in the shadow of an obstacle, geodesics are not straight all the way: there only
+/// corners, and in the shadow of an obstacle, geodesics are not straight all along: there only
 /// the length means something. Time O(n log n), about twice the work of the march, a good part of
 /// it on one thread. Error: some 0.01 degrees on average at radii of 40 voxels,
 /// tests/accuracy/test_log_map.cpp.

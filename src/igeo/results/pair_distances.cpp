@@ -38,7 +38,7 @@ private:
 
     std::vector<Group> groups() const;
     double straight(std::size_t k) const { return length(targets_[k] - sources_[k]); }
-    /// Where ways of this length lie between a group's points, and all that a march looks at.
+    /// Where paths of this length lie between a group's points, and all that a march looks at.
     std::vector<Ball> region(const Group& group, double reach) const;
     /// Solves a group near by; false if that takes the whole surface.
     bool solveAround(const Group& group);
@@ -100,7 +100,7 @@ bool PairSolver::solveOn(const Band& band, const MetricPtr& metric, const Group&
     bool snapped = snapTo(band, sources_[group.front()], source);
     JetOptions options;
     options.extend = surface_.paths != PairSurface::Paths::None;
-    // Room for the cells around a target at the very end.
+    // A margin for the cells around a target at the very end.
     options.maxDistance = reach + 2 * (metric ? metric->largest() : 1);
     for (const std::size_t k : group) {
         pairs_[k].source = source;

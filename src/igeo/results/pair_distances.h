@@ -45,7 +45,7 @@ struct PairSurface {
 
 /// Distances from sources[k] to targets[k] by marchJet.
 ///
-/// Pairs of one source share a march. A way of length L from s to t stays in the ball of radius L/2
+/// Pairs of one source share a march. A path of length L from s to t stays in the ball of radius L/2
 /// about their middle, and one of cost c is at most c / leastWeight long. So the march is on the
 /// band in such balls for a length of one and a half times the straight line, which doubles until
 /// all targets are found within it; what is found then is what a march on the whole surface finds.

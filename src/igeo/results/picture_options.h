@@ -18,7 +18,7 @@ struct PictureOptions {
     int isolineCount = 0;       ///< chosenLevels(); 0: by spacing
     double isolineSpacing = 0;  ///< world units times weight; 0: a round one that gives 10 to
                                 ///< 25 lines, negative: no lines
-    bool legend = true;         ///< where there is room for it
+    bool legend = true;         ///< where it fits
     std::string quantity = "distance",
                 unit;             ///< in the legend, UTF-8 of Latin-1; no unit: world units
     std::optional<Vec3d> eye;     ///< world; none: chosen

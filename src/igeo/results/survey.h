@@ -39,7 +39,7 @@ struct SurfaceComponent {
 /// Why results near a voxel are unreliable.
 enum class Unreliable {
     Bend,    ///< sqrt(3) voxels are more than the radius of curvature, M&S (14); by what factor
-    Facing,  ///< or more than half the way to a sheet that faces this one; by what factor
+    Facing,  ///< or more than half the distance to a sheet that faces this one; by what factor
     Rough,   ///< | |grad psi| - 1 | exceeds kGradientTolerance; by what factor
     Cut      ///< S is cut here: 1
 };
@@ -126,7 +126,7 @@ bool holdsPoints(const GridEntry& grid);
 /// @throws Error  Cancelled through `progress`, and what is neither BadInput nor Io
 FileSurvey surveyFile(const GridSource& source, Progress& progress = Progress::none());
 
-/// Surveys a mesh on voxels of size dx, by way of the level set that its band gives.
+/// Surveys a mesh on voxels of size dx, through the level set that its band gives.
 /// @param facts  meshFacts(mesh), as its Surface has them
 /// @throws Error  as bandFromMesh
 FileSurvey surveyMesh(const TriangleMesh& mesh, const MeshFacts& facts, double dx,

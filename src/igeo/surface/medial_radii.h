@@ -1,4 +1,4 @@
-/// How much room a surface has beside it.
+/// The clearance beside a surface.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -10,7 +10,7 @@ namespace igeo {
 
 /// Radii of medial balls: a ball that touches S in a point and holds nothing of S. The smaller of
 /// the two that a point has, one on each side, is the local bound of M&S (14), min(1 / M_S, W): it
-/// is at most the radius of curvature where S bends and half the way to a sheet that faces S.
+/// is at most the radius of curvature where S bends and half the distance to a sheet that faces S.
 struct MedialRadii {
     /// Per sample, sorted; kInfinity where nothing stops the ball.
     std::vector<double> radius;

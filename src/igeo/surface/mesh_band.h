@@ -18,7 +18,7 @@ namespace igeo {
 ///
 /// A mesh ends at its boundary, and the band with it: a voxel whose foot point lies on a boundary
 /// edge stays only if it is within half a voxel of the plane there, as a handle on the boundary
-/// itself. Holes and slits so remain, however narrow, and ways lead around them. Where a component
+/// itself. Holes and slits so remain, however narrow, and paths lead around them. Where a component
 /// has one side only (Moebius), the band is cut along one line across it.
 /// @param dx  voxel size, in the mesh's units; voxel centers at dx (i, j, k)
 /// @param h   half the band's thickness, voxels, sqrt(3)/2 to 8

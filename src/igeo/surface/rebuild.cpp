@@ -18,7 +18,7 @@ std::string where(const LoadedGrid& volume) {
     return " (file '" + volume.file + "', grid '" + volume.name + "')";
 }
 
-/// Inactive values count: the way to triangles looks at them.
+/// Inactive values count: the extraction of triangles reads them.
 void requireFinite(const LoadedGrid& volume) {
     for (auto it = volume.grid->tree().cbeginValueAll(); it; ++it) {
         if (std::isfinite(*it)) continue;

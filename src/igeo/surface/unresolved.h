@@ -30,7 +30,7 @@ struct Unresolved {
 /// Band::linked. Time O(n).
 double facingShare(const Band& band);
 
-/// Half the way to the nearest sheet that faces core node i, voxels; +infinity: none is near.
+/// Half the distance to the nearest sheet that faces core node i, voxels; +infinity: none is near.
 /// @param cosine  of the two normals, at most
 double reachAt(const Band& band, NodeIndex i, float cosine = Band::kOtherSheet);
 

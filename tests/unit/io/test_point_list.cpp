@@ -92,7 +92,7 @@ TEST_CASE("readSeeds: groups in the order of the file, or points") {
     for (const auto& [content, says] :
          {std::pair(R"({"groups": {}})", "groups"),
           {R"({"groups": 5})", "groups"},
-          {R"({"groups": {"a": [1], "a": [2]}})", "'a' stands twice"},
+          {R"({"groups": {"a": [1], "a": [2]}})", "'a' is twice"},
           {R"({"groups": [[1], 5]})", "group 1"},
           {R"({"groups": {"a": []}})", "group 'a'"},
           {R"({"groups": {"a": [1, "b"]}})", "group 'a', entry 1"},

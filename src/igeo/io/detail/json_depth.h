@@ -21,7 +21,7 @@ inline void requireShallow(int depth, const std::string& file) {
             "write the file again; nothing that is read from it is so deep");
 }
 
-/// Looks on as a file is parsed: the callback of nlohmann::json's parser. Of a member that stands
+/// Looks on as a file is parsed: the callback of nlohmann::json's parser. Of a member that is there
 /// twice a reader would see one only.
 /// @throws Error  BadInput
 template <typename Json>
@@ -38,7 +38,7 @@ public:
         const std::string name = value.template get<std::string>();
         if (!members_.back().insert(name).second)
             throw Error(Error::Kind::BadInput,
-                        file_ + ": '" + name + "' stands twice in one object",
+                        file_ + ": '" + name + "' is twice in one object",
                         "keep one; a list holds several values");
         return true;
     }

@@ -9,7 +9,7 @@ namespace igeo {
 
 /// Reads `v` and `f` of a Wavefront OBJ file; negative corner numbers count from the last vertex.
 /// Everything else is skipped. By hand, as the usual libraries round to float and number vertices
-/// anew.
+/// again.
 /// @param file   its name, for messages
 /// @param bytes  all of the file
 /// @throws Error  BadInput, with the line, for a vertex without three numbers and a corner that is

@@ -143,7 +143,7 @@ struct JetCore {
         return JetNeighbors::kLongest2 * l * l;
     }
 
-    /// Cost per unit length along S, in the cheapest and in the dearest direction.
+    /// Cost per unit length along S, in the cheapest and in the most expensive direction.
     double leastCostAt(NodeIndex core) const {
         const double weight = nodes[core].weight;
         return stretch.empty() ? weight : weight / double(stretch[core].largest());

@@ -30,7 +30,7 @@ struct Around {
 /// Gives nodes outside the core the jets of the core around their foot points.
 class Extension {
 public:
-    /// @param gradients  of the core, or empty: each is found anew
+    /// @param gradients  of the core, or empty: each is computed
     Extension(const CoreJets& jets, const std::vector<Vec3f>& gradients)
         : jets_(jets),
           core_(*jets.core),
@@ -60,7 +60,7 @@ public:
     /// The jet of a band node.
     /// @param l, at  its leaf and offset
     /// @param core   of the leaf
-    /// @param corners  room to work in
+    /// @param corners  scratch
     NodeJet at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
                Corners& corners) const;
     NodeJet at(NodeIndex i) const;

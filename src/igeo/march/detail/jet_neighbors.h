@@ -93,7 +93,7 @@ private:
     static Four load(const Array& v, int k) {
         return *reinterpret_cast<const Four*>(v.data() + 4 * k);
     }
-    /// The rest of a group counts for nothing: direction 0 belongs to no front.
+    /// The rest of a group has no effect: direction 0 belongs to no front.
     void pad(std::size_t k) {
         for (std::size_t i = k; i < k + 4; ++i) ax_[i] = ay_[i] = gx_[i] = gy_[i] = u_[i] = 0;
     }

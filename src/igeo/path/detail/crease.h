@@ -21,7 +21,7 @@ public:
     CreaseWatch(const Band& band, double length) : band_(band), length_(length) {}
 
     /// To be called after each step.
-    /// @param track  the walk so far; where it has come over a crease, its end is made anew
+    /// @param track  the walk so far; where it has come over a crease, its end is replaced
     /// @return whether it has
     bool unfold(std::vector<Walker>& track);
 

@@ -136,7 +136,7 @@ TriangleWalk::Turn TriangleWalk::turnAround(unsigned corner, unsigned first, dou
         const auto beyond = triangles_.beyond(side);
         if (!beyond) return turn;
         if (beyond->triangle == t_) {
-            // What lies on the other side of the way come.
+            // What lies on the other side of the path so far.
             turn.angle += angleBetween(otherEnd(*beyond) - center, -velocity_);
             turn.closed = true;
             return turn;

@@ -10,7 +10,7 @@ namespace igeo {
 namespace {
 
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
-constexpr float kMostPerVoxel = 2.5f;  ///< change of a distance, with room for its error
+constexpr float kMostPerVoxel = 2.5f;  ///< change of a distance, with a margin for its error
 
 bool crosses(float a, float b) { return (a < 0) != (b < 0) && std::abs(a - b) < kMostPerVoxel; }
 

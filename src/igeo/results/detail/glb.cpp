@@ -27,7 +27,7 @@ std::string chunk(const char* kind, std::string content, char filler) {
     return bytes + content;
 }
 
-/// The node of the mesh, turned the least way from `up` to y.
+/// The node of the mesh, turned by the least angle from `up` to y.
 std::string nodeJson(const Vec3d& up) {
     const Vec3d from = normalized(up), y{0, 1, 0};
     if (from == y) return R"({"mesh":0})";

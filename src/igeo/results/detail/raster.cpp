@@ -47,7 +47,7 @@ Raster::Raster(const SurfaceTriangles& triangles, const Frame& frame)
     forTiles([&](std::size_t tile, std::uint32_t t) { list_[next[tile]++] = t; });
 }
 
-/// What lies behind the eye is cut off; a pixel of room for rounding.
+/// What lies behind the eye is cut off; a margin of a pixel for rounding.
 Raster::Box Raster::boxOf(std::size_t triangle) const {
     constexpr double kNearest = 1e-6;  // voxels
     std::array<Vec3d, 3> v;

@@ -174,7 +174,7 @@ template <typename Visit>
 void TriangleTree::forPairs(std::size_t r, const Visit& visit) const {
     const std::size_t self = firstRun_ + r;
     forPairsOfRuns(r, r, visit);
-    // Runs that come later: below the right-hand siblings on the way up.
+    // Runs that come later: below the right-hand siblings on the path up.
     for (std::size_t up = self; up > 1; up /= 2) {
         if (up % 2 == 1) continue;
         std::array<std::size_t, 64> open{up + 1};

@@ -13,7 +13,7 @@ namespace igeo {
 /// Two triangles cross where no direction parts them: along each of the normals and the products
 /// of two edges (separating axes) they reach into each other by more than `tolerance`. So triangles
 /// that only touch do not, as neighbors along an edge or around a point. Triangles without area
-/// play no part.
+/// have no effect.
 /// @param tolerance  in the file's units; crossings of less may be missed
 /// @throws Error  Cancelled through `progress`
 /// Time O(n log n + pairs whose boxes meet), in parallel; 30 bytes per triangle.

@@ -54,7 +54,7 @@ private:
     double gapBetweenRims(NodeIndex i, NodeIndex j) const;
     bool atBoundary(NodeIndex i) const;
     void add(NodeIndex i, NodeIndex j) {
-        // Where normals turn too far a front cannot be carried on: it starts anew.
+        // Where normals turn too far a front cannot be carried on: it starts again.
         const bool jump = dot(on_.band.normal[i], on_.band.normal[j]) < 0.5f;
         bridges_.push_back({i, j, 1, jump});
     }

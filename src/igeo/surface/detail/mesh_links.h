@@ -48,7 +48,7 @@ std::vector<Bridge> bridgesOnMesh(const MeshBand& on, Progress& progress);
 /// Time O(n log n).
 double shareCutOff(const MeshBand& on);
 
-/// Each pair once, and no more per node than a march has room for; sorted.
+/// Each pair once, and no more per node than a march holds; sorted.
 std::vector<Bridge> thinned(std::vector<Bridge> bridges);
 
 }  // namespace igeo

@@ -102,7 +102,7 @@ private:
         Vec3d at;
         bool operator<(const Stop& o) const { return bound > o.bound; }
     };
-    /// Puts the ways out of a triangle onto the heap.
+    /// Puts the exits of a triangle onto the heap.
     void leave(std::uint32_t triangle, const Vec3d& at, double walked, std::uint32_t entry);
     /// Whether an edge of a triangle is met for the first time in this walk.
     bool isNew(std::uint64_t side);

@@ -14,7 +14,7 @@ namespace {
 
 /// Voxels. Below kAtSurface a point is on S: in a wall of one voxel the interpolant of psi has
 /// little more. kSlack is for foot points and normals beside creases; of a foot point off the
-/// interpolant's zero set, at corners by up to 0.48, up to kMostOff is made up for.
+/// interpolant's zero set, at corners by up to 0.48, up to kMostOff is compensated.
 constexpr double kAtSurface = 0.03, kSlack = 0.3, kMostOff = 0.5, kSpacing = 0.25;
 
 /// Sine of the angle by which normals turn away from each other on a convex part beyond doubt.
