@@ -58,6 +58,7 @@ run_tidy() {
 
 step "format" clang-format --dry-run --Werror "${sources[@]}"
 step "include arrows" tests/check_includes.sh
+step "words" scripts/check_words.py
 step "release, -Werror" cmake --preset release -DIGEO_WERROR=ON
 step "release build" scripts/build.sh release
 step "all tests" ctest --preset release -j2

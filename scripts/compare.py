@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Sets the program beside others: the same level set, the same seed, one run of each in turn.
+"""Compares the program with others: the same level set, the same seed, one run of each in turn.
 
-usage: scripts/compare.py --models DIR   everything; tables into docs/accuracy.md and README.md
+usage: scripts/compare.py --models DIR   everything; tables into docs/benchmarks.md and README.md
        scripts/compare.py --quick        small exact shapes only, nothing is written into docs
 
 The others are OpenVDB's maskSdf in the same band and, on the mesh that OpenVDB extracts, what
 igeo_peer has (cmake --preset release -DIGEO_PEERS=ON; vdb_tool is needed too): the heat method and
 exact geodesics of CGAL, Dijkstra of VTK. All start from the same point, the vertex of the extracted
-mesh that is nearest to the seed asked for, so that nobody pays for a seed between vertices. Truth is
-the exact solution of a shape, or the exact polyhedral distance on the mesh that a level set was made
-from. Times are medians of rounds in which every method runs once; what takes long runs once only.
-Claims of the documents are held against the results at the end.
+mesh that is nearest to the seed asked for, so that no method pays for a seed between vertices. The
+reference is the exact solution of a shape, or the exact polyhedral distance on the mesh that a level
+set was made from. Times are medians of rounds in which every method runs once; what takes long runs once only.
+At the end the claims of the documents are compared with the results.
 """
 import argparse
 import json

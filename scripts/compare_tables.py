@@ -1,7 +1,7 @@
 """What scripts/compare.py says of its results: tables, sentences, plots."""
 import measure
 
-ACCURACY = measure.ROOT / "docs" / "accuracy.md"
+BENCHMARKS = measure.ROOT / "docs" / "benchmarks.md"
 README = measure.ROOT / "README.md"
 IMAGES = measure.ROOT / "docs" / "images" / "accuracy"
 
@@ -168,7 +168,7 @@ def write_documents(results):
              "stages-bunny": lambda r: stages(r, "bunny-256-A"),
              "machine": lambda r: f"Measured on: {r['machine']}; command: `{r['command']}`."}
     for name, make in parts.items():
-        measure.rewrite(ACCURACY, f"compare-{name}", make(results))
+        measure.rewrite(BENCHMARKS, f"compare-{name}", make(results))
     measure.rewrite(README, "compare", readme(results))
 
 

@@ -1,7 +1,7 @@
 """What the scripts that measure share: processes, tables in documents, claims.
 
 Tables in documents are made and never typed: a script measures, `rewrite` puts its table between two
-marks of a document, and `check` holds what the text says against what was measured.
+marks of a document, and `check` compares what the text says with what was measured.
 """
 import dataclasses
 import json
@@ -157,7 +157,7 @@ def write(file, text):
 
 
 def rewrite(file, name, text):
-    """Replaces what stands in a document between
+    """Replaces what is in a document between
         <!-- NAME: begin (made by COMMAND) -->
         <!-- NAME: end -->
     and leaves the marks. Raises ValueError unless the document has them once."""
@@ -178,7 +178,7 @@ def save(results, file):
 
 
 def look_up(results, figure):
-    """What stands under a dotted key, such as table2.rate; None if it is not there."""
+    """The value of a dotted key, such as table2.rate; None if it is not there."""
     for key in figure.split("."):
         if not isinstance(results, dict) or key not in results:
             return None
@@ -191,7 +191,7 @@ def judge(claim, results):
     sentence, value = claim["says"], look_up(results, claim["figure"])
     text = " ".join(_read(ROOT / claim["where"]).split())
     if " ".join(sentence.split()) not in text:
-        return False, f"DOES NOT STAND in {claim['where']}: {sentence}"
+        return False, f"IS NOT IN {claim['where']}: {sentence}"
     if value is None:
         return None, f"not measured here: {sentence}"
     bounds = [(kind, claim[kind]) for kind in ("at most", "at least") if kind in claim]
@@ -203,8 +203,8 @@ def judge(claim, results):
 
 
 def check(results, script):
-    """Holds the claims of a script, such as scripts/reproduce.py, against its results. Prints a line
-    for each; false if one does not hold, or does not stand where it says."""
+    """Compares the claims of a script, such as scripts/reproduce.py, with its results. Prints a line
+    for each; false if one does not hold, or is not in the page that it names."""
     holds = True
     for claim in json.loads(CLAIMS.read_text(encoding="utf-8")):
         if script not in claim["command"].split():

@@ -37,7 +37,7 @@ QUICK = (
     ("fig9.trefoil.jet.length", -0.5, 0.5),
     ("fig9.trefoil.godunov.length", -0.5, 1),
     ("fig9.trefoil.jet.apart", 0, 1),  # voxels
-    ("fig10.trefoil.longer", 1.01, 3),  # it leaves the way that is shortest without weights
+    ("fig10.trefoil.longer", 1.01, 3),  # it leaves the path that is shortest without weights
     ("fig11.trefoil.natural.clear", -20, 0),  # it goes through the ball, so
     ("fig11.trefoil.around.clear", -0.5, 5),  # this one has to go around it
     ("fig12.narrowest.50 %", 0.95, 1.05),

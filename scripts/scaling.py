@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """What a march of `jet` over many machines would work and send, and what that would bring.
 
-usage: scripts/scaling.py            counts, model, tables and plot into docs/scaling.md: five minutes
+usage: scripts/scaling.py            counts, model, tables and plot into docs/scaling.md and
+                                     docs/distributed.md: five minutes
        scripts/scaling.py --quick    small, nothing is written into docs
 
 `igeo_bench domains` counts; the counts are the same on every machine. A model turns them into times:
@@ -16,7 +17,8 @@ import sys
 
 import measure
 
-DOCUMENT = measure.ROOT / "docs" / "scaling.md"
+SCALING = measure.ROOT / "docs" / "scaling.md"
+DISTRIBUTED = measure.ROOT / "docs" / "distributed.md"
 PLOT = measure.ROOT / "docs" / "images" / "scaling" / "speed.svg"
 
 SIZES, PARTS, PIECES, SEEDS = (100, 200, 400, 800, 1600), (4, 16, 64, 256, 1024), (1, 16, 64), (1, 100)
@@ -210,9 +212,9 @@ def main():
     if options.quick:
         print("\n\n".join((growth(runs), balance(runs), speed(runs, ()))))
     else:
-        for name, text in (("growth", growth(runs)), ("balance", balance(runs)), ("shapes", shapes(runs)),
-                           ("speed", speed(runs, BEYOND))):
-            measure.rewrite(DOCUMENT, f"scaling-{name}", text)
+        for name, make in (("growth", growth), ("balance", balance), ("shapes", shapes)):
+            measure.rewrite(DISTRIBUTED, f"scaling-{name}", make(runs))
+        measure.rewrite(SCALING, "scaling-speed", speed(runs, BEYOND))
         draw(runs)
     sys.exit(not measure.check(results, "scripts/scaling.py"))
 

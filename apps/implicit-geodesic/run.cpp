@@ -141,7 +141,7 @@ PreparedSolver prepareSolver(const igeo::Surface& surface, const RunOptions& o,
     return {igeo::GeodesicSolver(surface, options, progress), std::move(metric)};
 }
 
-int run(const RunOptions& options, const Console& console, ConsoleProgress& progress) {
+RunOutcome run(const RunOptions& options, const Console& console, ConsoleProgress& progress) {
     checkFiles(options);
     Stages stages(console, progress);
     const igeo::Surface surface = readSurface(options, stages);
@@ -151,8 +151,8 @@ int run(const RunOptions& options, const Console& console, ConsoleProgress& prog
     return runOn(prepareSolver(surface, options, stages), options, console, stages);
 }
 
-int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& console,
-          Stages& stages, const FileDigests& digests) {
+RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& console,
+                 Stages& stages, const FileDigests& digests) {
     const igeo::QueryRules rules{o.snap.value_or(-1), o.space,
                                  o.memoryLimit > 0 ? o.memoryLimit * kGiB : machineMemory()};
     const igeo::GeodesicSolver solver = prepared.solver.with(rules);
@@ -197,5 +197,5 @@ int runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& co
         writeDocument(o.report, reportJson(report, distance.field()));
         report.outputs.emplace_back("report", o.report);
     }
-    return tell(report, distance, o, console);
+    return {tell(report, distance, o, console), report.warnings};
 }

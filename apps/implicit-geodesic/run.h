@@ -27,13 +27,17 @@ igeo::SolverOptions solverOptions(const RunOptions& options);
 PreparedSolver prepareSolver(const igeo::Surface& surface, const RunOptions& options,
                              igeo::Progress& progress);
 
+struct RunOutcome {
+    int exitCode = 0;  ///< kDone or kUnreached
+    std::vector<std::string> warnings;
+};
+
 /// Reads, solves, writes: all of a job.
-/// @return kDone or kUnreached
 /// @throws igeo::Error
-int run(const RunOptions& options, const Console& console, ConsoleProgress& progress);
+RunOutcome run(const RunOptions& options, const Console& console, ConsoleProgress& progress);
 
 /// The same from the seeds on, with a solver for the job's surface, band and metric. Jobs may share
 /// one and run side by side; each writes what `run` would.
 /// @param digests  of input files, as far as they are known
-int runOn(const PreparedSolver& prepared, const RunOptions& options, const Console& console,
-          Stages& stages, const FileDigests& digests = {});
+RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& options, const Console& console,
+                 Stages& stages, const FileDigests& digests = {});

@@ -59,7 +59,7 @@ class Bench:
     build: pathlib.Path
     models: pathlib.Path | None
     out: pathlib.Path  # where the document is, and its pictures in images/reproduction
-    work: pathlib.Path  # files nobody keeps
+    work: pathlib.Path  # temporary files
     quick: bool
 
     @property

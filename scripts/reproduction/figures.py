@@ -23,7 +23,7 @@ def three_views(bench, figure, name, lines=0):
         words = [*bench.level_set(model, model.fine), "--seed", model.seed, "--snap", 1e3]
         views, up = model.views, model.up
     largest = bench.solve(*words)["distance"]["max"]
-    # --levels would do, but its spacing has six digits in the legend.
+    # --levels is simpler, but its spacing has six digits in the legend.
     levels = ["--spacing", f"{largest / lines:.2g}"] if lines else []
     images = []
     for k, view in enumerate(views, 1):

@@ -46,7 +46,7 @@ def table1_row(bench, name):
     else:
         model = bench.model(name)
         words = [*bench.level_set(model, model.voxels), "--seed", model.seed, "--snap", 1e3]
-        # Where folds or rims leave no room for 1.75 voxels, the default: sqrt(3).
+        # Where folds or rims do not allow 1.75 voxels, the default: sqrt(3).
         band = ["--band-voxels", "1.75"] if name == "knot" else []
     ours, godunov = least_time(bench, [*words, *band, "--scheme", "godunov", "--order", 1])
     _, jet = least_time(bench, words)
@@ -75,7 +75,7 @@ def table1(bench):
 
 
 def shortcut(h, radius=RADIUS):
-    """How much shorter the way to the opposite point is in the band than on the sphere: straight to
+    """How much shorter the path to the opposite point is in the band than on the sphere: straight to
     the inner sphere of radius R - h, around it and straight up again."""
     inner = radius - h
     straight = math.sqrt(radius * radius - inner * inner)

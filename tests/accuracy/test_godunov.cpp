@@ -54,7 +54,7 @@ TEST_CASE("godunov order 1 converges as the paper's Table 2") {
 }
 
 TEST_CASE("godunov order 2 in its default band") {
-    // Figures the scheme has to keep at N = 200 (docs/method.md, "How far off").
+    // Figures the scheme has to keep at N = 200 (docs/trials.md, "Width of the band for godunov").
     const Errors e = solveSphere(200, 0, 2);
     CHECK(e.unreached == 0);
     CHECK(e.max <= 0.6);

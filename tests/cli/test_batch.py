@@ -148,6 +148,37 @@ class TempWorkspace(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(self.folder)), before)
 
 
+class Log(TempWorkspace):
+    """What the runs warned of, and when jobs ended."""
+
+    def test_warnings_are_said_and_kept_and_the_log_grows(self):
+        self.write({"version": 2, "defaults": {"sdf": "torus.vdb", "seed": [1.4, 0, 0]},
+                    "jobs": [{"name": "idle", "obstacle-sphere": "9,9,9,1", "output": "idle.vdb"},
+                             {"name": "off", "target": [5, 5, 5], "output": "off.vdb"},
+                             {"name": "plain", "output": "plain.vdb"}]})
+        said = self.batch("--log", "log.jsonl", code=USAGE)
+        jobs = {job["name"]: job for job in self.summary()["jobs"]}
+        self.assertEqual(len(jobs["idle"]["warnings"]), 1)
+        self.assertIn("block", jobs["idle"]["warnings"][0])
+        self.assertIn("job 'idle': " + jobs["idle"]["warnings"][0], said)
+        self.assertEqual(jobs["plain"]["warnings"], [])
+        lines = [json.loads(line) for line in (self.folder / "log.jsonl").read_text().splitlines()]
+        self.assertEqual({line["job"]: line["status"] for line in lines},
+                         {"idle": "done", "off": "failed", "plain": "done"})
+        for line in lines:
+            self.assertRegex(line["time"], r"^20\d\d-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+            self.assertTrue(0 < line["seconds"] < 200)
+            self.assertEqual(line["warnings"], jobs[line["job"]]["warnings"])
+            self.assertEqual("error" in line, line["job"] == "off")
+        self.batch("--log", "log.jsonl", code=USAGE)  # only what failed runs once more
+        self.assertEqual(len((self.folder / "log.jsonl").read_text().splitlines()), len(lines) + 1)
+
+    def test_a_log_that_cannot_be_written_is_refused(self):
+        self.assertIn("nowhere/log", self.batch("--log", "nowhere/log", code=UNUSABLE))
+        self.assertIn("which is the log", self.batch("--log", "pairs.csv", code=USAGE))
+        self.assertFalse((self.folder / "jobs.summary.json").exists())
+
+
 class Batch(TempWorkspace):
     def single_runs(self):
         """The commands that --dry-run prints, one by one; then their outputs are taken away."""

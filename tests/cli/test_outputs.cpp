@@ -82,6 +82,25 @@ TEST_CASE("one run writes picture, mesh, isolines, matrix and all grids") {
     CHECK(outputs["mesh"] == "m.ply");
 }
 
+TEST_CASE("a volume that nobody named is written alone, or for what it should hold") {
+    const std::string run = "--sdf in.vdb --seed 0,0,1 -q ", volume = "in_geodesic.vdb";
+    const auto writesVolume = [&](const std::string& more) {
+        const TempWorkspace desk;
+        desk.make("in.vdb", "sphere --voxel-size 0.1");
+        requireDone(desk, run + more);
+        return desk.files().count(volume) == 1;
+    };
+    CHECK(writesVolume(""));
+    CHECK(writesVolume("--target 1,0,0"));
+    CHECK(writesVolume("--report r.json"));
+    CHECK(writesVolume("--grids label --isolines i.json"));
+    CHECK(writesVolume("--extend --isolines i.json"));
+    CHECK(writesVolume("--name d --isolines i.json"));
+    CHECK_FALSE(writesVolume("--isolines i.json"));
+    CHECK_FALSE(writesVolume("--target 1,0,0 --paths p.json --report r.json"));
+    CHECK_FALSE(writesVolume("--mesh-out m.ply -o other.vdb"));
+}
+
 TEST_CASE("samples are seeds, and their distances a symmetric matrix") {
     const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.05");

@@ -59,7 +59,7 @@ class Help(unittest.TestCase):
         self.assertEqual(OPTIONS["--quiet"], ("", "Print errors only"))
         self.assertEqual(set(INFO_OPTIONS) - set(OPTIONS), {"--json", "--unreliable"})
         self.assertEqual(INFO_OPTIONS["--json"][0], "")
-        self.assertEqual(set(COMMAND_OPTIONS["batch"]) - set(OPTIONS), {"--shard", "--summary", "--dry-run"})
+        self.assertEqual(set(COMMAND_OPTIONS["batch"]) - set(OPTIONS), {"--shard", "--summary", "--log", "--dry-run"})
         self.assertEqual(set(COMMAND_OPTIONS["batch merge"]), {"--output", "--matrix", "--help"})
 
     def test_is_as_wide_as_a_terminal(self):

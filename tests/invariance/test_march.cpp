@@ -140,7 +140,7 @@ TEST_CASE("a constant weight of 4 scales distances by 4 bitwise") {
 
 TEST_CASE("there is as far as back, within the scheme's error") {
     // Each way is off by the scheme's error, so the two differ by at most twice that: at h = 1.75
-    // voxels 4.2 % of the largest distance at order 1, 1.1 % at order 2 (docs/method.md, 2), and
+    // voxels 4.2 % of the largest distance at order 1, 1.1 % at order 2 (docs/trials.md), and
     // 0.1 % for jet, of second order: 0.005 % at a tube of 12 voxels' radius is 0.02 % at 6.
     const Band band = bandOf(torusGrid(), 1.75);
     const std::vector<Vec3d> points = torusPoints();
@@ -190,7 +190,7 @@ TEST_CASE("every accepted node has a linked neighbor nearer to a seed") {
 TEST_CASE("around the rim of a thin sheet, not through it") {
     // From the middle of one face to the middle of the other: over the nearer rim, two half widths
     // less the rim's radius each, and half a circle. The scheme is good for 4.2 % of that at order
-    // 1 (docs/method.md, 2); the rim, a circle of 1 voxel, is resolved to about a voxel or two.
+    // 1 (docs/trials.md); the rim, a circle of 1 voxel, is resolved to about a voxel or two.
     const openvdb::Vec3d center(0.137, -0.291, 0.413);
     const double halfX = 25, halfY = 14, thickness = 2;
     const double exact = 2 * (halfY - thickness / 2) + M_PI * thickness / 2;
@@ -225,7 +225,7 @@ TEST_CASE("values at points of a sheet thinner than two voxels are those of its 
         const Path path = tracePath(field, target);
         INFO("order " << order << ": " << d << ", exact " << exact << ", path "
                       << path.weightedLength);
-        // 4.2 % of the distance at order 1 (docs/method.md, 2), and half a voxel for the band,
+        // 4.2 % of the distance at order 1 (docs/trials.md), and half a voxel for the band,
         // which on so thin a sheet is one voxel layer on either side.
         CHECK(std::abs(d - exact) < 0.042 * exact + 0.5);
         CHECK(path.status == PathStatus::Reached);

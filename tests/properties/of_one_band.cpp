@@ -231,7 +231,7 @@ const std::vector<Property> kOfOneBand{
     // a lower solution of the scheme, which is monotone. Keys are rounded to 6e-8.
     {"godunov: below the straight line", godunovShortcut, 1e-4},
     {"godunov: several seeds above the least (share)", godunovSeveral, 1e-5},
-    // 4.2 % each way (docs/method.md, 2).
+    // 4.2 % each way (docs/trials.md).
     {"godunov: there and back (share)", symmetryOfGodunov, 0.084, kMeasured},
 };
 

@@ -16,6 +16,7 @@
 #include <optional>
 #include <utility>
 
+#include "batch/job_log.h"
 #include "batch/manifest.h"
 #include "batch/matrix_parts.h"
 #include "batch/plan.h"
@@ -64,11 +65,12 @@ private:
 /// A plan at work.
 class Batch {
 public:
-    Batch(const BatchPlan& plan, const std::string& summaryFile, bool verbose, Console& console,
+    Batch(const BatchPlan& plan, const BatchFiles& files, bool verbose, Console& console,
           ConsoleProgress& progress)
         : plan_(plan),
-          summaryFile_(summaryFile),
+          summaryFile_(files.summary),
           verbose_(verbose),
+          log_(files.log),
           console_(console),
           progress_(progress),
           summary_(plan.summary),
@@ -82,13 +84,14 @@ private:
     std::size_t prepareBand(const igeo::Surface& surface, const JobNumbers& group);
     double memoryFor(const JobNumbers& group) const;
     void runJob(const igeo::Surface& surface, SharedSolver& solver, std::size_t number);
-    void record(std::size_t number, JobRecord outcome);
+    void record(std::size_t number, JobRecord outcome, double seconds);
     void writeSummary();
     int tellEnd();
 
     const BatchPlan& plan_;
     const std::string summaryFile_;
     const bool verbose_;
+    JobLog log_;
     Console& console_;
     ConsoleProgress& progress_;
     Summary summary_;
@@ -96,7 +99,7 @@ private:
     std::size_t ended_;
     std::vector<std::size_t> unsaid_;  ///< of the records that the file does not have yet
     Clock::time_point nextWrite_{};
-    std::mutex mutex_;  ///< of records_, ended_ and the summary
+    std::mutex mutex_;  ///< of records_, ended_, the log and the summary
 };
 
 int Batch::run() {
@@ -161,7 +164,7 @@ std::optional<igeo::Surface> Batch::surfaceOf(const JobNumbers& group) {
         for (const std::size_t k : group) {
             JobRecord outcome = records_[k];
             outcome.fail(failure);
-            record(k, outcome);
+            record(k, outcome, 0);
         }
         return std::nullopt;
     }
@@ -200,25 +203,28 @@ double Batch::memoryFor(const JobNumbers& group) const {
 void Batch::runJob(const igeo::Surface& surface, SharedSolver& solver, std::size_t number) {
     const BatchJob& job = plan_.jobs[number];
     JobRecord outcome = records_.at(number);
+    const Clock::time_point begin = Clock::now();
     try {
         Console console(verbose_ ? Console::Level::Verbose : Console::Level::Quiet,
                         job.quoted() + ": ");
         ConsoleProgress quiet(ProgressWhen::Never);
         Stages stages(console, quiet);
-        outcome.exitCode = runOn(solver.prepared(surface, job.options, stages), job.options,
-                                 console, stages, plan_.inputDigests);
+        const RunOutcome ended = runOn(solver.prepared(surface, job.options, stages), job.options,
+                                       console, stages, plan_.inputDigests);
+        outcome.exitCode = ended.exitCode, outcome.warnings = ended.warnings;
         for (const std::string& file : outputFiles(job.options))
             outcome.outputs[file] = igeo::digestOfFile(file);
     } catch (...) {
         progress_.throwIfCancelled();
         outcome.fail(currentFailure());
     }
-    record(number, outcome);
+    record(number, outcome, std::chrono::duration<double>(Clock::now() - begin).count());
 }
 
-void Batch::record(std::size_t number, JobRecord outcome) {
+void Batch::record(std::size_t number, JobRecord outcome, double seconds) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!outcome.done()) outcome.outputs.clear();
+    log_.add(outcome, seconds);
     records_.at(number) = std::move(outcome);
     unsaid_.push_back(number);
     if (Clock::now() >= nextWrite_) writeSummary();
@@ -235,6 +241,12 @@ void Batch::writeSummary() {
     for (const std::size_t k : unsaid_) {
         const JobRecord& job = records_.at(k);
         const std::string name = plan_.jobs[k].quoted();
+        if (!verbose_ && !job.warnings.empty())  // else its own messages have them
+            console_.warning(fmt::format("{}: {}{}", name, job.warnings.front(),
+                                         job.warnings.size() == 1
+                                             ? ""
+                                             : fmt::format(" (and {} more in the summary)",
+                                                           job.warnings.size() - 1)));
         if (!job.done())
             Console::error(name + ": " + job.what, job.remedy);
         else if (job.exitCode == kUnreached)
@@ -257,15 +269,16 @@ int batch(const BatchOptions& options, Console& console, ConsoleProgress& progre
     const std::string manifest = wholeName(options.manifest);
     const std::string summary = options.summary.empty() ? defaultSummary(manifest, options.shard)
                                                         : wholeName(options.summary);
+    const BatchFiles files{manifest, summary, options.log.empty() ? "" : wholeName(options.log)};
     const std::vector<ManifestJob> jobs = readManifest(options.manifest);
     // Jobs then name their files as single runs in that folder do, in reports as well.
     fs::current_path(fs::path(manifest).parent_path());
-    const BatchPlan plan = planBatch(jobs, {manifest, summary}, options.shard, progress);
+    const BatchPlan plan = planBatch(jobs, files, options.shard, progress);
     if (options.dryRun) {
         printPlan(plan);
         return kDone;
     }
-    return Batch(plan, summary, options.verbose, console, progress).run();
+    return Batch(plan, files, options.verbose, console, progress).run();
 }
 
 int merge(const MergeOptions& options, Console& console) {

@@ -48,6 +48,7 @@ std::vector<BatchJob> parsedJobs(const std::vector<ManifestJob>& jobs) {
 void refuseConflicts(const std::vector<BatchJob>& jobs, const BatchFiles& files) {
     std::map<std::string, std::string> writers{{files.manifest, "is the manifest"},
                                                {files.summary, "is the summary"}};
+    if (!files.log.empty()) writers.emplace(files.log, "is the log");
     std::error_code ignored;
     for (const BatchJob& job : jobs)
         for (const std::string& file : outputFiles(job.options)) {

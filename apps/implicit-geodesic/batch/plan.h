@@ -28,7 +28,7 @@ struct BatchPlan {
 
 /// Files by their whole names.
 struct BatchFiles {
-    std::string manifest, summary;
+    std::string manifest, summary, log;
 };
 
 /// Parses and checks all jobs, and takes those of a shard. Names of files in the jobs are relative

@@ -17,8 +17,8 @@ const char* JobRecord::status() const {
 }
 
 bool JobRecord::operator==(const JobRecord& o) const {
-    return std::tie(index, name, exitCode, what, remedy, digest, outputs) ==
-           std::tie(o.index, o.name, o.exitCode, o.what, o.remedy, o.digest, o.outputs);
+    return std::tie(index, name, exitCode, what, remedy, warnings, digest, outputs) ==
+           std::tie(o.index, o.name, o.exitCode, o.what, o.remedy, o.warnings, o.digest, o.outputs);
 }
 
 int Summary::exitCode() const {
@@ -45,6 +45,7 @@ Json recordJson(const JobRecord& job) {
     if (!job.exitCode) return j;
     j["exitCode"] = *job.exitCode;
     if (!job.done()) j["error"] = {{"what", job.what}, {"remedy", job.remedy}};
+    j["warnings"] = job.warnings;
     j["digest"] = job.digest;
     j["outputs"] = job.outputs;
     return j;
@@ -60,6 +61,7 @@ JobRecord recordOf(const Json& j) {
         j["error"].at("what").get_to(job.what);
         j["error"].at("remedy").get_to(job.remedy);
     }
+    j.at("warnings").get_to(job.warnings);
     j.at("digest").get_to(job.digest);
     j.at("outputs").get_to(job.outputs);
     return job;

@@ -16,6 +16,7 @@ struct JobRecord {
     std::string name;
     std::optional<int> exitCode;                 ///< as of a run on its own; none: has not run
     std::string what, remedy;                    ///< where it failed
+    std::vector<std::string> warnings;           ///< of the run
     std::string digest;                          ///< of the program, the options and all inputs
     std::map<std::string, std::string> outputs;  ///< of each file its digest
 

@@ -29,6 +29,10 @@ Command batchCommand(BatchOptions& o) {
                   .value = "FILE",
                   .text = "What became of each job, as JSON [beside the jobs: jobs.summary.json]",
                   .reads = text(o.summary)},
+                 {.names = {"--log"},
+                  .value = "FILE",
+                  .text = "Append a line of JSON for each job as it ends: when, how long, warnings",
+                  .reads = text(o.log)},
                  {.names = {"--dry-run"},
                   .text = "Check all, and print each job, whether it is to do, and its command",
                   .reads = flag(o.dryRun)}});

@@ -12,6 +12,7 @@ struct BatchOptions : ProcessOptions {
     std::string manifest;  ///< file of the jobs
     Part shard;
     std::string summary;  ///< file; empty: named after the manifest
+    std::string log;      ///< file; empty: none
     bool dryRun = false;
 };
 

@@ -62,7 +62,8 @@ Reader colorMap(std::string& field) {
 std::vector<Option> volumeOptions(ResultOptions& o) {
     return {{.names = {"-o", "--output"},
              .value = "FILE.vdb",
-             .text = "Distances as a VDB file; - writes to stdout [<sdf>_geodesic.vdb, here]",
+             .text = "Distances as a VDB file; - writes to stdout [<sdf>_geodesic.vdb here, where no "
+                     "other result is asked for]",
              .reads = text(o.output)},
             {.names = {"--grids"},
              .value = "LIST",

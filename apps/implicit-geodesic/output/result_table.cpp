@@ -149,8 +149,19 @@ std::string pairsFile(const RunOptions& o, const std::string*) {
     return o.pairsOut.empty() && !o.pairs.empty() ? "-" : o.pairsOut;
 }
 
+/// Whether a result other than volume and report is asked for.
+bool asksForOther(const RunOptions& o) {
+    return std::any_of(resultKinds().begin(), resultKinds().end(), [&](const ResultKind& kind) {
+        return kind.name != std::string("distance") && kind.name != std::string("report") &&
+               !kind.file(o, nullptr).empty();
+    });
+}
+
+/// Without -o there is a volume if it is the only result, or if options say what it should hold.
 std::string volumeFile(const RunOptions& o, const std::string* grid) {
-    return o.hasSeeds() ? distanceFile(o, grid) : o.output;
+    const bool unnamed = o.output.empty() && o.grids.empty() && !o.extend && !o.withSign &&
+                         o.name.empty() && asksForOther(o);
+    return o.hasSeeds() && !unnamed ? distanceFile(o, grid) : o.output;
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ public:
     /// The geodesic from a foot point with normal `nj` to this one, `chord` away, as a vector of
     /// the plane: the chord turned into the plane and lengthened to the arc of the circle through
     /// both normals; over a crease, the straight line over both planes, unfolded (docs/method.md,
-    /// jet, 1).
+    /// "1. Chart").
     /// @param cosine  n . nj
     Vec2f unfold(const Vec3f& chord, const Vec3f& nj, float cosine) const {
         Vec2f over;

@@ -29,7 +29,7 @@ struct GodunovOptions {
 /// @param seeds   at least one; a seed may start at a distance > 0
 /// @throws Error  InvalidArgument for options or a metric out of range, Cancelled through
 ///         `progress`
-/// Time O(n log n) on one thread, 40 bytes per node. Error: docs/method.md, "How far off".
+/// Time O(n log n) on one thread, 40 bytes per node. Error: docs/trials.md.
 Field marchGodunov(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
                    const GodunovOptions& options = {}, Progress& progress = Progress::none());
 

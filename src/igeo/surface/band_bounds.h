@@ -28,7 +28,7 @@ BandBounds bandBounds(double largestCurvature, double reach, double halfWidth,
 /// Narrower, and fronts miss upwind neighbors at the edge of the band (distances too long); wider,
 /// and paths take short cuts through it (too short, by order h times curvature). At order 1 both
 /// errors are large and cancel best for e = 0.3; at order 2 the first is small and e = 0.12 is best
-/// (docs/method.md has the trials).
+/// (docs/trials.md).
 /// @param order of godunov, 1 or 2
 double defaultBandWidth(int order, double largestCurvature, const BandBounds& bounds);
 

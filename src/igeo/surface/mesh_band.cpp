@@ -21,7 +21,7 @@ constexpr double kRim = 1, kSharp = 0.9;
 
 /// How far beyond a boundary, along the plane there, a voxel still stands for a point on it.
 /// Without such voxels fronts would turn half a voxel before the boundary; with more, gaps close.
-/// Measured: docs/method.md.
+/// Measured: docs/trials.md, "Boundary of a mesh".
 constexpr double kBeyond = 0.5;
 
 /// Angle of a triangle at corner a.
@@ -168,7 +168,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     Band band;
     band.transform.dx = dx;
     band.h = h;
-    // In trials (docs/method.md): below this the arc is nearer the truth.
+    // Wider faces are followed plane by plane: docs/trials.md, "Meshes and level sets".
     constexpr double kFaceWidth = 1;
     band.faceted = meshArea(mesh) > kFaceWidth * kFaceWidth * double(mesh.triangles.size());
     numberNodes(normals, nearLeaves, band);

@@ -16,7 +16,7 @@
 namespace igeo {
 
 /// Costs along the two axes of a metric in a tangent plane may differ by this much before links are
-/// too few neighbors, and by this much at all: measured, docs/method.md.
+/// too few neighbors, and by this much at all: measured, docs/trials.md, "Tensors".
 constexpr float kLinksRatio = 2, kLargestRatio = 20;
 
 constexpr std::uint32_t kNoBucket = std::numeric_limits<std::uint32_t>::max();

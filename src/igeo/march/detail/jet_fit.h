@@ -4,7 +4,7 @@
 ///
 ///     u - u_j = (g + g_j) . a_j / (1 + g . g_j)                                  (circular step)
 ///
-/// exactly, and for a straight front as its limit; docs/method.md, jet, 2, derives it. The
+/// exactly, and for a straight front as its limit (docs/method.md, "2. Circular step"). The
 /// trapezoid rule (g + g_j) . a_j / 2 misses a^3 / (4 r^2) next to a source, and that stays for
 /// good.
 ///

@@ -2,7 +2,7 @@
 /// surface.
 ///
 /// The chart of a node is its tangent plane, with the surface around it laid out flat: the node at
-/// the origin, neighbor j at -a_j, its gradient turned along with it (docs/method.md, jet, 1).
+/// the origin, neighbor j at -a_j, its gradient turned along with it (docs/method.md, "1. Chart").
 #pragma once
 
 #include <igeo/band/tangent_frame.h>

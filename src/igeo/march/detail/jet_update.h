@@ -3,7 +3,7 @@
 /// In the chart of a node it looks for the jet (value and gradient) at the origin that continues
 /// its neighbors' jets, in three parts: the fronts that the neighbors belong to (jet_fronts.h), a
 /// fit of each front (jet_fit.h), and a fallback where the fit is in doubt (fermat_update.h).
-/// docs/method.md, jet, 3, has the thresholds.
+/// docs/method.md, "3. Local solve", has the thresholds.
 #pragma once
 
 #include <igeo/march/detail/fermat_update.h>
