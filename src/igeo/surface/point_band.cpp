@@ -4,6 +4,7 @@
 #include <igeo/base/detail/box.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
+#include <igeo/surface/detail/points_around.h>
 #include <igeo/surface/medial_radii.h>
 
 #include <algorithm>

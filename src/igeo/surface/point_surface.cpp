@@ -5,6 +5,7 @@
 #include <igeo/base/parallel.h>
 #include <igeo/base/symmetric_eigen.h>
 #include <igeo/surface/detail/orient_normals.h>
+#include <igeo/surface/detail/points_around.h>
 
 #include <algorithm>
 #include <array>
@@ -19,10 +20,9 @@ namespace {
 using Kind = Error::Kind;
 
 constexpr std::size_t kLeastPoints = 16;
-/// Neighbors that tell the spacing and the first normal: two rings of a square lattice.
-constexpr std::size_t kNear = 12;
-/// Those, and the point itself: found once for all that asks for them.
-constexpr std::size_t kRing = kNear + 1;
+/// Neighbors that tell the spacing and the first normal: two rings of a square lattice; with the
+/// point itself, found once for all that asks for them.
+constexpr std::size_t kNear = 12, kRing = kNear + 1;
 /// Neighbors in a fit: few where points are exact, as details count; as many as it takes to
 /// average where they scatter by `noise` spacings.
 std::size_t fittedAt(double noise) {
@@ -108,8 +108,7 @@ PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.f
         if (round == 1 && lost == 0) break;
         cloud = std::move(kept);
     }
-    density_.points = points_.size();
-    density_.spacing = quantile(spacing_, 0.5);
+    density_.points = points_.size(), density_.spacing = quantile(spacing_, 0.5);
     density_.spacing99 = quantile(spacing_, 0.99);
     density_.largestCurvature = quantile(curvature_, 0.95);
     std::vector<double> reach = spacing_;
@@ -151,9 +150,8 @@ void PointSurface::measureSpacing() {
 std::vector<char> PointSurface::strays() const {
     std::vector<char> off(points_.size());
     parallelFor(points_.size(), 512, [&](std::size_t begin, std::size_t end) {
-        std::vector<double> around;
         for (std::size_t i = begin; i < end; ++i) {
-            around.clear();
+            std::vector<double> around;
             for (std::size_t k = 0; k < kRing; ++k)
                 if (const Index j = ring_[kRing * i + k]; j != i) around.push_back(spacing_[j]);
             const double usual = quantile(around, 0.5);
@@ -184,8 +182,7 @@ double PointSurface::measureNoise(Progress& progress) {
     constexpr std::size_t kCount = 24;
     constexpr double kGrowth = 3;
     const std::size_t n = points_.size();
-    std::array<std::vector<double>, 2> relative;
-    for (auto& r : relative) r.resize(n);
+    std::array<std::vector<double>, 2> relative{std::vector<double>(n), std::vector<double>(n)};
     std::atomic<std::size_t> done{0};
     parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
@@ -198,8 +195,8 @@ double PointSurface::measureNoise(Progress& progress) {
         progress.update("fitting points", double(done += end - begin) / double(n) / 2);
     });
     progress.throwIfCancelled();
-    const double few = quantile(relative[0], 0.5), many = quantile(relative[1], 0.5);
-    return std::sqrt(std::max(0.0, (kGrowth * few - many) / (kGrowth - 1)));
+    const double left = kGrowth * quantile(relative[0], 0.5) - quantile(relative[1], 0.5);
+    return std::sqrt(std::max(0.0, left / (kGrowth - 1)));
 }
 
 void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count) {
@@ -269,7 +266,7 @@ PointSurface::PointFit PointSurface::fitAt(std::size_t i, std::size_t count,
     PointFit result{};
     result.normal = normals_[i];
     // Over the first plane, and again over the tangent plane of what came out.
-    for (int round = 0; round < 2; ++round) {
+    for (const int round : {0, 1}) {
         QuadricFit fit(result.normal, radius);
         double total = 0, squares = 0;
         for (const PointTree::Found& f : neighbors) {

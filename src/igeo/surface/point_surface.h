@@ -6,7 +6,6 @@
 #include <igeo/base/types.h>
 #include <igeo/io/point_cloud.h>
 #include <igeo/surface/cloud_density.h>
-#include <igeo/surface/detail/points_around.h>
 #include <igeo/surface/quadric_fit.h>
 
 #include <cstddef>
@@ -14,6 +13,8 @@
 #include <vector>
 
 namespace igeo {
+
+class PointsAround;
 
 /// The surface F = 0 of a cloud: at each point a quadric is fitted to its neighbors by least
 /// squares, and F blends them where they overlap,
