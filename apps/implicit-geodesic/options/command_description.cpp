@@ -26,7 +26,7 @@ std::string joined(const std::vector<std::string>& words, const char* separator)
 }
 
 /// In lines of columns() characters; those after the first begin in `column`, where the first
-/// stands already.
+/// begins.
 std::string wrapped(const std::string& text, std::size_t column) {
     std::istringstream words(text);
     std::string out;

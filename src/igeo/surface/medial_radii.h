@@ -15,7 +15,7 @@ struct MedialRadii {
     /// Per sample, sorted; kInfinity where nothing stops the ball.
     std::vector<double> radius;
     /// The same, of balls only that end at a sheet that faces the point, by the normals: half the
-    /// way to it.
+    /// distance to it.
     std::vector<double> facing;
 
     /// What a share of the samples falls below; kInfinity if there are none.

@@ -427,7 +427,7 @@ PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest,
     around.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
     for (int step = 0;; ++step) {
         if (squaredLength(y - middle) > margin * margin && step < kSteps / 2) {
-            // Far from where it began: begin anew from here.
+            // Far from where it began: begin again from here.
             neighbors.clear();
             around.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
         }

@@ -134,8 +134,8 @@ private:
             nearness_[k] = 1 / (square * (square + 0.1f));
             const V along = gx * ax + gy * ay, r = in(n.u) + base;
             const Mask ok = (startX * gx + startY * gy >= zero + jet::kSameFront) & (along > zero);
-            // |r g + a| is r + along to second order in a / r, and near a source a rough weight
-            // will do.
+            // |r g + a| is r + along to second order in a / r; near a source a rough weight is
+            // enough.
             const V w = ok ? along * along * nearness_[k] / (r + along) : zero;
             x += w * (r * gx + ax), y += w * (r * gy + ay);
         }

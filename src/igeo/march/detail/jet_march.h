@@ -1,0 +1,141 @@
+/// The march of scheme `jet` over the core of a band. Internal.
+#pragma once
+
+#include <igeo/march/detail/jet_queue.h>
+#include <igeo/march/detail/jet_start.h>
+#include <igeo/march/detail/jet_update.h>
+#include <igeo/march/jet_options.h>
+
+#include <algorithm>
+
+namespace igeo {
+
+/// The march over the core of a band, batch by batch: the nodes of the first buckets are solved
+/// from nodes accepted before, accepted together, and put their neighbors into later buckets.
+///
+/// Within a batch values are single, relative to its start, in units of cost; a group of nodes
+/// (JetGroup) counts them in units of the weight of each node.
+class JetMarch {
+public:
+    JetMarch(std::shared_ptr<const JetCore> core, const std::vector<SurfacePoint>& seeds,
+             const JetOptions& options);
+    void march(Progress& progress);
+    /// The field; the march is over then.
+    Field take();
+
+private:
+    struct Queued {
+        std::uint32_t bucket;
+        NodeIndex node;
+    };
+    struct Accepted {
+        NodeIndex node;
+        std::uint32_t label;
+        JetState state;
+    };
+    /// Part of a batch, for one thread: what it found out, to be written once all are solved.
+    struct Chunk {
+        std::vector<Accepted> accepted;
+        std::vector<Queued> queued;        ///< neighbors, into an earlier bucket than before
+        std::vector<Queued> deferred;      ///< nodes of the batch that are not final
+        std::vector<Queued> requeueLater;  ///< neighbors that are in the batch themselves
+        std::size_t fallbackCount = 0, stopNodes = 0;  ///< of the accepted nodes
+        bool tooFar = false;                           ///< a value beyond the last bucket
+        double heaviest = 0;
+
+        void clear() {
+            accepted.clear(), queued.clear(), deferred.clear(), requeueLater.clear();
+            fallbackCount = stopNodes = 0;
+        }
+    };
+    /// A node of a group.
+    struct Node {
+        NodeIndex core;
+        std::array<std::uint8_t, JetLinks::kMax> waiting;  ///< links to nodes without a jet
+        std::size_t waitingCount;
+        float jump;               ///< the least value over jumps, +inf without
+        std::uint32_t jumpLabel;  ///< its source
+    };
+    struct Group {
+        JetGroup jets;
+        std::array<Node, Lanes::kNodes> nodes;
+    };
+    /// What a solve comes to.
+    struct Result {
+        float u;  ///< relative to the start of the batch
+        Vec2f g;
+        std::uint32_t label;
+        bool usedFallback;
+    };
+
+    std::uint32_t bucketOf(double u) const { return jets_.buckets.bucketOf(u, kLastBucket); }
+    /// So many buckets after the start of a batch lies a value.
+    std::uint32_t bucketsTo(float u) const {
+        return std::uint32_t(std::clamp(double(u / width_), 0.0, double(kLastBucket)));
+    }
+    static std::uint32_t later(std::uint32_t bucket, std::uint32_t by) {
+        return by < kLastBucket - bucket ? bucket + by : kLastBucket;
+    }
+    /// How far beyond the start of a batch a value may lie and be final: nodes still to come lie
+    /// beyond the start, and a step from one of them costs more than half a voxel at the mean of
+    /// both costs. One bucket where costs are least, and many where they are large, so that these
+    /// need no march bucket by bucket.
+    float slackOf(NodeIndex i) const {
+        if (core_.leastAround.empty()) return width_;
+        return slackOf(i, core_.leastAround[i]);
+    }
+    float slackOf(NodeIndex i, float leastAround) const {
+        return float(options_.bucketWidth) * (float(core_.leastCostAt(i)) + leastAround) / 2;
+    }
+
+    void enqueueStartDiscs();
+    void initStopNodes();
+    Batch nextBatch();
+
+    /// The three phases of a batch: BucketQueue.
+    void process(const Batch& batch);
+    void solve(const Batch& batch, std::size_t chunkCount);
+    void accept(std::size_t chunkCount);
+    void collect(std::size_t chunkCount);
+
+    void solveChunk(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk);
+    void prefetchNode(NodeIndex i) const {
+        __builtin_prefetch(&core_.nodes[i]);
+        __builtin_prefetch(&jets_.state[i]);
+        core_.links.prefetchPlace(i);
+    }
+    void solveGroup(const Batch& batch, Group& group, Chunk& chunk);
+    void gather(NodeIndex i, const Batch& batch, Group& group) const;
+    void gatherJumps(const Batch& batch, Node& node) const;
+    /// Accepts a node and enqueues its neighbors if its value is final, else defers it.
+    void settle(const Node& node, Result s, const Batch& batch, Chunk& chunk);
+    /// The jet of its start disc, unless the front of another seed was there before.
+    Result exactNearSeed(NodeIndex core, const Result& s, const Batch& batch) const;
+    /// Not below the straight line from the seed.
+    float boundedBelow(NodeIndex i, float u, std::uint32_t label, const Batch& batch) const;
+    /// Whether a value at a core node is within JetOptions::below, or next to it.
+    bool withinLimit(NodeIndex i, float u, const Batch& batch) const;
+    JetState stateOf(const Result& s, const Batch& batch) const;
+    /// Puts the node at the other end of a link into the bucket of the value that a jet carries to
+    /// it, after the batch at the earliest.
+    void enqueue(const JetLink& link, NodeIndex from, const Result& jet, float radius,
+                 const Batch& batch, Chunk& chunk);
+    void enqueueJumps(NodeIndex from, const Result& jet, const Batch& batch, Chunk& chunk);
+    /// Puts a node into the bucket of a value, after the batch at the earliest.
+    void put(NodeIndex i, float u, const Batch& batch, Chunk& chunk);
+
+    const std::shared_ptr<const JetCore> shared_;
+    const JetCore& core_;
+    const JetOptions& options_;
+    CoreJets jets_;
+    BucketQueue queue_;
+    const StartDiscs discs_;
+    const float width_;     ///< of a bucket: half a voxel at the least cost
+    double heaviest_ = 0;   ///< the largest cost per unit length accepted so far
+    bool stopped_ = false;  ///< the limit ended the march
+    std::vector<Chunk> chunks_;
+    std::vector<bool> stopNodes_;  ///< nodes of the core that the march has to reach; empty: all
+    std::size_t stopNodesLeft_ = 0, accepted_ = 0, fallbackCount_ = 0, chunkSize_ = 0;
+};
+
+}  // namespace igeo
