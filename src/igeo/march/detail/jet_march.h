@@ -4,6 +4,7 @@
 #include <igeo/march/detail/jet_queue.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
+#include <igeo/march/field.h>
 #include <igeo/march/jet_options.h>
 
 #include <algorithm>
