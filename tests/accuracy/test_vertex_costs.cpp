@@ -56,13 +56,13 @@ TEST_CASE("slope on an inclined plane: a factor, the same up, down and across", 
         const double factor = 1 + std::pow(std::tan(angle) / std::tan(30 * kDegree), power);
         const MetricDefinition metric = slopeMetric(30, power);
         const VoxelOptions voxels{.resolution = 40};
-        // Measured 6.8e-8 at most.
+        // Measured 1.2e-7 at most: values of the march are in single precision.
         for (const Surface& surface :
              {Surface(slopeMesh(angle), voxels), Surface(cloud, voxels), Surface(*psi)}) {
             const GeodesicSolver solver = solverOn(surface, metric);
-            CHECK(between(solver, low, high) == Approx(0.8 * factor).epsilon(1e-7));
-            CHECK(between(solver, high, low) == Approx(0.8 * factor).epsilon(1e-7));
-            CHECK(between(solver, left, right) == Approx(0.8 * factor).epsilon(1e-7));
+            CHECK(between(solver, low, high) == Approx(0.8 * factor).epsilon(1.8e-7));
+            CHECK(between(solver, high, low) == Approx(0.8 * factor).epsilon(1.8e-7));
+            CHECK(between(solver, left, right) == Approx(0.8 * factor).epsilon(1.8e-7));
         }
     }
 }

@@ -35,12 +35,13 @@ TEST_CASE("help and version go to stdout, in the spelling of any tool") {
     CHECK(version.exitCode == 0);
     CHECK(version.err.empty());
     const std::vector<std::string> versions = lines(version.out);
-    REQUIRE(versions.size() == 5);
+    REQUIRE(versions.size() == 6);
     CHECK_THAT(versions[0], matches("implicit-geodesic [0-9]+\\.[0-9]+\\.[0-9]+"));
     CHECK_THAT(versions[1], matches("commit .+"));
     CHECK_THAT(versions[2], matches("OpenVDB [0-9.]+, file format [0-9]+"));
     CHECK_THAT(versions[3], matches("TBB [0-9.]+"));
     CHECK_THAT(versions[4], matches("compiler .+ [0-9.]+, .+"));
+    CHECK_THAT(versions[5], matches("(no )?three\\.js.*"));
     CHECK(desk.run("-V").out == version.out);
     const std::vector<std::string> brief = lines(desk.run("-h").out);
     CHECK(brief.size() <= 32);  // a screen
