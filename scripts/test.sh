@@ -15,7 +15,7 @@ esac
 
 scripts/setup.sh
 # The Python package is no part of what users build by default.
-if "$(command -v pybind11-config || echo false)" --version >/dev/null; then
+if pkg-config --exists pybind11; then
     cmake --preset release -DIGEO_PYTHON=ON
 fi
 scripts/build.sh release
