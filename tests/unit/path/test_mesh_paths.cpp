@@ -110,16 +110,17 @@ TEST_CASE("a path around a hole goes along its rim", "[mesh]") {
     const Solved s(mesh, 0.02, {-0.32, 0.03, 0});
     for (const Vec3d& p : {Vec3d{0.33, 0.05, 0}, Vec3d{0.2, -0.3, 0}, Vec3d{-0.1, 0.2, 0}}) {
         // Chords of half a degree are short by 1e-5.
-        CHECK(s.lengths(p)[1] == Approx(aroundDisc(hole, {-0.32, 0.03, 0}, p)).epsilon(3e-5));
+        CHECK(s.lengths(p)[1] ==
+              Approx(aroundDisc(hole, {-0.32, 0.03, 0}, p)).epsilon(3e-6));  // measured 1.9e-06
     }
 }
 
 TEST_CASE("the estimate on a mesh is the error of the distance, not that of lengths", "[mesh]") {
     const Solved s(turned(test::boxMesh({1, 0.7, 0.5})), 0.02, turned(Vec3d{0.31, 0.22, 0.5}));
     const AccuracyEstimate e = estimateAccuracy(s.field);
-    CHECK(e.samples >= 7);  // one lies close to the seed
-    CHECK(e.meanError < 0.0012);
-    CHECK(e.largestError < 0.004);
+    CHECK(e.samples >= 7);           // one lies close to the seed
+    CHECK(e.meanError < 1.4e-6);     // measured 8.9e-07
+    CHECK(e.largestError < 7.2e-6);  // measured 4.8e-06
 }
 
 TEST_CASE("a path ends at seeds on vertices and edges", "[mesh]") {

@@ -77,7 +77,7 @@ TEST_CASE("engraved: still a level set, and no different further away") {
     const LevelSet again = checkedLevelSet(c.grid);
     CHECK(again.stats.halfWidth == Approx(c.m.levelSet.stats.halfWidth));
     CHECK(again.stats.cutVoxels == 0);
-    CHECK(again.stats.gradientMedian == Approx(1).margin(0.01));
+    CHECK(again.stats.gradientMedian == Approx(1).margin(0.00074));  // measured 0.00049
 
     const auto points = c.points();
     const double reach = kGrooveRadius + c.m.levelSet.stats.halfWidth;
@@ -110,7 +110,7 @@ TEST_CASE("engraved: takes out half a tube along the line") {
     const double removed = openvdb::tools::levelSetVolume(*c.m.levelSet.psi, false) -
                            openvdb::tools::levelSetVolume(*grid, false);
     const double expected = M_PI / 2 * radius * radius * c.lines[0].length;
-    CHECK(removed == Approx(expected).epsilon(0.15));
+    CHECK(removed == Approx(expected).epsilon(0.14));  // measured 0.087
 }
 
 TEST_CASE("engraved: closed lines are closed, open ones are not, corners are round") {
@@ -151,7 +151,8 @@ TEST_CASE("engraved: of a wide level set a narrow band is left") {
     line.points = {levelSet.transform.indexFromWorld({0.5, 0.5, 0.9}),
                    levelSet.transform.indexFromWorld({0.5, 0.9, 0.5})};
     const auto grid = engraved(levelSet, {line}, {});
-    CHECK(checkedLevelSet(grid).stats.halfWidth == Approx(kEngravedWidth).margin(0.05));
+    CHECK(checkedLevelSet(grid).stats.halfWidth ==
+          Approx(kEngravedWidth).margin(0.026));  // measured 0.017
     std::size_t changed = 0;
     for (auto it = grid->cbeginValueOn(); it; ++it)
         changed += *it != wide->tree().getValue(it.getCoord());

@@ -38,8 +38,9 @@ double worstOnPlane(const Field& field, const LogMap& map, double weight = 1) {
     return worst;
 }
 
-// jet is exact on a plane up to the floats of its gradients, 1e-7 per step, some 30 of them.
-constexpr double kFloat = 5e-4;
+// jet is exact on a plane up to the floats of its gradients. Measured 2.7e-5, with a weight of 3
+// 1.1e-4.
+constexpr double kFloat = 5.7e-5;
 
 }  // namespace
 
@@ -74,7 +75,7 @@ TEST_CASE("logMap: each node in the frame of the seed it is nearest to; starts a
     REQUIRE(map.frames.size() == 2);
     // Where fronts meet, nodes lack the neighbors on the other side, and gradients are off by
     // some 2e-3.
-    CHECK(worstOnPlane(field, map) < 0.05);
+    CHECK(worstOnPlane(field, map) < 0.036);  // measured 0.024
     std::size_t second = 0;
     for (const auto l : field.label) second += l;
     CHECK(second > band.size() / 10);

@@ -95,7 +95,8 @@ TEST_CASE("surfaceGlb: attributes as glTF has them") {
         REQUIRE(glb.number("_DISTANCE", v, 0) == float(d));
         REQUIRE(glb.number("_LABEL", v, 0) == (isReached ? 0 : -1));
         REQUIRE(glb.number("TEXCOORD_0", v, 1) == (isReached ? 0 : 1));
-        REQUIRE(glb.number("TEXCOORD_0", v, 0) == Approx(isReached ? d / largest : 0).margin(2e-3));
+        REQUIRE(glb.number("TEXCOORD_0", v, 0) ==
+                Approx(isReached ? d / largest : 0).margin(7.6e-6));  // measured 5e-06
         REQUIRE(glb.number("COLOR_0", v, 1) == (isReached ? 0.25f : 0.5f));
         REQUIRE(accessors[0]["count"] == n);
     }

@@ -267,7 +267,7 @@ TEST_CASE("surfacePly and surfaceObj: world units, outward, also in a mirror") {
     const double largest = *std::max_element(m.mesh.distance.begin(), m.mesh.distance.end());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         const openvdb::Vec3d radial = position(i) - middle;
-        CHECK(radial.length() == Approx(0.8).epsilon(0.01));
+        CHECK(radial.length() == Approx(0.8).epsilon(0.0015));  // measured 0.00098
         CHECK(radial.unit().dot({vertices[i][3], vertices[i][4], vertices[i][5]}) > 0.99);
         const double share = m.mesh.distance[i] / largest;
         CHECK(vertices[i][6] == std::floor(255 * share + 0.5));
@@ -299,7 +299,8 @@ TEST_CASE("surfacePly and surfaceObj: world units, outward, also in a mirror") {
             REQUIRE(words);
             const Vec3d exact = m.band.transform.worldFromIndex(m.mesh.position[v]);
             CHECK((p - openvdb::Vec3d(exact.x, exact.y, exact.z)).length() < 1e-10);
-            CHECK(color.x() == Approx(m.mesh.distance[v] / largest).margin(1e-3));
+            CHECK(color.x() ==
+                  Approx(m.mesh.distance[v] / largest).margin(7.6e-5));  // measured 5e-05
             ++v;
         } else if (kind == "f") {
             std::size_t a, b, c;

@@ -46,7 +46,7 @@ TEST_CASE("checkLevelSet: 95th percentile of curvature within 1 percent on a sph
     // voxels; the bins of the histogram are 0.4 % wide.
     for (const double radius : {20.0, 33.3, 60.0}) {
         const double k = statsOf(sphere(kCenter, radius * 0.05), 0.05).largestCurvature;
-        CHECK(k * radius == Approx(1).epsilon(0.01));
+        CHECK(k * radius == Approx(1).epsilon(0.0031));  // measured 0.002
     }
 }
 
@@ -56,7 +56,7 @@ TEST_CASE("checkLevelSet: 95th percentile of curvature on a torus is that of the
     for (const double r : {16.0, 24.0}) {
         const double dx = 0.4 / r;
         const double k = statsOf(torus(kCenter, 1, 0.4), dx).largestCurvature;
-        CHECK(k * r == Approx(1).epsilon(0.01));
+        CHECK(k * r == Approx(1).epsilon(0.0016));  // measured 0.001
     }
 }
 

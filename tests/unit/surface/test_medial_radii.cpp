@@ -79,7 +79,8 @@ TEST_CASE("medial radii: an edge of 90 degrees counts as near as the point is, o
     // row of points is 0.025 off it, the last 2.025.
     const MedialRadii right = wedge(90);
     CHECK(right.radius.front() == Approx(0.025).epsilon(1e-9));
-    CHECK(MedialRadii::quantile(right.radius, 0.5) == Approx(1.025).margin(0.05));
+    CHECK(MedialRadii::quantile(right.radius, 0.5) ==
+          Approx(1.025).margin(0.037));  // measured 0.025
     CHECK(right.facing.front() == kInfinity);
     CHECK(wedge(30).radius.front() == kInfinity);
     // Beyond 100 degrees it is a fold of two sheets that face each other.

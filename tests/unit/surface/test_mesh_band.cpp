@@ -125,7 +125,8 @@ TEST_CASE("both sides of a sheet are one band that ends where the sheet does", "
     CHECK(field.reached == band.size());
     CHECK(at(band, field, {1.9, 0.9, 0}) == Approx(std::hypot(1.8, 0.8)).epsilon(1e-5));
     // On the rim itself, between voxels.
-    CHECK(at(band, field, {2, 0.512, 0}) == Approx(std::hypot(1.9, 0.412)).epsilon(1e-3));
+    CHECK(at(band, field, {2, 0.512, 0}) ==
+          Approx(std::hypot(1.9, 0.412)).epsilon(1e-6));  // measured 7e-09
 }
 
 TEST_CASE("sheets that face each other stay apart, however they are oriented", "[mesh]") {
@@ -167,7 +168,8 @@ TEST_CASE("a rolled sheet is walked along, not across", "[mesh]") {
         arc += length(spiral(4 * kPi * (k + 1) / kSteps) - spiral(4 * kPi * k / kSteps));
     const Band band = bandFromMesh(mesh, dx, kH);
     const Field field = march(band, spiral(0) + Vec3d{0, 0, 0.2});
-    CHECK(at(band, field, spiral(4 * kPi) + Vec3d{0, 0, 0.2}) == Approx(arc).epsilon(0.005));
+    CHECK(at(band, field, spiral(4 * kPi) + Vec3d{0, 0, 0.2}) ==
+          Approx(arc).epsilon(0.00042));  // measured 0.00028
 }
 
 TEST_CASE("a Moebius strip is reached all over", "[mesh]") {
@@ -258,7 +260,7 @@ TEST_CASE("where a mesh lies in space makes no difference", "[mesh]") {
     CHECK(missing == 0);
     CHECK(psiOff < 1e-5);
     // Rounding decides here and there between a fit and its fallback, of first order.
-    CHECK(off < 0.5);
+    CHECK(off < 0.15);                           // measured 0.1
     CHECK(sum / double(band.size()) < 7.8e-05);  // measured 5.2e-05
 }
 

@@ -207,7 +207,7 @@ TEST_CASE("mesh links: triangles that end on the edge of a larger one are joined
         const Field field = marchJet(band, nullptr, {nearestSurfacePoint(band, seed)});
         CHECK(field.reached == band.size());
         CHECK(sampleDistance(field, nearestSurfacePoint(band, target).pIndex) ==
-              Approx(length(target - seed)).margin(0.01));
+              Approx(length(target - seed)).margin(0.00029));  // measured 0.00019
     }
 }
 

@@ -60,7 +60,7 @@ TEST_CASE("Scatter is told from shape, and averaged out") {
         options.noise = noise;
         const PointSurface surface(sphereCloud(8000, 1, {}, options));
         const CloudDensity& density = surface.density();
-        CHECK(density.noise / density.spacing == Approx(noise).epsilon(0.15));
+        CHECK(density.noise / density.spacing == Approx(noise).epsilon(0.093));  // measured 0.062
         CHECK(density.isolated < 0.005 * 8000);
         CHECK(densityWarnings(density, "sphere").size() >= 1);
         // A weighted fit of K points, of which half count, has 3 / sqrt(K) of their scatter in the
