@@ -49,7 +49,8 @@ void handleFault(int signal) {
 }  // namespace
 
 void openStandardStreams() {
-    // open() takes the lowest descriptor that is free; opened the other way, so that using it fails.
+    // open() takes the lowest descriptor that is free; opened the other way, so that using it
+    // fails.
     for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
         if (::fcntl(fd, F_GETFD) < 0 &&
             ::open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)

@@ -111,8 +111,7 @@ std::vector<PointValue> Distance::valuesAt(const std::vector<Vec3d>& pWorld,
     const std::shared_ptr<const Field> field = forPoints(pWorld.size());
     parallelFor(values.size(), 64, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k)
-            values[k] =
-                valueAt(*field, nearest(pWorld[k], "point " + std::to_string(k) + " at"));
+            values[k] = valueAt(*field, nearest(pWorld[k], "point " + std::to_string(k) + " at"));
     });
     return values;
 }

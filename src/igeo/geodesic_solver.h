@@ -150,9 +150,9 @@ public:
                      Progress& progress = Progress::none()) const;
 
     /// A polyline of this solver with its vertices at equal lengths along it: from its start, and
-    /// again from each corner, the last piece before a corner and before the end being shorter. They
-    /// lie on the polyline given, so that the new one cuts over the edges of a mesh. The length is
-    /// still that of the one given.
+    /// again from each corner, the last piece before a corner and before the end being shorter.
+    /// They lie on the polyline given, so that the new one cuts over the edges of a mesh. The
+    /// length is still that of the one given.
     /// @param step  world units
     /// @throws Error  InvalidArgument for a step not above 0, or more than 1e7 vertices
     Polyline resampled(const Polyline& line, double step) const;

@@ -22,7 +22,8 @@ namespace igeo {
 
 namespace {
 
-/// Half the width of the level set that is made of a mesh or points, voxels: enough for differences.
+/// Half the width of the level set that is made of a mesh or points, voxels: enough for
+/// differences.
 constexpr double kLevelSetWidth = 3;
 
 /// Of a voxel size: that of a bad input, unless it was asked for.

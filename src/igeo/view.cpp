@@ -112,9 +112,10 @@ void addPicture(ViewScene& scene, const Field& field, const LevelSet* levelSet,
                 const std::vector<Path>& paths, PictureOptions picture, Progress& progress) {
     const double aspect = double(picture.height) / picture.width;
     const Band& band = *field.band;
-    const DrawnSurface surface = levelSet ? DrawnSurface(band, surfaceMesh(*levelSet, band, progress),
-                                                         levelSet->stats.cutVoxels == 0)
-                                          : DrawnSurface(band);
+    const DrawnSurface surface = levelSet
+                                     ? DrawnSurface(band, surfaceMesh(*levelSet, band, progress),
+                                                    levelSet->stats.cutVoxels == 0)
+                                     : DrawnSurface(band);
     const View view = chooseView(surface, field, paths, picture, aspect);
     picture.eye = view.eye, picture.lookAt = view.eye - view.depth * view.back;
     scene.toEye = view.back;
@@ -201,10 +202,9 @@ ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lin
     scene.colorMap = picture.colorMap;
     const double dx = field.band->transform.dx;
     scene.range = {{field.leastStart * dx, field.maxDistance * dx}};
-    scene.isolineSpacing =
-        picture.isolineCount > 0
-            ? (field.maxDistance - field.leastStart) * dx / (picture.isolineCount + 1)
-            : picture.isolineSpacing;
+    scene.isolineSpacing = picture.isolineCount > 0 ? (field.maxDistance - field.leastStart) * dx /
+                                                          (picture.isolineCount + 1)
+                                                    : picture.isolineSpacing;
     const bool volume = surface.facts().kind == SurfaceFacts::Kind::LevelSet;
     addPicture(scene, field, volume ? &distance.levelSet(progress) : nullptr,
                asPaths(lines, field.band->transform), picture, progress);

@@ -245,11 +245,11 @@ void Batch::writeSummary() {
         const JobRecord& job = records_.at(k);
         const std::string name = plan_.jobs[k].quoted();
         if (!verbose_ && !job.warnings.empty())  // else its own messages have them
-            console_.warning(fmt::format("{}: {}{}", name, job.warnings.front(),
-                                         job.warnings.size() == 1
-                                             ? ""
-                                             : fmt::format(" (and {} more in the summary)",
-                                                           job.warnings.size() - 1)));
+            console_.warning(fmt::format(
+                "{}: {}{}", name, job.warnings.front(),
+                job.warnings.size() == 1
+                    ? ""
+                    : fmt::format(" (and {} more in the summary)", job.warnings.size() - 1)));
         if (!job.done())
             Console::error(name + ": " + job.what, job.remedy);
         else if (job.exitCode == kUnreached)

@@ -27,9 +27,9 @@ JobLog::JobLog(const std::string& file) : file_(file) {
 
 void JobLog::add(const JobRecord& job, double seconds) {
     if (file_.empty()) return;
-    Json line = {{"time", nowUtc()},          {"job", job.name},
-                 {"status", job.status()},    {"exitCode", job.exitCode.value_or(0)},
-                 {"seconds", seconds},        {"warnings", job.warnings}};
+    Json line = {{"time", nowUtc()},       {"job", job.name},
+                 {"status", job.status()}, {"exitCode", job.exitCode.value_or(0)},
+                 {"seconds", seconds},     {"warnings", job.warnings}};
     if (!job.done()) line["error"] = {{"what", job.what}, {"remedy", job.remedy}};
     out_ << line.dump(-1, ' ', false, Json::error_handler_t::replace) << std::endl;
     if (!out_)

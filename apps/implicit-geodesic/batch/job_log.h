@@ -13,8 +13,8 @@ public:
     /// @throws igeo::Error  Io
     explicit JobLog(const std::string& file);
 
-    /// {"time", "job", "status", "exitCode", "seconds", "warnings", "error"}: when it ended (UTC), and
-    /// the wall time that it took. Not for two threads at once.
+    /// {"time", "job", "status", "exitCode", "seconds", "warnings", "error"}: when it ended (UTC),
+    /// and the wall time that it took. Not for two threads at once.
     /// @throws igeo::Error  Io
     void add(const JobRecord& job, double seconds);
 

@@ -15,11 +15,10 @@ Command batchCommand(BatchOptions& o) {
                       {3, "unusable input or output"},
                       {4, "all jobs are done, but a target is unreached"},
                       {130, "interrupted"}},
-        .examples = {
-            {"implicit-geodesic batch jobs.json",
-             "all jobs of jobs.json; after an interruption: those that are left"},
-            {"implicit-geodesic batch jobs.json --shard 2/8 --threads 1",
-             "the second of eight parts of them, for eight processes on any machines"}}};
+        .examples = {{"implicit-geodesic batch jobs.json",
+                      "all jobs of jobs.json; after an interruption: those that are left"},
+                     {"implicit-geodesic batch jobs.json --shard 2/8 --threads 1",
+                      "the second of eight parts of them, for eight processes on any machines"}}};
     command.add("Jobs",
                 {{.names = {"--shard"},
                   .value = "K/N",

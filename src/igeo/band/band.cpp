@@ -92,8 +92,8 @@ void Band::buildTopology() {
 }
 
 void Band::numberCore(const std::vector<NodeIndex>& rim) {
-    // Half of an edge, and a margin for a psi that is 10 % off: where S has a hole in the core, fronts
-    // would go around it.
+    // Half of an edge, and a margin for a psi that is 10 % off: where S has a hole in the core,
+    // fronts would go around it.
     constexpr float kHalfEdge = 0.55f;
     // Whether the other end of the edge that S crosses lies on another sheet, in a plate thinner
     // than a voxel: then this end is the nearest of its own.

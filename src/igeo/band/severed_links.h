@@ -17,7 +17,8 @@ using Link = std::pair<NodeIndex, NodeIndex>;
 struct Bridge {
     NodeIndex from = 0, to = 0;
     float stretch = 1;  ///< length of the path along the surface over that of the chord, laid flat
-    bool jump = false;  ///< a front starts again at the other end: over a gap, or where S turns back
+    bool jump =
+        false;  ///< a front starts again at the other end: over a gap, or where S turns back
 
     friend bool operator==(const Bridge&, const Bridge&) = default;
 };

@@ -38,8 +38,8 @@ JetCorePtr jetCore(const Band& band, MetricPtr metric);
 /// tensor G (M&S 5.1). With tensors each solve is done in coordinates in which the metric of its
 /// tangent plane is Euclidean. Where that stretches the plane by more than 2, nodes use beyond
 /// their 26 neighbors those of Selling's reduction (detail/selling_reduction.h). Within a start
-/// disc are the foot points whose cost is at most that of `startRadius` voxels in the most expensive
-/// direction.
+/// disc are the foot points whose cost is at most that of `startRadius` voxels in the most
+/// expensive direction.
 /// @param core   the field points to its band
 /// @param seeds  at least one; a seed may start at a distance > 0. With several, Field::label is
 ///              the source of a node (the earlier one where they tie), and fronts of different

@@ -20,8 +20,8 @@ using openvdb::CoordBBox;
 /// By how much the cube of a mask's voxel is grown to all sides: more than rounding and the turn of
 /// normals between neighbors, less than an opening that is meant. Mask voxels.
 constexpr double kFat = 0.1;
-/// How far above and below S a mask counts: half a voxel, and a margin for a psi that is 10 % off as
-/// the core has it. Mask voxels.
+/// How far above and below S a mask counts: half a voxel, and a margin for a psi that is 10 % off
+/// as the core has it. Mask voxels.
 constexpr double kReach = 0.6;
 /// S strays from a chord of length L by L^2 / (8 R); R is 2 voxels where it is sharpest.
 constexpr double kBulge = 1.0 / 16, kMostBulge = 1;

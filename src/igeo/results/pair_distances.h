@@ -45,10 +45,11 @@ struct PairSurface {
 
 /// Distances from sources[k] to targets[k] by marchJet.
 ///
-/// Pairs of one source share a march. A path of length L from s to t stays in the ball of radius L/2
-/// about their middle, and one of cost c is at most c / leastWeight long. So the march is on the
-/// band in such balls for a length of one and a half times the straight line, which doubles until
-/// all targets are found within it; what is found then is what a march on the whole surface finds.
+/// Pairs of one source share a march. A path of length L from s to t stays in the ball of radius
+/// L/2 about their middle, and one of cost c is at most c / leastWeight long. So the march is on
+/// the band in such balls for a length of one and a half times the straight line, which doubles
+/// until all targets are found within it; what is found then is what a march on the whole surface
+/// finds.
 /// @param sources, targets  index space, as many of either
 /// @param snap    how far they may be from S, voxels
 /// @throws Error  InvalidArgument for lists of different lengths, positions that are not finite, or

@@ -224,7 +224,8 @@ MeshEdges meshEdges(const SurfaceMesh& mesh) {
     MeshEdges edges;
     edges.ofTriangle.resize(mesh.triangles.size());
     for (std::size_t begin = 0; begin < half.size();) {
-        // Edges down come first; the i-th of them and the i-th edge up are the two sides of an edge.
+        // Edges down come first; the i-th of them and the i-th edge up are the two sides of an
+        // edge.
         std::size_t up = begin, end = begin;
         for (; end < half.size() && half[end].low == half[begin].low &&
                half[end].high == half[begin].high;

@@ -24,8 +24,8 @@ double defaultVoxelSize(const CloudDensity& density, PointBandKind kind);
 double defaultBandWidth(const CloudDensity& density, PointBandKind kind, double dx);
 
 /// M&S (14) for such a band: from defaultBandWidth() to below the radius of curvature (95th
-/// percentile) and half the distance between sheets that face each other (1st percentile, MedialRadii).
-/// Time O(n log n).
+/// percentile) and half the distance between sheets that face each other (1st percentile,
+/// MedialRadii). Time O(n log n).
 BandBounds bandBounds(const PointSurface& surface, PointBandKind kind, double dx);
 
 /// Numbers the voxels of the band on the lattice dx Z^3; their foot points and normals.

@@ -37,8 +37,7 @@ public:
         if (event != Event::key) return true;
         const std::string name = value.template get<std::string>();
         if (!members_.back().insert(name).second)
-            throw Error(Error::Kind::BadInput,
-                        file_ + ": '" + name + "' is twice in one object",
+            throw Error(Error::Kind::BadInput, file_ + ": '" + name + "' is twice in one object",
                         "keep one; a list holds several values");
         return true;
     }

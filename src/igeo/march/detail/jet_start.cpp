@@ -104,8 +104,8 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     const Vec3f chord(foot - seed.nearestTo(foot)), &normal = frame.normal();
     const float cosine = dot(normal, seeds.normal[k]), c = length(chord);
     const bool isotropic = core.stretch.empty();
-    // With tensors as far in cost as such a chord in the most expensive direction: along the cheap axis
-    // the lattice is coarse beside the bends of the front, further out than elsewhere.
+    // With tensors as far in cost as such a chord in the most expensive direction: along the cheap
+    // axis the lattice is coarse beside the bends of the front, further out than elsewhere.
     const double costThere = isotropic ? 0 : seedCost(core.band, seeds, k, chord);
     if (c > float(seeds.startRadius) &&
         (isotropic || costThere > seeds.startRadius * seeds.plane[k].largest()))

@@ -1,0 +1,141 @@
+/// From the core of a band to the rest of it, for scheme `jet`. Internal.
+#pragma once
+
+#include <igeo/march/detail/jet_start.h>
+#include <igeo/march/detail/jet_update.h>
+#include <igeo/march/detail/leaf_numbers.h>
+#include <igeo/march/field.h>
+
+#include <array>
+#include <vector>
+
+namespace igeo::jet {
+
+/// Nodes around a foot point that have a jet, in its chart, with the sources of their fronts.
+struct Around {
+    struct Node {
+        JetNeighbor jet;
+        std::uint32_t source;
+        bool overCrease;
+    };
+    std::array<Node, JetNeighbors::kMax> node;
+    std::size_t count = 0;
+
+    bool full() const { return count == node.size(); }
+    JetNeighbors all() const {
+        JetNeighbors all;
+        for (std::size_t k = 0; k < count; ++k) all.add(node[k].jet);
+        return all;
+    }
+};
+
+/// Gives nodes outside the core the jets of the core around their foot points.
+class Extension {
+public:
+    /// @param gradients  of the core, or empty: each is computed
+    Extension(const CoreJets& jets, const std::vector<Vec3f>& gradients)
+        : jets_(jets),
+          core_(*jets.core),
+          band_(core_.band),
+          metric_(core_.metric),
+          gradients_(gradients) {}
+
+    /// Core nodes beside a foot point, for the vector units.
+    struct Corners {
+        using Array = std::array<float, 8>;
+
+        void clear() { count = 0, simple = true, weight = {}; }
+
+        std::size_t count = 0;
+        bool simple = true;  ///< all are of one smooth sheet, of one source, and have a jet
+        std::array<NodeIndex, 8> core{};
+        alignas(16) Array weight{};       ///< trilinear; 0: none
+        alignas(16) Array x{}, y{}, z{};  ///< the chord from the foot point of the corner
+        alignas(16) Array gx{}, gy{}, gz{};
+
+        Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
+        Vec3f g(std::size_t k) const { return {gx[k], gy[k], gz[k]}; }
+        static jet::Four four(const Array& a, std::size_t k) {
+            return *reinterpret_cast<const jet::Four*>(a.data() + k);
+        }
+    };
+    /// The jet of a band node.
+    /// @param l, at  its leaf and offset
+    /// @param core   of the leaf
+    /// @param corners  scratch
+    NodeJet at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
+               Corners& corners) const;
+    NodeJet at(NodeIndex i) const;
+
+private:
+    /// A jet, its gradient over the weight.
+    using Found = NodeJet;
+
+    Vec3f gradientOf(NodeIndex k) const {
+        return gradients_.empty() ? jets_.gradientOf(k) : gradients_[k];
+    }
+    Found ofCore(NodeIndex k) const {
+        if (!jets_.accepted(k)) return {};
+        const std::uint32_t label = jets_.labelOf(k);
+        // The march holds to the bound in single precision.
+        const double bound = jets_.seeds.lines.from(label, core_.footOf(core_.nodes[k]));
+        return {std::max(jets_.valueOf(k), bound), gradientOf(k), label};
+    }
+    double weightOf(NodeIndex i) const {
+        return metric_.anisotropic() ? core_.localFrameInBand(i).weight : metric_.at(i);
+    }
+    /// Whether no severed links part node i from a core node.
+    bool isJoined(NodeIndex i, const JetNode& other) const {
+        return !(band_.facing[i] & Band::kBesideSevered) || band_.joined(i, core_.inBand(other));
+    }
+    double largestCost(NodeIndex i) const {
+        if (!metric_.anisotropic()) return metric_.at(i);
+        const LocalFrame local = core_.localFrameInBand(i);
+        return local.weight * double(local.stretch.largest());
+    }
+    /// @param from  from the voxel of core node k to the foot point of node i
+    void addCorner(NodeIndex i, NodeIndex k, float weight, const Vec3f& from,
+                   Corners& corners) const;
+    void findCorners(NodeIndex i, LeafIndex l, unsigned at, Corners& corners) const;
+    void findCorners(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
+                     Corners& corners) const;
+    /// A jet for a node outside the core.
+    Found extendTo(NodeIndex i, LeafIndex l, unsigned at, const Corners& corners) const;
+    /// What is left to do for any node.
+    NodeJet finished(NodeIndex i, Found s) const;
+
+    void addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
+                     const LocalFrame& local, Around& around) const;
+    Around around(NodeIndex i, const Corners& corners, const LocalFrame& local) const;
+    /// Every corner carries its jet to the foot point by the circular step (jet_fit.h).
+    /// @return false where they are not of one front
+    bool carryInSpace(NodeIndex i, const Corners& corners, Found& s) const;
+    /// The same with tensors.
+    Found carryInPlane(NodeIndex i, const Corners& corners) const;
+    /// Where the core around the foot point is not of one smooth front: as in the march.
+    Found solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const;
+    Found solve(const Around& around, const LocalFrame& local) const;
+    /// A jet of the chart, back on S; u relative to the least start.
+    Found fromChart(double u, Vec2f g, std::uint32_t label, const LocalFrame& local) const {
+        return {jets_.seeds.leastStart + local.weight * u,
+                local.frame.lift(core_.stretch.empty() ? g : local.stretch.covectorBack(g)), label};
+    }
+    /// Adds the nodes of the core around a node that have a jet.
+    /// @return whether any of it is on the node's sheet, reached or not
+    bool gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,
+                      const LocalFrame& local, Around& found) const;
+    /// The jet of the start disc that holds the foot point; s where none does.
+    Found exactNearSeed(NodeIndex i, const Found& s) const {
+        constexpr double kMargin = 3;  // voxels
+        return s.distance > jets_.seeds.largestInDisc + kMargin * largestCost(i) ? s : inDisc(i, s);
+    }
+    Found inDisc(NodeIndex i, const Found& s) const;
+
+    const CoreJets& jets_;
+    const JetCore& core_;
+    const Band& band_;
+    const Metric& metric_;
+    const std::vector<Vec3f>& gradients_;
+};
+
+}  // namespace igeo::jet
