@@ -128,7 +128,7 @@ class Distance:
             arguments.finite(values, "levels")
             if (values < 0).any():
                 raise InputError(f"levels has {values.min():g}; allowed are 0 and more")
-        found = self._made.isolines(np.sort(values).tolist(), progress)
+        found = self._made.isolines([float(level) for level in np.sort(values)], progress)
         return [Isoline(level, points, closed) for level, closed, points in found]
 
     def mesh(self, *, progress: Progress = None) -> Mesh:

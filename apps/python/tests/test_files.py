@@ -18,7 +18,7 @@ def test_vertices_are_those_of_the_program(tmp_path, whole):
     vertices, faces = ball(12)
     vertices = vertices * [1, 0.8, 0.6]
     write_off(tmp_path / "ball.off", vertices, faces)
-    seed = "vertex:40" if whole == "vertex" else ",".join(map(repr, vertices[40]))
+    seed = "vertex:40" if whole == "vertex" else ",".join(map(repr, vertices[40].tolist()))
     files = ["--per-vertex", tmp_path / "of_program.npy", "-o", "/dev/null"]
     run_program(tmp_path / "ball.off", "--seed", seed, "--resolution", 40, *files)
     expected = np.load(tmp_path / "of_program.npy")
