@@ -36,6 +36,15 @@ class Mesh(NamedTuple):
     normals: NDArray[np.float32]  # (n, 3), unit
 
 
+def _picture(color_map: str, spacing: Optional[float], up: ArrayLike) -> _igeo.Picture:
+    options = _igeo.Picture()
+    options.color_map = arguments.one_of(color_map, "color_map", _igeo.color_maps)
+    if spacing is not None:
+        options.spacing = arguments.number(spacing, "spacing") if spacing != 0 else -1.0
+    options.up(arguments.vector(up, "up"))
+    return options
+
+
 class Distance:
     """The distance from the seeds of Solver.distance, in world units times weight.
 
@@ -163,19 +172,14 @@ class Distance:
         times weight; 0: none; None: a round one. eye, look_at: (3,), where from and where to. up:
         (3,). paths_from: points or vertices whose paths are drawn.
         """
-        options = _igeo.Picture()
+        options = _picture(color_map, spacing, up)
         options.width, options.height = int(width), int(height)
-        options.color_map = arguments.one_of(color_map, "color_map", _igeo.color_maps)
-        if spacing is not None:
-            options.spacing = arguments.number(spacing, "spacing") if spacing != 0 else -1.0
         options.legend = bool(legend)
-        options.up(arguments.vector(up, "up"))
         if eye is not None:
             options.eye(arguments.vector(eye, "eye"))
         if look_at is not None:
             options.look_at(arguments.vector(look_at, "look_at"))
-        ends = np.empty((0, 3)) if paths_from is None else self.surface._positions(paths_from, "paths_from")
-        png = self._made.picture(options, ends, progress)
+        png = self._made.picture(options, self._ends(paths_from), progress)
         if path is not None:
             _igeo.write_file(arguments.path(path, "path"), png)
         return png
@@ -194,13 +198,11 @@ class Distance:
 
         Options as of `image`. Raises Error where the library was built without three.js, FileError.
         """
-        options = _igeo.Picture()
-        options.color_map = arguments.one_of(color_map, "color_map", _igeo.color_maps)
-        if spacing is not None:
-            options.spacing = arguments.number(spacing, "spacing") if spacing != 0 else -1.0
-        options.up(arguments.vector(up, "up"))
-        ends = np.empty((0, 3)) if paths_from is None else self.surface._positions(paths_from, "paths_from")
-        _igeo.write_file(arguments.path(path, "path"), self._made.page(options, ends, progress))
+        page = self._made.page(_picture(color_map, spacing, up), self._ends(paths_from), progress)
+        _igeo.write_file(arguments.path(path, "path"), page)
+
+    def _ends(self, paths_from: Optional[ArrayLike]) -> Floats:
+        return np.empty((0, 3)) if paths_from is None else self.surface._positions(paths_from, "paths_from")
 
     @property
     def seeds(self) -> Floats:
