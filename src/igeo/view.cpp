@@ -7,7 +7,7 @@
 #include <igeo/base/parallel.h>
 #include <igeo/base/version.h>
 #include <igeo/results/detail/camera.h>
-#include <igeo/results/detail/drawn_surface.h>
+#include <igeo/results/detail/drawn_picture.h>
 #include <igeo/results/picture.h>
 #include <igeo/results/refined_mesh.h>
 
@@ -106,22 +106,23 @@ std::vector<Path> asPaths(const std::vector<NamedCurve>& lines, const Similarity
     return paths;
 }
 
+/// The level set that pictures show, as the band of a volume may be a part of it; null: the band.
+const LevelSet* shownLevelSet(const Distance& distance, Progress& progress) {
+    const bool volume = distance.surface().facts().kind == SurfaceFacts::Kind::LevelSet;
+    return volume ? &distance.levelSet(progress) : nullptr;
+}
+
 /// The first view, and a picture from there.
 /// @param levelSet  the surface; null: that of the field's band
 void addPicture(ViewScene& scene, const Field& field, const LevelSet* levelSet,
                 const std::vector<Path>& paths, PictureOptions picture, Progress& progress) {
     const double aspect = double(picture.height) / picture.width;
-    const Band& band = *field.band;
-    const DrawnSurface surface = levelSet
-                                     ? DrawnSurface(band, surfaceMesh(*levelSet, band, progress),
-                                                    levelSet->stats.cutVoxels == 0)
-                                     : DrawnSurface(band);
+    const DrawnSurface surface = drawnSurface(levelSet, *field.band, progress);
     const View view = chooseView(surface, field, paths, picture, aspect);
     picture.eye = view.eye, picture.lookAt = view.eye - view.depth * view.back;
     scene.toEye = view.back;
     scene.up = normalized(picture.up);
-    scene.still = levelSet ? renderPng(*levelSet, field, paths, picture, progress)
-                           : renderPng(field, paths, picture, progress);
+    scene.still = renderPng(surface, field, paths, picture, progress);
 }
 
 /// Thins the mesh out and says so.
@@ -205,10 +206,15 @@ ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lin
     scene.isolineSpacing = picture.isolineCount > 0 ? (field.maxDistance - field.leastStart) * dx /
                                                           (picture.isolineCount + 1)
                                                     : picture.isolineSpacing;
-    const bool volume = surface.facts().kind == SurfaceFacts::Kind::LevelSet;
-    addPicture(scene, field, volume ? &distance.levelSet(progress) : nullptr,
+    addPicture(scene, field, shownLevelSet(distance, progress),
                asPaths(lines, field.band->transform), picture, progress);
     return scene;
+}
+
+std::string renderPng(const Distance& distance, const std::vector<NamedCurve>& lines,
+                      const PictureOptions& options, Progress& progress) {
+    return renderPng(shownLevelSet(distance, progress), distance.field(),
+                     asPaths(lines, distance.band().transform), options, progress);
 }
 
 ViewScene viewScene(const FileSurvey& survey, const ViewLimits& limits, Progress& progress) {

@@ -1,4 +1,4 @@
-/// Distances as a page to be turned and read in a browser.
+/// Distances as a picture, and as a page to be turned and read in a browser.
 #pragma once
 
 #include <igeo/distance.h>
@@ -10,6 +10,12 @@
 #include <vector>
 
 namespace igeo {
+
+/// The surface with its distances and paths as the bytes of a PNG file: renderPng of
+/// results/picture.h, with the level set of a volume and the triangles of a mesh.
+/// @param lines  paths, world units
+std::string renderPng(const Distance& distance, const std::vector<NamedCurve>& lines,
+                      const PictureOptions& options = {}, Progress& progress = Progress::none());
 
 /// How large pages may become.
 struct ViewLimits {

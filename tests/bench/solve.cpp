@@ -149,7 +149,7 @@ void benchPicture(const Arguments& args) {
     options.unit = "% of the largest";
     if (args.has("camera")) options.eye = args.point("camera");
     if (args.has("up")) options.up = args.point("up");
-    writeFile(args.text("image"), renderPng(levelSet, error, {}, options));
+    writeFile(args.text("image"), renderPng(&levelSet, error, {}, options));
     std::printf("{\"nodes\": %zu}\n", near.size());
 }
 

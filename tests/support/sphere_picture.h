@@ -101,7 +101,7 @@ struct SpherePicture : Pinned {
     }
 
     std::string render(const PictureOptions& options, const std::vector<Path>& paths = {}) const {
-        return renderPng(levelSet, field, paths, options);
+        return renderPng(&levelSet, field, paths, options);
     }
     /// Options for an eye in front, at distance 6, that sees nothing but the plain surface.
     PictureOptions plain() const {

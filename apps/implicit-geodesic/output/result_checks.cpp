@@ -19,6 +19,10 @@ std::string optionFor(const ResultKind& kind, const RunOptions& o) {
 
 void requireTogether(const ResultKind& kind, const RunOptions& o) {
     const std::string option = optionFor(kind, o);
+    if (kind.needs.viewer && !igeo::hasViewer())
+        usageError(option + ": this program was built without three.js, which draws its pages",
+                   "take --image FILE.png; or install three.js (Debian: libjs-three), configure "
+                   "and build again");
     if (kind.needs.jet && o.scheme != igeo::Scheme::Jet)
         usageError(option + " is marched with jet, and --scheme " + igeo::toString(o.scheme) +
                        " is asked for",
@@ -62,15 +66,7 @@ void checkSeeds(const RunOptions& o, const igeo::Seeds& seeds) {
                    "polar coordinates are those about a point");
 }
 
-void requireViewer(const RunOptions& o) {
-    if (!o.view.empty() && !igeo::hasViewer())
-        usageError("--view: this program was built without three.js, which draws its pages",
-                   "take --image FILE.png; or install three.js (Debian: libjs-three), configure "
-                   "and build again");
-}
-
 void checkResults(const RunOptions& o) {
-    requireViewer(o);
     for (const ResultKind& kind : resultKinds()) {
         if (kind.file(o, nullptr).empty()) continue;
         if (kind.needs.seeds && !o.hasSeeds())

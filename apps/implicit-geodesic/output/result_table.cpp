@@ -152,11 +152,8 @@ void writePicture(RunResult& r, const std::string& file) {
     igeo::PictureOptions picture = pictureOf(r);
     if (const std::optional<ImageSize>& size = r.options.imageSize)
         picture.width = size->width, picture.height = size->height;
-    // The band of a level set may be a part of it.
-    const bool volume = r.distance.surface().facts().kind == igeo::SurfaceFacts::Kind::LevelSet;
-    writeDocument(
-        file, volume ? igeo::renderPng(r.levelSet(), r.field(), r.drawnLines(), picture, r.progress)
-                     : igeo::renderPng(r.field(), r.drawnLines(), picture, r.progress));
+    writeDocument(file,
+                  igeo::renderPng(r.distance, pathCurves(r.report), picture, r.progress));
 }
 
 /// The page, with the names that the seeds have in their files, and what a user should know.
@@ -230,7 +227,12 @@ const std::vector<ResultKind>& resultKinds() {
          writeMatrix},
         {"--pairs-out", "pairs", ".csv .json", pairsFile, {.jet = true}, writePairs},
         {"--image", "image", ".png", [](Options o, Name) { return o.image; }, {}, writePicture},
-        {"--view", "view", ".html", [](Options o, Name) { return o.view; }, {}, writeViewPage},
+        {"--view",
+         "view",
+         ".html",
+         [](Options o, Name) { return o.view; },
+         {.viewer = true},
+         writeViewPage},
         {"--report", "report", "", [](Options o, Name) { return o.report; }, {}, nullptr}};
     return kinds;
 }

@@ -21,6 +21,7 @@ struct ResultKind {
         bool jet = false;     ///< the scheme
         bool points = false;  ///< no seeds but points
         bool mesh = false;    ///< --mesh
+        bool viewer = false;  ///< three.js in the program
     } needs;
     void (*write)(RunResult& result, const std::string& file);
 };

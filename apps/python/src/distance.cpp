@@ -1,5 +1,4 @@
 #include <igeo/base/parallel.h>
-#include <igeo/path/trace.h>
 
 #include <fstream>
 #include <optional>
@@ -69,20 +68,23 @@ py::list isolinesOf(const Distance& d, std::vector<double> levels, const py::obj
     return all;
 }
 
+std::vector<igeo::NamedCurve> pathsTo(const Distance& d, const std::vector<igeo::Vec3d>& targets) {
+    std::vector<igeo::NamedCurve> lines;
+    for (const igeo::Vec3d& target : targets) {
+        igeo::NamedCurve line;
+        line.name = "path_" + std::to_string(lines.size());
+        line.number = lines.size();
+        line.points = d.path(target).points;
+        lines.push_back(std::move(line));
+    }
+    return lines;
+}
+
 py::bytes picture(const Distance& d, const igeo::PictureOptions& options,
                   const Array<double>& targets, const py::object& progress) {
     const auto asked = pointsOf(targets);
     return inBackground(progress, [&](igeo::Progress& p) {
-        std::vector<igeo::Path> lines;
-        for (const igeo::Vec3d& target : asked) {
-            lines.emplace_back();
-            for (const igeo::Vec3d& v : d.path(target).points)
-                lines.back().vertices.push_back({d.band().transform.indexFromWorld(v)});
-        }
-        // The band of a level set may be a part of it.
-        const bool volume = d.surface().facts().kind == igeo::SurfaceFacts::Kind::LevelSet;
-        return volume ? igeo::renderPng(d.levelSet(p), d.field(), lines, options, p)
-                      : igeo::renderPng(d.field(), lines, options, p);
+        return igeo::renderPng(d, pathsTo(d, asked), options, p);
     });
 }
 
@@ -92,15 +94,7 @@ py::bytes page(const Distance& d, igeo::PictureOptions options, const Array<doub
     const igeo::PictureOptions still = igeo::viewPicture();
     options.width = still.width, options.height = still.height;
     return inBackground(progress, [&](igeo::Progress& p) {
-        std::vector<igeo::NamedCurve> lines;
-        for (const igeo::Vec3d& target : asked) {
-            igeo::NamedCurve line;
-            line.name = "path_" + std::to_string(lines.size());
-            line.number = lines.size();
-            line.points = d.path(target).points;
-            lines.push_back(std::move(line));
-        }
-        return igeo::viewPage(igeo::viewScene(d, lines, options, {}, p));
+        return igeo::viewPage(igeo::viewScene(d, pathsTo(d, asked), options, {}, p));
     });
 }
 

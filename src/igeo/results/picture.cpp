@@ -4,6 +4,7 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/results/detail/camera.h>
+#include <igeo/results/detail/drawn_picture.h>
 #include <igeo/results/detail/film.h>
 #include <igeo/results/detail/legend.h>
 #include <igeo/results/detail/marks.h>
@@ -317,8 +318,18 @@ void drawPaths(const std::vector<MarkedSegment>& segments, const Frame& frame, c
     film.drawStrokes(shown, core, edge, 1);
 }
 
-std::string render(const DrawnSurface& surface, const Field& field, const std::vector<Path>& paths,
-                   const PictureOptions& options, Progress& progress) {
+}  // namespace
+
+DrawnSurface drawnSurface(const LevelSet* levelSet, const Band& band, Progress& progress) {
+    if (!levelSet) return DrawnSurface(band);
+    const bool closed = levelSet->stats.cutVoxels == 0;
+    return DrawnSurface(band, surfaceMesh(*levelSet, band, progress), closed);
+}
+
+std::string renderPng(const DrawnSurface& surface, const Field& field,
+                      const std::vector<Path>& paths, const PictureOptions& options,
+                      Progress& progress) {
+    checkOptions(options);
     const double dx = surface.transform().dx;
     const Scale scale(field, options);
     const Legend legend(scale, field, options);
@@ -350,20 +361,11 @@ std::string render(const DrawnSurface& surface, const Field& field, const std::v
     return canvas.png();
 }
 
-}  // namespace
-
-std::string renderPng(const LevelSet& levelSet, const Field& field, const std::vector<Path>& paths,
+std::string renderPng(const LevelSet* levelSet, const Field& field, const std::vector<Path>& paths,
                       const PictureOptions& options, Progress& progress) {
     checkOptions(options);
-    const bool closed = levelSet.stats.cutVoxels == 0;
-    return render(DrawnSurface(*field.band, surfaceMesh(levelSet, *field.band, progress), closed),
-                  field, paths, options, progress);
-}
-
-std::string renderPng(const Field& field, const std::vector<Path>& paths,
-                      const PictureOptions& options, Progress& progress) {
-    checkOptions(options);
-    return render(DrawnSurface(*field.band), field, paths, options, progress);
+    return renderPng(drawnSurface(levelSet, *field.band, progress), field, paths, options,
+                     progress);
 }
 
 }  // namespace igeo

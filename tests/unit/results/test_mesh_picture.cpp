@@ -33,7 +33,7 @@ struct Drawn {
     template <typename Covered>
     void check(double z, const Covered& covered) const {
         const PictureOptions o = fromAbove();
-        const Image image(renderPng(field, {}, o));
+        const Image image(renderPng(nullptr, field, {}, o));
         const double pixel = 2 * View::kHalfWidth * (o.eye->z - z) / o.width;
         int inside = 0, outside = 0;
         for (int j = 0; j < o.height; ++j)
@@ -83,9 +83,9 @@ TEST_CASE("picture: a closed mesh is not drawn from inside", "[mesh]") {
     PictureOptions o = box.fromAbove();
     o.eye = {0.5, 0.3, 0.4};
     expectError(Error::Kind::InvalidArgument, {"is inside the surface"},
-                [&] { renderPng(box.field, {}, o); });
+                [&] { renderPng(nullptr, box.field, {}, o); });
     o.eye = {0.5, 0.3, 0.6};
-    CHECK(!renderPng(box.field, {}, o).empty());
+    CHECK(!renderPng(nullptr, box.field, {}, o).empty());
 }
 
 }  // namespace igeo::test

@@ -153,7 +153,7 @@ TEST_CASE("renderPng: a path behind a thin sheet is as faint as others that are 
         for (int k = -10; side != 0 && k <= 10; ++k)
             path.vertices.push_back(
                 {levelSet.transform.indexFromWorld({0.04 * k, 0, side * thickness / 2}), 0, 0});
-        return renderPng(levelSet, field, {path}, options);
+        return renderPng(&levelSet, field, {path}, options);
     };
     const Image none(render(0)), behind(render(-1)), front(render(1));
     auto most = [&](const Image& image) {
@@ -297,7 +297,7 @@ TEST_CASE("renderPng: a cut surface ends where its data ends") {
     // From in front, and from the side, where a wall at the edge would be seen.
     for (const Vec3d& eye : {Vec3d{0, 0, 8}, {0, -8, 0.4}}) {
         options.eye = eye;
-        const Image image(renderPng(levelSet, field, {}, options));
+        const Image image(renderPng(&levelSet, field, {}, options));
         CHECK(!image.isWhite(150, 150));
         const Vec3d back = normalized(eye), right{1, 0, 0}, up = cross(back, right);
         const double scale = 150 / View::kHalfWidth;
@@ -325,7 +325,7 @@ TEST_CASE("renderPng: options out of range are refused") {
         options.width = 32, options.height = 24;
         change(options);
         expectError(Error::Kind::InvalidArgument, phrases,
-                    [&] { renderPng(scene.levelSet, scene.field, {}, options); });
+                    [&] { renderPng(&scene.levelSet, scene.field, {}, options); });
     };
     refused({"0 x 24", "16384"}, [](auto& o) { o.width = 0; });
     refused({"32 x -1", "16384"}, [](auto& o) { o.height = -1; });
@@ -355,7 +355,7 @@ TEST_CASE("renderPng: stops when asked to, and reports how far it is") {
     const SpherePicture scene({0, 0, 1});
     PictureOptions options;
     options.width = 32, options.height = 24;
-    auto render = [&] { renderPng(scene.levelSet, scene.field, {}, options, progress); };
+    auto render = [&] { renderPng(&scene.levelSet, scene.field, {}, options, progress); };
     progress.stop = true;
     expectError(Error::Kind::Cancelled, {}, render);
     progress.stop = false;

@@ -181,7 +181,7 @@ TEST_CASE("renderPng: folds are darker than ridges") {
     options.legend = false;
     options.eye = Vec3d{0, 0, 6};
     options.lookAt = Vec3d{0, 0, 0};
-    const Image image(renderPng(levelSet, field, {}, options));
+    const Image image(renderPng(&levelSet, field, {}, options));
     auto at = [&](double x, double z) {
         const double scale = 400 / (2 * View::kHalfWidth) / (6 - z);
         return dot(image.light(int(200 + scale * x), 150), {1, 1, 1});

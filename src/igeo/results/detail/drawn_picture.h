@@ -1,0 +1,25 @@
+/// A picture of triangles that are at hand. Internal to the pictures and pages.
+#pragma once
+
+#include <igeo/base/progress.h>
+#include <igeo/march/field.h>
+#include <igeo/path/trace.h>
+#include <igeo/results/detail/drawn_surface.h>
+#include <igeo/results/picture_options.h>
+#include <igeo/surface/level_set.h>
+
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// The triangles of a picture.
+/// @param levelSet  the surface; null: that of the band
+DrawnSurface drawnSurface(const LevelSet* levelSet, const Band& band, Progress& progress);
+
+/// As renderPng in picture.h.
+std::string renderPng(const DrawnSurface& surface, const Field& field,
+                      const std::vector<Path>& paths, const PictureOptions& options,
+                      Progress& progress);
+
+}  // namespace igeo
