@@ -44,7 +44,11 @@ Field finished(Field field, const JetOptions& options) {
 
 }  // namespace
 
-JetCorePtr jetCore(const Band& band, MetricPtr metric) { return coreOf(band, std::move(metric)); }
+JetCorePtr jetCore(const Band& band, MetricPtr metric) {
+    const std::shared_ptr<JetCore> core = coreOf(band, std::move(metric));
+    if (core->links.empty()) buildLinks(*core);
+    return core;
+}
 
 Field marchJet(const JetCorePtr& core, const std::vector<SurfacePoint>& seeds,
                const JetOptions& options, Progress& progress) {

@@ -132,23 +132,14 @@ void placeRimNodes(JetCore& core) {
         core.nodes[k].foot = foot, core.nodes[k].obstacleState = Metric::Beside;
 }
 
-void findLeastAround(JetCore& core) {
-    core.leastAround.resize(core.nodes.size());
-    parallelFor(core.nodes.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            double least = core.leastCostAt(NodeIndex(k));
-            for (const JetLink& link : core.links.row(NodeIndex(k)))
-                least = std::min(least, core.leastCostAt(link.node()));
-            core.leastAround[k] = float(least);
-        }
-    });
-}
-
 }  // namespace
 
 std::unique_ptr<JetCore> buildJetCore(const Band& band, MetricPtr metric) {
     if (!metric) metric = std::make_shared<Metric>();
     metric->check(band);
+    if (band.coreSize() > JetLink::kCrease)
+        throw Error(Error::Kind::InvalidArgument, "jet marches up to 2^31 nodes of the core",
+                    "take larger voxels");
     auto core = std::make_unique<JetCore>(band, std::move(metric));
     const CostRange costs = fillNodes(*core);
     core->leastCost = costs.least;
@@ -156,8 +147,8 @@ std::unique_ptr<JetCore> buildJetCore(const Band& band, MetricPtr metric) {
     refuseLargeRatio(band, costs);
     if (core->metric.obstacles) placeRimNodes(*core);
     core->stenciled = costs.ratio > kLinksRatio;
-    buildLinks(*core, core->stenciled ? buildStencil(*core) : JetStencil{});
-    if (costs.most > costs.least) findLeastAround(*core);
+    core->costsVary = costs.most > costs.least;
+    if (core->stenciled) buildLinks(*core, buildStencil(*core));
     return core;
 }
 

@@ -1,18 +1,18 @@
-/// The core of a band in a metric, as scheme `jet` marches it: its nodes, and the links between
-/// them laid out flat. It depends on no seed, so all marches on a band share it. Filled by
+/// The core of a band in a metric, as scheme `jet` marches it: its nodes, and, for many marches,
+/// the links between them. It depends on no seed, so all marches on a band share it. Filled by
 /// buildJetCore (jet_core.cpp).
 #pragma once
 
 #include <igeo/band/band.h>
 #include <igeo/band/surface_point.h>
 #include <igeo/band/tangent_frame.h>
+#include <igeo/march/detail/jet_links.h>
 #include <igeo/march/detail/jet_neighbors.h>
 #include <igeo/metric/metric.h>
 
 #include <algorithm>
 #include <limits>
 #include <memory>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -39,68 +39,15 @@ struct JetNode {
     float weight;
 };
 
-/// A neighbor of a core node, laid out in the chart of that node.
-struct JetLink {
-    std::uint32_t key;   ///< node() and overCrease()
-    Vec2f a;             ///< from the neighbor to the node; isotropic: times the mean of both
-                         ///< weights, over the node's
-    float cosine, sine;  ///< of the angle by which directions of the neighbor's frame turn
-
-    static constexpr std::uint32_t kCrease = std::uint32_t(1) << 31;
-    NodeIndex node() const { return key & ~kCrease; }
-    /// Whether the normals at both ends are more than 26 degrees apart.
-    bool overCrease() const { return key & kCrease; }
-    Vec2f turned(Vec2f g) const { return {cosine * g.x - sine * g.y, sine * g.x + cosine * g.y}; }
-};
-
-/// The links of all core nodes, row by row, in blocks that are filled side by side. If j is in the
-/// row of i, i is in that of j: so an accepted node enqueues all that use it.
-class JetLinks {
-public:
-    static constexpr std::size_t kBlock = 4096;  ///< nodes
-    static constexpr std::size_t kMax = 64;      ///< links per node
-
-    struct Block {
-        std::vector<JetLink> link;
-        std::array<std::uint32_t, kBlock + 1> begin;  ///< of the rows, and the end of the last
-    };
-    std::span<const JetLink> row(NodeIndex i) const {
-        const Block& block = blocks[i / kBlock];
-        const std::uint32_t first = block.begin[i % kBlock];
-        return {block.link.data() + first, block.begin[i % kBlock + 1] - first};
-    }
-    /// Brings the row of a node, or its place, nearer to the processor: nine links, line by line.
-    void prefetch(NodeIndex i) const {
-        const auto* const bytes = reinterpret_cast<const char*>(row(i).data());
-        __builtin_prefetch(bytes);
-        __builtin_prefetch(bytes + 64);
-        __builtin_prefetch(bytes + 128);
-    }
-    void prefetchPlace(NodeIndex i) const {
-        __builtin_prefetch(&blocks[i / kBlock].begin[i % kBlock]);
-    }
-    std::vector<Block> blocks;
-};
-
-/// The neighbors of core nodes where links are not enough (kLinksRatio). If j is one of i's, i is
-/// one of j's.
-struct JetStencil {
-    std::vector<NodeIndex> node;       ///< those of node i from begin[i] to begin[i + 1]
-    std::vector<std::uint32_t> begin;  ///< at most JetLinks::kMax per node
-
-    bool empty() const { return node.empty(); }
-};
-
 /// The core of a band in a metric.
 struct JetCore {
     const Band& band;
     const MetricPtr metricPtr;
     const Metric& metric = *metricPtr;
     std::vector<JetNode> nodes;
-    std::vector<Stretch> stretch;    ///< per core node; empty: isotropic
-    std::vector<float> leastAround;  ///< the least cost of each node and its neighbors; empty:
-                                     ///< costs are the same at all nodes
-    JetLinks links;
+    std::vector<Stretch> stretch;  ///< per core node; empty: isotropic
+    JetLinks links;                ///< of all nodes; empty: each march makes them where it is
+    bool costsVary = false;        ///< from node to node
     bool stenciled = false;        ///< neighbors are those of JetStencil
     float largestRatio = 1;        ///< of the costs along the two axes in a tangent plane
     double leastCost = kInfinity;  ///< per unit length along S, over the core
@@ -156,14 +103,15 @@ struct JetCore {
 
 /// @throws Error  InvalidArgument for a metric that does not fit the band, where costs along S
 ///         differ by more than kLargestRatio, or for more nodes than links can name
-/// Time O(n), in parallel; about 60 bytes per node of the band.
+/// Time O(n), in parallel; 10 bytes per node of the band. With stencils the links of all nodes are
+/// made as well.
 std::unique_ptr<JetCore> buildJetCore(const Band& band, MetricPtr metric);
 
 /// The neighbors of every node by Selling's reduction of the metric in its tangent plane, the nodes
 /// that use it, and its links. Time O(n), in parallel.
 JetStencil buildStencil(const JetCore& core);
-/// Lays out the links of all nodes. Time O(n), in parallel.
-void buildLinks(JetCore& core, const JetStencil& stencil);
+/// Makes the links of all nodes. Time O(n), in parallel; 46 bytes per node of the band.
+void buildLinks(JetCore& core, const JetStencil& stencil = {});
 
 /// Whether an obstacle lies between core node j and a point of S, or around j.
 inline bool isHidden(const JetCore& core, const JetNode& j, const Vec3d& p, const Vec3f& normal) {

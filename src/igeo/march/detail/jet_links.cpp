@@ -1,10 +1,11 @@
-#include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_core.h>
 #include <igeo/march/detail/leaf_numbers.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 
 namespace igeo {
 
@@ -13,22 +14,35 @@ namespace {
 using Four = JetNeighbors::Four;
 using Mask = decltype(Four{} < Four{});
 
-/// The first axis of the chart of every core node.
-std::vector<Vec3f> axesOf(const JetCore& core) {
-    std::vector<Vec3f> axes(core.nodes.size());
-    parallelFor(axes.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k)
-            axes[k] = TangentFrame(core.nodes[k].normal).axis(0);
-    });
-    return axes;
-}
-
 struct Vec3Four {
     Four x, y, z;
     Vec3Four() = default;
     explicit Vec3Four(const Vec3f& v) : x(Four{} + v.x), y(Four{} + v.y), z(Four{} + v.z) {}
 };
 inline Four dot(const Vec3Four& a, const Vec3Four& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+inline Four abs(const Four& v) { return v < 0 ? -v : v; }
+inline void takeRoots(Four& v) {
+    alignas(16) std::array<float, 4> of;
+    *reinterpret_cast<Four*>(of.data()) = v;
+    for (float& r : of) r = std::sqrt(r);
+    v = *reinterpret_cast<const Four*>(of.data());
+}
+
+/// igeo::anyNormalTo, with the same bits.
+inline Vec3Four anyNormalTo(const Vec3Four& n) {
+    const Four x = abs(n.x), y = abs(n.y), z = abs(n.z), zero{};
+    const Mask byX = (x <= y) & (x <= z), byY = ~byX & (y <= z);
+    Vec3Four t;
+    t.x = byX ? zero : byY ? -n.z : n.y;
+    t.y = byX ? n.z : byY ? zero : -n.x;
+    t.z = byX ? -n.y : byY ? n.x : zero;
+    Four len = dot(t, t);
+    takeRoots(len);
+    const Four inverse = len > 0 ? 1 / len : zero + 1;
+    t.x *= inverse, t.y *= inverse, t.z *= inverse;
+    return t;
+}
 
 /// Nodes that may be linked to one node, four side by side.
 class Candidates {
@@ -37,10 +51,10 @@ public:
     std::size_t count() const { return count_; }
     /// @param chord   from its foot point
     /// @param linked  by a bridge or a stencil, whatever the normals say
-    void add(NodeIndex j, const Vec3f& chord, const Vec3f& normal, const Vec3f& axis, bool linked) {
+    void add(NodeIndex j, const Vec3f& chord, const Vec3f& normal, bool linked) {
         const std::size_t k = count_++;
         node_[k] = j, linked_[k] = linked;
-        set(chord_, k, chord), set(normal_, k, normal), set(axis_, k, axis);
+        set(chord_, k, chord), set(normal_, k, normal);
     }
     NodeIndex node(std::size_t k) const { return node_[k]; }
     Vec3f chord(std::size_t k) const { return get(chord_, k); }
@@ -90,19 +104,18 @@ private:
     }
 
     void layOutFour(const TangentFrame& frame, std::size_t k) {
-        const Vec3Four chord = load(chord_, k), normal = load(normal_, k), axis = load(axis_, k),
-                       n(frame.normal()), t1(frame.axis(0)), t2(frame.axis(1));
+        const Vec3Four chord = load(chord_, k), normal = load(normal_, k),
+                       axis = anyNormalTo(normal), n(frame.normal()), t1(frame.axis(0)),
+                       t2(frame.axis(1));
         const Four cosine = dot(n, normal), rise = dot(n, chord), riseOther = dot(normal, chord);
         const Mask sheet = areOnOneSheet(cosine, rise, riseOther, dot(chord, chord));
         // As TangentFrame::unfold has it.
         const Four x = dot(chord, t1), y = dot(chord, t2), in2 = x * x + y * y,
                    square = in2 + rise * rise;
         const Four bend = rise - riseOther, kc2 = bend * bend / square;
-        alignas(16) std::array<float, 4> root;
-        *reinterpret_cast<Four*>(root.data()) = 1 + rise * rise / in2;
-        for (float& r : root) r = std::sqrt(r);
-        const Four stretch = *reinterpret_cast<const Four*>(root.data()) *
-                             (1 + kc2 * (1.0f / 24 + kc2 * (3.0f / 640)));
+        Four root = 1 + rise * rise / in2;
+        takeRoots(root);
+        const Four stretch = root * (1 + kc2 * (1.0f / 24 + kc2 * (3.0f / 640)));
         const Four s = in2 > 1e-12f ? stretch : Four{} + 1;
         // The least rotation that takes the normal of the neighbor to the one here.
         const Four turn = dot(axis, n) / (1 + cosine);
@@ -116,30 +129,32 @@ private:
     std::size_t count_ = 0;
     std::array<NodeIndex, kMax> node_;
     std::array<bool, kMax> linked_, onOneSheet_;
-    alignas(16) Vectors chord_{}, normal_{}, axis_{};
+    alignas(16) Vectors chord_{}, normal_{};
     alignas(16) Array ax_, ay_, turnCosine_, turnSine_, cosine_;
 };
 
 /// Lays the neighbors of core nodes out in their charts.
 class LinkBuilder {
 public:
-    LinkBuilder(const JetCore& core, const JetStencil& stencil)
-        : core_(core), stencil_(stencil), axes_(axesOf(core)) {}
+    LinkBuilder(const JetCore& core, const JetStencil& stencil) : core_(core), stencil_(stencil) {}
 
     void fill(JetLinks::Block& block, NodeIndex begin, NodeIndex end) const {
         constexpr std::size_t kUsual = 10;  // links per node
-        block.link.reserve(kUsual * (end - begin));
+        std::vector<JetLink> links;
+        links.reserve(kUsual * JetLinks::kBlock);
         LeafNumbers<1> numbers;
         LeafIndex leaf = kNoLeaf;
         Candidates candidates;
         for (NodeIndex i = begin; i < end; ++i) {
-            block.begin[i - begin] = std::uint32_t(block.link.size());
+            block.begin[i - begin] = std::uint16_t(links.size());
             if (stencil_.empty() && core_.nodes[i].leaf != leaf)
                 numbers.fill(core_.band, leaf = core_.nodes[i].leaf);
             find(i, numbers, candidates);
-            addRow(i, candidates, block.link);
+            addRow(i, candidates, links);
         }
-        block.begin[end - begin] = std::uint32_t(block.link.size());
+        block.begin[end - begin] = std::uint16_t(links.size());
+        block.link.assign(links.begin(), links.end());
+        if (core_.costsVary) findLeastAround(block, begin, end);
     }
 
 private:
@@ -147,7 +162,7 @@ private:
         candidates.clear();
         const JetNode& node = core_.nodes[i];
         auto add = [&](NodeIndex j, const Vec3f& chord, bool linked) {
-            candidates.add(j, chord, core_.nodes[j].normal, axes_[j], linked);
+            candidates.add(j, chord, core_.nodes[j].normal, linked);
         };
         auto addLinked = [&](NodeIndex j, const Ijk&, const Vec3f& chord, float) {
             add(j, chord, true);
@@ -185,24 +200,60 @@ private:
         }
     }
 
+    void findLeastAround(JetLinks::Block& block, NodeIndex begin, NodeIndex end) const {
+        for (NodeIndex i = begin; i < end; ++i) {
+            double least = core_.leastCostAt(i);
+            for (std::size_t k = block.begin[i - begin]; k < block.begin[i - begin + 1]; ++k)
+                least = std::min(least, core_.leastCostAt(block.link[k].node()));
+            block.leastAround.push_back(float(least));
+        }
+    }
+
     const JetCore& core_;
     const JetStencil& stencil_;
-    const std::vector<Vec3f> axes_;
 };
 
 }  // namespace
 
+JetLinks::JetLinks(std::size_t nodes)
+    : blocks_((nodes + kBlock - 1) / kBlock), left_(blocks_.size(), std::uint8_t(kBlock)) {
+    if (nodes % kBlock) left_.back() = std::uint8_t(nodes % kBlock);
+}
+
+JetLinks& JetLinks::operator=(JetLinks&& other) noexcept {
+    clear();
+    blocks_ = std::move(other.blocks_);
+    left_ = std::move(other.left_);
+    other.blocks_.clear();
+    return *this;
+}
+
+void JetLinks::clear() {
+    for (const std::atomic<Block*>& block : blocks_) delete block.load();
+    blocks_.clear();
+}
+
+void JetLinks::make(const JetCore& core, NodeIndex i, const JetStencil& stencil) {
+    if (blockOf(i)) return;
+    const auto begin = NodeIndex(i / kBlock * kBlock);
+    auto made = std::make_unique<Block>();
+    LinkBuilder(core, stencil)
+        .fill(*made, begin, NodeIndex(std::min(core.nodes.size(), begin + kBlock)));
+    // Another thread may have made the same block meanwhile.
+    Block* none = nullptr;
+    if (blocks_[i / kBlock].compare_exchange_strong(none, made.get())) made.release();
+}
+
+void JetLinks::dropAccepted(NodeIndex i) {
+    if (--left_[i / kBlock] > 0) return;
+    delete blocks_[i / kBlock].exchange(nullptr);
+}
+
 void buildLinks(JetCore& core, const JetStencil& stencil) {
-    const std::size_t n = core.nodes.size();
-    if (n > JetLink::kCrease)
-        throw Error(Error::Kind::InvalidArgument, "jet marches up to 2^31 nodes of the core",
-                    "take larger voxels");
-    core.links.blocks.resize((n + JetLinks::kBlock - 1) / JetLinks::kBlock);
-    const LinkBuilder builder(core, stencil);
-    parallelFor(core.links.blocks.size(), 1, [&](std::size_t begin, std::size_t end) {
+    core.links = JetLinks(core.nodes.size());
+    parallelFor(core.links.blockCount(), 16, [&](std::size_t begin, std::size_t end) {
         for (std::size_t b = begin; b < end; ++b)
-            builder.fill(core.links.blocks[b], NodeIndex(b * JetLinks::kBlock),
-                         NodeIndex(std::min(n, (b + 1) * JetLinks::kBlock)));
+            core.links.make(core, NodeIndex(b * JetLinks::kBlock), stencil);
     });
 }
 

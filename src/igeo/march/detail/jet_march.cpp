@@ -35,6 +35,8 @@ JetMarch::JetMarch(std::shared_ptr<const JetCore> core, const std::vector<Surfac
     : shared_(std::move(core)),
       core_(*shared_),
       options_(options),
+      ownLinks_(core_.links.empty() ? core_.nodes.size() : 0),
+      links_(core_.links.empty() ? ownLinks_ : core_.links),
       jets_(unmarched(shared_, seeds, options)),
       queue_(jets_.state),
       discs_(startDiscs(core_, jets_.seeds)),
@@ -89,7 +91,7 @@ void JetMarch::march(Progress& progress) {
 }
 
 Batch JetMarch::nextBatch() {
-    if (core_.leastAround.empty()) return queue_.popFirst();
+    if (!core_.costsVary) return queue_.popFirst();
     return queue_.popTogether(double(width_), [&](NodeIndex i) { return double(slackOf(i, 0)); });
 }
 
@@ -121,7 +123,7 @@ void JetMarch::solveChunk(const Batch& batch, std::size_t begin, std::size_t end
     constexpr std::size_t kNode = 16, kLinks = 8;
     for (std::size_t k = begin; k < end; ++k) {
         if (k + kNode < batch.nodes.size()) prefetchNode(batch.nodes[k + kNode]);
-        if (k + kLinks < batch.nodes.size()) core_.links.prefetch(batch.nodes[k + kLinks]);
+        if (k + kLinks < batch.nodes.size()) links_.prefetch(batch.nodes[k + kLinks]);
         const NodeIndex i = batch.nodes[k];
         if (queue_.take(i, batch.first, batch.last)) gather(i, batch, group);
         if (group.jets.full()) solveGroup(batch, group, chunk);
@@ -142,7 +144,8 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
     group.jets.clear(core_.pull());
 }
 
-void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) const {
+void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) {
+    if (!ownLinks_.empty()) ownLinks_.make(core_, i);
     Node& node = group.nodes[group.jets.size()];
     node.core = i;
     node.waitingCount = 0;
@@ -155,7 +158,7 @@ void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) const {
     // Relative to the least start: near a source the solve takes u for the distance to it.
     group.jets.begin(perWeight(start),
                      isotropic ? JetNeighbors::kLongest2 : core_.longest2(core_.stretch[i]));
-    const auto row = core_.links.row(i);
+    const auto row = links_.row(i);
     for (std::size_t k = 0; k < row.size(); ++k) {
         const JetLink& link = row[k];
         const NodeIndex j = link.node();
@@ -217,7 +220,7 @@ void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chu
     if (!stopNodes_.empty() && stopNodes_[i]) ++chunk.stopNodes;
     const auto radius =
         float(jets_.buckets.startOf(batch.first) - jets_.seeds.leastStart + double(s.u));
-    const auto row = core_.links.row(i);
+    const auto row = links_.row(i);
     for (std::size_t k = 0; k < node.waitingCount; ++k)
         enqueue(row[node.waiting[k]], i, s, radius, batch, chunk);
     enqueueJumps(i, s, batch, chunk);
@@ -309,6 +312,8 @@ void JetMarch::collect(std::size_t chunkCount) {
         for (const auto* list : {&chunk.queued, &chunk.deferred})
             for (const Queued& q : *list) queue_.add(q.node, q.bucket);
         for (const Queued& q : chunk.requeueLater) queue_.requeue(q.node, q.bucket);
+        if (ownLinks_.empty()) continue;
+        for (const Accepted& a : chunk.accepted) ownLinks_.dropAccepted(a.node);
     }
 }
 

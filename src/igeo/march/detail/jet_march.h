@@ -82,8 +82,7 @@ private:
     /// both costs. One bucket where costs are least, and many where they are large, so that these
     /// need no march bucket by bucket.
     float slackOf(NodeIndex i) const {
-        if (core_.leastAround.empty()) return width_;
-        return slackOf(i, core_.leastAround[i]);
+        return core_.costsVary ? slackOf(i, links_.leastAround(i)) : width_;
     }
     float slackOf(NodeIndex i, float leastAround) const {
         return float(options_.bucketWidth) * (float(core_.leastCostAt(i)) + leastAround) / 2;
@@ -103,10 +102,10 @@ private:
     void prefetchNode(NodeIndex i) const {
         __builtin_prefetch(&core_.nodes[i]);
         __builtin_prefetch(&jets_.state[i]);
-        core_.links.prefetchPlace(i);
+        links_.prefetchPlace(i);
     }
     void solveGroup(const Batch& batch, Group& group, Chunk& chunk);
-    void gather(NodeIndex i, const Batch& batch, Group& group) const;
+    void gather(NodeIndex i, const Batch& batch, Group& group);
     void gatherJumps(const Batch& batch, Node& node) const;
     /// Accepts a node and enqueues its neighbors if its value is final, else defers it.
     void settle(const Node& node, Result s, const Batch& batch, Chunk& chunk);
@@ -128,6 +127,8 @@ private:
     const std::shared_ptr<const JetCore> shared_;
     const JetCore& core_;
     const JetOptions& options_;
+    JetLinks ownLinks_;  ///< around the front, where the core has none
+    const JetLinks& links_;
     CoreJets jets_;
     BucketQueue queue_;
     const StartDiscs discs_;
