@@ -148,7 +148,9 @@ RunOutcome run(const RunOptions& options, const Console& console, ConsoleProgres
     const igeo::SurfaceFacts& facts = surface.facts();
     console.detail(fmt::format("surface: {}, dx {:.6g}, {}", facts.name, surface.transform().dx,
                                facts.summary));
-    return runOn(prepareSolver(surface, options, stages), options, console, stages);
+    PreparedSolver prepared = prepareSolver(surface, options, stages);
+    prepared.lastRun = true;
+    return runOn(prepared, options, console, stages);
 }
 
 RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& console,
@@ -188,7 +190,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     report.pairs = solvePairs(solver, o, stages);
     report.vias = solveVias(solver, o, stages);
 
-    RunResult result{o, input, solver, distance, report, stages};
+    RunResult result{o, input, solver, distance, report, stages, prepared.lastRun};
     writeResults(result);
     stages.finished("write");
     report.seconds = stages.seconds();

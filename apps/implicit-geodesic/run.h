@@ -15,7 +15,8 @@
 /// A surface and a metric on it, set up once for all jobs that agree in them.
 struct PreparedSolver {
     igeo::GeodesicSolver solver;
-    MetricInput metric;  ///< its names and warnings
+    MetricInput metric;    ///< its names and warnings
+    bool lastRun = false;  ///< no other run needs the surface
 };
 
 using FileDigests = std::map<std::string, std::string>;  ///< by name

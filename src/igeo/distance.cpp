@@ -7,9 +7,9 @@
 #include <igeo/march/signed_field.h>
 #include <igeo/path/curve_normals.h>
 #include <igeo/path/straighten.h>
-#include <igeo/results/field_grids.h>
 
 #include <mutex>
+#include <optional>
 #include <utility>
 
 namespace igeo {
@@ -51,6 +51,7 @@ struct Distance::Fields {
     const std::vector<SurfacePoint> seeds;
     std::mutex mutex;
     std::shared_ptr<const Field> points, whole;
+    std::optional<Extent> extent;  ///< of the whole band, where a grid has told
 };
 
 Distance::Distance(Surface surface, BandWidth width, std::shared_ptr<const Band> band,
@@ -136,6 +137,7 @@ Polyline Distance::path(const Vec3d& pWorld, bool straightened) const {
 }
 
 std::vector<Polyline> Distance::paths(bool straightened, Progress& progress) const {
+    if (targets_.empty()) return {};
     std::vector<Path> paths = tracePaths(field(), targets_, {}, progress);
     for (std::size_t k = 0; straightened && k < paths.size(); ++k) {
         straighten(field(), paths[k], progress);
@@ -173,8 +175,13 @@ DistanceMatrix Distance::matrix(Progress& progress) const {
 }
 
 openvdb::FloatGrid::Ptr Distance::grid(const std::string& name) const {
-    return distanceGrid(field(), *surface_.gridTransform(),
-                        name.empty() ? surface_.gridName() + "_geodesic" : name);
+    Extent extent;
+    const openvdb::FloatGrid::Ptr grid =
+        distanceGrid(*marched(), *surface_.gridTransform(),
+                     name.empty() ? surface_.gridName() + "_geodesic" : name, &extent);
+    const std::lock_guard<std::mutex> lock(fields_->mutex);
+    fields_->extent = extent;
+    return grid;
 }
 SurfaceMesh Distance::mesh(Progress& progress) const {
     return inWorld(indexMesh(progress), band_->transform);
@@ -185,6 +192,15 @@ SurfaceMesh Distance::indexMesh(Progress& progress) const {
 const LevelSet& Distance::levelSet(Progress& progress) const {
     return surface_.levelSet(width_, progress);
 }
-double Distance::largest() const { return field().maxDistance * band_->transform.dx; }
+double Distance::largest() const { return extent().maxDistance * band_->transform.dx; }
+std::size_t Distance::reached() const { return extent().reached; }
+
+Extent Distance::extent() const {
+    {
+        const std::lock_guard<std::mutex> lock(fields_->mutex);
+        if (fields_->extent) return *fields_->extent;
+    }
+    return {field().reached, field().maxDistance};
+}
 
 }  // namespace igeo

@@ -5,6 +5,7 @@
 #include <igeo/march/field.h>
 #include <igeo/path/trace.h>
 #include <igeo/results/distance_matrix.h>
+#include <igeo/results/field_grids.h>
 #include <igeo/results/samples.h>
 #include <igeo/results/vertex_values.h>
 #include <igeo/surface.h>
@@ -90,7 +91,9 @@ public:
     /// march was given no target, each by a march of its own (distances).
     DistanceMatrix matrix(Progress& progress = Progress::none()) const;
 
-    /// As a grid in world units (distanceGrid), active where the distance is known.
+    /// As a grid in world units (distanceGrid), active where the distance is known. Of `jet` it is
+    /// made without `field()`, leaf by leaf, unless that was called before: call it first if both
+    /// are wanted.
     /// @param name  empty: <name of the surface's grid>_geodesic
     openvdb::FloatGrid::Ptr grid(const std::string& name = {}) const;
     /// The surface as triangles that carry the distance.
@@ -100,8 +103,11 @@ public:
     /// The surface as a level set.
     const LevelSet& levelSet(Progress& progress = Progress::none()) const;
 
-    double largest() const;  ///< the largest distance reached, world units times weight
+    double largest() const;       ///< the largest distance reached, world units times weight
+    std::size_t reached() const;  ///< voxels of the band with a distance
 
+    /// As the march left it, to be read at points; with its seeds, scheme and metric.
+    std::shared_ptr<const Field> marched() const { return forPoints(0); }
     /// On the whole band: voxels, index space. Of `jet` the first call extends it from the core.
     const Field& field() const;
     const Band& band() const { return *band_; }
@@ -119,6 +125,7 @@ private:
     SurfacePoint nearest(const Vec3d& pWorld, const std::string& what = "the point") const;
     PointValue valueAt(const Field& field, const SurfacePoint& p) const;
     Polyline polylineOf(const Path& path) const;
+    Extent extent() const;
 
     Surface surface_;
     BandWidth width_;

@@ -77,6 +77,7 @@ public:
     virtual openvdb::math::Transform::ConstPtr gridTransform() const {
         return igeo::gridTransform(transform);
     }
+    virtual void dropVolume() const {}
     virtual const TriangleMesh* triangles() const { return nullptr; }
     virtual const PointSurface* points() const { return nullptr; }
 
@@ -134,6 +135,8 @@ public:
         levelSet_ = checkLevelSet(std::move(loaded), progress);
         const LevelSetStats& stats = levelSet_.stats;
         transform = levelSet_.transform;
+        gridTransform_ = levelSet_.psi->transformPtr();
+        gridName_ = levelSet_.psi->getName();
         facts.file = levelSet_.file;
         facts.name = levelSet_.name;
         facts.activeVoxels = stats.activeVoxels;
@@ -163,6 +166,10 @@ public:
     /// As read, or widened.
     const LevelSet& levelSet(double h, Progress&) const override {
         const std::lock_guard<std::mutex> lock(levelSetMutex_);
+        if (!levelSet_.psi)
+            throw Error(Error::Kind::InvalidArgument,
+                        "the volume of " + facts.name + " was dropped",
+                        "call dropVolume() once nothing else is wanted of the surface");
         if (h <= levelSet_.stats.halfWidth) return levelSet_;
         const auto at = wide_.find(h);
         if (at != wide_.end()) return at->second;
@@ -171,9 +178,12 @@ public:
         widen(wide, h);
         return wide;
     }
-    std::string gridName() const override { return levelSet_.psi->getName(); }
-    openvdb::math::Transform::ConstPtr gridTransform() const override {
-        return levelSet_.psi->transformPtr();
+    std::string gridName() const override { return gridName_; }
+    openvdb::math::Transform::ConstPtr gridTransform() const override { return gridTransform_; }
+    void dropVolume() const override {
+        const std::lock_guard<std::mutex> lock(levelSetMutex_);
+        levelSet_.psi = nullptr;
+        wide_.clear();
     }
 
 private:
@@ -186,7 +196,9 @@ private:
         return bandFromLevelSet(levelSet(width.h, progress), width.h, region, progress);
     }
 
-    LevelSet levelSet_;
+    openvdb::math::Transform::ConstPtr gridTransform_;
+    std::string gridName_;
+    mutable LevelSet levelSet_;
     mutable std::map<double, LevelSet> wide_;
 };
 
@@ -411,6 +423,7 @@ void Surface::requireMemory(const BandWidth& width, double limit) const {
         "voxels of " + fmt::format("{:.3g}", 1.1 * factor * transform().dx) +
             " or more would fit; or stay near the seeds with maxDistance, or raise memoryLimit");
 }
+void Surface::dropVolume() const { shape_->dropVolume(); }
 Unresolved Surface::unresolved(const Band& band) const { return shape_->unresolved(band); }
 
 SurfacePoint Surface::nearest(const Band& band, const Vec3d& pIndex) const {

@@ -123,6 +123,11 @@ public:
     /// All of them, world; null: of a level set.
     const std::vector<Vec3d>* vertices() const;
 
+    /// Gives back the volume that it was made from, for a caller who takes no more bands, level
+    /// sets and meshes of it: asked for one, it and its copies throw InvalidArgument. Of a mesh or
+    /// points it does nothing. By one thread, while no other uses it.
+    void dropVolume() const;
+
     /// What it is made of; null: of something else.
     const TriangleMesh* triangles() const;
     const class PointSurface* points() const;

@@ -53,11 +53,11 @@ Traffic byHand(const Marched& m, const Domains& domains, const Needed& needed) {
     const Band& band = m.band;
     for (NodeIndex i = 0; i < band.size(); ++i) {
         if (!band.inCore(i)) continue;
-        const std::uint32_t from = domains.owner[band.leaf[i]];
+        const std::uint32_t from = domains.owner[band.leafOf(i)];
         std::set<std::uint32_t> to;
         for (NodeIndex j = 0; j < band.size(); ++j)
-            if (domains.owner[band.leaf[j]] != from && needed(i, j))
-                to.insert(domains.owner[band.leaf[j]]);
+            if (domains.owner[band.leafOf(j)] != from && needed(i, j))
+                to.insert(domains.owner[band.leafOf(j)]);
         for (const std::uint32_t t : to) {
             ++pairs[{m.schedule.step[band.coreNode(i)], from, t}];
             ++copies[t];
@@ -103,13 +103,13 @@ TEST_CASE("messages and records of domains are those counted by hand") {
                           return band.inCore(j) && farthest(band.ijk(i) - band.ijk(j)) <= 1;
                       }));
             checkSame(r.leaves, byHand(m, domains, [&](NodeIndex i, NodeIndex j) {
-                          return farthest(band.leaves[band.leaf[i]].origin -
-                                          band.leaves[band.leaf[j]].origin) <= 8;
+                          return farthest(band.leaves[band.leafOf(i)].origin -
+                                          band.leaves[band.leafOf(j)].origin) <= 8;
                       }));
             PerDomain work;
             for (NodeIndex i = 0; i < band.size(); ++i)
                 if (band.inCore(i))
-                    ++work[{m.schedule.step[band.coreNode(i)], domains.owner[band.leaf[i]]}];
+                    ++work[{m.schedule.step[band.coreNode(i)], domains.owner[band.leafOf(i)]}];
             CHECK(r.busy == work.size());
             CHECK(r.mostWork == sumOfMost(work));
         }

@@ -47,11 +47,9 @@ double detour(const RandomCase& c) {
         queue.pop();
         const NodeIndex i = top.second;
         if (top.first > way[i]) continue;
-        band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
-                          [&](NodeIndex j, int, int, int) {
-                              if (band.inCore(j) && !band.severed(i, j))
-                                  offer(j, way[i] + wayBetween(band, i, j));
-                          });
+        band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+            if (band.inCore(j) && !band.severed(i, j)) offer(j, way[i] + wayBetween(band, i, j));
+        });
     }
     return worstOver(c, Nodes::Marched, [&](NodeIndex i) { return field.distance[i] - way[i]; });
 }

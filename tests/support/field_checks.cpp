@@ -18,13 +18,11 @@ std::vector<bool> connectedWithSeeds(const Field& field) {
     while (!front.empty()) {
         const NodeIndex i = front.back();
         front.pop_back();
-        band.forNeighbors(
-            &BandLeaf::band, band.leaf[i], band.offset[i], [&](NodeIndex j, int, int, int) {
-                if (connected[j] || !band.linked(i, j) || !(wayBetween(band, i, j) < kInfinity))
-                    return;
-                connected[j] = true;
-                if (band.inCore(j)) front.push_back(j);
-            });
+        band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+            if (connected[j] || !band.linked(i, j) || !(wayBetween(band, i, j) < kInfinity)) return;
+            connected[j] = true;
+            if (band.inCore(j)) front.push_back(j);
+        });
     }
     return connected;
 }
@@ -34,10 +32,9 @@ bool isStuck(const Field& field, NodeIndex i) {
     for (const SurfacePoint& s : field.seeds)
         if (length(band.footPoint(i) - s.pIndex) <= field.startRadius) return false;
     bool lower = false;
-    band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
-                      [&](NodeIndex j, int, int, int) {
-                          lower |= band.inCore(j) && field.distance[j] < field.distance[i];
-                      });
+    band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+        lower |= band.inCore(j) && field.distance[j] < field.distance[i];
+    });
     return !lower;
 }
 

@@ -122,12 +122,10 @@ public:
             }
             return;
         }
-        band_.forNeighbors(&BandLeaf::core, band_.leaf[i], band_.offset[i],
-                           [&](NodeIndex, int dx, int dy, int dz) {
-                               const NodeIndex j = band_.neighbor(i, dx, dy, dz);
-                               if (dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet)
-                                   visit(j);
-                           });
+        band_.forNeighbors(&BandLeaf::core, i, [&](NodeIndex, int dx, int dy, int dz) {
+            const NodeIndex j = band_.neighbor(i, dx, dy, dz);
+            if (dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet) visit(j);
+        });
     }
 
 private:

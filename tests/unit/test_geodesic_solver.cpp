@@ -62,6 +62,39 @@ TEST_CASE("GeodesicSolver: distances and paths on a turned sphere, in world unit
     }
 }
 
+TEST_CASE("Surface: without its volume there are results, and no more bands") {
+    const Surface surface(*ball(0.05));
+    const GeodesicSolver solver{surface};
+    const igeo::Distance d = solver.distance({on(0, 0, 1)});
+    const openvdb::FloatGrid::Ptr before = d.grid();
+    surface.dropVolume();
+    const openvdb::FloatGrid::Ptr after = d.grid();
+    CHECK(after->getName() == before->getName());
+    CHECK(after->transform() == before->transform());
+    CHECK(after->activeVoxelCount() == before->activeVoxelCount());
+    CHECK(d.at(on(1, 0, 0)) == Approx(kPi / 2).epsilon(0.001));
+    expectError(Error::Kind::InvalidArgument, {"volume of psi was dropped", "dropVolume"},
+                [&] { d.levelSet(); });
+    expectError(Error::Kind::InvalidArgument, {"dropped"},
+                [&] { solver.distance({on(0, 0, 1)}, {.maxDistance = 0.1}); });
+}
+
+TEST_CASE("Distance: a grid tells how far it goes as the field does") {
+    const GeodesicSolver solver{Surface(*ball(0.05))};
+    for (const double limit : {kInfinity, 1.0}) {
+        const MarchLimits limits{limit};
+        const igeo::Distance byGrid = solver.distance({on(0, 0, 1)}, limits),
+                             byField = solver.distance({on(0, 0, 1)}, limits);
+        const auto grid = byGrid.grid();
+        CHECK(grid->activeVoxelCount() == byGrid.reached());
+        CHECK(byGrid.reached() == byField.field().reached);
+        CHECK(byGrid.largest() == byField.largest());
+        // Asked for afterwards, the field is extended all the same.
+        CHECK(byGrid.field().distance == byField.field().distance);
+        CHECK(byGrid.largest() == byField.largest());
+    }
+}
+
 TEST_CASE("Surface: the caller's grid stays as it is") {
     const auto narrow = ball(0.05, 1.5);  // to be widened
     const auto tiles = ball(0.05);

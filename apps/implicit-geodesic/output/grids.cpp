@@ -20,19 +20,19 @@ namespace {
 
 openvdb::FloatGrid::Ptr distanceOf(RunResult& r) {
     const igeo::Band& band = r.band();
-    const igeo::Field& field = r.field();
     const double dx = band.transform.dx;
     const openvdb::FloatGrid::Ptr grid = r.distance.grid(r.options.name);
+    const std::shared_ptr<const igeo::Field> field = r.distance.marched();
     std::string weight;
     for (const std::string& w : r.report.weights) weight += (weight.empty() ? "" : " * ") + w;
-    grid->insertMeta("geodesic_scheme", openvdb::StringMetadata(field.scheme));
+    grid->insertMeta("geodesic_scheme", openvdb::StringMetadata(field->scheme));
     grid->insertMeta("geodesic_band", openvdb::FloatMetadata(float(band.h * dx)));
-    grid->insertMeta("geodesic_seed_count", openvdb::Int32Metadata(int(field.sourceCount())));
-    grid->insertMeta("geodesic_max", openvdb::FloatMetadata(float(field.maxDistance * dx)));
+    grid->insertMeta("geodesic_seed_count", openvdb::Int32Metadata(int(field->sourceCount())));
+    grid->insertMeta("geodesic_max", openvdb::FloatMetadata(float(r.distance.largest())));
     grid->insertMeta("geodesic_unreached",
-                     openvdb::Int64Metadata(std::int64_t(band.size() - field.reached)));
+                     openvdb::Int64Metadata(std::int64_t(band.size() - r.distance.reached())));
     grid->insertMeta("geodesic_weight", openvdb::StringMetadata(weight.empty() ? "1" : weight));
-    if (r.options.extend) igeo::extendDistance(*grid, r.levelSet(), field, r.progress);
+    if (r.options.extend) igeo::extendDistance(*grid, r.levelSet(), r.field(), r.progress);
     return grid;
 }
 
@@ -47,18 +47,17 @@ public:
 
     openvdb::GridCPtrVec make() {
         const igeo::Band& band = r_.band();
-        const igeo::Field& field = r_.field();
         const openvdb::math::Transform& t = *placed_;
-        if (asked(Grid::Gradient)) add(igeo::gradientGrid(field, t, distance_ + "_gradient"));
-        if (asked(Grid::Label)) add(igeo::labelGrid(field, t, surface_ + "_label"));
+        if (asked(Grid::Gradient)) add(igeo::gradientGrid(r_.field(), t, distance_ + "_gradient"));
+        if (asked(Grid::Label)) add(igeo::labelGrid(r_.field(), t, surface_ + "_label"));
         if (asked(Grid::Color))
-            add(igeo::colorGrid(field, igeo::ColorMap(colorMapOf(r_.options)), t,
+            add(igeo::colorGrid(r_.field(), igeo::ColorMap(colorMapOf(r_.options)), t,
                                 distance_ + "_color"));
         if (asked(Grid::LogMap))
-            add(igeo::logMapGrid(band, igeo::logMap(field, {}, r_.progress), t,
+            add(igeo::logMapGrid(band, igeo::logMap(r_.field(), {}, r_.progress), t,
                                  surface_ + "_logmap"));
         if (asked(Grid::Weight))
-            add(igeo::weightGrid(band, *field.metric, t, surface_ + "_weight"));
+            add(igeo::weightGrid(band, *r_.distance.marched()->metric, t, surface_ + "_weight"));
         if (asked(Grid::Curvature)) addCurvature();
         if (asked(Grid::Engraved))
             add(igeo::engraved(r_.levelSet(), r_.isolines(), r_.drawnLines(), igeo::kGrooveRadius,

@@ -33,7 +33,7 @@ int tellTargets(const RunReport& report, const igeo::Distance& distance, const C
     if (unreached > 0)
         console.warning(fmt::format("{} of {} targets, target {} the first, are unreachable: {}",
                                     unreached, d.size(), first,
-                                    distance.field().stoppedEarly
+                                    distance.marched()->stoppedEarly
                                         ? "they lie beyond the distance marched"
                                         : "no path on the surface joins them to a seed"));
     const auto stalled = std::count_if(
@@ -47,7 +47,8 @@ int tellTargets(const RunReport& report, const igeo::Distance& distance, const C
 
 int tellPaths(const RunReport& report, const igeo::Distance& distance, const Console& console) {
     if (distance.targets().size() > kFewTargets) return tellTargets(report, distance, console);
-    const igeo::Field& field = distance.field();
+    const std::shared_ptr<const igeo::Field> marched = distance.marched();
+    const igeo::Field& field = *marched;
     int code = kDone;
     for (std::size_t k = 0; k < report.paths.size(); ++k) {
         const igeo::Polyline& p = report.paths[k];
@@ -125,7 +126,7 @@ void describe(const igeo::Distance& distance, const Console& console) {
     console.detail(fmt::format("band: h = {:.6g} ({:.4g} voxels), {} nodes{}; {} reached",
                                band.h * dx, band.h, band.size(),
                                distance.ofWholeSurface() ? "" : ", not of the whole surface",
-                               distance.field().reached));
+                               distance.reached()));
     for (const auto& [what, points] :
          {std::pair("seed", &distance.seeds()), {"target", &distance.targets()}})
         for (std::size_t k = 0; k < points->size(); ++k) {
@@ -139,7 +140,8 @@ void describe(const igeo::Distance& distance, const Console& console) {
                                        textOf(band.transform.worldFromIndex(p.pIndex), 9),
                                        p.snapDistance * dx));
         }
-    const igeo::Metric& metric = *distance.field().metric;
+    const igeo::MetricPtr marchedWith = distance.marched()->metric;
+    const igeo::Metric& metric = *marchedWith;
     if (metric.weighted() || metric.obstacles)
         console.detail(fmt::format("metric: weights from {:.4g} to {:.4g}, {} nodes blocked",
                                    metric.least(), metric.largest(), metric.insideCount()));
@@ -147,7 +149,8 @@ void describe(const igeo::Distance& distance, const Console& console) {
 
 void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
     constexpr double kLate = 0.01;  // voxels
-    const igeo::Field& field = distance.field();
+    const std::shared_ptr<const igeo::Field> marched = distance.marched();
+    const igeo::Field& field = *marched;
     const igeo::Band& band = distance.band();
     struct Source {
         std::size_t segments = 0, lost = 0;
@@ -210,7 +213,7 @@ void warnOfRoundedBends(RunReport& report) {
 
 void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report) {
     if (report.obstacles.empty() || !distance.ofWholeSurface()) return;
-    if (distance.field().metric->blocksAny(distance.band())) return;
+    if (distance.marched()->metric->blocksAny(distance.band())) return;
     std::string names;
     for (const std::string& name : report.obstacles) names += (names.empty() ? "" : ", ") + name;
     report.warnings.push_back("no obstacle meets the surface, so nothing is blocked: " + names);
@@ -232,9 +235,10 @@ namespace {
 
 /// How far the distances go, and over how much of the surface.
 std::string reachOf(const igeo::Distance& distance) {
-    const igeo::Field& field = distance.field();
+    const std::shared_ptr<const igeo::Field> marched = distance.marched();
+    const igeo::Field& field = *marched;
     const std::string most = fmt::format("distances up to {:.6g}", distance.largest());
-    const std::size_t all = distance.band().size(), lost = all - field.reached;
+    const std::size_t all = distance.band().size(), lost = all - distance.reached();
     if (field.stoppedEarly || !distance.ofWholeSurface()) return most + " around the seeds";
     if (lost == 0) return most + " on the whole surface";
     const double share = 100 * double(lost) / double(all);

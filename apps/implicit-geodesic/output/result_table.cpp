@@ -152,8 +152,7 @@ void writePicture(RunResult& r, const std::string& file) {
     igeo::PictureOptions picture = pictureOf(r);
     if (const std::optional<ImageSize>& size = r.options.imageSize)
         picture.width = size->width, picture.height = size->height;
-    writeDocument(file,
-                  igeo::renderPng(r.distance, pathCurves(r.report), picture, r.progress));
+    writeDocument(file, igeo::renderPng(r.distance, pathCurves(r.report), picture, r.progress));
 }
 
 /// The page, with the names that the seeds have in their files, and what a user should know.
@@ -238,8 +237,18 @@ const std::vector<ResultKind>& resultKinds() {
 }
 
 void writeResults(RunResult& r) {
+    const RunOptions& o = r.options;
+    const std::string& surface = r.distance.surface().facts().name;
+    if (!volumeFile(o, &surface).empty()) {
+        // One leaf after the other, where nothing else reads the band; and where nothing else reads
+        // the surface, in its place.
+        if (asksForOther(o) || !o.grids.empty() || o.extend)
+            r.distance.field();
+        else if (r.lastRun)
+            r.distance.surface().dropVolume();
+    }
     for (const ResultKind& kind : resultKinds()) {
-        const std::string file = kind.file(r.options, &r.distance.surface().facts().name);
+        const std::string file = kind.file(o, &surface);
         if (file.empty() || !kind.write) continue;
         kind.write(r, file);
         r.report.outputs.emplace_back(kind.name, file);

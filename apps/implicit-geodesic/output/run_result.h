@@ -21,6 +21,7 @@ struct RunResult {
     const igeo::Distance& distance;
     RunReport& report;
     igeo::Progress& progress;
+    bool lastRun = false;  ///< no other run needs the surface
 
     std::optional<igeo::SurfaceMesh> madeMesh = {};
     std::optional<std::vector<igeo::Isoline>> madeIsolines = {};

@@ -166,6 +166,6 @@ void bindDistance(py::module_& module) {
         .def_property_readonly("of_whole_surface", &Distance::ofWholeSurface)
         .def_property_readonly("reached", [](const Distance& d) {
             const std::size_t nodes = d.band().size();
-            return nodes ? double(d.field().reached) / double(nodes) : 0.0;
+            return nodes ? double(d.reached()) / double(nodes) : 0.0;
         });
 }

@@ -48,7 +48,7 @@ void LeafNodes::number(NodeIndex start) {
     }
 }
 
-void Band::buildTopology() {
+void Band::buildTopology(bool withFeet) {
     std::size_t count = 0;
     for (BandLeaf& l : leaves) {
         l.band.number(NodeIndex(count));
@@ -67,10 +67,10 @@ void Band::buildTopology() {
         table_[slot] = LeafIndex(l);
     }
 
-    leaf.resize(count);
-    offset.resize(count);
+    leafOfBlock_.resize((count + kBlock - 1) / kBlock);
+    offset_.resize(count);
     psi.resize(count);
-    foot.resize(count);
+    if (withFeet) foot.resize(count);
     normal.resize(count);
     facing.assign(count, 0);
     parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
@@ -81,12 +81,12 @@ void Band::buildTopology() {
                 for (int dy = -8; dy <= 8; dy += 8)
                     for (int dz = -8; dz <= 8; dz += 8)
                         here.neighbor[k++] = leafAt(here.origin + Ijk{dx, dy, dz});
-            NodeIndex node = here.band.firstNode;
-            for (unsigned x = 0; x < 8; ++x)
-                for (std::uint64_t word = here.band.mask[x]; word; word &= word - 1, ++node) {
-                    leaf[node] = LeafIndex(l);
-                    offset[node] = std::uint16_t(x << 6 | unsigned(std::countr_zero(word)));
-                }
+            // The blocks that begin in this leaf.
+            const std::size_t first = here.band.firstNode, last = first + here.band.count;
+            for (std::size_t b = (first + kBlock - 1) / kBlock; b * kBlock < last; ++b)
+                leafOfBlock_[b] = LeafIndex(l);
+            forNodes(LeafIndex(l),
+                     [&](NodeIndex i, unsigned at) { offset_[i] = std::uint16_t(at); });
         }
     });
 }
@@ -107,19 +107,21 @@ void Band::numberCore(const std::vector<NodeIndex>& rim) {
     parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             LeafNodes& core = leaves[l].core;
-            const LeafNodes& nodes = leaves[l].band;
             core.mask = {};
-            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
+            forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {
                 const Vec3f n = normal[i];
                 const float most = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
                 const float edges = std::abs(psi[i]);
                 if (edges <= kHalfEdge * most ||
                     (facing[i] && edges <= most && otherSheetBehind(i, n, most)))
-                    core.insert(offset[i]);
-            }
+                    core.insert(at);
+            });
         }
     });
-    for (const NodeIndex i : rim) leaves[leaf[i]].core.insert(offset[i]);
+    for (const NodeIndex i : rim) {
+        const Place at = placeOf(i);
+        leaves[at.leaf].core.insert(at.offset);
+    }
     coreSize_ = 0;
     for (BandLeaf& here : leaves) {
         here.core.number(NodeIndex(coreSize_));
@@ -131,7 +133,8 @@ void Band::markFacing(NodeIndex i, const Ijk& step) {
     const NodeIndex j = neighbor(i, step);
     if (j == kNoNode) return;
     const Vec3f a = normal[i], b = normal[j];
-    if (dot(a, b) > kOtherSheet && !igeo::stacked(Vec3f(step) + foot[j] - foot[i], a, b)) return;
+    if (dot(a, b) > kOtherSheet && !igeo::stacked(Vec3f(step) + footOf(j) - footOf(i), a, b))
+        return;
     // Several threads may set one flag: always to 1.
     std::atomic_ref(facing[i]).fetch_or(kFacing, std::memory_order_relaxed);
     std::atomic_ref(facing[j]).fetch_or(kFacing, std::memory_order_relaxed);
@@ -162,7 +165,7 @@ void Band::sever(const std::vector<Link>& links) {
     severed_.add(steps);
     severed_.forNodes([&](NodeIndex i) {
         facing[i] |= kSevered | kBesideSevered;
-        forNeighbors(&BandLeaf::band, leaf[i], offset[i],
+        forNeighbors(&BandLeaf::band, i,
                      [&](NodeIndex j, int, int, int) { facing[j] |= kBesideSevered; });
     });
 }
@@ -195,7 +198,7 @@ bool Band::joined(NodeIndex i, NodeIndex j) const {
     if (within(d.x, d.y, d.z) && !severed(i, j)) return true;
     const std::uint32_t fromI = severedSteps(i), fromJ = severedSteps(j);
     bool found = false;
-    forNeighbors(&BandLeaf::band, leaf[i], offset[i], [&](NodeIndex, int x, int y, int z) {
+    forNeighbors(&BandLeaf::band, i, [&](NodeIndex, int x, int y, int z) {
         found |= within(x - d.x, y - d.y, z - d.z) && !(fromI & SeveredLinks::bit(x, y, z)) &&
                  !(fromJ & SeveredLinks::bit(x - d.x, y - d.y, z - d.z));
     });
@@ -203,8 +206,8 @@ bool Band::joined(NodeIndex i, NodeIndex j) const {
 }
 
 std::size_t Band::memUsage() const {
-    return bytes(leaves) + bytes(leaf) + bytes(offset) + bytes(psi) + bytes(foot) + bytes(normal) +
-           bytes(facing) + severed_.memUsage() + bytes(bridges_) + bytes(table_);
+    return bytes(leaves) + bytes(leafOfBlock_) + bytes(offset_) + bytes(psi) + bytes(foot) +
+           bytes(normal) + bytes(facing) + severed_.memUsage() + bytes(bridges_) + bytes(table_);
 }
 
 BandCell cellAt(const Band& band, const Vec3d& p) {
@@ -249,7 +252,7 @@ Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNorm
         NodeIndex& i = cell.node[k];
         if (i == kNoNode) continue;
         const Vec3d t = cell.t - Vec3d(double(k >> 2), double(k >> 1 & 1), double(k & 1));
-        const Vec3f chord = Vec3f(t) - band.foot[i];
+        const Vec3f chord = Vec3f(t) - band.footOf(i);
         const float cosine = dot(n, band.normal[i]), rise = dot(n, chord);
         if (cosine < Band::kOtherSheet ||
             (band.facing[i] & Band::kFacing && stacked(chord, n, band.normal[i]))) {

@@ -87,7 +87,8 @@ inline bool onOneSheet(const Vec3f& chord, const Vec3f& a, const Vec3f& b, float
 }
 
 /// The band in flat arrays. Nodes are numbered leaf by leaf, by offset within the leaf, so the
-/// numbering depends on the topology alone. 35 bytes per node and about 5 for the leaves.
+/// numbering depends on the topology alone. 19 bytes per node, 12 more where foot points are
+/// stored, and about 5 for the leaves.
 ///
 /// The core is the thinnest part of the band that is still closed: the nearer end of every lattice
 /// edge that S crosses along the axis its normal is closest to. For a plane these are the voxels
@@ -112,11 +113,9 @@ struct Band {
     std::shared_ptr<const SurfaceTriangles> triangles;
 
     std::vector<BandLeaf> leaves;
-    std::vector<LeafIndex> leaf;        ///< per node: its leaf
-    std::vector<std::uint16_t> offset;  ///< per node: its offset in the leaf
-    std::vector<float> psi;             ///< per node: signed distance, voxels; |psi| < h
-    std::vector<Vec3f> foot;            ///< per node: foot point on S, relative to the voxel
-    std::vector<Vec3f> normal;          ///< per node: unit normal at the foot point, along grad psi
+    std::vector<float> psi;     ///< per node: signed distance, voxels; |psi| < h
+    std::vector<Vec3f> foot;    ///< per node: footOf; empty: -psi times the normal, as psi says
+    std::vector<Vec3f> normal;  ///< per node: unit normal at the foot point, along grad psi
 
     /// Per node, bits: kFacing where a neighbor lies on a sheet that faces it, kSevered where links
     /// are severed, kBesideSevered there and at all neighbors of such nodes, kBridged at the ends
@@ -126,16 +125,40 @@ struct Band {
 
     std::size_t size() const { return psi.size(); }
 
+    /// Where a node is.
+    struct Place {
+        LeafIndex leaf;
+        unsigned offset;  ///< in the leaf
+    };
+    Place placeOf(NodeIndex i) const { return {leafOf(i), offset_[i]}; }
+    LeafIndex leafOf(NodeIndex i) const {
+        LeafIndex l = leafOfBlock_[i / kBlock];
+        while (i - leaves[l].band.firstNode >= leaves[l].band.count) ++l;
+        return l;
+    }
+    /// Calls visit(i, offset) for the nodes of a leaf, in their order.
+    template <typename Visit>
+    void forNodes(LeafIndex l, const Visit& visit) const {
+        const LeafNodes& nodes = leaves[l].band;
+        NodeIndex i = nodes.firstNode;
+        for (unsigned x = 0; x < 8; ++x)
+            for (std::uint64_t bits = nodes.mask[x]; bits; bits &= bits - 1, ++i)
+                visit(i, x << 6 | unsigned(std::countr_zero(bits)));
+    }
+
     Ijk ijk(NodeIndex i) const {
-        const unsigned o = offset[i];
-        return leaves[leaf[i]].origin +
+        const auto [l, o] = placeOf(i);
+        return leaves[l].origin +
                Ijk{std::int32_t(o >> 6), std::int32_t(o >> 3 & 7), std::int32_t(o & 7)};
     }
-    Vec3d footPoint(NodeIndex i) const { return Vec3d(ijk(i)) + Vec3d(foot[i]); }
+    /// The foot point on S, relative to the voxel.
+    Vec3f footOf(NodeIndex i) const { return foot.empty() ? -psi[i] * normal[i] : foot[i]; }
+    Vec3d footPoint(NodeIndex i) const { return Vec3d(ijk(i)) + Vec3d(footOf(i)); }
 
     /// The node at step (dx, dy, dz) from node i, or kNoNode. O(1); fastest within 8 voxels.
     NodeIndex neighbor(NodeIndex i, int dx, int dy, int dz) const {
-        return neighbor(&BandLeaf::band, leaf[i], offset[i], {dx, dy, dz});
+        const Place at = placeOf(i);
+        return neighbor(&BandLeaf::band, at.leaf, at.offset, {dx, dy, dz});
     }
     /// The same from the voxel at an offset of leaf l.
     /// @param nodes  &BandLeaf::band, or &BandLeaf::core for the core's numbers
@@ -177,6 +200,11 @@ struct Band {
     template <typename Visit>
     void forNeighbors(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
                       const Visit& visit) const;
+    template <typename Visit>
+    void forNeighbors(LeafNodes BandLeaf::*nodes, NodeIndex i, const Visit& visit) const {
+        const Place at = placeOf(i);
+        forNeighbors(nodes, at.leaf, at.offset, visit);
+    }
 
     /// Calls visit(j, corner) for the nodes j among the 8 voxels at low + {0, 1}^3, corner (a, b,
     /// c) numbered 4 a + 2 b + c, in that order.
@@ -184,6 +212,12 @@ struct Band {
     template <typename Visit>
     void forCorners(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at, const Ijk& low,
                     const Visit& visit) const;
+    template <typename Visit>
+    void forCorners(LeafNodes BandLeaf::*nodes, NodeIndex i, const Ijk& low,
+                    const Visit& visit) const {
+        const Place at = placeOf(i);
+        forCorners(nodes, at.leaf, at.offset, low, visit);
+    }
 
     /// Calls visit(j, weight, from) for the nodes j at the corners around the foot point of node i:
     /// trilinear weight, corners that hardly count left out, and the vector from the corner's voxel
@@ -193,7 +227,7 @@ struct Band {
     void forCornersOfFoot(LeafNodes BandLeaf::*nodes, NodeIndex i, LeafIndex l, unsigned at,
                           const Visit& visit) const {
         constexpr float kLight = 0.01f;
-        const Vec3f y = foot[i];
+        const Vec3f y = footOf(i);
         const Ijk low{floorToInt(y.x), floorToInt(y.y), floorToInt(y.z)};
         const Vec3f up = y - Vec3f(low);
         forCorners(nodes, l, at, low, [&](NodeIndex j, unsigned k) {
@@ -202,6 +236,11 @@ struct Band {
                 (1 - std::abs(from.x)) * (1 - std::abs(from.y)) * (1 - std::abs(from.z));
             if (weight >= kLight) visit(j, weight, from);
         });
+    }
+    template <typename Visit>
+    void forCornersOfFoot(LeafNodes BandLeaf::*nodes, NodeIndex i, const Visit& visit) const {
+        const Place at = placeOf(i);
+        forCornersOfFoot(nodes, i, at.leaf, at.offset, visit);
     }
 
     /// Calls visit(j, step) for the nodes up to `reach` steps from the voxel at step `middle` from
@@ -217,6 +256,12 @@ struct Band {
                     if (j != kNoNode) visit(j, step);
                 }
     }
+    template <typename Visit>
+    void forBox(LeafNodes BandLeaf::*nodes, NodeIndex i, const Ijk& middle, int reach,
+                const Visit& visit) const {
+        const Place at = placeOf(i);
+        forBox(nodes, at.leaf, at.offset, middle, reach, visit);
+    }
 
     /// Whether a front may pass between neighbors i and j: not if their normals oppose, for then
     /// they belong to two sheets that face each other, nor if one sheet lies on top of the other,
@@ -231,7 +276,7 @@ struct Band {
     static constexpr float kOtherSheet = kOppositeNormals;
 
     bool stacked(NodeIndex i, NodeIndex j) const {
-        return igeo::stacked(Vec3f(ijk(j) - ijk(i)) + foot[j] - foot[i], normal[i], normal[j]);
+        return igeo::stacked(Vec3f(ijk(j) - ijk(i)) + footOf(j) - footOf(i), normal[i], normal[j]);
     }
 
     /// Marks i and its neighbors up to two voxels along the axes as `facing` where normals oppose
@@ -278,17 +323,21 @@ struct Band {
     LeafIndex leafAt(const Ijk& ijk) const;
 
     /// Numbers the nodes of `leaves` (origin and mask of `band` set, in their final order), links
-    /// the leaves and sizes the node arrays; fills `leaf` and `offset`, leaves the rest to the
-    /// caller, who then calls numberCore().
+    /// the leaves and sizes the node arrays; leaves them to the caller, who then calls
+    /// numberCore().
+    /// @param withFeet  the caller sets foot points
     /// @throws Error  BadInput for more nodes than NodeIndex can number
-    void buildTopology();
+    void buildTopology(bool withFeet = true);
 
     /// Finds and numbers the core, from psi and normal.
     /// @param rim  nodes around sharp bends, which it takes in as well
     void numberCore(const std::vector<NodeIndex>& rim = {});
     std::size_t coreSize() const { return coreSize_; }
     /// The core's number of node i, or kNoNode.
-    NodeIndex coreNode(NodeIndex i) const { return leaves[leaf[i]].core.node(offset[i]); }
+    NodeIndex coreNode(NodeIndex i) const {
+        const Place at = placeOf(i);
+        return leaves[at.leaf].core.node(at.offset);
+    }
     bool inCore(NodeIndex i) const { return coreNode(i) != kNoNode; }
 
     /// Bytes held by the arrays.
@@ -305,6 +354,9 @@ private:
         return ((z < 1 ? 7u >> (1 - z) : 7u << (z - 1)) & 0xff) * 0x0101010101010101ull;
     }
 
+    static constexpr std::size_t kBlock = 16;
+    std::vector<LeafIndex> leafOfBlock_;  ///< of every kBlock-th node
+    std::vector<std::uint16_t> offset_;   ///< per node: in its leaf
     std::size_t coreSize_ = 0;
     SeveredLinks severed_;
     std::vector<Bridge> bridges_;   ///< sorted by both ends

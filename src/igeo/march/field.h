@@ -8,6 +8,7 @@
 #include <igeo/metric/metric.h>
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -72,8 +73,13 @@ private:
 };
 
 /// Extends the jets of the core to the whole band, if that was not done by the march.
-/// Time O(n), in parallel.
+/// Time O(n), in parallel; 20 bytes per node.
 void extendToBand(Field& field);
+
+/// Calls visit(l, jets) for every leaf of the band, with what is known at its nodes, in their
+/// order: for those who need each node once, and no field on the whole band. In parallel.
+void forLeaves(const Field& field,
+               const std::function<void(LeafIndex, const std::vector<NodeJet>&)>& visit);
 
 /// Gradient of the distance along S per node: M&S 4.1, grad d - (grad d . n) n, by differences of
 /// reached neighbors (central where both sides are reached, one-sided otherwise). Its length is

@@ -179,10 +179,8 @@ std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
     parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
-            for (NodeIndex i = leaf.band.firstNode; i < leaf.band.firstNode + leaf.band.count;
-                 ++i) {
-                const unsigned at = band.offset[i];
-                if (leaf.core.node(at) == kNoNode || !inside[i]) continue;
+            band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {
+                if (leaf.core.node(at) == kNoNode || !inside[i]) return;
                 band.forNeighbors(
                     &BandLeaf::core, LeafIndex(l), at, [&](NodeIndex, int dx, int dy, int dz) {
                         const NodeIndex j = band.neighbor(i, dx, dy, dz);
@@ -190,7 +188,7 @@ std::vector<SurfacePoint> seedsAround(const Band& band, const Obstacles& region,
                             !inside[j] && !band.severed(i, j))
                             found[l].push_back(rimPoint(band, region, i, j));
                     });
-            }
+            });
         }
     });
     std::vector<SurfacePoint> seeds;

@@ -110,14 +110,13 @@ CurveParts partsBetweenCurves(const Field& field, const Progress& progress) {
     for (NodeIndex i = 0; i < n; ++i) {
         if (i % kLookEvery == 0) progress.throwIfCancelled();
         if (!isKnown(field, i)) continue;
-        band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
-                          [&](NodeIndex j, int, int, int) {
-                              if (j < i || !isKnown(field, j) || !band.linked(i, j)) return;
-                              if (signOf[i] * signOf[j] < 0)
-                                  parts.crossings.emplace_back(i, j);
-                              else
-                                  parts.sets.join(i, j, false);
-                          });
+        band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+            if (j < i || !isKnown(field, j) || !band.linked(i, j)) return;
+            if (signOf[i] * signOf[j] < 0)
+                parts.crossings.emplace_back(i, j);
+            else
+                parts.sets.join(i, j, false);
+        });
     }
     return parts;
 }

@@ -147,7 +147,7 @@ CoreCurvature::CoreCurvature(const Band& band, double scale)
         for (std::size_t k = begin; k < end; ++k) {
             const auto i = NodeIndex(k);
             const NodeIndex c = band.coreNode(i);
-            if (c != kNoNode) core_[c] = {band.foot[k], band.normal[k], band.ijk(i), 0};
+            if (c != kNoNode) core_[c] = {band.footOf(i), band.normal[k], band.ijk(i), 0};
         }
     });
     link();
@@ -258,7 +258,7 @@ Bend CoreCurvature::extendTo(NodeIndex i, LeafIndex l, unsigned at) const {
 Bend CoreCurvature::nearestTo(NodeIndex i, LeafIndex l, unsigned at) const {
     // The core passes within two voxels of a voxel of the band or of its foot point.
     constexpr int kFar = 2;
-    const Vec3f foot = band_.foot[i];
+    const Vec3f foot = band_.footOf(i);
     for (const Ijk& middle : {roundToIjk(Vec3d(foot)), Ijk{}}) {
         Bend nearest;
         float least = float(kInfinity);
@@ -319,9 +319,9 @@ Curvature curvature(const Band& band, double scale, Progress& progress) {
     parallelFor(band.size(), 1024, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const auto i = NodeIndex(k);
-            const NodeIndex inCore = band.coreNode(i);
-            const Bend b = inCore == kNoNode ? core.extendTo(i, band.leaf[k], band.offset[k])
-                                             : core.at(inCore);
+            const auto [l, at] = band.placeOf(i);
+            const NodeIndex inCore = band.leaves[l].core.node(at);
+            const Bend b = inCore == kNoNode ? core.extendTo(i, l, at) : core.at(inCore);
             c.k1[k] = b.k1, c.k2[k] = b.k2, c.direction1[k] = b.direction1;
         }
     });

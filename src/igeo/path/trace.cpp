@@ -189,13 +189,12 @@ NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
 
 NodeIndex Tracer::lowestNeighbor(NodeIndex i) const {
     NodeIndex best = i;
-    band_.forNeighbors(&BandLeaf::band, band_.leaf[i], band_.offset[i],
-                       [&](NodeIndex j, int, int, int) {
-                           if (field_.distance[j] < field_.distance[best] && walkable(j) &&
-                               dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet &&
-                               !band_.severed(i, j) && !field_.metric->blocked(band_, i, j))
-                               best = j;
-                       });
+    band_.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+        if (field_.distance[j] < field_.distance[best] && walkable(j) &&
+            dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet && !band_.severed(i, j) &&
+            !field_.metric->blocked(band_, i, j))
+            best = j;
+    });
     band_.forBridges(i, [&](const Bridge& b) {
         if (field_.distance[b.to] < field_.distance[best] && walkable(b.to) &&
             !field_.metric->blocked(band_, i, b.to))

@@ -4,9 +4,14 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 
+#include <algorithm>
+#include <memory>
+
 namespace igeo {
 
 namespace {
+
+using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
 /// Sets value(i) at every node i that is wanted. Leaves are made and added by one thread, filled by
 /// all.
@@ -18,14 +23,13 @@ void fill(GridT& grid, const Band& band, const Wanted& wanted, const ValueAt& va
     parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             const BandLeaf& from = band.leaves[l];
-            for (NodeIndex i = from.band.firstNode; i < from.band.firstNode + from.band.count;
-                 ++i) {
-                if (!wanted(i)) continue;
+            band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {
+                if (!wanted(i)) return;
                 if (!leaves[l])
                     leaves[l] = new Leaf(
                         openvdb::Coord(from.origin.x, from.origin.y, from.origin.z), background);
-                leaves[l]->setValueOn(openvdb::Index(band.offset[i]), valueAt(i));
-            }
+                leaves[l]->setValueOn(openvdb::Index(at), valueAt(i));
+            });
         }
     });
     for (Leaf* leaf : leaves)
@@ -45,10 +49,61 @@ typename GridT::Ptr makeGrid(const typename GridT::ValueType& background,
     return grid;
 }
 
+/// A leaf of reached nodes. What it holds beside them is not known before all leaves are.
+std::unique_ptr<FloatLeaf> distanceLeaf(const Band& band, LeafIndex l,
+                                        const std::vector<NodeJet>& jets, Extent& extent) {
+    const BandLeaf& from = band.leaves[l];
+    std::unique_ptr<FloatLeaf> leaf;
+    band.forNodes(l, [&](NodeIndex i, unsigned at) {
+        const double d = jets[i - from.band.firstNode].distance;
+        if (!(d < kInfinity)) return;
+        if (!leaf)
+            leaf = std::make_unique<FloatLeaf>(
+                openvdb::Coord(from.origin.x, from.origin.y, from.origin.z), 0.0f);
+        leaf->setValueOn(at, float(band.transform.dx * d));
+        ++extent.reached;
+        extent.maxDistance = std::max(extent.maxDistance, d);
+    });
+    return leaf;
+}
+
+openvdb::FloatGrid::Ptr distanceGridByLeaf(const Field& field,
+                                           const openvdb::math::Transform& transform,
+                                           const std::string& name, Extent& extent) {
+    const Band& band = *field.band;
+    std::vector<std::unique_ptr<FloatLeaf>> leaves(band.leaves.size());
+    std::vector<Extent> extents(leaves.size());
+    forLeaves(field, [&](LeafIndex l, const std::vector<NodeJet>& jets) {
+        leaves[l] = distanceLeaf(band, l, jets, extents[l]);
+    });
+    extent = {};
+    for (const Extent& e : extents) {
+        extent.reached += e.reached;
+        extent.maxDistance = std::max(extent.maxDistance, e.maxDistance);
+    }
+    const auto background = float(extent.maxDistance * band.transform.dx);
+    parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l)
+            if (leaves[l])
+                for (auto at = leaves[l]->beginValueOff(); at; ++at) at.setValue(background);
+    });
+    auto grid = makeGrid<openvdb::FloatGrid>(background, transform, name);
+    for (auto& leaf : leaves)
+        if (leaf) grid->tree().addLeaf(leaf.release());
+    return grid;
+}
+
 }  // namespace
 
 openvdb::FloatGrid::Ptr distanceGrid(const Field& field, const openvdb::math::Transform& transform,
-                                     const std::string& name) {
+                                     const std::string& name, Extent* extent) {
+    Extent found{field.reached, field.maxDistance};
+    if (field.core) {
+        const auto grid = distanceGridByLeaf(field, transform, name, found);
+        if (extent) *extent = found;
+        return grid;
+    }
+    if (extent) *extent = found;
     const Band& band = *field.band;
     const double dx = band.transform.dx;
     auto grid = makeGrid<openvdb::FloatGrid>(float(field.maxDistance * dx), transform, name);

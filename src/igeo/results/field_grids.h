@@ -13,13 +13,21 @@
 
 namespace igeo {
 
+/// How much of a band has distances.
+struct Extent {
+    std::size_t reached = 0;  ///< nodes
+    double maxDistance = 0;   ///< the largest, voxels times weight
+};
+
 /// Distances as a grid in world units times weight, negative where Field::sign is.
 ///
 /// Active exactly at the nodes with a finite distance; everything else is inactive and holds the
 /// largest distance, as does the background, so that sublevel sets stay closed. Class unknown.
 /// @param transform the level set's own, so that both grids line up bit by bit
+/// @param extent  set to what the grid holds
+/// Of a field that was not extended the jets of one leaf after the other are, and then given back.
 openvdb::FloatGrid::Ptr distanceGrid(const Field& field, const openvdb::math::Transform& transform,
-                                     const std::string& name);
+                                     const std::string& name, Extent* extent = nullptr);
 
 /// Gradients along S (surfaceGradient) as covariant vectors in world space, weight per unit length;
 /// active where the distance is known.

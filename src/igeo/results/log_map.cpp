@@ -130,14 +130,13 @@ Vec3f LogMapper::logGradient(NodeIndex i) const {
     const TangentFrame frame(band_.normal[i], band_.faceted);
     float xx = 1e-6f, xy = 0, yy = 1e-6f;
     Vec2f right;
-    band_.forNeighbors(
-        &BandLeaf::band, band_.leaf[i], band_.offset[i], [&](NodeIndex j, int, int, int) {
-            if (dot(band_.normal[i], band_.normal[j]) < 0.5f) return;
-            const Vec2f a = frame.flat(Vec3f(band_.footPoint(j) - band_.footPoint(i)));
-            const auto rise = float(std::log(metric.at(j) / metric.at(i)));
-            xx += a.x * a.x, xy += a.x * a.y, yy += a.y * a.y;
-            right = right + rise * a;
-        });
+    band_.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+        if (dot(band_.normal[i], band_.normal[j]) < 0.5f) return;
+        const Vec2f a = frame.flat(Vec3f(band_.footPoint(j) - band_.footPoint(i)));
+        const auto rise = float(std::log(metric.at(j) / metric.at(i)));
+        xx += a.x * a.x, xy += a.x * a.y, yy += a.y * a.y;
+        right = right + rise * a;
+    });
     const float det = xx * yy - xy * xy;
     return frame.lift((1 / det) * Vec2f{yy * right.x - xy * right.y, xx * right.y - xy * right.x});
 }
@@ -189,7 +188,7 @@ void LogMapper::addNeighbor(NodeIndex i, const Chart& here, NodeIndex core,
 
 FrontNeighbors LogMapper::neighbors(NodeIndex i, const Chart& here) const {
     FrontNeighbors all;
-    band_.forNeighbors(&BandLeaf::core, band_.leaf[i], band_.offset[i],
+    band_.forNeighbors(&BandLeaf::core, i,
                        [&](NodeIndex core, int, int, int) { addNeighbor(i, here, core, all); });
     return all;
 }
@@ -276,9 +275,9 @@ Vec2f LogMapper::interpolate(NodeIndex i) const {
     const Chart here = chart(i);
     if (Carried carried; carryFromSeed(i, here, carried)) return measure(i, carried).direction;
     FrontNeighbors all;
-    const Vec3f f = band_.foot[i];
+    const Vec3f f = band_.footOf(i);
     const Ijk low{floorToInt(f.x), floorToInt(f.y), floorToInt(f.z)};
-    band_.forCorners(&BandLeaf::core, band_.leaf[i], band_.offset[i], low,
+    band_.forCorners(&BandLeaf::core, i, low,
                      [&](NodeIndex k, unsigned) { addNeighbor(i, here, k, all); });
     if (all.begin() == all.end()) all = neighbors(i, here);
     if (all.begin() == all.end()) return {};

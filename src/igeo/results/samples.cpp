@@ -17,11 +17,10 @@ bool isRepeated(const Band& band, NodeIndex i) {
     constexpr double kSame = 1e-5;  // voxels
     bool found = false;
     const Vec3d p = band.footPoint(i);
-    band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
-                      [&](NodeIndex j, int, int, int) {
-                          found = found || (j < i && length(band.footPoint(j) - p) < kSame &&
-                                            band.inCore(j) && band.linked(i, j));
-                      });
+    band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+        found = found || (j < i && length(band.footPoint(j) - p) < kSame && band.inCore(j) &&
+                          band.linked(i, j));
+    });
     return found;
 }
 

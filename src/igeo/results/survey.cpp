@@ -59,7 +59,8 @@ std::vector<Judgement> judgeCore(const LevelSet& levelSet, const Band& band,
             for (NodeIndex c = here.core.firstNode; c < here.core.firstNode + here.core.count;
                  ++c) {
                 const NodeIndex i = nodes[c];
-                const int at = band.offset[i], x = at >> 6, y = at >> 3 & 7, z = at & 7;
+                const int at = int(band.placeOf(i).offset), x = at >> 6, y = at >> 3 & 7,
+                          z = at & 7;
                 Judgement& judged = all[c];
                 const PsiDifferences d(block, x, y, z);
                 if (cutBeside(d, band.psi[i], levelSet.stats.halfWidth))
@@ -100,7 +101,7 @@ void spreadDoubts(const Band& band, const std::vector<Judgement>& core, SurfaceS
             if (const NodeIndex c = band.coreNode(i); c != kNoNode)
                 take(c);
             else
-                band.forCornersOfFoot(&BandLeaf::core, i, band.leaf[i], band.offset[i],
+                band.forCornersOfFoot(&BandLeaf::core, i,
                                       [&](NodeIndex j, float, const Vec3f&) { take(j); });
         }
     });
@@ -134,10 +135,9 @@ std::vector<NodeIndex> connect(const Band& band, const std::vector<NodeIndex>& n
     DisjointSets sets(nodes.size());
     for (NodeIndex c = 0; c < nodes.size(); ++c) {
         const NodeIndex i = nodes[c];
-        band.forNeighbors(&BandLeaf::core, band.leaf[i], band.offset[i],
-                          [&](NodeIndex next, int, int, int) {
-                              if (next < c && band.linked(i, nodes[next])) sets.join(c, next);
-                          });
+        band.forNeighbors(&BandLeaf::core, i, [&](NodeIndex next, int, int, int) {
+            if (next < c && band.linked(i, nodes[next])) sets.join(c, next);
+        });
         band.forBridges(i, [&](const Bridge& b) { sets.join(c, band.coreNode(b.to)); });
     }
     std::vector<NodeIndex> component(nodes.size());

@@ -105,7 +105,6 @@ private:
             marks_.rims[l_].push_back(i);
         band_.psi[i] = float(value);
         band_.normal[i] = Vec3f(n);
-        band_.foot[i] = Vec3f(-value * n);
     }
 
     const LeafBlock& block_;
@@ -137,7 +136,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
     band.h = h;
     const double dx = band.transform.dx;
     band.leaves = bandLeaves(source, h * dx, kept);
-    band.buildTopology();
+    band.buildTopology(/*withFeet=*/false);
 
     Marks marks(kept.size());
     Steps steps(progress, "band", kept.size(), 0.2, 0.8);
@@ -195,9 +194,9 @@ LevelSet levelSetFromBand(const Band& band, bool closed, const std::string& file
             grid.tree().touchLeaf(openvdb::Coord(leaf.origin.x, leaf.origin.y, leaf.origin.z)));
     parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
-            const LeafNodes& nodes = band.leaves[l].band;
-            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i)
-                leaves[l]->setValueOn(band.offset[i], float(band.psi[i] * t.dx));
+            band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {
+                leaves[l]->setValueOn(at, float(band.psi[i] * t.dx));
+            });
         }
     });
     if (closed) openvdb::tools::signedFloodFill(grid.tree());

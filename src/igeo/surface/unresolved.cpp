@@ -87,7 +87,7 @@ double facingShare(const Band& band) {
 
 double reachAt(const Band& band, NodeIndex i, float cosine) {
     double least = kInfinity;
-    band.forBox(&BandLeaf::band, band.leaf[i], band.offset[i], {}, 2, [&](NodeIndex j, const Ijk&) {
+    band.forBox(&BandLeaf::band, i, {}, 2, [&](NodeIndex j, const Ijk&) {
         if (dot(band.normal[i], band.normal[j]) < cosine)
             least = std::min(least, length(band.footPoint(j) - band.footPoint(i)) / 2);
     });
@@ -148,7 +148,7 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
                     thin[i] = band.facing[i] & Band::kFacing && leaf.core.node(at) != kNoNode &&
                               2 * reachAt(band, i, kParallel) < kResolved;
                     if (!row.smooth(std::size_t(z)) && std::abs(band.psi[i]) >= kLeast &&
-                        isClosed(x, y, z, band.foot[i]))
+                        isClosed(x, y, z, band.footOf(i)))
                         markBeside(band, LeafIndex(l), at, closed);
                 }
             });
@@ -195,11 +195,10 @@ int eulerOnVoxels(const Band& band) {
         std::int64_t part = 0;
         for (auto i = NodeIndex(begin); i < end; ++i) {
             unsigned in = 0, count = 0;
-            band.forCorners(&BandLeaf::band, band.leaf[i], band.offset[i], {},
-                            [&](NodeIndex j, unsigned k) {
-                                ++count;
-                                in |= unsigned(band.psi[j] < 0) << k;
-                            });
+            band.forCorners(&BandLeaf::band, i, {}, [&](NodeIndex j, unsigned k) {
+                ++count;
+                in |= unsigned(band.psi[j] < 0) << k;
+            });
             // Corners between both signs are next to S, so that all eight are there.
             if (count == 8) part += table[in];
         }

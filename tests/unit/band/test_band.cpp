@@ -92,8 +92,7 @@ TEST_CASE(
     using Found = std::vector<std::tuple<NodeIndex, int, int, int>>;
     for (const auto nodes : {&BandLeaf::band, &BandLeaf::core})
         for (NodeIndex i = 0; i < band.size(); ++i) {
-            const LeafIndex l = band.leaf[i];
-            const unsigned at = band.offset[i];
+            const auto [l, at] = band.placeOf(i);
             Found expected, seen;
             for (int k = 0; k < 27; ++k) {
                 const Ijk step{k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1};
@@ -157,9 +156,9 @@ TEST_CASE("Band: the core is closed and in one piece") {
 TEST_CASE("Band: nodes are numbered leaf by leaf, by offset") {
     const Band band = bandOfVoxels(randomVoxels({-7, 3, -21}, 25, 0.3, 4));
     for (std::size_t k = 1; k < band.size(); ++k) {
-        const bool sameLeaf = band.leaf[k] == band.leaf[k - 1];
+        const Band::Place at = band.placeOf(NodeIndex(k)), before = band.placeOf(NodeIndex(k - 1));
         const bool ordered =
-            sameLeaf ? band.offset[k] > band.offset[k - 1] : band.leaf[k] == band.leaf[k - 1] + 1;
+            at.leaf == before.leaf ? at.offset > before.offset : at.leaf == before.leaf + 1;
         if (!ordered) FAIL("node " << k << " is out of order");
     }
     std::size_t count = 0;
@@ -168,7 +167,7 @@ TEST_CASE("Band: nodes are numbered leaf by leaf, by offset") {
         count += leaf.band.count;
     }
     CHECK(count == band.size());
-    CHECK(band.memUsage() >= 34 * band.size());
+    CHECK(band.memUsage() >= 31 * band.size());
 }
 
 TEST_CASE("Band: an empty band has no nodes anywhere") {
@@ -308,12 +307,10 @@ Band slitPlane(double cut, int end) {
     Band band = planeBand({0, 0, 1}, 0.1, {-12, -12, -4}, {12, 12, 4}, 1.8);
     std::vector<Link> links;
     for (NodeIndex i = 0; i < band.size(); ++i)
-        band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
-                          [&](NodeIndex j, int, int, int) {
-                              const Ijk a = band.ijk(i), b = band.ijk(j);
-                              if (a.x < cut && b.x > cut && std::max(a.y, b.y) < end)
-                                  links.emplace_back(i, j);
-                          });
+        band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+            const Ijk a = band.ijk(i), b = band.ijk(j);
+            if (a.x < cut && b.x > cut && std::max(a.y, b.y) < end) links.emplace_back(i, j);
+        });
     band.sever(links);
     return band;
 }
@@ -343,10 +340,9 @@ TEST_CASE("Band: links may be severed in parts, in any order") {
     const Band whole = slitPlane(2.5, 0);
     Band parts = slitPlane(2.5, -4);
     for (NodeIndex i = 0; i < whole.size(); ++i)
-        whole.forNeighbors(&BandLeaf::band, whole.leaf[i], whole.offset[i],
-                           [&](NodeIndex j, int, int, int) {
-                               if (i < j && whole.severed(i, j)) parts.sever({{j, i}, {i, j}});
-                           });
+        whole.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+            if (i < j && whole.severed(i, j)) parts.sever({{j, i}, {i, j}});
+        });
     CHECK(parts.facing == whole.facing);
     for (NodeIndex i = 0; i < whole.size(); ++i)
         CHECK(parts.severedSteps(i) == whole.severedSteps(i));

@@ -6,6 +6,8 @@
 #include <support/catch.h>
 #include <support/openvdb.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <random>
 
@@ -274,6 +276,56 @@ TEST_CASE("distanceGrid: world units at reached nodes, the largest elsewhere") {
         const bool active = grid->tree().probeValue({v.x, v.y, v.z}, value);
         CHECK(active == (k != 7));
         CHECK(value == (k == 7 ? grid->background() : float(field.distance[k] * 0.25)));
+    }
+}
+
+TEST_CASE("distanceGrid: leaf by leaf from the core as from the whole band") {
+    const Vec3d center{0.31, -0.17, 0.43};
+    Band band = sphereBand(center, 15, 1.8);
+    band.transform.dx = 0.1;
+    const SurfacePoint seed = nearestSurfacePoint(band, center + Vec3d{15, 0, 0});
+    const auto transform = openvdb::math::Transform::createLinearTransform(0.1);
+    for (const double limit : {kInfinity, 12.0}) {
+        JetOptions options;
+        options.maxDistance = limit;
+        const Field whole = marchJet(band, {}, {seed}, options);
+        options.extend = false;
+        const Field core = marchJet(band, {}, {seed}, options);
+        Extent ofWhole, ofCore;
+        const auto expected = distanceGrid(whole, *transform, "d", &ofWhole);
+        const auto grid = distanceGrid(core, *transform, "d", &ofCore);
+        CHECK((ofCore.reached == band.size()) == (limit == kInfinity));
+        CHECK(ofCore.reached == whole.reached);
+        CHECK(ofWhole.reached == whole.reached);
+        CHECK(ofCore.maxDistance == whole.maxDistance);
+        CHECK(ofWhole.maxDistance == whole.maxDistance);
+        CHECK(grid->background() == expected->background());
+        REQUIRE(grid->tree().hasSameTopology(expected->tree()));
+        const auto values = expected->getConstAccessor();
+        for (auto it = grid->cbeginValueAll(); it; ++it)
+            REQUIRE(*it == values.getValue(it.getCoord()));
+    }
+}
+
+TEST_CASE("forLeaves: every node of the band once, extended or not") {
+    const Band band = sphereBand({0.31, -0.17, 0.43}, 12, 1.8);
+    JetOptions options;
+    options.extend = false;
+    Field field = marchJet(band, {}, {nearestSurfacePoint(band, {12, 0, 0})}, options);
+    for (const bool extended : {false, true}) {
+        if (extended) extendToBand(field);
+        std::vector<int> seen(band.size());
+        std::atomic<std::size_t> unequal{0};
+        forLeaves(field, [&](LeafIndex l, const std::vector<NodeJet>& jets) {
+            unequal += jets.size() != band.leaves[l].band.count;
+            for (NodeIndex k = 0; k < jets.size(); ++k) {
+                const NodeIndex i = band.leaves[l].band.firstNode + k;
+                ++seen[i];
+                unequal += jets[k].distance != field.at(i).distance;
+            }
+        });
+        CHECK(unequal == 0);
+        CHECK(std::count(seen.begin(), seen.end(), 1) == std::ptrdiff_t(band.size()));
     }
 }
 

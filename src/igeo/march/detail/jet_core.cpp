@@ -30,9 +30,8 @@ CostRange fillLeaf(JetCore& core, LeafIndex l) {
     const BandLeaf& leaf = band.leaves[l];
     CostRange costs;
     NodeIndex k = leaf.core.firstNode;
-    for (NodeIndex i = leaf.band.firstNode; i < leaf.band.firstNode + leaf.band.count; ++i) {
-        const std::uint16_t o = band.offset[i];
-        if (!(leaf.core.mask[o >> 6] >> (o & 63) & 1)) continue;
+    band.forNodes(l, [&](NodeIndex i, unsigned o) {
+        if (!(leaf.core.mask[o >> 6] >> (o & 63) & 1)) return;
         float weight;
         if (core.stretch.empty()) {
             const double cost = metric.at(i);
@@ -44,14 +43,14 @@ CostRange fillLeaf(JetCore& core, LeafIndex l) {
             core.stretch[k] = plane.stretch;
             costs.add(i, plane.least(), plane.stretch.largest());
         }
-        core.nodes[k++] = {band.foot[i],
+        core.nodes[k++] = {band.footOf(i),
                            band.normal[i],
                            l,
-                           o,
+                           std::uint16_t(o),
                            metric.obstacleState.empty() ? Metric::Clear : metric.obstacleState[i],
                            band.facing[i],
                            weight};
-    }
+    });
     return costs;
 }
 

@@ -6,7 +6,7 @@
 #include <igeo/band/band.h>
 #include <igeo/band/surface_point.h>
 #include <igeo/band/tangent_frame.h>
-#include <igeo/march/detail/jet_links.h>
+#include <igeo/march/detail/jet_link.h>
 #include <igeo/march/detail/jet_neighbors.h>
 #include <igeo/metric/metric.h>
 

@@ -3,9 +3,28 @@
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_blend.h>
 
+#include <bit>
+
 namespace igeo {
 
 namespace jet {
+
+namespace {
+
+constexpr Ijk cornerOf(unsigned k) { return {int(k >> 2), int(k >> 1 & 1), int(k & 1)}; }
+
+/// Weights of the corners of a cell at a place in it, corner (a, b, c) at 4 a + 2 b + c.
+Extension::Corners::Array trilinear(const Vec3f& t) {
+    auto parts = [](float u) { return std::array{1 - std::abs(u), 1 - std::abs(u - 1)}; };
+    const std::array<float, 2> x = parts(t.x), y = parts(t.y), z = parts(t.z);
+    const Four inY{y[0], y[0], y[1], y[1]}, inZ{z[0], z[1], z[0], z[1]};
+    alignas(16) Extension::Corners::Array weight;
+    *reinterpret_cast<Four*>(weight.data()) = x[0] * inY * inZ;
+    *reinterpret_cast<Four*>(weight.data() + 4) = x[1] * inY * inZ;
+    return weight;
+}
+
+}  // namespace
 
 NodeJet Extension::at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
                       Corners& corners) const {
@@ -16,8 +35,7 @@ NodeJet Extension::at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2
 }
 
 NodeJet Extension::at(NodeIndex i) const {
-    const LeafIndex l = band_.leaf[i];
-    const unsigned at = band_.offset[i];
+    const auto [l, at] = band_.placeOf(i);
     const NodeIndex k = band_.leaves[l].core.node(at);
     if (k != kNoNode) return finished(i, ofCore(k));
     Corners corners;
@@ -42,7 +60,7 @@ void Extension::findCorners(NodeIndex i, LeafIndex l, unsigned at, const LeafNum
                             Corners& corners) const {
     // As Band::forCornersOfFoot has it, in the same order.
     constexpr float kLight = 0.01f;
-    const Vec3f y = band_.foot[i];
+    const Vec3f y = band_.footOf(i);
     const Ijk low{floorToInt(y.x), floorToInt(y.y), floorToInt(y.z)};
     const Ijk cell = low + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
     if (std::min({cell.x, cell.y, cell.z}) < -2 || std::max({cell.x, cell.y, cell.z}) > 8)
@@ -50,24 +68,17 @@ void Extension::findCorners(NodeIndex i, LeafIndex l, unsigned at, const LeafNum
     corners.clear();
     const int first = core.indexOf(cell);
     const Vec3f up = y - Vec3f(low);
-    auto parts = [](float u) { return std::array{1 - std::abs(u), 1 - std::abs(u - 1)}; };
-    const std::array<std::array<float, 2>, 3> part{parts(up.x), parts(up.y), parts(up.z)};
-    // Which are there changes from node to node: first a list without branches.
-    std::array<unsigned, 8> found;
-    std::array<float, 8> weight;
-    std::size_t count = 0;
+    alignas(16) const Corners::Array weight = trilinear(up);
+    // Which are there changes from node to node: first a set without branches.
+    unsigned found = 0;
     for (unsigned k = 0; k < 8; ++k) {
-        const Ijk corner{int(k >> 2), int(k >> 1 & 1), int(k & 1)};
-        const NodeIndex j = core.at(first + core.indexOfStep(corner));
-        weight[k] = part[0][k >> 2] * part[1][k >> 1 & 1] * part[2][k & 1];
-        found[count] = k;
-        count += std::size_t((j != kNoNode) & (weight[k] >= kLight));
+        const NodeIndex j = core.at(first + core.indexOfStep(cornerOf(k)));
+        found |= unsigned((j != kNoNode) & (weight[k] >= kLight)) << k;
     }
-    for (std::size_t c = 0; c < count; ++c) {
-        const unsigned k = found[c];
-        const Ijk corner{int(k >> 2), int(k >> 1 & 1), int(k & 1)};
-        addCorner(i, core.at(first + core.indexOfStep(corner)), weight[k], up - Vec3f(corner),
-                  corners);
+    for (; found; found &= found - 1) {
+        const auto k = unsigned(std::countr_zero(found));
+        addCorner(i, core.at(first + core.indexOfStep(cornerOf(k))), weight[k],
+                  up - Vec3f(cornerOf(k)), corners);
     }
 }
 
@@ -98,7 +109,7 @@ Extension::Found Extension::extendTo(NodeIndex i, LeafIndex l, unsigned at,
         simple = carryInSpace(i, corners, s);
     s = simple ? exactNearSeed(i, s) : solveFromCore(i, l, at);
     if (s.distance < kInfinity)
-        s.distance = std::max(s.distance, jets_.seeds.lines.from(s.label, band_.footPoint(i)));
+        s.distance = std::max(s.distance, jets_.seeds.lines.from(s.label, footPoint(i, l, at)));
     return s;
 }
 
@@ -216,7 +227,7 @@ bool Extension::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& m
     band_.forBox(&BandLeaf::core, l, at, middle, reach, [&](NodeIndex k, const Ijk& step) {
         const JetNode& other = core_.nodes[k];
         const float cosine = dot(normal, other.normal);
-        const Vec3f chord = band_.foot[i] - other.foot - Vec3f(step);
+        const Vec3f chord = band_.footOf(i) - other.foot - Vec3f(step);
         if (cosine < Band::kOtherSheet || dot(chord, chord) > kNear2 ||
             stacked(chord, normal, other.normal) || !isJoined(i, other))
             return;
@@ -233,7 +244,7 @@ Extension::Found Extension::solveFromCore(NodeIndex i, LeafIndex l, unsigned at)
     const LocalFrame local = core_.localFrameInBand(i);
     Around around;
     // Where the foot point is off, the core passes within two voxels all the same.
-    if (!gatherAround(i, l, at, roundToIjk(Vec3d(band_.foot[i])), 1, local, around))
+    if (!gatherAround(i, l, at, roundToIjk(Vec3d(band_.footOf(i))), 1, local, around))
         gatherAround(i, l, at, {}, 2, local, around);
     return exactNearSeed(i, solve(around, local));
 }
@@ -279,41 +290,32 @@ std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
     return gradients;
 }
 
-/// Fills distance, gradient and label on the whole band: core nodes have their own jets, the others
-/// take those of the core around their foot points.
+/// Calls visit(l, jets) with the jets of the nodes of every leaf: core nodes have their own, the
+/// others take those of the core around their foot points. In parallel.
 /// @param everywhere  whether the march reached all of the core; if not, leaves without a jet in or
 ///                    next to them are skipped
-void extendJets(const CoreJets& jets, bool everywhere, Field& field) {
+template <typename Visit>
+void extendByLeaf(const CoreJets& jets, bool everywhere, const Visit& visit) {
     const Band& band = jets.core->band;
     const std::vector<Vec3f> gradients = gradientsOf(jets);
     const Extension extension(jets, gradients);
-    // In parallel: the first touch of fresh memory costs more than what is written there.
-    parallelFor(3, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            if (k == 0) field.distance.resize(band.size());
-            if (k == 1) field.gradient.resize(band.size());
-            if (k == 2 && !jets.label.empty()) field.label.resize(band.size());
-        }
-    });
     const auto beside = everywhere ? std::vector<std::uint8_t>() : leavesReached(jets);
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         LeafNumbers<2> numbers;
         Extension::Corners corners;
-        for (std::size_t l = begin; l < end; ++l) {
-            const BandLeaf& leaf = band.leaves[l];
-            if (!everywhere && !beside[l]) {
-                std::fill_n(field.distance.begin() + leaf.band.firstNode, leaf.band.count,
-                            kInfinity);
-                continue;
+        std::vector<NodeJet> found;
+        for (std::size_t k = begin; k < end; ++k) {
+            const auto l = LeafIndex(k);
+            found.clear();
+            if (everywhere || beside[l]) {
+                numbers.fill(band, l);
+                band.forNodes(l, [&](NodeIndex i, unsigned at) {
+                    found.push_back(extension.at(i, l, at, numbers, corners));
+                });
+            } else {
+                found.resize(band.leaves[l].band.count);
             }
-            numbers.fill(band, LeafIndex(l));
-            for (NodeIndex i = leaf.band.firstNode; i < leaf.band.firstNode + leaf.band.count;
-                 ++i) {
-                const NodeJet s = extension.at(i, LeafIndex(l), band.offset[i], numbers, corners);
-                field.distance[i] = s.distance;
-                field.gradient[i] = s.gradient;
-                if (!jets.label.empty()) field.label[i] = s.label;
-            }
+            visit(l, found);
         }
     });
 }
@@ -325,11 +327,46 @@ NodeJet Field::atCore(NodeIndex i) const {
     return Extension(*core, none).at(i);
 }
 
+void forLeaves(const Field& field,
+               const std::function<void(LeafIndex, const std::vector<NodeJet>&)>& visit) {
+    if (field.core)
+        return extendByLeaf(*field.core, field.solved == field.core->state.size(), visit);
+    const Band& band = *field.band;
+    parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
+        std::vector<NodeJet> found;
+        for (std::size_t l = begin; l < end; ++l) {
+            found.clear();
+            band.forNodes(LeafIndex(l),
+                          [&](NodeIndex i, unsigned) { found.push_back(field.at(i)); });
+            visit(LeafIndex(l), found);
+        }
+    });
+}
+
 void extendToBand(Field& field) {
     if (!field.core) return;
     const auto core = std::move(field.core);
     field.core = nullptr;
-    extendJets(*core, field.solved == core->state.size(), field);
+    const Band& band = *field.band;
+    const bool labeled = !core->label.empty();
+    // In parallel: the first touch of fresh memory costs more than what is written there.
+    parallelFor(3, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            if (k == 0) field.distance.resize(band.size());
+            if (k == 1) field.gradient.resize(band.size());
+            if (k == 2 && labeled) field.label.resize(band.size());
+        }
+    });
+    const bool everywhere = field.solved == core->state.size();
+    extendByLeaf(*core, everywhere, [&](LeafIndex l, const std::vector<NodeJet>& found) {
+        NodeIndex i = band.leaves[l].band.firstNode;
+        for (const NodeJet& s : found) {
+            field.distance[i] = s.distance;
+            field.gradient[i] = s.gradient;
+            if (labeled) field.label[i] = s.label;
+            ++i;
+        }
+    });
     field.summarize();
 }
 

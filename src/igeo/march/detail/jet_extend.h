@@ -81,6 +81,10 @@ private:
         const double bound = jets_.seeds.lines.from(label, core_.footOf(core_.nodes[k]));
         return {std::max(jets_.valueOf(k), bound), gradientOf(k), label};
     }
+    Vec3d footPoint(NodeIndex i, LeafIndex l, unsigned at) const {
+        return Vec3d(band_.leaves[l].origin + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)}) +
+               Vec3d(band_.footOf(i));
+    }
     double weightOf(NodeIndex i) const {
         return metric_.anisotropic() ? core_.localFrameInBand(i).weight : metric_.at(i);
     }

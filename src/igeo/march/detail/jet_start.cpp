@@ -31,15 +31,13 @@ public:
 private:
     void visitAroundSeed() {
         const Vec3f sheetNormal = core_.band.normal[seed_.node];
-        core_.band.forBox(
-            &BandLeaf::core, core_.band.leaf[seed_.node], core_.band.offset[seed_.node], {}, 2,
-            [&](NodeIndex i, const Ijk&) {
-                const JetNode& node = core_.nodes[i];
-                if (dot(node.normal, sheetNormal) >= Band::kOtherSheet &&
-                    !stacked(Vec3f(core_.footOf(node) - seed_.pIndex), node.normal, sheetNormal) &&
-                    core_.band.joined(seed_.node, core_.inBand(node)))
-                    visit(i);
-            });
+        core_.band.forBox(&BandLeaf::core, seed_.node, {}, 2, [&](NodeIndex i, const Ijk&) {
+            const JetNode& node = core_.nodes[i];
+            if (dot(node.normal, sheetNormal) >= Band::kOtherSheet &&
+                !stacked(Vec3f(core_.footOf(node) - seed_.pIndex), node.normal, sheetNormal) &&
+                core_.band.joined(seed_.node, core_.inBand(node)))
+                visit(i);
+        });
     }
     void visitNeighbors(NodeIndex i) {
         const JetNode& node = core_.nodes[i];

@@ -21,7 +21,7 @@ Ijk cornerOf(unsigned k) { return {int(k >> 2), int(k >> 1 & 1), int(k & 1)}; }
 bool vertexIn(const Band& band, NodeIndex i, const Ijk& low, Vec3d& vertex) {
     std::array<float, 8> psi;
     psi.fill(std::numeric_limits<float>::quiet_NaN());  // crosses nothing
-    band.forCorners(&BandLeaf::band, band.leaf[i], band.offset[i], low,
+    band.forCorners(&BandLeaf::band, i, low,
                     [&](NodeIndex j, unsigned k) { psi[k] = band.psi[j]; });
     Vec3d sum;
     int count = 0;

@@ -69,7 +69,7 @@ Vec3d Joints::nearestTo(const Vec3d& p, NodeIndex on) const {
     const std::uint32_t component = adjacency.componentOf(on_.voxel(on).triangle);
     Vec3d best;
     double least = kInfinity;
-    for (const std::uint32_t t : on_.leaves[on_.band.leaf[on]].triangles) {
+    for (const std::uint32_t t : on_.leaves[on_.band.leafOf(on)].triangles) {
         if (adjacency.componentOf(t) != component) continue;
         const auto& [a, b, c] = adjacency.mesh().triangles[t];
         const std::vector<Vec3d>& points = adjacency.mesh().points;

@@ -83,7 +83,7 @@ private:
 
 /// From the foot point of node j to that of node i.
 Vec3f chordOf(const Band& band, NodeIndex i, NodeIndex j) {
-    return band.foot[i] - band.foot[j] - Vec3f(band.ijk(j) - band.ijk(i));
+    return band.footOf(i) - band.footOf(j) - Vec3f(band.ijk(j) - band.ijk(i));
 }
 
 /// How far apart a march takes two foot points for.
@@ -128,7 +128,7 @@ private:
                                       : sheets.evenSheetOf(on_.voxel(j).triangle)))
                     test(i, j);
             };
-            on_.band.forNeighbors(&BandLeaf::band, l_, on_.band.offset[i],
+            on_.band.forNeighbors(&BandLeaf::band, i,
                                   [&](NodeIndex j, int, int, int) { visit(j); });
         }
     }
@@ -157,16 +157,14 @@ void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked,
     linked.clear();
     const std::uint32_t severed = band.severedSteps(i);
     const TangentFrame frame(band.normal[i]);
-    band.forNeighbors(&BandLeaf::band, band.leaf[i], band.offset[i],
-                      [&](NodeIndex j, int x, int y, int z) {
-                          if (severed & SeveredLinks::bit(x, y, z) || !band.inCore(j)) return;
-                          const Vec3f chord = chordOf(band, i, j), &n = band.normal[j];
-                          if (!onOneSheet(chord, band.normal[i], n, dot(band.normal[i], n))) return;
-                          linked.push_back(j);
-                          const Vec2f a = frame.flat(-chord);
-                          if (angles && dot(a, a) > 1e-4f)
-                              angles->push_back(std::atan2(double(a.y), double(a.x)));
-                      });
+    band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int x, int y, int z) {
+        if (severed & SeveredLinks::bit(x, y, z) || !band.inCore(j)) return;
+        const Vec3f chord = chordOf(band, i, j), &n = band.normal[j];
+        if (!onOneSheet(chord, band.normal[i], n, dot(band.normal[i], n))) return;
+        linked.push_back(j);
+        const Vec2f a = frame.flat(-chord);
+        if (angles && dot(a, a) > 1e-4f) angles->push_back(std::atan2(double(a.y), double(a.x)));
+    });
     std::sort(linked.begin(), linked.end());
 }
 
@@ -247,13 +245,12 @@ void Bridges::find(NodeIndex i, std::vector<Bridge>& bridges) {
     collectLinks(band_, i, linked_, &angles_);
     if (!findOpenSector()) return;
     std::vector<std::pair<double, Bridge>> found;
-    band_.forBox(&BandLeaf::band, band_.leaf[i], band_.offset[i], {}, 3,
-                 [&](NodeIndex j, const Ijk&) {
-                     if (j == i || !band_.inCore(j)) return;
-                     Bridge bridge;
-                     const double length = lengthTo(i, j, bridge);
-                     if (length < kInfinity) found.emplace_back(length, bridge);
-                 });
+    band_.forBox(&BandLeaf::band, i, {}, 3, [&](NodeIndex j, const Ijk&) {
+        if (j == i || !band_.inCore(j)) return;
+        Bridge bridge;
+        const double length = lengthTo(i, j, bridge);
+        if (length < kInfinity) found.emplace_back(length, bridge);
+    });
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
         return std::pair(a.first, a.second.to) < std::pair(b.first, b.second.to);
     });
@@ -287,10 +284,9 @@ double shareCutOff(const MeshBand& on) {
     };
     forCore([&](NodeIndex i, NodeIndex c) {
         if (!band.facing[i]) {
-            band.forNeighbors(&BandLeaf::core, band.leaf[i], band.offset[i],
-                              [&](NodeIndex j, int, int, int) {
-                                  if (j < c) parts.join(c, j);
-                              });
+            band.forNeighbors(&BandLeaf::core, i, [&](NodeIndex j, int, int, int) {
+                if (j < c) parts.join(c, j);
+            });
             return;
         }
         collectLinks(band, i, linked, nullptr);

@@ -18,7 +18,7 @@ struct MeshBand {
     const Band& band;
 
     const NearVoxel& voxel(NodeIndex i) const {
-        const LeafIndex l = band.leaf[i];
+        const LeafIndex l = band.leafOf(i);
         return leaves[l].voxels[i - band.leaves[l].band.firstNode];
     }
     /// The foot point of a node.

@@ -101,7 +101,7 @@ std::vector<std::uint8_t> besideMeetings(const Band& band,
             for (const NodeIndex i : meetings[l]) {
                 const unsigned side = sideOf(band.psi[i]);
                 mark(i, side);
-                band.forNeighbors(&BandLeaf::band, LeafIndex(l), band.offset[i],
+                band.forNeighbors(&BandLeaf::band, i,
                                   [&](NodeIndex j, int, int, int) { mark(j, side); });
             }
     });
@@ -117,21 +117,20 @@ std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
     parallelFor(found.size(), 16, [&](std::size_t begin, std::size_t end) {
         PsiBetween psi(levelSet);
         for (std::size_t l = begin; l < end; ++l) {
-            const LeafNodes& nodes = band.leaves[l].band;
-            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
-                if (!beside[i]) continue;
+            band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {
+                if (!beside[i]) return;
                 const Vec3f& n = band.normal[i];
                 band.forNeighbors(
-                    &BandLeaf::band, LeafIndex(l), band.offset[i],
-                    [&](NodeIndex j, int dx, int dy, int dz) {
+                    &BandLeaf::band, LeafIndex(l), at, [&](NodeIndex j, int dx, int dy, int dz) {
                         if (j < i || !beside[j] || dot(n, band.normal[j]) < Band::kOtherSheet)
                             return;
-                        const Vec3f chord = Vec3f(Ijk{dx, dy, dz}) + band.foot[j] - band.foot[i];
+                        const Vec3f chord =
+                            Vec3f(Ijk{dx, dy, dz}) + band.footOf(j) - band.footOf(i);
                         if (runsThroughWall(psi, band.footPoint(i), Vec3d(chord), Vec3d(n),
                                             Vec3d(band.normal[j]), beside[i] | beside[j]))
                             found[l].emplace_back(i, j);
                     });
-            }
+            });
         }
     });
     std::vector<Link> links;
