@@ -406,7 +406,7 @@ double Surface::estimatedNodes(const BandWidth& width) const {
 }
 double Surface::estimatedMemory(const BandWidth& width) const {
     // Band, march and one grid of results; godunov somewhat more than jet.
-    constexpr double kBytesPerNode = 130;
+    constexpr double kBytesPerNode = 110;
     return estimatedNodes(width) * kBytesPerNode;
 }
 void Surface::requireMemory(const BandWidth& width, double limit) const {

@@ -49,7 +49,7 @@ JetCorePtr jetCore(const Band& band, MetricPtr metric);
 ///         nodes of the core whose jet is from the fallback, of first order at worst
 /// @throws Error  InvalidArgument for options out of range, start values 1e9 voxels apart, or
 ///         distances beyond 2e9 voxels of the least weight; Cancelled through `progress`
-/// Time O(n), in parallel; 5 bytes per node of the band for the core, 20 for a field on all of it.
+/// Time O(n), in parallel; 14 bytes per node of the band for the core, 20 for a field on all of it.
 /// Error: docs/accuracy.md.
 Field marchJet(const JetCorePtr& core, const std::vector<SurfacePoint>& seeds,
                const JetOptions& options = {}, Progress& progress = Progress::none());

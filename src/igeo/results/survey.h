@@ -76,7 +76,7 @@ struct SurfaceSurvey {
 struct RunCost {
     double bytesPerNode, secondsPerNode;
 };
-constexpr RunCost kVolumeCost{120, 0.5e-6}, kMeshCost{120, 0.9e-6}, kPointsCost{120, 7.5e-6};
+constexpr RunCost kVolumeCost{59, 0.5e-6}, kMeshCost{91, 0.9e-6}, kPointsCost{100, 7.5e-6};
 constexpr double kProgramBytes = 45e6, kSecondsPerTriangle = 5e-6;
 
 /// Describes a surface, on a grid.

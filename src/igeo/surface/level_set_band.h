@@ -18,7 +18,7 @@ namespace igeo {
 /// stay near
 ///               their seeds; empty: the whole level set
 /// @throws Error  InvalidArgument where h is wider than the level set, BadInput for too many voxels
-/// Time O(active voxels of the region), in parallel; 35 bytes per node.
+/// Time O(active voxels of the region), in parallel; 24 bytes per node.
 Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball>& region = {},
                       Progress& progress = Progress::none());
 
