@@ -51,5 +51,9 @@ void limitMemory(double bytes, int threads);
 /// of its Slurm job, whichever is least.
 double machineMemory();
 
+/// Gives the system back what was freed, where the C library keeps it: there what one thread has
+/// freed serves no other.
+void giveBackFreedMemory();
+
 /// The most memory that the process has held so far, bytes.
 std::uint64_t peakMemory();

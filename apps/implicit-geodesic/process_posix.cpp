@@ -16,6 +16,10 @@
 #include <string>
 #include <thread>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace {
 
 int gStdout = STDOUT_FILENO;
@@ -180,6 +184,12 @@ void limitBySlurm(double& bytes) {
 }
 
 }  // namespace
+
+void giveBackFreedMemory() {
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+}
 
 double machineMemory() {
     double bytes = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));

@@ -59,6 +59,8 @@ void limitComputing(double) {}
 // Memory that the system does not have is refused when it is asked for: std::bad_alloc.
 void limitMemory(double, int) {}
 
+void giveBackFreedMemory() {}
+
 double machineMemory() {
     MEMORYSTATUSEX memory{};
     memory.dwLength = sizeof memory;

@@ -12,6 +12,7 @@
 #include "output/output_files.h"
 #include "output/path_curves.h"
 #include "output/run_result.h"
+#include "process.h"
 
 namespace {
 
@@ -244,8 +245,10 @@ void writeResults(RunResult& r) {
         // the surface, in its place.
         if (asksForOther(o) || !o.grids.empty() || o.extend)
             r.distance.field();
-        else if (r.lastRun)
+        else if (r.lastRun) {
             r.distance.surface().dropVolume();
+            giveBackFreedMemory();
+        }
     }
     for (const ResultKind& kind : resultKinds()) {
         const std::string file = kind.file(o, &surface);
