@@ -23,8 +23,14 @@ double unequal(const std::vector<T>& a, const std::vector<T>& b) {
     for (std::size_t k = 0; k < a.size(); ++k) count += a[k] != b[k];
     return double(count);
 }
+double unequalPlaces(const Band& a, const Band& b) {
+    if (a.size() != b.size()) return kInfinity;
+    double count = 0;
+    for (NodeIndex i = 0; i < a.size(); ++i) count += a.placeOf(i).offset != b.placeOf(i).offset;
+    return count;
+}
 double unequalBands(const Band& a, const Band& b) {
-    return unequal(a.offset, b.offset) + unequal(a.psi, b.psi) + unequal(a.foot, b.foot) +
+    return unequalPlaces(a, b) + unequal(a.psi, b.psi) + unequal(a.foot, b.foot) +
            unequal(a.normal, b.normal) + unequal(a.facing, b.facing) +
            std::abs(double(a.coreSize()) - double(b.coreSize()));
 }
