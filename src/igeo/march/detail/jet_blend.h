@@ -53,6 +53,14 @@ inline bool ofOneFront(const JetNeighbors& all) {
     return true;
 }
 
+/// Whether the neighbors are of one front that does not narrow.
+inline bool spreads(const JetNeighbors& all) {
+    for (int i = 0; i < all.count(); ++i)
+        for (int j = 0; j < i; ++j)
+            if (!Pair(all, i, j).spreads()) return false;
+    return true;
+}
+
 /// The neighbor of those not blended yet whose plane front has the least value here, or -1.
 inline int leastOf(const JetNeighbors& all, const std::array<bool, JetNeighbors::kMax>& done) {
     int lead = -1;
@@ -86,7 +94,7 @@ inline Jet blendFronts(const JetNeighbors& all, const BlendWeights& weight) {
             value += w * (all.u(k) + dot(g + all.g(k), all.a(k)) / (1 + dot(g, all.g(k))));
             total += w;
         }
-        if (const double u = all.base() + double(value / total); u < best.u) best = {u, g};
+        if (const double u = all.base() + double(value / total); u < best.u) best = {u, g, true};
     }
     return best;
 }
@@ -102,7 +110,7 @@ inline Four fourOf(const BlendWeights& weight, int group) {
 /// The jet at the origin among jets on all sides of it: each neighbor carries its jet to the origin
 /// by the circular step (jet_fit.h) in the mean direction; the values are blended. Where fronts
 /// meet, each is blended by itself and the least value counts.
-/// @return u = +inf without neighbors
+/// @return u = +inf without neighbors; usedFallback where fronts meet or narrow
 inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
     if (all.count() == 0) return {};
     jet::Four gx{}, gy{}, total{};
@@ -127,8 +135,9 @@ inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
         close = close && !(off[0] | off[1] | off[2] | off[3]);
         value += w * (n.u + ((g.x + n.gx) * n.ax + (g.y + n.gy) * n.ay) / (1 + cosine));
     }
-    if (!close && !jet::ofOneFront(all)) return jet::blendFronts(all, weight);
-    return {all.base() + double(jet::sum(value) / jet::sum(total)), g};
+    const bool inDoubt = !close && !jet::spreads(all);
+    if (inDoubt && !jet::ofOneFront(all)) return jet::blendFronts(all, weight);
+    return {all.base() + double(jet::sum(value) / jet::sum(total)), g, inDoubt};
 }
 
 }  // namespace igeo

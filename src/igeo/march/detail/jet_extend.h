@@ -6,7 +6,9 @@
 #include <igeo/march/detail/leaf_numbers.h>
 #include <igeo/march/field.h>
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 namespace igeo::jet {
@@ -17,11 +19,23 @@ struct Around {
         JetNeighbor jet;
         std::uint32_t source;
         bool overCrease;
+        NodeIndex core;
     };
     std::array<Node, JetNeighbors::kMax> node;
     std::size_t count = 0;
 
     bool full() const { return count == node.size(); }
+    bool overCrease() const {
+        return std::any_of(node.begin(), node.begin() + count,
+                           [](const Node& n) { return n.overCrease; });
+    }
+    /// Whether some are more than 45 degrees apart.
+    bool frontsMeet() const {
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t j = 0; j < i; ++j)
+                if (dot(node[i].jet.g, node[j].jet.g) < jet::kSameFront) return true;
+        return false;
+    }
     JetNeighbors all() const {
         JetNeighbors all;
         for (std::size_t k = 0; k < count; ++k) all.add(node[k].jet);
@@ -114,7 +128,10 @@ private:
     Found carryInPlane(NodeIndex i, const Corners& corners) const;
     /// Where the core around the foot point is not of one smooth front: as in the march.
     Found solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const;
-    Found solve(const Around& around, const LocalFrame& local) const;
+    /// @return whether it took the fallback
+    bool solve(const Around& around, const LocalFrame& local, Found& found) const;
+    std::optional<Found> whereFrontsMeet(NodeIndex i, const Around& around,
+                                         const LocalFrame& local) const;
     /// A jet of the chart, back on S; u relative to the least start.
     Found fromChart(double u, Vec2f g, std::uint32_t label, const LocalFrame& local) const {
         return {jets_.seeds.leastStart + local.weight * u,
