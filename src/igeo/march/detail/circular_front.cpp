@@ -35,7 +35,8 @@ struct CircularFront {
         Jet jet;
         jet.along = gx * ax + gy * ay, jet.across = gx * ay - gy * ax;
         jet.ahead = 1 + bend * jet.along;
-        jet.root = std::max(1e-9, std::hypot(jet.ahead, bend * jet.across));
+        jet.root = std::max(
+            1e-9, std::sqrt(jet.ahead * jet.ahead + bend * bend * jet.across * jet.across));
         jet.u = u + (2 * jet.along + bend * (ax * ax + ay * ay)) / (1 + jet.root);
         jet.gx = (gx + bend * ax) / jet.root, jet.gy = (gy + bend * ay) / jet.root;
         return jet;
@@ -84,8 +85,9 @@ double improve(CircularFront& front, std::span<const JetNeighbor> neighbors) {
         const CircularFront::Jet jet = front.at(-double(n.a.x), -double(n.a.y));
         if (!(jet.root > kLeastRoot)) continue;
         const double byValue = n.u - jet.u,
-                     byAngle = std::atan2(jet.gx * double(n.g.y) - jet.gy * double(n.g.x),
-                                          jet.gx * double(n.g.x) + jet.gy * double(n.g.y)),
+                     // twice the tangent of half of it
+            byAngle = 2 * (jet.gx * double(n.g.y) - jet.gy * double(n.g.x)) /
+                      std::max(0.1, 1 + jet.gx * double(n.g.x) + jet.gy * double(n.g.y)),
                      square = byValue * byValue + kLever * kLever * byAngle * byAngle,
                      w = 1 /
                          ((double(dot(n.a, n.a)) + kNear2) * (1 + square / (kOutlier * kOutlier)));

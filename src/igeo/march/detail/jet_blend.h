@@ -1,6 +1,7 @@
 /// Interpolation of jets: values between nodes that have one, not marching.
 #pragma once
 
+#include <igeo/march/detail/circular_front.h>
 #include <igeo/march/detail/jet_neighbors.h>
 
 namespace igeo {
@@ -61,6 +62,21 @@ inline bool spreads(const JetNeighbors& all) {
     return true;
 }
 
+/// Whether the neighbors may be beside a focus: three fronts meet, or one narrows by 18 degrees and
+/// more from one to another.
+inline bool nearFocus(const JetNeighbors& all) {
+    constexpr float kBend2 = 0.1f;
+    ThreeFronts fronts;
+    for (int i = 0; i < all.count(); ++i) {
+        if (fronts.add(all.g(i))) return true;
+        for (int j = 0; j < i; ++j)
+            if (const Pair pair(all, i, j);
+                pair.bend2 > kBend2 && pair.radius < 0 && pair.narrows())
+                return true;
+    }
+    return false;
+}
+
 /// The neighbor of those not blended yet whose plane front has the least value here, or -1.
 inline int leastOf(const JetNeighbors& all, const std::array<bool, JetNeighbors::kMax>& done) {
     int lead = -1;
@@ -94,8 +110,9 @@ inline Jet blendFronts(const JetNeighbors& all, const BlendWeights& weight) {
             value += w * (all.u(k) + dot(g + all.g(k), all.a(k)) / (1 + dot(g, all.g(k))));
             total += w;
         }
-        if (const double u = all.base() + double(value / total); u < best.u) best = {u, g, true};
+        if (const double u = all.base() + double(value / total); u < best.u) best = {u, g};
     }
+    best.usedFallback = nearFocus(all);
     return best;
 }
 
@@ -110,7 +127,7 @@ inline Four fourOf(const BlendWeights& weight, int group) {
 /// The jet at the origin among jets on all sides of it: each neighbor carries its jet to the origin
 /// by the circular step (jet_fit.h) in the mean direction; the values are blended. Where fronts
 /// meet, each is blended by itself and the least value counts.
-/// @return u = +inf without neighbors; usedFallback where fronts meet or narrow
+/// @return u = +inf without neighbors; usedFallback beside a focus (nearFocus)
 inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
     if (all.count() == 0) return {};
     jet::Four gx{}, gy{}, total{};
@@ -135,9 +152,9 @@ inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
         close = close && !(off[0] | off[1] | off[2] | off[3]);
         value += w * (n.u + ((g.x + n.gx) * n.ax + (g.y + n.gy) * n.ay) / (1 + cosine));
     }
-    const bool inDoubt = !close && !jet::spreads(all);
-    if (inDoubt && !jet::ofOneFront(all)) return jet::blendFronts(all, weight);
-    return {all.base() + double(jet::sum(value) / jet::sum(total)), g, inDoubt};
+    if (!close && !jet::ofOneFront(all)) return jet::blendFronts(all, weight);
+    return {all.base() + double(jet::sum(value) / jet::sum(total)), g,
+            !close && jet::nearFocus(all)};
 }
 
 }  // namespace igeo

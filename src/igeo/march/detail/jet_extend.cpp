@@ -144,7 +144,10 @@ bool Extension::carryInSpace(NodeIndex i, const Corners& corners, Found& s) cons
     const double origin = jets_.buckets.startOf(first.bucket);
     s = {origin + double(weight * (jet::sum(value) / jet::sum(total))), g,
          jets_.labelOf(corners.core[0])};
-    return close || jet::spreads(around(i, corners, core_.localFrameInBand(i)).all());
+    if (close) return true;
+    const JetNeighbors all = around(i, corners, core_.localFrameInBand(i)).all();
+    return jets_.meetNear(band_.leaf[i]) ? jet::spreads(all)
+                                         : jet::ofOneFront(all) && !jet::nearFocus(all);
 }
 
 void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
@@ -240,7 +243,9 @@ Extension::Found Extension::solveFromCore(NodeIndex i, LeafIndex l, unsigned at)
         gatherAround(i, l, at, {}, 2, local, around);
     Found s;
     const bool usedFallback = solve(around, local, s);
-    if ((usedFallback || around.frontsMeet()) && metric_.clear(i) && !around.overCrease())
+    const bool meet = around.threeFronts() ||
+                      (usedFallback && (jets_.meetNear(l) || jet::nearFocus(around.all())));
+    if (meet && metric_.clear(i) && !around.overCrease())
         s = whereFrontsMeet(i, around, local).value_or(s);
     return exactNearSeed(i, s);
 }

@@ -1,6 +1,7 @@
 /// From the core of a band to the rest of it, for scheme `jet`. Internal.
 #pragma once
 
+#include <igeo/march/detail/circular_front.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
 #include <igeo/march/detail/leaf_numbers.h>
@@ -29,12 +30,10 @@ struct Around {
         return std::any_of(node.begin(), node.begin() + count,
                            [](const Node& n) { return n.overCrease; });
     }
-    /// Whether some are more than 45 degrees apart.
-    bool frontsMeet() const {
-        for (std::size_t i = 0; i < count; ++i)
-            for (std::size_t j = 0; j < i; ++j)
-                if (dot(node[i].jet.g, node[j].jet.g) < jet::kSameFront) return true;
-        return false;
+    bool threeFronts() const {
+        ThreeFronts fronts;
+        return std::any_of(node.begin(), node.begin() + count,
+                           [&](const Node& n) { return fronts.add(n.jet.g); });
     }
     JetNeighbors all() const {
         JetNeighbors all;

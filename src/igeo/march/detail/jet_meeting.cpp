@@ -9,17 +9,19 @@ namespace igeo {
 
 namespace {
 
-/// Whether fronts meet at a node, or beside it, where S is smooth and goes on all around.
+/// Whether three fronts or more meet at a node, or beside it, as at a focus, where S is smooth and
+/// goes on all around. Two fronts are fitted well enough by the march.
 bool frontsMeet(const CoreJets& jets, NodeIndex i) {
     constexpr std::size_t kAllAround = 7;  // as in the march
     const JetCore& core = *jets.core;
     const auto row = core.links.row(i);
     if (core.nodes[i].obstacleState != Metric::Clear || row.size() < kAllAround) return false;
+    ThreeFronts fronts;
     bool meet = false;
     for (const JetLink& link : row) {
         if (link.overCrease()) return false;
         const JetState& other = jets.state[link.node()];
-        meet |= other.accepted() && dot(link.turned(other.g), jets.state[i].g) < jet::kSameFront;
+        if (other.accepted()) meet |= fronts.add(link.turned(other.g));
     }
     return meet;
 }
