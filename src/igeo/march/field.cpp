@@ -2,6 +2,7 @@
 
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/parallel.h>
+#include <igeo/march/detail/circular_front.h>
 #include <igeo/march/detail/jet_blend.h>
 #include <igeo/march/detail/jet_state.h>
 
@@ -126,6 +127,17 @@ public:
     Arrival byJets() const;
 
 private:
+    /// The tangent plane at the point.
+    struct Chart {
+        const Reader& reader;
+        TangentFrame frame;
+        PlaneMetric plane;
+        double here;  ///< the weight
+
+        explicit Chart(const Reader& r);
+        JetNeighbor neighbor(NodeIndex j, const NodeJet& jet) const;
+    };
+
     /// The least distance by a start disc around the point.
     /// @param d     the distance by the corners: it tells a seed on this sheet from one close by
     /// @param isOf  which seeds count
@@ -139,6 +151,8 @@ private:
     double trilinear() const;
     /// The jets of one source, blended.
     double blended(std::uint32_t source) const;
+    /// By the core around the cell, where the corners are too few to tell fronts apart.
+    std::optional<Jet> whereFrontsMeet(const Chart& chart, std::uint32_t source) const;
 
     const Field& field_;
     const Band& band_;
@@ -203,35 +217,69 @@ double Reader::trilinear() const {
     return weight > 0 ? sum / weight : nearest;
 }
 
-double Reader::blended(std::uint32_t source) const {
-    const TangentFrame frame(Vec3f(cell_.normal), band_.faceted);
-    PlaneMetric plane;
-    if (metric_.anisotropic())
-        plane = metric_.inPlane(frame, cell_);
+Reader::Chart::Chart(const Reader& r) : reader(r), frame(Vec3f(r.cell_.normal), r.band_.faceted) {
+    if (r.metric_.anisotropic())
+        plane = r.metric_.inPlane(frame, r.cell_);
     else
-        plane.weight = metric_.at(cell_);
-    const double here = plane.weight;
+        plane.weight = r.metric_.at(r.cell_);
+    here = plane.weight;
+}
+
+JetNeighbor Reader::Chart::neighbor(NodeIndex j, const NodeJet& jet) const {
+    const Band& band = reader.band_;
+    const Metric& metric = reader.metric_;
+    const Vec3f nj = band.normal[j];
+    Vec3f chord(reader.p_ - band.footPoint(j)), g = jet.gradient;
+    if (metric.anisotropic()) {
+        g *= float(1 / here);
+    } else if (metric.weighted()) {
+        chord *= float((1 + metric.at(j) / here) / 2);
+        g = normalized(g);
+    }
+    const JetNeighbor n =
+        flattened(frame, chord, nj, dot(frame.normal(), nj), g, jet.distance / here);
+    return metric.anisotropic() ? stretched(plane.stretch, n) : n;
+}
+
+double Reader::blended(std::uint32_t source) const {
+    const Chart chart(*this);
     JetNeighbors all;
     BlendWeights weight{};
     for (std::size_t k = 0; k < 8; ++k) {
         const NodeJet& jet = corner_[k];
         if (!(jet.distance < kInfinity) || jet.label != source) continue;
-        const NodeIndex j = cell_.node[k];
-        const Vec3f nj = band_.normal[j];
-        const float cosine = dot(frame.normal(), nj);
         // A corner at p itself must not leave the sum empty.
         weight[std::size_t(all.count())] = float(cell_.weight[k]) + 1e-6f;
-        Vec3f chord(p_ - band_.footPoint(j)), g = jet.gradient;
-        if (metric_.anisotropic()) {
-            g *= float(1 / here);
-        } else if (metric_.weighted()) {
-            chord *= float((1 + metric_.at(j) / here) / 2);
-            g = normalized(g);
-        }
-        const JetNeighbor n = flattened(frame, chord, nj, cosine, g, jet.distance / here);
-        all.add(metric_.anisotropic() ? stretched(plane.stretch, n) : n);
+        all.add(chart.neighbor(cell_.node[k], jet));
     }
-    return here * blendJets(all, weight).u;
+    const Jet jet = blendJets(all, weight);
+    if (!jet.usedFallback || metric_.anisotropic()) return chart.here * jet.u;
+    const auto met = whereFrontsMeet(chart, source);
+    return chart.here * (met ? met->u : jet.u);
+}
+
+std::optional<Jet> Reader::whereFrontsMeet(const Chart& chart, std::uint32_t source) const {
+    constexpr float kSmooth = 0.9f;
+    std::vector<NodeIndex> nodes;
+    for (const NodeIndex i : cell_.node) {
+        if (i == kNoNode) continue;
+        if (!metric_.clear(i)) return {};
+        if (band_.inCore(i)) nodes.push_back(i);
+        band_.forNeighbors(&BandLeaf::band, band_.leaf[i], band_.offset[i],
+                           [&](NodeIndex j, int, int, int) {
+                               if (band_.inCore(j) && band_.joined(i, j)) nodes.push_back(j);
+                           });
+    }
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    std::vector<JetNeighbor> neighbors;
+    for (const NodeIndex j : nodes) {
+        const NodeJet jet = field_.at(j);
+        if (!(jet.distance < kInfinity)) continue;
+        if (jet.label != source || dot(chart.frame.normal(), band_.normal[j]) < kSmooth) return {};
+        neighbors.push_back(chart.neighbor(j, jet));
+    }
+    return fitCircularFront(neighbors);
 }
 
 Arrival Reader::byVoxels() const {

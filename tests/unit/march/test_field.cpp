@@ -250,12 +250,11 @@ TEST_CASE("sampleDistance: opposite a seed, where fronts come from all sides") {
             squares += error * error, ++count;
         }
     }
-    // The extremes are those of single nodes at the cut locus, where roundings choose the fit.
     const double rms = std::sqrt(squares / double(count));
     std::printf("opposite a seed: %.4f to %.4f voxels off, rms %.4f\n", low, high, rms);
-    CHECK(rms < 0.021);  // measured 0.014
-    CHECK(low > -0.2);   // -0.130
-    CHECK(high < 0.13);  // 0.088
+    CHECK(rms < 0.0112);   // measured 0.0074
+    CHECK(low > -0.083);   // -0.055
+    CHECK(high < 0.0041);  // 0.0027
 }
 
 TEST_CASE("distanceGrid: world units at reached nodes, the largest elsewhere") {

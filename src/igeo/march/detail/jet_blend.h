@@ -1,6 +1,7 @@
 /// Interpolation of jets: values between nodes that have one, not marching.
 #pragma once
 
+#include <igeo/march/detail/circular_front.h>
 #include <igeo/march/detail/jet_neighbors.h>
 
 namespace igeo {
@@ -53,6 +54,29 @@ inline bool ofOneFront(const JetNeighbors& all) {
     return true;
 }
 
+/// Whether the neighbors are of one front that does not narrow.
+inline bool spreads(const JetNeighbors& all) {
+    for (int i = 0; i < all.count(); ++i)
+        for (int j = 0; j < i; ++j)
+            if (!Pair(all, i, j).spreads()) return false;
+    return true;
+}
+
+/// Whether the neighbors may be beside a focus: three fronts meet, or one narrows by 18 degrees and
+/// more from one to another.
+inline bool nearFocus(const JetNeighbors& all) {
+    constexpr float kBend2 = 0.1f;
+    ThreeFronts fronts;
+    for (int i = 0; i < all.count(); ++i) {
+        if (fronts.add(all.g(i))) return true;
+        for (int j = 0; j < i; ++j)
+            if (const Pair pair(all, i, j);
+                pair.bend2 > kBend2 && pair.radius < 0 && pair.narrows())
+                return true;
+    }
+    return false;
+}
+
 /// The neighbor of those not blended yet whose plane front has the least value here, or -1.
 inline int leastOf(const JetNeighbors& all, const std::array<bool, JetNeighbors::kMax>& done) {
     int lead = -1;
@@ -88,6 +112,7 @@ inline Jet blendFronts(const JetNeighbors& all, const BlendWeights& weight) {
         }
         if (const double u = all.base() + double(value / total); u < best.u) best = {u, g};
     }
+    best.usedFallback = nearFocus(all);
     return best;
 }
 
@@ -102,7 +127,7 @@ inline Four fourOf(const BlendWeights& weight, int group) {
 /// The jet at the origin among jets on all sides of it: each neighbor carries its jet to the origin
 /// by the circular step (jet_fit.h) in the mean direction; the values are blended. Where fronts
 /// meet, each is blended by itself and the least value counts.
-/// @return u = +inf without neighbors
+/// @return u = +inf without neighbors; usedFallback beside a focus (nearFocus)
 inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
     if (all.count() == 0) return {};
     jet::Four gx{}, gy{}, total{};
@@ -128,7 +153,8 @@ inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
         value += w * (n.u + ((g.x + n.gx) * n.ax + (g.y + n.gy) * n.ay) / (1 + cosine));
     }
     if (!close && !jet::ofOneFront(all)) return jet::blendFronts(all, weight);
-    return {all.base() + double(jet::sum(value) / jet::sum(total)), g};
+    return {all.base() + double(jet::sum(value) / jet::sum(total)), g,
+            !close && jet::nearFocus(all)};
 }
 
 }  // namespace igeo

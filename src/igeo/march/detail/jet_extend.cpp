@@ -2,6 +2,7 @@
 
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_blend.h>
+#include <igeo/march/detail/jet_meeting.h>
 
 #include <bit>
 
@@ -102,7 +103,9 @@ Extension::Found Extension::extendTo(NodeIndex i, LeafIndex l, unsigned at,
                                      const Corners& corners) const {
     if (metric_.inside(i)) return {};
     Found s;
-    bool simple = corners.simple && corners.count > 0 && metric_.clear(i);
+    // One or two corners do not show that fronts meet around them.
+    const std::size_t least = jets_.meetNear(l) ? 3 : 1;
+    bool simple = corners.simple && corners.count >= least && metric_.clear(i);
     if (simple && metric_.anisotropic())
         s = carryInPlane(i, corners);
     else if (simple)
@@ -152,7 +155,10 @@ bool Extension::carryInSpace(NodeIndex i, const Corners& corners, Found& s) cons
     const double origin = jets_.buckets.startOf(first.bucket);
     s = {origin + double(weight * (jet::sum(value) / jet::sum(total))), g,
          jets_.labelOf(corners.core[0])};
-    return close || jet::ofOneFront(around(i, corners, core_.localFrameInBand(i)).all());
+    if (close) return true;
+    const JetNeighbors all = around(i, corners, core_.localFrameInBand(i)).all();
+    return jets_.meetNear(band_.leaf[i]) ? jet::spreads(all)
+                                         : jet::ofOneFront(all) && !jet::nearFocus(all);
 }
 
 void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
@@ -168,7 +174,7 @@ void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const
                         g, u)
             : stretched(local.stretch, flattened(local.frame, chord, other.normal, cosine,
                                                  (other.weight / here) * g, u)),
-        jets_.labelOf(k), cosine < kSmooth};
+        jets_.labelOf(k), cosine < kSmooth, k};
 }
 
 Around Extension::around(NodeIndex i, const Corners& corners, const LocalFrame& local) const {
@@ -246,21 +252,37 @@ Extension::Found Extension::solveFromCore(NodeIndex i, LeafIndex l, unsigned at)
     // Where the foot point is off, the core passes within two voxels all the same.
     if (!gatherAround(i, l, at, roundToIjk(Vec3d(band_.footOf(i))), 1, local, around))
         gatherAround(i, l, at, {}, 2, local, around);
-    return exactNearSeed(i, solve(around, local));
+    Found s;
+    const bool usedFallback = solve(around, local, s);
+    const bool meet = around.threeFronts() ||
+                      (usedFallback && (jets_.meetNear(l) || jet::nearFocus(around.all())));
+    if (meet && metric_.clear(i) && !around.overCrease())
+        s = whereFrontsMeet(i, around, local).value_or(s);
+    return exactNearSeed(i, s);
 }
 
-Extension::Found Extension::solve(const Around& around, const LocalFrame& local) const {
-    if (around.count == 0) return {};
+std::optional<Extension::Found> Extension::whereFrontsMeet(NodeIndex i, const Around& around,
+                                                           const LocalFrame& local) const {
+    std::array<NodeIndex, JetNeighbors::kMax> core;
+    for (std::size_t k = 0; k < around.count; ++k) core[k] = around.node[k].core;
+    const auto s = solveMeeting(jets_, local, band_.footPoint(i), {core.data(), around.count});
+    if (!s) return {};
+    return fromChart(s->u, s->g, s->label, local);
+}
+
+bool Extension::solve(const Around& around, const LocalFrame& local, Found& found) const {
+    if (around.count == 0) return false;
     const double base = around.node[0].jet.u;
     JetGroup group;
     group.clear(core_.pull());
     group.begin(float(base), core_.longest2(local.stretch));
     for (std::size_t k = 0; k < around.count; ++k) {
-        const auto& [jet, source, overCrease] = around.node[k];
-        group.add(jet.a, jet.g, float(jet.u - base), source, overCrease);
+        const Around::Node& n = around.node[k];
+        group.add(n.jet.a, n.jet.g, float(n.jet.u - base), n.source, n.overCrease);
     }
     const JetGroup::Solution s = group.solve()[0];
-    return fromChart(base + double(s.u), s.g, s.source, local);
+    found = fromChart(base + double(s.u), s.g, s.source, local);
+    return s.usedFallback;
 }
 
 }  // namespace jet

@@ -1,12 +1,15 @@
 /// From the core of a band to the rest of it, for scheme `jet`. Internal.
 #pragma once
 
+#include <igeo/march/detail/circular_front.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
 #include <igeo/march/detail/leaf_numbers.h>
 #include <igeo/march/field.h>
 
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 namespace igeo::jet {
@@ -17,11 +20,21 @@ struct Around {
         JetNeighbor jet;
         std::uint32_t source;
         bool overCrease;
+        NodeIndex core;
     };
     std::array<Node, JetNeighbors::kMax> node;
     std::size_t count = 0;
 
     bool full() const { return count == node.size(); }
+    bool overCrease() const {
+        return std::any_of(node.begin(), node.begin() + count,
+                           [](const Node& n) { return n.overCrease; });
+    }
+    bool threeFronts() const {
+        ThreeFronts fronts;
+        return std::any_of(node.begin(), node.begin() + count,
+                           [&](const Node& n) { return fronts.add(n.jet.g); });
+    }
     JetNeighbors all() const {
         JetNeighbors all;
         for (std::size_t k = 0; k < count; ++k) all.add(node[k].jet);
@@ -118,7 +131,10 @@ private:
     Found carryInPlane(NodeIndex i, const Corners& corners) const;
     /// Where the core around the foot point is not of one smooth front: as in the march.
     Found solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const;
-    Found solve(const Around& around, const LocalFrame& local) const;
+    /// @return whether it took the fallback
+    bool solve(const Around& around, const LocalFrame& local, Found& found) const;
+    std::optional<Found> whereFrontsMeet(NodeIndex i, const Around& around,
+                                         const LocalFrame& local) const;
     /// A jet of the chart, back on S; u relative to the least start.
     Found fromChart(double u, Vec2f g, std::uint32_t label, const LocalFrame& local) const {
         return {jets_.seeds.leastStart + local.weight * u,

@@ -2,6 +2,7 @@
 
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
+#include <igeo/march/detail/jet_meeting.h>
 
 namespace igeo {
 
@@ -19,7 +20,7 @@ constexpr double kMargin = 3;
 
 CoreJets unmarched(const std::shared_ptr<const JetCore>& core,
                    const std::vector<SurfacePoint>& seeds, const JetOptions& options) {
-    CoreJets jets{core, JetSeeds(*core, seeds, options.startRadius), {}, {}, {}, 0};
+    CoreJets jets{core, JetSeeds(*core, seeds, options.startRadius), {}, {}, {}, {}, 0};
     // In single precision, as the march takes it.
     jets.buckets = {jets.seeds.leastStart, double(float(options.bucketWidth * core->leastCost))};
     jets.state.resize(core->nodes.size());
@@ -215,7 +216,7 @@ void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chu
         return;
     }
     chunk.accepted.push_back({i, s.label, stateOf(s, batch)});
-    chunk.fallbackCount += s.usedFallback;
+    if (s.usedFallback) chunk.byFallback.push_back(i);
     chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
     if (!stopNodes_.empty() && stopNodes_[i]) ++chunk.stopNodes;
     const auto radius =
@@ -306,7 +307,7 @@ void JetMarch::collect(std::size_t chunkCount) {
         const Chunk& chunk = chunks_[c];
         if (chunk.tooFar) refuseTooFar();
         accepted_ += chunk.accepted.size();
-        fallbackCount_ += chunk.fallbackCount;
+        byFallback_.insert(byFallback_.end(), chunk.byFallback.begin(), chunk.byFallback.end());
         heaviest_ = std::max(heaviest_, chunk.heaviest);
         stopNodesLeft_ -= chunk.stopNodes;
         for (const auto* list : {&chunk.queued, &chunk.deferred})
@@ -329,7 +330,8 @@ Field JetMarch::take() {
     field.limit = jets_.limit;
     field.lines = jets_.seeds.lines;
     field.solved = accepted_;
-    field.fallbackCount = fallbackCount_;
+    field.fallbackCount = byFallback_.size();
+    solveMeetings(jets_, byFallback_);
     field.core = std::make_shared<const CoreJets>(std::move(jets_));
     return field;
 }

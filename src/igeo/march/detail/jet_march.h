@@ -37,16 +37,18 @@ private:
     /// Part of a batch, for one thread: what it found out, to be written once all are solved.
     struct Chunk {
         std::vector<Accepted> accepted;
-        std::vector<Queued> queued;        ///< neighbors, into an earlier bucket than before
-        std::vector<Queued> deferred;      ///< nodes of the batch that are not final
-        std::vector<Queued> requeueLater;  ///< neighbors that are in the batch themselves
-        std::size_t fallbackCount = 0, stopNodes = 0;  ///< of the accepted nodes
-        bool tooFar = false;                           ///< a value beyond the last bucket
+        std::vector<Queued> queued;         ///< neighbors, into an earlier bucket than before
+        std::vector<Queued> deferred;       ///< nodes of the batch that are not final
+        std::vector<Queued> requeueLater;   ///< neighbors that are in the batch themselves
+        std::vector<NodeIndex> byFallback;  ///< of the accepted nodes
+        std::size_t stopNodes = 0;          ///< of the accepted nodes
+        bool tooFar = false;                ///< a value beyond the last bucket
         double heaviest = 0;
 
         void clear() {
             accepted.clear(), queued.clear(), deferred.clear(), requeueLater.clear();
-            fallbackCount = stopNodes = 0;
+            byFallback.clear();
+            stopNodes = 0;
         }
     };
     /// A node of a group.
@@ -137,7 +139,8 @@ private:
     bool stopped_ = false;  ///< the limit ended the march
     std::vector<Chunk> chunks_;
     std::vector<bool> stopNodes_;  ///< nodes of the core that the march has to reach; empty: all
-    std::size_t stopNodesLeft_ = 0, accepted_ = 0, fallbackCount_ = 0, chunkSize_ = 0;
+    std::vector<NodeIndex> byFallback_;
+    std::size_t stopNodesLeft_ = 0, accepted_ = 0, chunkSize_ = 0;
 };
 
 }  // namespace igeo

@@ -51,7 +51,7 @@ inline JetNeighbor stretched(const Stretch& stretch, JetNeighbor n) {
 struct Jet {
     double u = kInfinity;
     Vec2f g;
-    bool usedFallback = false;  ///< from fermatUpdate, not from a fit
+    bool usedFallback = false;  ///< in doubt: from fermatUpdate, or blended beside a focus
 };
 
 /// Up to 28 neighbors, each quantity in an array of its own, in groups of four for the vector

@@ -1,0 +1,248 @@
+#include <igeo/march/detail/circular_front.h>
+
+#include <igeo/march/detail/jet_blend.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace igeo {
+
+namespace {
+
+constexpr std::size_t kMost = 64;             ///< neighbors
+constexpr double kGood = 0.004, kBad = 0.02;  ///< residuals of fits, voxels
+
+float cross(Vec2f a, Vec2f b) { return a.x * b.y - a.y * b.x; }
+
+/// A circular front, by its jet and its curvature at a point x of the chart.
+struct CircularFront {
+    struct Jet {
+        double u, gx, gy;
+        double along, across;  ///< from x
+        double ahead;          ///< 1 + k along: negative beyond the focus
+        double root;           ///< r, the distance to the focus over that at x
+
+        /// Beyond the focus, and not beside it, other rays arrive first.
+        bool reaches() const { return ahead > -0.7 * root || root < 0.05; }
+    };
+
+    double x, y, u, gx, gy, bend;
+
+    Jet at(double toX, double toY) const {
+        const double ax = toX - x, ay = toY - y;
+        Jet jet;
+        jet.along = gx * ax + gy * ay, jet.across = gx * ay - gy * ax;
+        jet.ahead = 1 + bend * jet.along;
+        jet.root = std::max(
+            1e-9, std::sqrt(jet.ahead * jet.ahead + bend * bend * jet.across * jet.across));
+        jet.u = u + (2 * jet.along + bend * (ax * ax + ay * ay)) / (1 + jet.root);
+        jet.gx = (gx + bend * ax) / jet.root, jet.gy = (gy + bend * ay) / jet.root;
+        return jet;
+    }
+    void turn(double angle) {
+        const double c = std::cos(angle), s = std::sin(angle), old = gx;
+        gx = c * gx - s * gy, gy = s * old + c * gy;
+    }
+};
+
+/// The normal equations of a least-squares step in value, direction and curvature.
+struct NormalEquations {
+    std::array<std::array<double, 4>, 3> row{};  ///< the right-hand side last
+
+    void add(const std::array<double, 3>& slope, double residual, double weight) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) row[i][j] += weight * slope[i] * slope[j];
+            row[i][3] += weight * slope[i] * residual;
+        }
+    }
+    std::array<double, 3> solve() {
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = i + 1; j < 3; ++j) {
+                const double part = row[j][i] / row[i][i];
+                for (std::size_t k = i; k < 4; ++k) row[j][k] -= part * row[i][k];
+            }
+        std::array<double, 3> x{};
+        for (std::size_t i = 3; i-- > 0;) {
+            x[i] = row[i][3];
+            for (std::size_t k = i + 1; k < 3; ++k) x[i] -= row[i][k] * x[k];
+            x[i] /= row[i][i];
+        }
+        return x;
+    }
+};
+
+/// One step of the fit.
+/// @return the root mean square of the residuals before it
+double improve(CircularFront& front, std::span<const JetNeighbor> neighbors) {
+    constexpr double kLever = 0.1;     // voxels: what an error of a radian counts for
+    constexpr double kOutlier = 0.02;  // voxels: residuals beyond count less and less
+    constexpr double kLeastRoot = 0.05, kNear2 = 0.3, kStiff = 1e-4;
+    NormalEquations equations;
+    double total = 0, squares = 0;
+    for (const JetNeighbor& n : neighbors) {
+        const CircularFront::Jet jet = front.at(-double(n.a.x), -double(n.a.y));
+        if (!(jet.root > kLeastRoot)) continue;
+        const double byValue = n.u - jet.u,
+                     // twice the tangent of half of it
+            byAngle = 2 * (jet.gx * double(n.g.y) - jet.gy * double(n.g.x)) /
+                      std::max(0.1, 1 + jet.gx * double(n.g.x) + jet.gy * double(n.g.y)),
+                     square = byValue * byValue + kLever * kLever * byAngle * byAngle,
+                     w = 1 /
+                         ((double(dot(n.a, n.a)) + kNear2) * (1 + square / (kOutlier * kOutlier)));
+        const double r = jet.root, r2 = r * r, l = jet.across;
+        equations.add({1, l / r, l * l / (r * (r + jet.ahead))}, byValue, w);
+        equations.add({0, jet.ahead / r2, l / r2}, byAngle, w * kLever * kLever);
+        total += w, squares += w * square;
+    }
+    if (!(total > 0)) return kInfinity;
+    equations.row[2][2] += kStiff * total;
+    const auto [u, angle, bend] = equations.solve();
+    front.u += u, front.bend += bend;
+    front.turn(angle);
+    return std::sqrt(squares / total);
+}
+
+/// A neighbor whose front reaches the origin.
+struct Carried {
+    JetNeighbor from;
+    float bend;  ///< curvature of the front there
+    double u;    ///< at the origin, as the direction
+    Vec2f g;
+
+    CircularFront front() const {
+        return {-double(from.a.x), -double(from.a.y), from.u,
+                double(from.g.x),  double(from.g.y),  double(bend)};
+    }
+};
+
+/// The curvature of the front at a neighbor by the directions at others: s ahead of it and l to its
+/// side they differ by the angle t, tan t (1 + k s) = k l.
+float curvatureAt(const JetNeighbor& n, std::span<const JetNeighbor> neighbors) {
+    constexpr float kAgree = 0.02f;  // voxels: beyond, they are of two fronts
+    constexpr float kReach2 = 3;
+    float top = 0, bottom = 0;
+    for (const JetNeighbor& other : neighbors) {
+        const Vec2f step = n.a - other.a;
+        const float same = dot(n.g, other.g);
+        if (dot(step, step) > kReach2 || same < jet::kSameFront ||
+            std::abs(float(other.u - n.u) - dot(n.g + other.g, step) / (1 + same)) > kAgree)
+            continue;
+        const float tangent = cross(n.g, other.g) / same,
+                    side = cross(n.g, step) - dot(n.g, step) * tangent;
+        top += tangent * side, bottom += side * side;
+    }
+    return bottom > 0 ? top / bottom : 0;
+}
+
+std::optional<Carried> carry(const JetNeighbor& n, std::span<const JetNeighbor> neighbors) {
+    if (!(dot(n.a, n.g) > 0)) return {};
+    Carried c{n, curvatureAt(n, neighbors), 0, {}};
+    const CircularFront::Jet jet = c.front().at(0, 0);
+    if (!jet.reaches()) return {};
+    c.u = jet.u, c.g = {float(jet.gx), float(jet.gy)};
+    return c;
+}
+
+/// Whether two neighbors are of a front that spreads (jet_blend.h).
+bool spreads(const JetNeighbor& a, const JetNeighbor& b) {
+    JetNeighbors pair;
+    pair.add(a), pair.add(b);
+    return jet::spreads(pair);
+}
+
+/// A fit, and how well its members agree with it.
+struct Fit {
+    Jet jet;
+    double residual = kInfinity;  ///< root mean square, voxels; +inf for no fit
+};
+
+/// The neighbors whose fronts reach the origin.
+class Neighborhood {
+public:
+    explicit Neighborhood(std::span<const JetNeighbor> neighbors) {
+        for (const JetNeighbor& n : neighbors.first(std::min(neighbors.size(), kMost)))
+            if (const auto c = carry(n, neighbors)) {
+                carried_[count_++] = *c;
+                longest_ = std::min(longest_, n.u + double(length(n.a)));
+                least_ = std::min(least_, byLine(*c));
+            }
+    }
+    /// Those that bring the least value: along their circles, and along straight lines, as where
+    /// two fronts meet at a small angle circles through both of them lead astray.
+    std::vector<std::size_t> leads() const {
+        if (count_ == 0) return {};
+        std::size_t onCircle = 0, onLine = 0;
+        for (std::size_t k = 1; k < count_; ++k) {
+            if (carried_[k].u < carried_[onCircle].u) onCircle = k;
+            if (byLine(carried_[k]) < byLine(carried_[onLine])) onLine = k;
+        }
+        if (onCircle == onLine) return {onCircle};
+        return {onCircle, onLine};
+    }
+    /// The front of a neighbor: all that come in within 45 degrees of it; or, where these are two
+    /// fronts that meet at a small angle, those that spread with it.
+    Fit fitFrontOf(std::size_t lead) const {
+        const Carried& own = carried_[lead];
+        const Fit wide = fit(lead, -kInfinity,
+                             [&](const Carried& c) { return dot(c.g, own.g) >= jet::kSameFront; });
+        if (wide.residual < kGood) return wide;
+        const Fit narrow =
+            fit(lead, 0, [&](const Carried& c) { return spreads(c.from, own.from); });
+        return narrow.residual < kGood ? narrow : wide;
+    }
+
+    /// Whether a value at the origin can be true.
+    bool allows(double u) const {
+        constexpr double kFocus = 0.2, kSlack = 0.02;  // voxels
+        return u < longest_ + kSlack && u > least_ - kFocus;
+    }
+
+private:
+    static double byLine(const Carried& c) { return c.from.u + double(dot(c.from.g, c.from.a)); }
+    template <typename IsMember>
+    Fit fit(std::size_t lead, double leastBend, const IsMember& isMember) const {
+        constexpr int kSteps = 4;
+        constexpr std::size_t kLeast = 3;
+        std::array<JetNeighbor, kMost> members;
+        std::size_t size = 0, back = lead;  // of the least value: the furthest from a focus
+        for (std::size_t k = 0; k < count_; ++k) {
+            if (!isMember(carried_[k])) continue;
+            members[size++] = carried_[k].from;
+            if (carried_[k].from.u < carried_[back].from.u) back = k;
+        }
+        if (size < kLeast) return {};
+        Fit fit;
+        CircularFront front = carried_[back].front();
+        for (int step = 0; step < kSteps; ++step) {
+            front.bend = std::max(front.bend, leastBend);
+            fit.residual = improve(front, {members.data(), size});
+        }
+        front.bend = std::max(front.bend, leastBend);
+        const CircularFront::Jet jet = front.at(0, 0);
+        if (!jet.reaches()) return {};
+        fit.jet = {jet.u, {float(jet.gx), float(jet.gy)}, false};
+        return fit;
+    }
+
+    std::array<Carried, kMost> carried_;
+    std::size_t count_ = 0;
+    double longest_ = kInfinity;  ///< no value lies above the straight line from a neighbor
+    double least_ = kInfinity;    ///< by the plane fronts of all neighbors
+};
+
+}  // namespace
+
+std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors) {
+    const Neighborhood all(neighbors);
+    Fit best;
+    for (const std::size_t lead : all.leads()) {
+        const Fit fit = all.fitFrontOf(lead);
+        if (fit.residual < kBad && all.allows(fit.jet.u) && fit.jet.u < best.jet.u) best = fit;
+    }
+    if (!(best.jet.u < kInfinity)) return {};
+    return best.jet;
+}
+
+}  // namespace igeo

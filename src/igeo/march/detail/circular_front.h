@@ -1,0 +1,49 @@
+/// Where fronts meet: the local solve of scheme `jet` for a point that all its neighbors have jets
+/// around, too few of them of one front for a fit (jet_fit.h). No grid, no states, no surface.
+///
+/// Beside a point where fronts come in from all sides, neighbors of one front have directions up to
+/// 90 degrees apart. So their front is a circle here, with its curvature k for a third unknown.
+/// From a point of it with value u and direction g, the front has at the distance a, with p = g .
+/// a,
+///
+///     value  u + (2 p + k |a|^2) / (1 + r),   direction  (g + k a) / r,   r^2 = 1 + 2 k p + k^2
+///     |a|^2
+///
+/// exactly for fronts that spread (k > 0), narrow (k < 0) or are straight. Gauss-Newton steps fit
+/// u, g and k to the values and directions of the neighbors, each at its own place.
+#pragma once
+
+#include <igeo/march/detail/jet_neighbors.h>
+
+#include <array>
+#include <optional>
+#include <span>
+
+namespace igeo {
+
+/// The jet at the origin by the front that arrives there first.
+/// @param neighbors  of one source, in the chart of the origin, as far as two voxels off
+/// @return none where less than three neighbors of that front lie behind the origin, or they do not
+///         agree within 0.02 voxels
+/// Some microseconds.
+std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors);
+
+/// Tells whether there are three directions of travel more than 45 degrees from each other.
+class ThreeFronts {
+public:
+    /// @return whether there are, with this one
+    bool add(Vec2f g) {
+        for (std::size_t k = 0; k < count_; ++k)
+            if (dot(g, g_[k]) >= jet::kSameFront) return false;
+        g_[count_] = g;
+        if (count_ == 2) return true;
+        ++count_;
+        return false;
+    }
+
+private:
+    std::array<Vec2f, 3> g_;
+    std::size_t count_ = 0;
+};
+
+}  // namespace igeo
