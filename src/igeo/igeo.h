@@ -7,6 +7,7 @@
 #include <igeo/view.h>
 
 #include <igeo/base/version.h>
+#include <igeo/io/annotation_file.h>
 #include <igeo/io/mesh_file.h>
 #include <igeo/io/openvdb_interrupter.h>
 #include <igeo/io/point_cloud_file.h>
