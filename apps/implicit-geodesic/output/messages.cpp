@@ -4,6 +4,7 @@
 #include <igeo/base/detail/text.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "exit_code.h"
 #include "output/output_files.h"
@@ -24,10 +25,10 @@ int tellTargets(const RunReport& report, const igeo::Distance& distance, const C
     for (std::size_t k = 0; k < d.size(); ++k) {
         if (d[k] < igeo::kInfinity)
             least = std::min(least, d[k]), most = std::max(most, d[k]);
-        else if (unreached++ == 0)
+        else if (!std::isnan(d[k]) && unreached++ == 0)
             first = k;
     }
-    if (unreached < d.size())
+    if (least < igeo::kInfinity)
         console.info(
             fmt::format("{} targets: distances from {:.6g} to {:.6g}", d.size(), least, most));
     if (unreached > 0)
@@ -42,7 +43,8 @@ int tellTargets(const RunReport& report, const igeo::Distance& distance, const C
     if (stalled > 0)
         console.warning(
             fmt::format("no descent to a seed was found from {} of {} targets", stalled, d.size()));
-    return unreached > 0 || stalled > 0 ? kUnreached : kDone;
+    const bool skipped = std::any_of(d.begin(), d.end(), [](double x) { return std::isnan(x); });
+    return unreached > 0 || stalled > 0 || skipped ? kUnreached : kDone;
 }
 
 int tellPaths(const RunReport& report, const igeo::Distance& distance, const Console& console) {
@@ -60,6 +62,7 @@ int tellPaths(const RunReport& report, const igeo::Distance& distance, const Con
             continue;
         }
         code = kUnreached;
+        if (p.status == igeo::PathStatus::OffSurface) continue;  // warnOfSkippedPoints
         console.warning(fmt::format(
             "target {} is {}: {}", k, igeo::toString(p.status),
             p.status == igeo::PathStatus::Stalled ? "no descent from the target to a seed was found"
@@ -102,13 +105,13 @@ int tellVias(const RunReport& report, const Console& console) {
 
 int tellPairs(const RunReport& report, const Console& console) {
     if (report.pairs.empty()) return kDone;
-    console.info(std::to_string(report.pairs.size()) + " pairs solved");
-    const auto lost =
-        std::count_if(report.pairs.begin(), report.pairs.end(),
-                      [](const igeo::PairDistance& p) { return !(p.distance < igeo::kInfinity); });
-    if (lost == 0) return kDone;
-    console.warning(fmt::format("no path on the surface joins the points of {} pairs", lost));
-    return kUnreached;
+    std::size_t skipped = 0, lost = 0;
+    for (const igeo::PairDistance& p : report.pairs)
+        p.isSkipped() ? ++skipped : lost += !(p.distance < igeo::kInfinity);
+    console.info(std::to_string(report.pairs.size() - skipped) + " pairs solved");
+    if (lost > 0)
+        console.warning(fmt::format("no path on the surface joins the points of {} pairs", lost));
+    return lost + skipped > 0 ? kUnreached : kDone;
 }
 
 }  // namespace
@@ -206,6 +209,41 @@ void warnOfRoundedBends(RunReport& report) {
                 "degrees; smaller voxels, or the mesh itself, show such edges",
                 k, bends, bends == 1 ? "" : "s", bends == 1 ? "it" : "them",
                 bends == 1 ? "it" : "them"));
+}
+
+namespace {
+
+/// "3 of 500 targets are off the surface and have no distance: target 4 (0,0,9) is 8 from the
+/// surface, ..."
+std::string skippedWarning(const char* what, std::size_t all, const std::vector<std::string>& few,
+                           std::size_t skipped) {
+    std::string list;
+    for (const std::string& one : few) list += (list.empty() ? "" : "; ") + one;
+    return fmt::format("{} of {} {} are off the surface and have no distance: {}{}", skipped, all,
+                       what, list, skipped > few.size() ? "; ..." : "");
+}
+
+}  // namespace
+
+void warnOfSkippedPoints(const igeo::Distance& distance, RunReport& report) {
+    constexpr std::size_t kNamed = 3;
+    std::vector<std::string> few;
+    std::size_t skipped = 0;
+    const std::vector<igeo::SurfacePoint>& targets = distance.targets();
+    for (std::size_t k = 0; k < targets.size(); ++k) {
+        if (!targets[k].offSurface || skipped++ >= kNamed) continue;
+        const igeo::SnappedPoint p = inWorld(targets[k], distance.band().transform);
+        few.push_back(
+            fmt::format("target {} ({}) is {}", k, textOf(p.asked, 9), igeo::skippedReason(p)));
+    }
+    if (skipped > 0)
+        report.warnings.push_back(skippedWarning("targets", targets.size(), few, skipped));
+    few.clear(), skipped = 0;
+    for (std::size_t k = 0; k < report.pairs.size(); ++k)
+        if (report.pairs[k].isSkipped() && skipped++ < kNamed)
+            few.push_back(fmt::format("of pair {} {}", k, report.pairs[k].reason()));
+    if (skipped > 0)
+        report.warnings.push_back(skippedWarning("pairs", report.pairs.size(), few, skipped));
 }
 
 void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report) {
