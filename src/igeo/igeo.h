@@ -24,6 +24,7 @@
 #include <igeo/results/field_grids.h>
 #include <igeo/results/isolines.h>
 #include <igeo/results/log_map.h>
+#include <igeo/results/overrun_seeds.h>
 #include <igeo/results/picture.h>
 #include <igeo/results/surface_files.h>
 #include <igeo/results/view_page.h>

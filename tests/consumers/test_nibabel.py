@@ -191,7 +191,7 @@ class Regions(InFolder):
         self.assertTrue((self.per_vertex("a.surf.gii", "--seed-mask", region)[self.labels == 3] == 0).all())
 
     def test_refusals(self):
-        mesh = ("--mesh", self.path("a.surf.gii"), "--seed", "vertex:5")
+        mesh = ("--mesh", self.path("a.surf.gii"), "--seed", "vertex:5", "-o", self.path("o.vdb"))
         for given, code, says in ((":sode", 2, "did you mean 'side'"), ("", 2, "none is named")):
             refused = geodesic(*mesh, "--obstacle", self.path("lh.caps.annot") + given, code=code)
             self.assertIn(says, refused.stderr)
@@ -287,7 +287,7 @@ class Volumes(InFolder):
                            ("times.nii.gz", "holds 2 volumes"), ("nan.nii", "is nan"), ("cut.nii.gz", "cut off"),
                            ("ramp.nii.gz", "--iso")):
             options = [] if name == "ramp.nii.gz" else ["--iso", "2.5"]
-            refused = geodesic("--volume", self.path(name), *options, "--seed", "0,0,0", code=3)
+            refused = geodesic("--volume", self.path(name), *options, "--seed", "0,0,0", "-o", self.path("o.vdb"), code=3)
             self.assertIn(says, refused.stderr)
             self.assertIn(name, refused.stderr)
 

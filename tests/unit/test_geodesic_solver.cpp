@@ -349,6 +349,37 @@ TEST_CASE("Distance: values at many points, with gradient and source") {
     });
 }
 
+TEST_CASE("LogMap: read between the nodes, as long as the distance; about points only") {
+    const GeodesicSolver solver{Surface(*ball(0.05))};
+    const Vec3d c{kCenter.x(), kCenter.y(), kCenter.z()}, seed = on(0, 0, 1);
+    const igeo::Distance d = solver.distance({seed});
+    const Similarity& t = d.band().transform;
+    const LogMap map = logMap(d.field());
+    REQUIRE(map.frames.size() == 1);
+    const Vec3d u = t.worldFromIndexDirection(map.frames[0].u),
+                v = t.worldFromIndexDirection(map.frames[0].v);
+    double worst = 0;
+    for (int k = 0; k < 200; ++k) {
+        const Vec3d p = on(std::sin(0.7 * k), std::cos(1.3 * k), std::sin(2.1 * k + 1));
+        const double angle = std::acos(dot(p - c, seed - c));
+        if (angle > 2.5) continue;
+        const Vec2f at =
+            positionAt(d.field(), map, d.surface().nearest(d.band(), t.indexFromWorld(p)));
+        CHECK(double(length(at)) * t.dx == Approx(d.at(p)).epsilon(1e-6));
+        const Vec3d along = normalized((p - c) - dot(p - c, seed - c) * (seed - c));
+        const Vec3d found = t.dx * (double(at.x) * u + double(at.y) * v);
+        worst = std::max(worst, length(found - angle * along));
+    }
+    CHECK(worst < 0.0062);  // measured 0.0041
+    const Vec2f there =
+        positionAt(d.field(), map, d.surface().nearest(d.band(), t.indexFromWorld(seed)));
+    CHECK((there.x == 0 && there.y == 0));
+    Seeds group;
+    group.groups = {{"g", {on(0, 0, 1), on(0, 1, 0)}}};
+    expectError(Error::Kind::InvalidArgument, {"about points", "give the seeds as points"},
+                [&] { logMap(solver.distance(group).field()); });
+}
+
 TEST_CASE("GeodesicSolver: costs per node are those computed at its foot points") {
     const Surface surface(*ball(0.1));
     const GeodesicSolver plain{surface};

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/text.h>
+#include <igeo/results/overrun_seeds.h>
 
 #include <algorithm>
 #include <cmath>
@@ -149,35 +150,8 @@ void describe(const igeo::Distance& distance, const Console& console) {
 }
 
 void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
-    constexpr double kLate = 0.01;  // voxels
-    const igeo::Field& field = distance.field();
-    const igeo::Band& band = distance.band();
-    struct Source {
-        std::size_t segments = 0, lost = 0;
-        double start = 0, arrival = 0;  ///< of the first that is lost
-    };
-    std::vector<Source> sources(field.sourceCount());
-    for (std::size_t k = 0; k < field.seeds.size(); ++k) {
-        const igeo::SurfacePoint& s = field.seeds[k];
-        Source& source = sources[field.source[k]];
-        ++source.segments;
-        if (!(s.start > field.leastStart)) continue;
-        const double d = igeo::arrivalAt(field, s.pIndex, Vec3d(band.normal[s.node])).distance;
-        if (d < s.start - kLate && source.lost++ == 0) source.start = s.start, source.arrival = d;
-    }
-    for (std::size_t k = 0; k < sources.size(); ++k) {
-        const Source& s = sources[k];
-        if (s.lost == 0) continue;
-        const std::string part =
-            s.segments > 1 ? fmt::format("{} of {} segments of ", s.lost, s.segments) : "";
-        const std::string name = k < report.sources.size() && !report.sources[k].empty()
-                                     ? report.sources[k]
-                                     : "seed " + std::to_string(k);
-        report.warnings.push_back(
-            fmt::format("{}{}: the front of another seed comes at {:.6g}, before the start at "
-                        "{:.6g}, so it has no effect there",
-                        part, name, s.arrival * band.transform.dx, s.start * band.transform.dx));
-    }
+    for (const std::string& w : igeo::overrunWarnings(distance.field(), report.sources))
+        report.warnings.push_back(w);
 }
 
 void warnOfLongPaths(double dx, RunReport& report) {

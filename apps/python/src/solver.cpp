@@ -78,6 +78,30 @@ Array<double> distances(const GeodesicSolver& solver, const std::vector<Seeds>& 
     return rows;
 }
 
+/// Distances of pairs, and their paths if those are asked for: NaN and none where a point is off
+/// the surface and such are skipped.
+py::tuple pairs(const GeodesicSolver& solver, const Array<double>& sources,
+                const Array<double>& targets, bool withPaths, bool straighten, bool skip,
+                const py::object& progress) {
+    igeo::QueryRules rules = solver.options().rules;
+    rules.skipOffSurface = skip;
+    const auto from = pointsOf(sources), to = pointsOf(targets);
+    std::vector<igeo::PairDistance> found = inBackground(progress, [&](igeo::Progress& p) {
+        const GeodesicSolver skipping = solver.with(rules);
+        return withPaths ? skipping.pairPaths(from, to, straighten, p)
+                         : skipping.pairs(from, to, p);
+    });
+    std::vector<double> distance;
+    py::list paths;
+    for (igeo::PairDistance& pair : found) {
+        distance.push_back(pair.distance);
+        if (withPaths)
+            paths.append(py::make_tuple(igeo::toString(pair.path.status),
+                                        arrayOf(std::move(pair.path.points))));
+    }
+    return py::make_tuple(arrayOf(std::move(distance)), paths);
+}
+
 /// Of the band of the whole surface, where that is made.
 std::vector<std::string> warningsOf(const GeodesicSolver& solver) {
     std::vector<std::string> warnings = solver.bandWidth().warnings;
@@ -143,6 +167,19 @@ void bindSolver(py::module_& module) {
                 return arrayOf(std::move(line.points));
             },
             "start"_a, "direction"_a, "length"_a, "progress"_a)
+        .def("pairs", &pairs, "sources"_a, "targets"_a, "paths"_a, "straighten"_a, "skip"_a,
+             "progress"_a)
+        .def(
+            "via",
+            [](const GeodesicSolver& s, const Array<double>& through, bool closed, bool straighten,
+               const py::object& progress) {
+                const auto points = pointsOf(through);
+                igeo::Polyline line = inBackground(progress, [&](igeo::Progress& p) {
+                    return s.through(points, closed, straighten, p);
+                });
+                return arrayOf(std::move(line.points));
+            },
+            "points"_a, "closed"_a, "straighten"_a, "progress"_a)
         .def_property_readonly("snap", &GeodesicSolver::maxSnap)
         .def_property_readonly("band", [](const GeodesicSolver& s) { return s.bandWidth().h; })
         .def_property_readonly("warnings", &warningsOf);
