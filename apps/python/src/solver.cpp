@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 
 #include "arrays.h"
 #include "background.h"
@@ -56,21 +57,23 @@ Array<double> distances(const GeodesicSolver& solver, const std::vector<Seeds>& 
     Array<double> rows({py::ssize_t(all.size()), py::ssize_t(columns)});
     double* const first = rows.mutable_data();
     runInBackground(progress, [&](igeo::Progress& p) {
-        if (!at) {
-            auto found = solver.atVertices(all, limits, p);
-            for (std::size_t k = 0; k < all.size(); ++k) {
-                std::copy(found[k].distance.begin(), found[k].distance.end(), first + k * columns);
-                found[k].distance = {};
-            }
-            return;
-        }
         igeo::CancelOnly quiet(p);
+        std::optional<igeo::VertexReader> vertices;
+        if (!at)
+            vertices.emplace(igeo::requireMesh(solver.surface()), solver.surface().transform());
         std::atomic<std::size_t> done{0};
         igeo::parallelFor(all.size(), 1, p, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
-                const auto values = solver.distance(all[k], limits, quiet).valuesAt(points, quiet);
-                std::transform(values.begin(), values.end(), first + k * columns,
-                               [](const igeo::PointValue& v) { return v.distance; });
+                const igeo::Distance found = solver.distance(all[k], limits, quiet);
+                double* const row = first + k * columns;
+                if (vertices) {
+                    const auto values = vertices->read(found.field(), quiet).distance;
+                    std::copy(values.begin(), values.end(), row);
+                } else {
+                    const auto values = found.valuesAt(points, quiet);
+                    std::transform(values.begin(), values.end(), row,
+                                   [](const igeo::PointValue& v) { return v.distance; });
+                }
                 p.update("rows", double(++done) / double(all.size()));
             }
         });

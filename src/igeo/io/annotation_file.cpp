@@ -55,7 +55,8 @@ Colors readTable(ByteReader& reader, Annotation& annotation) {
             readEntry(reader, k, annotation, colors);
         return colors;
     }
-    if (first != -kVersion) reader.fail(fmt::format("a table of regions of version {}", -first));
+    if (first != -kVersion)
+        reader.fail(fmt::format("a table of regions of version {}", -std::int64_t(first)));
     constexpr std::size_t kMostRegions = 1 << 20;
     const auto most = reader.next<std::int32_t>();
     if (most < 0 || std::size_t(most) > kMostRegions)

@@ -281,6 +281,8 @@ TEST_CASE("annotations that are damaged are refused", "[brain]") {
     const std::size_t table = 4 + 6 * 8;
     refused(with(table, be({0})), {"no table"});
     refused(with(table + 4, be({-3})), {"version 3"});
+    refused(with(table + 4, be({std::numeric_limits<std::int32_t>::min()})),
+            {"version 2147483648"});
     refused(with(table + 8, be({1 << 30})), {"table of 1073741824"});
     const std::size_t entries = table + 12 + 4 + 11;
     refused(with(entries, be({1 << 28})), {"regions are announced"});
