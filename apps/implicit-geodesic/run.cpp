@@ -34,8 +34,8 @@ bool writesDocument(const RunOptions& o) {
 RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metric,
                     const SeedInput& seeds, const RunOptions& o, const FileDigests& digests) {
     RunReport report;
-    report.command = o.words;
-    if (writesDocument(o))
+    report.command = withoutProcessOptions(o.words);
+    if (writesDocument(o) || !digests.empty())
         for (const std::string& file : inputFiles(o)) {
             const auto known = digests.find(file);
             report.inputs.emplace_back(
@@ -50,6 +50,7 @@ RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metri
     report.width = solver.bandWidth();
     report.snap = solver.maxSnap();
     report.maxDistance = seeds.limits.maxDistance;
+    report.skipOffSurface = o.skipOffSurface;
     report.sources = seeds.names;
     report.weights = metric.weightNames;
     report.obstacles = metric.obstacleNames;
@@ -156,7 +157,8 @@ RunOutcome run(const RunOptions& options, const Console& console, ConsoleProgres
 RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& console,
                  Stages& stages, const FileDigests& digests) {
     const igeo::QueryRules rules{o.snap.value_or(-1), o.space,
-                                 o.memoryLimit > 0 ? o.memoryLimit * kGiB : machineMemory()};
+                                 o.memoryLimit > 0 ? o.memoryLimit * kGiB : machineMemory(),
+                                 o.skipOffSurface};
     const igeo::GeodesicSolver solver = prepared.solver.with(rules);
     checkGridNames(o, solver.surface().gridName());
     const SeedInput input = readSeeds(o, solver.surface());
@@ -189,6 +191,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     warnOfRoundedBends(report);
     report.pairs = solvePairs(solver, o, stages);
     report.vias = solveVias(solver, o, stages);
+    warnOfSkippedPoints(distance, report);
 
     RunResult result{o, input, solver, distance, report, stages, prepared.lastRun};
     writeResults(result);
@@ -200,5 +203,6 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
         writeDocument(o.report, reportJson(report, distance.field()));
         report.outputs.emplace_back("report", o.report);
     }
-    return {tell(report, distance, o, console), report.warnings};
+    return {tell(report, distance, o, console), report.warnings,
+            provenanceJson(report, distance.field())};
 }

@@ -9,6 +9,7 @@
 
 #include "console.h"
 #include "input/metric_input.h"
+#include "json_file.h"
 #include "options/run_options.h"
 #include "stages.h"
 
@@ -31,6 +32,7 @@ PreparedSolver prepareSolver(const igeo::Surface& surface, const RunOptions& opt
 struct RunOutcome {
     int exitCode = 0;  ///< kDone or kUnreached
     std::vector<std::string> warnings;
+    Json provenance;  ///< provenanceJson
 };
 
 /// Reads, solves, writes: all of a job.

@@ -8,6 +8,7 @@
 #include <igeo/path/curve_normals.h>
 #include <igeo/path/straighten.h>
 
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -159,8 +160,10 @@ std::vector<double> Distance::atTargets() const {
     parallelFor(distances.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const SurfacePoint& p = targets_[k];
-            distances[k] = band_->transform.dx *
-                           sampleDistance(*field, p.pIndex, Vec3d(band_->normal[p.node]));
+            distances[k] = p.offSurface
+                               ? std::numeric_limits<double>::quiet_NaN()
+                               : band_->transform.dx *
+                                     sampleDistance(*field, p.pIndex, Vec3d(band_->normal[p.node]));
         }
     });
     return distances;

@@ -78,7 +78,7 @@ public:
                                 Progress& progress = Progress::none()) const;
 
     /// The distances of the targets that the march was given, in their order: as `at`, without a
-    /// sign.
+    /// sign; NaN for a target that was skipped (QueryRules::skipOffSurface).
     std::vector<double> atTargets() const;
     /// The distance and the nearest source at the vertices of the mesh, under the numbers of its
     /// file.

@@ -36,6 +36,7 @@ PairSurface pairSurface(const GeodesicSolver& solver) {
     };
     surface.leastWeight = needsWholeSurface(metric) ? 0 : leastWeight(metric);
     surface.diagonal = solver.surface().facts().diagonal;
+    surface.skipOffSurface = solver.options().rules.skipOffSurface;
     return surface;
 }
 
@@ -136,6 +137,11 @@ Vec3d indexDirection(const GeodesicSolver& solver, const Vec3d& v) {
 
 }  // namespace
 
+std::string PairDistance::reason() const {
+    if (!isSkipped()) return "";
+    return std::string("the ") + (source.offSurface ? "source" : "target") + " is off the surface";
+}
+
 std::vector<PairDistance> GeodesicSolver::pairs(const std::vector<Vec3d>& sources,
                                                 const std::vector<Vec3d>& targets,
                                                 Progress& progress) const {
@@ -162,6 +168,7 @@ Polyline GeodesicSolver::through(const std::vector<Vec3d>& points, bool closed, 
     closed ? to.push_back(points.front()) : from.pop_back();
     PairSurface surface = pairSurface(*this);
     surface.paths = PairSurface::Paths::Straightened;
+    surface.skipOffSurface = false;
     surface.nameOf = [&points](std::size_t leg, bool target) {
         return fmt::format("point {}", (leg + target) % points.size());
     };

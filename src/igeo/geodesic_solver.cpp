@@ -144,7 +144,7 @@ private:
     void makeBand(const std::vector<Ball>& region);
     void snapPoints();
     bool anyTooFar() const;
-    void requireNearPoints() const;
+    void requireNearPoints();
     void makeMetric();
     void requireFree(const SurfacePoint& p, const std::string& what) const;
     void addCurvesAndRegions();
@@ -245,11 +245,14 @@ bool Query::anyTooFar() const {
            std::any_of(targets_.begin(), targets_.end(), isFar);
 }
 
-void Query::requireNearPoints() const {
+void Query::requireNearPoints() {
     for (std::size_t k = 0; k < seeds_.size(); ++k)
         setup_.requireNear(seeds_[k], band(), points_[k].seed.position, points_[k].name);
-    for (std::size_t k = 0; k < targets_.size(); ++k)
+    for (std::size_t k = 0; k < targets_.size(); ++k) {
+        targets_[k].offSurface = setup_.options.rules.skipOffSurface && setup_.tooFar(targets_[k]);
+        if (targets_[k].offSurface) continue;
         setup_.requireNear(targets_[k], band(), limits_.targets[k], "target " + std::to_string(k));
+    }
 }
 
 void Query::requireFree(const SurfacePoint& p, const std::string& what) const {
@@ -264,7 +267,7 @@ void Query::makeMetric() {
     if (!metric_) return;
     for (std::size_t k = 0; k < seeds_.size(); ++k) requireFree(seeds_[k], points_[k].name);
     for (std::size_t k = 0; k < targets_.size(); ++k)
-        requireFree(targets_[k], "target " + std::to_string(k));
+        if (!targets_[k].offSurface) requireFree(targets_[k], "target " + std::to_string(k));
     progress_.finished("metric");
 }
 
@@ -300,7 +303,8 @@ void Query::addSamples() {
 }
 
 void Query::march(double maxDistance) {
-    const auto stopAt = limits_.stopAtTargets ? targets_ : std::vector<SurfacePoint>{};
+    auto stopAt = limits_.stopAtTargets ? targets_ : std::vector<SurfacePoint>{};
+    std::erase_if(stopAt, [](const SurfacePoint& p) { return p.offSurface; });
     if (setup_.options.scheme == Scheme::Jet) {
         JetOptions jet;
         jet.maxDistance = maxDistance;
@@ -322,7 +326,7 @@ void Query::march(double maxDistance) {
 
 bool Query::allFound() const {
     return std::all_of(targets_.begin(), targets_.end(), [&](const SurfacePoint& t) {
-        return sampleDistance(field_, t.pIndex) < kInfinity;
+        return t.offSurface || sampleDistance(field_, t.pIndex) < kInfinity;
     });
 }
 

@@ -24,6 +24,9 @@ struct QueryRules {
                           ///< SurfaceFacts::snap
     Space space = Space::World;
     double memoryLimit = kInfinity;  ///< bytes that a march of the whole surface may take
+    /// Targets and pairs with a point beyond maxSnap have no distance (NaN,
+    /// SnappedPoint::offSurface) in place of being refused.
+    bool skipOffSurface = false;
 };
 
 struct SolverOptions {
@@ -80,9 +83,14 @@ struct MarchLimits {
 /// The distance between two points, in world units.
 struct PairDistance {
     SnappedPoint source, target;
-    double distance = kInfinity;  ///< world units times weight; +infinity: no path joins them
+    /// World units times weight; +infinity: no path joins them; NaN: one is off the surface.
+    double distance = kInfinity;
     /// From source to target, of pairPaths: `distance` at each vertex is that from the source.
     Polyline path = {};
+
+    bool isSkipped() const { return source.offSurface || target.offSurface; }
+    /// "the source is off the surface", or the target; empty: neither is.
+    std::string reason() const;
 };
 
 /// The band that a solver would take.

@@ -7,6 +7,7 @@
 #include <igeo/view.h>
 
 #include <igeo/base/version.h>
+#include <igeo/io/annotation_file.h>
 #include <igeo/io/mesh_file.h>
 #include <igeo/io/openvdb_interrupter.h>
 #include <igeo/io/point_cloud_file.h>
@@ -23,6 +24,7 @@
 #include <igeo/results/field_grids.h>
 #include <igeo/results/isolines.h>
 #include <igeo/results/log_map.h>
+#include <igeo/results/overrun_seeds.h>
 #include <igeo/results/picture.h>
 #include <igeo/results/surface_files.h>
 #include <igeo/results/view_page.h>

@@ -90,10 +90,12 @@ void addSeeds(ViewScene& scene, const Distance& distance) {
 
 void addTargets(ViewScene& scene, const Distance& distance) {
     const std::vector<double> to = distance.atTargets();
-    for (std::size_t k = 0; k < to.size(); ++k)
+    for (std::size_t k = 0; k < to.size(); ++k) {
+        if (distance.targets()[k].offSurface) continue;
         scene.targets.push_back(
             {fmt::format("target {}", k),
              distance.band().transform.worldFromIndex(distance.targets()[k].pIndex), to[k]});
+    }
 }
 
 /// The paths of a picture, index space.

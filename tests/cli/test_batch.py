@@ -162,6 +162,11 @@ class Log(TempWorkspace):
         self.assertIn("block", jobs["idle"]["warnings"][0])
         self.assertIn("job 'idle': " + jobs["idle"]["warnings"][0], said)
         self.assertEqual(jobs["plain"]["warnings"], [])
+        # How each was made, as its documents say.
+        self.assertEqual(jobs["plain"]["command"], ["--output=plain.vdb", "--sdf=torus.vdb", "--seed=1.4,0,0"])
+        self.assertEqual([i["file"] for i in jobs["plain"]["inputs"]], ["torus.vdb"])
+        self.assertEqual(jobs["idle"]["metric"]["obstacles"], ["sphere 9,9,9,1"])
+        self.assertNotIn("metric", jobs["off"])
         lines = [json.loads(line) for line in (self.folder / "log.jsonl").read_text().splitlines()]
         self.assertEqual({line["job"]: line["status"] for line in lines},
                          {"idle": "done", "off": "failed", "plain": "done"})
@@ -463,20 +468,26 @@ class Batch(TempWorkspace):
         refused("different batches", parts=(one, "other.json"))
 
     def test_matrices_in_parts(self):
-        for kind, points in (("between", {}), ("across", {"target": [[1.4, 0, 0], [0, -1, 0.4], [-1.4, 0, 0]]})):
+        across = {"target": [[1.4, 0, 0], [0, -1, 0.4], [-1.4, 0, 0]]}
+        some = {"target": [*across["target"], [9, 9, 9]], "skip-off-surface": True}
+        for kind, points in (("between", {}), ("across", across), ("some", some)):
             both = {"sdf": "torus.vdb", "sample": 7, "output": "/dev/null", **points}
             jobs = [{**both, "name": f"{kind}-{n}", "matrix": f"{kind}.{n}"} for n in ("csv", "json", "npy")]
             jobs += [{**both, "name": f"{kind}-{k}", "matrix": f"{kind}-{k}.json", "matrix-rows": f"{k}/3"}
                      for k in (1, 2, 3)]
             self.write({"version": 2, "jobs": jobs})
-            self.batch()
+            self.batch(code=UNREACHED if kind == "some" else DONE)
             self.valid("matrix.schema.json", f"{kind}-2.json")
             parts = [f"{kind}-{k}.json" for k in (3, 1, 2)]
             for ending in ("csv", "json", "npy"):
                 done = self.program("batch", "merge", "--matrix", *parts, "-o", f"joined.{ending}")
                 self.assertEqual((done.returncode, done.stderr), (DONE, ""))
-                self.assertEqual((self.folder / f"joined.{ending}").read_bytes(),
-                                 (self.folder / f"{kind}.{ending}").read_bytes())
+                joined, whole = ((self.folder / f"{name}.{ending}").read_bytes() for name in ("joined", kind))
+                if ending == "json":
+                    joined, whole = json.loads(joined), json.loads(whole)
+                    self.assertEqual(joined.pop("command"), ["batch", "merge", "--matrix", *parts, "-o", "joined.json"])
+                    self.assertIn("--sdf=torus.vdb", whole.pop("command"))
+                self.assertEqual(joined, whole)
 
         def refused(*says, parts, output="no.csv", code=UNUSABLE):
             done = self.program("batch", "merge", "--matrix", *parts, "-o", output)

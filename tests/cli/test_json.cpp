@@ -91,6 +91,76 @@ TEST_CASE("reports and paths are valid by their schemas") {
         REQUIRE_FALSE(json::parse(readBytes(desk / name), nullptr, false).is_discarded());
 }
 
+TEST_CASE("all documents of a run say alike how it was made") {
+    const TempWorkspace desk;
+    desk.make("in.vdb", "two-spheres --grid-class unknown");  // with a warning
+    writeBytes(desk / "pairs.csv", "1.2,0,0,0.9,0.3,0\n1.2,0,0,9,9,9\n");
+    const Result result = desk.run(
+        "--sdf in.vdb --seed 1.2,0,0 --target 0.7,0,0.5 --target 9,9,9 --pairs pairs.csv -q "
+        "--obstacle-sphere 3,0,0,1 --skip-off-surface --threads 1 --paths p.json --isolines i.json "
+        "--matrix m.json --pairs-out q.json --report r.json");
+    INFO(result.err);
+    REQUIRE(result.exitCode == 4);
+    const std::vector<std::pair<std::string, std::string>> documents{
+        {"report", "r"}, {"geodesics", "p"}, {"isolines", "i"}, {"matrix", "m"}, {"pairs", "q"}};
+    const json report = json::parse(readBytes(desk / "r.json"));
+    CHECK(report["command"][1] == "in.vdb");
+    for (const json& word : report["command"]) CHECK((word != "--threads" && word != "-q"));
+    for (const auto& [schema, name] : documents) {
+        INFO(schema);
+        requireValid(desk, schema + ".schema.json", name + ".json");
+        const json document = json::parse(readBytes(desk / (name + ".json")));
+        for (const char* same : {"command", "versions", "inputs", "metric", "warnings"})
+            CHECK(document[same] == report[same]);
+        for (const char* part : {"surface", "parameters"})
+            for (const auto& [member, value] : document[part].items())
+                CHECK(report[part][member] == value);
+        CHECK(document["parameters"]["skipOffSurface"] == true);
+    }
+    // What was skipped keeps its place.
+    const json target = report["targets"][1],
+               pair = json::parse(readBytes(desk / "q.json"))["pairs"][1],
+               matrix = json::parse(readBytes(desk / "m.json"));
+    CHECK(target["status"] == "off surface");
+    CHECK((target["distance"].is_null() && target["target"]["position"].is_null()));
+    CHECK(target["target"]["asked"] == json({9.0, 9.0, 9.0}));
+    CHECK(matrix["targets"][1] == target["target"]);
+    CHECK((matrix["distance"][0][0].is_number() && matrix["distance"][0][1].is_null()));
+    CHECK((pair["distance"].is_null() && pair["target"]["reason"] == "off the surface"));
+}
+
+TEST_CASE("targets and pairs off the surface: rows with a reason, a warning, exit code 4") {
+    const TempWorkspace desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.1");
+    writeBytes(desk / "t.csv", "1,0,0\n9,9,9\n0,1,0\n0,0,5\n5,0,0\n0,5,0\n");
+    writeBytes(desk / "p.csv", "1,0,0,0,1,0\n9,9,9,0,1,0\n");
+    const std::string base = "--sdf in.vdb --seed 0,0,1 --targets t.csv --matrix -";
+    CHECK(desk.run(base).exitCode == 2);
+    const Result matrix = desk.run(base + " --skip-off-surface");
+    CHECK(matrix.exitCode == 4);
+    CHECK_THAT(matrix.err, contains("4 of 6 targets are off the surface"));
+    CHECK_THAT(matrix.err, contains("target 1 (9,9,9) is 14.59"));
+    CHECK(matrix.err.find("target 5") == std::string::npos);
+    const auto rows = lines(matrix.out);
+    REQUIRE(rows.size() == 7);
+    CHECK(rows[0] == "target,x,y,z,distance_0,reason");
+    CHECK_THAT(rows[1], Catch::Matchers::StartsWith("0,1,") && Catch::Matchers::EndsWith(","));
+    CHECK_THAT(rows[2], Catch::Matchers::StartsWith("1,,,,,14.59"));
+    CHECK_THAT(rows[2], Catch::Matchers::EndsWith(" from the surface"));
+    const Result pairs = desk.run("--sdf in.vdb --pairs p.csv --skip-off-surface");
+    CHECK(pairs.exitCode == 4);
+    CHECK_THAT(pairs.out, contains("sourceSnap,targetSnap,reason\n0,1.5"));
+    CHECK_THAT(pairs.out, contains("\n1,,,,the source is off the surface\n"));
+    // Rows that are good have the same bits.
+    writeBytes(desk / "t.csv", "1,0,0\n0,1,0\n");
+    const auto plain = lines(desk.run(base + " -q").out);
+    CHECK(rows[1] == plain[1] + ",");
+    CHECK(rows[3].substr(1) == plain[2].substr(1) + ",");
+    const Result idle = desk.run("--sdf in.vdb --seed 0,0,1 --skip-off-surface");
+    CHECK(idle.exitCode == 2);
+    CHECK_THAT(idle.err, contains("--skip-off-surface has no effect without"));
+}
+
 TEST_CASE("the schemas refuse what does not belong") {
     const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.1");

@@ -165,7 +165,7 @@ TEST_CASE("matrixJson: world units, null where there is no way") {
     m.targets[2].point.position = {11.5, 20, 30};
     m.distance = {0, kInfinity, 1.0 / 3};
     m.asymmetry = 0.25;
-    const json j = parse(matrixJson(run.report, 0.5, m));
+    const json j = parse(matrixJson(run.report, run.field, m));
     CHECK(j["type"] == "matrix");
     CHECK(j["surface"]["grid"] == "psi");
     REQUIRE(j["seeds"].size() == 1);
@@ -179,7 +179,7 @@ TEST_CASE("matrixJson: world units, null where there is no way") {
 
     m.firstRow = 4;
     m.asymmetry = std::nan("");
-    const json part = parse(matrixJson(run.report, 0.5, m));
+    const json part = parse(matrixJson(run.report, run.field, m));
     CHECK(part["rows"] == json({{"first", 4}, {"count", 1}}));
     CHECK(part["distance"] == j["distance"]);
     CHECK(part["asymmetry"].is_null());

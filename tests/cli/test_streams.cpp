@@ -3,6 +3,8 @@
 
 #include <filesystem>
 
+#include <nlohmann/json.hpp>
+
 #include "program.h"
 #include "vdb_files.h"
 
@@ -71,7 +73,13 @@ TEST_CASE("stdout can be the VDB, the report or the paths, and then holds nothin
         requireDone(desk, base + "-o out.vdb --paths out.json");
         const Result result = desk.run(base + "-o out.vdb --paths -");
         REQUIRE(result.exitCode == 0);
-        CHECK(result.out == readBytes(desk / "out.json"));
+        // The command lines alone differ.
+        const auto otherThanCommand = [](const std::string& text) {
+            auto document = nlohmann::json::parse(text);
+            CHECK(document.erase("command") == 1);
+            return document.dump();
+        };
+        CHECK((otherThanCommand(result.out) == otherThanCommand(readBytes(desk / "out.json"))));
     }
 }
 

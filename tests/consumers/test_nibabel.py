@@ -94,10 +94,30 @@ class Meshes(InFolder):
         first = self.per_vertex("B64GZ.surf.gii")
         self.assertEqual(first.shape, (len(POINTS),))
         self.assertLess(np.abs(first - exact).max(), 0.0025)  # measured 0.0016
+        self.check_quadrangles()
         for name in ("B64BIN.surf.gii", "lh.pial", "a.gii.gz"):
             np.testing.assert_array_equal(self.per_vertex(name), first, name)
         # Text has seven digits.
         np.testing.assert_allclose(self.per_vertex("ASCII.surf.gii"), first, atol=1e-5)
+
+    def check_quadrangles(self):
+        """A box of FreeSurfer's older files, as nibabel reads it."""
+        def int24(values):
+            return b"".join(int(v).to_bytes(3, "big") for v in np.ravel(values))
+
+        corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 2) for x in (0, 3)])
+        quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+        head, faces = int24([8, 6]), int24(quads)
+        (self.folder / "lh.new").write_bytes(b"\xff\xff\xfd" + head + corners.astype(">f4").tobytes() + faces)
+        (self.folder / "lh.old").write_bytes(b"\xff\xff\xff" + head + (100 * corners).astype(">i2").tobytes() + faces)
+        for name in ("lh.new", "lh.old"):
+            np.testing.assert_array_equal(freesurfer.read_geometry(self.path(name))[0], corners)
+            geodesic(self.path(name), "--seed", "vertex:0", "--resolution", "60", "-q", "--per-vertex",
+                     self.path("q.csv"), "--target", "vertex:7", "--straighten", "--report", self.path("r.json"))
+            rows = np.loadtxt(self.path("q.csv"), delimiter=",", skiprows=1)
+            np.testing.assert_allclose(rows[[1, 2, 4], 1], [3, 2, 1], rtol=1e-12)  # measured 0
+            length = json.loads((self.folder / "r.json").read_text())["targets"][0]["length"]
+            self.assertAlmostEqual(length, 18**0.5, delta=1e-6)
 
     def test_masks_and_weights_per_vertex(self):
         write_gifti_surface(self.path("a.surf.gii"))
@@ -127,6 +147,61 @@ class Meshes(InFolder):
         # All vertices of a label are one seed.
         seen = self.per_vertex("a.surf.gii", "--seed-mask", self.path("lh.wall.label"))
         self.assertTrue((seen[wall] == 0).all())
+
+
+class Regions(InFolder):
+    """FreeSurfer's annotations: groups of seeds, masks and obstacles."""
+
+    def setUp(self):
+        super().setUp()
+        write_gifti_surface(self.path("a.surf.gii"))
+        # Three caps about axes, one region without a vertex, and vertices in none.
+        self.names = ["nowhere", "top", "front", "side"]
+        self.labels = np.full(len(POINTS), -1)
+        for number, axis in ((1, 2), (2, 1), (3, 0)):
+            self.labels[POINTS[:, axis] > 0.9] = number
+        colors = np.array([[1, 2, 3, 0, 0], [250, 0, 0, 0, 0], [0, 250, 7, 0, 0], [9, 0, 250, 0, 0]])
+        freesurfer.write_annot(self.path("lh.caps.annot"), self.labels, colors, self.names, fill_ctab=True)
+        labels, _, names = freesurfer.read_annot(self.path("lh.caps.annot"))
+        np.testing.assert_array_equal(labels, self.labels)
+        self.assertEqual([n.decode() for n in names], self.names)
+
+    def test_each_region_is_a_seed(self):
+        mesh = ("--mesh", self.path("a.surf.gii"), "--resolution", "60")
+        geodesic(*mesh, "--seeds", self.path("lh.caps.annot"), "--per-seed", "--per-vertex", self.path("d.npy"), "-q")
+        seen = np.load(self.path("d.npy"))
+        self.assertEqual(seen.shape, (len(POINTS), 3))
+        groups = {"groups": {n: np.flatnonzero(self.labels == k).tolist() for k, n in enumerate(self.names) if k}}
+        (self.folder / "g.json").write_text(json.dumps(groups))
+        geodesic(*mesh, "--seeds", self.path("g.json"), "--per-seed", "--per-vertex", self.path("e.npy"), "-q")
+        np.testing.assert_array_equal(seen, np.load(self.path("e.npy")))
+        matrix = self.matrix(*mesh, "--seeds", self.path("lh.caps.annot"))
+        nearest = [min(np.arccos(np.clip(POINTS[self.labels == i] @ POINTS[self.labels == j].T, -1, 1)).ravel())
+                   for i, j in ((1, 2), (1, 3), (2, 3))]
+        np.testing.assert_allclose(matrix[[0, 0, 1], [1, 2, 2]], nearest, rtol=0.00054)  # measured 0.00036
+        self.assertEqual(geodesic(*mesh, "--seeds", self.path("lh.caps.annot"), "--per-vertex", "-", "--per-seed",
+                                  "-q").stdout.split()[0],
+                         "vertex,distance,label,distance_top,distance_front,distance_side")
+
+    def test_a_region_is_a_mask(self):
+        region = self.path("lh.caps.annot") + ":side"
+        seen = self.per_vertex("a.surf.gii", "--obstacle", region)
+        self.assertTrue(np.isinf(seen[self.labels == 3]).all())
+        self.assertTrue(np.isfinite(seen[POINTS[:, 0] < 0.8]).all())
+        self.assertTrue((self.per_vertex("a.surf.gii", "--seed-mask", region)[self.labels == 3] == 0).all())
+
+    def test_refusals(self):
+        mesh = ("--mesh", self.path("a.surf.gii"), "--seed", "vertex:5", "-o", self.path("o.vdb"))
+        for given, code, says in ((":sode", 2, "did you mean 'side'"), ("", 2, "none is named")):
+            refused = geodesic(*mesh, "--obstacle", self.path("lh.caps.annot") + given, code=code)
+            self.assertIn(says, refused.stderr)
+            self.assertIn("top, front, side", refused.stderr)
+        freesurfer.write_annot(self.path("small.annot"), self.labels[:100] * 0 + 1, np.array([[1, 2, 3, 0, 0]] * 2)
+                               + [[0] * 5, [9, 0, 0, 0, 0]], ["a", "b"], fill_ctab=True)
+        for option in ("--seeds", "--obstacle"):
+            given = self.path("small.annot") + ("" if option == "--seeds" else ":b")
+            self.assertIn("is for 100 vertices, and the mesh has 2562",
+                          geodesic(*mesh, option, given, code=3).stderr)
 
 
 class Volumes(InFolder):
@@ -177,6 +252,15 @@ class Volumes(InFolder):
                 self.check("b.nii.gz", middle, radius, 0.0093, "--iso", repr(100 - radius))
                 nib.save(nib.Nifti1Pair((100 - distance).astype(">f4"), affine), self.path("c.img"))
                 self.check("c.hdr", middle, radius, 0.0093, "--iso", repr(100 - radius))
+                if name == "sheared":
+                    continue  # MGH has no shears
+                for ending, kind in (("mgh", np.float32), ("mgz", np.int16)):
+                    nib.save(nib.MGHImage((100 * (100 - distance)).astype(kind), affine), self.path("d." + ending))
+                    with open(self.path("d." + ending), "rb") as file:
+                        read = nib.MGHImage.from_stream(gzip.open(file) if ending == "mgz" else file)
+                        np.testing.assert_allclose(read.affine, affine, atol=1e-5)
+                    self.check("d." + ending, middle, radius, 0.01, "--iso",
+                               repr(100 * (100 - radius)))  # measured 0.67 %
 
     def test_mask(self):
         distance, middle = self.world(np.eye(4))
@@ -194,10 +278,16 @@ class Volumes(InFolder):
         nib.save(nib.Nifti1Image(ramp, np.eye(4)), self.path("ramp.nii.gz"))
         bytes_ = (self.folder / "ramp.nii.gz").read_bytes()
         (self.folder / "cut.nii.gz").write_bytes(bytes_[: len(bytes_) // 2])
-        for name, says in (("times.nii.gz", "holds 2 volumes"), ("nan.nii", "is nan"), ("cut.nii.gz", "cut off"),
+        nib.save(nib.MGHImage(np.stack([ramp, ramp], 3).astype(np.float32), np.eye(4)), self.path("times.mgz"))
+        nib.save(nib.MGHImage(np.where(ramp == 3, np.nan, ramp).astype(np.float32), np.eye(4)), self.path("nan.mgh"))
+        nib.save(nib.MGHImage(ramp.astype(np.float32), np.eye(4)), self.path("ramp.mgz"))
+        bytes_ = (self.folder / "ramp.mgz").read_bytes()
+        (self.folder / "cut.mgz").write_bytes(bytes_[: len(bytes_) // 2])
+        for name, says in (("times.mgz", "holds 2 volumes"), ("nan.mgh", "is nan"), ("cut.mgz", "cut off"),
+                           ("times.nii.gz", "holds 2 volumes"), ("nan.nii", "is nan"), ("cut.nii.gz", "cut off"),
                            ("ramp.nii.gz", "--iso")):
             options = [] if name == "ramp.nii.gz" else ["--iso", "2.5"]
-            refused = geodesic("--volume", self.path(name), *options, "--seed", "0,0,0", code=3)
+            refused = geodesic("--volume", self.path(name), *options, "--seed", "0,0,0", "-o", self.path("o.vdb"), code=3)
             self.assertIn(says, refused.stderr)
             self.assertIn(name, refused.stderr)
 

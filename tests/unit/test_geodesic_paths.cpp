@@ -76,6 +76,28 @@ TEST_CASE("pairPaths: pairs that nothing joins have no path") {
     CHECK(solver.through({{0, 0, 0.5}, {2, 0, 0.5}}).status == PathStatus::Unreachable);
 }
 
+TEST_CASE("pairs: those with a point off the surface are skipped where that is asked for") {
+    QueryRules rules;
+    rules.skipOffSurface = true;
+    const GeodesicSolver solver = onBox().with(rules);
+    const Vec3d far{9, 9, 9}, a{1, 1, 1}, b{2, 1.5, 0.5}, c{1, 1, 0};
+    const auto pairs = solver.pairPaths({a, a, far, b}, {b, far, a, c}),
+               good = solver.pairPaths({a, b}, {b, c});
+    REQUIRE(pairs.size() == 4);
+    CHECK(pairs[0].distance == good[0].distance);
+    CHECK(pairs[3].distance == good[1].distance);
+    CHECK(pairs[0].path.points == good[0].path.points);
+    CHECK(!pairs[0].isSkipped());
+    CHECK((pairs[1].isSkipped() && std::isnan(pairs[1].distance)));
+    CHECK(pairs[1].path.status == PathStatus::OffSurface);
+    CHECK(pairs[1].reason() == "the target is off the surface");
+    CHECK(pairs[2].reason() == "the source is off the surface");
+    CHECK(solver.pairs({far}, {a})[0].isSkipped());
+    expectError(Error::Kind::InvalidArgument, {"the target of pair 0 (9,9,9)"},
+                [&] { solver.with({}).pairs({a}, {far}); });
+    expectError(Error::Kind::InvalidArgument, {"point 1"}, [&] { solver.through({a, far}); });
+}
+
 TEST_CASE("through: legs are geodesics, and turn at the points only") {
     const GeodesicSolver solver = onBox();
     const std::vector<Vec3d> points{{1, 1, 1}, {2, 1.5, 0.5}, {1, 1, 0}, {0.2, 2, 0}};

@@ -215,6 +215,8 @@ void Batch::runJob(const igeo::Surface& surface, SharedSolver& solver, std::size
         const RunOutcome ended = runOn(solver.prepared(surface, job.options, stages), job.options,
                                        console, stages, plan_.inputDigests);
         outcome.exitCode = ended.exitCode, outcome.warnings = ended.warnings;
+        outcome.provenance = ended.provenance;
+        outcome.provenance.erase("warnings");
         for (const std::string& file : outputFiles(job.options))
             outcome.outputs[file] = igeo::digestOfFile(file);
     } catch (...) {

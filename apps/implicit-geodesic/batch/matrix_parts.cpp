@@ -3,6 +3,8 @@
 #include <igeo/results/distance_matrix.h>
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
 #include "file_ending.h"
 #include "json_file.h"
@@ -26,6 +28,13 @@ std::vector<igeo::MatrixPlace> placesOf(const Json& list) {
             entry.at("points").get_to(place.points);
         } else {
             const Json& p = entry.at("position");
+            place.point.offSurface = p.is_null();
+            if (p.is_null()) {
+                const Json& off = entry.at("snapDistance");
+                place.point.distance = off.is_null() ? igeo::kInfinity : off.get<double>();
+                places.push_back(place);
+                continue;
+            }
             place.point.position = {p.at(0).get<double>(), p.at(1).get<double>(),
                                     p.at(2).get<double>()};
         }
@@ -63,8 +72,9 @@ MatrixPart readPart(const std::string& file) {
 
 /// All but the rows is the same in all parts: the surface, the points, the program.
 void requireSameMatrix(const MatrixPart& a, const MatrixPart& b) {
+    static const std::set<std::string> kOwn{"rows", "distance", "warnings", "command", "versions"};
     for (const auto& [member, value] : a.document.items())
-        if (member != "rows" && member != "distance" && member != "warnings" &&
+        if (kOwn.count(member) == 0 &&
             (!b.document.contains(member) || b.document[member] != value))
             inputError(a.file + " and " + b.file + " differ in '" + member +
                            "': they are parts of different matrices",
@@ -93,6 +103,15 @@ void requireAllRows(const std::vector<MatrixPart>& parts) {
     if (next < rows) missing(rows);
 }
 
+/// The words that join the parts.
+std::vector<std::string> commandOf(const std::vector<std::string>& files,
+                                   const std::string& output) {
+    std::vector<std::string> words{"batch", "merge", "--matrix"};
+    words.insert(words.end(), files.begin(), files.end());
+    words.insert(words.end(), {"-o", output});
+    return words;
+}
+
 }  // namespace
 
 std::string joinedMatrix(const std::vector<std::string>& files, const std::string& output) {
@@ -114,14 +133,21 @@ std::string joinedMatrix(const std::vector<std::string>& files, const std::strin
         for (const Json& row : part.document["distance"]) {
             if (row.size() != matrix.targets.size())
                 inputError(part.file + " lacks columns", "write it again");
-            for (const Json& d : row)
-                matrix.distance.push_back(d.is_null() ? igeo::kInfinity : d.get<double>());
+            for (const Json& d : row) {
+                const bool skipped =
+                    matrix.targets[matrix.distance.size() % row.size()].point.offSurface;
+                const double none = skipped ? std::nan("") : igeo::kInfinity;
+                matrix.distance.push_back(d.is_null() ? none : d.get<double>());
+            }
         }
+    matrix.withReasons =
+        whole.contains("parameters") && whole["parameters"].value("skipOffSurface", false);
     if (whole["asymmetry"].is_null()) igeo::makeSymmetric(matrix);
     if (ending == ".csv") return igeo::matrixCsv(matrix);
     if (ending == ".npy") return igeo::matrixNpy(matrix);
 
     whole.erase("rows");
+    whole["command"] = commandOf(files, output);
     whole["distance"] = Json::array();
     for (std::size_t s = 0; s < matrix.seeds.size(); ++s) {
         Json row = Json::array();

@@ -39,6 +39,7 @@ std::vector<BatchJob> parsedJobs(const std::vector<ManifestJob>& jobs) {
         igeo::naming(job.quoted(), [&] {
             parsed.back().options = parseJob(job.arguments);
             keepWhatMatters(parsed.back());
+            parsed.back().options.words = parsed.back().arguments;
         });
     }
     return parsed;

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <tuple>
 
@@ -40,6 +41,10 @@ std::vector<std::string> Summary::namesOf(const char* status) const {
 
 namespace {
 
+/// What a job's record takes of provenanceJson, beside the warnings.
+constexpr std::array kProvenance{"command", "versions",   "inputs",
+                                 "surface", "parameters", "metric"};
+
 Json recordJson(const JobRecord& job) {
     Json j = {{"index", job.index}, {"name", job.name}, {"status", job.status()}};
     if (!job.exitCode) return j;
@@ -48,6 +53,7 @@ Json recordJson(const JobRecord& job) {
     j["warnings"] = job.warnings;
     j["digest"] = job.digest;
     j["outputs"] = job.outputs;
+    j.update(job.provenance);
     return j;
 }
 
@@ -64,6 +70,8 @@ JobRecord recordOf(const Json& j) {
     j.at("warnings").get_to(job.warnings);
     j.at("digest").get_to(job.digest);
     j.at("outputs").get_to(job.outputs);
+    for (const char* member : kProvenance)
+        if (j.contains(member)) job.provenance[member] = j[member];
     return job;
 }
 

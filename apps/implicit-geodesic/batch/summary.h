@@ -10,6 +10,7 @@
 #include "batch/part.h"
 #include "console.h"
 #include "failure.h"
+#include "json_file.h"
 
 struct JobRecord {
     std::size_t index = 0;  ///< in the manifest
@@ -19,6 +20,7 @@ struct JobRecord {
     std::vector<std::string> warnings;           ///< of the run
     std::string digest;                          ///< of the program, the options and all inputs
     std::map<std::string, std::string> outputs;  ///< of each file its digest
+    Json provenance = Json::object();            ///< of the run, if it is done: provenanceJson
 
     void fail(const Failure& failure) {
         exitCode = failure.exitCode, what = failure.what, remedy = failure.remedy;

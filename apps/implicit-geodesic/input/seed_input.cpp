@@ -24,6 +24,8 @@ void addPointsAndGroups(const SeedOptions& o, const igeo::Surface& surface, Seed
     igeo::AskedSeeds more;
     if (!o.seedFile.empty())
         more = guardedRead(o.seedFile, [&] { return igeo::readSeeds(o.seedFile); });
+    if (more.vertices > 0 && surface.vertices())
+        requireVertices(o.seedFile, more.vertices, surface.vertices()->size());
     asked.insert(asked.end(), more.points.begin(), more.points.end());
     in.seeds.points = placed(asked, o, surface);
     in.names.resize(in.seeds.points.size());

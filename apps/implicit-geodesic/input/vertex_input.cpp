@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/base/detail/numbers.h>
 #include <igeo/base/error.h>
+#include <igeo/io/annotation_file.h>
 #include <igeo/io/vdb_read.h>
 #include <igeo/io/vertex_data_file.h>
 #include <igeo/metric/vertex_weights.h>
@@ -11,6 +12,7 @@
 #include <cmath>
 
 #include "input/guarded_read.h"
+#include "options/reader.h"
 
 namespace {
 
@@ -23,9 +25,12 @@ const igeo::TriangleMesh& meshOf(const igeo::Surface& surface, const std::string
                       "give the surface by --mesh, or the values as a grid in a .vdb file");
 }
 
+std::size_t verticesOf(const igeo::TriangleMesh& mesh) {
+    return mesh.source ? mesh.source->vertices.size() : mesh.points.size();
+}
+
 std::vector<double> valuesOf(const std::string& file, const igeo::TriangleMesh& mesh) {
-    const std::size_t count = mesh.source ? mesh.source->vertices.size() : mesh.points.size();
-    return guardedRead(file, [&] { return igeo::readVertexData(file, count); });
+    return guardedRead(file, [&] { return igeo::readVertexData(file, verticesOf(mesh)); });
 }
 
 std::vector<bool> blockedVertices(const igeo::GridSource& source,
@@ -48,10 +53,45 @@ std::vector<bool> blockedVertices(const igeo::GridSource& source,
     return blocked;
 }
 
+/// The vertices of the region that is named.
+std::vector<bool> regionVertices(const igeo::GridSource& source, const igeo::TriangleMesh& mesh) {
+    const igeo::Annotation annotation =
+        guardedRead(source.file, [&] { return igeo::readAnnotation(source.file); });
+    requireVertices(source.file, annotation.vertices, verticesOf(mesh));
+    std::vector<bool> inside(annotation.vertices);
+    std::vector<std::string> names;
+    for (const igeo::VertexRegion& region : annotation.regions) {
+        names.push_back(region.name);
+        if (region.name == source.grid)
+            for (const std::size_t v : region.vertices) inside[v] = true;
+    }
+    if (std::find(names.begin(), names.end(), source.grid) == names.end())
+        throw igeo::Error(Kind::InvalidArgument,
+                          source.grid.empty()
+                              ? "'" + source.file + "' holds regions, and none is named"
+                              : "'" + source.file + "' has no region '" + source.grid + "'" +
+                                    didYouMean(source.grid, names),
+                          "write FILE.annot:REGION; it has " + commaList(names));
+    return inside;
+}
+
 }  // namespace
+
+void requireVertices(const std::string& file, std::size_t count, std::size_t ofMesh) {
+    if (count == ofMesh) return;
+    throw igeo::Error(
+        Kind::BadInput,
+        fmt::format("'{}' is for {} vertices, and the mesh has {}", file, count, ofMesh),
+        "give a file that belongs to this mesh");
+}
 
 std::vector<std::string> addObstacle(const igeo::GridSource& source, const igeo::Surface& surface,
                                      igeo::ObstacleSet& obstacles) {
+    if (igeo::isAnnotationFile(source.file)) {
+        const igeo::TriangleMesh& mesh = meshOf(surface, source.file);
+        obstacles.addVertices(mesh, regionVertices(source, mesh));
+        return {};
+    }
     if (igeo::isVertexDataFile(source.file)) {
         const igeo::TriangleMesh& mesh = meshOf(surface, source.file);
         obstacles.addVertices(mesh, blockedVertices(source, valuesOf(source.file, mesh)));

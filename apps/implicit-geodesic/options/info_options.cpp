@@ -9,12 +9,13 @@ Command infoCommand(InfoOptions& o) {
         .about =
             "What a file holds, whether it is usable as a surface, and what a run on it would "
             "take",
-        .arguments = {{.names = {"FILE"},
-                       .value = "[:GRID]",
-                       .text = "A volume and a grid of it, a mesh, points or voxels: .vdb .obj "
-                               ".ply .stl .off .gltf .glb .gii .mz3 .xyz .csv .txt .pwn .nii .nrrd",
-                       .reads = parsed(o.source, igeo::parseGridSource),
-                       .required = true}},
+        .arguments =
+            {{.names = {"FILE"},
+              .value = "[:GRID]",
+              .text = "A volume and a grid of it, a mesh, points or voxels: .vdb .obj "
+                      ".ply .stl .off .gltf .glb .gii .mz3 .xyz .csv .txt .pwn .nii .mgz .nrrd",
+              .reads = parsed(o.source, igeo::parseGridSource),
+              .required = true}},
         .exitCodes = {{0, "usable"},
                       {1, "failed"},
                       {2, "wrong usage"},

@@ -1,5 +1,7 @@
 #include "options/process_options.h"
 
+#include <algorithm>
+
 #include "options/command.h"
 
 namespace {
@@ -26,4 +28,20 @@ void addProcessOptions(Command& command, ProcessOptions& o) {
                  {.names = {"-v", "--verbose"},
                   .text = "Print what was found and how long it took",
                   .reads = flag(o.verbose)}});
+}
+
+std::vector<std::string> withoutProcessOptions(const std::vector<std::string>& words) {
+    std::vector<std::string> kept;
+    bool isValue = false;
+    for (const std::string& word : words) {
+        // One dash or two, as readCommandLine takes them.
+        const std::size_t dashes = std::min<std::size_t>(word.find_first_not_of('-'), 3);
+        const std::string all = dashes == 1 || dashes == 2 ? word.substr(dashes) : "",
+                          name = all.substr(0, all.find('='));
+        const bool isFlag = name == "q" || name == "quiet" || name == "v" || name == "verbose";
+        const bool takesValue = name == "threads" || name == "progress";
+        if (!isValue && !isFlag && !takesValue) kept.push_back(word);
+        isValue = takesValue && name == all;
+    }
+    return kept;
 }

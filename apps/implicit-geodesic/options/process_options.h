@@ -1,6 +1,9 @@
 /// How the process runs.
 #pragma once
 
+#include <string>
+#include <vector>
+
 struct Command;
 
 enum class ProgressWhen { Auto, Always, Never };
@@ -12,3 +15,6 @@ struct ProcessOptions {
 };
 
 void addProcessOptions(Command& command, ProcessOptions& options);
+
+/// The words of a command line without those of these options, which change no result.
+std::vector<std::string> withoutProcessOptions(const std::vector<std::string>& words);

@@ -34,7 +34,8 @@ std::vector<Option> seedOptions(SeedOptions& o) {
             {.names = {"--seeds"},
              .value = "FILE",
              .text = "Seeds from a .json or .csv file: x,y,z and, if given, a start distance; "
-                     "numbers of vertices; or in .json groups of them, each one seed",
+                     "numbers of vertices; or in .json groups of them, each one seed, as regions "
+                     "of a .annot file are",
              .reads = text(o.seedFile)},
             {.names = {"--seed-curve"},
              .value = "FILE",
@@ -69,6 +70,10 @@ std::vector<Option> targetOptions(SeedOptions& o) {
              .text = "How far a seed or target may be from the surface, world units [the "
                      "half-width of the level set; mesh and points: 3 voxels]",
              .reads = numberFromZero(o.snap)},
+            {.names = {"--skip-off-surface"},
+             .text = "Targets and pairs farther from the surface than --snap have no distance and "
+                     "a reason in tables, in place of ending the run",
+             .reads = flag(o.skipOffSurface)},
             {.names = {"--sample"},
              .value = "K",
              .text = "Add so many seeds, each as far from all others as can be",

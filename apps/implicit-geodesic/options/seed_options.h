@@ -35,9 +35,10 @@ struct SeedOptions {
     std::optional<double> snap;  ///< world units; none: the narrow band
     int sample = 0;              ///< further seeds, as far from all others as can be
     bool stopAtTargets = false;
-    double maxDistance = 0;   ///< world units times weight; 0: none
-    std::string pairs;        ///< file of pairs
-    std::vector<Shot> shots;  ///< of --shoot
+    bool skipOffSurface = false;  ///< of targets and pairs those off the surface
+    double maxDistance = 0;       ///< world units times weight; 0: none
+    std::string pairs;            ///< file of pairs
+    std::vector<Shot> shots;      ///< of --shoot
     std::vector<Via> vias;
 
     /// Seeds that are more than points.

@@ -57,10 +57,10 @@ void addSurfaceArgument(Command& command, SurfaceOptions& o) {
         {.names = {"FILE"},
          .value = "[:GRID]",
          .text = "The surface, as --sdf, --mesh, --points or --volume by its ending: .vdb; .obj "
-                 ".ply .stl .off .gltf .glb .gii .mz3; .xyz .csv .txt .pwn; .nii .nrrd",
+                 ".ply .stl .off .gltf .glb .gii .mz3; .xyz .csv .txt .pwn; .nii .mgz .nrrd",
          .reads = {.read = read},
          .excludes = {"--sdf", "--mesh", "--points", "--volume"},
-         .brief = "the surface: .vdb, a mesh, points, .nii, .nrrd"});
+         .brief = "the surface: .vdb, a mesh, points, .nii, .mgz, .nrrd"});
 }
 
 void addVoxelSizeOptions(Command& command, double& voxelSize, int& resolution) {
@@ -99,8 +99,8 @@ void addSurfaceOptions(Command& command, SurfaceOptions& o) {
           .excludes = {"--sdf", "--mesh"}},
          {.names = {"--volume"},
           .value = "FILE",
-          .text = "Instead: where a volume of voxels has the value --iso; .nii .nii.gz .hdr .nrrd "
-                  ".nhdr",
+          .text = "Instead: where a volume of voxels has the value --iso; .nii .nii.gz .hdr .mgz "
+                  ".mgh .nrrd .nhdr",
           .reads = file(o, SurfaceKind::VoxelVolume),
           .excludes = {"--sdf", "--mesh", "--points"}}});
     addVoxelSizeOptions(command, o.voxelSize, o.resolution);

@@ -2,8 +2,10 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/text.h>
+#include <igeo/results/overrun_seeds.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "exit_code.h"
 #include "output/output_files.h"
@@ -24,10 +26,10 @@ int tellTargets(const RunReport& report, const igeo::Distance& distance, const C
     for (std::size_t k = 0; k < d.size(); ++k) {
         if (d[k] < igeo::kInfinity)
             least = std::min(least, d[k]), most = std::max(most, d[k]);
-        else if (unreached++ == 0)
+        else if (!std::isnan(d[k]) && unreached++ == 0)
             first = k;
     }
-    if (unreached < d.size())
+    if (least < igeo::kInfinity)
         console.info(
             fmt::format("{} targets: distances from {:.6g} to {:.6g}", d.size(), least, most));
     if (unreached > 0)
@@ -42,7 +44,8 @@ int tellTargets(const RunReport& report, const igeo::Distance& distance, const C
     if (stalled > 0)
         console.warning(
             fmt::format("no descent to a seed was found from {} of {} targets", stalled, d.size()));
-    return unreached > 0 || stalled > 0 ? kUnreached : kDone;
+    const bool skipped = std::any_of(d.begin(), d.end(), [](double x) { return std::isnan(x); });
+    return unreached > 0 || stalled > 0 || skipped ? kUnreached : kDone;
 }
 
 int tellPaths(const RunReport& report, const igeo::Distance& distance, const Console& console) {
@@ -61,6 +64,7 @@ int tellPaths(const RunReport& report, const igeo::Distance& distance, const Con
             continue;
         }
         code = kUnreached;
+        if (p.status == igeo::PathStatus::OffSurface) continue;  // warnOfSkippedPoints
         console.warning(fmt::format(
             "target {} is {}: {}", k, igeo::toString(p.status),
             p.status == igeo::PathStatus::Stalled ? "no descent from the target to a seed was found"
@@ -103,13 +107,13 @@ int tellVias(const RunReport& report, const Console& console) {
 
 int tellPairs(const RunReport& report, const Console& console) {
     if (report.pairs.empty()) return kDone;
-    console.info(std::to_string(report.pairs.size()) + " pairs solved");
-    const auto lost =
-        std::count_if(report.pairs.begin(), report.pairs.end(),
-                      [](const igeo::PairDistance& p) { return !(p.distance < igeo::kInfinity); });
-    if (lost == 0) return kDone;
-    console.warning(fmt::format("no path on the surface joins the points of {} pairs", lost));
-    return kUnreached;
+    std::size_t skipped = 0, lost = 0;
+    for (const igeo::PairDistance& p : report.pairs)
+        p.isSkipped() ? ++skipped : lost += !(p.distance < igeo::kInfinity);
+    console.info(std::to_string(report.pairs.size() - skipped) + " pairs solved");
+    if (lost > 0)
+        console.warning(fmt::format("no path on the surface joins the points of {} pairs", lost));
+    return lost + skipped > 0 ? kUnreached : kDone;
 }
 
 }  // namespace
@@ -148,36 +152,8 @@ void describe(const igeo::Distance& distance, const Console& console) {
 }
 
 void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
-    constexpr double kLate = 0.01;  // voxels
-    const std::shared_ptr<const igeo::Field> marched = distance.marched();
-    const igeo::Field& field = *marched;
-    const igeo::Band& band = distance.band();
-    struct Source {
-        std::size_t segments = 0, lost = 0;
-        double start = 0, arrival = 0;  ///< of the first that is lost
-    };
-    std::vector<Source> sources(field.sourceCount());
-    for (std::size_t k = 0; k < field.seeds.size(); ++k) {
-        const igeo::SurfacePoint& s = field.seeds[k];
-        Source& source = sources[field.source[k]];
-        ++source.segments;
-        if (!(s.start > field.leastStart)) continue;
-        const double d = igeo::arrivalAt(field, s.pIndex, Vec3d(band.normal[s.node])).distance;
-        if (d < s.start - kLate && source.lost++ == 0) source.start = s.start, source.arrival = d;
-    }
-    for (std::size_t k = 0; k < sources.size(); ++k) {
-        const Source& s = sources[k];
-        if (s.lost == 0) continue;
-        const std::string part =
-            s.segments > 1 ? fmt::format("{} of {} segments of ", s.lost, s.segments) : "";
-        const std::string name = k < report.sources.size() && !report.sources[k].empty()
-                                     ? report.sources[k]
-                                     : "seed " + std::to_string(k);
-        report.warnings.push_back(
-            fmt::format("{}{}: the front of another seed comes at {:.6g}, before the start at "
-                        "{:.6g}, so it has no effect there",
-                        part, name, s.arrival * band.transform.dx, s.start * band.transform.dx));
-    }
+    for (const std::string& w : igeo::overrunWarnings(*distance.marched(), report.sources))
+        report.warnings.push_back(w);
 }
 
 void warnOfLongPaths(double dx, RunReport& report) {
@@ -209,6 +185,41 @@ void warnOfRoundedBends(RunReport& report) {
                 "degrees; smaller voxels, or the mesh itself, show such edges",
                 k, bends, bends == 1 ? "" : "s", bends == 1 ? "it" : "them",
                 bends == 1 ? "it" : "them"));
+}
+
+namespace {
+
+/// "3 of 500 targets are off the surface and have no distance: target 4 (0,0,9) is 8 from the
+/// surface, ..."
+std::string skippedWarning(const char* what, std::size_t all, const std::vector<std::string>& few,
+                           std::size_t skipped) {
+    std::string list;
+    for (const std::string& one : few) list += (list.empty() ? "" : "; ") + one;
+    return fmt::format("{} of {} {} are off the surface and have no distance: {}{}", skipped, all,
+                       what, list, skipped > few.size() ? "; ..." : "");
+}
+
+}  // namespace
+
+void warnOfSkippedPoints(const igeo::Distance& distance, RunReport& report) {
+    constexpr std::size_t kNamed = 3;
+    std::vector<std::string> few;
+    std::size_t skipped = 0;
+    const std::vector<igeo::SurfacePoint>& targets = distance.targets();
+    for (std::size_t k = 0; k < targets.size(); ++k) {
+        if (!targets[k].offSurface || skipped++ >= kNamed) continue;
+        const igeo::SnappedPoint p = inWorld(targets[k], distance.band().transform);
+        few.push_back(
+            fmt::format("target {} ({}) is {}", k, textOf(p.asked, 9), igeo::skippedReason(p)));
+    }
+    if (skipped > 0)
+        report.warnings.push_back(skippedWarning("targets", targets.size(), few, skipped));
+    few.clear(), skipped = 0;
+    for (std::size_t k = 0; k < report.pairs.size(); ++k)
+        if (report.pairs[k].isSkipped() && skipped++ < kNamed)
+            few.push_back(fmt::format("of pair {} {}", k, report.pairs[k].reason()));
+    if (skipped > 0)
+        report.warnings.push_back(skippedWarning("pairs", report.pairs.size(), few, skipped));
 }
 
 void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report) {

@@ -29,6 +29,10 @@ void warnOfLongPaths(double dx, RunReport& report);
 void warnOfRoundedBends(RunReport& report);
 
 /// Adds a warning where the obstacles block nothing of the surface.
+/// Adds a warning of targets and pairs that were skipped as they are off the surface: how many, and
+/// the first of them.
+void warnOfSkippedPoints(const igeo::Distance& distance, RunReport& report);
+
 void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report);
 
 /// How many components --join-gaps has joined; a warning if none.

@@ -17,14 +17,26 @@ json orNull(const std::string& digest) {
 }
 
 json pointJson(const SnappedPoint& p) {
-    return {
-        {"asked", triple(p.asked)}, {"position", triple(p.position)}, {"snapDistance", p.distance}};
+    json j = {{"asked", triple(p.asked)},
+              {"position", p.offSurface ? json(nullptr) : triple(p.position)},
+              {"snapDistance", finiteOrNull(p.distance)}};
+    if (p.offSurface) j["reason"] = skippedReason(p);
+    return j;
 }
 
 /// With the k-th of the points as they were given.
 SnappedPoint asGiven(SnappedPoint p, const std::vector<Vec3d>& given, std::size_t k) {
     if (k < given.size()) p.asked = given[k];
     return p;
+}
+
+/// @param given  the points that come first, as they were given
+json placesJson(const std::vector<MatrixPlace>& places, const std::vector<Vec3d>& given) {
+    json all = json::array();
+    for (const MatrixPlace& p : places)
+        all.push_back(p.isGroup() ? json{{"group", p.name}, {"points", p.points}}
+                                  : pointJson(asGiven(p.point, given, all.size())));
+    return all;
 }
 
 json seedJson(const RunReport& r, const SnappedPoint& p, std::size_t index, double start) {
@@ -63,20 +75,17 @@ json seedsJson(const RunReport& r, const Field& field) {
     return all;
 }
 
-/// What every document of a run begins with.
-json header(const char* type, const RunReport& r, int schema = 2) {
-    json j = ::header(type, schema);
-    j["inputs"] = json::array();
-    for (const auto& [file, digest] : r.inputs)
-        j["inputs"].push_back({{"file", file}, {"digest", orNull(digest)}});
-    j["warnings"] = r.warnings;
+json versionsJson() {
+    json j = json::object();
+    std::istringstream versions(versionText());  // "OpenVDB 10.0.1, file format 224"
+    for (std::string line; std::getline(versions, line);)
+        j[line.substr(0, line.find(' '))] = line.substr(line.find(' ') + 1);
     return j;
 }
 
 json surfaceJson(const RunReport& r, double dx) {
     return {{"file", r.surface.file}, {"grid", r.surface.name}, {"voxelSize", dx}};
 }
-json surfaceJson(const RunReport& r, const Band& band) { return surfaceJson(r, band.transform.dx); }
 
 const char* nameOf(SurfaceFacts::Kind kind) {
     switch (kind) {
@@ -93,18 +102,31 @@ const char* nameOf(SurfaceFacts::Kind kind) {
 json parametersJson(const RunReport& r, const Field& field) {
     const Band& band = *field.band;
     const double dx = band.transform.dx;
-    return {{"scheme", field.scheme}, {"band", band.h * dx},
-            {"bandVoxels", band.h},   {"startRadius", field.startRadius * dx},
-            {"snap", r.snap},         {"maxDistance", finiteOrNull(r.maxDistance)}};
+    return {{"scheme", field.scheme},
+            {"band", band.h * dx},
+            {"bandVoxels", band.h},
+            {"startRadius", field.startRadius * dx},
+            {"snap", r.snap},
+            {"skipOffSurface", r.skipOffSurface},
+            {"maxDistance", finiteOrNull(r.maxDistance)}};
 }
 
 json metricJson(const RunReport& r, const Field& field) {
     const Metric& metric = *field.metric;
+    // Without seeds no metric is made on a band of the whole surface.
+    const bool known = field.band->size() > 0 || (r.weights.empty() && r.obstacles.empty());
     return {{"weights", r.weights},
             {"obstacles", r.obstacles},
-            {"least", metric.least()},
-            {"largest", metric.largest()},
-            {"blocked", metric.insideCount()}};
+            {"least", known ? json(metric.least()) : json(nullptr)},
+            {"largest", known ? json(metric.largest()) : json(nullptr)},
+            {"blocked", known ? json(metric.insideCount()) : json(nullptr)}};
+}
+
+/// What every document of a run begins with.
+json document(const char* type, const RunReport& r, const Field& field, int schema = 2) {
+    json j = header(type, schema);
+    j.update(provenanceJson(r, field));
+    return j;
 }
 
 json triples(const std::vector<Vec3d>& vectors) {
@@ -170,12 +192,19 @@ json walkJson(const Polyline& walk) {
 
 }  // namespace
 
-std::string geodesicsJson(const RunReport& r, const Field& field) {
-    const Band& band = *field.band;
-    json j = header("geodesics", r, 3);
-    j["surface"] = surfaceJson(r, band);
+json provenanceJson(const RunReport& r, const Field& field) {
+    json j = {{"command", r.command}, {"versions", versionsJson()}, {"inputs", json::array()}};
+    for (const auto& [file, digest] : r.inputs)
+        j["inputs"].push_back({{"file", file}, {"digest", orNull(digest)}});
+    j["warnings"] = r.warnings;
+    j["surface"] = surfaceJson(r, field.band->transform.dx);
     j["parameters"] = parametersJson(r, field);
     j["metric"] = metricJson(r, field);
+    return j;
+}
+
+std::string geodesicsJson(const RunReport& r, const Field& field) {
+    json j = document("geodesics", r, field, 3);
     j["paths"] = json::array();
     for (std::size_t k = 0; k < r.paths.size(); ++k)
         j["paths"].push_back(pathJson(r, r.paths[k], k));
@@ -189,9 +218,8 @@ std::string geodesicsJson(const RunReport& r, const Field& field) {
     return dump(j, -1);
 }
 
-std::string pairsJson(const RunReport& r, const Band& band) {
-    json j = header("pairs", r);
-    j["surface"] = surfaceJson(r, band);
+std::string pairsJson(const RunReport& r, const Field& field) {
+    json j = document("pairs", r, field);
     j["pairs"] = json::array();
     for (const PairDistance& p : r.pairs)
         j["pairs"].push_back({{"source", pointJson(p.source)},
@@ -204,9 +232,7 @@ std::string isolinesJson(const RunReport& r, const Field& field,
                          const std::vector<Isoline>& lines) {
     const Band& band = *field.band;
     const double dx = band.transform.dx;
-    json j = header("isolines", r, 3);
-    j["surface"] = surfaceJson(r, band);
-    j["parameters"] = parametersJson(r, field);
+    json j = document("isolines", r, field, 3);
     j["isolines"] = json::array();
     for (const Isoline& line : lines) {
         std::vector<Vec3d> points, normals;
@@ -225,13 +251,7 @@ std::string isolinesJson(const RunReport& r, const Field& field,
 std::string reportJson(const RunReport& r, const Field& field) {
     const Band& band = *field.band;
     const double dx = band.transform.dx;
-    json j = header("report", r);
-    j["command"] = r.command;
-    j["versions"] = json::object();
-    std::istringstream versions(versionText());  // "OpenVDB 10.0.1, file format 224"
-    for (std::string line; std::getline(versions, line);)
-        j["versions"][line.substr(0, line.find(' '))] = line.substr(line.find(' ') + 1);
-    j["surface"] = surfaceJson(r, band);
+    json j = document("report", r, field);
     const SurfaceFacts& s = r.surface;
     j["surface"]["kind"] = nameOf(s.kind);
     j["surface"]["closed"] = s.mesh ? json(s.mesh->closed) : json(nullptr);
@@ -240,10 +260,8 @@ std::string reportJson(const RunReport& r, const Field& field) {
     j["surface"]["activeVoxels"] = s.activeVoxels ? json(s.activeVoxels) : json(nullptr);
     j["surface"]["halfWidthVoxels"] = s.halfWidth > 0 ? s.halfWidth : band.h;
     j["surface"]["largestCurvature"] = finiteOrNull(s.largestCurvature / dx);
-    j["parameters"] = parametersJson(r, field);
     j["parameters"]["bandBoundsVoxels"] = {r.width.lower, r.width.upper};
     j["parameters"]["threads"] = r.threads;
-    j["metric"] = metricJson(r, field);
     j["band"] = {
         {"nodes", band.size()}, {"leaves", band.leaves.size()}, {"bytes", band.memUsage()}};
     j["unresolved"] = unresolvedJson(r.unresolved);
@@ -275,15 +293,10 @@ std::string reportJson(const RunReport& r, const Field& field) {
     return dump(j, 2);
 }
 
-std::string matrixJson(const RunReport& r, double dx, const DistanceMatrix& m) {
-    json j = header("matrix", r);
-    j["surface"] = surfaceJson(r, dx);
-    for (const auto& [name, places] : {std::pair("seeds", &m.seeds), {"targets", &m.targets}}) {
-        j[name] = json::array();
-        for (const MatrixPlace& p : *places)
-            j[name].push_back(p.isGroup() ? json{{"group", p.name}, {"points", p.points}}
-                                          : pointJson(p.point));
-    }
+std::string matrixJson(const RunReport& r, const Field& field, const DistanceMatrix& m) {
+    json j = document("matrix", r, field);
+    j["seeds"] = placesJson(m.seeds, r.askedSeeds);
+    j["targets"] = placesJson(m.targets, r.askedTargets.empty() ? r.askedSeeds : r.askedTargets);
     if (m.rows() < m.seeds.size() || std::isnan(m.asymmetry))
         j["rows"] = {{"first", m.firstRow}, {"count", m.rows()}};
     j["distance"] = json::array();
@@ -296,10 +309,17 @@ std::string matrixJson(const RunReport& r, double dx, const DistanceMatrix& m) {
     return dump(j, -1);
 }
 
-std::string pairsCsv(const std::vector<PairDistance>& pairs) {
-    std::string all = "pair,distance,sourceSnap,targetSnap\n";
-    for (std::size_t k = 0; k < pairs.size(); ++k)
-        all += fmt::format("{},{:.17g},{:.17g},{:.17g}\n", k, pairs[k].distance,
-                           pairs[k].source.distance, pairs[k].target.distance);
+std::string pairsCsv(const RunReport& r) {
+    const char* const noReason = r.skipOffSurface ? "," : "";
+    std::string all = "pair,distance,sourceSnap,targetSnap";
+    all += r.skipOffSurface ? ",reason\n" : "\n";
+    for (std::size_t k = 0; k < r.pairs.size(); ++k) {
+        const PairDistance& p = r.pairs[k];
+        if (p.isSkipped())
+            all += fmt::format("{},,,,{}\n", k, p.reason());
+        else
+            all += fmt::format("{},{:.17g},{:.17g},{:.17g}{}\n", k, p.distance, p.source.distance,
+                               p.target.distance, noReason);
+    }
     return all;
 }

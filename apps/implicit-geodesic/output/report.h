@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "json_file.h"
+
 namespace igeo {
 struct FileSurvey;
 }
@@ -28,7 +30,8 @@ struct ViaCurve {
 
 /// What a run was asked to do, what it found and what it cost.
 struct RunReport {
-    std::vector<std::string> command;                         ///< words after the program's name
+    /// Words after the program's name, without those of ProcessOptions, which change no result.
+    std::vector<std::string> command;
     std::vector<std::pair<std::string, std::string>> inputs;  ///< file, digest (digestOfFile)
     /// Points as they were given, digit by digit; empty in index space.
     std::vector<igeo::Vec3d> askedSeeds, askedTargets;
@@ -36,6 +39,7 @@ struct RunReport {
     igeo::BandWidth width;
     double snap = 0;                       ///< how far a point may be from the surface, world units
     double maxDistance = igeo::kInfinity;  ///< limit asked for, world units
+    bool skipOffSurface = false;           ///< targets and pairs beyond `snap` were skipped
     std::vector<std::string> weights;      ///< what the metric is made of, a word each
     std::vector<std::string> obstacles;
     int threads = 1;
@@ -53,6 +57,10 @@ struct RunReport {
     std::vector<std::string> warnings;
 };
 
+/// What every document of a run and the summary of a batch say of how it was made: `command`,
+/// `versions`, `inputs`, `surface`, `parameters`, `metric` and `warnings`.
+Json provenanceJson(const RunReport& report, const igeo::Field& field);
+
 /// docs/geodesics.schema.json. A field without seeds has walks only.
 std::string geodesicsJson(const RunReport& report, const igeo::Field& field);
 
@@ -63,15 +71,18 @@ std::string isolinesJson(const RunReport& report, const igeo::Field& field,
 /// docs/report.schema.json.
 std::string reportJson(const RunReport& report, const igeo::Field& field);
 
-/// docs/matrix.schema.json. Of the report, it takes the names of the surface.
-/// @param dx  voxel size
-std::string matrixJson(const RunReport& report, double dx, const igeo::DistanceMatrix& matrix);
+/// docs/matrix.schema.json.
+/// @param field  any of the band that the matrix is measured on
+std::string matrixJson(const RunReport& report, const igeo::Field& field,
+                       const igeo::DistanceMatrix& matrix);
 
 /// docs/info.schema.json.
 std::string surveyJson(const igeo::FileSurvey& file);
 
 /// docs/pairs.schema.json.
-std::string pairsJson(const RunReport& report, const igeo::Band& band);
+std::string pairsJson(const RunReport& report, const igeo::Field& field);
 /// Comma-separated: a first line `pair,distance,sourceSnap,targetSnap`, then a line per pair; `inf`
-/// where no path joins them. Reading the numbers gives the same doubles.
-std::string pairsCsv(const std::vector<igeo::PairDistance>& pairs);
+/// where no path joins them. Reading the numbers gives the same doubles. With
+/// RunReport::skipOffSurface a last column `reason` follows; a pair that was skipped has that
+/// alone.
+std::string pairsCsv(const RunReport& report);

@@ -101,6 +101,8 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& o) {
          "--straighten", "--target, --targets, --via, or --pairs with --paths"},
         {o.pathStep > 0, !o.paths.empty(), "--path-step", "--paths"},
         {o.pathOffset.has_value(), !o.paths.empty(), "--path-offset", "--paths"},
+        {o.skipOffSurface, o.hasTargets() || !o.pairs.empty(), "--skip-off-surface",
+         "--target, --targets or --pairs"},
         {o.stopAtTargets, o.hasTargets(), "--stop-at-targets", "--target or --targets"},
         {o.maxDistance > 0, o.hasSeeds(), "--max-distance", "a seed"},
         {o.levels > 0, lines, "--levels", "--isolines, --image, --view or --grids engraved"},

@@ -125,15 +125,16 @@ void writeMatrix(RunResult& r, const std::string& file) {
                                   rows->end(count), r.progress)
              : igeo::distances(r.band(), metric, seeds, targets, r.progress);
     nameGroups(r.input.seeds, targets.empty(), matrix);
+    matrix.withReasons = r.options.skipOffSurface;
     const std::string ending = endingOf(file);
-    writeDocument(file, ending == ".json"  ? matrixJson(r.report, r.band().transform.dx, matrix)
+    writeDocument(file, ending == ".json"  ? matrixJson(r.report, r.field(), matrix)
                         : ending == ".npy" ? igeo::matrixNpy(matrix)
                                            : igeo::matrixCsv(matrix));
 }
 
 void writePairs(RunResult& r, const std::string& file) {
-    writeDocument(
-        file, endingOf(file) == ".json" ? pairsJson(r.report, r.band()) : pairsCsv(r.report.pairs));
+    writeDocument(file,
+                  endingOf(file) == ".json" ? pairsJson(r.report, r.field()) : pairsCsv(r.report));
 }
 
 /// A picture as asked for, but for its size.

@@ -10,22 +10,26 @@ Positions and lengths are in world units: those of the file or the arrays. Dista
 times weight, where there is a weight.
 """
 
-from ._arguments import Box, Sphere
+from ._arguments import Bending, Box, CurvatureWeight, SlopeWeight, Sphere
 from ._errors import Error, FileError, InputError, SurfaceWarning
 from ._igeo import __version__, color_maps
 from ._threads import threads
-from .distance import Distance, Isoline, Mesh
+from .distance import Distance, Isoline, LogMap, Mesh
 from .solver import Solver
 from .surface import Surface
 
 __all__ = [
+    "Bending",
     "Box",
+    "CurvatureWeight",
     "Distance",
     "Error",
     "FileError",
     "InputError",
     "Isoline",
+    "LogMap",
     "Mesh",
+    "SlopeWeight",
     "Solver",
     "Sphere",
     "Surface",

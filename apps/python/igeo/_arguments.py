@@ -34,6 +34,41 @@ class Box(NamedTuple):
     high: ArrayLike
 
 
+class CurvatureWeight(NamedTuple):
+    """A cost from curvature: eps + |c|^p, cheap where it is least.
+
+    kind: "valley" (c is the mean curvature above its least), "crest" (the same of its negative),
+        "mean", "gaussian", or "principal" (the larger principal curvature). eps, p: above 0.
+        Curvatures are those per 10 voxels.
+    """
+
+    kind: str
+    eps: float = 100.0
+    p: float = 3.0
+
+
+class SlopeWeight(NamedTuple):
+    """The cost of slopes, for terrain: 1 + (tan a / tan max)^power where the surface is inclined by
+    the angle a, and an obstacle where it is steeper than max.
+
+    max: degrees, above 0 and below 90. up: "x", "y" or "z". power: above 0.
+    """
+
+    max: float
+    up: str = "z"
+    power: float = 2.0
+
+
+class Bending(NamedTuple):
+    """A cost by direction: paths that bend with the surface are expensive ("avoid") or cheap ("prefer").
+
+    length: world units, a bend of that radius costs sqrt(2); None: 10 voxels.
+    """
+
+    kind: str
+    length: Optional[float] = None
+
+
 def array(value: Any, name: str) -> NDArray[Any]:
     """Of any type, but not of lists of several lengths."""
     try:

@@ -36,6 +36,35 @@ class Mesh(NamedTuple):
     normals: NDArray[np.float32]  # (n, 3), unit
 
 
+class LogMap:
+    """The logarithmic map: where points lie as the nearest seed sees them, (u, v) in its tangent plane.
+
+    Its length is the distance, its direction that in which the geodesic leaves the seed.
+    """
+
+    def __init__(self, made: _igeo.LogMap, surface: Surface) -> None:
+        self._made = made
+        self.surface = surface
+
+    @cached_property
+    def on_vertices(self) -> NDArray[np.float32]:
+        """(n, 2), under the numbers of the mesh; NaN where not reached, at seeds' own vertices 0."""
+        return self.at(np.arange(len(self.surface.vertices)))
+
+    def at(self, points: ArrayLike, *, progress: Progress = None) -> NDArray[np.float32]:
+        """(n, 2), at the points of the surface nearest to points (n, 3), or at vertices; world units times
+        weight, NaN where not reached.
+
+        Raises InputError for a point farther from the surface than Solver.snap.
+        """
+        return self._made.at(self.surface._positions(points, "points"), progress)
+
+    @property
+    def axes(self) -> Floats:
+        """(k, 2, 3): of each seed the unit vectors along u and v, with u x v its normal."""
+        return self._made.axes
+
+
 def _picture(color_map: str, spacing: Optional[float], up: ArrayLike) -> _igeo.Picture:
     options = _igeo.Picture()
     options.color_map = arguments.one_of(color_map, "color_map", _igeo.color_maps)
@@ -121,6 +150,16 @@ class Distance:
             if status not in ("reached", "unreachable"):
                 raise Error(f"the path of target {k} is {status}", "use smaller voxels, or move the target")
         return [points for _, points in found]
+
+    def log_map(self, reference: Optional[ArrayLike] = None, *, progress: Progress = None) -> LogMap:
+        """The logarithmic map about the seeds, each point about the seed it is nearest to.
+
+        reference: (3,), u is its part along the surface at each seed; None: the coordinate axis least
+        along the normal. Raises InputError for the scheme "godunov", for tensors, and for seeds that
+        are curves, regions or groups.
+        """
+        along = None if reference is None else arguments.vector(reference, "reference")
+        return LogMap(self._made.log_map(along, progress), self.surface)
 
     def isolines(self, levels: Any, *, progress: Progress = None) -> list[Isoline]:
         """Lines of equal distance, by rising level.

@@ -12,10 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arguments as arguments
 from . import _igeo
-from ._arguments import Box, Floats, OfPoints, Path, Progress, Sphere
-from ._errors import InputError, warn
+from ._arguments import Bending, Box, CurvatureWeight, Floats, OfPoints, Path, Progress, SlopeWeight, Sphere
+from ._errors import Error, InputError, warn
 from .distance import Distance
 from .surface import _SCHEMES, Surface
+
+_CURVATURES = ("valley", "crest", "mean", "gaussian", "principal")
 
 # An array per vertex, a function of foot points, or FILE[:GRID] of a .vdb file.
 Cost = Union[ArrayLike, OfPoints, Path]
@@ -81,6 +83,26 @@ class _MetricReader:
             found = arguments.tensors(value, "tensor", count, "vertex")
             self.metric.tensor_by_vertex(found, self._progress)
 
+    def weight_curvature(self, value: Union[CurvatureWeight, str]) -> None:
+        given = CurvatureWeight(value) if isinstance(value, str) else CurvatureWeight(*value)
+        kind = arguments.one_of(given.kind, "weight_curvature", _CURVATURES)
+        self.metric.weight_by_curvature(
+            kind, arguments.number(given.eps, "weight_curvature.eps"), arguments.number(given.p, "weight_curvature.p")
+        )
+
+    def weight_slope(self, value: Union[SlopeWeight, float]) -> None:
+        given = SlopeWeight(*value) if isinstance(value, tuple) else SlopeWeight(value)
+        up = np.eye(3)["xyz".index(arguments.one_of(given.up, "weight_slope.up", ("x", "y", "z")))]
+        steepest = arguments.number(given.max, "weight_slope.max")
+        if steepest >= 90:
+            raise InputError(f"weight_slope.max is {steepest:g} degrees; allowed are degrees below 90")
+        self.metric.weight_by_slope(up, math.radians(steepest), arguments.number(given.power, "weight_slope.power"))
+
+    def metric_curvature(self, value: Union[Bending, str]) -> None:
+        given = Bending(value) if isinstance(value, str) else Bending(*value)
+        kind = arguments.one_of(given.kind, "metric_curvature", ("avoid", "prefer"))
+        self.metric.tensor_by_curvature(kind, arguments.above_zero_or_none(given.length, "metric_curvature.length"))
+
     def obstacle(self, value: Any, name: str) -> None:
         if isinstance(value, Sphere):
             center = arguments.vector(value.center, f"{name}.center")
@@ -118,6 +140,10 @@ class Solver:
         weight: Optional[Cost] = None,
         tensor: Optional[Cost] = None,
         obstacles: Any = None,
+        weight_curvature: Union[CurvatureWeight, str, None] = None,
+        weight_slope: Union[SlopeWeight, float, None] = None,
+        metric_curvature: Union[Bending, str, None] = None,
+        curvature_scale: Optional[float] = None,
         scheme: str = "jet",
         order: int = 2,
         band: Optional[float] = None,
@@ -133,6 +159,11 @@ class Solver:
             as `weight` with (n, 3, 3). Instead of or beside a weight.
         obstacles: what no path may enter. A Sphere, a Box, bool of shape (n_vertices,) of a mesh, a
             function of points (n, 3) that returns bool (n,), "FILE.vdb:GRID", or a list of these.
+        weight_curvature: a CurvatureWeight, or its kind: "valley", "crest", "mean", "gaussian",
+            "principal". All weights multiply.
+        weight_slope: a SlopeWeight, or the steepest slope in degrees above z; steeper is an obstacle.
+        metric_curvature: a Bending, "avoid" or "prefer": costs by direction, instead of a tensor.
+        curvature_scale: radius over which curvature is averaged, 1 to 16 voxels; None: 2.
         scheme: "jet", second order, or "godunov" of `order` 1 or 2, Fast Marching in the band.
         band: half the thickness of the band, world units; None: the best one.
         snap: how far points may be from the surface, world units; None: Surface.snap.
@@ -155,15 +186,38 @@ class Solver:
             progress,
         )
         self._made = plain
-        if weight is not None or tensor is not None or obstacles is not None:
-            self._made = self._with_metric(plain, weight, tensor, obstacles, progress)
+        curved = {
+            "weight_curvature": weight_curvature,
+            "weight_slope": weight_slope,
+            "metric_curvature": metric_curvature,
+        }
+        self._require_curved(curved, tensor, curvature_scale)
+        curved = {name: value for name, value in curved.items() if value is not None}
+        if weight is not None or tensor is not None or obstacles is not None or curved:
+            reader = _MetricReader(plain, surface, progress)
+            if curvature_scale is not None:
+                reader.metric.curvature_scale(float(curvature_scale))
+            for name, value in curved.items():
+                getattr(reader, name)(value)
+            self._made = self._with_metric(reader, weight, tensor, obstacles, progress)
         self._warned: set[str] = set()
         self._has_obstacles = obstacles is not None
 
+    @staticmethod
+    def _require_curved(curved: Mapping[str, Any], tensor: Any, scale: Optional[float]) -> None:
+        """Of costs from curvature: that they act, and not on another."""
+        if curved["metric_curvature"] is not None and tensor is not None:
+            raise InputError("metric_curvature is given beside tensor", "leave one out: each is a cost by direction")
+        if scale is None:
+            return
+        if curved["weight_curvature"] is None and curved["metric_curvature"] is None:
+            raise InputError("curvature_scale is given without weight_curvature or metric_curvature", "leave it out")
+        if not 1 <= arguments.number(scale, "curvature_scale") <= 16:
+            raise InputError(f"curvature_scale is {scale:g}; allowed are 1 to 16 voxels")
+
     def _with_metric(
-        self, plain: _igeo.Solver, weight: Any, tensor: Any, obstacles: Any, progress: Progress
+        self, reader: _MetricReader, weight: Any, tensor: Any, obstacles: Any, progress: Progress
     ) -> _igeo.Solver:
-        reader = _MetricReader(plain, self.surface, progress)
         if weight is not None:
             reader.weight(weight)
         if tensor is not None:
@@ -221,7 +275,8 @@ class Solver:
         seeds: points of floats, (k, 3) or (3,); vertices by number, integers of shape (k,) or one; a
             region, bool (n_vertices,); or groups of points by name, {"A": [0, 1, 2], ...}, each one
             source.
-        start: (k,), the distance at each seed, 0 or more; of points and vertices.
+        start: (k,), the distance at each seed, 0 or more; of points and vertices. SurfaceWarning where
+            the front of another seed comes first, so that a seed has no effect.
         curves: polylines (m, 3) on the surface; one whose last point is its first is closed.
         signed: negative inside a region, or on the smaller side of closed curves.
         max_distance: world units times weight; farther away the distance is infinite.
@@ -243,6 +298,8 @@ class Solver:
         ends = np.empty((0, 3)) if targets is None else self.surface._positions(targets, "targets")
         made = self._made.distance(asked, max_distance, ends, targets is not None, progress)
         self._warn(made.of_whole_surface)
+        if start is not None:
+            warn(made.overrun, 3)
         return Distance(made, self.surface)
 
     def distances(
@@ -287,6 +344,70 @@ class Solver:
         found = self._made.distance(asked, math.inf, ends, False, progress)
         self._warn(found.of_whole_surface)
         return found.matrix(progress)
+
+    def _pairs(
+        self, sources: ArrayLike, targets: ArrayLike, paths: bool, straighten: bool, skip: bool, progress: Progress
+    ) -> tuple[Floats, list[tuple[str, Floats]]]:
+        starts = self.surface._positions(sources, "sources")
+        ends = self.surface._positions(targets, "targets")
+        if len(starts) != len(ends):
+            raise InputError(f"sources has {len(starts)} points and targets {len(ends)}; allowed are as many of both")
+        return self._made.pairs(starts, ends, paths, straighten, skip, progress)
+
+    def pairs(
+        self,
+        sources: ArrayLike,
+        targets: ArrayLike,
+        *,
+        skip_off_surface: bool = False,
+        progress: Progress = None,
+    ) -> Floats:
+        """The distance from sources[k] to targets[k], (k,), world units times weight; on all cores.
+
+        sources, targets: points (k, 3) or vertices (k,), as many of both. Each pair is found on the
+        part of the surface around it, and pairs of one source share a march. Infinite where no path
+        joins them. For the scheme "jet".
+        skip_off_surface: NaN for a pair with a point farther from the surface than `snap`, which
+            raises InputError otherwise.
+        """
+        return self._pairs(sources, targets, False, False, skip_off_surface, progress)[0]
+
+    def pair_paths(
+        self,
+        sources: ArrayLike,
+        targets: ArrayLike,
+        *,
+        straighten: bool = False,
+        skip_off_surface: bool = False,
+        progress: Progress = None,
+    ) -> list[Floats]:
+        """The geodesic from sources[k] to targets[k], (n, 3) each; (0, 3) where none joins them.
+
+        straighten: relax them to locally shortest curves, free of the error of the distance. All else
+        as `pairs`.
+        """
+        found = self._pairs(sources, targets, True, straighten, skip_off_surface, progress)[1]
+        for k, (status, _) in enumerate(found):
+            if status == "stalled":
+                raise Error(f"the path of pair {k} is stalled", "use smaller voxels, or move its points")
+        return [points for _, points in found]
+
+    def via(
+        self, points: ArrayLike, *, closed: bool = False, straighten: bool = False, progress: Progress = None
+    ) -> Floats:
+        """The geodesic through points in their order, (n, 3).
+
+        points: (k, 3) or vertices (k,), k of 2 or more, of a closed curve 3. Each leg between two of
+        them is a straightened geodesic of the scheme "jet".
+        closed: a leg leads back to the first point; the last vertex repeats the first.
+        straighten: relaxed as a whole: the points in between only say how the curve goes around the
+            surface, and a closed one becomes a closed geodesic, which passes none of them.
+        Shape (0, 3) where no path joins two points that follow each other, and where a closed curve
+        contracts to a point. Raises InputError for a point farther from the surface than `snap`.
+        """
+        return self._made.via(
+            self.surface._positions(points, "points"), bool(closed), bool(straighten), progress
+        )
 
     def sample(self, count: int, seeds: Any = None, *, progress: Progress = None) -> Floats:
         """Farthest-point sampling: `count` points, (count, 3), each as far as can be from those before

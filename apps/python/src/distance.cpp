@@ -117,6 +117,55 @@ Array<double> seedPoints(const Distance& d) {
     return arrayOf(std::move(points));
 }
 
+/// The logarithmic map of a distance, and the distance.
+struct PointMap {
+    Distance distance;
+    igeo::LogMap map;
+};
+
+PointMap logMapOf(const Distance& d, const std::optional<Array<double>>& reference,
+                  const py::object& progress) {
+    igeo::Vec3d u;
+    const auto& axis = d.band().transform.axis;
+    if (reference)
+        for (int a = 0; a < 3; ++a) u[a] = dot(axis[std::size_t(a)], pointOf(*reference));
+    return inBackground(progress, [&](igeo::Progress& p) {
+        return PointMap{d, igeo::logMap(d.field(), u, p)};
+    });
+}
+
+/// Shape (n, 2), world units.
+Array<float> positionsAt(const PointMap& m, const Array<double>& points,
+                         const py::object& progress) {
+    const auto asked = pointsOf(points);
+    const Distance& d = m.distance;
+    std::vector<igeo::Vec2f> found(asked.size());
+    runInBackground(progress, [&](igeo::Progress& p) {
+        d.valuesAt(asked, p);  // refuses points off the surface
+        const igeo::Similarity& t = d.band().transform;
+        igeo::parallelFor(asked.size(), 64, p, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k)
+                found[k] =
+                    float(t.dx) *
+                    igeo::positionAt(d.field(), m.map,
+                                     d.surface().nearest(d.band(), t.indexFromWorld(asked[k])));
+        });
+    });
+    const auto n = py::ssize_t(found.size());
+    return owning<float>(std::move(found), {n, 2});
+}
+
+/// Shape (seeds, 2, 3), unit vectors of the world.
+Array<double> axesOf(const PointMap& m) {
+    const igeo::Similarity& t = m.distance.band().transform;
+    std::vector<igeo::Vec3d> axes;
+    for (const igeo::LogMap::Frame& frame : m.map.frames)
+        for (const igeo::Vec3d& v : {frame.u, frame.v})
+            axes.push_back(t.worldFromIndexDirection(v));
+    const auto n = py::ssize_t(m.map.frames.size());
+    return owning<double>(std::move(axes), {n, 2, 3});
+}
+
 /// Rows of seeds or groups, columns of targets or of the same.
 Array<double> matrixOf(const Distance& d, const py::object& progress) {
     igeo::DistanceMatrix matrix =
@@ -151,16 +200,25 @@ void bindPicture(py::module_& module) {
 void bindDistance(py::module_& module) {
     using namespace py::literals;
     bindPicture(module);
+    py::class_<PointMap>(module, "LogMap")
+        .def("at", &positionsAt, "points"_a, "progress"_a)
+        .def_property_readonly("axes", &axesOf);
     py::class_<Distance>(module, "Distance")
         .def("at_vertices", &atVertices, "progress"_a)
         .def("values_at", &valuesAt, "points"_a, "progress"_a)
         .def("paths", &paths, "targets"_a, "straighten"_a, "progress"_a)
+        .def("log_map", &logMapOf, "reference"_a, "progress"_a)
         .def("isolines", &isolinesOf, "levels"_a, "progress"_a)
         .def("picture", &picture, "options"_a, "targets"_a, "progress"_a)
         .def("page", &page, "options"_a, "targets"_a, "progress"_a)
         .def("write_grid", &writeGrid, "file"_a, "name"_a)
         .def("mesh", &meshOf, "progress"_a)
         .def("matrix", &matrixOf, "progress"_a)
+        .def_property_readonly("overrun",
+                               [](const Distance& d) {
+                                   const py::gil_scoped_release released;
+                                   return igeo::overrunWarnings(d.field());
+                               })
         .def_property_readonly("seeds", &seedPoints)
         .def_property_readonly("largest", &Distance::largest)
         .def_property_readonly("of_whole_surface", &Distance::ofWholeSurface)

@@ -1,5 +1,7 @@
 #include <igeo/metric/vertex_weights.h>
 
+#include <map>
+
 #include "arrays.h"
 #include "background.h"
 #include "bindings.h"
@@ -89,6 +91,22 @@ void addNodeObstacle(MetricBuilder& metric, const Array<bool>& blocked, const st
     metric.obstacles().addGrid({mask, name, name});
 }
 
+void setCurvatureWeight(MetricBuilder& metric, const std::string& kind, double epsilon,
+                        double power) {
+    static const std::map<std::string, igeo::CurvatureKind> kKinds{
+        {"valley", igeo::CurvatureKind::Valley},
+        {"crest", igeo::CurvatureKind::Crest},
+        {"mean", igeo::CurvatureKind::Mean},
+        {"gaussian", igeo::CurvatureKind::Gaussian},
+        {"principal", igeo::CurvatureKind::Principal}};
+    metric.definition().curvature = igeo::CurvatureWeight{kKinds.at(kind), epsilon, power};
+}
+
+void setBending(MetricBuilder& metric, const std::string& kind, double length) {
+    metric.definition().bending =
+        igeo::BendingCost{kind == "avoid" ? igeo::Bending::Avoid : igeo::Bending::Prefer, length};
+}
+
 /// Whether something is blocked on the whole surface.
 bool blocksAny(const igeo::GeodesicSolver& solver) {
     const py::gil_scoped_release released;
@@ -134,6 +152,18 @@ void bindMetric(py::module_& module) {
                 return m.definition().tensor->warnings;
             },
             "file"_a)
+        .def("weight_by_curvature", &setCurvatureWeight, "kind"_a, "eps"_a, "p"_a)
+        .def(
+            "weight_by_slope",
+            [](MetricBuilder& m, const Array<double>& up, double steepest, double power) {
+                m.definition().slope = igeo::SlopeWeight{pointOf(up), steepest, power};
+            },
+            "up"_a, "steepest"_a, "power"_a)
+        .def("tensor_by_curvature", &setBending, "kind"_a, "length"_a)
+        .def(
+            "curvature_scale",
+            [](MetricBuilder& m, double voxels) { m.definition().curvatureScale = voxels; },
+            "voxels"_a)
         .def(
             "block_sphere",
             [](MetricBuilder& m, const Array<double>& center, double radius) {

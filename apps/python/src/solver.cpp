@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 
 #include "arrays.h"
 #include "background.h"
@@ -56,26 +57,52 @@ Array<double> distances(const GeodesicSolver& solver, const std::vector<Seeds>& 
     Array<double> rows({py::ssize_t(all.size()), py::ssize_t(columns)});
     double* const first = rows.mutable_data();
     runInBackground(progress, [&](igeo::Progress& p) {
-        if (!at) {
-            auto found = solver.atVertices(all, limits, p);
-            for (std::size_t k = 0; k < all.size(); ++k) {
-                std::copy(found[k].distance.begin(), found[k].distance.end(), first + k * columns);
-                found[k].distance = {};
-            }
-            return;
-        }
         igeo::CancelOnly quiet(p);
+        std::optional<igeo::VertexReader> vertices;
+        if (!at)
+            vertices.emplace(igeo::requireMesh(solver.surface()), solver.surface().transform());
         std::atomic<std::size_t> done{0};
         igeo::parallelFor(all.size(), 1, p, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
-                const auto values = solver.distance(all[k], limits, quiet).valuesAt(points, quiet);
-                std::transform(values.begin(), values.end(), first + k * columns,
-                               [](const igeo::PointValue& v) { return v.distance; });
+                const igeo::Distance found = solver.distance(all[k], limits, quiet);
+                double* const row = first + k * columns;
+                if (vertices) {
+                    const auto values = vertices->read(found.field(), quiet).distance;
+                    std::copy(values.begin(), values.end(), row);
+                } else {
+                    const auto values = found.valuesAt(points, quiet);
+                    std::transform(values.begin(), values.end(), row,
+                                   [](const igeo::PointValue& v) { return v.distance; });
+                }
                 p.update("rows", double(++done) / double(all.size()));
             }
         });
     });
     return rows;
+}
+
+/// Distances of pairs, and their paths if those are asked for: NaN and none where a point is off
+/// the surface and such are skipped.
+py::tuple pairs(const GeodesicSolver& solver, const Array<double>& sources,
+                const Array<double>& targets, bool withPaths, bool straighten, bool skip,
+                const py::object& progress) {
+    igeo::QueryRules rules = solver.options().rules;
+    rules.skipOffSurface = skip;
+    const auto from = pointsOf(sources), to = pointsOf(targets);
+    std::vector<igeo::PairDistance> found = inBackground(progress, [&](igeo::Progress& p) {
+        const GeodesicSolver skipping = solver.with(rules);
+        return withPaths ? skipping.pairPaths(from, to, straighten, p)
+                         : skipping.pairs(from, to, p);
+    });
+    std::vector<double> distance;
+    py::list paths;
+    for (igeo::PairDistance& pair : found) {
+        distance.push_back(pair.distance);
+        if (withPaths)
+            paths.append(py::make_tuple(igeo::toString(pair.path.status),
+                                        arrayOf(std::move(pair.path.points))));
+    }
+    return py::make_tuple(arrayOf(std::move(distance)), paths);
 }
 
 /// Of the band of the whole surface, where that is made.
@@ -143,6 +170,19 @@ void bindSolver(py::module_& module) {
                 return arrayOf(std::move(line.points));
             },
             "start"_a, "direction"_a, "length"_a, "progress"_a)
+        .def("pairs", &pairs, "sources"_a, "targets"_a, "paths"_a, "straighten"_a, "skip"_a,
+             "progress"_a)
+        .def(
+            "via",
+            [](const GeodesicSolver& s, const Array<double>& through, bool closed, bool straighten,
+               const py::object& progress) {
+                const auto points = pointsOf(through);
+                igeo::Polyline line = inBackground(progress, [&](igeo::Progress& p) {
+                    return s.through(points, closed, straighten, p);
+                });
+                return arrayOf(std::move(line.points));
+            },
+            "points"_a, "closed"_a, "straighten"_a, "progress"_a)
         .def_property_readonly("snap", &GeodesicSolver::maxSnap)
         .def_property_readonly("band", [](const GeodesicSolver& s) { return s.bandWidth().h; })
         .def_property_readonly("warnings", &warningsOf);

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import igeo
-from conftest import sheet
+from conftest import ROOT, run_program, sheet
 
 # 1.5 times what was measured: 1.3e-3, 5.4e-7, 9.1e-5, 5.7e-3.
 WEIGHT, TENSOR, TURNED, OBSTACLE = 1.9e-3, 8.1e-7, 1.4e-4, 8.6e-3
@@ -105,3 +105,65 @@ def test_grids_of_files(flat, tmp_path):
     igeo.Solver(flat).distance([0], start=[2.0]).to_vdb(file)
     found = igeo.Solver(flat, weight=f"{file}:mesh_geodesic").distance([220]).on_vertices
     assert found[220] == 0 and found[0] > 2 * np.hypot(0.5, 0.5)
+
+
+def test_weight_by_slope_is_that_of_the_formula():
+    """A plane inclined by 20 degrees costs 1 + (tan 20 / tan 40)^3; by 50 degrees it is closed."""
+    for degrees, reached in ((20, True), (50, False)):
+        rise = np.tan(np.radians(degrees))
+        surface = igeo.Surface.from_mesh(*sheet(11, height=lambda x, y, rise=rise: rise * x), resolution=64)
+        cost = 1 + (rise / np.tan(np.radians(40))) ** 3
+        solver = igeo.Solver(surface, weight_slope=igeo.SlopeWeight(40, power=3))
+        if not reached:
+            with pytest.raises(igeo.InputError, match="inside an obstacle"):
+                solver.distance([60])
+            continue
+        exact = cost * np.linalg.norm(surface.vertices - surface.vertices[60], axis=1)
+        assert np.abs(solver.distance([60]).on_vertices - exact).max() < 1e-5
+
+
+def test_weights_are_those_of_the_program(tmp_path):
+    """Curvature, slope and bending, bit by bit; weights multiply."""
+    torus = str(ROOT / "data/torus.vdb")
+    surface = igeo.Surface.read(torus)
+    points = np.array([[0, 1.0, 0.4], [-1.0, 0, 0.4], [0, -1.1, 0.387]])
+    targets = [f"--target={x},{y},{z}" for x, y, z in points.tolist()]
+    cases = [
+        (["--weight-curvature", "valley"], {"weight_curvature": "valley"}),
+        (
+            ["--weight-curvature", "principal,eps=2,p=1", "--curvature-scale", "3"],
+            {"weight_curvature": igeo.CurvatureWeight("principal", eps=2, p=1), "curvature_scale": 3},
+        ),
+        (["--weight-slope", "up=z,max=60"], {"weight_slope": 60}),
+        (["--metric-curvature", "avoid,length=0.2"], {"metric_curvature": igeo.Bending("avoid", 0.2)}),
+        (
+            ["--metric-curvature", "prefer", "--weight-curvature", "mean"],
+            {"metric_curvature": "prefer", "weight_curvature": "mean"},
+        ),
+    ]
+    for words, options in cases:
+        run_program(torus, "--seed", "1,0,0.4", *targets, *words, "--matrix", tmp_path / "m.npy", "-o", "/dev/null")
+        found = igeo.Solver(surface, **options).distance([1.0, 0, 0.4]).at(points)
+        assert found == pytest.approx(np.load(tmp_path / "m.npy")[0], rel=1e-14), words
+
+
+def test_costs_from_curvature_are_checked():
+    surface = igeo.Surface.from_mesh(*sheet(5), resolution=32)
+    for options, message in (
+        ({"weight_curvature": "hill"}, "weight_curvature is 'hill'; allowed are 'valley'"),
+        ({"weight_curvature": igeo.CurvatureWeight("valley", eps=0)}, "weight_curvature.eps is 0"),
+        ({"weight_slope": 90}, "weight_slope.max is 90 degrees; allowed are degrees below 90"),
+        ({"weight_slope": igeo.SlopeWeight(30, up="w")}, "weight_slope.up is 'w'"),
+        ({"metric_curvature": igeo.Bending("avoid", -1)}, "metric_curvature.length is -1"),
+        ({"metric_curvature": "avoid", "tensor": np.eye(3)}, "metric_curvature is given beside tensor"),
+        ({"curvature_scale": 2}, "curvature_scale is given without weight_curvature"),
+        ({"curvature_scale": 20, "weight_curvature": "mean"}, "curvature_scale is 20; allowed are 1 to 16"),
+    ):
+        with pytest.raises(igeo.InputError, match=message):
+            igeo.Solver(surface, **options)
+
+
+def test_a_seed_that_another_front_has_overrun_is_a_warning():
+    solver = igeo.Solver(igeo.Surface.from_mesh(*sheet(11), resolution=48))
+    with pytest.warns(igeo.SurfaceWarning, match="seed 1: the front of another seed comes at 1, before the start at 5"):
+        solver.distance([0, 10], start=[0, 5])

@@ -8,6 +8,8 @@ from conftest import ball, box_mesh, grid, sheet
 
 # 1.5 times what was measured: 9.5e-5, 2.0e-3, 3.3e-3, 2.8e-4, 8.0e-4, 2.2e-3, 4.3e-5.
 SPHERE_MEAN, SPHERE_MOST, GRADIENT, TORUS, BOX, VOLUME, POINTS = 1.5e-4, 3e-3, 5e-3, 4.2e-4, 1.2e-3, 3.4e-3, 6.5e-5
+# And 2.8e-4, 4.7e-7, 2.0e-3, 1.6e-3.
+VIA, LOG_PLANE, LOG_SPHERE, PAIRS = 4.2e-4, 7.1e-7, 3e-3, 2.4e-3
 
 
 def angles(points, seed):
@@ -180,3 +182,73 @@ def test_vertices_without_faces_are_nan():
     distance = igeo.Solver(surface).distance([0])
     assert np.isnan(distance.on_vertices[-1]) and distance.labels[-1] == -1
     assert np.isnan(distance.gradient[-1]).all() and np.isfinite(distance.gradient[:-1]).all()
+
+
+def test_pairs_on_a_box_are_exact():
+    solver = igeo.Solver(igeo.Surface.from_mesh(*box_mesh(), resolution=48))
+    sources, targets = [0, 0, 1], [1, 7, 6]
+    exact = [1, np.sqrt(5), np.sqrt(5)]
+    assert np.abs(solver.pairs(sources, targets) - exact).max() < PAIRS
+    paths = solver.pair_paths(sources, targets, straighten=True)
+    for path, length, source, target in zip(paths, exact, sources, targets):
+        assert np.linalg.norm(np.diff(path, axis=0), axis=1).sum() == pytest.approx(length, abs=1e-9)
+        corners = solver.surface.vertices[[source, target]]
+        assert np.allclose(path[[0, -1]], corners, atol=1e-9)
+
+
+def test_pairs_off_the_surface(sheet_solver):
+    points, far = [[0.1, 0.1, 0.0]] * 3, [[0.4, 0.5, 0.0], [9.0, 9.0, 9.0], [0.1, 0.2, 0.0]]
+    with pytest.raises(igeo.InputError, match="the target of pair 1"):
+        sheet_solver.pairs(points, far)
+    found = sheet_solver.pairs(points, far, skip_off_surface=True)
+    assert np.isnan(found).tolist() == [False, True, False]
+    assert found[[0, 2]] == pytest.approx([0.5, 0.1], abs=1e-6)
+    assert [len(p) > 0 for p in sheet_solver.pair_paths(points, far, skip_off_surface=True)] == [True, False, True]
+    with pytest.raises(igeo.InputError, match="sources has 3 points and targets 2"):
+        sheet_solver.pairs(points, far[:2])
+
+
+def test_via_turns_at_its_points_or_not(sheet_solver):
+    points = np.array([[0.1, 0.1, 0], [0.5, 0.9, 0], [0.9, 0.1, 0]])
+    legs = np.linalg.norm(points[1] - points[0])
+    length = lambda line: np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+    assert length(sheet_solver.via(points)) == pytest.approx(2 * legs, abs=1e-9)
+    assert length(sheet_solver.via(points, closed=True)) == pytest.approx(2 * legs + 0.8, abs=1e-9)
+    assert length(sheet_solver.via(points, straighten=True)) == pytest.approx(0.8, abs=1e-9)
+    assert sheet_solver.via(points, closed=True, straighten=True).shape == (0, 3)  # contracts to a point
+    with pytest.raises(igeo.InputError, match="1 points for a curve"):
+        sheet_solver.via(points[:1])
+
+
+def test_closed_via_around_a_torus():
+    x, y, z, spacing, origin = grid(96, 1.5)
+    surface = igeo.Surface.from_level_set(np.hypot(np.hypot(x, y) - 1, z) - 0.4, spacing=spacing, origin=origin)
+    around = [[0.7, 0.1, 0.25], [-0.3, 0.6, 0.2], [-0.3, -0.6, 0.2]]
+    line = igeo.Solver(surface, snap=0.3).via(around, closed=True, straighten=True)
+    length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
+    assert length == pytest.approx(2 * np.pi * 0.6, rel=VIA) and (line[0] == line[-1]).all()
+
+
+def test_log_map_of_a_plane_and_a_sphere(sheet_solver, sphere_solver):
+    """Exact: the plane's own coordinates; on the sphere the angle from the pole, and the longitude."""
+    vertices = sheet_solver.surface.vertices
+    found = sheet_solver.distance([220]).log_map([1.0, 0, 0])
+    assert np.allclose(found.axes, [[[1, 0, 0], [0, 1, 0]]], atol=1e-9) or np.allclose(found.axes[0, 0], [1, 0, 0])
+    exact = (vertices - vertices[220]) @ found.axes[0].T
+    assert np.abs(found.on_vertices - exact).max() < LOG_PLANE
+    points = directions(300)
+    points = points[points[:, 2] > -0.8]
+    found = sphere_solver.distance([0, 0, 1.0]).log_map()
+    polar = np.arccos(points[:, 2]) / np.linalg.norm(points[:, :2], axis=1)
+    exact = (points * polar[:, None]) @ found.axes[0].T
+    assert np.linalg.norm(found.at(points) - exact, axis=1).max() < LOG_SPHERE
+
+
+def test_log_map_is_about_points(sheet_solver):
+    with pytest.raises(igeo.InputError, match="known about points"):
+        sheet_solver.distance({"A": [0, 1, 2]}).log_map()
+    with pytest.raises(igeo.InputError, match=r"reference has shape \(2,\)"):
+        sheet_solver.distance([0]).log_map([1, 0])
+    two = sheet_solver.distance([0, 440])
+    assert two.log_map().axes.shape == (2, 2, 3)
+    assert np.abs(np.linalg.norm(two.log_map().on_vertices, axis=1) - two.on_vertices).max() < 1e-6

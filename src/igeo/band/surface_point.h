@@ -21,6 +21,7 @@ struct SurfacePoint {
     Vec3d segment;
     bool joined = false;  ///< belongs to one curve or region with the seed before it in the list
     bool rim = false;     ///< of a region on which the distance does not rise (clearInside)
+    bool offSurface = false;  ///< farther from S than was allowed, and skipped: no distance
 
     /// The point of the seed that is nearest to p.
     Vec3d nearestTo(const Vec3d& p) const {
@@ -32,12 +33,13 @@ struct SurfacePoint {
 
 /// The same in the world.
 struct SnappedPoint {
-    Vec3d asked, position;  ///< as asked for; on the surface
-    double distance = 0;    ///< between them, world units
+    Vec3d asked, position;    ///< as asked for; on the surface
+    double distance = 0;      ///< between them, world units; +infinity: not known
+    bool offSurface = false;  ///< as SurfacePoint; `position` is nothing then
 };
 inline SnappedPoint inWorld(const SurfacePoint& p, const Similarity& transform) {
     return {transform.worldFromIndex(p.askedIndex), transform.worldFromIndex(p.pIndex),
-            p.snapDistance * transform.dx};
+            p.snapDistance * transform.dx, p.offSurface};
 }
 
 /// The point of S nearest to `pIndex`.

@@ -28,8 +28,8 @@ namespace {
 using Kind = Error::Kind;
 
 constexpr const char* kReadable =
-    "meshes are read from .obj, .ply, .stl, .off, .gii, .mz3, .gltf and .glb, and from triangle "
-    "files of FreeSurfer";
+    "meshes are read from .obj, .ply, .stl, .off, .gii, .mz3, .gltf and .glb, and from surfaces "
+    "of FreeSurfer";
 
 /// The reasons that the system gives, which assimp does not.
 void requireReadable(const std::string& file) {

@@ -8,7 +8,7 @@
 namespace igeo {
 
 /// Whether a file is a mesh by the ending of its name, in any case: .obj .ply .stl .off .gii .mz3
-/// .gltf .glb; or a triangle file of FreeSurfer by its first bytes.
+/// .gltf .glb; or a surface of FreeSurfer by its first bytes.
 bool isMeshFile(const std::string& file);
 
 /// Reads all surfaces of a file as one mesh: polygons are cut into triangles, the transforms of a

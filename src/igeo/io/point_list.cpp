@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/error.h>
+#include <igeo/io/annotation_file.h>
 #include <igeo/io/detail/json_depth.h>
 #include <igeo/io/detail/number_rows.h>
 #include <igeo/io/vertex_data_file.h>
@@ -253,6 +254,17 @@ AskedSeeds seedsFrom(std::istream& in, const std::string& file) {
     return seeds;
 }
 
+AskedSeeds regionsOf(const Annotation& annotation) {
+    AskedSeeds seeds;
+    seeds.vertices = annotation.vertices;
+    for (const VertexRegion& region : annotation.regions) {
+        seeds.groups.push_back({region.name, {}});
+        for (const std::size_t v : region.vertices)
+            seeds.groups.back().points.push_back(AskedPoint(std::to_string(v)));
+    }
+    return seeds;
+}
+
 }  // namespace
 
 std::vector<double> parseNumbers(const std::string& text) { return numbersIn(text); }
@@ -275,6 +287,7 @@ AskedPoint parsePoint(const std::string& text) {
 }
 
 AskedSeeds readSeeds(const std::string& file) {
+    if (isAnnotationFile(file)) return regionsOf(readAnnotation(file));
     std::ifstream in = open(file);
     return seedsFrom(in, file);
 }

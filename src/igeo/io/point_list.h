@@ -35,11 +35,12 @@ struct AskedGroup {
 struct AskedSeeds {
     std::vector<AskedPoint> points;
     std::vector<AskedGroup> groups;
+    std::size_t vertices = 0;  ///< of the surface that it is for; 0: the file does not say
 };
 
 /// Seeds from a file of points (readPoints), or groups of points from a .json file,
 /// {"groups": {"name": [...], ...}} or {"groups": [[...], ...]}, whose lists are as those of
-/// readPoints.
+/// readPoints; or the regions of a .annot file of FreeSurfer (readAnnotation), each a group.
 /// @throws Error  Io, or BadInput with the line or the group and entry
 AskedSeeds readSeeds(const std::string& file);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/error.h>
+#include <igeo/io/annotation_file.h>
 #include <igeo/io/detail/byte_reader.h>
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/gifti_reader.h>
@@ -155,6 +156,9 @@ std::vector<double> valuesFrom(const std::string& file, std::size_t count) {
     if (ending == ".csv" || ending == ".txt") return fromText(file, bytes, count);
     if (ending == ".npy") return fromNpy(file, bytes);
     if (bytes.starts_with(kMorphometry)) return fromMorphometry(file, bytes);
+    if (isAnnotationFile(file))
+        refuse(file, "holds regions and no values",
+               "give it as seeds, or name a region as an obstacle or mask: FILE.annot:REGION");
     refuse(file, "holds no values per vertex by its name",
            "give a .gii, .csv, .txt, .npy, .label or morphometry file of FreeSurfer");
 }

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/io/detail/file_bytes.h>
+#include <igeo/io/detail/mgh_reader.h>
 #include <igeo/io/detail/nifti_reader.h>
 #include <igeo/io/detail/nrrd_reader.h>
 
@@ -16,6 +17,7 @@ namespace {
 using Kind = Error::Kind;
 
 bool isNrrd(const std::string& ending) { return ending == ".nrrd" || ending == ".nhdr"; }
+bool isMgh(const std::string& ending) { return ending == ".mgh" || ending == ".mgz"; }
 
 void requireAxes(const VoxelVolume& volume) {
     double longest = 0;
@@ -47,16 +49,19 @@ void requireValues(const VoxelVolume& volume) {
 
 bool isVolumeFile(const std::string& file) {
     const std::string ending = endingBeforeGz(file);
-    return ending == ".nii" || ending == ".hdr" || ending == ".img" || isNrrd(ending);
+    return isMgh(ending) || ending == ".nii" || ending == ".hdr" || ending == ".img" ||
+           isNrrd(ending);
 }
 
 VoxelVolume readVolume(const std::string& file) {
     if (!isVolumeFile(file))
         throw Error(Kind::BadInput, "'" + file + "' is no volume by its name",
-                    "volumes are read from .nii, .nii.gz, .hdr with .img, .nrrd and .nhdr; .vdb "
-                    "files go to readLevelSetGrid");
-    VoxelVolume volume =
-        isNrrd(endingBeforeGz(file)) ? readNrrd(file, fileBytes(file)) : readNifti(file);
+                    "volumes are read from .nii, .nii.gz, .hdr with .img, .mgz, .mgh, .nrrd and "
+                    ".nhdr; .vdb files go to readLevelSetGrid");
+    const std::string ending = endingBeforeGz(file);
+    VoxelVolume volume = isNrrd(ending)  ? readNrrd(file, fileBytes(file))
+                         : isMgh(ending) ? mghFrom(file, fileBytes(file))
+                                         : readNifti(file);
     for (std::size_t a = 0; a < 3; ++a)
         if (volume.size[a] < 2)
             throw Error(Kind::BadInput,

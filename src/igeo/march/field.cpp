@@ -265,10 +265,9 @@ std::optional<Jet> Reader::whereFrontsMeet(const Chart& chart, std::uint32_t sou
         if (i == kNoNode) continue;
         if (!metric_.clear(i)) return {};
         if (band_.inCore(i)) nodes.push_back(i);
-        band_.forNeighbors(&BandLeaf::band, band_.leaf[i], band_.offset[i],
-                           [&](NodeIndex j, int, int, int) {
-                               if (band_.inCore(j) && band_.joined(i, j)) nodes.push_back(j);
-                           });
+        band_.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+            if (band_.inCore(j) && band_.joined(i, j)) nodes.push_back(j);
+        });
     }
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());

@@ -11,7 +11,8 @@ namespace igeo {
 enum class PathStatus {
     Reached,      ///< ends at a seed
     Unreachable,  ///< the target has no distance: no path in the band, or beyond an early stop
-    Stalled       ///< no lower point was found before a seed
+    Stalled,      ///< no lower point was found before a seed
+    OffSurface    ///< the target was skipped (SurfacePoint::offSurface)
 };
 const char* toString(PathStatus status);
 

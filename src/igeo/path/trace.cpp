@@ -14,6 +14,8 @@ const char* toString(PathStatus status) {
             return "reached";
         case PathStatus::Unreachable:
             return "unreachable";
+        case PathStatus::OffSurface:
+            return "off surface";
         case PathStatus::Stalled:
             break;
     }
@@ -284,6 +286,10 @@ bool Tracer::advance(State& at) const {
 Path Tracer::trace(const SurfacePoint& target) {
     Path path;
     path.target = target;
+    if (target.offSurface) {
+        path.status = PathStatus::OffSurface;
+        return path;
+    }
     sheetNormal_ = Vec3d(band_.normal[target.node]);
     const Arrival arrival = arrivalAt(field_, target.pIndex, sheetNormal_);
     path.distance = arrival.distance;

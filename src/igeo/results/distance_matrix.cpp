@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
 namespace igeo {
@@ -54,6 +55,7 @@ std::vector<MatrixPlace> placesOf(const std::vector<Group>& groups, const Simila
 
 /// From the point of the group to which the front comes first.
 double distanceTo(const Group& group, const Field& field) {
+    if (group.front().offSurface) return std::numeric_limits<double>::quiet_NaN();
     double least = kInfinity;
     for (const SurfacePoint& p : group)
         least = std::min(least, sampleDistance(field, p.pIndex, Vec3d(field.band->normal[p.node])));
@@ -77,7 +79,9 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
     // To look for many targets takes longer than to march past them.
     constexpr std::size_t kNodesPerTarget = 16, kCorners = 8;
     JetOptions options;
-    if (ends.size() * kNodesPerTarget < band.coreSize()) options.stopAt = ends;
+    if (ends.size() * kNodesPerTarget < band.coreSize())
+        std::copy_if(ends.begin(), ends.end(), std::back_inserter(options.stopAt),
+                     [](const SurfacePoint& p) { return !p.offSurface; });
     options.extend = ends.size() * kCorners > band.size();
     const JetCorePtr core = jetCore(band, metric);
     CancelOnly quiet(progress);
@@ -105,19 +109,29 @@ DistanceMatrix distances(const Band& band, const MetricPtr& metric,
     return m;
 }
 
+std::string skippedReason(const SnappedPoint& point) {
+    if (!point.offSurface) return "";
+    return point.distance < kInfinity ? fmt::format("{:.6g} from the surface", point.distance)
+                                      : "off the surface";
+}
+
 std::string matrixCsv(const DistanceMatrix& m) {
     std::string text = "target,x,y,z";
     const std::size_t endRow = m.firstRow + m.rows();
     for (std::size_t s = m.firstRow; s < endRow; ++s)
         text += "," + distanceColumn(m.seeds[s].name, s);
-    text += "\n";
+    text += m.withReasons ? ",reason\n" : "\n";
     for (std::size_t t = 0; t < m.targets.size(); ++t) {
         const MatrixPlace& target = m.targets[t];
         text += target.name.empty() ? std::to_string(t) : plainName(target.name);
+        if (target.point.offSurface) {
+            text += std::string(3 + m.rows(), ',') + "," + skippedReason(target.point) + "\n";
+            continue;
+        }
         const Vec3d& p = target.point.position;
         text += target.isGroup() ? ",nan,nan,nan" : fmt::format(",{},{},{}", p.x, p.y, p.z);
         for (std::size_t s = m.firstRow; s < endRow; ++s) text += fmt::format(",{}", m.at(s, t));
-        text += "\n";
+        text += m.withReasons ? ",\n" : "\n";
     }
     return text;
 }

@@ -22,10 +22,13 @@ struct MatrixPlace {
 struct DistanceMatrix {
     std::vector<MatrixPlace> seeds, targets;  ///< of its rows and its columns
     std::size_t firstRow = 0;                 ///< not 0 only in a part
-    std::vector<double> distance;  ///< row by row, world units times weight; +inf: no path between
+    /// Row by row, world units times weight; +inf: no path between; NaN: the target is off the
+    /// surface and was skipped.
+    std::vector<double> distance;
     /// Between seeds: the largest |d_ij - d_ji| / (their mean), what one march and the one back
     /// differ by; NaN in a part, which does not know; else 0.
     double asymmetry = 0;
+    bool withReasons = false;  ///< matrixCsv says why targets have no distances
 
     std::size_t rows() const { return targets.empty() ? 0 : distance.size() / targets.size(); }
     double at(std::size_t seed, std::size_t target) const {
@@ -47,6 +50,9 @@ DistanceMatrix distances(const Band& band, const MetricPtr& metric,
                          const std::vector<SurfacePoint>& targets = {},
                          Progress& progress = Progress::none());
 
+/// Why a point has no distance: "0.53 from the surface"; empty: it is on it.
+std::string skippedReason(const SnappedPoint& point);
+
 /// A part of the same: the rows from `firstRow` to before `endRow`, one way, also where there are
 /// no targets. The parts one after another are the whole; between seeds makeSymmetric is yet to
 /// come.
@@ -62,11 +68,12 @@ void makeSymmetric(DistanceMatrix& matrix);
 /// Comma-separated: a first line `target,x,y,z` and a name per seed, `distance_` and the name of
 /// the group or the number of the seed; then a line per target: its number or the name of its
 /// group, where it is on the surface (`nan` of a group), and its distance from each seed, `inf`
-/// where there is no path. Reading the numbers gives the same doubles.
+/// where there is no path. Reading the numbers gives the same doubles. With `withReasons` a last
+/// column `reason` follows; a target that was skipped has that alone, and empty numbers.
 std::string matrixCsv(const DistanceMatrix& matrix);
 
 /// NumPy's format, version 1.0: little-endian float64, C order, shape (seeds, targets), with
-/// infinities.
+/// infinities; NaN where a target was skipped.
 std::string matrixNpy(const DistanceMatrix& matrix);
 
 }  // namespace igeo

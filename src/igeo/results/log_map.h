@@ -38,8 +38,9 @@ struct LogMap {
 /// nodes take theirs from the lines of the core around. Second order.
 /// @param reference index space; u is its part along S at each seed. Zero, or normal to S: the
 ///                  coordinate axis least along the normal takes its place
-/// @throws Error  InvalidArgument for a field that is not of marchJet, or of a tensor; Cancelled
-///                through `progress`
+/// @throws Error  InvalidArgument for a field that is not of marchJet, of a tensor, or of seeds
+/// that
+///                are more than points; Cancelled through `progress`
 /// At the cut locus a node has the direction of one of its shortest geodesics. Where S has sharp
 /// corners, and in the shadow of an obstacle, geodesics are not straight all along: there only
 /// the length means something. Time O(n log n), about twice the work of the march, a good part of
@@ -47,5 +48,10 @@ struct LogMap {
 /// tests/accuracy/test_log_map.cpp.
 LogMap logMap(const Field& field, const Vec3d& reference = {},
               Progress& progress = Progress::none());
+
+/// The same at a point of S: the direction is blended from the nodes around it that one front
+/// reached, the length is the distance there. NaN where that is not known.
+/// @param map  of the field
+Vec2f positionAt(const Field& field, const LogMap& map, const SurfacePoint& p);
 
 }  // namespace igeo

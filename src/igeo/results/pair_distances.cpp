@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <map>
 #include <string>
 #include <tuple>
@@ -44,7 +45,7 @@ private:
     bool solveAround(const Group& group);
     /// @param core  of the band in the metric, if it is at hand
     /// @return whether all targets are within `reach`, or a point is too far from S
-    bool solveOn(const Band& band, const MetricPtr& metric, const Group& group, double reach,
+    bool solveOn(const Band& band, const MetricPtr& metric, const Group& whole, double reach,
                  const JetCorePtr& core);
     MetricPtr metricOn(const Band& band) {
         return surface_.metric ? surface_.metric(band, quiet_) : nullptr;
@@ -53,6 +54,7 @@ private:
     Path pathTo(const Field& field, const SurfacePoint& target);
     bool snapTo(const Band& band, const Vec3d& asked, SurfacePoint& p) const;
     void refuseFarPoints() const;
+    void markSkippedPairs();
 
     const PairSurface& surface_;
     const std::vector<Vec3d>&sources_, &targets_;
@@ -91,23 +93,26 @@ bool PairSolver::snapTo(const Band& band, const Vec3d& asked, SurfacePoint& p) c
     } else {
         p = surface_.nearest ? surface_.nearest(band, asked) : nearestSurfacePoint(band, asked);
     }
-    return p.snapDistance <= snap_;
+    p.offSurface = !(p.snapDistance <= snap_);
+    return !p.offSurface;
 }
 
-bool PairSolver::solveOn(const Band& band, const MetricPtr& metric, const Group& group,
+bool PairSolver::solveOn(const Band& band, const MetricPtr& metric, const Group& whole,
                          double reach, const JetCorePtr& core) {
     SurfacePoint source;
-    bool snapped = snapTo(band, sources_[group.front()], source);
+    snapTo(band, sources_[whole.front()], source);
     JetOptions options;
     options.extend = surface_.paths != PairSurface::Paths::None;
     // A margin for the cells around a target at the very end.
     options.maxDistance = reach + 2 * (metric ? metric->largest() : 1);
-    for (const std::size_t k : group) {
+    Group group;
+    for (const std::size_t k : whole) {
         pairs_[k].source = source;
-        snapped = snapTo(band, targets_[k], pairs_[k].target) && snapped;
+        if (!snapTo(band, targets_[k], pairs_[k].target) || source.offSurface) continue;
+        group.push_back(k);
         options.stopAt.push_back(pairs_[k].target);
     }
-    if (!snapped) return true;
+    if (group.empty() || (group.size() < whole.size() && !surface_.skipOffSurface)) return true;
     const Field field = core ? marchJet(core, {source}, options, quiet_)
                              : marchJet(band, metric, {source}, options, quiet_);
     bool found = true;
@@ -147,7 +152,7 @@ bool PairSolver::solveAround(const Group& group) {
 void PairSolver::refuseFarPoints() const {
     for (std::size_t k = 0; k < pairs_.size(); ++k)
         for (const SurfacePoint* p : {&pairs_[k].source, &pairs_[k].target})
-            if (!(p->snapDistance <= snap_)) {
+            if (p->offSurface) {
                 const bool target = p == &pairs_[k].target;
                 const std::string what =
                     surface_.nameOf
@@ -159,6 +164,18 @@ void PairSolver::refuseFarPoints() const {
                     fmt::format("{} is more than {:f} voxels from the surface", what, snap_),
                     "move it to the surface, or allow for more");
             }
+}
+
+void PairSolver::markSkippedPairs() {
+    for (SolvedPair& pair : pairs_) {
+        if (!pair.source.offSurface && !pair.target.offSurface) continue;
+        pair.distance = std::numeric_limits<double>::quiet_NaN();
+        pair.path = {};
+        pair.path.status = PathStatus::OffSurface;
+        // What was looked at is a part of the surface: the nearest point may be elsewhere.
+        for (SurfacePoint* p : {&pair.source, &pair.target})
+            if (p->offSurface) p->snapDistance = kInfinity;
+    }
 }
 
 std::vector<SolvedPair> PairSolver::solve(Progress& progress) {
@@ -182,7 +199,7 @@ std::vector<SolvedPair> PairSolver::solve(Progress& progress) {
         const JetCorePtr core = jetCore(*whole, metric);
         forAll([&](const Group& group) { return solveOn(*whole, metric, group, kInfinity, core); });
     }
-    refuseFarPoints();
+    surface_.skipOffSurface ? markSkippedPairs() : refuseFarPoints();
     for (SolvedPair& pair : pairs_) pair.source.node = pair.target.node = kNoNode;
     return std::move(pairs_);
 }

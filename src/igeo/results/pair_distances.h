@@ -18,7 +18,8 @@ namespace igeo {
 struct SolvedPair {
     /// As found on S; `node` is kNoNode, as the bands are gone.
     SurfacePoint source, target;
-    double distance = kInfinity;  ///< voxels times weight; +infinity: no path joins them
+    /// Voxels times weight; +infinity: no path joins them; NaN: a point was skipped.
+    double distance = kInfinity;
     /// From source to target, if asked for: with normals, and at each vertex the distance from the
     /// source. Without vertices unless Reached.
     Path path = {};
@@ -38,6 +39,9 @@ struct PairSurface {
                              ///< the whole surface
     double diagonal = 0;     ///< across the surface, voxels
     enum class Paths { None, Traced, Straightened } paths = Paths::None;
+    /// Pairs with a point that is too far from S are skipped (SurfacePoint::offSurface), not
+    /// refused.
+    bool skipOffSurface = false;
     /// What messages call a point, by its pair and whether it is the target; none: "the target of
     /// pair 3".
     std::function<std::string(std::size_t pair, bool target)> nameOf = {};

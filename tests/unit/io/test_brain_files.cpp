@@ -1,5 +1,6 @@
 // Surfaces and values per vertex of brains: GIFTI, FreeSurfer, mz3, and plain tables.
 #include <igeo/base/detail/deflate.h>
+#include <igeo/io/annotation_file.h>
 #include <igeo/io/detail/base64.h>
 #include <igeo/io/detail/gifti_reader.h>
 #include <igeo/io/mesh_file.h>
@@ -164,6 +165,130 @@ TEST_CASE("FreeSurfer's triangle files are known by their first bytes", "[brain]
     outside[3 + 26 + 8 + 48 + 3] = 9;
     const std::string bad = write(dir, "lh.bad", outside);
     expectError(Kind::BadInput, {"lh.bad", "vertex 9 of 4"}, [&] { readMesh(bad); });
+}
+
+TEST_CASE("FreeSurfer's quadrangle files of both kinds", "[brain]") {
+    const TempDir dir;
+    const auto int24 = [](const std::vector<std::uint32_t>& values) {
+        std::string bytes;
+        for (const std::uint32_t v : values)
+            for (const unsigned shift : {16u, 8u, 0u}) bytes += char(v >> shift & 0xff);
+        return bytes;
+    };
+    // A cube of 1.5, -2.25 is the other corner.
+    std::vector<float> points;
+    std::vector<std::uint16_t> hundredths;
+    for (const int k : {0, 1, 2, 3, 4, 5, 6, 7})
+        for (const int a : {0, 1, 2}) {
+            const float x = k >> a & 1 ? 1.5f : -2.25f;
+            points.push_back(x), hundredths.push_back(std::uint16_t(std::int16_t(100 * x)));
+        }
+    const std::vector<std::uint32_t> quads{0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4,
+                                           2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+    const std::string head = int24({8, 6}), faces = int24(quads);
+    const std::string old = "\xff\xff\xff" + head + bytesOf(hundredths, true) + faces,
+                      with = "\xff\xff\xfd" + head + bytesOf(points, true) + faces;
+    for (const std::string& bytes : {old, with}) {
+        const std::string file = write(dir, "lh.orig", bytes);
+        CHECK(isMeshFile(file));
+        const TriangleMesh mesh = readMesh(file);
+        REQUIRE(mesh.source);
+        CHECK(mesh.source->faces() == 6);
+        CHECK(mesh.source->corners == quads);
+        CHECK(mesh.source->vertices.front() == Vec3d{-2.25, -2.25, -2.25});
+        CHECK(mesh.source->vertices[6] == Vec3d{-2.25, 1.5, 1.5});
+        CHECK(mesh.triangles.size() == 12);
+        for (std::size_t size = 3; size < bytes.size(); size += 7) {
+            const std::string cut = write(dir, "lh.cut", bytes.substr(0, size));
+            expectError(Kind::BadInput, {"lh.cut", "byte"}, [&] { readMesh(cut); });
+        }
+        std::string outside = bytes;
+        outside[bytes.size() - 1] = 9;
+        const std::string bad = write(dir, "lh.bad", outside);
+        expectError(Kind::BadInput, {"lh.bad", "vertex 9 of 8"}, [&] { readMesh(bad); });
+    }
+    // Morphometry begins alike.
+    const std::string curv =
+        write(dir, "lh.curv",
+              "\xff\xff\xff" + bytesOf(std::vector<std::int32_t>{163842, 327680, 1}, true) +
+                  std::string(4 * 163842, '\0'));
+    expectError(Kind::BadInput, {"lh.curv", "no surface", "values per vertex"},
+                [&] { readMesh(curv); });
+}
+
+namespace {
+
+std::string be(const std::vector<std::int32_t>& values) { return bytesOf(values, true); }
+
+std::string named(const std::string& name) { return be({int(name.size()) + 1}) + name + '\0'; }
+
+/// Six vertices: two in V1, three in A1, one in none; a region without vertices.
+std::string annotation(bool older = false) {
+    const std::int32_t v1 = 10 + (20 << 8) + (30 << 16), a1 = 200 + (1 << 8);
+    const auto entry = [&](int number, const std::string& name, std::vector<std::int32_t> rgbt) {
+        return (older ? "" : be({number})) + named(name) + be(rgbt);
+    };
+    std::string bytes = be({6, 0, v1, 1, a1, 2, 0, 3, v1, 4, a1, 5, a1, 1});
+    bytes += older ? be({3}) : be({-2, 3});
+    bytes += named("table.ctab") + (older ? "" : be({3}));
+    return bytes + entry(0, "nowhere", {9, 9, 9, 0}) + entry(1, "A1", {200, 1, 0, 0}) +
+           entry(2, "V1", {10, 20, 30, 0});
+}
+
+}  // namespace
+
+TEST_CASE("regions of FreeSurfer's annotations are groups of seeds", "[brain]") {
+    const TempDir dir;
+    for (const bool older : {false, true}) {
+        const std::string file = write(dir, "lh.annot", annotation(older));
+        CHECK(isAnnotationFile(file));
+        const Annotation all = readAnnotation(file);
+        CHECK(all.vertices == 6);
+        REQUIRE(all.regions.size() == 2);
+        CHECK(all.regions[0].name == "A1");
+        CHECK(all.regions[0].vertices == std::vector<std::size_t>{1, 4, 5});
+        CHECK(all.regions[1].name == "V1");
+        CHECK(all.regions[1].vertices == std::vector<std::size_t>{0, 3});
+        const AskedSeeds seeds = readSeeds(file);
+        CHECK(seeds.points.empty());
+        CHECK(seeds.vertices == 6);
+        REQUIRE(seeds.groups.size() == 2);
+        CHECK(seeds.groups[1].name == "V1");
+        REQUIRE(seeds.groups[1].points.size() == 2);
+        CHECK(seeds.groups[1].points[1].vertex == "3");
+        expectError(Kind::BadInput, {"lh.annot", "groups"}, [&] { readPoints(file); });
+        expectError(Kind::BadInput, {"lh.annot", "regions and no values"},
+                    [&] { readVertexData(file, 6); });
+    }
+}
+
+TEST_CASE("annotations that are damaged are refused", "[brain]") {
+    const TempDir dir;
+    const std::string good = annotation();
+    const auto refused = [&](const std::string& bytes, const std::vector<std::string>& says) {
+        const std::string file = write(dir, "lh.bad.annot", bytes);
+        expectError(Kind::BadInput, says, [&] { readAnnotation(file); });
+    };
+    for (std::size_t size = 0; size < good.size(); size += 3)
+        refused(good.substr(0, size), {"lh.bad.annot", "byte"});
+    const auto with = [&](std::size_t at, const std::string& bytes) {
+        std::string changed = good;
+        return changed.replace(at, bytes.size(), bytes);
+    };
+    refused(with(0, be({-1})), {"-1 vertices"});
+    refused(with(0, be({1 << 30})), {"vertices are announced"});
+    refused(with(4, be({6})), {"vertex 6 of 6"});
+    const std::size_t table = 4 + 6 * 8;
+    refused(with(table, be({0})), {"no table"});
+    refused(with(table + 4, be({-3})), {"version 3"});
+    refused(with(table + 4, be({std::numeric_limits<std::int32_t>::min()})),
+            {"version 2147483648"});
+    refused(with(table + 8, be({1 << 30})), {"table of 1073741824"});
+    const std::size_t entries = table + 12 + 4 + 11;
+    refused(with(entries, be({1 << 28})), {"regions are announced"});
+    refused(with(entries + 4, be({3})), {"region 3 in a table of 3"});
+    refused(with(entries + 12, "no\n"), {"control character"});
+    refused(be({2, 0, 0, 1, 0, 1, -2, 1}) + named("") + be({0}), {"no vertex is in a region"});
 }
 
 TEST_CASE("mz3 files, raw and compressed", "[brain]") {

@@ -231,6 +231,99 @@ const std::string kNrrd =
     "space: left-posterior-superior\nspace directions: (-2,0,0) (0.5,3,0) (0,0.25,4)\n"
     "space origin: (10,20,30)\nkinds: domain domain domain\nendian: little\nkey:=value: 7\n";
 
+namespace {
+
+/// A file of FreeSurfer of 2 x 3 x 4 voxels; without an orientation unless `place` is given:
+/// spacings, directions of the axes, center.
+std::string mgh(int type, const std::string& voxels, const std::vector<double>& place = {},
+                const std::vector<std::int32_t>& sizes = {2, 3, 4, 1}) {
+    std::vector<std::int32_t> head{1};
+    head.insert(head.end(), sizes.begin(), sizes.end());
+    head.insert(head.end(), {type, 0});
+    std::string bytes = bytesOf(head, true) +
+                        bytesOf(std::vector<std::uint16_t>{std::uint16_t(!place.empty())}, true) +
+                        bytesOf(std::vector<float>(place.begin(), place.end()), true);
+    bytes.resize(284, '\0');
+    return bytes + voxels;
+}
+
+const std::vector<double> kTurned{2, 3, 4, -1, 0, 0, 0, 0, -1, 0, 1, 0, 10, 20, 30};
+
+}  // namespace
+
+TEST_CASE("MGH of every type, raw and compressed", "[volume]") {
+    const TempDir dir;
+    const auto check = [&](int type, const std::string& kind, const std::string& voxels) {
+        for (const bool packed : {false, true}) {
+            INFO(kind << packed);
+            const std::string bytes = mgh(type, voxels, kTurned);
+            const std::string file =
+                write(dir, packed ? "a.mgz" : "a.mgh", packed ? gzipped(bytes) : bytes);
+            CHECK(isVolumeFile(file));
+            const VoxelVolume v = readVolume(file);
+            CHECK(v.kind == "MGH, " + kind);
+            CHECK(v.size == std::array<std::size_t, 3>{2, 3, 4});
+            CHECK(v.values == counted());
+            CHECK(v.axis == std::array<Vec3d, 3>{{{-2, 0, 0}, {0, 0, -3}, {0, 4, 0}}});
+            // The middle voxel, 1,1.5,2, is at the center.
+            CHECK(v.origin == Vec3d{12, 12, 34.5});
+            CHECK(v.warnings.empty());
+        }
+    };
+    const std::vector<float> f = counted();
+    const auto as = [&](auto zero) {
+        return bytesOf(std::vector<decltype(zero)>(f.begin(), f.end()), true);
+    };
+    std::string chars;
+    for (const float x : f) chars += char(x);
+    check(0, "uint8", chars);
+    check(1, "int32", as(std::int32_t{}));
+    check(3, "float32", as(0.0f));
+    check(4, "int16", as(std::uint16_t{}));
+    check(10, "uint16", as(std::uint16_t{}));
+
+    const VoxelVolume bare = readVolume(write(dir, "b.mgh", mgh(0, chars)));
+    CHECK(bare.axis == std::array<Vec3d, 3>{{{-1, 0, 0}, {0, 0, -1}, {0, 1, 0}}});
+    CHECK(bare.origin == Vec3d{1, -2, 1.5});
+    REQUIRE(bare.warnings.size() == 1);
+    CHECK(bare.warnings[0].find("no orientation") != std::string::npos);
+}
+
+TEST_CASE("MGH that is no volume of numbers is refused", "[volume]") {
+    const TempDir dir;
+    const auto refused = [&](const std::string& name, const std::string& bytes,
+                             const std::vector<std::string>& says) {
+        INFO(name);
+        const std::string file = write(dir, name, bytes);
+        expectError(Kind::BadInput, says, [&] { readVolume(file); });
+    };
+    const std::string good = mgh(3, bytesOf(counted(), true), kTurned);
+    for (const std::size_t size : {0u, 3u, 100u, 283u})
+        refused("cut.mgh", good.substr(0, size), {"cut.mgh", "header is cut off"});
+    refused("cut.mgh", good.substr(0, good.size() - 1), {"cut.mgh", "cut off"});
+    const std::string packed = gzipped(good);
+    for (const std::size_t size : {12u, 40u, unsigned(packed.size()) - 12})
+        refused("cut.mgz", packed.substr(0, size), {"cut.mgz", "cut off"});
+    std::string damaged = packed;
+    damaged[20] = char(damaged[20] ^ 0x55);
+    refused("damaged.mgz", damaged, {"damaged.mgz"});
+    refused("version.mgh", bytesOf(std::vector<std::int32_t>{2}, true) + good.substr(4),
+            {"version.mgh", "version 1"});
+    refused("type.mgh", mgh(2, "", kTurned), {"type.mgh", "type 2"});
+    refused("times.mgh", mgh(3, "", kTurned, {2, 3, 4, 7}), {"times.mgh", "7 volumes"});
+    refused("empty.mgh", mgh(3, "", kTurned, {2, -3, 4, 1}), {"empty.mgh", "-3 voxels"});
+    refused("huge.mgh", mgh(3, "", kTurned, {1 << 30, 1 << 30, 1 << 30, 1}), {"huge.mgh"});
+    refused("long.mgh", mgh(3, "", kTurned, {1000, 1000, 1000, 1}), {"long.mgh", "cut off"});
+    std::vector<double> flat = kTurned, wild = kTurned;
+    flat[2] = 0;
+    wild[13] = std::numeric_limits<double>::quiet_NaN();
+    refused("flat.mgh", mgh(3, bytesOf(counted(), true), flat), {"flat.mgh", "one plane"});
+    refused("wild.mgh", mgh(3, bytesOf(counted(), true), wild), {"wild.mgh", "not finite"});
+    std::vector<float> nan = counted();
+    nan[7] = std::numeric_limits<float>::quiet_NaN();
+    refused("nan.mgh", mgh(3, bytesOf(nan, true), kTurned), {"nan.mgh", "voxel 1,0,1", "nan"});
+}
+
 TEST_CASE("NRRD raw, gzip and text, in one file or two", "[volume]") {
     const TempDir dir;
     const std::string raw = bytesOf(counted());

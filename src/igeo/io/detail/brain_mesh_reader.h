@@ -8,15 +8,16 @@
 
 namespace igeo {
 
-/// Whether bytes begin as those of FreeSurfer's triangle files (lh.pial), which have no ending.
+/// Whether bytes begin as those of FreeSurfer's surfaces (lh.pial), which have no ending: triangle
+/// files, or quadrangle files of either kind. The older of these begins as morphometry files do.
 bool isFreeSurferSurface(std::string_view bytes);
 
-/// Reads a triangle file of FreeSurfer, positions as they are in it: what follows the faces, as the
-/// geometry of the volume, is not looked at.
+/// Reads a triangle or quadrangle file of FreeSurfer, positions as they are in it: what follows the
+/// faces, as the geometry of the volume, is not looked at. Quadrangles stay such.
 /// @param file   its name, for messages
 /// @param bytes  all of the file
-/// @throws Error  BadInput, with the byte, for another kind of file, one that ends too early, and a
-///         corner that is no number of a vertex
+/// @throws Error  BadInput, with the byte, for another kind of file, one that ends too early,
+///         morphometry, and a corner that is no number of a vertex
 /// Time O(size). Memory O(size), whatever counts the file announces.
 PolygonMesh readFreeSurferMesh(const std::string& file, const std::string& bytes);
 

@@ -157,8 +157,8 @@ bool Extension::carryInSpace(NodeIndex i, const Corners& corners, Found& s) cons
          jets_.labelOf(corners.core[0])};
     if (close) return true;
     const JetNeighbors all = around(i, corners, core_.localFrameInBand(i)).all();
-    return jets_.meetNear(band_.leaf[i]) ? jet::spreads(all)
-                                         : jet::ofOneFront(all) && !jet::nearFocus(all);
+    return jets_.meetNear(band_.leafOf(i)) ? jet::spreads(all)
+                                           : jet::ofOneFront(all) && !jet::nearFocus(all);
 }
 
 void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,

@@ -13,17 +13,21 @@ namespace {
 /// goes on all around. Two fronts are fitted well enough by the march.
 bool frontsMeet(const CoreJets& jets, NodeIndex i) {
     constexpr std::size_t kAllAround = 7;  // as in the march
+    constexpr float kSmooth = 0.9f;
     const JetCore& core = *jets.core;
-    const auto row = core.links.row(i);
-    if (core.nodes[i].obstacleState != Metric::Clear || row.size() < kAllAround) return false;
+    if (core.nodes[i].obstacleState != Metric::Clear) return false;
+    const TangentFrame frame(core.nodes[i].normal, core.band.faceted);
     ThreeFronts fronts;
-    bool meet = false;
-    for (const JetLink& link : row) {
-        if (link.overCrease()) return false;
-        const JetState& other = jets.state[link.node()];
-        if (other.accepted()) meet |= fronts.add(link.turned(other.g));
-    }
-    return meet;
+    std::size_t links = 0;
+    bool meet = false, smooth = true;
+    forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
+        ++links;
+        smooth &= cosine >= kSmooth;
+        if (smooth && jets.accepted(j))
+            meet |= fronts.add(
+                flattened(frame, chord, core.nodes[j].normal, cosine, jets.gradientOf(j), 0).g);
+    });
+    return meet && smooth && links >= kAllAround;
 }
 
 /// The nodes of a list and of their links, in their order.
@@ -63,27 +67,31 @@ std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local
 
 void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes) {
     const JetCore& core = *jets.core;
-    std::vector<NodeIndex> meetings;
-    for (const NodeIndex i : nodes)
-        if (frontsMeet(jets, i)) meetings.push_back(i);
-    if (meetings.empty()) return;
-    std::vector<std::optional<Solved>> found(meetings.size());
-    parallelFor(meetings.size(), 16, [&](std::size_t begin, std::size_t end) {
+    if (core.metric.anisotropic()) return;
+    struct Meeting {
+        NodeIndex node;
+        std::optional<Solved> jet;
+    };
+    std::vector<std::optional<Meeting>> found(nodes.size());
+    parallelFor(nodes.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            const NodeIndex i = meetings[k];
-            found[k] = solveMeeting(jets, core.localFrame(i), core.footOf(core.nodes[i]), {&i, 1});
+            const NodeIndex i = nodes[k];
+            if (!frontsMeet(jets, i)) continue;
+            found[k] = {
+                i, solveMeeting(jets, core.localFrame(i), core.footOf(core.nodes[i]), {&i, 1})};
         }
     });
-    jets.meetInLeaf.resize(core.band.leaves.size());
-    for (std::size_t k = 0; k < meetings.size(); ++k) {
-        const NodeIndex i = meetings[k];
+    for (const std::optional<Meeting>& meeting : found) {
+        if (!meeting) continue;
+        const NodeIndex i = meeting->node;
+        jets.meetInLeaf.resize(core.band.leaves.size());
         for (const LeafIndex l : core.band.leaves[core.nodes[i].leaf].neighbor)
             if (l != kNoLeaf) jets.meetInLeaf[l] = 1;
-        if (!found[k]) continue;
+        if (!meeting->jet) continue;
         JetState& state = jets.state[i];
-        const double u = jets.seeds.leastStart + double(core.nodes[i].weight) * found[k]->u;
+        const double u = jets.seeds.leastStart + double(core.nodes[i].weight) * meeting->jet->u;
         state.rest = float(u - jets.buckets.startOf(state.bucket));
-        state.g = found[k]->g;
+        state.g = meeting->jet->g;
     }
 }
 
