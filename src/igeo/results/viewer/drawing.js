@@ -7,9 +7,9 @@ const BLOCKED = 65534, UNREACHED = 65535; // codes of values
 
 // ---- the scene ----
 
-async function inflate(base64) {
+async function inflate(base64, format = "deflate") {
     const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream(format));
     return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
