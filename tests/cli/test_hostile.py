@@ -25,7 +25,7 @@ JOB = {"name": "a", "sdf": "sphere.vdb", "seed": "0,0,1", "max-distance": 0.1, "
 
 
 def counted(text: bytes) -> bytes:
-    """A string as it stands in a VDB file."""
+    """A string as a VDB file has it."""
     return struct.pack("<I", len(text)) + text
 
 
