@@ -70,6 +70,13 @@ CornerNormals smoothNormals(const Band& band, const SurfaceMesh& mesh) {
     return normals;
 }
 
+/// Voxels; how far triangles may lie beside S follows from it.
+double meanSide(const SurfaceMesh& mesh) {
+    double sum = 0;
+    for (const auto& t : mesh.triangles) sum += length(mesh.position[t[1]] - mesh.position[t[0]]);
+    return mesh.triangles.empty() ? 0 : sum / double(mesh.triangles.size());
+}
+
 }  // namespace
 
 DrawnSurface::DrawnSurface(const Band& band)
@@ -84,7 +91,7 @@ DrawnSurface::DrawnSurface(const Band& band)
 DrawnSurface::DrawnSurface(const Band& band, SurfaceMesh mesh, bool closed)
     : band_(band),
       closed_(closed),
-      clearance_(0.5),
+      clearance_(std::max(0.5, 0.5 * meanSide(mesh))),
       cornerNormals_(smoothNormals(band, mesh)),
       distance_(std::move(mesh.distance)) {
     triangles_ = std::make_shared<SurfaceTriangles>(
