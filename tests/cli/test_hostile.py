@@ -175,7 +175,7 @@ class Hostile(unittest.TestCase):
         refused(UNUSABLE, "the working folder is gone", *near)
         refused(UNUSABLE, "the working folder is gone", "batch", "jobs.json")
         refused(DONE, "distances up to", *near, "-o", self.folder / "x.vdb")
-        refused(DONE, "all 1 jobs are done", "batch", self.folder / "jobs.json")
+        refused(DONE, "the job is done", "batch", self.folder / "jobs.json")
         refused(DONE, "", "info", whole)
 
     def test_full_standard_output(self):

@@ -180,13 +180,14 @@ Summary mergedSummary(const std::vector<std::string>& files) {
 void tell(const Summary& summary, const std::string& file, Console& console) {
     const std::vector<std::string> failed = summary.namesOf("failed"),
                                    unreached = summary.namesOf("unreached");
-    const std::string all = std::to_string(summary.jobs.size()) + " jobs";
+    const std::string all = std::to_string(summary.jobs.size()) + " jobs",
+                      done =
+                          summary.jobs.size() == 1 ? "the job is done" : "all " + all + " are done";
     if (!failed.empty())
         Console::error(std::to_string(failed.size()) + " of " + all + " failed: " + listed(failed),
                        "'" + file + "' says why; the next run of the batch continues with them");
     else if (!unreached.empty())
-        console.warning("all " + all + " are done, but targets are unreached in " +
-                        listed(unreached));
+        console.warning(done + ", but targets are unreached in " + listed(unreached));
     else
-        console.info("all " + all + " are done");
+        console.info(done);
 }
