@@ -76,7 +76,7 @@ class Hostile(unittest.TestCase):
                    "count": 7, "shard": None, "jobs": []}
         for number, count in ((1, 2**63), (2**63, 2**63), (0, 0), (-1, -5), (5, 3), (1, 1e300)):
             self.write("part.json", {**summary, "shard": {"number": number, "count": count}})
-            self.refused("which there is not", "batch", "merge", "part.json")
+            self.refused("which does not exist", "batch", "merge", "part.json")
         for count in (2**63, -1):
             self.write("part.json", {**summary, "count": count})
             self.refused("more than 1000000000", "batch", "merge", "part.json")
