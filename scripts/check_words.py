@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Finds words that the pages, messages and comments do without, and names better ones.
 
-usage: scripts/check_words.py [PATH...]   files and folders; by default README.md and all pages
+usage: scripts/check_words.py [PATH...]   files and folders; by default the project
        scripts/check_words.py --list      the words
 
-It reads the text of pages without their code, and the comments and strings of C++, Python and shell.
+It reads the text of pages without their code, the comments and strings of C++, JavaScript, Python, shell and CMake,
+and the strings of JSON.
 For each finding it prints `FILE:LINE: words: better words`. Exit code 1 if there is a finding, 2 if a
 path cannot be read.
 
@@ -19,7 +20,9 @@ import sys
 import tokenize
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGES = ("README.md", "docs", "data", "tests", "scripts")  # the .md files in them
+PROJECT = ("README.md", "CMakeLists.txt", "src", "apps", "docs", "data", "tests", "scripts")
+# They have the words to find as words to find.
+ABOUT_WORDS = (pathlib.Path(__file__).resolve(), ROOT / "tests/docs/test_check_words.py")
 
 BRITISH_IZE = ("analogise|apologise|authorise|capitalise|categorise|centralise|characterise|criticise|crystallise"
                "|customise|discretise|diagonalise|emphasise|equalise|factorise|familiarise|finalise|formalise|generalise"
@@ -133,8 +136,24 @@ def shell_text(text):
     return only(text, [found.span() for found in re.finditer(r'(?<!\S)#[^\n]*|"(?:\\.|[^"\\])*"', text)])
 
 
+def html_text(text):
+    """HTML without its tags."""
+    return re.sub(r"<[^>]*>", lambda found: blank(found[0]), text)
+
+
+def json_text(text):
+    """Strings of JSON."""
+    return only(text, [found.span() for found in re.finditer(r'"(?:[^"\\]|\\.)*"', text)])
+
+
 READERS = {".md": page_text, ".h": cpp_text, ".cpp": cpp_text, ".in": cpp_text, ".py": python_text,
-           ".sh": shell_text, ".cmake": shell_text}
+           ".sh": shell_text, ".cmake": shell_text, "CMakeLists.txt": shell_text, ".js": cpp_text, ".html": html_text,
+           ".json": json_text}
+
+
+def kind_of(file):
+    """A key of READERS, if there is one."""
+    return file.name if file.name in READERS else file.suffix
 
 
 def findings(text, suffix):
@@ -153,7 +172,7 @@ def files_of(paths):
         if path.is_file():
             yield path
         else:
-            yield from sorted(file for file in path.rglob("*") if file.suffix in READERS)
+            yield from sorted(file for file in path.rglob("*") if kind_of(file) in READERS)
 
 
 def main():
@@ -168,14 +187,13 @@ def main():
     if missing:
         print(f"check_words.py: {missing[0]} is not there", file=sys.stderr)
         return 2
-    paths = list(files_of(options.paths)) or [
-        file for file in files_of(ROOT / name for name in PAGES) if file.suffix == ".md"]
+    paths = list(files_of(options.paths or [ROOT / name for name in PROJECT]))
     count = 0
     for file in paths:
-        if file.resolve() == pathlib.Path(__file__).resolve() or file.suffix not in READERS:
+        if file.resolve() in ABOUT_WORDS or kind_of(file) not in READERS:
             continue
         name = file.resolve().relative_to(ROOT) if file.resolve().is_relative_to(ROOT) else file
-        for line, words, better in findings(file.read_text(encoding="utf-8"), file.suffix):
+        for line, words, better in findings(file.read_text(encoding="utf-8"), kind_of(file)):
             print(f"{name}:{line}: {words}: {better}")
             count += 1
     if count:

@@ -60,7 +60,7 @@ std::string describe(const igeo::GridEntry& grid, bool chosen) {
                                       {grid.obstacle, "--obstacle"},
                                       {igeo::holdsPoints(grid), "--points"}})
         if (can) uses += (uses.empty() ? "" : " ") + std::string(option);
-    line += uses.empty() ? "; of no use here" : "; for " + uses;
+    line += uses.empty() ? "; not usable here" : "; for " + uses;
     return line + (chosen ? " (chosen)" : "");
 }
 

@@ -202,8 +202,8 @@ Polyline GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double
         throw Error(Kind::InvalidArgument,
                     fmt::format("a path of length {:.6g}; allowed are 0 to {:.6g}, 1e7 voxels",
                                 distance, kLongest * unit),
-                    distance < 0 ? "turn the direction round to walk backwards"
-                                 : "go on from the end of a shorter one");
+                    distance < 0 ? "reverse the direction instead"
+                                 : "continue from the end of a shorter one");
     std::shared_ptr<const Band> band = surface().madeBand(bandWidth());
     if (!band)
         band = surface().band(bandWidth(), {{start, maxSnap() / transform.dx + voxels + kBeyond}},

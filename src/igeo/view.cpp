@@ -114,12 +114,18 @@ const LevelSet* shownLevelSet(const Distance& distance, Progress& progress) {
     return volume ? &distance.levelSet(progress) : nullptr;
 }
 
+/// The triangles of a page for its picture, which needs one for each two pixels at the most.
+DrawnSurface drawnSurface(const Band& band, SurfaceMesh mesh, bool closed) {
+    constexpr std::size_t kMost = 40000, kMany = 3 * kMost;
+    std::vector<std::uint32_t> kept;
+    if (mesh.triangles.size() > kMany) thinOut(mesh, kMost, kept);
+    return DrawnSurface(band, std::move(mesh), closed);
+}
+
 /// The first view, and a picture from there.
-/// @param levelSet  the surface; null: that of the field's band
-void addPicture(ViewScene& scene, const Field& field, const LevelSet* levelSet,
+void addPicture(ViewScene& scene, const DrawnSurface& surface, const Field& field,
                 const std::vector<Path>& paths, PictureOptions picture, Progress& progress) {
     const double aspect = double(picture.height) / picture.width;
-    const DrawnSurface surface = drawnSurface(levelSet, *field.band, progress);
     const View view = chooseView(surface, field, paths, picture, aspect);
     picture.eye = view.eye, picture.lookAt = view.eye - view.depth * view.back;
     scene.toEye = view.back;
@@ -155,6 +161,31 @@ double largestAround(const FileSurvey& survey, const Vec3d& pIndex) {
     return largest > 0 ? largest : kInfinity;
 }
 
+/// How many triangles marks are widened by: a line of voxels of a large model is too thin to see.
+int ringsToSee(const SurfaceMesh& mesh) {
+    Vec3d low = mesh.position.at(0), high = low;
+    for (const Vec3d& p : mesh.position)
+        for (int axis = 0; axis < 3; ++axis)
+            low[axis] = std::min(low[axis], p[axis]), high[axis] = std::max(high[axis], p[axis]);
+    const Vec3d size = high - low;
+    return 1 + int(std::lround(std::max({size.x, size.y, size.z}) / 256));
+}
+
+/// Gives each vertex the largest finite value within so many triangles.
+void widenMarks(SurfaceMesh& mesh, int rings) {
+    for (; rings > 0; --rings) {
+        std::vector<double> wide = mesh.distance;
+        for (const auto& triangle : mesh.triangles) {
+            double most = 0;
+            for (const std::uint32_t v : triangle)
+                if (mesh.distance[v] < kInfinity) most = std::max(most, mesh.distance[v]);
+            for (const std::uint32_t v : triangle)
+                if (most > 0) wide[v] = wide[v] < kInfinity ? std::max(wide[v], most) : most;
+        }
+        mesh.distance.swap(wide);
+    }
+}
+
 /// That as a distance, for pictures.
 Field fieldOf(const FileSurvey& survey) {
     Field field;
@@ -169,7 +200,7 @@ Field fieldOf(const FileSurvey& survey) {
 
 PictureOptions viewPicture() {
     PictureOptions picture;
-    picture.width = 480, picture.height = 360;
+    picture.width = 320, picture.height = 240;
     return picture;
 }
 
@@ -186,8 +217,13 @@ ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lin
 
     const TriangleMesh* given = surface.triangles();
     SurfaceMesh mesh = given ? ownTriangles(*given, field, limits.triangles, progress)
-                             : distance.indexMesh(progress);
+                             : surfaceMesh(distance.levelSet(progress), *field.band, progress);
     const std::vector<std::uint32_t> kept = keepToLimit(scene, mesh, limits);
+    if (!given) sampleDistances(mesh, field, progress);
+    const LevelSet* volume = shownLevelSet(distance, progress);
+    const bool closed = volume && volume->stats.cutVoxels == 0;
+    addPicture(scene, given ? DrawnSurface(*field.band) : drawnSurface(*field.band, mesh, closed),
+               field, asPaths(lines, field.band->transform), picture, progress);
     if (given) {
         const std::vector<std::uint32_t> number = vertexNumbers(*given);
         for (const std::uint32_t v : kept)
@@ -208,8 +244,6 @@ ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lin
     scene.isolineSpacing = picture.isolineCount > 0 ? (field.maxDistance - field.leastStart) * dx /
                                                           (picture.isolineCount + 1)
                                                     : picture.isolineSpacing;
-    addPicture(scene, field, shownLevelSet(distance, progress),
-               asPaths(lines, field.band->transform), picture, progress);
     return scene;
 }
 
@@ -236,17 +270,22 @@ ViewScene viewScene(const FileSurvey& survey, const ViewLimits& limits, Progress
         for (std::size_t v = begin; v < end; ++v)
             mesh.distance[v] = largestAround(survey, mesh.position[v]);
     });
+    const int rings = ringsToSee(mesh);
+    widenMarks(mesh, rings);
+    scene.notes.push_back(fmt::format("Marks are drawn {} wider on each side.",
+                                      rings > 1 ? fmt::format("{} voxels", rings) : "a voxel"));
+    scene.restShare = 1 - double(survey.surface->unreliable) / double(survey.band.size());
     keepToLimit(scene, mesh, limits);
+    PictureOptions picture = viewPicture();
+    picture.legend = false;
+    picture.isolineSpacing = -1;
+    picture.colorMap = scene.colorMap;
+    addPicture(scene, drawnSurface(survey.band, mesh, false), field, {}, picture, progress);
     scene.range = {{0, field.maxDistance}};
     scene.mesh = std::move(mesh);
     for (Vec3d& p : scene.mesh.position) p = field.band->transform.worldFromIndex(p);
     scene.notes.push_back(survey.verdict());
     scene.notes.insert(scene.notes.end(), survey.warnings.begin(), survey.warnings.end());
-    PictureOptions picture = viewPicture();
-    picture.legend = false;
-    picture.isolineSpacing = -1;
-    picture.colorMap = scene.colorMap;
-    addPicture(scene, field, &survey.levelSet, {}, picture, progress);
     return scene;
 }
 

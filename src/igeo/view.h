@@ -22,7 +22,7 @@ struct ViewLimits {
     std::size_t triangles = 300000;  ///< drawn; a page of them has about 4 MB
 };
 
-/// The picture of a page where a browser draws nothing in 3D: 480 x 360 pixels.
+/// The picture of a page where a browser draws nothing in 3D: 320 x 240 pixels.
 PictureOptions viewPicture();
 
 /// What a page shows of a result: the surface with its distances, obstacles, seeds and targets.

@@ -37,7 +37,7 @@ Errors solveSphere(int n, double h, int order) {
 
 TEST_CASE("godunov order 1 converges as the paper's Table 2") {
     // h = 2 dx^0.7. The paper's errors fall from 0.111 to 0.046 between N = 100 and 400, at a rate
-    // of 0.653 over its whole table; 0.6 leaves room for its fit over another range of N.
+    // of 0.653 over its whole table; 0.6 leaves a margin for its fit over another range of N.
     std::vector<double> dx, error;
     for (const int n : {100, 140, 200, 280, 400}) {
         dx.push_back(1.0 / n);

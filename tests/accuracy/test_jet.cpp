@@ -94,14 +94,14 @@ TEST_CASE("jet on the side of a cylinder") {
             solverOn(cylinder(kCenter, radius, 0.45), n)
                 .distance({fromVdb(kCenter +
                                    Vec3d(radius * std::cos(0.7), radius * std::sin(0.7), 0.0123))});
-        // Up to 0.3 from the middle no way over an end is shorter.
+        // Up to 0.3 from the middle no path over an end is shorter.
         const Errors e = errorsOnSurface(d, [&](const Vec3d& p) {
             return std::abs(p.z() - 0.5) > 0.3 ? std::nan("")
                                                : geodesicOnCylinder(kCenter, radius, seedOf(d), p);
         });
         print("cylinder", n, d, e);
         CHECK(e.mean <= 0.01);
-        // Second order: a quarter, with room for the share of the rims.
+        // Second order: a quarter, with a margin for the share of the rims.
         CHECK(e.mean <= last / 3);
         last = e.mean;
     }
@@ -112,7 +112,7 @@ TEST_CASE("jet around a rounded box") {
     // second order all the same.
     const Vec3d half(0.2013, 0.1529, 0.4507);
     const double radius = 0.08;
-    // Only arcs lose by chords; this is their share of a way around. The mean way is half as long.
+    // Only arcs lose by chords; this is their share of a path around. The mean path is half as long.
     const double arcs = 2 * M_PI * radius,
                  share = arcs / (arcs + 4 * (half.x() + half.y() - 2 * radius));
     for (const double turn : {0.0, 30.0}) {
@@ -135,7 +135,7 @@ TEST_CASE("jet around a rounded box") {
 }
 
 TEST_CASE("jet on the side of a cone") {
-    // Seeds on half its height, so that is the radius of ways on the average.
+    // Seeds on half its height, so that is the radius of paths on the average.
     const double wide = 0.25, narrow = 0.1, halfHeight = 0.42, middle = 0.175;
     for (const double turn : {0.0, 30.0}) {
         double last = 1;

@@ -77,7 +77,7 @@ TEST_CASE("jet passes sharp edges everywhere along them") {
                 REQUIRE(field.distance[i] < kInfinity);
                 const Vec3d p = wedge.local(worldOf(band, band.footPoint(i)));
                 const double r = std::hypot(p.x(), p.y());
-                // The lower face, where no way over another face is shorter; not the rows next to
+                // The lower face, where no path over another face is shorter; not the rows next to
                 // the edge, where foot points are off by part of a voxel.
                 if (p.y() > 0 || r < 2.0 / kN || r > 0.3 || std::abs(p.z()) > Wedge::kHeight - 0.05)
                     continue;

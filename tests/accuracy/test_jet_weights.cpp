@@ -70,7 +70,7 @@ TEST_CASE("jet with the weight 2 s / (1 + s^2 |x|^2) measures on the stereograph
         std::size_t count = 0;
         for (NodeIndex i = 0; i < patch.band.size(); ++i) {
             const auto [u, v] = patch.flat(i);
-            // Within a disc the shortest ways stay: great circles are circles of the plane.
+            // Within a disc the shortest paths stay: great circles are circles of the plane.
             if (std::hypot(u, v) > 0.2) continue;
             const Vec3d to = onUnitSphere(kScale * u, kScale * v);
             const double exact = std::atan2(from.cross(to).length(), from.dot(to)) * n;

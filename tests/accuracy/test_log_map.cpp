@@ -96,7 +96,7 @@ struct Misses {
 
 }  // namespace
 
-TEST_CASE("logMap on the sphere: directions to half a degree up to 0.9 of the way round") {
+TEST_CASE("logMap on the sphere: directions to half a degree up to 0.9 of half a great circle") {
     constexpr double kRadius = 0.4;
     std::vector<double> dx, mean;
     for (const int n : {50, 100, 200}) {
@@ -185,7 +185,7 @@ TEST_CASE("logMap on a knot and on a bumpy sphere: shooting by it comes to the p
         misses.print(name);
         CHECK(unknown < misses.degrees.size() / 100);
         const Summary s(misses.degrees);
-        // Two approximations held against each other, over saddles that drive geodesics apart.
+        // Two approximations compared with each other, over saddles that drive geodesics apart.
         CHECK(s.median < 0.129);  // measured 0.086
     }
 }
@@ -220,7 +220,7 @@ TEST_CASE("logMap with a weight that varies: great circles in stereographic proj
         std::vector<double> off;
         for (NodeIndex i = 0; i < m.band.size(); ++i) {
             const Vec3d p = m.footWorld(i);
-            // Within a disc the shortest ways stay: great circles are circles of the plane.
+            // Within a disc the shortest paths stay: great circles are circles of the plane.
             if ((p - kCenter).length() > 0.2 || (p - seed).length() < 1e-6) continue;
             const Vec3d along = (onSphere(p) - from.dot(onSphere(p)) * from).unit();
             off.push_back(

@@ -18,7 +18,7 @@ struct InVoxels {
     double mean = 0, max = 0;
 };
 
-/// jet on a mesh at a voxel size, held against the exact distance.
+/// jet on a mesh at a voxel size, compared with the exact distance.
 InVoxels errorsOn(const TriangleMesh& mesh, double dx, const Vec3d& seed,
                   const std::function<double(const Vec3d&)>& exact) {
     const Distance d = GeodesicSolver(Surface(mesh, {.size = dx})).distance({seed});

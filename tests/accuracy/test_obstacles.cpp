@@ -20,7 +20,7 @@ double angleBetween(const Vec3d& a, const Vec3d& b) {
     return std::atan2(a.cross(b).length(), a.dot(b));
 }
 
-/// Shortest way in a plane around a disc.
+/// Shortest path in a plane around a disc.
 double aroundDisc(const Vec3d& c, double r, const Vec3d& p, const Vec3d& q) {
     const Vec3d a = p - c, b = q - c;
     const double la = a.length(), lb = b.length();
@@ -30,7 +30,7 @@ double aroundDisc(const Vec3d& c, double r, const Vec3d& p, const Vec3d& q) {
     return std::sqrt(la * la - r * r) + std::sqrt(lb * lb - r * r) + r * rim;
 }
 
-/// Shortest way on a unit sphere around a cap of angular radius alpha, by Napier's rules for the
+/// Shortest path on a unit sphere around a cap of angular radius alpha, by Napier's rules for the
 /// right-angled triangle of center, point and point of tangency.
 double aroundCap(const Vec3d& c, double alpha, const Vec3d& p, const Vec3d& q) {
     const double bp = angleBetween(c, p), bq = angleBetween(c, q);
@@ -46,7 +46,7 @@ double aroundCap(const Vec3d& c, double alpha, const Vec3d& p, const Vec3d& q) {
     return tangent(bp) + tangent(bq) + std::sin(alpha) * rim;
 }
 
-/// A surface with a ball in the way of the seed's fronts, and the exact distance.
+/// A surface with a ball before the seed's fronts, and the exact distance.
 struct Scene {
     const char* name;
     Surface surface;
@@ -148,7 +148,7 @@ TEST_CASE("obstacles: distances and paths lead around a ball") {
     }
 }
 
-TEST_CASE("around a hole in an open sheet the way is as long as around a disc") {
+TEST_CASE("around a hole in an open sheet the path is as long as around a disc") {
     constexpr int kN = 200;
     constexpr double kHole = 0.15;
     const Vec3d normal = Vec3d(1, -2, 3).unit(), x = normal.cross(Vec3d(0.3, 1, 0.2)).unit(),
@@ -173,7 +173,7 @@ TEST_CASE("around a hole in an open sheet the way is as long as around a disc") 
         least = std::min(least, error), most = std::max(most, error);
     }
     std::printf("around a hole of 30 voxels: %+.2f to %+.2f voxels\n", least, most);
-    // The last voxels stand up to a voxel off the rim, and the way turns by pi at most.
+    // The last voxels are up to a voxel off the rim, and the path turns by pi at most.
     CHECK(most < 3.2);
     CHECK(least > -0.052);  // measured -0.034
 }

@@ -72,7 +72,7 @@ TEST_CASE("jet on the cloud of a sphere is as good as on its level set") {
 }
 
 TEST_CASE("jet on a cloud that scatters by a third of its spacing stays below 0.1 %") {
-    // A surface that undulates with slope a makes ways longer by a^2 / 2 in the mean. Fits of
+    // A surface that undulates with slope a makes paths longer by a^2 / 2 in the mean. Fits of
     // radius r = 5 spacings average the scatter, 0.3, to 3 / sqrt(K) of it, K = 84 points: waves
     // of 0.1 spacings in height (0.07 in root mean square) and some 2 r long have a slope of
     // 0.07 * 2 pi / 10 = 0.044, and cost 0.1 %.
@@ -132,7 +132,7 @@ TEST_CASE("jet on a square of points is exact but for its rim") {
     const double mean = sum / double(band.size());
     std::printf("points, square: mean %.6f, max %.6f of %.2f\n", mean, worst, largest);
     CHECK(largest > 44);  // measured 66.9
-    // Straight ways and circular fronts are exact for jet. Along the rim, where neighbors are on
+    // Straight paths and circular fronts are exact for jet. Along the rim, where neighbors are on
     // one side only, its fallback is off by a part of a voxel.
     CHECK(worst < 0.41 * dx);        // measured 0.27
     CHECK(mean < 3.2e-5 * largest);  // measured 2.1e-5

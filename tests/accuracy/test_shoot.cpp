@@ -70,7 +70,7 @@ TEST_CASE("shoot on the sphere: three turns") {
 
 // Twice around the axis, five times around the tube. Next to the inner circle geodesics part
 // exponentially: where a small angle at the start moves the end by more than the length (by up to
-// 30 times it here), the miss is held against that.
+// 30 times it here), the miss is compared with that.
 TEST_CASE("shoot on the torus: several turns") {
     const double length = 4, tube = 0.12;
     const auto exact = [&](const Vec3d& p, const Vec3d& direction, double l) {

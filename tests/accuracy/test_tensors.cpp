@@ -115,7 +115,7 @@ TEST_CASE("jet with the tensor of a map measures between the images") {
             const SurfacePoint seed = plane.seed(0.13 * half, 0.0542 * half);
             const Field field = marchJet(plane.band, metric, {seed});
             const Off e = offBy(field, [&](const Vec3d& p) {
-                // Further out the straight way between the images may leave the patch.
+                // Further out the straight line between the images may leave the patch.
                 return length(p) > 0.6 * half ? NAN : length(image(p) - image(seed.pIndex));
             });
             std::printf("jet, %s plane, sheared by a map, %d voxels: mean %.4f %%, max %.4f %%\n",
@@ -285,7 +285,7 @@ TEST_CASE("godunov takes diagonal tensors, M&S (22)") {
     }
 }
 
-TEST_CASE("metrics that are none are refused, with the place and the way out") {
+TEST_CASE("metrics that are none are refused, with the place and the remedy") {
     using Kind = Error::Kind;
     Plane plane(kUp, 10);
     plane.band.transform.dx = 0.5;

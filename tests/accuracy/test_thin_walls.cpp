@@ -28,7 +28,7 @@ struct WallPart {
     double around = kInfinity;                   ///< length of the outline where it is closed
 };
 
-/// A wall that stands on a plate from end to end.
+/// A wall on a plate, from end to end.
 WallPart rib(double t) {
     const double h = t / 2;
     return {"rib",
@@ -67,7 +67,7 @@ openvdb::math::Transform::Ptr turned(int turn) {
 }
 
 /// Where the strip that the outline sweeps holds a point: how far along the outline, and how many
-/// edges on the way there.
+/// edges before it.
 struct OnStrip {
     double s = 0, off = kInfinity;
     int face = 0;
@@ -97,7 +97,7 @@ struct StripErrors {
     double longestStep = 0;
 };
 
-/// Against the straight line on the strip laid out flat, where no way around its ends is shorter.
+/// Against the straight line on the strip laid out flat, where no path around its ends is shorter.
 StripErrors errorsOf(const WallPart& part, const Distance& d) {
     StripErrors e;
     const Band& band = d.band();
@@ -112,7 +112,7 @@ StripErrors errorsOf(const WallPart& part, const Distance& d) {
         const double exact = std::hypot(std::min(along, part.around - along), p.y() - seed.y());
         const double overLow = p.y() + seed.y() - 2 * part.low,
                      overHigh = 2 * part.high - p.y() - seed.y();
-        // A way that leaves the strip at an end and comes back is as long as to there and back.
+        // A path that leaves the strip at an end and comes back is as long as to there and back.
         if (at.off > 0.3 || exact > std::min(overLow, overHigh)) continue;
         ++e.count;
         if (!(field.distance[i] < kInfinity)) {

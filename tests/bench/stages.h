@@ -63,7 +63,7 @@ private:
     std::vector<Stage> stages_;
 };
 
-/// Peak resident memory of this process so far, bytes; that of its parent plays no part.
+/// Peak resident memory of this process so far, bytes; without that of its parent.
 inline double peakMemory() {
     std::ifstream status("/proc/self/status");
     for (std::string word; status >> word;)

@@ -45,7 +45,7 @@ std::uint64_t sumOfMost(const PerDomain& load, const PerDomain& other = {}) {
     return sum;
 }
 
-/// Every node held against every other: who has to be sent it.
+/// Every node with every other: who has to be sent it.
 template <typename Needed>
 Traffic byHand(const Marched& m, const Domains& domains, const Needed& needed) {
     std::map<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>, std::uint64_t> pairs;

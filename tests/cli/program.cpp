@@ -141,7 +141,7 @@ bool validBySchema(const TempWorkspace& desk, const std::string& schema,
     const Result result = run(command);
     INFO(result.out << result.err);
     if (result.exitCode != 77 && result.exitCode != 127) return result.exitCode == 0;
-    markSkipped("a document was not held against its schema, as python3-jsonschema is missing");
+    markSkipped("a document was not compared with its schema, as python3-jsonschema is missing");
     return true;
 }
 

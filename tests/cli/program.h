@@ -53,7 +53,7 @@ bool validBySchema(const TempWorkspace& desk, const std::string& schema,
 /// and out.json in place from before.
 ///
 /// Checks the exit code; that stderr is one line "implicit-geodesic: error: ..." and one with the
-/// way out, that both together hold all of `says` and no name of an exception class; that stdout is
+/// remedy, that both together hold all of `says` and no name of an exception class; that stdout is
 /// empty and no file was made, changed or removed.
 void requireRefused(const TempWorkspace& desk, const Command& command, int exitCode,
                     const std::vector<std::string>& says);

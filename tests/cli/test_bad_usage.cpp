@@ -33,7 +33,7 @@ TEST_CASE("a wrong option is refused by its name, with the values allowed") {
         BadLine{"--threads all", {"--threads", "all"}},
         BadLine{"--scheme dijkstra", {"--scheme", "dijkstra", "jet", "godunov"}},
         BadLine{"--space local", {"--space", "local", "world", "index"}},
-        BadLine{"--grids colour", {"--grids", "'colour'", "surface, gradient"}},
+        BadLine{"--grids paint", {"--grids", "'paint'", "surface, gradient"}},
         BadLine{"--progress sometimes", {"--progress", "auto", "always", "never"}},
         BadLine{"--band -0.2", {"--band", "-0.2", "above 0"}},
         BadLine{"--band nan", {"--band", "nan", "above 0"}},

@@ -59,8 +59,8 @@ JOBS = {
          "image-size": "160x120"},
         {"name": "near", "seed": [[1.4, 0, 0], [-1.4, 0, 0]], "max-distance": 0.3, "output": "near.vdb",
          "isolines": "near.json"},
-        {"name": "way", "seed": [1.4, 0, 0], "target": [-1, 0, 0.4], "stop-at-targets": True,
-         "output": "way.vdb", "--name": "d", "paths": "way.obj"},
+        {"name": "path", "seed": [1.4, 0, 0], "target": [-1, 0, 0.4], "stop-at-targets": True,
+         "output": "path.vdb", "--name": "d", "paths": "path.obj"},
         {"name": "paper", "seed": [1.4, 0, 0], "scheme": "godunov", "band-voxels": 2.5, "output": "paper.vdb"},
         {"name": "ball-mesh", "sdf": False, "mesh": "ball.obj", "resolution": 40, "seed": [1, 0, 0],
          "output": "ball-mesh.vdb", "mesh-out": "ball-mesh.ply", "grids": "engraved"},
@@ -175,7 +175,7 @@ class Log(TempWorkspace):
             self.assertTrue(0 < line["seconds"] < 200)
             self.assertEqual(line["warnings"], jobs[line["job"]]["warnings"])
             self.assertEqual("error" in line, line["job"] == "off")
-        self.batch("--log", "log.jsonl", code=USAGE)  # only what failed runs once more
+        self.batch("--log", "log.jsonl", code=USAGE)  # only what failed runs again
         self.assertEqual(len((self.folder / "log.jsonl").read_text().splitlines()), len(lines) + 1)
 
     def test_a_log_that_cannot_be_written_is_refused(self):
@@ -230,7 +230,7 @@ class Batch(TempWorkspace):
         self.batch()
         outputs, summary = self.outputs(), self.summary()
         self.assertIn(f"{COUNT} of {COUNT} jobs are done already", self.batch())
-        # Times and the layout of the manifest play no part.
+        # Times and the layout of the manifest have no effect.
         for file in self.folder.iterdir():
             os.utime(file, (time.time() + 100, time.time() + 100))
         self.write(json.dumps(JOBS, indent=4, sort_keys=True))
@@ -238,9 +238,9 @@ class Batch(TempWorkspace):
         self.assertEqual(self.summary(), summary)
 
         # An output that is gone, one that is another, a summary that is gone.
-        (self.folder / "way.obj").unlink()
+        (self.folder / "path.obj").unlink()
         (self.folder / "near.vdb").write_bytes(outputs["paper.vdb"])
-        self.assertEqual(self.ran(self.batch()), {"near", "way"})
+        self.assertEqual(self.ran(self.batch()), {"near", "path"})
         self.assertEqual(self.outputs(), outputs)
 
         # Content of an input; back again is another change.
@@ -531,7 +531,7 @@ class Interruptions(TempWorkspace):
 
     def interrupted(self, number, delay, begun=False):
         """A batch that is sent a signal: what it said it has done, and its exit code. If asked for, not before
-        there is a summary: a process that is still being loaded dies of any signal without a word."""
+        there is a summary: a process that is still being loaded dies of any signal without a message."""
         with subprocess.Popen(self.command("batch", "jobs.json"), cwd=self.folder, stderr=subprocess.PIPE,
                               text=True) as process:
             while begun and process.poll() is None and not (self.folder / "jobs.summary.json").exists():

@@ -25,7 +25,7 @@ JOB = {"name": "a", "sdf": "sphere.vdb", "seed": "0,0,1", "max-distance": 0.1, "
 
 
 def counted(text: bytes) -> bytes:
-    """A string as it stands in a VDB file."""
+    """A string as a VDB file has it."""
     return struct.pack("<I", len(text)) + text
 
 
@@ -76,7 +76,7 @@ class Hostile(unittest.TestCase):
                    "count": 7, "shard": None, "jobs": []}
         for number, count in ((1, 2**63), (2**63, 2**63), (0, 0), (-1, -5), (5, 3), (1, 1e300)):
             self.write("part.json", {**summary, "shard": {"number": number, "count": count}})
-            self.refused("which there is not", "batch", "merge", "part.json")
+            self.refused("which does not exist", "batch", "merge", "part.json")
         for count in (2**63, -1):
             self.write("part.json", {**summary, "count": count})
             self.refused("more than 1000000000", "batch", "merge", "part.json")
@@ -175,7 +175,7 @@ class Hostile(unittest.TestCase):
         refused(UNUSABLE, "the working folder is gone", *near)
         refused(UNUSABLE, "the working folder is gone", "batch", "jobs.json")
         refused(DONE, "distances up to", *near, "-o", self.folder / "x.vdb")
-        refused(DONE, "all 1 jobs are done", "batch", self.folder / "jobs.json")
+        refused(DONE, "the job is done", "batch", self.folder / "jobs.json")
         refused(DONE, "", "info", whole)
 
     def test_full_standard_output(self):

@@ -221,7 +221,7 @@ TEST_CASE("info: points, as text, PLY and in a volume") {
     CHECK_THAT(desk.run("info in.vdb").out, contains("for --points"));
 }
 
-TEST_CASE("info: bad files are told apart, and what can be known of them is said") {
+TEST_CASE("info: bad files are distinguished, and what can be known of them is said") {
     const TempWorkspace desk;
     const auto refused = [&](const std::string& kind, const std::string& says) {
         desk.make("in.vdb", "bad " + kind);

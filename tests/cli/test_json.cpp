@@ -25,7 +25,7 @@ void requireValid(const TempWorkspace& desk, const std::string& schema,
                   const std::string& document) {
     const Result result = validate(kSchemas + schema, desk / document);
     if (result.exitCode == 77 || result.exitCode == 127) {
-        markSkipped("a document was not held against its schema: python3-jsonschema is missing");
+        markSkipped("a document was not compared with its schema: python3-jsonschema is missing");
         return;
     }
     INFO(document << "\n" << result.out << result.err);

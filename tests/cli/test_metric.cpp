@@ -97,7 +97,7 @@ TEST_CASE("weights multiply, from the same file by name as well") {
                    kUnusable, {"all.vdb", "'four'", "'three'"});
 }
 
-TEST_CASE("a weight that varies makes ways bend, and near queries agree with whole ones") {
+TEST_CASE("a weight that varies makes paths bend, and near queries agree with whole ones") {
     const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.05");
     // Light near the equator, so that it pays to walk along it.
@@ -247,7 +247,7 @@ TEST_CASE("a wall leaves what is behind it unreached") {
     CHECK(report(desk)["targets"][0]["status"] == "unreachable");
 }
 
-TEST_CASE("a tensor makes one direction dearer than another") {
+TEST_CASE("a tensor makes one direction more expensive than another") {
     const TempWorkspace desk;
     desk.make("in.vdb", "plane-patch --voxel-size 0.02 --param size=1.6");
     // Along x a step costs three times as much.
@@ -281,7 +281,7 @@ TEST_CASE("a tensor makes one direction dearer than another") {
 TEST_CASE("bending around a cylinder is avoided or preferred") {
     const TempWorkspace desk;
     desk.make("in.vdb", "cylinder --voxel-size 0.05");
-    // Radius 0.5; a quarter of the way around, and 0.4 up. With L = 0.5 sqrt(3) bends count twice.
+    // Radius 0.5; a quarter of the circle around, and 0.4 up. With L = 0.5 sqrt(3) bends count twice.
     const std::string query =
         "--sdf in.vdb --seed 0.5,0,0 --target 0,0.5,0 --target 0.5,0,0.4 --target 0,-0.5,0.3 -q -o "
         "out.vdb --report r.json --metric-curvature ";

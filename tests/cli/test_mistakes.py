@@ -80,7 +80,7 @@ MISTAKES = [
     (f"{RUN} --grids lable", USAGE, r"did you mean 'label'"),
     (f"{RUN} --color-map viridi --image x.png", USAGE, r"did you mean 'viridis'"),
     (f"{RUN} --up w --image x.png", USAGE, r"'w'.*x, y, z, -x, -y, -z"),
-    (f"{RUN} --background grey --image x.png", USAGE, r"'grey'.*white, black, transparent"),
+    (f"{RUN} --background beige --image x.png", USAGE, r"'beige'.*white, black, transparent"),
     (f"{RUN} --unit '丈' --image x.png", USAGE, r"is not 1 to 16 characters of Latin-1"),
     (f"{RUN} --unit hundredweights-per-foot --image x.png", USAGE, r"is not 1 to 16 characters"),
     ("inf sphere.vdb", USAGE, r"'inf' is no command, did you mean 'info'"),

@@ -105,7 +105,7 @@ TEST_CASE("a grid of an unknown type is listed, and the others are read") {
         CHECK(largestDifference(*readDistance(desk / "out.vdb", "psi_a_geodesic"), *expected) == 0);
     }
     CHECK_THAT(desk.run("info two.vdb:psi_a").out,
-               contains("psi_b: unknown type " + unknown + ", unknown; of no use here"));
+               contains("psi_b: unknown type " + unknown + ", unknown; not usable here"));
     for (const std::string source : {"two.vdb:psi_b", "one.vdb"}) {
         const Result refused = desk.run("--sdf " + source + run);
         CHECK(refused.exitCode == 3);

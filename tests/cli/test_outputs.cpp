@@ -84,7 +84,7 @@ TEST_CASE("one run writes picture, mesh, isolines, matrix and all grids") {
     CHECK(outputs["mesh"] == "m.ply");
 }
 
-TEST_CASE("a volume that nobody named is written alone, or for what it should hold") {
+TEST_CASE("a volume without a name is written alone, or for what it should hold") {
     const std::string run = "--sdf in.vdb --seed 0,0,1 -q ", volume = "in_geodesic.vdb";
     const auto writesVolume = [&](const std::string& more) {
         const TempWorkspace desk;

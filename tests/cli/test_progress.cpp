@@ -1,4 +1,4 @@
-// What a person is told of the time left.
+// What a person reads of the time left.
 #include <support/catch.h>
 
 #include <time_left.h>
@@ -14,7 +14,7 @@ TEST_CASE("time left is what the pace says, and what has passed since is taken o
     CHECK(t.left(110) == Approx(10));
 }
 
-TEST_CASE("what is not known is not told") {
+TEST_CASE("what is not known is not printed") {
     TimeLeft t;
     CHECK_FALSE(t.left(0));
     t.update("read", 0, 10);
@@ -67,7 +67,7 @@ TEST_CASE("a stage that begins again has a clock of its own; late reports change
     CHECK(t.elapsed(31) == Approx(1));
 }
 
-TEST_CASE("durations are told in the unit that fits") {
+TEST_CASE("durations are printed in the unit that fits") {
     CHECK(TimeLeft::duration(0.2) == "1 s");
     CHECK(TimeLeft::duration(99) == "99 s");
     CHECK(TimeLeft::duration(150) == "3 min");

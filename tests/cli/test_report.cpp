@@ -118,7 +118,7 @@ TEST_CASE("reportJson: the account of a run") {
     CHECK(j["warnings"] == json({"mind the gap"}));
 }
 
-TEST_CASE("reports: doubles survive the way through text") {
+TEST_CASE("reports: doubles survive the text") {
     Run run;
     run.report.paths[0].points[0] = {1.0 / 3, std::sqrt(2.0), 1e-17};
     const json j = parse(geodesicsJson(run.report, run.field));
@@ -157,7 +157,7 @@ TEST_CASE("pathCurves: a number and a name for each, through all kinds") {
     CHECK(j["walks"].size() == 1);
 }
 
-TEST_CASE("matrixJson: world units, null where there is no way") {
+TEST_CASE("matrixJson: world units, null where there is no path") {
     const Run run;
     DistanceMatrix m;
     m.seeds = {{"", inWorld(run.field.seeds[0], run.band.transform)}};

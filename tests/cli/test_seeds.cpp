@@ -40,7 +40,7 @@ struct SphereDesk : TempWorkspace {
 
 }  // namespace
 
-TEST_CASE("a seed that another front has overrun counts for nothing in any result") {
+TEST_CASE("a seed that another front has overrun has no effect on any result") {
     const SphereDesk desk;
     auto at = [](double angle) {
         return std::to_string(std::sin(angle)) + ",0," + std::to_string(std::cos(angle));
@@ -204,7 +204,7 @@ TEST_CASE("pairs: CSV on stdout or in a file, JSON by its schema, weights count"
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
     CHECK(desk.report()["outputs"]["pairs"] == "out.json");
 
-    // With an obstacle the way is longer, as a march from the one to the other says too.
+    // With an obstacle the path is longer, as a march from the one to the other says too.
     const std::string wall = "--sdf in.vdb -q --obstacle-box 0.25,-0.2,0,0.35,0.2,2 ";
     requireDone(desk, wall + "--pairs pairs.json --pairs-out out.json");
     requireDone(desk, wall + "--seed 0,0,1 --target 0.6,0,0.8 -o out.vdb --report r.json");

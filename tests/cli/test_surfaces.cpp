@@ -79,7 +79,7 @@ TEST_CASE("the same sphere as level set, mesh and points: the same distances") {
     }
 }
 
-TEST_CASE("an open mesh: ways lead around its hole, and every result is there") {
+TEST_CASE("an open mesh: paths lead around its hole, and every result is there") {
     const TempWorkspace desk;
     writeBytes(desk / "in.obj", sheet(40, [](double x, double y) {
                    return std::abs(x - 0.5) < 0.1 && std::abs(y - 0.5) < 0.3;

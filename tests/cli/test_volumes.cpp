@@ -172,7 +172,7 @@ TEST_CASE("values per vertex: refusals") {
     requireDone(desk, run + "--obstacle holes.txt:nan -q -o out.vdb");
 }
 
-TEST_CASE("slopes that are too steep leave a seed without a way") {
+TEST_CASE("slopes that are too steep leave a seed without a path") {
     const TempWorkspace desk;
     desk.make("in.vdb", "sphere --voxel-size 0.05");
     const std::string run =

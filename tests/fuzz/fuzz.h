@@ -19,7 +19,7 @@ void mayRefuse(const F& f) {
     }
 }
 
-/// The bytes as a file whose name has an ending: one per process, written anew each time.
+/// The bytes as a file whose name has an ending: one per process, written again each time.
 inline std::string asFile(const std::uint8_t* data, std::size_t size, const std::string& ending) {
     const std::string name = "/dev/shm/igeo-fuzz-" + std::to_string(::getpid()) + ending;
     std::ofstream(name, std::ios::binary)

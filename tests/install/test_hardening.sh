@@ -10,9 +10,9 @@ program=$1
 
 check() {  # <what> <readelf option> <pattern>
     # Into a variable: grep -q would end readelf early, which pipefail takes for a failure.
-    local told
-    told=$(readelf --wide "$2" "$program")
-    if ! grep -qE "$3" <<<"$told"; then
+    local message
+    message=$(readelf --wide "$2" "$program")
+    if ! grep -qE "$3" <<<"$message"; then
         echo "$program: not so: $1"
         failed=1
     fi

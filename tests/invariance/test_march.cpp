@@ -110,7 +110,7 @@ TEST_CASE("start values shift the distance") {
             for (std::size_t k = 0; k < band.size(); ++k)
                 worst = std::max(worst, std::abs(field.distance[k] - start - plain.distance[k]));
             INFO("order " << order << ", start " << start);
-            // Values round at the size of `start`, some hundred times along the way; the keys'
+            // Values round at the size of `start`, some hundred times along the path; the keys'
             // order of near ties as ever.
             CHECK(worst < 100 * 2.3e-16 * start +
                               roundingTolerance(plain, order, 1e-5) * plain.maxDistance);
@@ -139,7 +139,7 @@ TEST_CASE("a constant weight of 4 scales distances by 4 bitwise") {
 }
 
 TEST_CASE("there is as far as back, within the scheme's error") {
-    // Each way is off by the scheme's error, so the two differ by at most twice that: at h = 1.75
+    // Each of them is off by the scheme's error, so the two differ by at most twice that: at h = 1.75
     // voxels 4.2 % of the largest distance at order 1, 1.1 % at order 2 (docs/trials.md), and
     // 0.1 % for jet, of second order: 0.005 % at a tube of 12 voxels' radius is 0.02 % at 6.
     const Band band = bandOf(torusGrid(), 1.75);
@@ -182,7 +182,7 @@ TEST_CASE("every accepted node has a linked neighbor nearer to a seed") {
                     found = found || (j != kNoNode && band->linked(i, j) &&
                                       field.distance[j] < field.distance[k]);
                 }
-                if (!found) FAIL("node " << k << " has no way down");
+                if (!found) FAIL("node " << k << " has no descent");
             }
         }
 }

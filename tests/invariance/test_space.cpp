@@ -17,7 +17,7 @@ const auto kSame = [](const Ijk& v) { return v; };
 TEST_CASE("turns by 90 degrees and reflections leave distances") {
     // The scheme has no preferred axis; sums run in another order, so values differ by roundings.
     // The march may accept nodes in another order where they differ by less than the 6e-8 of its
-    // keys, which moves values by that much; 1e-5 leaves room for its building up.
+    // keys, which moves values by that much; 1e-5 leaves a margin for its building up.
     const auto grid = torusGrid();
     const std::vector<Vec3d> points = torusPoints();
     for (const int order : {kJet, 1, 2}) {

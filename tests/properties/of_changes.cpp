@@ -86,7 +86,7 @@ double worstBetween(const Field& a, const Field& b, const Turn& turn) {
     double worst = 0;
     for (NodeIndex i = 0; i < band.size(); ++i) {
         const NodeIndex j = other.nodeAt(turn(band.ijk(i)));
-        // psi is rounded anew, and may come to lie on the other side of h or of the core's edge.
+        // psi is rounded again, and may come to lie on the other side of h or of the core's edge.
         if (j == kNoNode || !band.inCore(i) || !other.inCore(j)) continue;
         if (a.distance[i] == b.distance[j]) continue;
         worst = std::max(worst, std::abs(a.distance[i] - b.distance[j]));
@@ -231,7 +231,7 @@ const std::vector<Property> kOfChanges{
     {"weights of 1 to 2: below weight 1", weightsBelow, kOff, kMeasured},
     {"weights of 1 to 2: above weight 2", weightsAbove, kOff, kMeasured},
     {"weights of 1 to 2: there and back", weightsBack, kOff, kMeasured},
-    // The scheme is monotone: dearer everywhere is further everywhere.
+    // The scheme is monotone: more expensive everywhere is further everywhere.
     {"godunov: weights of 1 to 2 out of bounds (share)", weightsGodunov, 1e-5},
 };
 

@@ -29,7 +29,7 @@ double shortcut(const RandomCase& c) { return c.marched.shortcut; }
 double shortcutAll(const RandomCase& c) { return c.everywhere.shortcut; }
 double jump(const RandomCase& c) { return c.marched.jump; }
 
-/// d beyond the shortest way from node to node over the core, from the start disc on: what a front
+/// d beyond the shortest path from node to node over the core, from the start disc on: what a front
 /// may step over, it has to.
 double detour(const RandomCase& c) {
     const Field& field = c.single[0];
@@ -181,18 +181,18 @@ double godunovSeveral(const RandomCase& c) {
 }
 
 /// Nodes of one bucket, half a voxel wide, are solved without each other; a neighbor of an earlier
-/// one bounds a value by the way from there and 0.001 voxels.
+/// one bounds a value by the path from there and 0.001 voxels.
 constexpr double kBucket = 0.5 + 1e-3;
 /// On a tube of radius R the arc-corrected chord c / sinc(t/2) to a point t around it and z along
 /// it, c^2 = (2 R sin(t/2))^2 + z^2, is longer than the geodesic, (R t)^2 + z^2: by 0.26 voxels at
 /// most for c = 3.5 and R = kLeastRadius. The march adds a share of (1 / R)^2 that is 0.02 % at
 /// R = 6 (tests/accuracy), so 0.3 % of 40 voxels.
 constexpr double kTooFar = 0.26 + 0.12;
-/// Foot points, and ways over them, are off by parts of a voxel beside creases and where S bends
+/// Foot points, and paths over them, are off by parts of a voxel beside creases and where S bends
 /// within two voxels; nodes off the core take their jets from a voxel away, and as much again.
 constexpr double kTooNear = 0.5;
 /// Fronts of two seeds are never fitted together: a node between them may be left with one
-/// neighbor of its own front, sqrt(3) voxels away at most, and up to 45 degrees off its way.
+/// neighbor of its own front, sqrt(3) voxels away at most, and up to 45 degrees off its direction.
 const double kMeeting = std::sqrt(3.0) * (1 - std::sqrt(0.5));
 /// A node takes the label of one of its neighbors, sqrt(3) voxels away at most, and over a voxel
 /// the distances from seeds whose fronts are taken for one part by 2 sin(45 degrees / 2).
@@ -208,8 +208,8 @@ const std::vector<Property> kOfOneBand{
     // Of additions.
     {"below the straight line", shortcut, 1e-9},
     {"below the straight line, all nodes", shortcutAll, 1e-9},
-    {"neighbors further apart than their way", jump, kBucket},
-    {"beyond the way from node to node", detour, kBucket},
+    {"neighbors further apart than their path", jump, kBucket},
+    {"beyond the path from node to node", detour, kBucket},
     {"there and back", symmetryOfJet, kTooFar + kTooNear, kMeasured},
     {"triangle inequality", triangle, kTooFar + kTooNear, kMeasured},
     {"several seeds: the least", severalSeedsMarched, kMeeting, kMeasured},
@@ -229,7 +229,7 @@ const std::vector<Property> kOfOneBand{
     // a lower solution of the scheme, which is monotone. Keys are rounded to 6e-8.
     {"godunov: below the straight line", godunovShortcut, 1e-4},
     {"godunov: several seeds above the least (share)", godunovSeveral, 1e-5},
-    // 4.2 % each way (docs/trials.md).
+    // 4.2 % in each direction (docs/trials.md).
     {"godunov: there and back (share)", symmetryOfGodunov, 0.084, kMeasured},
 };
 

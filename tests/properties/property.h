@@ -22,7 +22,7 @@ constexpr double kMeasured = kInfinity;
 
 /// What one band shows: values, bounds between them, symmetry, paths.
 extern const std::vector<Property> kOfOneBand;
-/// What stays or changes in a known way when something else does: units, place, axes, weights,
+/// What stays or changes as is known when something else does: units, place, axes, weights,
 /// number of threads.
 extern const std::vector<Property> kOfChanges;
 

@@ -1,6 +1,6 @@
 """Broken inputs, made from sound ones: the same number gives the same input.
 
-`sound_files()` makes one small sound file per format and way of writing it; `case(seed, number)` spoils one
+`sound_files()` makes one small sound file per format and method of writing it; `case(seed, number)` spoils one
 of them. What is done depends on the seed and the number alone, so any case can be made again.
 """
 import base64
@@ -189,7 +189,7 @@ def sound_files(folder: pathlib.Path) -> list[Sound]:
     return vdb_files(folder) + mesh_files() + ply_files() + list_files()
 
 
-# ---- ways to spoil them ----
+# ---- how to spoil them ----
 
 WORDS = [0, 1, 2, 0x7f, 0x80, 0xff, 0x7fff, 0x8000, 0xffff, 0x7fffffff, 0x80000000, 0xffffffff, 0x10000000,
          0x3fffffff, 0x40000001, 1 << 40, (1 << 62) + 1, (1 << 63) - 1, 1 << 63, (1 << 64) - 1]

@@ -67,10 +67,10 @@ class TempWorkspace:
         return sorted(f.name for f in self.folder.iterdir() if f.name not in NAMES)
 
 
-def check(what: str, good: bool, told: object = "") -> None:
+def check(what: str, good: bool, message: object = "") -> None:
     if not good:
-        failures.append(f"{what}: {told}")
-        print(f"FAILED {what}: {told}", flush=True)
+        failures.append(f"{what}: {message}")
+        print(f"FAILED {what}: {message}", flush=True)
 
 
 def check_failed(what: str, desk: TempWorkspace, code: int, err: str, codes: tuple[int, ...]) -> None:

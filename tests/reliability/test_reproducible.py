@@ -47,7 +47,7 @@ def main() -> int:
                 source = pathlib.Path(name) / file
                 source.write_bytes(made["ball.obj" if file == "mesh.obj" else file])
             first = outputs(source, line, 1)
-            time.sleep(1.1)  # another second, for whoever writes the time
+            time.sleep(1.1)  # another second, for a program that writes the time
             for threads in (1, 2, 7):
                 again = outputs(source, line, threads)
                 differ = sorted(f for f in first.keys() | again.keys() if first.get(f) != again.get(f))

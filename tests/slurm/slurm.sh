@@ -27,7 +27,7 @@ start() {
         command -v "$tool" >/dev/null || { echo "slurm.sh: no $tool (Debian: slurm-wlm munge)" >&2; exit 77; }
     done
     configure
-    # munged wants its folder to be nobody else's to write into.
+    # munged refuses a folder that others can write into.
     chmod 755 "$folder"
     munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" \
         --pid-file="$folder/munged.pid" --log-file="$folder/munged.log" \

@@ -11,24 +11,24 @@ double geodesicOnSphere(const openvdb::Vec3d& center, double radius, const openv
                         const openvdb::Vec3d& q);
 
 /// Distance on the side of an endless cylinder about the z axis through `center` (unrolled). On a
-/// capped one this is the distance while no way over an end is shorter.
+/// capped one this is the distance while no path over an end is shorter.
 double geodesicOnCylinder(const openvdb::Vec3d& center, double radius, const openvdb::Vec3d& p,
                           const openvdb::Vec3d& q);
 
 /// Distance on the side of a cone with flat ends (frustum() of shapes.h; `wide` at the lower end):
-/// straight in the unrolled sector. NaN where a way over an end might be shorter.
+/// straight in the unrolled sector. NaN where a path over an end might be shorter.
 ///
-/// Let s be the distance from the apex. It grows by at most the length of a way, so a way that
+/// Let s be the distance from the apex. It grows by at most the length of a path, so a path that
 /// touches the rim at s = s_end takes |s_end - s_p| + |s_end - s_q| at least. Where the straight
 /// segment is shorter than that for both rims, it stays on the side, and nothing is shorter.
 double geodesicOnConeSide(const openvdb::Vec3d& center, double wide, double narrow,
                           double halfHeight, const openvdb::Vec3d& p, const openvdb::Vec3d& q);
 
-/// Distance around the z axis of a rounded box (roundedBox() of shapes.h). NaN where a way over an
+/// Distance around the z axis of a rounded box (roundedBox() of shapes.h). NaN where a path over an
 /// end might be shorter, and at the ends.
 ///
 /// The belt |z| <= c of four faces and four quarter cylinders, c = halfSize.z - radius, unrolls
-/// into a strip, in which the straight segment is the shortest way. One that leaves the belt at
+/// into a strip, in which the straight segment is the shortest path. One that leaves the belt at
 /// z = +-c takes 2 c -+ (p.z + q.z) at least.
 double geodesicAroundRoundedBox(const openvdb::Vec3d& center, const openvdb::Vec3d& halfSize,
                                 double radius, const openvdb::Vec3d& p, const openvdb::Vec3d& q);

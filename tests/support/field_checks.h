@@ -18,11 +18,11 @@ struct FieldChecks {
     std::size_t stuck = 0;       ///< marched, outside the start discs, and no neighbor lies lower
     std::size_t negative = 0;
     double shortcut = 0;  ///< |foot - nearest seed| - d
-    double jump = 0;      ///< |d_i - d_j| - way between the foot points, over linked face neighbors
+    double jump = 0;      ///< |d_i - d_j| - path between the foot points, over linked face neighbors
 
     void keepWorst(const FieldChecks& other);
 };
-/// The longest that the way between the foot points of neighbors may be: where normals are at an
+/// The longest that the path between the foot points of neighbors may be: where normals are at an
 /// angle t, that over a crease between two planes is at most chord / cos(t/2), and an arc is
 /// shorter than that. Infinity where they lie on two sheets, or across a gap, by the rules of jet.
 double wayBetween(const Band& band, NodeIndex i, NodeIndex j);
@@ -33,7 +33,7 @@ FieldChecks checkField(const Field& field, Nodes nodes);
 
 struct PathChecks {
     std::size_t traced = 0, lost = 0;  ///< lost: not Reached
-    double rise = 0;                   ///< of d above its least before, on the way to the seed
+    double rise = 0;                   ///< of d above its least before, toward the seed
 
     void keepWorst(const PathChecks& other);
 };

@@ -1,4 +1,4 @@
-/// Shapes solved and meshed, and what every mesh has to fulfil.
+/// Shapes solved and meshed, and what holds for every mesh.
 #pragma once
 
 #include <igeo/march/jet.h>

@@ -47,7 +47,7 @@ SignedDistance placed(const SignedDistance& sdf, const Vec3d& axis, double angle
     return [=](const Vec3d& p) { return sdf(place->worldToIndex(p)); };
 }
 
-/// The lesser of both; where they differ by less than `width`, below both in a smooth way. Its
+/// The lesser of both; where they differ by less than `width`, smoothly below both. Its
 /// gradient is a mean of theirs, so no longer than they are.
 double blendedLeast(double a, double b, double width) {
     const double overlap = std::max(width - std::abs(a - b), 0.0);

@@ -1,4 +1,4 @@
-/// Surfaces that nobody chose: unions of random balls, tori, capsules and boxes, turned at random.
+/// Surfaces by chance: unions of random balls, tori, capsules and boxes, turned at random.
 #pragma once
 
 #include <support/shapes.h>

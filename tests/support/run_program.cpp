@@ -106,7 +106,7 @@ void drain(Descriptor& fd, std::string& text) {
         fd.close();
 }
 
-/// Writes what the pipe takes now; closes it when all is written or nobody reads any more.
+/// Writes what the pipe takes now; closes it when all is written or no program reads any more.
 void feed(Descriptor& fd, const std::string& bytes, std::size_t& written) {
     const ssize_t count = write(fd.get(), bytes.data() + written, bytes.size() - written);
     if (count > 0) written += static_cast<std::size_t>(count);

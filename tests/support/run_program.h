@@ -1,4 +1,4 @@
-// Runs a program the way a shell would, without one.
+// Runs a program as a shell does, without one.
 #pragma once
 
 #include <cstdint>

@@ -124,7 +124,7 @@ TorusGeodesics::Ray TorusGeodesics::trace(double direction) const {
 }
 
 /// Whether a geodesic of this length surely is no shortest one: it has passed its conjugate point
-/// or the meridian opposite to the seed (a plane of symmetry), or a simple way is shorter.
+/// or the meridian opposite to the seed (a plane of symmetry), or a simple path is shorter.
 bool TorusGeodesics::isPastCut(const State& s, double length) const {
     const double turn = std::abs(s.u - seed_.u);
     if (s.j <= 0 || turn > M_PI || length > maxLength_) return true;
@@ -151,7 +151,7 @@ void TorusGeodesics::traceBetween(const Ray& first, double lastDirection, int de
     traceBetween(trace(middle), lastDirection, depth + 1);
 }
 
-/// Length of the straight way in the plane of (d u, minorRadius v), good for near points.
+/// Length of the straight line in the plane of (d u, minorRadius v), good for near points.
 double TorusGeodesics::gap(const State& s, const Angles& target) const {
     return std::hypot(axisDistance(target.v) * wrap(target.u - s.u),
                       minorRadius_ * wrap(target.v - s.v));

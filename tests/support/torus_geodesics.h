@@ -13,7 +13,7 @@ namespace igeo::test {
 /// unit-speed geodesics obey Clairaut's relation d^2 u' = constant and
 /// v'' = -d sin v u'^2 / minorRadius; neighbors spread by j, j'' = -K j (Jacobi's equation) with
 /// K = cos v / (minorRadius d). A fan of geodesics from the seed, each followed until it surely is
-/// no shortest way any more, gives starting values for Newton's method on (direction, length);
+/// no shortest path any more, gives starting values for Newton's method on (direction, length);
 /// the shortest geodesic that hits the query is the distance.
 ///
 /// Accuracy: 1e-9 of majorRadius; where the query is conjugate to the seed along its shortest

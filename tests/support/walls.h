@@ -141,7 +141,7 @@ private:
 
 /// What comes of a wall that should part p from q.
 struct Parting {
-    bool leaks = false;        ///< there is a way from p to q
+    bool leaks = false;        ///< there is a path from p to q
     double swallowed = 0;      ///< how far from the wall a node belongs to neither side, voxels
     std::size_t p = 0, q = 0;  ///< nodes of either side
 };

@@ -28,7 +28,7 @@ TriangleMesh tube(double radius, double height) {
     });
 }
 
-/// What every curve has to fulfil.
+/// What holds for every curve.
 void requireSound(const Polyline& line) {
     const std::size_t n = line.points.size();
     REQUIRE(line.status == PathStatus::Reached);

@@ -62,7 +62,7 @@ class Screen:
                 return images.read_framebuffer(self.picture)
             last = now
             time.sleep(0.3)
-        raise AssertionError("the picture never stands still")
+        raise AssertionError("the picture never comes to rest")
 
 
 class Viewer:
@@ -164,7 +164,7 @@ class WhatOneSees(unittest.TestCase):
         self.assertGreater(len(plain.keys() - engraved.keys()), 0.005 * len(plain))
         both = plain.keys() & engraved.keys()
         changed = sum(abs(gray(plain[at]) - gray(engraved[at])) > 10 for at in both) / len(both)
-        print(f"engraved: {len(engraved)} of {len(plain)} pixels, {100 * changed:.0f} % shaded anew,"
+        print(f"engraved: {len(engraved)} of {len(plain)} pixels, {100 * changed:.0f} % shaded again,"
               f" {len(engraved.keys() - plain.keys())} new", file=sys.stderr)
         self.assertGreater(changed, 0.1)
 

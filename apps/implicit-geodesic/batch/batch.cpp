@@ -264,6 +264,7 @@ void Batch::writeSummary() {
 
 int Batch::tellEnd() {
     progress_.clear();
+    if (!view_.empty()) console_.info("wrote view to " + view_);
     tell(summary_, fs::path(summaryFile_).filename().string(), console_);
     return summary_.exitCode();
 }

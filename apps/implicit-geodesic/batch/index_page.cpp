@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/results/detail/web_text.h>
+#include <igeo/results/view_page.h>
 
 #include <filesystem>
 #include <fstream>
@@ -38,19 +39,14 @@ small { color: #555b66; }
 </html>
 )";
 
-/// The picture in a page that viewPage has written; empty: there is none.
+/// The picture in a page of --view, as an address; empty: there is none.
 std::string pictureIn(const std::string& page) {
     constexpr std::size_t kMost = 4u << 20;
     std::ifstream in(page, std::ios::binary);
     std::string head(kMost, '\0');
     in.read(head.data(), std::streamsize(head.size()));
     head.resize(std::size_t(in.gcount()));
-    const std::string before = "<img id=\"still\" alt=\"A picture of what the page shows\" src=\"";
-    const std::size_t begin = head.find(before);
-    if (begin == std::string::npos) return {};
-    const std::size_t from = begin + before.size(), end = head.find('"', from);
-    const std::string address = end == std::string::npos ? "" : head.substr(from, end - from);
-    return address.rfind(igeo::pngAddress({}), 0) == 0 ? address : "";
+    return igeo::stillOfPage(head);
 }
 
 /// A relative address of a file: what has a meaning in addresses is written as %xx.

@@ -22,7 +22,7 @@ JobLog::JobLog(const std::string& file) : file_(file) {
     out_.open(file, std::ios::app);
     if (!out_)
         throw igeo::Error(igeo::Error::Kind::Io, "the log '" + file + "' cannot be written",
-                          "name a file in a folder that is there and that you may write to");
+                          "name a file in a folder that exists and that you may write to");
 }
 
 void JobLog::add(const JobRecord& job, double seconds) {
@@ -34,5 +34,5 @@ void JobLog::add(const JobRecord& job, double seconds) {
     out_ << line.dump(-1, ' ', false, Json::error_handler_t::replace) << std::endl;
     if (!out_)
         throw igeo::Error(igeo::Error::Kind::Io, "the log '" + file_ + "' cannot be written",
-                          "look whether the disk is full");
+                          "check the free space on the disk");
 }

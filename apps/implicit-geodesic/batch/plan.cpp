@@ -70,7 +70,7 @@ void refuseConflicts(const std::vector<BatchJob>& jobs, const BatchFiles& files)
             const auto writer = writers.find(wholeName(file));
             if (writer != writers.end())
                 usageError(job.quoted() + " reads '" + file + "', which " + writer->second,
-                           "jobs run in no order: put this one into a batch that follows");
+                           "jobs run in any order: put this one into a second batch");
         }
 }
 

@@ -79,7 +79,7 @@ JobRecord recordOf(const Json& j) {
 void requireSound(const Summary& summary, const std::string& file) {
     constexpr std::size_t kMostJobs = 1000000000;
     if (!summary.shard.valid())
-        inputError(file + " is of shard " + summary.shard.text() + ", which there is not",
+        inputError(file + " is of shard " + summary.shard.text() + ", which does not exist",
                    "shards are numbered from 1 to their count, 1000000 at most; run it again");
     if (summary.count > kMostJobs)
         inputError(fmt::format("{} is of {} jobs, more than {}", file, summary.count, kMostJobs),
@@ -142,7 +142,7 @@ void refuseMissing(const Summary& whole, const std::vector<Part>& shards) {
     std::vector<std::string> missing = whole.namesOf("waiting");
     if (!missing.empty())
         inputError("jobs that have not run: " + listed(missing),
-                   "finish their shards: the command that began one goes on with it");
+                   "finish their shards: the same command continues it");
     if (whole.jobs.size() == whole.count) return;
     std::set<std::size_t> given;
     for (const Part& shard : shards) given.insert(shard.number);
@@ -188,13 +188,14 @@ Summary mergedSummary(const std::vector<std::string>& files) {
 void tell(const Summary& summary, const std::string& file, Console& console) {
     const std::vector<std::string> failed = summary.namesOf("failed"),
                                    unreached = summary.namesOf("unreached");
-    const std::string all = std::to_string(summary.jobs.size()) + " jobs";
+    const std::string all = std::to_string(summary.jobs.size()) + " jobs",
+                      done =
+                          summary.jobs.size() == 1 ? "the job is done" : "all " + all + " are done";
     if (!failed.empty())
         Console::error(std::to_string(failed.size()) + " of " + all + " failed: " + listed(failed),
-                       "'" + file + "' says why; the next run of the batch goes on with them");
+                       "'" + file + "' says why; the next run of the batch continues with them");
     else if (!unreached.empty())
-        console.warning("all " + all + " are done, but targets are unreached in " +
-                        listed(unreached));
+        console.warning(done + ", but targets are unreached in " + listed(unreached));
     else
-        console.info("all " + all + " are done");
+        console.info(done);
 }

@@ -101,7 +101,7 @@ FileGuard::FileGuard(const std::string& file, double seconds)
     const std::string start = std::string(gLineStart) + "implicit-geodesic: error: cannot read " +
                               (file == "-" ? "standard input" : "'" + file.substr(0, 600) + "'");
     gFileFault.set(start +
-                   ": its reader crashed, which damaged files bring about\n"
+                   ": its reader crashed, as damaged files cause it\n"
                    "  write the file again, or in another format\n");
     gFileTime.set(start + ": it took more than " + std::to_string(std::llround(seconds)) +
                   " s of computing\n"

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "json_file.h"
+#include "output/result_table.h"
 #include "process.h"
 
 namespace {
@@ -179,5 +180,9 @@ std::string helpText(const Command& command, bool brief) {
 std::string descriptionJson(const Command& command) {
     Json all = toJson(command);
     all["version"] = igeo::kVersion;
+    all["results"] = Json::array();
+    for (const ResultKind& kind : resultKinds())
+        all["results"].push_back(
+            {{"option", kind.option}, {"name", kind.name}, {"endings", kind.endings}});
     return all.dump(2) + "\n";
 }

@@ -6,9 +6,7 @@
 Command infoCommand(InfoOptions& o) {
     Command command{
         .name = "implicit-geodesic info",
-        .about =
-            "What a file holds, whether it is usable as a surface, and what a run on it would "
-            "take",
+        .about = "What a file holds, whether it is usable as a surface, and what a run costs",
         .arguments =
             {{.names = {"FILE"},
               .value = "[:GRID]",
@@ -29,7 +27,7 @@ Command infoCommand(InfoOptions& o) {
     addVoxelSizeOptions(command, o.voxelSize, o.resolution);
     command.add("Surface", {{.names = {"--iso"},
                              .value = "V",
-                             .text = "Of a volume of voxels, the value that is the surface "
+                             .text = "Of a volume of voxels, the value at the surface "
                                      "[masks: halfway]",
                              .reads = number(o.iso)}});
     command.add(

@@ -146,7 +146,7 @@ std::vector<Option> costOptions(MetricOptions& o) {
             {.names = {"--metric-curvature"},
              .value = "avoid|prefer[,length=L]",
              .text = "Cost by direction: avoid bending with the surface, or prefer it; L is the "
-                     "radius at which it counts, world units [length: 10 voxels]",
+                     "radius where the cost is sqrt(2), world units [length: 10 voxels]",
              .reads = bendingCost(o.metricCurvature)},
             {.names = {"--metric"},
              .value = "FILE[:PREFIX]",

@@ -14,7 +14,7 @@ namespace {
 std::string gridNameOf(const std::string& word) {
     if (word.empty()) usageError("the name is empty", "give one, or leave --name out");
     if (hasControls(word))
-        usageError("'" + word + "' holds a control character", "take it out of the name");
+        usageError("'" + word + "' holds a control character", "remove it from the name");
     return word;
 }
 
@@ -59,7 +59,7 @@ Camera cameraOf(const std::string& word) {
     const std::vector<double> v = igeo::parseNumbers(word);
     if (v.size() != 3 && v.size() != 6)
         usageError("'" + word + "' is not x,y,z or x,y,z,x,y,z",
-                   "give where the camera is and, if you like, what it looks at");
+                   "give the position of the camera, and optionally what it looks at");
     Camera camera{{v[0], v[1], v[2]}, {}};
     if (v.size() == 6) camera.lookAt = igeo::Vec3d{v[3], v[4], v[5]};
     return camera;
@@ -121,7 +121,7 @@ std::vector<Option> curveOptions(ResultOptions& o) {
              .reads = text(o.paths)},
             {.names = {"--straighten"},
              .text = "Relax the geodesics to locally shortest curves, free of the march's error; "
-                     "of --via the curve as a whole, which its points then only guide",
+                     "with --via the curve as a whole, whose points then only guide it",
              .reads = flag(o.straighten)},
             {.names = {"--path-step"},
              .value = "D",
@@ -139,7 +139,7 @@ std::vector<Option> curveOptions(ResultOptions& o) {
              .reads = text(o.isolines)},
             {.names = {"--levels"},
              .value = "N",
-             .text = "How many levels isolines have",
+             .text = "Number of levels of isolines",
              .reads = wholeNumber(o.levels, 1, 100000)},
             {.names = {"--spacing"},
              .value = "D",

@@ -126,7 +126,7 @@ Command jobCommand(RunOptions& o) {
     command.add("Run",
                 {{.names = {"--memory-limit"},
                   .value = "G",
-                  .text = "Refuse what needs more memory, before it is taken: GiB, or with a "
+                  .text = "Refuse work that needs more memory, before it begins: GiB, or with a "
                           "unit, as 500MB or 4GiB [what the machine has]",
                   .reads = parsed(o.memoryLimit, gibibytesOf)}});
     command.check = [&o] { checkTogether(o); };

@@ -76,7 +76,7 @@ std::vector<Option> targetOptions(SeedOptions& o) {
              .reads = flag(o.skipOffSurface)},
             {.names = {"--sample"},
              .value = "K",
-             .text = "Add so many seeds, each as far from all others as can be",
+             .text = "Add K seeds, each as far from all others as possible",
              .reads = wholeNumber(o.sample, 1, 1000000)},
             {.names = {"--stop-at-targets"},
              .text = "Stop once all targets are reached",
@@ -90,13 +90,13 @@ std::vector<Option> targetOptions(SeedOptions& o) {
 std::vector<Option> pairAndShotOptions(SeedOptions& o) {
     return {{.names = {"--pairs"},
              .value = "FILE",
-             .text = "Distances between pairs of points, each found near by; from a .json or .csv "
+             .text = "Distances between pairs of points; from a .json or .csv "
                      "file of x,y,z,x,y,z; needs no seed",
              .reads = text(o.pairs)},
             {.names = {"--shoot"},
              .value = "X,Y,Z,DX,DY,DZ,L",
-             .text = "Walk straight on (a geodesic) from a point in a direction for a length, "
-                     "world units; for --paths and --image; needs no seed; repeatable",
+             .text = "A geodesic from a point in a direction for a length, world units; for "
+                     "--paths and --image; needs no seed; repeatable",
              .reads = parsedEach(o.shots, shotOf)},
             {.names = {"--via"},
              .value = "POINTS|FILE",

@@ -83,7 +83,7 @@ void addSurfaceOptions(Command& command, SurfaceOptions& o) {
         "Surface",
         {{.names = {"--sdf"},
           .value = "FILE[:GRID]",
-          .text = "Level set to walk on: a .vdb file, its grid if it holds several; - reads stdin",
+          .text = "Level set: a .vdb file, and its grid if it holds several; - reads stdin",
           .reads = volume(o)},
          {.names = {"--mesh"},
           .value = "FILE",
@@ -116,7 +116,7 @@ void addSurfaceOptions(Command& command, SurfaceOptions& o) {
                   .reads = flag(o.rebuild)},
                  {.names = {"--iso"},
                   .value = "V",
-                  .text = "The value that is the surface, for --volume [masks: halfway] and "
+                  .text = "The value at the surface, for --volume [masks: halfway] and "
                           "--rebuild [0; fog: 0.5]",
                   .reads = number(o.iso)}});
 }

@@ -71,7 +71,7 @@ std::string wholeName(const std::string& file) {
     if (error)
         throw igeo::Error(igeo::Error::Kind::Io,
                           "cannot tell where '" + file + "' is: the working folder is gone",
-                          "go to a folder that is there, or name files from the root on");
+                          "go to a folder that exists, or give absolute names");
     return fs::weakly_canonical(whole, ignored).string();
 }
 

@@ -33,7 +33,7 @@ void requireTogether(const ResultKind& kind, const RunOptions& o) {
                    "give it by --mesh; of other surfaces --mesh-out has vertices with distances");
     if (kind.needs.points && o.hasExtendedSeeds())
         usageError(option + " does not go with --seed-curve and --seed-mask",
-                   "it is made of distances between points");
+                   "it holds distances between points");
 }
 
 std::vector<OutputFile> askedFiles(const RunOptions& o) {

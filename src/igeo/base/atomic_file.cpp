@@ -42,7 +42,7 @@ void AtomicFile::throwWriteError(const std::string& path, int systemError) {
     if (isOutOfSpace(systemError))
         remedy = "free some space or write to another disk; nothing was changed";
     if (systemError == EPIPE || systemError == EBADF)
-        remedy = "the program that was to read it has gone; write to a file instead";
+        remedy = "the program that reads it has ended; write to a file instead";
     const std::string why = systemError ? std::strerror(systemError) : "write failed";
     throw Error(Error::Kind::Io, "cannot write '" + path + "': " + why, remedy);
 }

@@ -230,7 +230,7 @@ std::vector<NamedGrid> readFromStream(const GridSource& source, std::istream& in
                                       const Choose& choice) {
     if (in.peek() == std::istream::traits_type::eof())
         throw Error(Kind::BadInput, nameOf(source) + " is empty",
-                    "check the program that was to write it");
+                    "check the program that writes it");
     in.exceptions(std::ios::failbit | std::ios::badbit);
     openvdb::io::Stream stream(in, /*delayLoad=*/false);
     Candidates all;

@@ -48,7 +48,7 @@ std::vector<double> fromGifti(const std::string& file, const std::string& bytes)
     }
     if (arrays != 1)
         refuse(file, fmt::format("holds {} arrays of values, not one", arrays),
-               "write the one that counts into a file of its own");
+               "write the one you need into a file of its own");
     return values;
 }
 

@@ -21,7 +21,7 @@ void requireLength(double length) {
         Error::Kind::InvalidArgument,
         fmt::format("a path of length {:f} was asked for; it has to be finite and not negative",
                     length),
-        length < 0 ? "turn the direction round to walk backwards" : "");
+        length < 0 ? "reverse the direction instead" : "");
 }
 
 [[noreturn]] void refuseDirection() {

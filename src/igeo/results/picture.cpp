@@ -105,7 +105,7 @@ private:
         parallelFor(raster_.tiles(), 1, progress_, [&](std::size_t begin, std::size_t end) {
             std::vector<Sample> tile;
             for (std::size_t t = begin; t < end; ++t) {
-                raster_.draw(t, {{0.5, 0.5}}, tile);
+                raster_.draw(t, {{0.5, 0.5}}, /*wanted: all*/ {}, tile);
                 forPixels(t, [&](int x, int y, std::size_t k) { samples_[index(x, y)] = tile[k]; });
             }
         });
@@ -145,11 +145,11 @@ private:
         for (int x = 0; x < frame_.width; ++x) {
             const std::size_t i = index(x, y);
             if (!samples_[i].covered()) continue;
-            const std::uint32_t t = samples_[i].triangle;
-            const Vec3d toward = frame_.toward(x + 0.5, y + 0.5);
-            normals_[i] = Vec3f(surface_.normal(t, raster_.shares(t, toward), toward));
-            if (x % 2 == 0) distances_[i] = distanceAt(x);
+            const Spot spot = spotAt(samples_[i], frame_.toward(x + 0.5, y + 0.5), x % 2 == 0);
+            normals_[i] = Vec3f(spot.normal);
+            distances_[i] = float(spot.distance);
         }
+        if (surface_.hasDistances()) return;
         for (int x = 1; x < frame_.width; x += 2) {
             const std::size_t i = index(x, y);
             if (samples_[i].covered()) distances_[i] = isSmooth(x, y) ? between(i) : distanceAt(x);
@@ -175,12 +175,16 @@ private:
         return !bends(i - 1) && !bends(i + 1) && !parted(x, y, x - 1, y) && !parted(x, y, x + 1, y);
     }
 
-    Spot spotAt(const Sample& s, const Vec3d& toward) const {
+    /// @param read  whether the distance of the field is read, where the triangles have none
+    Spot spotAt(const Sample& s, const Vec3d& toward, bool read = true) const {
+        const std::array<double, 3> shares = raster_.shares(s.triangle, toward);
         Spot spot;
         spot.p = frame_.eye + double(s.depth) * toward;
-        spot.normal =
-            surface_.normal(s.triangle, raster_.shares(s.triangle, toward), normalized(toward));
-        spot.distance = shader_.distanceAt(spot.p, spot.normal);
+        spot.normal = surface_.normal(s.triangle, shares, toward);
+        if (surface_.hasDistances())
+            spot.distance = shader_.known(spot.p, surface_.distance(s.triangle, shares));
+        else if (read)
+            spot.distance = shader_.distanceAt(spot.p, spot.normal);
         return spot;
     }
 
@@ -239,14 +243,19 @@ private:
                     {(a + (b + 0.5) / kFiner) / kFiner, (b + (a + 0.5) / kFiner) / kFiner});
         parallelFor(refine.size(), 1, progress_, [&](std::size_t begin, std::size_t end) {
             std::vector<Sample> samples;
+            std::vector<std::uint8_t> edges(std::size_t(Raster::kTile) * Raster::kTile);
+            std::vector<double> slopes(edges.size());
             for (std::size_t t = begin; t < end; ++t) {
                 if (!refine[t]) continue;
-                raster_.draw(t, offsets, samples);
                 forPixels(t, [&](int x, int y, std::size_t k) {
                     const Around around = lookAround(x, y);
-                    if (around.edge)
+                    edges[k] = around.edge, slopes[k] = around.slope;
+                });
+                raster_.draw(t, offsets, edges, samples);
+                forPixels(t, [&](int x, int y, std::size_t k) {
+                    if (edges[k])
                         film.at(x, y) =
-                            mean(x, y, offsets, &samples[k * offsets.size()], around.slope);
+                            mean(x, y, offsets, &samples[k * offsets.size()], slopes[k]);
                 });
             }
         });

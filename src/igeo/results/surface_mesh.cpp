@@ -170,6 +170,19 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Field& field, Progress& 
     return mesh;
 }
 
+void sampleDistances(SurfaceMesh& mesh, const Field& field, Progress& progress) {
+    const std::size_t n = mesh.position.size();
+    mesh.distance.resize(n);
+    mesh.label.resize(n);
+    parallelFor(n, 1024, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Arrival first = arrivalAt(field, mesh.position[i], Vec3d(mesh.normal[i]));
+            mesh.distance[i] = first.distance;
+            mesh.label[i] = first.distance < kInfinity ? first.source : kNoLabel;
+        }
+    });
+}
+
 void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {
     const std::size_t n = mesh.position.size();
     mesh.normal = vertexNormals(mesh);

@@ -49,6 +49,10 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Field& field,
 SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band,
                         Progress& progress = Progress::none());
 
+/// Fills distance and label of a mesh on S from its positions and normals.
+/// @throws Error  Cancelled through `progress`
+void sampleDistances(SurfaceMesh& mesh, const Field& field, Progress& progress = Progress::none());
+
 /// Fills normal, distance, label and gradient of a mesh on S from its positions and triangles.
 /// @throws Error  Cancelled through `progress`
 void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress = Progress::none());

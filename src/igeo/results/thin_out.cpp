@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <tuple>
-#include <unordered_map>
+#include <limits>
+#include <vector>
 
 namespace igeo {
 
@@ -20,26 +20,52 @@ double areaOf(const SurfaceMesh& mesh) {
     return sum;
 }
 
+/// A cube, and an octant of normals.
+using Key = std::array<std::int64_t, 4>;
+
+/// Numbers keys from 0 on, in the order in which they come: a table with open addresses.
+class KeyNumbers {
+public:
+    explicit KeyNumbers(std::size_t most) {
+        std::size_t size = 16;
+        while (size < 2 * most) size *= 2;
+        table_.assign(size, kFree);
+    }
+    std::uint32_t numberOf(const Key& key) {
+        const std::size_t mask = table_.size() - 1;
+        std::size_t at = hashOf(key) & mask;
+        while (table_[at] != kFree && keys_[table_[at]] != key) at = (at + 1) & mask;
+        if (table_[at] == kFree) {
+            table_[at] = std::uint32_t(keys_.size());
+            keys_.push_back(key);
+        }
+        return table_[at];
+    }
+    std::size_t size() const { return keys_.size(); }
+
+private:
+    static constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
+    static std::size_t hashOf(const Key& key) {
+        std::uint64_t hash = 0;
+        for (const std::int64_t k : key)
+            hash = (hash ^ std::uint64_t(k)) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
+        return std::size_t(hash);
+    }
+    std::vector<std::uint32_t> table_;
+    std::vector<Key> keys_;
+};
+
 /// Per vertex the number of its cluster: vertices in one cube whose normals lie in one octant, so
 /// that the two sides of a thin wall stay apart.
 std::size_t clusters(const SurfaceMesh& mesh, double side, std::vector<std::uint32_t>& clusterOf) {
-    struct Hash {
-        std::size_t operator()(const std::array<std::int64_t, 4>& key) const {
-            std::uint64_t hash = 0;
-            for (const std::int64_t k : key)
-                hash = (hash ^ std::uint64_t(k)) * 0x9e3779b97f4a7c15u, hash ^= hash >> 29;
-            return std::size_t(hash);
-        }
-    };
-    std::unordered_map<std::array<std::int64_t, 4>, std::uint32_t, Hash> numbers;
+    KeyNumbers numbers(mesh.position.size());
     clusterOf.resize(mesh.position.size());
     for (std::size_t v = 0; v < clusterOf.size(); ++v) {
         const Vec3d p = mesh.position[v] * (1 / side);
         const Vec3f n = mesh.normal[v];
-        const std::array<std::int64_t, 4> key{
-            std::llround(std::floor(p.x)), std::llround(std::floor(p.y)),
-            std::llround(std::floor(p.z)), (n.x < 0) | (n.y < 0) << 1 | (n.z < 0) << 2};
-        clusterOf[v] = numbers.emplace(key, std::uint32_t(numbers.size())).first->second;
+        clusterOf[v] = numbers.numberOf(
+            {std::int64_t(std::floor(p.x)), std::int64_t(std::floor(p.y)),
+             std::int64_t(std::floor(p.z)), (n.x < 0) | (n.y < 0) << 1 | (n.z < 0) << 2});
     }
     return numbers.size();
 }
@@ -91,7 +117,7 @@ bool thinOut(SurfaceMesh& mesh, std::size_t most, std::vector<std::uint32_t>& ke
     for (std::uint32_t v = 0; v < mesh.position.size(); ++v) kept.push_back(v);
     if (mesh.triangles.size() <= most) return false;
     // Two triangles per cube, and some more where the surface passes from octant to octant.
-    double side = 1.2 * std::sqrt(areaOf(mesh) / double(std::max<std::size_t>(most, 1)));
+    double side = 1.27 * std::sqrt(areaOf(mesh) / double(std::max<std::size_t>(most, 1)));
     std::vector<std::uint32_t> clusterOf;
     std::vector<SurfaceMesh::Triangle> left;
     std::size_t count = 0;

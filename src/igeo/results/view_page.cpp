@@ -24,6 +24,10 @@ using Numbers = std::vector<std::uint32_t>;
 
 constexpr std::uint32_t kBlocked = 65534, kUnreached = 65535;  // codes, as in drawing.js
 
+/// What is before the address of the picture.
+constexpr std::string_view kStill =
+    R"(<img id="still" alt="A picture of what the page shows" src=")";
+
 /// Numbers in few bytes: differences with their signs in the lowest bit, in four planes of bytes.
 std::string packed(const Numbers& numbers) {
     const std::size_t n = numbers.size();
@@ -36,7 +40,7 @@ std::string packed(const Numbers& numbers) {
             bytes[plane * n + k] = char(code >> 8 * plane & 0xff);
         last = numbers[k];
     }
-    return base64(deflated(bytes));
+    return base64(deflated(bytes, 4));
 }
 
 /// The cube that all positions of a scene lie in; its sides are cut into 65535 steps.
@@ -252,9 +256,9 @@ std::string sceneJson(const ViewScene& scene) {
         R"("spacing":{},"corner":{},"side":{},"eye":{},"up":{},"map":{},"maps":{},)",
         jsonString(scene.quantity), jsonString(scene.unit), jsonString(scene.rest), scene.grows,
         json(range.empty() ? 0 : range.low), json(range.empty() ? -1 : range.high),
-        json(shares.unreached), json(shares.blocked), json(spacingOf(scene, range)),
-        json(frame.low), json(frame.side), json(scene.toEye), json(scene.up),
-        jsonString(scene.colorMap), mapsJson());
+        json(scene.restShare.value_or(shares.unreached)), json(shares.blocked),
+        json(spacingOf(scene, range)), json(frame.low), json(frame.side), json(scene.toEye),
+        json(scene.up), jsonString(scene.colorMap), mapsJson());
     text += fmt::format(R"("seeds":{},"targets":{},"labelNames":{},"voxel":{},"notes":{},)",
                         json(scene.seeds), json(scene.targets), json(scene.labelNames),
                         json(scene.voxels), json(scene.notes));
@@ -267,7 +271,7 @@ std::string sceneJson(const ViewScene& scene) {
 
 }  // namespace
 
-bool hasViewer() { return !viewFiles().three.empty(); }
+bool hasViewer() { return !viewFiles().library.empty(); }
 
 std::string viewPage(const ViewScene& scene) {
     using Kind = Error::Kind;
@@ -280,13 +284,8 @@ std::string viewPage(const ViewScene& scene) {
                     "show a surface that has some");
     static_cast<void>(ColorMap(scene.colorMap));  // refuses unknown ones
     const ViewFiles& files = viewFiles();
-    std::string library(files.three);
-    library += "\n";
-    library += files.controls;
     const std::string still =
-        scene.still.empty() ? ""
-                            : "<img id=\"still\" alt=\"A picture of what the page shows\" src=\"" +
-                                  pngAddress(scene.still) + "\">";
+        scene.still.empty() ? "" : std::string(kStill) + pngAddress(scene.still) + "\">";
     return filledIn(files.page,
                     {{"title", htmlText(scene.title)},
                      {"creator", htmlText(scene.creator)},
@@ -294,8 +293,18 @@ std::string viewPage(const ViewScene& scene) {
                      {"still", still},
                      {"license", std::string(files.license)},
                      {"scene", sceneJson(scene)},
-                     {"library", base64(deflated(library))},
+                     {"library", base64(files.library)},
                      {"script", std::string(files.drawing) + std::string(files.script)}});
+}
+
+std::string stillOfPage(std::string_view page) {
+    const std::size_t begin = page.find(kStill);
+    if (begin == std::string_view::npos) return {};
+    const std::string_view address = page.substr(begin + kStill.size());
+    const std::string png = pngAddress({});
+    const std::size_t end = address.find('"');
+    const bool whole = end != std::string_view::npos && address.substr(0, png.size()) == png;
+    return whole ? std::string(address.substr(0, end)) : std::string();
 }
 
 }  // namespace igeo

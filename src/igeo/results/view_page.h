@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace igeo {
@@ -36,6 +37,7 @@ struct ViewScene {
 
     std::string quantity = "distance", unit = "world units";
     std::string rest = "not reached";  ///< where the quantity is infinite
+    std::optional<double> restShare;   ///< of the surface; none: that of the triangles
     bool grows = true;  ///< a front passes over the surface; else there are no isolines either
     /// Of the colors; none: those of the mesh. Values beyond it have the colors of its ends.
     std::optional<std::array<double, 2>> range{};
@@ -57,6 +59,10 @@ bool hasViewer();
 ///         hasViewer() is false
 /// Time O(triangles), mostly that of zlib. The same bytes for any number of threads.
 std::string viewPage(const ViewScene& scene);
+
+/// ViewScene::still in a page, as an address for an `<img>`; empty: there is none.
+/// @param page  viewPage(), or its first bytes: the picture is before the arrays of the scene
+std::string stillOfPage(std::string_view page);
 
 /// Leaves out triangles until there are `most` at the most: of the vertices in a cube of space with
 /// normals in one octant the one nearest to their mean stays, with its values.

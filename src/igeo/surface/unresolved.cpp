@@ -232,13 +232,13 @@ std::vector<std::string> unresolvedWarnings(const Unresolved& unresolved) {
          "short; smaller voxels, or the mesh itself, keep them open");
     warn(unresolved.thin, kThin,
          "walls or gaps are thinner than 1.1 voxels on {:.2g} % of the surface: fronts may cross "
-         "them, and distances come out too short; smaller voxels tell their sides apart");
+         "them, and distances come out too short; smaller voxels separate their sides");
     if (!warn(unresolved.cutOff, kCutOff,
               "{:.2g} % of the surface is thinner than the voxels can show, and no path leads "
               "there: take smaller voxels"))
         warn(unresolved.facing, kFacing,
              "sheets face each other within two voxels on {:.0f} % of the surface: distances are "
-             "less accurate there; info says which voxels would tell them apart");
+             "less accurate there; info gives the voxel size that separates them");
     if (const int difference = unresolved.eulerDifference.value_or(0))
         warnings.push_back(fmt::format(
             "the voxels show tunnels or gaps otherwise than the mesh has them (Euler "

@@ -16,7 +16,7 @@ using Paths =
     CGAL::Surface_mesh_shortest_path<CGAL::Surface_mesh_shortest_path_traits<Kernel, Mesh>>;
 using TreeTraits = CGAL::AABB_traits<Kernel, CGAL::AABB_face_graph_triangle_primitive<Mesh>>;
 
-/// CGAL says -1 where there is no way.
+/// CGAL says -1 where there is no path.
 double orInfinity(double distance) { return distance < 0 ? kInfinity : distance; }
 
 class Exact : public Peer {

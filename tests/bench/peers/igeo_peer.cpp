@@ -58,7 +58,7 @@ TriangleMesh readSurface(const Arguments& args, Stages& stages) {
     return mesh;
 }
 
-/// No way leads to other components, whatever a method says there.
+/// No path leads to other components, whatever a method says there.
 void leaveOutOthers(const TriangleMesh& mesh, std::size_t seed, std::vector<double>& distance) {
     const MeshTopology topology = meshTopology(mesh);
     std::vector<std::uint32_t> component(mesh.points.size());

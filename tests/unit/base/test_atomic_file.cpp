@@ -68,7 +68,7 @@ TEST_CASE("AtomicFile: an abandoned file leaves no trace") {
     CHECK(filesIn(folder) == 1);
 }
 
-TEST_CASE("AtomicFile: a failed write keeps what stood there") {
+TEST_CASE("AtomicFile: a failed write keeps what was there") {
     const TempDir folder;
     put(folder / "out", "old");
     expectError(Error::Kind::Io, {"cannot write", "out"}, [&] {

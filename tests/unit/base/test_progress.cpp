@@ -1,4 +1,4 @@
-// What long stages report, and that each of them stops when it is told to.
+// What long stages report, and that each of them stops when it is canceled.
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
 #include <igeo/igeo.h>
@@ -84,7 +84,7 @@ TEST_CASE("Steps: a part of a stage, from its beginning to its end") {
     CHECK(steps.cancelled());
 }
 
-TEST_CASE("every long stage says that it begins, goes on, and is done; and stops when told") {
+TEST_CASE("every long stage says that it begins, goes on, and is done; and stops when canceled") {
     const ThreadLimit one(1);  // reports in order
     const openvdb::Vec3d center(0.5, 0.5, 0.5);
     const Meshed m = meshed(sphere(center, 0.4), 0.02, {center + openvdb::Vec3d(0.4, 0, 0)});
@@ -123,7 +123,7 @@ TEST_CASE("every long stage says that it begins, goes on, and is done; and stops
     }
 }
 
-TEST_CASE("what has no stage of its own stops in its midst when told") {
+TEST_CASE("what has no stage of its own stops in its midst when canceled") {
     const ThreadLimit one(1);
     const openvdb::Vec3d center(0.5, 0.5, 0.5);
     const Surface surface(*makeLevelSet(sphere(center, 0.4), 0.01, 3));

@@ -149,7 +149,7 @@ TEST_CASE("polygons become triangles and a mirroring node keeps the outside outs
 
 TEST_CASE("vertices keep the numbers of the file", "[mesh]") {
     const TempDir dir;
-    // A quad and a triangle; vertex 0 is no corner, 5 is 2 once more.
+    // A quad and a triangle; vertex 0 is no corner, 5 is 2 again.
     const std::string faces = "3 1 2 3\n4 5 1 4 2\n";
     const char* const vertices = "9 9 9\n0 0 0\n1 0 0\n0 0.1 0\n1 1 0.1234567890123\n1 0 0\n";
     std::string obj = "# a comment\nmtllib none.mtl\no thing\n";

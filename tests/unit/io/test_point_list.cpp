@@ -138,13 +138,13 @@ TEST_CASE("readPoints: text that is no points") {
     refuse("p.csv", "1,2,3\n1,2,3,-1\n", {"start value", "negative"});
     refuse("p.csv", "", {"holds no points"});
     refuse("p.csv", "x,y,z\n", {"holds no points"});
-    // A mistake in the first line is no header: it would cost a point without a word.
+    // A mistake in the first line is no header: it would lose a point without a message.
     refuse("p.csv", "1,2\n1,2,3\n", {"line 1"});
     refuse("p.csv", "1,5;2;3\n1,2,3\n", {"line 1"});
     refuse("p.csv", "1,2,oops\n1,2,3\n", {"line 1"});
 }
 
-TEST_CASE("readPoints: of a line without end only the beginning is told") {
+TEST_CASE("readPoints: of a line without end only the beginning is quoted") {
     const TempDir folder;
     std::ofstream(folder / "p.csv") << "1,2,3\n" << std::string(1000000, '9') << "\n";
     try {

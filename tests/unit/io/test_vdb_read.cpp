@@ -148,7 +148,7 @@ TEST_CASE("readLevelSetGrid: takes the grid that is meant") {
     const auto named = readLevelSetGrid({folder / "a.vdb", "unknown"});
     CHECK(named.name == "unknown");
     CHECK(!named.isLevelSetClass);
-    // Without a level set the only grid of class unknown will do.
+    // Without a level set the only grid of class unknown is usable.
     writeVdb(folder / "b.vdb", {fog, unknown});
     CHECK(readLevelSetGrid({folder / "b.vdb", ""}).name == "unknown");
     // Two of one name.

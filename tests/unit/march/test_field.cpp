@@ -96,7 +96,7 @@ TEST_CASE("surfaceGradient: one-sided at unreached nodes, zero where nothing is 
     CHECK(surfaceGradient(one)[0] == Vec3f{});
 }
 
-TEST_CASE("surfaceGradient: where fronts meet, a way down and no standstill") {
+TEST_CASE("surfaceGradient: where fronts meet, a descent and no standstill") {
     // d = 20 - |x| on the plane z = 0: fronts that meet at x = 0, a lattice plane.
     const Band band = planeBand({0, 0, 1}, 0, {-8, -8, -3}, {8, 8, 3}, 2);
     const Field field = fieldOf(band, [](const Vec3d& p) { return 20 - std::abs(p.x); });
@@ -152,7 +152,7 @@ TEST_CASE("sampleDistance: straight to the seed within its start disc") {
     CHECK(sampleDistance(field, at) == 40);
 }
 
-TEST_CASE("sampleDistance: a seed that another front has overrun counts for nothing") {
+TEST_CASE("sampleDistance: a seed that another front has overrun has no effect") {
     const Band band = planeBand({0, 0, 1}, 0, {-24, -24, -3}, {24, 24, 3}, 2);
     const SurfacePoint first = nearestSurfacePoint(band, {0.3, -0.4, 0});
     SurfacePoint second = nearestSurfacePoint(band, {10.2, 1.1, 0});

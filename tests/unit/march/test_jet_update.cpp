@@ -151,7 +151,7 @@ TEST_CASE("blendJets takes the least of two plane fronts, at whatever angle they
     }
 }
 
-TEST_CASE("blendJets: at a focus, and on the way to it, and away from a source") {
+TEST_CASE("blendJets: at a focus, and toward it, and away from a source") {
     std::mt19937 random(4);
     std::uniform_real_distribution<float> angle(0, 6.2831853f);
     std::array<float, JetNeighbors::kMax> weight{};

@@ -25,7 +25,7 @@ TEST_CASE("seeds: what follows joined belongs to the source before it") {
     CHECK(sourcesOf({}).empty());
     CHECK(sourcesOf({at(o), at(o), at(o, true), at(o, true), at(o)}) ==
           std::vector<std::uint32_t>{0, 1, 1, 1, 2});
-    // Nobody is before the first.
+    // No seed is before the first.
     CHECK(sourcesOf({at(o, true), at(o, true)}) == std::vector<std::uint32_t>{0, 0});
 }
 
@@ -102,7 +102,7 @@ TEST_CASE("seedsAlong: curves off the surface are refused") {
     expectError(Kind::InvalidArgument, {"point 1", "2.8", "maxSnap"}, [&] {
         seedsAlong(band, {{{0, 0, 0}, {1, 0, 3}}, false, 0}, 1);
     });
-    // The way between its points is cut by the end of the plane.
+    // The line between its points is cut by the end of the plane.
     const Band sphere = sphereBand({0, 0, 0}, 10, 1.8);
     expectError(Kind::InvalidArgument, {"between points 0 and 1", "more points"}, [&] {
         seedsAlong(sphere, {{{10, 0, 0}, {-10, 0.5, 0}}, false, 0}, 1);

@@ -98,7 +98,7 @@ TEST_CASE("sampleWeight: a linear weight is exact, whatever the grid's placement
     }
 }
 
-TEST_CASE("sampleWeight: on the band's own voxels the world plays no part") {
+TEST_CASE("sampleWeight: on the band's own voxels the world has no effect") {
     Band band = sphereBand(kCenter, kRadius, 1.8);
     const auto grid = openvdb::FloatGrid::create(3);
     for (NodeIndex i = 0; i < band.size(); ++i) {
@@ -139,7 +139,7 @@ TEST_CASE("sampleWeight: voxels that are not active count as the background") {
     }
 }
 
-TEST_CASE("sampleWeight: refuses what is no weight, with place, value and way out") {
+TEST_CASE("sampleWeight: refuses what is no weight, with place, value and remedy") {
     const Band band = placedSphere();
     const auto bad = Error::Kind::BadInput;
     const auto put = [&](float value, float background = 0) {
@@ -273,7 +273,7 @@ TEST_CASE("sampleTensor: refuses what is no metric, with place and eigenvalue") 
     half->tree().fill({{3, -20, -20}, {20, 20, 20}}, openvdb::Vec3s(0.0f), false);
     expectError(bad, {"does not cover the surface there: background is [0, 0, 0]"},
                 [&] { sampleTensor(tensorOf(half), band); });
-    // A background will do, and off-diagonal components may end where they like.
+    // A background is usable, and off-diagonal components may end where they like.
     const auto all = vectors(one, {2, 3, 4});
     all->tree().fill({{3, -20, -20}, {20, 20, 20}}, openvdb::Vec3s(0.0f), false);
     const auto mixed = vectors({0.5f, 0, 0});

@@ -210,7 +210,7 @@ TEST_CASE("obstacles: a level set blocks its inside, tiles and all") {
     CHECK(blocksPoint(outside, {5000, 0, 0}));
     CHECK(outside.mayBeNear({5000, 0, 0}, 1));
     CHECK(!set.mayBeNear({5000, 0, 0}, 1));
-    // The interpolant of -1 in one voxel and 1 around it is negative half way to the next.
+    // The interpolant of -1 in one voxel and 1 around it is negative halfway to the next.
     const auto single = openvdb::FloatGrid::create(1);
     single->setGridClass(openvdb::GRID_LEVEL_SET);
     single->setTransform(openvdb::math::Transform::createLinearTransform(100));
@@ -262,7 +262,7 @@ TEST_CASE("obstacles: which voxels of a grid block") {
 }
 
 TEST_CASE(
-    "obstacles: the same both ways and on any thread; nothing is blocked where none is near") {
+    "obstacles: the same in both directions and on any thread; nothing is blocked where none is near") {
     const Similarity transform = placed();
     ObstacleSet set(transform);
     set.addSphere(transform.worldFromIndex({5, 0, 0}), 0.5);

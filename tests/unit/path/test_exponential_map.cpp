@@ -73,7 +73,7 @@ TEST_CASE("shoot: what is no direction, no length or no place to start") {
     expectError(Kind::InvalidArgument, {"direction"}, walk(3.0 * Vec3d(Vec3f(kNormal)), 1));
     expectError(Kind::InvalidArgument, {"direction"}, walk({std::nan(""), 0, 0}, 1));
     expectError(Kind::InvalidArgument, {"direction"}, walk({kInfinity, 0, 0}, 1));
-    expectError(Kind::InvalidArgument, {"-2", "turn the direction"}, walk({1, 0, 0}, -2));
+    expectError(Kind::InvalidArgument, {"-2", "reverse the direction"}, walk({1, 0, 0}, -2));
     expectError(Kind::InvalidArgument, {"length"}, walk({1, 0, 0}, kInfinity));
     expectError(Kind::InvalidArgument, {"length"}, walk({1, 0, 0}, std::nan("")));
     SurfacePoint outside = start;

@@ -125,7 +125,7 @@ TEST_CASE("tracePath: a target at the seed is a path of length 0") {
     checkConsistent(s, path);
 }
 
-TEST_CASE("tracePath: from the antipode some shortest way") {
+TEST_CASE("tracePath: from the antipode some shortest path") {
     const Sphere s({1, 2, 3});
     const SurfacePoint antipode = s.at({-1, -2, -3});
     const Path path = s.trace(antipode);
@@ -149,7 +149,7 @@ TEST_CASE("tracePath: from node to node where the gradient is of no use") {
         CHECK(path.status == PathStatus::Reached);
         checkConsistent(s, path);
         CHECK(path.weightedLength > exact * (1 - 1.1e-3) - 0.01);
-        // Ways along the 26 neighbors of a lattice are longer than straight ones by at most
+        // Paths along the 26 neighbors of a lattice are longer than straight ones by at most
         // sqrt(1 + (sqrt 2 - 1)^2 + (sqrt 3 - sqrt 2)^2) = 1.128, and a voxel at each end; foot
         // points of voxels within 1 of the surface are spread by at most R / (R - 1).
         CHECK(path.weightedLength < 1.128 * kRadius / (kRadius - 1) * exact + 2);
@@ -172,7 +172,7 @@ TEST_CASE("tracePath: the nearest of several seeds, by number") {
         CHECK(path.seed == seed);
         checkConsistent(s, path);
     }
-    // On the line between them either will do.
+    // On the line between them both are right.
     CHECK(s.trace(s.at({1, 1, 1})).status == PathStatus::Reached);
 }
 
@@ -202,7 +202,7 @@ TEST_CASE("tracePath: an unreached target has no path") {
     CHECK(std::string(toString(path.status)) == "unreachable");
 }
 
-TEST_CASE("tracePath: a field without a way down stalls") {
+TEST_CASE("tracePath: a field without a descent stalls") {
     Sphere s({1, 2, 3});
     std::fill(s.field.distance.begin(), s.field.distance.end(), 30.0);
     s.field.gradient = surfaceGradient(s.field);

@@ -1,4 +1,4 @@
-// Farthest-point sampling, held against the greedy choice with exact distances.
+// Farthest-point sampling, compared with the greedy choice with exact distances.
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
 #include <igeo/results/farthest_points.h>

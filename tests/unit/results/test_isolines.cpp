@@ -25,7 +25,7 @@ std::vector<Isoline> linesOf(const Meshed& m, const std::vector<double>& levels)
     return isolines(m.field, m.mesh, levels);
 }
 
-/// What every line has to fulfil, but for those that end.
+/// What holds for every line, but for those that end.
 /// @param radius least radius of curvature of S, voxels
 void checkLines(const Meshed& m, const std::vector<Isoline>& lines, double radius) {
     std::size_t points = 0, rough = 0;
@@ -121,7 +121,7 @@ TEST_CASE("isolines: on a torus a front goes around the tube and becomes two") {
         meshed(torus(kCenter, big, small), dx,
                {kCenter + (big + small) * openvdb::Vec3d(std::cos(0.7), std::sin(0.7), 0)});
     // Before it closes around the tube at pi small = 0.377 at the soonest, between that and the
-    // way round the axis, and none beyond the end.
+    // turn around the axis, and none beyond the end.
     const double one = 0.3 / dx, two = 0.7 / dx, end = 1.01 * m.field.maxDistance;
     const auto lines = linesOf(m, {end, two, one});
     checkLines(m, lines, small / dx);

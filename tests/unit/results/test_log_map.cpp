@@ -18,7 +18,7 @@ const Vec3d kNormal = normalized(Vec3d{0.2, -0.3, 1});
 
 Band plane() { return planeBand(kNormal, 0.4, {-20, -16, -12}, {20, 16, 12}, 2); }
 
-/// By how much the map leads past a node, sideways: what it knows better than the field, whose
+/// By how much the map leads past a node, sideways: what it has closer than the field, whose
 /// distances are those of the map. Voxels.
 double worstOnPlane(const Field& field, const LogMap& map, double weight = 1) {
     const Band& band = *field.band;

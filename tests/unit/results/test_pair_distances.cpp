@@ -59,7 +59,7 @@ TEST_CASE("pairDistances: as on the whole torus, near, far and around the bend")
         };
         add(onTorus(0.1, 0.2), onTorus(0.15, 0.3));
         add(onTorus(0.1, 0.2), onTorus(0.3, -0.4));  // the same source
-        add(onTorus(1, 1), onTorus(1, 1));           // no way at all
+        add(onTorus(1, 1), onTorus(1, 1));           // no path at all
         add(onTorus(2, 0.5), onTorus(2, 2.9));       // a third around the tube
         add(onTorus(2, 0.1), onTorus(2, 3.2));       // around it: far more than 1.5 straight lines
         add(onTorus(0, 0), onTorus(3.1, 0));         // across the whole torus

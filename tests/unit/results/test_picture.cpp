@@ -1,4 +1,4 @@
-// Pictures of a sphere with exact distances, decoded again and held against where its points are.
+// Pictures of a sphere with exact distances, decoded again and compared with where its points are.
 #include <igeo/base/parallel.h>
 #include <igeo/results/color_map.h>
 #include <igeo/results/field_grids.h>
@@ -198,7 +198,7 @@ TEST_CASE("renderPng: what is not reached is gray, and an early stop ends in a s
         }
 }
 
-TEST_CASE("renderPng: the same bytes for any number of threads, and once more") {
+TEST_CASE("renderPng: the same bytes for any number of threads, and again") {
     const SpherePicture scene({0, 1, 0});
     PictureOptions options;
     options.width = 400, options.height = 300;
@@ -250,7 +250,7 @@ TEST_CASE("renderPng: the chosen view shows the seed, and all of the surface, at
         CHECK((SpherePicture({1, 1, 1}, dx, {0, 0, 0}).render(options) == unit));
 }
 
-TEST_CASE("renderPng: the legend is the color map, and is left out where there is no room") {
+TEST_CASE("renderPng: the legend is the color map, and is left out where it does not fit") {
     const SpherePicture scene({0, 0, 1});
     PictureOptions options = scene.plain();
     options.width = 400, options.height = 400;

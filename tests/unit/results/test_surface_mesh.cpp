@@ -55,7 +55,18 @@ TEST_CASE("surfaceMesh: closed surfaces give closed meshes of their genus") {
     }
 }
 
-TEST_CASE("surfaceMesh: surfaces that nobody chose give closed meshes") {
+TEST_CASE("sampleDistances: distances and labels are those of sampleField") {
+    const Meshed m = meshed(trefoilTube(kCenter, 0.12, 0.06), 0.02, {kCenter});
+    SurfaceMesh mesh = surfaceMesh(m.levelSet, m.band), full = mesh;
+    sampleDistances(mesh, m.field);
+    sampleField(full, m.field);
+    REQUIRE(mesh.distance.size() == mesh.position.size());
+    CHECK(mesh.distance == full.distance);
+    CHECK(mesh.label == full.label);
+    CHECK(mesh.gradient.empty());
+}
+
+TEST_CASE("surfaceMesh: surfaces by chance give closed meshes") {
     const auto unit = openvdb::math::Transform::createLinearTransform(1);
     for (const unsigned seed : {3u, 7u, 21u})
         for (const double blend : {0.0, 3.0}) {

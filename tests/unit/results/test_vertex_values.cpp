@@ -19,7 +19,7 @@ constexpr double kDx = 0.02;
 
 Vec3d at(int i, int j) { return {double(i) / kSide, double(j) / kSide, 0.1 * i / kSide}; }
 
-/// Quads; the vertex before all others is no corner, and the last is the first corner once more.
+/// Quads; the vertex before all others is no corner, and the last is the first corner again.
 std::string square() {
     std::ostringstream obj;
     obj << "v 5 5 5\n";
@@ -104,7 +104,7 @@ TEST_CASE("vertexValues: the files", "[mesh]") {
 
 TEST_CASE("vertexValues: fins and faces that repeat stay in the files as they are", "[mesh]") {
     const TempDir dir;
-    // A square, a fin on its diagonal, so that three faces share an edge, and a face once more,
+    // A square, a fin on its diagonal, so that three faces share an edge, and a face again,
     // turned over.
     std::ofstream(dir / "fin.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\n"
                                       "f 1 2 3\nf 1 3 4\nf 1 3 5\nf 3 2 1\n";

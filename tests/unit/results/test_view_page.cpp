@@ -150,6 +150,18 @@ TEST_CASE("view page: the same bytes on any number of threads; what it refuses")
     expectError(Error::Kind::InvalidArgument, {"plaid"}, [&] { viewPage(scene); });
 }
 
+TEST_CASE("view page: the picture comes back out of the first bytes") {
+    if (!canDraw()) return;
+    ViewScene scene = sphere(3);
+    CHECK(stillOfPage(viewPage(scene)).empty());
+    scene.still = "no picture, but bytes";
+    const std::string page = viewPage(scene), address = stillOfPage(page);
+    CHECK(address == "data:image/png;base64,bm8gcGljdHVyZSwgYnV0IGJ5dGVz");
+    CHECK(stillOfPage(page.substr(0, page.find(address) + address.size() + 1)) == address);
+    CHECK(stillOfPage(page.substr(0, page.find(address) + 30)).empty());
+    CHECK(stillOfPage("<img src=\"x.png\">").empty());
+}
+
 TEST_CASE("view page: triangles are thinned out to vertices of the mesh") {
     ViewScene scene = sphere(6);
     const SurfaceMesh before = scene.mesh;

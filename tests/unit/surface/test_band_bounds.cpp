@@ -25,7 +25,7 @@ TEST_CASE("bandBounds: the smaller of radius of curvature and reach") {
 
     // A reach of the half-width itself is no reach: psi is not known beyond.
     CHECK(bandBounds(0.01, 3, 3).upper == Approx(100).epsilon(1e-14));
-    // Nothing bends: any width will do.
+    // Nothing bends: any width is right.
     CHECK(bandBounds(0, 3, 3).upper == 1e6);
     CHECK(bandBounds(1e-9, 3, 3).upper == 1e6);
 }

@@ -151,7 +151,7 @@ TEST_CASE("bandFromLevelSet: sheets that face each other are not linked") {
         for (std::size_t k = 0; k < band.size(); ++k) {
             const auto i = NodeIndex(k);
             const openvdb::Vec3d p = worldOf(band, Vec3d(band.ijk(i))) - center;
-            // Away from the rim, where the way around is.
+            // Away from the rim, where the path around is.
             if (std::abs(p.x()) > 0.7 || std::abs(p.y()) > 0.7) continue;
             const NodeIndex above = band.neighbor(i, 0, 0, 1);
             if (above == kNoNode) continue;

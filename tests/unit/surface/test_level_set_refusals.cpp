@@ -129,7 +129,7 @@ TEST_CASE("checkLevelSet switches off active tiles far from the surface") {
     CHECK(s.stats.gradientShare == 1);
 }
 
-TEST_CASE("checkLevelSet stops when it is told to") {
+TEST_CASE("checkLevelSet stops when it is canceled") {
     struct Stop : Progress {
         bool cancelled() const override { return true; }
     } stop;

@@ -51,7 +51,7 @@ TEST_CASE("medial radii: of a sphere its radius") {
     CHECK(radii.facing.front() == Approx(radius).epsilon(1e-9));
 }
 
-TEST_CASE("medial radii: of a plane none, of two half the way between them") {
+TEST_CASE("medial radii: of a plane none, of two half the distance between them") {
     Samples one;
     addSquare(one, {1, 2, 3}, {1, 0, 0}, {0, 1, 0});
     CHECK(one.radii().radius.front() == kInfinity);

@@ -153,7 +153,7 @@ TEST_CASE("sheets that face each other stay apart, however they are oriented", "
 }
 
 TEST_CASE("a rolled sheet is walked along, not across", "[mesh]") {
-    // An Archimedean spiral of two turns, 2.5 voxels from turn to turn: normals alike all the way.
+    // An Archimedean spiral of two turns, 2.5 voxels from turn to turn: normals alike from end to end.
     const double dx = 0.02, pitch = 2.5 * dx;
     auto spiral = [&](double a) {
         const double r = 0.2 + pitch * a / (2 * kPi);
@@ -194,7 +194,7 @@ TEST_CASE("three sheets that meet at an edge", "[mesh]") {
     for (const double angle : {2.2, 4.4}) {
         const Vec3d p{0.6 * std::cos(angle), 0.6 * std::sin(angle), 0.7};
         // Unfolded over the edge. Creases cost half a voxel of 36; and as three sheets cannot all
-        // be oriented alike in pairs, one of the three ways goes around by the third, two voxels.
+        // be oriented alike in pairs, one of the three orders goes around by the third, two voxels.
         INFO("page at " << angle);
         const double voxels = angle < 3 ? 0.5 : 2;
         CHECK(at(band, field, p) == Approx(std::hypot(1.1, 0.2)).margin(voxels * 0.03));

@@ -120,7 +120,7 @@ TEST_CASE("holes are lines of boundary edges", "[mesh]") {
     CHECK(bowTie.boundaryEdges == 6);
 }
 
-TEST_CASE("a mesh is told of in the words of meshes", "[mesh]") {
+TEST_CASE("a mesh is described in the words of meshes", "[mesh]") {
     const auto saddle = [](double u, double v) { return Vec3d{u, v, (u - 0.5) * v}; };
     CHECK(meshWarnings(factsOf(test::sphereMesh({}, 1, 2))).empty());
     TriangleMesh twice = test::sheet(4, 4, saddle);

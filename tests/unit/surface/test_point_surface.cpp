@@ -53,7 +53,7 @@ TEST_CASE("The spacing of a lattice is its edge") {
     CHECK(densityWarnings(density, "lattice").empty());
 }
 
-TEST_CASE("Scatter is told from shape, and averaged out") {
+TEST_CASE("Scatter is distinguished from shape, and averaged out") {
     // The estimate is a median over fits with 7 degrees of freedom each: within 15 %.
     for (const double noise : {0.1, 0.3}) {
         CloudOptions options;

@@ -34,11 +34,10 @@ struct Inflater {
 
 }  // namespace
 
-std::string deflated(std::string_view bytes) {
+std::string deflated(std::string_view bytes, int level) {
     uLongf size = compressBound(uLong(bytes.size()));
     std::string out(size, '\0');
-    constexpr int kLevel = 6;
-    if (compress2(bytesOf(out), &size, bytesOf(bytes), uLong(bytes.size()), kLevel) != Z_OK)
+    if (compress2(bytesOf(out), &size, bytesOf(bytes), uLong(bytes.size()), level) != Z_OK)
         throw std::bad_alloc();
     out.resize(size);
     return out;

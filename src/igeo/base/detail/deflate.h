@@ -7,8 +7,9 @@
 
 namespace igeo {
 
-/// `bytes` in zlib's format (RFC 1950), level 6.
-std::string deflated(std::string_view bytes);
+/// `bytes` in zlib's format (RFC 1950).
+/// @param level  1 to 9; of numbers as in a page 4 takes half the time of 6, for 3 % more bytes
+std::string deflated(std::string_view bytes, int level = 6);
 
 /// What zlib's or gzip's `bytes` hold; gzip members that follow each other are joined.
 /// @param limit  bytes that the result may have: a file of a few bytes can hold gigabytes of zeros

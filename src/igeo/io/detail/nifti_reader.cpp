@@ -96,7 +96,7 @@ void readSize(const Header& header, VoxelVolume& volume) {
     const double frames = along(4) * along(5) * along(6) * along(7);
     if (frames > 1)
         refuse(volume.file, fmt::format("holds {} volumes, as of several times", frames),
-               "write the one that counts into a file of its own, for instance by nibabel: "
+               "write the one you need into a file of its own, for instance by nibabel: "
                "img.slicer[..., 0]");
 }
 

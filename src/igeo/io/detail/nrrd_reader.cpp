@@ -73,8 +73,8 @@ public:
             if (!value)
                 refuse(fmt::format("has '{}' among the numbers of its field '{}'",
                                    word.substr(0, 40), name),
-                       "one number per voxel and three axes in space are read: take out the "
-                       "channel or frame that counts");
+                       "one number per voxel and three axes in space are read: write the channel "
+                       "or frame you need into a file of its own");
             values.push_back(*value);
             at = end;
         }
@@ -140,7 +140,7 @@ void readSize(const Header& header, VoxelVolume& volume) {
     if (header.field("dimension") != "3" || sizes.size() != 3)
         header.refuse(fmt::format("has dimension '{}' and {} sizes; 3 are read",
                                   header.field("dimension").substr(0, 40), sizes.size()),
-                      "write the frame or channel that counts into a file of its own");
+                      "write the frame or channel you need into a file of its own");
     for (std::size_t a = 0; a < 3; ++a) {
         if (!(sizes[a] >= 1 && sizes[a] < 0x1p31 && sizes[a] == std::floor(sizes[a])))
             header.refuse(fmt::format("has {} voxels along an axis", sizes[a]),

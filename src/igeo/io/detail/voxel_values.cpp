@@ -20,7 +20,7 @@ std::size_t voxelCount(const std::string& file, const std::array<std::size_t, 3>
             throw Error(Error::Kind::BadInput,
                         fmt::format("'{}' announces {} x {} x {} voxels; 1 to 2^34 are read", file,
                                     size[0], size[1], size[2]),
-                        "the file is broken, or is to be resampled");
+                        "the file is broken, or has to be resampled");
         count *= n;
     }
     return count;

@@ -70,6 +70,13 @@ CornerNormals smoothNormals(const Band& band, const SurfaceMesh& mesh) {
     return normals;
 }
 
+/// Voxels; how far triangles may lie beside S follows from it.
+double meanSide(const SurfaceMesh& mesh) {
+    double sum = 0;
+    for (const auto& t : mesh.triangles) sum += length(mesh.position[t[1]] - mesh.position[t[0]]);
+    return mesh.triangles.empty() ? 0 : sum / double(mesh.triangles.size());
+}
+
 }  // namespace
 
 DrawnSurface::DrawnSurface(const Band& band)
@@ -82,7 +89,11 @@ DrawnSurface::DrawnSurface(const Band& band)
 }
 
 DrawnSurface::DrawnSurface(const Band& band, SurfaceMesh mesh, bool closed)
-    : band_(band), closed_(closed), clearance_(0.5), cornerNormals_(smoothNormals(band, mesh)) {
+    : band_(band),
+      closed_(closed),
+      clearance_(std::max(0.5, 0.5 * meanSide(mesh))),
+      cornerNormals_(smoothNormals(band, mesh)),
+      distance_(std::move(mesh.distance)) {
     triangles_ = std::make_shared<SurfaceTriangles>(
         std::move(mesh.position), std::move(mesh.triangles),
         /*neighbor, which rays do not need*/ std::vector<std::array<std::uint32_t, 3>>{});
@@ -95,6 +106,16 @@ Vec3d DrawnSurface::normal(std::uint32_t triangle, const std::array<double, 3>& 
     for (std::size_t k = 0; k < 3; ++k) sum += share[k] * Vec3d(cornerNormals_[triangle][k]);
     const Vec3d n = normalized(sum);
     return n == Vec3d{} || dot(n, dir) * dot(own, dir) < 0 ? own : n;
+}
+
+double DrawnSurface::distance(std::uint32_t triangle, const std::array<double, 3>& share) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double corner = distance_[(*triangles_)[triangle][k]];
+        if (!(corner < kInfinity)) return kInfinity;
+        sum += share[k] * corner;
+    }
+    return sum;
 }
 
 Vec3d DrawnSurface::normalNear(const Vec3d& p) const {

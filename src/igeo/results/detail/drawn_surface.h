@@ -16,7 +16,8 @@ public:
     /// Of a mesh: its own triangles, smooth over edges of less than 40 degrees. Else psi = 0 of the
     /// band (bandMesh). The band has to outlive this.
     explicit DrawnSurface(const Band& band);
-    /// Triangles on S that were made of a level set.
+    /// Triangles on S that were made of a level set. Where the mesh has distances, pictures take
+    /// them, linear in each triangle, instead of those of the field.
     /// @param closed  whether they have an inside
     DrawnSurface(const Band& band, SurfaceMesh mesh, bool closed);
 
@@ -28,6 +29,10 @@ public:
     /// @param dir    of the ray that meets the point; the normal faces it as the triangle does
     Vec3d normal(std::uint32_t triangle, const std::array<double, 3>& share,
                  const Vec3d& dir) const;
+    /// Whether the corners have distances.
+    bool hasDistances() const { return !distance_.empty(); }
+    /// Blended from the corners, voxels; +infinity where one has none.
+    double distance(std::uint32_t triangle, const std::array<double, 3>& share) const;
     /// Unit normal of the triangle nearest to a point; 0 where there is none.
     Vec3d normalNear(const Vec3d& p) const;
 
@@ -42,6 +47,7 @@ private:
     bool closed_;
     double clearance_;  ///< of a ray that starts on S, voxels
     std::vector<std::array<Vec3f, 3>> cornerNormals_;
+    std::vector<double> distance_;  ///< per vertex
 };
 
 }  // namespace igeo

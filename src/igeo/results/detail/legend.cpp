@@ -10,8 +10,8 @@ namespace {
 // In units of the legend.
 constexpr double kFontSize = 9, kBar = 14, kTick = 4, kGap = 3, kLine = 12, kMargin = 10;
 
-std::string numberText(double value) {
-    std::string text = fmt::format("{:.6g}", value);
+std::string numberText(double value, int digits = 6) {
+    std::string text = fmt::format("{:.{}g}", value, digits);
     if (text[0] == '-') text = "\u2212" + text.substr(1);
     return text;
 }
@@ -51,7 +51,7 @@ Legend::Legend(const Scale& scale, const Field& field, const PictureOptions& opt
         const double step =
             scale.levels.size() > 1 ? scale.levels[1] - scale.levels[0] : scale.levels[0];
         foot_ = {scale.levels.size() > 1 ? "isolines" : "isoline",
-                 (scale.levels.size() > 1 ? "every " : "at ") + numberText(step * dx)};
+                 (scale.levels.size() > 1 ? "every " : "at ") + numberText(step * dx, 4)};
     }
     chooseTicks(dx);
     measure();

@@ -47,16 +47,17 @@ Raster::Raster(const SurfaceTriangles& triangles, const Frame& frame)
     forTiles([&](std::size_t tile, std::uint32_t t) { list_[next[tile]++] = t; });
 }
 
-/// What lies behind the eye is cut off; a margin of a pixel for rounding.
+/// What lies behind the eye is cut off; a margin for rounding.
 Raster::Box Raster::boxOf(std::size_t triangle) const {
     constexpr double kNearest = 1e-6;  // voxels
+    constexpr double kMargin = 1e-3;   // pixels
     std::array<Vec3d, 3> v;
     for (unsigned k = 0; k < 3; ++k) v[k] = frame_.seen(triangles_.corner(triangle, k));
     Box box;
     auto add = [&](const Vec3d& s) {
         const auto [x, y] = frame_.place(s);
-        box.left = std::min(box.left, x - 1), box.right = std::max(box.right, x + 1);
-        box.top = std::min(box.top, y - 1), box.bottom = std::max(box.bottom, y + 1);
+        box.left = std::min(box.left, x - kMargin), box.right = std::max(box.right, x + kMargin);
+        box.top = std::min(box.top, y - kMargin), box.bottom = std::max(box.bottom, y + kMargin);
     };
     for (unsigned k = 0; k < 3; ++k) {
         const Vec3d &a = v[k], &b = v[(k + 1) % 3];
@@ -70,7 +71,7 @@ Raster::Box Raster::boxOf(std::size_t triangle) const {
 }
 
 void Raster::draw(std::size_t tile, const std::vector<Offset>& offsets,
-                  std::vector<Sample>& samples) const {
+                  const std::vector<std::uint8_t>& wanted, std::vector<Sample>& samples) const {
     const std::size_t n = offsets.size();
     samples.assign(std::size_t(kTile) * kTile * n, Sample{});
     const auto [left, top] = origin(tile);
@@ -102,7 +103,9 @@ void Raster::draw(std::size_t tile, const std::vector<Offset>& offsets,
                   y1 = int(std::min(box.bottom, double(bottom)));
         for (int y = y0; y <= y1; ++y)
             for (int x = x0; x <= x1; ++x) {
-                Sample* pixel = &samples[std::size_t((y - top) * kTile + x - left) * n];
+                const auto k = std::size_t((y - top) * kTile + x - left);
+                if (!wanted.empty() && !wanted[k]) continue;
+                Sample* pixel = &samples[k * n];
                 for (std::size_t s = 0; s < n; ++s) {
                     const double px = x + offsets[s][0], py = y + offsets[s][1];
                     const double a = at[0] + byX[0] * px + byY[0] * py,

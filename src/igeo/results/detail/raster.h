@@ -62,8 +62,9 @@ public:
 
     /// The samples of a tile, at `offsets` from the corner of each pixel: that of pixel (x, y) in
     /// the tile and offset k comes at (y * kTile + x) * offsets.size() + k.
+    /// @param wanted  per pixel of the tile, whether it is drawn; empty: all are
     void draw(std::size_t tile, const std::vector<Offset>& offsets,
-              std::vector<Sample>& samples) const;
+              const std::vector<std::uint8_t>& wanted, std::vector<Sample>& samples) const;
 
     /// The shares of the corners of a triangle where the ray `toward` meets its plane.
     std::array<double, 3> shares(std::uint32_t triangle, const Vec3d& toward) const;

@@ -27,8 +27,7 @@ Shader::Shader(const Field& field, const Scale& scale, double isolineHalf, const
 }
 
 double Shader::distanceAt(const Vec3d& p, const Vec3d& normal) const {
-    const double d = sampleDistance(field_, p, normal);
-    return field_.stoppedEarly && d > lastKnown(p) ? kInfinity : d;
+    return known(p, sampleDistance(field_, p, normal));
 }
 
 /// Where an early stop ends the colors, so that they end along a line and not cell by cell: jets

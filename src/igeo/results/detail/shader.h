@@ -24,6 +24,10 @@ public:
     bool evenCosts() const { return !field_.metric->weighted(); }
     /// The distance where S is seen; +infinity beyond an early stop.
     double distanceAt(const Vec3d& p, const Vec3d& normal) const;
+    /// A distance at p; +infinity beyond an early stop.
+    double known(const Vec3d& p, double distance) const {
+        return field_.stoppedEarly && distance > lastKnown(p) ? kInfinity : distance;
+    }
     /// @param dir  of the ray, unit
     Vec3d color(const Spot& spot, const Vec3d& dir) const;
 

@@ -8,7 +8,7 @@ namespace igeo {
 
 struct ViewFiles {
     std::string_view page, style, drawing, script, license;
-    std::string_view three, controls;  ///< empty: built without three.js
+    std::string_view library;  ///< three.js and its controls, gzip; empty: built without them
 };
 const ViewFiles& viewFiles();
 

@@ -7,9 +7,9 @@ const BLOCKED = 65534, UNREACHED = 65535; // codes of values
 
 // ---- the scene ----
 
-async function inflate(base64) {
+async function inflate(base64, format = "deflate") {
     const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream(format));
     return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
@@ -247,8 +247,10 @@ void main() {
 // Smooth edges cost nothing where a graphics card draws, and as much time again where the processor does.
 function contextOf(canvas) {
     const probe = document.createElement("canvas").getContext("webgl");
-    const names = probe && probe.getExtension("WEBGL_debug_renderer_info");
-    const slow = names && /swiftshader|llvmpipe|software/i.test(probe.getParameter(names.UNMASKED_RENDERER_WEBGL));
+    const name = probe ? probe.getParameter(probe.RENDERER) : "";
+    const masked = /^webkit/i.test(name) && probe.getExtension("WEBGL_debug_renderer_info"); // as in Chromium
+    const full = masked ? probe.getParameter(masked.UNMASKED_RENDERER_WEBGL) : name;
+    const slow = /swiftshader|llvmpipe|software/i.test(full);
     const attributes = {antialias: !slow, alpha: false};
     return canvas.getContext("webgl2", attributes) || canvas.getContext("webgl", attributes);
 }

@@ -4,7 +4,8 @@ const digits = (x, unit) => { // as many as say where x is in steps of `unit`
     const places = Math.max(0, Math.min(12, -Math.floor(Math.log10(unit || 1))));
     return Math.abs(x) >= 1e7 || unit >= 1e6 || unit < 1e-9 ? x.toPrecision(7) : x.toFixed(places);
 };
-const number = (x) => String(Number(x.toPrecision(6)));
+const rounded = (x, digits) => String(Number(x.toPrecision(digits)));
+const number = (x) => rounded(x, 6);
 
 class Page {
     constructor(scene, drawing) {
@@ -49,7 +50,7 @@ class Page {
 
     showSpacing() {
         const spacing = this.spacings[byId("spacing").value] || 0, input = byId("spacing");
-        const text = spacing > 0 ? `every ${number(spacing)}` : "none";
+        const text = spacing > 0 ? `every ${rounded(spacing, 4)}` : "none";
         byId("spacingValue").textContent = text;
         input.setAttribute("aria-valuetext", text);
         this.set("spacing", this.scene.range > 0 ? spacing / this.scene.range : 0);
@@ -269,7 +270,7 @@ async function start() {
         if (typeof DecompressionStream === "undefined")
             throw new Error("This browser is too old to unpack the page: Chrome 80, Firefox 113 and Safari 16.4 can.");
         const library = document.createElement("script");
-        library.textContent = new TextDecoder().decode(await inflate(byId("library").textContent));
+        library.textContent = new TextDecoder().decode(await inflate(byId("library").textContent, "gzip"));
         document.head.append(library);
         const scene = await unpackScene();
         showWords(scene);
