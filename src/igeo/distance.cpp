@@ -52,7 +52,7 @@ struct Distance::Fields {
     const std::vector<SurfacePoint> seeds;
     std::mutex mutex;
     std::shared_ptr<const Field> points, whole;
-    std::optional<Extent> extent;  ///< of the whole band, where a grid has told
+    std::optional<Extent> extent;  ///< of the whole band, where a grid said so
 };
 
 Distance::Distance(Surface surface, BandWidth width, std::shared_ptr<const Band> band,

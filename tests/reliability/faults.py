@@ -103,14 +103,18 @@ def full_disk(good: dict[str, bytes]) -> int:
             check_failed(f"files of at most {limit} bytes", desk, code, err, (3,))
     for option in ("-o", "--paths", "--image"):
         with TempWorkspace(good) as desk:
-            name = {"-o": "/dev/full", "--paths": "full.json", "--image": "full.png"}[option]
-            if name != "/dev/full":
-                (desk.folder / name).symlink_to("/dev/full")
             words = desk.words()
-            words[words.index(option) + 1] = name
+            at = words.index(option) + 1
+            link = desk.folder / words[at]
+            if option == "-o":
+                words[at] = "/dev/full"
+            else:  # under its own name, which documents have in their command
+                link.unlink()
+                link.symlink_to("/dev/full")
             code, err = desk.run(words)
-            if name != "/dev/full":
-                (desk.folder / name).unlink()
+            if option != "-o":
+                link.unlink()
+                link.write_bytes(EARLIER)
             check_failed(f"{option} /dev/full", desk, code, err, (3,))
     return len(limits) + 3
 

@@ -225,7 +225,7 @@ TEST_CASE("GeodesicSolver: several kinds of seeds and a sign") {
     Seeds seeds;
     seeds.curves = {equator};
     CHECK(solver.distance(seeds).at(on(0, 0, 1)) ==
-          Approx(kPi / 2).epsilon(7.7e-5));  // measured 5.1e-05
+          Approx(kPi / 2).epsilon(0.00013));  // measured 8.5e-05
 
     auto region = std::make_shared<ObstacleSet>(surface.transform());
     region->addSphere(on(0, 0, 1), 2 * std::sin(0.5 / 2));  // the cap within 0.5 of the pole
@@ -236,7 +236,7 @@ TEST_CASE("GeodesicSolver: several kinds of seeds and a sign") {
           Approx(kPi / 2 - 0.5).epsilon(3.5e-5));  // measured 2.3e-05
     seeds.isSigned = true;
     CHECK(solver.distance(seeds).at(on(0, 0, 1)) ==
-          Approx(-0.5).epsilon(0.00044));  // measured 0.00029
+          Approx(-0.5).epsilon(0.0013));  // measured 0.00088
     seeds.points = {on(1, 0, 0)};
     expectError(Error::Kind::InvalidArgument, {"signed"}, [&] { solver.distance(seeds); });
 }

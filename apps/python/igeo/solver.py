@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Optional, Union
 
 import numpy as np
@@ -12,15 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arguments as arguments
 from . import _igeo
-from ._arguments import Bending, Box, CurvatureWeight, Floats, OfPoints, Path, Progress, SlopeWeight, Sphere
+from ._arguments import Bending, Box, CurvatureWeight, Floats, Progress, SlopeWeight, Sphere
 from ._errors import Error, InputError, warn
+from ._metric import Cost, MetricReader
 from .distance import Distance
 from .surface import _SCHEMES, Surface
-
-_CURVATURES = ("valley", "crest", "mean", "gaussian", "principal")
-
-# An array per vertex, a function of foot points, or FILE[:GRID] of a .vdb file.
-Cost = Union[ArrayLike, OfPoints, Path]
 
 
 def _machine_memory() -> float:
@@ -29,101 +25,6 @@ def _machine_memory() -> float:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, OSError, ValueError):
         return math.inf
-
-
-def _is_file(value: Any) -> bool:
-    return isinstance(value, (str, os.PathLike))
-
-
-class _MetricReader:
-    """Puts what a solver was given as costs into a metric."""
-
-    def __init__(self, plain: _igeo.Solver, surface: Surface, progress: Progress) -> None:
-        self._plain, self._surface, self._progress = plain, surface, progress
-        self._feet: Optional[Floats] = None
-        self.metric = _igeo.Metric(plain)
-
-    def _at_feet(self, function: Callable[[Floats], ArrayLike]) -> Any:
-        """What a function says of all foot points; it is called once."""
-        if self._feet is None:
-            self._feet = _igeo.foot_points(self._plain, self._progress)
-        return function(self._feet)
-
-    def _nodes(self) -> int:
-        return 0 if self._feet is None else len(self._feet)
-
-    def _vertices(self, name: str) -> int:
-        if self._surface.kind != "mesh":
-            raise InputError(
-                f"{name} is an array, and {self._surface.name} is no mesh",
-                f"give {name} as a function of points (n, 3), or as a grid in a .vdb file",
-            )
-        return len(self._surface.vertices)
-
-    def weight(self, value: Cost) -> None:
-        if _is_file(value):
-            warn(self.metric.weight_by_grid(arguments.path(value, "weight")), 6)
-        elif callable(value):
-            found = self._at_feet(value)
-            found = arguments.costs(found, "what weight returns", self._nodes(), "point")
-            self.metric.weight_by_node(found.astype(np.float32))
-        else:
-            count = self._vertices("weight")
-            self.metric.weight_by_vertex(arguments.costs(value, "weight", count, "vertex"))
-
-    def tensor(self, value: Cost) -> None:
-        if _is_file(value):
-            warn(self.metric.tensor_by_grid(arguments.path(value, "tensor")), 6)
-        elif callable(value):
-            found = self._at_feet(value)
-            found = arguments.tensors(found, "what tensor returns", self._nodes(), "point")
-            self.metric.tensor_by_node(found)
-        else:
-            count = self._vertices("tensor")
-            found = arguments.tensors(value, "tensor", count, "vertex")
-            self.metric.tensor_by_vertex(found, self._progress)
-
-    def weight_curvature(self, value: Union[CurvatureWeight, str]) -> None:
-        given = CurvatureWeight(value) if isinstance(value, str) else CurvatureWeight(*value)
-        kind = arguments.one_of(given.kind, "weight_curvature", _CURVATURES)
-        self.metric.weight_by_curvature(
-            kind, arguments.number(given.eps, "weight_curvature.eps"), arguments.number(given.p, "weight_curvature.p")
-        )
-
-    def weight_slope(self, value: Union[SlopeWeight, float]) -> None:
-        given = SlopeWeight(*value) if isinstance(value, tuple) else SlopeWeight(value)
-        up = np.eye(3)["xyz".index(arguments.one_of(given.up, "weight_slope.up", ("x", "y", "z")))]
-        steepest = arguments.number(given.max, "weight_slope.max")
-        if steepest >= 90:
-            raise InputError(f"weight_slope.max is {steepest:g} degrees; allowed are degrees below 90")
-        self.metric.weight_by_slope(up, math.radians(steepest), arguments.number(given.power, "weight_slope.power"))
-
-    def metric_curvature(self, value: Union[Bending, str]) -> None:
-        given = Bending(value) if isinstance(value, str) else Bending(*value)
-        kind = arguments.one_of(given.kind, "metric_curvature", ("avoid", "prefer"))
-        self.metric.tensor_by_curvature(kind, arguments.above_zero_or_none(given.length, "metric_curvature.length"))
-
-    def obstacle(self, value: Any, name: str) -> None:
-        if isinstance(value, Sphere):
-            center = arguments.vector(value.center, f"{name}.center")
-            self.metric.block_sphere(center, arguments.number(value.radius, f"{name}.radius"))
-        elif isinstance(value, Box):
-            low, high = arguments.vector(value.low, f"{name}.low"), arguments.vector(value.high, f"{name}.high")
-            if not (low <= high).all():
-                raise InputError(f"{name}.low is {low}; allowed is up to high, {high}")
-            self.metric.block_box(low, high)
-        elif _is_file(value):
-            warn(self.metric.block_grid(arguments.path(value, name)), 6)
-        elif callable(value):
-            found = self._at_feet(value)
-            blocked = arguments.mask(found, f"what {name} returns", self._nodes(), "point")
-            if blocked.any():
-                self.metric.block_nodes(blocked, name)
-        else:
-            count = self._vertices(name)
-            blocked = arguments.mask(value, name, count, "vertex")
-            if blocked.any():
-                self.metric.block_vertices(blocked)
 
 
 class Solver:
@@ -194,7 +95,7 @@ class Solver:
         self._require_curved(curved, tensor, curvature_scale)
         curved = {name: value for name, value in curved.items() if value is not None}
         if weight is not None or tensor is not None or obstacles is not None or curved:
-            reader = _MetricReader(plain, surface, progress)
+            reader = MetricReader(plain, surface, progress)
             if curvature_scale is not None:
                 reader.metric.curvature_scale(float(curvature_scale))
             for name, value in curved.items():
@@ -216,7 +117,7 @@ class Solver:
             raise InputError(f"curvature_scale is {scale:g}; allowed are 1 to 16 voxels")
 
     def _with_metric(
-        self, reader: _MetricReader, weight: Any, tensor: Any, obstacles: Any, progress: Progress
+        self, reader: MetricReader, weight: Any, tensor: Any, obstacles: Any, progress: Progress
     ) -> _igeo.Solver:
         if weight is not None:
             reader.weight(weight)

@@ -254,8 +254,9 @@ double Reader::blended(std::uint32_t source) const {
     }
     const Jet jet = blendJets(all, weight);
     if (!jet.usedFallback || metric_.anisotropic()) return chart.here * jet.u;
+    constexpr double kBlendError = 0.25;  // voxels
     const auto met = whereFrontsMeet(chart, source);
-    return chart.here * (met ? met->u : jet.u);
+    return chart.here * (met && std::abs(met->u - jet.u) < kBlendError ? met->u : jet.u);
 }
 
 std::optional<Jet> Reader::whereFrontsMeet(const Chart& chart, std::uint32_t source) const {
@@ -275,7 +276,10 @@ std::optional<Jet> Reader::whereFrontsMeet(const Chart& chart, std::uint32_t sou
     for (const NodeIndex j : nodes) {
         const NodeJet jet = field_.at(j);
         if (!(jet.distance < kInfinity)) continue;
-        if (jet.label != source || dot(chart.frame.normal(), band_.normal[j]) < kSmooth) return {};
+        const bool sameCost = std::abs(metric_.at(j) - chart.here) < 1e-6 * chart.here;
+        if (jet.label != source || !sameCost ||
+            dot(chart.frame.normal(), band_.normal[j]) < kSmooth)
+            return {};
         neighbors.push_back(chart.neighbor(j, jet));
     }
     return fitCircularFront(neighbors);

@@ -91,7 +91,7 @@ TEST_CASE("bandFromLevelSet: |foot| = |psi| and normals have unit length") {
         for (std::size_t k = 0; k < band.size(); ++k) {
             // Three floats rounded to 6e-8 each.
             REQUIRE(std::abs(length(Vec3d(band.normal[k])) - 1) < 7e-8);  // measured 4.6e-8
-            // psi times these, rounded once more.
+            // psi times these, rounded again.
             const Vec3d foot(band.footOf(NodeIndex(k)));
             REQUIRE(std::abs(length(foot) - std::abs(double(band.psi[k]))) <
                     2.86e-7);  // measured 1.91e-7

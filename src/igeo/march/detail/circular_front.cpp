@@ -112,8 +112,9 @@ struct Carried {
     Vec2f g;
 
     CircularFront front() const {
-        return {-double(from.a.x), -double(from.a.y), from.u,
-                double(from.g.x),  double(from.g.y),  double(bend)};
+        const double len = std::hypot(double(from.g.x), double(from.g.y));
+        return {-double(from.a.x),      -double(from.a.y),      from.u,
+                double(from.g.x) / len, double(from.g.y) / len, double(bend)};
     }
 };
 
@@ -137,7 +138,7 @@ float curvatureAt(const JetNeighbor& n, std::span<const JetNeighbor> neighbors) 
 }
 
 std::optional<Carried> carry(const JetNeighbor& n, std::span<const JetNeighbor> neighbors) {
-    if (!(dot(n.a, n.g) > 0)) return {};
+    if (!(dot(n.a, n.g) > 0)) return {};  // as at seeds, which have no direction
     Carried c{n, curvatureAt(n, neighbors), 0, {}};
     const CircularFront::Jet jet = c.front().at(0, 0);
     if (!jet.reaches()) return {};

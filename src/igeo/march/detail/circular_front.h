@@ -15,7 +15,6 @@
 
 #include <igeo/march/detail/jet_neighbors.h>
 
-#include <array>
 #include <optional>
 #include <span>
 
@@ -27,23 +26,5 @@ namespace igeo {
 ///         agree within 0.02 voxels
 /// Some microseconds.
 std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors);
-
-/// Tells whether there are three directions of travel more than 45 degrees from each other.
-class ThreeFronts {
-public:
-    /// @return whether there are, with this one
-    bool add(Vec2f g) {
-        for (std::size_t k = 0; k < count_; ++k)
-            if (dot(g, g_[k]) >= jet::kSameFront) return false;
-        g_[count_] = g;
-        if (count_ == 2) return true;
-        ++count_;
-        return false;
-    }
-
-private:
-    std::array<Vec2f, 3> g_;
-    std::size_t count_ = 0;
-};
 
 }  // namespace igeo

@@ -1,7 +1,6 @@
 /// Interpolation of jets: values between nodes that have one, not marching.
 #pragma once
 
-#include <igeo/march/detail/circular_front.h>
 #include <igeo/march/detail/jet_neighbors.h>
 
 namespace igeo {

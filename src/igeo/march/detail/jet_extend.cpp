@@ -103,9 +103,9 @@ Extension::Found Extension::extendTo(NodeIndex i, LeafIndex l, unsigned at,
                                      const Corners& corners) const {
     if (metric_.inside(i)) return {};
     Found s;
+    bool simple = corners.simple && corners.count > 0 && metric_.clear(i);
     // One or two corners do not show that fronts meet around them.
-    const std::size_t least = jets_.meetNear(l) ? 3 : 1;
-    bool simple = corners.simple && corners.count >= least && metric_.clear(i);
+    if (corners.count < 3 && meetNear(corners)) simple = false;
     if (simple && metric_.anisotropic())
         s = carryInPlane(i, corners);
     else if (simple)
@@ -157,8 +157,7 @@ bool Extension::carryInSpace(NodeIndex i, const Corners& corners, Found& s) cons
          jets_.labelOf(corners.core[0])};
     if (close) return true;
     const JetNeighbors all = around(i, corners, core_.localFrameInBand(i)).all();
-    return jets_.meetNear(band_.leafOf(i)) ? jet::spreads(all)
-                                           : jet::ofOneFront(all) && !jet::nearFocus(all);
+    return meetNear(corners) ? jet::spreads(all) : jet::ofOneFront(all) && !jet::nearFocus(all);
 }
 
 void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
@@ -255,17 +254,19 @@ Extension::Found Extension::solveFromCore(NodeIndex i, LeafIndex l, unsigned at)
     Found s;
     const bool usedFallback = solve(around, local, s);
     const bool meet = around.threeFronts() ||
-                      (usedFallback && (jets_.meetNear(l) || jet::nearFocus(around.all())));
+                      (usedFallback && (meetNear(around) || jet::nearFocus(around.all())));
     if (meet && metric_.clear(i) && !around.overCrease())
-        s = whereFrontsMeet(i, around, local).value_or(s);
+        s = whereFrontsMeet(i, around, local, s).value_or(s);
     return exactNearSeed(i, s);
 }
 
 std::optional<Extension::Found> Extension::whereFrontsMeet(NodeIndex i, const Around& around,
-                                                           const LocalFrame& local) const {
+                                                           const LocalFrame& local,
+                                                           const Found& before) const {
     std::array<NodeIndex, JetNeighbors::kMax> core;
     for (std::size_t k = 0; k < around.count; ++k) core[k] = around.node[k].core;
-    const auto s = solveMeeting(jets_, local, band_.footPoint(i), {core.data(), around.count});
+    const auto s = solveMeeting(jets_, local, band_.ijk(i), band_.footOf(i),
+                                {core.data(), around.count}, before.distance);
     if (!s) return {};
     return fromChart(s->u, s->g, s->label, local);
 }

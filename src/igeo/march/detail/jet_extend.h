@@ -1,7 +1,6 @@
 /// From the core of a band to the rest of it, for scheme `jet`. Internal.
 #pragma once
 
-#include <igeo/march/detail/circular_front.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
 #include <igeo/march/detail/leaf_numbers.h>
@@ -133,8 +132,18 @@ private:
     Found solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const;
     /// @return whether it took the fallback
     bool solve(const Around& around, const LocalFrame& local, Found& found) const;
-    std::optional<Found> whereFrontsMeet(NodeIndex i, const Around& around,
-                                         const LocalFrame& local) const;
+    /// @param before  as the march solves it
+    std::optional<Found> whereFrontsMeet(NodeIndex i, const Around& around, const LocalFrame& local,
+                                         const Found& before) const;
+    /// Whether fronts meet beside one of the nodes.
+    bool meetNear(const Corners& corners) const {
+        return std::any_of(corners.core.begin(), corners.core.begin() + corners.count,
+                           [&](NodeIndex k) { return jets_.meetNear(k); });
+    }
+    bool meetNear(const Around& around) const {
+        return std::any_of(around.node.begin(), around.node.begin() + around.count,
+                           [&](const Around::Node& n) { return jets_.meetNear(n.core); });
+    }
     /// A jet of the chart, back on S; u relative to the least start.
     Found fromChart(double u, Vec2f g, std::uint32_t label, const LocalFrame& local) const {
         return {jets_.seeds.leastStart + local.weight * u,

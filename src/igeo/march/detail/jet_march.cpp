@@ -9,8 +9,10 @@ namespace igeo {
 namespace {
 
 /// An early stop marches this far beyond its limit, so that the nodes within it have all the
-/// neighbors that a full march would give them.
-constexpr double kMargin = 3;
+/// neighbors that a full march would give them: where fronts meet, those three links off.
+constexpr double kMargin = 8;
+/// The same beyond JetOptions::below, where a thousandth of a voxel makes no difference.
+constexpr double kMarginBelow = 3;
 
 [[noreturn]] void refuseTooFar() {
     throw Error(Error::Kind::InvalidArgument,
@@ -243,7 +245,7 @@ float JetMarch::boundedBelow(NodeIndex i, float u, std::uint32_t label, const Ba
 bool JetMarch::withinLimit(NodeIndex i, float u, const Batch& batch) const {
     const NodeIndex inBand = core_.inBand(core_.nodes[i]);
     return jets_.buckets.startOf(batch.first) + double(u) <
-           (*options_.below)[inBand] + kMargin * core_.largestCostAt(i);
+           (*options_.below)[inBand] + kMarginBelow * core_.largestCostAt(i);
 }
 
 JetState JetMarch::stateOf(const Result& s, const Batch& batch) const {

@@ -11,14 +11,17 @@ namespace igeo {
 
 /// The jet at a foot point by the front that arrives there first (fitCircularFront).
 /// @param local   its chart
+/// @param voxel, foot  its voxel, and where it is from there
 /// @param around  nodes of the core; those at their links count as well
-/// @return relative to the least start, over the weight there; none with tensors, where fronts of
-///         several sources meet, and where no front can be fitted
-std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local, const Vec3d& foot,
-                                   std::span<const NodeIndex> around);
+/// @param before  its value by the march
+/// @return relative to the least start; none where costs vary, where fronts of several sources
+///         meet, and where no front can be fitted or its value is 0.25 voxels from that before
+std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local, const Ijk& voxel,
+                                   const Vec3f& foot, std::span<const NodeIndex> around,
+                                   double before);
 
-/// Solves the nodes of a march that took the fallback once more, where S is smooth and fronts meet:
-/// they have all their neighbors now, and no other value depends on theirs.
+/// Solves the nodes of a march that took the fallback again, where S is smooth and three fronts
+/// meet: they have all their neighbors now, and no other value depends on theirs.
 /// @param nodes  of the core
 /// In parallel, the same bits for any number of threads.
 void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes);

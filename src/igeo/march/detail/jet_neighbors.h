@@ -114,4 +114,22 @@ constexpr float kSameFront = 0.7f;
 
 }  // namespace jet
 
+/// Tells whether there are three directions of travel more than 45 degrees from each other.
+class ThreeFronts {
+public:
+    /// @return whether there are, with this one
+    bool add(Vec2f g) {
+        for (std::size_t k = 0; k < count_; ++k)
+            if (dot(g, g_[k]) >= jet::kSameFront) return false;
+        g_[count_] = g;
+        if (count_ == 2) return true;
+        ++count_;
+        return false;
+    }
+
+private:
+    std::array<Vec2f, 3> g_;
+    std::size_t count_ = 0;
+};
+
 }  // namespace igeo

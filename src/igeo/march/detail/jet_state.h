@@ -67,11 +67,12 @@ struct CoreJets {
     JetBuckets buckets;
     std::vector<JetState> state;           ///< per core node
     std::vector<std::uint32_t> label;      ///< per core node; empty for one source
-    std::vector<std::uint8_t> meetInLeaf;  ///< per leaf of the band: meetNear; empty: nowhere
-    double limit = kInfinity;              ///< larger distances are left out
+    std::vector<bool> meetings;  ///< per core node: meetNear; empty: nowhere
+    double limit = kInfinity;    ///< larger distances are left out
 
-    /// Whether fronts meet in a leaf or in one beside it, so that some nodes took the fallback.
-    bool meetNear(LeafIndex l) const { return !meetInLeaf.empty() && meetInLeaf[l]; }
+    /// Whether three fronts meet at a node or at one that is linked to it, so that it took the
+    /// fallback.
+    bool meetNear(NodeIndex k) const { return !meetings.empty() && meetings[k]; }
     bool accepted(NodeIndex k) const { return state[k].accepted(); }
     double valueOf(NodeIndex k) const {
         return buckets.startOf(state[k].bucket) + double(state[k].rest);

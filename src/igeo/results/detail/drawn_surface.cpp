@@ -131,13 +131,17 @@ bool DrawnSurface::isVisible(const Vec3d& p, const Vec3d& toEye) const {
 
 bool DrawnSurface::encloses(const Vec3d& p) const {
     if (!closed_ || triangles_->size() == 0) return false;
-    // What a ray to the middle of the nearest triangle meets first shows its outside or its inside.
-    const std::uint32_t t = triangles_->nearest(p).triangle;
-    const Vec3d middle = (1.0 / 3) * (triangles_->corner(t, 0) + triangles_->corner(t, 1) +
-                                      triangles_->corner(t, 2));
-    const Vec3d dir = normalized(middle - p);
-    const auto hit = triangles_->hit(p, dir);
-    return hit && dot(triangles_->normal(hit->triangle), dir) > 0;
+    // The winding number, by the solid angles of the triangles (van Oosterom and Strackee 1983).
+    // Its sign is that of their orientation, which files have either way.
+    double half = 0;
+    for (std::uint32_t t = 0; t < triangles_->size(); ++t) {
+        const Vec3d a = triangles_->corner(t, 0) - p, b = triangles_->corner(t, 1) - p,
+                    c = triangles_->corner(t, 2) - p;
+        const double la = length(a), lb = length(b), lc = length(c);
+        half += std::atan2(dot(a, cross(b, c)),
+                           la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+    }
+    return std::abs(half) > M_PI;
 }
 
 }  // namespace igeo

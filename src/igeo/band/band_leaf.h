@@ -1,0 +1,53 @@
+/// The leaves of a band: which voxels of 8^3 are nodes, and their numbers.
+#pragma once
+
+#include <igeo/base/types.h>
+
+#include <array>
+#include <cstdint>
+#include <limits>
+
+namespace igeo {
+
+using LeafIndex = std::uint32_t;
+constexpr LeafIndex kNoLeaf = std::numeric_limits<LeafIndex>::max();
+
+/// A numbering of some voxels of a leaf. Laid out as OpenVDB's leaves: voxel (x, y, z) has offset
+/// 64 x + 8 y + z, so mask word x holds the slice at x and its byte y the row at (x, y).
+struct LeafNodes {
+    std::array<std::uint64_t, 8> mask{};    ///< which voxels have a number
+    std::array<std::uint16_t, 8> before{};  ///< numbered voxels before slice x
+    NodeIndex firstNode = 0;                ///< number of the first
+    NodeIndex count = 0;
+
+    void insert(unsigned offset) { mask[offset >> 6] |= std::uint64_t(1) << (offset & 63); }
+    /// Numbers the voxels of the mask from `start` on, by offset.
+    void number(NodeIndex start);
+
+    /// The number of the voxel at an offset, or kNoNode.
+    NodeIndex node(unsigned offset) const {
+        return mask[offset >> 6] >> (offset & 63) & 1 ? numberOf(offset) : kNoNode;
+    }
+    /// The same for a voxel known to be in the mask.
+    NodeIndex numberOf(unsigned offset) const {
+        const std::uint64_t lower = (std::uint64_t(1) << (offset & 63)) - 1;
+        return firstNode + before[offset >> 6] + bitCount(mask[offset >> 6] & lower);
+    }
+    /// By hand: the instruction for it is not in every x86-64.
+    static unsigned bitCount(std::uint64_t bits) {
+        bits -= bits >> 1 & 0x5555555555555555;
+        bits = (bits & 0x3333333333333333) + (bits >> 2 & 0x3333333333333333);
+        bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0f;
+        return unsigned(bits * 0x0101010101010101ull >> 56);
+    }
+};
+
+/// 8^3 voxels of the band.
+struct BandLeaf {
+    Ijk origin;      ///< smallest voxel, a multiple of 8
+    LeafNodes band;  ///< the leaf's nodes
+    LeafNodes core;  ///< those of the core (Band::numberCore), with numbers of their own
+    std::array<LeafIndex, 27> neighbor{};  ///< leaf at step (dx,dy,dz): 9(dx+1)+3(dy+1)+dz+1
+};
+
+}  // namespace igeo
