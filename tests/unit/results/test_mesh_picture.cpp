@@ -79,13 +79,18 @@ TEST_CASE("picture: an open sheet ends where the mesh does", "[mesh]") {
 }
 
 TEST_CASE("picture: a closed mesh is not drawn from inside", "[mesh]") {
-    const Drawn box(boxMesh({1, 0.6, 0.5}));
-    PictureOptions o = box.fromAbove();
-    o.eye = {0.5, 0.3, 0.4};
-    expectError(Error::Kind::InvalidArgument, {"is inside the surface"},
-                [&] { renderPng(nullptr, box.field, {}, o); });
-    o.eye = {0.5, 0.3, 0.6};
-    CHECK(!renderPng(nullptr, box.field, {}, o).empty());
+    for (const bool inward : {false, true}) {  // as files have them
+        TriangleMesh mesh = boxMesh({1, 0.6, 0.5});
+        if (inward)
+            for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+        const Drawn box(mesh);
+        PictureOptions o = box.fromAbove();
+        o.eye = {0.5, 0.3, 0.4};
+        expectError(Error::Kind::InvalidArgument, {"is inside the surface"},
+                    [&] { renderPng(nullptr, box.field, {}, o); });
+        o.eye = {0.5, 0.3, 0.6};
+        CHECK(!renderPng(nullptr, box.field, {}, o).empty());
+    }
 }
 
 }  // namespace igeo::test
