@@ -40,7 +40,7 @@ MISTAKES = [
     ("--volume sphere.vdb --iso 0 --seed 0,0,1", USAGE, r"ending is that of a VDB file.*--sdf sphere.vdb --rebuild"),
     ("head.nii.gz --seed 0,0,1", UNUSABLE, r"cannot read 'head.nii.gz'"),
     (f"{RUN} --join-gaps 1", USAGE, r"--join-gaps is for meshes"),
-    ("--mesh cube.obj --seed vertex:0 --rebuild", USAGE, r"--rebuild is for volumes"),
+    ("--mesh cube.obj --seed vertex:0 --rebuild", USAGE, r"--rebuild is for level sets"),
     ("--mesh cube.obj --seed vertex:0 --voxel-size 0.5", USAGE,
      r"larger than an eighth of the surface.*take voxels of up to 0.12"),
     ("--mesh cube.obj --seed vertex:0 --voxel-size 1mm", USAGE, r"--voxel-size: 1mm is no number"),

@@ -21,8 +21,8 @@ void checkSurface(const RunOptions& o) {
         usageError("--voxel-size and --resolution are for meshes and points",
                    "a volume has a fixed voxel size: leave them out");
     if (!volume && o.rebuild)
-        usageError("--rebuild is for volumes, and " + o.source.text() + " is none",
-                   "leave it out: meshes and points need no signed distance");
+        usageError("--rebuild is for level sets, and " + o.source.text() + " is none",
+                   "leave it out: other surfaces need no signed distance");
     if (o.iso && !o.rebuild && o.kind != SurfaceKind::VoxelVolume)
         usageError("--iso needs --rebuild or --volume", "add one of them, or leave --iso out");
     if (o.kind != SurfaceKind::Mesh && o.joinGaps > 0)
