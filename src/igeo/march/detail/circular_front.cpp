@@ -84,10 +84,10 @@ double improve(CircularFront& front, std::span<const JetNeighbor> neighbors) {
     for (const JetNeighbor& n : neighbors) {
         const CircularFront::Jet jet = front.at(-double(n.a.x), -double(n.a.y));
         if (!(jet.root > kLeastRoot)) continue;
+        // The angle as twice the tangent of its half.
         const double byValue = n.u - jet.u,
-                     // twice the tangent of half of it
-            byAngle = 2 * (jet.gx * double(n.g.y) - jet.gy * double(n.g.x)) /
-                      std::max(0.1, 1 + jet.gx * double(n.g.x) + jet.gy * double(n.g.y)),
+                     byAngle = 2 * (jet.gx * double(n.g.y) - jet.gy * double(n.g.x)) /
+                               std::max(0.1, 1 + jet.gx * double(n.g.x) + jet.gy * double(n.g.y)),
                      square = byValue * byValue + kLever * kLever * byAngle * byAngle,
                      w = 1 /
                          ((double(dot(n.a, n.a)) + kNear2) * (1 + square / (kOutlier * kOutlier)));
