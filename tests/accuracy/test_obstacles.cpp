@@ -123,7 +123,7 @@ TEST_CASE("obstacles: distances and paths lead around a ball") {
             std::printf("obstacle on a %s, %s: mean %.4f %%, max %.3f %%\n", s.name,
                         computedBy.c_str(), e.mean, e.max);
             CHECK(e.unreached == 0);
-            if (scheme == Scheme::Jet) CHECK(e.max < 0.109);  // measured 0.072
+            if (scheme == Scheme::Jet) CHECK(e.max < 0.084);  // measured 0.056
             const Band& band = d.band();
             for (NodeIndex i = 0; i < band.size(); ++i)
                 if (s.inBall(worldOf(band, band.footPoint(i))))
@@ -137,7 +137,9 @@ TEST_CASE("obstacles: distances and paths lead around a ball") {
                         100 * (d.at(target) / exact - 1), 100 * (traced.weightedLength / exact - 1),
                         100 * (path.weightedLength / exact - 1));
             CHECK(path.weightedLength <= traced.weightedLength);
-            CHECK(std::abs(path.weightedLength / exact - 1) < 9.1e-4);  // measured 6.1e-4
+            const double off = scheme == Scheme::Jet ? 3.1e-4 : 0.0181;  // measured 2.0e-4, 0.0121
+            CHECK(std::abs(traced.weightedLength / exact - 1) < off);
+            CHECK(std::abs(path.weightedLength / exact - 1) < 5.6e-4);  // measured 3.7e-4
             CHECK(path.weightedLength == Approx(path.length));
             // Chords of a voxel between points on the rim dip by 1 / (8 r), r = 30 voxels here.
             auto inBall = [&](const igeo::Vec3d& p) { return s.inBall({p.x, p.y, p.z}, 1e-6); };
@@ -172,10 +174,10 @@ TEST_CASE("around a hole in an open sheet the path is as long as around a disc")
         const double error = d.field().distance[i] - aroundDisc(hole, kHole, from, p) * kN;
         least = std::min(least, error), most = std::max(most, error);
     }
-    std::printf("around a hole of 30 voxels: %+.2f to %+.2f voxels\n", least, most);
+    std::printf("around a hole of 30 voxels: %+.2g to %+.2f voxels\n", least, most);
     // The last voxels are up to a voxel off the rim, and the path turns by pi at most.
-    CHECK(most < 3.2);
-    CHECK(least > -0.052);  // measured -0.034
+    CHECK(most < 3.2);      // measured 1.67
+    CHECK(least > -1e-12);  // measured -5.7e-14
 }
 
 }  // namespace igeo::test

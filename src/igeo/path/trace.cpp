@@ -35,7 +35,8 @@ private:
     /// The direction of -G^-1 grad_S d (-grad_S d where the metric is isotropic), unit, blended
     /// from the corners of the cell; false where it vanishes.
     bool direction(const Vec3d& p, Vec3d& v) const;
-    /// One accepted Runge-Kutta step from p, projected; false when the step would be below minStep.
+    /// One accepted Runge-Kutta step from p, projected, or a slide where an obstacle is ahead;
+    /// false when the step would be below minStep.
     bool stepAlongGradient(Vec3d& p, double& step) const;
     /// A step along the rim of an obstacle: in the direction nearest to v that is free.
     bool slide(Vec3d& p, const Vec3d& v, double step) const;
@@ -118,16 +119,18 @@ bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
         if (ratio > 1) continue;
         const Vec3d free = q;
         if (!projectToSurface(band_, q, sheetNormal_) || length(q - free) > step) continue;
-        if (field_.metric->blocked(p, q, sheetNormal_)) {
-            return slide(p, k1, step);
-        }
+        if (field_.metric->blocked(p, q, sheetNormal_)) return slide(p, k1, step);
         p = q;
         // Third-order local error: the step that would just meet the tolerance, with a margin.
         const double growth = ratio > 0 ? 0.9 * std::cbrt(1 / ratio) : 2.0;
         step = std::min(step * std::clamp(growth, 0.5, 2.0), options_.maxStep);
         return true;
     }
-    return false;
+    // Beside an obstacle every step may have a stage inside it, where no node has a gradient.
+    step = options_.maxStep / 2;
+    Vec3d ahead = p + step * k1;
+    projectToSurface(band_, ahead, sheetNormal_);
+    return field_.metric->blocked(p, ahead, sheetNormal_) && slide(p, k1, step);
 }
 
 bool Tracer::slide(Vec3d& p, const Vec3d& v, double step) const {
