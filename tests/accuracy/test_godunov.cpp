@@ -57,7 +57,7 @@ TEST_CASE("godunov order 2 in its default band") {
     // Figures the scheme has to keep at N = 200 (docs/trials.md, "Width of the band for godunov").
     const Errors e = solveSphere(200, 0, 2);
     CHECK(e.unreached == 0);
-    CHECK(e.max <= 0.6);
+    CHECK(e.max <= 0.57);    // measured 0.380
     CHECK(e.mean <= 0.136);  // measured 0.0902
 }
 

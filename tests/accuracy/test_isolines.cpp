@@ -81,9 +81,9 @@ TEST_CASE("cells of two seeds are hemispheres") {
                          border = 100 * (cells.cells[0].boundary / (2 * M_PI * r) - 1);
             std::printf("cells, sphere N = %d: area %.4f %%, boundary %.4f %%, surface %.4f %%\n",
                         n, area, border, 100 * (cells.area / (2 * half) - 1));
-            CHECK(std::abs(area) <= 0.055);    // measured 0.0364
-            CHECK(std::abs(border) <= 0.027);  // measured 0.0181
-            CHECK(cells.area == Approx(2 * half).epsilon(1e-3));
+            CHECK(std::abs(area) <= 0.055);                         // measured 0.0364
+            CHECK(std::abs(border) <= 0.027);                       // measured 0.0181
+            CHECK(cells.area == Approx(2 * half).epsilon(5.5e-4));  // measured 3.6e-4
         }
     }
 }

@@ -100,7 +100,7 @@ TEST_CASE("jet on the side of a cylinder") {
                                                : geodesicOnCylinder(kCenter, radius, seedOf(d), p);
         });
         print("cylinder", n, d, e);
-        CHECK(e.mean <= 0.01);
+        CHECK(e.mean <= 0.0081);  // measured 0.0054
         // Second order: a quarter, with a margin for the share of the rims.
         CHECK(e.mean <= last / 3);
         last = e.mean;
@@ -112,7 +112,8 @@ TEST_CASE("jet around a rounded box") {
     // second order all the same.
     const Vec3d half(0.2013, 0.1529, 0.4507);
     const double radius = 0.08;
-    // Only arcs lose by chords; this is their share of a path around. The mean path is half as long.
+    // Only arcs lose by chords; this is their share of a path around. The mean path is half as
+    // long.
     const double arcs = 2 * M_PI * radius,
                  share = arcs / (arcs + 4 * (half.x() + half.y() - 2 * radius));
     for (const double turn : {0.0, 30.0}) {

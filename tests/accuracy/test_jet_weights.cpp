@@ -138,14 +138,16 @@ TEST_CASE("jet: a constant weight scales the distance") {
     for (const double w : {1.0, 4.0, 7.0, 1e-3}) {
         const Field field =
             marchJet(patch.band, patch.metric([&](double, double) { return w; }), {seed});
-        double worst = 0;
+        double worst = 0, steeper = 0;
         for (NodeIndex i = 0; i < patch.band.size(); ++i) {
             worst = std::max(worst, std::abs(field.distance[i] / w - plain.distance[i]));
-            REQUIRE(std::abs(length(field.gradient[i]) / float(w) - length(plain.gradient[i])) <
-                    1e-5f);
+            steeper = std::max(steeper, std::abs(double(length(field.gradient[i])) / w -
+                                                 double(length(plain.gradient[i]))));
         }
+        std::printf("jet, weight %g: %.3g voxels, gradient %.3g\n", w, worst, steeper);
+        CHECK(steeper <= 6e-7);  // measured 4.0e-7
         // Powers of two leave the roundings as they are.
-        CHECK(worst <= (w == 1 || w == 4 ? 0 : 4.9e-6));  // measured 3.2e-6
+        CHECK(worst <= (w == 1 || w == 4 ? 0 : 4.9e-6));  // measured 3.6e-6
     }
 }
 
@@ -206,9 +208,8 @@ TEST_CASE("jet refracts between half planes as Snell has it, at any contrast") {
             const double slack = u > 0 ? heavy / kN : 0;
             worst = std::max(worst, (std::abs(field.distance[i] / kN - exact) - slack) / exact);
         }
-        std::printf("jet, weights 1 and %g: %.3f %% beyond a voxel at the border\n", heavy,
-                    100 * worst);
-        CHECK(worst < 0.0017);  // measured 0.0011
+        std::printf("jet, weights 1 and %g: %.1e beyond a voxel at the border\n", heavy, worst);
+        CHECK(worst < 3.2e-7);  // measured 2.1e-7
     }
 }
 

@@ -90,8 +90,8 @@ TEST_CASE("jet with a constant tensor measures the sheared plane, whatever its a
             }
             std::printf("jet, %s plane, tensors of ratio %g: mean %.4f %%, max %.4f %%\n",
                         normal == kUp ? "axis-parallel" : "general", ratio, worst.mean, worst.max);
-            CHECK(worst.max <= (ratio <= 2 ? 0.3 : 0.61));        // measured 0.195, 0.40
-            CHECK(worst.mean <= (ratio <= 2 ? 0.0032 : 0.0257));  // measured 0.0021, 0.0171
+            CHECK(worst.max <= (ratio <= 2 ? 0.3 : 0.42));        // measured 0.20, 0.28
+            CHECK(worst.mean <= (ratio <= 2 ? 0.0032 : 0.0186));  // measured 0.0021, 0.0124
         }
     }
 }
@@ -155,7 +155,7 @@ TEST_CASE("jet: a tensor w^2 along S is the weight w, whatever it is across S") 
     std::printf("jet, tensor against weight: core %.1e, rest %.1e voxels, gradients %.1e\n", worst,
                 outside, turned);
     // Some 50 steps in single precision, and thresholds that a last digit may cross.
-    CHECK(worst <= 1.25e-5);  // measured 8.1e-6
+    CHECK(worst <= 9.4e-6);  // measured 6.2e-6
     // Carried in the plane there, in space here: (k c)^2 / 12 of a step, and the weight's change.
     CHECK(outside <= 2e-4);   // measured 1.3e-4
     CHECK(turned <= 7.5e-4);  // measured 5.0e-4
@@ -168,11 +168,14 @@ TEST_CASE("jet: the gradient of a tensor field has length 1 in the dual metric")
     const TangentFrame frame{Vec3f(plane.n)};
     const Stretch stretch = field.metric->inPlane(frame, NodeIndex(0)).stretch;
     const auto weight = float(field.metric->inPlane(frame, NodeIndex(0)).weight);
-    for (NodeIndex i = 0; i < plane.band.size(); i += 7) {
+    double worst = 0;
+    for (NodeIndex i = 0; i < plane.band.size(); ++i) {
         if (field.distance[i] < 1e-3) continue;
         const float dual = length(stretch.covector(frame.flat(field.gradient[i]))) / weight;
-        CHECK(std::abs(dual - 1) < 1e-4f);
+        worst = std::max(worst, std::abs(double(dual) - 1));
     }
+    std::printf("jet, tensor: length of the gradient in the dual metric, off by %.2g\n", worst);
+    CHECK(worst < 5.4e-7);  // measured 3.6e-7
 }
 
 TEST_CASE("paths under a constant tensor are straight, not along the gradient") {
@@ -194,7 +197,8 @@ TEST_CASE("paths under a constant tensor are straight, not along the gradient") 
                 // Every step may turn by its tolerance, 1e-3 voxels, and gradients by the error of
                 // the field over a voxel.
                 CHECK(aside <= 0.062);  // measured 0.041
-                CHECK(path.length <= 1.001 * length(seed.pIndex - target.pIndex));
+                // Measured 6.6e-6.
+                CHECK(path.length <= (1 + 1e-5) * length(seed.pIndex - target.pIndex));
             }
         }
 }
