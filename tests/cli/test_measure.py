@@ -1,4 +1,5 @@
-"""What the measuring scripts share (scripts/measure.py): processes, tables, documents, claims."""
+"""What the measuring scripts share (scripts/measure.py): processes, tables, documents, claims; and how
+they close a mesh (scripts/mesh_tool.py)."""
 import json
 import pathlib
 import sys
@@ -7,6 +8,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 import measure  # noqa: E402
+import mesh_tool  # noqa: E402
 
 DOCUMENT = """before
 <!-- errors: begin (made by scripts/x.py) -->
@@ -103,6 +105,25 @@ class Claims(unittest.TestCase):
                 self.assertIsNone(measure.judge(claim, {})[0], measure.judge(claim, {})[1])
                 self.assertTrue((measure.ROOT / claim["command"].split()[0]).is_file())
                 self.assertTrue({"at most", "at least"} & set(claim))
+
+
+class Holes(unittest.TestCase):
+    def test_a_tube_of_faces_with_vertices_of_their_own_gets_two_caps(self):
+        corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+        with tempfile.TemporaryDirectory() as folder:
+            tube, closed = f"{folder}/tube.obj", f"{folder}/closed.obj"
+            with open(tube, "w") as file:
+                for (a, b), (c, d) in zip(corners, corners[1:] + corners[:1]):
+                    file.write("".join(f"v {x} {y} {z}\n" for x, y, z in
+                                       ((a, b, 0), (c, d, 0), (c, d, 3), (a, b, 3))))
+                    file.write("f -4 -3 -2 -1\n")
+            mesh_tool.close(tube, closed)
+            vertices, faces = mesh_tool.read_obj(closed)
+        self.assertEqual(sorted(vertices)[4:6], [(0.5, 0.5, 0), (0.5, 0.5, 3)])
+        self.assertEqual((len(vertices), len(faces)), (10, 4 + 2 * 4))
+        edges = [edge for face in faces for edge in zip(face, face[1:] + face[:1])]
+        self.assertEqual(len(edges), len(set(edges)))
+        self.assertEqual(set(edges), {(b, a) for a, b in edges})
 
 
 class Machine(unittest.TestCase):
