@@ -292,16 +292,23 @@ namespace {
 
 using jet::Extension;
 
-/// Per leaf: whether it or one beside it has been reached, so that its nodes may have a jet.
-std::vector<std::uint8_t> leavesReached(const CoreJets& jets) {
+/// Per leaf: whether it or one beside it has a core node of a distance of at least `from`.
+std::vector<std::uint8_t> leavesReached(const CoreJets& jets, double from = -kInfinity) {
     const std::vector<BandLeaf>& leaves = jets.core->band.leaves;
     std::vector<std::uint8_t> reached(leaves.size()), beside(reached);
     for (std::size_t k = 0; k < jets.state.size(); ++k)
-        if (jets.state[k].accepted()) reached[jets.core->nodes[k].leaf] = 1;
+        if (jets.accepted(NodeIndex(k)) && jets.valueOf(NodeIndex(k)) >= from)
+            reached[jets.core->nodes[k].leaf] = 1;
     for (std::size_t l = 0; l < beside.size(); ++l)
         for (const LeafIndex m : leaves[l].neighbor)
             if (m != kNoLeaf && reached[m]) beside[l] = 1;
     return beside;
+}
+
+/// The leaves whose nodes may have a jet; empty: all of them.
+std::vector<std::uint8_t> leavesToExtend(const Field& field) {
+    if (field.solved == field.core->state.size()) return {};
+    return leavesReached(*field.core);
 }
 
 std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
@@ -315,14 +322,13 @@ std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
 
 /// Calls visit(l, jets) with the jets of the nodes of every leaf: core nodes have their own, the
 /// others take those of the core around their foot points. In parallel.
-/// @param everywhere  whether the march reached all of the core; if not, leaves without a jet in or
-///                    next to them are skipped
+/// @param wanted  per leaf: whether its nodes are extended, or pass as unreached; empty: all
 template <typename Visit>
-void extendByLeaf(const CoreJets& jets, bool everywhere, const Visit& visit) {
+void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
+                  const Visit& visit) {
     const Band& band = jets.core->band;
     const std::vector<Vec3f> gradients = gradientsOf(jets);
     const Extension extension(jets, gradients);
-    const auto beside = everywhere ? std::vector<std::uint8_t>() : leavesReached(jets);
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         LeafNumbers<2> numbers;
         Extension::Corners corners;
@@ -330,7 +336,7 @@ void extendByLeaf(const CoreJets& jets, bool everywhere, const Visit& visit) {
         for (std::size_t k = begin; k < end; ++k) {
             const auto l = LeafIndex(k);
             found.clear();
-            if (everywhere || beside[l]) {
+            if (wanted.empty() || wanted[l]) {
                 numbers.fill(band, l);
                 band.forNodes(l, [&](NodeIndex i, unsigned at) {
                     found.push_back(extension.at(i, l, at, numbers, corners));
@@ -352,8 +358,7 @@ NodeJet Field::atCore(NodeIndex i) const {
 
 void forLeaves(const Field& field,
                const std::function<void(LeafIndex, const std::vector<NodeJet>&)>& visit) {
-    if (field.core)
-        return extendByLeaf(*field.core, field.solved == field.core->state.size(), visit);
+    if (field.core) return extendByLeaf(*field.core, leavesToExtend(field), visit);
     const Band& band = *field.band;
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         std::vector<NodeJet> found;
@@ -366,8 +371,23 @@ void forLeaves(const Field& field,
     });
 }
 
+double largestOnBand(const Field& field) {
+    if (!field.core) return field.maxDistance;
+    // A foot point lies within a cell of the core node that it takes its jet from.
+    constexpr double kMargin = 4;  // voxels
+    const double from = field.maxDistance - kMargin * field.metric->largest();
+    std::vector<double> largest(field.band->leaves.size());
+    extendByLeaf(*field.core, leavesReached(*field.core, from),
+                 [&](LeafIndex l, const std::vector<NodeJet>& found) {
+                     for (const NodeJet& s : found)
+                         if (s.distance < kInfinity) largest[l] = std::max(largest[l], s.distance);
+                 });
+    return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
+}
+
 void extendToBand(Field& field) {
     if (!field.core) return;
+    const auto wanted = leavesToExtend(field);
     const auto core = std::move(field.core);
     field.core = nullptr;
     const Band& band = *field.band;
@@ -380,8 +400,7 @@ void extendToBand(Field& field) {
             if (k == 2 && labeled) field.label.resize(band.size());
         }
     });
-    const bool everywhere = field.solved == core->state.size();
-    extendByLeaf(*core, everywhere, [&](LeafIndex l, const std::vector<NodeJet>& found) {
+    extendByLeaf(*core, wanted, [&](LeafIndex l, const std::vector<NodeJet>& found) {
         NodeIndex i = band.leaves[l].band.firstNode;
         for (const NodeJet& s : found) {
             field.distance[i] = s.distance;
