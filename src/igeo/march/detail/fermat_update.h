@@ -96,7 +96,7 @@ public:
     }
     std::size_t count() const { return count_; }
     NeighborPair operator[](std::size_t k) const { return pair_[k]; }
-    /// Four of them; behind the last it stands again.
+    /// Four of them, filled up with the last.
     Segments four(std::size_t first) {
         fill(first, count_);
         return {all_, &pair_[first]};
