@@ -274,7 +274,8 @@ def main():
                         help="measure nothing: tables and plots of saved results")
     options = parser.parse_args()
     if not options.again:
-        options.saved = options.build / f"comparison{'-quick' if options.quick else ''}.json"
+        part = "-quick" if options.quick else "-part" if options.only else ""
+        options.saved = options.build / f"comparison{part}.json"
         options.tools = Tools(options.build)
         options.folder = options.saved.with_suffix("")
         shutil.rmtree(options.folder, ignore_errors=True)
