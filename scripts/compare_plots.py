@@ -72,9 +72,10 @@ def convergence(results, folder):
             axes.set_title(f"{shape}: {what} error")
             ticks(axes, series(results, shape, "jet", lambda run: 1)[0])
             axes.set_ylabel("% of the largest distance")
-            for method, order, below in (("jet", 2, 0.45), ("godunov1", 1, 0.12)) if key == "mean" else ():
+            for method, order, k, below in (("jet", 2, 0, 0.45), ("godunov1", 1, -2, 0.12)) \
+                    if key == "mean" else ():
                 ns, values = series(results, shape, method, lambda run: run["errors"]["mean"])
-                slope(axes, 1.05 * ns[0], below * values[0], order)
+                slope(axes, 1.05 * ns[k], below * values[k], order)
         panes[1, column].set_xlabel("voxels per side, N")
     legend_below(figure, panes[0, 0], 0.11)
     save(figure, folder / "convergence.svg")

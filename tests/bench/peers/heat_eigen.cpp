@@ -10,7 +10,7 @@ namespace igeo::test {
 namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
-constexpr double kFactor = 10;                 // of the time; Crane et al. 2013 propose 1 or more
+constexpr double kFactor = 10;  // of the time, which CGAL has as the mean edge squared
 using Solver = Eigen::SimplicialLDLT<Matrix>;  // ordered by AMD; reads the lower triangle
 
 /// The gradients of the three hat functions of a triangle, each times twice its area.

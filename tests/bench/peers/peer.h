@@ -1,4 +1,4 @@
-/// Other people's geodesics on a mesh, one file per library, all behind one interface.
+/// Other geodesics on a mesh, one file per library or method, all behind one interface.
 #pragma once
 
 #include <igeo/io/triangle_mesh.h>
