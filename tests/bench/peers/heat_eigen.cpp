@@ -10,8 +10,9 @@ namespace igeo::test {
 namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
-constexpr double kFactor = 10;  // of the time, which CGAL has as the mean edge squared
 using Solver = Eigen::SimplicialLDLT<Matrix>;  // ordered by AMD; reads the lower triangle
+
+constexpr double kFactor = 10;  // of the time, which CGAL has as the mean edge squared
 
 /// The gradients of the three hat functions of a triangle, each times twice its area.
 struct Triangle {
