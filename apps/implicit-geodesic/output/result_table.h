@@ -22,6 +22,7 @@ struct ResultKind {
         bool points = false;  ///< no seeds but points
         bool mesh = false;    ///< --mesh
         bool viewer = false;  ///< three.js in the program
+        bool band = false;    ///< the distance on the whole band
     } needs;
     void (*write)(RunResult& result, const std::string& file);
 };

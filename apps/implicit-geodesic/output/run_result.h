@@ -27,7 +27,8 @@ struct RunResult {
     std::optional<std::vector<igeo::Isoline>> madeIsolines = {};
 
     const igeo::Band& band() const { return distance.band(); }
-    const igeo::Field& field() const { return distance.field(); }
+    /// As the march left it: to be read at points, and for what it was made with.
+    std::shared_ptr<const igeo::Field> marched() const { return distance.marched(); }
     const igeo::SurfaceMesh& mesh();
     const std::vector<igeo::Isoline>& isolines();
     /// The surface as a level set, with warnings for the report.

@@ -76,6 +76,9 @@ private:
 /// Time O(n), in parallel; 20 bytes per node.
 void extendToBand(Field& field);
 
+/// The largest distance on the band, without extending all of it.
+double largestOnBand(const Field& field);
+
 /// Calls visit(l, jets) for every leaf of the band, with what is known at its nodes, in their
 /// order: for those who need each node once, and no field on the whole band. In parallel.
 void forLeaves(const Field& field,

@@ -15,7 +15,8 @@ namespace igeo {
 
 /// How much of a band has distances.
 struct Extent {
-    std::size_t reached = 0;  ///< nodes
+    std::size_t nodes = 0;    ///< of the band, or of its core
+    std::size_t reached = 0;  ///< of them
     double maxDistance = 0;   ///< the largest, voxels times weight
 };
 
