@@ -1,7 +1,7 @@
-/// The fallback of scheme `jet`, by Fermat's principle: the least over the neighbors, and over the
+/// The fallback of scheme `jet`, by Fermat's principle: the minimum, over the neighbors and the
 /// segments between them, of the value there plus the length of the straight line from there to the
-/// node. The update of the jet marching method of S. F. Potter and M. K. Cameron, Jet marching
-/// methods for solving the eikonal equation, SIAM J. Sci. Comput. 43 (2021).
+/// node. It is the update of the jet marching method of S. F. Potter and M. K. Cameron, Jet
+/// marching methods for solving the eikonal equation, SIAM J. Sci. Comput. 43 (2021).
 #pragma once
 
 #include <igeo/march/detail/jet_neighbors.h>
@@ -10,11 +10,11 @@ namespace igeo {
 
 namespace jet {
 
-/// The values on the segment from neighbor p to neighbor q and on from there, relative to base():
-/// total(s) = H(s) + |a_p - s e|, 0 <= s <= 1, e the segment and H the cubic Hermite interpolant of
-/// the jets at its ends.
+/// The cost by way of the segment from neighbor p to neighbor q, relative to base(): total(s) =
+/// H(s) + |a_p - s e|, 0 <= s <= 1, with e the segment and H the cubic Hermite interpolant of the
+/// jets at its ends.
 struct Segment {
-    Vec2f ap, e;  ///< from p to the node; from p to q, as both are at -a
+    Vec2f ap, e;  ///< from p to the node; from p to q (both neighbors are at -a)
     float up, du, mp, mq;
 
     Segment(const JetNeighbors& all, int p, int q)
@@ -29,15 +29,15 @@ struct Segment {
         const float t = 1 - s;
         return up + s * s * (3 - 2 * s) * du + s * t * (t * mp - s * mq) + length(ap - s * e);
     }
-    /// A lower bound of total: the cubic dips under its ends by 4/27 of the slopes that point down.
+    /// A lower bound of total: the cubic falls below its ends by at most 4/27 of the slopes there.
     float bound() const {
         const float along = std::clamp(dot(ap, e) / std::max(dot(e, e), 1e-12f), 0.0f, 1.0f);
         const float dip = (4.0f / 27) * (std::max(-mp, 0.0f) + std::max(mq, 0.0f));
         return up + std::min(du, 0.0f) - dip + length(ap - along * e);
     }
-    /// The least total, by golden section: 8 steps leave 2 % of the segment, where the minimum is
-    /// flat.
-    /// @param at  where it lies
+    /// The minimum of total, by golden section: 8 steps locate it to 2 % of the segment, where
+    /// total is flat.
+    /// @param at  the position of the minimum
     float least(float& at) const {
         constexpr float kGolden = 0.618034f;
         float lo = 0, hi = 1, s1 = 1 - kGolden, s2 = kGolden, f1 = total(s1), f2 = total(s2);
@@ -55,18 +55,18 @@ struct Segment {
     }
 };
 
-/// Whether the segment between two neighbors can matter: short, and seen from the node at less than
-/// 120 degrees.
+/// Whether the segment between two neighbors can matter: it is short, and the node sees it at less
+/// than 120 degrees.
 inline bool isSegment(const JetNeighbors& all, int p, int q) {
     const Vec2f e = all.a(p) - all.a(q);
     return dot(e, e) <= all.longest2 && dot(all.a(p), all.a(q)) >= -0.5f * all.len(p) * all.len(q);
 }
 
-/// Lowers `best`, relative to base(), to the least over the segment between neighbors p and q.
-/// @param direction  from where the least lies to the node
+/// Lowers `best`, relative to base(), to the minimum over the segment between neighbors p and q.
+/// @param direction  from the minimum to the node
 /// @return whether it was lowered
 inline bool lowerBySegment(const JetNeighbors& all, int p, int q, float& best, Vec2f& direction) {
-    // Between directions of two fronts there is no interpolant: the front may fold.
+    // Directions of two fronts have no interpolant: the front may fold.
     if (dot(all.g(p), all.g(q)) < kSameFront) return false;
     const Segment segment(all, p, q);
     if (segment.bound() >= best) return false;
@@ -80,9 +80,9 @@ inline bool lowerBySegment(const JetNeighbors& all, int p, int q, float& best, V
 
 }  // namespace jet
 
-/// The fallback: the least of u_j + |a_j| over the neighbors, and over the segments between them.
-/// Never below the values it starts from; first order at worst, second where the front is smooth.
-/// @return u = +inf without neighbors
+/// The fallback: the minimum of u_j + |a_j| over the neighbors, and over the segments between them.
+/// Never below the values it starts from; at least first order, second where the front is smooth.
+/// @return u = +infinity without neighbors
 inline Jet fermatUpdate(const JetNeighbors& all) {
     Jet jet;
     jet.usedFallback = true;
