@@ -10,7 +10,7 @@ namespace igeo {
 
 namespace jet {
 
-/// The cost by way of the segment from neighbor p to neighbor q, relative to base(): total(s) =
+/// The cost across the segment from neighbor p to neighbor q, relative to base(): total(s) =
 /// H(s) + |a_p - s e|, 0 <= s <= 1, with e the segment and H the cubic Hermite interpolant of the
 /// jets at its ends.
 struct Segment {
