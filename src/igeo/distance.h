@@ -35,7 +35,7 @@ struct Polyline {
 
     std::size_t seed = 0;  ///< index of the seed reached, if Reached
     SnappedPoint end;      ///< that seed; of a curve or region the point where the path ends
-    /// distance at which the seed's front starts, world units times weight
+    /// Distance at which the seed's front starts, world units times weight
     double endDistance = 0;
     std::size_t roundedBends = 0;  ///< of a walk: Path::roundedBends
 };

@@ -20,7 +20,7 @@ namespace igeo {
 
 /// The space and the snap limit of points, and the memory limit of a march.
 struct QueryRules {
-    /// how far points may be from the surface, world units; negative: SurfaceFacts::snap
+    /// How far points may be from the surface, world units; negative: SurfaceFacts::snap
     double maxSnap = -1;
     Space space = Space::World;
     double memoryLimit = kInfinity;  ///< most bytes of a march of the whole surface
@@ -50,7 +50,7 @@ struct Seeds {
     std::vector<Seed> points;
     std::vector<SeedGroup> groups;
     std::vector<Curve> curves;  ///< `start` in world units
-    /// each is the part of the surface inside
+    /// Each is the part of the surface inside
     std::vector<std::shared_ptr<const Obstacles>> regions;
     /// Names of the curves and then of the regions in messages; may be empty.
     std::vector<std::string> names = {};

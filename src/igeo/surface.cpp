@@ -124,7 +124,7 @@ protected:
 private:
     mutable std::mutex bandMutex_;
     mutable std::map<std::pair<Scheme, double>, std::shared_ptr<const Band>> wholeBands_;
-    /// only of wholeBands_, which live as long
+    /// Only of wholeBands_, which live as long
     mutable std::map<const Band*, Unresolved> unresolved_;
 };
 

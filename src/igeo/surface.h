@@ -27,7 +27,7 @@ struct VoxelOptions {
     int resolution = 0;  ///< voxels along the longest side; 0: 256 for a mesh, half the spacing for
                          ///< points (godunov: the spacing)
     Scheme scheme = Scheme::Jet;  ///< the scheme that points are put on voxels for
-    /// components of a mesh this close are joined (bandFromMesh), world units; for jet
+    /// Components of a mesh this close are joined (bandFromMesh), world units; for jet
     double joinGaps = 0;
 };
 

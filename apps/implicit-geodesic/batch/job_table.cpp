@@ -70,7 +70,7 @@ private:
 };
 
 bool isLike(const std::string& name, const std::string& pattern) {
-    // position of the last *, and the end of its match
+    // Position of the last *, and the end of its match
     std::size_t n = 0, p = 0, star = pattern.npos, taken = 0;
     while (n < name.size()) {
         if (p < pattern.size() && pattern[p] == '*') {

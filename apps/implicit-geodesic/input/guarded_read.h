@@ -23,7 +23,7 @@ void catchFaults();
 class FileGuard {
 public:
     explicit FileGuard(const std::string& file);
-    /// seconds of computing, on all cores together
+    /// Seconds of computing, on all cores together
     FileGuard(const std::string& file, double seconds);
     static constexpr double kNoLimit = 0;
     ~FileGuard();

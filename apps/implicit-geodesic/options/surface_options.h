@@ -17,7 +17,7 @@ struct SurfaceOptions {
     igeo::GridSource source;  ///< a grid only for a volume
     double voxelSize = 0;     ///< of a mesh, points or volume; 0: by resolution
     int resolution = 0;       ///< voxels along the longest side; 0: default
-    /// largest gap between components of a mesh, world units; 0: none is joined
+    /// Largest gap between components of a mesh, world units; 0: none is joined
     double joinGaps = 0;
     bool rebuild = false;       ///< redistance the volume
     std::optional<double> iso;  ///< the value that becomes the surface; none: by class

@@ -17,9 +17,9 @@ using Link = std::pair<NodeIndex, NodeIndex>;
 /// A link between nodes of the core that are not neighbors, or that the surface joins by a detour.
 struct Bridge {
     NodeIndex from = 0, to = 0;
-    /// length of the path along the surface, divided by that of the chord laid flat
+    /// Length of the path along the surface, divided by that of the chord laid flat
     float stretch = 1;
-    /// the front starts again at the other end: across a gap, or where S turns back
+    /// The front starts again at the other end: across a gap, or where S turns back
     bool jump = false;
 
     friend bool operator==(const Bridge&, const Bridge&) = default;

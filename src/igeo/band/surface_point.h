@@ -21,7 +21,7 @@ struct SurfacePoint {
     /// segment.
     Vec3d segment;
     bool joined = false;  ///< belongs to the same curve or region as the seed before it in the list
-    /// on the rim of a region inside which the distance does not rise (clearInside)
+    /// On the rim of a region inside which the distance does not rise (clearInside)
     bool rim = false;
     bool offSurface = false;  ///< farther from S than allowed, and skipped: no distance
 

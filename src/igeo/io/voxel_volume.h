@@ -17,7 +17,7 @@ struct VoxelVolume {
     std::string kind;  ///< in words: "NIfTI-1, int16"
     std::array<std::size_t, 3> size{};
     std::vector<float> values;  ///< i + size[0] (j + size[1] k); finite
-    /// world, steps to the next voxel along i, j, k; any lengths and angles
+    /// World, steps to the next voxel along i, j, k; any lengths and angles
     std::array<Vec3d, 3> axis{};
     Vec3d origin;  ///< world, the center of voxel 0,0,0
     std::vector<std::string> warnings = {};

@@ -28,13 +28,13 @@ struct NodeJet {
 struct Field {
     const Band* band = nullptr;    ///< not owned: it must outlive the field and keep its address
     std::vector<double> distance;  ///< per band node; +infinity: unreached, or beyond an early stop
-    /// per band node, along S, as long as the weight there (1 in G^-1 where the metric is a tensor
+    /// Per band node, along S, as long as the weight there (1 in G^-1 where the metric is a tensor
     /// G); empty without a march
     std::vector<Vec3f> gradient;
     bool atFootPoints = false;  ///< distance and gradient are those of the foot points (jet), not
                                 ///< of the voxels (godunov)
     std::vector<std::uint32_t> label;  ///< per band node: its nearest source; empty for one source
-    /// per band node: negative where the sources enclose it (signed_field.h); empty: distances have
+    /// Per band node: negative where the sources enclose it (signed_field.h); empty: distances have
     /// no sign
     std::vector<std::int8_t> sign;
     /// The jets of the core, if they are not extended to the band (JetOptions::extend): then

@@ -119,7 +119,7 @@ private:
             Vec3f chord;  ///< from the foot point in the middle
         };
         std::vector<Stop> stops;
-        /// per voxel of a box: number of the last walk that visited it
+        /// Per voxel of a box: number of the last walk that visited it
         std::vector<std::uint32_t> seen;
         std::uint32_t number = 0;
     };

@@ -13,7 +13,7 @@ struct AccuracyEstimate {
     std::size_t samples = 0;  ///< points at which the distance was compared with a geodesic
     double meanError = 0;     ///< mean of |d - length| / d
     double largestError = 0;  ///< maximum of |d - length| / d
-    /// share of the solved nodes that took the first-order fallback (jet)
+    /// Share of the solved nodes that took the first-order fallback (jet)
     double fallbackShare = 0;
 };
 

@@ -73,7 +73,7 @@ private:
     const Field& field_;
     const TraceOptions& options_;
     Vec3d
-        /// normal of the sheet of the path; needed where two sheets face each other in a cell
+        /// Normal of the sheet of the path; needed where two sheets face each other in a cell
         sheetNormal_;
 };
 

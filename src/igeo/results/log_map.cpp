@@ -30,7 +30,7 @@ Vec2f turned(Vec2f v, float angle) {
 /// A frame that is parallel along the geodesic to a node; stores its first axis.
 struct Carried {
     Vec3f axis;  ///< 0: not known
-    /// rotation of the frames, counterclockwise, per length (times weight) along the front to the
+    /// Rotation of the frames, counterclockwise, per length (times weight) along the front to the
     /// left
     float turn = 0;
     Vec3f logGradient;  ///< of the weight

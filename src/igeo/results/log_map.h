@@ -18,7 +18,7 @@ struct LogMap {
         Vec3d u, v;
     };
     std::vector<Frame> frames;  ///< per seed
-    /// per band node, of its foot point: d (cos, sin) of the angle from u toward v, voxels times
+    /// Per band node, of its foot point: d (cos, sin) of the angle from u toward v, voxels times
     /// weight; NaN: unreached, or no neighbor with a direction
     std::vector<Vec2f> position;
 };

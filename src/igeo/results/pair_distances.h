@@ -35,7 +35,7 @@ struct PairSurface {
     std::function<SurfacePoint(const Band&, const Vec3d&)> nearest;
     /// Throws for a point of pair k that is too far from S; none: a message in voxels.
     std::function<void(const Vec3d& askedIndex, const std::string& what)> refuse;
-    /// lower bound of the cost per unit length; 0: unknown, and every pair takes the whole surface
+    /// Lower bound of the cost per unit length; 0: unknown, and every pair takes the whole surface
     double leastWeight = 1;
     double diagonal = 0;  ///< across the surface, voxels
     enum class Paths { None, Traced, Straightened } paths = Paths::None;

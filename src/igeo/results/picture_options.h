@@ -16,7 +16,7 @@ struct PictureOptions {
     std::string colorMap = "viridis";  ///< ColorMap::names()
     Background background = Background::White;
     int isolineCount = 0;  ///< chosenLevels(); 0: by spacing
-    /// world units times weight; 0: a round one that gives 10 to 25 lines, negative: no lines
+    /// World units times weight; 0: a round one that gives 10 to 25 lines, negative: no lines
     double isolineSpacing = 0;
     bool legend = true;  ///< drawn if there is enough width
     std::string quantity = "distance",

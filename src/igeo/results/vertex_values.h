@@ -22,7 +22,7 @@ struct VertexColumn {
 
 /// Values per vertex of polygonsOf, in their order.
 struct VertexValues {
-    /// world units times weight; +infinity: unreached, NaN: no face uses the vertex
+    /// World units times weight; +infinity: unreached, NaN: no face uses the vertex
     std::vector<double> distance;
     std::vector<std::uint32_t> label;        ///< the nearest source; kNoLabel: unreached or unused
     std::vector<VertexColumn> columns = {};  ///< one per source, if requested

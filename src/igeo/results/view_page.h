@@ -37,7 +37,7 @@ struct ViewScene {
 
     std::string quantity = "distance", unit = "world units";
     std::string rest = "not reached";  ///< label of the parts where the quantity is infinite
-    /// share of these parts of the surface; none: computed from the triangles
+    /// Share of these parts of the surface; none: computed from the triangles
     std::optional<double> restShare;
     bool grows = true;  ///< the page animates a front; false: no isolines either
     /// The range of the colors; none: that of the mesh. Values beyond it have the colors of its

@@ -14,14 +14,14 @@ namespace igeo {
 struct CloudDensity {
     std::size_t points = 0;      ///< distinct points that are used
     std::size_t duplicates = 0;  ///< points left out because another has the same position
-    /// dropped: far from the others, or from the surface of their neighbors
+    /// Dropped: far from the others, or from the surface of their neighbors
     std::size_t isolated = 0;
     double spacing = 0;      ///< median
     double spacing99 = 0;    ///< percentile
     double noise = 0;        ///< scatter around the surface, root mean square
     std::size_t fitted = 0;  ///< points per fit, more where there is noise
     std::size_t pieces = 0;  ///< components of the surface, connected through neighbors
-    /// share of neighbors whose normals disagree (Orientation, or normals in the file that do not
+    /// Share of neighbors whose normals disagree (Orientation, or normals in the file that do not
     /// fit the surface)
     double conflicts = 0;
     double largestCurvature = 0;  ///< 95th percentile, 1 / world length

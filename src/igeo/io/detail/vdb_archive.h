@@ -19,7 +19,7 @@ public:
     struct Entry {
         std::string name;  ///< unique in the file
         std::string type;  ///< of its tree, as Tree_float_5_4_3
-        /// its metadata only; null: of a type that OpenVDB does not have
+        /// Its metadata only; null: of a type that OpenVDB does not have
         openvdb::GridBase::ConstPtr grid;
     };
 

@@ -32,7 +32,7 @@ public:
 private:
     const Band& band_;
     double length_;
-    /// positions along the walk of bends that were unfolded or counted below
+    /// Positions along the walk of bends that were unfolded or counted below
     std::vector<double> seen_;
     std::size_t missed_ = 0;
     std::size_t first_ = 0;  ///< of the walk: the part before it is done

@@ -9,7 +9,7 @@ namespace igeo {
 
 namespace {
 
-/// samples per pixel; side of the pattern of their rotations
+/// Samples per pixel; side of the pattern of their rotations
 constexpr int kTaps = 8, kPattern = 4;
 
 /// For small numbers; faster than std::lround, a function call.

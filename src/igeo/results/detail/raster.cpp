@@ -9,7 +9,7 @@ namespace igeo {
 
 namespace {
 
-/// margin of barycentric coordinates, so that no ray passes between two triangles
+/// Margin of barycentric coordinates, so that no ray passes between two triangles
 constexpr double kRoom = 1e-9;
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace igeo {
 
 struct MeshJoints {
     std::vector<Bridge> bridges;
-    /// number of pairs of components that they join; also of one with itself
+    /// Number of pairs of components that they join; also of one with itself
     std::size_t pairs = 0;
 };
 
