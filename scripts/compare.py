@@ -5,8 +5,8 @@ usage: scripts/compare.py --models DIR   everything; tables into docs/benchmarks
        scripts/compare.py --quick        small exact shapes only, nothing is written into docs
 
 The others are OpenVDB's maskSdf in the same band and, on the mesh that OpenVDB extracts, what
-igeo_peer has (cmake --preset release -DIGEO_PEERS=ON; vdb_tool is needed too): the heat method and
-exact geodesics of CGAL, Dijkstra of VTK. All start from the same point, the vertex of the extracted
+igeo_peer has (cmake --preset release -DIGEO_PEERS=ON; vdb_tool is needed too): heat methods, fast
+marching, Dijkstra and exact geodesics. All start from the same point, the vertex of the extracted
 mesh that is nearest to the seed asked for, so that no method pays for a seed between vertices. The
 reference is the exact solution of a shape, or the exact polyhedral distance on the mesh that a level
 set was made from. Times are medians of rounds in which every method runs once; what takes long runs once only.
@@ -31,8 +31,10 @@ SHAPE_SEEDS = {"sphere": (0.6256, 0.7108, 0.8158),
 SEED_SHARES = {"A": 0, "B": 0.5}  # of a mesh file's vertices: the first, and the one in the middle
 LONG = 10  # seconds; a run that takes longer is not repeated
 
-OURS = ("jet", "jet-2", "godunov2", "godunov1", "sweep")  # igeo_bench; jet-2: two threads
-PEERS = ("heat", "heat-id", "dijkstra", "exact")  # igeo_peer
+OURS = ("jet", "jet-2", "jet-points", "godunov2", "godunov1", "sweep")  # igeo_bench; jet-2: two threads
+QUICK_PEERS = ("marching", "dijkstra")  # linear but for a logarithm
+PEERS = ("heat", "heat-id", "heat-10", *QUICK_PEERS)
+ALL_PEERS = (*PEERS, "exact")  # igeo_peer
 
 
 class Tools:
@@ -46,8 +48,9 @@ class Tools:
             if not program.exists():
                 sys.exit(f"{program} is not there: run scripts/build.sh release first")
 
-    def has_peers(self):
-        return self.peer.exists()
+    def peers(self):
+        """The methods of igeo_peer; none where it is not built."""
+        return self.say(self.peer, "--method", "list")["methods"] if self.peer.exists() else []
 
     @staticmethod
     def say(*command):
@@ -68,7 +71,7 @@ def solve(tools, method, sdf, seed, points="", samples=0):
     common = ["--sdf", sdf, "--seed", seed, "--samples", samples]
     if points:
         common += ["--points", points]
-    if method in PEERS:
+    if method in ALL_PEERS:
         return tools.say(tools.peer, "--method", method, *common, "--further", int(method != "exact"))
     threads = 2 if method == "jet-2" else 1
     return tools.say(tools.bench, "solve", "--method", method.removesuffix("-2"), *common,
@@ -200,29 +203,30 @@ def plan(options, peers):
     cases = []
 
     def add(name, surface, arguments, methods, rounds, samples):
+        methods = [m for m in methods if m in OURS or m in peers]
+
         def case():
             return compare(tools, folder, *surface(tools, folder, *arguments), methods, rounds, samples)
         if not options.only or any(name.startswith(word) for word in options.only.split(",")):
             cases.append((name, case))
 
+    def methods_at(n):
+        if n == 400 and not options.full:
+            return [*(m for m in OURS if m != "sweep"), *QUICK_PEERS]
+        with_exact = not options.quick and n <= (200 if options.full else 100)
+        return [*OURS, *(ALL_PEERS if with_exact else PEERS)]
+
     rounds = 1 if options.quick else options.rounds
     sizes = (50, 100) if options.quick else (50, 100, 200, 400)
     for name, samples in (("sphere", 0), ("torus", 4000)):  # a distance on the torus takes 2 ms
         for n in sizes if name == "sphere" else sizes[:3]:
-            methods = list(OURS)
-            if peers and (n < 400 or options.full):
-                methods += PEERS[:3]
-            if peers and not options.quick and n <= (200 if options.full else 100):
-                methods.append("exact")
-            if n == 400 and not options.full:
-                methods.remove("sweep")
-            add(f"{name}-{n}", shape, (name, n), methods, rounds, samples)
+            add(f"{name}-{n}", shape, (name, n), methods_at(n), rounds, samples)
     if options.models and not options.quick:
         for name, file in MODELS.items():
             for n in (128, 256):
                 for seed in SEED_SHARES:
                     # The second seed is for the errors.
-                    methods = OURS + PEERS[:3] if seed == "A" else ("jet", "godunov2", *PEERS[:3])
+                    methods = OURS + PEERS if seed == "A" else ("jet", "godunov2", *PEERS)
                     add(f"{name}-{n}-{seed}", model, (name, options.models / file, n, seed), methods,
                         rounds if seed == "A" else 1, 20000)
     return cases
@@ -235,9 +239,11 @@ def growth(tools, sizes):
 
 
 def compare_all(options):
-    peers = options.tools.has_peers()
+    peers = options.tools.peers()
     if not peers:
-        print("igeo_peer is not built (IGEO_PEERS): without heat method, Dijkstra and exact geodesics")
+        print("igeo_peer is not built (IGEO_PEERS): without the methods on meshes")
+    elif missing := set(ALL_PEERS) - set(peers):
+        print(f"igeo_peer was built without {', '.join(sorted(missing))}")
     if options.models and not options.quick and not (peers and shutil.which("vdb_tool")):
         sys.exit("--models needs igeo_peer (cmake --preset release -DIGEO_PEERS=ON) and vdb_tool")
     results = {"cases": {}}
@@ -268,7 +274,8 @@ def main():
                         help="measure nothing: tables and plots of saved results")
     options = parser.parse_args()
     if not options.again:
-        options.saved = options.build / f"comparison{'-quick' if options.quick else ''}.json"
+        part = "-quick" if options.quick else "-part" if options.only else ""
+        options.saved = options.build / f"comparison{part}.json"
         options.tools = Tools(options.build)
         options.folder = options.saved.with_suffix("")
         shutil.rmtree(options.folder, ignore_errors=True)

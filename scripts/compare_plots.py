@@ -9,6 +9,7 @@ from matplotlib import pyplot  # noqa: E402  after the choice of a backend witho
 # One look per method in all plots; colors that differ in lightness too.
 LOOKS = {"jet": ("`jet`", "#0b5fa5", "o", "-"), "godunov2": ("`godunov`, order 2", "#3d9970", "s", "-"),
          "godunov1": ("`godunov`, order 1", "#9bc53d", "D", "-"), "heat": ("heat method", "#c8553d", "^", "--"),
+         "heat-10": ("heat, t = 10 h^2", "#e8a87c", "<", "--"), "marching": ("fast marching", "#7b4fa3", "P", "--"),
          "dijkstra": ("Dijkstra on edges", "#8d8d8d", "x", ":"),
          "exact": ("exact on the extracted mesh", "#222222", "v", "--")}
 
@@ -71,11 +72,12 @@ def convergence(results, folder):
             axes.set_title(f"{shape}: {what} error")
             ticks(axes, series(results, shape, "jet", lambda run: 1)[0])
             axes.set_ylabel("% of the largest distance")
-            for method, order in (("jet", 2), ("godunov1", 1)) if key == "mean" else ():
+            for method, order, k, below in (("jet", 2, 0, 0.45), ("godunov1", 1, -2, 0.12)) \
+                    if key == "mean" else ():
                 ns, values = series(results, shape, method, lambda run: run["errors"]["mean"])
-                slope(axes, 1.05 * ns[0], 0.45 * values[0], order)
+                slope(axes, 1.05 * ns[k], below * values[k], order)
         panes[1, column].set_xlabel("voxels per side, N")
-    legend_below(figure, panes[0, 0], 0.09)
+    legend_below(figure, panes[0, 0], 0.11)
     save(figure, folder / "convergence.svg")
 
 
@@ -91,7 +93,7 @@ def work(results, folder):
         axes.set_title(shape)
         axes.set_xlabel("processor time, file to first seed, s")
     panes[0].set_ylabel("mean error, % of the largest distance")
-    legend_below(figure, panes[0], 0.15)
+    legend_below(figure, panes[0], 0.19)
     save(figure, folder / "work.svg")
 
 
@@ -100,7 +102,7 @@ LARGEST = {"nodes": 100560766, "seconds": 5.1 + 16.9}
 
 
 def growth(results, folder):
-    """Time of jet against the number of nodes, and memory, with the heat method beside it."""
+    """Time of jet against the number of nodes, and memory, with methods on meshes beside it."""
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.2, 4.2))
     runs = results.get("growth", [])
     line(left, "jet", [run["nodes"] for run in runs],
@@ -109,11 +111,11 @@ def growth(results, folder):
                 color=LOOKS["jet"][1], label="jet, N = 3800, two threads")
     spheres = sorted((case["jet"]["nodes"], case) for name, case in results["cases"].items()
                      if name.startswith("sphere-"))
-    for method in ("jet", "heat"):
+    for method in ("jet", "heat", "marching"):
         known = [(nodes, case[method]) for nodes, case in spheres if method in case]
         nodes = [n for n, _ in known]
         line(right, method, nodes, [run["peakBytes"] / 1e9 for _, run in known])
-        if method == "heat":
+        if method != "jet":
             line(left, method, nodes, [sum(run[s]["cpu"] for s in ("surface", "setup", "first"))
                                        for _, run in known])
     for axes, what in ((left, "seconds, without reading the file"),

@@ -5,11 +5,16 @@ BENCHMARKS = measure.ROOT / "docs" / "benchmarks.md"
 README = measure.ROOT / "README.md"
 IMAGES = measure.ROOT / "docs" / "images" / "accuracy"
 
-NAMES = {"jet": "`jet`", "jet-2": "`jet`, 2 threads", "godunov2": "`godunov`, order 2",
+NAMES = {"jet": "`jet`", "jet-2": "`jet`, 2 threads",
+         "jet-points": "`jet`, values at 1,000 points", "godunov2": "`godunov`, order 2",
          "godunov1": "`godunov`, order 1", "sweep": "maskSdf", "heat": "heat",
-         "heat-id": "heat, Delaunay", "dijkstra": "Dijkstra", "exact": "exact on the mesh"}
-OTHERS = ("sweep", "heat", "heat-id", "dijkstra", "exact")
+         "heat-id": "heat, Delaunay", "heat-10": "heat, t = 10 h^2", "marching": "fast marching",
+         "dijkstra": "Dijkstra", "exact": "exact on the mesh"}
+ON_MESH = ("heat", "heat-id", "heat-10", "marching", "dijkstra")
+OTHERS = ("sweep", *ON_MESH, "exact")
 MEASURES = ("mean", "p99", "max")
+FURTHER = "processor time of a further seed"
+AT_POINTS = f"{FURTHER}, against `jet` with values at 1,000 points"
 
 
 def title(case):
@@ -61,7 +66,7 @@ def shape_errors(results):
 
 
 def model_errors(results):
-    methods = ("jet", "godunov2", "sweep", "heat", "heat-id", "dijkstra")
+    methods = ("jet", "godunov2", "sweep", *ON_MESH)
     return measure.table(["model, voxels, seed", *(NAMES[m] for m in methods)],
                      [[title(name), *errors_of(case, methods)]
                       for name, case in results["cases"].items() if not is_shape(name)])
@@ -73,12 +78,16 @@ def timed(results):
             if not name.endswith(("-B", "-50"))}
 
 
-def figures(results, value, show):
-    """A row per case, a column per method, the least in bold."""
-    methods = list(NAMES)
-    return measure.table(["", *NAMES.values()],
-                     [[title(name), *bold_least([value(case[m]) if m in case else None
-                                                 for m in methods], show)]
+def figures(results, value, show, *fewer):
+    """A row per case, a column per method, the least in bold. Then, never in bold, those with fewer
+    values."""
+    methods = [m for m in NAMES if m != "jet-points"]
+
+    def shown(case, of):
+        return [value(case[m]) if m in case else None for m in of]
+    return measure.table(["", *(NAMES[m] for m in (*methods, *fewer))],
+                     [[title(name), *bold_least(shown(case, methods), show),
+                       *("-" if v is None else show(v) for v in shown(case, fewer))]
                       for name, case in timed(results).items()])
 
 
@@ -95,8 +104,11 @@ def walls(results):
 
 
 def further(results):
-    return figures(results, lambda run: run["further"]["cpu"] if "further" in run
-                   else run["first"]["cpu"], seconds)
+    return figures(results, further_seed, seconds, "jet-points")
+
+
+def further_seed(run):
+    return run.get("further", run["first"])["cpu"]
 
 
 def memory(results):
@@ -120,21 +132,23 @@ def stages(results, name):
 
 
 def ahead(results):
-    """Where others are ahead of jet on one thread: a sentence per measure and method."""
+    """Where others are ahead of jet on one thread: a sentence per measure and method. Further seeds
+    are compared with jet on the whole band, and with its values at points."""
     measures = {f"{label} error": (lambda run, k=key: run["errors"][k], "%")
                 for key, label in zip(MEASURES, ("mean", "99th percentile of the", "largest"))}
     measures["processor time to the first seed"] = (lambda run: run["total"]["cpu"], "s")
-    measures["processor time of a further seed"] = (
-        lambda run: run.get("further", run["first"])["cpu"], "s")
+    measures[FURTHER] = measures[AT_POINTS] = (further_seed, "s")
     measures["peak memory"] = (lambda run: run["peakBytes"] / 1e6, "MB")
     lines = []
     for quantity, (value, unit) in measures.items():
-        cases = timed(results) if unit != "%" else results["cases"]
+        ours = "jet-points" if quantity == AT_POINTS else "jet"
+        cases = {name: case for name, case in
+                 (timed(results) if unit != "%" else results["cases"]).items() if ours in case}
         for method in OTHERS:
             where = [f"{title(name)} ({measure.number(value(case[method]), 2)} against "
-                     f"{measure.number(value(case['jet']), 2)} {unit})"
+                     f"{measure.number(value(case[ours]), 2)} {unit})"
                      for name, case in cases.items()
-                     if method in case and value(case[method]) < value(case["jet"])]
+                     if method in case and value(case[method]) < value(case[ours])]
             if where:
                 lines.append(f"- *{quantity}*, {NAMES[method]}: {'; '.join(where)}.")
     return "\n".join(lines) or "Nowhere in these cases."
@@ -142,16 +156,18 @@ def ahead(results):
 
 def readme(results):
     """The few figures of the README."""
-    methods = ("jet", "godunov2", "heat", "exact")
+    methods = ("jet", "godunov2", "heat", "marching", "exact")
     rows = []
     for name in ("sphere-100", "torus-200", "bunny-256-A", "cad-anchor-256-A", "brain-256-A"):
         case = results["cases"].get(name)
         if case is None:
             continue
-        spent = [f"{seconds(case[m]['total']['cpu'])} s" for m in ("jet", "heat") if m in case]
+        spent = [f"{seconds(case[m]['total']['cpu'])} s" for m in ("jet", "heat", "marching")
+                 if m in case]
         rows.append([title(name).removesuffix(", seed A"), *errors_of(case, methods),
                      " / ".join(spent)])
-    return measure.table(["", *(NAMES[m] for m in methods), "time of `jet` / heat"], rows)
+    return measure.table(["", *(NAMES[m] for m in methods), "time of `jet` / heat / fast marching"],
+                         rows)
 
 
 def overview(results):

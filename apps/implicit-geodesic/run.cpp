@@ -67,8 +67,9 @@ RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metri
 igeo::AccuracyEstimate estimate(const igeo::Distance& distance, const Console& console,
                                 igeo::Progress& progress) {
     progress.update("accuracy", 0);
-    const igeo::Field& field = distance.field();
-    const igeo::AccuracyEstimate a = igeo::estimateAccuracy(field, 8, progress);
+    constexpr std::size_t kSamples = 8;
+    const igeo::AccuracyEstimate a =
+        igeo::estimateAccuracy(*distance.forPaths(kSamples), kSamples, progress);
     progress.finished("accuracy");
     if (a.samples)
         console.detail(fmt::format(
@@ -200,9 +201,9 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     report.peakMemory = peakMemory();
     report.threads = igeo::ThreadLimit::current();
     if (!o.report.empty()) {
-        writeDocument(o.report, reportJson(report, distance.field()));
+        writeDocument(o.report, reportJson(report, distance));
         report.outputs.emplace_back("report", o.report);
     }
     return {tell(report, distance, o, console), report.warnings,
-            provenanceJson(report, distance.field())};
+            provenanceJson(report, *distance.marched())};
 }

@@ -52,7 +52,8 @@ struct Distance::Fields {
     const std::vector<SurfacePoint> seeds;
     std::mutex mutex;
     std::shared_ptr<const Field> points, whole;
-    std::optional<Extent> extent;  ///< of the whole band, if `grid` has found it
+    std::optional<Extent> extent;   ///< of the whole band, if `grid` has found it
+    std::optional<double> largest;  ///< on the whole band
 };
 
 Distance::Distance(Surface surface, BandWidth width, std::shared_ptr<const Band> band,
@@ -118,12 +119,18 @@ std::vector<PointValue> Distance::valuesAt(const std::vector<Vec3d>& pWorld,
     return values;
 }
 
-Polyline Distance::polylineOf(const Path& path) const {
+std::shared_ptr<const Field> Distance::forPaths(std::size_t count) const {
+    constexpr double kReadsPerVoxel = 15;  // cells that the tracer reads
+    const double voxels = marched()->maxDistance / marched()->metric->least();
+    return forPoints(std::size_t(double(count) * std::min(kReadsPerVoxel * voxels, 1e9)));
+}
+
+Polyline Distance::polylineOf(const Field& field, const Path& path) const {
     Polyline line = inWorld(path, band_->transform);
     if (path.status != PathStatus::Reached) return line;
     const SurfacePoint& seed = seeds()[path.seed];
     const bool several = path.seed + 1 < seeds().size() && seeds()[path.seed + 1].joined;
-    line.seed = field().source[path.seed];
+    line.seed = field.source[path.seed];
     line.end = inWorld(seed, band_->transform);
     if (seed.joined || several) line.end = {line.points.back(), line.points.back()};
     line.endDistance = seed.start * band_->transform.dx;
@@ -131,24 +138,26 @@ Polyline Distance::polylineOf(const Path& path) const {
 }
 
 Polyline Distance::path(const Vec3d& pWorld, bool straightened) const {
-    Path path = tracePath(field(), nearest(pWorld));
-    if (straightened) straighten(field(), path);
+    const std::shared_ptr<const Field> field = forPaths(1);
+    Path path = tracePath(*field, nearest(pWorld));
+    if (straightened) straighten(*field, path);
     addNormals(*band_, path);
-    return polylineOf(path);
+    return polylineOf(*field, path);
 }
 
 std::vector<Polyline> Distance::paths(bool straightened, Progress& progress) const {
     if (targets_.empty()) return {};
-    std::vector<Path> paths = tracePaths(field(), targets_, {}, progress);
+    const std::shared_ptr<const Field> field = forPaths(targets_.size());
+    std::vector<Path> paths = tracePaths(*field, targets_, {}, progress);
     for (std::size_t k = 0; straightened && k < paths.size(); ++k) {
-        straighten(field(), paths[k], progress);
+        straighten(*field, paths[k], progress);
         progress.update("straighten", double(k + 1) / double(paths.size()));
     }
     std::vector<Polyline> lines(paths.size());
     parallelFor(paths.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             addNormals(*band_, paths[k]);
-            lines[k] = polylineOf(paths[k]);
+            lines[k] = polylineOf(*field, paths[k]);
         }
     });
     return lines;
@@ -196,14 +205,17 @@ const LevelSet& Distance::levelSet(Progress& progress) const {
     return surface_.levelSet(width_, progress);
 }
 double Distance::largest() const { return extent().maxDistance * band_->transform.dx; }
-std::size_t Distance::reached() const { return extent().reached; }
+std::size_t Distance::reached() const {
+    if (const Extent known = extent(); known.nodes == band_->size()) return known.reached;
+    return field().reached;
+}
 
 Extent Distance::extent() const {
-    {
-        const std::lock_guard<std::mutex> lock(fields_->mutex);
-        if (fields_->extent) return *fields_->extent;
-    }
-    return {field().reached, field().maxDistance};
+    const std::lock_guard<std::mutex> lock(fields_->mutex);
+    if (fields_->extent) return *fields_->extent;
+    const Field& f = *fields_->points;
+    if (!fields_->largest) fields_->largest = largestOnBand(f);
+    return {f.core ? band_->coreSize() : band_->size(), f.reached, *fields_->largest};
 }
 
 }  // namespace igeo

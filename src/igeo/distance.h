@@ -104,9 +104,14 @@ public:
 
     double largest() const;       ///< the largest distance reached, world units times weight
     std::size_t reached() const;  ///< voxels of the band with a distance
+    /// The extent of the field, voxels. Its nodes are those of the core until `grid` or `field()`
+    /// has extended the field to the band.
+    Extent extent() const;
 
     /// The field as the march left it, to be read at points; with its seeds, scheme and metric.
     std::shared_ptr<const Field> marched() const { return forPoints(0); }
+    /// The field for reading along `count` paths: on the whole band where that is cheaper.
+    std::shared_ptr<const Field> forPaths(std::size_t count) const;
     /// The field on the whole band: voxels, index space. Of `jet` the first call extends it from
     /// the core.
     const Field& field() const;
@@ -125,8 +130,7 @@ private:
     std::shared_ptr<const Field> forPoints(std::size_t count) const;
     SurfacePoint nearest(const Vec3d& pWorld, const std::string& what = "the point") const;
     PointValue valueAt(const Field& field, const SurfacePoint& p) const;
-    Polyline polylineOf(const Path& path) const;
-    Extent extent() const;
+    Polyline polylineOf(const Field& field, const Path& path) const;
 
     Surface surface_;
     BandWidth width_;

@@ -6,9 +6,11 @@
 
 namespace igeo::test {
 
-/// --sdf F --seed x,y,z --method jet|godunov1|godunov2|sweep [--threads T] [--points OUT.csv]
-/// [--samples N] [--start-radius V] [--bucket-width V]: the stages of a run as the program has
-/// them, distances at foot points.
+/// --sdf F --seed x,y,z --method jet|jet-points|godunov1|godunov2|sweep [--threads T]
+/// [--points OUT.csv] [--samples N] [--start-radius V] [--bucket-width V]: the stages of a run as
+/// the program has them, distances at foot points. Further seeds of `jet` share its links, made in
+/// the stage "links". `jet-points` finds values at 1,000 points alone, as a row of a matrix; its
+/// links are in the stage "setup".
 void benchSolve(const Arguments& args);
 
 /// --sdf F --seed x,y,z --exact IN.csv --image OUT.png [--most P] [--camera x,y,z] [--up x,y,z]:

@@ -25,6 +25,14 @@ TriangleMesh extractedMesh(const openvdb::FloatGrid& psi) {
     return mesh;
 }
 
+double meanEdge(const TriangleMesh& mesh) {
+    double sum = 0;
+    for (const auto& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k)
+            sum += length(mesh.points[t[(k + 1) % 3]] - mesh.points[t[k]]);
+    return sum / (3 * double(mesh.triangles.size()));
+}
+
 std::size_t nearestVertex(const TriangleMesh& mesh, const Vec3d& p) {
     const auto nearer = [&](const Vec3d& a, const Vec3d& b) {
         return length(a - p) < length(b - p);

@@ -10,6 +10,9 @@ namespace igeo::test {
 /// shorter diagonal.
 TriangleMesh extractedMesh(const openvdb::FloatGrid& psi);
 
+/// The mean length of its edges, those between two triangles counted twice.
+double meanEdge(const TriangleMesh& mesh);
+
 /// The vertex nearest to p.
 std::size_t nearestVertex(const TriangleMesh& mesh, const Vec3d& p);
 

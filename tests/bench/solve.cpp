@@ -74,12 +74,33 @@ PointsCsv surfacePoints(const Field& field, double samples) {
     return csv;
 }
 
+/// As many points as a row of a matrix has columns.
+std::vector<SurfacePoint> targetsOn(const Band& band) {
+    constexpr double kTargets = 1000;
+    const std::vector<NodeIndex> near = nearNodes(band);
+    std::vector<SurfacePoint> targets;
+    for (std::size_t k = 0; k < near.size(); k += strideFor(near.size(), kTargets))
+        targets.push_back(nearestSurfacePoint(band, band.footPoint(near[k])));
+    return targets;
+}
+
+/// A row of a matrix, as `distances` reads it.
+PointsCsv valuesAt(const std::vector<SurfacePoint>& targets, const Field& field) {
+    const Band& band = *field.band;
+    PointsCsv csv;
+    for (const SurfacePoint& p : targets)
+        csv.add(band.transform.worldFromIndex(p.pIndex),
+                band.transform.dx * sampleDistance(field, p.pIndex, Vec3d(band.normal[p.node])));
+    return csv;
+}
+
 }  // namespace
 
 void benchSolve(const Arguments& args) {
     const ThreadLimit limit(int(args.number("threads", 1)));
     const std::string method = args.text("method");
-    const int order = method == "jet" ? 0 : method == "godunov2" ? 2 : 1;
+    const bool atPoints = method == "jet-points";
+    const int order = method == "jet" || atPoints ? 0 : method == "godunov2" ? 2 : 1;
     int iterations = 1;
 
     Stages stages;
@@ -94,24 +115,41 @@ void benchSolve(const Arguments& args) {
     widen(levelSet, h);
     const Band band = bandFromLevelSet(levelSet, h);
     stages.finished("band");
+    std::vector<SurfacePoint> targets;
+    JetCorePtr core;  // null: the march makes its links as it goes
+    if (atPoints) {
+        targets = targetsOn(band);
+        core = jetCore(band, {});
+        stages.finished("setup");
+    }
+    PointsCsv values;
     const auto solve = [&](const Vec3d& pIndex, const std::string& stage) {
         const SurfacePoint seed = nearestSurfacePoint(band, pIndex);
         if (method == "sweep") return sweepUntilDone(band, seed, stages, stage, iterations);
-        if (method != "jet" && method != "godunov1" && method != "godunov2")
+        if (order == 1 && method != "godunov1")
             throw std::runtime_error("no method '" + method + "'");
         JetOptions jet;
         jet.startRadius = args.number("start-radius", jet.startRadius);
         jet.bucketWidth = args.number("bucket-width", jet.bucketWidth);
-        Field field = order == 0 ? marchJet(band, {}, {seed}, jet) : godunov(band, seed, order);
+        jet.extend = !atPoints;
+        Field field = order > 0 ? godunov(band, seed, order)
+                      : core    ? marchJet(core, {seed}, jet)
+                                : marchJet(band, {}, {seed}, jet);
+        if (atPoints) values = valuesAt(targets, field);
         stages.finished(stage);
         return field;
     };
     const Field field = solve(band.transform.indexFromWorld(args.point("seed")), "first");
     const double peak = peakMemory();
+    if (!atPoints) values = surfacePoints(field, args.number("samples", 0));
+    if (args.has("points")) writePoints(args.text("points"), values);
+    stages.restart();
+    if (method == "jet") {  // as GeodesicSolver does for its second seed
+        core = jetCore(band, {});
+        stages.finished("links");
+    }
     solve(band.footPoint(NodeIndex(band.size() / 3)), "further");
 
-    if (args.has("points"))
-        writePoints(args.text("points"), surfacePoints(field, args.number("samples", 0)));
     std::printf(
         "{\"method\": \"%s\", \"nodes\": %zu, \"h\": %.6g, \"iterations\": %d, \"threads\": %d, "
         "%s, \"peakBytes\": %.0f}\n",

@@ -80,6 +80,15 @@ class Words(unittest.TestCase):
             "- *largest error*, exact on the mesh: sphere, N = 100 (0.15 against 0.30 %).",
             "- *processor time of a further seed*, heat: sphere, N = 100 (0.50 against 1.0 s)."])
 
+    def test_further_seeds_are_compared_with_values_at_points_too(self):
+        case = {**self.RESULTS["cases"]["sphere-100"], "jet-points": run(0.1, 1, 5e6, 0.6)}
+        results = {"cases": {"sphere-100": case}}
+        self.assertIn("- *processor time of a further seed, against `jet` with values at 1,000 points*, heat: "
+                      "sphere, N = 100 (0.50 against 0.60 s).", compare_tables.ahead(results).splitlines())
+        *_, row = compare_tables.further(results).splitlines()
+        self.assertEqual(row.split(" | ")[1:], ["1.0", *4 * "-", "**0.50**", *4 * "-", "90", "0.60 |"])
+        self.assertNotIn("1,000", compare_tables.times(results))
+
     def test_a_table_has_a_dash_where_nothing_was_measured(self):
         rows = compare_tables.shape_errors(self.RESULTS).splitlines()
         self.assertIn("| heat | 0.20 / 0.40 / 0.60 |", rows)

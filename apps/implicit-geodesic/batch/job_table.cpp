@@ -70,7 +70,7 @@ private:
 };
 
 bool isLike(const std::string& name, const std::string& pattern) {
-    // Position of the last *, and the end of its match
+    // star: position of the last *; taken: end of its match.
     std::size_t n = 0, p = 0, star = pattern.npos, taken = 0;
     while (n < name.size()) {
         if (p < pattern.size() && pattern[p] == '*') {

@@ -159,7 +159,7 @@ void refuseMissing(const Summary& whole, const std::vector<Part>& shards) {
 Summary mergedSummary(const std::vector<std::string>& files) {
     Summary whole;
     std::vector<Part> shards;
-    // With the name of the job's file
+    // Each with the name of its file.
     std::map<std::size_t, std::pair<JobRecord, std::string>> jobs;
     for (const std::string& file : files) {
         const Summary part = readSummary(file);

@@ -32,7 +32,7 @@ openvdb::FloatGrid::Ptr distanceOf(RunResult& r) {
     grid->insertMeta("geodesic_unreached",
                      openvdb::Int64Metadata(std::int64_t(band.size() - r.distance.reached())));
     grid->insertMeta("geodesic_weight", openvdb::StringMetadata(weight.empty() ? "1" : weight));
-    if (r.options.extend) igeo::extendDistance(*grid, r.levelSet(), r.field(), r.progress);
+    if (r.options.extend) igeo::extendDistance(*grid, r.levelSet(), r.distance.field(), r.progress);
     return grid;
 }
 
@@ -48,13 +48,14 @@ public:
     openvdb::GridCPtrVec make() {
         const igeo::Band& band = r_.band();
         const openvdb::math::Transform& t = *placed_;
-        if (asked(Grid::Gradient)) add(igeo::gradientGrid(r_.field(), t, distance_ + "_gradient"));
-        if (asked(Grid::Label)) add(igeo::labelGrid(r_.field(), t, surface_ + "_label"));
+        if (asked(Grid::Gradient))
+            add(igeo::gradientGrid(r_.distance.field(), t, distance_ + "_gradient"));
+        if (asked(Grid::Label)) add(igeo::labelGrid(r_.distance.field(), t, surface_ + "_label"));
         if (asked(Grid::Color))
-            add(igeo::colorGrid(r_.field(), igeo::ColorMap(colorMapOf(r_.options)), t,
+            add(igeo::colorGrid(r_.distance.field(), igeo::ColorMap(colorMapOf(r_.options)), t,
                                 distance_ + "_color"));
         if (asked(Grid::LogMap))
-            add(igeo::logMapGrid(band, igeo::logMap(r_.field(), {}, r_.progress), t,
+            add(igeo::logMapGrid(band, igeo::logMap(r_.distance.field(), {}, r_.progress), t,
                                  surface_ + "_logmap"));
         if (asked(Grid::Weight))
             add(igeo::weightGrid(band, *r_.distance.marched()->metric, t, surface_ + "_weight"));
@@ -116,7 +117,7 @@ void checkGridNames(const RunOptions& o, const std::string& surface) {
 void writeVolume(RunResult& r, const std::string& file) {
     // Areas and boundaries of the cells of the seeds, for the report.
     if (r.options.asked(Grid::Label))
-        r.report.cells = igeo::voronoiCells(r.field(), r.mesh(), r.progress);
+        r.report.cells = igeo::voronoiCells(r.distance.field(), r.mesh(), r.progress);
     r.progress.update("grids", 0);
     openvdb::GridCPtrVec grids;
     const openvdb::FloatGrid::Ptr distance = distanceOf(r);

@@ -248,8 +248,10 @@ namespace {
 std::string reachOf(const igeo::Distance& distance) {
     const std::shared_ptr<const igeo::Field> marched = distance.marched();
     const igeo::Field& field = *marched;
-    const std::string most = fmt::format("distances up to {:.6g}", distance.largest());
-    const std::size_t all = distance.band().size(), lost = all - distance.reached();
+    const igeo::Extent extent = distance.extent();
+    const std::string most =
+        fmt::format("distances up to {:.6g}", extent.maxDistance * distance.band().transform.dx);
+    const std::size_t all = extent.nodes, lost = all - extent.reached;
     if (field.stoppedEarly || !distance.ofWholeSurface()) return most + " around the seeds";
     if (lost == 0) return most + " on the whole surface";
     const double share = 100 * double(lost) / double(all);

@@ -69,7 +69,7 @@ std::string isolinesJson(const RunReport& report, const igeo::Field& field,
                          const std::vector<igeo::Isoline>& lines);
 
 /// docs/report.schema.json.
-std::string reportJson(const RunReport& report, const igeo::Field& field);
+std::string reportJson(const RunReport& report, const igeo::Distance& distance);
 
 /// docs/matrix.schema.json.
 /// @param field  any field of the band of the matrix

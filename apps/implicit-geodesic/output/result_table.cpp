@@ -26,7 +26,7 @@ void writePaths(RunResult& r, const std::string& file) {
     const RunReport report = withPathsAsAsked(r.report, r.solver, r.options);
     writeDocument(file, isCurveFile(file) ? igeo::curveFile(endingOf(file), igeo::CurveKind::Path,
                                                             pathCurves(report))
-                                          : geodesicsJson(report, r.field()));
+                                          : geodesicsJson(report, *r.marched()));
 }
 
 igeo::Color srgb(const RunOptions& options) {
@@ -62,16 +62,17 @@ void writeIsolines(RunResult& r, const std::string& file) {
     writeDocument(file, isCurveFile(file)
                             ? igeo::curveFile(endingOf(file), igeo::CurveKind::Isoline,
                                               igeo::namedCurves(r.isolines(), r.band().transform))
-                            : isolinesJson(r.report, r.field(), r.isolines()));
+                            : isolinesJson(r.report, *r.marched(), r.isolines()));
 }
 
 /// Each source by itself. Samples are points that the march has found.
 std::vector<igeo::Seeds> sourcesOf(const RunResult& r) {
     std::vector<igeo::Seeds> sources = r.input.seeds.sources();
-    const std::vector<igeo::SurfacePoint>& found = r.field().seeds;
+    const std::shared_ptr<const igeo::Field> field = r.marched();
+    const std::vector<igeo::SurfacePoint>& found = field->seeds;
     const igeo::Similarity& transform = r.band().transform;
-    for (std::size_t k = found.size() - (r.field().sourceCount() - sources.size());
-         k < found.size(); ++k) {
+    for (std::size_t k = found.size() - (field->sourceCount() - sources.size()); k < found.size();
+         ++k) {
         const igeo::Vec3d p = found[k].pIndex;
         sources.push_back(
             {igeo::Seed(r.options.space == igeo::Space::Index ? p : transform.worldFromIndex(p))});
@@ -116,10 +117,11 @@ void nameGroups(const igeo::Seeds& seeds, bool betweenSeeds, igeo::DistanceMatri
 }
 
 void writeMatrix(RunResult& r, const std::string& file) {
-    const std::vector<igeo::SurfacePoint>&seeds = r.field().seeds, &targets = r.distance.targets();
-    const igeo::MetricPtr& metric = r.field().metric;
+    const std::shared_ptr<const igeo::Field> field = r.marched();
+    const std::vector<igeo::SurfacePoint>&seeds = field->seeds, &targets = r.distance.targets();
+    const igeo::MetricPtr& metric = field->metric;
     const std::optional<Part>& rows = r.options.matrixRows;
-    const std::size_t count = r.field().sourceCount();
+    const std::size_t count = field->sourceCount();
     igeo::DistanceMatrix matrix =
         rows ? igeo::distanceRows(r.band(), metric, seeds, targets, rows->begin(count),
                                   rows->end(count), r.progress)
@@ -127,14 +129,14 @@ void writeMatrix(RunResult& r, const std::string& file) {
     nameGroups(r.input.seeds, targets.empty(), matrix);
     matrix.withReasons = r.options.skipOffSurface;
     const std::string ending = endingOf(file);
-    writeDocument(file, ending == ".json"  ? matrixJson(r.report, r.field(), matrix)
+    writeDocument(file, ending == ".json"  ? matrixJson(r.report, *field, matrix)
                         : ending == ".npy" ? igeo::matrixNpy(matrix)
                                            : igeo::matrixCsv(matrix));
 }
 
 void writePairs(RunResult& r, const std::string& file) {
-    writeDocument(file,
-                  endingOf(file) == ".json" ? pairsJson(r.report, r.field()) : pairsCsv(r.report));
+    writeDocument(
+        file, endingOf(file) == ".json" ? pairsJson(r.report, *r.marched()) : pairsCsv(r.report));
 }
 
 /// The options of a picture, except its size.
@@ -172,12 +174,20 @@ std::string pairsFile(const RunOptions& o, const std::string*) {
     return o.pairsOut.empty() && !o.pairs.empty() ? "-" : o.pairsOut;
 }
 
-/// Whether results other than volume and report are requested.
-bool asksForOther(const RunOptions& o) {
+/// Whether results other than volume and report are requested, of those for which of(kind).
+template <typename Of>
+bool asksForOther(const RunOptions& o, const Of& of) {
     return std::any_of(resultKinds().begin(), resultKinds().end(), [&](const ResultKind& kind) {
         return kind.name != std::string("distance") && kind.name != std::string("report") &&
-               !kind.file(o, nullptr).empty();
+               of(kind) && !kind.file(o, nullptr).empty();
     });
+}
+bool asksForOther(const RunOptions& o) {
+    return asksForOther(o, [](const ResultKind&) { return true; });
+}
+bool needsBand(const RunOptions& o) {
+    return !o.grids.empty() || o.extend ||
+           asksForOther(o, [](const ResultKind& kind) { return kind.needs.band; });
 }
 
 /// Without -o a volume is written if it is the only result, or if options change its content.
@@ -200,13 +210,13 @@ const std::vector<ResultKind>& resultKinds() {
          "mesh",
          ".ply .vtp .glb .obj",
          [](Options o, Name) { return o.meshOut; },
-         {.seeds = true},
+         {.seeds = true, .band = true},
          writeMesh},
         {"--per-vertex",
          "vertices",
          ".csv .npy .npz .ply .vtp .gii .obj",
          [](Options o, Name) { return o.perVertex; },
-         {.seeds = true, .mesh = true},
+         {.seeds = true, .mesh = true, .band = true},
          writeVertices},
         {"--samples",
          "samples",
@@ -218,7 +228,7 @@ const std::vector<ResultKind>& resultKinds() {
          "isolines",
          kCurveFiles,
          [](Options o, Name) { return o.isolines; },
-         {.seeds = true},
+         {.seeds = true, .band = true},
          writeIsolines},
         {"--matrix",
          "matrix",
@@ -227,12 +237,17 @@ const std::vector<ResultKind>& resultKinds() {
          {.seeds = true, .jet = true, .points = true},
          writeMatrix},
         {"--pairs-out", "pairs", ".csv .json", pairsFile, {.jet = true}, writePairs},
-        {"--image", "image", ".png", [](Options o, Name) { return o.image; }, {}, writePicture},
+        {"--image",
+         "image",
+         ".png",
+         [](Options o, Name) { return o.image; },
+         {.band = true},
+         writePicture},
         {"--view",
          "view",
          ".html",
          [](Options o, Name) { return o.view; },
-         {.viewer = true},
+         {.viewer = true, .band = true},
          writeViewPage},
         {"--report", "report", "", [](Options o, Name) { return o.report; }, {}, nullptr}};
     return kinds;
@@ -242,11 +257,11 @@ void writeResults(RunResult& r) {
     const RunOptions& o = r.options;
     const std::string& surface = r.distance.surface().facts().name;
     if (!volumeFile(o, &surface).empty()) {
-        // Other results need the whole band. Otherwise the volume is written leaf by leaf; and if
-        // no other run needs the surface, its memory is freed first.
-        if (asksForOther(o) || !o.grids.empty() || o.extend)
+        // Some results need the whole band. Otherwise the volume is written leaf by leaf; if
+        // nothing else needs the surface, its memory is freed first.
+        if (needsBand(o)) {
             r.distance.field();
-        else if (r.lastRun) {
+        } else if (r.lastRun && !asksForOther(o)) {
             r.distance.surface().dropVolume();
             giveBackFreedMemory();
         }

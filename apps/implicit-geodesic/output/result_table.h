@@ -22,6 +22,7 @@ struct ResultKind {
         bool points = false;  ///< seeds that are points only
         bool mesh = false;    ///< --mesh
         bool viewer = false;  ///< the program was built with three.js
+        bool band = false;    ///< distances on the whole band
     } needs;
     void (*write)(RunResult& result, const std::string& file);
 };

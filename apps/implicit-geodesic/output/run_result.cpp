@@ -11,8 +11,9 @@ const igeo::SurfaceMesh& RunResult::mesh() {
 
 const std::vector<igeo::Isoline>& RunResult::isolines() {
     if (madeIsolines) return *madeIsolines;
-    const std::vector<double> levels = igeo::chosenLevels(field(), options.levels, options.spacing);
-    madeIsolines = igeo::isolines(field(), mesh(), levels, progress);
+    const std::vector<double> levels =
+        igeo::chosenLevels(distance.field(), options.levels, options.spacing);
+    madeIsolines = igeo::isolines(distance.field(), mesh(), levels, progress);
     return *madeIsolines;
 }
 

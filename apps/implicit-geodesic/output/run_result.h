@@ -27,7 +27,8 @@ struct RunResult {
     std::optional<std::vector<igeo::Isoline>> madeIsolines = {};
 
     const igeo::Band& band() const { return distance.band(); }
-    const igeo::Field& field() const { return distance.field(); }
+    /// The field as the march left it: to read at points, with its seeds, scheme and metric.
+    std::shared_ptr<const igeo::Field> marched() const { return distance.marched(); }
     const igeo::SurfaceMesh& mesh();
     const std::vector<igeo::Isoline>& isolines();
     /// The surface as a level set; its warnings are added to the report.

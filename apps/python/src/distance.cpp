@@ -217,7 +217,7 @@ void bindDistance(py::module_& module) {
         .def_property_readonly("overrun",
                                [](const Distance& d) {
                                    const py::gil_scoped_release released;
-                                   return igeo::overrunWarnings(d.field());
+                                   return igeo::overrunWarnings(*d.marched());
                                })
         .def_property_readonly("seeds", &seedPoints)
         .def_property_readonly("largest", &Distance::largest)

@@ -75,6 +75,9 @@ private:
 /// bytes per node.
 void extendToBand(Field& field);
 
+/// The largest distance on the band, without extending all of it.
+double largestOnBand(const Field& field);
+
 /// Calls visit(l, jets) for every leaf of the band, with the values at its nodes in their order:
 /// for passes that need each node once, without a field on the whole band. In parallel.
 void forLeaves(const Field& field,

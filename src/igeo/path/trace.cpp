@@ -87,7 +87,7 @@ bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
     double lengths = 0;
     for (std::size_t k = 0; k < 8; ++k) {
         if (cell.node[k] == kNoNode) continue;
-        const Vec3d gk(field_.gradient[cell.node[k]]);
+        const Vec3d gk(field_.at(cell.node[k]).gradient);
         g += cell.weight[k] * gk;
         lengths += cell.weight[k] * length(gk);
     }
@@ -158,8 +158,8 @@ bool Tracer::slide(Vec3d& p, const Vec3d& v, double step) const {
 
 bool Tracer::walkable(NodeIndex i) const {
     // Voxels farther out would move the path sideways to their foot points.
-    return field_.distance[i] < kInfinity &&
-           (field_.atFootPoints ? band_.inCore(i) : std::abs(band_.psi[i]) <= 1);
+    return (field_.atFootPoints ? band_.inCore(i) : std::abs(band_.psi[i]) <= 1) &&
+           field_.at(i).distance < kInfinity;
 }
 
 NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
@@ -185,7 +185,7 @@ NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
     least = kInfinity;
     forNodes([&](NodeIndex j, double chord) {
         if (j != nearest && (chord > kFar || !band_.joined(nearest, j))) return;
-        const double d = field_.distance[j] + field_.metric->at(j) * chord;
+        const double d = field_.at(j).distance + field_.metric->at(j) * chord;
         if (d < least) least = d, best = j;
     });
     return best;
@@ -193,16 +193,16 @@ NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
 
 NodeIndex Tracer::lowestNeighbor(NodeIndex i) const {
     NodeIndex best = i;
+    double least = field_.at(i).distance;
+    auto isLower = [&](NodeIndex j) { return walkable(j) && field_.at(j).distance < least; };
+    auto take = [&](NodeIndex j) { best = j, least = field_.at(j).distance; };
     band_.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
-        if (field_.distance[j] < field_.distance[best] && walkable(j) &&
-            dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet && !band_.severed(i, j) &&
-            !field_.metric->blocked(band_, i, j))
-            best = j;
+        if (isLower(j) && dot(band_.normal[i], band_.normal[j]) >= Band::kOtherSheet &&
+            !band_.severed(i, j) && !field_.metric->blocked(band_, i, j))
+            take(j);
     });
     band_.forBridges(i, [&](const Bridge& b) {
-        if (field_.distance[b.to] < field_.distance[best] && walkable(b.to) &&
-            !field_.metric->blocked(band_, i, b.to))
-            best = b.to;
+        if (isLower(b.to) && !field_.metric->blocked(band_, i, b.to)) take(b.to);
     });
     return best == i ? kNoNode : best;
 }
@@ -251,7 +251,8 @@ const SurfacePoint* Tracer::regionAround(const Arrival& arrival) const {
     if (arrival.distance > 0 || (arrival.seed && !arrival.seed->rim)) return nullptr;
     if (arrival.seed) return arrival.seed;
     for (std::size_t k = 0; k < field_.seeds.size(); ++k)
-        if (field_.seeds[k].rim && (field_.label.empty() || field_.source[k] == arrival.source))
+        if (field_.seeds[k].rim &&
+            (field_.sourceCount() == 1 || field_.source[k] == arrival.source))
             return &field_.seeds[k];
     return nullptr;
 }
@@ -316,7 +317,7 @@ Path Tracer::trace(const SurfacePoint& target) {
             projectToSurface(band_, at.p, sheetNormal_);
             at.disc = arrivalAt(field_, at.p, sheetNormal_).seed;
             // Values at points may be lower than those of the nodes around them.
-            at.d = std::min(at.d, field_.distance[at.node]);
+            at.d = std::min(at.d, field_.at(at.node).distance);
             appendBetween(path, at.p, at.d);
             at.step = options_.maxStep / 4;
         }

@@ -76,7 +76,7 @@ openvdb::FloatGrid::Ptr distanceGridByLeaf(const Field& field,
     forLeaves(field, [&](LeafIndex l, const std::vector<NodeJet>& jets) {
         leaves[l] = distanceLeaf(band, l, jets, extents[l]);
     });
-    extent = {};
+    extent = {band.size()};
     for (const Extent& e : extents) {
         extent.reached += e.reached;
         extent.maxDistance = std::max(extent.maxDistance, e.maxDistance);
@@ -97,7 +97,7 @@ openvdb::FloatGrid::Ptr distanceGridByLeaf(const Field& field,
 
 openvdb::FloatGrid::Ptr distanceGrid(const Field& field, const openvdb::math::Transform& transform,
                                      const std::string& name, Extent* extent) {
-    Extent found{field.reached, field.maxDistance};
+    Extent found{field.band->size(), field.reached, field.maxDistance};
     if (field.core) {
         const auto grid = distanceGridByLeaf(field, transform, name, found);
         if (extent) *extent = found;

@@ -15,7 +15,8 @@ namespace igeo {
 
 /// How many nodes of a band have distances, and how large they are.
 struct Extent {
-    std::size_t reached = 0;  ///< nodes
+    std::size_t nodes = 0;    ///< of the band, or of its core
+    std::size_t reached = 0;  ///< of them
     double maxDistance = 0;   ///< the largest, voxels times weight
 };
 

@@ -2,8 +2,9 @@
 /// on it. One line of JSON on stdout, with the mesh, what each stage took and the peak memory.
 ///
 ///     igeo_peer --sdf FILE.vdb | --mesh FILE --seed x,y,z
-///               --method heat|heat-id|exact|dijkstra|none [--points OUT.csv] [--samples N]
-///               [--threads 1] [--further 0]
+///               --method heat|heat-id|heat-10|marching|dijkstra|exact|none [--points OUT.csv]
+///               [--samples N] [--threads 1] [--further 0]
+///     igeo_peer --method list     the methods of this build
 ///     igeo_peer --method oracle --mesh FILE --seed x,y,z --points IN.csv[,IN.csv...]
 ///
 /// The seed is the vertex nearest to x,y,z. --points writes x,y,z,distance at vertices, all or an
@@ -30,17 +31,22 @@ namespace {
 
 using Maker = std::unique_ptr<Peer> (*)(const TriangleMesh&);
 
-Maker makerOf(const std::string& method) {
-    static const std::map<std::string, Maker> makers{
-        {"heat", heatMethod},
-        {"heat-id", heatMethodIntrinsicDelaunay},
+const std::map<std::string, Maker>& makers() {
+    static const std::map<std::string, Maker> all{
+        {"heat", heatMethod},          {"heat-id", heatMethodIntrinsicDelaunay},
+        {"heat-10", heatMethodTuned},  {"marching", fastMarching},
         {"exact", exactOnMesh},
 #ifdef IGEO_PEERS_VTK
         {"dijkstra", dijkstraOnEdges},
 #endif
     };
-    const auto found = makers.find(method);
-    if (found == makers.end()) throw std::runtime_error("no --method " + method + " in this build");
+    return all;
+}
+
+Maker makerOf(const std::string& method) {
+    const auto found = makers().find(method);
+    if (found == makers().end())
+        throw std::runtime_error("no --method " + method + " in this build");
     return found->second;
 }
 
@@ -107,6 +113,13 @@ void solve(const Arguments& args) {
         method.c_str(), mesh.points.size(), mesh.triangles.size(), stages.json().c_str(), peak);
 }
 
+void list() {
+    std::string names;
+    for (const auto& [name, make] : makers())
+        names += (names.empty() ? "\"" : ", \"") + name + "\"";
+    std::printf("{\"methods\": [%s]}\n", names.c_str());
+}
+
 void oracle(const Arguments& args) {
     const TriangleMesh mesh = readMesh(args.text("mesh"));
     std::vector<std::string> files;
@@ -129,7 +142,10 @@ void oracle(const Arguments& args) {
 
 int main(int argc, char** argv) try {
     const igeo::test::Arguments args(argc, argv, 1);
-    args.text("method") == "oracle" ? igeo::test::oracle(args) : igeo::test::solve(args);
+    const std::string method = args.text("method");
+    method == "list"     ? igeo::test::list()
+    : method == "oracle" ? igeo::test::oracle(args)
+                         : igeo::test::solve(args);
     return 0;
 } catch (const std::exception& error) {
     std::fprintf(stderr, "igeo_peer: %s\n", error.what());

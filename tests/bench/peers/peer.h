@@ -1,4 +1,4 @@
-/// Other people's geodesics on a mesh, one file per library, all behind one interface.
+/// Other geodesics on a mesh, one file per library or method, all behind one interface.
 #pragma once
 
 #include <igeo/io/triangle_mesh.h>
@@ -22,6 +22,10 @@ public:
 std::unique_ptr<Peer> heatMethod(const TriangleMesh& mesh);
 /// The same on the intrinsic Delaunay triangulation.
 std::unique_ptr<Peer> heatMethodIntrinsicDelaunay(const TriangleMesh& mesh);
+/// The heat method with a time of ten mean edges squared, written here, Eigen's sparse LDL^T.
+std::unique_ptr<Peer> heatMethodTuned(const TriangleMesh& mesh);
+/// Fast marching (Kimmel and Sethian 1998), written here.
+std::unique_ptr<Peer> fastMarching(const TriangleMesh& mesh);
 /// CGAL's Surface_mesh_shortest_path (Xin and Wang 2009): exact on the facets.
 std::unique_ptr<Peer> exactOnMesh(const TriangleMesh& mesh);
 /// VTK's vtkDijkstraGraphGeodesicPath: along edges.

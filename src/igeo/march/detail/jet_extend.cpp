@@ -15,11 +15,11 @@ namespace {
 constexpr Ijk cornerOf(unsigned k) { return {int(k >> 2), int(k >> 1 & 1), int(k & 1)}; }
 
 /// Weights of the corners of a cell at a place in it, corner (a, b, c) at 4 a + 2 b + c.
-Extension::Corners::Array trilinear(const Vec3f& t) {
+std::array<float, 8> trilinear(const Vec3f& t) {
     auto parts = [](float u) { return std::array{1 - std::abs(u), 1 - std::abs(u - 1)}; };
     const std::array<float, 2> x = parts(t.x), y = parts(t.y), z = parts(t.z);
     const Four inY{y[0], y[0], y[1], y[1]}, inZ{z[0], z[1], z[0], z[1]};
-    alignas(16) Extension::Corners::Array weight;
+    alignas(16) std::array<float, 8> weight;
     *reinterpret_cast<Four*>(weight.data()) = x[0] * inY * inZ;
     *reinterpret_cast<Four*>(weight.data() + 4) = x[1] * inY * inZ;
     return weight;
@@ -27,21 +27,41 @@ Extension::Corners::Array trilinear(const Vec3f& t) {
 
 }  // namespace
 
-NodeJet Extension::at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
-                      Corners& corners) const {
+void Extension::add(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core, Group& group,
+                    NodeJet& to) const {
     const NodeIndex k = band_.leaves[l].core.node(at);
-    if (k != kNoNode) return finished(i, ofCore(k));
-    findCorners(i, l, at, core, corners);
-    return finished(i, extendTo(i, l, at, corners));
+    if (k != kNoNode) {
+        to = finished(i, ofCore(k));
+        return;
+    }
+    begin(i, l, at, group).to = &to;
+    findCorners(core, group);
+    if (group.full()) solve(group);
 }
 
 NodeJet Extension::at(NodeIndex i) const {
     const auto [l, at] = band_.placeOf(i);
     const NodeIndex k = band_.leaves[l].core.node(at);
     if (k != kNoNode) return finished(i, ofCore(k));
-    Corners corners;
-    findCorners(i, l, at, corners);
-    return finished(i, extendTo(i, l, at, corners));
+    Group group;
+    NodeJet jet;
+    begin(i, l, at, group).to = &jet;
+    findCorners(group);
+    solve(group);
+    return jet;
+}
+
+void Extension::solve(Group& group) const {
+    if (group.size == 0) return;
+    for (std::size_t lane = group.size; lane < Lanes::kNodes; ++lane) group.corners.count[lane] = 0;
+    CarriedJets carried;
+    if (!metric_.anisotropic()) {
+        group.corners.pad();
+        carryFromCorners(group.corners, carried);
+    }
+    for (std::size_t lane = 0; lane < group.size; ++lane)
+        *group.nodes[lane].to = finished(group.nodes[lane].node, extendTo(group, lane, carried));
+    group.size = 0;
 }
 
 NodeJet Extension::finished(NodeIndex i, Found s) const {
@@ -50,26 +70,38 @@ NodeJet Extension::finished(NodeIndex i, Found s) const {
     return s;
 }
 
-void Extension::findCorners(NodeIndex i, LeafIndex l, unsigned at, Corners& corners) const {
-    corners.clear();
-    band_.forCornersOfFoot(&BandLeaf::core, i, l, at, [&](NodeIndex k, float w, const Vec3f& from) {
-        addCorner(i, k, w, from, corners);
-    });
+Extension::Group::Node& Extension::begin(NodeIndex i, LeafIndex l, unsigned at,
+                                         Group& group) const {
+    const std::size_t lane = group.size++;
+    Group::Node& node = group.nodes[lane];
+    node.node = i, node.leaf = l, node.offset = at;
+    node.count = 0, node.simple = true;
+    node.weight = float(metric_.at(i));
+    group.corners.count[lane] = 0;
+    group.corners.setNormal(lane, band_.normal[i]);
+    return node;
 }
 
-void Extension::findCorners(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
-                            Corners& corners) const {
+void Extension::findCorners(Group& group) const {
+    const Group::Node& node = group.nodes[group.size - 1];
+    band_.forCornersOfFoot(
+        &BandLeaf::core, node.node, node.leaf, node.offset,
+        [&](NodeIndex k, float w, const Vec3f& from) { addCorner(k, w, from, group); });
+}
+
+void Extension::findCorners(const LeafNumbers<2>& core, Group& group) const {
     // As Band::forCornersOfFoot has it, in the same order.
     constexpr float kLight = 0.01f;
-    const Vec3f y = band_.footOf(i);
+    const Group::Node& node = group.nodes[group.size - 1];
+    const unsigned at = node.offset;
+    const Vec3f y = band_.footOf(node.node);
     const Ijk low{floorToInt(y.x), floorToInt(y.y), floorToInt(y.z)};
     const Ijk cell = low + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
     if (std::min({cell.x, cell.y, cell.z}) < -2 || std::max({cell.x, cell.y, cell.z}) > 8)
-        return findCorners(i, l, at, corners);
-    corners.clear();
+        return findCorners(group);
     const int first = core.indexOf(cell);
     const Vec3f up = y - Vec3f(low);
-    alignas(16) const Corners::Array weight = trilinear(up);
+    const std::array<float, 8> weight = trilinear(up);
     // Which are there changes from node to node: first a set without branches.
     unsigned found = 0;
     for (unsigned k = 0; k < 8; ++k) {
@@ -78,86 +110,64 @@ void Extension::findCorners(NodeIndex i, LeafIndex l, unsigned at, const LeafNum
     }
     for (; found; found &= found - 1) {
         const auto k = unsigned(std::countr_zero(found));
-        addCorner(i, core.at(first + core.indexOfStep(cornerOf(k))), weight[k],
-                  up - Vec3f(cornerOf(k)), corners);
+        addCorner(core.at(first + core.indexOfStep(cornerOf(k))), weight[k],
+                  up - Vec3f(cornerOf(k)), group);
     }
 }
 
-void Extension::addCorner(NodeIndex i, NodeIndex k, float weight, const Vec3f& from,
-                          Corners& corners) const {
+void Extension::addCorner(NodeIndex k, float weight, const Vec3f& from, Group& group) const {
     constexpr float kFlat = 0.8f;
+    const std::size_t lane = group.size - 1;
+    Group::Node& to = group.nodes[lane];
     const JetNode& node = core_.nodes[k];
-    if (!jets_.accepted(k) || dot(band_.normal[i], node.normal) < kFlat || !isJoined(i, node) ||
-        (corners.count > 0 && jets_.labelOf(k) != jets_.labelOf(corners.core[0]))) {
-        corners.simple = false;
+    const JetState& state = jets_.state[k];
+    if (!state.accepted() || dot(band_.normal[to.node], node.normal) < kFlat ||
+        !isJoined(to.node, node) ||
+        (to.count > 0 && jets_.labelOf(k) != jets_.labelOf(to.core[0]))) {
+        to.simple = false;
         return;
     }
-    const std::size_t c = corners.count++;
-    const Vec3f chord = from - node.foot, g = gradientOf(k);
-    corners.core[c] = k, corners.weight[c] = weight;
-    corners.x[c] = chord.x, corners.y[c] = chord.y, corners.z[c] = chord.z;
-    corners.gx[c] = g.x, corners.gy[c] = g.y, corners.gz[c] = g.z;
+    // Relative to the first corner.
+    if (to.count == 0) to.bucket = state.bucket;
+    to.core[to.count++] = k;
+    const float u =
+        (float(std::int64_t(state.bucket) - to.bucket) * float(jets_.buckets.width) + state.rest) /
+        to.weight;
+    group.corners.add(lane, weight, from - node.foot, gradientOf(k), u,
+                      meanWeight(node.weight, to.weight));
 }
 
-Extension::Found Extension::extendTo(NodeIndex i, LeafIndex l, unsigned at,
-                                     const Corners& corners) const {
+Extension::Found Extension::extendTo(const Group& group, std::size_t lane,
+                                     const CarriedJets& carried) const {
+    const Group::Node& node = group.nodes[lane];
+    const NodeIndex i = node.node;
     if (metric_.inside(i)) return {};
     Found s;
-    bool simple = corners.simple && corners.count > 0 && metric_.clear(i);
+    bool simple = node.simple && node.count > 0 && metric_.clear(i);
     // One or two corners do not show that fronts meet around them.
-    if (corners.count < 3 && meetNear(corners)) simple = false;
-    if (simple && metric_.anisotropic())
-        s = carryInPlane(i, corners);
-    else if (simple)
-        simple = carryInSpace(i, corners, s);
-    s = simple ? exactNearSeed(i, s) : solveFromCore(i, l, at);
+    if (simple && node.count < 3 && meetNear(node)) simple = false;
+    if (simple && metric_.anisotropic()) {
+        s = carryInPlane(group, lane);
+    } else if (simple) {
+        simple = isOfOneFront(group, lane, carried);
+        s = {jets_.buckets.startOf(node.bucket) + double(node.weight * carried.u[lane]),
+             {carried.gx[lane], carried.gy[lane], carried.gz[lane]},
+             jets_.labelOf(node.core[0])};
+    }
+    s = simple ? exactNearSeed(i, s) : solveFromCore(i, node.leaf, node.offset);
     if (s.distance < kInfinity)
-        s.distance = std::max(s.distance, jets_.seeds.lines.from(s.label, footPoint(i, l, at)));
+        s.distance = std::max(
+            s.distance, jets_.seeds.lines.from(s.label, footPoint(i, node.leaf, node.offset)));
     return s;
 }
 
-bool Extension::carryInSpace(NodeIndex i, const Corners& corners, Found& s) const {
-    const std::size_t count = corners.count;
-    jet::Four sx{}, sy{}, sz{};
-    for (std::size_t c = 0; c < count; c += 4) {
-        const jet::Four w = corners.four(corners.weight, c);
-        sx += w * corners.four(corners.gx, c), sy += w * corners.four(corners.gy, c);
-        sz += w * corners.four(corners.gz, c);
-    }
-    const Vec3f sum{jet::sum(sx), jet::sum(sy), jet::sum(sz)};
-    const Vec3f g = normalized(tangential(sum, band_.normal[i]));
-    // Relative to the first corner, and with what a chord counts there.
-    alignas(16) Corners::Array u{}, mean{};
-    const JetState& first = jets_.state[corners.core[0]];
-    const auto weight = float(metric_.at(i)), width = float(jets_.buckets.width);
-    for (std::size_t c = 0; c < count; ++c) {
-        const JetState& state = jets_.state[corners.core[c]];
-        u[c] = (float(std::int64_t(state.bucket) - first.bucket) * width + state.rest) / weight;
-        mean[c] = meanWeight(core_.nodes[corners.core[c]].weight, weight);
-    }
-    // Directions in space, not in one plane, change the step by (k c)^2 / 12 at curvature k.
-    jet::Four value{}, total{};
-    bool close = true;
-    for (std::size_t c = 0; c < count; c += 4) {
-        const jet::Four w = corners.four(corners.weight, c), gx = corners.four(corners.gx, c),
-                        gy = corners.four(corners.gy, c), gz = corners.four(corners.gz, c);
-        const jet::Four cosine = g.x * gx + g.y * gy + g.z * gz;
-        const auto other = (cosine < jet::kSameFront) & (w > 0),
-                   off = (cosine < jet::kClose) & (w > 0);
-        if (other[0] | other[1] | other[2] | other[3]) return false;
-        close = close && !(off[0] | off[1] | off[2] | off[3]);
-        const jet::Four along = (g.x + gx) * corners.four(corners.x, c) +
-                                (g.y + gy) * corners.four(corners.y, c) +
-                                (g.z + gz) * corners.four(corners.z, c);
-        value += w * (corners.four(u, c) + corners.four(mean, c) * along / (1 + cosine));
-        total += w;
-    }
-    const double origin = jets_.buckets.startOf(first.bucket);
-    s = {origin + double(weight * (jet::sum(value) / jet::sum(total))), g,
-         jets_.labelOf(corners.core[0])};
-    if (close) return true;
-    const JetNeighbors all = around(i, corners, core_.localFrameInBand(i)).all();
-    return meetNear(corners) ? jet::spreads(all) : jet::ofOneFront(all) && !jet::nearFocus(all);
+bool Extension::isOfOneFront(const Group& group, std::size_t lane,
+                             const CarriedJets& carried) const {
+    if (!carried.oneFront[lane]) return false;
+    if (carried.close[lane]) return true;
+    const Group::Node& node = group.nodes[lane];
+    const JetNeighbors all = around(group, lane, core_.localFrameInBand(node.node)).all();
+    return meetNear(node) ? jet::spreads(all) : jet::ofOneFront(all) && !jet::nearFocus(all);
 }
 
 void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
@@ -176,22 +186,25 @@ void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const
         jets_.labelOf(k), cosine < kSmooth, k};
 }
 
-Around Extension::around(NodeIndex i, const Corners& corners, const LocalFrame& local) const {
+Around Extension::around(const Group& group, std::size_t lane, const LocalFrame& local) const {
+    const Group::Node& node = group.nodes[lane];
     Around around;
-    for (std::size_t c = 0; c < corners.count; ++c) {
-        const NodeIndex k = corners.core[c];
-        addNeighbor(k, corners.chord(c), dot(band_.normal[i], core_.nodes[k].normal), corners.g(c),
+    for (std::size_t c = 0; c < node.count; ++c) {
+        const NodeIndex k = node.core[c];
+        addNeighbor(k, group.corners.chord(lane, c),
+                    dot(band_.normal[node.node], core_.nodes[k].normal), group.corners.g(lane, c),
                     local, around);
     }
     return around;
 }
 
-Extension::Found Extension::carryInPlane(NodeIndex i, const Corners& corners) const {
-    const LocalFrame local = core_.localFrameInBand(i);
+Extension::Found Extension::carryInPlane(const Group& group, std::size_t lane) const {
+    const Group::Node& node = group.nodes[lane];
+    const LocalFrame local = core_.localFrameInBand(node.node);
     BlendWeights weight{};
-    for (std::size_t c = 0; c < corners.count; ++c) weight[c] = corners.weight[c];
-    const Jet jet = blendJets(around(i, corners, local).all(), weight);
-    return fromChart(jet.u, jet.g, jets_.labelOf(corners.core[0]), local);
+    for (std::size_t c = 0; c < node.count; ++c) weight[c] = group.corners.corner[c].weight[lane];
+    const Jet jet = blendJets(around(group, lane, local).all(), weight);
+    return fromChart(jet.u, jet.g, jets_.labelOf(node.core[0]), local);
 }
 
 Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
@@ -292,16 +305,23 @@ namespace {
 
 using jet::Extension;
 
-/// Per leaf: whether it or one beside it has been reached, so that its nodes may have a jet.
-std::vector<std::uint8_t> leavesReached(const CoreJets& jets) {
+/// Per leaf: whether it or one beside it has a core node of a distance of at least `from`.
+std::vector<std::uint8_t> leavesReached(const CoreJets& jets, double from = -kInfinity) {
     const std::vector<BandLeaf>& leaves = jets.core->band.leaves;
     std::vector<std::uint8_t> reached(leaves.size()), beside(reached);
     for (std::size_t k = 0; k < jets.state.size(); ++k)
-        if (jets.state[k].accepted()) reached[jets.core->nodes[k].leaf] = 1;
+        if (jets.accepted(NodeIndex(k)) && jets.valueOf(NodeIndex(k)) >= from)
+            reached[jets.core->nodes[k].leaf] = 1;
     for (std::size_t l = 0; l < beside.size(); ++l)
         for (const LeafIndex m : leaves[l].neighbor)
             if (m != kNoLeaf && reached[m]) beside[l] = 1;
     return beside;
+}
+
+/// The leaves whose nodes may have a jet; empty: all of them.
+std::vector<std::uint8_t> leavesToExtend(const Field& field) {
+    if (field.solved == field.core->state.size()) return {};
+    return leavesReached(*field.core);
 }
 
 std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
@@ -315,28 +335,27 @@ std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
 
 /// Calls visit(l, jets) with the jets of the nodes of every leaf: core nodes have their own, the
 /// others take those of the core around their foot points. In parallel.
-/// @param everywhere  whether the march reached all of the core; if not, leaves without a jet in or
-///                    next to them are skipped
+/// @param wanted  per leaf: whether its nodes are extended, or pass as unreached; empty: all
 template <typename Visit>
-void extendByLeaf(const CoreJets& jets, bool everywhere, const Visit& visit) {
+void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
+                  const Visit& visit) {
     const Band& band = jets.core->band;
     const std::vector<Vec3f> gradients = gradientsOf(jets);
     const Extension extension(jets, gradients);
-    const auto beside = everywhere ? std::vector<std::uint8_t>() : leavesReached(jets);
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         LeafNumbers<2> numbers;
-        Extension::Corners corners;
+        Extension::Group group;
         std::vector<NodeJet> found;
         for (std::size_t k = begin; k < end; ++k) {
             const auto l = LeafIndex(k);
-            found.clear();
-            if (everywhere || beside[l]) {
+            found.assign(band.leaves[l].band.count, {});
+            if (wanted.empty() || wanted[l]) {
                 numbers.fill(band, l);
+                NodeJet* to = found.data();
                 band.forNodes(l, [&](NodeIndex i, unsigned at) {
-                    found.push_back(extension.at(i, l, at, numbers, corners));
+                    extension.add(i, l, at, numbers, group, *to++);
                 });
-            } else {
-                found.resize(band.leaves[l].band.count);
+                extension.solve(group);
             }
             visit(l, found);
         }
@@ -352,8 +371,7 @@ NodeJet Field::atCore(NodeIndex i) const {
 
 void forLeaves(const Field& field,
                const std::function<void(LeafIndex, const std::vector<NodeJet>&)>& visit) {
-    if (field.core)
-        return extendByLeaf(*field.core, field.solved == field.core->state.size(), visit);
+    if (field.core) return extendByLeaf(*field.core, leavesToExtend(field), visit);
     const Band& band = *field.band;
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         std::vector<NodeJet> found;
@@ -366,8 +384,23 @@ void forLeaves(const Field& field,
     });
 }
 
+double largestOnBand(const Field& field) {
+    if (!field.core) return field.maxDistance;
+    // A foot point lies within a cell of the core node that it takes its jet from.
+    constexpr double kMargin = 4;  // voxels
+    const double from = field.maxDistance - kMargin * field.metric->largest();
+    std::vector<double> largest(field.band->leaves.size());
+    extendByLeaf(*field.core, leavesReached(*field.core, from),
+                 [&](LeafIndex l, const std::vector<NodeJet>& found) {
+                     for (const NodeJet& s : found)
+                         if (s.distance < kInfinity) largest[l] = std::max(largest[l], s.distance);
+                 });
+    return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
+}
+
 void extendToBand(Field& field) {
     if (!field.core) return;
+    const auto wanted = leavesToExtend(field);
     const auto core = std::move(field.core);
     field.core = nullptr;
     const Band& band = *field.band;
@@ -380,8 +413,7 @@ void extendToBand(Field& field) {
             if (k == 2 && labeled) field.label.resize(band.size());
         }
     });
-    const bool everywhere = field.solved == core->state.size();
-    extendByLeaf(*core, everywhere, [&](LeafIndex l, const std::vector<NodeJet>& found) {
+    extendByLeaf(*core, wanted, [&](LeafIndex l, const std::vector<NodeJet>& found) {
         NodeIndex i = band.leaves[l].band.firstNode;
         for (const NodeJet& s : found) {
             field.distance[i] = s.distance;

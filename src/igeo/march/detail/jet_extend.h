@@ -1,6 +1,7 @@
 /// From the core of a band to the rest of it, for scheme `jet`. Internal.
 #pragma once
 
+#include <igeo/march/detail/jet_corners.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
 #include <igeo/march/detail/leaf_numbers.h>
@@ -52,31 +53,32 @@ public:
           metric_(core_.metric),
           gradients_(gradients) {}
 
-    /// Core nodes beside a foot point, for the vector units.
-    struct Corners {
-        using Array = std::array<float, 8>;
+    /// Nodes outside the core that are extended side by side.
+    struct Group {
+        struct Node {
+            NodeIndex node;
+            LeafIndex leaf;
+            unsigned offset;
+            std::size_t count = 0;  ///< corners
+            std::array<NodeIndex, JetCorners::kMax> core;
+            bool simple = true;  ///< all are of one smooth sheet, of one source, and have a jet
+            float weight = 1;
+            std::uint32_t bucket = 0;  ///< from where the values of the corners count
+            NodeJet* to = nullptr;
+        };
+        std::size_t size = 0;
+        std::array<Node, Lanes::kNodes> nodes;
+        JetCorners corners;
 
-        void clear() { count = 0, simple = true, weight = {}; }
-
-        std::size_t count = 0;
-        bool simple = true;  ///< all are of one smooth sheet, of one source, and have a jet
-        std::array<NodeIndex, 8> core{};
-        alignas(16) Array weight{};       ///< trilinear; 0: none
-        alignas(16) Array x{}, y{}, z{};  ///< the chord from the foot point of the corner
-        alignas(16) Array gx{}, gy{}, gz{};
-
-        Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
-        Vec3f g(std::size_t k) const { return {gx[k], gy[k], gz[k]}; }
-        static jet::Four four(const Array& a, std::size_t k) {
-            return *reinterpret_cast<const jet::Four*>(a.data() + k);
-        }
+        bool full() const { return size == nodes.size(); }
     };
-    /// The jet of a band node.
+    /// Begins with a node of the band: its jet is in `to` after the next solve().
     /// @param l, at  its leaf and offset
     /// @param core   of the leaf
-    /// @param corners  scratch
-    NodeJet at(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
-               Corners& corners) const;
+    void add(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core, Group& group,
+             NodeJet& to) const;
+    /// Extends the nodes of a group, and takes them out.
+    void solve(Group& group) const;
     NodeJet at(NodeIndex i) const;
 
 private:
@@ -109,25 +111,25 @@ private:
         const LocalFrame local = core_.localFrameInBand(i);
         return local.weight * double(local.stretch.largest());
     }
-    /// @param from  from the voxel of core node k to the foot point of node i
-    void addCorner(NodeIndex i, NodeIndex k, float weight, const Vec3f& from,
-                   Corners& corners) const;
-    void findCorners(NodeIndex i, LeafIndex l, unsigned at, Corners& corners) const;
-    void findCorners(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core,
-                     Corners& corners) const;
+    Group::Node& begin(NodeIndex i, LeafIndex l, unsigned at, Group& group) const;
+    /// To the node begun last.
+    /// @param from  from the voxel of core node k to the foot point of the node
+    void addCorner(NodeIndex k, float weight, const Vec3f& from, Group& group) const;
+    void findCorners(Group& group) const;
+    void findCorners(const LeafNumbers<2>& core, Group& group) const;
     /// A jet for a node outside the core.
-    Found extendTo(NodeIndex i, LeafIndex l, unsigned at, const Corners& corners) const;
+    Found extendTo(const Group& group, std::size_t lane, const CarriedJets& carried) const;
     /// What is left to do for any node.
     NodeJet finished(NodeIndex i, Found s) const;
 
     void addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
                      const LocalFrame& local, Around& around) const;
-    Around around(NodeIndex i, const Corners& corners, const LocalFrame& local) const;
-    /// Every corner carries its jet to the foot point by the circular step (jet_fit.h).
-    /// @return false where they are not of one front
-    bool carryInSpace(NodeIndex i, const Corners& corners, Found& s) const;
-    /// The same with tensors.
-    Found carryInPlane(NodeIndex i, const Corners& corners) const;
+    /// The corners of a node of a group.
+    Around around(const Group& group, std::size_t lane, const LocalFrame& local) const;
+    /// Whether what the corners carry to the foot point is of one front.
+    bool isOfOneFront(const Group& group, std::size_t lane, const CarriedJets& carried) const;
+    /// What they carry there, with tensors.
+    Found carryInPlane(const Group& group, std::size_t lane) const;
     /// Where the core around the foot point is not of one smooth front: as in the march.
     Found solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const;
     /// @return whether it took the fallback
@@ -136,8 +138,8 @@ private:
     std::optional<Found> whereFrontsMeet(NodeIndex i, const Around& around, const LocalFrame& local,
                                          const Found& before) const;
     /// Whether fronts meet beside one of the nodes.
-    bool meetNear(const Corners& corners) const {
-        return std::any_of(corners.core.begin(), corners.core.begin() + corners.count,
+    bool meetNear(const Group::Node& node) const {
+        return std::any_of(node.core.begin(), node.core.begin() + node.count,
                            [&](NodeIndex k) { return jets_.meetNear(k); });
     }
     bool meetNear(const Around& around) const {

@@ -22,12 +22,6 @@ struct Vec3Four {
 inline Four dot(const Vec3Four& a, const Vec3Four& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 inline Four abs(const Four& v) { return v < 0 ? -v : v; }
-inline void takeRoots(Four& v) {
-    alignas(16) std::array<float, 4> of;
-    *reinterpret_cast<Four*>(of.data()) = v;
-    for (float& r : of) r = std::sqrt(r);
-    v = *reinterpret_cast<const Four*>(of.data());
-}
 
 /// igeo::anyNormalTo, with the same bits.
 inline Vec3Four anyNormalTo(const Vec3Four& n) {
@@ -37,8 +31,7 @@ inline Vec3Four anyNormalTo(const Vec3Four& n) {
     t.x = byX ? zero : byY ? -n.z : n.y;
     t.y = byX ? n.z : byY ? zero : -n.x;
     t.z = byX ? -n.y : byY ? n.x : zero;
-    Four len = dot(t, t);
-    takeRoots(len);
+    const Four len = jet::roots(dot(t, t));
     const Four inverse = len > 0 ? 1 / len : zero + 1;
     t.x *= inverse, t.y *= inverse, t.z *= inverse;
     return t;
@@ -113,9 +106,8 @@ private:
         const Four x = dot(chord, t1), y = dot(chord, t2), in2 = x * x + y * y,
                    square = in2 + rise * rise;
         const Four bend = rise - riseOther, kc2 = bend * bend / square;
-        Four root = 1 + rise * rise / in2;
-        takeRoots(root);
-        const Four stretch = root * (1 + kc2 * (1.0f / 24 + kc2 * (3.0f / 640)));
+        const Four stretch =
+            jet::roots(1 + rise * rise / in2) * (1 + kc2 * (1.0f / 24 + kc2 * (3.0f / 640)));
         const Four s = in2 > 1e-12f ? stretch : Four{} + 1;
         // The least rotation that takes the normal of the neighbor to the one here.
         const Four turn = dot(axis, n) / (1 + cosine);

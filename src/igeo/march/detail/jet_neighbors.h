@@ -108,6 +108,12 @@ namespace jet {
 using Four = JetNeighbors::Four;
 
 inline float sum(Four v) { return (v[0] + v[1]) + (v[2] + v[3]); }
+inline Four roots(const Four& v) {
+    alignas(16) std::array<float, 4> of;
+    *reinterpret_cast<Four*>(of.data()) = v;
+    for (float& r : of) r = std::sqrt(r);
+    return *reinterpret_cast<const Four*>(of.data());
+}
 
 /// Directions further apart than 45 degrees belong to two fronts.
 constexpr float kSameFront = 0.7f;
@@ -119,15 +125,22 @@ class ThreeFronts {
 public:
     /// @return whether there are, with this one
     bool add(Vec2f g) {
-        for (std::size_t k = 0; k < count_; ++k)
-            if (dot(g, g_[k]) >= jet::kSameFront) return false;
+        for (std::size_t k = 0; k < count_; ++k) {
+            const float beyond = dot(g, g_[k]) - jet::kSameFront;
+            sure_ &= std::abs(beyond) > kRounding;
+            if (beyond >= 0) return false;
+        }
         g_[count_] = g;
         if (count_ == 2) return true;
         ++count_;
         return false;
     }
+    /// Whether rounding of the directions could not change that.
+    bool sure() const { return sure_; }
 
 private:
+    static constexpr float kRounding = 1e-4f;
+    bool sure_ = true;
     std::array<Vec2f, 3> g_;
     std::size_t count_ = 0;
 };
