@@ -1,4 +1,4 @@
-# Runs scripts/make_pages.py. A build goes on without pages: this warns.
+# Runs scripts/make_pages.py. A failure is a warning: the build continues without pages.
 #
 # usage: cmake -D python=PYTHON -D script=FILE -D program=FILE -D folder=DIR -P make_pages.cmake
 execute_process(COMMAND ${python} ${script} ${program} ${folder}

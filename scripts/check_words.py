@@ -24,7 +24,7 @@ PROJECT = ("README.md", "CMakeLists.txt", "src", "apps", "docs", "data", "tests"
 # They have the words to find as words to find.
 ABOUT_WORDS = (pathlib.Path(__file__).resolve(), ROOT / "tests/docs/test_check_words.py")
 
-BRITISH_IZE = ("analogise|apologise|authorise|capitalise|categorise|centralise|characterise|criticise|crystallise"
+BRITISH_IZE = ("amortise|analogise|apologise|authorise|capitalise|categorise|centralise|characterise|criticise|crystallise"
                "|customise|discretise|diagonalise|emphasise|equalise|factorise|familiarise|finalise|formalise|generalise"
                "|harmonise|initialise|linearise|localise|maximise|memorise|minimise|modernise|neutralise|normalise"
                "|optimise|organise|parallelise|parameterise|parametrise|penalise|polarise|prioritise|quantise|randomise"
@@ -51,6 +51,14 @@ WORDS = {
     "ma(ke|kes|de|king) up for": "compensate",
     "now and then": "sometimes",
     "once more": "again",
+    "want of": "lack of, without",
+    "for ever": "forever",
+    "to the letter": "exactly",
+    "hand(s|ed|ing) (on|over)": "pass to",
+    "giv(es?|en|ing) back|gave back": "free, return",
+    "as (it|they) (is|are) there": "as in the file",
+    "nic(e|er|est|ely)": "say in which property it is better",
+    "stumbles?( over)?|shuns?": "fail on, avoid",
     "anew": "again",
     "so to speak|as it were|by the way|needless to say": "leave it out",
     "in a sentence|without a word": "with a message, without a message",

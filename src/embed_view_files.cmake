@@ -27,7 +27,7 @@ if(files)  # three.js and its controls: packed here, once for all pages
     file(ARCHIVE_CREATE OUTPUT ${output}.js.gz PATHS ${output}.js FORMAT raw COMPRESSION GZip
         COMPRESSION_LEVEL 9)
     file(READ ${output}.js.gz bytes HEX)
-    # Without the time of the build, which gzip keeps in bytes 4 to 7.
+    # Without the build time, which gzip stores in bytes 4 to 7.
     string(SUBSTRING ${bytes} 0 8 head)
     string(SUBSTRING ${bytes} 16 -1 tail)
     add_array(library ${head}00000000${tail})

@@ -1,5 +1,5 @@
-# What igeo is built with: the least version that works (docs/dependencies.md has those that the
-# tests were run with), and Debian's name of the package.
+# The dependencies of igeo: the least version that works (docs/dependencies.md has the tested
+# versions), and the name of the Debian package.
 set(igeo_least_OpenVDB 10.0)
 set(igeo_least_TBB 2021.0)
 set(igeo_least_PNG 1.6)
@@ -23,7 +23,7 @@ set(igeo_debian_nlohmann_json nlohmann-json3-dev)
 set(igeo_debian_CLI11 libcli11-dev)
 set(igeo_debian_Catch2 catch2)
 
-# Appends to `list_var` those of the packages that were not found or are too old.
+# Appends to `list_var` the packages that are missing or too old.
 function(igeo_list_missing list_var)
     foreach(package IN LISTS ARGN)
         set(there ${${package}_VERSION} ${${package}_CONSIDERED_VERSIONS} ${${package}_VERSION_STRING})
@@ -37,8 +37,8 @@ function(igeo_list_missing list_var)
     set(${list_var} "${${list_var}}" PARENT_SCOPE)
 endfunction()
 
-# Sets `out_var` to what a person needs to know of the packages of igeo_list_missing: one message
-# that names them all, with the version seen and the version needed, and how to install them.
+# Sets `out_var` to one message about all packages of igeo_list_missing: the version found, the
+# version needed, and how to install them.
 function(igeo_describe_missing out_var)
     set(text "")
     set(debian "")
@@ -83,7 +83,7 @@ function(igeo_find_openvdb_module out_var)
 endfunction()
 
 # Sets xxHash_FOUND, xxHash_VERSION and the target igeo_xxhash of its header, as Debian's package has no
-# config. The header is compiled in: users of the library do without it.
+# config. The header is compiled in: users of the library need no copy.
 macro(igeo_find_xxhash)
     find_path(igeo_xxhash_include xxhash.h)
     mark_as_advanced(igeo_xxhash_include)
@@ -98,8 +98,8 @@ macro(igeo_find_xxhash)
     endif()
 endmacro()
 
-# Sets igeo_three to three.js and its OrbitControls, which pages of results are drawn with, or to
-# nothing. They are compiled in: users of the library do without them.
+# Sets igeo_three to three.js and its OrbitControls, which draw the pages of results, or to nothing.
+# They are compiled in: users of the library need no copies.
 macro(igeo_find_three)
     set(places ${CMAKE_PREFIX_PATH} ${CMAKE_SYSTEM_PREFIX_PATH})
     find_file(IGEO_THREE_JS three.min.js PATHS ${places}
@@ -121,18 +121,18 @@ if(POLICY CMP0167)
     cmake_policy(SET CMP0167 NEW)  # Boost by its own config
 endif()
 
-# Finds what igeo links against, for the build and for the installed igeoConfig.cmake alike.
+# Finds the libraries that igeo links, for the build and for the installed igeoConfig.cmake.
 #
-# Sets `missing_var` to the names of what was not found. A function, because FindOpenVDB.cmake sets
-# BUILD_SHARED_LIBS and prints as it goes: neither may reach the project that uses igeo. No version
-# is asked for, as configs refuse newer major versions that work; igeo_list_missing compares.
+# Sets `missing_var` to the names of missing libraries. It is a function, because FindOpenVDB.cmake
+# sets BUILD_SHARED_LIBS and prints, which must not reach the project that uses igeo. No version is
+# requested, because configs refuse newer major versions that work; igeo_list_missing compares them.
 function(igeo_find_dependencies missing_var)
     set(missing "")
     set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
     set(CMAKE_POLICY_DEFAULT_CMP0167 NEW)  # in FindOpenVDB.cmake, which sets policies of its own
     set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)  # or a parent of this project could not link igeo
 
-    # First and by its own config: OpenVDB's FindTBB.cmake defines TBB::tbb alone, on which a later
+    # First and by its own config: OpenVDB's FindTBB.cmake defines only TBB::tbb, with which a later
     # find_package(TBB CONFIG), such as VTK's, fails.
     find_package(TBB CONFIG QUIET)
     find_package(Threads QUIET)
@@ -147,8 +147,8 @@ function(igeo_find_dependencies missing_var)
     find_path(igeo_openvdb_include openvdb/version.h
         HINTS ${module}/../../../include ${module}/../../../../include ${module}/../../include)
     mark_as_advanced(igeo_openvdb_include)
-    # OpenVDB 10 requires Boost, and Debian's libopenvdb-dev does not bring it; later ones ask for it
-    # themselves where they were built with it.
+    # OpenVDB 10 requires Boost, and Debian's libopenvdb-dev does not depend on it; later versions
+    # find it themselves if they were built with it.
     if(igeo_openvdb_include)
         file(STRINGS ${igeo_openvdb_include}/openvdb/version.h major
             REGEX "OPENVDB_LIBRARY_MAJOR_VERSION_NUMBER [0-9]+$")
@@ -158,7 +158,7 @@ function(igeo_find_dependencies missing_var)
             igeo_list_missing(missing Boost)
         endif()
     endif()
-    # FindOpenVDB.cmake ends the configuration where one of these is missing.
+    # FindOpenVDB.cmake stops the configuration if one of these is missing.
     if(module AND NOT missing)
         list(APPEND CMAKE_MODULE_PATH ${module})
         find_package(OpenVDB QUIET)

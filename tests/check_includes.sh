@@ -82,7 +82,7 @@ FNR == 1 {
     top = FILENAME; sub(/\/.*/, "", top)
     self = FILENAME; sub(/^src\/igeo\//, "", self)
     folder = folder_of(self)
-    # The front door: files beside the folders may include all, and no file in a folder includes them.
+    # The public classes: files beside the folders may include all, and no file in a folder includes them.
     front = in_library && self !~ /\//
     if (in_library && !front && !(folder in known))
         fail("no folder of the table in tests/check_includes.sh")

@@ -17,9 +17,9 @@ namespace {
 std::atomic<int> gSignal{0};
 
 std::mutex gStderr;
-bool gProgressShown = false;  // a line of progress, without its end
+bool gProgressShown = false;  // an unfinished line of progress
 
-// In one piece: several threads may have something to say, and lines must not mix.
+// In one call: several threads may write, and lines must not mix.
 void put(const std::string& text, bool progress) {
     const std::lock_guard<std::mutex> lock(gStderr);
     std::cerr << (gProgressShown ? "\r\033[K" + text : text) << std::flush;
@@ -80,7 +80,7 @@ void ConsoleProgress::update(const char* name, double fraction) {
     time_.update(name, fraction, now());
 }
 
-/// On a thread of its own, so that work which says nothing for long is seen to go on.
+/// On a thread of its own, so that the line changes during work without reports.
 void ConsoleProgress::show() {
     const std::chrono::milliseconds pause(terminal_ ? 200 : 1000);
     std::unique_lock<std::mutex> lock(mutex_);

@@ -1,4 +1,4 @@
-/// What a person at a terminal meets: messages, progress, Ctrl-C.
+/// The program's side of a terminal: messages, progress, Ctrl-C.
 #pragma once
 
 #include <igeo/base/progress.h>
@@ -12,11 +12,11 @@
 #include "options/process_options.h"
 #include "time_left.h"
 
-/// Messages on stderr, in one shape.
+/// Messages on stderr, in a uniform format.
 class Console {
 public:
     enum class Level { Quiet, Normal, Verbose };
-    /// @param before what every message begins with, as "job 'a': "
+    /// @param before the start of every message, such as "job 'a': "
     explicit Console(Level level, std::string before = {})
         : level_(level), before_(std::move(before)) {}
 
@@ -32,8 +32,8 @@ private:
     std::string before_;
 };
 
-/// A line on stderr about the stage at work, once it takes longer than a second: five times a
-/// second on a terminal, else a new line every second.
+/// A line on stderr with the current stage, once it takes longer than a second: updated five times
+/// a second on a terminal, else a new line every second.
 class ConsoleProgress : public igeo::Progress {
 public:
     /// @param when  Auto: only on a terminal
@@ -43,7 +43,7 @@ public:
     void update(const char* name, double fraction) override;
     bool cancelled() const override;
 
-    void clear();  ///< ends the stage and wipes its line
+    void clear();  ///< ends the stage and erases its line
 
 private:
     void show();
@@ -55,14 +55,14 @@ private:
     std::thread shower_;
 };
 
-/// Turns SIGINT, SIGTERM and SIGHUP, unless they are ignored, into a request to stop; what does not
-/// stop within 0.15 s (a library call without cancellation) is ended, after removing unfinished
-/// outputs. Make one in main, before any thread starts.
+/// Turns SIGINT, SIGTERM and SIGHUP, unless ignored, into a request to stop. If the work does not
+/// stop within 0.15 s (a library call without cancellation), removes unfinished outputs and ends
+/// the process. Make one in main, before any thread starts.
 class InterruptGuard {
 public:
     InterruptGuard();
     static bool requested();
-    /// "interrupted", and what is written already.
+    /// "interrupted", and the files written so far.
     static std::string message();
     static int exitCode();  ///< 130 for SIGINT, 143 for SIGTERM, 129 for SIGHUP
 };

@@ -1,4 +1,4 @@
-/// What the process ends with (docs/formats.md).
+/// Exit codes of the process (docs/formats.md).
 #pragma once
 
 enum ExitCode { kDone = 0, kFailed = 1, kUsage = 2, kUnusable = 3, kUnreached = 4 };

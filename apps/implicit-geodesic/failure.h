@@ -1,4 +1,4 @@
-/// What went wrong, as it is reported.
+/// Errors with their exit codes.
 #pragma once
 
 #include <string>
@@ -8,5 +8,5 @@ struct Failure {
     std::string what, remedy;
 };
 
-/// Of the exception that is being handled.
+/// The failure for the exception being handled.
 Failure currentFailure();

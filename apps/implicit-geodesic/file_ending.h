@@ -3,7 +3,7 @@
 
 #include <string>
 
-/// With its dot; empty: none.
+/// With its dot; empty if there is none.
 inline std::string endingOf(const std::string& file) {
     const auto dot = file.rfind('.');
     return dot == std::string::npos ? "" : file.substr(dot);

@@ -41,7 +41,7 @@ std::string percent(double share) {
     return fmt::format("{:.{}g} %", 100 * share, share < 0.995 ? 2 : 3);
 }
 
-/// A length given in voxels.
+/// Text of a length in voxels, with world units.
 std::string lengthOf(double voxels, double dx) {
     return fmt::format("{:.4g} voxels ({:.4g})", voxels, voxels * dx);
 }
@@ -96,7 +96,7 @@ std::string describe(const igeo::CloudDensity& cloud) {
     return line;
 }
 
-/// How index axes lie in the world.
+/// Orientation of the index axes in world space.
 std::string describe(const igeo::Similarity& t) {
     const double sign = t.mirrors() ? -1 : 1;
     const double trace = sign * (t.axis[0].x + t.axis[1].y + t.axis[2].z);
@@ -104,7 +104,7 @@ std::string describe(const igeo::Similarity& t) {
         std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0)) * 180 / std::numbers::pi;
     std::string words = "uniform scale";
     if (t.mirrors()) words += ", reflected";
-    // acos near 1: rounding of 1e-12 in the trace is 1e-4 degrees.
+    // acos near 1 turns a rounding of 1e-12 in the trace into 1e-4 degrees.
     if (degrees > 1e-3) words += fmt::format(", rotated by {:.4g} degrees", degrees);
     return words + fmt::format(", voxel size dx {:.6g}", t.dx);
 }
@@ -121,7 +121,7 @@ std::string describe(const SurfaceComponent& p, double dx) {
     return line;
 }
 
-/// Lines "name  text", names padded.
+/// Lines "name  text" with padded names.
 class Table {
 public:
     void row(const std::string& name, const std::string& text) {
@@ -155,12 +155,12 @@ void printRoom(Table& table, const igeo::SurfaceSurvey& s, double dx) {
                           " or more from sheets that face it");
 }
 
-/// The voxel sizes to choose from.
+/// Prints advice on the voxel size.
 void printVoxels(Table& table, const FileSurvey& file) {
     const igeo::SurfaceSurvey& s = *file.surface;
     const double dx = file.levelSet.transform.dx;
     std::string text = fmt::format("of {:.6g}", dx);
-    // Sharp edges ask for more than any grid has; it is sheets that must be separated.
+    // Sharp edges would need finer voxels than any grid has; only sheets must be separated.
     if (s.facingRadius < igeo::kInfinity && s.facingRadius > s.medialRadius)
         text +=
             fmt::format("; up to {:.4g} separate its sheets", s.facingRadius / std::sqrt(3.0) * dx);
@@ -236,7 +236,7 @@ void print(const FileSurvey& file) {
     results() << printable(inOptionWords(file.verdict())) << "\n";
 }
 
-/// A survey of the file as a kind of surface.
+/// Surveys the file as a given kind of surface.
 FileSurvey surveyAs(SurfaceKind kind, const InfoOptions& options, igeo::Progress& progress) {
     if (kind == SurfaceKind::Volume)
         return guardedRead(options.source.file,
@@ -257,7 +257,7 @@ FileSurvey surveyAs(SurfaceKind kind, const InfoOptions& options, igeo::Progress
     return survey;
 }
 
-/// The same where a refusal is part of it.
+/// The same, with a refusal as part of the survey.
 FileSurvey tryAs(SurfaceKind kind, const InfoOptions& options, igeo::Progress& progress) {
     try {
         return surveyAs(kind, options, progress);
@@ -270,21 +270,21 @@ FileSurvey tryAs(SurfaceKind kind, const InfoOptions& options, igeo::Progress& p
     }
 }
 
-/// Also where the surface is refused, as for want of --iso.
+/// Also surveys a volume whose surface is refused, such as one without --iso.
 FileSurvey surveyVoxels(const InfoOptions& options, igeo::Progress& progress) {
     const std::string name = options.source.text();
     std::optional<igeo::VolumeFacts> facts;
     try {
         facts = guardedRead(name, [&] { return igeo::volumeFacts(igeo::readVolume(name)); });
     } catch (const igeo::Error&) {
-        // The survey says why.
+        // The survey reports the reason.
     }
     FileSurvey file = tryAs(SurfaceKind::VoxelVolume, options, progress);
     file.voxels = facts;
     return file;
 }
 
-/// Surveys a file by what it holds.
+/// Surveys a file according to its content.
 FileSurvey surveyOf(const InfoOptions& options, igeo::Progress& progress) {
     const std::string name = options.source.text();
     const SurfaceKind kind = kindByName(name);
@@ -296,7 +296,7 @@ FileSurvey surveyOf(const InfoOptions& options, igeo::Progress& progress) {
         if (options.voxelSize > 0 || options.resolution > 0)
             usageError("--voxel-size and --resolution are for meshes and points",
                        "a volume has a fixed voxel size: leave them out");
-        // A volume says itself why it is refused.
+        // A volume reports the reason for its refusal.
         FileSurvey file = surveyAs(SurfaceKind::Volume, options, progress);
         const bool points = std::any_of(file.grids.begin(), file.grids.end(), igeo::holdsPoints);
         const bool surface = std::any_of(file.grids.begin(), file.grids.end(),
@@ -308,12 +308,12 @@ FileSurvey surveyOf(const InfoOptions& options, igeo::Progress& progress) {
     }
     FileSurvey mesh = tryAs(SurfaceKind::Mesh, options, progress);
     if (!mesh.refusal) return mesh;
-    // .ply and .obj hold points as well.
+    // .ply and .obj may also hold points.
     FileSurvey points = tryAs(SurfaceKind::Points, options, progress);
     return points.refusal ? mesh : points;
 }
 
-/// Before the survey.
+/// Checks that come before the survey.
 void checkUnreliable(const InfoOptions& options) {
     checkOutputFiles({{"--unreliable", options.unreliable, ".vdb .html"}}, {options.source.file});
     if (endingOf(options.unreliable) == ".html" && !igeo::hasViewer())
@@ -339,7 +339,7 @@ int info(const InfoOptions& options, Console& console, ConsoleProgress& progress
     if (!unreliable.empty()) checkUnreliable(options);
     const auto start = std::chrono::steady_clock::now();
     const FileSurvey file = surveyOf(options, progress);
-    // A refusal is data here; the reader may have left the heap in ruins all the same.
+    // A refusal is a result here, but the reader may still have damaged the heap.
     const FileGuard reporting(options.source.text(), FileGuard::kNoLimit);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const bool asked = file.surface && !unreliable.empty();

@@ -1,4 +1,4 @@
-/// JSON files that a batch reads.
+/// JSON files of batches.
 #pragma once
 
 #include <igeo/base/error.h>
@@ -8,7 +8,8 @@
 
 using Json = nlohmann::ordered_json;
 
-/// A whole file; an object that has a member twice is refused, of which a reader sees one only.
+/// Reads a whole file; refuses an object with a repeated member, of which a reader would see only
+/// one.
 /// @throws igeo::Error  Io, BadInput
 Json readJson(const std::string& file);
 

@@ -1,4 +1,4 @@
-/// implicit-geodesic: distance and geodesics along a level set.
+/// implicit-geodesic: distances and geodesics along a surface.
 #include <igeo/base/parallel.h>
 
 #include "batch/batch.h"
@@ -14,7 +14,7 @@
 
 namespace {
 
-/// Runs a command, once the process is set up as asked for.
+/// Runs a command after setting up the process.
 template <typename Work>
 int withProcess(const ProcessOptions& options, double memoryLimit, const Work& work) {
     const InterruptGuard interrupts;

@@ -3,7 +3,7 @@
 #include <utility>
 
 std::string inOptionWords(std::string text) {
-    // The longer of two that begin alike goes first.
+    // Longer names come before their prefixes.
     static constexpr std::pair<const char*, const char*> kWords[] = {
         {"the iso of rebuilt()", "--iso"},
         {"the iso of volumeMesh()", "--iso"},

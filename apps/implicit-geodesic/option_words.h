@@ -1,7 +1,7 @@
-/// Remedies of the library in the words of the command line.
+/// Messages of the library with the names of the command line.
 #pragma once
 
 #include <string>
 
-/// Names of the library's functions and parameters become the options that stand for them.
+/// Replaces names of the library's functions and parameters by the corresponding options.
 std::string inOptionWords(std::string text);

@@ -1,4 +1,4 @@
-/// Names that come from files and may hold anything.
+/// Names from files, which may hold any bytes.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ inline bool hasControls(const std::string& text) {
     return std::any_of(text.begin(), text.end(), isControl);
 }
 
-/// With \x1b and the like for control characters, which would rule the terminal.
+/// With \x1b and the like in place of control characters, which would act on the terminal.
 inline std::string printable(const std::string& text) {
     constexpr const char* kDigits = "0123456789abcdef";
     std::string shown;

@@ -32,8 +32,8 @@ std::atomic<bool> gEnding{false};
 
 void endNow(int) { gEnd(); }
 
-/// Runs on a stack of its own. Only write, unlink and _exit may be relied on here; what else is
-/// tried is cut short by a second fault or, where it waits for a lock, by the alarm.
+/// Runs on a stack of its own. Only write, unlink and _exit are safe here. If other calls fail, a
+/// second fault ends the process; if they wait for a lock, the alarm does.
 void handleFault(int signal) {
     if (gEnding.exchange(true)) {
         for (;;) ::pause();  // another thread is ending the process
@@ -77,7 +77,7 @@ int stdoutColumns() {
 }
 
 void writeToStderr(const char* text, std::size_t size) {
-    // Nothing is left to do where stderr takes no more.
+    // If stderr fails too, there is nothing left to do.
     if (::write(STDERR_FILENO, text, size) < 0) return;
 }
 
@@ -88,12 +88,12 @@ void onInterrupt(void (*handle)(int signal)) {
     sigemptyset(&set);
     for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction now {};
-        // nohup ignores SIGHUP, a shell that starts a job in the background SIGINT.
+        // nohup ignores SIGHUP; a shell ignores SIGINT for a job in the background.
         if (::sigaction(number, nullptr, &now) == 0 && now.sa_handler != SIG_IGN)
             sigaddset(&set, number);
     }
-    // Blocked here and in all threads to come; one thread waits for them and may do as it likes,
-    // which a signal handler may not.
+    // Blocked here and in all later threads; one thread waits for them and may call anything,
+    // unlike a signal handler.
     ::pthread_sigmask(SIG_BLOCK, &set, nullptr);
     std::thread([set, handle] {
         int number = 0;
@@ -144,17 +144,17 @@ void limitMemory(double bytes, int threads) {
 
 namespace {
 
-/// The number that a file begins with; nothing where it is "max", or not there.
+/// The number at the start of a file; empty where it is "max", or the file is missing.
 void limitBy(const std::string& file, double& bytes) {
     double limit = 0;
     if (std::ifstream(file) >> limit && limit > 0) bytes = std::min(bytes, limit);
 }
 
-/// Of the control groups of the process, and of all above them.
+/// By the control groups of the process and all above them.
 void limitByControlGroups(double& bytes) {
     std::ifstream groups("/proc/self/cgroup");
     for (std::string line; std::getline(groups, line);) {
-        const bool second = line.starts_with("0::");  // version 2 of control groups
+        const bool second = line.starts_with("0::");  // control groups, version 2
         if (!second && line.find(":memory:") == line.npos) continue;
         const std::string root = second ? "/sys/fs/cgroup" : "/sys/fs/cgroup/memory",
                           name = second ? "/memory.max" : "/memory.limit_in_bytes";
@@ -168,13 +168,13 @@ void limitByControlGroups(double& bytes) {
     limitBy("/sys/fs/cgroup/memory.max", bytes);
 }
 
-/// MiB in an environment variable.
+/// MiB from an environment variable.
 double mebibytesIn(const char* name) {
     const char* const text = std::getenv(name);
     return text ? std::strtod(text, nullptr) : 0;
 }
 
-/// What Slurm granted: per node, or per processor.
+/// By the memory that Slurm granted: per node, or per processor.
 void limitBySlurm(double& bytes) {
     double granted = mebibytesIn("SLURM_MEM_PER_NODE");
     if (!(granted > 0))

@@ -28,7 +28,7 @@ void handleFault(int) {
 
 }  // namespace
 
-void openStandardStreams() {}  // a file opened takes no closed stream's place here
+void openStandardStreams() {}  // on Windows, files do not take the place of closed streams
 
 std::FILE* takeStdout() {
     const int given = ::_dup(kStdout);
@@ -56,7 +56,7 @@ void onFault(void (*report)(bool timeIsUp), void (*end)()) {
 
 void limitComputing(double) {}
 
-// Memory that the system does not have is refused when it is asked for: std::bad_alloc.
+// Windows refuses memory that it does not have at once: std::bad_alloc.
 void limitMemory(double, int) {}
 
 void giveBackFreedMemory() {}

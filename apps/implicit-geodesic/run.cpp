@@ -23,7 +23,7 @@ using igeo::Vec3d;
 
 namespace {
 
-/// Whether a document is asked for that names its inputs with their digests.
+/// Whether a requested document names its inputs with their digests.
 bool writesDocument(const RunOptions& o) {
     const std::vector<std::string> files{o.paths, o.isolines, o.matrix, o.pairsOut};
     return !o.report.empty() || std::any_of(files.begin(), files.end(), [](const std::string& f) {

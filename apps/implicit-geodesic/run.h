@@ -1,4 +1,4 @@
-/// The main job: from a surface to distances and geodesics.
+/// The main command: from a surface to distances and geodesics.
 #pragma once
 
 #include <igeo/geodesic_solver.h>
@@ -13,7 +13,7 @@
 #include "options/run_options.h"
 #include "stages.h"
 
-/// A surface and a metric on it, set up once for all jobs that agree in them.
+/// A surface with a metric, set up once for all jobs that agree in both.
 struct PreparedSolver {
     igeo::GeodesicSolver solver;
     MetricInput metric;    ///< its names and warnings
@@ -22,7 +22,7 @@ struct PreparedSolver {
 
 using FileDigests = std::map<std::string, std::string>;  ///< by name
 
-/// Scheme and band, still without a metric.
+/// Scheme and band, without the metric.
 igeo::SolverOptions solverOptions(const RunOptions& options);
 
 /// Reads the metric, and sets up the solver.
@@ -35,12 +35,12 @@ struct RunOutcome {
     Json provenance;  ///< provenanceJson
 };
 
-/// Reads, solves, writes: all of a job.
+/// Runs a whole job: reads, solves, writes.
 /// @throws igeo::Error
 RunOutcome run(const RunOptions& options, const Console& console, ConsoleProgress& progress);
 
 /// The same from the seeds on, with a solver for the job's surface, band and metric. Jobs may share
-/// one and run side by side; each writes what `run` would.
-/// @param digests  of input files, as far as they are known
+/// the solver and run side by side; each writes what `run` would.
+/// @param digests  known digests of input files
 RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& options, const Console& console,
                  Stages& stages, const FileDigests& digests = {});

@@ -1,4 +1,4 @@
-/// What the stages of a job cost.
+/// The times of a job's stages.
 #pragma once
 
 #include <igeo/base/progress.h>
@@ -10,7 +10,7 @@
 
 #include "console.h"
 
-/// Shows progress, and keeps an account of the stages.
+/// Shows progress and records the time of each stage.
 class Stages final : public igeo::Progress {
 public:
     Stages(const Console& console, ConsoleProgress& progress)
@@ -18,10 +18,10 @@ public:
 
     void update(const char* name, double fraction) override { progress_.update(name, fraction); }
     bool cancelled() const override { return progress_.cancelled(); }
-    /// The time since the last stage ended is that of this one; stages of one name add up.
+    /// Adds the time since the end of the last stage to this one.
     void finished(const char* stage) override;
 
-    /// Wall time by stage, in the order in which they first ended.
+    /// Wall time per stage, in the order in which they first ended.
     const std::vector<std::pair<std::string, double>>& seconds() const { return seconds_; }
 
 private:

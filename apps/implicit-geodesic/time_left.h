@@ -1,4 +1,4 @@
-/// What is left of a stage, judged by what it has reported so far.
+/// An estimate of the remaining time of a stage, from its progress.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 /// Times are seconds on any one clock.
 class TimeLeft {
 public:
-    /// A stage that starts again, as a march that reaches further, begins again. What comes from
-    /// several threads may come in any order.
+    /// A smaller fraction restarts the stage, as when a march starts again with a larger reach.
+    /// Reports from several threads may come in any order.
     void update(const char* stage, double fraction, double now) {
         if (stage != stage_ || fraction < fraction_ / 2)
             stage_ = stage, fraction_ = 0, start_ = updated_ = now;
@@ -22,8 +22,8 @@ public:
 
     double elapsed(double now) const { return stage_.empty() ? 0 : now - start_; }
 
-    /// Seconds left at the pace from the start to the last report. None before there is a pace, or
-    /// when that much time has passed already.
+    /// Seconds left, at the average pace from the start to the last report. Empty before a pace is
+    /// known, and once that time has passed.
     std::optional<double> left(double now) const {
         constexpr double kLeastFraction = 0.02, kLeastSeconds = 0.5;
         const double worked = updated_ - start_;
@@ -32,7 +32,7 @@ public:
         return left > 0 ? std::optional(left) : std::nullopt;
     }
 
-    /// "march 42 %, 7 s left"; "march 1 %, 2 s so far" where what is left is not known.
+    /// "march 42 %, 7 s left"; "march 1 %, 2 s so far" while the remaining time is unknown.
     std::string describe(double now) const {
         std::string text = stage_;
         if (fraction_ > 0) text += " " + std::to_string(int(100 * fraction_)) + " %";

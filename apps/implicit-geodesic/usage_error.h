@@ -1,4 +1,4 @@
-/// How options are refused that CLI11 cannot judge.
+/// Errors in options, beyond those that CLI11 finds.
 #pragma once
 
 #include <igeo/base/error.h>

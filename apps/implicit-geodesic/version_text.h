@@ -1,8 +1,8 @@
-/// What --version prints.
+/// The text of --version.
 #pragma once
 
 #include <string>
 
-/// The program with its version; then its commit, the libraries that results depend on, and how it
-/// was compiled, one per line.
+/// The program with its version; then its commit, the libraries that results depend on, and its
+/// build settings, one per line.
 std::string versionText();

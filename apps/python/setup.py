@@ -42,7 +42,7 @@ class BuildByCMake(build_ext):
             shutil.copy2(module, target)
 
     def configured(self) -> str:
-        tree = str(ROOT / f"build/python-{sys.implementation.cache_tag}")  # kept for the next time
+        tree = str(ROOT / f"build/python-{sys.implementation.cache_tag}")  # kept for later builds
         options = ["-DCMAKE_BUILD_TYPE=Release", "-DIGEO_PYTHON=ON", f"-DPython_EXECUTABLE={sys.executable}"]
         options += ["-DIGEO_BUILD_APPS=OFF", "-DIGEO_BUILD_TESTS=OFF"]
         if shutil.which("ninja"):

@@ -43,8 +43,8 @@ void moveAlongNormals(Polyline& line, double by) {
     for (std::size_t k = 0; k < line.points.size(); ++k) line.points[k] += by * line.normals[k];
 }
 
-/// Readers of points take what there is; the first that needs the whole band extends it, and what
-/// the march left is given back once its last reader is done.
+/// Readers at points use the field of the march. The first reader of the whole band extends it, and
+/// the field of the march is freed after its last reader.
 struct Distance::Fields {
     explicit Fields(Field f) : seeds(f.seeds), points(std::make_shared<const Field>(std::move(f))) {
         if (!points->core) whole = points;
@@ -52,7 +52,7 @@ struct Distance::Fields {
     const std::vector<SurfacePoint> seeds;
     std::mutex mutex;
     std::shared_ptr<const Field> points, whole;
-    std::optional<Extent> extent;   ///< of the whole band, where a grid said so
+    std::optional<Extent> extent;   ///< of the whole band, if `grid` has found it
     std::optional<double> largest;  ///< on the whole band
 };
 
@@ -120,7 +120,7 @@ std::vector<PointValue> Distance::valuesAt(const std::vector<Vec3d>& pWorld,
 }
 
 std::shared_ptr<const Field> Distance::forPaths(std::size_t count) const {
-    constexpr double kReadsPerVoxel = 15;  // of cells, by the tracer; one by one they cost more
+    constexpr double kReadsPerVoxel = 15;  // cells that the tracer reads
     const double voxels = marched()->maxDistance / marched()->metric->least();
     return forPoints(std::size_t(double(count) * std::min(kReadsPerVoxel * voxels, 1e9)));
 }

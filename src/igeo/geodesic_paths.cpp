@@ -17,7 +17,7 @@ namespace {
 
 using Kind = Error::Kind;
 
-/// The surface of a solver, for pairDistances.
+/// The surface of a solver, as pairDistances takes it.
 PairSurface pairSurface(const GeodesicSolver& solver) {
     const MetricDefinition& metric = solver.options().metric;
     PairSurface surface;
@@ -51,7 +51,7 @@ std::vector<SolvedPair> solve(const GeodesicSolver& solver, const PairSurface& s
                          solver.maxSnap() / solver.surface().transform().dx, progress);
 }
 
-/// @param sources, targets  as they were given
+/// @param sources, targets  as given by the caller
 std::vector<PairDistance> pairsInWorld(const GeodesicSolver& solver,
                                        const std::vector<SolvedPair>& solved,
                                        const std::vector<Vec3d>& sources,
@@ -74,7 +74,7 @@ std::vector<PairDistance> pairsInWorld(const GeodesicSolver& solver,
     return pairs;
 }
 
-/// Legs one after the other.
+/// Joins legs end to end.
 /// @param corners  the vertices between them
 Path chained(const std::vector<SolvedPair>& legs, std::vector<std::size_t>& corners) {
     Path chain;
@@ -98,9 +98,10 @@ Path chained(const std::vector<SolvedPair>& legs, std::vector<std::size_t>& corn
     return chain;
 }
 
-/// A path relaxed as a whole, on the part of the surface where shorter ones with its ends are.
+/// Relaxes a path as a whole, on the part of the surface that shorter paths between its ends can
+/// reach.
 void relaxWhole(const PairSurface& surface, bool closed, Path& path, Progress& progress) {
-    constexpr double kBeyond = 12;  // voxels that projections and cells look at
+    constexpr double kBeyond = 12;  // voxels that projections and cells read beyond it
     std::vector<Ball> region;
     if (!closed && surface.leastWeight > 0)
         region.push_back({0.5 * (path.vertices.front().pIndex + path.vertices.back().pIndex),
@@ -126,7 +127,7 @@ Vec3d normalOn(const Band& band, const Vec3d& p, const Vec3d& about) {
     return t.worldFromIndexDirection(normalAt(band, t.indexFromWorld(p), indexDirection(t, about)));
 }
 
-/// Unit: what is given may be of any length. Zero where it has none.
+/// A unit vector, for an input of any length; zero for a zero input.
 Vec3d indexDirection(const GeodesicSolver& solver, const Vec3d& v) {
     const double most = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     if (!(most > 0 && most < kInfinity)) return {};
@@ -191,12 +192,12 @@ Polyline GeodesicSolver::through(const std::vector<Vec3d>& points, bool closed, 
 
 Polyline GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double distance,
                                Progress& progress) const {
-    constexpr double kBeyond = 8;  // voxels that a step and its cells look at
+    constexpr double kBeyond = 8;  // voxels that a step and its cells read beyond it
     const Similarity& transform = surface().transform();
     const Vec3d start = indexOf(from), along = indexDirection(*this, direction);
     const double unit = options().rules.space == Space::Index ? 1 : transform.dx,
                  voxels = distance / unit;
-    // Half a minute and a gigabyte.
+    // This length takes half a minute and a gigabyte.
     constexpr double kLongest = 1e7;
     if (!(voxels >= 0 && voxels <= kLongest))
         throw Error(Kind::InvalidArgument,
@@ -217,7 +218,7 @@ Polyline GeodesicSolver::shoot(const Vec3d& from, const Vec3d& direction, double
 }
 
 Polyline GeodesicSolver::resampled(const Polyline& line, double step) const {
-    constexpr double kMost = 1e7, kSame = 1e-6;  // of a step
+    constexpr double kMost = 1e7, kSame = 1e-6;  // kSame: of a step
     if (!(step > 0 && line.length / step < kMost))
         throw Error(Kind::InvalidArgument,
                     fmt::format("vertices {:.6g} apart on a path of length {:.6g}; allowed are "
@@ -231,7 +232,7 @@ Polyline GeodesicSolver::resampled(const Polyline& line, double step) const {
     for (auto* list : {&out.points, &out.normals}) list->clear();
     for (auto* list : {&out.arcLength, &out.distance}) list->clear();
     out.corners.clear();
-    // At a share t of the segment that ends at vertex k.
+    // Adds the point at a fraction t of the segment that ends at vertex k.
     auto add = [&](std::size_t k, double t) {
         auto between = [&](const auto& v) {
             return t == 1 ? v[k] : v[k - 1] + t * (v[k] - v[k - 1]);
@@ -240,7 +241,7 @@ Polyline GeodesicSolver::resampled(const Polyline& line, double step) const {
         out.normals.push_back(normalized(between(line.normals)));
         out.arcLength.push_back(between(line.arcLength));
         out.distance.push_back(between(line.distance));
-        // On a mesh normals leap at the edges.
+        // On a mesh normals jump at the edges, so they are not interpolated.
         if (mesh && t > 0 && t < 1)
             out.normals.back() = normalOn(*mesh, out.points.back(), out.normals.back());
     };

@@ -13,7 +13,7 @@ namespace {
 
 using Kind = Error::Kind;
 
-/// A signed distance needs curves or regions, and nothing else.
+/// A signed distance needs curves or regions, and no other seeds.
 void requireSigned(const Seeds& seeds) {
     if (!seeds.points.empty() || !seeds.groups.empty() || seeds.samples > 0 ||
         seeds.curves.empty() == seeds.regions.empty())
@@ -22,7 +22,7 @@ void requireSigned(const Seeds& seeds) {
                     "give either curves or regions, and no other seed");
 }
 
-/// Voxels: up to here double precision tells differences of 1e-4.
+/// Voxels: up to this start double precision resolves differences of 1e-4.
 constexpr double kLatestStart = 1e12;
 
 /// @param start  world units times weight

@@ -38,7 +38,7 @@ struct GeodesicSolver::Setup {
     const bool needsWholeSurface;  ///< for the metric
     double maxSnap = 0;
 
-    /// Copies share what the first query makes; the others wait for it.
+    /// Copies of a solver share what the first query makes; concurrent queries wait for it.
     struct Cache {
         std::mutex mutex;
         std::optional<MetricPtr> wholeMetric;
@@ -70,15 +70,15 @@ struct GeodesicSolver::Setup {
         surface.requireMemory(width, options.rules.memoryLimit);
         return surface.band(width, {}, progress);
     }
-    /// The metric on the whole band is made once.
+    /// The metric of the whole band is made once.
     MetricPtr metricOf(const Band& band, bool whole, Progress& progress) const {
         if (!whole) return metricOn(options.metric, band, progress);
         const std::lock_guard<std::mutex> lock(cache->mutex);
         if (!cache->wholeMetric) cache->wholeMetric = metricOn(options.metric, band, progress);
         return *cache->wholeMetric;
     }
-    /// What marches on the whole band share, from the second on: most solvers are asked once, and
-    /// then its memory is better used elsewhere. Null before.
+    /// The part that marches on the whole band share; made for the second march, because most
+    /// solvers do only one and the memory is then wasted. Null for the first.
     JetCorePtr coreOf(const std::shared_ptr<const Band>& band, const MetricPtr& metric) const {
         const std::lock_guard<std::mutex> lock(cache->mutex);
         if (cache->wholeMarches++ > 0 && cache->ofCore != band) {
@@ -89,7 +89,7 @@ struct GeodesicSolver::Setup {
     }
 };
 
-/// The box of the surface in the world, for messages.
+/// The bounding box of the surface in world space, for messages.
 std::string GeodesicSolver::Setup::boxOf(const Band& band) {
     Box box;
     for (NodeIndex i = 0; i < band.size(); ++i)
@@ -97,7 +97,8 @@ std::string GeodesicSolver::Setup::boxOf(const Band& band) {
     return "; the surface lies between " + textOf(box.low) + " and " + textOf(box.high);
 }
 
-/// The mistakes of coordinates that are made most, where one of them puts the point on the surface.
+/// A hint for the most common mistakes with coordinates, where correcting one puts the point on the
+/// surface.
 std::string GeodesicSolver::Setup::hintFor(const Band& band, const Vec3d& asked) const {
     auto isOn = [&](const Vec3d& pIndex) {
         const double reach = length(pIndex);
@@ -117,7 +118,7 @@ std::string GeodesicSolver::Setup::hintFor(const Band& band, const Vec3d& asked)
 
 namespace {
 
-/// One query: its points, the band that it is solved on, and the march.
+/// One query: its points, its band, and the march.
 class Query {
 public:
     Query(const GeodesicSolver::Setup& setup, const Seeds& seeds, const MarchLimits& limits,
@@ -134,7 +135,7 @@ private:
     struct AskedPoint {
         Seed seed;
         std::string name;  ///< for messages
-        bool joined;       ///< with the one before, in a group
+        bool joined;       ///< belongs to the same group as the one before
     };
 
     void addGroup(const SeedGroup& group, std::size_t number);
@@ -177,7 +178,7 @@ void Query::addGroup(const SeedGroup& group, std::size_t number) {
         points_.push_back({group.points[k], "seed " + std::to_string(k) + " of " + name, k > 0});
 }
 
-/// How far a first march goes: to the limit, or as far as the targets may be.
+/// The reach of the first march: the limit, or an estimate of the distance to the farthest target.
 double Query::firstReach(double limit) const {
     if (!limits_.stopAtTargets) return limit;
     double farthest = 0;
@@ -191,12 +192,12 @@ double Query::firstReach(double limit) const {
     return std::min(limit, std::max(1.5 * farthest, 16.0) * setup_.leastWeight);
 }
 
-/// Where a march up to `reach` (voxels times weight) from the seeds can come, and where targets
-/// are looked for: no path is shorter than the straight line at the least weight. Empty:
-/// everywhere.
+/// The balls that a march up to `reach` (voxels times weight) from the seeds visits, and those
+/// around targets: no path is shorter than the straight line at the least weight. Empty: the whole
+/// surface.
 std::vector<Ball> Query::regionWithin(double reach) const {
-    // What a march looks at beyond its limit: its margin, the start discs, the band, its cells; and
-    // a scheme may be some percent short.
+    // A march reads voxels beyond its limit: its margin, the start discs, the band, its cells. Its
+    // distances may be some percent short.
     constexpr double kBeyond = 16, kShort = 1.1;
     // Every leaf is compared with every ball: for many points the whole surface is cheaper.
     constexpr std::size_t kMany = 200;
@@ -309,7 +310,7 @@ void Query::march(double maxDistance) {
         JetOptions jet;
         jet.maxDistance = maxDistance;
         jet.stopAt = stopAt;
-        // Signs and regions are those of the nodes.
+        // Signs and regions are set at the nodes.
         jet.extend = !asked_.regions.empty() || asked_.isSigned;
         const JetCorePtr core = whole_ ? setup_.coreOf(band_, metric_) : nullptr;
         field_ = core ? marchJet(core, seeds_, jet, progress_)
@@ -335,7 +336,7 @@ Distance Query::solve(const Surface& surface) {
     auto solveOn = [&](const std::vector<Ball>& region, double maxDistance) {
         makeBand(region);
         if (band().size() > 0) snapPoints();
-        // The nearest point of the whole surface is what a message should name.
+        // The message should name the nearest point of the whole surface.
         if (!whole_ && (band().size() == 0 || anyTooFar())) {
             makeBand({});
             snapPoints();

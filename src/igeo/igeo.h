@@ -1,4 +1,4 @@
-/// All of igeo: the front door first.
+/// All of igeo: the public classes first.
 #pragma once
 
 #include <igeo/distance.h>

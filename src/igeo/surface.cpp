@@ -22,11 +22,11 @@ namespace igeo {
 
 namespace {
 
-/// Half the width of the level set that is made of a mesh or points, voxels: enough for
-/// differences.
+/// Half the width of the level set made from a mesh or points, voxels: enough for differences.
 constexpr double kLevelSetWidth = 3;
 
-/// Of a voxel size: that of a bad input, unless it was asked for.
+/// The kind of an error about the voxel size: of the argument if the size was given, else of the
+/// input.
 Error::Kind kindOfRefusal(const VoxelOptions& voxels) {
     return voxels.size > 0 ? Error::Kind::InvalidArgument : Error::Kind::BadInput;
 }
@@ -39,7 +39,7 @@ void warnUnresolved(const BandBounds& bounds, BandWidth& width) {
             ", less than the grid resolves: distances are less accurate there than elsewhere");
 }
 
-/// h within M&S (14): as asked for, or the best.
+/// h within the bounds of M&S (14): the given one, or the best.
 BandWidth choose(Scheme scheme, const BandBounds& bounds, double best, double asked, double dx) {
     BandWidth width{scheme, best, bounds.lower, bounds.upper};
     if (asked > 0) width.h = requireBandWidth(asked, bounds, dx);
@@ -50,7 +50,7 @@ BandWidth choose(Scheme scheme, const BandBounds& bounds, double best, double as
 BandWidth chooseByStats(Scheme scheme, int order, double asked, const LevelSetStats& stats,
                         double dx) {
     const BandBounds bounds = bandBounds(stats.largestCurvature, stats.reach, stats.halfWidth);
-    // jet works on foot points, for which the narrowest band is enough.
+    // jet works on foot points; the narrowest band is enough.
     const double best = scheme == Scheme::Jet
                             ? bounds.lower
                             : defaultBandWidth(order, stats.largestCurvature, bounds);
@@ -59,8 +59,8 @@ BandWidth chooseByStats(Scheme scheme, int order, double asked, const LevelSetSt
 
 }  // namespace
 
-/// What a kind of surface does in its own way. What is made when asked for is made once, by the
-/// first who asks, and the others wait.
+/// What differs between kinds of surfaces. Derived data is made once, by the first caller who needs
+/// it, while others wait.
 class Surface::Shape {
 public:
     virtual ~Shape() = default;
@@ -72,7 +72,7 @@ public:
         return surfaceMesh(levelSet(h, progress), field, progress);
     }
     virtual std::string gridName() const { return facts.name; }
-    /// In the order of the file; null: a level set has none.
+    /// In the order of the file; null for a level set.
     virtual const std::vector<Vec3d>* vertices() const { return nullptr; }
     virtual openvdb::math::Transform::ConstPtr gridTransform() const {
         return igeo::gridTransform(transform);
@@ -97,7 +97,7 @@ public:
         return at == wholeBands_.end() ? nullptr : at->second;
     }
 
-    /// Once for each whole band.
+    /// Computed once for each whole band.
     Unresolved unresolved(const Band& band) const {
         {
             const std::lock_guard<std::mutex> lock(bandMutex_);
@@ -124,7 +124,8 @@ protected:
 private:
     mutable std::mutex bandMutex_;
     mutable std::map<std::pair<Scheme, double>, std::shared_ptr<const Band>> wholeBands_;
-    mutable std::map<const Band*, Unresolved> unresolved_;  ///< of those, which stay
+    /// Only of wholeBands_, which live as long
+    mutable std::map<const Band*, Unresolved> unresolved_;
 };
 
 namespace {
@@ -202,7 +203,7 @@ private:
     mutable std::map<double, LevelSet> wide_;
 };
 
-/// What a mesh and points have in common: a level set is made of their band.
+/// Common to meshes and points: their level set is made from their band.
 class MadeLevelSet : public Surface::Shape {
 public:
     const LevelSet& levelSet(double, Progress& progress) const override {
@@ -216,7 +217,7 @@ private:
     mutable std::optional<LevelSet> levelSet_;
 };
 
-/// Foot points on triangles are exact, which no level set of them is.
+/// Foot points on triangles are exact; those of a level set are not.
 class Triangles final : public MadeLevelSet {
 public:
     Triangles(TriangleMesh mesh, const VoxelOptions& voxels, const Progress& progress)
@@ -254,7 +255,7 @@ public:
     }
 
     BandWidth bandWidth(Scheme scheme, int order, double h, Progress& progress) const override {
-        // jet needs the narrowest band, and nothing that only a level set shows.
+        // jet needs only the narrowest band, and no level set.
         const double least = std::sqrt(3.0);
         if (scheme == Scheme::Jet && h == 0) return {scheme, least, least, least};
         return chooseByStats(scheme, order, h, levelSet(h, progress).stats, transform.dx);
@@ -278,7 +279,7 @@ private:
                   Progress& progress) const override {
         return bandFromMesh(mesh_, transform.dx, width.h, progress, facts.joinGaps);
     }
-    /// Nodes look for others in balls as wide as the gaps.
+    /// Refuses wide gaps: nodes search for others in balls as wide as the gaps.
     void requireNarrow(double gap) const {
         constexpr double kWidest = 64;
         if (gap <= kWidest * transform.dx) return;
@@ -297,7 +298,7 @@ private:
     TriangleMesh mesh_;
 };
 
-/// For jet a surface fitted to points, for godunov the paper's union of balls.
+/// For jet a surface fitted to points, for godunov the union of balls of M&S.
 class Cloud final : public MadeLevelSet {
 public:
     Cloud(PointCloud cloud, const VoxelOptions& voxels, Progress& progress)
@@ -351,11 +352,11 @@ private:
             /*closed=*/false, surface_->file(), facts.name, progress);
     }
 
-    std::vector<Vec3d> vertices_;  ///< as given
+    std::vector<Vec3d> vertices_;  ///< in the order given
     std::unique_ptr<PointSurface> surface_;
 };
 
-/// A grid of the caller's, shared.
+/// A grid that the caller owns, shared.
 LoadedGrid loadedFrom(const openvdb::FloatGrid& psi) {
     openvdb::initialize();
     return {openvdb::gridConstPtrCast<openvdb::FloatGrid>(psi.copyGrid()), "memory", psi.getName(),
@@ -405,7 +406,7 @@ double Surface::estimatedNodes(const BandWidth& width) const {
     return shape_->estimatedNodes(width.h);
 }
 double Surface::estimatedMemory(const BandWidth& width) const {
-    // Band, march and one grid of results; godunov somewhat more than jet.
+    // Band, march and one grid of results; godunov takes somewhat more than jet.
     constexpr double kBytesPerNode = 110;
     return estimatedNodes(width) * kBytesPerNode;
 }

@@ -1,4 +1,4 @@
-/// The surface to walk on: of a level set, a triangle mesh or points.
+/// A surface: from a level set, a triangle mesh or points.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -21,17 +21,17 @@
 
 namespace igeo {
 
-/// How finely a mesh or points are put on voxels; a level set has its own.
+/// The voxel size for a mesh or points; a level set has its own.
 struct VoxelOptions {
     double size = 0;     ///< world units; 0: by `resolution`
-    int resolution = 0;  ///< voxels along the longest side; 0: of a mesh 256, of points half their
-                         ///< spacing (godunov: their spacing)
-    Scheme scheme = Scheme::Jet;  ///< what points are put on voxels for
-    double joinGaps = 0;  ///< pieces of a mesh no further apart are joined (bandFromMesh), world
-                          ///< units; for jet
+    int resolution = 0;  ///< voxels along the longest side; 0: 256 for a mesh, half the spacing for
+                         ///< points (godunov: the spacing)
+    Scheme scheme = Scheme::Jet;  ///< the scheme that points are put on voxels for
+    /// Components of a mesh this close are joined (bandFromMesh), world units; for jet
+    double joinGaps = 0;
 };
 
-/// What is known of a surface before any march.
+/// Facts about a surface that need no march.
 struct SurfaceFacts {
     enum class Kind { LevelSet, Mesh, Points };
     Kind kind = Kind::LevelSet;
@@ -39,25 +39,24 @@ struct SurfaceFacts {
     std::optional<MeshFacts> mesh;        ///< of a mesh
     std::uint64_t activeVoxels = 0;       ///< of a level set
     double halfWidth = 0;                 ///< of the level set, voxels
-    double largestCurvature = kInfinity;  ///< per voxel (LevelSetStats); +inf: not known
+    double largestCurvature = kInfinity;  ///< per voxel (LevelSetStats); +infinity: unknown
     double joinGaps = 0;                  ///< of a mesh: VoxelOptions::joinGaps
     double diagonal = 0;                  ///< across the surface, voxels
-    double snap = 0;                      ///< how far points may be off by default, world units
+    double snap = 0;                      ///< default of maxSnap, world units
     std::string summary;                  ///< in a few words
-    std::vector<std::string> warnings;    ///< what a user should know, one sentence each
+    std::vector<std::string> warnings;    ///< for the user, one sentence each
 };
 
 /// Half the thickness of a band within M&S (14).
 struct BandWidth {
-    Scheme scheme = Scheme::Jet;         ///< that it is for
+    Scheme scheme = Scheme::Jet;         ///< the scheme that it is for
     double h = 0, lower = 0, upper = 0;  ///< voxels; the bounds: lower <= h < upper
     std::vector<std::string> warnings = {};
 };
 
-/// A surface that was read and checked, of which bands are made.
+/// A surface that was read and checked, from which bands are made.
 ///
-/// Cheap to copy: copies share what is made when it is first asked for. May be used by several
-/// threads at once.
+/// Cheap to copy: copies share derived data. Several threads may use it at once.
 class Surface {
 public:
     /// A signed distance in world units (checkLevelSet). The grid is not changed; its tree is
@@ -71,47 +70,47 @@ public:
     explicit Surface(TriangleMesh mesh, const VoxelOptions& voxels = {},
                      Progress& progress = Progress::none());
     /// Points on a surface, with or without normals: for `jet` the surface fitted to them, for
-    /// `godunov` the union of balls about them (M&S 5.2).
+    /// `godunov` the union of balls around them (M&S 5.2).
     /// @throws Error  as requireVoxelSize and PointSurface
     explicit Surface(PointCloud cloud, const VoxelOptions& voxels = {},
                      Progress& progress = Progress::none());
 
     const SurfaceFacts& facts() const;
     const Similarity& transform() const;  ///< world from index; dx is the voxel size
-    /// The same for grids; a level set's own, so that results line up with it bit by bit.
+    /// The same for grids; that of a level set itself, so that results match it bit by bit.
     openvdb::math::Transform::ConstPtr gridTransform() const;
-    std::string gridName() const;  ///< what results are named after
+    std::string gridName() const;  ///< the base of the names of results
 
     /// The band's width for a scheme.
     /// @param order  of godunov
-    /// @param h      asked for, voxels; 0: the one with which the scheme errs least
+    /// @param h      given, voxels; 0: the one of least error
     /// @throws Error  as requireBandWidth
     BandWidth bandWidth(Scheme scheme, int order = 2, double h = 0,
                         Progress& progress = Progress::none()) const;
-    /// The band in some balls (index space), where the surface is a level set and there are balls;
-    /// else of the whole surface, made once per width.
+    /// The band in some balls (index space), for a level set if there are balls; else that of the
+    /// whole surface, made once per width.
     std::shared_ptr<const Band> band(const BandWidth& width, const std::vector<Ball>& region = {},
                                      Progress& progress = Progress::none()) const;
-    /// That of the whole surface if it is made already, else null.
+    /// The band of the whole surface if it has been made, else null.
     std::shared_ptr<const Band> madeBand(const BandWidth& width) const;
-    /// How many nodes the band of the whole surface has, about, and the memory of a march and one
-    /// grid of results on it, bytes.
+    /// The approximate number of nodes of the band of the whole surface, and the bytes that a march
+    /// and one grid of results on it take.
     double estimatedNodes(const BandWidth& width) const;
     double estimatedMemory(const BandWidth& width) const;
     /// @param limit  bytes
-    /// @throws Error  InvalidArgument where estimatedMemory is more
+    /// @throws Error  InvalidArgument where estimatedMemory exceeds it
     void requireMemory(const BandWidth& width, double limit) const;
-    /// Where the voxels do not show the surface, for unresolvedWarnings; of points nothing.
+    /// Where the voxels do not resolve the surface, for unresolvedWarnings; empty for points.
     /// @param band  of the whole surface
     /// Time O(n), in parallel.
     Unresolved unresolved(const Band& band) const;
 
     /// The point of the surface nearest to one in index space.
     SurfacePoint nearest(const Band& band, const Vec3d& pIndex) const;
-    /// The surface as triangles that carry the distance: the mesh given, refined, or psi = 0.
+    /// The surface as triangles that carry the distance: the given mesh, refined, or psi = 0.
     SurfaceMesh mesh(const BandWidth& width, const Field& field,
                      Progress& progress = Progress::none()) const;
-    /// As a level set at least as wide as the band; of a mesh or points made when first asked for.
+    /// A level set at least as wide as the band; of a mesh or points made on first use.
     const LevelSet& levelSet(const BandWidth& width, Progress& progress = Progress::none()) const;
 
     /// A vertex of the mesh, or one of the points, by its number in the file from 0 on (of an STL
@@ -120,15 +119,15 @@ public:
     /// @return its position, world
     /// @throws Error  InvalidArgument for another name, a number out of range, and a level set
     Vec3d vertex(const std::string& name) const;
-    /// All of them, world; null: of a level set.
+    /// All of them, world; null for a level set.
     const std::vector<Vec3d>* vertices() const;
 
-    /// Gives back the volume that it was made from, for a caller who takes no more bands, level
-    /// sets and meshes of it: asked for one, it and its copies throw InvalidArgument. Of a mesh or
-    /// points it does nothing. By one thread, while no other uses it.
+    /// Frees the volume that the surface was made from, for a caller who needs no more bands, level
+    /// sets or meshes of it: later requests to it and its copies throw InvalidArgument. No effect
+    /// on a mesh or points. Only one thread may use the surface during the call.
     void dropVolume() const;
 
-    /// What it is made of; null: of something else.
+    /// The mesh or points that it is made from; null for another kind.
     const TriangleMesh* triangles() const;
     const class PointSurface* points() const;
 

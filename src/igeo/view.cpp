@@ -19,7 +19,7 @@ namespace igeo {
 
 namespace {
 
-/// Square voxels.
+/// The area in voxels squared.
 double areaOf(const TriangleMesh& mesh, double dx) {
     double sum = 0;
     for (const auto& [a, b, c] : mesh.triangles)
@@ -27,11 +27,11 @@ double areaOf(const TriangleMesh& mesh, double dx) {
     return sum / (dx * dx);
 }
 
-/// The mesh itself, its long edges halved as far as `most` triangles allow.
+/// The mesh itself, with long edges halved within a limit of `most` triangles.
 SurfaceMesh ownTriangles(const TriangleMesh& mesh, const Field& field, std::size_t most,
                          Progress& progress) {
-    // Halves of edges leave triangles of about a fifth of the square of the longest; half of `most`
-    // is left for those that are small already.
+    // Halved edges leave triangles of about a fifth of the square of the longest; half of `most` is
+    // kept for triangles that are small already.
     const double area = areaOf(mesh, field.band->transform.dx);
     double longest =
         std::max(2.0, std::sqrt(area / (0.1 * double(std::max<std::size_t>(most, 1)))));
@@ -43,7 +43,8 @@ SurfaceMesh ownTriangles(const TriangleMesh& mesh, const Field& field, std::size
     }
 }
 
-/// Of each point of a mesh the first vertex of its file that became it; empty: there is no file.
+/// For each point of a mesh the first vertex of its file that was merged into it; empty without a
+/// file.
 std::vector<std::uint32_t> vertexNumbers(const TriangleMesh& mesh) {
     std::vector<std::uint32_t> number;
     if (!mesh.source) return number;
@@ -65,7 +66,7 @@ std::vector<std::uint8_t> blockedVertices(const SurfaceMesh& mesh, const Metric&
     return blocked;
 }
 
-/// Seeds that are points, and the pieces of curves and rims as lines.
+/// Seeds that are points, and the segments of curves and rims as lines.
 void addSeeds(ViewScene& scene, const Distance& distance) {
     const Similarity& t = distance.band().transform;
     const std::vector<SurfacePoint>& seeds = distance.seeds();
@@ -108,13 +109,14 @@ std::vector<Path> asPaths(const std::vector<NamedCurve>& lines, const Similarity
     return paths;
 }
 
-/// The level set that pictures show, as the band of a volume may be a part of it; null: the band.
+/// The level set that pictures show, since the band of a volume may be a part of it; null: the
+/// band.
 const LevelSet* shownLevelSet(const Distance& distance, Progress& progress) {
     const bool volume = distance.surface().facts().kind == SurfaceFacts::Kind::LevelSet;
     return volume ? &distance.levelSet(progress) : nullptr;
 }
 
-/// The triangles of a page for its picture, which needs one for each two pixels at the most.
+/// The triangles of a page for its picture: at most one for each two pixels.
 DrawnSurface drawnSurface(const Band& band, SurfaceMesh mesh, bool closed) {
     constexpr std::size_t kMost = 40000, kMany = 3 * kMost;
     std::vector<std::uint32_t> kept;
@@ -133,7 +135,7 @@ void addPicture(ViewScene& scene, const DrawnSurface& surface, const Field& fiel
     scene.still = renderPng(surface, field, paths, picture, progress);
 }
 
-/// Thins the mesh out and says so.
+/// Simplifies the mesh to the limit, with a note.
 std::vector<std::uint32_t> keepToLimit(ViewScene& scene, SurfaceMesh& mesh,
                                        const ViewLimits& limits) {
     const std::size_t all = mesh.triangles.size();
@@ -145,7 +147,7 @@ std::vector<std::uint32_t> keepToLimit(ViewScene& scene, SurfaceMesh& mesh,
     return kept;
 }
 
-/// bunny, or torus:psi of a grid in a file.
+/// The title: bunny, or torus:psi for a grid in a file.
 std::string titleOf(const SurfaceFacts& facts) {
     const std::string file = facts.file == "-" ? "" : stemOf(facts.file);
     return file.empty() || file == facts.name ? facts.name : file + ":" + facts.name;
@@ -153,7 +155,7 @@ std::string titleOf(const SurfaceFacts& facts) {
 
 std::string creator() { return fmt::format("implicit-geodesic {}", kVersion); }
 
-/// The largest factor among the voxels around a point; +infinity: all of them are reliable.
+/// The largest factor among the voxels around a point; +infinity if all are reliable.
 double largestAround(const FileSurvey& survey, const Vec3d& pIndex) {
     double largest = 0;
     for (const NodeIndex i : cellAt(survey.band, pIndex).node)
@@ -161,7 +163,7 @@ double largestAround(const FileSurvey& survey, const Vec3d& pIndex) {
     return largest > 0 ? largest : kInfinity;
 }
 
-/// How many triangles marks are widened by: a line of voxels of a large model is too thin to see.
+/// By how many rings of triangles marks grow: a line one voxel wide is invisible on a large model.
 int ringsToSee(const SurfaceMesh& mesh) {
     Vec3d low = mesh.position.at(0), high = low;
     for (const Vec3d& p : mesh.position)
@@ -171,7 +173,7 @@ int ringsToSee(const SurfaceMesh& mesh) {
     return 1 + int(std::lround(std::max({size.x, size.y, size.z}) / 256));
 }
 
-/// Gives each vertex the largest finite value within so many triangles.
+/// Gives each vertex the largest finite value within `rings` triangles.
 void widenMarks(SurfaceMesh& mesh, int rings) {
     for (; rings > 0; --rings) {
         std::vector<double> wide = mesh.distance;
@@ -186,7 +188,7 @@ void widenMarks(SurfaceMesh& mesh, int rings) {
     }
 }
 
-/// That as a distance, for pictures.
+/// The survey as a distance field, for pictures.
 Field fieldOf(const FileSurvey& survey) {
     Field field;
     field.band = &survey.band;
@@ -263,7 +265,7 @@ ViewScene viewScene(const FileSurvey& survey, const ViewLimits& limits, Progress
     scene.unit = "by which a bound on reliable distances is passed";
     scene.rest = "reliable";
     scene.grows = false;
-    scene.colorMap = "magma";  // whose middle stands out from gray
+    scene.colorMap = "magma";  // its middle differs from gray
     SurfaceMesh mesh = surfaceMesh(survey.levelSet, survey.band, progress);
     mesh.distance.resize(mesh.position.size());
     parallelFor(mesh.position.size(), 1024, [&](std::size_t begin, std::size_t end) {

@@ -1,4 +1,4 @@
-/// Distances as a picture, and as a page to be turned and read in a browser.
+/// Distances as a picture, and as an interactive page for a browser.
 #pragma once
 
 #include <igeo/distance.h>
@@ -17,19 +17,20 @@ namespace igeo {
 std::string renderPng(const Distance& distance, const std::vector<NamedCurve>& lines,
                       const PictureOptions& options = {}, Progress& progress = Progress::none());
 
-/// How large pages may become.
+/// The size limit of pages.
 struct ViewLimits {
-    std::size_t triangles = 300000;  ///< drawn; a page of them has about 4 MB
+    std::size_t triangles = 300000;  ///< most triangles; a page with so many has about 4 MB
 };
 
-/// The picture of a page where a browser draws nothing in 3D: 320 x 240 pixels.
+/// The picture of a page for browsers without 3D: 320 x 240 pixels.
 PictureOptions viewPicture();
 
-/// What a page shows of a result: the surface with its distances, obstacles, seeds and targets.
+/// The content of a page for a result: the surface with its distances, obstacles, seeds and
+/// targets.
 ///
 /// Of a mesh the vertices are its own, with more between them where edges are longer than some
-/// voxels; of other surfaces those of Distance::mesh. Beyond the limit they are thinned out
-/// (thinOut), which a note says.
+/// voxels; of other surfaces those of Distance::mesh. Beyond the limit the mesh is simplified
+/// (thinOut), and a note says so.
 /// @param lines    paths, world units
 /// @param picture  color map, spacing of isolines and camera of both picture and page
 /// @throws Error  as renderPng
@@ -38,8 +39,8 @@ ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lin
                     const PictureOptions& picture = viewPicture(), const ViewLimits& limits = {},
                     Progress& progress = Progress::none());
 
-/// The same of a survey: where results are unreliable, and by what factor a bound is passed there
-/// (SurfaceSurvey::unreliability).
+/// The same for a survey: where results are unreliable, and the factor by which a bound is exceeded
+/// there (SurfaceSurvey::unreliability).
 /// @param survey  with a surface
 ViewScene viewScene(const FileSurvey& survey, const ViewLimits& limits = {},
                     Progress& progress = Progress::none());

@@ -1,4 +1,4 @@
-// The front door: Surface, GeodesicSolver, Distance, in world units.
+// The public classes: Surface, GeodesicSolver, Distance, in world units.
 #include <igeo/base/parallel.h>
 #include <igeo/igeo.h>
 #include <igeo/io/openvdb_interrupter.h>

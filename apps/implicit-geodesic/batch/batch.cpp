@@ -36,10 +36,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What writing the summary may take of the time, so that many quick jobs are not held up by it.
+/// Writing the summary may take 1/20 of the time, so that it does not delay many quick jobs.
 constexpr int kWritingShare = 20;
 
-/// jobs.json: jobs.summary.json, for shards jobs.summary-2-of-3.json, beside it.
+/// jobs.json: jobs.summary.json beside it; for shards jobs.summary-2-of-3.json.
 std::string defaultSummary(const fs::path& manifest, const Part& shard) {
     const std::string which =
         shard.whole() ? ""
@@ -48,7 +48,7 @@ std::string defaultSummary(const fs::path& manifest, const Part& shard) {
         .string();
 }
 
-/// The solver of jobs that agree in surface and metric, made by the first that needs it.
+/// The solver of jobs with the same surface and metric, made by the first job that needs it.
 class SharedSolver {
 public:
     PreparedSolver prepared(const igeo::Surface& surface, const RunOptions& options,
@@ -63,7 +63,7 @@ private:
     std::optional<PreparedSolver> prepared_;
 };
 
-/// A plan at work.
+/// A batch that is running.
 class Batch {
 public:
     Batch(const BatchPlan& plan, const BatchFiles& files, bool verbose, Console& console,
@@ -99,7 +99,7 @@ private:
     Summary summary_;
     std::map<std::size_t, JobRecord> records_;  ///< of the shard
     std::size_t ended_;
-    std::vector<std::size_t> unsaid_;  ///< of the records that the file does not have yet
+    std::vector<std::size_t> unsaid_;  ///< indices of records that are not yet in the file
     Clock::time_point nextWrite_{};
     std::mutex mutex_;  ///< of records_, ended_, the log and the summary
 };
@@ -128,14 +128,14 @@ void Batch::runGroup(const JobNumbers& group) {
     console_.detail(fmt::format("surface {}: {}; {} jobs, {} at once", surface->facts().name,
                                 surface->facts().summary, group.size(), atOnce));
     progress_.update("batch", double(ended_) / double(records_.size()));
-    // Each solver, and with it its metric, lives until the last of its jobs is done.
+    // A solver, with its metric, is freed after the last of its jobs.
     std::vector<std::shared_ptr<SharedSolver>> solvers;
     for (const JobNumbers& lot : groupBy<MetricOptions>(plan_.jobs, group))
         solvers.insert(solvers.end(), lot.size(), std::make_shared<SharedSolver>());
     std::atomic<std::size_t> next{0};
     std::exception_ptr stop;
-    // No exception may leave the loop: TBB would cut short the loops of the other jobs, which would
-    // not know and write what they have.
+    // No exception may leave the loop: TBB would cancel the loops of the other jobs, which would
+    // write incomplete results without notice.
     igeo::parallelFor(atOnce, 1, [&](std::size_t, std::size_t) {
         try {
             for (std::size_t k = next++; k < group.size(); k = next++) {
@@ -152,12 +152,12 @@ void Batch::runGroup(const JobNumbers& group) {
     try {
         if (!unsaid_.empty()) writeSummary();
     } catch (const std::exception&) {
-        // The first trouble is the one to tell of.
+        // The first error is reported.
     }
     std::rethrow_exception(stop);
 }
 
-/// @return nothing if it cannot be used, and all jobs of the group have failed
+/// @return empty if the surface cannot be used; all jobs of the group have then failed
 std::optional<igeo::Surface> Batch::surfaceOf(const JobNumbers& group) {
     try {
         return readSurface(plan_.jobs[group.front()].options, progress_);
@@ -173,8 +173,8 @@ std::optional<igeo::Surface> Batch::surfaceOf(const JobNumbers& group) {
     }
 }
 
-/// Makes the band of the whole surface, if a job is sure to ask for it, by all threads at once.
-/// @return how many jobs may run at once: as many as there are threads, and as memory holds
+/// Makes the band of the whole surface with all threads, if a job is sure to need it.
+/// @return number of jobs that may run at once: one per thread, as far as memory allows
 std::size_t Batch::prepareBand(const igeo::Surface& surface, const JobNumbers& group) {
     try {
         const igeo::BandWidth width =
@@ -190,11 +190,11 @@ std::size_t Batch::prepareBand(const igeo::Surface& surface, const JobNumbers& g
             1, std::min({group.size(), std::size_t(igeo::ThreadLimit::current()), fit}));
     } catch (const std::exception&) {
         progress_.throwIfCancelled();
-        return 1;  // each job that needs the band says why it cannot be made
+        return 1;  // each job that needs the band reports why it cannot be made
     }
 }
 
-/// Bytes: of the machine, or the least that a job allows.
+/// Bytes: the memory of the machine, or the least limit of the jobs.
 double Batch::memoryFor(const JobNumbers& group) const {
     double memory = machineMemory();
     for (const std::size_t k : group)
@@ -236,7 +236,7 @@ void Batch::record(std::size_t number, JobRecord outcome, double seconds) {
     progress_.update("batch", double(++ended_) / double(records_.size()));
 }
 
-/// Only what is recorded is said to be done.
+/// A job is reported as done only after it is recorded.
 void Batch::writeSummary() {
     const Clock::time_point begin = Clock::now();
     summary_.jobs.clear();
@@ -246,7 +246,7 @@ void Batch::writeSummary() {
     for (const std::size_t k : unsaid_) {
         const JobRecord& job = records_.at(k);
         const std::string name = plan_.jobs[k].quoted();
-        if (!verbose_ && !job.warnings.empty())  // else its own messages have them
+        if (!verbose_ && !job.warnings.empty())  // otherwise the messages of the job show them
             console_.warning(fmt::format(
                 "{}: {}{}", name, job.warnings.front(),
                 job.warnings.size() == 1
@@ -280,7 +280,8 @@ int batch(const BatchOptions& options, Console& console, ConsoleProgress& progre
     auto wholeOrNone = [](const std::string& file) { return file.empty() ? "" : wholeName(file); };
     const BatchFiles files{manifest, summary, wholeOrNone(options.log), wholeOrNone(options.view)};
     const std::vector<ManifestJob> jobs = readManifest(options.manifest);
-    // Jobs then name their files as single runs in that folder do, in reports as well.
+    // In the folder of the manifest, jobs name their files as single runs there do, also in
+    // reports.
     fs::current_path(fs::path(manifest).parent_path());
     const BatchPlan plan = planBatch(jobs, files, options.shard, progress);
     if (options.dryRun) {

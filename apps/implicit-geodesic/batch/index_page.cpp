@@ -39,7 +39,7 @@ small { color: #555b66; }
 </html>
 )";
 
-/// The picture in a page of --view, as an address; empty: there is none.
+/// The picture in a page of --view, as an address; empty if there is none.
 std::string pictureIn(const std::string& page) {
     constexpr std::size_t kMost = 4u << 20;
     std::ifstream in(page, std::ios::binary);
@@ -49,7 +49,7 @@ std::string pictureIn(const std::string& page) {
     return igeo::stillOfPage(head);
 }
 
-/// A relative address of a file: what has a meaning in addresses is written as %xx.
+/// A relative address of a file; reserved characters are written as %xx.
 std::string linkTo(const std::string& file, const fs::path& folder) {
     const std::string path = fs::relative(fs::absolute(file), folder).generic_string();
     std::string link;

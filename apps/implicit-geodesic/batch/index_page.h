@@ -1,4 +1,4 @@
-/// The pages and pictures of a batch on one page.
+/// One page with the pages and pictures of a batch.
 #pragma once
 
 #include <string>
@@ -6,9 +6,8 @@
 #include "batch/plan.h"
 #include "batch/summary.h"
 
-/// HTML with a tile per job of the summary: its name, what became of it, and links to its files. A
-/// tile shows the picture of the job's page, which is copied, or else that of --image, which is
-/// linked.
+/// HTML with a tile per job of the summary: its name, its status, and links to its files. A tile
+/// contains a copy of the picture in the job's page, or else a link to that of --image.
 /// @param file  of the page; links are relative to its folder
 /// Time: that of reading the beginnings of the pages.
 std::string indexPage(const BatchPlan& plan, const Summary& summary, const std::string& file);

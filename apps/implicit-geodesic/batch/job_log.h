@@ -1,4 +1,4 @@
-/// The log of a batch: a line of JSON for each job as it ends, for programs that watch it.
+/// The log of a batch: a line of JSON for each job as it ends, for monitoring.
 #pragma once
 
 #include <fstream>
@@ -6,15 +6,15 @@
 
 #include "batch/summary.h"
 
-/// Times are here and not in the summary, which the same jobs give with the same bytes.
+/// Times are written here and not in the summary, whose bytes depend on the jobs only.
 class JobLog {
 public:
     /// @param file  lines are appended to it; empty: no log
     /// @throws igeo::Error  Io
     explicit JobLog(const std::string& file);
 
-    /// {"time", "job", "status", "exitCode", "seconds", "warnings", "error"}: when it ended (UTC),
-    /// and the wall time that it took. Not for two threads at once.
+    /// Writes {"time", "job", "status", "exitCode", "seconds", "warnings", "error"}: the end time
+    /// (UTC), and the wall time of the job. For one thread at a time.
     /// @throws igeo::Error  Io
     void add(const JobRecord& job, double seconds);
 

@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Cells between commas, semicolons or tabs, row by row (RFC 4180).
+/// Cells separated by commas, semicolons or tabs, row by row (RFC 4180).
 class Cells {
 public:
     explicit Cells(const std::string& file) : file_(file) {
@@ -70,7 +70,8 @@ private:
 };
 
 bool isLike(const std::string& name, const std::string& pattern) {
-    std::size_t n = 0, p = 0, star = pattern.npos, taken = 0;  // the last *, and what it stands for
+    // star: position of the last *; taken: end of its match.
+    std::size_t n = 0, p = 0, star = pattern.npos, taken = 0;
     while (n < name.size()) {
         if (p < pattern.size() && pattern[p] == '*') {
             star = p++, taken = n;
@@ -85,7 +86,7 @@ bool isLike(const std::string& name, const std::string& pattern) {
     return pattern.find_first_not_of('*', p) == pattern.npos;
 }
 
-/// A flag is true or false.
+/// A flag: true or false.
 Json valueOf(const std::string& cell) {
     if (cell == "true" || cell == "false") return cell == "true";
     return cell;

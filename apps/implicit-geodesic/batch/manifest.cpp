@@ -17,15 +17,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Values of options by their names; sorted, so that the order of writing has no effect.
+/// Values of options by name; sorted, so that their order in the file has no effect.
 using Values = std::map<std::string, Json>;
 
-/// The members of an object, but for its name.
+/// The members of an object except its name.
 Values valuesOf(const Json& object, const std::string& where) {
     Values values;
     for (const auto& [key, value] : object.items()) {
         if (key == "name") continue;
-        // The option --name must not be taken for the name of the job.
+        // The option --name is different from the name of the job.
         const std::string option = key.rfind("--", 0) == 0 ? key.substr(2) : key;
         if (option.empty() || option.front() == '-' ||
             option.find_first_not_of("abcdefghijklmnopqrstuvwxyz-") != std::string::npos)
@@ -45,7 +45,7 @@ bool allNumbers(const Json& list) {
     return !list.empty();
 }
 
-/// As one word of a command line.
+/// A value as one word of a command line.
 std::string wordOf(const Json& value, const std::string& where) {
     if (value.is_string()) {
         const std::string word = value.get<std::string>();
@@ -65,7 +65,7 @@ std::string wordOf(const Json& value, const std::string& where) {
                "give a string, a number, true, false, or a list of strings, numbers or points");
 }
 
-/// A list of numbers is one value, such as a point; any other list is an option that is repeated.
+/// A list of numbers is one value, such as a point; any other list is a repeated option.
 void addArguments(const std::string& option, const Json& value, const std::string& where,
                   std::vector<std::string>& arguments) {
     if (value.is_boolean()) {
@@ -77,7 +77,7 @@ void addArguments(const std::string& option, const Json& value, const std::strin
         arguments.push_back("--" + option + "=" + wordOf(item, where + ": '" + option + "'"));
 }
 
-/// {name} and, of a job made of a file, {file} become words.
+/// Replaces {name} and, in a job made from a file, {file}.
 std::string filled(std::string text, const std::string& name, const std::string& file) {
     for (const auto& [mark, word] : {std::pair("{name}", name), {"{file}", file}}) {
         const std::size_t size = std::string(mark).size();
@@ -100,14 +100,14 @@ ManifestJob jobOf(const Json& entry, const Values& defaults, const std::string& 
     if (hasControls(job.name))
         inputError(printable(where) + " has a control character in its name", "take it out");
     Values values = valuesOf(entry, where);
-    for (const auto& [option, value] : defaults)  // those that the job does not give
+    for (const auto& [option, value] : defaults)  // unless the job sets them
         if (values.emplace(option, value).second) job.defaults.insert("--" + option);
     for (const auto& [option, value] : values) addArguments(option, value, where, job.arguments);
     for (std::string& argument : job.arguments) argument = filled(argument, job.name, "");
     return job;
 }
 
-/// A job of a file: its surface, unless the defaults say what to do with {file}.
+/// A job for a file: it is the surface, unless the defaults use {file}.
 ManifestJob jobOfFile(const fs::path& path, const Values& defaults, const std::string& manifest) {
     const std::string file = path.string(), name = igeo::stemOf(file);
     ManifestJob job;
@@ -126,7 +126,7 @@ ManifestJob jobOfFile(const fs::path& path, const Values& defaults, const std::s
     return job;
 }
 
-/// Of "files": a pattern, or a list of them.
+/// The jobs of "files": a pattern, or a list of patterns.
 std::vector<ManifestJob> jobsOfFiles(const Json& patterns, const Values& defaults,
                                      const std::string& manifest) {
     std::vector<ManifestJob> jobs;
@@ -144,7 +144,7 @@ std::vector<ManifestJob> jobsOfFiles(const Json& patterns, const Values& default
     return jobs;
 }
 
-/// A JSON document with jobs, or the rows of a table as such.
+/// A JSON document with jobs, or the rows of a table as one.
 Json manifestOf(const std::string& file) {
     if (fs::path(file).extension() != ".csv") return readJson(file);
     return {{"version", 2}, {"jobs", jobsOfTable(file)}};

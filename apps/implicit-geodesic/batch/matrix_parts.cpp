@@ -18,7 +18,7 @@ struct MatrixPart {
     std::vector<igeo::MatrixPlace> seeds = {}, targets = {};
 };
 
-/// What the rows or columns of a part are of, as far as a table shows it.
+/// The rows or columns of a part, with what a table shows of them.
 std::vector<igeo::MatrixPlace> placesOf(const Json& list) {
     std::vector<igeo::MatrixPlace> places;
     for (const Json& entry : list) {
@@ -70,7 +70,7 @@ MatrixPart readPart(const std::string& file) {
     return part;
 }
 
-/// All but the rows is the same in all parts: the surface, the points, the program.
+/// All parts must agree in everything except the rows: surface, points, program.
 void requireSameMatrix(const MatrixPart& a, const MatrixPart& b) {
     static const std::set<std::string> kOwn{"rows", "distance", "warnings", "command", "versions"};
     for (const auto& [member, value] : a.document.items())
@@ -103,7 +103,7 @@ void requireAllRows(const std::vector<MatrixPart>& parts) {
     if (next < rows) missing(rows);
 }
 
-/// The words that join the parts.
+/// The command line that merges the parts.
 std::vector<std::string> commandOf(const std::vector<std::string>& files,
                                    const std::string& output) {
     std::vector<std::string> words{"batch", "merge", "--matrix"};

@@ -23,7 +23,7 @@ struct Part {
         return part;
     }
 
-    /// The part of a list of n: parts follow each other and differ by one in length at most.
+    /// The part of a list of n: parts are consecutive, and their lengths differ by one at most.
     std::size_t begin(std::size_t n) const { return n * (number - 1) / count; }
     std::size_t end(std::size_t n) const { return n * number / count; }
 

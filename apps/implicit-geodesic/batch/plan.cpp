@@ -22,7 +22,7 @@ namespace {
 
 const char* const kCreator = "implicit-geodesic ";
 
-/// Of the options that all jobs have, a job keeps those that matter to it.
+/// Removes the defaults that have no effect on a job.
 void keepWhatMatters(BatchJob& job) {
     for (const WithoutEffect& w : optionsWithoutEffect(job.options)) {
         if (job.defaults.count(w.option) == 0) w.refuse();
@@ -45,7 +45,8 @@ std::vector<BatchJob> parsedJobs(const std::vector<ManifestJob>& jobs) {
     return parsed;
 }
 
-/// What jobs may not do since they run in any order, side by side and without a terminal.
+/// Refuses what jobs must not do, because they run in any order, side by side and without a
+/// terminal.
 void refuseConflicts(const std::vector<BatchJob>& jobs, const BatchFiles& files) {
     std::map<std::string, std::string> writers{{files.manifest, "is the manifest"},
                                                {files.summary, "is the summary"}};
@@ -74,8 +75,8 @@ void refuseConflicts(const std::vector<BatchJob>& jobs, const BatchFiles& files)
         }
 }
 
-/// Jobs in the order of their surfaces, on one surface in that of their metrics, cut into shards:
-/// so few shards read the same files.
+/// Jobs sorted by surface, and on one surface by metric, then cut into shards, so that few shards
+/// read the same files.
 std::vector<JobNumbers> groupsOf(const std::vector<BatchJob>& jobs, const Part& shard) {
     JobNumbers everything(jobs.size());
     std::iota(everything.begin(), everything.end(), std::size_t(0));
@@ -94,7 +95,7 @@ std::vector<JobNumbers> groupsOf(const std::vector<BatchJob>& jobs, const Part& 
     return groups;
 }
 
-/// Of the names and options of all jobs.
+/// The digest of the names and options of all jobs.
 std::string digestOf(const std::vector<BatchJob>& jobs) {
     igeo::Digest digest;
     for (const BatchJob& job : jobs) {
@@ -105,9 +106,9 @@ std::string digestOf(const std::vector<BatchJob>& jobs) {
     return digest.hex();
 }
 
-/// Of the program, a job's options and the content of its inputs. Content is read before the
-/// job: what changes meanwhile is found by the next batch.
-/// @param known digests of files, to which those of this job are added
+/// The digest of the program, a job's options and the content of its inputs. The content is read
+/// before the job, so the next batch detects changes made meanwhile.
+/// @param known digests of files; those of this job are added
 std::string digestOf(const BatchJob& job, const std::string& creator,
                      std::map<std::string, std::string>& known) {
     igeo::Digest digest;
@@ -120,8 +121,8 @@ std::string digestOf(const BatchJob& job, const std::string& creator,
     return digest.hex();
 }
 
-/// Jobs that were done with the same program, options and inputs, and whose outputs are still
-/// theirs.
+/// Takes over jobs that were done with the same program, options and inputs, and whose outputs are
+/// unchanged.
 void reuseFinishedJobs(const Summary& earlier, BatchPlan& plan, ConsoleProgress& progress) {
     std::map<std::string, const JobRecord*> known;
     for (const JobRecord& job : earlier.jobs) known[job.name] = &job;
@@ -150,7 +151,7 @@ void reuseFinishedJobs(const Summary& earlier, BatchPlan& plan, ConsoleProgress&
     }
 }
 
-/// A word as a shell reads it.
+/// A word quoted for a shell.
 std::string shellWord(const std::string& word) {
     const bool plain = word.find_first_not_of(
                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=./:,"

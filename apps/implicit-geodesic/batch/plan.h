@@ -1,4 +1,4 @@
-/// What a batch is to do, before anything runs.
+/// The plan of a batch, made before anything runs.
 #pragma once
 
 #include <cstddef>
@@ -15,34 +15,34 @@ struct BatchJob : ManifestJob {
     RunOptions options;  ///< its arguments, parsed
 };
 
-using JobNumbers = std::vector<std::size_t>;  ///< places in the manifest
+using JobNumbers = std::vector<std::size_t>;  ///< indices in the manifest
 
 struct BatchPlan {
     std::vector<BatchJob> jobs;
-    std::vector<JobNumbers> groups;            ///< of the shard: those on one surface together
-    std::map<std::size_t, JobRecord> records;  ///< of the shard; those of jobs done before are full
+    std::vector<JobNumbers> groups;            ///< of the shard: jobs on one surface
+    std::map<std::size_t, JobRecord> records;  ///< of the shard; complete for jobs done before
     std::size_t doneBefore = 0;
-    Summary summary;                                  ///< but for its jobs
+    Summary summary;                                  ///< without its jobs
     std::map<std::string, std::string> inputDigests;  ///< of the shard's input files
 };
 
-/// Files by their whole names.
+/// Files by their absolute names.
 struct BatchFiles {
     std::string manifest, summary;
     std::string log, view;  ///< empty: none
 };
 
-/// Parses and checks all jobs, and takes those of a shard. Names of files in the jobs are relative
-/// to the current folder.
-/// @throws igeo::Error  InvalidArgument for a job that cannot run, or not beside the others; Io,
-///         BadInput for the summary of an earlier batch
+/// Parses and checks all jobs, and selects those of a shard. File names in the jobs are relative to
+/// the current folder.
+/// @throws igeo::Error  InvalidArgument for a job that cannot run, or not together with the others;
+///         Io, BadInput for the summary of an earlier batch
 BatchPlan planBatch(const std::vector<ManifestJob>& jobs, const BatchFiles& files,
                     const Part& shard, ConsoleProgress& progress);
 
-/// Prints each job of the shard, whether it is to do, and its command.
+/// Prints each job of the shard, whether it will run, and its command.
 void printPlan(const BatchPlan& plan);
 
-/// Jobs that agree in a part of their options together, each lot in the order of the manifest.
+/// Groups jobs that agree in a part of their options, each group in the order of the manifest.
 template <typename OptionsPart>
 std::vector<JobNumbers> groupBy(const std::vector<BatchJob>& jobs, const JobNumbers& numbers) {
     std::vector<JobNumbers> lots;

@@ -41,7 +41,7 @@ std::vector<std::string> Summary::namesOf(const char* status) const {
 
 namespace {
 
-/// What a job's record takes of provenanceJson, beside the warnings.
+/// The members of provenanceJson in a job's record, besides the warnings.
 constexpr std::array kProvenance{"command", "versions",   "inputs",
                                  "surface", "parameters", "metric"};
 
@@ -75,7 +75,7 @@ JobRecord recordOf(const Json& j) {
     return job;
 }
 
-/// Numbers that only a file made by hand has.
+/// Refuses numbers that occur only in files edited by hand.
 void requireSound(const Summary& summary, const std::string& file) {
     constexpr std::size_t kMostJobs = 1000000000;
     if (!summary.shard.valid())
@@ -137,7 +137,7 @@ std::string listed(const std::vector<std::string>& names) {
     return text;
 }
 
-/// Jobs that no summary has, by the shards that they are in.
+/// Refuses jobs missing in all summaries, and names the shards that they belong to.
 void refuseMissing(const Summary& whole, const std::vector<Part>& shards) {
     std::vector<std::string> missing = whole.namesOf("waiting");
     if (!missing.empty())
@@ -159,7 +159,8 @@ void refuseMissing(const Summary& whole, const std::vector<Part>& shards) {
 Summary mergedSummary(const std::vector<std::string>& files) {
     Summary whole;
     std::vector<Part> shards;
-    std::map<std::size_t, std::pair<JobRecord, std::string>> jobs;  // with the file they are from
+    // Each with the name of its file.
+    std::map<std::size_t, std::pair<JobRecord, std::string>> jobs;
     for (const std::string& file : files) {
         const Summary part = readSummary(file);
         if (shards.empty()) whole = part;

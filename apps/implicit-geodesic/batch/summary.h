@@ -1,4 +1,4 @@
-/// What became of the jobs of a batch.
+/// The outcomes of the jobs of a batch.
 #pragma once
 
 #include <cstddef>
@@ -15,19 +15,19 @@
 struct JobRecord {
     std::size_t index = 0;  ///< in the manifest
     std::string name;
-    std::optional<int> exitCode;                 ///< as of a run on its own; none: has not run
-    std::string what, remedy;                    ///< where it failed
+    std::optional<int> exitCode;                 ///< as of a single run; none: not run yet
+    std::string what, remedy;                    ///< error of a failed job
     std::vector<std::string> warnings;           ///< of the run
     std::string digest;                          ///< of the program, the options and all inputs
-    std::map<std::string, std::string> outputs;  ///< of each file its digest
-    Json provenance = Json::object();            ///< of the run, if it is done: provenanceJson
+    std::map<std::string, std::string> outputs;  ///< digest of each file
+    Json provenance = Json::object();            ///< of a finished run: provenanceJson
 
     void fail(const Failure& failure) {
         exitCode = failure.exitCode, what = failure.what, remedy = failure.remedy;
     }
-    /// Whether it has left its results.
+    /// Whether its results exist.
     bool done() const;
-    /// "waiting", "done", "unreached" (done, but for a target) or "failed"
+    /// "waiting", "done", "unreached" (done, but a target is unreached) or "failed"
     const char* status() const;
     bool operator==(const JobRecord& other) const;
 };
@@ -50,12 +50,12 @@ struct Summary {
 /// @throws igeo::Error  Io, BadInput
 Summary readSummary(const std::string& file);
 
-/// That of the whole batch, from those of its shards. The same job in two of them is fine if they
+/// The summary of the whole batch, from those of its shards. A job may be in two of them if they
 /// agree.
-/// @throws igeo::Error  BadInput for shards of different batches, records that contradict each
-///         other, and missing jobs
+/// @throws igeo::Error  BadInput for shards of different batches, contradictory records, and
+///         missing jobs
 Summary mergedSummary(const std::vector<std::string>& files);
 
-/// One sentence on the whole.
-/// @param file where the summary is
+/// Prints one sentence about the whole batch.
+/// @param file the file of the summary
 void tell(const Summary& summary, const std::string& file, Console& console);

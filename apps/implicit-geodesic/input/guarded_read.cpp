@@ -18,7 +18,7 @@
 
 namespace {
 
-/// A message made while all is well: a handler may not.
+/// A message composed in advance, because a signal handler cannot compose one.
 struct Message {
     std::array<char, 1024> text{};
     std::size_t size = 0;
@@ -33,10 +33,10 @@ struct Message {
 Message gFault, gOutOfMemory, gFileFault, gFileTime;
 std::atomic<bool> gReading{false};
 std::mutex gGuard;
-// Wipes a line of progress.
+// Erases a line of progress.
 const char* gLineStart = "";
 
-/// An exception that nothing can catch, as one on a thread of TBB: what fails there is memory.
+/// An exception that cannot be caught, such as one on a thread of TBB: there it means no memory.
 [[noreturn]] void onTerminate() {
     try {
         if (const std::exception_ptr e = std::current_exception()) std::rethrow_exception(e);
@@ -81,7 +81,7 @@ std::string namesLike(const std::string& file) {
     std::error_code error;
     if (file == "-" || fs::symlink_status(file, error).type() != fs::file_type::not_found)
         return "";
-    constexpr int kMost = 10000;  // names to look through
+    constexpr int kMost = 10000;  // file names to compare
     const fs::path folder = fs::path(file).parent_path();
     std::vector<std::string> names;
     for (fs::directory_iterator entry(folder.empty() ? "." : folder, error), end;

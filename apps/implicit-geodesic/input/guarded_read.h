@@ -1,4 +1,4 @@
-/// What damaged files, and libraries that stumble over them, may not do to a user.
+/// Protects the program from damaged files, and from libraries that crash on them.
 #pragma once
 
 #include <igeo/base/error.h>
@@ -10,21 +10,21 @@
 
 #include "output/stdout.h"
 
-/// Turns a fault of the program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) into a sentence on
-/// stderr and an exit code: 3 and the file's name while a FileGuard lives, else 1. Unfinished
-/// outputs are removed. Call it in the first thread, which from then on also survives the end of
-/// its stack.
+/// Turns a fault of the program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) into a message on stderr
+/// and an exit code: 3 and the file's name while a FileGuard lives, else 1. Unfinished outputs are
+/// removed. Call it in the first thread, which can then also report the overflow of its stack.
 void catchFaults();
 
-/// While it lives, a fault is the fault of `file`, and reading it may take so much time as no sound
-/// file does: five minutes of computing and ten seconds per megabyte; an hour where the size is not
-/// known. Where it ends by an exception, later faults count as the file's as well: what is left to
-/// do is to report it, and the reader may have left the heap in ruins. Files are read one after the
-/// other: jobs side by side wait for each other. Not nested.
+/// While it lives, a fault is blamed on `file`, and reading has a time limit that no sound file
+/// reaches: five minutes of computing and ten seconds per megabyte; an hour where the size is
+/// unknown. If it ends by an exception, later faults are blamed on the file too: only the report
+/// remains to be done, and the reader may have damaged the heap. Files are read one after another:
+/// concurrent jobs wait for each other. Not nested.
 class FileGuard {
 public:
     explicit FileGuard(const std::string& file);
-    FileGuard(const std::string& file, double seconds);  ///< of computing, on all cores together
+    /// Seconds of computing, on all cores together
+    FileGuard(const std::string& file, double seconds);
     static constexpr double kNoLimit = 0;
     ~FileGuard();
     FileGuard(const FileGuard&) = delete;
@@ -36,12 +36,12 @@ private:
     const int exceptions_;  ///< in flight when it was made
 };
 
-/// ", did you mean 'FILE'?" with the name in its folder that is most like that of a file that is
-/// not there; else empty.
+/// ", did you mean 'FILE'?" for a file that does not exist, with the most similar name in its
+/// folder; else empty.
 std::string namesLike(const std::string& file);
 
-/// What `read` returns, which reads `file`. Whatever goes wrong in it names the file: a refusal as
-/// it is, memory that runs out and other exceptions as a refusal (BadInput), a fault as above.
+/// Returns what `read` returns for `file`. All errors name the file: a refusal is passed on, memory
+/// that runs out and other exceptions become a refusal (BadInput), a fault is handled as above.
 template <typename Read>
 auto guardedRead(const std::string& file, const Read& read) {
     using igeo::Error;

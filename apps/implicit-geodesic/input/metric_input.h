@@ -11,8 +11,8 @@
 
 struct MetricInput {
     igeo::MetricDefinition definition;
-    std::vector<std::string> weightNames, obstacleNames;  ///< as asked for
-    std::vector<std::string> warnings;                    ///< of the files read
+    std::vector<std::string> weightNames, obstacleNames;  ///< as given
+    std::vector<std::string> warnings;                    ///< about the files read
 };
 
 /// @throws igeo::Error  as the readers and ObstacleSet

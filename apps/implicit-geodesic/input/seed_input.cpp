@@ -18,7 +18,7 @@ std::vector<igeo::Seed> placed(const std::vector<igeo::AskedPoint>& asked,
     return points;
 }
 
-/// The points of --seed, then what --seeds holds.
+/// Adds the points of --seed, then the content of --seeds.
 void addPointsAndGroups(const SeedOptions& o, const igeo::Surface& surface, SeedInput& in) {
     std::vector<igeo::AskedPoint> asked = o.seeds;
     igeo::AskedSeeds more;

@@ -11,8 +11,8 @@
 struct SeedInput {
     igeo::Seeds seeds;
     igeo::MarchLimits limits;           ///< with the targets
-    std::vector<std::string> names;     ///< per source, what it is: empty for a point
-    std::vector<std::string> warnings;  ///< of the files read
+    std::vector<std::string> names;     ///< per source its description; empty for a point
+    std::vector<std::string> warnings;  ///< about the files read
 };
 
 /// @throws igeo::Error  as the readers, ObstacleSet and Surface::vertex
@@ -27,6 +27,6 @@ struct ViaInput {
 /// @throws igeo::Error  as the readers and Surface::vertex
 std::vector<ViaInput> readVias(const SeedOptions& options, const igeo::Surface& surface);
 
-/// Where a point is, in the space of the options.
+/// The position of a point, in the space of the options.
 igeo::Vec3d positionOf(const igeo::AskedPoint& point, const SeedOptions& options,
                        const igeo::Surface& surface);

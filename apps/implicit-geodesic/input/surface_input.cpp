@@ -26,7 +26,7 @@ igeo::LoadedGrid readVolume(const SurfaceOptions& o, igeo::Progress& progress) {
     return psi;
 }
 
-/// The surface in a volume of voxels, on voxels as fine as its own.
+/// The surface of a volume of voxels, on voxels as fine as those of the volume.
 igeo::TriangleMesh readVoxels(const SurfaceOptions& o, igeo::VoxelOptions& voxels,
                               igeo::Progress& progress) {
     const std::string& file = o.source.file;
@@ -36,7 +36,7 @@ igeo::TriangleMesh readVoxels(const SurfaceOptions& o, igeo::VoxelOptions& voxel
     return igeo::volumeMesh(volume, o.iso, progress);
 }
 
-/// What is read, as a surface.
+/// Makes a surface from what was read, with the stages of progress.
 template <typename Input, typename... Voxels>
 igeo::Surface checked(Input&& input, const SurfaceOptions& o, igeo::Progress& progress,
                       const Voxels&... voxels) {

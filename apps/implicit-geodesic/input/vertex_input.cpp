@@ -53,7 +53,7 @@ std::vector<bool> blockedVertices(const igeo::GridSource& source,
     return blocked;
 }
 
-/// The vertices of the region that is named.
+/// The vertices of the named region.
 std::vector<bool> regionVertices(const igeo::GridSource& source, const igeo::TriangleMesh& mesh) {
     const igeo::Annotation annotation =
         guardedRead(source.file, [&] { return igeo::readAnnotation(source.file); });

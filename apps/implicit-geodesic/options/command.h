@@ -1,4 +1,4 @@
-/// What a command takes and does, as plain data: the parser, the help, the manual page and the
+/// A command as plain data: its options and its work. The parser, the help, the manual page and the
 /// completions are made from it.
 #pragma once
 
@@ -9,14 +9,14 @@
 #include "options/reader.h"
 
 struct Option {
-    std::vector<std::string> names;  ///< as spelled: -o, --output; of an argument: FILE
-    std::string value = {};          ///< as the help names it; empty for a flag
+    std::vector<std::string> names;  ///< as written: -o, --output; of an argument: FILE
+    std::string value = {};          ///< its name in the help; empty for a flag
     std::string text = {};
-    Reader reads = {};  ///< without a function: the help or the version, which end the program
-    std::vector<std::string> excludes = {};  ///< other options, by their long names
+    Reader reads = {};  ///< without a function: help or version, which end the program
+    std::vector<std::string> excludes = {};  ///< incompatible options, by their long names
     bool required = false;
     std::string group = {};
-    std::string brief = {};  ///< what -h says of it; empty: --help alone has it
+    std::string brief = {};  ///< its text for -h; empty: only in --help
 
     const std::string& longName() const { return names.back(); }
 };
@@ -31,18 +31,19 @@ struct Example {
 };
 
 struct Command {
-    std::string name;                    ///< with those it is below: "batch merge"
+    std::string name;                    ///< with its parents: "batch merge"
     std::string about;                   ///< lines
-    std::vector<Option> arguments = {};  ///< without a dash
+    std::vector<Option> arguments = {};  ///< positional
     std::vector<Option> options = {};    ///< arguments have no group
-    std::function<void()> check = {};    ///< of all values together; no file is read
+    std::function<void()> check = {};    ///< checks all values together, without reading files
     std::vector<ExitMeaning> exitCodes = {};
     std::vector<Example> examples = {};
     std::vector<Command> commands = {};
 
     void add(const std::string& group, const std::vector<Option>& more);
     std::string lastName() const { return name.substr(name.rfind(' ') + 1); }
-    /// What does not go with an option, whichever of the two says so, in the order of the options.
+    /// The options incompatible with an option, declared by either of the two, in the order of the
+    /// options.
     std::vector<std::string> excludedBy(const Option& option) const;
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kTextColumn = 28;
 
-/// Of the terminal, or of a page.
+/// The width of the terminal, or of a page.
 std::size_t columns() {
     constexpr int kPage = 80, kLeast = 60, kMost = 120;
     static const int width = stdoutColumns();
@@ -26,8 +26,8 @@ std::string joined(const std::vector<std::string>& words, const char* separator)
     return text;
 }
 
-/// In lines of columns() characters; those after the first begin in `column`, where the first
-/// begins.
+/// Wraps a text to columns() characters; lines after the first are indented by `column`, where the
+/// first starts.
 std::string wrapped(const std::string& text, std::size_t column) {
     std::istringstream words(text);
     std::string out;
@@ -41,7 +41,7 @@ std::string wrapped(const std::string& text, std::size_t column) {
     return out + "\n";
 }
 
-/// Text beside a head, or below it if the head is too long.
+/// Text next to a head, or below it if the head is too long.
 std::string entry(const std::string& head, const std::string& text) {
     std::string out = "  " + head;
     const bool beside = out.size() + 2 <= kTextColumn;
@@ -60,7 +60,7 @@ std::string headOfArgument(const Option& argument) {
     return argument.names.front() + argument.value + (argument.reads.repeatable ? "..." : "");
 }
 
-/// The text and, in parentheses, its range.
+/// The text of an option, with its range in parentheses.
 std::string textOf(const Option& option) {
     return option.text + (option.reads.range.empty() ? "" : " (" + option.reads.range + ")");
 }
@@ -84,7 +84,7 @@ std::string aboutLines(const Command& command) {
     return text;
 }
 
-/// One screen: the options that have a few words for it.
+/// One screen: the options that have a brief text.
 std::string briefHelp(const Command& command) {
     std::string text = aboutLines(command) + allUsages(command) + "\n";
     for (const Option& argument : command.arguments)
@@ -102,7 +102,7 @@ bool hasBriefHelp(const Command& command) {
                        [](const Option& option) { return !option.brief.empty(); });
 }
 
-/// Groups are in the order of their first options.
+/// Groups in the order of their first options.
 std::string optionGroups(const Command& command) {
     std::vector<std::pair<std::string, std::string>> groups;
     for (const Option& option : command.options) {

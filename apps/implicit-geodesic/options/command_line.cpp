@@ -13,9 +13,8 @@
 
 namespace {
 
-/// A command as CLI11 knows it, which splits the words: values are text here, and all judgment of
-/// them is ours. (Its own says what it takes in other words from version to version, and lets "nan"
-/// pass.)
+/// A command in CLI11, which only splits the words: values stay text here, and our code parses and
+/// checks them. (CLI11's own messages change from version to version, and it accepts "nan".)
 class Words {
 public:
     Words(const Command& command, CLI::App& app) : command_(command), app_(app) {
@@ -28,7 +27,7 @@ public:
     Words(const Words&) = delete;
     Words& operator=(const Words&) = delete;
 
-    /// The commands that the words name, each below the one before it.
+    /// The commands named by the words, each below the one before it.
     std::vector<const Words*> named() const {
         std::vector<const Words*> chain{this};
         for (const Words& below : below_)
@@ -38,12 +37,12 @@ public:
     }
     const Command& command() const { return command_; }
 
-    /// Words that are no option, no value and no command.
+    /// Refuses words that are no option, no value and no command.
     [[noreturn]] void refuseExtra() const;
-    /// A word that is no command, but nearly one.
+    /// Refuses a word that is nearly a command.
     void refuseMisspelled() const;
 
-    /// CLI11 misses a value; its message begins with the option.
+    /// CLI11 reports a missing value; its message starts with the option.
     [[noreturn]] void refuseMissing(const std::string& message) const {
         const std::string name = message.substr(0, message.find(':'));
         for (const Given& given : given_)
@@ -52,7 +51,7 @@ public:
                            "write " + name + " " + given.option->value);
         refuse(message, command_);
     }
-    /// Nothing of this command goes with one below it.
+    /// Refuses options of this command before a subcommand.
     void refuseBefore(const Command& below) const {
         for (const Given& given : given_)
             if (given.here())
@@ -89,7 +88,7 @@ private:
     const Command& command_;
     CLI::App& app_;
     std::deque<Given> given_;  // CLI11 keeps the addresses
-    std::list<Words> below_;   // may be of an incomplete type
+    std::list<Words> below_;   // a list allows the incomplete type
 };
 
 void Words::declare(const Option& option) {
@@ -132,7 +131,7 @@ void Words::refuseMisspelled() const {
     for (const Given& given : given_) {
         const bool isArgument = given.option->names.front().front() != '-';
         if (!isArgument || !given.here() || command_.commands.empty()) continue;
-        // A file's name has an ending.
+        // A name with an ending is a file.
         const std::string hint = didYouMean(given.one, commands);
         if (!hint.empty() && given.one.find_first_of("./") == std::string::npos)
             refuse("'" + given.one + "' is no command" +
@@ -173,7 +172,7 @@ void Words::read() const {
     }
 }
 
-/// --seed 0 0 1
+/// Refuses unquoted coordinates: --seed 0 0 1
 void refuseLooseNumbers(const std::vector<std::string>& words) {
     for (std::size_t k = 1; k + 1 < words.size(); ++k) {
         if (!words[k - 1].starts_with("--") || !numberOf(words[k]) || !numberOf(words[k + 1]))
@@ -186,7 +185,7 @@ void refuseLooseNumbers(const std::vector<std::string>& words) {
     }
 }
 
-/// OpenVDB's tools spell their options with one dash: -help and -version work here as well.
+/// OpenVDB's tools write options with one dash: -help and -version are accepted here too.
 std::vector<std::string> withTwoDashes(std::vector<std::string> words) {
     for (std::string& word : words)
         if (word == "-help" || word == "-version") word = "-" + word;
@@ -205,7 +204,7 @@ const Command* readCommandLine(const Command& command, std::vector<std::string> 
     };
     const bool brief = has("-h") && !has("--help");
     try {
-        std::reverse(words.begin(), words.end());  // CLI11 takes them last first
+        std::reverse(words.begin(), words.end());  // CLI11 takes them in reverse order
         app.parse(words);
     } catch (const CLI::CallForHelp&) {
         results() << helpText(parsed.named().back()->command(), brief);

@@ -1,4 +1,4 @@
-/// Words of a command line, read into the fields of a command's options.
+/// Reads a command line into the fields of a command's options.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 
 #include "options/command.h"
 
-/// Finds the command that the words name, `command` or one below it; then refuses options that do
-/// not go together, sets the fields and runs the command's check.
-/// @return the command; null where help or version was asked for and is printed
+/// Finds the command that the words name, `command` or one below it; then refuses incompatible
+/// options, sets the fields and runs the command's check.
+/// @return the command; null after printing help or version
 /// @throws igeo::Error  InvalidArgument
 const Command* readCommandLine(const Command& command, std::vector<std::string> words);

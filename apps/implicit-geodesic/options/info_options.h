@@ -15,8 +15,8 @@ struct InfoOptions : ProcessOptions {
     double voxelSize = 0;       ///< of a mesh or points; 0: by resolution
     std::optional<double> iso;  ///< of a volume of voxels
     int resolution = 0;         ///< voxels along the longest side; 0: default
-    bool json = false;          ///< the survey, instead of words
-    std::string unreliable;     ///< file of the volume of unreliable places; empty: none
+    bool json = false;          ///< print the survey as JSON instead of text
+    std::string unreliable;     ///< file of the volume of unreliable places; empty: not written
 };
 
 Command infoCommand(InfoOptions& options);

@@ -18,7 +18,7 @@ const Names<igeo::CurvatureKind> kCurvatureKinds{{"valley", igeo::CurvatureKind:
 const Names<igeo::Bending> kBendings{{"avoid", igeo::Bending::Avoid},
                                      {"prefer", igeo::Bending::Prefer}};
 
-/// The number above 0 behind "key=" in a word.
+/// The positive number after "key=" in a word.
 std::optional<double> valueOf(const std::string& key, const std::string& word) {
     if (word.rfind(key + "=", 0) != 0) return std::nullopt;
     const std::vector<double> number = igeo::parseNumbers(word.substr(key.size() + 1));
@@ -56,7 +56,7 @@ Given<igeo::BendingCost> bendingCostOf(const std::string& word) {
     return {cost, word};
 }
 
-/// 30deg as radians.
+/// 30deg in radians.
 double angleOf(const std::string& text, const std::string& word) {
     const bool hasUnit = text.ends_with("deg");
     const auto degrees = numberOf(hasUnit ? text.substr(0, text.size() - 3) : text);
@@ -88,7 +88,7 @@ Given<igeo::SlopeWeight> slopeWeightOf(const std::string& word) {
     return {slope, word};
 }
 
-/// `count` numbers.
+/// Parses `count` numbers.
 std::vector<double> numbersOf(const std::string& word, std::size_t count, const char* shape) {
     std::vector<double> v = igeo::parseNumbers(word);
     if (v.size() != count)

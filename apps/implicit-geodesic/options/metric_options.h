@@ -1,4 +1,4 @@
-/// What a path costs.
+/// Options for the cost of paths.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -36,7 +36,7 @@ struct ObstacleBox {
     bool operator==(const ObstacleBox&) const = default;
 };
 
-/// What decides on the cost of paths: jobs on one surface that agree in it share what is read.
+/// The options that determine the cost of paths: jobs on one surface that agree in them share it.
 struct MetricOptions {
     std::vector<igeo::GridSource> weights;  ///< also FILE of values per vertex
     std::optional<Given<igeo::CurvatureWeight>> weightCurvature;

@@ -1,5 +1,5 @@
-/// What the program is asked to do. Every command has a struct of its own, and a file that declares
-/// its options.
+/// The options of the program. Every command has its own struct, and a file that declares its
+/// options.
 #pragma once
 
 #include <optional>
@@ -14,11 +14,11 @@
 
 using Options = std::variant<RunOptions, InfoOptions, BatchOptions, MergeOptions>;
 
-/// @return nothing where help or version was asked for and is printed
+/// @return empty after printing help or version
 /// @throws igeo::Error  InvalidArgument for whatever can be refused before any file is read
 std::optional<Options> parseOptions(int argc, char** argv);
 
-/// The options of a run from its arguments, as jobs of a batch have them: without those on how the
-/// process runs (--threads, --progress, -q, -v).
+/// The options of a run from its arguments, as in jobs of a batch: without those of the process
+/// (--threads, --progress, -q, -v).
 /// @throws igeo::Error  as parseOptions
 RunOptions parseJob(const std::vector<std::string>& arguments);

@@ -34,7 +34,7 @@ std::vector<std::string> withoutProcessOptions(const std::vector<std::string>& w
     std::vector<std::string> kept;
     bool isValue = false;
     for (const std::string& word : words) {
-        // One dash or two, as readCommandLine takes them.
+        // With one dash or two, as in readCommandLine.
         const std::size_t dashes = std::min<std::size_t>(word.find_first_not_of('-'), 3);
         const std::string all = dashes == 1 || dashes == 2 ? word.substr(dashes) : "",
                           name = all.substr(0, all.find('='));

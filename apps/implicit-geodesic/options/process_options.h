@@ -1,4 +1,4 @@
-/// How the process runs.
+/// Options of the process, without effect on results.
 #pragma once
 
 #include <string>
@@ -16,5 +16,5 @@ struct ProcessOptions {
 
 void addProcessOptions(Command& command, ProcessOptions& options);
 
-/// The words of a command line without those of these options, which change no result.
+/// A command line without these options.
 std::vector<std::string> withoutProcessOptions(const std::vector<std::string>& words);

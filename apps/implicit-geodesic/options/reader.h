@@ -1,4 +1,4 @@
-/// How the word of an option becomes a typed value.
+/// Parses the word of an option into a typed value.
 #pragma once
 
 #include <functional>
@@ -10,13 +10,13 @@
 #include "options/spelling.h"
 #include "usage_error.h"
 
-/// Sets a field of an options struct, and says what words it takes.
+/// Sets a field of an options struct, and describes the words that it accepts.
 struct Reader {
-    /// @throws igeo::Error  InvalidArgument for a word that is none of its values; where the remedy
-    ///         is empty, the help has it
+    /// @throws igeo::Error  InvalidArgument for a word that is not accepted; if the remedy is
+    ///         empty, the help is shown
     std::function<void(const std::string& word)> read = {};
     std::string range = {};                 ///< "1 to 2"; empty: any value
-    std::vector<std::string> choices = {};  ///< what a word is, or begins with
+    std::vector<std::string> choices = {};  ///< the accepted words, or their beginnings
     bool isFlag = false, repeatable = false;
     char separator = 0;  ///< between several values in one word; 0: one value
 };
@@ -30,10 +30,10 @@ Reader number(std::optional<double>& field);
 Reader wholeNumber(int& field, int least, int most);
 Reader wholeNumber(std::optional<int>& field, int least, int most);
 
-/// The finite number that a word is.
+/// The finite number in a word.
 std::optional<double> numberOf(const std::string& word);
 
-/// By a function from a word to a value, which throws as Reader::read does.
+/// A reader from a function that parses a word, and throws as Reader::read does.
 template <typename Field, typename Parse>
 Reader parsed(Field& field, const Parse& parse) {
     return {.read = [&field, parse](const std::string& word) { field = parse(word); }};
@@ -46,7 +46,7 @@ Reader parsedEach(std::vector<Value>& field, const Parse& parse) {
             .repeatable = true};
 }
 
-/// Values by their names.
+/// Values by name.
 template <typename Value>
 using Names = std::vector<std::pair<std::string, Value>>;
 

@@ -28,7 +28,7 @@ const Names<igeo::Background> kBackgrounds{{"white", igeo::Background::White},
                                            {"black", igeo::Background::Black},
                                            {"transparent", igeo::Background::Transparent}};
 
-/// A plus before an axis changes nothing.
+/// A plus before an axis has no effect.
 Reader upAxis(std::optional<igeo::Vec3d>& field) {
     auto read = [&field](const std::string& word) {
         field = valueNamed(word.substr(word[0] == '+' ? 1 : 0), kUpAxes);
@@ -65,7 +65,7 @@ Camera cameraOf(const std::string& word) {
     return camera;
 }
 
-/// What the font of the pictures has: Latin-1 and the Greek mu, in UTF-8.
+/// The characters of the pictures' font: Latin-1 and the Greek mu, in UTF-8.
 std::string unitOf(const std::string& word) {
     constexpr std::size_t kMost = 16;
     std::size_t count = 0;

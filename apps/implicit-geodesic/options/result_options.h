@@ -1,4 +1,4 @@
-/// What a run writes.
+/// Options for the results of a run.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -12,7 +12,7 @@
 
 struct Command;
 
-/// A grid that goes into the output beside the distance.
+/// A grid in the output besides the distance.
 enum class Grid { Surface, Gradient, Label, Color, LogMap, Weight, Curvature, Engraved };
 
 struct ImageSize {
@@ -34,7 +34,7 @@ struct PictureOptions {
     std::string colorMap;                        ///< of igeo::ColorMap::names(); empty: viridis
 };
 
-/// Files are empty where none is asked for.
+/// File names are empty for results that are not requested.
 struct ResultOptions {
     std::string output;  ///< empty: <input>_geodesic.vdb in the current folder
     std::set<Grid> grids;
@@ -43,13 +43,13 @@ struct ResultOptions {
     std::string paths, isolines, meshOut, perVertex, samples, matrix, pairsOut, report;
     bool perSeed = false;
     bool straighten = false;
-    double pathStep = 0;               ///< between vertices of paths, world units; 0: as traced
+    double pathStep = 0;  ///< between vertices of paths, world units; 0: vertices as traced
     std::optional<double> pathOffset;  ///< of paths along the normal, world units
     int levels = 0;                    ///< of isolines; 0: by spacing
     double spacing = 0;                ///< of isolines, world units times weight; 0: chosen
     std::optional<Part> matrixRows;    ///< none: all
 
-    /// By --grids.
+    /// Whether --grids requests a grid.
     bool asked(Grid grid) const { return grids.count(grid) > 0; }
 };
 

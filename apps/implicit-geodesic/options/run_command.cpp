@@ -33,7 +33,7 @@ void checkSurface(const RunOptions& o) {
                    "leave out one of the two");
 }
 
-/// Another kind of surface by the name of the file.
+/// Refuses a kind of surface that contradicts the name of the file.
 void checkKind(const RunOptions& o) {
     const std::string file = o.source.text();
     const SurfaceKind byName = kindByName(o.source.file);
@@ -58,7 +58,7 @@ void checkSeeds(const RunOptions& o) {
                    "give either --seed-curve or --seed-mask, and no other seed");
 }
 
-/// Refuses options that contradict each other, whatever the files hold.
+/// Refuses options that contradict each other, whatever the content of the files.
 void checkTogether(const RunOptions& options) {
     checkSurface(options);
     checkKind(options);
@@ -86,7 +86,7 @@ double gibibytesOf(const std::string& word) {
     return *number * bytes / kGiB;
 }
 
-/// What -h has: the options used most, in a few words each.
+/// Sets the brief texts of -h, for the options used most.
 void describeBriefly(Command& command) {
     const std::pair<const char*, const char*> words[] = {
         {"--seed", "distance 0 here; on meshes also vertex:123, +x"},
@@ -136,7 +136,7 @@ Command jobCommand(RunOptions& o) {
 Command runCommand(RunOptions& o) {
     Command command = jobCommand(o);
     addSurfaceArgument(command, o);
-    // A batch has options for all of its jobs, which need not matter to each.
+    // Not in a batch: options for all of its jobs need not have an effect on each.
     command.check = [&o] {
         checkTogether(o);
         refuseWithoutEffect(o);

@@ -1,10 +1,10 @@
-/// The main job as a command.
+/// The main command.
 #pragma once
 
 #include "options/command.h"
 #include "options/run_options.h"
 
-/// As the program takes it.
+/// For the program.
 Command runCommand(RunOptions& options);
-/// As a batch takes it: without options on how the process runs.
+/// For jobs of a batch: without options of the process.
 Command jobCommand(RunOptions& options);

@@ -1,4 +1,4 @@
-/// The main job, as a user or a batch asks for it.
+/// The options of a run, from a user or a batch.
 #pragma once
 
 #include "options/metric_options.h"
@@ -14,5 +14,5 @@ struct RunOptions : SurfaceOptions,
                     PictureOptions,
                     ProcessOptions {
     std::vector<std::string> words;  ///< of the command line, for the report
-    double memoryLimit = 0;          ///< GiB; 0: what the machine has
+    double memoryLimit = 0;          ///< GiB; 0: the memory of the machine
 };

@@ -1,4 +1,4 @@
-/// Where distances begin and paths end.
+/// Options for seeds, targets and paths.
 #pragma once
 
 #include <igeo/base/space.h>
@@ -12,16 +12,16 @@
 
 struct Command;
 
-/// A walk straight on.
+/// A geodesic to shoot.
 struct Shot {
     igeo::Vec3d from, direction;  ///< in the space of the seeds
     double length = 0;
     std::string text;  ///< as given
 };
 
-/// A curve to go through points.
+/// A curve through points.
 struct Via {
-    igeo::AskedCurve curve;  ///< as given; without points: in a file
+    igeo::AskedCurve curve;  ///< as given; without points: read them from a file
     std::string text;        ///< as given
 };
 
@@ -32,16 +32,16 @@ struct SeedOptions {
     std::vector<igeo::GridSource> seedMasks;
     bool withSign = false;
     igeo::Space space = igeo::Space::World;
-    std::optional<double> snap;  ///< world units; none: the narrow band
-    int sample = 0;              ///< further seeds, as far from all others as can be
+    std::optional<double> snap;  ///< world units; none: SurfaceFacts::snap
+    int sample = 0;  ///< number of further seeds, each as far as possible from all others
     bool stopAtTargets = false;
-    bool skipOffSurface = false;  ///< of targets and pairs those off the surface
+    bool skipOffSurface = false;  ///< skip targets and pairs off the surface
     double maxDistance = 0;       ///< world units times weight; 0: none
     std::string pairs;            ///< file of pairs
     std::vector<Shot> shots;      ///< of --shoot
     std::vector<Via> vias;
 
-    /// Seeds that are more than points.
+    /// Whether there are seeds other than points.
     bool hasExtendedSeeds() const { return !seedCurves.empty() || !seedMasks.empty(); }
     bool hasSeeds() const {
         return !seeds.empty() || !seedFile.empty() || hasExtendedSeeds() || sample > 0;

@@ -6,7 +6,8 @@
 
 namespace {
 
-/// Letters to insert, leave out, replace or swap with the next one (optimal string alignment).
+/// The least number of letters to insert, remove, replace or swap with the next one (optimal string
+/// alignment).
 std::size_t changesBetween(const std::string& a, const std::string& b) {
     std::vector<std::size_t> before, last, row(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t(0));
@@ -28,7 +29,8 @@ std::string didYouMean(const std::string& word, const std::vector<std::string>& 
     constexpr std::size_t kLongest = 200;
     if (word.size() > kLongest) return "";
     std::string best;
-    // Two letters of a word of four or more may be wrong, and one of three in a long one.
+    // Allowed changes: one in words of less than four letters, else two, and a third of a long
+    // word.
     std::size_t least = word.size() < 4 ? 2 : std::max<std::size_t>(2, word.size() / 3) + 1;
     for (const std::string& candidate : candidates)
         if (const std::size_t changes = changesBetween(word, candidate); changes < least)

@@ -1,9 +1,9 @@
-/// What somebody may have meant.
+/// Suggestions for misspelled words.
 #pragma once
 
 #include <string>
 #include <vector>
 
-/// ", did you mean 'jet'?" for the candidate that takes the fewest changes of a letter, if they are
-/// few; else empty.
+/// ", did you mean 'jet'?" for the candidate with the fewest changed letters, if they are few; else
+/// empty.
 std::string didYouMean(const std::string& word, const std::vector<std::string>& candidates);

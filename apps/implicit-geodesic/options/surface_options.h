@@ -11,13 +11,14 @@ struct Command;
 
 enum class SurfaceKind { None, Volume, Mesh, Points, VoxelVolume };
 
-/// What decides on a surface and its bands: jobs that agree in it may share both.
+/// The options that determine a surface and its bands: jobs that agree in them share both.
 struct SurfaceOptions {
     SurfaceKind kind = SurfaceKind::None;
-    igeo::GridSource source;    ///< only of a volume with a grid
-    double voxelSize = 0;       ///< of a mesh, points or volume; 0: by resolution
-    int resolution = 0;         ///< voxels along the longest side; 0: default
-    double joinGaps = 0;        ///< between pieces of a mesh, world units; 0: they stay apart
+    igeo::GridSource source;  ///< a grid only for a volume
+    double voxelSize = 0;     ///< of a mesh, points or volume; 0: by resolution
+    int resolution = 0;       ///< voxels along the longest side; 0: default
+    /// Largest gap between components of a mesh, world units; 0: none is joined
+    double joinGaps = 0;
     bool rebuild = false;       ///< redistance the volume
     std::optional<double> iso;  ///< the value that becomes the surface; none: by class
 
@@ -30,14 +31,14 @@ struct SurfaceOptions {
     bool operator==(const SurfaceOptions&) const = default;
 };
 
-/// What the name of a file says that it holds: a VDB volume, unless it is that of a mesh, points or
-/// voxels.
+/// The kind of surface by the name of a file: a VDB volume, unless the ending is that of a mesh,
+/// points or voxels.
 SurfaceKind kindByName(const std::string& file);
 
-/// The option that gives a surface of a kind: --sdf, --mesh, --points or --volume.
+/// The option for a kind of surface: --sdf, --mesh, --points or --volume.
 std::string optionFor(SurfaceKind kind);
 
-/// The surface as a word without an option, its kind by its name.
+/// Adds the surface as an argument without option, its kind by its name.
 void addSurfaceArgument(Command& command, SurfaceOptions& options);
 void addSurfaceOptions(Command& command, SurfaceOptions& options);
 void addBandOptions(Command& command, SurfaceOptions& options);

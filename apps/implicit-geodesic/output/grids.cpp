@@ -36,7 +36,7 @@ openvdb::FloatGrid::Ptr distanceOf(RunResult& r) {
     return grid;
 }
 
-/// The grids that are asked for beside the distance and the surface, in their order.
+/// The grids of --grids besides the distance and the surface, in their order.
 class MoreGrids {
 public:
     MoreGrids(RunResult& r, const std::string& distanceName)
@@ -82,7 +82,7 @@ private:
     openvdb::GridCPtrVec grids_;
 };
 
-/// What the grids of --grids are called: the name of the surface's or the distance's grid, and
+/// The names of the grids of --grids: that of the surface's or the distance's grid, followed by
 /// this.
 constexpr struct {
     Grid grid;
@@ -121,7 +121,7 @@ void writeVolume(RunResult& r, const std::string& file) {
     r.progress.update("grids", 0);
     openvdb::GridCPtrVec grids;
     const openvdb::FloatGrid::Ptr distance = distanceOf(r);
-    // vdb_render shows the first float grid of a file.
+    // vdb_render draws the first float grid of a file.
     if (r.options.asked(Grid::Surface)) grids.push_back(r.levelSet().psi);
     grids.push_back(distance);
     for (const auto& grid : MoreGrids(r, distance->getName()).make()) grids.push_back(grid);

@@ -7,7 +7,7 @@
 
 struct RunResult;
 
-/// Refuses --name where it gives two grids of the output one name.
+/// Refuses a --name that gives two grids of the output the same name.
 /// @param surface  name of the surface's grid
 /// @throws igeo::Error  InvalidArgument
 void checkGridNames(const RunOptions& options, const std::string& surface);

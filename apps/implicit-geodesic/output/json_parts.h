@@ -1,4 +1,4 @@
-/// Pieces of JSON that documents of runs and surveys share.
+/// Parts of JSON common to documents of runs and surveys.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -12,7 +12,7 @@
 
 #include "json_file.h"
 
-/// File and grid names may be no UTF-8; JSON is.
+/// JSON must be UTF-8, which file and grid names may not be.
 inline std::string dump(const Json& j, int indent) {
     return j.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -33,7 +33,7 @@ inline Json meshJson(const igeo::MeshFacts& m) {
 
 inline Json triple(const igeo::Vec3d& v) { return {v.x, v.y, v.z}; }
 
-/// JSON has no infinity: what is not known is null.
+/// JSON has no infinity: unknown values are null.
 inline Json finiteOrNull(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
 
 inline Json shareOrNull(const std::optional<double>& share) {

@@ -15,10 +15,10 @@ using igeo::Vec3d;
 
 namespace {
 
-/// Targets that have a line each.
+/// Most targets with a line each.
 constexpr std::size_t kFewTargets = 20;
 
-/// Of many targets how far they are, and how many are not reached.
+/// For many targets: the range of their distances, and the number unreached.
 int tellTargets(const RunReport& report, const igeo::Distance& distance, const Console& console) {
     const std::vector<double> d = distance.atTargets();
     double least = igeo::kInfinity, most = 0;
@@ -64,7 +64,7 @@ int tellPaths(const RunReport& report, const igeo::Distance& distance, const Con
             continue;
         }
         code = kUnreached;
-        if (p.status == igeo::PathStatus::OffSurface) continue;  // warnOfSkippedPoints
+        if (p.status == igeo::PathStatus::OffSurface) continue;  // warnOfSkippedPoints reports it
         console.warning(fmt::format(
             "target {} is {}: {}", k, igeo::toString(p.status),
             p.status == igeo::PathStatus::Stalled ? "no descent from the target to a seed was found"
@@ -244,7 +244,7 @@ void tellJoints(std::size_t joints, double gap, const Console& console,
 
 namespace {
 
-/// How far the distances go, and over how much of the surface.
+/// The range of the distances, and the share of the surface that they cover.
 std::string reachOf(const igeo::Distance& distance) {
     const std::shared_ptr<const igeo::Field> marched = distance.marched();
     const igeo::Field& field = *marched;

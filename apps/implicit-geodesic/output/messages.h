@@ -1,4 +1,4 @@
-/// What a run says on stderr.
+/// Messages of a run on stderr.
 #pragma once
 
 #include <igeo/distance.h>
@@ -11,35 +11,35 @@
 #include "options/run_options.h"
 #include "output/report.h"
 
-/// Whether geodesics are traced: a few always; many only for a result that they are in.
+/// Whether geodesics are traced: always for a few targets; for many only if a result needs them.
 bool showsPaths(const RunOptions& options, std::size_t targets);
 
-/// With -v: the band, the points and the metric.
+/// With -v: prints the band, the points and the metric.
 void describe(const igeo::Distance& distance, const Console& console);
 
-/// Adds a warning for each seed that starts later than another front comes there.
+/// Adds a warning for each seed that another front reaches before the seed starts.
 void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report);
 
-/// Adds a warning where paths are longer than the distances they belong to, by more than the march
-/// errs: then one of the two is wrong.
+/// Adds a warning where paths are longer than their distances by more than the error of a march:
+/// then one of the two is wrong.
 /// @param dx  voxel size
 void warnOfLongPaths(double dx, RunReport& report);
 
-/// Adds a warning for each walk that went over sharp bends as the voxels round them off.
+/// Adds a warning for each walk over sharp bends that the voxels round.
 void warnOfRoundedBends(RunReport& report);
 
-/// Adds a warning where the obstacles block nothing of the surface.
-/// Adds a warning of targets and pairs that were skipped as they are off the surface: how many, and
-/// the first of them.
+/// Adds a warning for targets and pairs that were skipped because they are off the surface: their
+/// number, and the first few.
 void warnOfSkippedPoints(const igeo::Distance& distance, RunReport& report);
 
+/// Adds a warning where the obstacles block nothing of the surface.
 void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report);
 
-/// How many components --join-gaps has joined; a warning if none.
+/// Prints the number of components joined by --join-gaps; adds a warning if there are none.
 void tellJoints(std::size_t joints, double gap, const Console& console,
                 std::vector<std::string>& warnings);
 
-/// Warnings, and what became of targets, walks and pairs.
+/// Prints warnings, and the outcomes of targets, walks and pairs.
 /// @return kDone or kUnreached
 int tell(const RunReport& report, const igeo::Distance& distance, const RunOptions& options,
          const Console& console);

@@ -35,7 +35,7 @@ namespace {
 void checkEnding(const OutputFile& output) {
     const std::string ending = endingOf(output.file), allowed = output.endings;
     if (allowed.empty() || output.file == "-") return;
-    // Devices and pipes have no endings; folders are refused as such.
+    // Devices and pipes have no endings; writing to a folder is refused below.
     std::error_code ignored;
     const fs::file_type type = fs::status(output.file, ignored).type();
     using Type = fs::file_type;
@@ -46,7 +46,7 @@ void checkEnding(const OutputFile& output) {
             "name the file with one of them");
 }
 
-/// What goes to standard output, of the first of the endings.
+/// Whether standard output gets binary data: the format of the first ending.
 bool isBinary(const OutputFile& output) {
     const std::string endings = output.endings, first = endings.substr(0, endings.find(' '));
     return first == ".vdb" || first == ".ply" || first == ".png" || first == ".npz";

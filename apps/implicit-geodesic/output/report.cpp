@@ -11,7 +11,7 @@ using json = Json;
 
 namespace {
 
-/// digestOfFile says "missing" of what is no file, such as standard input.
+/// digestOfFile returns "missing" where there is no regular file, such as for standard input.
 json orNull(const std::string& digest) {
     return digest == "missing" ? json(nullptr) : json(digest);
 }
@@ -24,13 +24,13 @@ json pointJson(const SnappedPoint& p) {
     return j;
 }
 
-/// With the k-th of the points as they were given.
+/// The point with its position as given, if it is among the first `given`.
 SnappedPoint asGiven(SnappedPoint p, const std::vector<Vec3d>& given, std::size_t k) {
     if (k < given.size()) p.asked = given[k];
     return p;
 }
 
-/// @param given  the points that come first, as they were given
+/// @param given  the first points, as given
 json placesJson(const std::vector<MatrixPlace>& places, const std::vector<Vec3d>& given) {
     json all = json::array();
     for (const MatrixPlace& p : places)
@@ -46,7 +46,7 @@ json seedJson(const RunReport& r, const SnappedPoint& p, std::size_t index, doub
     return j;
 }
 
-/// Sources: points one by one, curves and regions as what they are made of.
+/// Sources: points one by one, curves and regions by their description.
 json seedsJson(const RunReport& r, const Field& field) {
     const Band& band = *field.band;
     json all = json::array();
@@ -113,7 +113,7 @@ json parametersJson(const RunReport& r, const Field& field) {
 
 json metricJson(const RunReport& r, const Field& field) {
     const Metric& metric = *field.metric;
-    // Without seeds no metric is made on a band of the whole surface.
+    // Without seeds there is no metric of the whole surface.
     const bool known = field.band->size() > 0 || (r.weights.empty() && r.obstacles.empty());
     return {{"weights", r.weights},
             {"obstacles", r.obstacles},
@@ -122,7 +122,7 @@ json metricJson(const RunReport& r, const Field& field) {
             {"blocked", known ? json(metric.insideCount()) : json(nullptr)}};
 }
 
-/// What every document of a run begins with.
+/// The common beginning of all documents of a run.
 json document(const char* type, const RunReport& r, const Field& field, int schema = 2) {
     json j = header(type, schema);
     j.update(provenanceJson(r, field));
@@ -142,7 +142,7 @@ json verticesJson(const Polyline& line) {
             {"distance", line.distance}};
 }
 
-/// Its lengths; null where there is no curve.
+/// The lengths of a curve; null where there is no curve.
 json lengthsJson(const Polyline& line) {
     const bool any = !line.points.empty();
     return {{"weightedLength", any ? json(line.weightedLength) : json(nullptr)},

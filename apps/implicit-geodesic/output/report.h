@@ -1,4 +1,4 @@
-/// Results as JSON, and tables of pairs: the program's own formats. World units throughout.
+/// Results as JSON, and tables of pairs: formats of the program. World units throughout.
 #pragma once
 
 #include <igeo/geodesic_solver.h>
@@ -22,30 +22,30 @@ struct FileSurvey;
 
 /// A curve of --via.
 struct ViaCurve {
-    std::string name;                 ///< as asked for
-    std::vector<igeo::Vec3d> points;  ///< as asked for, world
+    std::string name;                 ///< as given
+    std::vector<igeo::Vec3d> points;  ///< as given, world
     bool closed = false;              ///< the last vertex repeats the first
     igeo::Polyline line;
 };
 
-/// What a run was asked to do, what it found and what it cost.
+/// The options, results and cost of a run.
 struct RunReport {
     /// Words after the program's name, without those of ProcessOptions, which change no result.
     std::vector<std::string> command;
     std::vector<std::pair<std::string, std::string>> inputs;  ///< file, digest (digestOfFile)
-    /// Points as they were given, digit by digit; empty in index space.
+    /// Points as given, digit by digit; empty in index space.
     std::vector<igeo::Vec3d> askedSeeds, askedTargets;
     igeo::SurfaceFacts surface;
     igeo::BandWidth width;
-    double snap = 0;                       ///< how far a point may be from the surface, world units
-    double maxDistance = igeo::kInfinity;  ///< limit asked for, world units
+    double snap = 0;  ///< largest distance of points from the surface, world units
+    double maxDistance = igeo::kInfinity;  ///< the given limit, world units
     bool skipOffSurface = false;           ///< targets and pairs beyond `snap` were skipped
-    std::vector<std::string> weights;      ///< what the metric is made of, a word each
+    std::vector<std::string> weights;      ///< the parts of the metric, a word each
     std::vector<std::string> obstacles;
     int threads = 1;
-    std::vector<std::string> sources;   ///< what each is made of; empty: a point
+    std::vector<std::string> sources;   ///< per source its description; empty: a point
     std::vector<igeo::Polyline> paths;  ///< one per target
-    std::vector<igeo::Polyline> walks;  ///< straight on, one per --shoot
+    std::vector<igeo::Polyline> walks;  ///< geodesics of --shoot, one each
     std::vector<igeo::PairDistance> pairs;
     std::vector<ViaCurve> vias;
     std::optional<igeo::VoronoiCells> cells;
@@ -57,8 +57,8 @@ struct RunReport {
     std::vector<std::string> warnings;
 };
 
-/// What every document of a run and the summary of a batch say of how it was made: `command`,
-/// `versions`, `inputs`, `surface`, `parameters`, `metric` and `warnings`.
+/// The provenance in every document of a run and in the summary of a batch: `command`, `versions`,
+/// `inputs`, `surface`, `parameters`, `metric` and `warnings`.
 Json provenanceJson(const RunReport& report, const igeo::Field& field);
 
 /// docs/geodesics.schema.json. A field without seeds has walks only.
@@ -72,7 +72,7 @@ std::string isolinesJson(const RunReport& report, const igeo::Field& field,
 std::string reportJson(const RunReport& report, const igeo::Distance& distance);
 
 /// docs/matrix.schema.json.
-/// @param field  any of the band that the matrix is measured on
+/// @param field  any field of the band of the matrix
 std::string matrixJson(const RunReport& report, const igeo::Field& field,
                        const igeo::DistanceMatrix& matrix);
 
@@ -82,7 +82,7 @@ std::string surveyJson(const igeo::FileSurvey& file);
 /// docs/pairs.schema.json.
 std::string pairsJson(const RunReport& report, const igeo::Field& field);
 /// Comma-separated: a first line `pair,distance,sourceSnap,targetSnap`, then a line per pair; `inf`
-/// where no path joins them. Reading the numbers gives the same doubles. With
-/// RunReport::skipOffSurface a last column `reason` follows; a pair that was skipped has that
-/// alone.
+/// where no path joins the points. Reading the numbers gives the same doubles. With
+/// RunReport::skipOffSurface there is a last column `reason`; for a skipped pair it is the only
+/// value.
 std::string pairsCsv(const RunReport& report);

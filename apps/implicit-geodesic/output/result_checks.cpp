@@ -11,7 +11,7 @@
 
 namespace {
 
-/// The option that asks for a result: pairs go to stdout where no file is named.
+/// The option that requests a result: pairs go to stdout without one.
 std::string optionFor(const ResultKind& kind, const RunOptions& o) {
     const std::string option = kind.option;
     return option == "--pairs-out" && o.pairsOut.empty() ? "--pairs" : option;

@@ -1,4 +1,4 @@
-/// What is refused of the results of a run, before anything is read. By the table of results.
+/// Checks of the results that a run is to write, before anything is read. By the table of results.
 #pragma once
 
 #include <igeo/geodesic_solver.h>
@@ -8,17 +8,18 @@
 
 #include "options/run_options.h"
 
-/// Refuses results that the run's other options do not give, and options without effect on any.
+/// Refuses results that the run's other options cannot give, and options without effect on any
+/// result.
 /// @throws igeo::Error  InvalidArgument
 void checkResults(const RunOptions& options);
 void refuseWithoutEffect(const RunOptions& options);
 
-/// Refuses results that groups of seeds do not give, once the seeds are read.
+/// Refuses results that are not available for groups of seeds, once the seeds are read.
 /// @throws igeo::Error  InvalidArgument
 void checkSeeds(const RunOptions& options, const igeo::Seeds& seeds);
 
 struct WithoutEffect {
-    std::string option, users;  ///< --straighten; what would make it matter
+    std::string option, users;  ///< --straighten; the options with which it has an effect
     /// @throws igeo::Error  InvalidArgument
     [[noreturn]] void refuse() const;
 };
@@ -27,5 +28,5 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& options);
 /// Refuses files that cannot be read or written, before any is read.
 /// @throws igeo::Error  InvalidArgument
 void checkFiles(const RunOptions& options);
-/// Files that a run writes, as far as the options say; - is standard output.
+/// Files that a run writes, as far as the options determine them; - is standard output.
 std::vector<std::string> outputFiles(const RunOptions& options);

@@ -16,7 +16,7 @@
 
 namespace {
 
-/// What is no file of curves is JSON: standard output, devices.
+/// Files that hold no curves by their endings are JSON: standard output, devices.
 bool isCurveFile(const std::string& file) {
     const std::string ending = endingOf(file), all = std::string(igeo::kCurveEndings) + " ";
     return !ending.empty() && all.find(ending + " ") != std::string::npos;
@@ -40,7 +40,7 @@ igeo::Color linear(const RunOptions& options) {
         [colors = igeo::ColorMap(colorMapOf(options))](double t) { return igeo::Vec3f(colors(t)); };
 }
 
-/// Of pictures and .glb.
+/// The up direction of pictures and .glb.
 igeo::Vec3d upOf(const RunOptions& options) {
     return options.up.value_or(igeo::PictureOptions{}.up);
 }
@@ -65,7 +65,7 @@ void writeIsolines(RunResult& r, const std::string& file) {
                             : isolinesJson(r.report, *r.marched(), r.isolines()));
 }
 
-/// The sources one by one. Samples are points that the march has found.
+/// Each source by itself. Samples are points that the march has found.
 std::vector<igeo::Seeds> sourcesOf(const RunResult& r) {
     std::vector<igeo::Seeds> sources = r.input.seeds.sources();
     const std::shared_ptr<const igeo::Field> field = r.marched();
@@ -107,7 +107,7 @@ void writeSamples(RunResult& r, const std::string& file) {
                                            : igeo::samplesCsv(samples));
 }
 
-/// Rows, and between seeds columns, have the names of the groups.
+/// Names the rows, and between seeds the columns, after the groups.
 void nameGroups(const igeo::Seeds& seeds, bool betweenSeeds, igeo::DistanceMatrix& matrix) {
     for (std::size_t g = 0; g < seeds.groups.size(); ++g) {
         const std::size_t k = seeds.points.size() + g;
@@ -139,7 +139,7 @@ void writePairs(RunResult& r, const std::string& file) {
         file, endingOf(file) == ".json" ? pairsJson(r.report, *r.marched()) : pairsCsv(r.report));
 }
 
-/// A picture as asked for, but for its size.
+/// The options of a picture, except its size.
 igeo::PictureOptions pictureOf(const RunResult& r, igeo::PictureOptions picture = {}) {
     const RunOptions& o = r.options;
     if (o.camera) picture.eye = o.camera->eye, picture.lookAt = o.camera->lookAt;
@@ -159,7 +159,7 @@ void writePicture(RunResult& r, const std::string& file) {
     writeDocument(file, igeo::renderPng(r.distance, pathCurves(r.report), picture, r.progress));
 }
 
-/// The page, with the names that the seeds have in their files, and what a user should know.
+/// Writes the page, with the names of the seeds in their files, and warnings as notes.
 void writeViewPage(RunResult& r, const std::string& file) {
     igeo::ViewScene scene = igeo::viewScene(r.distance, pathCurves(r.report),
                                             pictureOf(r, igeo::viewPicture()), {}, r.progress);
@@ -174,7 +174,7 @@ std::string pairsFile(const RunOptions& o, const std::string*) {
     return o.pairsOut.empty() && !o.pairs.empty() ? "-" : o.pairsOut;
 }
 
-/// Whether a result that is `of` some kind is asked for, other than volume and report.
+/// Whether results other than volume and report are requested, of those for which of(kind).
 template <typename Of>
 bool asksForOther(const RunOptions& o, const Of& of) {
     return std::any_of(resultKinds().begin(), resultKinds().end(), [&](const ResultKind& kind) {
@@ -190,7 +190,7 @@ bool needsBand(const RunOptions& o) {
            asksForOther(o, [](const ResultKind& kind) { return kind.needs.band; });
 }
 
-/// Without -o there is a volume if it is the only result, or if options say what it should hold.
+/// Without -o a volume is written if it is the only result, or if options change its content.
 std::string volumeFile(const RunOptions& o, const std::string* grid) {
     const bool unnamed = o.output.empty() && o.grids.empty() && !o.extend && !o.withSign &&
                          o.name.empty() && asksForOther(o);
@@ -257,8 +257,8 @@ void writeResults(RunResult& r) {
     const RunOptions& o = r.options;
     const std::string& surface = r.distance.surface().facts().name;
     if (!volumeFile(o, &surface).empty()) {
-        // One leaf after the other, where nothing else reads the band; and where nothing else reads
-        // the surface, in its place.
+        // Some results need the whole band. Otherwise the volume is written leaf by leaf; if
+        // nothing else needs the surface, its memory is freed first.
         if (needsBand(o)) {
             r.distance.field();
         } else if (r.lastRun && !asksForOther(o)) {

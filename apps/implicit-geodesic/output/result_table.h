@@ -1,5 +1,5 @@
-/// The table of results: for each its option, the endings of its file, what it needs, and how it is
-/// written.
+/// The table of results: for each its option, the endings of its file, its requirements, and the
+/// function that writes it.
 #pragma once
 
 #include <string>
@@ -13,16 +13,16 @@ struct ResultKind {
     const char* option;   ///< --isolines
     const char* name;     ///< in the report's list of outputs
     const char* endings;  ///< of its file, ".json .obj .ply"; empty: any
-    /// Empty: not asked for, or still to be named by the grid (distanceFile).
+    /// Empty: not requested, or named after the grid later (distanceFile).
     std::string (*file)(const RunOptions&, const std::string* grid);
-    /// What a run has to have for it.
+    /// The requirements on the run.
     struct Needs {
-        bool seeds = false;   ///< that distances begin from
-        bool jet = false;     ///< the scheme
-        bool points = false;  ///< no seeds but points
+        bool seeds = false;   ///< distances from seeds
+        bool jet = false;     ///< scheme jet
+        bool points = false;  ///< seeds that are points only
         bool mesh = false;    ///< --mesh
-        bool viewer = false;  ///< three.js in the program
-        bool band = false;    ///< the distance on the whole band
+        bool viewer = false;  ///< the program was built with three.js
+        bool band = false;    ///< distances on the whole band
     } needs;
     void (*write)(RunResult& result, const std::string& file);
 };
@@ -30,5 +30,5 @@ struct ResultKind {
 /// In the order in which they are written.
 const std::vector<ResultKind>& resultKinds();
 
-/// Writes all results that are asked for, but the report, and enters them into it.
+/// Writes all requested results except the report, and enters them into it.
 void writeResults(RunResult& result);

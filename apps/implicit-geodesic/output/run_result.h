@@ -1,4 +1,4 @@
-/// What a run has when it writes.
+/// The data of a run when it writes its results.
 #pragma once
 
 #include <igeo/base/progress.h>
@@ -13,7 +13,7 @@
 #include "options/run_options.h"
 #include "output/report.h"
 
-/// All that results are made of. What several are made of is made once, by the first that asks.
+/// The data that results are made from. Derived data is made once, on first use.
 struct RunResult {
     const RunOptions& options;
     const SeedInput& input;
@@ -27,12 +27,12 @@ struct RunResult {
     std::optional<std::vector<igeo::Isoline>> madeIsolines = {};
 
     const igeo::Band& band() const { return distance.band(); }
-    /// As the march left it: to be read at points, and for what it was made with.
+    /// The field as the march left it: to read at points, with its seeds, scheme and metric.
     std::shared_ptr<const igeo::Field> marched() const { return distance.marched(); }
     const igeo::SurfaceMesh& mesh();
     const std::vector<igeo::Isoline>& isolines();
-    /// The surface as a level set, with warnings for the report.
+    /// The surface as a level set; its warnings are added to the report.
     const igeo::LevelSet& levelSet();
-    /// All paths for what is drawn, index space: the vertices alone.
+    /// All paths for pictures, index space: only the vertices.
     std::vector<igeo::Path> drawnLines() const;
 };

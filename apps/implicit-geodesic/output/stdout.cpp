@@ -11,7 +11,7 @@
 
 namespace {
 
-/// A stream's end in a C file, which buffers.
+/// A stream buffer that writes to a C file, which buffers itself.
 class FileBuffer : public std::streambuf {
 public:
     void open(std::FILE* file) { file_ = file; }
@@ -28,7 +28,7 @@ protected:
     int sync() override { return noted(std::fflush(file_), 0); }
 
 private:
-    /// What was returned; the reason is kept where it is not what was expected.
+    /// Returns `result`; keeps the system's reason if it differs from `expected`.
     template <typename Result>
     Result noted(Result result, Result expected) {
         if (result != expected && error_ == 0) error_ = errno;
@@ -44,7 +44,7 @@ FileBuffer& buffer() {
     return b;
 }
 
-/// Takes everything and keeps nothing.
+/// Discards all output.
 class Nowhere : public std::streambuf {
 protected:
     int_type overflow(int_type c) override { return traits_type::not_eof(c); }
@@ -54,7 +54,7 @@ protected:
 }  // namespace
 
 void reserveStdout() {
-    // Where that fails, stdout is shared with libraries, as in any program.
+    // If that fails, libraries share stdout, as in any program.
     if (std::FILE* const given = takeStdout()) buffer().open(given);
 }
 

@@ -1,25 +1,25 @@
-/// The standard output that the program was given: results go there, and nothing else.
+/// The program's standard output, reserved for results.
 #pragma once
 
 #include <ostream>
 
-/// Takes standard output for results. What a library prints to it from now on goes to standard
+/// Reserves standard output for results. From now on, what libraries print to it goes to standard
 /// error. Call it first in main.
 void reserveStdout();
 
-/// The stream of results; where writing fails, its state says so.
+/// The stream of results; its state reports failed writes.
 std::ostream& results();
 
-/// The program at the other end of a pipe has read enough: nothing to complain of.
+/// Thrown when the reader of a pipe has stopped reading, which is no error.
 struct ReaderGone {};
 
-/// Hands on what was written to it so far.
-/// @throws igeo::Error  Io where that failed, or anything before it
-/// @throws ReaderGone  where standard output is a pipe that nothing reads any more
+/// Flushes the stream of results.
+/// @throws igeo::Error  Io where writing failed, now or before
+/// @throws ReaderGone  where standard output is a pipe without a reader
 void flushResults();
 
-/// While it lives, what libraries print to std::cout is dropped: they log there what they also
-/// throw, or what the program says in its own words.
+/// While it lives, output of libraries to std::cout is dropped: they print there what they also
+/// throw, or what the program reports itself.
 class LibrariesSilenced {
 public:
     LibrariesSilenced();

@@ -22,7 +22,7 @@ json gridJson(const GridEntry& g) {
 
 json boxJson(const Vec3d& low, const Vec3d& high) { return {triple(low), triple(high)}; }
 
-/// What a grid shows, as far as it was examined.
+/// The facts about a grid, as far as it was examined.
 json levelSetJson(const FileSurvey& file) {
     const LevelSet& s = file.levelSet;
     const Similarity& t = s.transform;

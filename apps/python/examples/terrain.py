@@ -1,4 +1,4 @@
-"""A path over terrain that shuns steep ground and a lake, drawn as a picture."""
+"""A path over terrain that avoids steep ground and a lake, drawn as a picture."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ k = np.arange(n * n).reshape(n, n)
 a, b, c, d = k[:-1, :-1].ravel(), k[1:, :-1].ravel(), k[1:, 1:].ravel(), k[:-1, 1:].ravel()
 faces = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
 
-# What a meter costs, by the slope at each vertex: 2 at 30 degrees.
+# The cost of a meter, by the slope at each vertex: 2 at 30 degrees.
 along_x, along_y = np.gradient(height, 1000 / (n - 1))
 slope = np.hypot(along_x, along_y).ravel()
 weight = 1 + (slope / np.tan(np.radians(30))) ** 2

@@ -1,4 +1,4 @@
-"""Checks of arguments: each refusal names the argument, what it is, and what it may be."""
+"""Checks of arguments: each error names the argument, its value, and the values allowed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ._errors import InputError
 Floats = NDArray[np.float64]
 Path = Union[str, "os.PathLike[str]"]
 Progress = Optional[Callable[[str, float], Any]]
-# From foot points, shape (n, 3), to a value for each.
+# A function from foot points, shape (n, 3), to a value for each.
 OfPoints = Callable[[Floats], ArrayLike]
 
 
@@ -35,7 +35,7 @@ class Box(NamedTuple):
 
 
 class CurvatureWeight(NamedTuple):
-    """A cost from curvature: eps + |c|^p, cheap where it is least.
+    """A cost from curvature: eps + |c|^p, least where |c| is.
 
     kind: "valley" (c is the mean curvature above its least), "crest" (the same of its negative),
         "mean", "gaussian", or "principal" (the larger principal curvature). eps, p: above 0.
@@ -70,7 +70,7 @@ class Bending(NamedTuple):
 
 
 def array(value: Any, name: str) -> NDArray[Any]:
-    """Of any type, but not of lists of several lengths."""
+    """An array of any type; lists of different lengths are refused."""
     try:
         return np.asarray(value)
     except ValueError as error:

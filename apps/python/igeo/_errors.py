@@ -1,4 +1,4 @@
-"""Errors and warnings, and the words of the library in those of this package."""
+"""Errors and warnings, with names of the library replaced by those of this package."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 
 class Error(Exception):
-    """What the library refuses, or could not do. `remedy` says what to do about it; it may be empty."""
+    """An error of the library. `remedy` says how to avoid it; it may be empty."""
 
     def __init__(self, what: str, remedy: str = "") -> None:
         super().__init__(f"{what}\n  {remedy}" if remedy else what)
@@ -15,7 +15,7 @@ class Error(Exception):
 
 
 class InputError(Error, ValueError):
-    """An argument, or the surface it makes, that cannot be used."""
+    """An argument, or a surface made from it, that is not usable."""
 
 
 class FileError(Error, OSError):
@@ -23,10 +23,10 @@ class FileError(Error, OSError):
 
 
 class SurfaceWarning(UserWarning):
-    """What makes results less accurate, with its share of the surface."""
+    """A cause of less accurate results, with the share of the surface that it affects."""
 
 
-# The longer of two that begin alike goes first.
+# Longer names come before their prefixes.
 WORDS = (
     ("the iso of rebuilt()", "iso"),
     ("the iso of volumeMesh()", "iso"),
@@ -52,7 +52,7 @@ INVALID_ARGUMENT, BAD_INPUT, IO = 0, 1, 2
 
 
 def in_python_words(text: str) -> str:
-    """The words of the library for its arguments, as this package calls them."""
+    """The text with the names of the library's arguments replaced by those of this package."""
     for name, word in WORDS:
         text = text.replace(name, word)
     return text
@@ -65,6 +65,6 @@ def error_for(kind: int, what: str, remedy: str) -> Error:
 
 
 def warn(sentences: Iterable[str], level: int) -> None:
-    """Warns in the name of the code `level` calls up, so that a user sees the line that is meant."""
+    """Warns at the code `level` calls up, so that a user sees the line that is concerned."""
     for sentence in sentences:
         warnings.warn(in_python_words(sentence), SurfaceWarning, stacklevel=level)

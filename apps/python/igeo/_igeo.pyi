@@ -1,4 +1,4 @@
-"""What the package igeo is made of; its arguments are not checked. Internal."""
+"""The compiled module of the package igeo; it does not check arguments. Internal."""
 
 from collections.abc import Callable
 from typing import Any, Optional

@@ -1,4 +1,4 @@
-"""What a solver is given as costs, and the metric of it."""
+"""The metric of a solver, from its arguments."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def _is_file(value: Any) -> bool:
 
 
 class MetricReader:
-    """Puts what a solver was given as costs into a metric."""
+    """Makes a metric from the arguments of a solver."""
 
     def __init__(self, plain: _igeo.Solver, surface: Surface, progress: Progress) -> None:
         self._plain, self._surface, self._progress = plain, surface, progress
@@ -35,7 +35,7 @@ class MetricReader:
         self.metric = _igeo.Metric(plain)
 
     def _at_feet(self, function: Callable[[Floats], ArrayLike]) -> Any:
-        """What a function says of all foot points; it is called once."""
+        """The values of a function at all foot points; it is called once."""
         if self._feet is None:
             self._feet = _igeo.foot_points(self._plain, self._progress)
         return function(self._feet)

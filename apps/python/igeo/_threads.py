@@ -1,4 +1,4 @@
-"""How many threads the library uses."""
+"""The number of threads that the library uses."""
 
 from __future__ import annotations
 

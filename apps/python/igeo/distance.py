@@ -1,4 +1,4 @@
-"""What a solver found."""
+"""Results of a solver."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Isoline(NamedTuple):
     """A line on which the distance is `level`."""
 
     level: float
-    points: Floats  # (n, 3); none twice
-    closed: bool  # the last point joins the first
+    points: Floats  # (n, 3); no repeats
+    closed: bool  # the last point is joined to the first
 
 
 class Mesh(NamedTuple):
@@ -30,16 +30,17 @@ class Mesh(NamedTuple):
 
     vertices: Floats  # (n, 3)
     faces: NDArray[np.uint32]  # (m, 3), counter-clockwise seen from outside
-    distance: Floats  # (n,), infinite where not reached
-    labels: Labels  # (n,), -1 where not reached
+    distance: Floats  # (n,), infinite where unreached
+    labels: Labels  # (n,), -1 where unreached
     gradient: NDArray[np.float32]  # (n, 3), of the distance along the surface
     normals: NDArray[np.float32]  # (n, 3), unit
 
 
 class LogMap:
-    """The logarithmic map: where points lie as the nearest seed sees them, (u, v) in its tangent plane.
+    """The logarithmic map: the position of points relative to the nearest seed, as vectors (u, v) in
+    its tangent plane.
 
-    Its length is the distance, its direction that in which the geodesic leaves the seed.
+    The length is the distance; the direction is that of the geodesic at the seed.
     """
 
     def __init__(self, made: _igeo.LogMap, surface: Surface) -> None:
@@ -48,12 +49,12 @@ class LogMap:
 
     @cached_property
     def on_vertices(self) -> NDArray[np.float32]:
-        """(n, 2), under the numbers of the mesh; NaN where not reached, at seeds' own vertices 0."""
+        """(n, 2), numbered as the mesh; NaN where unreached, 0 at vertices that are seeds."""
         return self.at(np.arange(len(self.surface.vertices)))
 
     def at(self, points: ArrayLike, *, progress: Progress = None) -> NDArray[np.float32]:
         """(n, 2), at the points of the surface nearest to points (n, 3), or at vertices; world units times
-        weight, NaN where not reached.
+        weight, NaN where unreached.
 
         Raises InputError for a point farther from the surface than Solver.snap.
         """
@@ -61,7 +62,7 @@ class LogMap:
 
     @property
     def axes(self) -> Floats:
-        """(k, 2, 3): of each seed the unit vectors along u and v, with u x v its normal."""
+        """(k, 2, 3): for each seed the unit vectors along u and v; u x v is its normal."""
         return self._made.axes
 
 
@@ -77,7 +78,7 @@ def _picture(color_map: str, spacing: Optional[float], up: ArrayLike) -> _igeo.P
 class Distance:
     """The distance from the seeds of Solver.distance, in world units times weight.
 
-    Infinite where not reached. Results of properties are computed once.
+    Infinite where unreached. Properties are computed once.
     """
 
     def __init__(self, made: _igeo.Distance, surface: Surface) -> None:
@@ -95,18 +96,18 @@ class Distance:
 
     @property
     def on_vertices(self) -> Floats:
-        """(n,), under the numbers of the mesh; NaN at vertices without a face."""
+        """(n,), numbered as the mesh; NaN at vertices without a face."""
         return self._on_vertices[0]
 
     @property
     def labels(self) -> Labels:
-        """(n,), the nearest seed of each vertex, from 0; -1 where not reached or without a face."""
+        """(n,), the nearest seed of each vertex, from 0; -1 where unreached or without a face."""
         return self._on_vertices[1]
 
     @cached_property
     def gradient(self) -> Floats:
         """(n, 3), of the distance along the surface at the vertices, as long as the weight there; 0
-        where not reached and at seeds, NaN at vertices without a face."""
+        where unreached and at seeds, NaN at vertices without a face."""
         used = ~np.isnan(self.on_vertices)
         gradient = np.full((len(used), 3), np.nan)
         gradient[used] = self.gradient_at(self.surface.vertices[used])
@@ -131,8 +132,8 @@ class Distance:
         return self._made.values_at(self.surface._positions(points, "points"), progress)
 
     def path(self, target: ArrayLike, *, straighten: bool = False) -> Floats:
-        """(n, 3), the geodesic from a point or a vertex to the nearest seed; (0, 3) where none leads
-        there.
+        """(n, 3), the geodesic from a point or a vertex to the nearest seed; (0, 3) where there
+        is none.
 
         straighten: relax it to a locally shortest curve, free of the error of the distance.
         """
@@ -152,19 +153,19 @@ class Distance:
         return [points for _, points in found]
 
     def log_map(self, reference: Optional[ArrayLike] = None, *, progress: Progress = None) -> LogMap:
-        """The logarithmic map about the seeds, each point about the seed it is nearest to.
+        """The logarithmic map around the seeds; each point belongs to its nearest seed.
 
-        reference: (3,), u is its part along the surface at each seed; None: the coordinate axis least
-        along the normal. Raises InputError for the scheme "godunov", for tensors, and for seeds that
+        reference: (3,), u is its part along the surface at each seed; None: the coordinate axis
+        farthest from the normal. Raises InputError for the scheme "godunov", for tensors, and for seeds that
         are curves, regions or groups.
         """
         along = None if reference is None else arguments.vector(reference, "reference")
         return LogMap(self._made.log_map(along, progress), self.surface)
 
     def isolines(self, levels: Any, *, progress: Progress = None) -> list[Isoline]:
-        """Lines of equal distance, by rising level.
+        """Lines of equal distance, by ascending level.
 
-        levels: distances, 0 or more; or an integer, so many that cut the range into equal parts.
+        levels: distances, 0 or more; or an integer, that many levels that divide the range equally.
         """
         if isinstance(levels, (int, np.integer)):
             if levels < 1:
@@ -186,7 +187,7 @@ class Distance:
     def to_vdb(self, path: Path, *, name: str = "") -> None:
         """Writes a grid of the distances for OpenVDB, active where they are known.
 
-        name: of the grid; by default that of the surface and "_geodesic". Raises FileError.
+        name: of the grid; by default the name of the surface with "_geodesic". Raises FileError.
         """
         self._made.write_grid(arguments.path(path, "path"), name)
 
@@ -208,7 +209,7 @@ class Distance:
         """A picture as the bytes of a PNG file, which is written if `path` is given.
 
         width, height: pixels. color_map: one of igeo.color_maps. spacing: of isolines, world units
-        times weight; 0: none; None: a round one. eye, look_at: (3,), where from and where to. up:
+        times weight; 0: none; None: a round one. eye, look_at: (3,), the camera and its target. up:
         (3,). paths_from: points or vertices whose paths are drawn.
         """
         options = _picture(color_map, spacing, up)
@@ -233,7 +234,7 @@ class Distance:
         paths_from: Optional[ArrayLike] = None,
         progress: Progress = None,
     ) -> None:
-        """A page of HTML to turn and read in a browser, in one file that needs no network.
+        """An interactive page of HTML for a browser, in one file that needs no network.
 
         Options as of `image`. Raises Error where the library was built without three.js, FileError.
         """

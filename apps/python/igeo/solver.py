@@ -20,7 +20,7 @@ from .surface import _SCHEMES, Surface
 
 
 def _machine_memory() -> float:
-    """Bytes; infinity where the system does not tell."""
+    """Bytes; infinity where the system does not report it."""
     try:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, OSError, ValueError):
@@ -30,8 +30,7 @@ def _machine_memory() -> float:
 class Solver:
     """Everything that does not depend on the seeds: the band of voxels and the metric on it.
 
-    May be used by several threads at once. Copies of arrays and values of functions are taken when
-    it is made.
+    Several threads may use it at once. It copies arrays and calls functions when it is made.
     """
 
     def __init__(
@@ -58,7 +57,7 @@ class Solver:
             and returns (n,); or "FILE.vdb:GRID".
         tensor: the square of a cost per unit length, symmetric and positive definite, in world axes:
             as `weight` with (n, 3, 3). Instead of or beside a weight.
-        obstacles: what no path may enter. A Sphere, a Box, bool of shape (n_vertices,) of a mesh, a
+        obstacles: where no path may go. A Sphere, a Box, bool of shape (n_vertices,) of a mesh, a
             function of points (n, 3) that returns bool (n,), "FILE.vdb:GRID", or a list of these.
         weight_curvature: a CurvatureWeight, or its kind: "valley", "crest", "mean", "gaussian",
             "principal". All weights multiply.
@@ -69,7 +68,7 @@ class Solver:
         band: half the thickness of the band, world units; None: the best one.
         snap: how far points may be from the surface, world units; None: Surface.snap.
         memory_limit: bytes that the band may take; None: the memory of the machine.
-        progress: called with the name of a stage and the share that is done, 0 to 1, in this thread.
+        progress: called with the name of a stage and the share done, 0 to 1, in this thread.
             An exception in it ends the work, as Ctrl-C does.
         """
         if not isinstance(surface, Surface):
@@ -106,7 +105,7 @@ class Solver:
 
     @staticmethod
     def _require_curved(curved: Mapping[str, Any], tensor: Any, scale: Optional[float]) -> None:
-        """Of costs from curvature: that they act, and not on another."""
+        """Refuses costs from curvature that have no effect or exclude each other."""
         if curved["metric_curvature"] is not None and tensor is not None:
             raise InputError("metric_curvature is given beside tensor", "leave one out: each is a cost by direction")
         if scale is None:
@@ -137,7 +136,7 @@ class Solver:
         return self._made.snap
 
     def _add_seeds(self, seeds: _igeo.Seeds, value: Any, start: Any, name: str) -> None:
-        """Of one argument `seeds`: groups by name, a region, vertices or points."""
+        """Adds one argument `seeds`: groups by name, a region, vertices or points."""
         if isinstance(value, Mapping):
             for group, members in value.items():
                 seeds.add_group(str(group), self.surface._positions(members, f"{name}[{group!r}]"))
@@ -176,8 +175,8 @@ class Solver:
         seeds: points of floats, (k, 3) or (3,); vertices by number, integers of shape (k,) or one; a
             region, bool (n_vertices,); or groups of points by name, {"A": [0, 1, 2], ...}, each one
             source.
-        start: (k,), the distance at each seed, 0 or more; of points and vertices. SurfaceWarning where
-            the front of another seed comes first, so that a seed has no effect.
+        start: (k,), the distance at each seed, 0 or more; for points and vertices. SurfaceWarning where
+            the front of another seed arrives earlier, so that a seed has no effect.
         curves: polylines (m, 3) on the surface; one whose last point is its first is closed.
         signed: negative inside a region, or on the smaller side of closed curves.
         max_distance: world units times weight; farther away the distance is infinite.
@@ -216,8 +215,7 @@ class Solver:
         many: of each element what `distance` takes as seeds: [0, 5, 7] are three vertices, an array
             (k, 3) has k points.
         at: points (m, 3) or vertices, the columns; None: the vertices of the mesh.
-        Shape (k, m); infinite where not reached. Each row takes m numbers of memory, and each thread
-        one march.
+        Shape (k, m); infinite where unreached. Memory: m numbers per row, and one march per thread.
         """
         all_seeds = []
         for k, value in enumerate(many):
@@ -265,8 +263,8 @@ class Solver:
     ) -> Floats:
         """The distance from sources[k] to targets[k], (k,), world units times weight; on all cores.
 
-        sources, targets: points (k, 3) or vertices (k,), as many of both. Each pair is found on the
-        part of the surface around it, and pairs of one source share a march. Infinite where no path
+        sources, targets: points (k, 3) or vertices (k,), equally many. Each pair is solved on the part
+        of the surface around it, and pairs of one source share a march. Infinite where no path
         joins them. For the scheme "jet".
         skip_off_surface: NaN for a pair with a point farther from the surface than `snap`, which
             raises InputError otherwise.
@@ -301,18 +299,18 @@ class Solver:
         points: (k, 3) or vertices (k,), k of 2 or more, of a closed curve 3. Each leg between two of
         them is a straightened geodesic of the scheme "jet".
         closed: a leg leads back to the first point; the last vertex repeats the first.
-        straighten: relaxed as a whole: the points in between only say how the curve goes around the
-            surface, and a closed one becomes a closed geodesic, which passes none of them.
-        Shape (0, 3) where no path joins two points that follow each other, and where a closed curve
-        contracts to a point. Raises InputError for a point farther from the surface than `snap`.
+        straighten: relax the curve as a whole: the points in between then only select how it winds
+            around the surface, and a closed curve becomes a closed geodesic that passes none of them.
+        Shape (0, 3) where no path joins two consecutive points, and where a closed curve contracts to
+        a point. Raises InputError for a point farther from the surface than `snap`.
         """
         return self._made.via(
             self.surface._positions(points, "points"), bool(closed), bool(straighten), progress
         )
 
     def sample(self, count: int, seeds: Any = None, *, progress: Progress = None) -> Floats:
-        """Farthest-point sampling: `count` points, (count, 3), each as far as can be from those before
-        it and from `seeds`."""
+        """Farthest-point sampling: `count` points, (count, 3), each as far as possible from those
+        before it and from `seeds`."""
         if not isinstance(count, (int, np.integer)) or count < 1:
             raise InputError(f"count is {count!r}; allowed are integers of 1 and more")
         asked = _igeo.Seeds()
@@ -325,10 +323,10 @@ class Solver:
     def shoot(
         self, start: ArrayLike, direction: ArrayLike, length: float, *, progress: Progress = None
     ) -> Floats:
-        """The geodesic that leaves a point in a direction, (n, 3).
+        """The geodesic that starts at a point in a direction, (n, 3).
 
-        start: a point or a vertex. direction: (3,), its part along the surface counts. length: world
-        units.
+        start: a point or a vertex. direction: (3,), only its part along the surface is used. length:
+        world units.
         """
         points = self.surface._positions(start, "start")
         if len(points) != 1:
@@ -344,7 +342,7 @@ class Solver:
             )
 
     def _warn(self, of_whole_surface: bool) -> None:
-        """What there is to say of the band, once."""
+        """Warns about the band, once."""
         if not of_whole_surface or self._warned:
             return
         found = list(self._made.warnings)

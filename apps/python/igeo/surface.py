@@ -19,7 +19,7 @@ _SCHEMES = ("jet", "godunov")
 
 
 def _voxels(size: Optional[float], resolution: Optional[int], scheme: str, join_gaps: Optional[float]) -> Any:
-    """How finely a surface is put on voxels."""
+    """The voxel size of a surface."""
     if size is not None and resolution is not None:
         raise InputError("voxel_size is given beside resolution", "leave out one of them")
     if resolution is not None and (not isinstance(resolution, (int, np.integer)) or resolution < 1):
@@ -63,10 +63,10 @@ class Surface:
 
         kind: "mesh", "points", "volume" (voxels of an image) or "level set" (.vdb); None: by the
             ending of the file. A .ply without faces needs "points".
-        grid: of a .vdb file, the name of the grid; may be left out where only one can be meant.
+        grid: of a .vdb file, the name of the grid; may be left out where only one is usable.
         iso: of a volume, the value at the surface; may be left out for a mask. With `rebuild`, of
             the grid.
-        rebuild: make a signed distance of a .vdb grid that is none.
+        rebuild: compute a signed distance from a .vdb grid of other values.
         voxel_size, resolution, join_gaps, scheme: as `from_mesh` and `from_points`.
         Raises FileError where the file cannot be read, InputError where it holds no such surface.
         """
@@ -98,7 +98,7 @@ class Surface:
         vertices: (n, 3), world units. faces: (m, 3), integers from 0 to n - 1.
         voxel_size: world units; resolution: voxels along the longest side, 256 where neither is given.
         join_gaps: world units; paths may cross gaps of up to this between pieces of the mesh.
-        name: what messages and results call it.
+        name: its name in messages and results.
         """
         points = arguments.points(vertices, "vertices")
         corners = arguments.integers(faces, "faces", len(points))
@@ -150,8 +150,8 @@ class Surface:
 
         values: (i, j, k), real numbers or bool. iso: may be left out where there are two values.
         spacing: world units between voxels, a number or (3,). origin: (3,), the center of voxel
-            0, 0, 0. affine: instead of both, (4, 4), world from indices, as nibabel has it; it may
-            turn, mirror and shear.
+            0, 0, 0. affine: instead of both, (4, 4), world from indices, as in nibabel; it may
+            rotate, mirror and shear.
         voxel_size, resolution: as `from_mesh`; else the least spacing.
         """
         array = arguments.volume(values, "values")
@@ -171,12 +171,12 @@ class Surface:
         name: str = "level_set",
         progress: Progress = None,
     ) -> Surface:
-        """The surface where a dense array of signed distances is 0, by the distances themselves.
+        """The surface where a dense array of signed distances is 0, as a level set.
 
         values: (i, j, k), world units, negative inside. spacing, origin, affine: as `from_volume`,
             with voxels that are cubes.
-        half_width: voxels; values beyond count by their sign alone.
-        For values that are no distance there is from_volume(values, 0).
+        half_width: voxels; beyond it only the sign of a value is used.
+        For values that are no distances use from_volume(values, 0).
         """
         array = arguments.volume(values, "values")
         world = arguments.affine(spacing, origin, affine)
@@ -187,7 +187,7 @@ class Surface:
     def from_openvdb(cls, grid: Any, *, progress: Progress = None) -> Surface:
         """A level set in a FloatGrid of the module pyopenvdb (or openvdb).
 
-        It goes through a temporary file, since the modules of OpenVDB share no type with this one.
+        It is passed through a temporary file, because the modules of OpenVDB share no type with this one.
         """
         module = type(grid).__module__.split(".")[0]
         if module not in ("pyopenvdb", "openvdb"):
@@ -204,7 +204,7 @@ class Surface:
 
     @property
     def name(self) -> str:
-        """What messages and results call it."""
+        """Its name in messages and results."""
         return self._made.name
 
     @property
@@ -219,13 +219,13 @@ class Surface:
 
     @property
     def warnings(self) -> list[str]:
-        """What was warned of when it was made."""
+        """The warnings when it was made."""
         return list(self._made.warnings)
 
     @property
     def vertices(self) -> Floats:
-        """(n, 3), under the numbers of the file or the array; of points all of them. Not copied, not
-        to be written. Raises InputError for a level set."""
+        """(n, 3), numbered as the file or the array; of points all of them. A read-only view. Raises
+        InputError for a level set."""
         vertices = self._made.vertices
         if vertices is None:
             raise InputError(
@@ -243,7 +243,7 @@ class Surface:
         return faces
 
     def _positions(self, value: Any, name: str) -> Floats:
-        """Points, or where vertices are."""
+        """Points, or the positions of vertices."""
         array = arguments.array(value, name)
         if array.dtype.kind in "iu" and array.ndim < 2:
             numbers = arguments.integers(array, name, len(self.vertices)).reshape(-1)

@@ -1,4 +1,4 @@
-/// Between NumPy's arrays and the library's vectors.
+/// Conversions between NumPy's arrays and the library's vectors.
 #pragma once
 
 #include <igeo/igeo.h>
@@ -20,7 +20,7 @@ using Array = py::array_t<T, py::array::c_style>;
 static_assert(sizeof(igeo::Vec3d) == 3 * sizeof(double) &&
               sizeof(igeo::Vec3f) == 3 * sizeof(float));
 
-/// An array that owns the vector: nothing is copied.
+/// An array that owns the vector, without a copy.
 template <typename T, typename Element>
 Array<T> owning(std::vector<Element>&& values, std::vector<py::ssize_t> shape) {
     auto kept = std::make_unique<std::vector<Element>>(std::move(values));
@@ -49,7 +49,7 @@ inline Array<std::uint32_t> arrayOf(std::vector<igeo::TriangleMesh::Triangle>&& 
     return owning<std::uint32_t>(std::move(triangles), {n, 3});
 }
 
-/// Sources as NumPy's users count them: -1 where there is none.
+/// Sources in NumPy's convention: -1 for none.
 inline Array<std::int32_t> labelsOf(const std::vector<std::uint32_t>& labels) {
     std::vector<std::int32_t> numbers(labels.size());
     for (std::size_t k = 0; k < labels.size(); ++k)
@@ -62,7 +62,7 @@ std::vector<T> vectorOf(const Array<T>& array) {
     return std::vector<T>(array.data(), array.data() + array.size());
 }
 
-/// Of shape (n, 3); one copy of memory.
+/// From shape (n, 3); one copy.
 inline std::vector<igeo::Vec3d> pointsOf(const Array<double>& array) {
     std::vector<igeo::Vec3d> points(std::size_t(array.size() / 3));
     if (!points.empty())

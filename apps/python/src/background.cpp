@@ -12,7 +12,7 @@ namespace py = pybind11;
 
 namespace {
 
-/// What the threads of the work say, for the one that waits.
+/// Progress from the threads of the work to the one that waits.
 class SharedProgress : public igeo::Progress {
 public:
     explicit SharedProgress(bool listened) : listened_(listened) {}
@@ -27,7 +27,7 @@ public:
     bool cancelled() const override { return cancelled_; }
     void cancel() { cancelled_ = true; }
 
-    /// What came in since the last call; none: nothing.
+    /// The report since the last call, if any.
     std::optional<std::pair<std::string, double>> news() {
         const std::lock_guard<std::mutex> lock(mutex_);
         if (!isNew_) return std::nullopt;
@@ -44,7 +44,7 @@ private:
     bool isNew_ = false;
 };
 
-/// The thread that works, and how it ended.
+/// The thread that works, and its failure.
 class Worker {
 public:
     Worker(SharedProgress& progress, const std::function<void(igeo::Progress&)>& work)
@@ -65,7 +65,7 @@ public:
         std::unique_lock<std::mutex> lock(mutex_);
         return ended_.wait_for(lock, time, [this] { return done_; });
     }
-    /// Of work that has ended.
+    /// Call after the work has ended.
     const std::exception_ptr& failure() const { return failure_; }
 
 private:

@@ -1,4 +1,4 @@
-/// Work without Python's lock, which Ctrl-C ends and which reports how far it is.
+/// Work without Python's lock, with Ctrl-C and progress.
 #pragma once
 
 #include <igeo/base/progress.h>
@@ -8,13 +8,13 @@
 #include <optional>
 #include <utility>
 
-/// Calls work(progress) in a thread of its own, while the thread that called waits without the
-/// lock. That thread alone runs Python: the handlers of signals, and callback(stage, fraction)
-/// unless that is None. An exception there cancels the work, and is thrown once the work has ended.
+/// Calls work(progress) in a thread of its own, while the calling thread waits without the lock.
+/// Only the calling thread runs Python: signal handlers, and callback(stage, fraction) unless it is
+/// None. An exception there cancels the work, and is thrown after the work has ended.
 void runInBackground(const pybind11::object& callback,
                      const std::function<void(igeo::Progress&)>& work);
 
-/// The same with what `work` returns.
+/// The same, returning what `work` returns.
 template <typename Work>
 auto inBackground(const pybind11::object& callback, const Work& work) {
     std::optional<decltype(work(std::declval<igeo::Progress&>()))> result;

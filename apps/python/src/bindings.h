@@ -1,4 +1,4 @@
-/// The parts of the module `_igeo`: what the package in Python calls, which checks arguments first.
+/// The parts of the module `_igeo`, which the Python package calls after checking arguments.
 #pragma once
 
 #include <igeo/igeo.h>
@@ -12,7 +12,8 @@ void bindMetric(pybind11::module_& module);
 void bindSolver(pybind11::module_& module);
 void bindDistance(pybind11::module_& module);
 
-/// A metric in the making. Costs per node belong to the band of `plain`, a solver without a metric.
+/// A metric under construction. Costs per node are for the band of `plain`, a solver without a
+/// metric.
 class MetricBuilder {
 public:
     explicit MetricBuilder(igeo::GeodesicSolver plain) : plain_(std::move(plain)) {}

@@ -35,7 +35,7 @@ py::tuple valuesAt(const Distance& d, const Array<double>& points, const py::obj
                           labelsOf(label));
 }
 
-/// Per target how its path ended, and its points.
+/// Per target the status of its path, and its points.
 py::list paths(const Distance& d, const Array<double>& targets, bool straighten,
                const py::object& progress) {
     const auto asked = pointsOf(targets);
@@ -53,7 +53,7 @@ py::list paths(const Distance& d, const Array<double>& targets, bool straighten,
     return all;
 }
 
-/// Level, whether it is closed, and points of each line.
+/// Per line its level, whether it is closed, and its points.
 py::list isolinesOf(const Distance& d, std::vector<double> levels, const py::object& progress) {
     const igeo::Similarity& t = d.band().transform;
     for (double& level : levels) level /= t.dx;
@@ -117,7 +117,7 @@ Array<double> seedPoints(const Distance& d) {
     return arrayOf(std::move(points));
 }
 
-/// The logarithmic map of a distance, and the distance.
+/// The logarithmic map of a distance, with the distance.
 struct PointMap {
     Distance distance;
     igeo::LogMap map;
@@ -166,7 +166,7 @@ Array<double> axesOf(const PointMap& m) {
     return owning<double>(std::move(axes), {n, 2, 3});
 }
 
-/// Rows of seeds or groups, columns of targets or of the same.
+/// Rows for seeds or groups; columns for targets, or the same.
 Array<double> matrixOf(const Distance& d, const py::object& progress) {
     igeo::DistanceMatrix matrix =
         inBackground(progress, [&](igeo::Progress& p) { return d.matrix(p); });

@@ -16,7 +16,7 @@ std::vector<bool> maskOf(const Array<bool>& blocked) {
     return std::vector<bool>(blocked.data(), blocked.data() + blocked.size());
 }
 
-/// The tensor of the index axes for the one of the world, row by row.
+/// Turns a tensor from world axes to index axes; `g` is row by row.
 Tensor turned(const double* g, const std::array<igeo::Vec3d, 3>& axis) {
     const auto component = [&](std::size_t a, std::size_t b) {
         double sum = 0;
@@ -35,7 +35,7 @@ void setNodeTensors(MetricBuilder& metric, const Array<double>& tensors) {
     for (std::size_t k = 0; k < all.size(); ++k) all[k] = turned(tensors.data() + 9 * k, axis);
 }
 
-/// Values per vertex at the points of the mesh; where vertices were welded, those of the last.
+/// Values per vertex at the points of the mesh; for welded vertices that of the last.
 std::vector<double> atPoints(const igeo::TriangleMesh& mesh, const double* values,
                              std::size_t stride) {
     std::vector<double> ofPoint(mesh.points.size());
@@ -77,7 +77,7 @@ Array<double> footPoints(const igeo::GeodesicSolver& plain, const py::object& pr
     }));
 }
 
-/// The voxels of the nodes whose foot points are blocked.
+/// Adds the voxels of the nodes with blocked foot points.
 void addNodeObstacle(MetricBuilder& metric, const Array<bool>& blocked, const std::string& name) {
     const py::gil_scoped_release released;
     const auto band = metric.plain().wholeBand();
@@ -107,7 +107,7 @@ void setBending(MetricBuilder& metric, const std::string& kind, double length) {
         igeo::BendingCost{kind == "avoid" ? igeo::Bending::Avoid : igeo::Bending::Prefer, length};
 }
 
-/// Whether something is blocked on the whole surface.
+/// Whether obstacles block any part of the whole surface.
 bool blocksAny(const igeo::GeodesicSolver& solver) {
     const py::gil_scoped_release released;
     const igeo::MetricPtr metric = solver.wholeMetric();

@@ -10,7 +10,7 @@
 
 namespace {
 
-/// The exception of the package for one of the library.
+/// Raises the package's exception for an error of the library.
 void raise(const igeo::Error& error) {
     const py::object made = py::module_::import("igeo._errors")
                                 .attr("error_for")(int(error.kind()), error.what(), error.remedy());

@@ -35,7 +35,7 @@ std::vector<igeo::Seed> seedsOf(const Array<double>& points, const Array<double>
     return seeds;
 }
 
-/// The vertices of a mesh for which `inside` is true, as a region.
+/// Adds the vertices of a mesh with `inside` true, as a region.
 void addRegion(Seeds& seeds, const GeodesicSolver& solver, const Array<bool>& inside) {
     auto region = std::make_shared<igeo::ObstacleSet>(solver.surface().transform());
     region->addVertices(igeo::requireMesh(solver.surface()),
@@ -81,8 +81,8 @@ Array<double> distances(const GeodesicSolver& solver, const std::vector<Seeds>& 
     return rows;
 }
 
-/// Distances of pairs, and their paths if those are asked for: NaN and none where a point is off
-/// the surface and such are skipped.
+/// Distances of pairs, and their paths if requested; NaN and no path for a skipped pair with a
+/// point off the surface.
 py::tuple pairs(const GeodesicSolver& solver, const Array<double>& sources,
                 const Array<double>& targets, bool withPaths, bool straighten, bool skip,
                 const py::object& progress) {
@@ -105,7 +105,7 @@ py::tuple pairs(const GeodesicSolver& solver, const Array<double>& sources,
     return py::make_tuple(arrayOf(std::move(distance)), paths);
 }
 
-/// Of the band of the whole surface, where that is made.
+/// Warnings about the band of the whole surface, if it has been made.
 std::vector<std::string> warningsOf(const GeodesicSolver& solver) {
     std::vector<std::string> warnings = solver.bandWidth().warnings;
     const py::gil_scoped_release released;

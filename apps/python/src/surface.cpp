@@ -44,7 +44,7 @@ Surface fromPoints(const Array<double>& points, const std::optional<Array<double
     });
 }
 
-/// The size of an array of values[i, j, k] whose memory has i fastest.
+/// The size of an array values[i, j, k] with i fastest in memory.
 std::array<std::size_t, 3> sizeOf(const py::array_t<float, py::array::f_style>& values) {
     return {std::size_t(values.shape(0)), std::size_t(values.shape(1)),
             std::size_t(values.shape(2))};
@@ -70,7 +70,7 @@ Surface fromVolume(const py::array_t<float, py::array::f_style>& values,
     });
 }
 
-/// Active where |psi| is at most `width`; elsewhere the sign counts.
+/// Active where |psi| is at most `width`; elsewhere only the sign is used.
 openvdb::FloatGrid::Ptr levelSetGrid(const py::array_t<float, py::array::f_style>& values,
                                      const Array<double>& affine, float width) {
     auto grid = openvdb::FloatGrid::create(width);
@@ -104,7 +104,7 @@ Surface fromLevelSet(const py::array_t<float, py::array::f_style>& values,
     });
 }
 
-/// What the ending of a file says it is.
+/// The kind of a file, by its ending.
 std::string kindOf(const std::string& file) {
     if (igeo::isVolumeFile(file)) return "volume";
     if (igeo::isMeshFile(file)) return "mesh";
@@ -143,7 +143,7 @@ std::string kindNameOf(const Surface& surface) {
     return "level set";
 }
 
-/// The vertices as they are in memory, to be read; `self` keeps them.
+/// The vertices as a read-only view of memory that `self` owns.
 py::object verticesOf(const py::object& self) {
     const std::vector<igeo::Vec3d>* vertices = self.cast<const Surface&>().vertices();
     if (!vertices) return py::none();
@@ -153,7 +153,7 @@ py::object verticesOf(const py::object& self) {
     return view;
 }
 
-/// Triangles under the numbers of the vertices: polygons as fans.
+/// Triangles with vertex numbers; polygons become fans.
 py::object facesOf(const Surface& surface) {
     const igeo::TriangleMesh* mesh = surface.triangles();
     if (!mesh) return py::none();

@@ -15,7 +15,7 @@ except ImportError as error:
 
 
 class CountSkips:
-    """How many tests pytest has skipped."""
+    """The number of tests that pytest has skipped."""
 
     def __init__(self):
         self.count = 0

@@ -1,4 +1,4 @@
-"""Refusals name the argument, what it is and what it may be; remedies use the words of Python."""
+"""Errors name the argument, its value and the values allowed; remedies use the names of Python."""
 
 import re
 
@@ -156,7 +156,7 @@ def test_remedies_speak_of_arguments(sheet_solver):
 
 
 def test_every_word_of_the_library_has_one_of_python():
-    """The program's own table is the list of words that remedies use."""
+    """The program's table lists the names that remedies use."""
     table = (ROOT / "apps/implicit-geodesic/option_words.cpp").read_text()
     words = re.findall(r'\{"([^"]+)", "', table)
     assert len(words) > 10

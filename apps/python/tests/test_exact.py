@@ -1,4 +1,4 @@
-"""Distances, gradients and paths on shapes where they are known."""
+"""Distances, gradients and paths on shapes with exact answers."""
 
 import numpy as np
 import pytest

@@ -63,7 +63,7 @@ def test_other_threads_run_meanwhile(fine):
     done.set()
     other.join()
     during = [t for t in ticks if begin < t < begin + seconds]
-    assert len(during) > seconds / 0.1  # one thread that held the lock would leave none
+    assert len(during) > seconds / 0.1  # a thread holding the lock would leave none
 
 
 def test_ctrl_c(fine):
@@ -73,7 +73,7 @@ def test_ctrl_c(fine):
         for _ in range(1000):
             fine.distance([0, 0, 1.0])
     assert time.monotonic() - begin < 20
-    assert fine.distance([0, 0, 1.0]).reached == 1  # and goes on
+    assert fine.distance([0, 0, 1.0]).reached == 1  # the solver is still usable
 
 
 def test_progress_and_its_exceptions(fine):
@@ -104,7 +104,7 @@ def resident() -> int:
 
 
 def test_memory_stays_flat():
-    """Of queries, with what they give: a field that is kept each time would be 30 MB here."""
+    """Memory of repeated queries with their results: a field kept each time would add 30 MB."""
     if not os.path.exists("/proc/self/statm"):
         pytest.skip("no /proc/self/statm")
     vertices, faces = ball(10)

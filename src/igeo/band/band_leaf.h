@@ -12,28 +12,28 @@ namespace igeo {
 using LeafIndex = std::uint32_t;
 constexpr LeafIndex kNoLeaf = std::numeric_limits<LeafIndex>::max();
 
-/// A numbering of some voxels of a leaf. Laid out as OpenVDB's leaves: voxel (x, y, z) has offset
-/// 64 x + 8 y + z, so mask word x holds the slice at x and its byte y the row at (x, y).
+/// Numbers for some voxels of a leaf. The layout is that of OpenVDB's leaves: voxel (x, y, z) has
+/// offset 64 x + 8 y + z, so mask word x holds the slice at x, and byte y of it the row at (x, y).
 struct LeafNodes {
     std::array<std::uint64_t, 8> mask{};    ///< which voxels have a number
     std::array<std::uint16_t, 8> before{};  ///< numbered voxels before slice x
-    NodeIndex firstNode = 0;                ///< number of the first
+    NodeIndex firstNode = 0;                ///< number of its first voxel
     NodeIndex count = 0;
 
     void insert(unsigned offset) { mask[offset >> 6] |= std::uint64_t(1) << (offset & 63); }
-    /// Numbers the voxels of the mask from `start` on, by offset.
+    /// Numbers the voxels of the mask from `start` on, in the order of their offsets.
     void number(NodeIndex start);
 
     /// The number of the voxel at an offset, or kNoNode.
     NodeIndex node(unsigned offset) const {
         return mask[offset >> 6] >> (offset & 63) & 1 ? numberOf(offset) : kNoNode;
     }
-    /// The same for a voxel known to be in the mask.
+    /// The same, without the test, for a voxel in the mask.
     NodeIndex numberOf(unsigned offset) const {
         const std::uint64_t lower = (std::uint64_t(1) << (offset & 63)) - 1;
         return firstNode + before[offset >> 6] + bitCount(mask[offset >> 6] & lower);
     }
-    /// By hand: the instruction for it is not in every x86-64.
+    /// Counts bits by hand: baseline x86-64 has no instruction for it.
     static unsigned bitCount(std::uint64_t bits) {
         bits -= bits >> 1 & 0x5555555555555555;
         bits = (bits & 0x3333333333333333) + (bits >> 2 & 0x3333333333333333);
@@ -42,7 +42,7 @@ struct LeafNodes {
     }
 };
 
-/// 8^3 voxels of the band.
+/// A block of 8^3 voxels of the band.
 struct BandLeaf {
     Ijk origin;      ///< smallest voxel, a multiple of 8
     LeafNodes band;  ///< the leaf's nodes

@@ -1,4 +1,5 @@
-/// Links that the surface does not have, though normals and chords look as if it did.
+/// Severed links: pairs of neighbors that the surface does not join, though normals and chords
+/// suggest it.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -13,18 +14,19 @@ namespace igeo {
 /// Two neighbors: voxels at most one step apart in every axis.
 using Link = std::pair<NodeIndex, NodeIndex>;
 
-/// A link between nodes of the core that are no neighbors, or are so along another path only.
+/// A link between nodes of the core that are not neighbors, or that the surface joins by a detour.
 struct Bridge {
     NodeIndex from = 0, to = 0;
-    float stretch = 1;  ///< length of the path along the surface over that of the chord, laid flat
-    bool jump =
-        false;  ///< a front starts again at the other end: over a gap, or where S turns back
+    /// Length of the path along the surface, divided by that of the chord laid flat
+    float stretch = 1;
+    /// The front starts again at the other end: across a gap, or where S turns back
+    bool jump = false;
 
     friend bool operator==(const Bridge&, const Bridge&) = default;
 };
 
-/// Pairs of neighbors that no front passes between, as the surface joins their foot points by a
-/// detour only, or not at all. Few nodes have any, and those are sorted: 8 bytes per such node.
+/// Pairs of neighbors between which no front passes, because the surface joins their foot points by
+/// a detour or not at all. Only the few nodes with such pairs are stored, sorted: 8 bytes each.
 class SeveredLinks {
 public:
     /// Bit of the step (dx, dy, dz) to a neighbor.
@@ -33,8 +35,7 @@ public:
     }
     /// Bits of the steps from node i along severed links. O(log n).
     std::uint32_t stepsFrom(NodeIndex i) const;
-    /// Adds to the steps of nodes, which may come in any order and more than once.
-    /// Time O(n log n).
+    /// Adds steps of nodes, in any order; a node may occur several times. Time O(n log n).
     void add(const std::vector<std::pair<NodeIndex, std::uint32_t>>& steps);
 
     /// Visits the nodes with severed links, in their order.

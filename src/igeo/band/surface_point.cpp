@@ -30,7 +30,7 @@ Nearest nearestAmongAll(const Band& band, const Vec3d& p) {
     });
     Nearest best;
     for (const Nearest& s : slots)
-        // At 1e154 voxels and more all squares are infinite: any node is as good.
+        // Beyond 1e154 voxels all squares are infinite, and any node will be returned.
         if (s.squared < best.squared || best.node == kNoNode) best = s;
     return best;
 }
@@ -45,15 +45,15 @@ void forNodesAround(const Band& band, const Vec3d& p, const Visit& visit) {
                 if (const NodeIndex i = band.nodeAt(center + Ijk{x, y, z}); i != kNoNode) visit(i);
 }
 
-/// @param sheetNormal  nodes that oppose it are left out
+/// @param sheetNormal  nodes whose normals oppose it are left out
 Nearest nearestAround(const Band& band, const Vec3d& p, const Vec3d& sheetNormal = {}) {
     Nearest best;
-    // Far outside the range of Ijk no voxel can be near.
+    // Positions outside the range of Ijk are far from every voxel.
     if (!hasIjk(p)) return best;
     forNodesAround(band, p, [&](NodeIndex i) {
         if (dot(Vec3f(sheetNormal), band.normal[i]) >= Band::kOtherSheet) best.consider(band, i, p);
     });
-    // A foot point beyond 1.5 voxels may not be the nearest: its rival's voxel may lie outside.
+    // Beyond 1.5 voxels another foot point may be nearer, of a voxel outside the 5^3.
     return best.squared < 1.5 * 1.5 ? best : Nearest{};
 }
 
@@ -65,15 +65,15 @@ Nearest nearestNode(const Band& band, const Vec3d& p) {
     return best;
 }
 
-/// Where sheets cross or lie close together: the node around a point whose foot point is near and
-/// in the plane of the triangle there.
+/// The node near a point whose foot point is nearest to it and to the plane of the triangle there.
+/// For points where sheets cross or lie close together.
 NodeIndex nodeOnPlane(const Band& band, const Vec3d& pIndex, const Vec3d& normal) {
     NodeIndex best = kNoNode;
     double least = kInfinity;
     forNodesAround(band, pIndex, [&](NodeIndex i) {
         const Vec3d chord = band.footPoint(i) - pIndex;
         const double rise = dot(chord, normal);
-        // The band may have turned the triangle over.
+        // The normal of the band may be opposite to that of the triangle.
         const double turn = 1 - std::abs(dot(Vec3d(band.normal[i]), normal));
         const double off = dot(chord, chord) + rise * rise + turn;
         if (off < least) least = off, best = i;
@@ -81,12 +81,12 @@ NodeIndex nodeOnPlane(const Band& band, const Vec3d& pIndex, const Vec3d& normal
     return best;
 }
 
-/// The point on psi = 0, from the node whose foot point is nearest.
+/// The point on psi = 0, found from the node with the nearest foot point.
 Vec3d onPsi(const Band& band, const Vec3d& pIndex, const Nearest& best) {
     const Vec3d foot = band.footPoint(best.node);
-    // From the point itself where it is near: that keeps its tangential position.
+    // Projecting the point itself, where it is near, keeps its tangential position.
     Vec3d p = pIndex;
-    // Points further out lie outside the band, and perhaps outside the range of Ijk.
+    // Points farther away are outside the band, and perhaps outside the range of Ijk.
     const bool close = best.squared < 1e6;
     if (close && projectToSurface(band, p) && length(p - pIndex) <= std::sqrt(best.squared) + 1e-3)
         return p;

@@ -1,4 +1,4 @@
-/// Seeds and targets: points asked for in space, moved onto the surface.
+/// Seeds and targets: given points, moved onto the surface.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -8,22 +8,24 @@
 
 namespace igeo {
 
-/// A point of S, found for a point asked for.
+/// A point of S, found for a given point.
 struct SurfacePoint {
-    Vec3d askedIndex;          ///< as asked for, index space
+    Vec3d askedIndex;          ///< as given, index space
     Vec3d pIndex;              ///< on S, index space
     double snapDistance = 0;   ///< |pIndex - askedIndex|, voxels
-    NodeIndex node = kNoNode;  ///< a band node of its sheet, nearest to pIndex
-    double start = 0;          ///< distance at which a seed starts, voxels times weight
-    double weight = 1;         ///< the metric's weight here, set by the march
+    NodeIndex node = kNoNode;  ///< node of the band on the same sheet, nearest to pIndex
+    double start = 0;   ///< distance at which the front of a seed starts, voxels times weight
+    double weight = 1;  ///< the metric's weight here, set by the march
 
-    /// A seed may be a straight segment of a curve (seeds.h): all points up to pIndex + segment.
+    /// A seed may be a straight segment of a curve (seeds.h): all points from pIndex to pIndex +
+    /// segment.
     Vec3d segment;
-    bool joined = false;  ///< belongs to one curve or region with the seed before it in the list
-    bool rim = false;     ///< of a region on which the distance does not rise (clearInside)
-    bool offSurface = false;  ///< farther from S than was allowed, and skipped: no distance
+    bool joined = false;  ///< belongs to the same curve or region as the seed before it in the list
+    /// On the rim of a region inside which the distance does not rise (clearInside)
+    bool rim = false;
+    bool offSurface = false;  ///< farther from S than allowed, and skipped: no distance
 
-    /// The point of the seed that is nearest to p.
+    /// The point of the seed nearest to p.
     Vec3d nearestTo(const Vec3d& p) const {
         const double l2 = dot(segment, segment);
         return l2 > 0 ? pIndex + std::clamp(dot(p - pIndex, segment) / l2, 0.0, 1.0) * segment
@@ -31,11 +33,11 @@ struct SurfacePoint {
     }
 };
 
-/// The same in the world.
+/// The same in world space.
 struct SnappedPoint {
-    Vec3d asked, position;    ///< as asked for; on the surface
+    Vec3d asked, position;    ///< as given; on the surface
     double distance = 0;      ///< between them, world units; +infinity: not known
-    bool offSurface = false;  ///< as SurfacePoint; `position` is nothing then
+    bool offSurface = false;  ///< as SurfacePoint; `position` is then unset
 };
 inline SnappedPoint inWorld(const SurfacePoint& p, const Similarity& transform) {
     return {transform.worldFromIndex(p.askedIndex), transform.worldFromIndex(p.pIndex),
@@ -44,18 +46,17 @@ inline SnappedPoint inWorld(const SurfacePoint& p, const Similarity& transform) 
 
 /// The point of S nearest to `pIndex`.
 ///
-/// Of a mesh, the nearest point of its triangles. Else it starts from the node whose foot point is
-/// nearest (among the 5^3 voxels around the point where that settles it, else among all nodes),
-/// then projects to psi = 0 of the trilinear interpolant.
+/// On a mesh: the nearest point of its triangles. Elsewhere: the search starts at the node with the
+/// nearest foot point (among the 5^3 voxels around the point if these decide it, else among all
+/// nodes) and projects to psi = 0 of the trilinear interpolant.
 /// @param pIndex finite position in index space
 /// @throws Error  BadInput for an empty band
 /// Time O(1) near the surface, O(n) in parallel elsewhere; O(log triangles) on a mesh. Accuracy:
-/// exact on a mesh; else the snap distance is the least over the foot points of band voxels, which
-/// lie less than a voxel apart.
+/// exact on a mesh; elsewhere the snap distance is the least over the foot points of band voxels,
+/// which are less than a voxel apart.
 SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex);
 
-/// Nodes within `radius` voxels of a point of S that are connected to it through such nodes,
-/// sorted.
+/// Nodes within `radius` voxels of a point of S that such nodes connect to it, sorted.
 std::vector<NodeIndex> nodesAround(const Band& band, const SurfacePoint& p, double radius);
 
 }  // namespace igeo

@@ -13,8 +13,9 @@ std::pair<std::uint32_t, std::uint32_t> ends(const SurfaceTriangles::Triangle& t
     return std::minmax(t[corner], t[(corner + 1) % 3]);
 }
 
-/// Where a ray meets the plane of a triangle within it, or +infinity. (T. Moeller and B. Trumbore,
-/// 1997; edges count, with a margin for rounding, so that no ray slips through between two.)
+/// The distance along a ray to a triangle, +infinity where it misses. (T. Moeller and B. Trumbore,
+/// 1997; edges belong to the triangle, with a margin for rounding, so that no ray passes between
+/// two neighbors.)
 double meeting(const Vec3d& from, const Vec3d& dir, const Vec3d& a, const Vec3d& ab,
                const Vec3d& ac) {
     constexpr double kRoom = 1e-9;
@@ -49,7 +50,7 @@ double SurfaceTriangles::Box::squaredDistance(const Vec3d& p) const {
 double SurfaceTriangles::Box::entry(const Vec3d& from, const Vec3d& inverse) const {
     double enter = 0, leave = kInfinity;
     for (int a = 0; a < 3; ++a) {
-        // 0 times infinity, in a face of the box, is no bound.
+        // 0 times infinity, for an origin in a face of the box, gives no bound.
         const double s = (low[a] - from[a]) * inverse[a], t = (high[a] - from[a]) * inverse[a];
         if (std::isnan(s) || std::isnan(t)) continue;
         enter = std::max(enter, std::min(s, t));
@@ -94,7 +95,7 @@ std::vector<SurfaceTriangles::Side> SurfaceTriangles::sidesAtManyEdge(const Side
 }
 
 const SurfaceTriangles::Tree& SurfaceTriangles::tree() const {
-    // On one thread: one that waits for others could come by here again.
+    // On one thread: a thread that waits for others could take another task and enter here again.
     std::call_once(treeMade_, [this] { makeTree(); });
     return tree_;
 }
@@ -151,7 +152,7 @@ void SurfaceTriangles::forLeaves(const Key& key, const Limit& limit, const Visit
     stack[top++] = boxAt(0, 0);
     while (top > 0) {
         const Waiting w = stack[--top];
-        // Equals go on: the first triangle of equals may be there.
+        // Boxes at equal distance are visited too: they may hold the lower triangle number.
         if (!(w.key < kInfinity) || w.key > limit()) continue;
         if (w.level < in.levels) {
             Waiting nearer = boxAt(w.level + 1, 2 * w.box),

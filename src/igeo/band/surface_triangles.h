@@ -1,4 +1,4 @@
-/// The triangles that S consists of, where its band was made from a mesh.
+/// The triangles of S, where its band was made from a mesh.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -28,15 +28,15 @@ public:
     struct Place {
         std::uint32_t triangle = kNone;  ///< kNone: there is none
         Vec3d point;
-        double squared = kInfinity;  ///< distance to the point asked for, voxels
+        double squared = kInfinity;  ///< squared distance to the given point, voxels
     };
     struct Hit {
         double along;  ///< distance along the ray, voxels
         std::uint32_t triangle;
     };
 
-    /// @param neighbor  per triangle, the one beyond the edge from corner k to k + 1: kNone at a
-    ///                  boundary, kMany where three or more meet
+    /// @param neighbor  per triangle, the neighbor across the edge from corner k to k + 1: kNone at
+    ///                  a boundary, kMany where three or more triangles meet
     SurfaceTriangles(std::vector<Vec3d> points, std::vector<Triangle> triangles,
                      std::vector<std::array<std::uint32_t, 3>> neighbor);
 
@@ -52,16 +52,18 @@ public:
         return normalized(cross(corner(t, 1) - a, corner(t, 2) - a));
     }
 
-    /// The nearest point that is at most `within` from p; of equals that of the first triangle.
-    /// @param sheetNormal  a unit normal: triangles whose normals oppose it count only where there
+    /// The nearest point at most `within` from p; on ties that of the triangle with the lowest
+    /// number.
+    /// @param sheetNormal  a unit normal: triangles with opposite normals are used only where there
     ///                     are no others
-    /// Time O(log n). The first call of any makes the tree, in O(n log n).
+    /// Time O(log n). The first call builds the tree, in O(n log n).
     Place nearest(const Vec3d& p, double within = kInfinity, const Vec3d& sheetNormal = {}) const;
 
     /// The first triangle that a ray from `from` in the unit direction `dir` meets.
     std::optional<Hit> hit(const Vec3d& from, const Vec3d& dir) const;
 
-    /// Calls visit(side) for the other triangles at an edge, with the edge as a side of theirs.
+    /// Calls visit(side) for the other triangles at an edge; `side` is the edge as a side of that
+    /// triangle.
     template <typename Visit>
     void forBeyond(const Side& side, const Visit& visit) const {
         const std::uint32_t beside = neighbor_[side.triangle][side.corner];
@@ -70,7 +72,7 @@ public:
         for (const Side& other : sidesAtManyEdge(side))
             if (other.triangle != side.triangle) visit(other);
     }
-    /// The one triangle beyond an edge; none at a boundary and where three or more meet.
+    /// The one triangle across an edge; none at a boundary and where three or more meet.
     std::optional<Side> beyond(const Side& side) const {
         const std::uint32_t beside = neighbor_[side.triangle][side.corner];
         if (beside >= kMany) return std::nullopt;
@@ -82,10 +84,10 @@ private:
         Vec3d low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
         void add(const Vec3d& p);
         double squaredDistance(const Vec3d& p) const;
-        /// Where a ray enters; +infinity where it misses.
+        /// The distance at which a ray enters; +infinity where it misses.
         double entry(const Vec3d& from, const Vec3d& inverse) const;
     };
-    /// Level by level: 2^level - 1 boxes come before a level.
+    /// Boxes level by level: 2^level - 1 boxes come before a level.
     struct Tree {
         std::vector<std::uint32_t> order;
         std::vector<Box> boxes;
@@ -97,7 +99,8 @@ private:
     const Tree& tree() const;
     void makeTree() const;
     std::size_t edge(unsigned level, std::size_t k) const { return k * size() >> level; }
-    /// Visits leaves by their boxes' `key`, least first: visit(triangle), while key < limit().
+    /// Visits leaves in the order of their boxes' `key`, least first: visit(triangle), while key <
+    /// limit().
     template <typename Key, typename Limit, typename Visit>
     void forLeaves(const Key& key, const Limit& limit, const Visit& visit) const;
 
@@ -107,7 +110,7 @@ private:
     std::vector<Vec3d> points_;
     std::vector<Triangle> triangles_;
     std::vector<std::array<std::uint32_t, 3>> neighbor_;
-    /// Sides at edges of three or more, by the edge.
+    /// Sides at edges of three or more triangles, sorted by edge.
     std::vector<std::pair<std::pair<std::uint32_t, std::uint32_t>, Side>> many_;
     mutable std::once_flag treeMade_;
     mutable Tree tree_;

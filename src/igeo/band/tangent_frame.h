@@ -1,5 +1,5 @@
-/// The chart of a foot point: the surface around it laid out flat in its tangent plane, and metrics
-/// there.
+/// The chart of a foot point: the surface around it laid flat in its tangent plane, and metrics in
+/// that plane.
 #pragma once
 
 #include <igeo/base/symmetric_eigen.h>
@@ -7,7 +7,7 @@
 
 namespace igeo {
 
-/// The tangent plane of a foot point, and where its neighbors lie in it.
+/// The tangent plane of a foot point, and the positions of its neighbors in it.
 class TangentFrame {
 public:
     /// @param faceted as Band::faceted
@@ -31,7 +31,7 @@ public:
         if (cosine < crease_ && unfoldOverCrease(chord, nj, over)) return over;
         const Vec2f in = flat(chord);
         const float in2 = dot(in, in), rise = igeo::dot(n_, chord);
-        // Foot points of one voxel column coincide; a chord along n otherwise leads nowhere on S.
+        // Foot points of one voxel column coincide. Any other chord along n leads to no point of S.
         if (!(in2 > 1e-12f)) return in;
         // chord / |in| = sqrt(1 + x), x = rise^2 / in^2; with the normal curvature k along the
         // chord c, arc = c (1 + (k c)^2 / 24 + 3 (k c)^4 / 640), (k c)^2 = ((n - nj) . c)^2 / c^2.
@@ -43,12 +43,12 @@ public:
 
 private:
     static constexpr float kCrease = 0.8f;   ///< 37 degrees from voxel to voxel
-    static constexpr float kEdge = 0.9999f;  ///< 0.8 degrees: less is rounding and hardly a bend
+    static constexpr float kEdge = 0.9999f;  ///< 0.8 degrees: smaller angles are rounding
 
     bool unfoldOverCrease(const Vec3f& chord, const Vec3f& nj, Vec2f& over) const {
         const Vec3f e = normalized(cross(n_, nj));
         const Vec3f ti = cross(n_, e), tj = cross(nj, e);
-        // From each foot point to the line in which the planes meet.
+        // From each foot point to the line where the planes meet.
         const float sj = igeo::dot(n_, chord) / igeo::dot(n_, tj);
         const float si = -igeo::dot(nj, chord) / igeo::dot(nj, ti);
         // The crease must lie between the two, else the foot points do not belong to two faces.
@@ -61,8 +61,8 @@ private:
     float crease_;
 };
 
-/// By how much a chord counts in units of the metric at its end `to`, where it is `from` at the
-/// other: trapezoid rule.
+/// The mean cost along a chord, relative to the metric `to` at its end, with `from` at the other
+/// end: trapezoid rule.
 inline float meanWeight(float from, float to) { return from == to ? 1 : (1 + from / to) / 2; }
 
 /// A linear map B of a tangent plane, det B = 1, after which its metric is a multiple of the
@@ -87,7 +87,7 @@ public:
 
     /// The largest of |B a| / |a|; the least is its reciprocal.
     float largest() const {
-        // Its square and the reciprocal are the eigenvalues of B^T B.
+        // The squares of |B a| / |a| are the eigenvalues of B^T B: this one and its reciprocal.
         const float d = a_ - 1 / a_, excess = (d * d + b_ * b_) / 2;
         return std::sqrt(largestEigenvalueOfUnitDeterminant(excess));
     }

@@ -49,7 +49,7 @@ void AtomicFile::throwWriteError(const std::string& path, int systemError) {
 
 std::string fileBehindLinks(const std::string& path) {
     std::error_code ignored;
-    constexpr int kMostLinks = 40;  // as Linux
+    constexpr int kMostLinks = 40;  // as in Linux
     fs::path end = path;
     for (int k = 0; fs::is_symlink(end, ignored); ++k) {
         if (k == kMostLinks)
@@ -69,7 +69,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(fileBe
             if (!stream_) throwWriteError(path, errno);
             return;
         }
-        // A rename would replace even a file that its owner has made read-only.
+        // The rename would replace even a read-only file.
         if (const int error = writeRefusal(path)) throwWriteError(path, error);
     }
     int error = EEXIST;
@@ -88,7 +88,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), finalPath_(fileBe
 
 AtomicFile::~AtomicFile() {
     if (temporary_.empty()) return;
-    // On a full disk closing fails as well: it must not throw here.
+    // On a full disk closing fails too; it must not throw here.
     stream_.exceptions(std::ios::goodbit);
     stream_.close();
     std::lock_guard<std::mutex> lock(registryMutex());

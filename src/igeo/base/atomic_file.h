@@ -1,4 +1,4 @@
-/// Outputs that appear whole or not at all.
+/// Output files that are complete or absent.
 #pragma once
 
 #include <fstream>
@@ -6,9 +6,9 @@
 
 namespace igeo {
 
-/// A file that is written under a temporary name in its final folder and renamed when complete.
-/// The file that had the final name before survives any failure. Links are followed; devices and
-/// pipes are written directly.
+/// A file that is written under a temporary name in its final folder and renamed when complete. A
+/// failure leaves a previous file of the final name intact. Links are followed; devices and pipes
+/// are written directly.
 class AtomicFile {
 public:
     /// @throws Error  Io when the folder is missing or not writable
@@ -26,10 +26,10 @@ public:
     /// The Io error for a failed write to `path`, with the system's reason.
     [[noreturn]] static void throwWriteError(const std::string& path, int systemError);
 
-    /// Files that the process has committed so far.
+    /// The number of files that the process has committed so far.
     static std::size_t committed() noexcept;
 
-    /// Removes the temporary files of all AtomicFiles alive: for a program about to exit at once.
+    /// Removes the temporary files of all live AtomicFiles: for a program about to exit.
     static void discardAll() noexcept;
 
 private:
@@ -39,7 +39,7 @@ private:
     std::fstream stream_;
 };
 
-/// The file that writing to `path` makes or replaces: behind all links, whether it is there or not.
+/// The file that writing to `path` creates or replaces: `path` with all links followed.
 /// @throws Error  Io for links that run in a circle
 std::string fileBehindLinks(const std::string& path);
 

@@ -1,4 +1,4 @@
-/// Parts of space.
+/// Balls in space.
 #pragma once
 
 #include <igeo/base/types.h>

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <vector>
 
-// Compiled in: neither libigeo.a nor the program needs libxxhash where it is used.
+// Compiled in, so that users of libigeo.a and the program need no libxxhash.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 

@@ -1,4 +1,4 @@
-/// A fingerprint of content: the same for the same bytes, and for no others in practice.
+/// A fingerprint of content: equal for equal bytes, and in practice different for all others.
 #pragma once
 
 #include <array>
@@ -9,18 +9,19 @@
 
 namespace igeo {
 
-/// The 128 bits of XXH3 by Collet with seed 0, over bytes that come in pieces: of a million files
-/// no two agree by chance (1e-27). Not a cryptographic hash, since no one gains by forging a
-/// distance, and those are slower than the disks that files of gigabytes come from.
+/// The 128 bits of XXH3 by Collet with seed 0, over bytes added in parts: the chance that two of a
+/// million files agree is 1e-27. It is not a cryptographic hash. Those are slower than disks, and
+/// forged distances are no threat.
 class Digest {
 public:
     Digest();
 
     void add(std::string_view bytes);
-    /// Bytes with their number in front: lists of words that differ anywhere differ here.
+    /// Adds bytes preceded by their number, so that different lists of words have different
+    /// digests.
     void addWord(std::string_view word);
 
-    /// Of all bytes so far: its two halves, the higher first.
+    /// The digest of all bytes so far: its two halves, the higher first.
     std::array<std::uint64_t, 2> value() const;
     /// The same as 32 hexadecimal digits, as `xxhsum -H2` prints them.
     std::string hex() const;
@@ -33,8 +34,8 @@ private:
     std::unique_ptr<State, Free> state_;
 };
 
-/// Of a file's bytes, as fast as memory gives them; "missing" where no regular file can be read, as
-/// who is to use it will say better.
+/// The digest of a file's bytes, at the speed of memory; "missing" where no regular file can be
+/// read, because the reader of the file reports that better.
 std::string digestOfFile(const std::string& path);
 
 }  // namespace igeo

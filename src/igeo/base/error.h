@@ -6,7 +6,7 @@
 
 namespace igeo {
 
-/// Thrown with what happened, where, the value seen, the value allowed, and the remedy.
+/// Says what happened, where, the value seen, the value allowed, and the remedy.
 class Error : public std::runtime_error {
 public:
     enum class Kind {
@@ -31,7 +31,8 @@ private:
     std::string remedy_;
 };
 
-/// What `work` returns. Errors that it throws begin with `what`, but for the wish to stop.
+/// Returns what `work` returns. Puts `what` in front of the errors that it throws, except
+/// Cancelled.
 template <typename Work>
 auto naming(const std::string& what, const Work& work) {
     try {

@@ -1,4 +1,4 @@
-/// The point of a triangle nearest to another.
+/// The point of a triangle nearest to a given point.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -14,7 +14,7 @@ struct NearestOnTriangle {
     int feature = 6;
 };
 
-/// A triangle that is asked for many positions.
+/// A triangle, prepared for queries at many positions.
 struct TriangleCorners {
     Vec3d a, b, c;
     Vec3d ab, ac;
@@ -26,7 +26,7 @@ struct TriangleCorners {
         const double l2 = longest2();
         flat = !(dot(area, area) > 1e-20 * l2 * l2);
     }
-    /// As nearestOnTriangle.
+    /// The same as nearestOnTriangle.
     NearestOnTriangle nearest(const Vec3d& p) const;
 
 private:
@@ -34,8 +34,8 @@ private:
     NearestOnTriangle nearestOfFlat(const Vec3d& p) const;
 };
 
-/// By the regions of C. Ericson, Real-Time Collision Detection (2005), 5.1.5. Triangles without
-/// area are taken as their longest edge.
+/// By the regions of C. Ericson, Real-Time Collision Detection (2005), 5.1.5. A triangle without
+/// area is replaced by its longest edge.
 inline NearestOnTriangle nearestOnTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b,
                                            const Vec3d& c) {
     return TriangleCorners(a, b, c).nearest(p);

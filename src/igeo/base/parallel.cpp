@@ -14,9 +14,9 @@ void parallelFor(std::size_t n, std::size_t grain,
     if (n == 0) return;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
                       [&](const tbb::blocked_range<std::size_t>& r) {
-                          // Isolated: a thread that waits for a loop inside the body, also for one
-                          // of OpenVDB's, must not begin another turn of this one. Its memory would
-                          // come on top, and it may want a lock that the waiting one holds.
+                          // Isolated: a thread that waits for an inner loop, of ours or of OpenVDB,
+                          // must not start another range of this loop. That would add its memory,
+                          // and it may need a lock that the waiting range holds.
                           tbb::this_task_arena::isolate([&] { body(r.begin(), r.end()); });
                       });
 }

@@ -1,4 +1,4 @@
-/// Threads, kept behind two names so that TBB is compiled once.
+/// Threads behind a small interface, so that TBB is compiled once.
 ///
 /// Every parallel loop of the library writes to slots of its own and combines them in order, so
 /// results do not depend on the number of threads.
@@ -13,12 +13,12 @@
 namespace igeo {
 
 /// Calls body(begin, end) for disjoint ranges that cover [0, n), in parallel. Ranges hold at least
-/// `grain` items but for the last; exceptions from `body` reach the caller. Loops may be nested; a
-/// thread is in one body of a loop at a time.
+/// `grain` items, except the last; exceptions from `body` reach the caller. Loops may be nested; a
+/// thread runs one range of a loop at a time.
 void parallelFor(std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)>& body);
 
-/// The same for work that may be cancelled: it asks before each range.
+/// The same with cancellation, tested before each range.
 /// @throws Error  Cancelled
 void parallelFor(std::size_t n, std::size_t grain, const Progress& progress,
                  const std::function<void(std::size_t, std::size_t)>& body);

@@ -9,7 +9,7 @@ namespace igeo {
 
 namespace {
 
-/// By coordinates, `axis` first: no two distinct points are equal.
+/// Compares coordinates, `axis` first: no two distinct points are equal.
 bool before(const Vec3d& a, const Vec3d& b, int axis) {
     for (int k = 0; k < 3; ++k, axis = (axis + 1) % 3)
         if (a[axis] != b[axis]) return a[axis] < b[axis];
@@ -22,8 +22,8 @@ PointTree::PointTree(const std::vector<Vec3d>& points) : points_(points), order_
     std::iota(order_.begin(), order_.end(), Index(0));
     while ((size() >> levels_) >= kBucket) ++levels_;
     boxes_.resize((std::size_t(2) << levels_) - 1);
-    // Which points are in a box does not depend on their order before, and in the end every leaf
-    // is sorted.
+    // The set of points in a box does not depend on their earlier order, and every leaf is sorted
+    // at the end.
     for (unsigned level = 0; level <= levels_; ++level)
         parallelFor(std::size_t(1) << level, 1, [&](std::size_t firstBox, std::size_t endBox) {
             for (std::size_t k = firstBox; k < endBox; ++k) {
@@ -61,14 +61,14 @@ PointTree::Found PointTree::nearest(const Vec3d& p) const {
 
 namespace {
 
-/// The nearest so far, by a bound that the farthest of them sets.
+/// The nearest points found so far, and the squared distance of the farthest as a bound.
 class NearestSoFar {
 public:
     using Found = PointTree::Found;
     NearestSoFar(std::vector<Found>& found, std::size_t count, double most)
         : found_(found), count_(count), most_(most) {}
 
-    /// What is farther does not matter; equals go on, as the lower number may be there.
+    /// Points beyond it are ignored. Points at it are kept: their number may be lower.
     double most() const { return most_; }
     void add(const Found& here) {
         if (here.squared > most_) return;
@@ -85,7 +85,7 @@ public:
 private:
     static constexpr std::size_t kFew = 16;
 
-    /// In order.
+    /// Inserts in order.
     void insert(const Found& here) {
         if (found_.size() == count_) {
             if (!(here < found_.back())) return;
@@ -96,7 +96,7 @@ private:
         found_.insert(at, here);
         if (found_.size() == count_) most_ = found_.back().squared;
     }
-    /// Those beyond the first `count`.
+    /// Drops those beyond the first `count`.
     void drop() {
         const auto last = found_.begin() + std::ptrdiff_t(count_) - 1;
         std::nth_element(found_.begin(), last, found_.end());

@@ -1,4 +1,4 @@
-/// Which points are near: a k-d tree in flat arrays.
+/// Nearest points: a k-d tree in flat arrays.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -12,8 +12,8 @@ namespace igeo {
 
 /// A balanced k-d tree over distinct points.
 ///
-/// The points are stored in an order of their own, which depends on where they are and not on the
-/// order they came in: work in that order gives the same bytes for a shuffled input.
+/// The tree stores the points in an order of its own, which depends on their positions only. Work
+/// in that order gives the same bytes for a shuffled input.
 class PointTree {
 public:
     using Index = std::uint32_t;
@@ -27,7 +27,8 @@ public:
 
     PointTree() = default;
     /// @param points finite; fewer than 2^32
-    /// Time O(n log n), in parallel; 4 bytes per point and 12 for the boxes, next to the points.
+    /// Time O(n log n), in parallel; memory besides the points: 4 bytes per point and 12 for the
+    /// boxes.
     explicit PointTree(const std::vector<Vec3d>& points);
 
     std::size_t size() const { return points_.size(); }
@@ -35,16 +36,16 @@ public:
     /// The number that point i had in the input.
     Index inputIndex(std::size_t i) const { return order_[i]; }
 
-    /// The point nearest to p, the lower number of equals. The tree must not be empty.
+    /// The point nearest to p; on ties the one with the lower number. The tree must not be empty.
     Found nearest(const Vec3d& p) const;
-    /// The `count` points nearest to p, nearest first; fewer if not so many are within a distance.
+    /// The `count` points nearest to p, nearest first; fewer if fewer are within a distance.
     void nearest(const Vec3d& p, std::size_t count, std::vector<Found>& found,
                  double within = kInfinity) const;
 
     /// Gives each point a radius, for forReaching.
     void setReach(std::vector<double> reach);
     double reach(std::size_t i) const { return reach_[i]; }
-    /// Calls visit(i) for all points i whose reach, and `more`, p is within; by number.
+    /// Calls visit(i) for all points i with |point(i) - p| < reach(i) + more, in the order of i.
     template <typename Visit>
     void forReaching(const Vec3d& p, double more, const Visit& visit) const;
 

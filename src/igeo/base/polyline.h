@@ -10,7 +10,7 @@ namespace igeo {
 /// A polyline in space.
 struct Curve {
     std::vector<Vec3d> points;
-    bool closed = false;  ///< the last point joins the first
+    bool closed = false;  ///< the last point is joined to the first
     double start = 0;     ///< distance at which its front starts
 };
 

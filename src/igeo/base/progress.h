@@ -1,4 +1,4 @@
-/// How long work reports how far it is, and learns that it should stop.
+/// Progress reports and cancellation of long work.
 #pragma once
 
 #include <igeo/base/error.h>
@@ -15,7 +15,7 @@ public:
         (void)name;
         (void)fraction;
     }
-    /// The work since the last call was the stage `name`; for accounts of what takes how long.
+    /// The work since the last call was the stage `name`; for tables of times per stage.
     virtual void finished(const char* name) { (void)name; }
     virtual bool cancelled() const { return false; }
 
@@ -23,15 +23,15 @@ public:
         if (cancelled()) throw Error(Error::Kind::Cancelled, "interrupted");
     }
 
-    /// For callers that want neither.
+    /// For callers that need neither.
     static Progress& none() {
         static Progress instance;
         return instance;
     }
 };
 
-/// Progress for stages that run side by side: it passes the wish to stop on to them, and drops what
-/// they report.
+/// Progress for stages that run side by side: it passes cancellation on to them and drops their
+/// reports.
 class CancelOnly : public Progress {
 public:
     explicit CancelOnly(const Progress& whole) : whole_(whole) {}

@@ -1,11 +1,11 @@
-/// Points that fronts start from.
+/// Points at which fronts start.
 #pragma once
 
 #include <igeo/base/types.h>
 
 namespace igeo {
 
-/// A seed, or a target whose start has no effect, before it is put on the surface.
+/// A seed before it is moved onto the surface; also a target, whose `start` has no effect.
 struct Seed {
     Vec3d position;    ///< world or index space, as the caller says
     double start = 0;  ///< distance there, world units times weight, >= 0

@@ -1,11 +1,11 @@
-/// What positions mean.
+/// The space of given positions.
 #pragma once
 
 namespace igeo {
 
-/// Lengths are in world units either way.
+/// Lengths are in world units in both cases.
 enum class Space {
-    World,  ///< the surface's transform leads there
+    World,  ///< world space: the surface's transform applied to index space
     Index   ///< multiples of the voxel size
 };
 

@@ -4,8 +4,8 @@ namespace igeo {
 
 namespace {
 
-/// Turns the off-diagonal entries of `a` to zero one by one, in six sweeps: after three or so what
-/// is left is squared from one to the next.
+/// Zeroes the off-diagonal entries of `a` one by one, in six sweeps; from about the third on each
+/// sweep squares what remains.
 /// @param rotate  rotate(p, q, c, s) is called for every rotation in the plane of axes p and q
 template <typename Rotate>
 void diagonalize(double (&a)[3][3], const Rotate& rotate) {

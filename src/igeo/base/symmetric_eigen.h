@@ -1,5 +1,4 @@
-/// Eigenvalues and eigenvectors of symmetric matrices of two and three rows: all that the library
-/// computes of them.
+/// Eigenvalues and eigenvectors of symmetric matrices of two and three rows.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -23,20 +22,20 @@ struct SymmetricEigen2 {
 /// Of (xx xy; xy yy): middle = (xx + yy) / 2, radius^2 = ((xx - yy) / 2)^2 + xy^2.
 inline SymmetricEigen2 symmetricEigen(double xx, double xy, double yy) {
     const double half = (xx - yy) / 2, middle = (xx + yy) / 2, radius = std::hypot(half, xy);
-    // Of the two forms of the eigenvector the longer one, for accuracy.
+    // The longer of the two forms of the eigenvector is the more accurate.
     if (half > 0) return {middle, radius, half + radius, xy};
     return {middle, radius, xy, radius - half};
 }
 
-/// The eigenvalues, least and largest, of a matrix of two rows by its trace and the sum of the
-/// squares of its entries; NaN where one of these is.
+/// The eigenvalues, least and largest, of a matrix of two rows from its trace and the sum of the
+/// squares of its entries; NaN where either is NaN.
 inline std::array<double, 2> eigenvaluesOfInvariants(double trace, double squares) {
     const double root = std::sqrt(std::max(2 * squares - trace * trace, 0.0));
     return {(trace - root) / 2, (trace + root) / 2};
 }
 
-/// The larger eigenvalue of a matrix of two rows with determinant 1 and trace 2 (1 + excess): so
-/// written, no digits are lost next to 1.
+/// The larger eigenvalue of a matrix of two rows with determinant 1 and trace 2 (1 + excess). This
+/// form loses no digits near 1.
 template <typename T>
 T largestEigenvalueOfUnitDeterminant(T excess) {
     return 1 + excess + std::sqrt(excess * (excess + 2));
@@ -49,7 +48,7 @@ struct SymmetricMatrix3 {
 
 struct SymmetricEigen3 {
     std::array<double, 3> value;  ///< in rising order
-    std::array<Vec3d, 3> vector;  ///< unit, orthogonal; that of value[k] at k
+    std::array<Vec3d, 3> vector;  ///< unit, orthogonal; vector[k] belongs to value[k]
 };
 
 /// Eigenvalues in rising order, to rounding of the largest, by Jacobi's rotations (G. H. Golub and

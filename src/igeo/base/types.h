@@ -1,7 +1,7 @@
 /// Small vectors, grid coordinates and the similarity between voxels and the world.
 ///
 /// The library measures in voxels throughout: positions are index coordinates, lengths are
-/// multiples of the voxel size dx. World coordinates enter with the seeds and leave with the
+/// multiples of the voxel size dx. World coordinates come in with the seeds and go out with the
 /// results, through `Similarity`. So scale, rotation and translation of a grid cannot change a
 /// computed bit.
 #pragma once
@@ -20,11 +20,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using NodeIndex = std::uint32_t;
 constexpr NodeIndex kNoNode = std::numeric_limits<NodeIndex>::max();
 
-/// Voxels lie nearer to the origin in every axis: every difference of two indices and every box
-/// fits into 32 bits, in OpenVDB's own tools as well.
+/// Largest |index|: every difference of two indices and every box then fits into 32 bits, in
+/// OpenVDB's own tools too.
 constexpr std::int32_t kFarthestIndex = 1 << 30;
-/// Up to here positions in single precision, which some of OpenVDB's tools take, are right to 0.004
-/// voxels: half a unit in the last place.
+/// Up to this index, positions in single precision, which some tools of OpenVDB use, are right to
+/// 0.004 voxels: half a unit in the last place.
 constexpr std::int32_t kFarthestInFloat = 1 << 17;
 
 template <typename T>
@@ -83,7 +83,7 @@ constexpr Vec3<T> tangential(const Vec3<T>& a, const Vec3<T>& n) {
 /// A unit vector orthogonal to the unit vector `n`.
 template <typename T>
 Vec3<T> anyNormalTo(const Vec3<T>& n) {
-    // The coordinate axis furthest from n keeps the cross product long.
+    // The coordinate axis farthest from n gives a long cross product.
     const Vec3<T> m{std::abs(n.x), std::abs(n.y), std::abs(n.z)};
     const Vec3<T> axis = m.x <= m.y && m.x <= m.z ? Vec3<T>{1, 0, 0}
                          : m.y <= m.z             ? Vec3<T>{0, 1, 0}
@@ -98,7 +98,7 @@ inline Ijk roundToIjk(const Vec3d& p) {
     return {std::int32_t(std::floor(p.x + 0.5)), std::int32_t(std::floor(p.y + 0.5)),
             std::int32_t(std::floor(p.z + 0.5))};
 }
-/// Faster than std::floor, a function call in baseline x86-64.
+/// std::floor is a function call in baseline x86-64, and slower.
 inline std::int32_t floorToInt(float x) {
     const auto i = std::int32_t(x);
     return i - (x < float(i));
@@ -121,7 +121,7 @@ struct Similarity {
     }
     /// Whether Q holds a reflection.
     bool mirrors() const { return dot(cross(axis[0], axis[1]), axis[2]) < 0; }
-    /// Turns a direction; lengths stay as they are.
+    /// Turns a direction and keeps its length.
     Vec3d worldFromIndexDirection(const Vec3d& v) const {
         return v.x * axis[0] + v.y * axis[1] + v.z * axis[2];
     }

@@ -21,14 +21,14 @@ std::size_t countFrom(ByteReader& reader, std::size_t size, const char* what) {
     return std::size_t(count);
 }
 
-/// Text after its length, which ends with a zero.
+/// A text with its length in front and a zero at its end.
 std::string textFrom(ByteReader& reader) {
     std::string text(countFrom(reader, 1, "letters"), '\0');
     for (char& c : text) c = char(reader.next<std::uint8_t>());
     return text.substr(0, text.find('\0'));
 }
 
-/// Which region a value of a vertex stands for: its color.
+/// The region for each color, which is the value of a vertex.
 using Colors = std::map<std::uint32_t, std::size_t>;
 
 /// @param number  of the region
@@ -47,10 +47,10 @@ void readEntry(ByteReader& reader, std::size_t number, Annotation& annotation, C
 Colors readTable(ByteReader& reader, Annotation& annotation) {
     Colors colors;
     const auto first = reader.next<std::int32_t>();
-    if (first > 0) {  // the older form: the number of regions
+    if (first > 0) {  // the older format: `first` is the number of regions
         reader.require(std::size_t(first), kLeastEntry, "regions");
         annotation.regions.resize(std::size_t(first));
-        textFrom(reader);  // where the table is from
+        textFrom(reader);  // the file that the table is from
         for (std::size_t k = 0; k < annotation.regions.size(); ++k)
             readEntry(reader, k, annotation, colors);
         return colors;

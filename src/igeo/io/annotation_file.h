@@ -13,7 +13,7 @@ struct VertexRegion {
 };
 
 struct Annotation {
-    std::size_t vertices = 0;  ///< how many the surface has
+    std::size_t vertices = 0;  ///< number of vertices of the surface
     std::vector<VertexRegion> regions;
 };
 

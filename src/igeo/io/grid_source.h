@@ -1,4 +1,4 @@
-/// A grid in a file, as named: FILE[:GRID].
+/// The name of a grid in a file: FILE[:GRID].
 #pragma once
 
 #include <string>
@@ -8,15 +8,14 @@ namespace igeo {
 /// The file "-" is standard input.
 struct GridSource {
     std::string file;
-    std::string grid;  ///< empty: the only one that can be meant; of a tensor: what its names begin
-                       ///< with
+    std::string grid;  ///< empty: the only usable one; for tensors: the start of the two grid names
 
     bool operator==(const GridSource&) const = default;
     /// FILE[:GRID]
     std::string text() const { return grid.empty() ? file : file + ":" + grid; }
 };
 
-/// Splits FILE[:GRID] at the last colon; a file whose whole name exists wins.
+/// Splits FILE[:GRID] at the last colon; if a file with the whole name exists, it is the file.
 GridSource parseGridSource(const std::string& text);
 
 }  // namespace igeo

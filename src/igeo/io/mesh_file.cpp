@@ -31,7 +31,7 @@ constexpr const char* kReadable =
     "meshes are read from .obj, .ply, .stl, .off, .gii, .mz3, .gltf and .glb, and from surfaces "
     "of FreeSurfer";
 
-/// The reasons that the system gives, which assimp does not.
+/// Reports the system's reasons, which assimp does not give.
 void requireReadable(const std::string& file) {
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored))
@@ -71,8 +71,8 @@ void requireRoom(std::size_t points, const std::string& file) {
                     "simplify the mesh: it needs no more detail than voxels");
 }
 
-/// Cuts a polygon into triangles by its ears: the corner with the best triangle that holds no other
-/// corner goes first. Assimp's own step ends the process on a polygon it does not like.
+/// Triangulates a polygon by cutting ears: the corner with the best triangle that contains no other
+/// corner goes first. Assimp's own triangulation ends the process on some polygons.
 /// Time O(corners^2).
 class EarCutter {
 public:
@@ -101,7 +101,7 @@ private:
     struct Ear {
         std::array<std::uint32_t, 3> corners;
         double shape;        ///< largest for an equilateral triangle, negative where it is concave
-        std::size_t inside;  ///< how many other corners it holds
+        std::size_t inside;  ///< number of other corners inside
     };
 
     Ear earAt(std::size_t k) const {
@@ -144,12 +144,12 @@ private:
     std::vector<std::uint32_t> corners_;
     TriangleMesh& mesh_;
     const std::vector<Vec3d>& p_;
-    Vec3d normal_;  ///< Newell's, of twice the area
+    Vec3d normal_;  ///< Newell's normal, twice the area long
     std::vector<Ear> ears_;
 };
 
-/// Cuts a polygon into the same triangles whichever corner comes first and whichever way it runs,
-/// so that weld() finds those of a face that is there in both orders.
+/// Cuts a polygon into the same triangles whatever its first corner and its direction, so that
+/// weld() finds duplicates of a face that the file holds in both orders.
 void cutAlike(std::vector<std::uint32_t> corners, TriangleMesh& mesh) {
     const auto before = [&](std::uint32_t i, std::uint32_t j) {
         const Vec3d &a = mesh.points[i], &b = mesh.points[j];
@@ -166,7 +166,7 @@ void cutAlike(std::vector<std::uint32_t> corners, TriangleMesh& mesh) {
 }
 
 void appendPolygon(const std::vector<std::uint32_t>& corners, TriangleMesh& mesh) {
-    // Some seconds.
+    // This many take some seconds.
     constexpr std::size_t kMostCorners = 20000;
     if (corners.size() > kMostCorners)
         throw Error(Kind::BadInput,
@@ -231,7 +231,7 @@ PolygonMesh readPlyMesh(const std::string& file, const std::string& bytes) {
 
 using PolygonReader = PolygonMesh (*)(const std::string& file, const std::string& bytes);
 
-/// The reader of a kind of file that has numbers of vertices; null for others.
+/// The reader of a file format with vertex numbers; null for other formats.
 PolygonReader polygonReaderFor(const std::string& file) {
     static constexpr std::pair<const char*, PolygonReader> kReaders[] = {{".ply", readPlyMesh},
                                                                          {".obj", readObjMesh},
@@ -241,13 +241,13 @@ PolygonReader polygonReaderFor(const std::string& file) {
     const std::string ending = endingBeforeGz(file);
     for (const auto& [known, reader] : kReaders)
         if (ending == known) return reader;
-    // FreeSurfer's have names without endings, or such as .pial.
+    // Files of FreeSurfer have names without endings, or with endings such as .pial.
     std::array<char, 3> begin{};
     std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
     return isFreeSurferSurface({begin.data(), begin.size()}) ? readFreeSurferMesh : nullptr;
 }
 
-/// Keeps the numbers of vertices and faces.
+/// Moves polygons into the mesh, with their numbers of vertices and faces.
 void takePolygons(TriangleMesh& mesh, PolygonMesh polygons) {
     const auto source = std::make_shared<const PolygonMesh>(std::move(polygons));
     requireRoom(source->vertices.size(), mesh.file);
@@ -259,7 +259,7 @@ void takePolygons(TriangleMesh& mesh, PolygonMesh polygons) {
     mesh.source = source;
 }
 
-/// Points off by more than a voxel in 400 of a usual size.
+/// Warns if rounding moves points by more than 1/400 voxel at a usual resolution.
 void warnOfRounding(TriangleMesh& mesh) {
     constexpr double kMost = 1e-5, kSingle = 6e-8;
     const Box box(mesh.points);
@@ -274,7 +274,7 @@ void warnOfRounding(TriangleMesh& mesh) {
                     furthest, size, off));
 }
 
-/// What every mesh is asked for, and weld().
+/// Checks that every mesh must pass, and weld().
 void finish(TriangleMesh& mesh) {
     if (mesh.triangles.empty())
         throw Error(Kind::BadInput,

@@ -1,4 +1,4 @@
-/// Progress and the interrupters of OpenVDB and its hosts, either in place of the other.
+/// Adapters between Progress and the interrupters of OpenVDB and its hosts, in both directions.
 #pragma once
 
 #include <igeo/base/progress.h>
@@ -19,7 +19,7 @@ public:
         if (percent >= 0) progress_.update(name_, percent / 100.0);
         return progress_.cancelled();
     }
-    /// As the tools that are compiled into OpenVDB take it.
+    /// The type that the tools compiled into OpenVDB take.
     openvdb::util::NullInterrupter* pointer() { return this; }
 
 private:
@@ -27,10 +27,11 @@ private:
     const char* name_ = "OpenVDB";
 };
 
-/// A host's interrupter for igeo: anything with start(name), end() and wasInterrupted(percent), as
-/// Houdini's UT_VDBUtils hvdb::Interrupter and all that derives from OpenVDB's NullInterrupter.
+/// A host's interrupter as a Progress: anything with start(name), end() and
+/// wasInterrupted(percent), such as Houdini's UT_VDBUtils hvdb::Interrupter and all classes derived
+/// from OpenVDB's NullInterrupter.
 ///
-/// It is called by one thread at a time, and once interrupted it stays so.
+/// One thread calls it at a time. Once interrupted, it stays interrupted.
 template <typename Interrupter>
 class InterrupterProgress final : public Progress {
 public:
@@ -47,7 +48,7 @@ public:
 
 private:
     void ask(int percent) const {
-        // A thread that asks while another does takes the last answer.
+        // While another thread asks the host, this one uses the last answer.
         const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
         if (lock.owns_lock() && host_.wasInterrupted(percent)) interrupted_ = true;
     }

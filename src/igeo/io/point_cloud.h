@@ -10,17 +10,17 @@ namespace igeo {
 
 /// Points on or near a surface, world units.
 struct PointCloud {
-    std::string file;  ///< as named, for messages
+    std::string file;  ///< as given, for messages
     std::vector<Vec3d> points;
-    std::vector<Vec3f> normals;  ///< per point, of any length but zero; empty: none are known
-    std::vector<std::string> warnings = {};  ///< of the file, in sentences
+    std::vector<Vec3f> normals;  ///< per point, nonzero, of any length; empty: no normals
+    std::vector<std::string> warnings = {};  ///< about the file, one sentence each
 };
 
 /// Throws BadInput, naming the point, unless all is finite and no normal is zero.
 void requireUsable(const PointCloud& cloud);
 
-/// Each position once, sorted; of several points in one place the one whose normal is lowest by
-/// coordinates, so that the order of the input has no effect.
+/// Each position once, sorted. Of several points at one position the one with the lexicographically
+/// least normal is kept, so that the order of the input has no effect.
 PointCloud distinctPoints(const PointCloud& cloud);
 
 }  // namespace igeo

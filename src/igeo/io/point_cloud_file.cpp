@@ -17,7 +17,7 @@ namespace {
 
 using Kind = Error::Kind;
 
-/// The ending in lower case, ".ply"; of FILE.vdb:GRID that of the file.
+/// The ending in lower case, ".ply"; that of the file in FILE.vdb:GRID.
 std::string endingOf(const std::string& file) {
     std::string name = std::filesystem::path(file).filename().string();
     std::transform(name.begin(), name.end(), name.begin(),
@@ -40,7 +40,7 @@ PointCloud pointsFromText(const std::string& file, const std::string& bytes) {
     std::size_t columns = 0;
     forLines(bytes, [&](std::string_view line, std::size_t number) {
         const std::vector<double> v = numbersIn(line);
-        // A first line that does not begin like a number names the columns.
+        // A first line that does not start like a number names the columns.
         const auto begin = line.find_first_not_of(" \t\"");
         const bool isHeader = mayBeHeader && v.empty() && begin != std::string_view::npos &&
                               std::isalpha(static_cast<unsigned char>(line[begin]));
@@ -58,7 +58,7 @@ PointCloud pointsFromText(const std::string& file, const std::string& bytes) {
     return cloud;
 }
 
-/// A .pwn file: the count of points, then all positions, then all normals; or both in each line.
+/// A .pwn file: the number of points, then all positions, then all normals; or both on each line.
 PointCloud pointsFromPwn(const std::string& file, const std::string& bytes) {
     PointCloud cloud{file, {}, {}};
     std::vector<Vec3d> rows;
@@ -99,7 +99,7 @@ PointCloud pointsFromObj(const std::string& file, const std::string& bytes) {
         else
             cloud.points.push_back({v[0], v[1], v[2]});
     });
-    // Faces say which normal belongs to which vertex; without them only the order does.
+    // Only faces assign normals to vertices; without them the order is the only hint.
     if (cloud.normals.size() != cloud.points.size()) cloud.normals.clear();
     return cloud;
 }

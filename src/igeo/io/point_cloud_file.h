@@ -1,4 +1,4 @@
-/// Clouds of points from files.
+/// Point clouds from files.
 #pragma once
 
 #include <igeo/io/point_cloud.h>
@@ -7,21 +7,21 @@
 
 namespace igeo {
 
-/// Whether a file is points by the ending of its name, and nothing else: .xyz .txt .csv .pts .asc
-/// .pwn, in any case.
+/// Whether a file can only be a point cloud, by its ending in any case: .xyz .txt .csv .pts .asc
+/// .pwn.
 bool isPointFile(const std::string& file);
 
-/// Reads a cloud, by the ending of the file's name:
+/// Reads a cloud, in the format that the ending of the file's name gives:
 ///
-/// - `.ply`: text or binary of either byte order; x y z and, if all three are there, nx ny nz of
-///   the element `vertex`. Everything else is skipped.
-/// - `.xyz .txt .csv .pts .asc`: a point per line, x y z or x y z nx ny nz, with blanks, commas or
-///   semicolons between them; `#` begins a comment, and a first line without a number names the
+/// - `.ply`: text or binary of either byte order; x y z and, if all three exist, nx ny nz of the
+///   element `vertex`. Everything else is skipped.
+/// - `.xyz .txt .csv .pts .asc`: a point per line, x y z or x y z nx ny nz, separated by blanks,
+///   commas or semicolons; `#` starts a comment, and a first line without a number names the
 ///   columns.
 /// - `.pwn`: a count, then as many lines x y z, then as many nx ny nz; or lines x y z nx ny nz.
-/// - `.obj`: the lines `v`, and if there are as many, `vn`.
+/// - `.obj`: the lines `v`, and, if there are as many, `vn`.
 /// - `.vdb`: a grid of points, FILE.vdb:GRID where there are several; normals are the attribute
-/// `N`.
+///   `N`.
 ///
 /// @throws Error  Io where the file cannot be read; BadInput for another ending, a broken or
 ///         truncated file (with line or byte), a coordinate that is not finite, a normal that is

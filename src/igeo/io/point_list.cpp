@@ -22,10 +22,10 @@ namespace igeo {
 namespace {
 
 using Kind = Error::Kind;
-/// Members stay in the order of the file.
+/// It keeps members in the order of the file.
 using json = nlohmann::ordered_json;
 
-/// Three numbers of a list from one on.
+/// Three numbers of a list, from `first` on.
 /// @throws std::invalid_argument
 Vec3d vectorFrom(const json& j, std::size_t first) {
     Vec3d p;
@@ -66,7 +66,7 @@ AskedPoint pointFrom(const json& j) {
     return p;
 }
 
-/// What a .json file holds; discarded where it is none.
+/// The content of a .json file; discarded if it is not valid JSON.
 json parsedJson(std::istream& in, const std::string& file) {
     return json::parse(in, JsonGuard<json>(file), /*allow_exceptions=*/false);
 }
@@ -80,7 +80,7 @@ json listFromJson(std::istream& in, const std::string& file, const char* what,
     return all;
 }
 
-/// read(entry) of every entry; what it throws names the entry.
+/// read(entry) for every entry; errors name the entry.
 template <typename Read>
 auto readEntries(const json& all, const std::string& file, const std::string& remedy,
                  const Read& read) {
@@ -98,7 +98,7 @@ auto readEntries(const json& all, const std::string& file, const std::string& re
 
 /// @throws std::invalid_argument
 Curve curveFrom(const json& j) {
-    // Isolines have it; geodesics keep theirs with the distances along them.
+    // Isolines have positions here; geodesics have them in `vertices`, beside the distances.
     const json& holder = j.is_object() && j.contains("vertices") ? j["vertices"] : j;
     if (!holder.is_object() || !holder.contains("position") || !holder["position"].is_array())
         throw std::invalid_argument("there is no list \"position\"");
@@ -122,7 +122,7 @@ std::vector<Curve> curvesFromJson(std::istream& in, const std::string& file) {
     const std::string remedy =
         R"(write [[x, y, z], ...] or [{"position": [[x, y, z], ...], "closed": true}, ...])";
     const json document = parsedJson(in, file);
-    // No copy of it: that of a list in lists takes stack for each.
+    // A pointer, because copying nested lists takes stack for each level.
     const json* list = &document;
     for (const char* name : {"isolines", "paths", "walks", "pairs", "via"})
         if (list->is_object() && list->contains(name) && !(*list)[name].empty())
@@ -144,7 +144,7 @@ AskedPair pairFrom(const json& j) {
     return {vectorFrom(j, 0), vectorFrom(j, 3)};
 }
 
-/// The vertex that a number in a text file stands for.
+/// The vertex with a number from a text file.
 /// @throws Error  BadInput
 AskedPoint vertexFrom(double number, const std::string& file) {
     if (!(number >= 0 && number == std::floor(number) && number < 0x1p53))
@@ -330,7 +330,7 @@ bool same(const AskedPoint& a, const AskedPoint& b) {
     return a.vertex == b.vertex && a.position == b.position;
 }
 
-/// A curve that ends where it begins is closed.
+/// A curve whose last point repeats its first is closed.
 AskedCurve curveThrough(std::vector<AskedPoint> points) {
     AskedCurve curve{std::move(points), false};
     if (curve.points.size() < 3 || !same(curve.points.front(), curve.points.back())) return curve;
@@ -339,7 +339,7 @@ AskedCurve curveThrough(std::vector<AskedPoint> points) {
     return curve;
 }
 
-/// Whether a .json file holds curves, and not the points of one.
+/// Whether a .json file holds curves, rather than the points of one.
 bool holdsCurves(const std::string& file) {
     std::ifstream in = open(file);
     const json all = parsedJson(in, file);

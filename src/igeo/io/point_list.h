@@ -1,4 +1,4 @@
-/// Points named on the command line or listed in files.
+/// Points given on the command line or in files.
 #pragma once
 
 #include <igeo/base/polyline.h>
@@ -9,12 +9,12 @@
 
 namespace igeo {
 
-/// The comma-separated finite numbers of a text (blanks allowed); empty if it holds anything else.
+/// The comma-separated finite numbers of a text (blanks allowed); empty for any other text.
 std::vector<double> parseNumbers(const std::string& text);
 
-/// A point as it is asked for: by position, or as a vertex of the surface.
+/// A point as given: by position, or as a vertex of the surface.
 struct AskedPoint : Seed {
-    std::string vertex;  ///< as Surface::vertex; empty: `position` counts
+    std::string vertex;  ///< as in Surface::vertex; empty: `position` is used
 
     using Seed::Seed;
     explicit AskedPoint(const std::string& name, double startAt = 0)
@@ -25,55 +25,60 @@ struct AskedPoint : Seed {
 /// @throws Error  InvalidArgument for anything else
 AskedPoint parsePoint(const std::string& text);
 
-/// Points that are one seed.
+/// Points that form one seed.
 struct AskedGroup {
     std::string name;  ///< empty: none
     std::vector<AskedPoint> points;
 };
 
-/// What a file of seeds holds.
+/// The content of a file of seeds.
 struct AskedSeeds {
     std::vector<AskedPoint> points;
     std::vector<AskedGroup> groups;
-    std::size_t vertices = 0;  ///< of the surface that it is for; 0: the file does not say
+    std::size_t vertices = 0;  ///< of the surface that the file was made for; 0: unknown
 };
 
-/// Seeds from a file of points (readPoints), or groups of points from a .json file,
-/// {"groups": {"name": [...], ...}} or {"groups": [[...], ...]}, whose lists are as those of
-/// readPoints; or the regions of a .annot file of FreeSurfer (readAnnotation), each a group.
+/// Seeds from a file of points (readPoints); or groups of points from a .json file, {"groups":
+/// {"name": [...], ...}} or {"groups": [[...], ...]}, with lists as in readPoints; or the regions
+/// of a .annot file of FreeSurfer (readAnnotation), one group each.
 /// @throws Error  Io, or BadInput with the line or the group and entry
 AskedSeeds readSeeds(const std::string& file);
 
-/// Points from a .json file, [[x, y, z], ...], [{"position": [x, y, z], "start": s}, ...] or
-/// numbers of vertices, [12, {"vertex": 40, "start": s}, ...]; or from a text file of lines
-/// x,y,z[,start] or of a vertex each; empty lines, lines with # and one header line are skipped;
-/// or the vertices of a .label file of FreeSurfer.
+/// Points from a file:
+///
+/// - `.json`: [[x, y, z], ...], [{"position": [x, y, z], "start": s}, ...], or vertex numbers, [12,
+///   {"vertex": 40, "start": s}, ...];
+/// - text: lines x,y,z[,start], or a vertex number per line; empty lines, lines with # and one
+///   header line are skipped;
+/// - `.label` of FreeSurfer: its vertices.
+///
 /// @throws Error  Io, or BadInput with the line or entry
 std::vector<AskedPoint> readPoints(const std::string& file);
 
-/// Polylines from a .json file: [[x, y, z], ...] is one, open; [{"position": [[x, y, z], ...],
-/// "closed": c, "start": s}, ...] are several; and the isolines or geodesics that this program
-/// writes. From any other file its points, as one open polyline. Closed ones may repeat their first
-/// point at the end; in the other forms, that closes them.
+/// Polylines from a .json file: [[x, y, z], ...] is one open polyline; [{"position": [[x, y, z],
+/// ...], "closed": c, "start": s}, ...] are several; the isolines and geodesics that this program
+/// writes are read too. From any other file its points, as one open polyline. Closed ones may
+/// repeat their first point at the end; in forms without "closed" this closes them.
 /// @throws Error  Io, or BadInput with the entry
 std::vector<Curve> readCurves(const std::string& file);
 
-/// Points to go through, in order.
+/// Points that a curve passes through, in order.
 struct AskedCurve {
     std::vector<AskedPoint> points;
-    bool closed = false;  ///< the last point joins the first
+    bool closed = false;  ///< the last point is joined to the first
 };
 
-/// "x,y,z x,y,z vertex:12": points as parsePoint with blanks or semicolons between; the first
-/// again at the end closes the curve. Empty unless the first word is a point.
-/// @throws Error  InvalidArgument for another word that is none
+/// "x,y,z x,y,z vertex:12": points as in parsePoint, separated by blanks or semicolons; repeating
+/// the first at the end closes the curve. Empty unless the first word is a point.
+/// @throws Error  InvalidArgument for a later word that is no point
 AskedCurve parseCurve(const std::string& text);
 
-/// Points to go through: files as readCurves, or as readPoints, which may name vertices: one curve.
+/// Curves through points, from files as in readCurves, or one curve from a file as in readPoints,
+/// which may name vertices.
 /// @throws Error  Io, or BadInput with the line or entry
 std::vector<AskedCurve> readAskedCurves(const std::string& file);
 
-/// Two points to go between.
+/// A source and a target.
 struct AskedPair {
     AskedPoint source, target;
 };

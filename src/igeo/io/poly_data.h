@@ -1,4 +1,4 @@
-/// Points joined by lines or polygons, with data at the points: what geometry files hold.
+/// Points joined by lines or polygons, with data at the points: the content of geometry files.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -13,7 +13,7 @@ namespace igeo {
 struct PointData {
     enum class Type { Float32, Float64, Int32 };
     std::string name;            ///< "distance"
-    std::vector<double> values;  ///< components of each point after those of the point before
+    std::vector<double> values;  ///< all components of a point, then those of the next point
     int components = 1;
     Type type = Type::Float32;  ///< in the file
 };
@@ -30,10 +30,10 @@ struct Cells {
     std::size_t size() const { return ends.size(); }
 };
 
-/// As vtkPolyData. Points are in world units.
+/// The content of a vtkPolyData. Points are in world units.
 struct PolyData {
     std::vector<Vec3d> points;
-    Cells lines;     ///< polylines; a closed one repeats its first point
+    Cells lines;     ///< polylines; closed ones repeat their first point
     Cells polygons;  ///< counterclockwise seen from outside
     std::vector<PointData> data;
     std::vector<PointData> lineData;  ///< per line instead of per point

@@ -13,8 +13,8 @@ namespace igeo {
 /// Vertices and faces in the order of the file, with the file's numbers.
 struct PolygonMesh {
     std::vector<Vec3d> vertices;
-    std::vector<std::uint32_t> corners;  ///< of all faces, one face after the other
-    std::vector<std::size_t> faceEnd;    ///< per face, where its corners end
+    std::vector<std::uint32_t> corners;  ///< of all faces, one face after another
+    std::vector<std::size_t> faceEnd;    ///< per face: where its corners end
 
     std::size_t faces() const { return faceEnd.size(); }
     std::span<const std::uint32_t> face(std::size_t f) const {

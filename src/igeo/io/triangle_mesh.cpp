@@ -18,11 +18,11 @@ namespace {
 using Triangle = TriangleMesh::Triangle;
 constexpr std::uint32_t kNone = MeshTopology::kNone;
 
-/// Per point, the earliest within `tolerance` that is not itself taken for another.
+/// Per point, the earliest point within `tolerance` that is not itself replaced by another.
 std::vector<std::uint32_t> earliestNear(const std::vector<Vec3d>& points, double tolerance) {
     std::vector<std::uint32_t> same(points.size());
     const Vec3d low = Box(points).low;
-    // Cells of four tolerances: most points look into one only. 21 bits hold their numbers.
+    // Cells of four tolerances: most points read one cell only. A cell number has 21 bits per axis.
     const double cells = tolerance > 0 ? 1 / (4 * tolerance) : 0;
     auto cellOf = [&](const Vec3d& p) {
         std::array<std::uint64_t, 3> c{};
@@ -33,7 +33,7 @@ std::vector<std::uint32_t> earliestNear(const std::vector<Vec3d>& points, double
     auto key = [](std::uint64_t x, std::uint64_t y, std::uint64_t z) {
         return x << 42 | y << 21 | z;
     };
-    // A chain per cell, through the points that stand for themselves.
+    // Per cell a chain of the points that are not replaced.
     std::unordered_map<std::uint64_t, std::uint32_t> newest;
     std::vector<std::uint32_t> older(points.size(), kNone);
     newest.reserve(points.size() / 2);
@@ -62,7 +62,7 @@ std::vector<std::uint32_t> earliestNear(const std::vector<Vec3d>& points, double
 struct HalfEdge {
     std::uint32_t low, high;
     std::uint32_t triangle, corner;
-    bool up;  ///< from low to high
+    bool up;  ///< runs from low to high
 
     bool operator<(const HalfEdge& o) const {
         return std::tie(low, high, triangle, corner) <
@@ -70,10 +70,10 @@ struct HalfEdge {
     }
 };
 
-/// Calls visit(first, last) for the half-edges of each edge, by triangle.
+/// Calls visit(first, last) for the half-edges of each edge, ordered by triangle.
 template <typename Visit>
 void forEdges(const TriangleMesh& mesh, const Visit& visit) {
-    // By their lower point first, which takes no comparisons.
+    // Sorted by their lower point first, which needs no comparisons.
     std::vector<std::size_t> place(mesh.points.size() + 1);
     auto forSides = [&](const auto& see) {
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -99,14 +99,14 @@ void forEdges(const TriangleMesh& mesh, const Visit& visit) {
     }
 }
 
-/// Whether a triangle has to be turned to run with the first of its component; and which components
-/// cannot be made to.
+/// Which triangles to flip to agree with the first of their component, and which components cannot
+/// be oriented.
 struct Turns {
     std::vector<bool> turned;
     std::vector<bool> oneSided;  ///< per component
 };
 
-/// Triangles joined through edges of two, turned alike.
+/// Triangles joined through edges of two, oriented alike.
 class Patches {
 public:
     Patches(const TriangleMesh& mesh, const MeshTopology& topology, Turns& turns)
@@ -137,8 +137,8 @@ private:
         members_.push_back(std::move(queue));
     }
 
-    /// Where three or more meet, each goes on in the next, as far as that closes no circle. The
-    /// smaller part is turned.
+    /// At edges of three or more triangles, orients each patch by the next, as far as that closes
+    /// no cycle. The smaller part is flipped.
     void joinAtManyEdges() {
         DisjointSets joined(members_.size());
         forEdges(mesh_, [&](const HalfEdge* first, const HalfEdge* last) {
@@ -195,7 +195,7 @@ void weld(TriangleMesh& mesh) {
     for (Triangle& t : mesh.triangles)
         for (std::uint32_t& v : t) v = same[v];
 
-    // Of equal triangles the first stays.
+    // Of equal triangles the first is kept.
     std::vector<std::pair<Triangle, std::uint32_t>> sorted;
     sorted.reserve(mesh.triangles.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -249,7 +249,7 @@ MeshTopology meshTopology(const TriangleMesh& mesh) {
     });
     topology.component.resize(mesh.triangles.size());
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        // The first of a set was numbered before.
+        // The first member of a set already has a number.
         const std::uint32_t root = joined.first(t);
         topology.component[t] =
             root == t ? std::uint32_t(topology.components++) : topology.component[root];

@@ -21,15 +21,15 @@ namespace {
 using Kind = Error::Kind;
 using openvdb::GridBase;
 
-/// The file for messages, as the object of a sentence.
+/// The file in messages, as the object of a sentence.
 std::string nameOf(const GridSource& source) {
     return source.file == "-" ? "standard input" : fmt::format("file '{}'", source.file);
 }
 
-/// One grid of a file, as far as its metadata tells.
+/// One grid of a file, with its metadata.
 struct Candidate {
     std::string name;         ///< unique name
-    GridBase::ConstPtr grid;  ///< null: of a type that OpenVDB does not know
+    GridBase::ConstPtr grid;  ///< null: of a type that OpenVDB does not have
     std::string unknownType;
 
     template <typename Grid>
@@ -41,7 +41,7 @@ struct Candidate {
     }
     std::string type() const {
         if (!grid) return "unknown type " + unknownType;
-        // OpenVDB calls the values of a mask bool.
+        // OpenVDB calls the value type of a mask bool.
         return is<openvdb::MaskGrid>() ? "mask" : grid->valueType();
     }
     std::string className() const { return GridBase::gridClassToString(gridClass()); }
@@ -51,7 +51,7 @@ struct Candidate {
 };
 using Candidates = std::vector<Candidate>;
 
-// OpenVDB 13 made grids of half floats a type of their own.
+// Since OpenVDB 13 grids of half floats are a type of their own.
 #if OPENVDB_LIBRARY_MAJOR_VERSION_NUMBER >= 13
 bool isHalf(const Candidate& c) { return c.is<openvdb::HalfGrid>(); }
 openvdb::FloatGrid::Ptr singlesOfHalves(const GridBase::Ptr& grid) {
@@ -88,13 +88,13 @@ std::string describeAll(const Candidates& all) {
 constexpr const char* kFromFog =
     "with rebuilt(), OpenVDB's tools::fogToSdf or Houdini's 'Convert VDB'";
 
-/// What an input asks of a grid, and the words for it.
+/// The requirements of an input on its grid, and the words for them.
 struct Wanted {
     const char *article, *noun;
     const char* values;              ///< what `fits` allows
     bool (*fits)(const Candidate&);  ///< by type
     bool fogToo = true;              ///< fog volumes are accepted
-    /// Which of those that fit can be meant if none is named: the likely ones if there are any.
+    /// The preferred ones among those that fit, if no grid is named.
     bool (*likely)(const Candidate&) = isNoLevelSet;
     bool (*conceivable)(const Candidate&) = isAny;
 
@@ -120,7 +120,7 @@ GridEntry entryOf(const Candidate& c) {
                     allows(kWeight, c),
                     allows(kObstacle, c)};
     if (!c.grid) return entry;
-    // A grid of a file is only its metadata here, one of a stream is whole.
+    // A grid of a file has only its metadata here; one of a stream is complete.
     if (const auto said =
             c.grid->getMetadata<openvdb::Int64Metadata>(GridBase::META_FILE_VOXEL_COUNT))
         entry.activeVoxels = std::uint64_t(said->value());
@@ -142,7 +142,7 @@ const Candidate& named(const Candidates& all, const std::string& name, const Gri
                 "it holds " + describeAll(all) + advice);
 }
 
-/// The only grid that can be meant where none is named.
+/// The only usable grid where none is named.
 const Candidate& meant(const Candidates& all, const Wanted& wanted, const GridSource& source) {
     std::vector<const Candidate*> fits;
     for (const auto belongs : {wanted.likely, wanted.conceivable})
@@ -167,7 +167,7 @@ const Candidate& meant(const Candidates& all, const Wanted& wanted, const GridSo
         "name one: " + source.file + ":" + fits.front()->name);
 }
 
-/// The grid asked for, or the only one that can be meant.
+/// The named grid, or the only usable one.
 const Candidate& choose(const Candidates& all, const Wanted& wanted, const GridSource& source) {
     return source.grid.empty() ? meant(all, wanted, source) : named(all, source.grid, source);
 }
@@ -175,7 +175,7 @@ const Candidate& choose(const Candidates& all, const Wanted& wanted, const GridS
 using Choice = std::vector<const Candidate*>;
 using Choose = std::function<Choice(const Candidates&)>;
 
-/// What `choice` takes, all of a type that fits.
+/// The grids that `choice` selects, if all have a type that fits.
 Choice checked(const Candidates& all, const Wanted& wanted, const GridSource& source,
                const Choose& choice) {
     if (all.empty())
@@ -212,7 +212,7 @@ struct NamedGrid {
     std::vector<std::string> warnings;
 };
 
-/// What to say of a file by a newer OpenVDB.
+/// A warning for files of a newer OpenVDB.
 std::vector<std::string> warningsOf(const GridSource& source, std::ios_base& in) {
     const std::uint32_t format = openvdb::io::getFormatVersion(in);
     if (format <= openvdb::OPENVDB_FILE_VERSION) return {};
@@ -225,7 +225,7 @@ std::vector<std::string> warningsOf(const GridSource& source, std::ios_base& in)
 }
 
 /// A stream has no directory: all its grids are read. `in` must throw at its end, or OpenVDB would
-/// take garbage for what is missing.
+/// read garbage in place of missing bytes.
 std::vector<NamedGrid> readFromStream(const GridSource& source, std::istream& in,
                                       const Choose& choice) {
     if (in.peek() == std::istream::traits_type::eof())
@@ -263,7 +263,7 @@ std::vector<NamedGrid> readFromFile(const GridSource& source, const Choose& choi
     return chosen;
 }
 
-/// Refuses what OpenVDB would report in its own words or not at all.
+/// Refuses files that OpenVDB would report unclearly or not at all.
 void requireReadable(const std::string& name, const Wanted& wanted) {
     errno = 0;
     std::ifstream in(name, std::ios::binary);
@@ -281,14 +281,14 @@ void requireReadable(const std::string& name, const Wanted& wanted) {
                     "give " + wanted.one() + " written by OpenVDB, Houdini, Blender or vdb_tool");
 }
 
-/// What an exception of OpenVDB says, without the name of its class.
+/// The message of an OpenVDB exception, without the class name.
 std::string withoutClass(const std::exception& e) {
     std::string why = e.what();
     if (const auto colon = why.find(": "); colon != std::string::npos) why.erase(0, colon + 2);
     return why;
 }
 
-/// Reads the grids that `choice` takes; refuses files in words of its own.
+/// Reads the grids that `choice` selects; refuses files with messages of its own.
 std::vector<NamedGrid> readGrids(const GridSource& source, const Wanted& wanted,
                                  const Choose& choice) {
     openvdb::initialize();
@@ -334,8 +334,8 @@ openvdb::FloatGrid::Ptr scalars(const GridBase::Ptr& grid) {
     return openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
 }
 
-/// A Vec3S or Vec3D grid in single precision. OpenVDB does not convert vectors; values of voxels
-/// that are not active are lost.
+/// A Vec3S or Vec3D grid in single precision. OpenVDB does not convert vectors; values of inactive
+/// voxels are lost.
 openvdb::Vec3SGrid::Ptr vectors(const GridBase::Ptr& grid) {
     const auto doubles = openvdb::gridPtrCast<openvdb::Vec3DGrid>(grid);
     if (!doubles) return openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid);
@@ -349,12 +349,12 @@ openvdb::Vec3SGrid::Ptr vectors(const GridBase::Ptr& grid) {
     return singles;
 }
 
-/// The file as named, for messages.
+/// The file as given, for messages.
 std::string fileOf(const GridSource& source) {
     return source.file == "-" ? "standard input" : source.file;
 }
 
-/// The grid named, or the only one that can be meant.
+/// The named grid, or the only usable one.
 NamedGrid readGrid(const GridSource& source, const Wanted& wanted,
                    std::vector<GridEntry>* entries = nullptr) {
     return readGrids(source, wanted,

@@ -1,4 +1,4 @@
-/// VDB files in: which grid to take.
+/// Reading VDB files, and choosing a grid.
 #pragma once
 
 #include <igeo/io/grid_source.h>
@@ -14,39 +14,38 @@ namespace igeo {
 /// A scalar grid as read, before any check of its values.
 struct LoadedGrid {
     openvdb::FloatGrid::ConstPtr grid;
-    std::string file;  ///< as named, for messages
+    std::string file;  ///< as given, for messages
     std::string name;  ///< unique in the file: the second of two grids `psi` is `psi[1]`
-    bool isLevelSetClass = false;            ///< the file says so
-    std::vector<std::string> warnings = {};  ///< of the file, in sentences
+    bool isLevelSetClass = false;            ///< by the file's metadata
+    std::vector<std::string> warnings = {};  ///< about the file, one sentence each
 };
 
-/// What a file says of one of its grids.
+/// The metadata of a grid in a file.
 struct GridEntry {
     std::string name;       ///< unique in the file, as in LoadedGrid
     std::string type;       ///< of its values: float, vec3s, mask, ...; "unknown type ..."
     std::string gridClass;  ///< as OpenVDB names it: level set, fog volume, unknown, ...
-    std::optional<std::uint64_t> activeVoxels;  ///< none where the file does not say
-    bool surface, weight, obstacle;             ///< what its type and class allow it to be
+    std::optional<std::uint64_t> activeVoxels;  ///< none if the file does not say
+    bool surface, weight, obstacle;             ///< uses that its type and class allow
 };
 
-/// Reads one scalar grid: the one named, else the only one of class level set, else the only float
+/// Reads one scalar grid: the named one, else the only one of class level set, else the only float
 /// or double grid of class unknown. Float, double (rounded to float) and half floats, half grids
 /// where OpenVDB has them (13); any file format that OpenVDB reads, with a warning for a newer one.
-/// Other grids of the file may be of types that OpenVDB does not know.
+/// Other grids of the file may have types unknown to OpenVDB.
 /// @throws Error  Io when the file cannot be opened; BadInput when it is not a VDB file, is cut
-/// off,
-///         holds no such grid, none that fits or several (the message lists them), or when the grid
-///         is a fog volume or no scalar
-/// @param entries receives all grids of the file, in its order, also where none of them is usable;
-///                null: not wanted
+///         off, holds no such grid, none that fits or several (the message lists them), or when the
+///         grid is a fog volume or no scalar
+/// @param entries receives all grids of the file, in its order, even if none is usable; null: not
+///                needed
 LoadedGrid readLevelSetGrid(const GridSource& source, std::vector<GridEntry>* entries = nullptr);
 
-/// Reads one scalar grid of any class, for a weight: the one named, else the only float or double
-/// grid that is no level set (a weight may lie beside its surface), else the only one.
+/// Reads one scalar grid of any class, for a weight: the named one, else the only float or double
+/// grid that is no level set (a weight may be in the file of its surface), else the only one.
 /// @throws Error  as readLevelSetGrid, but for the fog volume
 LoadedGrid readScalarGrid(const GridSource& source);
 
-/// A grid that says which places no path may enter, as read.
+/// A grid of the parts of space that no path may enter.
 struct ObstacleGrid {
     openvdb::GridBase::Ptr grid;  ///< a BoolGrid, MaskGrid or FloatGrid
     std::string file, name;       ///< as in LoadedGrid
@@ -70,7 +69,7 @@ struct TensorGrids {
 /// @throws Error  as readScalarGrid
 TensorGrids readTensorGrids(const GridSource& source);
 
-/// The grid of points (PointDataGrid) that is named, or the only one.
+/// The named grid of points (PointDataGrid), or the only one.
 /// @throws Error  as readScalarGrid
 openvdb::GridBase::Ptr readPointGrid(const GridSource& source, std::vector<std::string>& warnings);
 

@@ -14,7 +14,7 @@ namespace igeo {
 
 namespace {
 
-/// Archive writes to any stream, which lets the stream's failures be seen.
+/// Unlike File, Archive writes to any stream, so failures of the stream are seen.
 struct Writer : openvdb::io::Archive {
     void writeTo(std::ostream& os, const openvdb::GridCPtrVec& grids, bool seekable) {
         openvdb::MetaMap meta;
@@ -28,7 +28,7 @@ struct Writer : openvdb::io::Archive {
 /// (1).
 constexpr std::streamoff kUuidPosition = 8 + 3 * 4 + 1;
 
-/// Replaces the random UUID by one made from the bytes behind it.
+/// Replaces the random UUID by one computed from the bytes after it.
 void stampUuid(std::iostream& file) {
     Digest digest;
     std::vector<char> buffer(1 << 20);

@@ -52,7 +52,7 @@ std::vector<double> fromGifti(const std::string& file, const std::string& bytes)
     return values;
 }
 
-/// The vertex that a number stands for.
+/// The vertex with this number.
 std::size_t vertexOf(double number, std::size_t count, const std::string& file, std::size_t line) {
     if (number >= 0 && number < double(count) && number == std::floor(number))
         return std::size_t(number);
@@ -70,7 +70,8 @@ std::vector<double> fromText(const std::string& file, const std::string& bytes, 
         const std::vector<double> v = numbersIn(line);
         const bool isHeader = mayBeHeader && v.empty();
         mayBeHeader = false;
-        // Further columns only where the first is named: x,y,z are no vertex and value.
+        // More columns are allowed only if the first is named `vertex`: x,y,z are not vertex and
+        // value.
         if (isHeader && line.starts_with("vertex")) most = v.max_size();
         if (isHeader) return;
         if (v.empty() || v.size() > most || (columns != 0 && v.size() != columns))
@@ -86,7 +87,7 @@ std::vector<double> fromText(const std::string& file, const std::string& bytes, 
     return values;
 }
 
-/// The text between `before` and `stop` in the header of a .npy file.
+/// The text after `before` up to `stop`, in the header of a .npy file.
 std::string_view between(std::string_view text, std::string_view before, char stop) {
     const std::size_t at = text.find(before);
     if (at == text.npos) return {};

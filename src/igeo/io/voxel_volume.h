@@ -11,15 +11,15 @@
 
 namespace igeo {
 
-/// A value per voxel, and where the voxels lie.
+/// A value per voxel, and the position of the voxels.
 struct VoxelVolume {
-    std::string file;  ///< as named, for messages
+    std::string file;  ///< as given, for messages
     std::string kind;  ///< in words: "NIfTI-1, int16"
     std::array<std::size_t, 3> size{};
-    std::vector<float> values;    ///< i + size[0] (j + size[1] k); finite
-    std::array<Vec3d, 3> axis{};  ///< world, from a voxel to the next along i, j, k; of any lengths
-                                  ///< and angles
-    Vec3d origin;                 ///< world, the center of voxel 0,0,0
+    std::vector<float> values;  ///< i + size[0] (j + size[1] k); finite
+    /// World, steps to the next voxel along i, j, k; any lengths and angles
+    std::array<Vec3d, 3> axis{};
+    Vec3d origin;  ///< world, the center of voxel 0,0,0
     std::vector<std::string> warnings = {};
 
     Vec3d worldFromIndex(const Vec3d& p) const {
@@ -27,7 +27,7 @@ struct VoxelVolume {
     }
     /// Whether i, j, k is a left-handed system.
     bool mirrors() const { return dot(cross(axis[0], axis[1]), axis[2]) < 0; }
-    /// The shortest step to the next voxel, world.
+    /// The shortest step to a neighboring voxel, world.
     double finestSpacing() const {
         return std::min({length(axis[0]), length(axis[1]), length(axis[2])});
     }

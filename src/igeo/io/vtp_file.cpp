@@ -12,7 +12,7 @@ namespace igeo {
 
 namespace {
 
-/// Collects the text of the arrays and, beside it, their bytes.
+/// Collects the XML text of the arrays and, separately, their bytes.
 class Appender {
 public:
     void add(const std::string& name, const char* type, int components, const std::string& bytes) {
@@ -28,8 +28,8 @@ public:
     const std::string& appended() const { return appended_; }
 
 private:
-    /// VTK's layout: the number of blocks, their size, the size of a last one that is shorter, the
-    /// compressed sizes, the blocks.
+    /// VTK's layout: number of blocks, their size, the size of a shorter last one, the compressed
+    /// sizes, the blocks.
     void append(std::string_view bytes) {
         constexpr std::size_t kBlock = 1 << 20;
         std::vector<std::string> blocks((bytes.size() + kBlock - 1) / kBlock);
@@ -104,8 +104,8 @@ void addPointData(Appender& out, const PolyData& shape) {
     out.close("PointData");
 }
 
-/// VTK numbers the cells of a file: lines first, polygons after them. An array of one kind is
-/// filled up for the other.
+/// VTK numbers the cells of a file: lines first, then polygons. An array of one kind is padded for
+/// the other.
 void addCellData(Appender& out, const PolyData& shape) {
     const std::size_t lines = shape.lines.size(), polygons = shape.polygons.size();
     out.open("CellData");

@@ -8,10 +8,10 @@
 namespace igeo {
 
 /// The bytes of a .vtp file: arrays appended raw, compressed with zlib in blocks of 1 MiB; points
-/// are double where single precision would change one. The first of `data` is what readers color
-/// by. Blocks are compressed in parallel; the same bytes for any number of threads.
+/// are double if single precision would change one. Readers color by the first of `data`. Blocks
+/// are compressed in parallel; the same bytes for any number of threads.
 /// @throws Error  InvalidArgument for data whose length does not fit, or a name that XML cannot
-/// hold
+///         hold
 std::string vtp(const PolyData& shape);
 
 }  // namespace igeo

@@ -41,7 +41,7 @@ void Field::summarize() {
 
 namespace {
 
-/// Difference along one axis over reached neighbors that no obstacle hides; 0 where there is none.
+/// Difference along one axis over reached neighbors that no obstacle hides; 0 without any.
 double axisDifference(const Field& field, NodeIndex i, int axis) {
     const Band& band = *field.band;
     const std::vector<double>& d = field.distance;
@@ -53,8 +53,8 @@ double axisDifference(const Field& field, NodeIndex i, int axis) {
     };
     const bool hasLo = counts(lo), hasHi = counts(hi);
     if (hasLo && hasHi) {
-        // A front meets itself between two neighbors that both lie below d[i]: there the central
-        // difference cancels, and d falls to both sides.
+        // Where both neighbors lie below d[i], two fronts meet: the central difference cancels, and
+        // d falls to both sides.
         if (d[lo] < d[i] && d[hi] < d[i]) return d[lo] <= d[hi] ? d[i] - d[lo] : d[hi] - d[i];
         return (d[hi] - d[lo]) / 2;
     }
@@ -104,7 +104,7 @@ double segmentCost(const Band& band, const Metric& metric, const Vec3d& a, const
 
 namespace {
 
-/// What a start disc says.
+/// The distance by a start disc.
 struct Straight {
     const SurfacePoint* seed = nullptr;
     double distance = kInfinity;
@@ -132,26 +132,27 @@ private:
         const Reader& reader;
         TangentFrame frame;
         PlaneMetric plane;
-        double here;  ///< the weight
+        double here;  ///< the weight at the point
 
         explicit Chart(const Reader& r);
         JetNeighbor neighbor(NodeIndex j, const NodeJet& jet) const;
     };
 
-    /// The least distance by a start disc around the point.
-    /// @param d     the distance by the corners: it tells a seed on this sheet from one close by
-    /// @param isOf  which seeds count
+    /// The least distance by the start discs that contain the point.
+    /// @param d     the distance by the corners; it separates a seed on this sheet from one on a
+    ///              sheet close by
+    /// @param isOf  selects seeds
     template <typename IsOf>
     Straight straight(double d, const IsOf& isOf) const;
     Arrival arrival(double d, const Straight& disc, std::uint32_t source) const;
-    /// The same, or that of a seed so close to others that no node is nearest to it.
+    /// The first arrival, or the disc of a seed so close to others that no node is nearest to it.
     Arrival orBetweenNodes(const Arrival& first) const;
-    /// Whether a corner within the disc of this seed was reached before its front came.
+    /// Whether an earlier front reached a corner within the disc of this seed.
     bool isOverrun(const SurfacePoint& seed) const;
     double trilinear() const;
     /// The jets of one source, blended.
     double blended(std::uint32_t source) const;
-    /// By the core around the cell, where the corners are too few to tell fronts apart.
+    /// From the core around the cell, where the corners are too few to separate fronts.
     std::optional<Jet> whereFrontsMeet(const Chart& chart, std::uint32_t source) const;
 
     const Field& field_;
@@ -159,7 +160,7 @@ private:
     const Metric& metric_;
     const Vec3d p_;
     const SurfaceCell cell_;
-    std::array<NodeJet, 8> corner_;  ///< of the cell; unreached: +inf
+    std::array<NodeJet, 8> corner_;  ///< of the cell; unreached: +infinity
 };
 
 template <typename IsOf>
@@ -204,7 +205,7 @@ bool Reader::isOverrun(const SurfacePoint& seed) const {
     return false;
 }
 
-/// Values belong to the voxels.
+/// For values that belong to voxels.
 double Reader::trilinear() const {
     double sum = 0, weight = 0, nearest = kInfinity;
     for (std::size_t k = 0; k < 8; ++k) {
@@ -248,7 +249,7 @@ double Reader::blended(std::uint32_t source) const {
     for (std::size_t k = 0; k < 8; ++k) {
         const NodeJet& jet = corner_[k];
         if (!(jet.distance < kInfinity) || jet.label != source) continue;
-        // A corner at p itself must not leave the sum empty.
+        // A single corner at p itself needs a positive weight.
         weight[std::size_t(all.count())] = float(cell_.weight[k]) + 1e-6f;
         all.add(chart.neighbor(cell_.node[k], jet));
     }
@@ -304,7 +305,7 @@ Arrival Reader::byJets() const {
     }
     for (std::size_t k = 0; k < count; ++k) {
         const std::uint32_t own = sources[k];
-        // Beside a seed in a groove jets are carried on past it.
+        // Beside a seed in a groove, jets are extrapolated past the seed.
         const double d = std::max({field_.leastStart, blended(own), field_.lines.from(own, p_)});
         const Straight disc = straight(d, [&](std::size_t s) { return field_.source[s] == own; });
         const Arrival a = arrival(d, disc, own);
@@ -352,7 +353,8 @@ Vec3d gradientAt(const Field& field, const Arrival& arrival, const Vec3d& pIndex
         weights += cell.weight[k];
         if (cell.weight[k] > most) most = cell.weight[k], first = g;
     }
-    // Where two fronts of one source meet they cancel each other: that of the nearest corner.
+    // Where two fronts of one source meet, their gradients cancel: that of the nearest corner is
+    // used.
     const bool cancels = !(length(sum) > 0.1 * lengths);
     const Vec3d g = cancels ? first : (1 / weights) * sum;
     return isotropic ? here * normalized(g) : g;

@@ -9,9 +9,9 @@ namespace igeo {
 
 namespace {
 
-/// The face neighbors of every node at faces -x, +x, -y, +y, -z, +z. Nodes without one, or with
-/// one on a facing sheet (Band::linked) or behind an obstacle, have node n there, which never holds
-/// a distance: so the solve asks no questions.
+/// The face neighbors of every node at faces -x, +x, -y, +y, -z, +z. Where there is none, or one on
+/// a facing sheet (Band::linked) or behind an obstacle, the entry is n, a node that never gets a
+/// distance: so the solve needs no tests.
 class FaceNeighbors {
 public:
     using Six = std::array<NodeIndex, 6>;
@@ -41,11 +41,11 @@ double axisCost(const Tensor& g, std::size_t axis) {
     return std::sqrt(double(axis == 0 ? g.xx : axis == 1 ? g.yy : g.zz));
 }
 
-/// Far, Trial and Accepted (M&S section 3: Far Away, NarrowBand, Alive) by values alone: a node is
-/// Accepted where `accepted_` is finite, else Trial where `trial_` is finite, else Far.
+/// Far, Trial and Accepted (M&S section 3: Far Away, NarrowBand, Alive) follow from the values: a
+/// node is Accepted where `accepted_` is finite, else Trial where `trial_` is finite, else Far.
 class Godunov {
 public:
-    /// @param leastStart of all seeds: keys count from there, as they have float's digits only
+    /// @param leastStart of all seeds: heap keys are relative to it, because they are floats
     Godunov(const Band& band, MetricPtr metric, const GodunovOptions& options, double leastStart)
         : band_(band),
           metric_(std::move(metric)),
@@ -95,10 +95,10 @@ private:
         heap_.push(value - leastStart_, i);
     }
 
-    /// Whether the start value at node j is kept. A difference over two voxels across the seed
-    /// would undercut it; one over one voxel never does, as distances from a point are convex. If
-    /// it does all the same, the front of another seed has come, and j is a node like others from
-    /// then on.
+    /// Whether node j keeps its start value. A difference over two voxels across the seed would
+    /// lower it; one over one voxel does not, because distances from a point are convex. If a
+    /// difference over one voxel does lower it, the front of another seed has arrived, and j
+    /// becomes an ordinary node.
     bool keepsStart(NodeIndex j) {
         constexpr double kRounding = 1e-6;  // voxels
         if (!started_[j]) return false;
@@ -110,7 +110,7 @@ private:
     template <int Order>
     double solve(NodeIndex i) const;
 
-    /// Marks the nodes whose distance the early stop waits for.
+    /// Marks the nodes that the early stop waits for.
     void initStopNodes();
 
     const Band& band_;
@@ -140,7 +140,8 @@ double Godunov::solve(NodeIndex i) const {
         UpwindTerm& term = terms[std::size_t(n++)];
         term = firstOrderTerm(m);
         if (Order == 2) {
-            // With equal sides the smaller second value decides, so that the axis has no direction.
+            // If both sides are equal the smaller second value is used, so that the result is
+            // symmetric.
             double mm = kInfinity;
             if (dLo == m) mm = accepted_[neighbors_[lo][2 * axis]];
             if (dHi == m) mm = std::min(mm, accepted_[neighbors_[hi][2 * axis + 1]]);
@@ -156,7 +157,7 @@ void Godunov::initStopNodes() {
     if (options_.stopAt.empty()) return;
     awaited_.assign(band_.size(), false);
     for (const SurfacePoint& p : options_.stopAt) {
-        // The cells around the target's: what the gradient at the target reads.
+        // The cells around that of the target, which its gradient reads.
         for (const NodeIndex i : nodesAround(band_, p, 3.0))
             if (!awaited_[i] && !metric_->inside(i)) awaited_[i] = true, ++awaitedCount_;
     }

@@ -33,7 +33,7 @@ Field marchOnCore(const JetCorePtr& core, const std::vector<SurfacePoint>& seeds
     return march.take();
 }
 
-/// To the band if wanted.
+/// Extends the field to the band, if the options say so.
 Field finished(Field field, const JetOptions& options) {
     if (options.extend)
         extendToBand(field);

@@ -1,17 +1,17 @@
-/// Marches near their seeds, where it is not known how far their targets are.
+/// Marches near their seeds, for targets at unknown distances.
 #pragma once
 
 #include <algorithm>
 
 namespace igeo {
 
-/// Solves on parts of the surface within a reach that doubles until all is found, which costs no
-/// more than twice the last of them.
-/// @param reach  the first; voxels times weight, as all of these
-/// @param limit  no reach is larger, and nothing beyond it counts
-/// @param whole  from here on the whole surface costs no more than a part
+/// Solves on parts of the surface within a reach that doubles until all is found, which costs at
+/// most twice the last solve.
+/// @param reach  the first reach; voxels times weight, as the other two
+/// @param limit  the largest reach; results beyond it are not needed
+/// @param whole  from this reach on the whole surface is no more expensive than a part
 /// @param solveWithin  bool (double reach): whether all is found
-/// @return false: it takes the whole surface
+/// @return false: solve on the whole surface
 template <typename Solve>
 bool searchNear(double reach, double limit, double whole, const Solve& solveWithin) {
     for (; reach <= whole; reach = std::min(limit, 2 * reach))

@@ -1,4 +1,4 @@
-/// The two ways to solve for the distance.
+/// The two schemes for the distance.
 #pragma once
 
 namespace igeo {

@@ -12,7 +12,7 @@ namespace igeo {
 namespace {
 
 constexpr double kSegment = 0.5;  ///< length of a segment of a curve, voxels
-/// Points found on S between two looks whether to stop.
+/// Points found on S between two tests of cancellation.
 constexpr std::size_t kLookEvery = 64;
 
 }  // namespace
@@ -52,7 +52,7 @@ SeedsNear::SeedsNear(const std::vector<SurfacePoint>& seeds, double radius) {
 
 namespace {
 
-/// The points of a curve, moved onto S.
+/// The points of a curve, projected to S.
 std::vector<Vec3d> cornersOnSurface(const Band& band, const Curve& curve, double snap,
                                     const Progress& progress) {
     std::vector<Vec3d> corners;
@@ -76,9 +76,9 @@ public:
     CurveSeeds(const Band& band, double start, const Progress& progress)
         : band_(band), start_(start), progress_(progress) {}
 
-    /// Adds the point of S nearest to p, and the segment to it from the point before.
-    /// @return false where that segment is too long: snapping moves neighbors together and apart,
-    ///         but not to another sheet
+    /// Adds the point of S nearest to p, and the segment to it from the last point.
+    /// @return false where that segment is too long: snapping changes the distance of neighbors,
+    ///         but does not move them to another sheet
     bool add(const Vec3d& p) {
         constexpr double kFar = 4 * kSegment;
         if (seeds.size() % kLookEvery == 0) progress_.throwIfCancelled();
@@ -96,7 +96,7 @@ public:
     /// Adds points up to b in steps of half a voxel.
     /// @return false where S does not follow the line from a to b, two points of S
     bool addLine(const Vec3d& a, const Vec3d& b) {
-        // No path on S of so many voxels runs over fewer nodes.
+        // No path on S of this length has so few nodes around it.
         if (length(b - a) > 2 * double(band_.size())) return false;
         const auto steps = std::max(1, int(std::ceil(length(b - a) / kSegment)));
         for (int s = 1; s <= steps; ++s)
@@ -123,14 +123,14 @@ std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, doubl
     const std::size_t lines = curve.closed && n > 2 ? n : n - 1;
     CurveSeeds found(band, curve.start, progress);
     found.add(corners[0]);
-    // Between points of S, so that there are no more steps than the surface is wide.
+    // From points of S, so that the number of steps is limited by the width of the surface.
     for (std::size_t k = 0; k < lines; ++k)
         if (!found.addLine(corners[k], corners[(k + 1) % n]))
             throw Error(Kind::InvalidArgument,
                         "between points " + std::to_string(k) + " and " +
                             std::to_string((k + 1) % n) + " a curve leaves the surface",
                         "give more points along the surface there");
-    // A closed curve ends where it began.
+    // The end of a closed curve repeats its start.
     if (lines == n) found.seeds.pop_back();
     return std::move(found.seeds);
 }
@@ -149,8 +149,8 @@ std::vector<std::uint8_t> nodesInside(const Band& band, const Obstacles& region,
 
 namespace {
 
-/// The point of S where the segment from a foot point inside a region to one outside leaves it, by
-/// bisection.
+/// The point of S where the segment between two foot points, inside and outside of a region, leaves
+/// the region; by bisection.
 SurfacePoint rimPoint(const Band& band, const Obstacles& region, NodeIndex inside,
                       NodeIndex outside) {
     const Vec3d normal(band.normal[inside]), in = band.footPoint(inside);

@@ -1,8 +1,8 @@
-/// Seeds that are more than points: curves on S and regions of it.
+/// Curves on S and regions of S as seeds.
 ///
-/// A march starts from a list of seeds, each a point or a straight segment of a curve. Those of one
-/// curve or region follow each other in the list (SurfacePoint::joined) and are one *source*: their
-/// fronts are one front, with one label.
+/// A march starts from a list of seeds, each a point or a straight segment of a curve. The seeds of
+/// one curve or region are consecutive in the list (SurfacePoint::joined) and form one *source*: a
+/// single front with one label.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -18,10 +18,10 @@
 
 namespace igeo {
 
-/// Per seed the number of its source.
+/// The number of each seed's source.
 std::vector<std::uint32_t> sourcesOf(const std::vector<SurfacePoint>& seeds);
 
-/// What a distance is at least: no path on S is shorter than the straight line between its ends,
+/// A lower bound of the distance: no path on S is shorter than the straight line between its ends,
 /// and none costs less per unit length than the least cost. Known for sources of one point, or of
 /// one straight segment.
 class StraightLines {
@@ -39,18 +39,18 @@ public:
     }
 
 private:
-    std::vector<SurfacePoint> seeds_;  ///< per source; without a node: none
+    std::vector<SurfacePoint> seeds_;  ///< per source; without a node: no bound
     double leastCost_ = 0;
 };
 
-/// Finds the seeds near a place.
+/// Finds the seeds near a position.
 class SeedsNear {
 public:
     SeedsNear() = default;
-    /// @param radius within which they shall be found, voxels
+    /// @param radius within which seeds are found, voxels
     SeedsNear(const std::vector<SurfacePoint>& seeds, double radius);
 
-    /// Calls visit(k) for every seed within the radius of p, and for some further away.
+    /// Calls visit(k) for every seed within the radius of p, and for some farther away.
     template <typename Visit>
     void forNear(const Vec3d& p, const Visit& visit) const {
         if (cells_.empty()) {
@@ -74,7 +74,7 @@ private:
         auto cell = [&](double x) { return std::int32_t(std::floor(x / edge_)); };
         return {cell(p.x), cell(p.y), cell(p.z)};
     }
-    /// Cells 2^21 apart share a key, at the price of a needless visit.
+    /// Cells 2^21 apart share a key, which only causes needless visits.
     static std::uint64_t keyOf(const Ijk& c) {
         constexpr std::uint64_t kMask = (1 << 21) - 1;
         return (std::uint64_t(std::uint32_t(c.x)) & kMask) << 42 |
@@ -82,26 +82,27 @@ private:
                (std::uint64_t(std::uint32_t(c.z)) & kMask);
     }
 
-    std::size_t few_ = 0;  ///< so few that all are visited
+    std::size_t few_ = 0;  ///< up to this number, all seeds are visited
     double edge_ = 1;
     std::vector<std::pair<std::uint64_t, std::size_t>> cells_;  ///< sorted: key, seed
 };
 
-/// A curve as seeds: its points moved onto S, and the straight lines between them, at steps of half
-/// a voxel, as segments from each to the next. Off by the height of S over chords of half a voxel,
-/// 0.03 / R voxels at curvature 1 / R.
+/// A curve as seeds: its points projected to S, and the straight lines between them in steps of
+/// half a voxel, as segments from each to the next. The error is the height of S over chords of
+/// half a voxel, 0.03 / R voxels at curvature 1 / R.
 /// @param curve index space; `start` in voxels
 /// @param snap  how far its points may be from S, voxels
-/// @throws Error  InvalidArgument for a curve without points, a point further than `snap` from S,
-///         or a stretch between two points that S does not follow; Cancelled
+/// @throws Error  InvalidArgument for a curve without points, a point farther than `snap` from S,
+///         or a line between two points that S does not follow; Cancelled
 /// Time O(length).
 std::vector<SurfacePoint> seedsAlong(const Band& band, const Curve& curve, double snap,
                                      Progress& progress = Progress::none());
 
 /// The part of S inside a body, as seeds: points on its rim, where foot points of the core inside
-/// and outside are neighbors, found by bisection to a thousandth of a voxel. Some three points per
-/// voxel of the rim; distances are off by at most 0.05 voxels next to it and by less further out.
-/// @param region bodies in index space; only block(p, p, normal) is asked
+/// and outside are neighbors, found by bisection to a thousandth of a voxel. About three points per
+/// voxel of the rim; errors of the distance are at most 0.05 voxels next to it and smaller farther
+/// out.
+/// @param region bodies in index space; only block(p, p, normal) is called
 /// @return empty where no foot point is inside, or all are
 /// @throws Error  Cancelled
 /// Time O(n) where the region may be, in parallel.

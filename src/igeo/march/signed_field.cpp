@@ -13,7 +13,7 @@ namespace igeo {
 
 namespace {
 
-/// The side of the nearest curve next to a node: -1, +1, or 0 where none is near.
+/// The side of the nearest curve that a node is on: -1, +1, or 0 far from curves.
 class CurveSigns {
 public:
     explicit CurveSigns(const Field& field) : band_(*field.band), field_(field) {}
@@ -33,8 +33,8 @@ public:
     }
 
 private:
-    /// Along the curve at a point of segment k; where two segments meet, the mean of both, as then
-    /// the side is right on either side of the corner.
+    /// The tangent of the curve at a point of segment k; where two segments meet the mean of both,
+    /// which gives the right side on both sides of the corner.
     Vec3d tangentAt(std::size_t k, const Vec3d& p) const {
         const std::vector<SurfacePoint>& s = field_.seeds;
         constexpr double kSame = 1e-6;
@@ -87,7 +87,7 @@ void signInside(const std::vector<std::uint8_t>& inside, Field& field) {
 
 namespace {
 
-/// Nodes joined between two looks whether to stop, some milliseconds.
+/// Nodes joined between two tests of cancellation, some milliseconds.
 constexpr NodeIndex kLookEvery = 1 << 14;
 
 bool isKnown(const Field& field, NodeIndex i) { return field.distance[i] < kInfinity; }
@@ -121,9 +121,9 @@ CurveParts partsBetweenCurves(const Field& field, const Progress& progress) {
     return parts;
 }
 
-/// Makes parts across a curve opposite to each other. Votes, and not single crossings, decide which
-/// they are: next to a corner of a curve a node may be taken for the other side.
-/// @return the crossings that are outvoted
+/// Makes parts across a curve opposite to each other. A majority of crossings decides which parts:
+/// next to a corner of a curve, single nodes may be on the wrong side.
+/// @return the number of crossings in the minority
 std::size_t joinAcrossCurves(CurveParts& parts) {
     std::map<std::pair<NodeIndex, NodeIndex>, std::size_t> votes;
     for (const auto& [i, j] : parts.crossings) {
@@ -143,7 +143,7 @@ std::size_t joinAcrossCurves(CurveParts& parts) {
 }  // namespace
 
 std::vector<std::int8_t> signsOfCurves(const Field& field, Progress& progress) {
-    constexpr std::size_t kStray = 20;  // one crossing in so many may be wrong
+    constexpr std::size_t kStray = 20;  // one in so many crossings may be wrong
     CurveParts parts = partsBetweenCurves(field, progress);
     if (const std::size_t against = joinAcrossCurves(parts);
         parts.crossings.empty() || against * kStray > parts.crossings.size())
@@ -172,7 +172,7 @@ void finishInside(const std::vector<std::shared_ptr<const Obstacles>>& regions, 
     for (std::size_t k = regions.size(); k-- > 0;) {
         const std::vector<std::uint8_t> inside = nodesInside(*field.band, *regions[k], progress);
         for (std::size_t i = 0; i < any.size(); ++i) any[i] |= inside[i];
-        // Of regions that overlap the first counts, so it comes last.
+        // Where regions overlap the first one wins, so it is applied last.
         if (!isSigned) clearInside(inside, std::uint32_t(first + k), field);
     }
     if (!isSigned) return;

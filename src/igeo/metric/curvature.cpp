@@ -16,8 +16,8 @@ namespace igeo {
 
 namespace {
 
-/// Least squares has the weights (1 - r^2 / reach^2)^2, whose standard deviation along a tangent is
-/// reach / sqrt(8): as good as a Gaussian's, but they end.
+/// The least-squares weights are (1 - r^2 / reach^2)^2, with standard deviation reach / sqrt(8)
+/// along a tangent: as accurate as a Gaussian, with bounded support.
 const double kReachPerScale = std::sqrt(8.0);
 constexpr double kLeastScale = 1, kLargestScale = 16;
 
@@ -46,12 +46,13 @@ public:
 
     /// W = (xx, xy, yy), made symmetric.
     std::array<double, 3> solve() {
-        // Terms that few points hardly tell apart come out small; others lose 1e-4 of themselves.
+        // Terms that the points hardly determine come out small; the others lose 1e-4 of their
+        // value.
         constexpr double kRidge = 1e-5;
         const double ridge = kRidge * matrix_[0][0];
         for (std::size_t a = 0; a < kTerms; ++a) matrix_[a][a] += ridge;
         factorize();
-        // Back substitution as far as the linear terms.
+        // Back substitution down to the linear terms.
         std::array<std::array<double, 2>, kTerms> c{};
         for (std::size_t a = kTerms; a-- > 1;)
             for (std::size_t r = 0; r < 2; ++r) {
@@ -65,7 +66,7 @@ public:
 private:
     static constexpr std::size_t kTerms = 6;
 
-    /// Cholesky, the right sides along with it.
+    /// Cholesky; the right sides are transformed along with it.
     void factorize() {
         for (std::size_t a = 0; a < kTerms; ++a) {
             for (std::size_t b = 0; b <= a; ++b) {
@@ -85,9 +86,9 @@ private:
     std::array<std::array<double, 2>, kTerms> right_{};
 };
 
-/// Whether neighbors, their foot points `chord` apart, are on different sheets: their normals
-/// oppose, or both are along a chord that is longer than between neighbors on one sheet (sqrt(3),
-/// and a bit), as those that psi bends in a gap.
+/// Whether neighbors with foot points `chord` apart are on different sheets: their normals are
+/// opposite, or both are along a chord longer than neighbors of one sheet have (sqrt(3), with a
+/// margin), as where psi bends in a gap.
 bool onOtherSheet(const Vec3f& chord, const Vec3f& a, const Vec3f& b) {
     constexpr float kFar2 = 3.2f, kAlong2 = 0.25f;
     if (dot(a, b) < Band::kOtherSheet) return true;
@@ -109,16 +110,17 @@ private:
     struct Node {
         Vec3f foot, normal;
         Ijk ijk;
-        std::size_t links = 0;  ///< where its neighbors begin in links_
+        std::size_t links = 0;  ///< index of its first neighbor in links_
     };
-    /// A walk around a foot point. One per thread, used again and again.
+    /// A walk around a foot point. One per thread, reused.
     struct Walk {
         struct Stop {
             NodeIndex node;
             Vec3f chord;  ///< from the foot point in the middle
         };
         std::vector<Stop> stops;
-        std::vector<std::uint32_t> seen;  ///< per voxel of a box: the walk that last came there
+        /// Per voxel of a box: number of the last walk that visited it
+        std::vector<std::uint32_t> seen;
         std::uint32_t number = 0;
     };
 
@@ -130,9 +132,9 @@ private:
     Bend nearestTo(NodeIndex i, LeafIndex l, unsigned at) const;
 
     const Band& band_;
-    double reach_;                  ///< of a walk, voxels
-    int half_;                      ///< half the box it stays in, voxels
-    std::vector<Node> core_;        ///< by core number, and one more: the end of the links
+    double reach_;            ///< of a walk, voxels
+    int half_;                ///< half the size of its box, voxels
+    std::vector<Node> core_;  ///< by core number; one more at the end, for the end of the links
     std::vector<NodeIndex> links_;  ///< core neighbors on the same sheet
     std::vector<Bend> bend_;        ///< by core number
 };
@@ -140,7 +142,8 @@ private:
 CoreCurvature::CoreCurvature(const Band& band, double scale)
     : band_(band),
       reach_(kReachPerScale * scale),
-      half_(int(reach_) + 4),  // Foot points are up to a voxel off, and a step leads beyond reach.
+      half_(int(reach_) +
+            4),  // Foot points are up to a voxel off, and a step may pass beyond reach.
       core_(band.coreSize() + 1),
       bend_(band.coreSize()) {
     parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -179,7 +182,7 @@ void CoreCurvature::link() {
     std::size_t count = 0;
     for (Node& node : core_) count += node.links, node.links = count;
     links_.resize(count);
-    // Filled from the back, so that `links` ends up at the beginning.
+    // Filled from the back, so that `links` ends at the beginning.
     forLinks([&](NodeIndex i, NodeIndex j) { links_[--core_[i].links] = j; });
 }
 
@@ -188,7 +191,7 @@ void CoreCurvature::walkAround(NodeIndex i, Walk& walk) const {
     const auto reach2 = float(reach_ * reach_);
     if (++walk.number == 1) walk.seen.assign(std::size_t(width * width * width), 0);
     const Node& middle = core_[i];
-    // Whether a node was met before; outside the box all were.
+    // Whether a node was visited before; nodes outside the box count as visited.
     auto meet = [&](const Ijk& step) {
         const int x = step.x + half_, y = step.y + half_, z = step.z + half_;
         if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= width) return true;
@@ -275,7 +278,7 @@ Bend CoreCurvature::nearestTo(NodeIndex i, LeafIndex l, unsigned at) const {
     return {};
 }
 
-/// What a kind of weight grows with, in units of kCurvatureUnit.
+/// The quantity that a kind of weight grows with, in units of kCurvatureUnit.
 float measure(const Curvature& c, CurvatureKind kind, std::size_t k) {
     constexpr auto kUnit = float(kCurvatureUnit);
     const float k1 = kUnit * c.k1[k], k2 = kUnit * c.k2[k];
@@ -294,7 +297,7 @@ float measure(const Curvature& c, CurvatureKind kind, std::size_t k) {
     return std::max(std::abs(k1), std::abs(k2));
 }
 
-/// The value that a share kLeastShare of all is below; 0 for none.
+/// The value below which a share kLeastShare of all values lies; 0 if there are none.
 float robustLeast(std::vector<float> values) {
     if (values.empty()) return 0;
     const auto at = values.begin() + std::ptrdiff_t(kLeastShare * double(values.size()));

@@ -1,4 +1,4 @@
-/// Curvature of S, and weights made of it: for paths along valleys, along crests, around bends.
+/// Curvature of S, and weights made from it: for paths along valleys, along crests, around bends.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -10,19 +10,20 @@
 namespace igeo {
 
 /// Principal curvatures at the foot point of every band node, so constant along normals. Positive
-/// where S bends away from its normal: a sphere of radius R, psi < 0 inside, has k1 = k2 = 1/R.
+/// where S bends away from its normal: a sphere of radius R with psi < 0 inside has k1 = k2 = 1/R.
 struct Curvature {
     std::vector<float> k1, k2;      ///< k1 >= k2, in 1/voxel
-    std::vector<Vec3f> direction1;  ///< unit tangent direction of k1, up to its sign; that of k2 is
-                                    ///< cross(normal, direction1). Any where k1 = k2
+    std::vector<Vec3f> direction1;  ///< unit tangent direction of k1, up to its sign; k2's is
+                                    ///< cross(normal, direction1). Arbitrary where k1 = k2
 
     /// k1 + k2: M of M&S 4.1, the Laplacian of psi on S.
     float mean(NodeIndex i) const { return k1[i] + k2[i]; }
     float gaussian(NodeIndex i) const { return k1[i] * k2[i]; }
 };
 
-/// Voxels. Noise of 0.1 voxels in psi moves k1 + k2 by 0.005 / voxel, 5 % of that of a sphere of 20
-/// voxels radius. What smoothing takes away is 0.6 % on an ellipsoid of axes 1 : 1.3 : 1.7 there;
+/// Default scale, voxels. Noise of 0.1 voxels in psi moves k1 + k2 by 0.005 / voxel, 5 % of that of
+/// a sphere of 20 voxels radius. Smoothing reduces it by 0.6 % on an ellipsoid of axes 1 : 1.3 :
+/// 1.7 there; a scale of 3 divides the effect of noise by three and doubles that of smoothing.
 /// with a scale of 3, noise counts a third and smoothing twice as much.
 constexpr double kDefaultCurvatureScale = 2;
 
@@ -31,14 +32,14 @@ constexpr double kDefaultCurvatureScale = 2;
 ///     n_j = c + W (y_j - y_i) + Q(y_j - y_i)   in the tangent plane at y_i, Q quadratic.
 ///
 /// The eigenvalues of W, made symmetric, are the principal curvatures (for psi a distance, W is its
-/// Hessian on the tangent plane). c and Q take up what W should not answer for: the noise of n_i,
-/// and a curvature that varies, however unevenly the y_j lie. On spheres and cylinders normals are
-/// linear in the chord's tangential part, so large angles do no harm. The y_j are those found from
-/// neighbor to neighbor within sqrt(8) scale of y_i, never across a gap, nor where normals oppose
+/// Hessian on the tangent plane). c absorbs the noise of n_i and Q a varying curvature, so that
+/// neither enters W, however unevenly the y_j lie. On spheres and cylinders normals are linear in
+/// the chord's tangential part, so large angles are no problem. The y_j are found from neighbor to
+/// neighbor within sqrt(8) scale of y_i, never across a gap, nor where the normal is opposite to
 /// that of y_i (Band::kOtherSheet). Nodes outside the core take the blend of the core around their
 /// foot points.
 /// @param scale standard deviation of the least-squares weights along a tangent, voxels, 1 to 16
-/// @return finite everywhere; across a crease, about its angle over the width of the weights
+/// @return finite everywhere; across a crease about its angle divided by the width of the weights
 /// @throws Error  InvalidArgument for a scale out of range; Cancelled through `progress`
 /// Time O(n scale^2), in parallel, about 2 microseconds per node on one thread at the default
 /// scale; 25 bytes per node while it works, and 20 for the result. Error: of second order in dx,
@@ -55,19 +56,19 @@ enum class CurvatureKind {
     Principal  ///< eps + max(|k1|, |k2|)^p: paths keep to flat parts
 };
 
-/// Unit of length in which curvatureWeights takes curvatures, voxels.
+/// The unit of length for curvatures in curvatureWeights, voxels.
 ///
-/// M&S give eps = 100 and p = 3 but no unit for M. Were it 1/voxel, (M - min M)^3 would vary by
-/// about 1 where S is well resolved, and every path would be the unweighted one; M&S figure 10
-/// shows the opposite. On a cortex of 1 mm voxels, paths with this unit are in valleys for most of
-/// their length, and larger ones change little. A unit f times as long is the same as eps / f^p.
+/// M&S give eps = 100 and p = 3 but no unit for M. With 1/voxel, (M - min M)^3 would vary by about
+/// 1 where S is well resolved, and every path would be the unweighted one; M&S figure 10 shows the
+/// opposite. On a cortex of 1 mm voxels, paths with this unit are in valleys for most of their
+/// length, and larger units change little. A unit f times as long has the effect of eps / f^p.
 constexpr double kCurvatureUnit = 10;
 
-/// What M&S used in figure 10.
+/// The values of M&S figure 10.
 constexpr double kDefaultCurvatureEpsilon = 100, kDefaultCurvaturePower = 3;
 
-/// The share of nodes whose M counts as the least in Valley and Crest, so that a single spot does
-/// not decide about all others. Below it the weight is eps.
+/// The share of nodes with the least M that is cut off in Valley and Crest, so that a single spot
+/// does not set the weight of all others. The weight of the nodes cut off is eps.
 constexpr double kLeastShare = 0.001;
 
 /// Weights for Metric, one per band node: the paper's g, in units of kCurvatureUnit voxels.
@@ -81,14 +82,14 @@ std::vector<float> curvatureWeights(const Curvature& curvature, CurvatureKind ki
 
 enum class Bending {
     Avoid,  ///< paths that bend with the surface cost more: along a cylinder rather than around it
-    Prefer  ///< they are cheap: around rather than along
+    Prefer  ///< paths that bend with the surface cost less: around a cylinder rather than along it
 };
 
-/// The least and most that curvatureTensor lets L k count for: costs differ by a factor of 10.
+/// The bound of L k in curvatureTensor: costs differ by a factor of 10 at most.
 constexpr double kMostBending = 10;
 
-/// A metric made of the principal curvatures: G = 1 + (L k1)^2 e1 e1^T + (L k2)^2 e2 e2^T to avoid
-/// bending, with k1 and k2 exchanged to prefer it; |L k| counts up to kMostBending.
+/// A metric made from the principal curvatures: G = 1 + (L k1)^2 e1 e1^T + (L k2)^2 e2 e2^T to
+/// avoid bending, with k1 and k2 exchanged to prefer it; |L k| is cut at kMostBending.
 /// @param length L, voxels, >= 0; bends of that radius cost sqrt(2)
 /// @return one tensor per band node, for Metric
 /// @throws Error  InvalidArgument for a length that is negative or not finite

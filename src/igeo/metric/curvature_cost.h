@@ -1,11 +1,11 @@
-/// Costs made of curvature, before it is known.
+/// Costs from curvature, as options: the curvature itself is computed later.
 #pragma once
 
 #include <igeo/metric/curvature.h>
 
 namespace igeo {
 
-/// A weight made of curvature (curvatureWeights).
+/// A weight made from curvature (curvatureWeights).
 struct CurvatureWeight {
     CurvatureKind kind = CurvatureKind::Valley;
     double epsilon = kDefaultCurvatureEpsilon, power = kDefaultCurvaturePower;
@@ -13,7 +13,7 @@ struct CurvatureWeight {
     bool operator==(const CurvatureWeight&) const = default;
 };
 
-/// A tensor made of the principal curvatures (curvatureTensor).
+/// A tensor made from the principal curvatures (curvatureTensor).
 struct BendingCost {
     Bending bending = Bending::Avoid;
     double length = 0;  ///< L, world units; 0: kCurvatureUnit voxels

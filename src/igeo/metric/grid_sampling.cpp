@@ -26,8 +26,8 @@ class Trilinear {
 public:
     struct Sample {
         Sum value{};
-        bool active = false;  ///< some voxel around is active
-        bool covered = true;  ///< all are
+        bool active = false;  ///< at least one voxel around is active
+        bool covered = true;  ///< all voxels around are active
     };
 
     Trilinear(const Grid& grid, const IndexMap& map)
@@ -42,7 +42,7 @@ public:
         for (int k = 0; k < 8; ++k) {
             const int a = k >> 2, b = k >> 1 & 1, c = k & 1;
             const double share = (a ? t.x : 1 - t.x) * (b ? t.y : 1 - t.y) * (c ? t.z : 1 - t.z);
-            if (share == 0) continue;  // Whatever is there, NaN too, has no effect.
+            if (share == 0) continue;  // A value with share 0 has no effect, not even NaN.
             typename Grid::ValueType value;
             const bool active = voxels_.probeValue({low.x + a, low.y + b, low.z + c}, value);
             s.value += share * Sum(active ? value : background_);
@@ -58,7 +58,7 @@ private:
     IndexMap map_;
 };
 
-/// A weight, or what is wrong with it.
+/// A weight, or the reason why a value is none.
 class WeightReader {
 public:
     using Value = float;
@@ -91,7 +91,7 @@ private:
     float background_;
 };
 
-/// A tensor, or what is wrong with it.
+/// A tensor, or the reason why a value is none.
 class TensorReader {
 public:
     using Value = Tensor;
@@ -205,7 +205,7 @@ WorldBox boxOf(const openvdb::GridBase& grid) {
     return box;
 }
 
-/// What the reader finds at the foot point of every node.
+/// The reader's values at the foot points of all nodes.
 template <typename Reader>
 std::vector<typename Reader::Value> readAll(const Reader& reader, const openvdb::GridBase& grid,
                                             const Band& band, const std::string& where,
@@ -257,7 +257,7 @@ std::vector<float> sampleWeight(const LoadedGrid& grid, const Band& band, Progre
 
 double leastWeight(const LoadedGrid& grid) {
     double least = kInfinity;
-    // A NaN is less than nothing, here and where the weight is read.
+    // Comparisons with NaN are false: NaN is ignored here and refused where the weight is read.
     for (auto it = grid.grid->cbeginValueOn(); it; ++it) least = std::min(least, double(*it));
     if (isWeight(grid.grid->background())) least = std::min(least, double(grid.grid->background()));
     return least < kInfinity ? std::max(least, 0.0) : 0;

@@ -9,7 +9,8 @@ namespace {
 Vec3d fromOpenVdb(const openvdb::Vec3d& v) { return {v.x(), v.y(), v.z()}; }
 openvdb::Vec3d toOpenVdb(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
-/// Far below a voxel across any grid, far above the rounding of a position in the world.
+/// Rounds numbers that are whole but for rounding. The bound is far below a voxel across any grid,
+/// and far above the rounding of a position in the world.
 Vec3d wholeIfNearly(Vec3d v) {
     constexpr double kNearly = 1e-9;
     for (int a = 0; a < 3; ++a)

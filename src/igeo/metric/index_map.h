@@ -1,4 +1,4 @@
-/// From the index space of a band to that of a grid placed elsewhere.
+/// The map from the index space of a band to that of another grid.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -21,7 +21,7 @@ struct IndexMap {
 };
 
 /// The map from the index space of `from` through the world to that of a grid. Numbers that are
-/// whole but for rounding become so: grids on the same voxels are read exactly, wherever they lie
+/// whole but for rounding are rounded: grids on the same voxels are read exactly, wherever they lie
 /// in the world.
 /// @param where  the grid, for messages
 /// @throws Error  BadInput for a transform that is not linear, or has no inverse

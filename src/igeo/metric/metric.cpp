@@ -10,7 +10,7 @@
 namespace igeo {
 
 void Metric::setObstacles(const Band& band, std::shared_ptr<const Obstacles> set) {
-    // The longest segment from a node in a march, an extension or a trace, and a voxel more.
+    // The longest segment from a node in a march, an extension or a trace, plus a voxel.
     constexpr double kReach = 5;
     obstacles = std::move(set);
     obstacleState.clear();
@@ -48,14 +48,14 @@ std::string worldPlace(const Band& band, NodeIndex i) {
 
 namespace {
 
-/// Calls add(node, weight) for the corners left in a cell.
+/// Calls add(node, weight) for the remaining corners of a cell.
 /// @return the sum of the weights
 template <typename Add>
 double blend(const BandCell& cell, const Add& add) {
     double total = 0;
     for (std::size_t k = 0; k < 8; ++k) {
         if (cell.node[k] == kNoNode) continue;
-        // A corner alone at distance 1 still counts.
+        // A single remaining corner at distance 1 needs a positive weight.
         const double w = cell.weight[k] + 1e-6;
         add(cell.node[k], w);
         total += w;
@@ -71,7 +71,7 @@ bool positiveDefinite(const Tensor& g) {
     return xx > 0 && yy > 0 && zz > 0 && xx + yy + zz < kInfinity;
 }
 
-/// Squares of these, times those of distances in voxels, keep to single precision.
+/// Squares of costs, times those of distances in voxels, stay within single precision.
 constexpr double kLeastCost = 1e-15, kLargestCost = 1e15;
 
 bool inRange(float cost) { return cost >= kLeastCost && cost <= kLargestCost; }

@@ -1,4 +1,4 @@
-/// What a step along the surface costs, and what no path may enter.
+/// The cost of steps along the surface, and obstacles.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -20,8 +20,8 @@ public:
 
     /// Whether the segment between two points of S, a few voxels apart at most, meets the
     /// obstacles; the same for both directions. With a = b: whether the point lies inside.
-    /// @param normal of S about there, unit: what lies just above or below S counts as well where
-    ///               an obstacle is made of voxels
+    /// @param normal of S near there, unit: an obstacle made of voxels also blocks just above and
+    ///               below S
     virtual bool block(const Vec3d& a, const Vec3d& b, const Vec3d& normal) const = 0;
 
     /// False only if no obstacle comes within `radius` voxels of p. O(1).
@@ -41,13 +41,12 @@ inline double product(const Tensor& g, const Vec3d& a, const Vec3d& b) {
 /// Eigenvalues in rising order, to rounding of the largest.
 std::array<double, 3> eigenvalues(const Tensor& g);
 
-/// What a step costs: the weight g of |grad d| = g (M&S (7)), or the tensor G of
-/// G^-1[grad d, grad d] = 1 (M&S 5.1), both constant along normals (M&S (10)); and obstacles,
-/// where the cost is infinite.
+/// The cost of a step: the weight g of |grad d| = g (M&S (7)), or the tensor G of G^-1[grad d, grad
+/// d] = 1 (M&S 5.1), both constant along normals (M&S (10)); infinite in obstacles.
 struct Metric {
     std::vector<float> weight;  ///< cost per unit length per band node, > 0; empty: 1 everywhere
-    /// Per band node, positive definite; empty: isotropic. Never beside `weight`. Marches along S
-    /// use its part in the tangent plane only.
+    /// Per band node, positive definite; empty: isotropic. Never together with `weight`. Marches
+    /// along S use only its part in the tangent plane.
     std::vector<Tensor> tensor;
 
     std::shared_ptr<const Obstacles> obstacles;  ///< none: null
@@ -69,9 +68,9 @@ struct Metric {
     double stepCost(NodeIndex i, const Vec3d& step) const {
         return !tensor.empty() ? std::sqrt(product(tensor[i], step, step)) : at(i) * length(step);
     }
-    /// The same with the metric blended from the corners of the cell that are left; weight 1 where
-    /// none is. The step should be tangential: an ambient tensor prices its part along the normal
-    /// as well.
+    /// The same with the metric blended from the remaining corners of the cell; weight 1 where none
+    /// remains. The step should be tangential: a tensor in space also prices a part along the
+    /// normal.
     double stepCost(const BandCell& cell, const Vec3d& step) const;
 
     /// The metric in the tangent plane of a node, or of a point of S.
@@ -82,8 +81,8 @@ struct Metric {
         return inPlane(frame, tensorAt(cell));
     }
 
-    /// The least and the largest cost per unit length, 1 where all is Euclidean. Of tensors over
-    /// all directions in space, so no more, or no less, than over those along S. In parallel.
+    /// The least and the largest cost per unit length, 1 where all is Euclidean. For tensors over
+    /// all directions in space: bounds of those along S. In parallel.
     double least() const;
     double largest() const;
 
@@ -97,13 +96,13 @@ struct Metric {
     std::size_t insideCount() const {
         return std::size_t(std::count(obstacleState.begin(), obstacleState.end(), Inside));
     }
-    /// Whether obstacles block a node, or a step between two nodes that share a face. O(n) where
-    /// they block none.
+    /// Whether obstacles block a node, or a step between two nodes that share a face. O(n) if they
+    /// block none.
     bool blocksAny(const Band& band) const;
     bool inside(NodeIndex i) const { return !obstacleState.empty() && obstacleState[i] == Inside; }
     /// Whether no obstacle comes near the foot point of a node, so that no test is needed.
     bool clear(NodeIndex i) const { return obstacleState.empty() || obstacleState[i] == Clear; }
-    /// Whether an obstacle lies between two points of S, or around one of them; n: normal there.
+    /// Whether an obstacle lies between two points of S or contains one of them; n: normal there.
     bool blocked(const Vec3d& a, const Vec3d& b, const Vec3d& n) const {
         return obstacles && obstacles->block(a, b, n);
     }
@@ -118,8 +117,7 @@ struct Metric {
         return !clear(j) && (inside(j) || obstacles->block(pIndex, band.footPoint(j), n));
     }
 
-    /// Takes the corners of a cell that obstacles hide from p, a point of S with normal n, out of
-    /// it.
+    /// Removes the corners of a cell that obstacles hide from p, a point of S with normal n.
     void dropHiddenCorners(const Band& band, const Vec3d& pIndex, const Vec3d& n,
                            BandCell& cell) const;
 
@@ -133,8 +131,8 @@ private:
     Tensor tensorAt(const BandCell& cell) const;
 };
 
-/// For messages about metrics: a number with six digits, and where in the world a node's foot point
-/// is.
+/// For messages about metrics: a number with six digits, and the position of a node's foot point in
+/// world space.
 std::string shortText(double x);
 std::string worldPlace(const Band& band, NodeIndex i);
 

@@ -11,7 +11,7 @@ namespace igeo {
 
 namespace {
 
-/// Costs per node cannot be put on another band.
+/// Refuses costs per node that were made for another band.
 void requireNodes(std::size_t given, const Band& band) {
     if (given == band.size()) return;
     throw Error(Error::Kind::InvalidArgument,

@@ -1,4 +1,4 @@
-/// A metric that is yet to be put on a band: what a step along the surface shall cost.
+/// A metric before it is put on a band: the costs of steps along the surface.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -15,13 +15,13 @@
 
 namespace igeo {
 
-/// All that a cost is made of; several weights multiply. As it is here, Euclidean.
+/// All parts of a cost; several weights multiply. Euclidean by default.
 struct MetricDefinition {
     std::vector<LoadedGrid> weights;  ///< cost per unit length
-    /// Further weights: per point of the mesh that the surface is (valuesAtPoints).
+    /// Further weights: per point of the mesh that forms the surface (valuesAtPoints).
     std::vector<std::vector<double>> vertexWeights;
     /// Further weights, and a tensor in index axes instead of `tensor`: per node of the band of the
-    /// whole surface, for costs that are computed at its foot points.
+    /// whole surface, for costs that the caller computes at its foot points.
     std::vector<std::vector<float>> nodeWeights;
     std::vector<Tensor> nodeTensors;
     std::optional<CurvatureWeight> curvature;  ///< another weight
@@ -45,11 +45,11 @@ struct MetricDefinition {
 MetricPtr metricOn(const MetricDefinition& definition, const Band& band,
                    Progress& progress = Progress::none());
 
-/// A bound: no unit of length costs less, on any band; 0 where none is known. O(active voxels of
-/// the weights).
+/// A lower bound of the cost per unit length, on any band; 0 where none is known. O(active voxels
+/// of the weights).
 double leastWeight(const MetricDefinition& definition);
 
-/// Whether values depend on the whole surface, so that a band of a part of it would give others.
+/// Whether values depend on the whole surface, so that a band of a part would change them.
 bool needsWholeSurface(const MetricDefinition& definition);
 
 }  // namespace igeo

@@ -17,18 +17,18 @@ using Kind = Error::Kind;
 using openvdb::Coord;
 using openvdb::CoordBBox;
 
-/// By how much the cube of a mask's voxel is grown to all sides: more than rounding and the turn of
-/// normals between neighbors, less than an opening that is meant. Mask voxels.
+/// How much the cube of a mask's voxel grows on all sides: more than rounding and the turn of
+/// normals between neighbors, less than an intended opening. Mask voxels.
 constexpr double kFat = 0.1;
-/// How far above and below S a mask counts: half a voxel, and a margin for a psi that is 10 % off
-/// as the core has it. Mask voxels.
+/// How far above and below S a mask blocks: half a voxel, and a margin for the 10 % by which psi
+/// may be off in the core. Mask voxels.
 constexpr double kReach = 0.6;
-/// S strays from a chord of length L by L^2 / (8 R); R is 2 voxels where it is sharpest.
+/// S deviates from a chord of length L by L^2 / (8 R); R is 2 voxels at the sharpest bends.
 constexpr double kBulge = 1.0 / 16, kMostBulge = 1;
-/// How far around the vertices, edges and triangles of a part of a mesh paths are blocked: more
-/// than half of what lies between two points of a segment that are looked at. Voxels.
+/// How far around the vertices, edges and triangles of a part of a mesh paths are blocked, and the
+/// step between sampled points of a segment: the first is more than half of the second. Voxels.
 constexpr double kPatchFat = 0.2, kPatchStep = 0.25;
-/// Width of a cell of `near_`: a look-up 5 voxels around a point meets 2 to 3 per axis.
+/// Width of a cell of `near_`: a query within 5 voxels of a point reads 2 to 3 per axis.
 constexpr double kCell = 8;
 
 template <typename Tree>
@@ -38,13 +38,13 @@ Vec3d absolute(const Vec3d& v) { return {std::abs(v.x), std::abs(v.y), std::abs(
 bool isFinite(const Vec3d& v) { return std::isfinite(v.x + v.y + v.z); }
 std::string text(const Vec3d& v) { return fmt::format("{:f},{:f},{:f}", v.x, v.y, v.z); }
 
-/// A segment and its reverse give the same result, to the last bit.
+/// Orders the ends, so that a segment and its reverse give the same result to the last bit.
 bool before(const Vec3d& a, const Vec3d& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
 
 /// Whether the parallelogram of points center + s u + t v with |s|, |t| <= 1 meets boxes of one
-/// size with sides along the axes; both closed.
+/// size with sides along the axes; both include their boundary.
 ///
 /// By separating axes: the centers of the boxes that it meets fill a zonotope, the sum of the
 /// segments +-u, +-v and the half sides, whose faces are spanned by two of these five.
@@ -79,7 +79,8 @@ private:
     std::array<double, 7> reach_{};
 };
 
-/// Whether `test(voxel)` holds for some active voxel of the box [low, high]. Leaf by leaf: most
+/// Whether `test(voxel)` holds for some active voxel of the box [low, high]. By leaves: most boxes
+/// lie in one or two.
 /// boxes lie in one or two.
 template <typename Test>
 bool anyActive(const openvdb::MaskTree& tree, const Ijk& low, const Ijk& high, const Test& test) {
@@ -119,8 +120,8 @@ bool levelSetBlocks(const openvdb::FloatGrid& grid, const IndexMap& map, const V
     return false;
 }
 
-/// Whether a segment runs over a part of a mesh, or within kPatchFat beside it. Where the segment
-/// leaves S, a chord of a bend, the part is looked for along the normal.
+/// Whether a segment passes over a part of a mesh, or within kPatchFat of it. Where the segment
+/// leaves S, as the chord of a bend, the part is searched for along the normal.
 bool patchBlocks(const SurfaceTriangles& patch, const Vec3d& a, const Vec3d& b,
                  const Vec3d& normal) {
     const Vec3d along = b - a;
@@ -137,7 +138,7 @@ bool patchBlocks(const SurfaceTriangles& patch, const Vec3d& a, const Vec3d& b,
     return false;
 }
 
-/// Whether the strip center +-u +-v meets the grown cube of a voxel of the mask.
+/// Whether the strip center +-u +-v meets a grown cube of the mask.
 bool stripMeets(const openvdb::MaskTree& mask, const Vec3d& center, const Vec3d& u,
                 const Vec3d& v) {
     constexpr double kHalf = 0.5 + kFat;
@@ -153,7 +154,7 @@ bool maskBlocks(const openvdb::MaskTree& mask, const IndexMap& map, const Vec3d&
     const double bulge = std::min(kBulge * dot(b - a, b - a), kMostBulge);
     const double perNormal = length(across);
     const Vec3d v = perNormal > 0 ? (kReach / perNormal + bulge) * across : Vec3d{};
-    // A long strip lies in a box of mostly other voxels.
+    // The box of a long strip consists mostly of other voxels, so the strip is cut.
     const int pieces = 1 + int(length(along) / 3);
     const Vec3d step = (1.0 / pieces) * along;
     for (int k = 0; k < pieces; ++k)
@@ -219,7 +220,7 @@ void ObstacleSet::addVertices(const TriangleMesh& mesh, const std::vector<bool>&
         for (const std::uint32_t c : t)
             if (atPoint[c] > 0) corners.push_back(c);
         if (corners.empty()) continue;
-        // Edges and points are triangles without area.
+        // Edges and points become triangles without area.
         corners.resize(3, corners.back());
         parts.push_back({corners[0], corners[1], corners[2]});
         const Vec3d &a = points[corners[0]], &b = points[corners[1]], &c = points[corners[2]];
@@ -244,7 +245,7 @@ void ObstacleSet::addLevelSet(const openvdb::FloatGrid::ConstPtr& grid, const In
     const IndexMap toBand = map.inverse();
     bool any = grid->background() < 0;
     everywhere_ |= any;
-    // What is negative reaches as far as to the next voxel.
+    // Negative values interpolate to negative ones up to the next voxel.
     const auto mark = [&](const CoordBBox& voxels) {
         markNear(toBand, voxels, 1);
         any = true;
@@ -273,7 +274,7 @@ void ObstacleSet::addMask(const Grid& grid, const IndexMap& map, const IsBlocked
     if (!blocked->empty()) masks_.push_back({blocked, map});
 }
 
-/// Marks the cells around a box of voxels grown to all sides, and a bulge more.
+/// Marks the cells around a box of voxels grown by `grown` on all sides and by the largest bulge.
 void ObstacleSet::markNear(const IndexMap& toBand, const CoordBBox& voxels, double grown) {
     const Coord &low = voxels.min(), &high = voxels.max();
     const Vec3d center = toBand(0.5 * Vec3d(low.x() + double(high.x()), low.y() + double(high.y()),

@@ -16,18 +16,17 @@ namespace igeo {
 /// A union of closed bodies, given in the world and kept in the index space of a band.
 ///
 /// Spheres and boxes are exact. Level sets block where their trilinear interpolant is negative,
-/// looked at every quarter of their voxels or less.
+/// sampled every quarter of their voxels or less.
 ///
 /// Masks block in the cubes of their voxels, each grown by a tenth of a voxel, so that voxels which
 /// share only an edge or a corner leave no slit. A mask may be as thin as a curve drawn on S:
-/// voxels with |psi| <= 1/2 of which each shares at least a corner with the next. Then it is
-/// tested not with the segment from a to b but with the strip that the segment sweeps along the
-/// normal, 0.6 voxels of the mask to both sides and as far as S may bulge between a and b. The
-/// broken line through the voxels' centers runs within their cubes (midpoints between neighbors
-/// are on shared faces, edges or corners) and nowhere further than 1/2 from S, so no strip gets
-/// past it: a curve that closes around a point of S shuts it in. Voxels that do not touch leave a
-/// gap: of a wall across the core of a band (Band::numberCore) all voxels that it passes must be
-/// there.
+/// voxels with |psi| <= 1/2 of which each shares at least a corner with the next. For this the test
+/// uses not the segment from a to b but the strip that the segment sweeps along the normal: 0.6
+/// voxels of the mask to both sides, and as far as S may bulge between a and b. The broken line
+/// through the voxels' centers runs within their cubes (midpoints between neighbors are on shared
+/// faces, edges or corners) and at most 1/2 from S, so every strip that crosses it is blocked: a
+/// curve that closes around a point of S encloses it. Voxels that do not touch leave a gap: a wall
+/// across the core of a band (Band::numberCore) needs all voxels that it passes.
 class ObstacleSet : public Obstacles {
 public:
     /// @param transform  world from index, of the band
@@ -39,23 +38,25 @@ public:
     /// finite
     void addSphere(const Vec3d& centerWorld, double radiusWorld);
 
-    /// A box with sides along the world's axes; a flat one is a wall as thin as nothing.
+    /// A box with sides along the world's axes; a flat one is a wall without thickness.
     /// @throws Error  InvalidArgument unless the corners are finite and low <= high
     void addBox(const Vec3d& lowWorld, const Vec3d& highWorld);
 
-    /// A level set (by class) blocks where it is negative, inactive voxels and tiles included. Of
-    /// any other grid the active voxels block: those that are true, of a mask all, of a float grid
-    /// those above 1/2. The grid may have any linear transform; its values are shared or copied.
+    /// A level set (by class) blocks where it is negative, inactive voxels and tiles included. Any
+    /// other grid blocks with active voxels: all of a mask, those that are true of a bool grid,
+    /// those above 1/2 of a float grid. The grid may have any linear transform; its values are
+    /// shared or copied.
     /// @throws Error  BadInput where nothing is blocked, for values that are NaN, or a transform
     ///         that is not linear
     /// Time O(voxels).
     void addGrid(const ObstacleGrid& grid);
 
-    /// A part of the mesh that is the surface: vertices, edges between two and triangles between
-    /// three of them, and what is within a fifth of a voxel of these along the surface. So a closed
-    /// line of vertices, each the neighbor of the next, is a wall.
+    /// A part of the mesh that forms the surface: the given vertices, the edges between two and the
+    /// triangles between three of them, and all within a fifth of a voxel of these along the
+    /// surface. So a closed line of neighboring vertices is a wall.
     /// @param blocked  per vertex of the mesh's source, or per point of the mesh
-    /// @throws Error  BadInput where nothing is blocked, InvalidArgument for another number
+    /// @throws Error  BadInput where nothing is blocked, InvalidArgument for another number of
+    ///         values
     /// Time O(n log n).
     void addVertices(const TriangleMesh& mesh, const std::vector<bool>& blocked);
 
@@ -98,8 +99,8 @@ private:
     std::vector<LevelSetBody> levelSets_;
     std::vector<MaskBody> masks_;
     std::vector<std::shared_ptr<const SurfaceTriangles>> patches_;  ///< index space of the band
-    openvdb::MaskTree::Ptr near_;  ///< cells of 8^3 voxels of the band that grids come into
-    bool everywhere_ = false;      ///< a level set blocks all that lies far away
+    openvdb::MaskTree::Ptr near_;  ///< cells of 8^3 voxels of the band that grids reach into
+    bool everywhere_ = false;      ///< a level set blocks everything far away
 };
 
 }  // namespace igeo

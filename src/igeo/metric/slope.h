@@ -10,8 +10,8 @@
 namespace igeo {
 
 /// A weight of 1 + (tan a / tan steepest)^power where the surface is inclined by the angle a: 1 on
-/// the flat, 2 at the steepest. What is steeper is an obstacle. The same up and down, and in all
-/// directions; both sides of a surface count alike.
+/// flat ground, 2 at the steepest. Steeper parts are an obstacle. The same for up and down and for
+/// all directions; both sides of a surface have the same slope.
 struct SlopeWeight {
     Vec3d up{0, 0, 1};      ///< world, unit
     double steepest = 0.5;  ///< radians, above 0 and below pi/2
@@ -24,7 +24,8 @@ struct SlopeWeight {
 /// @throws Error  InvalidArgument for a field out of its range
 std::vector<float> slopeWeights(const Band& band, const SlopeWeight& slope);
 
-/// What is too steep, by the normal of the surface, and what `others` block, which may be null.
+/// The obstacle of parts that are too steep, by the normal of the surface, joined with `others`,
+/// which may be null.
 std::shared_ptr<const Obstacles> steepObstacles(const Similarity& transform,
                                                 const SlopeWeight& slope,
                                                 std::shared_ptr<const Obstacles> others);

@@ -14,11 +14,11 @@ namespace {
     throw Error(Error::Kind::InvalidArgument, what, "give values that belong to this mesh");
 }
 
-/// Shares of the corners in a point of a triangle.
+/// Barycentric coordinates of a point of a triangle.
 std::array<double, 3> sharesAt(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
     const Vec3d normal = cross(b - a, c - a);
     const double area = dot(normal, normal);
-    // On a triangle without area all corners are near each other or on a line.
+    // On a triangle without area all corners are close together or on a line.
     if (!(area > 0)) return {1, 0, 0};
     const double ofB = dot(cross(p - a, c - a), normal) / area,
                  ofC = dot(cross(b - a, p - a), normal) / area;

@@ -22,7 +22,7 @@ AccuracyEstimate estimateAccuracy(const Field& field, std::size_t samples, Progr
             projectToSurface(band, target.pIndex);
             Path path = tracePath(field, target);
             straighten(field, path, progress);
-            // Close to a seed the distance is exact by construction and would only flatter.
+            // Close to a seed the distance is exact by construction, and would lower the estimate.
             if (path.status != PathStatus::Reached || path.distance < 3 * field.startRadius)
                 continue;
             const SurfacePoint& seed = field.seeds[path.seed];

@@ -11,16 +11,16 @@ namespace {
 using Side = SurfaceTriangles::Side;
 using Place = SurfaceTriangles::Place;
 
-constexpr double kOn = 1e-6;  // voxels: a point within it is on an edge or a vertex
+constexpr double kOn = 1e-6;  // voxels: a point this close is on an edge or a vertex
 
-/// The corner of a triangle that a point is at, or 3.
+/// The corner of a triangle at a point; 3: none.
 unsigned cornerAt(const SurfaceTriangles& triangles, std::uint32_t t, const Vec3d& p) {
     unsigned k = 0;
     while (k < 3 && length(triangles.corner(t, k) - p) > kOn) ++k;
     return k;
 }
 
-/// The edge of a triangle that a point of it is on, by its first corner, or 3.
+/// The edge of a triangle at a point, as its first corner; 3: none.
 unsigned edgeAt(const SurfaceTriangles& triangles, std::uint32_t t, const Vec3d& p) {
     unsigned k = 0;
     for (; k < 3; ++k) {
@@ -37,7 +37,8 @@ Vec3d byAngle(const SurfaceTriangles& triangles, std::uint32_t t, unsigned corne
     return std::atan2(length(cross(a, b)), dot(a, b)) * triangles.normal(t);
 }
 
-/// The sum around a vertex, from one of its triangles in both directions as far as edges join two.
+/// The sum around a vertex, in both directions from one of its triangles, across edges that join
+/// two.
 Vec3d sumAround(const SurfaceTriangles& triangles, std::uint32_t t, unsigned corner) {
     constexpr int kMost = 10000;
     const std::uint32_t vertex = triangles[t][corner];
@@ -61,7 +62,7 @@ Vec3d normalOnTriangles(const SurfaceTriangles& triangles, const Vec3d& p,
                         const Vec3d& sheetNormal) {
     constexpr double kFarthest = 2, kCancelled = 0.1;
     Place at = triangles.nearest(p, kFarthest, sheetNormal);
-    // Past a sharp edge the sheet that goes on opposes the one before.
+    // Beyond a sharp edge the normal may be opposite to the last one.
     if (at.squared > kOn * kOn)
         if (const Place any = triangles.nearest(p, kFarthest); any.squared <= kOn * kOn) at = any;
     if (at.triangle == SurfaceTriangles::kNone) return sheetNormal;

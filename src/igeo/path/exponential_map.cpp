@@ -37,7 +37,7 @@ void append(Path& path, const Vec3d& p, double at) {
 
 Path shootOnTriangles(const SurfaceTriangles& triangles, const SurfacePoint& start,
                       const Vec3d& direction, double length, Progress& progress) {
-    constexpr std::size_t kLookEvery = 1024;  // steps
+    constexpr std::size_t kLookEvery = 1024;  // steps between tests of cancellation
     constexpr int kMostAtOnePlace = 1000;
     TriangleWalk walk(triangles, start.pIndex, direction);
     if (!walk.leads()) refuseDirection();
@@ -59,7 +59,7 @@ Path shootOnTriangles(const SurfaceTriangles& triangles, const SurfacePoint& sta
     return path;
 }
 
-/// From a start on, in steps; shorter than asked for where S ends.
+/// Walks from a start in steps; stops early where S ends.
 std::vector<Walker> walkOver(const Band& band, const Walker& start, double length,
                              CreaseWatch& creases, Progress& progress) {
     constexpr std::size_t kLookEvery = 256;  // steps, half a millisecond
@@ -85,7 +85,7 @@ std::vector<Walker> walkOver(const Band& band, const Walker& start, double lengt
 
 Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, double length,
            Progress& progress) {
-    // Within 0.6 degrees of the normal a direction says little of where to go.
+    // Within 0.6 degrees of the normal a direction is too uncertain.
     constexpr double kAlong = 0.01;
     requireLength(length);
     if (!(igeo::length(direction) > 0) || !(igeo::length(direction) < kInfinity)) refuseDirection();
@@ -93,7 +93,7 @@ Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, 
         return shootOnTriangles(*band.triangles, start, direction, length, progress);
     Vec3d p = start.pIndex;
     Local at = localSurface(band, p, Vec3d(band.normal[start.node]));
-    // psi = 0 of the interpolant is not quite S.
+    // psi = 0 of the interpolant differs slightly from S.
     p -= at.height * at.normal;
     at = localSurface(band, p, at.normal);
     if (!at.valid) throw Error(Error::Kind::BadInput, "the start lies at the edge of the band");

@@ -1,30 +1,30 @@
-/// Straight on along S: the exponential map.
+/// Geodesic shooting: the exponential map.
 #pragma once
 
 #include <igeo/path/trace.h>
 
 namespace igeo {
 
-/// The geodesic that leaves `start` in a given direction: acceleration along the normal of S only.
+/// The geodesic that starts at `start` in a given direction; its acceleration is along the normal
+/// of S.
 ///
 /// Steps of half a voxel by a constrained leapfrog (RATTLE: Andersen, J. Comput. Phys. 52, 1983):
-/// each step is a chord in the plane of velocity and normal that ends on S, with an arc of
-/// the length of the step; the new velocity is the chord, less its normal part there. The scheme is
-/// symmetric, so that errors do not add up turn by turn. S is read from the foot points and normals
-/// of the nodes around, as a blend of spheres: third order between nodes, where psi = 0 of the
+/// each step is a chord in the plane of velocity and normal that ends on S, and its arc has the
+/// length of the step; the new velocity is the tangential part of the chord at its end. The scheme
+/// is symmetric, so errors do not accumulate over turns. S is a blend of spheres from the foot
+/// points and normals of the nodes around: third order between nodes, where psi = 0 of the
 /// trilinear interpolant is off by 1 / (8 R) voxels at curvature 1 / R.
 ///
-/// On a mesh it goes from triangle to triangle as if they were laid out flat, and past a vertex
-/// with the same angle on both sides: exact to rounding (TriangleWalk).
-/// @param direction index space; its part along S counts, not its length
+/// On a mesh it walks over the triangles laid flat, and past a vertex with equal angles on both
+/// sides: exact to rounding (TriangleWalk).
+/// @param direction index space; only its part along S is used, whatever its length
 /// @param length    voxels, >= 0; weights and obstacles have no effect
-/// @return status Reached: of the full length. Stalled: S ends before, at the edge of the band,
-///         after Path::length. `target` is the start; the vertices' `distance` is their arc
-///         length, as is Path::distance. Vertices are on S as described. Of a level set
-///         `roundedBends` are the sharp bends that were not laid out flat
+/// @return status Reached: the full length. Stalled: S ended at the edge of the band, after
+///         Path::length. `target` is the start; the vertices' `distance` is their arc length, as is
+///         Path::distance. Vertices are on S as described. Of a level set, `roundedBends` counts
+///         the sharp bends that were not unfolded
 /// @throws Error  InvalidArgument for a direction within 0.6 degrees of the normal, or a length
-/// that is
-///         negative or not finite; BadInput where S has no band around the start; Cancelled
+///         that is negative or not finite; BadInput where S has no band around the start; Cancelled
 /// Time O(length), some 4 microseconds per voxel. Error: tests/accuracy/test_shoot.cpp; 0.02 % of
 /// the length after five turns around a tube of 12 voxels.
 Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, double length,

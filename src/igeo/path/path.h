@@ -1,4 +1,4 @@
-/// A path on the surface, as tracing, straightening and shooting give it.
+/// A path on the surface, the result of tracing, straightening and shooting.
 #pragma once
 
 #include <igeo/band/surface_point.h>
@@ -24,16 +24,16 @@ struct PathVertex {
     Vec3d normal = {};     ///< unit, of S; zero until addNormals
 };
 
-/// A geodesic from a target down to the seed its distance comes from.
+/// A geodesic from a target to the seed that gives its distance.
 struct Path {
     SurfacePoint target;
     PathStatus status = PathStatus::Unreachable;
     std::size_t seed = 0;              ///< index of the seed reached, if Reached
-    std::vector<PathVertex> vertices;  ///< from the target on; empty if Unreachable
+    std::vector<PathVertex> vertices;  ///< from the target to the seed; empty if Unreachable
     double weightedLength = 0;         ///< by the metric: voxels times weight
     double length = 0;                 ///< voxels; the same where there is no weight
     double distance = kInfinity;       ///< d at the target, voxels times weight
-    /// Of a walk: sharp bends that it went over as the voxels round them off (shoot).
+    /// Of a walk: the sharp bends that it crossed as the voxels round them (shoot).
     std::size_t roundedBends = 0;
 };
 

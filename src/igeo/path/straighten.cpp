@@ -11,10 +11,10 @@ namespace {
 
 using Curve = std::vector<Vec3d>;
 
-/// A curve on S that gets shorter.
+/// A curve on S, relaxed to a shorter one.
 class Relaxation {
 public:
-    /// @param whole  it may have to go far: shifts of more than a voxel are all made smaller, where
+    /// @param whole  it may move far: if a shift exceeds a voxel all shifts are scaled, because
     ///               clamping each would leave kinks
     Relaxation(const Band& band, const Metric& metric, const Path& path, bool whole);
 
@@ -28,20 +28,19 @@ private:
     bool blocked(const Vec3d& a, const Vec3d& b) const {
         return metric_.obstacles && metric_.blocked(a, b, surfaceNormal(band_, a));
     }
-    /// The curve at equal steps of its arc length, back on S.
+    /// The curve resampled at equal arc length and projected to S.
     Curve resampled(const Curve& c) const;
-    /// Without vertices closer than half a voxel where no obstacle hides one from the next, and
-    /// with more on longer segments: chords of a resampled curve would cut the corners of
-    /// obstacles.
+    /// Removes vertices closer than half a voxel where no obstacle separates their neighbors, and
+    /// splits longer segments. Chords of a resampled curve would cut the corners of obstacles.
     Curve respaced(const Curve& c) const;
     /// How the cost of segment e changes when its vertex `end` moves along across_.
     ///
-    /// A metric gives a norm C(step) at every point; all that is needed of it follows by
-    /// polarization: with A = C(s)^2, E = C(e)^2, B = (C(e + s)^2 - C(e - s)^2) / 4 the length C(e)
-    /// has the derivatives B / sqrt(E) and (A - B^2 / E) / sqrt(E) along s.
+    /// A metric gives a norm C(step) at every point. Its derivatives follow by polarization: with A
+    /// = C(s)^2, E = C(e)^2, B = (C(e + s)^2 - C(e - s)^2) / 4 the length C(e) has the derivatives
+    /// B / sqrt(E) and (A - B^2 / E) / sqrt(E) along s.
     struct Variation {
         double slope, bend;  ///< first and second derivative, at a constant metric
-        double drift;        ///< first derivative by the change of the metric
+        double drift;        ///< first derivative from the change of the metric
     };
     Variation variation(std::size_t end, const Vec3d& e) const;
     /// Newton's equations for the shifts: tridiagonal, -beside | diagonal | -beside = pull.
@@ -50,13 +49,14 @@ private:
     };
     /// Sets across_.
     NewtonSystem newtonSystem();
-    /// Newton's shifts along across_; 0 at the ends and where an obstacle holds a vertex.
+    /// Newton's shifts along across_; 0 at the ends and where an obstacle stops a vertex.
     std::vector<double> shifts();
     /// The curve with every vertex shifted.
-    /// @return whether it is clear of obstacles; if not, the vertices that are not are stopped_
+    /// @return whether it is clear of obstacles; if not, stopped_ marks the vertices that are
+    ///         blocked
     bool shifted(const std::vector<double>& shift, double share, Curve& c);
-    /// Moves vertices one by one as long as that makes the curve shorter: those that an obstacle
-    /// stopped, or all.
+    /// Moves vertices one by one while that makes the curve shorter: all, or those that an obstacle
+    /// stopped.
     void moveSingly(bool all);
 
     const Band& band_;
@@ -66,7 +66,7 @@ private:
     Curve c_;
     double cost_ = 0;
     std::vector<Vec3d> across_;    ///< unit, along S and across the curve
-    std::vector<double> stopped_;  ///< per vertex: the shift an obstacle did not allow, or 0
+    std::vector<double> stopped_;  ///< per vertex: the shift that an obstacle blocked, or 0
 };
 
 Relaxation::Relaxation(const Band& band, const Metric& metric, const Path& path, bool whole)
@@ -190,7 +190,7 @@ std::vector<double> Relaxation::shifts() {
     auto [diagonal, beside, pull] = newtonSystem();
     // The Thomas algorithm; a fixed vertex keeps shift 0.
     for (std::size_t k = 1; k + 1 < n; ++k) {
-        // Fixed also while it is still drawn where an obstacle does not let it.
+        // Also fixed: a vertex pulled against the obstacle that stopped it.
         if (!(diagonal[k] > 0) || across_[k] == Vec3d{} || stopped_[k] * pull[k] > 0) {
             diagonal[k] = 1, pull[k] = 0, beside[k] = 0;
             if (k > 0) beside[k - 1] = 0;
@@ -216,7 +216,7 @@ bool Relaxation::shifted(const std::vector<double>& shift, double share, Curve& 
     bool free = true;
     for (std::size_t k = 1; k < c.size(); ++k) {
         if (shift[k] != 0) {
-            // A voxel at a time: the linearization holds no further.
+            // At most a voxel at a time: the linearization is valid no further.
             Vec3d p = c_[k] + share * std::clamp(shift[k], -1.0, 1.0) * across_[k];
             if (projectToSurface(band_, p)) c[k] = p;
         }
@@ -231,7 +231,7 @@ bool Relaxation::shifted(const std::vector<double>& shift, double share, Curve& 
 void Relaxation::moveSingly(bool all) {
     for (std::size_t k = 1; k + 1 < c_.size(); ++k) {
         if (!all && stopped_[k] == 0) continue;
-        // Onto the chord of its neighbors, or as near as obstacles allow.
+        // To the chord of its neighbors, or as close to it as obstacles allow.
         const Vec3d &a = c_[k - 1], &b = c_[k + 1];
         const double whole = dot(a + 0.5 * (b - a) - c_[k], across_[k]);
         const double before = costOf({a, c_[k], b});
@@ -250,8 +250,8 @@ void Relaxation::moveSingly(bool all) {
 bool Relaxation::shorten() {
     constexpr int kTries = 20;
     const double before = cost_;
-    // Newton's full step, or less where the metric changes within it; without the vertices that
-    // obstacles stop, which are found one after the other.
+    // Newton's full step, or a part of it where the metric changes within it; without the vertices
+    // that obstacles stop, which are found one after another.
     double share = 1;
     for (int tries = 0; tries < kTries && share > 0.1; ++tries) {
         Curve c;
@@ -264,12 +264,12 @@ bool Relaxation::shorten() {
         }
         share /= 2;
     }
-    // Where the curve has a sharp corner Newton's equation finds no shift.
+    // At a sharp corner of the curve Newton's equation finds no shift.
     if (metric_.obstacles) moveSingly(/*all=*/cost_ == before);
     return cost_ < before;
 }
 
-/// How far a curve may have to be moved.
+/// How far a curve may move.
 enum class Reach { Near, Whole };
 
 Curve relaxed(const Field& field, const Path& path, Reach reach, Progress& progress) {
@@ -290,7 +290,7 @@ Curve relaxed(const Field& field, const Path& path, Reach reach, Progress& progr
 Path shortened(const Field& field, const Path& path, Reach reach, Progress& progress,
                std::vector<double>& lengths) {
     const SurfaceTriangles* const triangles = field.band->triangles.get();
-    // Over triangles that cost the same everywhere the shortest curve is known exactly.
+    // The shortest curve over triangles of constant cost is computed exactly.
     const bool exact = triangles && !field.metric->weighted() && !field.metric->obstacles;
     Path shorter = path;
     shorter.vertices.clear();
@@ -303,8 +303,8 @@ Path shortened(const Field& field, const Path& path, Reach reach, Progress& prog
     return shorter;
 }
 
-/// A path without the vertices at which it turns by more than a right angle: where it comes back
-/// along itself Newton's equation has no sideways direction.
+/// Removes the vertices at which a path turns by more than a right angle: where it comes back along
+/// itself Newton's equation has no sideways direction.
 void cutNeedles(Path& path) {
     constexpr double kRightAngle = 0.7;  // chord over both sides
     std::vector<PathVertex> kept;
@@ -319,7 +319,7 @@ void cutNeedles(Path& path) {
     path.vertices = std::move(kept);
 }
 
-/// A closed path that begins at its middle.
+/// Rotates a closed path so that it starts at its middle.
 void turnToMiddle(Path& path) {
     auto& v = path.vertices;
     v.pop_back();
@@ -339,7 +339,7 @@ bool straightenWhole(const Field& field, Path& path, bool closed, Progress& prog
         if (!field.band->triangles && !field.metric->obstacles) cutNeedles(path);
         path = shortened(field, path, Reach::Whole, progress, lengths);
         if (closed && path.length < kPoint) return false;
-        // Once for each of the two places at which a closed curve begins.
+        // A closed curve starts at two places in turn, and must settle at both.
         settled = before - path.weightedLength < kSettled * before ? settled + 1 : 0;
         before = path.weightedLength;
         if (!closed) break;

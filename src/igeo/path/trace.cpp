@@ -36,45 +36,46 @@ private:
     /// from the corners of the cell; false where it vanishes.
     bool direction(const Vec3d& p, Vec3d& v) const;
     /// One accepted Runge-Kutta step from p, projected, or a slide where an obstacle is ahead;
-    /// false when the step would be below minStep.
+    /// false if the step would be below minStep.
     bool stepAlongGradient(Vec3d& p, double& step) const;
-    /// A step along the rim of an obstacle: in the direction nearest to v that is free.
+    /// A step along the rim of an obstacle: in the free direction closest to v.
     bool slide(Vec3d& p, const Vec3d& v, double step) const;
-    /// Nodes that a path may go through, and the next ones: each node's value came from a lower
-    /// one.
+    /// Whether a path may pass through a node and continue from it: the value of each node came
+    /// from a lower one.
     bool walkable(NodeIndex i) const;
-    /// The node by which the path from p is shortest, of those that no obstacle hides.
+    /// The node that gives the shortest path from p, of those that no obstacle hides.
     NodeIndex nodeAhead(const Vec3d& p) const;
     NodeIndex lowestNeighbor(NodeIndex i) const;
-    /// The normal at p of the sheet the path is on.
+    /// The normal at p of the sheet of the path.
     Vec3d normalAt(const Vec3d& p) const;
     void append(Path& path, const Vec3d& p, double d) const;
-    /// Points of S along the chord from the path's end to p, where the distance is d, so that the
-    /// path does not cut an edge between.
+    /// Adds points of S along the chord from the path's end to p, where the distance is d, so that
+    /// the path cuts no edge in between.
     void appendBetween(Path& path, const Vec3d& p, double d) const;
-    /// Where a path is.
+    /// The current point of a path.
     struct State {
         Vec3d p;
         double d;
         const SurfacePoint* disc;  ///< the seed of the start disc it is in, or nullptr
         double step;
-        NodeIndex node;  ///< while it goes from node to node, else kNoNode
+        NodeIndex node;  ///< while the path goes from node to node, else kNoNode
     };
-    /// The seed of a region that the target lies in, so that its path has no length, or nullptr.
+    /// The seed of a region that contains the target, so that the path has no length; or nullptr.
     const SurfacePoint* regionAround(const Arrival& arrival) const;
-    /// The seed to which a path may go straight.
+    /// The seed that the path may join by a straight line.
     const SurfacePoint* seedAhead(const State& at) const;
     void finishAtSeed(Path& path, const SurfacePoint& seed) const;
-    /// A step along the gradient; where that does not lead down (cut loci, creases), the next node.
-    /// With both the distance falls, so that the path ends.
-    /// @return false where no neighbor lies lower
+    /// A step along the gradient; where that does not lead down (cut loci, creases), to the next
+    /// node. The distance falls in both cases, so the path ends.
+    /// @return false where no neighbor is lower
     bool advance(State& at) const;
 
     const Band& band_;
     const Field& field_;
     const TraceOptions& options_;
     Vec3d
-        sheetNormal_;  ///< normal of the sheet the path is on: where two face each other in a cell
+        /// Normal of the sheet of the path; needed where two sheets face each other in a cell
+        sheetNormal_;
 };
 
 Vec3d Tracer::normalAt(const Vec3d& p) const {
@@ -93,7 +94,8 @@ bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
     }
     g = tangential(g, cell.normal);
     const double len = length(g);
-    // Half of the front's gradient cancels where fronts meet at 120 degrees: no use beyond that.
+    // Where opposite fronts meet, the blended gradient cancels: below a tenth of its parts, with
+    // fronts at 169 degrees, its direction is useless.
     if (!(len > 0.1 * lengths)) return false;
     if (!field_.metric->anisotropic()) {
         v = -(1 / len) * g;
@@ -121,7 +123,7 @@ bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
         if (!projectToSurface(band_, q, sheetNormal_) || length(q - free) > step) continue;
         if (field_.metric->blocked(p, q, sheetNormal_)) return slide(p, k1, step);
         p = q;
-        // Third-order local error: the step that would just meet the tolerance, with a margin.
+        // Third-order local error: the step that just meets the tolerance, with a margin.
         const double growth = ratio > 0 ? 0.9 * std::cbrt(1 / ratio) : 2.0;
         step = std::min(step * std::clamp(growth, 0.5, 2.0), options_.maxStep);
         return true;
@@ -158,13 +160,13 @@ bool Tracer::slide(Vec3d& p, const Vec3d& v, double step) const {
 }
 
 bool Tracer::walkable(NodeIndex i) const {
-    // Voxels further out would carry the path sideways to their foot points.
+    // Voxels farther out would move the path sideways to their foot points.
     return (field_.atFootPoints ? band_.inCore(i) : std::abs(band_.psi[i]) <= 1) &&
            field_.at(i).distance < kInfinity;
 }
 
 NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
-    // Further off, a chord may cut the edge or pass the wall between.
+    // Farther off, a chord may cut the edge or cross the wall between.
     constexpr double kFar = 2;  // voxels
     const Ijk middle = roundToIjk(p);
     auto forNodes = [&](const auto& visit) {
@@ -232,8 +234,8 @@ void Tracer::appendBetween(Path& path, const Vec3d& p, double d) const {
 
 const SurfacePoint* Tracer::seedAhead(const State& at) const {
     if (at.disc || !field_.metric->anisotropic()) return at.disc;
-    // The rest of a start disc that tensors make long, where S is flat and the straight line as
-    // good as the distance: there the front bends faster than a cell can show.
+    // The rest of a start disc made long by a tensor, where S is flat and the straight line is as
+    // accurate as the distance: the front bends there more sharply than a cell resolves.
     constexpr double kRise = 1, kAgree = 0.02;
     const TangentFrame frame{Vec3f(sheetNormal_)};
     for (const SurfacePoint& s : field_.seeds) {
@@ -265,7 +267,7 @@ void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
     for (int k = 1; k < segments; ++k) {
         Vec3d p = from + (double(k) / segments) * line;
         projectToSurface(band_, p, sheetNormal_);
-        // In a groove a point of the line may be put on the wall behind the one before.
+        // In a groove a point of the line may be projected to the wall behind the last point.
         d = std::min(d, seed.start + costToSeed(field_, seed, p, sheetNormal_));
         append(path, p, d);
     }
@@ -317,7 +319,7 @@ Path Tracer::trace(const SurfacePoint& target) {
             sheetNormal_ = Vec3d(band_.normal[at.node]);
             projectToSurface(band_, at.p, sheetNormal_);
             at.disc = arrivalAt(field_, at.p, sheetNormal_).seed;
-            // Values at points may lie below those of the nodes around them.
+            // Values at points may be lower than those of the nodes around them.
             at.d = std::min(at.d, field_.at(at.node).distance);
             appendBetween(path, at.p, at.d);
             at.step = options_.maxStep / 4;

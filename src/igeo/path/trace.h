@@ -11,21 +11,21 @@ namespace igeo {
 
 struct TraceOptions {
     double maxStep = 1.0;     ///< voxels
-    double minStep = 0.01;    ///< voxels; below it a path goes on from node to node
+    double minStep = 0.01;    ///< voxels; below it the path continues from node to node
     double tolerance = 1e-3;  ///< local error per step, voxels
 };
 
 /// Follows gamma' = -grad_S d / |grad_S d|, or -G^-1 grad_S d made unit where the metric is a
 /// tensor G, from `target` by the embedded Runge-Kutta pair 2(3) of Bogacki and Shampine with
-/// adaptive step, back on S after every step, until it enters a seed's start disc, which it
-/// crosses straight on the surface.
+/// adaptive step. Each step is projected to S. Within a seed's start disc the path goes straight to
+/// the seed on the surface.
 ///
 /// Where an obstacle blocks a step, the path slides along its rim. Where no step along the gradient
-/// leads down (cut loci, creases), it goes on over the foot points of nodes, each time to the
-/// neighbor of least distance. Distances never rise along a path.
-/// @return vertices lie on S: on psi = 0 of the trilinear interpolant to 1e-6 voxels where that
-///         converges; or on the triangles of a mesh, with all segments as well: where it passes
-///         from one to the next there is a vertex
+/// leads down (cut loci, creases), the path continues over the foot points of nodes, each time to
+/// the neighbor of least distance. Distances never rise along a path.
+/// @return vertices lie on S: on psi = 0 of the trilinear interpolant to 1e-6 voxels where the
+///         projection converges; or on the triangles of a mesh, with all segments as well, since
+///         there is a vertex on each edge that the path crosses
 /// Time O(length).
 Path tracePath(const Field& field, const SurfacePoint& target, const TraceOptions& options = {});
 

@@ -1,5 +1,5 @@
-// The tables are every fifth of the 256 colors that were published, straight lines in sRGB in
-// between. That differs from the 256 colors by 1 of 255 at most, in cividis by 4.
+// The tables hold every fifth of the 256 published colors, with straight lines in sRGB in between.
+// The result differs from the published colors by 1 of 255 at most, in cividis by 4.
 // - viridis, magma: S. van der Walt and N. Smith for matplotlib, CC0.
 // - cividis: J. R. Nunez, C. R. Anderton, R. S. Renslow, "Optimizing colormaps with consideration
 //   for color vision deficiency to enable accurate interpretation of scientific data", PLoS ONE 13,
@@ -73,7 +73,7 @@ Vec3d srgbOf(std::uint32_t rgb) {
     return Vec3d{double(rgb >> 16), double(rgb >> 8 & 0xff), double(rgb & 0xff)} * (1 / 255.0);
 }
 
-/// Between a and b, s from 0 to 1.
+/// Linear interpolation from a to b, s from 0 to 1.
 Vec3d mixed(const Vec3d& a, const Vec3d& b, double s) { return (1 - s) * a + s * b; }
 
 }  // namespace

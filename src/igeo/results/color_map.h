@@ -11,9 +11,9 @@ namespace igeo {
 /// Gamma-encoded sRGB of a color in linear light, components clamped to [0, 1].
 Vec3d srgbFromLinear(const Vec3d& linear);
 
-/// A color map that others have published: viridis, magma and cividis, in which lightness rises
-/// evenly and which read in gray and with color blindness, too; turbo, a rainbow that tells more
-/// values apart and is dark at both ends; gray.
+/// A published color map: viridis, magma and cividis, whose lightness rises evenly, so that they
+/// are readable in gray and with color blindness; turbo, a rainbow that separates more values and
+/// is dark at both ends; gray.
 class ColorMap {
 public:
     /// @throws Error  InvalidArgument for a name that is not among names()
@@ -22,7 +22,7 @@ public:
     /// The color for t, clamped to [0, 1], in linear light. O(1), from a table.
     Vec3d operator()(double t) const;
 
-    /// The maps there are; the first is the default.
+    /// The available maps; the first is the default.
     static std::vector<std::string> names();
 
 private:

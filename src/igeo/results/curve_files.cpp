@@ -14,10 +14,10 @@ namespace {
 
 using Curves = std::vector<NamedCurve>;
 
-/// Vertices that are there once: of a closed curve all but the last.
+/// The number of distinct vertices: of a closed curve all but the last.
 std::size_t distinct(const NamedCurve& c) { return c.points.size() - (c.closed ? 1 : 0); }
 
-/// Calls visit(begin, end) for the curves of each name.
+/// Calls visit(begin, end) for runs of curves with the same name.
 template <typename Visit>
 void forObjects(const Curves& curves, const Visit& visit) {
     for (auto begin = curves.begin(); begin != curves.end();) {
@@ -28,7 +28,7 @@ void forObjects(const Curves& curves, const Visit& visit) {
     }
 }
 
-/// Calls visit(a, b) for the segments, by vertices counted from `first` on.
+/// Calls visit(a, b) for the segments, with vertices counted from `first`.
 template <typename Visit>
 void forSegments(const NamedCurve& c, std::size_t first, const Visit& visit) {
     for (std::size_t k = 1; k < c.points.size(); ++k) visit(first + k - 1, first + k % distinct(c));
@@ -111,7 +111,7 @@ std::string ply(CurveKind kind, const Curves& curves) {
     return bytes;
 }
 
-/// A name as USD has them, letters, digits and underscores, that is not yet taken.
+/// A unique USD name: letters, digits and underscores.
 std::string primName(std::string name, std::set<std::string>& taken) {
     for (char& c : name)
         if (!((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'))) c = '_';
@@ -121,7 +121,7 @@ std::string primName(std::string name, std::set<std::string>& taken) {
 }
 
 /// One object of a USD stage.
-/// @param width  of the curves where they are drawn
+/// @param width  of the curves when drawn
 std::string basisCurves(const std::string& name, Curves::const_iterator begin,
                         Curves::const_iterator end, double width) {
     std::string text = fmt::format("    def BasisCurves \"{}\"\n    {{\n", name);
@@ -227,7 +227,7 @@ std::vector<NamedCurve> namedCurves(const std::vector<Isoline>& lines,
 
 std::string curveFile(const std::string& ending, CurveKind kind, const Curves& all) {
     Curves curves;
-    // What has no length is no curve.
+    // A curve without length is dropped.
     for (const NamedCurve& c : all)
         if (c.points.size() > 1 || ending == ".csv") curves.push_back(c);
     if (ending == ".csv") return csv(kind, curves);

@@ -53,7 +53,7 @@ std::vector<MatrixPlace> placesOf(const std::vector<Group>& groups, const Simila
     return places;
 }
 
-/// From the point of the group to which the front comes first.
+/// The distance to the point of the group that the front reaches first.
 double distanceTo(const Group& group, const Field& field) {
     if (group.front().offSurface) return std::numeric_limits<double>::quiet_NaN();
     double least = kInfinity;
@@ -76,7 +76,7 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
     if (targets.empty()) m.asymmetry = std::numeric_limits<double>::quiet_NaN();
     const std::size_t rows = endRow - firstRow, columns = to.size();
     m.distance.resize(rows * columns);
-    // To look for many targets takes longer than to march past them.
+    // Stopping early at many targets takes longer than marching past them.
     constexpr std::size_t kNodesPerTarget = 16, kCorners = 8;
     JetOptions options;
     if (ends.size() * kNodesPerTarget < band.coreSize())
@@ -91,7 +91,7 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
             Group group = from[firstRow + k];
             for (SurfacePoint& seed : group) seed.start = 0;
             const Field field = marchJet(core, group, options, quiet);
-            // In world units here, so that rows read from files have the same bits.
+            // Converted here, so that rows read back from files have the same bits.
             for (std::size_t t = 0; t < columns; ++t)
                 m.distance[k * columns + t] = band.transform.dx * distanceTo(to[t], field);
             progress.update("matrix", double(++done) / double(rows));

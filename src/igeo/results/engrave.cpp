@@ -14,7 +14,7 @@ namespace igeo {
 
 namespace {
 
-/// A level set of round tubes about segments, voxel by voxel the least distance to any.
+/// A level set of round tubes around segments: per voxel the least distance to any.
 class Tubes {
 public:
     /// @param radius, halfWidth  voxels
@@ -59,7 +59,7 @@ private:
     openvdb::FloatGrid::Accessor accessor_;
 };
 
-/// psi, active below a half-width (voxels) only.
+/// psi, active only below a half-width (voxels).
 openvdb::FloatTree::ConstPtr narrowed(const LevelSet& levelSet, double halfWidth) {
     if (levelSet.stats.halfWidth <= halfWidth) return levelSet.psi->constTreePtr();
     const auto psi = std::make_shared<openvdb::FloatTree>(levelSet.psi->tree());

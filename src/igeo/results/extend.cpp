@@ -13,7 +13,7 @@ void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, cons
     const double dx = band.transform.dx;
     std::vector<const Leaf*> source;
     levelSet.psi->constTree().getNodes(source);
-    // Topology by one thread, values by all.
+    // One thread makes the topology; all threads fill in the values.
     std::vector<Leaf*> target;
     for (const Leaf* leaf : source) target.push_back(distance.tree().touchLeaf(leaf->origin()));
 

@@ -9,7 +9,7 @@ namespace igeo {
 
 /// Gives every active voxel of the level set outside the band the distance at its own foot point,
 /// so that the grid covers the whole narrow band (constant along normals).
-/// @param distance as distanceGrid() made it; world units
+/// @param distance made by distanceGrid(); world units
 /// @throws Error  Cancelled through `progress`
 /// Time O(active voxels), in parallel.
 void extendDistance(openvdb::FloatGrid& distance, const LevelSet& levelSet, const Field& field,

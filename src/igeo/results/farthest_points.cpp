@@ -13,7 +13,7 @@ namespace igeo {
 
 namespace {
 
-/// Nodes that may become points, and how far each is from those there are.
+/// Candidate nodes, and their distances from the points chosen so far.
 class Farthest {
 public:
     Farthest(const Band& band, const MetricPtr& metric)
@@ -25,13 +25,13 @@ public:
     std::size_t candidates() const { return candidates_.size(); }
 
     void add(const std::vector<SurfacePoint>& seeds, Progress& progress);
-    /// Takes the farthest candidate out.
+    /// Removes the farthest candidate.
     NodeIndex take();
 
 private:
     struct Candidate {
         NodeIndex node;
-        double distance;  ///< negative: taken
+        double distance;  ///< negative: chosen
     };
 
     const JetCorePtr core_;
@@ -57,7 +57,7 @@ void Farthest::add(const std::vector<SurfacePoint>& seeds, Progress& progress) {
 NodeIndex Farthest::take() {
     constexpr std::size_t kChunk = 1 << 14;
     auto farther = [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; };
-    // std::max_element finds the first of equals, so the lower node number.
+    // std::max_element finds the first of equals, which has the lowest node number.
     std::vector<Candidate*> best((candidates_.size() + kChunk - 1) / kChunk);
     parallelFor(best.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c) {
@@ -82,8 +82,8 @@ SurfacePoint pointAt(const Band& band, NodeIndex i) {
     return p;
 }
 
-/// For the time left: n - 1 marches, in marches over the whole surface. The k-th covers about 1 / k
-/// of it; what each costs in itself was measured.
+/// For progress: the work of n - 1 marches, in units of a march of the whole surface. The k-th
+/// visits about 1 / k of it, plus a measured constant.
 double workOf(std::size_t n) { return std::log(double(n)) + 0.05 * double(n - 1); }
 
 }  // namespace
@@ -98,7 +98,7 @@ std::vector<SurfacePoint> farthestPoints(const Band& band, const MetricPtr& metr
                                 farthest.candidates()),
                     "ask for fewer points, or take finer voxels");
     CancelOnly quiet(progress);
-    const std::size_t given = !start.empty();  // the march from them
+    const std::size_t given = !start.empty();  // a march from the given points
     progress.update("points", 0);
     if (given) farthest.add(start, quiet);
     std::vector<SurfacePoint> points;

@@ -13,8 +13,8 @@ namespace {
 
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
-/// Sets value(i) at every node i that is wanted. Leaves are made and added by one thread, filled by
-/// all.
+/// Sets value(i) at every node i that is wanted. One thread makes the leaves; all threads fill
+/// them.
 template <typename GridT, typename Wanted, typename ValueAt>
 void fill(GridT& grid, const Band& band, const Wanted& wanted, const ValueAt& valueAt) {
     using Leaf = typename GridT::TreeType::LeafNodeType;
@@ -49,7 +49,7 @@ typename GridT::Ptr makeGrid(const typename GridT::ValueType& background,
     return grid;
 }
 
-/// A leaf of reached nodes. What it holds beside them is not known before all leaves are.
+/// A leaf with the reached nodes set. Its background is known only after all leaves.
 std::unique_ptr<FloatLeaf> distanceLeaf(const Band& band, LeafIndex l,
                                         const std::vector<NodeJet>& jets, Extent& extent) {
     const BandLeaf& from = band.leaves[l];

@@ -1,4 +1,4 @@
-/// From the band back to volumes.
+/// Values of a band as volumes.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -13,7 +13,7 @@
 
 namespace igeo {
 
-/// How much of a band has distances.
+/// How many nodes of a band have distances, and how large they are.
 struct Extent {
     std::size_t nodes = 0;    ///< of the band, or of its core
     std::size_t reached = 0;  ///< of them
@@ -22,11 +22,11 @@ struct Extent {
 
 /// Distances as a grid in world units times weight, negative where Field::sign is.
 ///
-/// Active exactly at the nodes with a finite distance; everything else is inactive and holds the
-/// largest distance, as does the background, so that sublevel sets stay closed. Class unknown.
-/// @param transform the level set's own, so that both grids line up bit by bit
-/// @param extent  set to what the grid holds
-/// Of a field that was not extended the jets of one leaf after the other are, and then given back.
+/// Active exactly at the nodes with a finite distance. All else is inactive and holds the largest
+/// distance, as does the background, so that sublevel sets stay closed. Class unknown.
+/// @param transform that of the level set, so that both grids match bit by bit
+/// @param extent  set to the extent of the grid
+/// For a field that is not extended, the jets of one leaf at a time are computed and freed.
 openvdb::FloatGrid::Ptr distanceGrid(const Field& field, const openvdb::math::Transform& transform,
                                      const std::string& name, Extent* extent = nullptr);
 
@@ -35,13 +35,13 @@ openvdb::FloatGrid::Ptr distanceGrid(const Field& field, const openvdb::math::Tr
 openvdb::Vec3SGrid::Ptr gradientGrid(const Field& field, const openvdb::math::Transform& transform,
                                      const std::string& name);
 
-/// The index of the nearest seed; active where the distance is known, background -1. As float,
-/// which every reader of VDB files knows (Python's module, as Debian packages it, reads no int32).
-/// @throws Error  InvalidArgument with more seeds than a float counts, 2^24
+/// The index of the nearest seed; active where the distance is known, background -1. A float grid,
+/// which all readers of VDB files support (Python's module in Debian reads no int32).
+/// @throws Error  InvalidArgument for more than 2^24 seeds, which float cannot number
 openvdb::FloatGrid::Ptr labelGrid(const Field& field, const openvdb::math::Transform& transform,
                                   const std::string& name);
 
-/// The weight at the foot points of the band, obstacles left inactive; background 1.
+/// The weight at the foot points of the band, inactive in obstacles; background 1.
 openvdb::FloatGrid::Ptr weightGrid(const Band& band, const Metric& metric,
                                    const openvdb::math::Transform& transform,
                                    const std::string& name);
@@ -51,20 +51,20 @@ openvdb::FloatGrid::Ptr weightGrid(const Band& band, const Metric& metric,
 std::vector<openvdb::FloatGrid::Ptr> curvatureGrids(const Band& band, const Curvature& curvature,
                                                     const openvdb::math::Transform& transform,
                                                     const std::string& psi);
-/// Colors of the distances in linear light, 0 to 1, as renderers take volumes: the map from 0 to
-/// the largest distance where the distance is known; gray, and inactive, elsewhere.
+/// Colors of the distances in linear light, 0 to 1, for volume renderers: the map over 0 to the
+/// largest distance where the distance is known; gray and inactive elsewhere.
 openvdb::Vec3SGrid::Ptr colorGrid(const Field& field, const ColorMap& colors,
                                   const openvdb::math::Transform& transform,
                                   const std::string& name);
 
-/// How unreliable results are (SurfaceSurvey::unreliability), active where they are: 1 where a
+/// How unreliable results are (SurfaceSurvey::unreliability), active at unreliable nodes: 1 where a
 /// bound is just met, larger is worse. Background 0, class unknown.
 openvdb::FloatGrid::Ptr unreliableGrid(const Band& band, const std::vector<float>& unreliability,
                                        const openvdb::math::Transform& transform,
                                        const std::string& name);
 
-/// The logarithmic map (u, v, 0), world units times weight: of LogMap::frames, not of space. Active
-/// where it is known. Class unknown, vectors invariant.
+/// The logarithmic map (u, v, 0), world units times weight, in the axes of LogMap::frames, not in
+/// world axes. Active where it is known. Class unknown, vectors invariant.
 openvdb::Vec3SGrid::Ptr logMapGrid(const Band& band, const LogMap& map,
                                    const openvdb::math::Transform& transform,
                                    const std::string& name);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMostLevels = 100000;
 
-/// A piece of a line, across one triangle: from an edge to another.
+/// A segment of a line across one triangle, from one edge to another.
 struct Segment {
     std::uint32_t from, to;
     bool operator<(const Segment& o) const { return from < o.from; }
@@ -25,7 +25,7 @@ struct Chain {
     bool closed = false;
 };
 
-/// Which triangles a line may cross: all distances known, no obstacle in between.
+/// Whether a line may cross a triangle: all distances known, no obstacle in between.
 bool passable(const Field& field, const SurfaceMesh& mesh, const SurfaceMesh::Triangle& t) {
     for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t a = t[k], b = t[(k + 1) % 3];
@@ -36,7 +36,7 @@ bool passable(const Field& field, const SurfaceMesh& mesh, const SurfaceMesh::Tr
     return true;
 }
 
-/// Per level the pieces of its lines, sorted by the edge they start at.
+/// Per level the segments of its lines, sorted by the edge at which they start.
 std::vector<std::vector<Segment>> segmentsByLevel(const Field& field, const SurfaceMesh& mesh,
                                                   const MeshEdges& edges,
                                                   const std::vector<double>& levels) {
@@ -52,8 +52,8 @@ std::vector<std::vector<Segment>> segmentsByLevel(const Field& field, const Surf
             Segment s{};
             for (std::size_t k = 0; k < 3; ++k) {
                 const bool above = d[k] >= *level, nextAbove = d[(k + 1) % 3] >= *level;
-                // Counter-clockwise around the triangle, the line enters where values rise: so
-                // lower ones lie to its left.
+                // Counter-clockwise around the triangle, the line enters where values rise, so
+                // lower values lie to its left.
                 if (!above && nextAbove) s.from = edges.ofTriangle[t][k];
                 if (above && !nextAbove) s.to = edges.ofTriangle[t][k];
             }
@@ -64,8 +64,8 @@ std::vector<std::vector<Segment>> segmentsByLevel(const Field& field, const Surf
     return segments;
 }
 
-/// Joins pieces. An edge has two triangles that see it in opposite directions, so at most one piece
-/// starts at it and at most one ends there.
+/// Joins segments. The two triangles of an edge traverse it in opposite directions, so at most one
+/// segment starts at it and at most one ends there.
 std::vector<Chain> chainsOf(const std::vector<Segment>& segments) {
     constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
     std::vector<std::size_t> next(segments.size(), kNone);
@@ -96,7 +96,7 @@ std::vector<Chain> chainsOf(const std::vector<Segment>& segments) {
     return chains;
 }
 
-/// The normal of the sheet that an edge belongs to.
+/// The normal of the sheet of an edge.
 Vec3d sheetAt(const SurfaceMesh& mesh, const std::array<std::uint32_t, 2>& ends) {
     return normalized(Vec3d(mesh.normal[ends[0]] + mesh.normal[ends[1]]));
 }
@@ -112,7 +112,7 @@ Vec3d crossing(const Field& field, const SurfaceMesh& mesh,
     if (atHi == 0) return mesh.position[b];
     const Vec3d sheetNormal = sheetAt(mesh, ends);
     Vec3d p;
-    int last = 0;  // which end moved last
+    int last = 0;  // the end that moved last
     for (int step = 0; step < kMostSteps; ++step) {
         const double t = lo + (hi - lo) * (atLo / (atLo - atHi));
         const Vec3d onEdge = (1 - t) * mesh.position[a] + t * mesh.position[b];
@@ -133,7 +133,7 @@ Vec3d crossing(const Field& field, const SurfaceMesh& mesh,
     return p;
 }
 
-/// The line without points that repeat the one before, as where a vertex lies exactly at the level.
+/// The line without repeated points, as where a vertex lies exactly at the level.
 Isoline lineOf(const std::vector<Vec3d>& points, const std::vector<Vec3d>& normals, double level,
                bool closed) {
     constexpr double kSame = 1e-9;  // voxels
@@ -194,7 +194,7 @@ std::vector<Isoline> isolines(const Field& field, const SurfaceMesh& mesh,
                 }
             });
             Isoline line = lineOf(points, normals, ascending[l], chain.closed);
-            // A vertex at the level that is a peak makes a line of one point.
+            // A peak exactly at the level gives a line of one point.
             if (line.points.size() > (line.closed ? 2 : 1)) lines.push_back(std::move(line));
         }
     }

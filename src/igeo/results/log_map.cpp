@@ -27,18 +27,19 @@ Vec2f turned(Vec2f v, float angle) {
     return {c * v.x - s * v.y, s * v.x + c * v.y};
 }
 
-/// A frame that is parallel along the geodesic to a node, as its first axis.
+/// A frame that is parallel along the geodesic to a node; stores its first axis.
 struct Carried {
-    Vec3f axis;      ///< 0: not known
-    float turn = 0;  ///< of the frames, counterclockwise per length (times weight) along the front
-                     ///< to the left
+    Vec3f axis;  ///< 0: not known
+    /// Rotation of the frames, counterclockwise, per length (times weight) along the front to the
+    /// left
+    float turn = 0;
     Vec3f logGradient;  ///< of the weight
     bool known() const { return !(axis == Vec3f{}); }
 };
 
-/// The direction in which the geodesic to a node leaves its seed.
+/// The direction at the seed of the geodesic to a node.
 struct Departure {
-    Vec2f direction;  ///< unit; 0: not known
+    Vec2f direction;  ///< unit; 0: unknown
     float slope = 0;  ///< of its angle, per length as above
 };
 
@@ -52,14 +53,14 @@ struct Chart {
 /// A neighbor in that chart, and the chord from it to the node.
 struct FrontNeighbor {
     NodeIndex core;
-    float weight;  ///< for fits: the nearer the more
-    Vec2f vector;  ///< the chord laid out in the chart, times the weight
-    float along;   ///< the same along the neighbor's geodesic
-    float left;    ///< and to its left
+    float weight;  ///< for fits: larger for nearer neighbors
+    Vec2f vector;  ///< the chord in the chart, times the weight
+    float along;   ///< its component along the neighbor's geodesic
+    float left;    ///< its component to the left
     Vec3f chord;   ///< in space, voxels
 };
 
-/// The neighbors of one front.
+/// The neighbors that one front reached.
 class FrontNeighbors {
 public:
     void add(const FrontNeighbor& n) {
@@ -80,7 +81,7 @@ struct LineFit {
         s0 += w, sx += w * x, sxx += w * x * x;
         b0 += w * y, bx += w * x * y;
     }
-    /// @param pull toward a slope, as a weight relative to all others together
+    /// @param pull toward slopeGuess, as a weight relative to the sum of all others
     void solve(float pull, float slopeGuess, float& at, float& slope) const {
         const float xx = sxx + pull * s0, x = bx + pull * s0 * slopeGuess;
         const float det = s0 * xx - sx * sx;
@@ -142,7 +143,7 @@ Vec3f LogMapper::logGradient(NodeIndex i) const {
     return frame.lift((1 / det) * Vec2f{yy * right.x - xy * right.y, xx * right.y - xy * right.x});
 }
 
-/// The axis of a frame at the other end of a chord, carried here along it.
+/// The axis of a frame at the other end of a chord, transported along it.
 Vec2f carriedAxis(const Chart& here, const Vec3f& chord, const Vec3f& normal,
                   const Carried& there) {
     const float cosine = igeo::dot(here.frame.normal(), normal);
@@ -151,13 +152,13 @@ Vec2f carriedAxis(const Chart& here, const Vec3f& chord, const Vec3f& normal,
     return turned(n.g, cross(n.a, slope) / 2);
 }
 
-/// Near the seed its own frame, carried along the chord.
+/// Near the seed: the seed's frame, transported along the chord.
 bool LogMapper::carryFromSeed(NodeIndex i, const Chart& here, Carried& out) const {
     const std::uint32_t k = label(i);
     const SurfacePoint& seed = field_.seeds[k];
     const Vec3f chord(band_.footPoint(i) - seed.pIndex);
     const Vec3f normal(igeo::cross(frames_[k].u, frames_[k].v));
-    // The distance tells the seed's sheet from one close by.
+    // The distance separates the seed's sheet from one close to it.
     if (length(chord) > float(field_.startRadius) ||
         distance(i) > 1.5 * field_.startRadius * seed.weight ||
         igeo::dot(normal, here.frame.normal()) < 0)
@@ -180,7 +181,7 @@ void LogMapper::addNeighbor(NodeIndex i, const Chart& here, NodeIndex core,
     const Vec3f chord(band_.footPoint(i) - band_.footPoint(j));
     const JetNeighbor n =
         flattened(here.frame, chord, normal, cosine, normalized(field_.gradient[j]), 0);
-    // Geodesics of another front: frames are another's as well.
+    // Geodesics of another front have frames of their own.
     if (igeo::dot(n.g, here.direction) < jet::kSameFront) return;
     const Metric& metric = *field_.metric;
     const Vec2f v = float((metric.at(i) + metric.at(j)) / 2) * n.a;
@@ -194,14 +195,14 @@ FrontNeighbors LogMapper::neighbors(NodeIndex i, const Chart& here) const {
     return all;
 }
 
-/// The frame at a core node from those of lower ones.
+/// The frame at a core node, from those of nodes with smaller distances.
 void LogMapper::carry(NodeIndex i) {
     constexpr float kPull = 0.005f;
     const Chart here = chart(i);
     Carried& out = carried_[band_.coreNode(i)];
     Carried result;
     if (!carryFromSeed(i, here, result)) {
-        // Angles are measured from the axis of one of them.
+        // Angles are relative to the axis of one of them.
         Vec2f from;
         LineFit fit;
         float turn = 0;
@@ -225,15 +226,15 @@ void LogMapper::carry(NodeIndex i) {
     out.logGradient = here.logGradient;
 }
 
-/// The angle between geodesic and frame, which is the same all along.
+/// The angle between geodesic and frame, which is constant along the geodesic.
 Departure LogMapper::measure(NodeIndex i, const Carried& frame) const {
     const Vec3f g = normalized(field_.gradient[i]), n = band_.normal[i];
     const Vec2f direction{dot(frame.axis, g), igeo::dot(n, igeo::cross(frame.axis, g))};
     return {normalized(direction), float(1 / distance(i))};
 }
 
-/// A line along the front through what a core node and its neighbors measured; what does not fit
-/// in counts for little.
+/// Fits a line along the front to the angles of a core node and its neighbors; outliers get small
+/// weights.
 Departure LogMapper::smooth(NodeIndex i) const {
     constexpr int kRounds = 3;
     constexpr float kScatter = 0.002f, kPull = 0.01f;
@@ -251,7 +252,7 @@ Departure LogMapper::smooth(NodeIndex i) const {
     for (const FrontNeighbor& n : neighbors(i, here)) {
         const Departure& there = measured_[n.core];
         const auto d = float(distance(nodes_[n.core]));
-        // Laid out flat about the seed, where straight lines are.
+        // Laid flat around the seed, where geodesics are straight lines.
         const Vec2f at =
             (d + n.along) * there.direction + n.left * Vec2f{-there.direction.y, there.direction.x};
         estimates[count++] = {n.weight, -n.left,
@@ -270,7 +271,7 @@ Departure LogMapper::smooth(NodeIndex i) const {
     return {turned(own.direction, angle), float(1 / distance(i)) + slope};
 }
 
-/// Between core nodes: what the nearest says, and all that agree with it.
+/// Between core nodes: the mean of the nearest and of all that agree with it.
 Vec2f LogMapper::interpolate(NodeIndex i) const {
     constexpr float kAgree = 0.98f;
     const Chart here = chart(i);
@@ -405,13 +406,13 @@ Vec2f positionAt(const Field& field, const LogMap& map, const SurfacePoint& p) {
     };
     std::uint32_t source = arrival.source;
     std::size_t lead = leadOf(source);
-    // Where two seeds are as far, all nodes around may be of the other.
+    // Where two seeds are equally far, all nodes around may belong to the other.
     if (lead == 8) lead = leadOf({});
     if (lead == 8) return kNone;
     if (!field.label.empty()) source = field.label[cell.node[lead]];
     const double radius = arrival.distance - field.seeds[source].start;
     if (!(radius > 0)) return {0, 0};
-    // Beyond the cut locus geodesics come from another side.
+    // Beyond the cut locus geodesics arrive from another side.
     constexpr double kNear = 4, kTurn = 0.5;  // voxels, radians
     const Vec2f first = map.position[cell.node[lead]];
     const double within = std::max(kNear * field.metric->largest(), kTurn * double(length(first)));

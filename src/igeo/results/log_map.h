@@ -1,4 +1,4 @@
-/// The surface as a seed sees it: in polar coordinates about it.
+/// The logarithmic map: the surface in polar coordinates around a seed.
 #pragma once
 
 #include <igeo/base/progress.h>
@@ -9,48 +9,46 @@
 
 namespace igeo {
 
-/// The logarithmic map: where a point lies, seen from the seed it is nearest to, as a vector in the
-/// seed's tangent plane. Its length is the distance, its direction that in which the shortest
-/// geodesic leaves the seed.
+/// The logarithmic map: the position of a point relative to its nearest seed, as a vector in the
+/// seed's tangent plane. Its length is the distance; its direction is that of the shortest geodesic
+/// at the seed.
 struct LogMap {
     /// The plane's axes, index space: orthonormal, with u x v the normal of S.
     struct Frame {
         Vec3d u, v;
     };
-    std::vector<Frame> frames;    ///< per seed
-    std::vector<Vec2f> position;  ///< per band node, of its foot point: d (cos, sin) of the angle
-                                  ///< from u toward v, voxels times weight; NaN: not reached, or
-                                  ///< no neighbor to take a direction from
+    std::vector<Frame> frames;  ///< per seed
+    /// Per band node, of its foot point: d (cos, sin) of the angle from u toward v, voxels times
+    /// weight; NaN: unreached, or no neighbor with a direction
+    std::vector<Vec2f> position;
 };
 
-/// The logarithmic map of a field of marchJet, about the seed that each node is nearest to.
+/// The logarithmic map of a field of marchJet, around the nearest seed of each node.
 ///
-/// The direction of a geodesic is parallel along it (that is what makes it one). So a frame is
-/// carried from the seed outwards, parallel along every geodesic, and a node's angle is that of its
-/// gradient in its frame: the gradient's error is not carried on, and the frame is smooth, also at
-/// the seed, where angles are not. In order of distance each node of the core takes the frame e and
-/// its change w along the front from lower neighbors, by least squares over the equations
+/// The direction of a geodesic is parallel along it. So a frame is transported from the seed
+/// outward, parallel along every geodesic, and a node's angle is that of its gradient in its frame.
+/// The gradient's error does not accumulate, and the frame is smooth, even at the seed, where
+/// angles are not. In order of distance each node of the core takes the frame e and its change w
+/// along the front from lower neighbors, by least squares over the equations
 ///     angle(e_i) - w_i (t_i . a_ij) / 2 = angle(P e_j) + w_j (t_j . a_ij) / 2,
 /// the trapezoid rule along the chord a_ij, with P the least rotation of one tangent plane into the
 /// other and t across the geodesics; a weight g adds a_ij x (grad ln g_i + grad ln g_j) / 2 on the
 /// right (the connection of a conformal metric). The angles are then fitted by a line along the
-/// front over the neighbors of each node, in which stray gradients count for little, and the other
-/// nodes take theirs from the lines of the core around. Second order.
-/// @param reference index space; u is its part along S at each seed. Zero, or normal to S: the
-///                  coordinate axis least along the normal takes its place
+/// front over the neighbors of each node, in which outliers get small weights. The other nodes take
+/// theirs from the lines of the core around. Second order.
+/// @param reference index space; u is its part along S at each seed. If it is zero or normal to S,
+///                  the coordinate axis farthest from the normal is used
 /// @throws Error  InvalidArgument for a field that is not of marchJet, of a tensor, or of seeds
-/// that
-///                are more than points; Cancelled through `progress`
-/// At the cut locus a node has the direction of one of its shortest geodesics. Where S has sharp
-/// corners, and in the shadow of an obstacle, geodesics are not straight all along: there only
-/// the length means something. Time O(n log n), about twice the work of the march, a good part of
-/// it on one thread. Error: some 0.01 degrees on average at radii of 40 voxels,
-/// tests/accuracy/test_log_map.cpp.
+///         that are more than points; Cancelled through `progress`
+/// At the cut locus a node has the direction of one of its shortest geodesics. At sharp corners of
+/// S, and in the shadow of an obstacle, geodesics are not straight: there only the length is
+/// meaningful. Time O(n log n), about twice the work of the march, a good part of it on one thread.
+/// Error: some 0.01 degrees on average at radii of 40 voxels, tests/accuracy/test_log_map.cpp.
 LogMap logMap(const Field& field, const Vec3d& reference = {},
               Progress& progress = Progress::none());
 
 /// The same at a point of S: the direction is blended from the nodes around it that one front
-/// reached, the length is the distance there. NaN where that is not known.
+/// reached; the length is the distance there. NaN where that is unknown.
 /// @param map  of the field
 Vec2f positionAt(const Field& field, const LogMap& map, const SurfacePoint& p);
 

@@ -10,7 +10,7 @@ std::vector<std::string> overrunWarnings(const Field& field,
     const Band& band = *field.band;
     struct Source {
         std::size_t segments = 0, lost = 0;
-        double start = 0, arrival = 0;  ///< of the first that is lost
+        double start = 0, arrival = 0;  ///< of the first one lost
     };
     std::vector<Source> sources(field.sourceCount());
     for (std::size_t k = 0; k < field.seeds.size(); ++k) {

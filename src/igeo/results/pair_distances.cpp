@@ -34,16 +34,17 @@ public:
     std::vector<SolvedPair> solve(Progress& progress);
 
 private:
-    /// Pairs of one source.
+    /// Pairs that share a source.
     using Group = std::vector<std::size_t>;
 
     std::vector<Group> groups() const;
     double straight(std::size_t k) const { return length(targets_[k] - sources_[k]); }
-    /// Where paths of this length lie between a group's points, and all that a march looks at.
+    /// The balls of all paths of this length between a group's points, and of the voxels that a
+    /// march reads.
     std::vector<Ball> region(const Group& group, double reach) const;
-    /// Solves a group near by; false if that takes the whole surface.
+    /// Solves a group on the surface near it; false if that takes the whole surface.
     bool solveAround(const Group& group);
-    /// @param core  of the band in the metric, if it is at hand
+    /// @param core  of the band in the metric, if it exists
     /// @return whether all targets are within `reach`, or a point is too far from S
     bool solveOn(const Band& band, const MetricPtr& metric, const Group& whole, double reach,
                  const JetCorePtr& core);
@@ -76,8 +77,9 @@ std::vector<PairSolver::Group> PairSolver::groups() const {
 }
 
 std::vector<Ball> PairSolver::region(const Group& group, double reach) const {
-    // The start disc, the nodes awaited around a target, the margin behind the front, and the cells
-    // and band around all that; and the scheme may be some percent short.
+    // The start disc, the nodes around a target that the march waits for, the margin behind the
+    // front, and the cells and band around all that. The scheme's distances may be some percent
+    // short.
     constexpr double kBeyond = 12, kShort = 1.1;
     const double longest = kShort * reach / surface_.leastWeight;
     std::vector<Ball> balls;
@@ -103,7 +105,7 @@ bool PairSolver::solveOn(const Band& band, const MetricPtr& metric, const Group&
     snapTo(band, sources_[whole.front()], source);
     JetOptions options;
     options.extend = surface_.paths != PairSurface::Paths::None;
-    // A margin for the cells around a target at the very end.
+    // A margin for the cells around a target at the limit.
     options.maxDistance = reach + 2 * (metric ? metric->largest() : 1);
     Group group;
     for (const std::size_t k : whole) {
@@ -172,7 +174,7 @@ void PairSolver::markSkippedPairs() {
         pair.distance = std::numeric_limits<double>::quiet_NaN();
         pair.path = {};
         pair.path.status = PathStatus::OffSurface;
-        // What was looked at is a part of the surface: the nearest point may be elsewhere.
+        // Only a part of the surface was searched: the nearest point may be elsewhere.
         for (SurfacePoint* p : {&pair.source, &pair.target})
             if (p->offSurface) p->snapDistance = kInfinity;
     }

@@ -53,8 +53,8 @@ Frame frameOf(const View& view, const Similarity& t, int width, int height) {
             height};
 }
 
-/// Draws the surface on a film: a sample per pixel, then more where pixels belong to different
-/// parts of the surface. Lines on it are smooth by their width at a sample.
+/// Draws the surface: one sample per pixel, then more where pixels show different parts of the
+/// surface. Lines are antialiased by their width at a sample.
 class Renderer {
 public:
     Renderer(const DrawnSurface& surface, const Frame& frame, const Shader& shader,
@@ -68,7 +68,7 @@ public:
           normals_(samples_.size()),
           distances_(samples_.size()) {}
 
-    /// @param radius  within which folds shade each other, voxels
+    /// @param radius  of the shading in folds, voxels
     void render(double radius, Film& film) {
         sample();
         rows(0, [&](int y) { lookAt(y); });
@@ -89,9 +89,9 @@ public:
     const std::vector<Vec3f>& normals() const { return normals_; }
 
 private:
-    static constexpr int kFiner = 3;  ///< samples per axis in pixels with an edge
+    static constexpr int kFiner = 3;  ///< samples per axis, in pixels with an edge
 
-    /// What the neighbors of a pixel say.
+    /// Differences between a pixel and its neighbors.
     struct Around {
         bool edge = false;
         double slope = 0;  ///< of the distance, per pixel
@@ -134,7 +134,7 @@ private:
         progress_.throwIfCancelled();
     }
 
-    /// Normals and distances of a row.
+    /// Computes the normals and distances of a row.
     void lookAt(int y) {
         auto distanceAt = [&](int x) {
             const std::size_t i = index(x, y);
@@ -155,14 +155,14 @@ private:
             if (samples_[i].covered()) distances_[i] = isSmooth(x, y) ? between(i) : distanceAt(x);
         }
     }
-    /// By the cubic through two on either side.
+    /// Interpolates by the cubic through two pixels on either side.
     float between(std::size_t i) const {
         return (9 * (distances_[i - 1] + distances_[i + 1]) -
                 (distances_[i - 3] + distances_[i + 3])) /
                16;
     }
-    /// Whether the distance is straight in a row around a pixel, to a few hundredths of a pixel, so
-    /// that the cubic is good to less than that; costs must be the same everywhere.
+    /// Whether the distance is linear in a row around a pixel, to a few hundredths of a pixel, so
+    /// that the cubic is at least as accurate; only for constant costs.
     bool isSmooth(int x, int y) const {
         if (!shader_.evenCosts() || x < 3 || x + 3 >= frame_.width) return false;
         const std::size_t i = index(x, y);
@@ -175,7 +175,7 @@ private:
         return !bends(i - 1) && !bends(i + 1) && !parted(x, y, x - 1, y) && !parted(x, y, x + 1, y);
     }
 
-    /// @param read  whether the distance of the field is read, where the triangles have none
+    /// @param read  whether to read the field where the triangles have no distances
     Spot spotAt(const Sample& s, const Vec3d& toward, bool read = true) const {
         const std::array<double, 3> shares = raster_.shares(s.triangle, toward);
         Spot spot;
@@ -188,8 +188,8 @@ private:
         return spot;
     }
 
-    /// Whether two pixels show different parts: surface and none, reached and not, one behind the
-    /// other, or two sides of a crease.
+    /// Whether two pixels show different parts: surface and background, reached and unreached, one
+    /// behind the other, or two sides of a crease.
     bool parted(int x, int y, int u, int v) const {
         constexpr float kSmooth = 0.97f;  // cosine
         const std::size_t i = index(x, y), j = index(u, v);
@@ -224,7 +224,7 @@ private:
         return around;
     }
 
-    /// At the middle of a pixel that shows something.
+    /// The color at the middle of a pixel that shows the surface.
     Vec3d colorAt(int x, int y, double slope) const {
         const std::size_t i = index(x, y);
         const Vec3d toward = frame_.toward(x + 0.5, y + 0.5);
@@ -275,7 +275,7 @@ private:
         return sum * float(1.0 / double(offsets.size()));
     }
 
-    /// Of the pixel or the one beside it that shows what is nearest in depth.
+    /// Ambient light of the pixel or its neighbor, whichever is closest in depth.
     double opennessNear(int x, int y, float depth) const {
         float least = std::numeric_limits<float>::infinity(), found = 1;
         for (int v = std::max(y - 1, 0); v <= std::min(y + 1, frame_.height - 1); ++v)
@@ -292,12 +292,12 @@ private:
     const Shader& shader_;
     const Raster raster_;
     Progress& progress_;
-    std::vector<Sample> samples_;  ///< at the middles of the pixels
+    std::vector<Sample> samples_;  ///< at the centers of the pixels
     std::vector<Vec3f> normals_;
     std::vector<float> distances_, open_;
 };
 
-/// Whether something hides a piece of a path, by what its middle's pixel shows.
+/// Whether the surface hides a segment of a path, by the pixel of its middle.
 bool isHidden(const MarkedSegment& s, const Frame& frame, const Renderer& seen) {
     const Vec3d middle = 0.5 * (s.a + s.b), at = frame.seen(middle);
     const auto [x, y] = frame.place(at);
@@ -305,7 +305,7 @@ bool isHidden(const MarkedSegment& s, const Frame& frame, const Renderer& seen) 
     const std::size_t i = std::size_t(y) * std::size_t(frame.width) + std::size_t(x);
     const Sample& front = seen.samples()[i];
     if (!front.covered() || at.z <= double(front.depth)) return false;
-    // On the sheet that is seen it lies in its tangent plane, but for curvature.
+    // A segment on the visible sheet lies in its tangent plane, up to curvature.
     const Vec3d n(seen.normals()[i]);
     const Vec3d p =
         frame.eye + double(front.depth) * frame.toward(std::floor(x) + 0.5, std::floor(y) + 0.5);

@@ -1,4 +1,4 @@
-/// What a picture shows, and from where.
+/// The content and camera of a picture.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -8,17 +8,17 @@
 
 namespace igeo {
 
-/// What is where there is no surface. Words are white on black, else dark.
+/// The background. Text is white on black, else dark.
 enum class Background { White, Black, Transparent };
 
 struct PictureOptions {
     int width = 1280, height = 960;    ///< pixels, 1 to 16384
     std::string colorMap = "viridis";  ///< ColorMap::names()
     Background background = Background::White;
-    int isolineCount = 0;       ///< chosenLevels(); 0: by spacing
-    double isolineSpacing = 0;  ///< world units times weight; 0: a round one that gives 10 to
-                                ///< 25 lines, negative: no lines
-    bool legend = true;         ///< where it fits
+    int isolineCount = 0;  ///< chosenLevels(); 0: by spacing
+    /// World units times weight; 0: a round one that gives 10 to 25 lines, negative: no lines
+    double isolineSpacing = 0;
+    bool legend = true;  ///< drawn if there is enough width
     std::string quantity = "distance",
                 unit;             ///< in the legend, UTF-8 of Latin-1; no unit: world units
     std::optional<Vec3d> eye;     ///< world; none: chosen

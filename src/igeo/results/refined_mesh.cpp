@@ -13,8 +13,8 @@ namespace {
 using Triangle = SurfaceMesh::Triangle;
 constexpr std::uint32_t kWhole = std::numeric_limits<std::uint32_t>::max();
 
-/// Cuts a triangle at the middles of its edges that have one.
-/// @param m  the point in the middle of the edge from corner k to k + 1, or kWhole
+/// Splits a triangle at the midpoints of its edges, where there are any.
+/// @param m  the midpoint of the edge from corner k to k + 1, or kWhole
 void cut(Triangle t, std::array<std::uint32_t, 3> m, const std::vector<Vec3d>& p,
          std::vector<Triangle>& out) {
     int count = 0;
@@ -29,7 +29,7 @@ void cut(Triangle t, std::array<std::uint32_t, 3> m, const std::vector<Vec3d>& p
             {{t[0], m[0], m[2]}, {m[0], t[1], m[1]}, {m[2], m[1], t[2]}, {m[0], m[1], m[2]}});
         return;
     }
-    // Turned so that the first edge is cut and the last is whole.
+    // Rotated so that the first edge is split and the last is whole.
     while (m[0] == kWhole || m[2] != kWhole) {
         t = {t[1], t[2], t[0]};
         m = {m[1], m[2], m[0]};

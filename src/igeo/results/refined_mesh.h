@@ -1,4 +1,4 @@
-/// The mesh a band was made from, fine enough to carry the distance.
+/// The mesh of a band, refined to carry the distance.
 #pragma once
 
 #include <igeo/io/triangle_mesh.h>
@@ -6,15 +6,15 @@
 
 namespace igeo {
 
-/// The input mesh in index space, its triangles oriented alike (orientConsistently), without
+/// The input mesh in index space, its triangles oriented consistently (orientConsistently), without
 /// values.
 SurfaceMesh meshAsGiven(const TriangleMesh& mesh, const Similarity& transform);
 
-/// The input mesh with distance, label and normal at its corners, as surfaceMesh() is for a level
-/// set; also for meshes that are open.
+/// The input mesh with distance, label and normal at its corners, as surfaceMesh() gives for a
+/// level set; open meshes too.
 ///
-/// Edges longer than `longest` are halved until none is, at one point for the triangles on both
-/// sides, so that no crack opens. Triangles are oriented alike first (orientConsistently).
+/// Edges longer than `longest` are halved until none is, at a point shared by the triangles on both
+/// sides, so no crack opens. Triangles are first oriented consistently (orientConsistently).
 /// @param field    on a band of this mesh
 /// @param longest  voxels, > 0
 /// @throws Error  InvalidArgument for `longest` out of range or more than 2^31 triangles; Cancelled

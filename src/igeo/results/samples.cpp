@@ -12,7 +12,7 @@ namespace igeo {
 
 namespace {
 
-/// Whether a node before this one has the same foot point, to the precision of both.
+/// Whether an earlier node has the same foot point, to the precision of both.
 bool isRepeated(const Band& band, NodeIndex i) {
     constexpr double kSame = 1e-5;  // voxels
     bool found = false;

@@ -1,4 +1,4 @@
-/// What jet found, where it found it: the foot points of the core.
+/// The values of jet at the foot points of the core.
 #pragma once
 
 #include <igeo/march/field.h>
@@ -18,15 +18,15 @@ struct Samples {
     std::vector<std::int32_t> label;  ///< the nearest source, from 0; -1: not reached
 };
 
-/// The foot points of the core (Band) with the jets that were solved there, in the order of its
-/// nodes: samples on the surface less than a voxel apart, without interpolation. Of linked nodes
-/// with one foot point, as on edges of a mesh, the first counts. Distances have the sign of
+/// The foot points of the core (Band) with the jets solved there, in the order of its nodes:
+/// samples on the surface less than a voxel apart, without interpolation. Of linked nodes with the
+/// same foot point, as on edges of a mesh, only the first is kept. Distances have the sign of
 /// Field::sign.
 /// @throws Error  InvalidArgument for a field that is not of marchJet
 /// Time O(n), in parallel.
 Samples samplesOf(const Field& field);
 
-/// Comma-separated: x,y,z,nx,ny,nz,distance,gx,gy,gz,label; `inf` and -1 where not reached. Reading
+/// Comma-separated: x,y,z,nx,ny,nz,distance,gx,gy,gz,label; `inf` and -1 where unreached. Reading
 /// the numbers gives the same values.
 std::string samplesCsv(const Samples& samples);
 
@@ -35,8 +35,8 @@ std::string samplesCsv(const Samples& samples);
 /// @throws Error  InvalidArgument for 4 GiB and more
 std::string samplesNpz(const Samples& samples);
 
-/// Binary PLY without faces: x y z and distance (double), nx ny nz, quality (the distance) and
-/// gx gy gz (float), label (int). Distance -1 and label -1 where not reached.
+/// Binary PLY without faces: x y z and distance (double), nx ny nz, quality (the distance) and gx
+/// gy gz (float), label (int). Distance -1 and label -1 where unreached.
 std::string samplesPly(const Samples& samples);
 
 }  // namespace igeo

@@ -17,14 +17,16 @@ namespace {
 
 using Quad = std::array<std::uint32_t, 4>;
 
-/// What OpenVDB extracts, in index space, quadrilaterals counter-clockwise seen from outside.
+/// The mesh that OpenVDB extracts, in index space, with quadrilaterals counter-clockwise seen from
+/// outside.
 struct Extracted {
     std::vector<Vec3d> points;
     std::vector<Quad> quads;
 };
 
 Extracted extract(const openvdb::FloatGrid& psi) {
-    // The same tree in coordinates of voxels from its corner, as points come in single precision.
+    // A copy of the tree with coordinates relative to its corner, because OpenVDB returns points in
+    // single precision.
     const openvdb::CoordBBox box = psi.evalActiveVoxelBoundingBox();
     if (box.dim()[box.maxExtent()] > kFarthestInFloat)
         throw Error(Error::Kind::BadInput,
@@ -35,7 +37,7 @@ Extracted extract(const openvdb::FloatGrid& psi) {
     const openvdb::Coord low = box.min();
     const auto grid =
         openvdb::FloatGrid::create(openvdb::ConstPtrCast<openvdb::FloatTree>(psi.constTreePtr()));
-    grid->setGridClass(openvdb::GRID_LEVEL_SET);  // else faces look the other way
+    grid->setGridClass(openvdb::GRID_LEVEL_SET);  // otherwise the faces are turned inward
     grid->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
     grid->transform().preTranslate(-low.asVec3d());
 
@@ -48,14 +50,14 @@ Extracted extract(const openvdb::FloatGrid& psi) {
     mesh.points.reserve(points.size());
     for (const auto& p : points) mesh.points.push_back(corner + Vec3d(p.x(), p.y(), p.z()));
     mesh.quads.reserve(quads.size());
-    // OpenVDB counts clockwise.
+    // OpenVDB's order is clockwise.
     for (const auto& q : quads) mesh.quads.push_back({q[3], q[2], q[1], q[0]});
     return mesh;
 }
 
 /// Whether the sign of psi changes in the cell without a surface: over an edge that leaves the
-/// volume, or along which psi jumps by twice what a distance may (as beyond an edge where the level
-/// set was widened). The surface ends there, and OpenVDB closes it with a wall.
+/// volume, or along which psi jumps by twice what a distance may (as at the rim of a widened level
+/// set). The surface ends there, and OpenVDB closes it with a wall.
 bool atWall(const openvdb::FloatGrid::ConstAccessor& psi, double dx, const Vec3d& p) {
     const Ijk cell = floorToIjk(p);
     std::array<bool, 8> active;
@@ -74,7 +76,7 @@ bool atWall(const openvdb::FloatGrid::ConstAccessor& psi, double dx, const Vec3d
     return false;
 }
 
-/// Takes out what touches a wall, and points that nothing uses.
+/// Removes faces that touch a wall, and unused points.
 void dropWalls(const LevelSet& levelSet, Extracted& mesh) {
     std::vector<std::uint8_t> wall(mesh.points.size());
     parallelFor(wall.size(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -102,8 +104,8 @@ void dropWalls(const LevelSet& levelSet, Extracted& mesh) {
         for (std::uint32_t& v : q) v = number[v];
 }
 
-/// Cuts quadrilaterals along the diagonal that leaves the better of the two worse triangles.
-/// Quality is area over the squares of the sides, negative for a triangle that is turned over.
+/// Splits quadrilaterals along the diagonal whose worse triangle is better. Quality is area over
+/// the squares of the sides, negative for a flipped triangle.
 std::vector<SurfaceMesh::Triangle> split(const std::vector<Quad>& quads,
                                          const std::vector<Vec3d>& p) {
     std::vector<SurfaceMesh::Triangle> triangles(2 * quads.size());
@@ -153,7 +155,7 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, Progress& pr
         if (projecting.cancelled()) return;
         for (std::size_t i = begin; i < end; ++i) {
             Vec3d p = mesh.position[i];
-            // Further than a voxel lies another sheet.
+            // Beyond a voxel the projection is on another sheet.
             if (projectToSurface(band, p) && length(p - mesh.position[i]) < 1) mesh.position[i] = p;
         }
         projecting.add(end - begin);
@@ -237,7 +239,7 @@ MeshEdges meshEdges(const SurfaceMesh& mesh) {
     MeshEdges edges;
     edges.ofTriangle.resize(mesh.triangles.size());
     for (std::size_t begin = 0; begin < half.size();) {
-        // Edges down come first; the i-th of them and the i-th edge up are the two sides of an
+        // Edges down come first; the i-th of them and the i-th edge up are the two sides of one
         // edge.
         std::size_t up = begin, end = begin;
         for (; end < half.size() && half[end].low == half[begin].low &&

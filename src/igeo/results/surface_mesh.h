@@ -1,4 +1,4 @@
-/// S as triangles, with the distance at their corners.
+/// S as triangles, with distances at their corners.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -22,22 +22,22 @@ struct SurfaceMesh {
 
     std::vector<Vec3d> position;
     std::vector<Vec3f> normal;         ///< unit, outward
-    std::vector<double> distance;      ///< voxels times weight; +inf: not reached
-    std::vector<std::uint32_t> label;  ///< the nearest seed, kNoLabel: not reached
+    std::vector<double> distance;      ///< voxels times weight; +infinity: unreached
+    std::vector<std::uint32_t> label;  ///< the nearest seed, kNoLabel: unreached
     std::vector<Vec3f> gradient;       ///< of the distance along the surface (gradientAt)
     std::vector<Triangle> triangles;
 };
 
-/// The same in the world: world units, counter-clockwise seen from outside there.
+/// The same in world units, counter-clockwise seen from outside.
 SurfaceMesh inWorld(SurfaceMesh mesh, const Similarity& transform);
 
 /// psi = 0 as OpenVDB extracts it (tools::volumeToMesh, adaptivity 0: a vertex per crossed cell, or
-/// several where sheets share it, a quadrilateral per crossed lattice edge), then moved onto the
-/// zero set of the trilinear interpolant and cut along the better diagonal.
+/// several where sheets share it, a quadrilateral per crossed lattice edge), then projected to the
+/// zero set of the trilinear interpolant and split along the better diagonal.
 ///
-/// Closed surfaces give closed meshes. Where the surface is cut by the edge of the volume, the mesh
-/// ends within two voxels of it. Vertices in cells with a corner outside the band stay as
-/// extracted: all beyond a band of a region, and of a band of sqrt(3) voxels a few per cent, some
+/// Closed surfaces give closed meshes. Where the edge of the volume cuts the surface, the mesh ends
+/// within two voxels of it. Vertices in cells with a corner outside the band stay as extracted: all
+/// outside the band of a region, and a few percent of those of a band of sqrt(3) voxels, some
 /// thousandths of a voxel off.
 /// @param field distances are sampleDistance(); a label is Arrival::source
 /// @throws Error  Cancelled through `progress`
@@ -45,7 +45,7 @@ SurfaceMesh inWorld(SurfaceMesh mesh, const Similarity& transform);
 SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Field& field,
                         Progress& progress = Progress::none());
 
-/// The same without distances and labels, normals being the mean of the triangles around.
+/// The same without distances and labels; normals are the means of the triangles around.
 SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band,
                         Progress& progress = Progress::none());
 
@@ -59,8 +59,8 @@ void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress = Pro
 
 /// The edges of a mesh, each between two triangles, or at the rim of one.
 ///
-/// An edge that four triangles share becomes two edges, so that a walk from triangle to triangle
-/// always knows where to go.
+/// An edge that four triangles share becomes two edges, so that each edge has at most one triangle
+/// on the other side.
 struct MeshEdges {
     std::vector<std::array<std::uint32_t, 2>> ends;        ///< vertices, the lesser first
     std::vector<std::array<std::uint32_t, 3>> ofTriangle;  ///< edge from corner k to corner k + 1
@@ -68,7 +68,7 @@ struct MeshEdges {
 /// Time O(n log n).
 MeshEdges meshEdges(const SurfaceMesh& mesh);
 
-/// Color (red, green, blue in [0, 1]) of a share of the largest distance, in [0, 1].
+/// Color (red, green, blue in [0, 1]) for a share of the largest distance, in [0, 1].
 using Color = std::function<Vec3f(double)>;
 
 }  // namespace igeo

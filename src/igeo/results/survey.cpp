@@ -29,9 +29,9 @@ std::vector<NodeIndex> coreNodes(const Band& band) {
     return nodes;
 }
 
-// Doubts
+// Unreliable nodes
 
-/// Factors by which a core node misses what it should hold to; below 1: it does hold.
+/// Factors by which a core node exceeds the bounds; below 1: it meets them.
 struct Judgement {
     std::array<float, kUnreliableCauses> factor{};
     float curvature = 0;
@@ -84,7 +84,7 @@ std::vector<Judgement> judgeCore(const LevelSet& levelSet, const Band& band,
     return all;
 }
 
-/// Enters what the core says of itself, and the rest of the band takes from it.
+/// Stores the factors of the core, and gives the rest of the band those of the core around.
 void spreadDoubts(const Band& band, const std::vector<Judgement>& core, SurfaceSurvey& s) {
     s.unreliability.assign(band.size(), 0);
     std::vector<std::uint8_t> kinds(band.size());
@@ -114,7 +114,8 @@ void spreadDoubts(const Band& band, const std::vector<Judgement>& core, SurfaceS
 // Clearance
 
 void measureRoom(const Band& band, const std::vector<NodeIndex>& nodes, SurfaceSurvey& s) {
-    // So many show any feature that a voxel can resolve on all but the largest surfaces.
+    // A sample of this size shows every feature that voxels resolve, except on the largest
+    // surfaces.
     constexpr std::size_t kMost = 2000000;
     const std::size_t stride = nodes.size() / kMost + 1;
     std::vector<Vec3d> points, normals;
@@ -128,9 +129,9 @@ void measureRoom(const Band& band, const std::vector<NodeIndex>& nodes, SurfaceS
     s.resolvingSize = std::min(s.medialRadius, s.facingRadius) / std::sqrt(3.0);
 }
 
-// Pieces
+// Components
 
-/// Per core node the least node that a front from there comes to.
+/// Per core node the least node that a front from it reaches.
 std::vector<NodeIndex> connect(const Band& band, const std::vector<NodeIndex>& nodes) {
     DisjointSets sets(nodes.size());
     for (NodeIndex c = 0; c < nodes.size(); ++c) {
@@ -145,7 +146,8 @@ std::vector<NodeIndex> connect(const Band& band, const std::vector<NodeIndex>& n
     return component;
 }
 
-/// Per vertex of the mesh, the component of the core node that its cell's values come from most.
+/// Per vertex of the mesh, the component of the core node that contributes most to the values in
+/// its cell.
 std::vector<NodeIndex> componentsOfVertices(const Band& band, const SurfaceMesh& mesh,
                                             const std::vector<NodeIndex>& component) {
     std::vector<NodeIndex> of(mesh.position.size(), kNoNode);
@@ -166,7 +168,7 @@ std::vector<NodeIndex> componentsOfVertices(const Band& band, const SurfaceMesh&
 
 /// A connected part of a mesh.
 struct MeshPart {
-    int euler = 0;  ///< corners - edges + triangles, corners being those of one fan of triangles
+    int euler = 0;  ///< corners - edges + triangles; a corner is one fan of triangles
     int rims = 0;
     std::map<NodeIndex, double> area;  ///< by component, square voxels
 };
@@ -174,11 +176,12 @@ struct MeshPart {
 std::vector<MeshPart> partsOf(const SurfaceMesh& mesh, const std::vector<NodeIndex>& ofVertex) {
     const MeshEdges edges = meshEdges(mesh);
     const std::size_t corners = 3 * mesh.triangles.size();
-    // Corners are joined around a vertex from triangle to triangle, so that sheets which only touch
-    // in a vertex stay apart and every part is a manifold; then parts, and rims.
+    // Corners are joined around a vertex from triangle to triangle, so that sheets which touch only
+    // at a vertex stay separate and every part is a manifold; then parts and rims are joined.
     DisjointSets fans(corners), parts(mesh.triangles.size()), rims(corners);
     constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-    std::vector<std::uint32_t> side(edges.ends.size(), kNone);  // 3 triangle + corner, seen first
+    // 3 triangle + corner, the first found
+    std::vector<std::uint32_t> side(edges.ends.size(), kNone);
     std::vector<std::uint8_t> paired(edges.ends.size());
     const auto next = [](std::uint32_t k) { return k % 3 == 2 ? k - 2 : k + 1; };
     for (std::uint32_t k = 0; k < corners; ++k) {
@@ -233,7 +236,7 @@ void findPieces(const Band& band, const SurfaceMesh& mesh, const std::vector<Nod
         }
         if (most->first == kNoNode) continue;
         SurfaceComponent& p = found[most->first];
-        // A manifold without the rims filled has 2 - 2 genus - rims.
+        // A manifold whose rims are not filled has Euler number 2 - 2 genus - rims.
         p.genus += (2 - part.euler - part.rims) / 2;
         p.rims += part.rims;
         ++p.parts;
@@ -263,7 +266,7 @@ SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, const SurfaceMe
     const std::vector<NodeIndex> nodes = coreNodes(band);
     const std::vector<Judgement> judged =
         judgeCore(levelSet, band, nodes, s.bounds.lower, progress);
-    // A percentile of it on all voxels may be the larger by a rounding.
+    // The percentile over all voxels may exceed it by rounding.
     s.largestCurvature = stats.largestCurvature;
     for (const Judgement& j : judged)
         s.largestCurvature = std::max(s.largestCurvature, double(j.curvature));
@@ -278,7 +281,7 @@ SurfaceSurvey survey(const LevelSet& levelSet, const Band& band, const SurfaceMe
 
 namespace {
 
-/// The box of the active voxels' centers, as it lies in the world.
+/// The box of the active voxels' centers, in world space.
 void measureBox(FileSurvey& file) {
     const openvdb::CoordBBox box = file.levelSet.psi->evalActiveVoxelBoundingBox();
     if (box.empty()) return;
@@ -291,14 +294,14 @@ void measureBox(FileSurvey& file) {
     file.low = world.low, file.high = world.high;
 }
 
-/// Makes a level set of a surface that is no grid, to survey it on; `fill` makes its band of a
+/// Makes a level set for the survey of a surface that is no grid; `fill` makes its band of a given
 /// width.
 template <typename Fill>
 void putOnGrid(FileSurvey& file, bool closed, const std::string& name, const Fill& fill,
                Progress& progress) {
     constexpr double kRoomForDifferences = 3;
     file.levelSet = levelSetFromBand(fill(kRoomForDifferences), closed, file.file, name, progress);
-    // They speak of a volume, where a rim is a fault.
+    // These warnings concern volumes, where a rim is an error.
     file.levelSet.warnings.clear();
     file.band = fill(std::sqrt(3.0));
     Box world;
@@ -313,7 +316,7 @@ void estimate(FileSurvey& file, const RunCost& cost) {
     file.surface->seconds = cost.secondsPerNode * n;
 }
 
-/// As it is, without normals.
+/// The given triangles, without normals.
 SurfaceMesh trianglesOf(const TriangleMesh& mesh, const Similarity& transform) {
     SurfaceMesh surface;
     for (const Vec3d& p : mesh.points) surface.position.push_back(transform.indexFromWorld(p));
@@ -393,7 +396,7 @@ FileSurvey surveyMesh(const TriangleMesh& mesh, const MeshFacts& facts, double d
     file.surface =
         survey(file.levelSet, file.band, trianglesOf(mesh, file.band.transform), progress);
     file.surface->unresolved = unresolvedOf(facts, file.band);
-    file.surface->unresolved.facing.reset();  // facingShare says it
+    file.surface->unresolved.facing.reset();  // facingShare reports it
     for (const std::string& w : unresolvedWarnings(file.surface->unresolved))
         file.warnings.push_back(w);
     estimate(file, kMeshCost);

@@ -20,10 +20,10 @@ double areaOf(const SurfaceMesh& mesh) {
     return sum;
 }
 
-/// A cube, and an octant of normals.
+/// A cube's coordinates, and the octant of a normal.
 using Key = std::array<std::int64_t, 4>;
 
-/// Numbers keys from 0 on, in the order in which they come: a table with open addresses.
+/// Numbers keys from 0 on, in the order of their first use: a hash table with open addressing.
 class KeyNumbers {
 public:
     explicit KeyNumbers(std::size_t most) {
@@ -55,8 +55,8 @@ private:
     std::vector<Key> keys_;
 };
 
-/// Per vertex the number of its cluster: vertices in one cube whose normals lie in one octant, so
-/// that the two sides of a thin wall stay apart.
+/// Per vertex the number of its cluster: vertices in one cube with normals in one octant, so that
+/// the two sides of a thin wall stay separate.
 std::size_t clusters(const SurfaceMesh& mesh, double side, std::vector<std::uint32_t>& clusterOf) {
     KeyNumbers numbers(mesh.position.size());
     clusterOf.resize(mesh.position.size());
@@ -86,7 +86,7 @@ std::vector<std::uint32_t> middles(const SurfaceMesh& mesh,
     return middle;
 }
 
-/// The triangles between three clusters, each once.
+/// The triangles between three different clusters, each once.
 std::vector<SurfaceMesh::Triangle> between(const SurfaceMesh& mesh,
                                            const std::vector<std::uint32_t>& clusterOf) {
     std::vector<SurfaceMesh::Triangle> all;
@@ -116,7 +116,7 @@ bool thinOut(SurfaceMesh& mesh, std::size_t most, std::vector<std::uint32_t>& ke
     kept.clear();
     for (std::uint32_t v = 0; v < mesh.position.size(); ++v) kept.push_back(v);
     if (mesh.triangles.size() <= most) return false;
-    // Two triangles per cube, and some more where the surface passes from octant to octant.
+    // About two triangles per cube, and some more where normals pass from octant to octant.
     double side = 1.27 * std::sqrt(areaOf(mesh) / double(std::max<std::size_t>(most, 1)));
     std::vector<std::uint32_t> clusterOf;
     std::vector<SurfaceMesh::Triangle> left;

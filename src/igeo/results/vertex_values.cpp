@@ -27,7 +27,7 @@ std::vector<std::int32_t> labelNumbers(const VertexValues& values) {
     return numbers;
 }
 
-/// The columns as rows of an array.
+/// The columns as the rows of an array.
 std::vector<double> rowsOf(const std::vector<VertexColumn>& columns, std::size_t vertices) {
     std::vector<double> rows;
     rows.reserve(vertices * columns.size());
@@ -49,7 +49,7 @@ std::vector<double> orNaN(std::vector<double> distance) {
     return distance;
 }
 
-/// An array of a GIFTI file; `value` of each vertex.
+/// A data array of a GIFTI file with `value` at each vertex.
 template <typename Value>
 std::string giftiArray(const char* intent, const std::string& name, std::size_t vertices,
                        const Value& value) {

@@ -22,13 +22,13 @@ namespace {
 
 using Numbers = std::vector<std::uint32_t>;
 
-constexpr std::uint32_t kBlocked = 65534, kUnreached = 65535;  // codes, as in drawing.js
+constexpr std::uint32_t kBlocked = 65534, kUnreached = 65535;  // codes, the same as in drawing.js
 
-/// What is before the address of the picture.
+/// The HTML before the address of the picture.
 constexpr std::string_view kStill =
     R"(<img id="still" alt="A picture of what the page shows" src=")";
 
-/// Numbers in few bytes: differences with their signs in the lowest bit, in four planes of bytes.
+/// Packs numbers: differences with their signs in the lowest bit, in four planes of bytes.
 std::string packed(const Numbers& numbers) {
     const std::size_t n = numbers.size();
     std::string bytes(4 * n, '\0');
@@ -43,7 +43,7 @@ std::string packed(const Numbers& numbers) {
     return base64(deflated(bytes, 4));
 }
 
-/// The cube that all positions of a scene lie in; its sides are cut into 65535 steps.
+/// The cube around all positions of a scene; its sides are divided into 65535 steps.
 struct Frame {
     Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
     double side = 1;
@@ -69,7 +69,7 @@ private:
     }
 };
 
-/// Of the colors; low > high: no distance is finite.
+/// The range of the colors; low > high: no distance is finite.
 struct Range {
     double low = kInfinity, high = -kInfinity;
 
@@ -98,7 +98,7 @@ Numbers valueCodes(const ViewScene& scene, const Range& range) {
     return codes;
 }
 
-/// Numbers from 1 on; 0: none.
+/// The numbers plus 1; 0: none.
 Numbers orZero(const Numbers& numbers) {
     Numbers all;
     for (const std::uint32_t n : numbers) all.push_back(n == ViewScene::kNoNumber ? 0 : n + 1);
@@ -112,7 +112,7 @@ Numbers cornersOf(const SurfaceMesh& mesh) {
     return corners;
 }
 
-/// Shares of the surface in triangles with a vertex that is not reached, or that is in an obstacle.
+/// Shares of the surface: triangles with an unreached vertex, and with a vertex in an obstacle.
 struct Shares {
     double unreached = 0, blocked = 0;
 
@@ -169,9 +169,9 @@ std::string json(const std::optional<Similarity>& voxels) {
     return "[" + rows + "]";
 }
 
-/// Of each map its table in sRGB, digits in base 16.
+/// The sRGB tables of the color maps, in hexadecimal.
 std::string mapsJson() {
-    constexpr int kColors = 52;  // straight lines in between, as in color_map.cpp
+    constexpr int kColors = 52;  // linear in between, as in color_map.cpp
     std::string maps;
     for (const std::string& name : ColorMap::names()) {
         const ColorMap map(name);
@@ -250,7 +250,7 @@ std::string sceneJson(const ViewScene& scene) {
         return fmt::format("{{\"name\":{},\"count\":{}}}", jsonString(line.name),
                            line.points.size());
     });
-    // No distance at all: the largest is below the least.
+    // Without any distance the largest is below the least.
     std::string text = fmt::format(
         R"({{"quantity":{},"unit":{},"rest":{},"grows":{},"low":{},"high":{},"unreached":{},"blocked":{},)"
         R"("spacing":{},"corner":{},"side":{},"eye":{},"up":{},"map":{},"maps":{},)",
@@ -282,7 +282,7 @@ std::string viewPage(const ViewScene& scene) {
     if (scene.mesh.triangles.empty())
         throw Error(Kind::InvalidArgument, "a page of a surface without triangles",
                     "show a surface that has some");
-    static_cast<void>(ColorMap(scene.colorMap));  // refuses unknown ones
+    static_cast<void>(ColorMap(scene.colorMap));  // throws for unknown ones
     const ViewFiles& files = viewFiles();
     const std::string still =
         scene.still.empty() ? "" : std::string(kStill) + pngAddress(scene.still) + "\">";

@@ -21,11 +21,11 @@ struct Piece {
     /// The distance of corner k's seed at a point of the triangle.
     double at(Corner k, const Vec3d& q) const { return d[k] + dot(g[k], q - p[k]); }
 
-    /// Where on the edge from corner i to j the two seeds are equally far.
+    /// The point of the edge from corner i to j that is equally far from both seeds.
     Vec3d crossing(Corner i, Corner j) const {
         double t = 0.5;
         if (label[i] != kNoLabel && label[j] != kNoLabel) {
-            // The lead of i's seed falls from `ahead` to -`behind` along the edge.
+            // The advantage of i's seed falls from `ahead` to -`behind` along the edge.
             const double ahead = at(j, p[i]) - d[i], behind = at(i, p[j]) - d[j];
             if (ahead > 0 || behind > 0)
                 t = std::max(ahead, 0.0) / (std::max(ahead, 0.0) + std::max(behind, 0.0));
@@ -33,13 +33,13 @@ struct Piece {
         return (1 - t) * p[i] + t * p[j];
     }
 
-    /// Where three seeds are equally far, or, if that is not in the triangle, the middle of the
+    /// The point equally far from three seeds, or, if it is not in the triangle, the mean of the
     /// crossings.
     Vec3d triplePoint(const std::array<Vec3d, 3>& crossings) const {
         const Vec3d middle = (1.0 / 3) * (crossings[0] + crossings[1] + crossings[2]);
         for (const std::uint32_t l : label)
             if (l == kNoLabel) return middle;
-        // q = p0 + s u + t v; the leads of seed 0 over 1 and 2 are linear in s and t.
+        // q = p0 + s u + t v; the advantages of seed 0 over 1 and 2 are linear in s and t.
         const Vec3d u = p[1] - p[0], v = p[2] - p[0], g1 = g[1] - g[0], g2 = g[2] - g[0];
         const double b1 = d[0] - at(1, p[0]), b2 = d[0] - at(2, p[0]);
         const double a11 = dot(g1, u), a12 = dot(g1, v), a21 = dot(g2, u), a22 = dot(g2, v);
@@ -80,14 +80,14 @@ class Sums {
 public:
     Sums(std::size_t seeds, double limit) : limit_(limit) { all_.cells.resize(seeds); }
 
-    /// A triangle of a cell; what lies beyond the limit is unreached.
+    /// Adds a triangle of a cell; the part beyond the limit is unreached.
     void add(std::uint32_t label, const Sample& a, const Sample& b, const Sample& c) {
         const double whole = area(a.p, b.p, c.p);
         const double part = label == kNoLabel ? 0 : whole * shareWithin({a.d, b.d, c.d});
         if (label != kNoLabel) all_.cells[label].area += part;
         all_.unreachedArea += whole - part;
     }
-    /// The boundary of two cells, as far as it lies within the limit.
+    /// Adds the part of the boundary of two cells that lies within the limit.
     void addBoundary(std::uint32_t a, std::uint32_t b, const Sample& from, const Sample& to) {
         if (a == kNoLabel || b == kNoLabel) return;
         const auto [least, most] = std::minmax(from.d, to.d);
@@ -101,7 +101,7 @@ public:
     const VoronoiCells& result() const { return all_; }
 
 private:
-    /// Of a triangle, by the distances at its corners: linear between them.
+    /// The share of a triangle within the limit, with distances linear between its corners.
     double shareWithin(std::array<double, 3> d) const {
         std::sort(d.begin(), d.end());
         if (d[2] <= limit_) return 1;
@@ -115,7 +115,7 @@ private:
     VoronoiCells all_;
 };
 
-/// A triangle with corner `alone` in one cell, the other two in another.
+/// A triangle with corner `alone` in one cell and the other two in another.
 void cutInTwo(const Piece& piece, Corner alone, Sums& sums) {
     const Corner j = (alone + 1) % 3, k = (alone + 2) % 3;
     const Vec3d q = piece.crossing(alone, j), r = piece.crossing(alone, k);
@@ -141,8 +141,8 @@ void cutInThree(const Piece& piece, Sums& sums) {
     }
 }
 
-/// Corners that were not reached, as the march stopped before, take what the jets of the others
-/// say, so that the triangle can be cut at the limit.
+/// Extrapolates the distance to corners that the march did not reach, by the jets of the others, so
+/// that the triangle can be cut at the limit.
 void continueBeyond(double limit, Piece& piece) {
     const Piece known = piece;
     for (Corner i = 0; i < 3; ++i) {
@@ -153,7 +153,7 @@ void continueBeyond(double limit, Piece& piece) {
                 if (const double d = known.at(k, known.p[i]); d < least)
                     least = d, piece.label[i] = known.label[k], piece.g[i] = known.g[k];
         piece.d[i] = least;
-        // Not for the limit: an obstacle, or another part of S.
+        // Unreached for another reason than the limit: an obstacle, or another part of S.
         if (!(least > limit)) piece.label[i] = kNoLabel, piece.d[i] = 0, piece.g[i] = {};
     }
 }

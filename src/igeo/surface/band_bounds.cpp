@@ -32,14 +32,14 @@ BandBounds bandBounds(double largestCurvature, double reach, double halfWidth, d
 
 double defaultBandWidth(int order, double largestCurvature, const BandBounds& bounds) {
     const double radius = largestCurvature > 0 ? 1 / largestCurvature : kLargestRadius;
-    // Beyond 6 voxels (R/dx = 400) trials show no gain, only cost.
+    // Beyond 6 voxels (R/dx = 400) trials show only cost and no gain.
     const double best = std::min(std::pow(radius, order == 1 ? 0.3 : 0.12), 6.0);
     // h stays strictly below the upper bound.
     return std::max(bounds.lower, std::min(best, 0.999 * bounds.upper));
 }
 
 double requireBandWidth(double h, const BandBounds& bounds, double dx) {
-    // sqrt(3) dx typed with a few digits must pass: Band itself takes any h.
+    // Accepts sqrt(3) dx typed with a few digits: Band itself takes any h.
     constexpr double kRounding = 1e-3;
     if (h >= bounds.lower - kRounding && (h < bounds.upper || h <= bounds.lower + kRounding))
         return std::max(h, bounds.lower);

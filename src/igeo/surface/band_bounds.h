@@ -1,4 +1,4 @@
-/// How wide the band may be, and how wide it is best.
+/// The allowed widths of the band, and the best one.
 #pragma once
 
 #include <cmath>
@@ -8,32 +8,33 @@ namespace igeo {
 
 /// M&S (14) in voxels: sqrt(3) <= h < min(1 / M_S, W).
 struct BandBounds {
-    double lower;  ///< sqrt(3), so that every corner of every cell that S passes lies in the band;
-                   ///< more for balls around points, which have to overlap
-    double upper;  ///< h stays below it; never less than `lower`
+    /// sqrt(3), so that all corners of all cells that S passes are in the band; more for balls
+    /// around points, which must overlap
+    double lower;
+    double upper;     ///< h must be less; never below `lower`
     std::string why;  ///< what sets `upper`, for messages
     bool resolved;    ///< false: S bends or folds within sqrt(3) voxels, so (14) cannot be met
 };
 
 /// @param largestCurvature M_S, per voxel (LevelSetStats::largestCurvature); 0: flat
 /// @param reach            W, voxels (LevelSetStats::reach)
-/// @param halfWidth        how far psi is known, voxels: W cannot be seen beyond it
-/// @param lower            what h has to be at least, voxels
+/// @param halfWidth        how far psi is known, voxels: W is not known beyond it
+/// @param lower            lower bound of h, voxels
 BandBounds bandBounds(double largestCurvature, double reach, double halfWidth,
                       double lower = std::sqrt(3.0));
 
-/// The half-width, voxels, at which `godunov` errs least: max(sqrt(3), (R/dx)^e), R = 1/M_S, held
-/// within the bounds.
+/// The half-width, voxels, at which the error of `godunov` is least: max(sqrt(3), (R/dx)^e), R =
+/// 1/M_S, within the bounds.
 ///
-/// Narrower, and fronts miss upwind neighbors at the edge of the band (distances too long); wider,
-/// and paths take short cuts through it (too short, by order h times curvature). At order 1 both
-/// errors are large and cancel best for e = 0.3; at order 2 the first is small and e = 0.12 is best
-/// (docs/trials.md).
+/// In a narrower band, fronts miss upwind neighbors at its edge, and distances are too long. In a
+/// wider band, paths take shortcuts through it, and distances are too short, by order h times
+/// curvature. At order 1 both errors are large and cancel best for e = 0.3; at order 2 the first is
+/// small and e = 0.12 is best (docs/trials.md).
 /// @param order of godunov, 1 or 2
 double defaultBandWidth(int order, double largestCurvature, const BandBounds& bounds);
 
 /// Returns `h` if M&S (14) holds.
-/// @param h  asked for, voxels
+/// @param h  given, voxels
 /// @param dx voxel size, for the message
 /// @throws Error  InvalidArgument that states the allowed range in world units and voxels
 double requireBandWidth(double h, const BandBounds& bounds, double dx);

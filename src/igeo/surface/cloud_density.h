@@ -1,4 +1,4 @@
-/// What is known of a cloud before a band is made of it.
+/// Facts about a point cloud, before a band is made from it.
 #pragma once
 
 #include <cstddef>
@@ -7,25 +7,27 @@
 
 namespace igeo {
 
-/// How densely and how well points show their surface. Lengths in world units.
+/// How densely and how accurately points sample their surface. Lengths in world units.
 ///
-/// The spacing at a point is the side of the square it has for itself: sqrt(pi / 12) times the
-/// distance to its 12th neighbor, which in a square lattice is its edge (within 3 %).
+/// The spacing at a point is the side of the square that it represents: sqrt(pi / 12) times the
+/// distance to its 12th neighbor. In a square lattice that is its edge (within 3 %).
 struct CloudDensity {
-    std::size_t points = 0;      ///< distinct ones that are used
+    std::size_t points = 0;      ///< distinct points that are used
     std::size_t duplicates = 0;  ///< points left out because another has the same position
-    std::size_t isolated = 0;    ///< left out: far from the others, or from the surface they show
-    double spacing = 0;          ///< median
-    double spacing99 = 0;        ///< percentile
-    double noise = 0;            ///< scatter about the surface, root of the mean square
-    std::size_t fitted = 0;      ///< points in a fit, more where there is noise
-    std::size_t pieces = 0;      ///< of the surface, as far as neighbors connect them
-    double conflicts = 0;  ///< share of neighbors whose normals disagree (Orientation, or normals
-                           ///< in the file that are no normals of the surface)
+    /// Dropped: far from the others, or from the surface of their neighbors
+    std::size_t isolated = 0;
+    double spacing = 0;      ///< median
+    double spacing99 = 0;    ///< percentile
+    double noise = 0;        ///< scatter around the surface, root mean square
+    std::size_t fitted = 0;  ///< points per fit, more where there is noise
+    std::size_t pieces = 0;  ///< components of the surface, connected through neighbors
+    /// Share of neighbors whose normals disagree (Orientation, or normals in the file that do not
+    /// fit the surface)
+    double conflicts = 0;
     double largestCurvature = 0;  ///< 95th percentile, 1 / world length
 };
 
-/// What is odd about a cloud, a sentence each; empty for a good one.
+/// Warnings about a cloud, a sentence each; empty for a good one.
 std::vector<std::string> densityWarnings(const CloudDensity& density, const std::string& file);
 
 }  // namespace igeo

@@ -11,10 +11,10 @@ namespace igeo {
 
 namespace {
 
-/// Cosines of the angle that a ball's two touching points make at its center, which is that of the
-/// normals there. Above kSmooth (40 degrees) the surface between them is taken for smooth. A ball
-/// through a point beyond an edge that is not its last shows up to twice the edge's angle: below
-/// kTwice (80) it can be no smooth one.
+/// Cosines of the angle at a ball's center between its two touching points, which is that of the
+/// normals there. Above kSmooth (40 degrees) the surface between them counts as smooth. A ball that
+/// is not final and touches beyond an edge shows up to twice the edge's angle: below kTwice (80
+/// degrees) the surface is not smooth.
 constexpr double kSmooth = 0.766, kTwice = 0.174;
 
 /// Cosine of normals below which sheets face each other, as in Band.
@@ -25,13 +25,13 @@ struct MedialBall {
     bool facing = false;
 };
 
-/// The ball at p, on one side (1) or the other (-1) of its normal.
+/// The ball that touches p, on one side (1) or the other (-1) of its normal.
 MedialBall medialBall(const PointTree& tree, const std::vector<Vec3d>& normals, const Vec3d& p,
                       const Vec3d& normal, double side, double largest) {
-    // A handful of steps; rounding must not let the last ones go around.
+    // A few steps suffice; the bound stops cycles from rounding.
     constexpr int kSteps = 40;
-    // In the middle of a sphere all points are nearest: without some play each query visits all.
-    // Near edges the last of it tells smooth from sharp.
+    // In the middle of a sphere all points are equally near: without a tolerance each query would
+    // visit all. Near edges there is none, because the last steps separate smooth from sharp.
     constexpr double kPlay = 0.95, kRounding = 1 - 1e-9;
     thread_local std::vector<PointTree::Found> inside;
     MedialBall sure, now;

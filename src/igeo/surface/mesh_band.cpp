@@ -15,11 +15,11 @@ namespace {
 
 using Triangle = TriangleMesh::Triangle;
 
-/// Around edges sharper than about 50 degrees the core holds all voxels within kRim of them, as in
-/// level_set_band.cpp: normals turn too fast there for a front to pass from face to face.
+/// Around edges sharper than about 50 degrees the core includes all voxels within kRim of them, as
+/// in level_set_band.cpp: normals turn too fast there for a front to pass from face to face.
 constexpr double kRim = 1, kSharp = 0.9;
 
-/// How far beyond a boundary, along the plane there, a voxel still stands for a point on it.
+/// How far beyond a boundary, along the plane there, a voxel still represents a point on it.
 /// Without such voxels fronts would turn half a voxel before the boundary; with more, gaps close.
 /// Measured: docs/trials.md, "Boundary of a mesh".
 constexpr double kBeyond = 0.5;
@@ -62,8 +62,8 @@ struct Pseudonormals {
         return feature < 6 && topology.neighbor[t][std::size_t(feature - 3)] == MeshTopology::kNone;
     }
 
-    /// Whether a point of a face lies next to an edge of three or more: the sheets there share out
-    /// the voxels, and the core of each has a gap.
+    /// Whether a point of a face is near an edge of three or more triangles: the sheets there
+    /// divide the voxels between them, and the core of each has a gap.
     bool nearMany(std::size_t t, const Vec3d& y) const {
         constexpr double kNear = 2;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -92,7 +92,7 @@ struct Pseudonormals {
     }
 };
 
-/// Takes out voxels beyond a boundary and leaves without voxels, and numbers the rest.
+/// Removes voxels beyond a boundary and empty leaves, and numbers the rest.
 void numberNodes(const Pseudonormals& normals, std::vector<NearLeaf>& nearLeaves, Band& band) {
     auto beyond = [&](const NearVoxel& v) {
         if (!normals.ends(v.triangle, v.feature)) return false;
@@ -115,7 +115,7 @@ void numberNodes(const Pseudonormals& normals, std::vector<NearLeaf>& nearLeaves
     band.buildTopology();
 }
 
-/// Fills psi, foot points and normals.
+/// Computes psi, foot points and normals.
 /// @return nodes around sharp bends and junctions, for the core
 std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
                                  const std::vector<NearLeaf>& nearLeaves, Band& band) {
@@ -132,7 +132,7 @@ std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
                     rims[l].push_back(i);
                 if (!normals.ends(v.triangle, v.feature)) {
                     psi = std::copysign(length(v.point), psi);
-                    // Along grad psi: between those of the two faces, off an edge.
+                    // Off an edge: along grad psi, which is between the normals of the two faces.
                     constexpr double kOff = 1e-3;
                     if (std::abs(psi) > kOff) n = (-1 / psi) * v.point;
                 }
@@ -168,7 +168,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     Band band;
     band.transform.dx = dx;
     band.h = h;
-    // Wider faces are followed plane by plane: docs/trials.md, "Meshes and level sets".
+    // Wider faces count as planes: docs/trials.md, "Meshes and level sets".
     constexpr double kFaceWidth = 1;
     band.faceted = meshArea(mesh) > kFaceWidth * kFaceWidth * double(mesh.triangles.size());
     numberNodes(normals, nearLeaves, band);

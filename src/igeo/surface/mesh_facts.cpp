@@ -9,8 +9,8 @@ namespace igeo {
 
 namespace {
 
-/// Corners of triangles, joined around their points from triangle to triangle, so that sheets which
-/// only touch in a point keep points of their own.
+/// Corners of triangles, joined around their points from triangle to triangle: sheets that only
+/// touch at a point get separate points.
 DisjointSets fansOf(const TriangleMesh& mesh, const MeshTopology& topology) {
     const auto cornerAt = [&](std::size_t t, std::uint32_t point) {
         const auto& [a, b, c] = mesh.triangles[t];

@@ -1,4 +1,4 @@
-/// What is known of a triangle mesh before a band is made of it.
+/// Facts about a triangle mesh, before a band is made from it.
 #pragma once
 
 #include <igeo/base/progress.h>
@@ -21,17 +21,17 @@ struct MeshFacts {
     int euler = 0;                  ///< of a closed mesh: points - edges + triangles
 };
 
-/// Crossings of less than 1e-6 of the bounding box's diagonal, as far as weld() joins points, are
-/// taken for contacts.
+/// Facts about a mesh. Crossings of less than 1e-6 of the bounding box's diagonal, the tolerance of
+/// weld(), count as contacts.
 /// @throws Error  Cancelled through `progress`
 /// Time O(n log n).
 MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress = Progress::none());
 
-/// What is odd about a mesh, a sentence each; empty for a good one.
+/// Warnings about a mesh, a sentence each; empty for a good one.
 std::vector<std::string> meshWarnings(const MeshFacts& facts);
 
-/// "open: 80 boundary edges in 1 hole", or nothing. A good mesh may be open; where it was not meant
-/// to be, paths go around its holes.
+/// "open: 80 boundary edges in 1 hole", or empty. An open mesh is valid; but paths go around holes
+/// that were not intended.
 std::string openness(const MeshFacts& facts);
 
 }  // namespace igeo

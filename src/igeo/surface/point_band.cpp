@@ -19,9 +19,9 @@ namespace {
 using Kind = Error::Kind;
 using Index = PointSurface::Index;
 
-/// Voxels finer than this part of the spacing show the fits, not the points.
+/// Voxels finer than this fraction of the spacing resolve the fits, not the points.
 constexpr double kFinest = 8;
-/// Voxels along the cloud's longest side, at least.
+/// Least number of voxels along the cloud's longest side.
 constexpr double kCoarsest = 8;
 
 void requireRange(const PointSurface& surface, PointBandKind kind, double dx, double h) {
@@ -56,7 +56,7 @@ void requireRange(const PointSurface& surface, PointBandKind kind, double dx, do
                     "move the cloud to the origin");
 }
 
-/// Nodes of one leaf, before all are numbered.
+/// Nodes of one leaf, before their numbering.
 struct LeafPart {
     BandLeaf leaf;
     std::vector<float> psi;
@@ -115,7 +115,7 @@ std::vector<Ijk> Filler::candidates() const {
                             if (length(d) <= r) parts[c].push_back({x, y, z});
                         }
             }
-            // Neighbors in the tree are neighbors in space: most of it goes here.
+            // Neighbors in the tree are neighbors in space, so most duplicates are removed here.
             sortUnique(parts[c]);
         }
     });
@@ -136,8 +136,8 @@ PointSurface::Foot Filler::footOf(const Vec3d& x, PointsAround& around) const {
 }
 
 void Filler::fill(LeafPart& part, PointsAround& around, Feet& feet) const {
-    // Most leaves lie off the surface if voxels are fine. All voxels are within kHalf of the
-    // middle; of a block of 4^3 within kHalfBlock of its own.
+    // With fine voxels most leaves are off the surface. All voxels are within kHalf of the middle;
+    // those of a block of 4^3 within kHalfBlock of its middle.
     constexpr double kHalf = 6.1, kHalfBlock = 2.6;
     const Vec3d middle = dx_ * (Vec3d(part.leaf.origin) + Vec3d{3.5, 3.5, 3.5});
     const PointTree::Found nearest = points_.nearest(middle);
@@ -224,7 +224,7 @@ Band bandFromPoints(const PointSurface& surface, PointBandKind kind, double dx, 
             std::copy(parts[l].normal.begin(), parts[l].normal.end(), band.normal.begin() + first);
         }
     });
-    // psi of points has no kinks that differences would show: all nodes are looked at.
+    // Differences do not show kinks of this psi, so all nodes are tested.
     band.markFacing();
     band.numberCore();
     return band;

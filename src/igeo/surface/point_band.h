@@ -1,4 +1,4 @@
-/// Fills a Band from a cloud of points.
+/// Fills a Band from a point cloud.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -13,13 +13,13 @@ enum class PointBandKind {
     Balls  ///< voxels nearer than h to a point, as in M&S 5.2: for `godunov`
 };
 
-/// World units. Fits: half the median spacing, which is what it takes to resolve the surface where
-/// it bends within two or three points. Balls: the median spacing; finer voxels gain little, as
+/// The default in world units. Fits: half the median spacing, which resolves the surface where it
+/// bends within two or three points. Balls: the median spacing; finer voxels gain little, because
 /// balls must not shrink with them.
 double defaultVoxelSize(const CloudDensity& density, PointBandKind kind);
 
 /// Half the thickness of the band, voxels. Fits: sqrt(3), M&S (14). Balls: sqrt(3 + (s / dx)^2)
-/// with s the 99th percentile of the spacing, so that a ball reaches sqrt(3) voxels off the surface
+/// with s the 99th percentile of the spacing, so that a ball extends sqrt(3) voxels off the surface
 /// where points are s apart.
 double defaultBandWidth(const CloudDensity& density, PointBandKind kind, double dx);
 
@@ -28,20 +28,19 @@ double defaultBandWidth(const CloudDensity& density, PointBandKind kind, double 
 /// MedialRadii). Time O(n log n).
 BandBounds bandBounds(const PointSurface& surface, PointBandKind kind, double dx);
 
-/// Numbers the voxels of the band on the lattice dx Z^3; their foot points and normals.
+/// Numbers the voxels of the band on the lattice dx Z^3 and computes their foot points and normals.
 ///
 /// Fits: foot point and normal are those of PointSurface::project, psi the signed distance; nodes
-/// are only where there are points on all sides of the foot point. `jet` and all that reads psi
+/// exist only where there are points on all sides of the foot point. `jet` and all readers of psi
 /// work as on a level set.
 ///
 /// Balls: the union of the balls of radius h around the points. The foot point is the nearest
 /// point, the normal that of its fit, and psi the height over its tangent plane, which |x - y|
-/// bounds: the paper's unsigned distance would have no zeros for seeds and paths to be put on.
-/// Which voxels are in the band is the paper's rule to the letter, rims with their round ends
-/// included.
+/// bounds: the paper's unsigned distance would have no zeros to put seeds and paths on. The voxels
+/// of the band are exactly those of the paper, with the round ends of rims.
 /// @param dx  voxel size, world units: from an eighth of the median spacing to an eighth of the
 ///            cloud's longest side
-/// @param h   voxels; Fits: at least sqrt(3)/2; Balls: s / dx at least, s as above
+/// @param h   voxels; Fits: at least sqrt(3)/2; Balls: at least s / dx, s as above
 /// @throws Error  InvalidArgument for dx or h out of range, BadInput for too many voxels, or
 ///         coordinates beyond 2^30 voxels; Cancelled
 /// Time O(voxels within 3 spacings of the surface), in parallel; some 5 microseconds per node

@@ -20,19 +20,19 @@ namespace {
 using Kind = Error::Kind;
 
 constexpr std::size_t kLeastPoints = 16;
-/// Neighbors that tell the spacing and the first normal: two rings of a square lattice; with the
-/// point itself, found once for all that asks for them.
+/// Neighbors that give the spacing and the first normal: two rings of a square lattice. kRing
+/// includes the point itself; it is found once and reused.
 constexpr std::size_t kNear = 12, kRing = kNear + 1;
-/// Neighbors in a fit: few where points are exact, as details count; as many as it takes to
-/// average where they scatter by `noise` spacings.
+/// Neighbors in a fit: few for exact points, to keep details; more for points with a scatter of
+/// `noise` spacings, to average it out.
 std::size_t fittedAt(double noise) {
     return std::size_t(std::lround(std::min(double(kNear) + 240 * noise, 96.0)));
 }
-/// Of a fit in the blend, and of points that hold the surface, in spacings: 28 points on the
-/// average, of which all to one side of a line are once in ten million.
+/// Reach of a fit in the blend, and of points that support the surface, in spacings: 28 points on
+/// average, all of which lie on one side of a line once in ten million cases.
 constexpr double kReach = 3;
-/// Points with so many times the spacing of those around them are isolated, and those so many
-/// spacings off the surface that their neighbors show.
+/// Points with so many times the spacing of those around them, or so many spacings off the surface
+/// of their neighbors, are isolated.
 constexpr double kIsolated = 3, kStray = 1.5;
 /// Cosine of the normals of two sheets, as Band::kOtherSheet.
 constexpr double kOtherSheet = -0.2;
@@ -83,7 +83,7 @@ PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.f
     const std::size_t given = cloud.points.size();
     cloud = distinctPoints(cloud);
     density_.duplicates = given - cloud.points.size();
-    // Those far away first, as they spoil fits; then those that fits show to be off.
+    // First the points far away, which spoil fits; then those off the fits.
     for (int round = 0; round < 3; ++round) {
         if (cloud.points.size() < kLeastPoints)
             throw Error(Kind::BadInput,
@@ -176,9 +176,9 @@ void PointSurface::build(const PointCloud& cloud, Progress& progress) {
 }
 
 double PointSurface::measureNoise(Progress& progress) {
-    // What is left of a fit is scatter, which does not depend on how many points are fitted, and
-    // the shape a quadric cannot follow, which grows with them: on scans the square of it
-    // by 3 or more from 24 points to 48. That separates the two.
+    // The residual of a fit has two parts: scatter, which does not depend on the number of points,
+    // and shape that a quadric cannot follow, whose square grows by 3 or more on scans from 24
+    // points to 48. That separates the two.
     constexpr std::size_t kCount = 24;
     constexpr double kGrowth = 3;
     const std::size_t n = points_.size();
@@ -211,7 +211,7 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
             const double radius2 = 1.2 * neighbors.back().squared;
             weights.clear();
             for (const PointTree::Found& f : neighbors) {
-                // Where normals are given they tell sheets apart.
+                // Given normals separate sheets.
                 const bool other = !given.empty() && dot(given[i], given[f.point]) <
                                                          float(kOtherSheet) * length(given[i]) *
                                                              length(given[f.point]);
@@ -256,7 +256,7 @@ bool PointSurface::sameSheet(std::size_t j, const Vec3d& n) const {
 
 PointSurface::PointFit PointSurface::fitAt(std::size_t i, std::size_t count,
                                            const std::vector<PointTree::Found>& nearest) const {
-    // Twice as many, should half of them be on another sheet.
+    // Twice as many, in case half of them are on another sheet.
     thread_local std::vector<PointTree::Found> neighbors;
     neighbors.clear();
     for (std::size_t k = 0; k < std::min(2 * count, nearest.size()) && neighbors.size() < count;
@@ -265,7 +265,7 @@ PointSurface::PointFit PointSurface::fitAt(std::size_t i, std::size_t count,
     const double radius2 = 1.1 * neighbors.back().squared, radius = std::sqrt(radius2);
     PointFit result{};
     result.normal = normals_[i];
-    // Over the first plane, and again over the tangent plane of what came out.
+    // First over the first plane, then over the resulting tangent plane.
     for (const int round : {0, 1}) {
         QuadricFit fit(result.normal, radius);
         double total = 0, squares = 0;
@@ -284,7 +284,7 @@ PointSurface::PointFit PointSurface::fitAt(std::size_t i, std::size_t count,
         for (const PointTree::Found& f : neighbors)
             sum += squared(1 - f.squared / radius2) *
                    squared(fit.residual(points_[f.point] - points_[i]));
-        // Six unknowns take their share of the scatter.
+        // Corrects for the six unknowns of the fit.
         const double free = 1 - 6 * squares / (total * total);
         result.scatter = free > 0.1 ? std::sqrt(sum / total / free) : 0;
     }
@@ -340,7 +340,7 @@ PointSurface::Blend PointSurface::blend(const Vec3d& y, const Vec3d& n,
 
 bool PointSurface::within(const Vec3d& y, const Vec3d& n,
                           const std::vector<Index>& neighbors) const {
-    // Directions in the tangent plane. Points in all eight octants settle it without angles.
+    // Directions in the tangent plane. Points in all eight octants decide without angles.
     const QuadricFit plane(n, 1);
     std::vector<double> angles;
     for (const bool exact : {false, true}) {
@@ -358,7 +358,7 @@ bool PointSurface::within(const Vec3d& y, const Vec3d& n,
     std::sort(angles.begin(), angles.end());
     double gap = angles.front() + 2 * std::numbers::pi - angles.back();
     for (std::size_t k = 1; k < angles.size(); ++k) gap = std::max(gap, angles[k] - angles[k - 1]);
-    // The outermost points themselves are on the surface.
+    // The outermost points are themselves on the surface.
     return gap <= std::numbers::pi * (1 + 1e-6);
 }
 
@@ -383,8 +383,7 @@ double PointSurface::roughLimit(Index nearest, double farthest) const {
 
 PointSurface::Index PointSurface::nearestSheet(const std::vector<PointTree::Found>& neighbors,
                                                const Vec3d& x) const {
-    // Between two sheets the nearest point may be on the farther one, straight above a gap of the
-    // nearer.
+    // Between two sheets the nearest point may be on the farther one, opposite a gap of the nearer.
     const Index first = neighbors.front().point;
     Index best = first;
     double least = roughDistance(x, first);
@@ -409,9 +408,9 @@ double PointSurface::reachOfProject(Index nearest, double farthest) const {
 PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest,
                                          PointsAround& around) const {
     const Index nearest = nearestSheet(around.nearest(x), x);
-    // Each step goes to F = 0 along grad F, and along the surface to where x is straight above.
-    // That is off by psi times curvature of what it was off before; but wherever it ends is on F =
-    // 0 to second order in `flat`.
+    // Each step goes to F = 0 along grad F, and along the surface until x is straight above. The
+    // remaining error is that before times psi times the curvature. Wherever the iteration ends, F
+    // = 0 to second order in `flat`.
     constexpr int kSteps = 12;
     const double spacing = spacing_[nearest], flat = 1e-4 * spacing, straight = 2e-3 * spacing;
     const Vec3d d = x - points_[nearest];
@@ -427,7 +426,7 @@ PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest,
     around.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
     for (int step = 0;; ++step) {
         if (squaredLength(y - middle) > margin * margin && step < kSteps / 2) {
-            // Far from where it began: begin again from here.
+            // Too far from the start: gather the points again here.
             neighbors.clear();
             around.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
         }

@@ -1,4 +1,4 @@
-/// The smooth surface that a cloud of points shows.
+/// The smooth surface through a point cloud.
 #pragma once
 
 #include <igeo/base/point_tree.h>
@@ -16,8 +16,8 @@ namespace igeo {
 
 class PointsAround;
 
-/// The surface F = 0 of a cloud: at each point a quadric is fitted to its neighbors by least
-/// squares, and F blends them where they overlap,
+/// The surface F = 0 of a cloud. At each point a quadric is fitted to its neighbors by least
+/// squares, and F blends the quadrics where they overlap,
 ///
 ///     F(y) = sum_j w_j(y) f_j(y) / sum_j w_j(y),   w_j = (1 - |y - p_j|^2 / reach_j^2)^3
 ///
@@ -27,44 +27,45 @@ class PointsAround;
 /// of that surface.
 ///
 /// It ends where the points end: at y there is a surface if y, seen along the normal, lies within
-/// the convex hull of the points that reach it. So rims follow the outermost points and holes of
+/// the convex hull of the points that reach it. So rims follow the outermost points, and holes of
 /// less than about three spacings in radius are closed.
 ///
-/// Sheets: points whose normals are at a cosine below -0.2 are on another one, and are left out of
-/// fits and blends. Without normals in the file that takes normals fitted to the 12 nearest points,
-/// so two sheets nearer to each other than two spacings come out as one in between, or are refused
-/// as points that fill a volume.
+/// Sheets: points whose normals are at a cosine below -0.2 are on another sheet, and are excluded
+/// from fits and blends. Without normals in the file this uses normals fitted to the 12 nearest
+/// points, so two sheets closer than two spacings become one in between, or are refused as points
+/// that fill a volume.
 ///
-/// The result depends on the set of points only: not on their order, nor on the number of threads.
+/// The result depends only on the set of points: not on their order, nor on the number of threads.
 class PointSurface {
 public:
     using Index = PointTree::Index;
 
     /// @throws Error  as requireUsable; BadInput for fewer than 16 distinct points, or for points
     ///         along curves or throughout a volume; Cancelled through `progress`
-    /// Time O(n log n), parallel but for the signs of normals; about 300 bytes per point.
+    /// Time O(n log n), parallel except for the signs of normals; about 300 bytes per point.
     explicit PointSurface(PointCloud cloud, Progress& progress = Progress::none());
 
     const CloudDensity& density() const { return density_; }
     const std::string& file() const { return file_; }
     const PointTree& points() const { return points_; }
-    /// Of the fit at a point; all on one side of the surface where it has two.
+    /// The normal of the fit at a point; all on one side of a two-sided surface.
     const Vec3d& normal(std::size_t i) const { return normals_[i]; }
 
     /// A foot point, world units.
     struct Foot {
         bool valid = false;  ///< false: no surface there, or not within the points
         Vec3d point, normal;
-        double psi = 0;  ///< signed distance of what was projected
+        double psi = 0;  ///< signed distance of the projected point
     };
     /// The point of the surface nearest to x, on the sheet of the fit that passes nearest to x.
     /// @param farthest  not valid beyond
     Foot project(const Vec3d& x, double farthest) const;
-    /// The same for one of many positions in a ball: reachOfProject() beyond it is looked at.
+    /// The same for one of many positions in a ball; reads points up to reachOfProject() beyond the
+    /// ball.
     Foot project(const Vec3d& x, double farthest, PointsAround& around) const;
     /// @param nearest  the point nearest to the middle of the ball
     double reachOfProject(Index nearest, double farthest) const;
-    /// About how far x is from the surface, by the fit at the point nearest to x alone.
+    /// The approximate distance of x from the surface, by only the fit at the point nearest to x.
     double roughDistance(const Vec3d& x, Index nearest) const;
     /// Whether project() may find a foot point for a position in a ball by the fit at a point.
     bool mayProject(const Vec3d& middle, double radius, Index nearest, double farthest) const;
@@ -74,7 +75,7 @@ private:
         double weight = 0, value = 0;
         Vec3d gradient;
     };
-    /// What a blend reads of a point, in one place.
+    /// The data of a point that a blend reads, stored together.
     struct Patch {
         Vec3d at, normal;
         double reach2;
@@ -96,7 +97,7 @@ private:
     std::vector<char> strays() const;
     void build(const PointCloud& cloud, Progress& progress);
     Index nearestSheet(const std::vector<PointTree::Found>& nearest, const Vec3d& x) const;
-    /// Positions further than this from the fit at the nearest point have no foot point.
+    /// Positions farther than this from the fit at the nearest point have no foot point.
     double roughLimit(Index nearest, double farthest) const;
     bool sameSheet(std::size_t j, const Vec3d& n) const;
     Blend blend(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
@@ -105,12 +106,12 @@ private:
     std::string file_;
     PointTree points_;
     std::vector<double> spacing_;
-    std::vector<Index> ring_;  ///< per point, those nearest to it, nearest first
+    std::vector<Index> ring_;  ///< per point: its nearest points, nearest first
     std::vector<Vec3d> normals_;
     std::vector<Quadric> fits_;
     std::vector<Patch> patches_;
     std::vector<double> curvature_;  ///< per fit
-    std::vector<double> off_;        ///< per point: distance to the surface that its neighbors show
+    std::vector<double> off_;        ///< per point: distance to the surface of its neighbors
     CloudDensity density_;
 };
 

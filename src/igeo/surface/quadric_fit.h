@@ -1,4 +1,4 @@
-/// A quadric through points that lie almost in a plane, by least squares.
+/// Least-squares fit of a quadric to points near a plane.
 #pragma once
 
 #include <igeo/base/symmetric_eigen.h>
@@ -10,8 +10,8 @@
 
 namespace igeo {
 
-/// f(d) = value + gradient . d + d . H d, d from the middle of the fit: about the signed distance
-/// to the fitted surface.
+/// f(d) = value + gradient . d + d . H d, d relative to the center of the fit: approximately the
+/// signed distance to the fitted surface.
 struct Quadric {
     double value = 0;
     Vec3d gradient;
@@ -27,13 +27,13 @@ struct Quadric {
 /// Least squares for the height over a plane, z = c0 + c1 u + c2 v + c3 u^2 + c4 u v + c5 v^2.
 class QuadricFit {
 public:
-    /// @param radius  by which u and v are divided, so that all terms are of the same size
+    /// @param radius  divisor of u and v, which makes all terms of similar size
     QuadricFit(const Vec3d& normal, double radius) : n_(normal), radius_(radius) {
         s_ = anyNormalTo(n_);
         t_ = cross(n_, s_);
     }
 
-    /// @param d  a point, from the middle
+    /// @param d  a point, relative to the center
     void add(const Vec3d& d, double weight) {
         const auto phi = basis(d);
         const double z = dot(n_, d);
@@ -43,10 +43,11 @@ public:
         }
     }
 
-    /// The coefficients in units of the radius; then all below is known.
+    /// Solves for the coefficients, in units of the radius. Call before the functions below.
     void solve() {
-        // Terms that the points do not tell apart come out small; others lose 1e-6 of themselves.
-        // Half as much for u v makes it the norm of the Hessian, which turns of the plane keep.
+        // Terms that the points hardly determine come out small; others lose 1e-6 of their value.
+        // Half as much for u v makes the penalty the norm of the Hessian, which does not depend on
+        // the axes in the plane.
         const double ridge = 1e-6 * matrix_[0][0];
         for (const std::size_t a : {1u, 2u, 3u, 5u}) matrix_[a][a] += ridge;
         matrix_[4][4] += ridge / 2;
@@ -59,8 +60,8 @@ public:
         c_ = solved(right_);
     }
 
-    /// The share that the point in the middle, of weight 1, has in its own height: without it
-    /// the fit would pass so much farther from it, by 1 / (1 - share).
+    /// The share of the center point, of weight 1, in its own height: without it the fit would pass
+    /// farther from it, by a factor of 1 / (1 - share).
     double ownShare() const { return solved({1, 0, 0, 0, 0, 0})[0]; }
 
     /// Coordinates along the plane.
@@ -73,15 +74,15 @@ public:
         for (std::size_t a = 0; a < 6; ++a) z -= c_[a] * phi[a];
         return z;
     }
-    /// Unit normal of the fitted surface above the middle.
+    /// Unit normal of the fitted surface above the center.
     Vec3d normal() const {
         return normalized(n_ - (c_[1] / radius_) * s_ - (c_[2] / radius_) * t_);
     }
-    /// The larger principal curvature there, without sign; for small slopes.
+    /// The larger principal curvature there, unsigned; for small slopes.
     double curvature() const {
         return symmetricEigen(2 * c_[3], c_[4], 2 * c_[5]).largestMagnitude() / (radius_ * radius_);
     }
-    /// The fitted surface as f = 0 with |grad f| = 1 in the middle.
+    /// The fitted surface as f = 0 with |grad f| = 1 at the center.
     Quadric quadric() const {
         const Vec3d g = n_ - (c_[1] / radius_) * s_ - (c_[2] / radius_) * t_;
         const double scale = 1 / length(g), bend = -scale / (radius_ * radius_);
@@ -118,7 +119,7 @@ private:
 
     Vec3d n_, s_, t_;
     double radius_;
-    std::array<Terms, 6> matrix_{};  ///< lower half; once solved, its Cholesky factor
+    std::array<Terms, 6> matrix_{};  ///< lower half; after solve() its Cholesky factor
     Terms right_{}, c_{};
 };
 

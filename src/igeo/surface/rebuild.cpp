@@ -18,7 +18,7 @@ std::string where(const LoadedGrid& volume) {
     return " (file '" + volume.file + "', grid '" + volume.name + "')";
 }
 
-/// Inactive values count: the extraction of triangles reads them.
+/// Inactive values are tested too, because the extraction of triangles reads them.
 void requireFinite(const LoadedGrid& volume) {
     for (auto it = volume.grid->tree().cbeginValueAll(); it; ++it) {
         if (std::isfinite(*it)) continue;
@@ -30,7 +30,8 @@ void requireFinite(const LoadedGrid& volume) {
     }
 }
 
-/// The same voxels with voxel 0 at the origin of the world: OpenVDB rebuilds in single precision.
+/// The same voxels with voxel 0 at the world's origin, because OpenVDB rebuilds in single
+/// precision.
 openvdb::FloatGrid::ConstPtr atOrigin(const LoadedGrid& volume) {
     const openvdb::CoordBBox box = volume.grid->evalActiveVoxelBoundingBox();
     if (!box.empty())

@@ -1,4 +1,4 @@
-/// A signed distance made of a volume that is none.
+/// A signed distance from a volume of other values.
 #pragma once
 
 #include <igeo/base/progress.h>
@@ -7,10 +7,10 @@
 namespace igeo {
 
 /// The signed distance, three voxels to each side, to the surface where a volume's values are
-/// `iso`: OpenVDB's tools::levelSetRebuild, through triangles. What the surface encloses is
-/// inside, whatever the values there. To be checked as any other (checkLevelSet).
-/// @throws Error  BadInput for a value that is not finite, at an inactive voxel as well, and where
-///         nothing has that value; Cancelled through `progress`
+/// `iso`: OpenVDB's tools::levelSetRebuild, through triangles. All that the surface encloses is
+/// inside, whatever the values there. The result must pass checkLevelSet as any other.
+/// @throws Error  BadInput for a value that is not finite, at active or inactive voxels, and where
+///         no value crosses `iso`; Cancelled through `progress`
 /// Time O(voxels in leaves).
 LoadedGrid rebuilt(const LoadedGrid& volume, double iso, Progress& progress = Progress::none());
 

@@ -15,18 +15,18 @@ namespace igeo {
 
 namespace {
 
-/// Voxels. No link leads through walls of 1.2, some through those of 1.0: measured.
+/// Voxels. No link leads through walls of 1.2 voxels, some through those of 1.0: measured.
 constexpr double kResolved = 1.1;
-/// Cosine of normals across a wall; at sharp edges they are further from opposite.
+/// Cosine of normals across a wall; at sharp edges normals are less opposite.
 constexpr float kParallel = -0.7f;
 /// Voxels. Values that OpenVDB lowers beside bends contradict others by up to 0.35.
 constexpr float kContradiction = 0.4f;
-/// Steps from such a place at which S is next to it.
+/// Within this many steps of a contradiction, S is considered affected.
 constexpr int kBeside = 2;
-/// Nearer voxels have a foot point in any direction.
+/// Closer voxels have a foot point in any direction.
 constexpr float kLeast = 0.25f;
 
-/// Balls about the neighbors of a voxel in which S is not.
+/// Balls around the neighbors of a voxel that contain no point of S.
 class EmptyBalls {
 public:
     EmptyBalls(const LeafBlock& psi, int x, int y, int z) {
@@ -42,7 +42,7 @@ public:
         Vec3f center;  ///< relative to the voxel
         float radius;
     };
-    /// The ball that a point is deepest inside of, or nearest to.
+    /// The ball in which a point is deepest, or to which it is nearest.
     struct Deepest {
         Ball ball{};
         float depth = -float(kInfinity);
@@ -55,7 +55,7 @@ public:
                 deepest = {ball_[k], depth};
         return deepest;
     }
-    /// The least depth at points at a distance from the voxel, found by steps out of the deepest
+    /// The least depth of points at a distance from the voxel, found by steps out of the deepest
     /// ball.
     float leastDepth(Vec3f direction, float distance) const {
         constexpr int kSteps = 10;
@@ -96,8 +96,8 @@ double reachAt(const Band& band, NodeIndex i, float cosine) {
 
 namespace {
 
-/// Whether psi at a voxel, where it is not smooth and kLeast at least, is a distance to no surface.
-/// @param foot  the foot point that differences of psi show
+/// Whether psi at a voxel, at least kLeast and not smooth there, is a distance to no surface.
+/// @param foot  the foot point by differences of psi
 bool contradictsItself(const LeafBlock& psi, int x, int y, int z, const Vec3f& foot) {
     const float distance = float(std::abs(psi.at(x, y, z)));
     const EmptyBalls balls(psi, x, y, z);
@@ -133,7 +133,7 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
             const BandLeaf& leaf = band.leaves[l];
             const openvdb::Coord origin(leaf.origin.x, leaf.origin.y, leaf.origin.z);
             block.gather(psi, origin, band.transform.dx, LeafBlock::kFaces);
-            bool whole = false;  // few leaves need all of it
+            bool whole = false;  // set for the few leaves that need all of it
             auto isClosed = [&](int x, int y, int z, const Vec3f& foot) {
                 if (!whole) block.gather(psi, origin, band.transform.dx);
                 whole = true;
@@ -162,9 +162,9 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
 
 namespace {
 
-/// Eight times the part of the Euler characteristic of a union of voxels that belongs to the corner
-/// of eight voxels, by which of them are in it: a corner belongs to one, an edge to two, a face to
-/// four and a voxel to eight such corners.
+/// The share of the Euler characteristic of a union of voxels, times eight, that belongs to the
+/// corner of eight voxels, by which of these are in the union: a corner belongs to one such corner,
+/// an edge to two, a face to four and a voxel to eight.
 std::array<int, 256> eulerTable() {
     std::array<int, 256> table{};
     for (unsigned in = 0; in < 256; ++in) {
@@ -199,12 +199,12 @@ int eulerOnVoxels(const Band& band) {
                 ++count;
                 in |= unsigned(band.psi[j] < 0) << k;
             });
-            // Corners between both signs are next to S, so that all eight are there.
+            // Corners between both signs are next to S, so all eight voxels exist.
             if (count == 8) part += table[in];
         }
         sum += part;
     });
-    // That of a surface is twice that of what it bounds.
+    // The Euler characteristic of a surface is twice that of the body that it bounds.
     return int(sum / 4);
 }
 
@@ -218,7 +218,7 @@ Unresolved unresolvedOf(const MeshFacts& facts, const Band& band) {
 }
 
 std::vector<std::string> unresolvedWarnings(const Unresolved& unresolved) {
-    // Less is next to sharp edges, and where a conversion has rounded bends off.
+    // Smaller shares occur next to sharp edges, and where a conversion has rounded bends.
     constexpr double kClosed = 0.001, kThin = 0.005, kCutOff = 0.001, kFacing = 0.02;
     std::vector<std::string> warnings;
     auto warn = [&](const std::optional<double>& share, double much, const char* sentence) {

@@ -1,5 +1,5 @@
-/// Where the voxels do not show S: walls and gaps of about a voxel, and folds that were closed when
-/// a level set was made.
+/// Where the voxels do not resolve S: walls and gaps of about a voxel, and folds that the
+/// conversion to a level set has closed.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -12,17 +12,17 @@
 
 namespace igeo {
 
-/// Shares of the core, in [0, 1]; none: a surface of this kind is not asked.
+/// Shares of the core, in [0, 1]; empty where they do not apply.
 struct Unresolved {
-    /// Level sets: a sheet that faces the other way is within 1.1 voxels, and a voxel may hold one
-    /// of the two only.
+    /// Level sets: a sheet that faces the opposite direction is within 1.1 voxels, where a voxel
+    /// may represent only one of the two.
     std::optional<double> thin;
-    /// Level sets: within two voxels of a place where psi contradicts itself.
+    /// Level sets: within two voxels of a contradiction in psi.
     std::optional<double> closed;
     std::optional<double> facing;  ///< meshes: facingShare
     std::optional<double> cutOff;  ///< meshes: Band::cutOff
-    /// Closed meshes that do not cross themselves: eulerOnVoxels() less that of the mesh. 0: the
-    /// voxels show all tunnels, gaps and parts.
+    /// Closed meshes that do not cross themselves: eulerOnVoxels() minus that of the mesh. 0: the
+    /// voxels resolve all tunnels, gaps and components.
     std::optional<int> eulerDifference;
 };
 
@@ -30,26 +30,27 @@ struct Unresolved {
 /// Band::linked. Time O(n).
 double facingShare(const Band& band);
 
-/// Half the distance to the nearest sheet that faces core node i, voxels; +infinity: none is near.
-/// @param cosine  of the two normals, at most
+/// Half the distance to the nearest sheet that faces core node i, voxels; +infinity: none near.
+/// @param cosine  upper bound of that of the two normals
 double reachAt(const Band& band, NodeIndex i, float cosine = Band::kOtherSheet);
 
-/// psi contradicts itself where it is a distance to no surface. The ball about a voxel with radius
-/// |psi| holds no point of S, so the foot point of a voxel lies outside the balls of its neighbors.
-/// Where every point at distance |psi| is inside one of them by 0.4 voxels, there is none: a fold
-/// or gap of up to two voxels was closed, and the values between its banks were made up.
+/// psi contradicts itself where it is a distance to no surface. The ball around a voxel with radius
+/// |psi| contains no point of S, so the foot point of a voxel lies outside the balls of its
+/// neighbors. Where every point at distance |psi| is inside one of them by 0.4 voxels, there is no
+/// foot point: a fold or gap of up to two voxels was closed, and the values between its walls are
+/// invented.
 /// @param band  of all of the level set
-/// Time O(n), in parallel; a search at the kinks of psi only.
+/// Time O(n), in parallel; searches only at kinks of psi.
 Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band);
 
 /// Time O(n), in parallel.
 Unresolved unresolvedOf(const MeshFacts& facts, const Band& band);
 
-/// The Euler characteristic of the surface at which psi changes its sign from voxel to voxel,
-/// voxels that share a corner being connected. Of a closed surface. Time O(n), in parallel.
+/// The Euler characteristic of the surface where psi changes sign between voxels; voxels that share
+/// a corner are connected. For closed surfaces. Time O(n), in parallel.
 int eulerOnVoxels(const Band& band);
 
-/// A sentence for each share that makes distances unreliable, with what to do about it.
+/// A sentence for each share that makes distances unreliable, with a remedy.
 std::vector<std::string> unresolvedWarnings(const Unresolved& unresolved);
 
 }  // namespace igeo

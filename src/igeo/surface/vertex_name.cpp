@@ -11,7 +11,7 @@ namespace igeo {
 
 namespace {
 
-/// None for another name.
+/// Empty for another name.
 std::optional<std::size_t> numberNamed(const std::string& name, const std::vector<Vec3d>& points) {
     const Box box(points);
     const Vec3d middle = 0.5 * (box.low + box.high);

@@ -9,9 +9,9 @@
 
 namespace igeo {
 
-/// The vertex that a name stands for: its number from 0 on; +x, -x, +y, -y, +z or -z, the farthest
-/// along an axis; or center, the nearest to the middle of the box of all. Of several the first.
-/// @param of  what has the vertices, for messages
+/// The vertex with a name: its number from 0 on; +x, -x, +y, -y, +z or -z, the farthest along an
+/// axis; or center, the nearest to the middle of the box of all. On ties the first.
+/// @param of  the owner of the vertices, for messages
 /// @throws Error  InvalidArgument for another name and a number out of range
 std::size_t vertexNamed(const std::string& name, const std::vector<Vec3d>& vertices,
                         const std::string& of);

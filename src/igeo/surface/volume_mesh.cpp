@@ -21,7 +21,8 @@ struct Lattice {
     std::array<std::size_t, 3> size;
 
     std::size_t count() const { return size[0] * size[1] * size[2]; }
-    /// Calls visit(neighbor) for the six beside a voxel; beyond the border is the voxel itself.
+    /// Calls visit(neighbor) for the six neighbors of a voxel; beyond the border it is the voxel
+    /// itself.
     template <typename Visit>
     void forBeside(std::size_t k, const Visit& visit) const {
         std::size_t step = 1, rest = k;
@@ -35,7 +36,7 @@ struct Lattice {
     }
 };
 
-/// The voxels beside one of the other class, in rising order.
+/// The voxels next to one of the other class, ascending.
 std::vector<std::size_t> atBorder(const Lattice& lattice, const std::vector<float>& sides) {
     std::vector<std::size_t> voxels;
     for (std::size_t k = 0; k < sides.size(); ++k) {
@@ -46,12 +47,12 @@ std::vector<std::size_t> atBorder(const Lattice& lattice, const std::vector<floa
     return voxels;
 }
 
-/// A function with the sign of `sides` (1 and -1) in every voxel, smooth at the border of the two:
-/// rounds of averages over neighbors, each held on its side.
+/// A function with the sign of `sides` (1 and -1) in every voxel, smooth where the two meet:
+/// repeated averages over neighbors, clamped to the sign of each voxel.
 std::vector<float> smoothed(const Lattice& lattice, const std::vector<float>& sides,
                             const Progress& progress) {
-    // In trials with balls and tilted planes fewer leave more of the staircase, and more shrink
-    // small bodies.
+    // In trials with balls and tilted planes, fewer rounds leave more of the staircase, and more
+    // shrink small bodies.
     constexpr int kRounds = 8;
     constexpr float kLeast = 1e-3f;
     const std::vector<std::size_t> voxels = atBorder(lattice, sides);
@@ -72,11 +73,11 @@ std::vector<float> smoothed(const Lattice& lattice, const std::vector<float>& si
     return values;
 }
 
-/// What is put on a grid: values and the one that is the surface.
+/// The values of a grid, and the value of the surface.
 struct Samples {
     std::vector<float> values;
     float iso = 0;
-    float spread = 1;  ///< half of what the values range over
+    float spread = 1;  ///< half the range of the values
 };
 
 /// Whether most voxels at the border of the volume are `iso` or more.
@@ -91,7 +92,7 @@ bool mostlyAboveAtBorder(const Lattice& lattice, const Samples& samples) {
     return 2 * above > all;
 }
 
-/// The grid of the samples; around it is `background`.
+/// The grid of the samples, with `background` around it.
 openvdb::FloatGrid::Ptr gridOf(const Lattice& lattice, Samples& samples, float background) {
     openvdb::initialize();
     const openvdb::Coord last(int(lattice.size[0]) - 1, int(lattice.size[1]) - 1,
@@ -103,8 +104,8 @@ openvdb::FloatGrid::Ptr gridOf(const Lattice& lattice, Samples& samples, float b
     return grid;
 }
 
-/// Appends the polygons that lie within the volume; what joins its border to the background beyond
-/// is no surface.
+/// Appends the polygons within the volume; those that close its border toward the background are no
+/// surface.
 class MeshMaker {
 public:
     MeshMaker(const VoxelVolume& volume, const std::vector<openvdb::Vec3s>& points, bool turned)
@@ -153,8 +154,8 @@ Samples samplesOf(const VoxelVolume& volume, const VolumeRange& range, double is
             sides[k] = double(volume.values[k]) >= iso ? 1.0f : -1.0f;
         return {smoothed(lattice, sides, progress), 0, 1};
     }
-    // A surface through the centers of voxels, as thresholds of whole numbers make it, would have
-    // points that coincide.
+    // A surface through the centers of voxels, as whole-number thresholds give, would have
+    // coinciding points.
     const float spread = 0.5f * (range.high - range.low);
     return {volume.values, float(iso) - 1e-4f * spread, spread};
 }
@@ -208,7 +209,7 @@ TriangleMesh volumeMesh(const VoxelVolume& volume, std::optional<double> asked,
     const double iso = chosenIso(volume, range, asked);
     const Lattice lattice{volume.size};
     Samples samples = samplesOf(volume, range, iso, progress);
-    // Beyond the border is what most of it is, so that the fewest polygons are to be left out.
+    // The outside gets the value of most border voxels, so that the fewest polygons are dropped.
     const bool above = mostlyAboveAtBorder(lattice, samples);
     const float beyond = samples.iso + (above ? samples.spread : -samples.spread);
     const openvdb::FloatGrid::Ptr grid = gridOf(lattice, samples, beyond);

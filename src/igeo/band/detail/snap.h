@@ -1,4 +1,4 @@
-/// How far points asked for may be from the surface. Internal.
+/// The allowed distance between given points and the surface. Internal.
 #pragma once
 
 #include <fmt/core.h>
@@ -10,13 +10,13 @@
 
 namespace igeo {
 
-/// @param maxSnap  world units; roundings of a millionth of it are allowed
+/// @param maxSnap  world units; a relative excess of 1e-6 passes, for rounding
 inline bool isNear(const SurfacePoint& p, const Similarity& transform, double maxSnap) {
     return p.snapDistance <= maxSnap / transform.dx * (1 + 1e-6);
 }
 
 /// @param what  names the point in the message
-/// @param hint  what else the user may do
+/// @param hint  a further remedy
 /// @throws Error  InvalidArgument, with the nearest point
 [[noreturn]] inline void refuseFar(const SurfacePoint& p, const Similarity& transform,
                                    double maxSnap, const std::string& what,

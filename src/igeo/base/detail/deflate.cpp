@@ -11,7 +11,7 @@ namespace igeo {
 
 namespace {
 
-/// As many bytes as one call of zlib takes.
+/// The number of bytes that one call of zlib can take.
 uInt chunkOf(std::size_t bytes) {
     return uInt(std::min<std::size_t>(bytes, std::numeric_limits<uInt>::max()));
 }
@@ -45,7 +45,7 @@ std::string deflated(std::string_view bytes, int level) {
 
 namespace {
 
-/// @param isStart  leaves out what is beyond the limit, instead of an error
+/// @param isStart  cuts the result at the limit, instead of throwing an error
 std::string inflatedUpTo(std::string_view bytes, std::size_t limit, bool isStart) {
     Inflater inflater;
     z_stream& z = inflater.stream;
@@ -53,7 +53,9 @@ std::string inflatedUpTo(std::string_view bytes, std::size_t limit, bool isStart
     constexpr std::size_t kStep = 1 << 20;
     while (true) {
         const std::size_t old = out.size();
-        out.resize(old + std::min(kStep, limit - old + 1));  // a byte more shows what is too long
+        out.resize(
+            old +
+            std::min(kStep, limit - old + 1));  // one byte more shows that the result is too long
         z.next_in = bytesOf(bytes), z.avail_in = chunkOf(bytes.size());
         z.next_out = bytesOf(out) + old, z.avail_out = uInt(out.size() - old);
         const std::size_t given = z.avail_in;

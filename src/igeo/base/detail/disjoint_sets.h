@@ -9,7 +9,8 @@
 
 namespace igeo {
 
-/// A set goes by its least number, whatever the order of joins. Time O(log n) each, amortised.
+/// The name of a set is its least number, whatever the order of joins. Time O(log n) each,
+/// amortized.
 class DisjointSets {
 public:
     using Index = std::uint32_t;
@@ -30,7 +31,7 @@ private:
     std::vector<Index> parent_;
 };
 
-/// The same, where members of a set are on the same or on opposite sides of each other.
+/// The same, with members of a set on the same side or on opposite sides.
 class SidedSets {
 public:
     using Index = DisjointSets::Index;
@@ -39,7 +40,7 @@ public:
     }
     struct Member {
         Index first;  ///< least number of its set
-        bool turned;  ///< against that
+        bool turned;  ///< on the side opposite to `first`
     };
     Member find(Index i) {
         Index first = i;
@@ -56,7 +57,7 @@ public:
         }
         return found;
     }
-    /// @return false where i and j are known to be otherwise
+    /// @return false where earlier joins say the opposite of i and j
     bool join(Index i, Index j, bool opposite) {
         const Member a = find(i), b = find(j);
         const bool turned = a.turned ^ b.turned;

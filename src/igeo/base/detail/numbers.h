@@ -18,8 +18,8 @@
 
 namespace igeo {
 
-/// The decimal number that all of `text` is, with a point in every locale; nan and inf are numbers.
-/// None where it is something else or out of the range of doubles.
+/// The decimal number that `text` consists of, with a point in every locale; nan and inf are
+/// numbers. Empty for any other text and beyond the range of doubles.
 inline std::optional<double> parseDouble(std::string_view text) {
 #ifdef __cpp_lib_to_chars
     double value = 0;
@@ -28,8 +28,8 @@ inline std::optional<double> parseDouble(std::string_view text) {
     if (error != std::errc() || stop != end) return {};
     return value;
 #else
-    // libc++ reads no doubles by from_chars. strtod reads more than that: white space, a plus and
-    // hexadecimal digits.
+    // libc++ has no from_chars for doubles. strtod also accepts white space, a plus and hexadecimal
+    // digits, which are excluded here.
     static const locale_t plain = ::newlocale(LC_ALL_MASK, "C", nullptr);
     if (text.empty() || text.find_first_of(" \t\n\v\f\rxX") != text.npos || text[0] == '+')
         return {};
@@ -37,7 +37,7 @@ inline std::optional<double> parseDouble(std::string_view text) {
     char* stop = nullptr;
     errno = 0;
     const double value = ::strtod_l(copy.c_str(), &stop, plain);
-    // ERANGE stands for subnormal values as well.
+    // ERANGE is also set for subnormal values.
     if (stop != copy.c_str() + copy.size() ||
         (errno == ERANGE && (value == 0 || std::isinf(value))))
         return {};

@@ -1,4 +1,4 @@
-/// How parallel loops report progress.
+/// Progress reports of parallel loops.
 #pragma once
 
 #include <igeo/base/progress.h>
@@ -8,7 +8,8 @@
 
 namespace igeo {
 
-/// Counts what threads have done of a stage of `total` equal steps, or of a part of a stage.
+/// Counts the steps that threads have done, of the `total` equal steps of a stage or of part of
+/// one.
 class Steps {
 public:
     /// @param from, to  the part of the stage, fractions

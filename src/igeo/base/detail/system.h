@@ -1,5 +1,5 @@
-/// What the library needs of a system and C++ does not have: system_posix.cpp, system_windows.cpp.
-/// Errors are numbers of <cerrno>, 0 if all is well.
+/// What the library needs of an operating system beyond C++: system_posix.cpp, system_windows.cpp.
+/// Errors are numbers of <cerrno>, 0 for success.
 #pragma once
 
 #include <string>
@@ -8,16 +8,16 @@ namespace igeo {
 
 int processId();
 
-/// Why a file or folder that exists may not be written.
+/// The error with which writing to an existing file or folder is refused.
 int writeRefusal(const std::string& path);
 
 /// Makes an empty file; EEXIST where the name is taken.
 int createFile(const std::string& path);
 
-/// Returns once the file is on disk.
+/// Returns after the file is on disk.
 int syncFile(const std::string& path);
 
-/// Whether an error of writing is want of space.
+/// Whether a write error means that the disk is full.
 bool isOutOfSpace(int error);
 
 }  // namespace igeo

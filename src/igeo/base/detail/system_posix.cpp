@@ -22,7 +22,7 @@ int syncFile(const std::string& path) {
     if (fd < 0) return errno;
     const int error = ::fsync(fd) == 0 ? 0 : errno;
     ::close(fd);
-    return error == EINVAL ? 0 : error;  // what cannot be synced is no failure
+    return error == EINVAL ? 0 : error;  // files that cannot be synced are no failure
 }
 
 bool isOutOfSpace(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }

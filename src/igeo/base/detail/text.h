@@ -1,4 +1,4 @@
-/// Text of what libfmt does not know. Internal.
+/// Text of types that libfmt does not print. Internal.
 #pragma once
 
 #include <fmt/core.h>
@@ -13,8 +13,8 @@ inline std::string textOf(const Vec3d& p, int digits = 6) {
     return fmt::format("{:.{}g},{:.{}g},{:.{}g}", p.x, digits, p.y, digits, p.z, digits);
 }
 
-/// The name of a file without folder and ending: bunny of a/bunny.obj, head of head.nii.gz.
-/// FreeSurfer has names without endings: lh.pial stays.
+/// The name of a file without folder and ending: bunny of a/bunny.obj, head of head.nii.gz. Names
+/// of FreeSurfer have no endings: lh.pial is returned as it is.
 inline std::string stemOf(const std::string& file) {
     std::filesystem::path name = std::filesystem::path(file).filename();
     if (name.extension() == ".gz") name = name.stem();

@@ -27,7 +27,8 @@ inline std::string base64(std::string_view bytes) {
     return text;
 }
 
-/// The bytes; none where a character is no digit or digits are missing. Blanks are skipped.
+/// The decoded bytes; empty where a character is no digit or digits are missing. Blanks are
+/// skipped.
 inline std::optional<std::string> fromBase64(std::string_view text) {
     static const auto values = [] {
         std::array<std::int8_t, 256> table;

@@ -26,7 +26,7 @@ std::uint32_t next24(ByteReader& reader) {
     return high << 16 | reader.next<std::uint16_t>();
 }
 
-/// What follows the first bytes of a file of quadrangles.
+/// Reads the part of a quadrangle file after its first bytes.
 /// @param isOld  positions are whole hundredths of a millimeter
 PolygonMesh readQuads(ByteReader& reader, bool isOld) {
     const std::size_t vertices = next24(reader), faces = next24(reader);
@@ -88,7 +88,7 @@ PolygonMesh readFreeSurferMesh(const std::string& file, const std::string& bytes
         reader.fail("this is no surface of FreeSurfer, which begins with ff ff fd, fe or ff");
     reader.skip(kTriangles.size());
     if (!bytes.starts_with(kTriangles)) return readQuads(reader, bytes.starts_with(kOldQuads));
-    // Who made it and when.
+    // Author and date.
     reader.skipLine();
     reader.skipLine();
     const auto vertices = reader.next<std::uint32_t>(), faces = reader.next<std::uint32_t>();
@@ -109,7 +109,7 @@ PolygonMesh readMz3Mesh(const std::string& file, const std::string& bytes) {
     if (!(holds & kHasFaces) || !(holds & kHasVertices))
         reader.fail(fmt::format("the file holds no {}; give the one that has vertices and faces",
                                 holds & kHasFaces ? "vertices" : "faces"));
-    // Faces come first.
+    // Faces precede vertices.
     PolygonMesh mesh;
     readFaces(reader, faces, vertices, mesh);
     readVertices(reader, vertices, mesh);

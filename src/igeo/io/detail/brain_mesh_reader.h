@@ -8,16 +8,16 @@
 
 namespace igeo {
 
-/// Whether bytes begin as those of FreeSurfer's surfaces (lh.pial), which have no ending: triangle
-/// files, or quadrangle files of either kind. The older of these begins as morphometry files do.
+/// Whether bytes begin like a surface of FreeSurfer (lh.pial, without an ending): a triangle file,
+/// or a quadrangle file of either kind. The older of these begins like a morphometry file.
 bool isFreeSurferSurface(std::string_view bytes);
 
-/// Reads a triangle or quadrangle file of FreeSurfer, positions as they are in it: what follows the
-/// faces, as the geometry of the volume, is not looked at. Quadrangles stay such.
+/// Reads a triangle or quadrangle file of FreeSurfer, with positions as in the file. Quadrangles
+/// stay quadrangles. The part after the faces, with the geometry of the volume, is not read.
 /// @param file   its name, for messages
 /// @param bytes  all of the file
 /// @throws Error  BadInput, with the byte, for another kind of file, one that ends too early,
-///         morphometry, and a corner that is no number of a vertex
+///         morphometry, and a corner that is no vertex number
 /// Time O(size). Memory O(size), whatever counts the file announces.
 PolygonMesh readFreeSurferMesh(const std::string& file, const std::string& bytes);
 

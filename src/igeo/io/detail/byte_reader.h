@@ -13,7 +13,7 @@
 
 namespace igeo {
 
-/// What numbers in files are.
+/// The types of numbers in files.
 enum class NumberType { U8, I8, U16, I16, U32, I32, U64, I64, F32, F64 };
 
 inline std::size_t sizeOf(NumberType type) {
@@ -21,15 +21,15 @@ inline std::size_t sizeOf(NumberType type) {
     return kSizes[std::size_t(type)];
 }
 
-/// The bytes of a file from front to back.
+/// Reads the bytes of a file from front to back.
 class ByteReader {
 public:
-    /// @param file  its name, for messages; has to outlive this, as the bytes have to
+    /// @param file  its name, for messages; must outlive this, as must the bytes
     ByteReader(const std::string& file, std::string_view bytes, bool bigEndian)
         : file_(file), bytes_(bytes), bigEndian_(bigEndian) {}
 
     std::size_t left() const { return bytes_.size() - at_; }
-    /// @throws Error  BadInput unless `count` things of `size` bytes are left
+    /// @throws Error  BadInput unless `count` items of `size` bytes are left
     void require(std::size_t count, std::size_t size, const char* what) const {
         if (count > left() / size)
             fail(fmt::format("{} {} are announced, and {} bytes are left", count, what, left()));
@@ -38,14 +38,14 @@ public:
         require(count, 1, "bytes");
         at_ += count;
     }
-    /// Up to the next line feed, which is skipped.
+    /// Skips all up to the next line feed, and the line feed.
     void skipLine() {
         const std::size_t end = bytes_.find('\n', at_);
         if (end == bytes_.npos) fail("a line does not end");
         at_ = end + 1;
     }
 
-    /// An integer or a floating-point number as the file holds it.
+    /// The next number, an integer or a floating-point number.
     template <typename T>
     T next() {
         static_assert(sizeof(T) <= 8);

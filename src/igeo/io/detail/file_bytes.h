@@ -1,4 +1,4 @@
-/// All of a file at once. Internal.
+/// Whole files in memory. Internal.
 #pragma once
 
 #include <string>
@@ -6,14 +6,14 @@
 
 namespace igeo {
 
-/// @throws Error  Io, with the reason of the system, for a file that is not there, is a folder or
-///         may not be read
+/// @throws Error  Io, with the system's reason, for a file that does not exist, is a folder or is
+///         not readable
 std::string fileBytes(const std::string& file);
 
-/// Whether bytes begin as those of a gzip file.
+/// Whether bytes begin like a gzip file.
 bool isGzip(std::string_view bytes);
 
-/// The same, inflated where it is a gzip file.
+/// The same, decompressed if it is a gzip file.
 /// @throws Error  BadInput also for damaged data and for more than 2^36 bytes
 std::string inflatedFileBytes(const std::string& file);
 

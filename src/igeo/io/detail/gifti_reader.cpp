@@ -30,13 +30,13 @@ struct Tag {
     bool empty = false;  ///< <name/>
 };
 
-/// The tags of an XML file. What GIFTI does not use, as entities and nested comments of a document
-/// type, is passed over.
+/// The tags of an XML file. Parts that GIFTI does not use, such as entities and nested comments of
+/// a document type, are skipped.
 class Tags {
 public:
     Tags(const std::string& file, std::string_view bytes) : file_(file), bytes_(bytes) {}
 
-    /// The next one; none at the end.
+    /// The next tag; none at the end.
     std::optional<Tag> next() {
         for (;;) {
             at_ = std::min(bytes_.find('<', at_), bytes_.size());
@@ -52,7 +52,7 @@ public:
                 return tag();
         }
     }
-    /// The text from behind the last tag to the next.
+    /// The text between the last tag and the next.
     std::string_view text() {
         const std::size_t end = bytes_.find('<', at_);
         if (end == bytes_.npos) fail("the file ends within data");
@@ -249,7 +249,7 @@ private:
     throw Error(Error::Kind::BadInput, "'" + file + "' " + what, remedy);
 }
 
-/// The only array of an intent, of rows of three.
+/// The only array of an intent, with rows of three.
 const GiftiArray& rowsOfThree(const std::vector<GiftiArray>& arrays, const char* intent,
                               const std::string& file) {
     const GiftiArray* found = nullptr;

@@ -1,4 +1,4 @@
-/// What JSON files may not be: nested without end, or with a member twice. Internal.
+/// Limits of JSON files: depth of nesting, and no member twice. Internal.
 #pragma once
 
 #include <igeo/base/error.h>
@@ -9,8 +9,8 @@
 
 namespace igeo {
 
-/// Copying and printing take stack for each level.
-/// @param depth  as a callback of nlohmann::json's parser is given it
+/// Copying and printing JSON take stack for each level.
+/// @param depth  as nlohmann::json's parser passes it to its callback
 /// @throws Error  BadInput
 inline void requireShallow(int depth, const std::string& file) {
     constexpr int kDeepest = 100;
@@ -21,8 +21,8 @@ inline void requireShallow(int depth, const std::string& file) {
             "write the file again; nothing that is read from it is so deep");
 }
 
-/// Looks on as a file is parsed: the callback of nlohmann::json's parser. Of a member that is there
-/// twice a reader would see one only.
+/// A callback for nlohmann::json's parser that refuses deep nesting and repeated members, of which
+/// a reader would see only one.
 /// @throws Error  BadInput
 template <typename Json>
 class JsonGuard {
@@ -44,7 +44,7 @@ public:
 
 private:
     std::string file_;
-    std::vector<std::set<std::string>> members_;  // of the objects that are open
+    std::vector<std::set<std::string>> members_;  // of the open objects
 };
 
 }  // namespace igeo

@@ -44,7 +44,7 @@ void readSize(ByteReader& reader, VoxelVolume& volume) {
                "write the one that counts into a file of its own: mri_convert --frame 0");
 }
 
-/// The header holds spacings, directions of the axes, and where the middle of the volume is.
+/// Reads the spacings, the directions of the axes, and the center of the volume.
 void readPlace(ByteReader& reader, VoxelVolume& volume) {
     double spacing[3] = {1, 1, 1};
     volume.axis = {Vec3d{-1, 0, 0}, Vec3d{0, 0, -1}, Vec3d{0, 1, 0}};

@@ -7,8 +7,8 @@
 
 namespace igeo {
 
-/// @param bytes  all of a .mgh or .mgz file, as they are: with gzip or without
-/// @throws Error  BadInput, as readVolume; the values may be anything
+/// @param bytes  all of a .mgh or .mgz file, with or without gzip
+/// @throws Error  BadInput, as readVolume; values are not checked
 VoxelVolume mghFrom(const std::string& file, const std::string& bytes);
 
 }  // namespace igeo

@@ -20,7 +20,7 @@ namespace {
 using Kind = Error::Kind;
 using Type = NumberType;
 
-/// Where the header has what is needed, in bytes; the numbers of NIfTI-2 are wider.
+/// Byte offsets of the header's fields; NIfTI-2 has wider numbers.
 struct Layout {
     std::size_t size, magic, dim, datatype, pixdim, dataOffset, slope, intercept, qform, sform,
         quaternion, shift, rows;
@@ -57,7 +57,7 @@ public:
     const Layout& at() const { return *at_; }
     bool bigEndian() const { return bigEndian_; }
     int version() const { return at_ == &kNifti1 ? 1 : 2; }
-    /// Whether the voxels are in a file of their own.
+    /// Whether the voxels are in a separate file.
     bool isPair() const { return bytes_.compare(at_->magic, 2, "ni") == 0; }
     double number(std::size_t offset, Type type, std::size_t index = 0) const {
         ByteReader reader(file_, bytes_, bigEndian_);
@@ -111,7 +111,7 @@ Type typeOf(const Header& header, const std::string& file) {
            "convert it to one number per voxel, as float32");
 }
 
-/// Rows of the matrix from index to world.
+/// Rows of the matrix from index to world space.
 using Rows = std::array<std::array<double, 4>, 3>;
 
 Rows rowsOfQuaternion(const Header& header) {
@@ -159,7 +159,7 @@ std::string besides(const std::string& file, const std::string& from, const std:
     return other;
 }
 
-/// `name`, or `name`.gz or without .gz, whichever is there.
+/// The bytes of `name`, or of `name` with .gz added or removed, whichever exists.
 std::string bytesOfEither(const std::string& name) {
     std::error_code ignored;
     const std::string other =

@@ -8,12 +8,12 @@
 namespace igeo {
 
 /// @param file  .nii, .hdr or .img, also .gz; of a pair the other file is read as well
-/// @throws Error  Io, and BadInput, as readVolume; the values may be anything
+/// @throws Error  Io, and BadInput, as readVolume; values are not checked
 VoxelVolume readNifti(const std::string& file);
 
 /// The same from bytes.
-/// @param header, data  all of the two files, as they are: with gzip or without; data empty: they
-///                      are behind the header, in the same file
+/// @param header, data  all of the two files, with or without gzip; data empty: they follow the
+///                header in the same file
 VoxelVolume niftiFrom(const std::string& file, const std::string& header, const std::string& data);
 
 }  // namespace igeo

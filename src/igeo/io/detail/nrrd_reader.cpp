@@ -46,7 +46,7 @@ public:
             if (line.empty()) break;
             const auto colon = line.find(':');
             if (first || line[0] == '#' || colon == line.npos) continue;
-            if (line.compare(colon, 2, ":=") == 0) continue;  // a remark of its maker
+            if (line.compare(colon, 2, ":=") == 0) continue;  // a comment in the file
             fields_[lowerCase(trimmed(line.substr(0, colon)))] = trimmed(line.substr(colon + 1));
         }
         dataBegin = at;
@@ -55,13 +55,13 @@ public:
     [[noreturn]] void refuse(const std::string& what, const std::string& remedy) const {
         throw Error(Error::Kind::BadInput, "'" + file_ + "' " + what, remedy);
     }
-    /// The field of one of two names; empty where there is none.
+    /// The field with one of two names; empty if there is none.
     std::string field(const char* name, const char* otherwise = "") const {
         for (const char* n : {name, otherwise})
             if (const auto at = fields_.find(n); at != fields_.end()) return at->second;
         return "";
     }
-    /// The numbers of a field: between them are blanks, commas and parentheses.
+    /// The numbers of a field, separated by blanks, commas and parentheses.
     std::vector<double> numbers(const char* name) const {
         std::vector<double> values;
         std::string text = field(name);
@@ -176,13 +176,13 @@ void readPlace(const Header& header, VoxelVolume& volume) {
     if (!origin.empty()) volume.origin = {origin[0], origin[1], origin[2]};
 }
 
-/// The number of a field; 0 where there is none.
+/// The number in a field; 0 if there is none.
 double numberOr0(const Header& header, const char* name) {
     const std::vector<double> numbers = header.numbers(name);
     return numbers.empty() ? 0 : numbers[0];
 }
 
-/// The data behind the lines that the header says to skip.
+/// The data after the lines that the header says to skip.
 std::string_view behindLines(const Header& header, std::string_view data) {
     const double lines = numberOr0(header, "line skip");
     for (double k = 0; k < lines; ++k) {
@@ -230,7 +230,7 @@ std::vector<float> valuesOf(const Header& header, const std::string& file, std::
                       "add it to the header");
     const double skip = numberOr0(header, "byte skip");
     const std::size_t size = count * sizeOf(type);
-    // Less than 0: the data are the last bytes.
+    // A negative skip: the data are the last bytes.
     if (skip < 0 && !packed) data.remove_prefix(data.size() - std::min(size, data.size()));
     const std::size_t from = skip > 0 ? std::size_t(std::min(skip, 0x1p40)) : 0;
     const std::string raw =

@@ -7,10 +7,10 @@
 
 namespace igeo {
 
-/// @param file   .nrrd or .nhdr; where it names a file of data, that is looked for in its folder
+/// @param file   .nrrd or .nhdr; a data file that it names is searched for in its folder
 /// @param bytes  all of it
-/// @throws Error  Io for a file of data that cannot be read, and BadInput, as readVolume; the
-///         values may be anything
+/// @throws Error  Io for a data file that cannot be read, and BadInput, as readVolume; values are
+///         not checked
 VoxelVolume readNrrd(const std::string& file, const std::string& bytes);
 
 }  // namespace igeo

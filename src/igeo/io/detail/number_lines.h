@@ -11,10 +11,10 @@
 
 namespace igeo {
 
-/// Calls visit(line, number) for all lines, without line ends and what follows a `#`.
+/// Calls visit(line, number) for all lines, without line ends and comments (#).
 template <typename Visit>
 void forLines(const std::string& bytes, const Visit& visit) {
-    // Spreadsheets begin UTF-8 files with a byte order mark.
+    // Spreadsheets start UTF-8 files with a byte order mark.
     std::size_t at = bytes.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0;
     for (std::size_t number = 1; at < bytes.size(); ++number) {
         const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
@@ -29,8 +29,8 @@ void forLines(const std::string& bytes, const Visit& visit) {
 
 inline bool isSeparator(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/// The numbers of a line; empty where something else is in it. Between two is a comma, a semicolon
-/// or blanks; nan and inf are numbers here.
+/// The numbers of a line, separated by a comma, a semicolon or blanks; empty where the line holds
+/// anything else. nan and inf are numbers here.
 inline std::vector<double> numbersIn(std::string_view line) {
     std::vector<double> numbers;
     const char *at = line.data(), *const end = at + line.size();

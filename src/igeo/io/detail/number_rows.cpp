@@ -12,7 +12,7 @@ namespace igeo {
 
 namespace {
 
-/// A first line in which no field begins like a number names the columns.
+/// A first line in which no field starts like a number names the columns.
 bool isHeader(const std::string& line) {
     std::stringstream parts(line);
     for (std::string part; std::getline(parts, part, ',');) {
@@ -23,9 +23,9 @@ bool isHeader(const std::string& line) {
     return true;
 }
 
-/// With commas between the fields: those of a line without a comma lie between semicolons, else
-/// between blanks. A comma beside a semicolon may be that of a number, so both together are left as
-/// they are, which is no row.
+/// Puts commas between the fields: those of a line without a comma are separated by semicolons, or
+/// else by blanks. A comma in a line with semicolons may be a decimal comma, so such a line is left
+/// as it is, which is no row.
 std::string withCommas(std::string line) {
     if (line.find(',') != std::string::npos) return line;
     if (line.find(';') != std::string::npos) {
@@ -64,7 +64,7 @@ std::vector<std::vector<double>> rowsFromText(std::istream& in, const std::strin
     bool mayBeHeader = true;
     for (std::string line; std::getline(in, line);) {
         ++lineNumber;
-        // Spreadsheets begin UTF-8 files with a byte order mark.
+        // Spreadsheets start UTF-8 files with a byte order mark.
         if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
         if (const auto hash = line.find('#'); hash != std::string::npos) line.erase(hash);
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;

@@ -1,13 +1,13 @@
 /// OpenVDB, with the grids that many files use instantiated once, in openvdb_grids.cpp. Internal.
 ///
-/// It is precompiled for the files that use OpenVDB (src/CMakeLists.txt), which makes their
-/// compilation four times faster. No file includes it: all of them compile without it as well.
+/// It is precompiled for the files that use OpenVDB (src/CMakeLists.txt), which compile four times
+/// faster with it. No file includes it, because all of them compile without it as well.
 #pragma once
 
 #include <openvdb/openvdb.h>
 
-// Grid and Tree have virtual functions, so that every file that makes a grid would otherwise
-// compile all of reading, writing, pruning and printing it.
+// Grid and Tree have virtual functions: without this, every file that makes a grid would compile
+// all of its reading, writing, pruning and printing.
 #define IGEO_GRID(instantiate, TreeType)            \
     instantiate tree::Tree<TreeType::RootNodeType>; \
     instantiate Grid<TreeType>;

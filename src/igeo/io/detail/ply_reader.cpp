@@ -34,7 +34,7 @@ struct Element {
     std::size_t count = 0;
     std::vector<Property> properties;
 
-    /// The column of a property; their number where there is none.
+    /// The index of a property; the number of properties if it is missing.
     std::size_t column(const std::string& property, bool isList) const {
         std::size_t p = 0;
         while (p < properties.size() &&
@@ -44,7 +44,7 @@ struct Element {
     }
 };
 
-/// Per property its numbers: one, or those of a list.
+/// The numbers of each property: one, or those of a list.
 using Row = std::vector<std::vector<double>>;
 
 class Reader {
@@ -140,7 +140,7 @@ private:
         if (format_ == Format::None) fail("the header names no format");
     }
 
-    /// Every number takes a byte at least: a count that is made up allocates nothing.
+    /// Each number takes at least a byte, so that a forged count allocates nothing.
     bool hasRoom(double numbers) const { return numbers <= double(bytes_.size() - at_); }
 
     double number(Type type) {
@@ -193,7 +193,7 @@ private:
     template <typename Visit>
     void forRows(const Element& element, const Visit& visit) {
         const std::vector<Property>& properties = element.properties;
-        // Rows without a property hold nothing.
+        // Rows without properties are empty.
         if (properties.empty()) return;
         if (!hasRoom(double(element.count) * double(properties.size())))
             fail(fmt::format("{} of '{}' are announced, more than the file holds", element.count,

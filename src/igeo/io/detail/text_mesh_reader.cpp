@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::string_view kBlank = " \t\r\f\v";
 
-/// The lines of a file, and the words of the line at hand.
+/// The lines of a file, and the words of the current line.
 class Lines {
 public:
     Lines(const std::string& file, std::string_view bytes) : file_(file), bytes_(bytes) {}
 
-    /// Goes to the next line that holds a word; false at the end.
+    /// Moves to the next line with a word; false at the end.
     bool next() {
         while (at_ < bytes_.size()) {
             const std::size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
@@ -75,7 +75,7 @@ long long wholeNumber(std::string_view text, const Lines& lines) {
 
 constexpr long long kMostVertices = 1LL << 31;
 
-/// @param vertices  how many there are
+/// @param vertices  their number
 std::uint32_t cornerOf(long long number, long long vertices, const Lines& lines,
                        std::string_view named) {
     if (number < 0 || number >= vertices)
@@ -101,7 +101,7 @@ PolygonMesh readObjMesh(const std::string& file, const std::string& bytes) {
                 const std::string_view vertex = word.substr(0, word.find('/'));
                 const long long number = wholeNumber(vertex, lines);
                 const auto count = (long long)mesh.vertices.size();
-                // Vertices may follow the face that names them.
+                // A face may precede its vertices.
                 face.push_back(cornerOf(number < 0 ? count + number : number - 1,
                                         number < 0 ? count : kMostVertices, lines, vertex));
                 largest = std::max(largest, face.back());

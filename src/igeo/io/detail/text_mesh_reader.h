@@ -7,17 +7,17 @@
 
 namespace igeo {
 
-/// Reads `v` and `f` of a Wavefront OBJ file; negative corner numbers count from the last vertex.
-/// Everything else is skipped. By hand, as the usual libraries round to float and number vertices
-/// again.
+/// Reads `v` and `f` of a Wavefront OBJ file; negative corner numbers count back from the last
+/// vertex. Everything else is skipped. By hand, because the usual libraries round to float and
+/// renumber vertices.
 /// @param file   its name, for messages
 /// @param bytes  all of the file
 /// @throws Error  BadInput, with the line, for a vertex without three numbers and a corner that is
-///         no number of a vertex
+///         no vertex number
 /// Time O(size).
 PolygonMesh readObjMesh(const std::string& file, const std::string& bytes);
 
-/// Reads an OFF file as text, also with normals, colors and texture coordinates, which are skipped.
+/// Reads an OFF file in text form; normals, colors and texture coordinates are skipped.
 /// @throws Error  BadInput, with the line, as readObjMesh; also for another kind of file, for
 ///         OFF in binary or in four dimensions, and for a file that ends too early
 /// Time O(size). Memory O(size), whatever counts the file announces.

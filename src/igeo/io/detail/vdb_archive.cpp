@@ -39,7 +39,7 @@ std::vector<VdbArchive::Entry> VdbArchive::entries() {
 GridBase::Ptr VdbArchive::read(const std::string& name) {
     const Descriptor& d = find(name);
     const GridBase::Ptr grid = readOne(d);
-    // A tree that several grids share is there once.
+    // A tree shared by several grids is stored once.
     if (d.isInstance())
         grid->setTree(
             readOne(find(Descriptor::nameAsString(d.instanceParentName())))->baseTreePtr());
@@ -56,8 +56,7 @@ void VdbArchive::readDescriptor(Descriptor& d) {
     try {
         d.read(in_);
     } catch (const openvdb::LookupError&) {
-        // A type that is not registered: OpenVDB stops behind its name, where three positions
-        // follow.
+        // OpenVDB stops after the name of an unregistered type; three positions follow.
         std::array<std::int64_t, 3> positions{};
         in_.read(reinterpret_cast<char*>(positions.data()), sizeof positions);
         d.setGridPos(positions[0]);
@@ -73,7 +72,7 @@ void VdbArchive::readDirectory() {
         Descriptor d;
         readDescriptor(d);
         const std::int64_t begin = d.getGridPos(), end = d.getEndPos();
-        // In order, or a grid that "ends" before it begins would be read for ever.
+        // They must increase: a grid that "ends" before it begins would be read forever.
         if (begin < in_.tellg() || end < begin)
             throw Error(
                 Kind::BadInput,

@@ -11,20 +11,21 @@
 
 namespace igeo {
 
-/// A file with a directory of its grids. OpenVDB's own File reads on past the end of a file, and
-/// takes what is not there for zeros: here the stream must throw, and the directory is compared
-/// with the size first.
+/// A file with a directory of its grids. OpenVDB's own File reads past the end of a truncated file
+/// and takes the missing bytes for zeros. Here the stream throws, and the directory is first
+/// compared with the size of the file.
 class VdbArchive : openvdb::io::Archive {
 public:
     struct Entry {
-        std::string name;                  ///< unique in the file
-        std::string type;                  ///< of its tree, as Tree_float_5_4_3
-        openvdb::GridBase::ConstPtr grid;  ///< its metadata only; null: OpenVDB knows no such type
+        std::string name;  ///< unique in the file
+        std::string type;  ///< of its tree, as Tree_float_5_4_3
+        /// Its metadata only; null: of a type that OpenVDB does not have
+        openvdb::GridBase::ConstPtr grid;
     };
 
     /// Reads the directory, if there is one.
     /// @param in  the open file, with exceptions for failbit and badbit
-    /// @throws Error  BadInput where the directory leads out of the file or back
+    /// @throws Error  BadInput where an entry of the directory points out of the file or backward
     VdbArchive(const std::string& file, std::istream& in);
 
     /// False: the file was written to a stream.

@@ -20,7 +20,7 @@ PointCloud readVdbPoints(const std::string& source) {
             throw Error(Error::Kind::BadInput, named.file + ": points of '" + grid->getName() +
                                                    "' have no positions (attribute P)");
         try {
-            // The handles below do not look where they read.
+            // The attribute handles below read without bounds checks.
             leaf->validateOffsets();
         } catch (const openvdb::Exception&) {
             throw Error(Error::Kind::BadInput,

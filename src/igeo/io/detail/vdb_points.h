@@ -1,4 +1,4 @@
-/// Clouds in VDB files. Internal.
+/// Point clouds in VDB files. Internal.
 #pragma once
 
 #include <igeo/io/point_cloud.h>
@@ -8,10 +8,10 @@
 namespace igeo {
 
 /// Reads an OpenVDB grid of points (PointDataGrid), in its own order; normals from the attribute
-/// `N` of three floats, taken as world directions.
+/// `N` of three floats, as world directions.
 /// @param source  FILE, or FILE:GRID where there are several such grids
 /// @throws Error  Io where the file cannot be opened, BadInput where it is no VDB file, is cut off,
-///         or does not hold exactly one grid that can be meant
+///         or leaves the choice of the grid open
 PointCloud readVdbPoints(const std::string& source);
 
 }  // namespace igeo

@@ -1,4 +1,4 @@
-/// What is wrong with a grid of a file, beside its values. Internal.
+/// Checks of a grid from a file, apart from its values. Internal.
 #pragma once
 
 #include <openvdb/Grid.h>
@@ -7,14 +7,14 @@
 
 namespace igeo {
 
-/// Refuses a transform without an inverse: places in such a grid are nowhere in the world, or
-/// everywhere; and one of voxels so small that OpenVDB makes no affine map of it.
+/// Refuses a transform without an inverse, in which positions have no voxel, and one with voxels so
+/// small that OpenVDB makes no affine map of it.
 /// @param where  "grid 'psi' of file 'sphere.vdb'"
 /// @throws Error  BadInput
 void requireInvertible(const openvdb::GridBase& grid, const std::string& where);
 
-/// Drops metadata that only a damaged file has: of types that OpenVDB does not know, or of another
-/// type than its name stands for. It would refuse to copy the grid or to write it.
+/// Drops metadata of unregistered types, or of a type other than its name requires: it occurs only
+/// in damaged files, and OpenVDB would refuse to copy or write the grid with it.
 void dropDamagedMetadata(openvdb::GridBase& grid);
 
 }  // namespace igeo

@@ -1,4 +1,4 @@
-/// Voxels as files have them. Internal.
+/// Voxel values in files. Internal.
 #pragma once
 
 #include <igeo/base/error.h>
@@ -21,12 +21,12 @@ std::size_t voxelCount(const std::string& file, const std::array<std::size_t, 3>
 /// @throws Error  BadInput where there are fewer
 std::string rawDataOf(const std::string& file, std::string_view data, std::size_t begin,
                       std::size_t end);
-/// The same of what gzip data hold; of other data as they are.
-/// @throws Error  BadInput also where they are damaged
+/// The same of decompressed gzip data; other data are used as they are.
+/// @throws Error  BadInput also for damaged data
 std::string dataOf(const std::string& file, std::string_view data, std::size_t begin,
                    std::size_t end);
 
-/// value * scale + shift of numbers in bytes.
+/// value * scale + shift for the numbers in `bytes`.
 std::vector<float> voxelsOf(const std::string& file, std::string_view bytes, NumberType type,
                             bool bigEndian, double scale = 1, double shift = 0);
 

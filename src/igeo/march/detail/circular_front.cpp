@@ -16,15 +16,15 @@ constexpr double kGood = 0.004, kBad = 0.02;  ///< residuals of fits, voxels
 
 float cross(Vec2f a, Vec2f b) { return a.x * b.y - a.y * b.x; }
 
-/// A circular front, by its jet and its curvature at a point x of the chart.
+/// A circular front: its jet and its curvature at a point x of the chart.
 struct CircularFront {
     struct Jet {
         double u, gx, gy;
         double along, across;  ///< from x
         double ahead;          ///< 1 + k along: negative beyond the focus
-        double root;           ///< r, the distance to the focus over that at x
+        double root;           ///< r, the distance to the focus, divided by that at x
 
-        /// Beyond the focus, and not beside it, other rays arrive first.
+        /// Whether this front arrives first: not beyond the focus, except close to it.
         bool reaches() const { return ahead > -0.7 * root || root < 0.05; }
     };
 
@@ -76,15 +76,15 @@ struct NormalEquations {
 /// One step of the fit.
 /// @return the root mean square of the residuals before it
 double improve(CircularFront& front, std::span<const JetNeighbor> neighbors) {
-    constexpr double kLever = 0.1;     // voxels: what an error of a radian counts for
-    constexpr double kOutlier = 0.02;  // voxels: residuals beyond count less and less
+    constexpr double kLever = 0.1;     // voxels: weight of an error of a radian
+    constexpr double kOutlier = 0.02;  // voxels: larger residuals get smaller weights
     constexpr double kLeastRoot = 0.05, kNear2 = 0.3, kStiff = 1e-4;
     NormalEquations equations;
     double total = 0, squares = 0;
     for (const JetNeighbor& n : neighbors) {
         const CircularFront::Jet jet = front.at(-double(n.a.x), -double(n.a.y));
         if (!(jet.root > kLeastRoot)) continue;
-        // The angle as twice the tangent of its half.
+        // The angle, as twice the tangent of its half.
         const double byValue = n.u - jet.u,
                      byAngle = 2 * (jet.gx * double(n.g.y) - jet.gy * double(n.g.x)) /
                                std::max(0.1, 1 + jet.gx * double(n.g.x) + jet.gy * double(n.g.y)),
@@ -108,7 +108,7 @@ double improve(CircularFront& front, std::span<const JetNeighbor> neighbors) {
 struct Carried {
     JetNeighbor from;
     float bend;  ///< curvature of the front there
-    double u;    ///< at the origin, as the direction
+    double u;    ///< value at the origin; g is the direction there
     Vec2f g;
 
     CircularFront front() const {
@@ -118,10 +118,10 @@ struct Carried {
     }
 };
 
-/// The curvature of the front at a neighbor by the directions at others: s ahead of it and l to its
-/// side they differ by the angle t, tan t (1 + k s) = k l.
+/// The curvature of the front at a neighbor, from the directions at others. At a distance s ahead
+/// and l to the side the direction differs by the angle t, tan t (1 + k s) = k l.
 float curvatureAt(const JetNeighbor& n, std::span<const JetNeighbor> neighbors) {
-    constexpr float kAgree = 0.02f;  // voxels: beyond, they are of two fronts
+    constexpr float kAgree = 0.02f;  // voxels: larger differences mean two fronts
     constexpr float kReach2 = 3;
     float top = 0, bottom = 0;
     for (const JetNeighbor& other : neighbors) {
@@ -138,7 +138,7 @@ float curvatureAt(const JetNeighbor& n, std::span<const JetNeighbor> neighbors) 
 }
 
 std::optional<Carried> carry(const JetNeighbor& n, std::span<const JetNeighbor> neighbors) {
-    if (!(dot(n.a, n.g) > 0)) return {};  // as at seeds, which have no direction
+    if (!(dot(n.a, n.g) > 0)) return {};  // no direction, as at seeds
     Carried c{n, curvatureAt(n, neighbors), 0, {}};
     const CircularFront::Jet jet = c.front().at(0, 0);
     if (!jet.reaches()) return {};
@@ -146,14 +146,14 @@ std::optional<Carried> carry(const JetNeighbor& n, std::span<const JetNeighbor> 
     return c;
 }
 
-/// Whether two neighbors are of a front that spreads (jet_blend.h).
+/// Whether two neighbors belong to a front that spreads (jet_blend.h).
 bool spreads(const JetNeighbor& a, const JetNeighbor& b) {
     JetNeighbors pair;
     pair.add(a), pair.add(b);
     return jet::spreads(pair);
 }
 
-/// A fit, and how well its members agree with it.
+/// A fit and its residual.
 struct Fit {
     Jet jet;
     double residual = kInfinity;  ///< root mean square, voxels; +inf for no fit
@@ -170,8 +170,8 @@ public:
                 least_ = std::min(least_, byLine(*c));
             }
     }
-    /// Those that bring the least value: along their circles, and along straight lines, as where
-    /// two fronts meet at a small angle circles through both of them lead astray.
+    /// The neighbors that give the least value, one by circles and one by straight lines: where two
+    /// fronts meet at a small angle, circles through both are misleading.
     std::vector<std::size_t> leads() const {
         if (count_ == 0) return {};
         std::size_t onCircle = 0, onLine = 0;
@@ -182,8 +182,8 @@ public:
         if (onCircle == onLine) return {onCircle};
         return {onCircle, onLine};
     }
-    /// The front of a neighbor: all that come in within 45 degrees of it; or, where these are two
-    /// fronts that meet at a small angle, those that spread with it.
+    /// Fits the front of a neighbor: of all neighbors with directions within 45 degrees of its own;
+    /// or, if these belong to two fronts that meet at a small angle, of those that spread with it.
     Fit fitFrontOf(std::size_t lead) const {
         const Carried& own = carried_[lead];
         const Fit wide = fit(lead, -kInfinity,
@@ -194,7 +194,7 @@ public:
         return narrow.residual < kGood ? narrow : wide;
     }
 
-    /// Whether a value at the origin can be true.
+    /// Whether a value at the origin is within its bounds.
     bool allows(double u) const {
         constexpr double kFocus = 0.2, kSlack = 0.02;  // voxels
         return u < longest_ + kSlack && u > least_ - kFocus;
@@ -207,7 +207,7 @@ private:
         constexpr int kSteps = 4;
         constexpr std::size_t kLeast = 3;
         std::array<JetNeighbor, kMost> members;
-        std::size_t size = 0, back = lead;  // of the least value: the furthest from a focus
+        std::size_t size = 0, back = lead;  // the member of least value, farthest from a focus
         for (std::size_t k = 0; k < count_; ++k) {
             if (!isMember(carried_[k])) continue;
             members[size++] = carried_[k].from;
@@ -229,8 +229,8 @@ private:
 
     std::array<Carried, kMost> carried_;
     std::size_t count_ = 0;
-    double longest_ = kInfinity;  ///< no value lies above the straight line from a neighbor
-    double least_ = kInfinity;    ///< by the plane fronts of all neighbors
+    double longest_ = kInfinity;  ///< upper bound: the straight lines from the neighbors
+    double least_ = kInfinity;    ///< lower bound: the plane fronts of all neighbors
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
-/// The fallback of scheme `jet`, by Fermat's principle: the least over the neighbors, and over the
+/// The fallback of scheme `jet`, by Fermat's principle: the minimum, over the neighbors and the
 /// segments between them, of the value there plus the length of the straight line from there to the
-/// node. The update of the jet marching method of S. F. Potter and M. K. Cameron, Jet marching
-/// methods for solving the eikonal equation, SIAM J. Sci. Comput. 43 (2021).
+/// node. It is the update of the jet marching method of S. F. Potter and M. K. Cameron, Jet
+/// marching methods for solving the eikonal equation, SIAM J. Sci. Comput. 43 (2021).
 #pragma once
 
 #include <igeo/march/detail/jet_neighbors.h>
@@ -15,9 +15,9 @@ struct NeighborPair {
     std::uint8_t p, q;
 };
 
-/// Four segments side by side, each between two neighbors: the values on it and on from there,
-/// relative to base(): total(s) = H(s) + |a_p - s e|, 0 <= s <= 1, e the segment from p to q and H
-/// the cubic Hermite interpolant of the jets at its ends.
+/// The costs across four segments, each from a neighbor p to a neighbor q, in vector lanes and
+/// relative to base(): total(s) = H(s) + |a_p - s e|, 0 <= s <= 1, with e the segment and H the
+/// cubic Hermite interpolant of the jets at its ends.
 class Segments {
 public:
     Segments(const JetNeighbors& all, const NeighborPair* pairs) {
@@ -26,7 +26,7 @@ public:
         };
         apx_ = four([&](NeighborPair n) { return all.a(n.p).x; });
         apy_ = four([&](NeighborPair n) { return all.a(n.p).y; });
-        // Both ends are at -a.
+        // Both neighbors are at -a.
         ex_ = apx_ - four([&](NeighborPair n) { return all.a(n.q).x; });
         ey_ = apy_ - four([&](NeighborPair n) { return all.a(n.q).y; });
         up_ = four([&](NeighborPair n) { return all.u(n.p); });
@@ -36,8 +36,7 @@ public:
         mq_ = four([&](NeighborPair n) { return all.g(n.q).x; }) * ex_ +
               four([&](NeighborPair n) { return all.g(n.q).y; }) * ey_;
     }
-    /// Lower bounds of their values: the cubic dips under its ends by 4/27 of the slopes that point
-    /// down.
+    /// Lower bounds of total: the cubic falls below its ends by at most 4/27 of the slopes there.
     Four bound() const {
         const Four zero{},
             one = zero + 1, square = ex_ * ex_ + ey_ * ey_,
@@ -49,9 +48,9 @@ public:
         const Four x = apx_ - along * ex_, y = apy_ - along * ey_;
         return up_ + (du_ < 0 ? du_ : zero) - dip + roots(x * x + y * y);
     }
-    /// The least values, by golden section: 8 steps leave 2 % of the segment, where the minimum is
-    /// flat.
-    /// @param x, y  from where they lie to the node
+    /// The minima of total, by golden section: 8 steps locate them to 2 % of the segment, where
+    /// total is flat.
+    /// @param x, y  from the minima to the node
     Four least(Four& x, Four& y) const {
         constexpr float kGolden = 0.618034f;
         Four lo{}, hi = lo + 1, s1 = lo + (1 - kGolden), s2 = lo + kGolden, f1 = total(s1),
@@ -78,13 +77,13 @@ private:
     Four apx_, apy_, ex_, ey_, up_, du_, mp_, mq_;
 };
 
-/// The pairs of neighbors between which a value below a given one may lie.
+/// The pairs of neighbors whose segments may have a total below a given value.
 class SegmentPairs {
 public:
     SegmentPairs(const JetNeighbors& all, float below) : all_(all) {
         for (int j = 1; j < all.count(); ++j)
             for (int group = 0; 4 * group < j; ++group) addShort(j, group, below);
-        // Then by their bounds.
+        // Of these, those with a lower bound below it.
         const std::size_t found = count_;
         count_ = 0;
         for (std::size_t k = 0; k < found; k += 4) {
@@ -96,16 +95,16 @@ public:
     }
     std::size_t count() const { return count_; }
     NeighborPair operator[](std::size_t k) const { return pair_[k]; }
-    /// Four of them, filled up with the last.
+    /// Four pairs from `first` on; the last one is repeated to fill them.
     Segments four(std::size_t first) {
         fill(first, count_);
         return {all_, &pair_[first]};
     }
 
 private:
-    /// Adds the pairs of neighbor j with those of a group before it that can matter: of one front,
-    /// as there is no interpolant between two, short, and seen from the node at less than 120
-    /// degrees.
+    /// Adds the pairs of neighbor j with earlier ones of a group that can matter: of one front,
+    /// because directions of two fronts have no interpolant; short; and seen from the node at less
+    /// than 120 degrees.
     void addShort(int j, int group, float below) {
         const auto n = all_.group(group);
         const Vec2f a = all_.a(j), g = all_.g(j);
@@ -130,9 +129,9 @@ private:
 
 }  // namespace jet
 
-/// The fallback: the least of u_j + |a_j| over the neighbors, and over the segments between them.
-/// Never below the values it starts from; first order at worst, second where the front is smooth.
-/// @return u = +inf without neighbors
+/// The fallback: the minimum of u_j + |a_j| over the neighbors, and over the segments between them.
+/// Never below the values it starts from; at least first order, second where the front is smooth.
+/// @return u = +infinity without neighbors
 inline Jet fermatUpdate(const JetNeighbors& all) {
     float best = float(kInfinity);
     Vec2f direction;

@@ -1,4 +1,4 @@
-/// The local solve of the Godunov scheme, alone: no grid, no states.
+/// The local solve of the Godunov scheme: no grid, no states.
 #pragma once
 
 #include <algorithm>
@@ -7,11 +7,12 @@
 
 namespace igeo {
 
-/// One axis of the upwind difference: the one-sided derivative at the unknown T is
-/// coefficient * (T - base), and it counts only where it is positive.
+/// One axis of the upwind difference: the one-sided derivative at the unknown T is coefficient * (T
+/// - base), used only where it is positive.
 struct UpwindTerm {
-    double base;         ///< m_j of M&S (13), the smaller neighbor along the axis, at order 1;
-                         ///< (4 m_j - m'_j) / 3 at order 2, m'_j one voxel further: at least m_j
+    /// m_j of M&S (13), the smaller neighbor along the axis, at order 1; (4 m_j - m'_j) / 3 at
+    /// order 2, m'_j one voxel farther: at least m_j
+    double base;
     double coefficient;  ///< 1 at order 1, 3/2 at order 2
 };
 
@@ -25,7 +26,7 @@ inline UpwindTerm secondOrderTerm(double m, double mm) { return {m + (m - mm) / 
 /// depends only on smaller values (causality).
 /// @param terms reordered by base
 /// @param n     1 to 3 terms
-/// @return T > every value used; the root is unique, as the left side never falls with T
+/// @return T > every value used; the root is unique, because the left side never falls with T
 inline double godunovSolve(std::array<UpwindTerm, 3>& terms, int n, double cost) {
     auto order = [&](int i, int j) {
         if (terms[std::size_t(j)].base < terms[std::size_t(i)].base)
@@ -34,7 +35,7 @@ inline double godunovSolve(std::array<UpwindTerm, 3>& terms, int n, double cost)
     if (n > 1) order(0, 1);
     if (n > 2) order(1, 2), order(0, 1);
 
-    // Relative to the first base, so that far from the seed no digits are lost in the squares.
+    // Relative to the first base, so that the squares lose no digits far from the seed.
     const double origin = terms[0].base;
     double t = cost / terms[0].coefficient;  // T - origin from the first term alone
     double a = terms[0].coefficient * terms[0].coefficient, b = 0, c = -cost * cost;
@@ -43,7 +44,7 @@ inline double godunovSolve(std::array<UpwindTerm, 3>& terms, int n, double cost)
         if (t <= r) break;
         const double w = terms[std::size_t(j)].coefficient * terms[std::size_t(j)].coefficient;
         a += w, b += w * r, c += w * r * r;
-        // Not negative but for rounding: at T = base_j the terms before do not reach cost^2.
+        // Negative only by rounding: at T = base_j the terms before do not reach cost^2.
         t = (b + std::sqrt(std::max(b * b - a * c, 0.0))) / a;
     }
     return origin + t;

@@ -1,4 +1,4 @@
-/// The core around a leaf, so that many nodes of the leaf find theirs by one look each.
+/// Core numbers around a leaf, gathered once for fast access to neighbors.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -8,7 +8,7 @@
 
 namespace igeo {
 
-/// The core's numbers of the voxels of a leaf, and of those up to `Margin` beyond.
+/// Core numbers of the voxels of a leaf and up to `Margin` voxels beyond.
 template <int Margin>
 class LeafNumbers {
 public:
@@ -27,7 +27,7 @@ public:
     static constexpr int indexOf(const Ijk& v) {
         return indexOfStep(v + Ijk{Margin, Margin, Margin});
     }
-    /// What a step adds to the index.
+    /// The index difference of a step.
     static constexpr int indexOfStep(const Ijk& v) { return (v.x * kEdge + v.y) * kEdge + v.z; }
     /// The core's number there, or kNoNode.
     NodeIndex at(int index) const { return number_[std::size_t(index)]; }
@@ -48,7 +48,7 @@ public:
 private:
     static constexpr int kEdge = 8 + 2 * Margin;
 
-    /// Bits 0 to 7: places along an axis that are within reach in a leaf at a shift.
+    /// Bits 0 to 7: positions along an axis within reach, in a leaf at a shift.
     static constexpr unsigned reach(int shift) {
         return shift < 0 ? (0xff00u >> Margin) & 0xff : shift > 0 ? 0xffu >> (8 - Margin) : 0xff;
     }

@@ -1,4 +1,4 @@
-/// The priority queue of Fast Marching: smallest value first, ties by node number.
+/// The priority queue of Fast Marching: least value first, ties by node number.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -9,8 +9,8 @@
 
 namespace igeo {
 
-/// A 4-ary min-heap of nodes, without decrease-key: push a node again with its smaller value and
-/// drop the older entry when it comes out (its node is Accepted by then).
+/// A 4-ary min-heap of nodes without decrease-key: push a node again with its smaller value, and
+/// drop the older entry when it is popped (its node is then Accepted).
 ///
 /// An entry is one 64-bit number: the value rounded to float, whose bits sort as the values do
 /// (they are not negative), above the node number. So one comparison orders values and ties, and
@@ -49,7 +49,8 @@ public:
         for (;;) {
             std::size_t child = 4 * i + 1;
             if (child + 4 <= n) {
-                // Two pairs, then the winners: conditional moves instead of unpredictable branches.
+                // Two pairs, then the lesser of each: conditional moves instead of unpredictable
+                // branches.
                 const std::size_t a = child + (e[child + 1] < e[child]);
                 const std::size_t b = child + 2 + (e[child + 3] < e[child + 2]);
                 child = e[b] < e[a] ? b : a;

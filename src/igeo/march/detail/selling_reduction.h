@@ -29,9 +29,9 @@ struct Form2 {
 
 using Superbase = std::array<Vec2i, 3>;
 
-/// The obtuse superbase of Z^2: while two of its vectors are at an acute angle, turn one of them
-/// round and let the third compensate. Every round shortens |e0|^2 + |e1|^2 + |e2|^2 by four
-/// times their product, so it ends: after O(log of the ratio of g's eigenvalues) rounds.
+/// The obtuse superbase of Z^2: while two of its vectors are at an acute angle, negate one of them
+/// and let the third compensate. Every round shortens |e0|^2 + |e1|^2 + |e2|^2 by four times their
+/// product, so the loop ends, after O(log of the ratio of g's eigenvalues) rounds.
 /// @param g  positive definite
 inline Superbase obtuseSuperbase(const Form2& g) {
     Superbase e{Vec2i{1, 0}, Vec2i{0, 1}, Vec2i{-1, -1}};

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kStep = 0.5;
 
-/// One side of a crease, and beyond.
+/// A sheet at one side of a crease, extended beyond it.
 class SheetFit {
 public:
     /// @param center  near the crease
@@ -24,7 +24,7 @@ public:
         return normalized(constant_ + dot(r, along_[0]) * slope_[0] +
                           dot(r, along_[1]) * slope_[1]);
     }
-    /// How far q lies above the sheet.
+    /// The height of q above the sheet.
     double height(const Vec3d& q) const {
         const Vec3d n = normal(q);
         double sum = 0;
@@ -83,20 +83,20 @@ void SheetFit::fit() {
         for (std::size_t i = 0; i < 6; ++i) m[i] += more[i];
         right[0] += normals_[k], right[1] += u * normals_[k], right[2] += v * normals_[k];
     }
-    // Less the means, which leaves two equations.
+    // Subtracting the means leaves two equations.
     const double count = m[0], u = m[1] / count, v = m[2] / count;
     const double uu = m[3] - count * u * u, uv = m[4] - count * u * v, vv = m[5] - count * v * v;
     const Vec3d mean = (1 / count) * right[0], a = right[1] - (count * u) * mean,
                 b = right[2] - (count * v) * mean;
     const double volume = uu * vv - uv * uv;
-    // Feet in a line say nothing of what is beside it.
+    // Foot points on one line do not determine the slope across it.
     slope_ = {};
     if (volume > 0.01 * count * count)
         slope_ = {(1 / volume) * (vv * a - uv * b), (1 / volume) * (uu * b - uv * a)};
     constant_ = mean - u * slope_[0] - v * slope_[1];
 }
 
-/// Takes out the node whose normal is farthest off, where that is too far.
+/// Removes the node with the largest error of the normal, if that is too large.
 bool SheetFit::dropOutliers() {
     constexpr double kOff = 0.05;
     double most = kOff;
@@ -110,7 +110,7 @@ bool SheetFit::dropOutliers() {
     return true;
 }
 
-/// Keeps the angle to the line where two sheets meet.
+/// Turns the direction over the line where two sheets meet, at the same angle to it.
 void turnOver(const Vec3d& from, const Vec3d& to, int side, Walker& w) {
     const Vec3d edge = normalized(cross(from, to));
     Vec3d away = cross(to, edge);
@@ -120,9 +120,10 @@ void turnOver(const Vec3d& from, const Vec3d& to, int side, Walker& w) {
     w.n = to;
 }
 
-/// The walk from one clean place to about another, over the line where their sheets meet.
+/// The walk from a point before a crease to about a point after it, across the line where the
+/// sheets meet.
 /// @param length  at which it ends
-/// @return nothing where that is no crease
+/// @return nothing where there is no crease
 std::optional<std::vector<Walker>> over(const Band& band, const Walker& before, const Vec3d& middle,
                                         const Walker& after, double length) {
     constexpr double kBeyond = 2.5, kOff = 2.5, kFarthest = 10;
@@ -168,14 +169,14 @@ double degrees(const Vec3d& a, const Vec3d& b) {
 bool CreaseWatch::unfold(std::vector<Walker>& track) {
     constexpr std::size_t kWindow = 6, kClean = 4, kMost = 24;  // steps
     constexpr double kBend = 35, kSettled = 8, kLeast = 25, kMostBend = 150;
-    constexpr double kSharp = 0.8;  // of the bend within the window; rounded edges have less
+    constexpr double kSharp = 0.8;  // of the bend, within the window; rounded edges have less
     const std::size_t last = track.size() - 1;
     if (bend_ == 0) {
         const std::size_t before = std::max(first_ + kWindow, last) - kWindow;
         if (degrees(track[before].n, track[last].n) < kBend) return false;
         bend_ = last;
     }
-    // A walk that ends here shows the other side if it goes on for a while.
+    // A walk that ends here is continued for a while, to show the other sheet.
     std::vector<Walker> more(track.begin() + std::ptrdiff_t(first_), track.end());
     auto settled = [&] {
         return more.size() > bend_ - first_ + kClean &&
@@ -219,7 +220,7 @@ bool CreaseWatch::unfold(std::vector<Walker>& track) {
 }
 
 std::size_t CreaseWatch::roundedBends(const std::vector<Walker>& track) const {
-    // Steps to either side: a sharp bend turns within two voxels as far as within eight.
+    // Steps to each side: a sharp bend turns as much within two voxels as within eight.
     constexpr std::size_t kNarrow = 2, kWide = 8;
     constexpr double kLeast = 10, kSpread = 1.25, kNear = 5;
     std::size_t count = missed_;

@@ -27,7 +27,7 @@ std::vector<double> measure(const Field& field, Path& path) {
         const Vec3d& p = path.vertices[k].pIndex;
         if (k) {
             const Vec3d& last = path.vertices[k - 1].pIndex;
-            // Within a triangle, where the normal is clear.
+            // The middle lies within a triangle, where the normal is unique.
             const Vec3d at = band.triangles ? 0.5 * (last + p) : p;
             path.length += length(p - last);
             path.weightedLength +=

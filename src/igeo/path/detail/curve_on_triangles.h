@@ -9,17 +9,17 @@
 
 namespace igeo {
 
-/// Sets the lengths of a path, and of its vertices, from where these are.
+/// Computes the lengths of a path and of its vertices from their positions.
 /// @return per vertex: the weighted length up to it
 std::vector<double> measure(const Field& field, Path& path);
 
-/// Adds the vertices that a path needs for all of it to lie on the triangles of its band: each
-/// segment becomes the locally shortest curve over them. A segment whose ends they do not join
-/// nearby stays as it is. Sets the lengths.
+/// Adds vertices so that all of a path lies on the triangles of its band: each segment becomes the
+/// locally shortest curve over them. A segment stays as it is if they do not join its ends nearby.
+/// Sets the lengths.
 void layOnTriangles(const Field& field, Path& path);
 
 /// The locally shortest curve over the triangles near a path, in steps of a voxel at most.
-/// @param winds  it keeps the loops by which the path goes around the surface
+/// @param winds  keep the loops of the path around the surface
 /// @throws Error  Cancelled
 std::vector<Vec3d> shortestOnTriangles(const SurfaceTriangles& triangles, const Path& path,
                                        const Progress& progress, bool winds = false);

@@ -14,7 +14,7 @@ namespace {
 using Side = SurfaceTriangles::Side;
 constexpr std::uint32_t kNone = SurfaceTriangles::kNone;
 
-/// A point of the plane that a strip is laid out in.
+/// A point of the plane in which a strip is laid out.
 struct Flat {
     double x = 0, y = 0;
     friend Flat operator-(Flat a, Flat b) { return {a.x - b.x, a.y - b.y}; }
@@ -25,7 +25,7 @@ double length(Flat a) { return std::hypot(a.x, a.y); }
 /// Positive where c lies to the left of the ray from a to b.
 double leftOf(Flat a, Flat b, Flat c) { return cross(b - a, c - a); }
 
-/// Looks for a strip between two points.
+/// Searches for a strip between two points.
 class StripSearch {
 public:
     StripSearch(const SurfaceTriangles& triangles, const Vec3d& from, const Vec3d& to)
@@ -34,7 +34,7 @@ public:
     TriangleStrip from(std::uint32_t start);
 
 private:
-    /// How a triangle was come to.
+    /// How the search reached a triangle.
     struct Reached {
         double cost = kInfinity;
         Vec3d at;
@@ -42,7 +42,7 @@ private:
         bool done = false;
     };
     struct Waiting {
-        double least;  ///< length of a curve through it, at least
+        double least;  ///< least length of a curve through it
         std::uint32_t triangle;
         bool operator<(const Waiting& o) const {
             return least != o.least ? least > o.least : triangle > o.triangle;
@@ -56,7 +56,7 @@ private:
                             .point;
         return length(q - to_) <= kOn;
     }
-    /// Where the shortest curve from a point to the end crosses an edge, both sides laid out flat.
+    /// Where the shortest curve from a point to the end crosses an edge, with both sides laid flat.
     Vec3d crossing(const Vec3d& p, const Side& side) const {
         const Vec3d a = triangles_.corner(side.triangle, side.corner),
                     e = triangles_.corner(side.triangle, side.corner + 1) - a;
@@ -75,7 +75,7 @@ private:
 };
 
 TriangleStrip StripSearch::from(std::uint32_t start) {
-    // Ends are a voxel or so apart; a strip around a thin plate's rim is longer.
+    // The ends are about a voxel apart; a strip around the rim of a thin plate is longer.
     const double limit = 3 * length(to_ - from_) + 2;
     std::priority_queue<Waiting> queue;
     reached_[start] = {0, from_, {}};
@@ -109,14 +109,14 @@ TriangleStrip StripSearch::stripTo(std::uint32_t last) const {
     return strip;
 }
 
-/// A strip laid out flat, and the shortest curve in it.
+/// A strip laid flat, and the shortest curve in it.
 class FlatStrip {
 public:
     FlatStrip(const SurfaceTriangles& triangles, const TriangleStrip& strip);
 
     double curveLength() const { return length_; }
     std::vector<Vec3d> curve() const;
-    /// The strip with the other side of vertices where that makes the curve shorter.
+    /// Passes vertices on their other side where that makes the curve shorter.
     /// @return whether there are any
     bool turned(TriangleStrip& strip) const;
 
@@ -126,7 +126,7 @@ private:
         std::array<std::uint32_t, 2> vertex{kNone, kNone};  ///< left, right
         std::array<Flat, 2> at;
     };
-    /// Where the curve bends: around an end of a portal.
+    /// A vertex around which the curve bends: an end of a portal.
     struct Bend {
         std::size_t portal;
         unsigned side;  ///< 0: left, 1: right
@@ -138,14 +138,14 @@ private:
     Vec3d point(std::size_t portal, double share) const;
     double angleAt(std::uint32_t t, std::uint32_t vertex) const;
     Side otherSideAt(std::uint32_t t, std::uint32_t vertex, const Side& side) const;
-    /// The edges that lead around a vertex on its other side.
-    /// @return none where the triangles end there or it is no shorter
+    /// The edges of a path around the other side of a vertex.
+    /// @return none where the triangles end there or the path is no shorter
     std::vector<Side> wayAround(std::size_t bend, std::size_t first, std::size_t last) const;
 
     const SurfaceTriangles& triangles_;
     const TriangleStrip& strip_;
     std::vector<Portal> portals_;
-    std::vector<Bend> bends_;  ///< the start, where the curve bends, the end
+    std::vector<Bend> bends_;  ///< the start, the bends of the curve, the end
     double length_ = 0;
 };
 
@@ -165,7 +165,7 @@ FlatStrip::FlatStrip(const SurfaceTriangles& triangles, const TriangleStrip& str
 
 void FlatStrip::layOut() {
     const std::vector<Vec3d>& p = triangles_.points();
-    /// A point as far from an edge as in space, beyond it or before it.
+    /// A point beyond or before an edge, at the same distance from it as in space.
     auto beside = [&](const Portal& edge, const Vec3d& q, double side) {
         const Vec3d l = p[edge.vertex[0]], e = p[edge.vertex[1]] - l;
         const double width = length(e);
@@ -199,7 +199,7 @@ void FlatStrip::layOut() {
     }
     const Flat end = beside(portals_[portals_.size() - 2], strip_.to, 1);
     portals_.back().at = {end, end};
-    // Ends that are vertices.
+    // Ends at vertices.
     constexpr double kSame = 1e-9;
     for (Portal& portal : portals_)
         for (Flat& q : portal.at)
@@ -209,7 +209,7 @@ void FlatStrip::layOut() {
 
 void FlatStrip::pullTight() {
     bends_ = {{0, 0}};
-    // Left and right border of what is seen from the last bend.
+    // Left and right border of the funnel from the last bend.
     std::array<Bend, 2> border{Bend{0, 0}, Bend{0, 1}};
     Flat apex = portals_[0].at[0];
     for (std::size_t i = 1; i < portals_.size(); ++i)
@@ -217,14 +217,14 @@ void FlatStrip::pullTight() {
             const double sign = side == 0 ? 1 : -1;
             const Flat p = portals_[i].at[side], own = at(border[side]),
                        other = at(border[1 - side]);
-            if (sign * leftOf(apex, own, p) > 0) continue;  // wider
-            // A start on an edge sees both ends in one line: rounding must not tell them apart.
+            if (sign * leftOf(apex, own, p) > 0) continue;  // wider: no change
+            // From a start on an edge both ends lie in one line: rounding must not separate them.
             if (p == own || p == apex || p == other || other == apex ||
                 sign * leftOf(apex, other, p) >= 0) {
                 border[side] = {i, side};
                 continue;
             }
-            // Past the other border: the curve bends there.
+            // Beyond the other border: the curve bends there.
             const Bend bend = border[1 - side];
             bends_.push_back(bend);
             apex = at(bend);
@@ -256,7 +256,7 @@ std::vector<Vec3d> FlatStrip::curve() const {
         }
         if (k + 1 < bends_.size()) add(point(bends_[k].portal, bends_[k].side));
     }
-    // The end itself, to the bit.
+    // The end itself, bit by bit.
     if (points.size() > 1 && length(points.back() - strip_.to) <= kSame) points.pop_back();
     points.push_back(strip_.to);
     return points;
@@ -299,7 +299,7 @@ std::vector<Side> FlatStrip::wayAround(std::size_t bend, std::size_t first,
 
 bool FlatStrip::turned(TriangleStrip& strip) const {
     std::vector<Side> exits;
-    std::size_t done = 0;  // exits of the old strip that are dealt with
+    std::size_t done = 0;  // number of exits of the old strip already processed
     bool any = false;
     for (std::size_t k = 1; k + 1 < bends_.size(); ++k) {
         const Bend& b = bends_[k];
@@ -324,7 +324,7 @@ bool FlatStrip::turned(TriangleStrip& strip) const {
     return true;
 }
 
-/// Takes back a turn around one vertex that has come to triangle t again, as a step there and back.
+/// Removes a turn around one vertex that has come back to triangle t, as a step there and back.
 void cutTurn(const SurfaceTriangles& triangles, std::vector<Side>& exits, std::uint32_t t) {
     std::array<std::uint32_t, 2> shared{kNone, kNone};
     for (std::size_t k = exits.size(); k-- > 0;) {

@@ -44,11 +44,11 @@ bool TriangleWalk::leadsInto(std::uint32_t t, const Vec3d& along) const {
     return true;
 }
 
-/// Of the triangles that hold the start, on an edge or a corner, the one that the direction leads
-/// into and is nearest to.
+/// Of the triangles that contain the start, on an edge or a corner, chooses the one into which the
+/// direction leads and which is nearest to it.
 void TriangleWalk::chooseTriangle(const Vec3d& direction) {
     constexpr std::size_t kMost = 1000;
-    // Within 0.6 degrees of the normal a direction says little of where to go.
+    // Within 0.6 degrees of the normal a direction is too uncertain.
     constexpr double kAlong = 0.01;
     const Vec3d unit = normalized(direction);
     std::vector<std::uint32_t> around{t_};
@@ -56,7 +56,8 @@ void TriangleWalk::chooseTriangle(const Vec3d& direction) {
     for (std::size_t i = 0; i < around.size() && i < kMost; ++i) {
         const std::uint32_t t = around[i];
         const Vec3d along = tangential(unit, triangles_.normal(t));
-        // The nearest triangle where the direction leads into none: it goes over its edge.
+        // Where the direction leads into no triangle, the nearest is chosen: the walk crosses its
+        // edge.
         const double share = length(along) * (leadsInto(t, along) ? 1 : 1e-3);
         if (length(along) > kAlong && share > most)
             most = share, t_ = t, velocity_ = normalized(along);
@@ -136,7 +137,7 @@ TriangleWalk::Turn TriangleWalk::turnAround(unsigned corner, unsigned first, dou
         const auto beyond = triangles_.beyond(side);
         if (!beyond) return turn;
         if (beyond->triangle == t_) {
-            // What lies on the other side of the path so far.
+            // The angle on the other side of the path so far.
             turn.angle += angleBetween(otherEnd(*beyond) - center, -velocity_);
             turn.closed = true;
             return turn;
@@ -172,7 +173,7 @@ bool TriangleWalk::passVertex(unsigned corner) {
                 std::cos(wanted) * back + std::sin(wanted) * normalized(tangential(edge, back));
             return true;
         }
-        // Where the other edge of the same triangle comes first, from its side.
+        // The other edge of the same triangle may come first, from its side.
         if (turnAround(corner, side, wanted, true).angle <= wanted) return true;
     }
     return false;

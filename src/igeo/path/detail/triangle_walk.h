@@ -1,4 +1,4 @@
-/// Straight on over triangles. Internal to the paths.
+/// Straightest geodesics over triangles. Internal to the paths.
 #pragma once
 
 #include <igeo/band/surface_triangles.h>
@@ -7,14 +7,14 @@
 
 namespace igeo {
 
-/// A point that moves straight on over triangles: over an edge as if both sides were laid out flat,
-/// and past a vertex with the same angle on both sides (K. Polthier and M. Schmies, Straightest
-/// geodesics on polyhedral surfaces, 1998). At a vertex of the boundary it goes on with 180 degrees
-/// on one side, where there are so many. At an edge of three triangles or more it takes the one
-/// that turns least. Exact to rounding.
+/// A point that moves straight over triangles: over an edge with both sides laid flat, and past a
+/// vertex with equal angles on both sides (K. Polthier and M. Schmies, Straightest geodesics on
+/// polyhedral surfaces, 1998). At a boundary vertex it leaves 180 degrees on one side, if there are
+/// so many. At an edge of three triangles or more it takes the one that turns it least. Exact to
+/// rounding.
 class TriangleWalk {
 public:
-    /// @param direction  its part along the triangle counts
+    /// @param direction  only its part along the triangle is used
     /// @param p          on the triangles
     TriangleWalk(const SurfaceTriangles& triangles, const Vec3d& p, const Vec3d& direction);
 
@@ -22,15 +22,15 @@ public:
     bool leads() const { return velocity_ != Vec3d{}; }
     const Vec3d& position() const { return p_; }
 
-    /// Moves on within one triangle, by `most` or as far as its edge.
-    /// @return how far; nothing where the triangles end
+    /// Moves within one triangle, by `most` or to its edge.
+    /// @return the length moved; empty where the triangles end
     std::optional<double> advance(double most);
 
 private:
-    /// The triangles around a vertex, from one on.
+    /// The triangles around a vertex, starting from one.
     struct Turn {
-        double angle = 0;     ///< from there to the end of the last
-        bool closed = false;  ///< it comes back
+        double angle = 0;     ///< from there to the far side of the last
+        bool closed = false;  ///< the turn comes back to its start
     };
 
     /// Unit vectors of an edge of a triangle: along it, and into the triangle.
@@ -44,7 +44,7 @@ private:
     bool passVertex(unsigned corner);
     /// Turns around a corner, over its edge `first`, until `wanted` is reached or the triangles
     /// end.
-    /// @param move  goes on in that direction where it is reached
+    /// @param move  continue in the direction where it is reached
     Turn turnAround(unsigned corner, unsigned first, double wanted, bool move);
 
     const SurfaceTriangles& triangles_;

@@ -26,7 +26,8 @@ Local localSurface(const Band& band, const Vec3d& p, const Vec3d& sheetNormal) {
     if (!s.valid) return s;
     s.height /= weight;
     gradient *= 1 / weight;
-    // The weights change as well. That n does, in the mean of all p - f, is of fourth order.
+    // The derivative of the weights. That of n, in the mean of all p - f, is of fourth order and
+    // left out.
     const Vec3d t = cell.t;
     for (std::size_t k = 0; k < 8; ++k) {
         if (cell.node[k] == kNoNode) continue;

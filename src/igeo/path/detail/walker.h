@@ -1,4 +1,4 @@
-/// Straight on over S as the nodes of a band show it. Internal to the paths.
+/// Steps of a geodesic on S, given by the nodes of a band. Internal to the paths.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -10,10 +10,10 @@ namespace igeo {
 /// S around a point, from the foot points f and normals m of the nodes of its cell.
 struct Local {
     bool valid = false;  ///< false beyond the edge of the band
-    /// Mean of (p - f) . (m + n) / 2, n the mean normal: how far p lies above S, exact on spheres.
+    /// Mean of (p - f) . (m + n) / 2, n the mean normal: the height of p above S, exact on spheres.
     double height = 0;
-    /// The gradient of that, unit. Not n: only a normal of the surface that the path is projected
-    /// to keeps it straight there.
+    /// The gradient of the height, unit. Not n: a path stays straight only with the normal of the
+    /// surface that it is projected to.
     Vec3d normal;
 };
 
@@ -22,10 +22,10 @@ Local localSurface(const Band& band, const Vec3d& p, const Vec3d& sheetNormal);
 /// A point of a geodesic, with its unit velocity and the normal of S.
 struct Walker {
     Vec3d p, v, n;
-    double at = 0;  ///< how far it has come, voxels
+    double at = 0;  ///< length so far, voxels
 
-    /// Moves on by an arc of the given length over what surface(p, n) says, a Local; false where S
-    /// ends.
+    /// Moves by an arc of the given length on the surface that surface(p, n) returns as a Local;
+    /// false where S ends.
     template <typename Surface>
     bool step(const Surface& surface, double arc);
 };

@@ -16,11 +16,12 @@ bool crosses(float a, float b) { return (a < 0) != (b < 0) && std::abs(a - b) < 
 
 Ijk cornerOf(unsigned k) { return {int(k >> 2), int(k >> 1 & 1), int(k & 1)}; }
 
-/// The mean of the points where psi crosses the edges of a cell, if any, moved onto psi = 0.
+/// The mean of the points where psi crosses the edges of a cell, projected to psi = 0. False
+/// without crossings.
 /// @param low  the cell's lowest corner, relative to node i
 bool vertexIn(const Band& band, NodeIndex i, const Ijk& low, Vec3d& vertex) {
     std::array<float, 8> psi;
-    psi.fill(std::numeric_limits<float>::quiet_NaN());  // crosses nothing
+    psi.fill(std::numeric_limits<float>::quiet_NaN());  // NaN crosses nothing
     band.forCorners(&BandLeaf::band, i, low,
                     [&](NodeIndex j, unsigned k) { psi[k] = band.psi[j]; });
     Vec3d sum;
@@ -40,8 +41,8 @@ bool vertexIn(const Band& band, NodeIndex i, const Ijk& low, Vec3d& vertex) {
     return true;
 }
 
-/// The vertices of cells. A cell belongs to the first of its corners that is in the band, mostly to
-/// its lowest.
+/// The vertices of cells. A cell belongs to the first of its corners in the band, usually its
+/// lowest.
 class CellVertices {
 public:
     CellVertices(const Band& band, std::vector<Vec3d>& points)
@@ -71,7 +72,7 @@ public:
             }
     }
 
-    /// Of the cell whose lowest corner is at a step from node i.
+    /// The vertex of the cell whose lowest corner is at a step from node i.
     std::uint32_t at(NodeIndex i, const Ijk& low) const {
         for (unsigned k = 0; k < 8; ++k) {
             const NodeIndex j = band_.neighbor(i, low + cornerOf(k));
@@ -112,7 +113,7 @@ SurfaceMesh bandMesh(const Band& band) {
             ahead[axis] = 1, b[(axis + 1) % 3] = -1, c[(axis + 2) % 3] = -1;
             const NodeIndex j = band.neighbor(i, ahead);
             if (j == kNoNode || !crosses(band.psi[i], band.psi[j])) continue;
-            // Counter-clockwise seen from ahead.
+            // Counter-clockwise seen from the positive end of the axis.
             std::array<std::uint32_t, 4> q{vertices.at(i, b + c), vertices.at(i, c),
                                            vertices.at(i, {}), vertices.at(i, b)};
             if (band.psi[i] >= 0) std::swap(q[1], q[3]);

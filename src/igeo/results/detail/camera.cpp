@@ -11,7 +11,7 @@ namespace igeo {
 
 namespace {
 
-/// The largest value of each of N functions over a surface: values(pWorld) is an array of them.
+/// The maximum of each of N functions over a surface; values(pWorld) returns an array of them.
 template <std::size_t N, typename Values>
 std::array<double, N> largest(const DrawnSurface& surface, const Values& values) {
     constexpr std::size_t kChunk = 4096;
@@ -31,17 +31,17 @@ std::array<double, N> largest(const DrawnSurface& surface, const Values& values)
     return none;
 }
 
-/// Something worth to be seen.
+/// A point that the picture should show.
 struct Sight {
     Vec3d pIndex, normal;
     double weight;
 };
 
-/// Seeds, paths and the reached surface; paths count most.
+/// Seeds, paths and the reached surface; paths have the largest weight.
 std::vector<Sight> sights(const DrawnSurface& surface, const Field& field,
                           const std::vector<Path>& paths) {
     const Band& band = *field.band;
-    constexpr std::size_t kMost = 128;  // of each
+    constexpr std::size_t kMost = 128;  // of each kind
     std::vector<Vec3d> seeds, vertices, reached;
     for (const SurfacePoint& s : field.seeds) seeds.push_back(s.pIndex);
     for (const Path& path : paths)
@@ -75,8 +75,8 @@ void aim(View& view, const Vec3d& back, const Vec3d& up) {
     view.up = cross(view.back, view.right);
 }
 
-/// Directions to an eye, the nicest first: around the object from a little above, from high above,
-/// and only then from below. In front is +z if up is y (Houdini), -y if up is z.
+/// Directions to an eye, in order of preference: around the object from slightly above, from high
+/// above, then from below. The front is +z if up is y (Houdini), -y if up is z.
 std::vector<Vec3d> eyeDirections(const Vec3d& up) {
     const Vec3d sideways = std::abs(up.x) < 0.9 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
     const Vec3d right = normalized(tangential(sideways, up)), front = cross(right, up);
@@ -94,12 +94,11 @@ std::vector<Vec3d> eyeDirections(const Vec3d& up) {
     return all;
 }
 
-/// The direction to the eye, world space.
+/// Chooses the direction to the eye, world space.
 Vec3d chooseDirection(const DrawnSurface& surface, const std::vector<Sight>& seen,
                       const Vec3d& up) {
     constexpr double kAlmost = 0.9;
-    constexpr double kOpenEnough =
-        0.4;  // cosine from which on a place is seen as well as it can be
+    constexpr double kOpenEnough = 0.4;  // cosine above which a point is fully visible
     const std::vector<Vec3d> directions = eyeDirections(up);
     std::vector<double> scores(directions.size());
     parallelFor(directions.size(), 1, [&](std::size_t begin, std::size_t end) {

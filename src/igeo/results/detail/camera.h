@@ -1,4 +1,4 @@
-/// Where a picture is taken from. Internal to the pictures.
+/// The camera of a picture. Internal to the pictures.
 #pragma once
 
 #include <igeo/march/field.h>
@@ -15,14 +15,14 @@ struct View {
     Vec3d eye, right, up, back;
     double depth = 1;  ///< from the eye to the middle of the surface, world units
 
-    /// Half the width of what is seen, per depth: a lens of 75 mm on Houdini's film of 41.2136 mm.
+    /// Half the width of the frame per depth: a lens of 75 mm on Houdini's film of 41.2136 mm.
     static constexpr double kFocalLength = 75, kAperture = 41.2136;
     static constexpr double kHalfWidth = kAperture / kFocalLength / 2;
 };
 
-/// The view asked for, or else the first of 26 directions, three-quarter views first, that shows
-/// the seeds, the paths and what is reached almost as well as the best of them, with all of the
-/// surface in the frame.
+/// The given view; or the first of 26 directions, three-quarter views first, that shows the seeds,
+/// the paths and the reached surface almost as well as the best of them, with all of the surface in
+/// the frame.
 /// @param aspect  height / width of the frame
 /// @throws Error  InvalidArgument for a view that shows nothing
 View chooseView(const DrawnSurface& surface, const Field& field, const std::vector<Path>& paths,

@@ -12,7 +12,7 @@ namespace {
 
 std::uint8_t byteOf(double x) { return std::uint8_t(255 * std::clamp(x, 0.0, 1.0) + 0.5); }
 
-/// Of linear light, from a table: right to the nearest byte but for a quarter of a step.
+/// From linear light, by a table: the nearest byte, to a quarter of a step.
 std::array<std::uint8_t, 3> srgbBytes(const Vec3d& linear) {
     constexpr int kSteps = 1 << 14;
     static const std::vector<std::uint8_t> table = [] {
@@ -50,7 +50,7 @@ void Canvas::text(const Font& font, double x, double y, const std::string& text,
     const auto ink = srgbBytes(linear);
     font.draw(text, x, y, [&](int i, int j, double coverage) {
         if (!holds(i, j)) return;
-        // Mixed as encoded: strokes look as heavy on white as on black.
+        // Blended in sRGB, so that strokes look equally heavy on white and on black.
         std::uint8_t* pixel = at(i, j);
         const double below = (1 - coverage) * pixel[3] / 255.0, alpha = coverage + below;
         for (std::size_t k = 0; k < 3; ++k)

@@ -1,4 +1,4 @@
-/// Pixels with plain drawing: rectangles, text, PNG.
+/// Pixels with simple drawing: rectangles, text, PNG.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -11,8 +11,8 @@
 
 namespace igeo {
 
-/// 8-bit sRGB with alpha, transparent at first. Colors come in linear light and x, y count from the
-/// upper left; what lies outside the picture is cut off.
+/// 8-bit sRGB with alpha, initially transparent. Colors are given in linear light; x, y count from
+/// the upper left. Drawing is clipped to the picture.
 class Canvas {
 public:
     Canvas(int width, int height);
@@ -24,11 +24,11 @@ public:
     void set(int x, int y, const Vec3d& linear, double alpha = 1);
     /// Fills width x height pixels from (x, y) on.
     void fill(int x, int y, int width, int height, const Vec3d& linear, double alpha = 1);
-    /// A text that begins at (x, y) on its base line, over what is there.
+    /// Draws a text that starts at (x, y) on its base line, over the pixels there.
     void text(const Font& font, double x, double y, const std::string& text, const Vec3d& linear);
 
-    /// As a PNG file, marked as sRGB, with alpha where a pixel is not opaque; the same bytes for
-    /// the same pixels.
+    /// A PNG file, marked as sRGB, with alpha where a pixel is not opaque; the same bytes for the
+    /// same pixels.
     std::string png() const;
 
 private:

@@ -1,11 +1,11 @@
-/// Names of columns that every format can hold. Internal.
+/// Column names that every format can store. Internal.
 #pragma once
 
 #include <string>
 
 namespace igeo {
 
-/// `name`, with _ for what is no letter, digit, dot or hyphen of ASCII.
+/// `name`, with _ in place of all but ASCII letters, digits, dots and hyphens.
 inline std::string plainName(const std::string& name) {
     std::string plain;
     for (const char c : name) {
@@ -16,8 +16,8 @@ inline std::string plainName(const std::string& name) {
     return plain;
 }
 
-/// That of the distances from a source.
-/// @param name  empty: it has a number only
+/// The name for the distances from a source.
+/// @param name  empty: use the number
 inline std::string distanceColumn(const std::string& name, std::size_t number) {
     return "distance_" + (name.empty() ? std::to_string(number) : plainName(name));
 }

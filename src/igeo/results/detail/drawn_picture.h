@@ -1,4 +1,4 @@
-/// A picture of triangles that are at hand. Internal to the pictures and pages.
+/// Pictures of existing triangles. Internal to the pictures and pages.
 #pragma once
 
 #include <igeo/base/progress.h>
@@ -14,10 +14,10 @@
 namespace igeo {
 
 /// The triangles of a picture.
-/// @param levelSet  the surface; null: that of the band
+/// @param levelSet  the surface; null: psi = 0 of the band
 DrawnSurface drawnSurface(const LevelSet* levelSet, const Band& band, Progress& progress);
 
-/// As renderPng in picture.h.
+/// The same as renderPng in picture.h.
 std::string renderPng(const DrawnSurface& surface, const Field& field,
                       const std::vector<Path>& paths, const PictureOptions& options,
                       Progress& progress);

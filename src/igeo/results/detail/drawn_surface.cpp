@@ -12,7 +12,7 @@ namespace {
 
 using CornerNormals = std::vector<std::array<Vec3f, 3>>;
 
-/// The triangles at each vertex, one vertex after the other.
+/// The triangles at each vertex, one vertex after another.
 struct Stars {
     std::vector<std::uint32_t> first, triangle;
 
@@ -27,7 +27,7 @@ struct Stars {
     }
 };
 
-/// Per triangle and corner: the mean normal of the faces there that are nearly parallel.
+/// Per triangle and corner: the mean normal of the nearly parallel faces around the corner.
 CornerNormals creasedNormals(const SurfaceTriangles& triangles) {
     constexpr double kParallel = 0.766;  // 40 degrees
     const Stars stars(triangles);
@@ -55,7 +55,7 @@ CornerNormals creasedNormals(const SurfaceTriangles& triangles) {
     return normals;
 }
 
-/// Those of psi at the vertices, where the band has them.
+/// The normals of psi at the vertices, where the band has them.
 CornerNormals smoothNormals(const Band& band, const SurfaceMesh& mesh) {
     std::vector<Vec3f> at(mesh.position.size());
     parallelFor(at.size(), 1024, [&](std::size_t begin, std::size_t end) {
@@ -70,7 +70,7 @@ CornerNormals smoothNormals(const Band& band, const SurfaceMesh& mesh) {
     return normals;
 }
 
-/// Voxels; how far triangles may lie beside S follows from it.
+/// The mean edge length in voxels, from which the tolerance beside S follows.
 double meanSide(const SurfaceMesh& mesh) {
     double sum = 0;
     for (const auto& t : mesh.triangles) sum += length(mesh.position[t[1]] - mesh.position[t[0]]);
@@ -132,7 +132,7 @@ bool DrawnSurface::isVisible(const Vec3d& p, const Vec3d& toEye) const {
 bool DrawnSurface::encloses(const Vec3d& p) const {
     if (!closed_ || triangles_->size() == 0) return false;
     // The winding number, by the solid angles of the triangles (van Oosterom and Strackee 1983).
-    // Its sign is that of their orientation, which files have either way.
+    // Its sign depends on their orientation, which may be either in files.
     double half = 0;
     for (std::uint32_t t = 0; t < triangles_->size(); ++t) {
         const Vec3d a = triangles_->corner(t, 0) - p, b = triangles_->corner(t, 1) - p,

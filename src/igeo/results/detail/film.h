@@ -1,4 +1,4 @@
-/// A picture in linear light before it is developed. Internal to the pictures.
+/// A picture in linear light, before its conversion to pixels. Internal to the pictures.
 #pragma once
 
 #include <igeo/results/detail/canvas.h>
@@ -9,7 +9,7 @@
 
 namespace igeo {
 
-/// Linear light, multiplied with alpha.
+/// Linear light, premultiplied by alpha.
 struct Rgba {
     float r = 0, g = 0, b = 0, a = 0;
 
@@ -21,12 +21,12 @@ struct Rgba {
           a(float(alpha)) {}
     Rgba& operator+=(const Rgba& o) { return r += o.r, g += o.g, b += o.b, a += o.a, *this; }
     friend Rgba operator*(Rgba c, float s) { return c.r *= s, c.g *= s, c.b *= s, c.a *= s, c; }
-    /// Puts a color over this one.
+    /// Draws a color over this one.
     void cover(const Vec3d& color, double alpha) {
         *this = *this * float(1 - alpha);
         *this += Rgba(color, alpha);
     }
-    /// Mixes a color in, by the square root of light, and leaves alpha as it is.
+    /// Blends a color in, by the square root of light; alpha is unchanged.
     void tint(const Vec3d& color, double share);
 };
 
@@ -42,19 +42,19 @@ public:
         return pixels_[std::size_t(y) * std::size_t(width_) + std::size_t(x)];
     }
 
-    /// A line around the surface, a pixel wide, so that it stands out from a background of its own
-    /// color.
+    /// Draws an outline of the surface, a pixel wide, so that it differs from a background of its
+    /// own color.
     void drawRim(const Vec3d& color);
-    static constexpr double kFaint = 0.35;  ///< strength of what is hidden
+    static constexpr double kFaint = 0.35;  ///< opacity of hidden parts
 
-    /// White lines with dark edges, where the surface is.
+    /// Draws white lines with dark edges on the surface.
     /// @param core, edge  half widths; pixels
-    /// @param strength    share of their color, by the square root of light: about what the eye
-    /// sees
+    /// @param strength    share of their color, by the square root of light, which is close to
+    ///                    perception
     void drawStrokes(const Strokes& strokes, double core, double edge, double strength);
-    /// Full where nothing that `samples` show is in front of it, elsewhere faint.
+    /// Opaque where no sample is in front of it, elsewhere faint.
     void drawDot(const Dot& dot, const Frame& frame, const std::vector<Sample>& samples);
-    /// Over its background, at the left of the canvas.
+    /// Converts the picture to pixels over its background, at the left of the canvas.
     void develop(Background background, Canvas& canvas) const;
 
 private:

@@ -11,7 +11,7 @@
 
 namespace igeo {
 
-// The bytes of the file, by CMake.
+// The bytes of the file, embedded by CMake.
 extern const unsigned char kFontFile[];
 extern const std::size_t kFontFileSize;
 
@@ -25,7 +25,7 @@ void require(FT_Error error, const char* what) {
                     std::string("FreeType: ") + what + ", error " + std::to_string(error));
 }
 
-/// The code points of UTF-8; a byte that is none counts as itself.
+/// The code points of UTF-8; an invalid byte becomes a code point of its own value.
 std::u32string codePoints(const std::string& text) {
     std::u32string all;
     for (std::size_t i = 0; i < text.size();) {
@@ -57,7 +57,7 @@ struct Font::Face {
     Face(const Face&) = delete;
     Face& operator=(const Face&) = delete;
 
-    /// With the outline in its slot.
+    /// Loads a glyph with its outline.
     FT_GlyphSlot load(char32_t c) const {
         require(FT_Load_Char(face, c, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP),
                 "a glyph is missing");

@@ -1,4 +1,4 @@
-/// Text as coverage of pixels. Internal to the pictures.
+/// Text as pixel coverage. Internal to the pictures.
 #pragma once
 
 #include <functional>
@@ -7,21 +7,21 @@
 
 namespace igeo {
 
-/// The font that the library holds: DejaVu Sans, of which it has Latin-1. Drawn without hints, so
-/// that text looks the same at any size. Not for two threads at once.
+/// The built-in font: DejaVu Sans, Latin-1 only. Drawn without hinting, so that text looks the same
+/// at any size. For one thread at a time.
 class Font {
 public:
     /// @param size  pixels per em
-    /// @throws Error  Internal where FreeType does not take the font
+    /// @throws Error  Internal where FreeType refuses the font
     explicit Font(double size);
     ~Font();
     Font(const Font&) = delete;
     Font& operator=(const Font&) = delete;
 
     double size() const;
-    /// Pixels that a text in UTF-8 takes along its line.
+    /// The width of a UTF-8 text in pixels.
     double width(const std::string& text) const;
-    /// Calls visit(x, y, coverage in (0, 1]) for the pixels of a text that begins at (x, y) on its
+    /// Calls visit(x, y, coverage in (0, 1]) for the pixels of a text that starts at (x, y) on its
     /// base line.
     void draw(const std::string& text, double x, double y,
               const std::function<void(int, int, double)>& visit) const;

@@ -27,7 +27,7 @@ std::string chunk(const char* kind, std::string content, char filler) {
     return bytes + content;
 }
 
-/// The node of the mesh, turned by the least angle from `up` to y.
+/// The node of the mesh, rotated by the least angle that takes `up` to y.
 std::string nodeJson(const Vec3d& up) {
     const Vec3d from = normalized(up), y{0, 1, 0};
     if (from == y) return R"({"mesh":0})";
@@ -93,7 +93,7 @@ std::string GlbWriter::bytes(const std::vector<std::array<std::uint32_t, 3>>& tr
         R"("scenes":[{{"nodes":[0]}}],"nodes":[{}],)"
         R"("meshes":[{{"primitives":[{{"attributes":{{{}}},"indices":{},"material":0}}]}}],)",
         kVersion, nodeJson(up), attributes_, count_);
-    // Open surfaces are seen from both sides; colors are those of the distance, not of a light.
+    // Open surfaces are visible from both sides; colors show the distance, without lighting.
     json += R"("materials":[{"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":1},)"
             R"("doubleSided":true}],)";
     json += fmt::format(

@@ -11,7 +11,7 @@
 
 namespace igeo {
 
-/// Collects the attributes of the vertices, all float32, one after the other in one buffer.
+/// Collects the vertex attributes, all float32, one after another in one buffer.
 class GlbWriter {
 public:
     explicit GlbWriter(std::size_t vertices) : vertices_(vertices) {}
@@ -20,13 +20,13 @@ public:
     void addPairs(const char* name, const std::function<Vec2f(std::size_t)>& value);
     void addNumbers(const char* name, const std::function<float(std::size_t)>& value);
 
-    /// @param up  the mesh is turned so that this points along y, which is up in glTF
+    /// @param up  the direction that the mesh's rotation takes to y, which is up in glTF
     /// @throws Error  InvalidArgument for 4 GiB and more
     std::string bytes(const std::vector<std::array<std::uint32_t, 3>>& triangles,
                       const Vec3d& up) const;
 
 private:
-    /// @param low, high  what the numbers lie between, where that is to be written
+    /// @param bounds  JSON of the least and largest numbers, if they are to be written
     void addAccessor(const char* name, const char* type, std::size_t begin,
                      const std::string& bounds);
 

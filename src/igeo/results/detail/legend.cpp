@@ -101,7 +101,7 @@ void Legend::drawBar(Canvas& canvas, int x, int y, const Vec3d& ink) const {
 
 void Legend::draw(Canvas& canvas, const Vec3d& ink) const {
     if (!shown_) return;
-    // More words are below the bar than above.
+    // Centered slightly higher, because more text is below the bar than above.
     const int x = canvas.width() - width_, y = (canvas.height() - height_) / 2 - pixels(9);
     canvas.text(font_, x, y - (10 + kLine) * unit_, head_[0], ink);
     canvas.text(font_, x, y - 10 * unit_, head_[1], ink);

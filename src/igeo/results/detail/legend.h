@@ -1,4 +1,4 @@
-/// What the colors of a picture mean. Internal.
+/// The legend of a picture's colors. Internal.
 #pragma once
 
 #include <igeo/march/field.h>
@@ -16,7 +16,7 @@ namespace igeo {
 const Vec3d kInk{0.012, 0.014, 0.02}, kWhite{1, 1, 1};
 const Vec3d kUnreached{0.48, 0.48, 0.48};
 
-/// Distances and what they look like: in voxels times weight.
+/// Distances and their colors; in voxels times weight.
 struct Scale {
     ColorMap colors;
     double low = 0, high = 0;
@@ -26,25 +26,25 @@ struct Scale {
     double share(double d) const { return high > low ? (d - low) / (high - low) : 0; }
     double atShare(double s) const { return low + s * (high - low); }
     Vec3d color(double d) const { return colors(share(d)); }
-    /// Of an isoline on a color: white on dark ones, black on light ones, both tinted.
+    /// The color of an isoline over a color: white on dark, black on light, both tinted.
     static Vec3d lineOn(const Vec3d& c) {
-        constexpr double kMiddle = 0.18;  // luminance that black and white stand out from alike
+        constexpr double kMiddle = 0.18;  // luminance with the same contrast to black and white
         const bool dark = dot(c, {0.2126, 0.7152, 0.0722}) < kMiddle;
         return dark ? 0.3 * c + Vec3d{0.7, 0.7, 0.7} : 0.12 * c;
     }
-    /// How far d is from the nearest isoline; +infinity where there is none.
+    /// The distance from d to the nearest isoline's level; +infinity without isolines.
     double fromIsoline(double d) const;
 };
 
-/// The color bar and its words, at the right edge.
+/// The color bar and its text, at the right edge.
 class Legend {
 public:
-    /// No legend where it would take more than a third of the width, or is not wanted.
+    /// No legend if it would take more than a third of the width, or is switched off.
     Legend(const Scale& scale, const Field& field, const PictureOptions& options);
-    /// Pixels of the picture's width that it takes.
+    /// The part of the picture's width that it takes, pixels.
     int taken() const { return shown_ ? width_ : 0; }
 
-    /// @param ink  of words and lines
+    /// @param ink  color of text and lines
     void draw(Canvas& canvas, const Vec3d& ink) const;
 
 private:
@@ -63,7 +63,7 @@ private:
     std::vector<std::string> head_, foot_;
     std::vector<Tick> ticks_;
     bool hasUnreached_, shown_ = false;
-    int height_, width_ = 0;  ///< pixels: of the bar, of everything
+    int height_, width_ = 0;  ///< pixels: of the bar; of the whole legend
 };
 
 }  // namespace igeo

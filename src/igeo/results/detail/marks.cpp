@@ -7,7 +7,7 @@ namespace igeo {
 
 namespace {
 
-/// Whether a seed is one of several that make a curve or the rim of a region.
+/// Whether a seed is part of a curve or of the rim of a region.
 bool isPiece(const std::vector<SurfacePoint>& seeds, std::size_t k) {
     return seeds[k].joined || (k + 1 < seeds.size() && seeds[k + 1].joined);
 }

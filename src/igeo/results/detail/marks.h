@@ -10,7 +10,7 @@
 
 namespace igeo {
 
-/// A piece of a path or of a seed curve, with the normal of its sheet; index space.
+/// A segment of a path or of a seed curve, with the normal of its sheet; index space.
 struct MarkedSegment {
     Vec3d a, b, normal;
 };
@@ -18,7 +18,7 @@ std::vector<MarkedSegment> markedSegments(const std::vector<Path>& paths,
                                           const std::vector<SurfacePoint>& seeds,
                                           const DrawnSurface& surface);
 
-/// A seed, or the end of a path: a disc that faces the eye.
+/// A seed, or the end of a path: a disc facing the camera.
 struct Dot {
     Vec3d center;   ///< index space
     double radius;  ///< voxels
@@ -28,10 +28,10 @@ struct Dot {
 std::vector<Dot> dots(const Field& field, const std::vector<Path>& paths,
                       const DrawnSurface& surface, const Vec3d& eye, double seedRadius);
 
-/// The least distance from pixels to lines drawn in the picture; pixels.
+/// The least distance from pixels to the lines of a picture; pixels.
 class Strokes {
 public:
-    /// @param reach  largest distance that counts
+    /// @param reach  largest distance that is stored
     Strokes(int width, int height, double reach);
 
     void add(const std::array<double, 2>& a, const std::array<double, 2>& b);
@@ -44,7 +44,7 @@ public:
 private:
     int width_, height_;
     double reach_;
-    std::vector<float> distance_;  ///< empty where nothing was added
+    std::vector<float> distance_;  ///< empty without lines
 };
 
 }  // namespace igeo

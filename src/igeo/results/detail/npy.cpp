@@ -13,7 +13,7 @@ namespace {
 
 template <typename T>
 std::string npyOf(const std::vector<T>& values, const char* type, const std::string& shape) {
-    // Magic, version, length of the header; the header fills the rest of a multiple of 64 bytes.
+    // Magic, version, length of the header; the header is padded to a multiple of 64 bytes.
     constexpr std::size_t kFixed = 10, kAlign = 64;
     std::string header =
         fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", type, shape);
@@ -27,8 +27,8 @@ std::string npyOf(const std::vector<T>& values, const char* type, const std::str
     return bytes;
 }
 
-/// What the entry of a file in a zip archive and its place in the directory have in common, from
-/// the version needed on: stored, as of 1980-01-01.
+/// The common part of a zip entry's header and its directory record, from the required version on:
+/// stored, dated 1980-01-01.
 std::string zipFacts(const std::string& content, const std::string& name) {
     constexpr std::uint16_t kZipVersion = 20, kStored = 0, kDay = 1 << 5 | 1;
     std::string bytes;
@@ -38,12 +38,12 @@ std::string zipFacts(const std::string& content, const std::string& name) {
     for (const std::size_t field : {std::size_t(crc32Of(content)), content.size(), content.size()})
         putLittleEndian(bytes, std::uint32_t(field));
     putLittleEndian(bytes, std::uint16_t(name.size()));
-    putLittleEndian(bytes, std::uint16_t(0));  // of further fields
+    putLittleEndian(bytes, std::uint16_t(0));  // length of extra fields
     return bytes;
 }
 
 void requirePlainZip(const std::vector<std::pair<std::string, std::string>>& arrays) {
-    constexpr std::size_t kPerArray = 1024;  // more than headers and names take
+    constexpr std::size_t kPerArray = 1024;  // more than headers and names need
     std::size_t size = 0;
     for (const auto& array : arrays) size += array.second.size() + kPerArray;
     if (size > std::numeric_limits<std::uint32_t>::max())
@@ -73,7 +73,7 @@ std::string npz(const std::vector<std::pair<std::string, std::string>>& arrays) 
         putLittleEndian(directory, kPlace);
         putLittleEndian(directory, kZipVersion);
         directory += facts;
-        // Comment, disk and attributes: none.
+        // Comment, disk and attributes: empty.
         directory.append(10, '\0');
         putLittleEndian(directory, std::uint32_t(bytes.size()));
         directory += name;

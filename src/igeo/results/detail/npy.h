@@ -14,10 +14,10 @@ std::string npy(const std::vector<double>& values, const std::string& shape);
 /// The same of int32.
 std::string npy(const std::vector<std::int32_t>& values, const std::string& shape);
 
-/// The bytes of a .npz file: arrays stored in a zip archive without compression, each under its
-/// name. The same bytes whenever it is written.
+/// The bytes of a .npz file: arrays stored uncompressed in a zip archive, each under its name. The
+/// same arrays give the same bytes.
 /// @param arrays  names, and the bytes of their .npy files
-/// @throws Error  InvalidArgument where it has 4 GiB or more, which plain zip cannot hold
+/// @throws Error  InvalidArgument for 4 GiB or more, the limit of plain zip
 std::string npz(const std::vector<std::pair<std::string, std::string>>& arrays);
 
 }  // namespace igeo

@@ -9,9 +9,10 @@ namespace igeo {
 
 namespace {
 
-constexpr int kTaps = 8, kPattern = 4;  ///< pixels looked at; side of the pattern of their turns
+/// Samples per pixel; side of the pattern of their rotations
+constexpr int kTaps = 8, kPattern = 4;
 
-/// Of numbers that are not large; faster than std::lround, a call.
+/// For small numbers; faster than std::lround, a function call.
 int rounded(double x) { return int(x + (x < 0 ? -0.5 : 0.5)); }
 
 class Surroundings {
@@ -19,7 +20,7 @@ public:
     Surroundings(const Frame& frame, const std::vector<Sample>& samples,
                  const std::vector<Vec3f>& normals, double radius)
         : frame_(frame), samples_(samples), normals_(normals), radius_(radius) {
-        // A spiral, turned by another angle in each pixel of the pattern.
+        // A spiral, rotated by a different angle in each pixel of the pattern.
         constexpr double kTurns = 5 * 2 * std::numbers::pi;
         for (int turn = 0; turn < kPattern * kPattern; ++turn)
             for (int k = 0; k < kTaps; ++k) {
@@ -31,9 +32,9 @@ public:
             }
     }
 
-    /// How much of the light is kept from pixel (x, y), 0 to 1, with the pattern's noise.
+    /// The share of light blocked from pixel (x, y), 0 to 1, with the pattern's noise.
     double covered(int x, int y) const {
-        constexpr double kFlat = 0.08;  // rises that count as none: curvature, rounding
+        constexpr double kFlat = 0.08;  // smaller rises are ignored: curvature, rounding
         // Neighbors in the pattern differ by about a quarter of a turn.
         static constexpr std::array<int, 16> kTurn{0, 8,  2, 10, 12, 4, 14, 6,
                                                    3, 11, 1, 9,  15, 7, 13, 5};

@@ -1,4 +1,4 @@
-/// Points with any properties, and faces, as PLY. Internal.
+/// Points with properties, and faces, as PLY. Internal.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -16,7 +16,7 @@ struct PlyProperty {
     enum class Type { Float, Double, Int, Byte };
     Type type = Type::Float;
     std::string name;
-    std::function<double(std::size_t)> value;  ///< of a vertex
+    std::function<double(std::size_t)> value;  ///< at a vertex
 };
 
 /// The bytes of a binary, little-endian PLY file.
@@ -27,7 +27,7 @@ public:
 
     void add(PlyProperty::Type type, const std::string& name,
              std::function<double(std::size_t)> value);
-    /// Three of them.
+    /// Three columns, the components of a vector.
     void addVector(PlyProperty::Type type, const std::array<const char*, 3>& names,
                    std::function<Vec3d(std::size_t)> value);
     /// Colors from 0 to 1 as red, green and blue.
@@ -36,12 +36,12 @@ public:
     void addPositions(std::function<Vec3d(std::size_t)> position);
     /// `distance`; `quality`, the same for MeshLab; `label`; and the share of the largest distance
     /// as texture coordinates, under the names that Blender (s, t) and MeshLab (texture_u,
-    /// texture_v) read: (distance / largest, 0), or (0, 1) where not reached.
-    /// @param distance  +infinity or NaN: not reached, written as -1
+    /// texture_v) read: (distance / largest, 0), or (0, 1) where unreached.
+    /// @param distance  +infinity or NaN: unreached, written as -1
     /// @param label     -1: none
     void addDistances(const std::vector<double>& distance, std::vector<std::int32_t> label);
 
-    /// @param face  the corners of each
+    /// @param face  the corners of each face
     std::string bytes(
         std::size_t faces = 0,
         const std::function<std::span<const std::uint32_t>(std::size_t)>& face = {}) const;
@@ -52,10 +52,10 @@ private:
     std::vector<PlyProperty> properties_;
 };
 
-/// The largest number that is finite; 0 without any.
+/// The largest finite number; 0 if there is none.
 double largestOf(const std::vector<double>& distance);
 
-/// The color of each share of the largest distance; gray where it is not reached.
+/// The color for each share of the largest distance; gray where unreached.
 std::vector<Vec3f> colorsOf(const std::vector<double>& distance,
                             const std::function<Vec3f(double)>& color);
 

@@ -9,7 +9,8 @@ namespace igeo {
 
 namespace {
 
-constexpr double kRoom = 1e-9;  ///< of shares, so that no ray slips through between two triangles
+/// Margin of barycentric coordinates, so that no ray passes between two triangles
+constexpr double kRoom = 1e-9;
 
 }  // namespace
 
@@ -47,7 +48,7 @@ Raster::Raster(const SurfaceTriangles& triangles, const Frame& frame)
     forTiles([&](std::size_t tile, std::uint32_t t) { list_[next[tile]++] = t; });
 }
 
-/// What lies behind the eye is cut off; a margin for rounding.
+/// Clips what lies behind the eye, with a margin for rounding.
 Raster::Box Raster::boxOf(std::size_t triangle) const {
     constexpr double kNearest = 1e-6;  // voxels
     constexpr double kMargin = 1e-3;   // pixels
@@ -82,7 +83,7 @@ void Raster::draw(std::size_t tile, const std::vector<Offset>& offsets,
         const Box box = boxOf(t);
         std::array<Vec3d, 3> v;
         for (unsigned k = 0; k < 3; ++k) v[k] = frame_.seen(triangles_.corner(t, k));
-        // The share of a corner is in proportion to the volume of the ray with the edge opposite.
+        // A barycentric coordinate is proportional to the volume of the ray with the opposite edge.
         std::array<Vec3d, 3> e{cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1])};
         double volume = dot(v[0], e[0]);
         if (volume == 0 || !std::isfinite(volume)) continue;
@@ -90,7 +91,8 @@ void Raster::draw(std::size_t tile, const std::vector<Offset>& offsets,
             volume = -volume;
             for (Vec3d& edge : e) edge = -edge;
         }
-        // As functions of the place in the picture: at (0, 0), and by pixel.
+        // As linear functions of the picture position: the value at (0, 0), and the change per
+        // pixel.
         std::array<double, 3> at, byX, byY;
         for (std::size_t k = 0; k < 3; ++k) {
             byX[k] = e[k].x / frame_.scale;

@@ -1,4 +1,4 @@
-/// Which triangles are seen through the pixels of a picture. Internal to the pictures.
+/// Visible triangles at the pixels of a picture. Internal to the pictures.
 #pragma once
 
 #include <igeo/band/surface_triangles.h>
@@ -10,29 +10,29 @@
 
 namespace igeo {
 
-/// A perspective camera in index space, its axes unit vectors; pixels count from the upper left.
+/// A perspective camera in index space with unit axes; pixels count from the upper left.
 struct Frame {
     Vec3d eye, right, up, back;
     double scale = 1;     ///< pixels per unit of length at depth 1
     double perPixel = 1;  ///< 1 / scale
     int width = 0, height = 0;
 
-    /// The ray through a place of the picture: as long as its depth is 1.
+    /// The ray through a picture position, of depth 1.
     Vec3d toward(double x, double y) const {
         return ((x - 0.5 * width) * perPixel) * right + ((0.5 * height - y) * perPixel) * up - back;
     }
-    /// A point from the eye along right, up and into the picture.
+    /// A point in camera coordinates: right, up and depth, from the eye.
     Vec3d seen(const Vec3d& p) const {
         const Vec3d r = p - eye;
         return {dot(r, right), dot(r, up), -dot(r, back)};
     }
-    /// Where a point seen at depth > 0 is in the picture.
+    /// The picture position of a camera point of depth > 0.
     std::array<double, 2> place(const Vec3d& s) const {
         return {0.5 * width + scale * s.x / s.z, 0.5 * height - scale * s.y / s.z};
     }
 };
 
-/// What is seen at a place of the picture.
+/// The visible triangle at a picture position.
 struct Sample {
     float depth = std::numeric_limits<float>::infinity();
     std::uint32_t triangle = SurfaceTriangles::kNone;
@@ -40,11 +40,11 @@ struct Sample {
     bool covered() const { return triangle != SurfaceTriangles::kNone; }
 };
 
-/// Triangles sorted into tiles of the picture, so that threads draw tiles by themselves.
+/// Triangles sorted into tiles of the picture, so that threads draw tiles independently.
 ///
-/// A place shows the triangle that its ray meets first, of equals the first in the list: edge
-/// functions of the ray itself (M. Olano and T. Greer, Triangle scan conversion using 2D
-/// homogeneous coordinates, 1997), so that nothing is clipped. An edge belongs to both of its
+/// A sample shows the first triangle on its ray; on ties the first in the list. Visibility uses
+/// edge functions of the ray itself (M. Olano and T. Greer, Triangle scan conversion using 2D
+/// homogeneous coordinates, 1997), so no clipping is needed. An edge belongs to both of its
 /// triangles.
 class Raster {
 public:
@@ -62,11 +62,11 @@ public:
 
     /// The samples of a tile, at `offsets` from the corner of each pixel: that of pixel (x, y) in
     /// the tile and offset k comes at (y * kTile + x) * offsets.size() + k.
-    /// @param wanted  per pixel of the tile, whether it is drawn; empty: all are
+    /// @param wanted  per pixel of the tile, whether it is drawn; empty: all
     void draw(std::size_t tile, const std::vector<Offset>& offsets,
               const std::vector<std::uint8_t>& wanted, std::vector<Sample>& samples) const;
 
-    /// The shares of the corners of a triangle where the ray `toward` meets its plane.
+    /// Barycentric coordinates where the ray `toward` meets the plane of a triangle.
     std::array<double, 3> shares(std::uint32_t triangle, const Vec3d& toward) const;
 
 private:
@@ -78,7 +78,7 @@ private:
     const SurfaceTriangles& triangles_;
     const Frame& frame_;
     int across_, down_;
-    std::vector<std::size_t> first_;  ///< per tile, of its triangles in the list
+    std::vector<std::size_t> first_;  ///< per tile: first of its triangles in the list
     std::vector<std::uint32_t> list_;
 };
 

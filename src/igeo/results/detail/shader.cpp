@@ -7,7 +7,7 @@ namespace igeo {
 
 namespace {
 
-/// The share of a sample `width` wide, `off` from the middle of a line, that the line covers.
+/// The share of a sample of size `width` that a line covers, at distance `off` from its middle.
 double coverage(double off, double half, double width) {
     if (!(width > 0)) return off < half ? 1 : 0;
     const double from = std::max(off - width / 2, -half), to = std::min(off + width / 2, half);
@@ -30,8 +30,9 @@ double Shader::distanceAt(const Vec3d& p, const Vec3d& normal) const {
     return known(p, sampleDistance(field_, p, normal));
 }
 
-/// Where an early stop ends the colors, so that they end along a line and not cell by cell: jets
-/// reach beyond the last node, means of voxels fall short where some are missing.
+/// The distance at which an early stop ends the colors, so that they end along a level line and not
+/// cell by cell: jets reach beyond the last node, and means of voxels are too low where some are
+/// missing.
 double Shader::lastKnown(const Vec3d& p) const {
     return field_.maxDistance - (field_.atFootPoints ? 0 : 2 * weightAt(p));
 }
@@ -48,8 +49,8 @@ Vec3d Shader::color(const Spot& spot, const Vec3d& dir) const {
     return lit(c, n, dir, spot.occluded);
 }
 
-/// Studio light: a key from the upper left, wrapped around for soft edges, a fill from the right,
-/// and enough all around that nothing is black.
+/// Studio light: a key light from the upper left, wrapped around for soft edges, a fill light from
+/// the right, and ambient light so that nothing is black.
 Vec3d Shader::lit(const Vec3d& c, const Vec3d& n, const Vec3d& dir, double occluded) const {
     const double wrapped = std::max(0.0, (dot(n, key_) + 0.35) / 1.35);
     const double filled = std::max(0.0, dot(n, fill_));

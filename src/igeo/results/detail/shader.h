@@ -1,4 +1,4 @@
-/// The color of what a picture shows. Internal.
+/// The color of points in a picture. Internal.
 #pragma once
 
 #include <igeo/march/field.h>
@@ -7,12 +7,12 @@
 
 namespace igeo {
 
-/// A point that is seen; index space.
+/// A visible point; index space.
 struct Spot {
-    Vec3d p, normal;  ///< normal as the surface has it, toward the eye or not
+    Vec3d p, normal;  ///< the surface's normal, toward the eye or away from it
     double distance = kInfinity;
-    double occluded = 0;  ///< light kept off by what is around, 0 to 1
-    double slope = 0;     ///< change of the distance from one sample to the next; 0: a sharp line
+    double occluded = 0;  ///< share of ambient light that is blocked, 0 to 1
+    double slope = 0;     ///< change of the distance between neighboring samples; 0: a sharp line
 };
 
 class Shader {
@@ -20,9 +20,9 @@ public:
     /// @param isolineHalf  half the width of isolines, voxels
     Shader(const Field& field, const Scale& scale, double isolineHalf, const Frame& frame);
 
-    /// Whether a step costs the same everywhere.
+    /// Whether the cost is the same everywhere.
     bool evenCosts() const { return !field_.metric->weighted(); }
-    /// The distance where S is seen; +infinity beyond an early stop.
+    /// The distance at a visible point of S; +infinity beyond an early stop.
     double distanceAt(const Vec3d& p, const Vec3d& normal) const;
     /// A distance at p; +infinity beyond an early stop.
     double known(const Vec3d& p, double distance) const {
@@ -44,7 +44,7 @@ private:
     Vec3d key_, fill_;
 };
 
-/// Of two colors, by the share of the first.
+/// Blends two colors; `share` is that of the first.
 inline Vec3d mixed(double share, const Vec3d& a, const Vec3d& b) {
     return share * a + (1 - share) * b;
 }

@@ -1,5 +1,4 @@
-/// The parts of a page, as they were found when igeo was built (results/viewer, three.js).
-/// Internal.
+/// The parts of a page, embedded when igeo was built (results/viewer, three.js). Internal.
 #pragma once
 
 #include <string_view>
@@ -8,7 +7,7 @@ namespace igeo {
 
 struct ViewFiles {
     std::string_view page, style, drawing, script, license;
-    std::string_view library;  ///< three.js and its controls, gzip; empty: built without them
+    std::string_view library;  ///< three.js and its controls, gzip; empty: built without
 };
 const ViewFiles& viewFiles();
 

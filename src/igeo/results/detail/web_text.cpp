@@ -9,7 +9,7 @@ namespace igeo {
 
 namespace {
 
-/// The code point that begins at `text`, and its length in bytes; 0: these are no UTF-8.
+/// The code point at the start of `text`, and its length in bytes; 0: invalid UTF-8.
 struct CodePoint {
     std::uint32_t code = 0;
     std::size_t length = 0;
@@ -34,7 +34,7 @@ CodePoint codePointAt(std::string_view text) {
     return {code, length};
 }
 
-/// Calls each(code) for all code points, U+FFFD for bytes that are none.
+/// Calls each(code) for all code points, U+FFFD for invalid bytes.
 template <typename Each>
 void forCodePoints(std::string_view text, const Each& each) {
     while (!text.empty()) {

@@ -1,4 +1,4 @@
-/// Text that becomes part of a page. Internal.
+/// Text for pages. Internal.
 #pragma once
 
 #include <map>
@@ -7,20 +7,20 @@
 
 namespace igeo {
 
-/// The bytes as UTF-8: what is none becomes U+FFFD, byte by byte.
+/// The bytes as UTF-8; each invalid byte becomes U+FFFD.
 std::string utf8(std::string_view bytes);
 
-/// As text of HTML, and in the quotes of an attribute: markup is shown.
+/// Escaped for HTML text and quoted attributes, so that markup is shown as text.
 std::string htmlText(std::string_view text);
 
-/// A string of JSON, with quotes, in ASCII. It has no `<`, so that no element around it ends.
+/// A JSON string, with quotes, in ASCII. It contains no `<`, so it cannot end the element around
+/// it.
 std::string jsonString(std::string_view text);
 
-/// The address of a picture that holds its bytes.
+/// A data URL with the bytes of a picture.
 std::string pngAddress(std::string_view png);
 
-/// The text with what is in `values` in place of {{name}}; other braces stay. Values are not looked
-/// into.
+/// Replaces {{name}} by `values[name]`; other braces stay. Values are not searched.
 std::string filledIn(std::string_view text, const std::map<std::string, std::string>& values);
 
 }  // namespace igeo

@@ -1,6 +1,6 @@
 "use strict";
-// What the page of a result draws: unpacks the scene, draws it with three.js and finds what is at a pixel. Positions
-// are those of the world as the scene packs them; what is drawn is moved and scaled to a box of side 1.
+// The drawing on the page of a result: unpacks the scene, draws it with three.js and picks the point at a pixel.
+// Packed positions are in world units; for the drawing they are moved and scaled to a box of side 1.
 
 const byId = (id) => document.getElementById(id);
 const BLOCKED = 65534, UNREACHED = 65535; // codes of values
@@ -50,7 +50,7 @@ const shareOf = (scene, code) => code / (BLOCKED - 1);
 
 // ---- geometry ----
 
-// Corners at an edge of more than 30 degrees get points of their own, so that light shows it.
+// Corners at an edge of more than 30 degrees get separate points, so that shading shows the edge.
 function splitAtCreases(position, triangle) {
     const cosine = Math.cos(Math.PI / 6), faces = triangle.length / 3, points = position.length / 3;
     const face = new Float32Array(3 * faces), area = new Float32Array(faces);
@@ -70,7 +70,7 @@ function splitAtCreases(position, triangle) {
 
     const index = new Uint32Array(triangle.length), origin = [], normal = [];
     for (let p = 0; p < points; ++p) {
-        const groups = []; // of corners that are smooth: the sum of their normals, and a number
+        const groups = []; // groups of smooth corners: the sum of their normals, and a number
         for (let i = start[p]; i < start[p + 1]; ++i) {
             const f = Math.floor(corners[i] / 3), n = face.subarray(3 * f, 3 * f + 3);
             let group = groups.find((g) => g.sum[0] * n[0] + g.sum[1] * n[1] + g.sum[2] * n[2] >=
@@ -109,7 +109,7 @@ function surfaceGeometry(scene) {
     return geometry;
 }
 
-// Four corners for each segment, which the shader moves apart.
+// Four corners per segment; the shader spreads them to a ribbon.
 function ribbonGeometry(scene) {
     const position = [], other = [], corner = [], index = [];
     let first = 0;
@@ -154,7 +154,7 @@ function firstHit(scene, from, dir) {
     return best;
 }
 
-// The vertex of the file that is nearest, or -1.
+// The nearest vertex of the file, or -1.
 function nearestNumbered(scene, local) {
     let best = Infinity, number = -1;
     for (let p = 0; scene.number && p < scene.number.length; ++p) {
@@ -183,7 +183,7 @@ void main() {
 }`;
 const SURFACE_FRAGMENT = COLOR + `
 uniform sampler2D map;
-uniform float spacing, start, front, shade, cells, halfLine; // lengths in shares of the largest value
+uniform float spacing, start, front, shade, cells, halfLine; // lengths as shares of the largest value
 varying float vValue; varying vec2 vState; varying vec3 vCell, vNormal, vEye;
 float isoline() {
     if (spacing <= 0.0) return 0.0;
@@ -211,7 +211,7 @@ void main() {
     float shine = 0.05 * pow(max(0.0, dot(n, normalize(key + eye))), 30.0);
     gl_FragColor = vec4(toScreen(clamp(mix(c, light * c + shine, shade), 0.0, 1.0)), 1.0);
 }`;
-// Both lie on the surface: they come nearer to the eye by what they are wide, so that they are seen.
+// Lines and dots lie on the surface: they move toward the eye by their width, so that the surface does not hide them.
 const RIBBON_VERTEX = `
 attribute vec3 other; attribute vec2 corner;
 uniform vec2 size; uniform float halfWidth, pixel, lift;
@@ -244,7 +244,7 @@ void main() {
 
 // ---- the drawing ----
 
-// Smooth edges cost nothing where a graphics card draws, and as much time again where the processor does.
+// Antialiasing is free on a graphics card, and doubles the time of software rendering.
 function contextOf(canvas) {
     const probe = document.createElement("canvas").getContext("webgl");
     const name = probe ? probe.getParameter(probe.RENDERER) : "";
@@ -297,7 +297,7 @@ class Drawing {
         this.onScreen = {size: {value: new THREE.Vector2(1, 1)}, pixel: {value: 0}, ratio: {value: 1}};
         const geometry = ribbonGeometry(this.scene);
         if (geometry.index.count === 0) return;
-        // The rim leaves no depth, so that it cannot cover the line inside it.
+        // The rim writes no depth, so that it cannot hide the line inside it.
         for (const [halfWidth, lift, color] of [[3, 4, "vec3(0.09)"], [1.6, 5, "vec3(1.0)"]]) {
             const width = {value: halfWidth};
             const ribbon = new THREE.Mesh(geometry, new THREE.ShaderMaterial({
@@ -341,7 +341,7 @@ class Drawing {
         this.ask();
     }
 
-    // All of the surface in the frame, from the direction that the scene names.
+    // Shows all of the surface, from the direction given in the scene.
     firstView() {
         const middle = this.box.getCenter(new THREE.Vector3()), back = new THREE.Vector3().fromArray(this.scene.eye);
         const right = new THREE.Vector3().crossVectors(this.camera.up, back).normalize();
@@ -415,7 +415,7 @@ class Drawing {
         this.canvas.dataset.frames = Number(this.canvas.dataset.frames || 0) + 1;
     }
 
-    // What is at a pixel of the canvas: {local, share, label, state}, or null.
+    // The point at a pixel of the canvas: {local, share, label, state}, or null.
     at(x, y) {
         const pointer = new THREE.Vector2(2 * x / this.canvas.clientWidth - 1, 1 - 2 * y / this.canvas.clientHeight);
         const rays = new THREE.Raycaster();

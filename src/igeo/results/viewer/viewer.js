@@ -1,6 +1,6 @@
-// The controls of the page, its legend, and the point that is read.
+// The controls of the page, its legend, and the values at a picked point.
 
-const digits = (x, unit) => { // as many as say where x is in steps of `unit`
+const digits = (x, unit) => { // enough digits to resolve steps of `unit`
     const places = Math.max(0, Math.min(12, -Math.floor(Math.log10(unit || 1))));
     return Math.abs(x) >= 1e7 || unit >= 1e6 || unit < 1e-9 ? x.toPrecision(7) : x.toFixed(places);
 };
@@ -137,7 +137,7 @@ class Page {
             else return;
             event.preventDefault();
         });
-        // The cross in the middle is for those who came by keys.
+        // The cross in the middle is for use by keys.
         const byKeys = (yes) => document.body.classList.toggle("keys", yes);
         this.canvas.addEventListener("keyup", () => byKeys(true));
         for (const event of ["blur", "pointerdown", "pointermove"]) this.canvas.addEventListener(event, () => byKeys(false));
@@ -161,7 +161,7 @@ class Page {
         });
     }
 
-    // ---- the point that is read ----
+    // ---- the picked point ----
 
     read(x, y) {
         const hit = this.drawing.at(x, y), scene = this.scene;
@@ -217,7 +217,7 @@ function element(name, text) {
 
 const percent = (share) => `${Number((100 * share).toPrecision(share < 0.995 ? 2 : 3))} %`;
 
-// None, then 1, 2 and 5 times the powers of ten that give 2 to 200 lines, and the one asked for.
+// None, then 1, 2 and 5 times the powers of ten that give 2 to 200 lines, and the requested one.
 function niceSpacings(scene) {
     const list = [0];
     if (scene.spacing > 0) list.push(scene.spacing);
@@ -242,13 +242,13 @@ async function copy(input) {
     try {
         await navigator.clipboard.writeText(input.value);
     } catch {
-        document.execCommand("copy"); // where the page may not use the clipboard itself
+        document.execCommand("copy"); // where the page has no access to the clipboard
     }
     byId("copy").textContent = "Copied";
     setTimeout(() => { byId("copy").textContent = "Copy"; }, 1500);
 }
 
-// What can be said without drawing.
+// Runs without drawing.
 function showWords(scene) {
     const fill = (id, texts) => byId(id).replaceChildren(...texts.map((text) => element("li", text)));
     byId("facts").textContent = scene.any ? `${scene.quantity} from ${number(scene.low)} to ${number(scene.high)}, ${scene.unit}` :

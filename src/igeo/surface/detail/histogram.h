@@ -1,4 +1,4 @@
-/// Quantiles of what is counted voxel by voxel. Internal.
+/// Quantiles of counts. Internal.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace igeo {
 
-/// Counts over [0, 1) of some monotone scale: quantiles that do not depend on the order of adding.
+/// Counts over [0, 1) on a monotone scale: its quantiles do not depend on the order of additions.
 class Histogram {
 public:
     static constexpr std::size_t kBins = 4096;
@@ -50,8 +50,8 @@ inline double scaleOfCurvature(double k) { return (std::log10(k) + 6) / 7; }
 inline double curvatureOfScale(double s) { return std::pow(10.0, 7 * s - 6); }
 constexpr double kLeastCurvature = 1e-6, kMostCurvature = 10;
 
-/// The bins of curvatures without logarithms: a table by exponent and the first bits of the
-/// mantissa leads to one bin or the next.
+/// Bins of curvatures without logarithms: a table by exponent and leading bits of the mantissa
+/// gives the bin or the one before it.
 class CurvatureBins {
 public:
     CurvatureBins() {
@@ -77,8 +77,8 @@ private:
     }
     static constexpr std::uint64_t kFirst =
         std::bit_cast<std::uint64_t>(kLeastCurvature) >> kDropped;
-    std::vector<double> from_;          ///< per bin, its least curvature
-    std::vector<std::uint16_t> first_;  ///< per cell, the bin of its least curvature
+    std::vector<double> from_;          ///< per bin: its least curvature
+    std::vector<std::uint16_t> first_;  ///< per cell: the bin of its least curvature
 };
 
 }  // namespace igeo

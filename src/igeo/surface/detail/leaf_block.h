@@ -1,4 +1,4 @@
-/// psi around one leaf, gathered once so that stencils need no look-ups. Internal.
+/// psi around one leaf, gathered once so that stencils read an array. Internal.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -22,8 +22,8 @@ public:
     using Leaf = openvdb::FloatTree::LeafNodeType;
     using Accessor = openvdb::tree::ValueAccessor<const openvdb::FloatTree, false>;
 
-    /// What is gathered beyond the leaf: enough for differences along the axes, for second ones of
-    /// two axes, or all.
+    /// How much is gathered beyond the leaf: enough for differences along the axes, for second
+    /// differences in two axes, or all.
     enum Beyond { kFaces = 1, kEdges = 2, kCorners = 3 };
     /// @param dx divides the values: voxel size in world units
     void gather(const Accessor& psi, const openvdb::Coord& origin, double dx,
@@ -37,11 +37,11 @@ public:
 
     /// psi at voxel (x, y, z) of the leaf, each in [-1, 8].
     double at(int x, int y, int z) const { return row(x, y)[z]; }
-    /// psi at the voxels (x, y, -1) to (x, y, 8), at -1 to 8.
+    /// psi at the voxels (x, y, -1) to (x, y, 8), at indices -1 to 8.
     const float* row(int x, int y) const {
         return &values_[std::size_t(100 * (x + 1) + 10 * (y + 1) + 1)];
     }
-    /// Which of them are active: bit z + 1.
+    /// Which of these voxels are active: bit z + 1.
     unsigned active(int x, int y) const { return active_[std::size_t(10 * (x + 1) + y + 1)]; }
 
 private:
@@ -74,7 +74,7 @@ private:
             copyRow(from + 8 * y, bits, scale, &values_[10 * at + 1]);
         }
     }
-    /// The voxels before or behind the rows, from the leaf there.
+    /// Copies the voxels before or after the rows, from the leaf there.
     void copyEnds(const float* from, std::uint64_t slice, const Ijk& s, double scale,
                   std::size_t row) {
         const unsigned z = s.z < 0 ? 7 : 0, shift = s.z < 0 ? 0 : 9;
@@ -87,14 +87,14 @@ private:
             to[10 * at] = is ? value : kMissing;
         }
     }
-    /// Per set of active voxels, ones where there is one.
+    /// Per set of active voxels: a mask of ones for each of them.
     static constexpr auto kMasks = [] {
         std::array<std::array<std::uint32_t, 8>, 256> masks{};
         for (std::size_t set = 0; set < 256; ++set)
             for (std::size_t z = 0; z < 8; ++z) masks[set][z] = set >> z & 1 ? ~0u : 0u;
         return masks;
     }();
-    /// Without branches: half of the rows hold voxels of both kinds.
+    /// Without branches: half of the rows have voxels of both kinds.
     static void copyRow(const float* from, unsigned active, double scale, float* to) {
         constexpr auto kNaN = std::bit_cast<std::uint32_t>(kMissing);
         const std::array<std::uint32_t, 8>& mask = kMasks[active];
@@ -110,9 +110,9 @@ private:
     std::array<std::uint16_t, 100> active_{};
 };
 
-/// What differences of psi show at the eight voxels of a row, side by side and in single precision.
+/// Differences of psi at the eight voxels of a row, in single precision for vector instructions.
 struct PsiRow {
-    unsigned active, complete;    ///< bits by z; the rest is for complete ones
+    unsigned active, complete;    ///< bits by z; slope2 is valid for complete ones
     std::array<float, 8> slope2;  ///< squared length of the central differences
 
     PsiRow(const LeafBlock& b, int x, int y) {
@@ -131,7 +131,7 @@ struct PsiRow {
         }
     }
     float slope(std::size_t k) const { return std::sqrt(slope2[k]); }
-    /// Whether PsiDifferences::smooth, but for rounding.
+    /// The same as PsiDifferences::smooth, up to rounding.
     bool smooth(std::size_t k) const {
         constexpr float kLeast = float((1 - kSmooth) * (1 - kSmooth)),
                         kMost = float((1 + kSmooth) * (1 + kSmooth));
@@ -155,11 +155,11 @@ struct PsiDifferences {
     double bend(int axis, double side) const { return side * (forward[axis] - backward[axis]); }
     /// Laplacian of |psi|: the curvature 1 / r + 1 / r' of its level set on the round side.
     double laplacian(double side) const { return bend(0, side) + bend(1, side) + bend(2, side); }
-    /// No kink of psi here: no crease, no medial axis.
+    /// Whether psi has no kink here: no crease, no medial axis.
     bool smooth() const { return complete() && std::abs(length(central()) - 1) < PsiRow::kSmooth; }
 };
 
-/// Calls visit(x, y, bits) for the rows of a leaf that hold nodes of the band, in their order.
+/// Calls visit(x, y, bits) for the rows of a leaf that contain nodes of the band, in their order.
 template <typename Visit>
 void forRows(const BandLeaf& leaf, const Visit& visit) {
     for (int x = 0; x < 8; ++x)
@@ -197,19 +197,20 @@ inline double largestCurvature(const LeafBlock& b, int x, int y, int z) {
     return std::isnan(curvatures[1]) ? std::numeric_limits<double>::quiet_NaN() : largest;
 }
 
-/// Whether a neighbor is missing that the level set has elsewhere: S is cut at this voxel.
+/// Whether a neighbor is missing where the level set should have one: S is cut at this voxel.
 /// @param psi, halfWidth  voxels
 inline bool cutBeside(const PsiDifferences& d, double psi, double halfWidth) {
     return !d.complete() && std::abs(psi) + 1.01 < halfWidth;
 }
 
-/// grad psi by the differences that belong to one face.
+/// grad psi by differences that belong to one face.
 ///
 /// Central differences are of second order. Around a crease |psi| is convex on the side where its
-/// level sets are round (they turn fast, but they do not break: the direction of the central
-/// difference holds), and has a concave kink on the other, the medial axis. There a central
-/// difference mixes two faces (|grad psi| < 1), and each axis takes the side that makes the length
-/// come out best. Missing neighbors leave the other side; an axis with neither gives 0.
+/// level sets are round: their direction changes fast, but the central difference has the right
+/// direction. On the other side |psi| has a concave kink, the medial axis. There a central
+/// difference mixes two faces (|grad psi| < 1), so each axis takes the side for which the length of
+/// the gradient is closest to 1. Where one neighbor is missing the other side is used; an axis
+/// without either gives 0.
 inline Vec3d psiGradient(const PsiDifferences& d, double psi) {
     const Vec3d central = d.central();
     if (d.smooth()) return central;

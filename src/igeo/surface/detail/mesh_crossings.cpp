@@ -24,11 +24,11 @@ struct Interval {
             low = std::min(low, d), high = std::max(high, d);
         }
     }
-    /// How far one has to move for the two to part.
+    /// The least shift that separates the two.
     double depth(const Interval& o) const { return std::min(high - o.low, o.high - low); }
 };
 
-/// Whether two triangles reach into each other by more than a tolerance along an axis.
+/// Whether two triangles overlap by more than a tolerance along an axis.
 class Pair {
 public:
     Pair(const Corners& a, const Corners& b, double tolerance)
@@ -58,7 +58,7 @@ private:
     bool overlapAlong(const Vec3d& axis) const {
         return Interval(a_, axis, a_[0]).depth(Interval(b_, axis, a_[0])) > tolerance_;
     }
-    /// Across the edges of t in its plane.
+    /// Tests the axes in the plane of t that are normal to its edges.
     bool overlapAcross(const Corners& t, const Vec3d& n) const {
         for (std::size_t k = 0; k < 3; ++k)
             if (!overlapAlong(normalized(igeo::cross(t[(k + 1) % 3] - t[k], n)))) return false;
@@ -80,7 +80,7 @@ private:
     double tolerance_;
 };
 
-/// A box in single precision about the middle of the mesh: off by less than the tolerance.
+/// A box in single precision, relative to the middle of the mesh: its error is below the tolerance.
 struct FloatBox {
     Vec3f low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
 
@@ -124,7 +124,7 @@ private:
     std::size_t firstRun_ = 1;    ///< in node_
 };
 
-/// 21 bits, with two free ones after each.
+/// Spreads 21 bits, with two zeros after each.
 std::uint64_t spread(std::uint64_t x) {
     x = (x | x << 32) & 0x1f00000000ffff;
     x = (x | x << 16) & 0x1f0000ff0000ff;
@@ -174,7 +174,7 @@ template <typename Visit>
 void TriangleTree::forPairs(std::size_t r, const Visit& visit) const {
     const std::size_t self = firstRun_ + r;
     forPairsOfRuns(r, r, visit);
-    // Runs that come later: below the right-hand siblings on the path up.
+    // Later runs: below the right-hand siblings on the path up.
     for (std::size_t up = self; up > 1; up /= 2) {
         if (up % 2 == 1) continue;
         std::array<std::size_t, 64> open{up + 1};

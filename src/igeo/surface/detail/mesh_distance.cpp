@@ -12,7 +12,7 @@ namespace {
 
 using Triangle = TriangleMesh::Triangle;
 
-/// A triangle that comes near to a leaf.
+/// A triangle close to a leaf.
 struct Meeting {
     Ijk leaf;  ///< origin / 8
     std::uint32_t triangle;
@@ -34,7 +34,7 @@ struct Corners : TriangleCorners {
         }
         normal = normalized(cross(ab, ac));
     }
-    /// Whether it may come within r of p: by its plane and its box.
+    /// Whether it may be within r of p, by its plane and its box.
     bool mayReach(const Vec3d& p, double r) const {
         if (std::abs(dot(normal, p - a)) > r) return false;
         double d2 = 0;
@@ -44,7 +44,7 @@ struct Corners : TriangleCorners {
         }
         return d2 <= r * r;
     }
-    /// Whether its box comes within r of the box of a leaf's voxels.
+    /// Whether its box is within r of the box of a leaf's voxels.
     bool mayReach(const Ijk& leaf, double r) const {
         for (int k = 0; k < 3; ++k)
             if (low[k] > leaf[k] + 7 + r || high[k] < leaf[k] - r) return false;
@@ -52,7 +52,7 @@ struct Corners : TriangleCorners {
     }
 };
 
-/// The leaves a triangle comes near to.
+/// Finds the leaves that a triangle is close to.
 void findMeetings(const Corners& t, std::uint32_t number, double reach, std::vector<Meeting>& out) {
     constexpr double kHalfDiagonal = 3.5 * 1.7320508075688772;
     const Vec3d margin{reach, reach, reach};
@@ -65,20 +65,21 @@ void findMeetings(const Corners& t, std::uint32_t number, double reach, std::vec
                 const Vec3d center{8.0 * x + 3.5, 8.0 * y + 3.5, 8.0 * z + 3.5};
                 const double r = reach + kHalfDiagonal;
                 if (!one && !t.mayReach(center, r)) continue;
-                // Triangles across many leaves: their boxes hold more than they meet.
+                // The box of a triangle across many leaves contains leaves that are not close to
+                // it.
                 if (!one && length(t.nearest(center).point - center) > r) continue;
                 out.push_back({{x, y, z}, number});
             }
 }
 
-/// Nearest so far, per voxel of a leaf.
+/// The nearest triangle so far, per voxel of a leaf.
 struct Best {
     double squared = kInfinity, distance = kInfinity;
     std::uint32_t triangle = 0;
     NearestOnTriangle nearest;
 };
 
-/// Voxels [first, second] of a row that come within `reach` of the plane of a triangle; a bit more.
+/// Voxels [first, second] of a row within `reach` of the plane of a triangle, with a margin.
 std::pair<int, int> nearPlane(const Corners& t, const Vec3d& row, double reach) {
     const double slack = reach * (1 + 1e-9) + 1e-6, at = dot(t.normal, row - t.a),
                  slope = t.normal.z;

@@ -10,13 +10,13 @@ namespace igeo {
 
 namespace {
 
-/// Foot points of a gap's two sides lie this much further apart than the sides: they are about a
-/// voxel apart along them.
+/// Foot points on the two sides of a gap may be this much farther apart than the gap is wide,
+/// because they are about a voxel apart along it.
 constexpr double kBeside = 1.5;
-/// Bridges from a node to another component: enough for the fit of a front.
+/// Bridges from a node to another component: enough to fit a front.
 constexpr std::size_t kNearest = 4;
 
-/// Core nodes to look among: those of a component, or those at its boundary.
+/// Core nodes to search: those of a component, or those at its boundary.
 struct Side {
     std::vector<NodeIndex> nodes;
     std::vector<Vec3d> feet;
@@ -42,19 +42,19 @@ public:
     MeshJoints find(Progress& progress);
 
 private:
-    /// From the nodes of one side to the nearest of the other.
+    /// Joins the nodes of one side to the nearest of the other.
     void join(const Side& from, const Side& to);
-    /// Between nodes at the boundary of one component that no walk joins.
+    /// Joins nodes at the boundary of one component that no walk joins.
     void joinBoundaries(const Side& boundary, Progress& progress);
-    /// The point nearest to p of the part of a component around one of its nodes.
+    /// The point nearest to p on the part of a component around one of its nodes.
     Vec3d nearestTo(const Vec3d& p, NodeIndex on) const;
-    /// Between two components, around two of their nodes.
+    /// The gap between two components, around two of their nodes.
     double gapBetween(NodeIndex i, NodeIndex j) const;
-    /// Between foot points at boundaries of one component.
+    /// The gap between foot points at boundaries of one component.
     double gapBetweenRims(NodeIndex i, NodeIndex j) const;
     bool atBoundary(NodeIndex i) const;
     void add(NodeIndex i, NodeIndex j) {
-        // Where normals turn too far a front cannot be carried on: it starts again.
+        // Where normals differ too much a jet cannot be transported: the front starts again.
         const bool jump = dot(on_.band.normal[i], on_.band.normal[j]) < 0.5f;
         bridges_.push_back({i, j, 1, jump});
     }
@@ -80,7 +80,7 @@ Vec3d Joints::nearestTo(const Vec3d& p, NodeIndex on) const {
 }
 
 double Joints::gapBetween(NodeIndex i, NodeIndex j) const {
-    // To and fro between the sides, from the foot points to their rims.
+    // Alternating projections between the sides, from the foot points to their rims.
     const Vec3d there = nearestTo(on_.foot(i).at, j), here = nearestTo(there, i);
     return length(nearestTo(here, j) - here);
 }

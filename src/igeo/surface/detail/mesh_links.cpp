@@ -14,7 +14,7 @@ namespace igeo {
 
 namespace {
 
-/// The triangles around a leaf, by sheets: parts joined within them.
+/// The triangles around a leaf, grouped by sheets: parts connected within them.
 class LeafSheets {
 public:
     LeafSheets(const MeshBand& on, const std::vector<std::uint32_t>& triangles)
@@ -33,11 +33,11 @@ public:
         }
         findUneven(on.faceNormal);
     }
-    /// All of it is one sheet over a plane, without an end: its points are not much further apart
-    /// along it than in space.
+    /// Whether all are one sheet, nearly a plane and without a boundary: distances along it are
+    /// hardly longer than in space.
     bool isOneEvenSheet() const { return isOne_ && !uneven_[0]; }
     static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-    /// The sheet of this kind that a triangle is on, or kNone.
+    /// The even sheet of a triangle, or kNone.
     std::uint32_t evenSheetOf(std::uint32_t t) {
         const std::uint32_t a = indexOf(t);
         if (a == kNone) return kNone;
@@ -48,10 +48,10 @@ public:
 private:
     static constexpr double kEven = 0.57;  ///< 55 degrees, as the faces at the corner of a box
 
-    /// Normals further than kEven from the middle of two that are far apart.
+    /// Finds sheets with normals farther than kEven from the middle of two that are far apart.
     void findUneven(const std::vector<Vec3d>& faceNormal) {
         std::vector<Vec3d> first(triangles_.size()), second(first);
-        // Triangles on one line have no normal.
+        // Degenerate triangles have no normal.
         auto forNormals = [&](const auto& visit) {
             for (std::uint32_t a = 0; a < triangles_.size(); ++a)
                 if (const Vec3d& n = faceNormal[triangles_[a]]; n != Vec3d{})
@@ -77,7 +77,7 @@ private:
 
     const std::vector<std::uint32_t>& triangles_;  ///< sorted
     DisjointSets sheets_;
-    std::vector<bool> uneven_;  ///< per first triangle of a sheet
+    std::vector<bool> uneven_;  ///< per sheet, at its first triangle
     bool isOne_ = true;
 };
 
@@ -86,14 +86,14 @@ Vec3f chordOf(const Band& band, NodeIndex i, NodeIndex j) {
     return band.footOf(i) - band.footOf(j) - Vec3f(band.ijk(j) - band.ijk(i));
 }
 
-/// How far apart a march takes two foot points for.
+/// The distance between two foot points as a march computes it.
 double arcOf(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
     const TangentFrame frame(band.normal[i], band.faceted);
     const float cosine = dot(band.normal[i], band.normal[j]);
     return std::max(length(frame.unfold(chord, band.normal[j], cosine)), length(chord));
 }
 
-/// The longest walk that an arc may stand for.
+/// The longest walk that a link with this arc may represent.
 double longestFor(double arc) { return 1.25 * arc + 0.25; }
 
 /// The links of one leaf's nodes to nodes of larger numbers.
@@ -106,7 +106,7 @@ public:
         for (const NearVoxel& v : on.leaves[l].voxels)
             sheetOf_.push_back(sheets.evenSheetOf(v.triangle));
         const auto first = on.band.facing.begin() + nodes_.firstNode;
-        // Where the core says that nothing is near, nothing is.
+        // Where no core node has a sheet facing it, no node has.
         if (std::all_of(first, first + nodes_.count, [](std::uint8_t f) { return f == 0; })) {
             find(sheets, /*coreOnly=*/true);
             if (off_.empty()) return;
@@ -136,7 +136,7 @@ private:
         const Band& band = on_.band;
         const MeshPoint from = on_.foot(i), to = on_.foot(j);
         if (from.triangle == to.triangle) return;
-        // Also where normals say it all, so that no link leads around (Band::joined).
+        // Pairs that normals separate are severed too, so that no link leads around (Band::joined).
         if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet ||
             !(walk_.length(from, to, longestFor(arcOf(band, i, chordOf(band, i, j), j))) <
               kInfinity))
@@ -151,7 +151,7 @@ private:
     std::vector<std::uint32_t> sheetOf_;  ///< per node of the leaf: LeafSheets::evenSheetOf
 };
 
-/// Core nodes that links of a core node lead to, sorted, and their directions.
+/// Collects the core nodes linked to a core node, sorted, and their directions.
 void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked,
                   std::vector<double>* angles) {
     linked.clear();
@@ -168,23 +168,23 @@ void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked,
     std::sort(linked.begin(), linked.end());
 }
 
-/// Finds the bridges of nodes around which links leave a sector open.
+/// Finds bridges for nodes whose links leave a sector open.
 class Bridges {
 public:
     explicit Bridges(const MeshBand& on) : on_(on), band_(on.band), walk_(on.adjacency) {}
-    /// Adds those from a core node.
+    /// Adds the bridges from a core node.
     void find(NodeIndex i, std::vector<Bridge>& bridges);
 
 private:
     static constexpr double kOpen = 1.9;    ///< radians; neighbors in a lattice leave a right angle
-    static constexpr double kBeside = 0.3;  ///< this close to a link it leads there
+    static constexpr double kBeside = 0.3;  ///< closer to a link, a bridge leads the same way
     static constexpr std::size_t kMost = 4;  ///< per node
 
-    /// Turns directions into the open sector between two of them, [from, to]; the widest.
+    /// Finds the widest open sector between two directions, [from, to].
     bool findOpenSector();
     bool inOpenSector(const Vec2f& direction) const;
     bool haveLinkInCommon(NodeIndex j);
-    /// The length of the walk to j, if a bridge is wanted; +inf otherwise.
+    /// The length of the walk to j, if a bridge is needed; +infinity otherwise.
     double lengthTo(NodeIndex i, NodeIndex j, Bridge& bridge);
 
     const MeshBand& on_;
@@ -222,8 +222,7 @@ bool Bridges::haveLinkInCommon(NodeIndex j) {
 }
 
 double Bridges::lengthTo(NodeIndex i, NodeIndex j, Bridge& bridge) {
-    // Normals that meet head on, at the tip of a thin plate, leave no direction to turn gradients
-    // by.
+    // With opposite normals, at the tip of a thin plate, gradients cannot be transported.
     constexpr float kHeadOn = -0.95f;
     constexpr double kLongest = 6, kShort = 1e-3;
     if (std::binary_search(linked_.begin(), linked_.end(), j)) return kInfinity;
@@ -234,7 +233,7 @@ double Bridges::lengthTo(NodeIndex i, NodeIndex j, Bridge& bridge) {
     const double most = std::min(2 * arc + 1, kLongest);
     const double length = walk_.length(on_.foot(i), on_.foot(j), most);
     if (!(length < kInfinity) || haveLinkInCommon(j)) return kInfinity;
-    // Around the end of a slit a front does not go straight on.
+    // Around the end of a slit a front does not continue straight.
     const bool bent = length > longestFor(arc);
     bridge = {i, j, float(std::max(1.0, length / std::max(arc, kShort))), jump || bent};
     return length;

@@ -1,4 +1,4 @@
-/// Which links of a mesh's band the mesh has. Internal.
+/// The links of a mesh's band, checked against the mesh. Internal.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -28,27 +28,26 @@ struct MeshBand {
     }
 };
 
-/// Links between neighbors that normals allow and the mesh does not: where a walk over triangles is
-/// much longer than the path over the two tangent planes that a march takes it for, or where there
-/// is none.
+/// Links between neighbors that normals allow but the mesh does not have: where a walk over
+/// triangles is much longer than the path over the two tangent planes, which a march uses as its
+/// length, or where there is no walk.
 /// @throws Error  Cancelled through `progress`
-/// Time O(triangles + nodes), in parallel: where the triangles around a leaf are joined and face
-/// one way, nothing is asked of its nodes, and where nothing faces them, of the core alone.
+/// Time O(triangles + nodes), in parallel: leaves whose triangles are connected and face one
+/// direction are skipped, and leaves where no sheet faces another are tested at the core only.
 /// @param on  its core numbered
 std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress);
 
-/// Bridges between core nodes up to three steps apart that the mesh joins by a short walk and that
-/// have no path over one node in between: where sheets cross, or lie so close that voxels are used
-/// up by others.
+/// Bridges between core nodes up to three steps apart that the mesh joins by a short walk, with no
+/// path over one node in between: where sheets cross, or lie so close that other sheets take the
+/// voxels.
 /// @param on  its core numbered, links severed
 std::vector<Bridge> bridgesOnMesh(const MeshBand& on, Progress& progress);
 
-/// The share of core nodes that links and bridges do not join with the largest part of their
-/// component: what the voxels are too large for. 0 where no link is severed.
-/// Time O(n log n).
+/// The share of core nodes that links and bridges do not join to the largest part of their
+/// component, because the voxels are too large. 0 where no link is severed. Time O(n log n).
 double shareCutOff(const MeshBand& on);
 
-/// Each pair once, and no more per node than a march holds; sorted.
+/// Each pair once, at most as many per node as a march stores; sorted.
 std::vector<Bridge> thinned(std::vector<Bridge> bridges);
 
 }  // namespace igeo

@@ -19,7 +19,7 @@ Vec3d leastSum(const Vec3d& a, const Vec3d& b, const Vec3d& p, const Vec3d& q) {
     const Vec3d e = b - a;
     const double l2 = dot(e, e);
     if (!(l2 > 0)) return a;
-    // Unfolded about the line: p and q on two sides of it, at their heights.
+    // Unfolded around the line: p and q on two sides of it, at their distances.
     const double s = dot(p - a, e) / l2, t = dot(q - a, e) / l2;
     const double hp = length(p - a - s * e), hq = length(q - a - t * e);
     const double at = hp + hq > 0 ? (s * hq + t * hp) / (hp + hq) : s;
@@ -50,7 +50,7 @@ bool MeshAdjacency::overlap(const Side& a, const Side& b, double tolerance) cons
     Vec3d first;
     for (std::size_t k = 0; k < 2; ++k)
         for (const auto& [p, s] : {std::pair(end(a, k), b), std::pair(end(b, k), a)}) {
-            // Two ends in one place are a corner that both have.
+            // Two ends at one point are a common corner.
             if (!on(p, s) || (ends > 0 && length(p - first) <= 2 * tolerance)) continue;
             if (ends++ == 0) first = p;
         }

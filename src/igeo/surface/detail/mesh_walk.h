@@ -1,4 +1,4 @@
-/// Walks over the triangles of a mesh: how far two points are apart along it. Internal.
+/// Walks over the triangles of a mesh: the distance of two points along it. Internal.
 #pragma once
 
 #include <igeo/io/triangle_mesh.h>
@@ -17,15 +17,17 @@ struct MeshPoint {
     Vec3d at;
 };
 
-/// Which triangles meet: through edges of any number of them, and along boundary edges of which one
-/// lies on the other, as where a corner of small triangles ends on the edge of a large one.
+/// Adjacency of triangles: through edges of any number of triangles, and along boundary edges of
+/// which one lies on the other, as where a corner of small triangles ends on the edge of a large
+/// one.
 class MeshAdjacency {
 public:
-    /// @param mesh, topology  have to outlive it
+    /// @param mesh, topology  must outlive it
     MeshAdjacency(const TriangleMesh& mesh, const MeshTopology& topology);
 
     const TriangleMesh& mesh() const { return mesh_; }
-    /// Calls visit(u) for the triangles beyond the edge from corner k of triangle t to the next.
+    /// Calls visit(u) for the triangles beyond the edge from corner k of triangle t to the next
+    /// corner.
     template <typename Visit>
     void forBeyond(std::uint32_t t, std::size_t k, const Visit& visit) const {
         const std::uint32_t u = topology_.neighbor[t][k];
@@ -39,7 +41,7 @@ public:
         for (auto at = firstAtEdge(t, k); at != many_.end() && at->first == edge(t, k); ++at)
             if (at->second != t) visit(at->second);
     }
-    /// Components are joined along all of them, and numbered from 0 on.
+    /// The number of components, joined through all adjacencies and numbered from 0.
     std::size_t components() const { return components_; }
     std::uint32_t componentOf(std::uint32_t t) const { return component_[t]; }
     bool isBoundary(std::uint32_t t, std::size_t k) const {
@@ -49,7 +51,7 @@ public:
     bool isAtBoundary(std::uint32_t t, std::size_t k) const {
         return atBoundary_[mesh_.triangles[t][k]];
     }
-    /// Whether one triangle lies beyond the edge, and one only.
+    /// Whether exactly one triangle lies beyond the edge.
     bool isPlain(std::uint32_t t, std::size_t k) const {
         return topology_.neighbor[t][k] < MeshTopology::kMany;
     }
@@ -82,29 +84,29 @@ private:
     std::vector<AtEdge> many_;      ///< triangles at edges of three or more, sorted
 };
 
-/// Looks for short walks. One per thread, used again and again.
+/// Searches for short walks. One per thread, reused.
 class MeshWalk {
 public:
     explicit MeshWalk(const MeshAdjacency& adjacency) : adjacency_(adjacency) {}
 
-    /// The length of a walk from one point to another, if it finds one of `most` or less; +inf
-    /// otherwise.
+    /// The length of a walk from one point to another, if it finds one of at most `most`; else
+    /// +infinity.
     ///
-    /// Crosses every edge at the point with the least sum of distances to both ends: of walks over
-    /// one edge, or over faces in one plane, these are the shortest, and of others hardly longer.
-    /// Time O(triangles that meet the ellipsoid of such points with a sum up to `most`).
+    /// Crosses every edge at the point with the least sum of distances to both ends. Walks over one
+    /// edge, or over faces in one plane, are the shortest; others are hardly longer. Time
+    /// O(triangles that meet the ellipsoid of points with a sum up to `most`).
     double length(const MeshPoint& from, const MeshPoint& to, double most);
 
 private:
     struct Stop {
-        double bound, walked;  ///< of the whole walk at least; up to here
+        double bound, walked;  ///< lower bound of the whole walk; length so far
         std::uint32_t triangle, edge;
         Vec3d at;
         bool operator<(const Stop& o) const { return bound > o.bound; }
     };
-    /// Puts the exits of a triangle onto the heap.
+    /// Pushes the exits of a triangle onto the heap.
     void leave(std::uint32_t triangle, const Vec3d& at, double walked, std::uint32_t entry);
-    /// Whether an edge of a triangle is met for the first time in this walk.
+    /// Whether this walk meets an edge of a triangle for the first time.
     bool isNew(std::uint64_t side);
 
     const MeshAdjacency& adjacency_;

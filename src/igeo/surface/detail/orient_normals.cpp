@@ -15,8 +15,8 @@ namespace {
 using Index = PointTree::Index;
 
 struct Edge {
-    float doubt;  ///< 0: none, 1: says nothing
-    bool turned;  ///< the normals look to different sides
+    float doubt;  ///< 0: certain, 1: no information
+    bool turned;  ///< the normals point to different sides
     Index a, b;   ///< a < b
     bool operator<(const Edge& o) const {
         return std::tie(doubt, a, b) < std::tie(o.doubt, o.a, o.b);
@@ -38,8 +38,8 @@ std::vector<Edge> edges(const PointTree& points, const std::vector<Vec3d>& norma
                 const Vec3d way = normalized(points[b] - points[a]);
                 const double alongA = dot(normals[a], way), alongB = dot(normals[b], way);
                 const double agree = dot(normals[a], normals[b]) - 2 * alongA * alongB;
-                // Two points one above the other may also be the scatter of one sheet: there the
-                // edges along it come first.
+                // Two points one above the other may also be scatter of one sheet: there the edges
+                // along the sheet come first.
                 const double steep = std::max(std::abs(alongA), std::abs(alongB));
                 const double trust = std::abs(agree) * (1 - 0.7 * steep);
                 all[at++] = {float(1 - trust), agree < 0, a, b};

@@ -26,7 +26,7 @@ const std::vector<PointTree::Found>& PointsAround::nearest(const Vec3d& p) {
     const std::size_t count = std::min(kNearest, points_.size());
     const double off = length(p - middle_) * kRounding;
     found_.clear();
-    double farthest = kInfinity;  // of those found, if they are enough
+    double farthest = kInfinity;  // of those found, if there are enough
     for (const Near& n : near_) {
         if (n.distance - off > farthest) break;
         const Vec3d r = p - n.at;

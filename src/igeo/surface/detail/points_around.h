@@ -1,4 +1,4 @@
-/// The points of a tree that may matter to positions in a small ball. Internal.
+/// Points of a tree near a small ball, for many queries in it. Internal.
 #pragma once
 
 #include <igeo/base/point_tree.h>
@@ -8,24 +8,24 @@
 
 namespace igeo {
 
-/// Finds the points of a ball once, so that the tree is not searched for each position in it.
-/// Answers are those of the tree, bit by bit. One per thread, used again and again.
+/// Finds the points around a ball once, so that the tree is not searched for each position in it.
+/// The answers are those of the tree, bit by bit. One per thread, reused.
 class PointsAround {
 public:
     using Index = PointTree::Index;
 
-    /// @param points  has to outlive it, its reach set
+    /// @param points  must outlive it, its reach set
     explicit PointsAround(const PointTree& points) : points_(points) {}
 
-    /// Moves on to another ball.
-    /// @param beside  how far beyond it forReaching will be asked, its `more` included
+    /// Moves to another ball.
+    /// @param beside  how far beyond it forReaching will look, its `more` included
     void moveTo(const Vec3d& middle, double radius, double beside);
 
     /// The kNearest points nearest to a position in the ball, nearest first; valid until the next
     /// call.
     const std::vector<PointTree::Found>& nearest(const Vec3d& p);
     static constexpr std::size_t kNearest = 5;
-    /// Whether holds(i) for one of the points that nearest() may give in the ball.
+    /// Whether holds(i) for one of the points that nearest() may return in the ball.
     template <typename Holds>
     bool anyNear(const Holds& holds) const {
         for (const Near& n : near_)
@@ -33,7 +33,7 @@ public:
         return false;
     }
 
-    /// As PointTree::forReaching; fast near the ball.
+    /// The same as PointTree::forReaching; fast near the ball.
     template <typename Visit>
     void forReaching(const Vec3d& p, double more, const Visit& visit) {
         if (length(p - middle_) + more > reach_) return points_.forReaching(p, more, visit);
@@ -47,7 +47,7 @@ public:
 
 private:
     struct Near {
-        double distance;  ///< to the middle
+        double distance;  ///< to the center of the ball
         Vec3d at;
         Index index;
     };

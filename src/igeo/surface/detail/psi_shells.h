@@ -1,4 +1,4 @@
-/// How the values of a level set are spread. Internal.
+/// The distribution of a level set's values. Internal.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -10,19 +10,19 @@
 
 namespace igeo {
 
-/// Voxels by |psi|, in shells one voxel thick.
+/// Numbers of voxels by |psi|, in shells one voxel thick.
 class Shells {
 public:
     void add(double voxels) { ++count_[std::size_t(std::min(voxels, double(kMost)))]; }
     void add(const Shells& other) {
         for (std::size_t k = 0; k <= kMost; ++k) count_[k] += other.count_[k];
     }
-    /// |psi| from which on voxels are strays: two voxels beyond the last shell that is not a
-    /// hundredth of the one below. Infinite where these would be half of all.
+    /// The |psi| from which on voxels are strays: two voxels beyond the last shell with at least a
+    /// hundredth of the voxels of the one below. Infinite if half of all voxels would be strays.
     double strayFrom() const;
 
 private:
-    static constexpr std::size_t kMost = 1000;  // and all beyond
+    static constexpr std::size_t kMost = 1000;  // the last shell holds all beyond
     std::vector<std::uint64_t> count_ = std::vector<std::uint64_t>(kMost + 1);
 };
 

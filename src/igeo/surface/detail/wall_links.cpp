@@ -12,12 +12,12 @@ namespace igeo {
 
 namespace {
 
-/// Voxels. Below kAtSurface a point is on S: in a wall of one voxel the interpolant of psi has
-/// little more. kSlack is for foot points and normals beside creases; of a foot point off the
-/// interpolant's zero set, at corners by up to 0.48, up to kMostOff is compensated.
+/// Voxels. Below kAtSurface a point is on S: in a wall of one voxel the interpolant of psi is
+/// hardly larger. kSlack covers errors of foot points and normals beside creases. At corners foot
+/// points are up to 0.48 off the interpolant's zero set; up to kMostOff of this is compensated.
 constexpr double kAtSurface = 0.03, kSlack = 0.3, kMostOff = 0.5, kSpacing = 0.25;
 
-/// Sine of the angle by which normals turn away from each other on a convex part beyond doubt.
+/// Sine of the angle by which normals on a clearly convex part turn away from each other.
 constexpr double kTurn = 0.2;
 
 /// The trilinear interpolant of psi, in voxels; NaN beside inactive voxels.
@@ -36,11 +36,11 @@ public:
                    (k & 1 ? t.z : 1 - t.z) * corner_[k];
         return sum;
     }
-    /// Whether psi at p is known to be of a sign, and off S.
+    /// Whether psi at p has the given sign, and p is off S.
     bool isBeyond(const Vec3d& p, double sign) { return sign * at(p) > kAtSurface; }
 
 private:
-    /// The corners of the cell, in which the next points mostly are.
+    /// Reads the corners of the cell, which usually contains the next points too.
     void gather(const Ijk& low) {
         low_ = low;
         for (std::size_t k = 0; k < 8; ++k) {
@@ -57,13 +57,13 @@ private:
     std::array<double, 8> corner_;
 };
 
-/// Bit of the side of S on which psi has this sign.
+/// The bit of the side of S on which psi has this sign.
 unsigned sideOf(double psi) { return psi < 0 ? 1 : 2; }
 
-/// Whether the chord between foot points runs through a wall or across a slot.
+/// Whether the chord between foot points passes through a wall or across a slot.
 /// @param a, b  the unit normals at its ends
-/// @param sides  bits of the sides of S on which sheets meet: past a rim that the interpolant cuts
-///               short, no slot is
+/// @param sides  bits of the sides of S on which sheets meet: beyond a rim that the interpolant
+///               cuts off there is no slot
 bool runsThroughWall(PsiBetween& psi, const Vec3d& from, const Vec3d& chord, const Vec3d& a,
                      const Vec3d& b, unsigned sides) {
     const Vec3d mean = normalized(a + b);
@@ -75,9 +75,9 @@ bool runsThroughWall(PsiBetween& psi, const Vec3d& from, const Vec3d& chord, con
         const Vec3d p = from + t * chord;
         const double value = psi.at(p), sign = value < 0 ? -1 : 1;
         if (!(std::abs(value) > kAtSurface) || !(sides & sideOf(value))) continue;
-        // At rims that the interpolant cuts short the chord of a convex part lies in the air.
+        // At rims that the interpolant cuts off, the chord of a convex part lies outside of S.
         if (-sign * alongA > turn && sign * alongB > turn) continue;
-        // How far the nearer plane is along the mean normal, if both lie on the side of S.
+        // The distance to the nearer plane along the mean normal, if both are on this side of S.
         const double toPlanes =
             std::max(0.0, std::min(sign * t * alongA, -sign * (1 - t) * alongB)) / cosine;
         const double off = (1 - t) * std::abs(psi.at(from)) + t * std::abs(psi.at(from + chord));

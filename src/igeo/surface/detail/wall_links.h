@@ -1,4 +1,4 @@
-/// Links of a level set's band that run through a wall or across a slot. Internal.
+/// Links of a level set's band that pass through a wall or across a slot. Internal.
 #pragma once
 
 #include <igeo/band/band.h>
@@ -8,7 +8,7 @@
 
 namespace igeo {
 
-/// Links between foot points that psi along their chord tells apart.
+/// Links between foot points that psi along their chord separates.
 ///
 /// Two foot points of one crease have tangent planes that meet, and S lies between the chord and
 /// the nearer plane: a line from the chord along the mean normal meets S no later than that plane.
