@@ -201,7 +201,10 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     report.peakMemory = peakMemory();
     report.threads = igeo::ThreadLimit::current();
     if (!o.report.empty()) {
-        writeDocument(o.report, reportJson(report, distance));
+        const std::size_t reached = distance.reached();
+        writeDocument(o.report,
+                      reportJson(report, *distance.marched(),
+                                 {distance.band().size(), reached, distance.extent().maxDistance}));
         report.outputs.emplace_back("report", o.report);
     }
     return {tell(report, distance, o, console), report.warnings,

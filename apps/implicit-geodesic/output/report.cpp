@@ -248,10 +248,8 @@ std::string isolinesJson(const RunReport& r, const Field& field,
     return dump(j, -1);
 }
 
-std::string reportJson(const RunReport& r, const Distance& distance) {
-    const std::shared_ptr<const Field> marched = distance.marched();
-    const Field& field = *marched;
-    const Band& band = distance.band();
+std::string reportJson(const RunReport& r, const Field& field, const Extent& whole) {
+    const Band& band = *field.band;
     const double dx = band.transform.dx;
     json j = document("report", r, field);
     const SurfaceFacts& s = r.surface;
@@ -268,9 +266,9 @@ std::string reportJson(const RunReport& r, const Distance& distance) {
         {"nodes", band.size()}, {"leaves", band.leaves.size()}, {"bytes", band.memUsage()}};
     j["unresolved"] = unresolvedJson(r.unresolved);
     j["unresolved"]["facingShare"] = shareOrNull(r.unresolved.facing);
-    j["distance"] = {{"reached", distance.reached()},
-                     {"unreached", band.size() - distance.reached()},
-                     {"max", distance.largest()},
+    j["distance"] = {{"reached", whole.reached},
+                     {"unreached", whole.nodes - whole.reached},
+                     {"max", whole.maxDistance * dx},
                      {"stoppedEarly", field.stoppedEarly}};
     const AccuracyEstimate& a = r.accuracy;
     j["accuracy"] = {{"samples", a.samples},

@@ -69,7 +69,9 @@ std::string isolinesJson(const RunReport& report, const igeo::Field& field,
                          const std::vector<igeo::Isoline>& lines);
 
 /// docs/report.schema.json.
-std::string reportJson(const RunReport& report, const igeo::Distance& distance);
+/// @param whole  of the band
+std::string reportJson(const RunReport& report, const igeo::Field& field,
+                       const igeo::Extent& whole);
 
 /// docs/matrix.schema.json.
 /// @param field  any field of the band of the matrix

@@ -57,6 +57,8 @@ struct Field {
 
     /// The values at a node. O(1).
     NodeJet at(NodeIndex i) const { return core ? atCore(i) : atBand(i); }
+    /// Whether each node knows its source.
+    bool labeled() const { return core ? sourceCount() > 1 : !label.empty(); }
     std::size_t sourceCount() const { return source.empty() ? 0 : source.back() + 1; }
 
     /// Sets `reached`, `leastStart`, `maxDistance`, `source` and `seedsNear`.

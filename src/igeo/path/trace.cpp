@@ -254,8 +254,7 @@ const SurfacePoint* Tracer::regionAround(const Arrival& arrival) const {
     if (arrival.distance > 0 || (arrival.seed && !arrival.seed->rim)) return nullptr;
     if (arrival.seed) return arrival.seed;
     for (std::size_t k = 0; k < field_.seeds.size(); ++k)
-        if (field_.seeds[k].rim &&
-            (field_.sourceCount() == 1 || field_.source[k] == arrival.source))
+        if (field_.seeds[k].rim && (!field_.labeled() || field_.source[k] == arrival.source))
             return &field_.seeds[k];
     return nullptr;
 }

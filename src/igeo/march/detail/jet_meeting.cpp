@@ -10,31 +10,13 @@ namespace igeo {
 
 namespace {
 
-constexpr std::size_t kAllAround = 7;  // links, as in the march
-
-/// frontsMeet by the links of a node, where rounding cannot change the answer: links that are made
-/// once per band turn directions by other operations.
-std::optional<bool> meetByLinks(const CoreJets& jets, std::span<const JetLink> row) {
-    if (row.size() < kAllAround) return false;
-    ThreeFronts fronts;
-    bool meet = false;
-    for (const JetLink& link : row) {
-        if (link.overCrease()) return false;
-        if (jets.accepted(link.node()))
-            meet = meet || fronts.add(link.turned(jets.state[link.node()].g));
-    }
-    if (!fronts.sure()) return {};
-    return meet;
-}
-
 /// Whether three fronts or more meet at a node, or beside it, as at a focus, where S is smooth and
 /// goes on all around. Two fronts are fitted well enough by the march.
 bool frontsMeet(const CoreJets& jets, NodeIndex i) {
+    constexpr std::size_t kAllAround = 7;  // as in the march
     constexpr float kSmooth = 0.9f;
     const JetCore& core = *jets.core;
     if (core.nodes[i].obstacleState != Metric::Clear) return false;
-    if (!core.links.empty())
-        if (const auto known = meetByLinks(jets, core.links.row(i))) return *known;
     const TangentFrame frame(core.nodes[i].normal, core.band.faceted);
     ThreeFronts fronts;
     std::size_t links = 0;
@@ -43,10 +25,8 @@ bool frontsMeet(const CoreJets& jets, NodeIndex i) {
         ++links;
         smooth &= cosine >= kSmooth;
         if (smooth && jets.accepted(j))
-            meet =
-                meet ||
-                fronts.add(
-                    flattened(frame, chord, core.nodes[j].normal, cosine, jets.gradientOf(j), 0).g);
+            meet |= fronts.add(
+                flattened(frame, chord, core.nodes[j].normal, cosine, jets.gradientOf(j), 0).g);
     });
     return meet && smooth && links >= kAllAround;
 }

@@ -125,22 +125,15 @@ class ThreeFronts {
 public:
     /// @return whether there are, with this one
     bool add(Vec2f g) {
-        for (std::size_t k = 0; k < count_; ++k) {
-            const float beyond = dot(g, g_[k]) - jet::kSameFront;
-            sure_ &= std::abs(beyond) > kRounding;
-            if (beyond >= 0) return false;
-        }
+        for (std::size_t k = 0; k < count_; ++k)
+            if (dot(g, g_[k]) >= jet::kSameFront) return false;
         g_[count_] = g;
         if (count_ == 2) return true;
         ++count_;
         return false;
     }
-    /// Whether rounding of the directions could not change that.
-    bool sure() const { return sure_; }
 
 private:
-    static constexpr float kRounding = 1e-4f;
-    bool sure_ = true;
     std::array<Vec2f, 3> g_;
     std::size_t count_ = 0;
 };

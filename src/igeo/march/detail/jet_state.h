@@ -65,10 +65,10 @@ struct CoreJets {
     std::shared_ptr<const JetCore> core;
     JetSeeds seeds;
     JetBuckets buckets;
-    std::vector<JetState> state;           ///< per core node
-    std::vector<std::uint32_t> label;      ///< per core node; empty for one source
-    std::vector<bool> meetings;  ///< per core node: meetNear; empty: nowhere
-    double limit = kInfinity;    ///< larger distances are left out
+    std::vector<JetState> state;       ///< per core node
+    std::vector<std::uint32_t> label;  ///< per core node; empty for one source
+    std::vector<bool> meetings;        ///< per core node: meetNear; empty: nowhere
+    double limit = kInfinity;          ///< larger distances are left out
 
     /// Whether three fronts meet at a node or at one that is linked to it, so that it took the
     /// fallback.
