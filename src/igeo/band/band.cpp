@@ -197,12 +197,16 @@ bool Band::joined(NodeIndex i, NodeIndex j) const {
     };
     if (within(d.x, d.y, d.z) && !severed(i, j)) return true;
     const std::uint32_t fromI = severedSteps(i), fromJ = severedSteps(j);
-    bool found = false;
-    forNeighbors(&BandLeaf::band, i, [&](NodeIndex, int x, int y, int z) {
-        found |= within(x - d.x, y - d.y, z - d.z) && !(fromI & SeveredLinks::bit(x, y, z)) &&
-                 !(fromJ & SeveredLinks::bit(x - d.x, y - d.y, z - d.z));
-    });
-    return found;
+    auto first = [](int step) { return std::max(-1, step - 1); };
+    auto last = [](int step) { return std::min(1, step + 1); };
+    for (int x = first(d.x); x <= last(d.x); ++x)
+        for (int y = first(d.y); y <= last(d.y); ++y)
+            for (int z = first(d.z); z <= last(d.z); ++z)
+                if ((x || y || z) && !(fromI & SeveredLinks::bit(x, y, z)) &&
+                    !(fromJ & SeveredLinks::bit(x - d.x, y - d.y, z - d.z)) &&
+                    neighbor(i, x, y, z) != kNoNode)
+                    return true;
+    return false;
 }
 
 std::size_t Band::memUsage() const {

@@ -12,7 +12,7 @@ class TangentFrame {
 public:
     /// @param faceted as Band::faceted
     explicit TangentFrame(const Vec3f& normal, bool faceted = false)
-        : n_(normal), crease_(faceted ? kEdge : kCrease) {
+        : n_(normal), crease_(creaseCosine(faceted)) {
         t1_ = anyNormalTo(n_);
         t2_ = cross(n_, t1_);
     }
@@ -41,10 +41,14 @@ public:
         return (stretch * (1 + kc2 * (1.0f / 24 + kc2 * (3.0f / 640)))) * in;
     }
 
-private:
-    static constexpr float kCrease = 0.8f;   ///< 37 degrees from voxel to voxel
-    static constexpr float kEdge = 0.9999f;  ///< 0.8 degrees: smaller angles are rounding
+    /// Cosine of normals below which the geodesic goes over a crease: 37 degrees from voxel to
+    /// voxel; on facets 0.8 degrees, as smaller angles are rounding.
+    static constexpr float creaseCosine(bool faceted) { return faceted ? 0.9999f : 0.8f; }
+    /// The crease lies between two foot points where the product of their signed distances to it
+    /// is below kBetween, and the sum of these is below kFar.
+    static constexpr float kBetween = 0.05f, kFar = 8;
 
+private:
     bool unfoldOverCrease(const Vec3f& chord, const Vec3f& nj, Vec2f& over) const {
         const Vec3f e = normalized(cross(n_, nj));
         const Vec3f ti = cross(n_, e), tj = cross(nj, e);
@@ -52,7 +56,7 @@ private:
         const float sj = igeo::dot(n_, chord) / igeo::dot(n_, tj);
         const float si = -igeo::dot(nj, chord) / igeo::dot(nj, ti);
         // The crease must lie between the two, else the foot points do not belong to two faces.
-        if (!(sj * si <= 0.05f) || std::abs(sj) + std::abs(si) > 8) return false;
+        if (!(sj * si <= kBetween) || std::abs(sj) + std::abs(si) > kFar) return false;
         over = flat((sj - si) * ti + igeo::dot(chord, e) * e);
         return true;
     }

@@ -20,9 +20,12 @@ constexpr float kAlike2 = 0.01f;
 /// spreads, negative where it narrows), and by how much the circular step from one to the other
 /// misses.
 struct Pair {
-    float bend2;   ///< |g_j - g_i|^2
-    float radius;  ///< (g_j - g_i) . chord / bend2
-    float miss;    ///< infinite where the directions are of two fronts in any case
+    static constexpr float kLeastRadius = 0.25f;  ///< below, their chord is too short to tell
+    static constexpr float kAgree = 0.02f;        ///< voxels
+    static constexpr float kFocusBend2 = 0.1f;    ///< bend2 of a front that narrows by 18 degrees
+    float bend2;                                  ///< |g_j - g_i|^2
+    float radius;                                 ///< (g_j - g_i) . chord / bend2
+    float miss;  ///< infinite where the directions are of two fronts in any case
     Pair(const JetNeighbors& all, int i, int j) {
         const Vec2f chord = all.a(i) - all.a(j), bend = all.g(j) - all.g(i);
         const float cosine = dot(all.g(i), all.g(j));
@@ -34,15 +37,11 @@ struct Pair {
     }
     /// Whether both are of a front that does not narrow: fronts that meet never look so.
     bool spreads() const {
-        constexpr float kLeastRadius = 0.25f;  // below, their chord is too short to tell
         return miss < float(kInfinity) && (bend2 <= kAlike2 || radius >= kLeastRadius);
     }
     /// Whether both may be of a front that narrows to a focus. Two fronts that meet look so where
     /// one is the mirror image of the other, but not from corner to corner of a cell.
-    bool narrows() const {
-        constexpr float kAgree = 0.02f;  // voxels
-        return miss <= kAgree;
-    }
+    bool narrows() const { return miss <= kAgree; }
 };
 
 /// Whether the neighbors, all within 45 degrees of their mean direction, are of one front.
@@ -64,13 +63,12 @@ inline bool spreads(const JetNeighbors& all) {
 /// Whether the neighbors may be beside a focus: three fronts meet, or one narrows by 18 degrees and
 /// more from one to another.
 inline bool nearFocus(const JetNeighbors& all) {
-    constexpr float kBend2 = 0.1f;
     ThreeFronts fronts;
     for (int i = 0; i < all.count(); ++i) {
         if (fronts.add(all.g(i))) return true;
         for (int j = 0; j < i; ++j)
             if (const Pair pair(all, i, j);
-                pair.bend2 > kBend2 && pair.radius < 0 && pair.narrows())
+                pair.bend2 > Pair::kFocusBend2 && pair.radius < 0 && pair.narrows())
                 return true;
     }
     return false;

@@ -15,6 +15,7 @@ struct JetCorners {
     struct Corner {
         Lanes weight;      ///< trilinear
         Lanes x, y, z;     ///< the chord from the foot point of the corner
+        Lanes mx, my, mz;  ///< normal there
         Lanes gx, gy, gz;  ///< direction of travel there
         Lanes u, mean;     ///< value over the weight here, and what a chord counts (meanWeight)
     };
@@ -31,11 +32,12 @@ struct JetCorners {
     void setNormal(std::size_t lane, const Vec3f& n) {
         nx[lane] = n.x, ny[lane] = n.y, nz[lane] = n.z;
     }
-    void add(std::size_t lane, float weight, const Vec3f& chord, const Vec3f& g, float u,
-             float mean) {
+    void add(std::size_t lane, float weight, const Vec3f& chord, const Vec3f& normal,
+             const Vec3f& g, float u, float mean) {
         Corner& c = corner[count[lane]++];
         c.weight[lane] = weight, c.u[lane] = u, c.mean[lane] = mean;
         c.x[lane] = chord.x, c.y[lane] = chord.y, c.z[lane] = chord.z;
+        c.mx[lane] = normal.x, c.my[lane] = normal.y, c.mz[lane] = normal.z;
         c.gx[lane] = g.x, c.gy[lane] = g.y, c.gz[lane] = g.z;
     }
     /// Makes lanes as long as the longest, by corners without a weight.
@@ -46,10 +48,12 @@ struct JetCorners {
 /// the mean direction; the values are blended.
 struct CarriedJets {
     Lanes u, gx, gy, gz;
-    std::array<bool, Lanes::kNodes> oneFront;  ///< all directions within 45 degrees of the mean
-    std::array<bool, Lanes::kNodes> close;     ///< within 3 degrees of it
+    /// Whether the corners are of one front, as jet_blend.h has it for neighbors.
+    std::array<bool, Lanes::kNodes> spreads;   ///< which does not narrow
+    std::array<bool, Lanes::kNodes> oneFront;  ///< which may narrow, but has no focus here
 };
 /// A node has the same bits in any lane, beside any others.
-void carryFromCorners(const JetCorners& corners, CarriedJets& jets);
+/// @param faceted  as Band::faceted
+void carryFromCorners(const JetCorners& corners, bool faceted, CarriedJets& jets);
 
 }  // namespace igeo

@@ -27,27 +27,26 @@ std::array<float, 8> trilinear(const Vec3f& t) {
 
 }  // namespace
 
-void Extension::add(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core, Group& group,
-                    NodeJet& to) const {
-    const NodeIndex k = band_.leaves[l].core.node(at);
+void Extension::add(const Outside& node, Group& group) const {
+    const NodeIndex k = band_.leaves[node.leaf].core.node(node.offset);
     if (k != kNoNode) {
-        to = finished(i, ofCore(k));
+        *node.to = finished(node.node, ofCore(k));
         return;
     }
-    begin(i, l, at, group).to = &to;
-    findCorners(core, group);
+    begin(node, group);
+    if (group.core)
+        findCorners(*group.core, group);
+    else
+        findCorners(group);
     if (group.full()) solve(group);
 }
 
 NodeJet Extension::at(NodeIndex i) const {
     const auto [l, at] = band_.placeOf(i);
-    const NodeIndex k = band_.leaves[l].core.node(at);
-    if (k != kNoNode) return finished(i, ofCore(k));
     Group group;
     NodeJet jet;
-    begin(i, l, at, group).to = &jet;
-    findCorners(group);
-    solve(group);
+    add({i, l, at, &jet}, group);
+    finish(group);
     return jet;
 }
 
@@ -57,10 +56,9 @@ void Extension::solve(Group& group) const {
     CarriedJets carried;
     if (!metric_.anisotropic()) {
         group.corners.pad();
-        carryFromCorners(group.corners, carried);
+        carryFromCorners(group.corners, band_.faceted, carried);
     }
-    for (std::size_t lane = 0; lane < group.size; ++lane)
-        *group.nodes[lane].to = finished(group.nodes[lane].node, extendTo(group, lane, carried));
+    for (std::size_t lane = 0; lane < group.size; ++lane) extendTo(group, lane, carried);
     group.size = 0;
 }
 
@@ -70,16 +68,22 @@ NodeJet Extension::finished(NodeIndex i, Found s) const {
     return s;
 }
 
-Extension::Group::Node& Extension::begin(NodeIndex i, LeafIndex l, unsigned at,
-                                         Group& group) const {
+void Extension::finish(const Outside& node, Found s) const {
+    if (s.distance < kInfinity)
+        s.distance =
+            std::max(s.distance,
+                     jets_.seeds.lines.from(s.label, footPoint(node.node, node.leaf, node.offset)));
+    *node.to = finished(node.node, s);
+}
+
+void Extension::begin(const Outside& node, Group& group) const {
     const std::size_t lane = group.size++;
-    Group::Node& node = group.nodes[lane];
-    node.node = i, node.leaf = l, node.offset = at;
-    node.count = 0, node.simple = true;
-    node.weight = float(metric_.at(i));
+    Group::Node& to = group.nodes[lane];
+    static_cast<Outside&>(to) = node;
+    to.count = 0, to.simple = true;
+    to.weight = float(metric_.at(node.node));
     group.corners.count[lane] = 0;
-    group.corners.setNormal(lane, band_.normal[i]);
-    return node;
+    group.corners.setNormal(lane, band_.normal[node.node]);
 }
 
 void Extension::findCorners(Group& group) const {
@@ -133,15 +137,14 @@ void Extension::addCorner(NodeIndex k, float weight, const Vec3f& from, Group& g
     const float u =
         (float(std::int64_t(state.bucket) - to.bucket) * float(jets_.buckets.width) + state.rest) /
         to.weight;
-    group.corners.add(lane, weight, from - node.foot, gradientOf(k), u,
+    group.corners.add(lane, weight, from - node.foot, node.normal, gradientOf(k), u,
                       meanWeight(node.weight, to.weight));
 }
 
-Extension::Found Extension::extendTo(const Group& group, std::size_t lane,
-                                     const CarriedJets& carried) const {
+void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const {
     const Group::Node& node = group.nodes[lane];
     const NodeIndex i = node.node;
-    if (metric_.inside(i)) return {};
+    if (metric_.inside(i)) return finish(node, {});
     Found s;
     bool simple = node.simple && node.count > 0 && metric_.clear(i);
     // One or two corners do not show that fronts meet around them.
@@ -149,25 +152,15 @@ Extension::Found Extension::extendTo(const Group& group, std::size_t lane,
     if (simple && metric_.anisotropic()) {
         s = carryInPlane(group, lane);
     } else if (simple) {
-        simple = isOfOneFront(group, lane, carried);
+        simple = carried.spreads[lane] || (carried.oneFront[lane] && !meetNear(node));
         s = {jets_.buckets.startOf(node.bucket) + double(node.weight * carried.u[lane]),
              {carried.gx[lane], carried.gy[lane], carried.gz[lane]},
              jets_.labelOf(node.core[0])};
     }
-    s = simple ? exactNearSeed(i, s) : solveFromCore(i, node.leaf, node.offset);
-    if (s.distance < kInfinity)
-        s.distance = std::max(
-            s.distance, jets_.seeds.lines.from(s.label, footPoint(i, node.leaf, node.offset)));
-    return s;
-}
-
-bool Extension::isOfOneFront(const Group& group, std::size_t lane,
-                             const CarriedJets& carried) const {
-    if (!carried.oneFront[lane]) return false;
-    if (carried.close[lane]) return true;
-    const Group::Node& node = group.nodes[lane];
-    const JetNeighbors all = around(group, lane, core_.localFrameInBand(node.node)).all();
-    return meetNear(node) ? jet::spreads(all) : jet::ofOneFront(all) && !jet::nearFocus(all);
+    if (simple)
+        finish(node, exactNearSeed(i, s));
+    else
+        addDoubtful(node, group);
 }
 
 void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
@@ -236,13 +229,14 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
     return other;
 }
 
-bool Extension::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,
-                             const LocalFrame& local, Around& found) const {
+bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, const Ijk& middle,
+                             int reach) const {
     // Further off than a cell's diagonal it may be another surface.
     constexpr float kNear2 = 3;
-    const Vec3f& normal = local.frame.normal();
+    const NodeIndex i = node.at.node;
+    const Vec3f& normal = node.local.frame.normal();
     bool onSheet = false;
-    band_.forBox(&BandLeaf::core, l, at, middle, reach, [&](NodeIndex k, const Ijk& step) {
+    auto visit = [&](NodeIndex k, const Ijk& step) {
         const JetNode& other = core_.nodes[k];
         const float cosine = dot(normal, other.normal);
         const Vec3f chord = band_.footOf(i) - other.foot - Vec3f(step);
@@ -252,51 +246,71 @@ bool Extension::gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& m
         if (!metric_.clear(i) && isHidden(core_, other, band_.footPoint(i), normal + other.normal))
             return;
         onSheet = true;
-        if (jets_.accepted(k) && !found.full())
-            addNeighbor(k, chord, cosine, gradientOf(k), local, found);
-    });
+        if (jets_.accepted(k) && !node.around.full())
+            addNeighbor(k, chord, cosine, gradientOf(k), node.local, node.around);
+    };
+    if (core)
+        core->forBox(node.at.offset, middle, reach, visit);
+    else
+        band_.forBox(&BandLeaf::core, node.at.leaf, node.at.offset, middle, reach, visit);
     return onSheet;
 }
 
-Extension::Found Extension::solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const {
-    const LocalFrame local = core_.localFrameInBand(i);
-    Around around;
+void Extension::addDoubtful(const Outside& at, Group& group) const {
+    Doubtful& doubtful = group.doubtful;
+    const NodeIndex i = at.node;
+    doubtful.nodes.push_back({at, core_.localFrameInBand(i), {}});
+    Doubtful::Node& node = doubtful.nodes.back();
     // Where the foot point is off, the core passes within two voxels all the same.
-    if (!gatherAround(i, l, at, roundToIjk(Vec3d(band_.footOf(i))), 1, local, around))
-        gatherAround(i, l, at, {}, 2, local, around);
-    Found s;
-    const bool usedFallback = solve(around, local, s);
-    const bool meet = around.threeFronts() ||
-                      (usedFallback && (meetNear(around) || jet::nearFocus(around.all())));
-    if (meet && metric_.clear(i) && !around.overCrease())
-        s = whereFrontsMeet(i, around, local, s).value_or(s);
-    return exactNearSeed(i, s);
+    const Ijk middle = roundToIjk(Vec3d(band_.footOf(i)));
+    auto withNumbers = [&](const Ijk& about, int reach) {
+        return group.core && group.core->holdsBox(at.offset, about, reach) ? group.core : nullptr;
+    };
+    if (!gatherAround(node, withNumbers(middle, 1), middle, 1))
+        gatherAround(node, withNumbers({}, 2), {}, 2);
+    if (node.around.count == 0) {
+        finish(at, exactNearSeed(i, {}));
+        doubtful.nodes.pop_back();
+        return;
+    }
+    JetGroup& fronts = doubtful.fronts;
+    if (doubtful.nodes.size() == 1) fronts.clear(core_.pull());
+    const double base = node.around.node[0].jet.u;
+    fronts.begin(float(base), core_.longest2(node.local.stretch));
+    for (std::size_t k = 0; k < node.around.count; ++k) {
+        const Around::Node& n = node.around.node[k];
+        fronts.add(n.jet.a, n.jet.g, float(n.jet.u - base), n.source, n.overCrease);
+    }
+    if (fronts.full()) solveDoubtful(doubtful);
 }
 
-std::optional<Extension::Found> Extension::whereFrontsMeet(NodeIndex i, const Around& around,
-                                                           const LocalFrame& local,
+void Extension::solveDoubtful(Doubtful& doubtful) const {
+    if (doubtful.nodes.empty()) return;
+    const JetGroup::Solutions solutions = doubtful.fronts.solve();
+    for (std::size_t k = 0; k < doubtful.nodes.size(); ++k) {
+        const Doubtful::Node& node = doubtful.nodes[k];
+        const Around& around = node.around;
+        const JetGroup::Solution& best = solutions[k];
+        Found s = fromChart(around.node[0].jet.u + double(best.u), best.g, best.source, node.local);
+        const bool meet = around.threeFronts() ||
+                          (best.usedFallback && (meetNear(around) || jet::nearFocus(around.all())));
+        if (meet && metric_.clear(node.at.node) && !around.overCrease())
+            s = whereFrontsMeet(node, s).value_or(s);
+        finish(node.at, exactNearSeed(node.at.node, s));
+    }
+    doubtful.nodes.clear();
+}
+
+std::optional<Extension::Found> Extension::whereFrontsMeet(const Doubtful::Node& node,
                                                            const Found& before) const {
+    const Around& around = node.around;
     std::array<NodeIndex, JetNeighbors::kMax> core;
     for (std::size_t k = 0; k < around.count; ++k) core[k] = around.node[k].core;
-    const auto s = solveMeeting(jets_, local, band_.ijk(i), band_.footOf(i),
+    const NodeIndex i = node.at.node;
+    const auto s = solveMeeting(jets_, node.local, band_.ijk(i), band_.footOf(i),
                                 {core.data(), around.count}, before.distance);
     if (!s) return {};
-    return fromChart(s->u, s->g, s->label, local);
-}
-
-bool Extension::solve(const Around& around, const LocalFrame& local, Found& found) const {
-    if (around.count == 0) return false;
-    const double base = around.node[0].jet.u;
-    JetGroup group;
-    group.clear(core_.pull());
-    group.begin(float(base), core_.longest2(local.stretch));
-    for (std::size_t k = 0; k < around.count; ++k) {
-        const Around::Node& n = around.node[k];
-        group.add(n.jet.a, n.jet.g, float(n.jet.u - base), n.source, n.overCrease);
-    }
-    const JetGroup::Solution s = group.solve()[0];
-    found = fromChart(base + double(s.u), s.g, s.source, local);
-    return s.usedFallback;
+    return fromChart(s->u, s->g, s->label, node.local);
 }
 
 }  // namespace jet
@@ -345,6 +359,7 @@ void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         LeafNumbers<2> numbers;
         Extension::Group group;
+        group.core = &numbers;
         std::vector<NodeJet> found;
         for (std::size_t k = begin; k < end; ++k) {
             const auto l = LeafIndex(k);
@@ -353,9 +368,9 @@ void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
                 numbers.fill(band, l);
                 NodeJet* to = found.data();
                 band.forNodes(l, [&](NodeIndex i, unsigned at) {
-                    extension.add(i, l, at, numbers, group, *to++);
+                    extension.add({i, l, at, to++}, group);
                 });
-                extension.solve(group);
+                extension.finish(group);
             }
             visit(l, found);
         }

@@ -53,32 +53,47 @@ public:
           metric_(core_.metric),
           gradients_(gradients) {}
 
+    /// A node outside the core.
+    struct Outside {
+        NodeIndex node;
+        LeafIndex leaf;
+        unsigned offset;
+        NodeJet* to;
+    };
+    /// Where what the core carries is in doubt: nodes that are solved as in the march.
+    struct Doubtful {
+        struct Node {
+            Outside at;
+            LocalFrame local;
+            Around around;
+        };
+        std::vector<Node> nodes;
+        JetGroup fronts;
+    };
     /// Nodes outside the core that are extended side by side.
     struct Group {
-        struct Node {
-            NodeIndex node;
-            LeafIndex leaf;
-            unsigned offset;
+        struct Node : Outside {
             std::size_t count = 0;  ///< corners
             std::array<NodeIndex, JetCorners::kMax> core;
             bool simple = true;  ///< all are of one smooth sheet, of one source, and have a jet
             float weight = 1;
             std::uint32_t bucket = 0;  ///< from where the values of the corners count
-            NodeJet* to = nullptr;
         };
+        const LeafNumbers<2>* core = nullptr;  ///< of the leaf of the nodes, if known
         std::size_t size = 0;
         std::array<Node, Lanes::kNodes> nodes;
         JetCorners corners;
+        Doubtful doubtful;
 
         bool full() const { return size == nodes.size(); }
     };
-    /// Begins with a node of the band: its jet is in `to` after the next solve().
-    /// @param l, at  its leaf and offset
-    /// @param core   of the leaf
-    void add(NodeIndex i, LeafIndex l, unsigned at, const LeafNumbers<2>& core, Group& group,
-             NodeJet& to) const;
+    /// Begins with a node of the band: its jet is in `to` after the next finish().
+    void add(const Outside& node, Group& group) const;
     /// Extends the nodes of a group, and takes them out.
-    void solve(Group& group) const;
+    void finish(Group& group) const {
+        solve(group);
+        solveDoubtful(group.doubtful);
+    }
     NodeJet at(NodeIndex i) const;
 
 private:
@@ -111,32 +126,29 @@ private:
         const LocalFrame local = core_.localFrameInBand(i);
         return local.weight * double(local.stretch.largest());
     }
-    Group::Node& begin(NodeIndex i, LeafIndex l, unsigned at, Group& group) const;
+    void begin(const Outside& node, Group& group) const;
     /// To the node begun last.
     /// @param from  from the voxel of core node k to the foot point of the node
     void addCorner(NodeIndex k, float weight, const Vec3f& from, Group& group) const;
     void findCorners(Group& group) const;
     void findCorners(const LeafNumbers<2>& core, Group& group) const;
-    /// A jet for a node outside the core.
-    Found extendTo(const Group& group, std::size_t lane, const CarriedJets& carried) const;
+    void solve(Group& group) const;
+    void extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const;
+    void solveDoubtful(Doubtful& doubtful) const;
     /// What is left to do for any node.
     NodeJet finished(NodeIndex i, Found s) const;
+    void finish(const Outside& node, Found s) const;
 
     void addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
                      const LocalFrame& local, Around& around) const;
     /// The corners of a node of a group.
     Around around(const Group& group, std::size_t lane, const LocalFrame& local) const;
-    /// Whether what the corners carry to the foot point is of one front.
-    bool isOfOneFront(const Group& group, std::size_t lane, const CarriedJets& carried) const;
     /// What they carry there, with tensors.
     Found carryInPlane(const Group& group, std::size_t lane) const;
-    /// Where the core around the foot point is not of one smooth front: as in the march.
-    Found solveFromCore(NodeIndex i, LeafIndex l, unsigned at) const;
-    /// @return whether it took the fallback
-    bool solve(const Around& around, const LocalFrame& local, Found& found) const;
+    /// Where the core around the foot point is not of one smooth front.
+    void addDoubtful(const Outside& node, Group& group) const;
     /// @param before  as the march solves it
-    std::optional<Found> whereFrontsMeet(NodeIndex i, const Around& around, const LocalFrame& local,
-                                         const Found& before) const;
+    std::optional<Found> whereFrontsMeet(const Doubtful::Node& node, const Found& before) const;
     /// Whether fronts meet beside one of the nodes.
     bool meetNear(const Group::Node& node) const {
         return std::any_of(node.core.begin(), node.core.begin() + node.count,
@@ -152,9 +164,10 @@ private:
                 local.frame.lift(core_.stretch.empty() ? g : local.stretch.covectorBack(g)), label};
     }
     /// Adds the nodes of the core around a node that have a jet.
+    /// @param core  of its leaf, if known
     /// @return whether any of it is on the node's sheet, reached or not
-    bool gatherAround(NodeIndex i, LeafIndex l, unsigned at, const Ijk& middle, int reach,
-                      const LocalFrame& local, Around& found) const;
+    bool gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, const Ijk& middle,
+                      int reach) const;
     /// The jet of the start disc that holds the foot point; s where none does.
     Found exactNearSeed(NodeIndex i, const Found& s) const {
         constexpr double kMargin = 3;  // voxels

@@ -3,8 +3,9 @@
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/circular_front.h>
 
-#include <algorithm>
-#include <tuple>
+#include <array>
+#include <bit>
+#include <cstdint>
 
 namespace igeo {
 
@@ -31,20 +32,33 @@ bool frontsMeet(const CoreJets& jets, NodeIndex i) {
     return meet && smooth && links >= kAllAround;
 }
 
-/// The nodes of a list and of their links, in the order of their voxels, which does not depend on
-/// where the grid begins.
-std::vector<NodeIndex> withLinks(const JetCore& core, std::span<const NodeIndex> nodes) {
-    std::vector<NodeIndex> all(nodes.begin(), nodes.end());
-    for (const NodeIndex k : nodes)
-        forLinks(core, k, [&](NodeIndex j, const Ijk&, const Vec3f&, float) { all.push_back(j); });
-    auto isBefore = [&](NodeIndex a, NodeIndex b) {
-        const Ijk v = core.voxelOf(core.nodes[a]), w = core.voxelOf(core.nodes[b]);
-        return std::tuple(v.x, v.y, v.z) < std::tuple(w.x, w.y, w.z);
-    };
-    std::sort(all.begin(), all.end(), isBefore);
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    return all;
-}
+/// Core nodes around a voxel, in the order of their voxels, which does not depend on where the grid
+/// begins.
+class NodesAround {
+public:
+    NodesAround(const JetCore& core, const Ijk& middle) : core_(core), middle_(middle) {}
+
+    /// Adds a node once; not if it is more than seven voxels off.
+    void add(NodeIndex k) {
+        const Ijk v = core_.voxelOf(core_.nodes[k]) - middle_ + Ijk{kHalf, kHalf, kHalf};
+        if (((v.x | v.y | v.z) & ~(kEdge - 1)) != 0) return;
+        there_[std::size_t(v.x << 2 | v.y >> 2)] |= std::uint64_t(1) << ((v.y & 3) << 4 | v.z);
+        node_[std::size_t((v.x << 4 | v.y) << 4 | v.z)] = k;
+    }
+    template <typename Visit>
+    void forAll(const Visit& visit) const {
+        for (std::size_t word = 0; word < there_.size(); ++word)
+            for (std::uint64_t bits = there_[word]; bits; bits &= bits - 1)
+                visit(node_[word << 6 | std::size_t(std::countr_zero(bits))]);
+    }
+
+private:
+    static constexpr int kHalf = 8, kEdge = 2 * kHalf;
+    const JetCore& core_;
+    Ijk middle_;
+    std::array<std::uint64_t, 64> there_{};
+    std::array<NodeIndex, std::size_t(kEdge* kEdge* kEdge)> node_;  ///< where there is one
+};
 
 }  // namespace
 
@@ -56,17 +70,23 @@ std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local
     const JetCore& core = *jets.core;
     if (core.costsVary || core.metric.anisotropic() || around.empty()) return {};
     const std::uint32_t label = jets.labelOf(around.front());
+    NodesAround all(core, voxel + roundToIjk(Vec3d(foot)));
+    for (const NodeIndex k : around) {
+        all.add(k);
+        forLinks(core, k, [&](NodeIndex j, const Ijk&, const Vec3f&, float) { all.add(j); });
+    }
     std::vector<JetNeighbor> neighbors;
-    for (const NodeIndex k : withLinks(core, around)) {
+    bool oneSource = true;
+    all.forAll([&](NodeIndex k) {
         const JetNode& node = core.nodes[k];
         const float cosine = dot(local.frame.normal(), node.normal);
         const Vec3f chord = foot - node.foot - Vec3f(core.voxelOf(node) - voxel);
-        if (!jets.accepted(k) || cosine < Band::kOtherSheet || dot(chord, chord) > kReach2)
-            continue;
-        if (jets.labelOf(k) != label) return {};
+        if (!jets.accepted(k) || cosine < Band::kOtherSheet || dot(chord, chord) > kReach2) return;
+        oneSource &= jets.labelOf(k) == label;
         neighbors.push_back(flattened(local.frame, chord, node.normal, cosine, jets.gradientOf(k),
                                       (jets.valueOf(k) - jets.seeds.leastStart) / local.weight));
-    }
+    });
+    if (!oneSource) return {};
     const auto jet = fitCircularFront(neighbors);
     const double old = (before - jets.seeds.leastStart) / local.weight;
     if (!jet || !(std::abs(jet->u - old) < kFallbackError)) return {};

@@ -3,6 +3,7 @@
 
 #include <igeo/band/band.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 
@@ -36,7 +37,7 @@ public:
     /// of the steps.
     template <typename Visit>
     void forNeighbors(unsigned offset, const Visit& visit) const {
-        const int middle = indexOf({int(offset >> 6), int(offset >> 3 & 7), int(offset & 7)});
+        const int middle = indexOf(voxelOf(offset));
         for (int dx = -1; dx <= 1; ++dx)
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dz = -1; dz <= 1; ++dz) {
@@ -45,7 +46,30 @@ public:
                 }
     }
 
+    /// Whether forBox reaches all of a box.
+    bool holdsBox(unsigned offset, const Ijk& middle, int reach) const {
+        const Ijk v = voxelOf(offset) + middle;
+        return std::min({v.x, v.y, v.z}) - reach >= -Margin &&
+               std::max({v.x, v.y, v.z}) + reach <= 7 + Margin;
+    }
+    /// As Band::forBox has it for the core: calls visit(k, step) for the nodes within `reach` of
+    /// the voxel at an offset of the leaf plus `middle`, in the order of the steps.
+    template <typename Visit>
+    void forBox(unsigned offset, const Ijk& middle, int reach, const Visit& visit) const {
+        const int first = indexOf(voxelOf(offset) + middle);
+        for (int x = -reach; x <= reach; ++x)
+            for (int y = -reach; y <= reach; ++y)
+                for (int z = -reach; z <= reach; ++z) {
+                    const Ijk step{x, y, z};
+                    const NodeIndex k = at(first + indexOfStep(step));
+                    if (k != kNoNode) visit(k, middle + step);
+                }
+    }
+
 private:
+    static constexpr Ijk voxelOf(unsigned offset) {
+        return {int(offset >> 6), int(offset >> 3 & 7), int(offset & 7)};
+    }
     static constexpr int kEdge = 8 + 2 * Margin;
 
     /// Bits 0 to 7: positions along an axis within reach, in a leaf at a shift.

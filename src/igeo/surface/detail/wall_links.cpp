@@ -20,41 +20,85 @@ constexpr double kAtSurface = 0.03, kSlack = 0.3, kMostOff = 0.5, kSpacing = 0.2
 /// Sine of the angle by which normals on a clearly convex part turn away from each other.
 constexpr double kTurn = 0.2;
 
-/// The trilinear interpolant of psi, in voxels; NaN beside inactive voxels.
-class PsiBetween {
+/// The trilinear interpolant of psi around a leaf, in voxels; NaN beside inactive voxels.
+class PsiAround {
 public:
-    explicit PsiBetween(const LevelSet& levelSet)
+    explicit PsiAround(const LevelSet& levelSet)
         : psi_(levelSet.psi->constTree()), perDx_(1 / levelSet.transform.dx) {}
 
-    double at(const Vec3d& p) {
-        const Ijk low = floorToIjk(p);
-        if (low != low_) gather(low);
-        const Vec3d t = p - Vec3d(low);
-        double sum = 0;
-        for (std::size_t k = 0; k < 8; ++k)
-            sum += (k >> 2 ? t.x : 1 - t.x) * (k >> 1 & 1 ? t.y : 1 - t.y) *
-                   (k & 1 ? t.z : 1 - t.z) * corner_[k];
-        return sum;
+    /// Gathers the voxels around the leaf at this origin.
+    void moveTo(const Ijk& origin) {
+        low_ = origin - Ijk{kMargin, kMargin, kMargin};
+        for (int x = -1; x <= 1; ++x)
+            for (int y = -1; y <= 1; ++y)
+                for (int z = -1; z <= 1; ++z) gather(origin, {x, y, z});
+    }
+    double at(const Vec3d& p) const {
+        const Ijk cell = floorToIjk(p), v = cell - low_;
+        const bool inside = std::min({v.x, v.y, v.z}) >= 0 && std::max({v.x, v.y, v.z}) < kEdge - 1;
+        return inside ? interpolate(&value_[indexOf(v)], kSteps, p - Vec3d(cell))
+                      : atFar(cell, p - Vec3d(cell));
     }
     /// Whether psi at p has the given sign, and p is off S.
-    bool isBeyond(const Vec3d& p, double sign) { return sign * at(p) > kAtSurface; }
+    bool isBeyond(const Vec3d& p, double sign) const { return sign * at(p) > kAtSurface; }
 
 private:
-    /// Reads the corners of the cell, which usually contains the next points too.
-    void gather(const Ijk& low) {
-        low_ = low;
-        for (std::size_t k = 0; k < 8; ++k) {
-            const openvdb::Coord ijk(low.x + int(k >> 2), low.y + int(k >> 1 & 1),
-                                     low.z + int(k & 1));
-            float value;
-            corner_[k] = psi_.probeValue(ijk, value) ? perDx_ * double(value)
-                                                     : std::numeric_limits<double>::quiet_NaN();
-        }
+    static constexpr int kMargin = 4;  ///< most chords, and what is looked at beside them
+    static constexpr int kEdge = 8 + 2 * kMargin;
+    static constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
+    using Steps = std::array<std::size_t, 3>;
+    static constexpr Steps kSteps{std::size_t(kEdge * kEdge), std::size_t(kEdge), 1};
+
+    static constexpr std::size_t indexOf(const Ijk& v) {
+        return std::size_t((v.x * kEdge + v.y) * kEdge + v.z);
     }
+    /// @param low  the value at the low corner of the cell; t is the place in it
+    static double interpolate(const float* low, const Steps& step, const Vec3d& t) {
+        auto along = [&](const float* from) {
+            return double(*from) + t.z * (double(from[step[2]]) - double(*from));
+        };
+        auto across = [&](const float* from) {
+            const double first = along(from);
+            return first + t.y * (along(from + step[1]) - first);
+        };
+        const double first = across(low);
+        return first + t.x * (across(low + step[0]) - first);
+    }
+    /// Far from the leaf.
+    double atFar(const Ijk& cell, const Vec3d& t) const {
+        std::array<float, 8> corner;
+        for (std::size_t k = 0; k < 8; ++k) {
+            const openvdb::Coord ijk(cell.x + int(k >> 2), cell.y + int(k >> 1 & 1),
+                                     cell.z + int(k & 1));
+            float value;
+            corner[k] = psi_.probeValue(ijk, value) ? float(value * perDx_) : kMissing;
+        }
+        return interpolate(corner.data(), {4, 2, 1}, t);
+    }
+    /// Copies what the block holds of the leaf s leaves away.
+    void gather(const Ijk& origin, const Ijk& s) {
+        // Voxels of that leaf, as [first, last) along each axis.
+        auto first = [](int step) { return step < 0 ? 8 - kMargin : 0; };
+        auto last = [](int step) { return step > 0 ? kMargin : 8; };
+        const LeafBlock::Leaf* leaf = psi_.probeConstLeaf(
+            openvdb::Coord(origin.x + 8 * s.x, origin.y + 8 * s.y, origin.z + 8 * s.z));
+        for (int x = first(s.x); x < last(s.x); ++x)
+            for (int y = first(s.y); y < last(s.y); ++y) {
+                float* to = &value_[indexOf(Ijk{x, y, 0} + 8 * s + Ijk{kMargin, kMargin, kMargin})];
+                const openvdb::Index row = openvdb::Index(x << 6 | y << 3);
+                for (int z = first(s.z); z < last(s.z); ++z) {
+                    const openvdb::Index offset = row + openvdb::Index(z);
+                    to[z] = leaf && leaf->isValueOn(offset)
+                                ? float(double(leaf->getValue(offset)) * perDx_)
+                                : kMissing;
+                }
+            }
+    }
+
     LeafBlock::Accessor psi_;
     double perDx_;
-    Ijk low_{std::numeric_limits<std::int32_t>::min(), 0, 0};
-    std::array<double, 8> corner_;
+    Ijk low_;
+    std::array<float, std::size_t(kEdge* kEdge* kEdge)> value_;
 };
 
 /// The bit of the side of S on which psi has this sign.
@@ -64,12 +108,13 @@ unsigned sideOf(double psi) { return psi < 0 ? 1 : 2; }
 /// @param a, b  the unit normals at its ends
 /// @param sides  bits of the sides of S on which sheets meet: beyond a rim that the interpolant
 ///               cuts off there is no slot
-bool runsThroughWall(PsiBetween& psi, const Vec3d& from, const Vec3d& chord, const Vec3d& a,
+bool runsThroughWall(const PsiAround& psi, const Vec3d& from, const Vec3d& chord, const Vec3d& a,
                      const Vec3d& b, unsigned sides) {
     const Vec3d mean = normalized(a + b);
     const double alongA = dot(a, chord), alongB = dot(b, chord), cosine = dot(mean, a);
     const double turn = kTurn * length(chord);
     const int pieces = int(std::ceil(length(chord) / kSpacing));
+    double offFrom = std::numeric_limits<double>::quiet_NaN(), offTo = offFrom;  // once needed
     for (int k = 1; k < pieces; ++k) {
         const double t = double(k) / pieces;
         const Vec3d p = from + t * chord;
@@ -80,7 +125,9 @@ bool runsThroughWall(PsiBetween& psi, const Vec3d& from, const Vec3d& chord, con
         // The distance to the nearer plane along the mean normal, if both are on this side of S.
         const double toPlanes =
             std::max(0.0, std::min(sign * t * alongA, -sign * (1 - t) * alongB)) / cosine;
-        const double off = (1 - t) * std::abs(psi.at(from)) + t * std::abs(psi.at(from + chord));
+        if (std::isnan(offFrom))
+            offFrom = std::abs(psi.at(from)), offTo = std::abs(psi.at(from + chord));
+        const double off = (1 - t) * offFrom + t * offTo;
         const double reach = toPlanes + kSlack + std::min(kMostOff, off);
         if (psi.isBeyond(p - (sign * reach) * mean, sign) &&
             psi.isBeyond(p - (sign * reach / 2) * mean, sign))
@@ -115,10 +162,12 @@ std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
     const std::vector<std::uint8_t> beside = besideMeetings(band, meetings);
     std::vector<std::vector<Link>> found(band.leaves.size());
     parallelFor(found.size(), 16, [&](std::size_t begin, std::size_t end) {
-        PsiBetween psi(levelSet);
+        PsiAround psi(levelSet);
         for (std::size_t l = begin; l < end; ++l) {
+            bool gathered = false;
             band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {
                 if (!beside[i]) return;
+                if (!gathered) psi.moveTo(band.leaves[l].origin), gathered = true;
                 const Vec3f& n = band.normal[i];
                 band.forNeighbors(
                     &BandLeaf::band, LeafIndex(l), at, [&](NodeIndex j, int dx, int dy, int dz) {
