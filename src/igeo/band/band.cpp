@@ -216,16 +216,22 @@ std::size_t Band::memUsage() const {
 
 BandCell cellAt(const Band& band, const Vec3d& p) {
     BandCell cell;
-    const Ijk base = floorToIjk(p);
-    cell.t = p - Vec3d(base);
-    for (int k = 0; k < 8; ++k) {
-        const int a = k >> 2, b = k >> 1 & 1, c = k & 1;
-        const auto s = std::size_t(k);
-        cell.node[s] = band.nodeAt(base + Ijk{a, b, c});
-        cell.weight[s] = (a ? cell.t.x : 1 - cell.t.x) * (b ? cell.t.y : 1 - cell.t.y) *
-                         (c ? cell.t.z : 1 - cell.t.z);
-        if (cell.node[s] == kNoNode) cell.complete = false;
+    cell.low = floorToIjk(p);
+    cell.t = p - Vec3d(cell.low);
+    cell.node.fill(kNoNode);
+    std::size_t found = 0;
+    auto visit = [&](NodeIndex i, std::size_t k) { cell.node[k] = i, ++found; };
+    if (const LeafIndex l = band.leafAt(cell.low); l != kNoLeaf) {
+        const unsigned at = Band::offsetOf(cell.low.x, cell.low.y, cell.low.z);
+        band.forCorners(&BandLeaf::band, l, at, {}, visit);
+    } else {
+        for (std::size_t k = 0; k < 8; ++k)
+            if (const NodeIndex i = band.nodeAt(cell.voxel(k)); i != kNoNode) visit(i, k);
     }
+    cell.complete = found == 8;
+    for (std::size_t k = 0; k < 8; ++k)
+        cell.weight[k] = (k >> 2 ? cell.t.x : 1 - cell.t.x) *
+                         (k >> 1 & 1 ? cell.t.y : 1 - cell.t.y) * (k & 1 ? cell.t.z : 1 - cell.t.z);
     return cell;
 }
 

@@ -392,8 +392,13 @@ void Band::forCorners(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at, cons
 struct BandCell {
     std::array<NodeIndex, 8> node;  ///< corner (a, b, c) at 4 a + 2 b + c; kNoNode outside the band
     std::array<double, 8> weight;   ///< trilinear, sums to 1 over all corners
+    Ijk low;                        ///< the voxel of corner 0
     Vec3d t;                        ///< position in the cell, [0, 1)^3
     bool complete = true;           ///< all 8 corners are in the band
+
+    Ijk voxel(std::size_t k) const {
+        return low + Ijk{std::int32_t(k >> 2), std::int32_t(k >> 1 & 1), std::int32_t(k & 1)};
+    }
 };
 BandCell cellAt(const Band& band, const Vec3d& pIndex);
 

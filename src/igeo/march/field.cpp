@@ -135,7 +135,8 @@ private:
         double here;  ///< the weight at the point
 
         explicit Chart(const Reader& r);
-        JetNeighbor neighbor(NodeIndex j, const NodeJet& jet) const;
+        /// @param voxel  of node j
+        JetNeighbor neighbor(NodeIndex j, const Ijk& voxel, const NodeJet& jet) const;
     };
 
     /// The least distance by the start discs that contain the point.
@@ -226,11 +227,11 @@ Reader::Chart::Chart(const Reader& r) : reader(r), frame(Vec3f(r.cell_.normal), 
     here = plane.weight;
 }
 
-JetNeighbor Reader::Chart::neighbor(NodeIndex j, const NodeJet& jet) const {
+JetNeighbor Reader::Chart::neighbor(NodeIndex j, const Ijk& voxel, const NodeJet& jet) const {
     const Band& band = reader.band_;
     const Metric& metric = reader.metric_;
     const Vec3f nj = band.normal[j];
-    Vec3f chord(reader.p_ - band.footPoint(j)), g = jet.gradient;
+    Vec3f chord(reader.p_ - (Vec3d(voxel) + Vec3d(band.footOf(j)))), g = jet.gradient;
     if (metric.anisotropic()) {
         g *= float(1 / here);
     } else if (metric.weighted()) {
@@ -251,7 +252,7 @@ double Reader::blended(std::uint32_t source) const {
         if (!(jet.distance < kInfinity) || jet.label != source) continue;
         // A single corner at p itself needs a positive weight.
         weight[std::size_t(all.count())] = float(cell_.weight[k]) + 1e-6f;
-        all.add(chart.neighbor(cell_.node[k], jet));
+        all.add(chart.neighbor(cell_.node[k], cell_.voxel(k), jet));
     }
     const Jet jet = blendJets(all, weight);
     if (!jet.usedFallback || metric_.anisotropic()) return chart.here * jet.u;
@@ -281,7 +282,7 @@ std::optional<Jet> Reader::whereFrontsMeet(const Chart& chart, std::uint32_t sou
         if (jet.label != source || !sameCost ||
             dot(chart.frame.normal(), band_.normal[j]) < kSmooth)
             return {};
-        neighbors.push_back(chart.neighbor(j, jet));
+        neighbors.push_back(chart.neighbor(j, band_.ijk(j), jet));
     }
     return fitCircularFront(neighbors);
 }
