@@ -3,7 +3,7 @@
 class ImplicitGeodesic < Formula
   desc "Geodesic distances on level sets, meshes and points"
   homepage "https://example.org/PLACEHOLDER"
-  url "https://example.org/PLACEHOLDER/implicit-geodesic-0.1.0.tar.gz"
+  url "https://example.org/PLACEHOLDER/implicit-geodesic-0.2.0.tar.gz"
   sha256 "0000000000000000000000000000000000000000000000000000000000000000"
   license "Apache-2.0"
 
