@@ -289,7 +289,7 @@ def main():
     elif options.models or options.again:
         compare_tables.write_documents(results)
         compare_tables.draw(results)
-        if options.models:
+        if options.models and not options.again:
             pictures(options.tools, options.folder, options.models)
     sys.exit(not measure.check(results, "scripts/compare.py"))
 
