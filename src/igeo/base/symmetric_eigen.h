@@ -27,13 +27,6 @@ inline SymmetricEigen2 symmetricEigen(double xx, double xy, double yy) {
     return {middle, radius, xy, radius - half};
 }
 
-/// The eigenvalues, least and largest, of a matrix of two rows from its trace and the sum of the
-/// squares of its entries; NaN where either is NaN.
-inline std::array<double, 2> eigenvaluesOfInvariants(double trace, double squares) {
-    const double root = std::sqrt(std::max(2 * squares - trace * trace, 0.0));
-    return {(trace - root) / 2, (trace + root) / 2};
-}
-
 /// The larger eigenvalue of a matrix of two rows with determinant 1 and trace 2 (1 + excess). This
 /// form loses no digits near 1.
 template <typename T>

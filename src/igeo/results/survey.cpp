@@ -68,7 +68,7 @@ std::vector<Judgement> judgeCore(const LevelSet& levelSet, const Band& band,
                 if (d.complete()) {
                     judged.add(Unreliable::Rough,
                                std::abs(length(d.central()) - 1) / kGradientTolerance);
-                    const double k = largestCurvature(block, x, y, z);
+                    const double k = double(RowCurvatures(block, x, y).largest[std::size_t(z)]);
                     if (!std::isnan(k)) {
                         judged.curvature = float(k);
                         judged.add(Unreliable::Bend, k * lower);

@@ -68,12 +68,15 @@ void Tally::visit(const LeafBlock& b, int x, int y, double halfWidth) {
     }
     unsigned within = 0;
     for (unsigned z = 0; z < 8; ++z) within |= unsigned(std::abs(psi[z]) < 1) << z;
-    for (unsigned bits = within & row.active; bits; bits &= bits - 1) {
+    within &= row.active;
+    if (within == 0) return;
+    const RowCurvatures curvatures(b, x, y);
+    for (unsigned bits = within; bits; bits &= bits - 1) {
         const int z = std::countr_zero(bits);
         ++nearSurface;
         crossing += crosses(b, x, y, z);
         if (row.complete >> z & 1)
-            addCurvature(largestCurvature(b, x, y, z));
+            addCurvature(double(curvatures.largest[std::size_t(z)]));
         else
             cut += cutBeside(PsiDifferences(b, x, y, z), psi[z], halfWidth);
     }

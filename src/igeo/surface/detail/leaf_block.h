@@ -168,34 +168,43 @@ void forRows(const BandLeaf& leaf, const Visit& visit) {
                 visit(x, y, bits);
 }
 
-/// Largest |principal curvature| of S at the foot point, from the Hessian of psi: the eigenvalues
-/// on the tangent plane, moved from psi to 0 by k / (1 - psi k). NaN where a neighbor is missing.
-inline double largestCurvature(const LeafBlock& b, int x, int y, int z) {
-    const float *row = b.row(x, y) + z, *x0 = b.row(x - 1, y) + z, *x1 = b.row(x + 1, y) + z,
-                *y0 = b.row(x, y - 1) + z, *y1 = b.row(x, y + 1) + z;
-    const double c = *row;
-    auto d2 = [&](double after, double before) { return after - 2 * c + before; };
-    auto mixed = [](double both, double first, double second, double neither) {
-        return (both - first - second + neither) / 4;
-    };
-    const double xy = mixed(b.at(x + 1, y + 1, z), b.at(x + 1, y - 1, z), b.at(x - 1, y + 1, z),
-                            b.at(x - 1, y - 1, z)),
-                 xz = mixed(x1[1], x1[-1], x0[1], x0[-1]), yz = mixed(y1[1], y1[-1], y0[1], y0[-1]);
-    const Vec3d hx{d2(*x1, *x0), xy, xz}, hy{xy, d2(*y1, *y0), yz}, hz{xz, yz, d2(row[1], row[-1])};
-    const Vec3d n = normalized(PsiDifferences(b, x, y, z).central());
-    // Trace and squared norm of P H P, P = I - n n^T.
-    const Vec3d hn{dot(hx, n), dot(hy, n), dot(hz, n)};
-    const double nhn = dot(n, hn);
-    const double trace = hx.x + hy.y + hz.z - nhn;
-    const double norm2 = dot(hx, hx) + dot(hy, hy) + dot(hz, hz) - 2 * dot(hn, hn) + nhn * nhn;
-    double largest = 0;
-    const std::array<double, 2> curvatures = eigenvaluesOfInvariants(trace, norm2);
-    for (const double k : curvatures) {
-        const double shift = 1 - c * k;
-        largest = std::max(largest, std::abs(k) / std::max(shift, 0.1));
+/// Largest |principal curvature| of S at the foot points of the eight voxels of a row, from the
+/// Hessian H of psi: the eigenvalues of P H P, P = I - n n^T, moved from psi to 0 by
+/// k / (1 - psi k). NaN where a neighbor is missing.
+struct RowCurvatures {
+    std::array<float, 8> largest;
+
+    RowCurvatures(const LeafBlock& b, int x, int y) {
+        const float *row = b.row(x, y), *x0 = b.row(x - 1, y), *x1 = b.row(x + 1, y),
+                    *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1), *x0y0 = b.row(x - 1, y - 1),
+                    *x0y1 = b.row(x - 1, y + 1), *x1y0 = b.row(x + 1, y - 1),
+                    *x1y1 = b.row(x + 1, y + 1);
+        std::array<float, 8> half, apart2;  // half the trace of P H P; (k - k')^2 / 4
+        for (int z = 0; z < 8; ++z) {
+            const float c2 = 2 * row[z], gx = x1[z] - x0[z], gy = y1[z] - y0[z],
+                        gz = row[z + 1] - row[z - 1], g2 = gx * gx + gy * gy + gz * gz;
+            const float xx = x1[z] + x0[z] - c2, yy = y1[z] + y0[z] - c2,
+                        zz = row[z + 1] + row[z - 1] - c2,
+                        xy = 0.25f * (x1y1[z] - x1y0[z] - x0y1[z] + x0y0[z]),
+                        xz = 0.25f * (x1[z + 1] - x1[z - 1] - x0[z + 1] + x0[z - 1]),
+                        yz = 0.25f * (y1[z + 1] - y1[z - 1] - y0[z + 1] + y0[z - 1]);
+            const float hx = xx * gx + xy * gy + xz * gz, hy = xy * gx + yy * gy + yz * gz,
+                        hz = xz * gx + yz * gy + zz * gz;
+            const float nhn = (gx * hx + gy * hy + gz * hz) / g2,
+                        hn2 = (hx * hx + hy * hy + hz * hz) / g2;
+            const float trace = xx + yy + zz - nhn,
+                        squares = xx * xx + yy * yy + zz * zz +
+                                  2 * (xy * xy + xz * xz + yz * yz - hn2) + nhn * nhn;
+            half[std::size_t(z)] = 0.5f * trace;
+            apart2[std::size_t(z)] = 0.5f * squares - 0.25f * trace * trace;
+        }
+        for (std::size_t z = 0; z < 8; ++z) {
+            const float apart = std::sqrt(std::max(apart2[z], 0.0f));
+            auto atFoot = [&](float k) { return std::abs(k) / std::max(1 - row[z] * k, 0.1f); };
+            largest[z] = std::max(atFoot(half[z] - apart), atFoot(half[z] + apart));
+        }
     }
-    return std::isnan(curvatures[1]) ? std::numeric_limits<double>::quiet_NaN() : largest;
-}
+};
 
 /// Whether a neighbor is missing where the level set should have one: S is cut at this voxel.
 /// @param psi, halfWidth  voxels
