@@ -7,6 +7,8 @@
 #include <support/clouds.h>
 
 #include <cmath>
+#include <cstdio>
+#include <utility>
 
 namespace igeo::test {
 
@@ -72,6 +74,56 @@ TEST_CASE("A row of a block shows what each of its voxels shows, also where voxe
     CHECK(complete > 50);
     CHECK(complete < 450);
     CHECK(smooth < complete);
+}
+
+TEST_CASE(
+    "Curvatures of a row are those of a torus at its foot points, NaN beside missing voxels") {
+    constexpr double kMajor = 30, kMinor = 12;
+    const openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(3);
+    double largest = 0;
+    std::size_t seen = 0, missing = 0;
+    for (const openvdb::Coord& origin :
+         {openvdb::Coord(40, 0, 0), openvdb::Coord(16, 0, 0), openvdb::Coord(16, 16, 8)}) {
+        auto polar = [&](int x, int y, int z) {
+            const Vec3d p(origin.x() + x + 0.3, origin.y() + y, origin.z() + z - 0.2);
+            return std::pair(std::hypot(p.x, p.y) - kMajor, p.z);
+        };
+        for (int x = -1; x <= 8; ++x)
+            for (int y = -1; y <= 8; ++y)
+                for (int z = -1; z <= 8; ++z) {
+                    const auto [across, up] = polar(x, y, z);
+                    if (x + y + z != 20)
+                        grid->tree().setValueOn(origin.offsetBy(x, y, z),
+                                                float(std::hypot(across, up) - kMinor));
+                }
+        LeafBlock block;
+        block.gather(LeafBlock::Accessor(grid->constTree()), origin, 1);
+        for (int x = 0; x < 8; ++x)
+            for (int y = 0; y < 8; ++y) {
+                const RowCurvatures row(block, x, y);
+                for (int z = 0; z < 8; ++z) {
+                    const float found = row.largest[std::size_t(z)];
+                    if (std::isnan(found)) {
+                        ++missing;
+                        REQUIRE(x + y + z > 20 - 3);
+                        continue;
+                    }
+                    if (!(std::abs(block.at(x, y, z)) < 1)) continue;
+                    const auto [across, up] = polar(x, y, z);
+                    const double cosine = across / std::hypot(across, up);
+                    const double exact =
+                        std::max(1 / kMinor, std::abs(cosine / (kMajor + kMinor * cosine)));
+                    largest = std::max(largest, std::abs(double(found) / exact - 1));
+                    ++seen;
+                }
+            }
+        grid->clear();
+    }
+    std::printf("%zu voxels, curvature off by up to %.3g, %zu beside missing ones\n", seen, largest,
+                missing);
+    CHECK(seen > 100);
+    CHECK(missing > 0);
+    CHECK(largest < 1.5 * 0.0027);  // second differences
 }
 
 TEST_CASE("Bins of curvature are those of the logarithm") {
