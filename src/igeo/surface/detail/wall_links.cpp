@@ -17,9 +17,10 @@ namespace {
 /// points are up to 0.48 off the interpolant's zero set; up to kMostOff of this is compensated.
 constexpr double kAtSurface = 0.03, kSlack = 0.3, kMostOff = 0.5, kSpacing = 0.25;
 
-/// Beyond the surface psi keeps this share of its value on the chord in a wall, up to a taper of 20
-/// degrees. In the wedge of a groove, and where foot points are off, it falls towards S.
-constexpr double kKept = 0.7;
+/// Where normals are alike (the cosine is above kAlike), psi keeps this share of its value on the
+/// chord beyond the surface in a wall, up to a taper of 20 degrees. In the wedge of a groove, and
+/// where foot points are off, it falls towards S.
+constexpr double kKept = 0.7, kAlike = 0.6;
 
 /// Sine of the angle by which normals on a clearly convex part turn away from each other.
 constexpr double kTurn = 0.2;
@@ -115,6 +116,7 @@ bool runsThroughWall(const PsiAround& psi, const Vec3d& from, const Vec3d& chord
     const Vec3d mean = normalized(a + b);
     const double alongA = dot(a, chord), alongB = dot(b, chord), cosine = dot(mean, a);
     const double turn = kTurn * length(chord);
+    const double kept = dot(a, b) > kAlike ? kKept : 0;
     const int pieces = int(std::ceil(length(chord) / kSpacing));
     double offFrom = std::numeric_limits<double>::quiet_NaN(), offTo = offFrom;  // once needed
     for (int k = 1; k < pieces; ++k) {
@@ -134,7 +136,7 @@ bool runsThroughWall(const PsiAround& psi, const Vec3d& from, const Vec3d& chord
         auto isBeyond = [&](double far, double least) {
             return sign * psi.at(p - (sign * far) * mean) > least;
         };
-        if (isBeyond(reach, std::max(kAtSurface, kKept * std::abs(value))) &&
+        if (isBeyond(reach, std::max(kAtSurface, kept * std::abs(value))) &&
             isBeyond(reach / 2, kAtSurface))
             return true;
     }
