@@ -281,7 +281,8 @@ TEST_CASE("a tensor makes one direction more expensive than another") {
 TEST_CASE("bending around a cylinder is avoided or preferred") {
     const TempWorkspace desk;
     desk.make("in.vdb", "cylinder --voxel-size 0.05");
-    // Radius 0.5; a quarter of the circle around, and 0.4 up. With L = 0.5 sqrt(3) bends count twice.
+    // Radius 0.5; a quarter of the circle around, and 0.4 up. With L = 0.5 sqrt(3) bends count
+    // twice.
     const std::string query =
         "--sdf in.vdb --seed 0.5,0,0 --target 0,0.5,0 --target 0.5,0,0.4 --target 0,-0.5,0.3 -q -o "
         "out.vdb --report r.json --metric-curvature ";

@@ -139,9 +139,9 @@ TEST_CASE("a constant weight of 4 scales distances by 4 bitwise") {
 }
 
 TEST_CASE("there is as far as back, within the scheme's error") {
-    // Each of them is off by the scheme's error, so the two differ by at most twice that: at h = 1.75
-    // voxels 4.2 % of the largest distance at order 1, 1.1 % at order 2 (docs/trials.md), and
-    // 0.1 % for jet, of second order: 0.005 % at a tube of 12 voxels' radius is 0.02 % at 6.
+    // Each of them is off by the scheme's error, so the two differ by at most twice that: at h
+    // = 1.75 voxels 4.2 % of the largest distance at order 1, 1.1 % at order 2 (docs/trials.md),
+    // and 0.1 % for jet, of second order: 0.005 % at a tube of 12 voxels' radius is 0.02 % at 6.
     const Band band = bandOf(torusGrid(), 1.75);
     const std::vector<Vec3d> points = torusPoints();
     for (const int order : {kJet, 1, 2})

@@ -18,7 +18,7 @@ struct FieldChecks {
     std::size_t stuck = 0;       ///< marched, outside the start discs, and no neighbor lies lower
     std::size_t negative = 0;
     double shortcut = 0;  ///< |foot - nearest seed| - d
-    double jump = 0;      ///< |d_i - d_j| - path between the foot points, over linked face neighbors
+    double jump = 0;  ///< |d_i - d_j| - path between the foot points, over linked face neighbors
 
     void keepWorst(const FieldChecks& other);
 };

@@ -81,8 +81,8 @@ openvdb::math::Transform::Ptr rotatedTransform(double dx, const openvdb::Vec3d& 
 ///
 /// Active where |psi| < halfWidthVoxels dx; inactive values are +-background = +-halfWidthVoxels
 /// dx with the sign of psi (outside the leaves of an open shape: +background). The class is
-/// GRID_LEVEL_SET. The transform may be any affine one; dx is the length of its first voxel side. The
-/// result does not depend on the number of threads.
+/// GRID_LEVEL_SET. The transform may be any affine one; dx is the length of its first voxel side.
+/// The result does not depend on the number of threads.
 openvdb::FloatGrid::Ptr makeLevelSet(const Shape& shape, const openvdb::math::Transform& transform,
                                      double halfWidthVoxels, const std::string& name = "psi");
 

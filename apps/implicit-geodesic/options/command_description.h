@@ -1,5 +1,5 @@
-/// A command in words: the help, and the JSON that the manual page, the completions and tables of the
-/// docs are made from (scripts/make_pages.py, scripts/make_tables.py).
+/// A command in words: the help, and the JSON that the manual page, the completions and tables of
+/// the docs are made from (scripts/make_pages.py, scripts/make_tables.py).
 #pragma once
 
 #include <string>

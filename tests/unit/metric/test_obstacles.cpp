@@ -262,7 +262,8 @@ TEST_CASE("obstacles: which voxels of a grid block") {
 }
 
 TEST_CASE(
-    "obstacles: the same in both directions and on any thread; nothing is blocked where none is near") {
+    "obstacles: the same in both directions and on any thread; nothing is blocked where none is "
+    "near") {
     const Similarity transform = placed();
     ObstacleSet set(transform);
     set.addSphere(transform.worldFromIndex({5, 0, 0}), 0.5);

@@ -153,7 +153,8 @@ TEST_CASE("sheets that face each other stay apart, however they are oriented", "
 }
 
 TEST_CASE("a rolled sheet is walked along, not across", "[mesh]") {
-    // An Archimedean spiral of two turns, 2.5 voxels from turn to turn: normals alike from end to end.
+    // An Archimedean spiral of two turns, 2.5 voxels from turn to turn: normals alike from end to
+    // end.
     const double dx = 0.02, pitch = 2.5 * dx;
     auto spiral = [&](double a) {
         const double r = 0.2 + pitch * a / (2 * kPi);

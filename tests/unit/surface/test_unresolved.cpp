@@ -112,7 +112,8 @@ TEST_CASE("unresolved: walls of about a voxel") {
     }
 }
 
-TEST_CASE("unresolved: the Euler characteristic on the voxels is that of the mesh, or is reported") {
+TEST_CASE(
+    "unresolved: the Euler characteristic on the voxels is that of the mesh, or is reported") {
     const auto ring = [](double u, double v) {
         const double a = 2 * M_PI * u, b = 2 * M_PI * v, r = 10 + 4 * std::cos(b);
         return Vec3d{r * std::cos(a), r * std::sin(a), 4 * std::sin(b)};
