@@ -100,7 +100,7 @@ double longestFor(double arc) { return 1.25 * arc + 0.25; }
 class LinksOfLeaf {
 public:
     LinksOfLeaf(const MeshBand& on, LeafIndex l, MeshWalk& walk, std::vector<Link>& off)
-        : on_(on), l_(l), nodes_(on.band.leaves[l].band), walk_(walk), off_(off) {
+        : on_(on), nodes_(on.band.leaves[l].band), walk_(walk), off_(off) {
         LeafSheets sheets(on, on.leaves[l].triangles);
         if (sheets.isOneEvenSheet()) return;
         for (const NearVoxel& v : on.leaves[l].voxels)
@@ -144,7 +144,6 @@ private:
     }
 
     const MeshBand& on_;
-    const LeafIndex l_;
     const LeafNodes& nodes_;
     MeshWalk& walk_;
     std::vector<Link>& off_;
