@@ -87,13 +87,13 @@ private:
             openvdb::Coord(origin.x + 8 * s.x, origin.y + 8 * s.y, origin.z + 8 * s.z));
         for (int x = first(s.x); x < last(s.x); ++x)
             for (int y = first(s.y); y < last(s.y); ++y) {
-                float* to = &value_[indexOf(Ijk{x, y, 0} + 8 * s + Ijk{kMargin, kMargin, kMargin})];
                 const openvdb::Index row = openvdb::Index(x << 6 | y << 3);
                 for (int z = first(s.z); z < last(s.z); ++z) {
                     const openvdb::Index offset = row + openvdb::Index(z);
-                    to[z] = leaf && leaf->isValueOn(offset)
-                                ? float(double(leaf->getValue(offset)) * perDx_)
-                                : kMissing;
+                    value_[indexOf(Ijk{x, y, z} + 8 * s + Ijk{kMargin, kMargin, kMargin})] =
+                        leaf && leaf->isValueOn(offset)
+                            ? float(double(leaf->getValue(offset)) * perDx_)
+                            : kMissing;
                 }
             }
     }
