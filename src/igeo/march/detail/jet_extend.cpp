@@ -34,10 +34,7 @@ void Extension::add(const Outside& node, Group& group) const {
         return;
     }
     begin(node, group);
-    if (group.core)
-        findCorners(*group.core, group);
-    else
-        findCorners(group);
+    findCorners(group);
     if (group.full()) solve(group);
 }
 
@@ -87,22 +84,19 @@ void Extension::begin(const Outside& node, Group& group) const {
 }
 
 void Extension::findCorners(Group& group) const {
-    const Group::Node& node = group.nodes[group.size - 1];
-    band_.forCornersOfFoot(
-        &BandLeaf::core, node.node, node.leaf, node.offset,
-        [&](NodeIndex k, float w, const Vec3f& from) { addCorner(k, w, from, group); });
-}
-
-void Extension::findCorners(const LeafNumbers<2>& core, Group& group) const {
-    // As Band::forCornersOfFoot has it, in the same order.
     constexpr float kLight = 0.01f;
     const Group::Node& node = group.nodes[group.size - 1];
     const unsigned at = node.offset;
     const Vec3f y = band_.footOf(node.node);
     const Ijk low{floorToInt(y.x), floorToInt(y.y), floorToInt(y.z)};
     const Ijk cell = low + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
-    if (std::min({cell.x, cell.y, cell.z}) < -2 || std::max({cell.x, cell.y, cell.z}) > 8)
-        return findCorners(group);
+    if (!group.core || std::min({cell.x, cell.y, cell.z}) < -2 ||
+        std::max({cell.x, cell.y, cell.z}) > 8)
+        return band_.forCornersOfFoot(
+            &BandLeaf::core, node.node, node.leaf, at,
+            [&](NodeIndex k, float w, const Vec3f& from) { addCorner(k, w, from, group); });
+    // As Band::forCornersOfFoot has it, in the same order.
+    const LeafNumbers<2>& core = *group.core;
     const int first = core.indexOf(cell);
     const Vec3f up = y - Vec3f(low);
     const std::array<float, 8> weight = trilinear(up);
@@ -249,7 +243,7 @@ bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, c
         if (jets_.accepted(k) && !node.around.full())
             addNeighbor(k, chord, cosine, gradientOf(k), node.local, node.around);
     };
-    if (core)
+    if (core && core->holdsBox(node.at.offset, middle, reach))
         core->forBox(node.at.offset, middle, reach, visit);
     else
         band_.forBox(&BandLeaf::core, node.at.leaf, node.at.offset, middle, reach, visit);
@@ -263,11 +257,7 @@ void Extension::addDoubtful(const Outside& at, Group& group) const {
     Doubtful::Node& node = doubtful.nodes.back();
     // Where the foot point is off, the core passes within two voxels all the same.
     const Ijk middle = roundToIjk(Vec3d(band_.footOf(i)));
-    auto withNumbers = [&](const Ijk& about, int reach) {
-        return group.core && group.core->holdsBox(at.offset, about, reach) ? group.core : nullptr;
-    };
-    if (!gatherAround(node, withNumbers(middle, 1), middle, 1))
-        gatherAround(node, withNumbers({}, 2), {}, 2);
+    if (!gatherAround(node, group.core, middle, 1)) gatherAround(node, group.core, {}, 2);
     if (node.around.count == 0) {
         finish(at, exactNearSeed(i, {}));
         doubtful.nodes.pop_back();

@@ -131,7 +131,6 @@ private:
     /// @param from  from the voxel of core node k to the foot point of the node
     void addCorner(NodeIndex k, float weight, const Vec3f& from, Group& group) const;
     void findCorners(Group& group) const;
-    void findCorners(const LeafNumbers<2>& core, Group& group) const;
     void solve(Group& group) const;
     void extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const;
     void solveDoubtful(Doubtful& doubtful) const;
