@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/text.h>
+#include <igeo/base/digest.h>
 #include <igeo/io/vdb_write.h>
 #include <igeo/io/volume_file.h>
 #include <igeo/results/field_grids.h>
@@ -343,11 +344,15 @@ int info(const InfoOptions& options, Console& console, ConsoleProgress& progress
     const FileGuard reporting(options.source.text(), FileGuard::kNoLimit);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     const bool asked = file.surface && !unreliable.empty();
+    const Provenance provenance{withoutProcessOptions(options.words),
+                                {{options.source.text(), igeo::digestOfFile(options.source.file)}},
+                                {{"survey", seconds.count()}},
+                                peakMemory()};
     if (asked) writeUnreliable(unreliable, file, progress);
     progress.clear();
     console.detail(fmt::format("surveyed in {:.3f} s", seconds.count()));
     if (options.json)
-        writeDocument("-", surveyJson(file));
+        writeDocument("-", surveyJson(file, provenance));
     else
         print(file);
     if (asked)

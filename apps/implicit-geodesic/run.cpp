@@ -194,12 +194,14 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     report.vias = solveVias(solver, o, stages);
     warnOfSkippedPoints(distance, report);
 
+    report.seconds = stages.seconds();
+    report.peakMemory = peakMemory();
+    report.threads = igeo::ThreadLimit::current();
     RunResult result{o, input, solver, distance, report, stages, prepared.lastRun};
     writeResults(result);
     stages.finished("write");
     report.seconds = stages.seconds();
     report.peakMemory = peakMemory();
-    report.threads = igeo::ThreadLimit::current();
     if (!o.report.empty()) {
         const std::size_t reached = distance.reached();
         writeDocument(o.report,

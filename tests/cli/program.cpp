@@ -132,6 +132,12 @@ void requireRefused(const TempWorkspace& desk, const std::string& line, int exit
     requireRefused(desk, desk.command(line), exitCode, says);
 }
 
+nlohmann::json contentOf(nlohmann::json document) {
+    for (const char* member : {"command", "inputs", "seconds", "peakMemoryBytes"})
+        CHECK(document.erase(member) == 1);
+    return document;
+}
+
 bool validBySchema(const TempWorkspace& desk, const std::string& schema,
                    const std::string& document) {
     Command command;

@@ -5,6 +5,7 @@
 #include <support/temp_dir.h>
 
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,9 @@ void allowLeaks(Command& command);
 
 /// Runs a command that must succeed: exit code 0, and nothing on stdout.
 Result requireDone(const TempWorkspace& desk, const std::string& line);
+
+/// A JSON document without its origin and cost: command, inputs, times and memory.
+nlohmann::json contentOf(nlohmann::json document);
 
 /// Whether a JSON document holds to one of docs/*.schema.json; true where python3-jsonschema is
 /// missing.

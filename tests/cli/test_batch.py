@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = pathlib.Path(os.environ.get("IGEO_PROGRAM", ROOT / "build/release/bin/implicit-geodesic")).resolve()
@@ -77,6 +78,8 @@ JOBS = {
 }
 
 COUNT = len(JOBS["jobs"])
+# The tests compare documents byte by byte, so these hold no times.
+os.environ["SOURCE_DATE_EPOCH"] = "0"
 
 
 class TempWorkspace(unittest.TestCase):
@@ -466,6 +469,22 @@ class Batch(TempWorkspace):
         other["digest"] = "0" * 32
         self.write(other, "other.json")
         refused("different batches", parts=(one, "other.json"))
+
+    def test_jobs_with_other_times_merge(self):
+        self.write({"version": 2, "jobs": [{"name": "a", "sdf": "torus.vdb", "seed": [1.4, 0, 0],
+                                            "target": [-1, 0, 0.4], "paths": "a.json"}]})
+        with unittest.mock.patch.dict(os.environ):
+            del os.environ["SOURCE_DATE_EPOCH"]
+            for name in ("one.json", "two.json"):
+                self.batch("--summary", name)
+                (self.folder / "a.json").unlink()
+        (first,), (second,) = self.summary("one.json")["jobs"], self.summary("two.json")["jobs"]
+        self.assertNotEqual(first["outputs"], second["outputs"])
+        for job in (first, second):
+            self.assertGreater(job["seconds"]["march"], 0)
+            self.assertGreater(job["peakMemoryBytes"], 1e6)
+        done = self.program("batch", "merge", "one.json", "two.json", "-o", "all.json")
+        self.assertEqual(done.returncode, DONE, done.stderr)
 
     def test_matrices_in_parts(self):
         across = {"target": [[1.4, 0, 0], [0, -1, 0.4], [-1.4, 0, 0]]}

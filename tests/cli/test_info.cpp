@@ -107,11 +107,9 @@ TEST_CASE("info: what it says of the surface is what a run says") {
     piped.stdinFile = desk / "in.vdb";
     json fromStream = json::parse(run(piped).out);
     CHECK(fromStream["file"] == "standard input");
+    CHECK(fromStream["inputs"][0]["digest"].is_null());
     fromStream["file"] = "in.vdb";
-    CHECK(fromStream == survey);
-    for (const char* threads : {"1", "2"})
-        CHECK(desk.run(std::string("info in.vdb --json --threads ") + threads).out ==
-              readBytes(desk / "survey.json"));
+    CHECK(contentOf(fromStream) == contentOf(survey));
 }
 
 TEST_CASE("info: a mesh, closed or open") {
@@ -144,9 +142,9 @@ TEST_CASE("info: a mesh, closed or open") {
     CHECK(surveyed(desk, "in.ply --resolution 20", 0)["surface"]["voxelSize"].get<double>() ==
           Approx(0.1).epsilon(0.01));
     for (const char* threads : {"1", "2"})
-        CHECK(json::parse(
+        CHECK(contentOf(json::parse(
                   desk.run(std::string("info in.ply --voxel-size 0.05 --json --threads ") + threads)
-                      .out) == ball);
+                      .out)) == contentOf(ball));
 
     const auto plane = [](double u, double v) { return igeo::Vec3d{u, v, 0.1 * u}; };
     const auto frame = [](double u, double v) {
@@ -203,7 +201,7 @@ TEST_CASE("info: points, as text, PLY and in a volume") {
     writeBytes(desk / "in.ply", ply + xyz(cloud));
     json same = surveyed(desk, "in.ply", 0);
     same["file"] = "in.xyz";
-    CHECK(same == text);
+    CHECK(contentOf(same) == contentOf(text));
 
     std::vector<openvdb::Vec3d> positions;
     for (const igeo::Vec3d& p : cloud.points) positions.emplace_back(p.x, p.y, p.z);

@@ -116,6 +116,9 @@ TEST_CASE("all documents of a run say alike how it was made") {
             for (const auto& [member, value] : document[part].items())
                 CHECK(report[part][member] == value);
         CHECK(document["parameters"]["skipOffSurface"] == true);
+        CHECK(document["seconds"]["march"] == report["seconds"]["march"]);
+        CHECK(document["peakMemoryBytes"] <= report["peakMemoryBytes"]);
+        CHECK(document["peakMemoryBytes"] > 1000000);
     }
     // What was skipped keeps its place.
     const json target = report["targets"][1],
@@ -127,6 +130,39 @@ TEST_CASE("all documents of a run say alike how it was made") {
     CHECK(matrix["targets"][1] == target["target"]);
     CHECK((matrix["distance"][0][0].is_number() && matrix["distance"][0][1].is_null()));
     CHECK((pair["distance"].is_null() && pair["target"]["reason"] == "off the surface"));
+}
+
+TEST_CASE("documents differ in times and memory only, and with SOURCE_DATE_EPOCH in nothing") {
+    const TempWorkspace desk;
+    desk.make("in.vdb", "two-spheres --grid-class unknown");
+    const auto documents = [&](const char* epoch, const char* threads) {
+        std::map<std::string, json> all;
+        for (const std::string line :
+             {"--sdf in.vdb --seed 1.2,0,0 --target 0.7,0,0.5 -q --paths out.json",
+              "--sdf in.vdb --seed 1.2,0,0 --target 0.7,0,0.5 -q --matrix out.json",
+              "--sdf in.vdb --seed 1.2,0,0 -q --isolines out.json", "info in.vdb --json"}) {
+            Command command = desk.command(line + " --threads " + threads);
+            command.environment["SOURCE_DATE_EPOCH"] = epoch;
+            const Result result = run(command);
+            INFO(line << "\n" << result.err);
+            REQUIRE(result.exitCode == 0);
+            all[line] = json::parse(result.out.empty() ? readBytes(desk / "out.json") : result.out);
+        }
+        return all;
+    };
+    auto timed = documents("", "1");
+    const auto same = documents("1700000000", "1");
+    CHECK((documents("1700000000", "2") == same));
+    for (auto& [line, document] : timed) {
+        INFO(line);
+        CHECK((document != same.at(line)));
+        for (const char* member : {"seconds", "peakMemoryBytes"}) {
+            CHECK(same.at(line)[member].is_null());
+            CHECK_FALSE(document[member].is_null());
+            document[member] = nullptr;
+        }
+        CHECK(document == same.at(line));
+    }
 }
 
 TEST_CASE("targets and pairs off the surface: rows with a reason, a warning, exit code 4") {

@@ -30,9 +30,8 @@ constexpr const char* kNewer = "written by a newer OpenVDB, 13.";
 
 /// A JSON document but for its input and the warning of it; anything else as it is.
 std::string withoutInput(const std::string& bytes) {
-    json document = json::parse(bytes, nullptr, /*allow_exceptions=*/false);
-    if (!document.is_object()) return bytes;
-    document.erase("inputs");
+    if (!bytes.starts_with('{')) return bytes;
+    json document = contentOf(json::parse(bytes));
     document.erase("warnings");
     return document.dump();
 }

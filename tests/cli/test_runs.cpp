@@ -117,9 +117,10 @@ TEST_CASE("the same run gives the same bytes, on one thread and on two") {
         scheme;
     // Documents have the command line, so each run writes the same names.
     const auto runAs = [&](const std::string& name, const std::string& threads) {
-        requireDone(
-            desk,
+        Command command = desk.command(
             base + " -o out.vdb --paths out.json --report out_report.json --threads " + threads);
+        command.environment["SOURCE_DATE_EPOCH"] = "0";
+        REQUIRE(run(command).exitCode == 0);
         for (const char* end : {".vdb", ".json", "_report.json"})
             std::filesystem::rename(desk / (std::string("out") + end), desk / (name + end));
     };

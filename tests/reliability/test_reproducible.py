@@ -31,7 +31,7 @@ def outputs(source: pathlib.Path, line: str, threads: int) -> dict[str, bytes]:
         folder = pathlib.Path(name)
         shutil.copy(source, folder)
         subprocess.run([PROGRAM, *line.split(), "-q", "--threads", str(threads)], cwd=folder, check=True,
-                       env={**os.environ, "TZ": f"UTC{threads}", "LC_ALL": "C"})
+                       env={**os.environ, "TZ": f"UTC{threads}", "LC_ALL": "C", "SOURCE_DATE_EPOCH": "0"})
         return {f.name: f.read_bytes() for f in folder.iterdir() if f.name != source.name}
 
 

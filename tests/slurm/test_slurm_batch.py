@@ -20,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAM = pathlib.Path(os.environ.get("IGEO_PROGRAM", ROOT / "build/release/bin/implicit-geodesic")).resolve()
 SLURM = ROOT / "tests/slurm/slurm.sh"
 SCRIPT = ROOT / "scripts/slurm_batch.sh"
-ENVIRONMENT = {**os.environ, "IMPLICIT_GEODESIC": str(PROGRAM)}
+ENVIRONMENT = {**os.environ, "IMPLICIT_GEODESIC": str(PROGRAM), "SOURCE_DATE_EPOCH": "0"}
 MERGED = "jobs.summary.json"
 
 

@@ -9,7 +9,8 @@
 /// side by side. Records each in the summary as it ends. The folder of the manifest becomes the
 /// current one.
 ///
-/// A job writes the same bytes as a single run in the folder of the manifest. It counts as done if
+/// A job writes the same bytes as a single run in the folder of the manifest, apart from the times
+/// and the memory in its documents. It counts as done if
 /// the summary records it with the same program, options, content of inputs and content of outputs;
 /// times of files have no effect.
 /// @return 0; the largest code of the jobs that failed; or kUnreached, if none did

@@ -62,6 +62,10 @@ MatrixPart readPart(const std::string& file) {
                 if (!d.is_number() && !d.is_null())
                     inputError(file + " holds distances that are no numbers", "write it again");
         part.document.at("asymmetry");
+        const Json& seconds = part.document["seconds"];
+        if (!seconds.is_null() && !seconds.is_object())
+            inputError(file + ": 'seconds' is no object", "write it again");
+        for (const auto& [stage, time] : seconds.items()) static_cast<void>(time.get<double>());
         part.seeds = placesOf(part.document["seeds"]);
         part.targets = placesOf(part.document["targets"]);
     } catch (const Json::exception&) {
@@ -70,9 +74,25 @@ MatrixPart readPart(const std::string& file) {
     return part;
 }
 
+/// Adds the times of a part to those of the whole, and takes the larger memory; null where a part
+/// has none.
+void addCost(Json& whole, const Json& part) {
+    Json& seconds = whole["seconds"];
+    if (part["seconds"].is_null()) seconds = nullptr;
+    if (!seconds.is_null())
+        for (const auto& [stage, time] : part["seconds"].items())
+            seconds[stage] = seconds.value(stage, 0.0) + time.get<double>();
+    Json& memory = whole["peakMemoryBytes"];
+    if (memory.is_null() || part["peakMemoryBytes"].is_null())
+        memory = nullptr;
+    else
+        memory = std::max(memory, part["peakMemoryBytes"]);
+}
+
 /// All parts must agree in everything except the rows: surface, points, program.
 void requireSameMatrix(const MatrixPart& a, const MatrixPart& b) {
-    static const std::set<std::string> kOwn{"rows", "distance", "warnings", "command", "versions"};
+    static const std::set<std::string> kOwn{"rows",     "distance", "warnings",       "command",
+                                            "versions", "seconds",  "peakMemoryBytes"};
     for (const auto& [member, value] : a.document.items())
         if (kOwn.count(member) == 0 &&
             (!b.document.contains(member) || b.document[member] != value))
@@ -148,6 +168,7 @@ std::string joinedMatrix(const std::vector<std::string>& files, const std::strin
 
     whole.erase("rows");
     whole["command"] = commandOf(files, output);
+    for (std::size_t k = 1; k < parts.size(); ++k) addCost(whole, parts[k].document);
     whole["distance"] = Json::array();
     for (std::size_t s = 0; s < matrix.seeds.size(); ++s) {
         Json row = Json::array();

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "exit_code.h"
+#include "file_ending.h"
 #include "json_file.h"
 
 bool JobRecord::done() const { return exitCode == kDone || exitCode == kUnreached; }
@@ -17,9 +18,15 @@ const char* JobRecord::status() const {
     return exitCode == kDone ? "done" : exitCode == kUnreached ? "unreached" : "failed";
 }
 
-bool JobRecord::operator==(const JobRecord& o) const {
-    return std::tie(index, name, exitCode, what, remedy, warnings, digest, outputs) ==
-           std::tie(o.index, o.name, o.exitCode, o.what, o.remedy, o.warnings, o.digest, o.outputs);
+bool JobRecord::sameOutcome(const JobRecord& o) const {
+    // Documents hold times.
+    const auto sameOutput = [](const auto& a, const auto& b) {
+        return a.first == b.first && (a.second == b.second || endingOf(a.first) == ".json");
+    };
+    return std::tie(index, name, exitCode, what, remedy, warnings, digest) ==
+               std::tie(o.index, o.name, o.exitCode, o.what, o.remedy, o.warnings, o.digest) &&
+           std::equal(outputs.begin(), outputs.end(), o.outputs.begin(), o.outputs.end(),
+                      sameOutput);
 }
 
 int Summary::exitCode() const {
@@ -42,8 +49,8 @@ std::vector<std::string> Summary::namesOf(const char* status) const {
 namespace {
 
 /// The members of provenanceJson in a job's record, besides the warnings.
-constexpr std::array kProvenance{"command", "versions",   "inputs",
-                                 "surface", "parameters", "metric"};
+constexpr std::array kProvenance{"command",    "versions", "inputs",  "surface",
+                                 "parameters", "metric",   "seconds", "peakMemoryBytes"};
 
 Json recordJson(const JobRecord& job) {
     Json j = {{"index", job.index}, {"name", job.name}, {"status", job.status()}};
@@ -174,7 +181,7 @@ Summary mergedSummary(const std::vector<std::string>& files) {
         for (const JobRecord& job : part.jobs) {
             auto& [known, from] = jobs.try_emplace(job.index, job, file).first->second;
             if (!known.exitCode) known = job, from = file;
-            if (job.exitCode && !(known == job))
+            if (job.exitCode && !known.sameOutcome(job))
                 inputError("job '" + job.name + "' differs in " + from + " and " + file,
                            "run that job again and merge the summaries that follow");
         }

@@ -29,10 +29,12 @@ struct JobRecord {
     bool done() const;
     /// "waiting", "done", "unreached" (done, but a target is unreached) or "failed"
     const char* status() const;
-    bool operator==(const JobRecord& other) const;
+    /// Whether another record is of the same work and its results, apart from times and memory.
+    bool sameOutcome(const JobRecord& other) const;
 };
 
-/// docs/summary.schema.json. The same jobs and outcomes give the same bytes.
+/// docs/summary.schema.json. The same jobs and outcomes give the same bytes, apart
+/// from times and memory.
 struct Summary {
     std::string creator;    ///< program and version
     std::string manifest;   ///< its name without folders

@@ -25,10 +25,10 @@ std::optional<Options> parseOptions(int argc, char** argv) {
     const Command* const named = readCommandLine(program, words);
     if (!named) return std::nullopt;
     const std::string name = named->lastName();
+    run.words = info.words = words;
     if (name == "info") return info;
     if (name == "batch") return batch;
     if (name == "merge") return merge;
-    run.words = words;
     return run;
 }
 

@@ -1,20 +1,13 @@
 #include "output/report.h"
 
 #include <fmt/core.h>
-#include <sstream>
 
 #include "output/json_parts.h"
-#include "version_text.h"
 
 using namespace igeo;
 using json = Json;
 
 namespace {
-
-/// digestOfFile returns "missing" where there is no regular file, such as for standard input.
-json orNull(const std::string& digest) {
-    return digest == "missing" ? json(nullptr) : json(digest);
-}
 
 json pointJson(const SnappedPoint& p) {
     json j = {{"asked", triple(p.asked)},
@@ -73,14 +66,6 @@ json seedsJson(const RunReport& r, const Field& field) {
         all.push_back(std::move(j));
     }
     return all;
-}
-
-json versionsJson() {
-    json j = json::object();
-    std::istringstream versions(versionText());  // "OpenVDB 10.0.1, file format 224"
-    for (std::string line; std::getline(versions, line);)
-        j[line.substr(0, line.find(' '))] = line.substr(line.find(' ') + 1);
-    return j;
 }
 
 json surfaceJson(const RunReport& r, double dx) {
@@ -193,13 +178,12 @@ json walkJson(const Polyline& walk) {
 }  // namespace
 
 json provenanceJson(const RunReport& r, const Field& field) {
-    json j = {{"command", r.command}, {"versions", versionsJson()}, {"inputs", json::array()}};
-    for (const auto& [file, digest] : r.inputs)
-        j["inputs"].push_back({{"file", file}, {"digest", orNull(digest)}});
+    json j = originJson(r);
     j["warnings"] = r.warnings;
     j["surface"] = surfaceJson(r, field.band->transform.dx);
     j["parameters"] = parametersJson(r, field);
     j["metric"] = metricJson(r, field);
+    j.update(costJson(r));
     return j;
 }
 
@@ -285,9 +269,6 @@ std::string reportJson(const RunReport& r, const Field& field, const Extent& who
         t.erase("vertices");
         j["targets"].push_back(t);
     }
-    j["seconds"] = json::object();
-    for (const auto& [stage, seconds] : r.seconds) j["seconds"][stage] = seconds;
-    j["peakMemoryBytes"] = r.peakMemory;
     j["outputs"] = json::object();
     for (const auto& [kind, file] : r.outputs) j["outputs"][kind] = file;
     return dump(j, 2);

@@ -8,13 +8,12 @@
 #include <igeo/results/isolines.h>
 #include <igeo/results/voronoi_cells.h>
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "json_file.h"
+#include "output/provenance.h"
 
 namespace igeo {
 struct FileSurvey;
@@ -29,10 +28,7 @@ struct ViaCurve {
 };
 
 /// The options, results and cost of a run.
-struct RunReport {
-    /// Words after the program's name, without those of ProcessOptions, which change no result.
-    std::vector<std::string> command;
-    std::vector<std::pair<std::string, std::string>> inputs;  ///< file, digest (digestOfFile)
+struct RunReport : Provenance {
     /// Points as given, digit by digit; empty in index space.
     std::vector<igeo::Vec3d> askedSeeds, askedTargets;
     igeo::SurfaceFacts surface;
@@ -51,14 +47,12 @@ struct RunReport {
     std::optional<igeo::VoronoiCells> cells;
     igeo::Unresolved unresolved;
     igeo::AccuracyEstimate accuracy;
-    std::vector<std::pair<std::string, double>> seconds;       ///< wall time per stage, in order
-    std::uint64_t peakMemory = 0;                              ///< bytes
     std::vector<std::pair<std::string, std::string>> outputs;  ///< kind, file
     std::vector<std::string> warnings;
 };
 
-/// The provenance in every document of a run and in the summary of a batch: `command`, `versions`,
-/// `inputs`, `surface`, `parameters`, `metric` and `warnings`.
+/// What every document of a run and every job in the summary of a batch begins with: originJson,
+/// `warnings`, `surface`, `parameters`, `metric` and costJson.
 Json provenanceJson(const RunReport& report, const igeo::Field& field);
 
 /// docs/geodesics.schema.json. A field without seeds has walks only.
@@ -79,7 +73,7 @@ std::string matrixJson(const RunReport& report, const igeo::Field& field,
                        const igeo::DistanceMatrix& matrix);
 
 /// docs/info.schema.json.
-std::string surveyJson(const igeo::FileSurvey& file);
+std::string surveyJson(const igeo::FileSurvey& file, const Provenance& provenance);
 
 /// docs/pairs.schema.json.
 std::string pairsJson(const RunReport& report, const igeo::Field& field);

@@ -98,8 +98,9 @@ json voxelsJson(const VolumeFacts& v) {
 
 }  // namespace
 
-std::string surveyJson(const FileSurvey& file) {
+std::string surveyJson(const FileSurvey& file, const Provenance& provenance) {
     json j = header("info");
+    j.update(originJson(provenance));
     j["file"] = file.file;
     j["grids"] = json::array();
     for (const GridEntry& g : file.grids) j["grids"].push_back(gridJson(g));
@@ -115,5 +116,6 @@ std::string surveyJson(const FileSurvey& file) {
     j["refusal"] = file.refusal ? json{{"what", file.refusal->what()},
                                        {"remedy", inOptionWords(file.refusal->remedy())}}
                                 : json(nullptr);
+    j.update(costJson(provenance));
     return dump(j, 2);
 }
