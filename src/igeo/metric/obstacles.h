@@ -71,7 +71,7 @@ public:
     bool mayBeNear(const Vec3d& p, double radius) const override;
 
 private:
-    /// A tree without its virtual functions, which a compiler takes nine seconds for.
+    /// A tree without its virtual functions, which a compiler takes seven seconds for.
     using VoxelSet = openvdb::MaskTree::RootNodeType;
 
     struct Sphere {
