@@ -30,7 +30,7 @@ int withProcess(const ProcessOptions& options, double memoryLimit, const Work& w
 
 int start(const RunOptions& options) {
     return withProcess(options, options.memoryLimit, [&](auto& console, auto& progress) {
-        return run(options, console, progress).exitCode;
+        return run(options, console, progress);
     });
 }
 

@@ -17,6 +17,7 @@
 #include "output/result_checks.h"
 #include "output/result_table.h"
 #include "output/run_result.h"
+#include "prepared_solver.h"
 #include "process.h"
 
 using igeo::Vec3d;
@@ -143,7 +144,7 @@ PreparedSolver prepareSolver(const igeo::Surface& surface, const RunOptions& o,
     return {igeo::GeodesicSolver(surface, options, progress), std::move(metric)};
 }
 
-RunOutcome run(const RunOptions& options, const Console& console, ConsoleProgress& progress) {
+int run(const RunOptions& options, const Console& console, ConsoleProgress& progress) {
     checkFiles(options);
     Stages stages(console, progress);
     const igeo::Surface surface = readSurface(options, stages);
@@ -152,7 +153,7 @@ RunOutcome run(const RunOptions& options, const Console& console, ConsoleProgres
                                facts.summary));
     PreparedSolver prepared = prepareSolver(surface, options, stages);
     prepared.lastRun = true;
-    return runOn(prepared, options, console, stages);
+    return runOn(prepared, options, console, stages).exitCode;
 }
 
 RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Console& console,

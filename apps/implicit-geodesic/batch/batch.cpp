@@ -27,8 +27,8 @@
 #include "input/surface_input.h"
 #include "output/output_files.h"
 #include "output/result_checks.h"
+#include "prepared_solver.h"
 #include "process.h"
-#include "run.h"
 
 namespace fs = std::filesystem;
 

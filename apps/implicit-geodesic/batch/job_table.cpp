@@ -10,10 +10,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Cells separated by commas, semicolons or tabs, row by row (RFC 4180).
-class Cells {
+/// TableCells separated by commas, semicolons or tabs, row by row (RFC 4180).
+class TableCells {
 public:
-    explicit Cells(const std::string& file) : file_(file) {
+    explicit TableCells(const std::string& file) : file_(file) {
         std::ifstream in(file, std::ios::binary);
         std::error_code ignored;
         if (!in || fs::is_directory(file, ignored))
@@ -95,7 +95,7 @@ Json valueOf(const std::string& cell) {
 }  // namespace
 
 Json jobsOfTable(const std::string& file) {
-    Cells cells(file);
+    TableCells cells(file);
     std::vector<std::string> head, row;
     if (!cells.next(head) || std::count(head.begin(), head.end(), "name") != 1)
         inputError(file + ": the first line names no column 'name'",

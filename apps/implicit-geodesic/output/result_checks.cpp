@@ -1,5 +1,6 @@
 #include "output/result_checks.h"
 
+#include <igeo/geodesic_solver.h>
 #include <igeo/results/view_page.h>
 
 #include <algorithm>

@@ -1,12 +1,14 @@
 /// Checks of the results that a run is to write, before anything is read. By the table of results.
 #pragma once
 
-#include <igeo/geodesic_solver.h>
-
 #include <string>
 #include <vector>
 
 #include "options/run_options.h"
+
+namespace igeo {
+struct Seeds;
+}
 
 /// Refuses results that the run's other options cannot give, and options without effect on any
 /// result.

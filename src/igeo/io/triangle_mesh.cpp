@@ -15,6 +15,7 @@ namespace igeo {
 
 namespace {
 
+using Kind = Error::Kind;
 using Triangle = TriangleMesh::Triangle;
 constexpr std::uint32_t kNone = MeshTopology::kNone;
 
@@ -288,7 +289,6 @@ double estimatedVoxels(const TriangleMesh& mesh, double dx, double halfWidth) {
 }
 
 void requireReasonable(const TriangleMesh& mesh, double dx, double halfWidth) {
-    using Kind = Error::Kind;
     const std::string where = " (" + mesh.file + ")";
     if (mesh.triangles.empty())
         throw Error(Kind::BadInput, "the mesh has no triangles" + where, "give a surface");

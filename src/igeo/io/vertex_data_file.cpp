@@ -21,11 +21,6 @@ namespace {
 using Kind = Error::Kind;
 constexpr std::string_view kMorphometry = "\xff\xff\xff";
 
-[[noreturn]] void refuse(const std::string& file, const std::string& what,
-                         const std::string& remedy) {
-    throw Error(Kind::BadInput, "'" + file + "' " + what, remedy);
-}
-
 bool isMorphometry(const std::string& file) {
     std::array<char, kMorphometry.size()> begin{};
     std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
@@ -39,16 +34,17 @@ std::vector<double> fromGifti(const std::string& file, const std::string& bytes)
         if (array.intent == "NIFTI_INTENT_POINTSET" || array.intent == "NIFTI_INTENT_TRIANGLE")
             continue;
         if (array.intent == "NIFTI_INTENT_NODE_INDEX")
-            refuse(file, "lists values of some vertices only", "write a value for every vertex");
+            refuseFile(file, "lists values of some vertices only",
+                       "write a value for every vertex");
         if (array.dims.size() == 2 && array.dims[1] != 1)
-            refuse(file, fmt::format("has {} values per vertex", array.dims[1]),
-                   "write one value per vertex");
+            refuseFile(file, fmt::format("has {} values per vertex", array.dims[1]),
+                       "write one value per vertex");
         values = std::move(array.values);
         ++arrays;
     }
     if (arrays != 1)
-        refuse(file, fmt::format("holds {} arrays of values, not one", arrays),
-               "write the one you need into a file of its own");
+        refuseFile(file, fmt::format("holds {} arrays of values, not one", arrays),
+                   "write the one you need into a file of its own");
     return values;
 }
 
@@ -158,10 +154,10 @@ std::vector<double> valuesFrom(const std::string& file, std::size_t count) {
     if (ending == ".npy") return fromNpy(file, bytes);
     if (bytes.starts_with(kMorphometry)) return fromMorphometry(file, bytes);
     if (isAnnotationFile(file))
-        refuse(file, "holds regions and no values",
-               "give it as seeds, or name a region as an obstacle or mask: FILE.annot:REGION");
-    refuse(file, "holds no values per vertex by its name",
-           "give a .gii, .csv, .txt, .npy, .label or morphometry file of FreeSurfer");
+        refuseFile(file, "holds regions and no values",
+                   "give it as seeds, or name a region as an obstacle or mask: FILE.annot:REGION");
+    refuseFile(file, "holds no values per vertex by its name",
+               "give a .gii, .csv, .txt, .npy, .label or morphometry file of FreeSurfer");
 }
 
 }  // namespace
@@ -176,9 +172,10 @@ bool isVertexDataFile(const std::string& file) {
 std::vector<double> readVertexData(const std::string& file, std::size_t count) {
     std::vector<double> values = valuesFrom(file, count);
     if (values.size() != count)
-        refuse(file,
-               fmt::format("holds {} values, and the mesh has {} vertices", values.size(), count),
-               "give values that belong to this mesh");
+        refuseFile(
+            file,
+            fmt::format("holds {} values, and the mesh has {} vertices", values.size(), count),
+            "give values that belong to this mesh");
     return values;
 }
 
@@ -199,8 +196,9 @@ std::vector<std::size_t> readLabelFile(const std::string& file) {
             vertices.push_back(std::size_t(v[0]));
     });
     if (double(vertices.size()) != announced)
-        refuse(file, fmt::format("announces {} vertices and lists {}", announced, vertices.size()),
-               "the file is cut off or broken: write it again");
+        refuseFile(file,
+                   fmt::format("announces {} vertices and lists {}", announced, vertices.size()),
+                   "the file is cut off or broken: write it again");
     return vertices;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSegment = 0.5;  ///< length of a segment of a curve, voxels
 /// Points found on S between two tests of cancellation.
-constexpr std::size_t kLookEvery = 64;
+constexpr std::size_t kLookEverySeeds = 64;
 
 }  // namespace
 
@@ -57,7 +57,7 @@ std::vector<Vec3d> cornersOnSurface(const Band& band, const Curve& curve, double
                                     const Progress& progress) {
     std::vector<Vec3d> corners;
     for (std::size_t k = 0; k < curve.points.size(); ++k) {
-        if (k % kLookEvery == 0) progress.throwIfCancelled();
+        if (k % kLookEverySeeds == 0) progress.throwIfCancelled();
         const SurfacePoint p = nearestSurfacePoint(band, curve.points[k]);
         if (!(p.snapDistance <= snap))
             throw Error(Error::Kind::InvalidArgument,
@@ -81,7 +81,7 @@ public:
     ///         but does not move them to another sheet
     bool add(const Vec3d& p) {
         constexpr double kFar = 4 * kSegment;
-        if (seeds.size() % kLookEvery == 0) progress_.throwIfCancelled();
+        if (seeds.size() % kLookEverySeeds == 0) progress_.throwIfCancelled();
         const SurfacePoint next = nearestSurfacePoint(band_, p);
         if (!seeds.empty()) {
             SurfacePoint& last = seeds.back();

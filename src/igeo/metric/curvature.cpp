@@ -16,6 +16,8 @@ namespace igeo {
 
 namespace {
 
+using Kind = Error::Kind;
+
 /// The least-squares weights are (1 - r^2 / reach^2)^2, with standard deviation reach / sqrt(8)
 /// along a tangent: as accurate as a Gaussian, with bounded support.
 const double kReachPerScale = std::sqrt(8.0);
@@ -333,7 +335,6 @@ Curvature curvature(const Band& band, double scale, Progress& progress) {
 
 std::vector<float> curvatureWeights(const Curvature& curvature, CurvatureKind kind, double epsilon,
                                     double power) {
-    using Kind = Error::Kind;
     if (!(epsilon > 0 && epsilon < kInfinity && power > 0 && power < kInfinity))
         throw Error(Kind::InvalidArgument,
                     "curvature weights need a positive, finite epsilon and power, not " +

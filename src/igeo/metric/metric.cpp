@@ -48,6 +48,8 @@ std::string worldPlace(const Band& band, NodeIndex i) {
 
 namespace {
 
+using Kind = Error::Kind;
+
 /// Calls add(node, weight) for the remaining corners of a cell.
 /// @return the sum of the weights
 template <typename Add>
@@ -182,7 +184,6 @@ void Metric::dropHiddenCorners(const Band& band, const Vec3d& pIndex, const Vec3
 }
 
 void Metric::check(const Band& band) const {
-    using Kind = Error::Kind;
     const std::size_t n = band.size();
     auto refuse = [](const std::string& what) { throw Error(Kind::InvalidArgument, what); };
     auto count = [&](std::size_t m, const std::string& what) {

@@ -31,8 +31,7 @@ constexpr double kPatchFat = 0.2, kPatchStep = 0.25;
 /// Width of a cell of `near_`: a query within 5 voxels of a point reads 2 to 3 per axis.
 constexpr double kCell = 8;
 
-template <typename Tree>
-using Reader = openvdb::tree::ValueAccessor<const Tree, false>;
+using VoxelSet = openvdb::MaskTree::RootNodeType;
 
 Vec3d absolute(const Vec3d& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
 bool isFinite(const Vec3d& v) { return std::isfinite(v.x + v.y + v.z); }
@@ -81,10 +80,8 @@ private:
 
 /// Whether `test(voxel)` holds for some active voxel of the box [low, high]. By leaves: most boxes
 /// lie in one or two.
-/// boxes lie in one or two.
 template <typename Test>
-bool anyActive(const openvdb::MaskTree& tree, const Ijk& low, const Ijk& high, const Test& test) {
-    const Reader<openvdb::MaskTree> voxels(tree);
+bool anyActive(const VoxelSet& voxels, const Ijk& low, const Ijk& high, const Test& test) {
     for (int X = low.x & ~7; X <= high.x; X += 8)
         for (int Y = low.y & ~7; Y <= high.y; Y += 8)
             for (int Z = low.z & ~7; Z <= high.z; Z += 8) {
@@ -109,7 +106,7 @@ double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
 
 bool levelSetBlocks(const openvdb::FloatGrid& grid, const IndexMap& map, const Vec3d& a,
                     const Vec3d& b) {
-    const Reader<openvdb::FloatTree> values(grid.constTree());
+    const openvdb::tree::ValueAccessor<const openvdb::FloatTree, false> values(grid.constTree());
     const Vec3d from = map(a), along = map.direction(b - a);
     const int steps = int(std::ceil(4 * length(along)));
     for (int k = 0; k <= steps; ++k) {
@@ -139,8 +136,7 @@ bool patchBlocks(const SurfaceTriangles& patch, const Vec3d& a, const Vec3d& b,
 }
 
 /// Whether the strip center +-u +-v meets a grown cube of the mask.
-bool stripMeets(const openvdb::MaskTree& mask, const Vec3d& center, const Vec3d& u,
-                const Vec3d& v) {
+bool stripMeets(const VoxelSet& mask, const Vec3d& center, const Vec3d& u, const Vec3d& v) {
     constexpr double kHalf = 0.5 + kFat;
     const Parallelogram strip(center, u, v, {kHalf, kHalf, kHalf});
     const Ijk low = -floorToIjk(strip.extent - center), high = floorToIjk(strip.extent + center);
@@ -148,7 +144,7 @@ bool stripMeets(const openvdb::MaskTree& mask, const Vec3d& center, const Vec3d&
                      [&](const Ijk& voxel) { return strip.meetsBoxAt(Vec3d(voxel)); });
 }
 
-bool maskBlocks(const openvdb::MaskTree& mask, const IndexMap& map, const Vec3d& a, const Vec3d& b,
+bool maskBlocks(const VoxelSet& mask, const IndexMap& map, const Vec3d& a, const Vec3d& b,
                 const Vec3d& normal) {
     const Vec3d from = map(a), along = map.direction(b - a), across = map.direction(normal);
     const double bulge = std::min(kBulge * dot(b - a, b - a), kMostBulge);
@@ -165,7 +161,7 @@ bool maskBlocks(const openvdb::MaskTree& mask, const IndexMap& map, const Vec3d&
 }  // namespace
 
 ObstacleSet::ObstacleSet(const Similarity& transform)
-    : transform_(transform), near_(std::make_shared<openvdb::MaskTree>()) {}
+    : transform_(transform), near_(std::make_shared<VoxelSet>()) {}
 
 void ObstacleSet::addSphere(const Vec3d& centerWorld, double radiusWorld) {
     if (!isFinite(centerWorld) || !(radiusWorld > 0) || !std::isfinite(radiusWorld))
@@ -265,7 +261,7 @@ void ObstacleSet::addLevelSet(const openvdb::FloatGrid::ConstPtr& grid, const In
 template <typename Grid, typename IsBlocked>
 void ObstacleSet::addMask(const Grid& grid, const IndexMap& map, const IsBlocked& isBlocked) {
     const IndexMap toBand = map.inverse();
-    const auto blocked = std::make_shared<openvdb::MaskTree>();
+    const auto blocked = std::make_shared<VoxelSet>();
     for (auto it = grid.cbeginValueOn(); it; ++it) {
         if (!isBlocked(*it)) continue;
         blocked->addTile(it.getLevel(), it.getCoord(), true, true);

@@ -71,6 +71,9 @@ public:
     bool mayBeNear(const Vec3d& p, double radius) const override;
 
 private:
+    /// A tree without its virtual functions, which a compiler takes seven seconds for.
+    using VoxelSet = openvdb::MaskTree::RootNodeType;
+
     struct Sphere {
         Vec3d center;
         double radius;
@@ -83,7 +86,7 @@ private:
         IndexMap map;
     };
     struct MaskBody {
-        openvdb::MaskTree::ConstPtr blocked;
+        std::shared_ptr<const VoxelSet> blocked;
         IndexMap map;
     };
     void addLevelSet(const openvdb::FloatGrid::ConstPtr& grid, const IndexMap& map);
@@ -99,8 +102,8 @@ private:
     std::vector<LevelSetBody> levelSets_;
     std::vector<MaskBody> masks_;
     std::vector<std::shared_ptr<const SurfaceTriangles>> patches_;  ///< index space of the band
-    openvdb::MaskTree::Ptr near_;  ///< cells of 8^3 voxels of the band that grids reach into
-    bool everywhere_ = false;      ///< a level set blocks everything far away
+    std::shared_ptr<VoxelSet> near_;  ///< cells of 8^3 voxels of the band that grids reach into
+    bool everywhere_ = false;         ///< a level set blocks everything far away
 };
 
 }  // namespace igeo

@@ -11,12 +11,12 @@ namespace {
 using Side = SurfaceTriangles::Side;
 using Place = SurfaceTriangles::Place;
 
-constexpr double kOn = 1e-6;  // voxels: a point this close is on an edge or a vertex
+constexpr double kAlmostOn = 1e-6;  // voxels: a point this close is on an edge or a vertex
 
 /// The corner of a triangle at a point; 3: none.
 unsigned cornerAt(const SurfaceTriangles& triangles, std::uint32_t t, const Vec3d& p) {
     unsigned k = 0;
-    while (k < 3 && length(triangles.corner(t, k) - p) > kOn) ++k;
+    while (k < 3 && length(triangles.corner(t, k) - p) > kAlmostOn) ++k;
     return k;
 }
 
@@ -25,7 +25,7 @@ unsigned edgeAt(const SurfaceTriangles& triangles, std::uint32_t t, const Vec3d&
     unsigned k = 0;
     for (; k < 3; ++k) {
         const Vec3d a = triangles.corner(t, k), e = triangles.corner(t, k + 1) - a;
-        if (length(cross(e, p - a)) <= kOn * length(e)) break;
+        if (length(cross(e, p - a)) <= kAlmostOn * length(e)) break;
     }
     return k;
 }
@@ -63,8 +63,9 @@ Vec3d normalOnTriangles(const SurfaceTriangles& triangles, const Vec3d& p,
     constexpr double kFarthest = 2, kCancelled = 0.1;
     Place at = triangles.nearest(p, kFarthest, sheetNormal);
     // Beyond a sharp edge the normal may be opposite to the last one.
-    if (at.squared > kOn * kOn)
-        if (const Place any = triangles.nearest(p, kFarthest); any.squared <= kOn * kOn) at = any;
+    if (at.squared > kAlmostOn * kAlmostOn)
+        if (const Place any = triangles.nearest(p, kFarthest); any.squared <= kAlmostOn * kAlmostOn)
+            at = any;
     if (at.triangle == SurfaceTriangles::kNone) return sheetNormal;
     const Vec3d own = triangles.normal(at.triangle);
     Vec3d sum = own;

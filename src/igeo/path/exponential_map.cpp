@@ -13,7 +13,7 @@ namespace igeo {
 
 namespace {
 
-constexpr double kStep = 0.5;
+constexpr double kRayStep = 0.5;
 
 void requireLength(double length) {
     if (length >= 0 && length < kInfinity) return;
@@ -48,7 +48,7 @@ Path shootOnTriangles(const SurfaceTriangles& triangles, const SurfacePoint& sta
     int still = 0;
     for (std::size_t k = 0; path.length < length; ++k) {
         if (k % kLookEvery == 0) progress.throwIfCancelled();
-        const std::optional<double> way = walk.advance(std::min(kStep, length - path.length));
+        const std::optional<double> way = walk.advance(std::min(kRayStep, length - path.length));
         still = way && *way > 0 ? 0 : still + 1;
         if (!way || still > kMostAtOnePlace) {
             path.status = PathStatus::Stalled;
@@ -66,7 +66,7 @@ std::vector<Walker> walkOver(const Band& band, const Walker& start, double lengt
     const auto surface = [&](const Vec3d& p, const Vec3d& n) { return localSurface(band, p, n); };
     std::vector<Walker> track{start};
     for (double from = 0; track.back().at < length;) {
-        const auto steps = std::size_t(std::ceil((length - from) / kStep));
+        const auto steps = std::size_t(std::ceil((length - from) / kRayStep));
         bool unfolded = false;
         for (std::size_t k = 1; k <= steps && !unfolded; ++k) {
             if (k % kLookEvery == 1) progress.throwIfCancelled();

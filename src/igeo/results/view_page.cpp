@@ -22,7 +22,8 @@ namespace {
 
 using Numbers = std::vector<std::uint32_t>;
 
-constexpr std::uint32_t kBlocked = 65534, kUnreached = 65535;  // codes, the same as in drawing.js
+// Codes, the same as in drawing.js.
+constexpr std::uint32_t kBlocked = 65534, kUnreachedCode = 65535;
 
 /// The HTML before the address of the picture.
 constexpr std::string_view kStill =
@@ -44,11 +45,11 @@ std::string packed(const Numbers& numbers) {
 }
 
 /// The cube around all positions of a scene; its sides are divided into 65535 steps.
-struct Frame {
+struct SceneBox {
     Vec3d low{kInfinity, kInfinity, kInfinity}, high = -low;
     double side = 1;
 
-    explicit Frame(const ViewScene& scene) {
+    explicit SceneBox(const ViewScene& scene) {
         for (const Vec3d& p : scene.mesh.position) add(p);
         for (const NamedCurve& line : scene.lines)
             for (const Vec3d& p : line.points) add(p);
@@ -94,7 +95,7 @@ Numbers valueCodes(const ViewScene& scene, const Range& range) {
     for (std::size_t v = 0; v < scene.mesh.position.size(); ++v)
         codes.push_back(isBlocked(scene, v)                     ? kBlocked
                         : std::isfinite(scene.mesh.distance[v]) ? range.code(scene.mesh.distance[v])
-                                                                : kUnreached);
+                                                                : kUnreachedCode);
     return codes;
 }
 
@@ -192,10 +193,10 @@ public:
     void add(const std::string& name, Numbers numbers) {
         all_.emplace_back(name, std::move(numbers));
     }
-    void addPoints(const std::string& name, const std::vector<Vec3d>& points, const Frame& frame) {
+    void addPoints(const std::string& name, const std::vector<Vec3d>& points, const SceneBox& box) {
         for (int axis = 0; axis < 3; ++axis) {
             Numbers steps;
-            for (const Vec3d& p : points) steps.push_back(frame.step(p[axis], axis));
+            for (const Vec3d& p : points) steps.push_back(box.step(p[axis], axis));
             add(name + "xyz"[axis], std::move(steps));
         }
     }
@@ -213,14 +214,14 @@ private:
     std::vector<std::pair<std::string, Numbers>> all_;
 };
 
-std::map<std::string, std::string> arraysOf(const ViewScene& scene, const Frame& frame,
+std::map<std::string, std::string> arraysOf(const ViewScene& scene, const SceneBox& box,
                                             const Range& range) {
     Packing packing;
-    packing.addPoints("point", scene.mesh.position, frame);
+    packing.addPoints("point", scene.mesh.position, box);
     std::vector<Vec3d> onLines;
     for (const NamedCurve& line : scene.lines)
         onLines.insert(onLines.end(), line.points.begin(), line.points.end());
-    packing.addPoints("line", onLines, frame);
+    packing.addPoints("line", onLines, box);
     packing.add("values", valueCodes(scene, range));
     packing.add("triangles", cornersOf(scene.mesh));
     if (scene.labelNames.size() > 1) packing.add("labels", orZero(scene.mesh.label));
@@ -237,10 +238,10 @@ double spacingOf(const ViewScene& scene, const Range& range) {
 }
 
 std::string sceneJson(const ViewScene& scene) {
-    const Frame frame(scene);
+    const SceneBox box(scene);
     const Range range(scene);
     const Shares shares(scene);
-    const std::map<std::string, std::string> arrays = arraysOf(scene, frame, range);
+    const std::map<std::string, std::string> arrays = arraysOf(scene, box, range);
     auto at = [&](const char* name) -> const std::string& { return arrays.at(name); };
     auto points = [&](const std::string& name) {
         return fmt::format("\"x\":{},\"y\":{},\"z\":{}", arrays.at(name + "x"),
@@ -257,7 +258,7 @@ std::string sceneJson(const ViewScene& scene) {
         jsonString(scene.quantity), jsonString(scene.unit), jsonString(scene.rest), scene.grows,
         json(range.empty() ? 0 : range.low), json(range.empty() ? -1 : range.high),
         json(scene.restShare.value_or(shares.unreached)), json(shares.blocked),
-        json(spacingOf(scene, range)), json(frame.low), json(frame.side), json(scene.toEye),
+        json(spacingOf(scene, range)), json(box.low), json(box.side), json(scene.toEye),
         json(scene.up), jsonString(scene.colorMap), mapsJson());
     text += fmt::format(R"("seeds":{},"targets":{},"labelNames":{},"voxel":{},"notes":{},)",
                         json(scene.seeds), json(scene.targets), json(scene.labelNames),

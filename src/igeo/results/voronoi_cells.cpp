@@ -71,7 +71,7 @@ Vec3d gradientAt(const Field& field, const SurfaceMesh& mesh, std::uint32_t v) {
 }
 
 /// A point of a triangle and the distance there.
-struct Sample {
+struct CornerSample {
     Vec3d p;
     double d;
 };
@@ -81,14 +81,16 @@ public:
     Sums(std::size_t seeds, double limit) : limit_(limit) { all_.cells.resize(seeds); }
 
     /// Adds a triangle of a cell; the part beyond the limit is unreached.
-    void add(std::uint32_t label, const Sample& a, const Sample& b, const Sample& c) {
+    void add(std::uint32_t label, const CornerSample& a, const CornerSample& b,
+             const CornerSample& c) {
         const double whole = area(a.p, b.p, c.p);
         const double part = label == kNoLabel ? 0 : whole * shareWithin({a.d, b.d, c.d});
         if (label != kNoLabel) all_.cells[label].area += part;
         all_.unreachedArea += whole - part;
     }
     /// Adds the part of the boundary of two cells that lies within the limit.
-    void addBoundary(std::uint32_t a, std::uint32_t b, const Sample& from, const Sample& to) {
+    void addBoundary(std::uint32_t a, std::uint32_t b, const CornerSample& from,
+                     const CornerSample& to) {
         if (a == kNoLabel || b == kNoLabel) return;
         const auto [least, most] = std::minmax(from.d, to.d);
         const double share = most <= limit_    ? 1
@@ -119,9 +121,9 @@ private:
 void cutInTwo(const Piece& piece, Corner alone, Sums& sums) {
     const Corner j = (alone + 1) % 3, k = (alone + 2) % 3;
     const Vec3d q = piece.crossing(alone, j), r = piece.crossing(alone, k);
-    auto own = [&](const Vec3d& p) { return Sample{p, piece.at(alone, p)}; };
-    auto other = [&](const Vec3d& p) { return Sample{p, piece.at(j, p)}; };
-    const Sample pj = {piece.p[j], piece.d[j]}, pk = {piece.p[k], piece.d[k]};
+    auto own = [&](const Vec3d& p) { return CornerSample{p, piece.at(alone, p)}; };
+    auto other = [&](const Vec3d& p) { return CornerSample{p, piece.at(j, p)}; };
+    const CornerSample pj = {piece.p[j], piece.d[j]}, pk = {piece.p[k], piece.d[k]};
     sums.add(piece.label[alone], own(piece.p[alone]), own(q), own(r));
     sums.add(piece.label[j], other(q), pj, pk);
     sums.add(piece.label[j], other(q), pk, other(r));
@@ -133,8 +135,8 @@ void cutInThree(const Piece& piece, Sums& sums) {
     for (Corner k = 0; k < 3; ++k) crossings[k] = piece.crossing(k, (k + 1) % 3);
     const Vec3d middle = piece.triplePoint(crossings);
     for (Corner k = 0; k < 3; ++k) {
-        auto own = [&](const Vec3d& p) { return Sample{p, piece.at(k, p)}; };
-        const Sample corner = own(piece.p[k]), q = own(middle);
+        auto own = [&](const Vec3d& p) { return CornerSample{p, piece.at(k, p)}; };
+        const CornerSample corner = own(piece.p[k]), q = own(middle);
         sums.add(piece.label[k], corner, own(crossings[k]), q);
         sums.add(piece.label[k], corner, q, own(crossings[(k + 2) % 3]));
         sums.addBoundary(piece.label[k], piece.label[(k + 1) % 3], own(crossings[k]), q);

@@ -4,11 +4,13 @@
 #include <igeo/base/error.h>
 #include <igeo/base/types.h>
 #include <igeo/io/openvdb_interrupter.h>
-#include <openvdb/tools/Count.h>
 #include <openvdb/tools/LevelSetRebuild.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 
 namespace igeo {
 
@@ -28,6 +30,20 @@ void requireFinite(const LoadedGrid& volume) {
                                 double(*it), where(volume)),
                     "make the volume again from its source, without NaN and infinite values");
     }
+}
+
+/// The least and the largest active value; 0 and 0 if none is active. One of OpenVDB's functions
+/// does this, and takes a compiler four seconds.
+std::pair<double, double> activeRange(const openvdb::FloatTree& tree) {
+    std::optional<std::pair<double, double>> range;
+    for (auto it = tree.cbeginValueAll(); it; ++it) {
+        if (!it.isValueOn()) continue;
+        const double value = *it;
+        if (!range) range.emplace(value, value);
+        range->first = std::min(range->first, value);
+        range->second = std::max(range->second, value);
+    }
+    return range.value_or(std::pair(0.0, 0.0));
 }
 
 /// The same voxels with voxel 0 at the world's origin, because OpenVDB rebuilds in single
@@ -65,11 +81,11 @@ LoadedGrid rebuilt(const LoadedGrid& volume, double iso, Progress& progress) {
     psi->setName(volume.grid->getName());
     result.grid = psi;
     if (result.grid->activeVoxelCount() == 0) {
-        const auto range = openvdb::tools::minMax(volume.grid->tree());
+        const auto [least, largest] = activeRange(volume.grid->tree());
         throw Error(
             Error::Kind::BadInput,
             fmt::format("no surface has the value {:.6g}: the volume goes from {:.6g} to {:.6g}{}",
-                        iso, double(range.min()), double(range.max()), where(volume)),
+                        iso, least, largest, where(volume)),
             "give a value in between as the iso of rebuilt()");
     }
     result.isLevelSetClass = true;

@@ -24,7 +24,7 @@ constexpr float kContradiction = 0.4f;
 /// Within this many steps of a contradiction, S is considered affected.
 constexpr int kBeside = 2;
 /// Closer voxels have a foot point in any direction.
-constexpr float kLeast = 0.25f;
+constexpr float kLeastPsi = 0.25f;
 
 /// Balls around the neighbors of a voxel that contain no point of S.
 class EmptyBalls {
@@ -96,7 +96,7 @@ double reachAt(const Band& band, NodeIndex i, float cosine) {
 
 namespace {
 
-/// Whether psi at a voxel, at least kLeast and not smooth there, is a distance to no surface.
+/// Whether psi at a voxel, at least kLeastPsi and not smooth there, is a distance to no surface.
 /// @param foot  the foot point by differences of psi
 bool contradictsItself(const LeafBlock& psi, int x, int y, int z, const Vec3f& foot) {
     const float distance = float(std::abs(psi.at(x, y, z)));
@@ -147,7 +147,7 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
                     const unsigned at = Band::offsetOf(x, y, z);
                     thin[i] = band.facing[i] & Band::kFacing && leaf.core.node(at) != kNoNode &&
                               2 * reachAt(band, i, kParallel) < kResolved;
-                    if (!row.smooth(std::size_t(z)) && std::abs(band.psi[i]) >= kLeast &&
+                    if (!row.smooth(std::size_t(z)) && std::abs(band.psi[i]) >= kLeastPsi &&
                         isClosed(x, y, z, band.footOf(i)))
                         markBeside(band, LeafIndex(l), at, closed);
                 }

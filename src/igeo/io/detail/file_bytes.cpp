@@ -48,4 +48,8 @@ std::string endingBeforeGz(const std::string& file) {
     return dot == std::string::npos ? "" : name.substr(dot);
 }
 
+void refuseFile(const std::string& file, const std::string& what, const std::string& remedy) {
+    throw Error(Error::Kind::BadInput, "'" + file + "' " + what, remedy);
+}
+
 }  // namespace igeo

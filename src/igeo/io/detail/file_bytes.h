@@ -20,4 +20,9 @@ std::string inflatedFileBytes(const std::string& file);
 /// The ending of a file's name in lower case, ".obj"; of FILE.gii.gz ".gii".
 std::string endingBeforeGz(const std::string& file);
 
+/// @param what  follows the file's name: "is cut off"
+/// @throws Error  BadInput
+[[noreturn]] void refuseFile(const std::string& file, const std::string& what,
+                             const std::string& remedy);
+
 }  // namespace igeo

@@ -6,6 +6,7 @@
 #include <igeo/base/error.h>
 #include <igeo/io/detail/base64.h>
 #include <igeo/io/detail/byte_reader.h>
+#include <igeo/io/detail/file_bytes.h>
 
 #include <algorithm>
 #include <charconv>
@@ -19,7 +20,7 @@ namespace igeo {
 
 namespace {
 
-constexpr std::string_view kBlank = " \t\r\n";
+constexpr std::string_view kXmlBlank = " \t\r\n";
 constexpr std::size_t kMostValues = std::size_t(1) << 34;
 
 /// A tag of XML: <name attributes>, </name> or <name attributes/>.
@@ -69,7 +70,7 @@ private:
         if (found == bytes_.npos) fail("the file ends within a tag or a comment");
         at_ = found + end.size();
     }
-    void skipBlank() { at_ = std::min(bytes_.find_first_not_of(kBlank, at_), bytes_.size()); }
+    void skipBlank() { at_ = std::min(bytes_.find_first_not_of(kXmlBlank, at_), bytes_.size()); }
     std::string_view word(std::string_view stops) {
         const std::size_t end = std::min(bytes_.find_first_of(stops, at_), bytes_.size());
         const std::string_view word = bytes_.substr(at_, end - at_);
@@ -192,8 +193,8 @@ private:
     std::vector<double> fromText(std::size_t count, std::string_view text) {
         std::vector<double> values;
         for (;;) {
-            const std::size_t begin = std::min(text.find_first_not_of(kBlank), text.size());
-            const std::size_t end = std::min(text.find_first_of(kBlank, begin), text.size());
+            const std::size_t begin = std::min(text.find_first_not_of(kXmlBlank), text.size());
+            const std::size_t end = std::min(text.find_first_of(kXmlBlank, begin), text.size());
             if (begin == end) break;
             std::string_view word = text.substr(begin, end - begin);
             text.remove_prefix(end);
@@ -245,10 +246,6 @@ private:
     Tags tags_;
 };
 
-[[noreturn]] void refuse(const std::string& file, const std::string& what, const char* remedy) {
-    throw Error(Error::Kind::BadInput, "'" + file + "' " + what, remedy);
-}
-
 /// The only array of an intent, with rows of three.
 const GiftiArray& rowsOfThree(const std::vector<GiftiArray>& arrays, const char* intent,
                               const std::string& file) {
@@ -256,16 +253,16 @@ const GiftiArray& rowsOfThree(const std::vector<GiftiArray>& arrays, const char*
     for (const GiftiArray& array : arrays) {
         if (array.intent != intent) continue;
         if (found)
-            refuse(file, fmt::format("holds several arrays of {}", intent),
-                   "write each surface into a file of its own");
+            refuseFile(file, fmt::format("holds several arrays of {}", intent),
+                       "write each surface into a file of its own");
         found = &array;
     }
     if (!found)
-        refuse(file, fmt::format("holds no surface: there is no array of {}", intent),
-               "give the .surf.gii that its values belong to");
+        refuseFile(file, fmt::format("holds no surface: there is no array of {}", intent),
+                   "give the .surf.gii that its values belong to");
     if (found->dims.size() != 2 || found->dims[1] != 3)
-        refuse(file, fmt::format("has an array of {} that is not of three columns", intent),
-               "the file is broken: write it again");
+        refuseFile(file, fmt::format("has an array of {} that is not of three columns", intent),
+                   "the file is broken: write it again");
     return *found;
 }
 
@@ -289,9 +286,10 @@ PolygonMesh readGiftiMesh(const std::string& file, const std::string& bytes) {
             const double corner = faces.values[k + c];
             if (!(corner >= 0 && corner < double(mesh.vertices.size()) &&
                   corner == std::floor(corner)))
-                refuse(file,
-                       fmt::format("names vertex {} of {} in a face", corner, mesh.vertices.size()),
-                       "the file is broken: write it again");
+                refuseFile(
+                    file,
+                    fmt::format("names vertex {} of {} in a face", corner, mesh.vertices.size()),
+                    "the file is broken: write it again");
             face[c] = std::uint32_t(corner);
         }
         mesh.addFace(face);

@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/deflate.h>
-#include <igeo/base/error.h>
 #include <igeo/io/detail/byte_reader.h>
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/voxel_values.h>
@@ -17,31 +16,26 @@ using Type = NumberType;
 
 constexpr std::size_t kHeaderSize = 284;  // bytes, most of them unused
 
-[[noreturn]] void refuse(const std::string& file, const std::string& what,
-                         const std::string& remedy) {
-    throw Error(Error::Kind::BadInput, "'" + file + "' " + what, remedy);
-}
-
 Type typeOf(std::int32_t code, const std::string& file) {
     static constexpr std::pair<int, Type> kTypes[] = {
         {0, Type::U8}, {1, Type::I32}, {3, Type::F32}, {4, Type::I16}, {10, Type::U16}};
     for (const auto& [known, type] : kTypes)
         if (code == known) return type;
-    refuse(file, fmt::format("has voxels of type {}, which is none of MGH's numbers", code),
-           "convert it to one number per voxel: mri_convert -odt float");
+    refuseFile(file, fmt::format("has voxels of type {}, which is none of MGH's numbers", code),
+               "convert it to one number per voxel: mri_convert -odt float");
 }
 
 void readSize(ByteReader& reader, VoxelVolume& volume) {
     for (std::size_t& n : volume.size) {
         const auto along = reader.next<std::int32_t>();
         if (along < 1)
-            refuse(volume.file, fmt::format("has a dimension of {} voxels", along),
-                   "the header is broken");
+            refuseFile(volume.file, fmt::format("has a dimension of {} voxels", along),
+                       "the header is broken");
         n = std::size_t(along);
     }
     if (const auto frames = reader.next<std::int32_t>(); frames != 1)
-        refuse(volume.file, fmt::format("holds {} volumes, as of several times", frames),
-               "write the one that counts into a file of its own: mri_convert --frame 0");
+        refuseFile(volume.file, fmt::format("holds {} volumes, as of several times", frames),
+                   "write the one that counts into a file of its own: mri_convert --frame 0");
 }
 
 /// Reads the spacings, the directions of the axes, and the center of the volume.
@@ -77,8 +71,8 @@ VoxelVolume mghFrom(const std::string& file, const std::string& bytes) {
     if (isGzip(bytes))
         header = naming("'" + file + "'", [&] { return inflatedStart(bytes, kHeaderSize); });
     if (header.size() < kHeaderSize || ByteReader(file, header, true).next<std::int32_t>() != 1)
-        refuse(file, "is no MGH file of version 1, or its header is cut off",
-               "write it again, as .mgh or .mgz");
+        refuseFile(file, "is no MGH file of version 1, or its header is cut off",
+                   "write it again, as .mgh or .mgz");
     ByteReader reader(file, header, /*bigEndian=*/true);
     reader.skip(sizeof(std::int32_t));  // the version
     readSize(reader, volume);

@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/deflate.h>
-#include <igeo/base/error.h>
 #include <igeo/io/detail/byte_reader.h>
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/voxel_values.h>
@@ -17,7 +16,6 @@ namespace igeo {
 
 namespace {
 
-using Kind = Error::Kind;
 using Type = NumberType;
 
 /// Byte offsets of the header's fields; NIfTI-2 has wider numbers.
@@ -31,14 +29,9 @@ constexpr Layout kNifti1{348, 344, 40,  70,  76,        108,       112,       11
 constexpr Layout kNifti2{540, 4,   16,  12,  104,       168,       176,       184,      344,
                          348, 352, 376, 400, Type::I64, Type::I64, Type::F64, Type::I32};
 
-[[noreturn]] void refuse(const std::string& file, const std::string& what,
-                         const std::string& remedy) {
-    throw Error(Kind::BadInput, "'" + file + "' " + what, remedy);
-}
-
-class Header {
+class NiftiHeader {
 public:
-    Header(const std::string& file, const std::string& bytes) : file_(file), bytes_(bytes) {
+    NiftiHeader(const std::string& file, const std::string& bytes) : file_(file), bytes_(bytes) {
         for (const bool big : {false, true}) {
             bigEndian_ = big;
             if (bytes.size() < 4) break;
@@ -50,8 +43,8 @@ public:
                     return;
                 }
         }
-        refuse(file, "is no NIfTI file, or its header is cut off",
-               "write it again, as .nii or .nii.gz");
+        refuseFile(file, "is no NIfTI file, or its header is cut off",
+                   "write it again, as .nii or .nii.gz");
     }
 
     const Layout& at() const { return *at_; }
@@ -70,8 +63,9 @@ private:
         const char digit = version() == 1 ? '1' : '2';
         const std::string magic = bytes_.substr(at_->magic, 3);
         if (magic == std::string("n+") + digit || magic == std::string("ni") + digit) return;
-        refuse(file_, "is an image of ANALYZE, or broken: its header does not say that it is NIfTI",
-               "convert it to .nii.gz, which says where its voxels lie");
+        refuseFile(file_,
+                   "is an image of ANALYZE, or broken: its header does not say that it is NIfTI",
+                   "convert it to .nii.gz, which says where its voxels lie");
     }
 
     const std::string& file_;
@@ -80,41 +74,41 @@ private:
     bool bigEndian_ = false;
 };
 
-void readSize(const Header& header, VoxelVolume& volume) {
+void readSize(const NiftiHeader& header, VoxelVolume& volume) {
     const Layout& at = header.at();
     const double dims = header.number(at.dim, at.dimType);
     if (!(dims >= 1 && dims <= 7))
-        refuse(volume.file, fmt::format("has {} dimensions", dims), "the header is broken");
+        refuseFile(volume.file, fmt::format("has {} dimensions", dims), "the header is broken");
     const auto along = [&](std::size_t d) {
         const double n = double(d) <= dims ? header.number(at.dim, at.dimType, d) : 1;
         if (n < 1 || n > 0x1p31)
-            refuse(volume.file, fmt::format("has a dimension of {} voxels", n),
-                   "the header is broken");
+            refuseFile(volume.file, fmt::format("has a dimension of {} voxels", n),
+                       "the header is broken");
         return n;
     };
     for (std::size_t a = 0; a < 3; ++a) volume.size[a] = std::size_t(along(a + 1));
     const double frames = along(4) * along(5) * along(6) * along(7);
     if (frames > 1)
-        refuse(volume.file, fmt::format("holds {} volumes, as of several times", frames),
-               "write the one you need into a file of its own, for instance by nibabel: "
-               "img.slicer[..., 0]");
+        refuseFile(volume.file, fmt::format("holds {} volumes, as of several times", frames),
+                   "write the one you need into a file of its own, for instance by nibabel: "
+                   "img.slicer[..., 0]");
 }
 
-Type typeOf(const Header& header, const std::string& file) {
+Type typeOf(const NiftiHeader& header, const std::string& file) {
     static constexpr std::pair<int, Type> kTypes[] = {
         {2, Type::U8},   {4, Type::I16},   {8, Type::I32},   {16, Type::F32},   {64, Type::F64},
         {256, Type::I8}, {512, Type::U16}, {768, Type::U32}, {1024, Type::I64}, {1280, Type::U64}};
     const double code = header.number(header.at().datatype, Type::I16);
     for (const auto& [known, type] : kTypes)
         if (code == known) return type;
-    refuse(file, fmt::format("has voxels of type {}, which is no real number", code),
-           "convert it to one number per voxel, as float32");
+    refuseFile(file, fmt::format("has voxels of type {}, which is no real number", code),
+               "convert it to one number per voxel, as float32");
 }
 
 /// Rows of the matrix from index to world space.
 using Rows = std::array<std::array<double, 4>, 3>;
 
-Rows rowsOfQuaternion(const Header& header) {
+Rows rowsOfQuaternion(const NiftiHeader& header) {
     const Layout& at = header.at();
     const auto q = [&](std::size_t k) { return header.number(at.quaternion, at.real, k); };
     const double b = q(0), c = q(1), d = q(2);
@@ -134,7 +128,7 @@ Rows rowsOfQuaternion(const Header& header) {
     return rows;
 }
 
-Rows rowsOf(const Header& header, std::vector<std::string>& warnings) {
+Rows rowsOf(const NiftiHeader& header, std::vector<std::string>& warnings) {
     const Layout& at = header.at();
     Rows rows{};
     if (header.number(at.sform, at.code) > 0) {
@@ -177,7 +171,7 @@ VoxelVolume niftiFrom(const std::string& file, const std::string& header, const 
     std::string begin = header.substr(0, kNifti2.size);
     if (isGzip(header))
         begin = naming("'" + file + "'", [&] { return inflatedStart(header, kNifti2.size); });
-    const Header head(file, begin);
+    const NiftiHeader head(file, begin);
     const Layout& at = head.at();
     readSize(head, volume);
     const Type type = typeOf(head, file);
@@ -192,8 +186,8 @@ VoxelVolume niftiFrom(const std::string& file, const std::string& header, const 
     const double offset = head.number(at.dataOffset, at.offsetType);
     const double least = head.isPair() ? 0 : double(at.size);
     if (!(offset >= least && offset <= 0x1p31))
-        refuse(file, fmt::format("has its voxels from byte {} on, within its header", offset),
-               "the header is broken");
+        refuseFile(file, fmt::format("has its voxels from byte {} on, within its header", offset),
+                   "the header is broken");
     const std::string raw = dataOf(file, head.isPair() ? data : header, std::size_t(offset),
                                    std::size_t(offset) + count * sizeOf(type));
     double slope = head.number(at.slope, at.real), shift = head.number(at.intercept, at.real);

@@ -20,11 +20,11 @@ namespace igeo {
 namespace {
 
 using Type = NumberType;
-constexpr std::string_view kBlank = " \t\r";
+constexpr std::string_view kHeaderBlank = " \t\r";
 
 std::string trimmed(std::string_view text) {
-    const std::size_t begin = std::min(text.find_first_not_of(kBlank), text.size());
-    const std::size_t end = text.find_last_not_of(kBlank) + 1;
+    const std::size_t begin = std::min(text.find_first_not_of(kHeaderBlank), text.size());
+    const std::size_t end = text.find_last_not_of(kHeaderBlank) + 1;
     return std::string(text.substr(begin, std::max(begin, end) - begin));
 }
 
@@ -33,9 +33,9 @@ std::string lowerCase(std::string text) {
     return text;
 }
 
-class Header {
+class NrrdHeader {
 public:
-    Header(const std::string& file, std::string_view bytes) : file_(file) {
+    NrrdHeader(const std::string& file, std::string_view bytes) : file_(file) {
         if (!bytes.starts_with("NRRD000"))
             refuse("is no NRRD file, which begins with NRRD000", "write it again");
         std::size_t at = 0;
@@ -135,7 +135,7 @@ std::optional<Type> typeNamed(const std::string& name) {
     return std::nullopt;
 }
 
-void readSize(const Header& header, VoxelVolume& volume) {
+void readSize(const NrrdHeader& header, VoxelVolume& volume) {
     const std::vector<double> sizes = header.numbers("sizes");
     if (header.field("dimension") != "3" || sizes.size() != 3)
         header.refuse(fmt::format("has dimension '{}' and {} sizes; 3 are read",
@@ -149,7 +149,7 @@ void readSize(const Header& header, VoxelVolume& volume) {
     }
 }
 
-void readPlace(const Header& header, VoxelVolume& volume) {
+void readPlace(const NrrdHeader& header, VoxelVolume& volume) {
     const std::vector<double> directions = header.numbers("space directions"),
                               origin = header.numbers("space origin"),
                               spacings = header.numbers("spacings");
@@ -177,13 +177,13 @@ void readPlace(const Header& header, VoxelVolume& volume) {
 }
 
 /// The number in a field; 0 if there is none.
-double numberOr0(const Header& header, const char* name) {
+double numberOr0(const NrrdHeader& header, const char* name) {
     const std::vector<double> numbers = header.numbers(name);
     return numbers.empty() ? 0 : numbers[0];
 }
 
 /// The data after the lines that the header says to skip.
-std::string_view behindLines(const Header& header, std::string_view data) {
+std::string_view behindLines(const NrrdHeader& header, std::string_view data) {
     const double lines = numberOr0(header, "line skip");
     for (double k = 0; k < lines; ++k) {
         const auto end = data.find('\n');
@@ -193,7 +193,8 @@ std::string_view behindLines(const Header& header, std::string_view data) {
     return data;
 }
 
-std::vector<float> valuesFromText(const Header& header, std::string_view text, std::size_t count) {
+std::vector<float> valuesFromText(const NrrdHeader& header, std::string_view text,
+                                  std::size_t count) {
     constexpr std::string_view kBetween = " \t\r\n,";
     std::vector<float> values;
     for (std::size_t at = 0; (at = text.find_first_not_of(kBetween, at)) != text.npos;) {
@@ -211,8 +212,8 @@ std::vector<float> valuesFromText(const Header& header, std::string_view text, s
     return values;
 }
 
-std::vector<float> valuesOf(const Header& header, const std::string& file, std::string_view data,
-                            Type type, std::size_t count) {
+std::vector<float> valuesOf(const NrrdHeader& header, const std::string& file,
+                            std::string_view data, Type type, std::size_t count) {
     const std::string encoding = lowerCase(header.field("encoding"));
     if (encoding == "ascii" || encoding == "text" || encoding == "txt")
         return valuesFromText(header, data, count);
@@ -241,7 +242,7 @@ std::vector<float> valuesOf(const Header& header, const std::string& file, std::
 }  // namespace
 
 VoxelVolume readNrrd(const std::string& file, const std::string& bytes) {
-    const Header header(file, bytes);
+    const NrrdHeader header(file, bytes);
     VoxelVolume volume;
     volume.file = file;
     readSize(header, volume);

@@ -15,18 +15,18 @@ namespace igeo {
 namespace {
 
 enum class Format { None, Text, Little, Big };
-enum class Type { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float, Double };
+enum class PlyType { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float, Double };
 
-std::size_t sizeOf(Type type) {
+std::size_t sizeOf(PlyType type) {
     constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
     return kSizes[std::size_t(type)];
 }
 
 struct Property {
     std::string name;
-    Type type;
+    PlyType type;
     bool isList = false;
-    Type countType = Type::Uint8;
+    PlyType countType = PlyType::Uint8;
 };
 
 struct Element {
@@ -83,7 +83,7 @@ private:
         return words;
     }
 
-    Type typeNamed(const std::string& name) const {
+    PlyType typeNamed(const std::string& name) const {
         constexpr std::array<std::array<const char*, 2>, 8> kNames{{{"char", "int8"},
                                                                     {"uchar", "uint8"},
                                                                     {"short", "int16"},
@@ -93,7 +93,7 @@ private:
                                                                     {"float", "float32"},
                                                                     {"double", "float64"}}};
         for (std::size_t t = 0; t < kNames.size(); ++t)
-            if (name == kNames[t][0] || name == kNames[t][1]) return Type(t);
+            if (name == kNames[t][0] || name == kNames[t][1]) return PlyType(t);
         fail("'" + name + "' is no type of number");
     }
 
@@ -143,7 +143,7 @@ private:
     /// Each number takes at least a byte, so that a forged count allocates nothing.
     bool hasRoom(double numbers) const { return numbers <= double(bytes_.size() - at_); }
 
-    double number(Type type) {
+    double number(PlyType type) {
         if (format_ == Format::Text) return textNumber();
         const std::size_t size = sizeOf(type);
         if (bytes_.size() - at_ < size) fail("the file ends before its last element");
@@ -154,19 +154,19 @@ private:
         }
         at_ += size;
         switch (type) {
-            case Type::Int8:
+            case PlyType::Int8:
                 return std::int8_t(bits);
-            case Type::Int16:
+            case PlyType::Int16:
                 return std::int16_t(bits);
-            case Type::Int32:
+            case PlyType::Int32:
                 return std::int32_t(bits);
-            case Type::Float: {
+            case PlyType::Float: {
                 const auto half = std::uint32_t(bits);
                 float value;
                 std::memcpy(&value, &half, sizeof value);
                 return double(value);
             }
-            case Type::Double: {
+            case PlyType::Double: {
                 double value;
                 std::memcpy(&value, &bits, sizeof value);
                 return value;

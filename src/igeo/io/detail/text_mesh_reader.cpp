@@ -12,7 +12,7 @@ namespace igeo {
 
 namespace {
 
-constexpr std::string_view kBlank = " \t\r\f\v";
+constexpr std::string_view kLineBlank = " \t\r\f\v";
 
 /// The lines of a file, and the words of the current line.
 class Lines {
@@ -27,18 +27,18 @@ public:
             line_ = line_.substr(0, line_.find('#'));
             at_ = end + 1;
             ++number_;
-            if (line_.find_first_not_of(kBlank) != line_.npos) return true;
+            if (line_.find_first_not_of(kLineBlank) != line_.npos) return true;
         }
         return false;
     }
     /// The next word of the line; empty at its end.
     std::string_view word() {
-        const std::size_t begin = std::min(line_.find_first_not_of(kBlank), line_.size());
-        const std::size_t end = std::min(line_.find_first_of(kBlank, begin), line_.size());
+        const std::size_t begin = std::min(line_.find_first_not_of(kLineBlank), line_.size());
+        const std::size_t end = std::min(line_.find_first_of(kLineBlank, begin), line_.size());
         const std::string_view word = line_.substr(begin, end - begin);
         line_.remove_prefix(end);
         // OBJ files may break lines.
-        if (word == "\\" && line_.find_first_not_of(kBlank) == line_.npos && next())
+        if (word == "\\" && line_.find_first_not_of(kLineBlank) == line_.npos && next())
             return this->word();
         return word;
     }

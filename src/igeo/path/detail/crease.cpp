@@ -8,7 +8,7 @@ namespace igeo {
 
 namespace {
 
-constexpr double kStep = 0.5;
+constexpr double kCreaseStep = 0.5;
 
 /// A sheet at one side of a crease, extended beyond it.
 class SheetFit {
@@ -136,7 +136,7 @@ std::optional<std::vector<Walker>> over(const Band& band, const Walker& before, 
     Walker next = before;
     double high = 0;
     while (true) {
-        high = std::min(kStep, length - walk.back().at);
+        high = std::min(kCreaseStep, length - walk.back().at);
         if (!(high > 0)) return walk;
         if (!(next = walk.back()).step(a, high)) return std::nullopt;
         if (isOver(next)) break;
@@ -154,7 +154,7 @@ std::optional<std::vector<Walker>> over(const Band& band, const Walker& before, 
     turnOver(a.normal(next.p), b.normal(next.p), side, next);
     walk.push_back(next);
     for (const double end = std::min(next.at + kBeyond, length); next.at < end;) {
-        if (!next.step(b, std::min(kStep, end - next.at))) return std::nullopt;
+        if (!next.step(b, std::min(kCreaseStep, end - next.at))) return std::nullopt;
         walk.push_back(next);
     }
     return walk;
@@ -185,7 +185,7 @@ bool CreaseWatch::unfold(std::vector<Walker>& track) {
     const auto surface = [&](const Vec3d& p, const Vec3d& n) { return localSurface(band_, p, n); };
     while (track.back().at >= length_ && !settled() && more.size() <= bend_ - first_ + kMost) {
         Walker next = more.back();
-        if (!next.step(surface, kStep)) break;
+        if (!next.step(surface, kCreaseStep)) break;
         more.push_back(next);
     }
     if (!settled()) {

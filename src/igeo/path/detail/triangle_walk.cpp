@@ -11,7 +11,7 @@ namespace igeo {
 namespace {
 
 using Side = SurfaceTriangles::Side;
-constexpr double kOn = 1e-9, kPi = std::numbers::pi;  // voxels
+constexpr double kExactlyOn = 1e-9, kPi = std::numbers::pi;  // voxels
 
 double angleBetween(const Vec3d& a, const Vec3d& b) {
     return std::atan2(length(cross(a, b)), dot(a, b));
@@ -38,7 +38,8 @@ TriangleWalk::EdgeFrame TriangleWalk::frame(const Side& side) const {
 bool TriangleWalk::leadsInto(std::uint32_t t, const Vec3d& along) const {
     for (unsigned k = 0; k < 3; ++k) {
         const Vec3d inward = frame({t, k}).inward;
-        if (dot(p_ - triangles_.corner(t, k), inward) < kOn && dot(along, inward) < -kOn)
+        if (dot(p_ - triangles_.corner(t, k), inward) < kExactlyOn &&
+            dot(along, inward) < -kExactlyOn)
             return false;
     }
     return true;
@@ -67,7 +68,7 @@ void TriangleWalk::chooseTriangle(const Vec3d& direction) {
                 const Vec3d q = nearestOnTriangle(p_, triangles_.corner(u, 0),
                                                   triangles_.corner(u, 1), triangles_.corner(u, 2))
                                     .point;
-                if (length(q - p_) < kOn &&
+                if (length(q - p_) < kExactlyOn &&
                     std::find(around.begin(), around.end(), u) == around.end())
                     around.push_back(u);
             });
@@ -92,9 +93,9 @@ std::optional<double> TriangleWalk::advance(double most) {
     const Vec3d a = triangles_.corner(t_, exit), b = triangles_.corner(t_, exit + 1);
     p_ += way * velocity_;
     bool onward;
-    if (length(p_ - a) < kOn)
+    if (length(p_ - a) < kExactlyOn)
         onward = passVertex(exit);
-    else if (length(p_ - b) < kOn)
+    else if (length(p_ - b) < kExactlyOn)
         onward = passVertex((exit + 1) % 3);
     else
         onward = crossEdge(exit);

@@ -17,7 +17,7 @@ extern const std::size_t kFontFileSize;
 
 namespace {
 
-constexpr double kFixed = 64;  // FreeType's unit of length, per pixel
+constexpr double kFontUnit = 64;  // FreeType's unit of length, per pixel
 
 void require(FT_Error error, const char* what) {
     if (error)
@@ -50,7 +50,7 @@ struct Font::Face {
         require(FT_Init_FreeType(&library), "it does not start");
         require(FT_New_Memory_Face(library, kFontFile, FT_Long(kFontFileSize), 0, &face),
                 "the font is not read");
-        require(FT_Set_Char_Size(face, 0, FT_F26Dot6(std::lround(size * kFixed)), 72, 72),
+        require(FT_Set_Char_Size(face, 0, FT_F26Dot6(std::lround(size * kFontUnit)), 72, 72),
                 "the font has no such size");
     }
     ~Face() { FT_Done_FreeType(library); }
@@ -72,7 +72,7 @@ double Font::size() const { return face_->size; }
 
 double Font::width(const std::string& text) const {
     double sum = 0;
-    for (const char32_t c : codePoints(text)) sum += double(face_->load(c)->advance.x) / kFixed;
+    for (const char32_t c : codePoints(text)) sum += double(face_->load(c)->advance.x) / kFontUnit;
     return sum;
 }
 
@@ -82,8 +82,8 @@ void Font::draw(const std::string& text, double x, double y,
         FT_GlyphSlot glyph = face_->load(c);
         const double left = std::floor(x), base = std::floor(y);
         // FreeType's y goes up.
-        FT_Outline_Translate(&glyph->outline, FT_Pos(std::lround((x - left) * kFixed)),
-                             -FT_Pos(std::lround((y - base) * kFixed)));
+        FT_Outline_Translate(&glyph->outline, FT_Pos(std::lround((x - left) * kFontUnit)),
+                             -FT_Pos(std::lround((y - base) * kFontUnit)));
         require(FT_Render_Glyph(glyph, FT_RENDER_MODE_NORMAL), "a glyph is not drawn");
         const FT_Bitmap& map = glyph->bitmap;
         for (unsigned j = 0; j < map.rows; ++j)
@@ -92,7 +92,7 @@ void Font::draw(const std::string& text, double x, double y,
                         map.buffer[std::ptrdiff_t(j) * map.pitch + std::ptrdiff_t(i)])
                     visit(int(left) + glyph->bitmap_left + int(i),
                           int(base) - glyph->bitmap_top + int(j), covered / 255.0);
-        x += double(glyph->advance.x) / kFixed;
+        x += double(glyph->advance.x) / kFontUnit;
     }
 }
 

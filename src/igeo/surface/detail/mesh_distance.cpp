@@ -23,10 +23,10 @@ struct Meeting {
     }
 };
 
-struct Corners : TriangleCorners {
+struct BoxedCorners : TriangleCorners {
     Vec3d low, high, normal;
 
-    Corners(const std::vector<Vec3d>& p, const Triangle& t)
+    BoxedCorners(const std::vector<Vec3d>& p, const Triangle& t)
         : TriangleCorners(p[t[0]], p[t[1]], p[t[2]]) {
         for (int k = 0; k < 3; ++k) {
             low[k] = std::min({a[k], b[k], c[k]});
@@ -53,7 +53,8 @@ struct Corners : TriangleCorners {
 };
 
 /// Finds the leaves that a triangle is close to.
-void findMeetings(const Corners& t, std::uint32_t number, double reach, std::vector<Meeting>& out) {
+void findMeetings(const BoxedCorners& t, std::uint32_t number, double reach,
+                  std::vector<Meeting>& out) {
     constexpr double kHalfDiagonal = 3.5 * 1.7320508075688772;
     const Vec3d margin{reach, reach, reach};
     const Ijk from = floorToIjk(0.125 * (t.low - margin)),
@@ -80,7 +81,7 @@ struct Best {
 };
 
 /// Voxels [first, second] of a row within `reach` of the plane of a triangle, with a margin.
-std::pair<int, int> nearPlane(const Corners& t, const Vec3d& row, double reach) {
+std::pair<int, int> nearPlane(const BoxedCorners& t, const Vec3d& row, double reach) {
     const double slack = reach * (1 + 1e-9) + 1e-6, at = dot(t.normal, row - t.a),
                  slope = t.normal.z;
     if (std::abs(at) - 7 * std::abs(slope) > slack) return {0, -1};
@@ -91,7 +92,7 @@ std::pair<int, int> nearPlane(const Corners& t, const Vec3d& row, double reach) 
             int(std::floor(std::clamp(std::max(one, other), -1.0, 7.0)))};
 }
 
-void lookAt(const Corners& t, std::uint32_t number, const Ijk& origin, double reach,
+void lookAt(const BoxedCorners& t, std::uint32_t number, const Ijk& origin, double reach,
             std::vector<Best>& best) {
     Ijk from, to;
     for (int a = 0; a < 3; ++a) {
@@ -123,7 +124,8 @@ std::vector<NearLeaf> voxelsNear(const std::vector<Vec3d>& points,
         for (std::size_t c = begin; c < end && !progress.cancelled(); ++c) {
             const std::size_t last = std::min(triangles.size(), (c + 1) * kChunk);
             for (std::size_t t = c * kChunk; t < last; ++t)
-                findMeetings(Corners(points, triangles[t]), std::uint32_t(t), reach + 1, parts[c]);
+                findMeetings(BoxedCorners(points, triangles[t]), std::uint32_t(t), reach + 1,
+                             parts[c]);
         }
     });
     progress.throwIfCancelled();
@@ -146,7 +148,7 @@ std::vector<NearLeaf> voxelsNear(const std::vector<Vec3d>& points,
             all[l].origin = {8 * at.x, 8 * at.y, 8 * at.z};
             best.assign(512, {});
             for (std::size_t k = starts[l]; k < starts[l + 1]; ++k) {
-                const Corners t(points, triangles[meetings[k].triangle]);
+                const BoxedCorners t(points, triangles[meetings[k].triangle]);
                 if (!t.mayReach(all[l].origin, reach + 1)) continue;
                 all[l].triangles.push_back(meetings[k].triangle);
                 lookAt(t, meetings[k].triangle, all[l].origin, reach, best);

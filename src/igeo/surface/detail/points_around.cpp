@@ -6,17 +6,17 @@
 namespace igeo {
 
 namespace {
-constexpr double kRounding = 1 + 1e-9;
+constexpr double kAboveRounding = 1 + 1e-9;
 }  // namespace
 
 void PointsAround::moveTo(const Vec3d& middle, double radius, double beside) {
     middle_ = middle;
-    radius_ = radius * kRounding;
-    reach_ = (radius + beside) * kRounding;
+    radius_ = radius * kAboveRounding;
+    reach_ = (radius + beside) * kAboveRounding;
     hasReaching_ = false;
     points_.nearest(middle, kNearest, found_);
     const double within = std::sqrt(found_.back().squared) + 2 * radius_;
-    points_.nearest(middle, points_.size(), found_, within * kRounding);
+    points_.nearest(middle, points_.size(), found_, within * kAboveRounding);
     near_.clear();
     for (const PointTree::Found& f : found_)
         near_.push_back({std::sqrt(f.squared), points_[f.point], f.point});
@@ -24,7 +24,7 @@ void PointsAround::moveTo(const Vec3d& middle, double radius, double beside) {
 
 const std::vector<PointTree::Found>& PointsAround::nearest(const Vec3d& p) {
     const std::size_t count = std::min(kNearest, points_.size());
-    const double off = length(p - middle_) * kRounding;
+    const double off = length(p - middle_) * kAboveRounding;
     found_.clear();
     double farthest = kInfinity;  // of those found, if there are enough
     for (const Near& n : near_) {
@@ -38,7 +38,7 @@ const std::vector<PointTree::Found>& PointsAround::nearest(const Vec3d& p) {
         auto at = found_.end();
         while (at != found_.begin() && here < *(at - 1)) --at;
         found_.insert(at, here);
-        if (found_.size() == count) farthest = std::sqrt(found_.back().squared) * kRounding;
+        if (found_.size() == count) farthest = std::sqrt(found_.back().squared) * kAboveRounding;
     }
     return found_;
 }
