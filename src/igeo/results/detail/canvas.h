@@ -35,6 +35,7 @@ private:
     std::uint8_t* at(int x, int y) {
         return &rgba_[4 * (std::size_t(y) * std::size_t(width_) + std::size_t(x))];
     }
+    bool isOpaque() const;
     bool holds(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
 
     int width_, height_;
