@@ -70,7 +70,7 @@ bool Canvas::isOpaque() const {
     return true;
 }
 
-std::string Canvas::png() const {
+std::string Canvas::png(int level) const {
     const bool opaque = isOpaque();
     std::string file;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -90,9 +90,9 @@ std::string Canvas::png() const {
                  opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-    // Trying all filters at the usual level takes four times the time and saves 5 %.
+    // Trying all filters takes twice the time, and saves nothing.
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
-    png_set_compression_level(png, 4);
+    png_set_compression_level(png, level);
     png_write_info(png, info);
     if (opaque) png_set_filler(png, 0, PNG_FILLER_AFTER);
     for (int y = 0; y < height_; ++y)
