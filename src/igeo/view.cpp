@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace igeo {
@@ -70,9 +71,10 @@ std::vector<std::uint8_t> blockedVertices(const SurfaceMesh& mesh, const Metric&
 void addSeeds(ViewScene& scene, const Distance& distance) {
     const Similarity& t = distance.band().transform;
     const std::vector<SurfacePoint>& seeds = distance.seeds();
+    const std::vector<std::uint32_t>& source = distance.marched()->source;
     for (std::size_t k = 0; k < seeds.size(); ++k) {
         const SurfacePoint& seed = seeds[k];
-        const std::string name = fmt::format("seed {}", distance.field().source[k]);
+        const std::string name = fmt::format("seed {}", source[k]);
         const Vec3d from = t.worldFromIndex(seed.pIndex);
         if (seed.segment == Vec3d{}) {
             const bool piece = seed.joined || (k + 1 < seeds.size() && seeds[k + 1].joined);
@@ -116,9 +118,16 @@ const LevelSet* shownLevelSet(const Distance& distance, Progress& progress) {
     return volume ? &distance.levelSet(progress) : nullptr;
 }
 
-/// The triangles of a page for its picture: at most one for each two pixels.
+/// The field as the march left it, with the largest distance on the band.
+Field shownField(const Distance& distance) {
+    Field field = *distance.marched();
+    field.maxDistance = distance.extent().maxDistance;
+    return field;
+}
+
+/// The triangles of a page for its picture: at most one for each five pixels, on both sides.
 DrawnSurface drawnSurface(const Band& band, SurfaceMesh mesh, bool closed) {
-    constexpr std::size_t kMost = 40000, kMany = 3 * kMost;
+    constexpr std::size_t kMost = 15000, kMany = 2 * kMost;
     std::vector<std::uint32_t> kept;
     if (mesh.triangles.size() > kMany) thinOut(mesh, kMost, kept);
     return DrawnSurface(band, std::move(mesh), closed);
@@ -126,13 +135,12 @@ DrawnSurface drawnSurface(const Band& band, SurfaceMesh mesh, bool closed) {
 
 /// The first view, and a picture from there.
 void addPicture(ViewScene& scene, const DrawnSurface& surface, const Field& field,
-                const std::vector<Path>& paths, PictureOptions picture, Progress& progress) {
+                const std::vector<Path>& paths, const PictureOptions& picture, Progress& progress) {
     const double aspect = double(picture.height) / picture.width;
     const View view = chooseView(surface, field, paths, picture, aspect);
-    picture.eye = view.eye, picture.lookAt = view.eye - view.depth * view.back;
     scene.toEye = view.back;
     scene.up = normalized(picture.up);
-    scene.still = renderPng(surface, field, paths, picture, progress);
+    scene.still = renderPng(surface, field, paths, picture, &view, progress);
 }
 
 /// Simplifies the mesh to the limit, with a note.
@@ -208,8 +216,10 @@ PictureOptions viewPicture() {
 
 ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lines,
                     const PictureOptions& picture, const ViewLimits& limits, Progress& progress) {
-    const Field& field = distance.field();
     const Surface& surface = distance.surface();
+    const TriangleMesh* given = surface.triangles();
+    const std::optional<Field> core = given ? std::nullopt : std::optional(shownField(distance));
+    const Field& field = core ? *core : distance.field();
     ViewScene scene;
     scene.title = titleOf(surface.facts());
     scene.creator = creator();
@@ -217,7 +227,6 @@ ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lin
     if (!picture.unit.empty()) scene.unit = picture.unit;
     if (field.metric->weighted()) scene.unit += " times weight";
 
-    const TriangleMesh* given = surface.triangles();
     SurfaceMesh mesh = given ? ownTriangles(*given, field, limits.triangles, progress)
                              : surfaceMesh(distance.levelSet(progress), *field.band, progress);
     const std::vector<std::uint32_t> kept = keepToLimit(scene, mesh, limits);

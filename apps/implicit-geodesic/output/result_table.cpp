@@ -185,9 +185,10 @@ bool asksForOther(const RunOptions& o, const Of& of) {
 bool asksForOther(const RunOptions& o) {
     return asksForOther(o, [](const ResultKind&) { return true; });
 }
-bool needsBand(const RunOptions& o) {
-    return !o.grids.empty() || o.extend ||
-           asksForOther(o, [](const ResultKind& kind) { return kind.needs.band; });
+bool needsBand(const RunOptions& o, bool isMesh) {
+    return !o.grids.empty() || o.extend || asksForOther(o, [&](const ResultKind& kind) {
+        return kind.needs.band || (kind.needs.bandOfMesh && isMesh);
+    });
 }
 
 /// Without -o a volume is written if it is the only result, or if options change its content.
@@ -247,7 +248,7 @@ const std::vector<ResultKind>& resultKinds() {
          "view",
          ".html",
          [](Options o, Name) { return o.view; },
-         {.viewer = true, .band = true},
+         {.viewer = true, .bandOfMesh = true},
          writeViewPage},
         {"--report", "report", "", [](Options o, Name) { return o.report; }, {}, nullptr}};
     return kinds;
@@ -259,7 +260,7 @@ void writeResults(RunResult& r) {
     if (!volumeFile(o, &surface).empty()) {
         // Some results need the whole band. Otherwise the volume is written leaf by leaf; if
         // nothing else needs the surface, its memory is freed first.
-        if (needsBand(o)) {
+        if (needsBand(o, r.distance.surface().triangles() != nullptr)) {
             r.distance.field();
         } else if (r.lastRun && !asksForOther(o)) {
             r.distance.surface().dropVolume();

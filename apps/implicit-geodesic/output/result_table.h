@@ -17,12 +17,13 @@ struct ResultKind {
     std::string (*file)(const RunOptions&, const std::string* grid);
     /// The requirements on the run.
     struct Needs {
-        bool seeds = false;   ///< distances from seeds
-        bool jet = false;     ///< scheme jet
-        bool points = false;  ///< seeds that are points only
-        bool mesh = false;    ///< --mesh
-        bool viewer = false;  ///< the program was built with three.js
-        bool band = false;    ///< distances on the whole band
+        bool seeds = false;       ///< distances from seeds
+        bool jet = false;         ///< scheme jet
+        bool points = false;      ///< seeds that are points only
+        bool mesh = false;        ///< --mesh
+        bool viewer = false;      ///< the program was built with three.js
+        bool band = false;        ///< distances on the whole band
+        bool bandOfMesh = false;  ///< the same where the surface is a mesh
     } needs;
     void (*write)(RunResult& result, const std::string& file);
 };

@@ -8,13 +8,15 @@
 
 namespace igeo {
 
+std::size_t Field::size() const { return core ? core->state.size() : distance.size(); }
+
 void Field::summarize() {
     constexpr std::size_t kChunk = 1 << 16;
     struct Part {
         std::size_t reached = 0;
         double largest = 0;
     };
-    const std::size_t n = core ? core->state.size() : distance.size();
+    const std::size_t n = size();
     std::vector<Part> parts((n + kChunk - 1) / kChunk);
     parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c)

@@ -3,6 +3,7 @@
 
 #include <igeo/band/band.h>
 #include <igeo/band/surface_point.h>
+#include <igeo/base/progress.h>
 #include <igeo/base/types.h>
 #include <igeo/march/seeds.h>
 #include <igeo/metric/metric.h>
@@ -57,6 +58,8 @@ struct Field {
 
     /// The values at a node. O(1).
     NodeJet at(NodeIndex i) const { return core ? atCore(i) : atBand(i); }
+    /// The number of nodes that have values or may have: those of the core, if not extended.
+    std::size_t size() const;
     /// Whether each node knows its source.
     bool labeled() const { return core ? sourceCount() > 1 : !label.empty(); }
     std::size_t sourceCount() const { return source.empty() ? 0 : source.back() + 1; }
@@ -127,6 +130,14 @@ struct Arrival {
 /// interpolation would blunt the cone there. Never below the least start value.
 /// @param sheetNormal selects the sheet, where two face each other within a cell
 Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal = {});
+
+/// The same at many points of S, in parallel. Of a field on the core it is read from the core
+/// itself where that is of one smooth front, which agrees to some thousandths of a voxel, and
+/// without extending the field to the band.
+/// @throws Error  Cancelled
+std::vector<Arrival> arrivalsAt(const Field& field, const std::vector<Vec3d>& points,
+                                const std::vector<Vec3f>& sheetNormals,
+                                const Progress& progress = Progress::none());
 
 /// The gradient of the distance along S at an arrival: index space, as long as the weight there.
 /// Blended from the corners of the cell with the front's source; within a start disc the direction

@@ -337,7 +337,7 @@ DrawnSurface drawnSurface(const LevelSet* levelSet, const Band& band, Progress& 
 
 std::string renderPng(const DrawnSurface& surface, const Field& field,
                       const std::vector<Path>& paths, const PictureOptions& options,
-                      Progress& progress) {
+                      const View* given, Progress& progress) {
     checkOptions(options);
     const double dx = surface.transform().dx;
     const Scale scale(field, options);
@@ -345,7 +345,8 @@ std::string renderPng(const DrawnSurface& surface, const Field& field,
     const int width = options.width - legend.taken();
 
     progress.update("picture", 0);
-    const View view = chooseView(surface, field, paths, options, double(options.height) / width);
+    const View view =
+        given ? *given : chooseView(surface, field, paths, options, double(options.height) / width);
     const Frame frame = frameOf(view, surface.transform(), width, options.height);
     const double pixel = view.depth / dx / frame.scale, across = options.width * pixel;
     const Shader shader(field, scale, std::max(0.5 * pixel, 0.0009 * across), frame);
@@ -367,13 +368,13 @@ std::string renderPng(const DrawnSurface& surface, const Field& field,
     canvas.fill(0, 0, options.width, options.height, dark ? Vec3d{} : kWhite, clear ? 0 : 1);
     film.develop(options.background, canvas);
     legend.draw(canvas, dark ? kWhite : kInk);
-    return canvas.png();
+    return canvas.png(given ? 4 : 6);
 }
 
 std::string renderPng(const LevelSet* levelSet, const Field& field, const std::vector<Path>& paths,
                       const PictureOptions& options, Progress& progress) {
     checkOptions(options);
-    return renderPng(drawnSurface(levelSet, *field.band, progress), field, paths, options,
+    return renderPng(drawnSurface(levelSet, *field.band, progress), field, paths, options, nullptr,
                      progress);
 }
 

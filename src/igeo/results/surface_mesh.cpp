@@ -1,12 +1,8 @@
 #include <igeo/results/surface_mesh.h>
 
-#include <fmt/core.h>
 #include <igeo/base/detail/steps.h>
-#include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
-#include <igeo/surface/level_set.h>
-
-#include <openvdb/tools/VolumeToMesh.h>
+#include <igeo/results/detail/level_set_mesh.h>
 
 #include <algorithm>
 #include <utility>
@@ -15,94 +11,7 @@ namespace igeo {
 
 namespace {
 
-using Quad = std::array<std::uint32_t, 4>;
-
-/// The mesh that OpenVDB extracts, in index space, with quadrilaterals counter-clockwise seen from
-/// outside.
-struct Extracted {
-    std::vector<Vec3d> points;
-    std::vector<Quad> quads;
-};
-
-Extracted extract(const openvdb::FloatGrid& psi) {
-    // A copy of the tree with coordinates relative to its corner, because OpenVDB returns points in
-    // single precision.
-    const openvdb::CoordBBox box = psi.evalActiveVoxelBoundingBox();
-    if (box.dim()[box.maxExtent()] > kFarthestInFloat)
-        throw Error(Error::Kind::BadInput,
-                    fmt::format("the surface is {} voxels across; OpenVDB places the vertices of "
-                                "meshes in single precision, which is good for {}",
-                                box.dim()[box.maxExtent()], kFarthestInFloat),
-                    "ask for no mesh of it, or for each of its pieces by itself");
-    const openvdb::Coord low = box.min();
-    const auto grid =
-        openvdb::FloatGrid::create(openvdb::ConstPtrCast<openvdb::FloatTree>(psi.constTreePtr()));
-    grid->setGridClass(openvdb::GRID_LEVEL_SET);  // otherwise the faces are turned inward
-    grid->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
-    grid->transform().preTranslate(-low.asVec3d());
-
-    std::vector<openvdb::Vec3s> points;
-    std::vector<openvdb::Vec4I> quads;
-    openvdb::tools::volumeToMesh(*grid, points, quads, 0.0);
-
-    Extracted mesh;
-    const Vec3d corner(low.x(), low.y(), low.z());
-    mesh.points.reserve(points.size());
-    for (const auto& p : points) mesh.points.push_back(corner + Vec3d(p.x(), p.y(), p.z()));
-    mesh.quads.reserve(quads.size());
-    // OpenVDB's order is clockwise.
-    for (const auto& q : quads) mesh.quads.push_back({q[3], q[2], q[1], q[0]});
-    return mesh;
-}
-
-/// Whether the sign of psi changes in the cell without a surface: over an edge that leaves the
-/// volume, or along which psi jumps by twice what a distance may (as at the rim of a widened level
-/// set). The surface ends there, and OpenVDB closes it with a wall.
-bool atWall(const openvdb::FloatGrid::ConstAccessor& psi, double dx, const Vec3d& p) {
-    const Ijk cell = floorToIjk(p);
-    std::array<bool, 8> active;
-    std::array<float, 8> value;
-    for (unsigned k = 0; k < 8; ++k) {
-        const openvdb::Coord c(cell.x + int(k >> 2), cell.y + int(k >> 1 & 1), cell.z + int(k & 1));
-        active[k] = psi.probeValue(c, value[k]);
-    }
-    for (unsigned k = 0; k < 8; ++k)
-        for (unsigned bit = 1; bit < 8; bit *= 2) {
-            const unsigned j = k ^ bit;
-            if ((value[k] < 0) != (value[j] < 0) &&
-                (!active[k] || std::abs(value[k] - value[j]) > 2 * dx))
-                return true;
-        }
-    return false;
-}
-
-/// Removes faces that touch a wall, and unused points.
-void dropWalls(const LevelSet& levelSet, Extracted& mesh) {
-    std::vector<std::uint8_t> wall(mesh.points.size());
-    parallelFor(wall.size(), 1024, [&](std::size_t begin, std::size_t end) {
-        const auto psi = levelSet.psi->getConstAccessor();
-        for (std::size_t i = begin; i < end; ++i)
-            wall[i] = atWall(psi, levelSet.transform.dx, mesh.points[i]);
-    });
-    mesh.quads.erase(std::remove_if(mesh.quads.begin(), mesh.quads.end(),
-                                    [&](const Quad& q) {
-                                        return wall[q[0]] || wall[q[1]] || wall[q[2]] || wall[q[3]];
-                                    }),
-                     mesh.quads.end());
-    constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
-    std::vector<std::uint32_t> number(mesh.points.size(), kUnused);
-    for (const Quad& q : mesh.quads)
-        for (const std::uint32_t v : q) number[v] = 0;
-    std::uint32_t count = 0;
-    for (std::size_t i = 0; i < number.size(); ++i) {
-        if (number[i] == kUnused) continue;
-        mesh.points[count] = mesh.points[i];
-        number[i] = count++;
-    }
-    mesh.points.resize(count);
-    for (Quad& q : mesh.quads)
-        for (std::uint32_t& v : q) v = number[v];
-}
+using Quad = QuadMesh::Quad;
 
 /// Splits quadrilaterals along the diagonal whose worse triangle is better. Quality is area over
 /// the squares of the sides, negative for a flipped triangle.
@@ -143,25 +52,13 @@ std::vector<Vec3f> vertexNormals(const SurfaceMesh& mesh) {
 
 SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band, Progress& progress) {
     progress.update("mesh", 0);
-    Extracted extracted = extract(*levelSet.psi);
-    dropWalls(levelSet, extracted);
+    QuadMesh quads = levelSetMesh(levelSet, band);
     progress.throwIfCancelled();
+    progress.update("mesh", 0.6);
 
     SurfaceMesh mesh;
-    mesh.position = std::move(extracted.points);
-    const std::size_t n = mesh.position.size();
-    Steps projecting(progress, "mesh", n, 0.45, 0.6);
-    parallelFor(n, 1024, [&](std::size_t begin, std::size_t end) {
-        if (projecting.cancelled()) return;
-        for (std::size_t i = begin; i < end; ++i) {
-            Vec3d p = mesh.position[i];
-            // Beyond a voxel the projection is on another sheet.
-            if (projectToSurface(band, p) && length(p - mesh.position[i]) < 1) mesh.position[i] = p;
-        }
-        projecting.add(end - begin);
-    });
-    progress.throwIfCancelled();
-    mesh.triangles = split(extracted.quads, mesh.position);
+    mesh.position = std::move(quads.points);
+    mesh.triangles = split(quads.quads, mesh.position);
     mesh.normal = vertexNormals(mesh);
     return mesh;
 }
@@ -176,13 +73,11 @@ void sampleDistances(SurfaceMesh& mesh, const Field& field, Progress& progress) 
     const std::size_t n = mesh.position.size();
     mesh.distance.resize(n);
     mesh.label.resize(n);
-    parallelFor(n, 1024, progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const Arrival first = arrivalAt(field, mesh.position[i], Vec3d(mesh.normal[i]));
-            mesh.distance[i] = first.distance;
-            mesh.label[i] = first.distance < kInfinity ? first.source : kNoLabel;
-        }
-    });
+    const std::vector<Arrival> first = arrivalsAt(field, mesh.position, mesh.normal, progress);
+    for (std::size_t i = 0; i < n; ++i) {
+        mesh.distance[i] = first[i].distance;
+        mesh.label[i] = first[i].distance < kInfinity ? first[i].source : kNoLabel;
+    }
 }
 
 void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {

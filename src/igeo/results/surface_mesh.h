@@ -31,14 +31,14 @@ struct SurfaceMesh {
 /// The same in world units, counter-clockwise seen from outside.
 SurfaceMesh inWorld(SurfaceMesh mesh, const Similarity& transform);
 
-/// psi = 0 as OpenVDB extracts it (tools::volumeToMesh, adaptivity 0: a vertex per crossed cell, or
-/// several where sheets share it, a quadrilateral per crossed lattice edge), then projected to the
-/// zero set of the trilinear interpolant and split along the better diagonal.
+/// psi = 0: a vertex per crossed cell, or several where sheets share it, on the zero set of the
+/// trilinear interpolant, and a quadrilateral per crossed lattice edge, split along the better
+/// diagonal (levelSetMesh).
 ///
 /// Closed surfaces give closed meshes. Where the edge of the volume cuts the surface, the mesh ends
-/// within two voxels of it. Vertices in cells with a corner outside the band stay as extracted: all
-/// outside the band of a region, and a few percent of those of a band of sqrt(3) voxels, some
-/// thousandths of a voxel off.
+/// within two voxels of it. A vertex stays the mean of the points where S crosses the edges of its
+/// cell, some thousandths of a voxel off, where a corner is missing, or where a projection
+/// to psi = 0 leaves the cell and the band.
 /// @param field distances are sampleDistance(); a label is Arrival::source
 /// @throws Error  Cancelled through `progress`
 /// Time O(active voxels), in parallel. Order and bits do not depend on the number of threads.
@@ -49,7 +49,7 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Field& field,
 SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band,
                         Progress& progress = Progress::none());
 
-/// Fills distance and label of a mesh on S from its positions and normals.
+/// Fills distance and label of a mesh on S from its positions and normals (arrivalsAt).
 /// @throws Error  Cancelled through `progress`
 void sampleDistances(SurfaceMesh& mesh, const Field& field, Progress& progress = Progress::none());
 

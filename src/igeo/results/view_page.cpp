@@ -1,11 +1,11 @@
 #include <igeo/results/view_page.h>
 
 #include <fmt/core.h>
-#include <igeo/base/detail/deflate.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/io/detail/base64.h>
 #include <igeo/results/color_map.h>
+#include <igeo/results/detail/page_numbers.h>
 #include <igeo/results/detail/view_files.h>
 #include <igeo/results/detail/web_text.h>
 #include <igeo/results/isolines.h>
@@ -20,29 +20,12 @@ namespace igeo {
 
 namespace {
 
-using Numbers = std::vector<std::uint32_t>;
-
 // Codes, the same as in drawing.js.
 constexpr std::uint32_t kBlocked = 65534, kUnreachedCode = 65535;
 
 /// The HTML before the address of the picture.
 constexpr std::string_view kStill =
     R"(<img id="still" alt="A picture of what the page shows" src=")";
-
-/// Packs numbers: differences with their signs in the lowest bit, in four planes of bytes.
-std::string packed(const Numbers& numbers) {
-    const std::size_t n = numbers.size();
-    std::string bytes(4 * n, '\0');
-    std::uint32_t last = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-        const std::uint32_t difference = numbers[k] - last;
-        const std::uint32_t code = difference << 1 ^ (difference >> 31 ? ~0u : 0u);
-        for (std::size_t plane = 0; plane < 4; ++plane)
-            bytes[plane * n + k] = char(code >> 8 * plane & 0xff);
-        last = numbers[k];
-    }
-    return base64(deflated(bytes, 4));
-}
 
 /// The cube around all positions of a scene; its sides are divided into 65535 steps.
 struct SceneBox {
@@ -104,13 +87,6 @@ Numbers orZero(const Numbers& numbers) {
     Numbers all;
     for (const std::uint32_t n : numbers) all.push_back(n == ViewScene::kNoNumber ? 0 : n + 1);
     return all;
-}
-
-Numbers cornersOf(const SurfaceMesh& mesh) {
-    Numbers corners;
-    corners.reserve(3 * mesh.triangles.size());
-    for (const auto& t : mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
-    return corners;
 }
 
 /// Shares of the surface: triangles with an unreached vertex, and with a vertex in an obstacle.
@@ -190,8 +166,8 @@ std::string mapsJson() {
 /// All arrays of a scene, packed side by side.
 class Packing {
 public:
-    void add(const std::string& name, Numbers numbers) {
-        all_.emplace_back(name, std::move(numbers));
+    void add(const std::string& name, Numbers numbers, bool differences = true) {
+        all_.push_back({name, std::move(numbers), differences});
     }
     void addPoints(const std::string& name, const std::vector<Vec3d>& points, const SceneBox& box) {
         for (int axis = 0; axis < 3; ++axis) {
@@ -203,15 +179,21 @@ public:
     std::map<std::string, std::string> texts() const {
         std::vector<std::string> packs(all_.size());
         parallelFor(packs.size(), 1, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t k = begin; k < end; ++k) packs[k] = packed(all_[k].second);
+            for (std::size_t k = begin; k < end; ++k)
+                packs[k] = packed(all_[k].numbers, all_[k].differences);
         });
         std::map<std::string, std::string> named;
-        for (std::size_t k = 0; k < packs.size(); ++k) named[all_[k].first] = '"' + packs[k] + '"';
+        for (std::size_t k = 0; k < packs.size(); ++k) named[all_[k].name] = '"' + packs[k] + '"';
         return named;
     }
 
 private:
-    std::vector<std::pair<std::string, Numbers>> all_;
+    struct Array {
+        std::string name;
+        Numbers numbers;
+        bool differences;
+    };
+    std::vector<Array> all_;
 };
 
 std::map<std::string, std::string> arraysOf(const ViewScene& scene, const SceneBox& box,
@@ -223,7 +205,10 @@ std::map<std::string, std::string> arraysOf(const ViewScene& scene, const SceneB
         onLines.insert(onLines.end(), line.points.begin(), line.points.end());
     packing.addPoints("line", onLines, box);
     packing.add("values", valueCodes(scene, range));
-    packing.add("triangles", cornersOf(scene.mesh));
+    TriangleFans fans(scene.mesh.triangles, scene.mesh.position.size());
+    packing.add("middle", std::move(fans.middle));
+    packing.add("count", std::move(fans.count), false);
+    packing.add("rim", std::move(fans.rim), false);
     if (scene.labelNames.size() > 1) packing.add("labels", orZero(scene.mesh.label));
     if (!scene.number.empty()) packing.add("numbers", orZero(scene.number));
     std::map<std::string, std::string> texts = packing.texts();
@@ -263,11 +248,11 @@ std::string sceneJson(const ViewScene& scene) {
     text += fmt::format(R"("seeds":{},"targets":{},"labelNames":{},"voxel":{},"notes":{},)",
                         json(scene.seeds), json(scene.targets), json(scene.labelNames),
                         json(scene.voxels), json(scene.notes));
-    return text +
-           fmt::format(R"("points":{{{}}},"values":{},"labels":{},"numbers":{},"triangles":{},)"
-                       R"("lines":{{"curves":{},{}}}}})",
-                       points("point"), at("values"), at("labels"), at("numbers"), at("triangles"),
-                       curves, points("line"));
+    return text + fmt::format(R"("points":{{{}}},"values":{},"labels":{},"numbers":{},)"
+                              R"("triangles":{{"middle":{},"count":{},"rim":{}}},)"
+                              R"("lines":{{"curves":{},{}}}}})",
+                              points("point"), at("values"), at("labels"), at("numbers"),
+                              at("middle"), at("count"), at("rim"), curves, points("line"));
 }
 
 }  // namespace

@@ -66,6 +66,27 @@ TEST_CASE("sampleDistances: distances and labels are those of sampleField") {
     CHECK(mesh.gradient.empty());
 }
 
+TEST_CASE("sampleDistances: from the core alone, distances are those of the field on the band") {
+    const std::vector<openvdb::Vec3d> seeds{kCenter + openvdb::Vec3d(0.42, 0, 0),
+                                            kCenter + openvdb::Vec3d(-0.1, 0.29, 0.12)};
+    JetOptions onCore;
+    onCore.extend = false;
+    for (const Shape& shape : {torus(kCenter, 0.3, 0.12), box(kCenter, {0.42, 0.29, 0.12})}) {
+        INFO(shape.name);
+        const Meshed whole = meshed(shape, 0.02, seeds), m = meshed(shape, 0.02, seeds, onCore);
+        REQUIRE(m.field.core);
+        SurfaceMesh mesh = m.mesh;
+        sampleDistances(mesh, m.field);
+        double worst = 0, sum = 0;
+        for (std::size_t i = 0; i < mesh.position.size(); ++i) {
+            const double off = std::abs(mesh.distance[i] - whole.mesh.distance[i]);
+            worst = std::max(worst, off), sum += off;
+        }
+        CHECK(worst <= 0.05);  // voxels
+        CHECK(sum / double(mesh.position.size()) <= 1e-3);
+    }
+}
+
 TEST_CASE("surfaceMesh: surfaces by chance give closed meshes") {
     const auto unit = openvdb::math::Transform::createLinearTransform(1);
     for (const unsigned seed : {3u, 7u, 21u})

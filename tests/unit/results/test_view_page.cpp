@@ -9,6 +9,7 @@
 #include <support/expect_error.h>
 #include <support/mesh_shapes.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -39,20 +40,41 @@ json sceneOf(const std::string& page) {
     return json::parse(page.substr(begin, page.find("</script>", begin) - begin));
 }
 
-/// As drawing.js does.
-std::vector<std::uint32_t> unpacked(const json& text) {
+// As drawing.js does.
+std::vector<std::uint32_t> unpackedPlain(const json& text) {
     const std::string bytes =
         inflated(fromBase64(text.get<std::string>()).value(), std::size_t(1) << 30);
-    const std::size_t n = bytes.size() / 4;
-    std::vector<std::uint32_t> numbers;
-    std::uint32_t last = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-        std::uint32_t code = 0;
-        for (std::size_t plane = 0; plane < 4; ++plane)
-            code |= std::uint32_t(std::uint8_t(bytes[plane * n + k])) << 8 * plane;
-        numbers.push_back(last += code >> 1 ^ (code & 1 ? ~0u : 0u));
-    }
+    const auto planes = std::size_t(bytes.at(0));
+    std::vector<std::uint32_t> numbers((bytes.size() - 1) / planes);
+    for (std::size_t k = 0; k + 1 < bytes.size(); ++k)
+        numbers[k % numbers.size()] |= std::uint32_t(std::uint8_t(bytes[k + 1]))
+                                       << 8 * (k / numbers.size());
     return numbers;
+}
+std::vector<std::uint32_t> unpacked(const json& text) {
+    std::vector<std::uint32_t> numbers = unpackedPlain(text);
+    std::uint32_t last = 0;
+    for (std::uint32_t& n : numbers) n = last += n >> 1 ^ (n & 1 ? ~0u : 0u);
+    return numbers;
+}
+std::vector<SurfaceMesh::Triangle> unpackedTriangles(const json& fans) {
+    const auto middle = unpacked(fans["middle"]), count = unpackedPlain(fans["count"]),
+               rim = unpackedPlain(fans["rim"]);
+    std::vector<SurfaceMesh::Triangle> triangles;
+    std::size_t at = 0;
+    for (std::size_t fan = 0; fan < middle.size(); ++fan, ++at)
+        for (std::uint32_t k = 0; k < count[fan]; ++k, ++at)
+            triangles.push_back(
+                {middle[fan], middle[fan] + rim.at(at), middle[fan] + rim.at(at + 1)});
+    CHECK(at == rim.size());
+    return triangles;
+}
+
+/// In one order, each from its least corner on.
+std::vector<SurfaceMesh::Triangle> sorted(std::vector<SurfaceMesh::Triangle> triangles) {
+    for (auto& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    std::sort(triangles.begin(), triangles.end());
+    return triangles;
 }
 
 bool canDraw() {
@@ -94,10 +116,24 @@ TEST_CASE("view page: numbers come back to what a page promises") {
     CHECK(unpacked(page["numbers"])[7] == 4000000001);
     CHECK(unpacked(page["numbers"])[8] == 0);
     CHECK(unpacked(page["labels"])[9] == scene.mesh.label[9] + 1);
-    const auto corners = unpacked(page["triangles"]);
-    REQUIRE(corners.size() == 3 * scene.mesh.triangles.size());
-    for (std::size_t k = 0; k < corners.size(); ++k)
-        REQUIRE(corners[k] == scene.mesh.triangles[k / 3][k % 3]);
+    CHECK(sorted(unpackedTriangles(page["triangles"])) == sorted(scene.mesh.triangles));
+}
+
+TEST_CASE("view page: triangles come back, however many share a vertex") {
+    if (!canDraw()) return;
+    ViewScene scene;
+    constexpr std::uint32_t kMany = 5000;  // around one vertex, in another order than theirs
+    scene.mesh.position.resize(kMany + 1);
+    scene.mesh.distance.resize(kMany + 1);
+    for (std::uint32_t k = 0; k < kMany; ++k) {
+        const std::uint32_t from = 1 + 17 * k % kMany;
+        scene.mesh.position[k] = {double(k), double(k % 7), double(k % 11)};
+        scene.mesh.triangles.push_back({from, 1 + from % kMany, 0});
+    }
+    scene.mesh.triangles.push_back({3, 2, 1});
+    scene.mesh.triangles.push_back({3, 2, 1});
+    const json page = sceneOf(viewPage(scene));
+    CHECK(sorted(unpackedTriangles(page["triangles"])) == sorted(scene.mesh.triangles));
 }
 
 TEST_CASE("view page: names are text, whatever they hold") {

@@ -303,6 +303,15 @@ std::optional<Extension::Found> Extension::whereFrontsMeet(const Doubtful::Node&
     return fromChart(s->u, s->g, s->label, node.local);
 }
 
+std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
+    std::vector<Vec3f> gradients(jets.state.size());
+    parallelFor(gradients.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+            if (jets.state[k].accepted()) gradients[k] = jets.gradientOf(NodeIndex(k));
+    });
+    return gradients;
+}
+
 }  // namespace jet
 
 namespace {
@@ -328,15 +337,6 @@ std::vector<std::uint8_t> leavesToExtend(const Field& field) {
     return leavesReached(*field.core);
 }
 
-std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
-    std::vector<Vec3f> gradients(jets.state.size());
-    parallelFor(gradients.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k)
-            if (jets.state[k].accepted()) gradients[k] = jets.gradientOf(NodeIndex(k));
-    });
-    return gradients;
-}
-
 /// Calls visit(l, jets) with the jets of the nodes of every leaf: core nodes have their own, the
 /// others take those of the core around their foot points. In parallel.
 /// @param wanted  per leaf: whether its nodes are extended, or pass as unreached; empty: all
@@ -344,7 +344,7 @@ template <typename Visit>
 void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
                   const Visit& visit) {
     const Band& band = jets.core->band;
-    const std::vector<Vec3f> gradients = gradientsOf(jets);
+    const std::vector<Vec3f> gradients = jet::gradientsOf(jets);
     const Extension extension(jets, gradients);
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         LeafNumbers<2> numbers;

@@ -42,6 +42,9 @@ struct Around {
     }
 };
 
+/// The gradients of the accepted nodes of a core. In parallel.
+std::vector<Vec3f> gradientsOf(const CoreJets& jets);
+
 /// Gives nodes outside the core the jets of the core around their foot points.
 class Extension {
 public:

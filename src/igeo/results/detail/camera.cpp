@@ -37,19 +37,27 @@ struct Sight {
     double weight;
 };
 
+/// About `most` foot points all over the band, less where it is not reached.
+std::vector<Vec3d> reachedPoints(const Field& field, std::size_t most) {
+    const Band& band = *field.band;
+    const std::size_t stride = std::max<std::size_t>(band.size() / most, 1);
+    const bool all = field.reached == field.size();
+    std::vector<Vec3d> reached;
+    for (std::size_t i = 0; i < band.size(); i += stride)
+        if (all || field.at(NodeIndex(i)).distance < kInfinity)
+            reached.push_back(band.footPoint(NodeIndex(i)));
+    return reached;
+}
+
 /// Seeds, paths and the reached surface; paths have the largest weight.
 std::vector<Sight> sights(const DrawnSurface& surface, const Field& field,
                           const std::vector<Path>& paths) {
-    const Band& band = *field.band;
     constexpr std::size_t kMost = 128;  // of each kind
-    std::vector<Vec3d> seeds, vertices, reached;
+    std::vector<Vec3d> seeds, vertices;
     for (const SurfacePoint& s : field.seeds) seeds.push_back(s.pIndex);
     for (const Path& path : paths)
         for (const PathVertex& v : path.vertices) vertices.push_back(v.pIndex);
-    const std::size_t stride = std::max<std::size_t>(band.size() / (8 * kMost), 1);
-    for (std::size_t i = 0; i < band.size(); i += stride)
-        if (field.distance[i] < kInfinity) reached.push_back(band.footPoint(NodeIndex(i)));
-
+    const std::vector<Vec3d> reached = reachedPoints(field, 8 * kMost);
     std::vector<Sight> all;
     auto add = [&](const std::vector<Vec3d>& points, double weight) {
         const std::size_t n = std::min(points.size(), kMost);
@@ -105,7 +113,7 @@ Vec3d chooseDirection(const DrawnSurface& surface, const std::vector<Sight>& see
         for (std::size_t k = begin; k < end; ++k) {
             const Vec3d toEye = indexDirection(surface.transform(), directions[k]);
             for (const Sight& s : seen)
-                if (surface.isVisible(s.pIndex, toEye))
+                if (surface.isVisible(s.pIndex, s.normal, toEye))
                     scores[k] +=
                         s.weight * std::min(std::abs(dot(s.normal, toEye)) / kOpenEnough, 1.0);
         }

@@ -4,7 +4,9 @@
 #include <igeo/results/color_map.h>
 #include <png.h>
 
+#include <algorithm>
 #include <array>
+#include <csetjmp>
 
 namespace igeo {
 
@@ -41,8 +43,11 @@ void Canvas::set(int x, int y, const Vec3d& linear, double alpha) {
 }
 
 void Canvas::fill(int x, int y, int width, int height, const Vec3d& linear, double alpha) {
-    for (int j = y; j < y + height; ++j)
-        for (int i = x; i < x + width; ++i) set(i, j, linear, alpha);
+    const auto [r, g, b] = srgbBytes(linear);
+    const std::array<std::uint8_t, 4> pixel{r, g, b, byteOf(alpha)};
+    for (int j = std::max(y, 0); j < std::min(y + height, height_); ++j)
+        for (int i = std::max(x, 0); i < std::min(x + width, width_); ++i)
+            std::copy(pixel.begin(), pixel.end(), at(i, j));
 }
 
 void Canvas::text(const Font& font, double x, double y, const std::string& text,
@@ -59,26 +64,41 @@ void Canvas::text(const Font& font, double x, double y, const std::string& text,
     });
 }
 
-std::string Canvas::png() const {
-    bool opaque = true;
-    for (std::size_t k = 3; k < rgba_.size(); k += 4) opaque = opaque && rgba_[k] == 255;
-    std::vector<std::uint8_t> rgb;
-    if (opaque) {
-        rgb.reserve(rgba_.size() / 4 * 3);
-        for (std::size_t k = 0; k < rgba_.size(); k += 4)
-            rgb.insert(rgb.end(), &rgba_[k], &rgba_[k] + 3);
+bool Canvas::isOpaque() const {
+    for (std::size_t k = 3; k < rgba_.size(); k += 4)
+        if (rgba_[k] < 255) return false;
+    return true;
+}
+
+std::string Canvas::png(int level) const {
+    const bool opaque = isOpaque();
+    std::string file;
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+    png_infop info = png ? png_create_info_struct(png) : nullptr;
+    if (!info || setjmp(png_jmpbuf(png))) {
+        png_destroy_write_struct(&png, &info);
+        throw Error(Error::Kind::Internal, "libpng wrote no picture");
     }
-    png_image image{};
-    image.version = PNG_IMAGE_VERSION;
-    image.width = png_uint_32(width_);
-    image.height = png_uint_32(height_);
-    image.format = opaque ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
-    png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(image);
-    std::string file(bytes, '\0');
-    if (!png_image_write_to_memory(&image, file.data(), &bytes, /*convert_to_8_bit=*/0,
-                                   opaque ? rgb.data() : rgba_.data(), /*row_stride=*/0, nullptr))
-        throw Error(Error::Kind::Internal, std::string("libpng: ") + image.message);
-    file.resize(bytes);
+    png_set_write_fn(
+        png, &file,
+        [](png_structp to, png_bytep bytes, png_size_t size) {
+            static_cast<std::string*>(png_get_io_ptr(to))
+                ->append(reinterpret_cast<const char*>(bytes), size);
+        },
+        nullptr);
+    png_set_IHDR(png, info, png_uint_32(width_), png_uint_32(height_), 8,
+                 opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+    // Trying all filters takes twice the time, and saves nothing.
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
+    png_set_compression_level(png, level);
+    png_write_info(png, info);
+    if (opaque) png_set_filler(png, 0, PNG_FILLER_AFTER);
+    for (int y = 0; y < height_; ++y)
+        png_write_row(png, &rgba_[4 * std::size_t(y) * std::size_t(width_)]);
+    png_write_end(png, nullptr);
+    png_destroy_write_struct(&png, &info);
     return file;
 }
 

@@ -29,12 +29,14 @@ public:
 
     /// A PNG file, marked as sRGB, with alpha where a pixel is not opaque; the same bytes for the
     /// same pixels.
-    std::string png() const;
+    /// @param level  of zlib; 4 takes half the time of 6 and 5 to 10 % more bytes
+    std::string png(int level = 6) const;
 
 private:
     std::uint8_t* at(int x, int y) {
         return &rgba_[4 * (std::size_t(y) * std::size_t(width_) + std::size_t(x))];
     }
+    bool isOpaque() const;
     bool holds(int x, int y) const { return x >= 0 && y >= 0 && x < width_ && y < height_; }
 
     int width_, height_;

@@ -4,6 +4,7 @@
 #include <igeo/base/progress.h>
 #include <igeo/march/field.h>
 #include <igeo/path/trace.h>
+#include <igeo/results/detail/camera.h>
 #include <igeo/results/detail/drawn_surface.h>
 #include <igeo/results/picture_options.h>
 #include <igeo/surface/level_set.h>
@@ -18,8 +19,9 @@ namespace igeo {
 DrawnSurface drawnSurface(const LevelSet* levelSet, const Band& band, Progress& progress);
 
 /// The same as renderPng in picture.h.
+/// @param view  null: as the options say (chooseView); given: of a small picture, packed in haste
 std::string renderPng(const DrawnSurface& surface, const Field& field,
                       const std::vector<Path>& paths, const PictureOptions& options,
-                      Progress& progress);
+                      const View* view, Progress& progress);
 
 }  // namespace igeo

@@ -70,6 +70,14 @@ CornerNormals smoothNormals(const Band& band, const SurfaceMesh& mesh) {
     return normals;
 }
 
+/// The means of the triangles around the vertices.
+CornerNormals meanNormals(const SurfaceMesh& mesh) {
+    CornerNormals normals(mesh.triangles.size());
+    for (std::size_t t = 0; t < normals.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) normals[t][k] = mesh.normal[mesh.triangles[t][k]];
+    return normals;
+}
+
 /// The mean edge length in voxels, from which the tolerance beside S follows.
 double meanSide(const SurfaceMesh& mesh) {
     double sum = 0;
@@ -92,7 +100,7 @@ DrawnSurface::DrawnSurface(const Band& band, SurfaceMesh mesh, bool closed)
     : band_(band),
       closed_(closed),
       clearance_(std::max(0.5, 0.5 * meanSide(mesh))),
-      cornerNormals_(smoothNormals(band, mesh)),
+      cornerNormals_(mesh.distance.empty() ? smoothNormals(band, mesh) : meanNormals(mesh)),
       distance_(std::move(mesh.distance)) {
     triangles_ = std::make_shared<SurfaceTriangles>(
         std::move(mesh.position), std::move(mesh.triangles),
@@ -124,8 +132,7 @@ Vec3d DrawnSurface::normalNear(const Vec3d& p) const {
     return t == SurfaceTriangles::kNone ? Vec3d{} : triangles_->normal(t);
 }
 
-bool DrawnSurface::isVisible(const Vec3d& p, const Vec3d& toEye) const {
-    const Vec3d n = normalNear(p);
+bool DrawnSurface::isVisible(const Vec3d& p, const Vec3d& n, const Vec3d& toEye) const {
     return !triangles_->hit(p + (dot(n, toEye) < 0 ? -clearance_ : clearance_) * n, toEye);
 }
 

@@ -16,8 +16,8 @@ public:
     /// Of a mesh: its own triangles, shaded smoothly over edges of less than 40 degrees. Otherwise
     /// psi = 0 of the band (bandMesh). The band must outlive this.
     explicit DrawnSurface(const Band& band);
-    /// Triangles on S, made from a level set. If the mesh has distances, pictures use them, linear
-    /// in each triangle, instead of those of the field.
+    /// Triangles on S, made from a level set. If the mesh has distances, pictures use them and its
+    /// normals, linear in each triangle, instead of those of the field and of psi.
     /// @param closed  whether they have an inside
     DrawnSurface(const Band& band, SurfaceMesh mesh, bool closed);
 
@@ -38,7 +38,8 @@ public:
     Vec3d normalNear(const Vec3d& p) const;
 
     /// Whether the line from a point of S in the unit direction `toEye` is free.
-    bool isVisible(const Vec3d& p, const Vec3d& toEye) const;
+    /// @param n  normalNear(p)
+    bool isVisible(const Vec3d& p, const Vec3d& n, const Vec3d& toEye) const;
     /// Whether S encloses a point.
     bool encloses(const Vec3d& p) const;
 

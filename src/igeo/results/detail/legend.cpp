@@ -39,7 +39,7 @@ Legend::Legend(const Scale& scale, const Field& field, const PictureOptions& opt
     : scale_(scale),
       unit_(std::max(1.0, std::min(options.width, options.height) / 400.0)),
       font_(kFontSize * unit_),
-      hasUnreached_(field.reached < field.distance.size()),
+      hasUnreached_(field.reached < field.size()),
       height_(int(std::min(0.6 * options.height, 300 * unit_))) {
     const double dx = field.band->transform.dx;
     const bool weighted = field.metric->weighted();

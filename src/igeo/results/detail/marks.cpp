@@ -40,7 +40,8 @@ std::vector<Dot> dots(const Field& field, const std::vector<Path>& paths,
                       const DrawnSurface& surface, const Vec3d& eye, double seedRadius) {
     std::vector<Dot> all;
     auto add = [&](const Vec3d& p, double radius, bool seed) {
-        all.push_back({p, radius, seed, !surface.isVisible(p, normalized(eye - p))});
+        const bool seen = surface.isVisible(p, surface.normalNear(p), normalized(eye - p));
+        all.push_back({p, radius, seed, !seen});
     };
     for (const Path& path : paths)
         if (!path.vertices.empty()) add(path.vertices.front().pIndex, 0.7 * seedRadius, false);

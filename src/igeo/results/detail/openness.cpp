@@ -19,7 +19,17 @@ class Surroundings {
 public:
     Surroundings(const Frame& frame, const std::vector<Sample>& samples,
                  const std::vector<Vec3f>& normals, double radius)
-        : frame_(frame), samples_(samples), normals_(normals), radius_(radius) {
+        : frame_(frame),
+          samples_(samples),
+          normals_(normals),
+          radius_(radius),
+          places_(samples.size()) {
+        parallelFor(std::size_t(frame.height), 16, [&](std::size_t begin, std::size_t end) {
+            for (int y = int(begin); y < int(end); ++y)
+                for (int x = 0; x < frame.width; ++x)
+                    if (const std::size_t i = index(x, y); samples[i].covered())
+                        places_[i] = double(samples[i].depth) * frame.toward(x + 0.5, y + 0.5);
+        });
         // A spiral, rotated by a different angle in each pixel of the pattern.
         constexpr double kTurns = 5 * 2 * std::numbers::pi;
         for (int turn = 0; turn < kPattern * kPattern; ++turn)
@@ -39,7 +49,7 @@ public:
         static constexpr std::array<int, 16> kTurn{0, 8,  2, 10, 12, 4, 14, 6,
                                                    3, 11, 1, 9,  15, 7, 13, 5};
         const std::size_t i = index(x, y);
-        const Vec3d p = place(x, y, samples_[i].depth), n = facing(i, p);
+        const Vec3d p = places_[i], n = facing(i, p);
         const double reach = std::max(radius_ * frame_.scale / double(samples_[i].depth), 3.0);
         const int turn = kTurn[std::size_t(y % kPattern * kPattern + x % kPattern)];
         double sum = 0;
@@ -47,9 +57,9 @@ public:
             const auto& tap = taps_[std::size_t(turn * kTaps + k)];
             const int u = x + rounded(reach * tap[0]), v = y + rounded(reach * tap[1]);
             if (u < 0 || v < 0 || u >= frame_.width || v >= frame_.height) continue;
-            const Sample& s = samples_[index(u, v)];
-            if (!s.covered()) continue;
-            const Vec3d r = place(u, v, s.depth) - p;
+            const std::size_t j = index(u, v);
+            if (!samples_[j].covered()) continue;
+            const Vec3d r = places_[j] - p;
             const double square = dot(r, r), off = 1 - square / (radius_ * radius_);
             if (off > 0 && square > 0)
                 sum += off * std::max(0.0, dot(r, n) / std::sqrt(square) - kFlat);
@@ -60,13 +70,13 @@ public:
     /// The mean of `values` over the pattern around a pixel, on its sheet.
     double smoothed(const std::vector<float>& values, int x, int y) const {
         const std::size_t i = index(x, y);
-        const Vec3d p = place(x, y, samples_[i].depth), n(normals_[i]);
+        const Vec3d p = places_[i], n(normals_[i]);
         double sum = 0, count = 0;
         for (int v = std::max(y - 1, 0); v <= std::min(y + 2, frame_.height - 1); ++v)
             for (int u = std::max(x - 1, 0); u <= std::min(x + 2, frame_.width - 1); ++u) {
                 const std::size_t j = index(u, v);
                 if (!samples_[j].covered()) continue;
-                const Vec3d r = place(u, v, samples_[j].depth) - p;
+                const Vec3d r = places_[j] - p;
                 if (std::abs(dot(r, n)) > 0.1 * radius_) continue;
                 sum += double(values[j]);
                 ++count;
@@ -80,9 +90,6 @@ public:
     }
 
 private:
-    Vec3d place(int x, int y, float depth) const {
-        return double(depth) * frame_.toward(x + 0.5, y + 0.5);
-    }
     Vec3d facing(std::size_t i, const Vec3d& fromEye) const {
         const Vec3d n(normals_[i]);
         return dot(n, fromEye) > 0 ? -n : n;
@@ -92,6 +99,7 @@ private:
     const std::vector<Sample>& samples_;
     const std::vector<Vec3f>& normals_;
     double radius_;
+    std::vector<Vec3d> places_;  ///< from the eye; of covered pixels
     std::array<std::array<double, 2>, std::size_t(kTaps* kPattern* kPattern)> taps_;
 };
 

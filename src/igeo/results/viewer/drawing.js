@@ -13,14 +13,34 @@ async function inflate(base64, format = "deflate") {
     return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// Numbers as packed by view_page.cpp: differences, their signs in the lowest bit, in four planes of bytes.
-async function unpack(base64) {
-    const bytes = await inflate(base64), n = bytes.length / 4, numbers = new Uint32Array(n);
-    for (let k = 0, last = 0; k < n; ++k) {
-        const code = bytes[k] | bytes[n + k] << 8 | bytes[2 * n + k] << 16 | bytes[3 * n + k] << 24;
-        numbers[k] = last = last + ((code >>> 1) ^ -(code & 1)) | 0;
-    }
+// Numbers as packed by page_numbers.cpp: in planes of bytes, as many as the first byte says.
+async function unpackPlain(base64) {
+    const bytes = await inflate(base64), planes = bytes[0], n = (bytes.length - 1) / planes;
+    const numbers = new Uint32Array(n);
+    for (let plane = 0, at = 1; plane < planes; ++plane)
+        for (let k = 0; k < n; ++k) numbers[k] |= bytes[at++] << 8 * plane;
     return numbers;
+}
+
+// The same of differences, their signs in the lowest bit.
+async function unpack(base64) {
+    const numbers = await unpackPlain(base64);
+    for (let k = 0, last = 0; k < numbers.length; ++k)
+        numbers[k] = last = last + ((numbers[k] >>> 1) ^ -(numbers[k] & 1)) | 0;
+    return numbers;
+}
+
+// Fans of triangles: a middle, and a row of other vertices less the middle.
+async function unpackTriangles(fans) {
+    const [middle, count, rim] = await Promise.all([unpack(fans.middle), unpackPlain(fans.count), unpackPlain(fans.rim)]);
+    const triangle = new Uint32Array(3 * (rim.length - middle.length));
+    for (let fan = 0, at = 0, to = 0; fan < middle.length; ++fan, ++at)
+        for (const end = at + count[fan]; at < end; ++at) {
+            triangle[to++] = middle[fan];
+            triangle[to++] = middle[fan] + rim[at];
+            triangle[to++] = middle[fan] + rim[at + 1];
+        }
+    return triangle;
 }
 
 async function unpackPoints(packed) {
@@ -37,7 +57,7 @@ async function unpackScene() {
     scene.value = await unpack(scene.values);
     scene.label = scene.labels ? await unpack(scene.labels) : null;
     scene.number = scene.numbers ? await unpack(scene.numbers) : null;
-    scene.triangle = await unpack(scene.triangles);
+    scene.triangle = await unpackTriangles(scene.triangles);
     scene.linePoint = await unpackPoints(scene.lines);
     scene.range = scene.high - scene.low;
     scene.any = scene.value.some((code) => code < BLOCKED);
