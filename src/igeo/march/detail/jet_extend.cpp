@@ -38,13 +38,14 @@ void Extension::add(const Outside& node, Group& group) const {
     if (group.full()) solve(group);
 }
 
-NodeJet Extension::at(NodeIndex i) const {
-    const auto [l, at] = band_.placeOf(i);
+void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
     Group group;
-    NodeJet jet;
-    add({i, l, at, &jet}, group);
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+        if (nodes[k] == kNoNode) continue;
+        const auto [l, at] = band_.placeOf(nodes[k]);
+        add({nodes[k], l, at, to + k}, group);
+    }
     finish(group);
-    return jet;
 }
 
 void Extension::solve(Group& group) const {
@@ -369,9 +370,9 @@ void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
 
 }  // namespace
 
-NodeJet Field::atCore(NodeIndex i) const {
+void Field::atCore(std::span<const NodeIndex> nodes, NodeJet* to) const {
     const std::vector<Vec3f> none;
-    return Extension(*core, none).at(i);
+    Extension(*core, none).at(nodes, to);
 }
 
 void forLeaves(const Field& field,

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace igeo::jet {
@@ -94,7 +95,8 @@ public:
         solve(group);
         solveDoubtful(group.doubtful);
     }
-    NodeJet at(NodeIndex i) const;
+    /// As Field::atCore.
+    void at(std::span<const NodeIndex> nodes, NodeJet* to) const;
 
 private:
     /// A jet, its gradient over the weight.

@@ -43,7 +43,8 @@ JetMarch::JetMarch(std::shared_ptr<const JetCore> core, const std::vector<Surfac
       jets_(unmarched(shared_, seeds, options)),
       queue_(jets_.state),
       discs_(startDiscs(core_, jets_.seeds)),
-      width_(float(jets_.buckets.width)) {
+      width_(float(jets_.buckets.width)),
+      lastDiscBucket_(bucketOf(jets_.seeds.largestInDisc)) {
     const auto last = std::max_element(seeds.begin(), seeds.end(),
                                        [](auto& a, auto& b) { return a.start < b.start; });
     // Buckets are numbered in 32 bits.
@@ -147,11 +148,29 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
     group.jets.clear(core_.pull());
 }
 
+JetMarch::Known JetMarch::split(std::span<const JetLink> row, const Batch& batch,
+                                Node& node) const {
+    // Which neighbors have a jet changes from node to node: no branches.
+    const JetState* const state = jets_.state.data();
+    const std::uint32_t last = batch.last;
+    const bool isotropic = core_.stretch.empty();
+    Known known;
+    std::size_t knownCount = 0, waitingCount = 0;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+        const JetState& other = state[row[k].node()];
+        const bool accepted = other.accepted();
+        known.link[knownCount] = node.waiting[waitingCount] = std::uint8_t(k);
+        knownCount += accepted;
+        waitingCount += !accepted & mayPut(BucketQueue::bucketOf(other), last, isotropic);
+    }
+    known.count = knownCount, node.waitingCount = waitingCount;
+    return known;
+}
+
 void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) {
     if (!ownLinks_.empty()) ownLinks_.make(core_, i);
     Node& node = group.nodes[group.jets.size()];
     node.core = i;
-    node.waitingCount = 0;
     const JetNode& here = core_.nodes[i];
     const bool isotropic = core_.stretch.empty();
     // Divided, as a product with 1 / weight would be off to the same side in each step.
@@ -162,14 +181,11 @@ void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) {
     group.jets.begin(perWeight(start),
                      isotropic ? JetNeighbors::kLongest2 : core_.longest2(core_.stretch[i]));
     const auto row = links_.row(i);
-    for (std::size_t k = 0; k < row.size(); ++k) {
-        const JetLink& link = row[k];
+    const Known known = split(row, batch, node);
+    for (std::size_t k = 0; k < known.count; ++k) {
+        const JetLink& link = row[known.link[k]];
         const NodeIndex j = link.node();
         const JetState& state = jets_.state[j];
-        if (!state.accepted()) {
-            node.waiting[node.waitingCount++] = std::uint8_t(k);
-            continue;
-        }
         const float u = float(std::int64_t(state.bucket) - batch.first) * width_ + state.rest;
         JetNeighbor n{link.a, link.turned(state.g)};
         if (!isotropic) {
@@ -202,7 +218,7 @@ void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chu
     const NodeIndex i = node.core;
     if (node.jump < s.u) s = {node.jump, {}, node.jumpLabel, false};
     // Nodes of a disc wait in its buckets or earlier.
-    if (batch.first <= bucketOf(jets_.seeds.largestInDisc)) s = exactNearSeed(i, s, batch);
+    if (batch.first <= lastDiscBucket_) s = exactNearSeed(i, s, batch);
     if (!(s.u < float(kInfinity))) return;
     s.u = boundedBelow(i, s.u, s.label, batch);
     if (options_.below && !withinLimit(i, s.u, batch)) return;
@@ -221,11 +237,7 @@ void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chu
     if (s.usedFallback) chunk.byFallback.push_back(i);
     chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
     if (!stopNodes_.empty() && stopNodes_[i]) ++chunk.stopNodes;
-    const auto radius =
-        float(jets_.buckets.startOf(batch.first) - jets_.seeds.leastStart + double(s.u));
-    const auto row = links_.row(i);
-    for (std::size_t k = 0; k < node.waitingCount; ++k)
-        enqueue(row[node.waiting[k]], i, s, radius, batch, chunk);
+    enqueue(node, s, batch, chunk);
     enqueueJumps(i, s, batch, chunk);
 }
 
@@ -250,25 +262,31 @@ bool JetMarch::withinLimit(NodeIndex i, float u, const Batch& batch) const {
 
 JetState JetMarch::stateOf(const Result& s, const Batch& batch) const {
     // Fits may lie before the batch, by a few buckets.
-    const float before = std::floor(s.u / width_);
-    const auto by = std::int64_t(std::max(before, 1 - float(batch.first)));
+    const float at = std::max(s.u / width_, 1 - float(batch.first));
+    const auto whole = std::int64_t(at), by = whole - (float(whole) > at ? 1 : 0);
     return {std::uint32_t(std::int64_t(batch.first) + by), s.u - float(by) * width_, s.g};
 }
 
-void JetMarch::enqueue(const JetLink& link, NodeIndex from, const Result& jet, float radius,
-                       const Batch& batch, Chunk& chunk) {
+void JetMarch::enqueue(const Node& node, const Result& jet, const Batch& batch, Chunk& chunk) {
     // Along a circle about the source, at the mean cost of both ends.
     const bool isotropic = core_.stretch.empty();
-    const float here = core_.nodes[from].weight;
-    const float weight =
-        isotropic ? here : meanWeight(core_.nodes[link.node()].weight, here) * here;
-    const Vec2f step = -weight * link.a;
-    const Vec2f flat = isotropic ? step : core_.stretch[from].vector(step);
-    const float along = dot(jet.g, step), square = dot(flat, flat);
-    const float r = radius + std::max(along, 0.0f), across = std::max(square - along * along, 0.0f);
-    const float further =
-        along > 0 ? along + across / (std::sqrt(r * r + across) + r) : std::sqrt(square);
-    put(link.node(), jet.u + further, batch, chunk);
+    const float here = core_.nodes[node.core].weight;
+    const auto radius =
+        float(jets_.buckets.startOf(batch.first) - jets_.seeds.leastStart + double(jet.u));
+    const auto row = links_.row(node.core);
+    for (std::size_t k = 0; k < node.waitingCount; ++k) {
+        const JetLink& link = row[node.waiting[k]];
+        const float weight =
+            isotropic ? here : meanWeight(core_.nodes[link.node()].weight, here) * here;
+        const Vec2f step = -weight * link.a;
+        const Vec2f flat = isotropic ? step : core_.stretch[node.core].vector(step);
+        const float along = dot(jet.g, step), square = dot(flat, flat);
+        const float r = radius + std::max(along, 0.0f),
+                    across = std::max(square - along * along, 0.0f);
+        const float further =
+            along > 0 ? along + across / (std::sqrt(r * r + across) + r) : std::sqrt(square);
+        put(link.node(), jet.u + further, batch, chunk);
+    }
 }
 
 void JetMarch::enqueueJumps(NodeIndex from, const Result& jet, const Batch& batch, Chunk& chunk) {
@@ -281,12 +299,9 @@ void JetMarch::enqueueJumps(NodeIndex from, const Result& jet, const Batch& batc
 
 void JetMarch::put(NodeIndex i, float u, const Batch& batch, Chunk& chunk) {
     const std::uint32_t current = queue_.bucketOf(i), next = batch.last + 1;
-    // In this batch, or taken out of it just now: its next bucket is settled in collect(). Without
-    // tensors such nodes come back soon enough.
-    const bool inBatch = current < next;
-    if (current == next || (inBatch && core_.stretch.empty())) return;
+    if (!mayPut(current, batch.last, core_.stretch.empty())) return;
     const std::uint32_t to = std::max(next, later(batch.first, bucketsTo(u)));
-    if (inBatch)
+    if (current < next)
         chunk.requeueLater.push_back({to, i});
     else if (queue_.lower(i, to, current))
         chunk.queued.push_back({to, i});
