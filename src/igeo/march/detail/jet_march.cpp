@@ -66,12 +66,9 @@ void JetMarch::enqueueStartDiscs() {
 void JetMarch::initStopNodes() {
     if (options_.stopAt.empty()) return;
     stopNodes_.assign(core_.nodes.size(), false);
-    for (const SurfacePoint& p : options_.stopAt)
-        for (const NodeIndex i : nodesAround(core_.band, p, 3.0)) {
-            const NodeIndex core = core_.band.coreNode(i);
-            if (core != kNoNode && !stopNodes_[core] && !core_.metric.inside(i))
-                stopNodes_[core] = true, ++stopNodesLeft_;
-        }
+    for (const NodeIndex i : options_.stopAt)
+        if (!core_.metric.inside(core_.inBand(core_.nodes[i])))
+            stopNodes_[i] = true, ++stopNodesLeft_;
 }
 
 void JetMarch::march(Progress& progress) {
