@@ -128,11 +128,12 @@ private:
         const LocalFrame local = core_.localFrameInBand(i);
         return local.weight * double(local.stretch.largest());
     }
+    /// Adds a node and the corners around its foot point.
     void begin(const Outside& node, Group& group) const;
-    /// To the node begun last.
-    /// @param from  from the voxel of core node k to the foot point of the node
-    void addCorner(NodeIndex k, float weight, const Vec3f& from, Group& group) const;
-    void findCorners(Group& group) const;
+    class CornerLane;
+    template <typename Visit>
+    void forCorners(const Outside& node, const Vec3f& foot, const LeafNumbers<2>* core,
+                    const Visit& visit) const;
     void solve(Group& group) const;
     void extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const;
     void solveDoubtful(Doubtful& doubtful) const;
