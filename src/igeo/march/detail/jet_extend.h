@@ -131,9 +131,6 @@ private:
     /// Adds a node and the corners around its foot point.
     void begin(const Outside& node, Group& group) const;
     class CornerLane;
-    template <typename Visit>
-    void forCorners(const Outside& node, const Vec3f& foot, const LeafNumbers<2>* core,
-                    const Visit& visit) const;
     void solve(Group& group) const;
     void extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const;
     void solveDoubtful(Doubtful& doubtful) const;

@@ -24,27 +24,50 @@ struct CornerSteps {
 };
 constexpr CornerSteps kCorners;
 
-/// The corners of a cell around a place in it.
+/// The corners of the core around the foot point of a node.
 struct Cell {
+    std::array<NodeIndex, 8> node;            ///< kNoNode where there is none
     alignas(16) std::array<float, 8> weight;  ///< trilinear
-    unsigned found;                           ///< bits: those that are there and not light
+    Vec3f place;                              ///< from the low corner to the foot point
+    unsigned found;                           ///< bits: corners that are there and not light
 
-    /// @param first  index of the low corner
-    /// @param t      from there to the place
-    Cell(const LeafNumbers<2>& core, int first, const Vec3f& t) {
+    /// @param core  of the leaf of the node, if known
+    Cell(const Band& band, const Extension::Outside& at, const LeafNumbers<2>* core) {
+        const Vec3f foot = band.footOf(at.node);
+        const Ijk low{floorToInt(foot.x), floorToInt(foot.y), floorToInt(foot.z)};
+        place = foot - Vec3f(low);
+        const Ijk voxel =
+            low + Ijk{int(at.offset >> 6), int(at.offset >> 3 & 7), int(at.offset & 7)};
+        const bool near = core && std::min({voxel.x, voxel.y, voxel.z}) >= -2 &&
+                          std::max({voxel.x, voxel.y, voxel.z}) <= 8;
+        if (near) {
+            const int first = core->indexOf(voxel);
+            for (std::size_t k = 0; k < 8; ++k) node[k] = core->at(first + kCorners.index[k]);
+        } else {
+            node.fill(kNoNode);
+            band.forCorners(&BandLeaf::core, at.leaf, at.offset, low,
+                            [&](NodeIndex j, unsigned k) { node[k] = j; });
+        }
+        weigh();
+    }
+
+private:
+    /// As Band::forCornersOfFoot has it.
+    void weigh() {
         auto parts = [](float u) { return std::array{1 - std::abs(u), 1 - std::abs(u - 1)}; };
-        const std::array<float, 2> x = parts(t.x), y = parts(t.y), z = parts(t.z);
+        const std::array<float, 2> x = parts(place.x), y = parts(place.y), z = parts(place.z);
         const Four inY{y[0], y[0], y[1], y[1]}, inZ{z[0], z[1], z[0], z[1]};
         const Four low = x[0] * inY * inZ, high = x[1] * inY * inZ;
         *reinterpret_cast<Four*>(weight.data()) = low;
         *reinterpret_cast<Four*>(weight.data() + 4) = high;
         // Which count changes from node to node: a set without branches.
-        auto there = [&](std::size_t k) { return int(core.at(first + kCorners.index[k])); };
         constexpr int kNone = int(kNoNode);
-        const Flags lowThere = Flags{there(0), there(1), there(2), there(3)} != kNone,
-                    highThere = Flags{there(4), there(5), there(6), there(7)} != kNone;
-        const Flags bits = (lowThere & (low >= kLight) & Flags{1, 2, 4, 8}) |
-                           (highThere & (high >= kLight) & Flags{16, 32, 64, 128});
+        auto there = [&](std::size_t k) {
+            return Flags{int(node[k]), int(node[k + 1]), int(node[k + 2]), int(node[k + 3])} !=
+                   kNone;
+        };
+        const Flags bits = (there(0) & (low >= kLight) & Flags{1, 2, 4, 8}) |
+                           (there(4) & (high >= kLight) & Flags{16, 32, 64, 128});
         found = unsigned((bits[0] | bits[1]) | (bits[2] | bits[3]));
     }
 };
@@ -113,28 +136,13 @@ private:
     bool simple_ = true;
 };
 
-/// As Band::forCornersOfFoot has it for the core, in the same order.
-template <typename Visit>
-void Extension::forCorners(const Outside& node, const Vec3f& foot, const LeafNumbers<2>* core,
-                           const Visit& visit) const {
-    const unsigned at = node.offset;
-    const Ijk low{floorToInt(foot.x), floorToInt(foot.y), floorToInt(foot.z)};
-    const Ijk cell = low + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
-    if (!core || std::min({cell.x, cell.y, cell.z}) < -2 || std::max({cell.x, cell.y, cell.z}) > 8)
-        return band_.forCornersOfFoot(&BandLeaf::core, node.node, node.leaf, at, visit);
-    const int first = core->indexOf(cell);
-    const Vec3f up = foot - Vec3f(low);
-    const Cell corners(*core, first, up);
-    for (unsigned found = corners.found; found; found &= found - 1) {
-        const auto k = unsigned(std::countr_zero(found));
-        visit(core->at(first + kCorners.index[k]), corners.weight[k], up - kCorners.step[k]);
-    }
-}
-
 void Extension::begin(const Outside& node, Group& group) const {
+    const Cell cell(band_, node, group.core);
     CornerLane lane(*this, node, group);
-    forCorners(node, band_.footOf(node.node), group.core,
-               [&](NodeIndex k, float w, const Vec3f& from) { lane.add(k, w, from); });
+    for (unsigned found = cell.found; found; found &= found - 1) {
+        const auto k = unsigned(std::countr_zero(found));
+        lane.add(cell.node[k], cell.weight[k], cell.place - kCorners.step[k]);
+    }
 }
 
 }  // namespace igeo::jet
