@@ -14,6 +14,10 @@ constexpr double kMargin = 8;
 /// The same beyond JetOptions::below, where a thousandth of a voxel makes no difference.
 constexpr double kMarginBelow = 3;
 
+/// Links of a node on a surface that goes on all around: one per lattice column, so eight, or
+/// nearly so.
+constexpr std::size_t kAllAround = 7;
+
 [[noreturn]] void refuseTooFar() {
     throw Error(Error::Kind::InvalidArgument,
                 "a distance is more than 2e9 times the least weight, in voxels",
@@ -191,13 +195,17 @@ void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) {
         }
         group.jets.add(n.a, n.g, perWeight(u), jets_.labelOf(j), link.overCrease());
     }
-    // One per lattice column: on a surface that goes on all around these are eight, or nearly so.
     // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
     // saves.
-    constexpr std::size_t kAllAround = 7;
     group.jets.setRim(here.obstacleState != Metric::Clear ||
                       (isotropic && row.size() < kAllAround));
     gatherJumps(batch, node);
+}
+
+bool JetMarch::isSmoothAround(NodeIndex i) const {
+    const auto row = links_.row(i);
+    return core_.nodes[i].obstacleState == Metric::Clear && row.size() >= kAllAround &&
+           std::none_of(row.begin(), row.end(), [](const JetLink& l) { return l.overCrease(); });
 }
 
 void JetMarch::gatherJumps(const Batch& batch, Node& node) const {
@@ -231,7 +239,10 @@ void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chu
         return;
     }
     chunk.accepted.push_back({i, s.label, stateOf(s, batch)});
-    if (s.usedFallback) chunk.byFallback.push_back(i);
+    if (s.usedFallback) {
+        ++chunk.byFallback;
+        if (isSmoothAround(i)) chunk.mayMeet.push_back(i);
+    }
     chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
     if (!stopNodes_.empty() && stopNodes_[i]) ++chunk.stopNodes;
     enqueue(node, s, batch, chunk);
@@ -321,7 +332,8 @@ void JetMarch::collect(std::size_t chunkCount) {
         const Chunk& chunk = chunks_[c];
         if (chunk.tooFar) refuseTooFar();
         accepted_ += chunk.accepted.size();
-        byFallback_.insert(byFallback_.end(), chunk.byFallback.begin(), chunk.byFallback.end());
+        byFallback_ += chunk.byFallback;
+        mayMeet_.insert(mayMeet_.end(), chunk.mayMeet.begin(), chunk.mayMeet.end());
         heaviest_ = std::max(heaviest_, chunk.heaviest);
         stopNodesLeft_ -= chunk.stopNodes;
         for (const auto* list : {&chunk.queued, &chunk.deferred})
@@ -344,8 +356,8 @@ Field JetMarch::take() {
     field.limit = jets_.limit;
     field.lines = jets_.seeds.lines;
     field.solved = accepted_;
-    field.fallbackCount = byFallback_.size();
-    solveMeetings(jets_, byFallback_);
+    field.fallbackCount = byFallback_;
+    solveMeetings(jets_, mayMeet_);
     field.core = std::make_shared<const CoreJets>(std::move(jets_));
     return field;
 }

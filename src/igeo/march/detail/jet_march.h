@@ -37,25 +37,26 @@ private:
     /// Part of a batch, for one thread: what it found out, to be written once all are solved.
     struct Chunk {
         std::vector<Accepted> accepted;
-        std::vector<Queued> queued;         ///< neighbors, into an earlier bucket than before
-        std::vector<Queued> deferred;       ///< nodes of the batch that are not final
-        std::vector<Queued> requeueLater;   ///< neighbors that are in the batch themselves
-        std::vector<NodeIndex> byFallback;  ///< of the accepted nodes
-        std::size_t stopNodes = 0;          ///< of the accepted nodes
-        bool tooFar = false;                ///< a value beyond the last bucket
+        std::vector<Queued> queued;        ///< neighbors, into an earlier bucket than before
+        std::vector<Queued> deferred;      ///< nodes of the batch that are not final
+        std::vector<Queued> requeueLater;  ///< neighbors that are in the batch themselves
+        std::size_t byFallback = 0;        ///< of the accepted nodes
+        std::vector<NodeIndex> mayMeet;    ///< of those: where S is smooth all around
+        std::size_t stopNodes = 0;         ///< of the accepted nodes
+        bool tooFar = false;               ///< a value beyond the last bucket
         double heaviest = 0;
 
         void clear() {
             accepted.clear(), queued.clear(), deferred.clear(), requeueLater.clear();
-            byFallback.clear();
-            stopNodes = 0;
+            mayMeet.clear();
+            byFallback = stopNodes = 0;
         }
     };
     /// A node of a group.
     struct Node {
         NodeIndex core;
-        std::array<std::uint8_t, JetLinks::kMax>
-            waiting;  ///< links to nodes without a jet, to be put
+        /// Links to nodes without a jet that may be put into other buckets.
+        std::array<std::uint8_t, JetLinks::kMax> waiting;
         std::size_t waitingCount;
         float jump;               ///< the least value over jumps, +inf without
         std::uint32_t jumpLabel;  ///< its source
@@ -119,6 +120,8 @@ private:
     void gather(NodeIndex i, const Batch& batch, Group& group);
     /// Sorts the links of a node: those to nodes that have a jet, and Node::waiting.
     Known split(std::span<const JetLink> row, const Batch& batch, Node& node) const;
+    /// Whether S is smooth at a node and goes on all around.
+    bool isSmoothAround(NodeIndex i) const;
     void gatherJumps(const Batch& batch, Node& node) const;
     /// Accepts a node and enqueues its neighbors if its value is final, else defers it.
     void settle(const Node& node, Result s, const Batch& batch, Chunk& chunk);
@@ -156,9 +159,9 @@ private:
     double heaviest_ = 0;                 ///< the largest cost per unit length accepted so far
     bool stopped_ = false;                ///< the limit ended the march
     std::vector<Chunk> chunks_;
-    std::vector<bool> stopNodes_;  ///< nodes of the core that the march has to reach; empty: all
-    std::vector<NodeIndex> byFallback_;
-    std::size_t stopNodesLeft_ = 0, accepted_ = 0, chunkSize_ = 0;
+    std::vector<bool> stopNodes_;     ///< nodes of the core that the march has to reach; empty: all
+    std::vector<NodeIndex> mayMeet_;  ///< as Chunk::mayMeet
+    std::size_t byFallback_ = 0, stopNodesLeft_ = 0, accepted_ = 0, chunkSize_ = 0;
 };
 
 }  // namespace igeo
