@@ -1,7 +1,7 @@
 /// Registers of four and of eight floats. Internal.
 ///
-/// Vectors are passed by reference only, and all is inlined: what a register holds depends on the
-/// processor that a function is compiled for.
+/// All that uses them is inlined: what a register holds depends on the processor that a function is
+/// compiled for.
 #pragma once
 
 #include <cmath>
