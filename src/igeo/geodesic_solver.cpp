@@ -309,7 +309,7 @@ void Query::march(double maxDistance) {
     if (setup_.options.scheme == Scheme::Jet) {
         JetOptions jet;
         jet.maxDistance = maxDistance;
-        jet.stopAt = stopAt;
+        jet.stopAt = coreAround(band(), stopAt);
         // Signs and regions are set at the nodes.
         jet.extend = !asked_.regions.empty() || asked_.isSigned;
         const JetCorePtr core = whole_ ? setup_.coreOf(band_, metric_) : nullptr;

@@ -18,15 +18,24 @@ void Field::summarize() {
     };
     const std::size_t n = size();
     std::vector<Part> parts((n + kChunk - 1) / kChunk);
-    parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t c = begin; c < end; ++c)
-            for (std::size_t k = c * kChunk; k < std::min(n, (c + 1) * kChunk); ++k) {
-                const double d = core ? core->valueOf(NodeIndex(k)) : distance[k];
-                if (!(d < kInfinity)) continue;
-                ++parts[c].reached;
-                parts[c].largest = std::max(parts[c].largest, d);
+    auto summarizeAll = [&](const auto& valueAt) {
+        parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t c = begin; c < end; ++c) {
+                Part part;
+                for (std::size_t k = c * kChunk; k < std::min(n, (c + 1) * kChunk); ++k) {
+                    const double d = valueAt(k);
+                    const bool isReached = d < kInfinity;
+                    part.reached += isReached;
+                    part.largest = std::max(part.largest, isReached ? d : 0);
+                }
+                parts[c] = part;
             }
-    });
+        });
+    };
+    if (core)
+        summarizeAll([&](std::size_t k) { return core->valueOf(NodeIndex(k)); });
+    else
+        summarizeAll([&](std::size_t k) { return distance[k]; });
     source = sourcesOf(seeds);
     seedsNear = SeedsNear(seeds, startRadius);
     if (!seeds.empty())
@@ -120,10 +129,8 @@ public:
           band_(*field.band),
           metric_(*field.metric),
           p_(pIndex),
-          cell_(band_, metric_, pIndex, sheetNormal) {
-        for (std::size_t k = 0; k < 8; ++k)
-            if (cell_.node[k] != kNoNode) corner_[k] = field_.at(cell_.node[k]);
-    }
+          cell_(band_, metric_, pIndex, sheetNormal),
+          corner_(field.at(cell_.node)) {}
 
     Arrival byVoxels() const;
     Arrival byJets() const;
@@ -163,7 +170,7 @@ private:
     const Metric& metric_;
     const Vec3d p_;
     const SurfaceCell cell_;
-    std::array<NodeJet, 8> corner_;  ///< of the cell; unreached: +infinity
+    const std::array<NodeJet, 8> corner_;  ///< of the cell; unreached: +infinity
 };
 
 template <typename IsOf>
@@ -346,9 +353,9 @@ Vec3d gradientAt(const Field& field, const Arrival& arrival, const Vec3d& pIndex
         return here * normalized(tangential(pIndex - arrival.seed->nearestTo(pIndex), cell.normal));
     Vec3d sum{}, first{};
     double lengths = 0, weights = 0, most = 0;
+    const std::array<NodeJet, 8> corner = field.at(cell.node);
     for (std::size_t k = 0; k < 8; ++k) {
-        const NodeIndex j = cell.node[k];
-        const NodeJet jet = j == kNoNode ? NodeJet{} : field.at(j);
+        const NodeJet& jet = corner[k];
         if (!(jet.distance < kInfinity) || jet.label != arrival.source) continue;
         const Vec3d g = tangential(Vec3d(jet.gradient), cell.normal);
         sum += cell.weight[k] * g;

@@ -8,9 +8,11 @@
 #include <igeo/march/seeds.h>
 #include <igeo/metric/metric.h>
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -57,7 +59,24 @@ struct Field {
     double limit = kInfinity;   ///< larger distances are dropped
 
     /// The values at a node. O(1).
-    NodeJet at(NodeIndex i) const { return core ? atCore(i) : atBand(i); }
+    NodeJet at(NodeIndex i) const {
+        NodeJet jet;
+        if (core)
+            atCore({&i, 1}, &jet);
+        else
+            jet = atBand(i);
+        return jet;
+    }
+    /// The same at the corners of a cell, side by side; unreached where there is no node.
+    std::array<NodeJet, 8> at(const std::array<NodeIndex, 8>& nodes) const {
+        std::array<NodeJet, 8> jets;
+        if (core)
+            atCore(nodes, jets.data());
+        else
+            for (std::size_t k = 0; k < 8; ++k)
+                if (nodes[k] != kNoNode) jets[k] = atBand(nodes[k]);
+        return jets;
+    }
     /// The number of nodes that have values or may have: those of the core, if not extended.
     std::size_t size() const;
     /// Whether each node knows its source.
@@ -73,7 +92,8 @@ private:
         return {distance[i], gradient.empty() ? Vec3f{} : gradient[i],
                 label.empty() ? 0 : label[i]};
     }
-    NodeJet atCore(NodeIndex i) const;
+    /// @param to  one per node; left as it is for kNoNode
+    void atCore(std::span<const NodeIndex> nodes, NodeJet* to) const;
 };
 
 /// Extends the jets of the core to the whole band, if the march has not. Time O(n), in parallel; 20

@@ -3,6 +3,8 @@
 #include <igeo/base/error.h>
 #include <igeo/march/detail/jet_march.h>
 
+#include <algorithm>
+
 namespace igeo {
 
 namespace {
@@ -48,6 +50,17 @@ JetCorePtr jetCore(const Band& band, MetricPtr metric) {
     const std::shared_ptr<JetCore> core = coreOf(band, std::move(metric));
     if (core->links.empty()) buildLinks(*core);
     return core;
+}
+
+std::vector<NodeIndex> coreAround(const Band& band, const std::vector<SurfacePoint>& points) {
+    constexpr double kReach = 3;  // voxels
+    std::vector<NodeIndex> nodes;
+    for (const SurfacePoint& p : points)
+        for (const NodeIndex i : nodesAround(band, p, kReach))
+            if (const NodeIndex core = band.coreNode(i); core != kNoNode) nodes.push_back(core);
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    return nodes;
 }
 
 Field marchJet(const JetCorePtr& core, const std::vector<SurfacePoint>& seeds,

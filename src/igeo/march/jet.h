@@ -24,6 +24,10 @@ using JetCorePtr = std::shared_ptr<const JetCore>;
 /// Time O(n), in parallel, about as long as a march; 60 bytes per node of the band.
 JetCorePtr jetCore(const Band& band, MetricPtr metric);
 
+/// The nodes of the core around points of S, sorted: where they are known, so is the distance at
+/// the points.
+std::vector<NodeIndex> coreAround(const Band& band, const std::vector<SurfacePoint>& points);
+
 /// Marches the jet of the distance (value and gradient along S) outward from `seeds`.
 ///
 /// Every band node has the jet of its foot point y_i on S, so the band need not contain paths (h =

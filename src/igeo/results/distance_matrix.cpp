@@ -79,9 +79,12 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
     // Stopping early at many targets takes longer than marching past them.
     constexpr std::size_t kNodesPerTarget = 16, kCorners = 8;
     JetOptions options;
-    if (ends.size() * kNodesPerTarget < band.coreSize())
-        std::copy_if(ends.begin(), ends.end(), std::back_inserter(options.stopAt),
+    if (ends.size() * kNodesPerTarget < band.coreSize()) {
+        std::vector<SurfacePoint> onSurface;
+        std::copy_if(ends.begin(), ends.end(), std::back_inserter(onSurface),
                      [](const SurfacePoint& p) { return !p.offSurface; });
+        options.stopAt = coreAround(band, onSurface);
+    }
     options.extend = ends.size() * kCorners > band.size();
     const JetCorePtr core = jetCore(band, metric);
     CancelOnly quiet(progress);

@@ -108,13 +108,15 @@ bool PairSolver::solveOn(const Band& band, const MetricPtr& metric, const Group&
     // A margin for the cells around a target at the limit.
     options.maxDistance = reach + 2 * (metric ? metric->largest() : 1);
     Group group;
+    std::vector<SurfacePoint> targets;
     for (const std::size_t k : whole) {
         pairs_[k].source = source;
         if (!snapTo(band, targets_[k], pairs_[k].target) || source.offSurface) continue;
         group.push_back(k);
-        options.stopAt.push_back(pairs_[k].target);
+        targets.push_back(pairs_[k].target);
     }
     if (group.empty() || (group.size() < whole.size() && !surface_.skipOffSurface)) return true;
+    options.stopAt = coreAround(band, targets);
     const Field field = core ? marchJet(core, {source}, options, quiet_)
                              : marchJet(band, metric, {source}, options, quiet_);
     bool found = true;

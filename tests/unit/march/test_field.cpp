@@ -222,12 +222,37 @@ TEST_CASE("marchJet: on a shared core, by itself and read at points the same bit
                 const Vec3f off = jet.gradient - single.gradient[i];
                 unequal += jet.distance != single.distance[i] || dot(off, off) != 0 ||
                            jet.label != single.label[i];
+                // Eight side by side.
+                std::array<NodeIndex, 8> nodes;
+                for (NodeIndex k = 0; k < 8; ++k)
+                    nodes[k] = k == 5 ? kNoNode : NodeIndex((i + 97 * k) % band.size());
+                const std::array<NodeJet, 8> jets = points.at(nodes);
+                for (std::size_t k = 0; k < 8; ++k)
+                    unequal += jets[k].distance !=
+                               (nodes[k] == kNoNode ? kInfinity : single.distance[nodes[k]]);
             }
             CHECK(unequal == 0);
             const Vec3d p = center + (radius / std::sqrt(3.0)) * Vec3d{-1, 1, -1};
             CHECK(sampleDistance(points, p) == sampleDistance(single, p));
         }
     }
+}
+
+TEST_CASE("marchJet: stops once the core around its targets is known") {
+    const double radius = 15;
+    const Vec3d center{0.31, -0.17, 0.43};
+    const Band band = sphereBand(center, radius, 1.8);
+    const SurfacePoint seed = nearestSurfacePoint(band, center + Vec3d{radius, 0, 0}),
+                       target = nearestSurfacePoint(band, center + Vec3d{0, radius, 0});
+    JetOptions options;
+    options.stopAt = coreAround(band, {target, target});
+    CHECK(std::is_sorted(options.stopAt.begin(), options.stopAt.end()));
+    for (const NodeIndex core : options.stopAt) CHECK(core < band.coreSize());
+    const Field part = marchJet(band, {}, {seed}, options), full = marchJet(band, {}, {seed});
+    CHECK(part.stoppedEarly);
+    CHECK(part.reached < 0.8 * double(full.reached));
+    CHECK(sampleDistance(part, target.pIndex) == sampleDistance(full, target.pIndex));
+    CHECK(coreAround(band, {}).empty());
 }
 
 TEST_CASE("sampleDistance: opposite a seed, where fronts come from all sides") {

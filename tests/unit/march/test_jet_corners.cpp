@@ -61,7 +61,8 @@ TEST_CASE("Corners of a cell are of one front side by side where they are pair b
                 corners.count[lane] = 0;
                 corners.setNormal(lane, c.normal);
                 for (std::size_t k = 0; k < c.count; ++k)
-                    corners.add(lane, c.weight[k], c.chord[k], c.other[k], c.g[k], c.u[k], 1);
+                    corners.set(lane, corners.count[lane]++, c.weight[k], c.chord[k], c.other[k],
+                                c.g[k], c.u[k], 1);
             }
             corners.pad();
             CarriedJets jets;

@@ -32,9 +32,10 @@ struct JetCorners {
     void setNormal(std::size_t lane, const Vec3f& n) {
         nx[lane] = n.x, ny[lane] = n.y, nz[lane] = n.z;
     }
-    void add(std::size_t lane, float weight, const Vec3f& chord, const Vec3f& normal,
+    /// Sets the k-th corner of a node; `count` is left to the caller.
+    void set(std::size_t lane, std::size_t k, float weight, const Vec3f& chord, const Vec3f& normal,
              const Vec3f& g, float u, float mean) {
-        Corner& c = corner[count[lane]++];
+        Corner& c = corner[k];
         c.weight[lane] = weight, c.u[lane] = u, c.mean[lane] = mean;
         c.x[lane] = chord.x, c.y[lane] = chord.y, c.z[lane] = chord.z;
         c.mx[lane] = normal.x, c.my[lane] = normal.y, c.mz[lane] = normal.z;

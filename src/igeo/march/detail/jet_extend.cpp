@@ -4,28 +4,9 @@
 #include <igeo/march/detail/jet_blend.h>
 #include <igeo/march/detail/jet_meeting.h>
 
-#include <bit>
-
 namespace igeo {
 
 namespace jet {
-
-namespace {
-
-constexpr Ijk cornerOf(unsigned k) { return {int(k >> 2), int(k >> 1 & 1), int(k & 1)}; }
-
-/// Weights of the corners of a cell at a place in it, corner (a, b, c) at 4 a + 2 b + c.
-std::array<float, 8> trilinear(const Vec3f& t) {
-    auto parts = [](float u) { return std::array{1 - std::abs(u), 1 - std::abs(u - 1)}; };
-    const std::array<float, 2> x = parts(t.x), y = parts(t.y), z = parts(t.z);
-    const Four inY{y[0], y[0], y[1], y[1]}, inZ{z[0], z[1], z[0], z[1]};
-    alignas(16) std::array<float, 8> weight;
-    *reinterpret_cast<Four*>(weight.data()) = x[0] * inY * inZ;
-    *reinterpret_cast<Four*>(weight.data() + 4) = x[1] * inY * inZ;
-    return weight;
-}
-
-}  // namespace
 
 void Extension::add(const Outside& node, Group& group) const {
     const NodeIndex k = band_.leaves[node.leaf].core.node(node.offset);
@@ -34,17 +15,17 @@ void Extension::add(const Outside& node, Group& group) const {
         return;
     }
     begin(node, group);
-    findCorners(group);
     if (group.full()) solve(group);
 }
 
-NodeJet Extension::at(NodeIndex i) const {
-    const auto [l, at] = band_.placeOf(i);
+void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
     Group group;
-    NodeJet jet;
-    add({i, l, at, &jet}, group);
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+        if (nodes[k] == kNoNode) continue;
+        const auto [l, at] = band_.placeOf(nodes[k]);
+        add({nodes[k], l, at, to + k}, group);
+    }
     finish(group);
-    return jet;
 }
 
 void Extension::solve(Group& group) const {
@@ -71,68 +52,6 @@ void Extension::finish(const Outside& node, Found s) const {
             std::max(s.distance,
                      jets_.seeds.lines.from(s.label, footPoint(node.node, node.leaf, node.offset)));
     *node.to = finished(node.node, s);
-}
-
-void Extension::begin(const Outside& node, Group& group) const {
-    const std::size_t lane = group.size++;
-    Group::Node& to = group.nodes[lane];
-    static_cast<Outside&>(to) = node;
-    to.count = 0, to.simple = true;
-    to.weight = float(metric_.at(node.node));
-    group.corners.count[lane] = 0;
-    group.corners.setNormal(lane, band_.normal[node.node]);
-}
-
-void Extension::findCorners(Group& group) const {
-    constexpr float kLight = 0.01f;
-    const Group::Node& node = group.nodes[group.size - 1];
-    const unsigned at = node.offset;
-    const Vec3f y = band_.footOf(node.node);
-    const Ijk low{floorToInt(y.x), floorToInt(y.y), floorToInt(y.z)};
-    const Ijk cell = low + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
-    if (!group.core || std::min({cell.x, cell.y, cell.z}) < -2 ||
-        std::max({cell.x, cell.y, cell.z}) > 8)
-        return band_.forCornersOfFoot(
-            &BandLeaf::core, node.node, node.leaf, at,
-            [&](NodeIndex k, float w, const Vec3f& from) { addCorner(k, w, from, group); });
-    // As Band::forCornersOfFoot has it, in the same order.
-    const LeafNumbers<2>& core = *group.core;
-    const int first = core.indexOf(cell);
-    const Vec3f up = y - Vec3f(low);
-    const std::array<float, 8> weight = trilinear(up);
-    // Which are there changes from node to node: first a set without branches.
-    unsigned found = 0;
-    for (unsigned k = 0; k < 8; ++k) {
-        const NodeIndex j = core.at(first + core.indexOfStep(cornerOf(k)));
-        found |= unsigned((j != kNoNode) & (weight[k] >= kLight)) << k;
-    }
-    for (; found; found &= found - 1) {
-        const auto k = unsigned(std::countr_zero(found));
-        addCorner(core.at(first + core.indexOfStep(cornerOf(k))), weight[k],
-                  up - Vec3f(cornerOf(k)), group);
-    }
-}
-
-void Extension::addCorner(NodeIndex k, float weight, const Vec3f& from, Group& group) const {
-    constexpr float kFlat = 0.8f;
-    const std::size_t lane = group.size - 1;
-    Group::Node& to = group.nodes[lane];
-    const JetNode& node = core_.nodes[k];
-    const JetState& state = jets_.state[k];
-    if (!state.accepted() || dot(band_.normal[to.node], node.normal) < kFlat ||
-        !isJoined(to.node, node) ||
-        (to.count > 0 && jets_.labelOf(k) != jets_.labelOf(to.core[0]))) {
-        to.simple = false;
-        return;
-    }
-    // Relative to the first corner.
-    if (to.count == 0) to.bucket = state.bucket;
-    to.core[to.count++] = k;
-    const float u =
-        (float(std::int64_t(state.bucket) - to.bucket) * float(jets_.buckets.width) + state.rest) /
-        to.weight;
-    group.corners.add(lane, weight, from - node.foot, node.normal, gradientOf(k), u,
-                      meanWeight(node.weight, to.weight));
 }
 
 void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const {
@@ -369,9 +288,9 @@ void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
 
 }  // namespace
 
-NodeJet Field::atCore(NodeIndex i) const {
+void Field::atCore(std::span<const NodeIndex> nodes, NodeJet* to) const {
     const std::vector<Vec3f> none;
-    return Extension(*core, none).at(i);
+    Extension(*core, none).at(nodes, to);
 }
 
 void forLeaves(const Field& field,

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace igeo::jet {
@@ -97,7 +98,8 @@ public:
         solve(group);
         solveDoubtful(group.doubtful);
     }
-    NodeJet at(NodeIndex i) const;
+    /// As Field::atCore.
+    void at(std::span<const NodeIndex> nodes, NodeJet* to) const;
 
 private:
     /// A jet, its gradient over the weight.
@@ -129,11 +131,9 @@ private:
         const LocalFrame local = core_.localFrameInBand(i);
         return local.weight * double(local.stretch.largest());
     }
+    /// Adds a node and the corners around its foot point.
     void begin(const Outside& node, Group& group) const;
-    /// To the node begun last.
-    /// @param from  from the voxel of core node k to the foot point of the node
-    void addCorner(NodeIndex k, float weight, const Vec3f& from, Group& group) const;
-    void findCorners(Group& group) const;
+    class CornerLane;
     void solve(Group& group) const;
     void extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const;
     void solveDoubtful(Doubtful& doubtful) const;

@@ -1,13 +1,8 @@
 #include <igeo/march/detail/jet_fit.h>
 
-#include <cmath>
+#include <igeo/march/detail/registers.h>
 
-// Vectors are passed by reference only, and all is inlined: what a register holds depends on the
-// processor that a function is compiled for.
-#define IGEO_INLINE inline __attribute__((always_inline))
-#if defined(__x86_64__) && defined(__linux__)
-#define IGEO_AVX2 __attribute__((target("avx2")))
-#endif
+#include <cmath>
 
 namespace igeo {
 
@@ -22,17 +17,6 @@ void JetLanes::pad() {
 }
 
 namespace {
-
-template <int Width>
-struct Registers;
-template <>
-struct Registers<4> {
-    typedef float Vector __attribute__((vector_size(16)));
-};
-template <>
-struct Registers<8> {
-    typedef float Vector __attribute__((vector_size(32)));
-};
 
 /// The lanes from `first` on that fit into a register.
 template <int Width>
@@ -56,7 +40,7 @@ public:
             const V ax = in(n.ax), ay = in(n.ay), gx = in(n.gx), gy = in(n.gy), u = in(n.u);
             const V along = gx * ax + gy * ay, square = ax * ax + ay * ay;
             V len = square;
-            takeRoots(len);
+            takeRoots<Width>(len);
             // To second order |r g + a| = r + along + (|a|^2 - along^2) / (2 r), r = base + u,
             // which is enough to compare neighbors.
             const V ahead = base + u + along, r = ahead > one ? ahead : one;
@@ -106,16 +90,10 @@ private:
     }
     IGEO_INLINE V& out(Lanes& l) const { return *reinterpret_cast<V*>(l.of + first_); }
 
-    IGEO_INLINE static void takeRoots(V& v) {
-        alignas(32) float of[Width];
-        *reinterpret_cast<V*>(of) = v;
-        for (int k = 0; k < Width; ++k) of[k] = std::sqrt(of[k]);
-        v = *reinterpret_cast<const V*>(of);
-    }
     /// @param ok  where it was not 0
     IGEO_INLINE static void normalize(V& x, V& y, Mask& ok) {
         V len = x * x + y * y;
-        takeRoots(len);
+        takeRoots<Width>(len);
         ok = len > V{};
         const V inverse = 1 / len;
         x *= inverse, y *= inverse;

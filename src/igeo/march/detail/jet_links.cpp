@@ -174,19 +174,20 @@ private:
         const JetNode& node = core_.nodes[i];
         const TangentFrame frame(node.normal, core_.band.faceted);
         candidates.layOut(frame);
+        const bool mayBeHidden = node.obstacleState != Metric::Clear,
+                   weighted = core_.costsVary && core_.stretch.empty();
         for (std::size_t k = 0; k < candidates.count(); ++k) {
             const JetNode& other = core_.nodes[candidates.node(k)];
-            if (!candidates.isSure(k) &&
-                (!candidates.onOneSheet(k) ||
-                 (node.obstacleState != Metric::Clear &&
-                  isHidden(core_, other, core_.footOf(node), node.normal + other.normal))))
+            if (!candidates.isSure(k) && (!candidates.onOneSheet(k) ||
+                                          (mayBeHidden && isHidden(core_, other, core_.footOf(node),
+                                                                   node.normal + other.normal))))
                 continue;
             JetLink link = candidates.link(k);
             const float cosine = candidates.cosine(k);
             if (cosine < mayBeCrease)  // TangentFrame decides
                 link.a = frame.unfold(candidates.chord(k), candidates.normal(k), cosine);
             // docs/method.md, "The metric": weights.
-            if (core_.stretch.empty()) link.a = meanWeight(other.weight, node.weight) * link.a;
+            if (weighted) link.a = meanWeight(other.weight, node.weight) * link.a;
             if (cosine < kSmooth) link.key |= JetLink::kCrease;
             row.push_back(link);
         }

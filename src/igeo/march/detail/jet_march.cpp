@@ -14,6 +14,10 @@ constexpr double kMargin = 8;
 /// The same beyond JetOptions::below, where a thousandth of a voxel makes no difference.
 constexpr double kMarginBelow = 3;
 
+/// Links of a node on a surface that goes on all around: one per lattice column, so eight, or
+/// nearly so.
+constexpr std::size_t kAllAround = 7;
+
 [[noreturn]] void refuseTooFar() {
     throw Error(Error::Kind::InvalidArgument,
                 "a distance is more than 2e9 times the least weight, in voxels",
@@ -43,7 +47,8 @@ JetMarch::JetMarch(std::shared_ptr<const JetCore> core, const std::vector<Surfac
       jets_(unmarched(shared_, seeds, options)),
       queue_(jets_.state),
       discs_(startDiscs(core_, jets_.seeds)),
-      width_(float(jets_.buckets.width)) {
+      width_(float(jets_.buckets.width)),
+      lastDiscBucket_(bucketOf(jets_.seeds.largestInDisc)) {
     const auto last = std::max_element(seeds.begin(), seeds.end(),
                                        [](auto& a, auto& b) { return a.start < b.start; });
     // Buckets are numbered in 32 bits.
@@ -65,12 +70,9 @@ void JetMarch::enqueueStartDiscs() {
 void JetMarch::initStopNodes() {
     if (options_.stopAt.empty()) return;
     stopNodes_.assign(core_.nodes.size(), false);
-    for (const SurfacePoint& p : options_.stopAt)
-        for (const NodeIndex i : nodesAround(core_.band, p, 3.0)) {
-            const NodeIndex core = core_.band.coreNode(i);
-            if (core != kNoNode && !stopNodes_[core] && !core_.metric.inside(i))
-                stopNodes_[core] = true, ++stopNodesLeft_;
-        }
+    for (const NodeIndex i : options_.stopAt)
+        if (!core_.metric.inside(core_.inBand(core_.nodes[i])))
+            stopNodes_[i] = true, ++stopNodesLeft_;
 }
 
 void JetMarch::march(Progress& progress) {
@@ -147,11 +149,29 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
     group.jets.clear(core_.pull());
 }
 
+JetMarch::Known JetMarch::split(std::span<const JetLink> row, const Batch& batch,
+                                Node& node) const {
+    // Which neighbors have a jet changes from node to node: no branches.
+    const JetState* const state = jets_.state.data();
+    const std::uint32_t last = batch.last;
+    const bool isotropic = core_.stretch.empty();
+    Known known;
+    std::size_t knownCount = 0, waitingCount = 0;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+        const JetState& other = state[row[k].node()];
+        const bool accepted = other.accepted();
+        known.link[knownCount] = node.waiting[waitingCount] = std::uint8_t(k);
+        knownCount += accepted;
+        waitingCount += !accepted & mayPut(BucketQueue::bucketOf(other), last, isotropic);
+    }
+    known.count = knownCount, node.waitingCount = waitingCount;
+    return known;
+}
+
 void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) {
     if (!ownLinks_.empty()) ownLinks_.make(core_, i);
     Node& node = group.nodes[group.jets.size()];
     node.core = i;
-    node.waitingCount = 0;
     const JetNode& here = core_.nodes[i];
     const bool isotropic = core_.stretch.empty();
     // Divided, as a product with 1 / weight would be off to the same side in each step.
@@ -162,14 +182,11 @@ void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) {
     group.jets.begin(perWeight(start),
                      isotropic ? JetNeighbors::kLongest2 : core_.longest2(core_.stretch[i]));
     const auto row = links_.row(i);
-    for (std::size_t k = 0; k < row.size(); ++k) {
-        const JetLink& link = row[k];
+    const Known known = split(row, batch, node);
+    for (std::size_t k = 0; k < known.count; ++k) {
+        const JetLink& link = row[known.link[k]];
         const NodeIndex j = link.node();
         const JetState& state = jets_.state[j];
-        if (!state.accepted()) {
-            node.waiting[node.waitingCount++] = std::uint8_t(k);
-            continue;
-        }
         const float u = float(std::int64_t(state.bucket) - batch.first) * width_ + state.rest;
         JetNeighbor n{link.a, link.turned(state.g)};
         if (!isotropic) {
@@ -178,13 +195,17 @@ void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) {
         }
         group.jets.add(n.a, n.g, perWeight(u), jets_.labelOf(j), link.overCrease());
     }
-    // One per lattice column: on a surface that goes on all around these are eight, or nearly so.
     // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
     // saves.
-    constexpr std::size_t kAllAround = 7;
     group.jets.setRim(here.obstacleState != Metric::Clear ||
                       (isotropic && row.size() < kAllAround));
     gatherJumps(batch, node);
+}
+
+bool JetMarch::isSmoothAround(NodeIndex i) const {
+    const auto row = links_.row(i);
+    return core_.nodes[i].obstacleState == Metric::Clear && row.size() >= kAllAround &&
+           std::none_of(row.begin(), row.end(), [](const JetLink& l) { return l.overCrease(); });
 }
 
 void JetMarch::gatherJumps(const Batch& batch, Node& node) const {
@@ -202,7 +223,7 @@ void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chu
     const NodeIndex i = node.core;
     if (node.jump < s.u) s = {node.jump, {}, node.jumpLabel, false};
     // Nodes of a disc wait in its buckets or earlier.
-    if (batch.first <= bucketOf(jets_.seeds.largestInDisc)) s = exactNearSeed(i, s, batch);
+    if (batch.first <= lastDiscBucket_) s = exactNearSeed(i, s, batch);
     if (!(s.u < float(kInfinity))) return;
     s.u = boundedBelow(i, s.u, s.label, batch);
     if (options_.below && !withinLimit(i, s.u, batch)) return;
@@ -218,14 +239,13 @@ void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chu
         return;
     }
     chunk.accepted.push_back({i, s.label, stateOf(s, batch)});
-    if (s.usedFallback) chunk.byFallback.push_back(i);
+    if (s.usedFallback) {
+        ++chunk.byFallback;
+        if (isSmoothAround(i)) chunk.mayMeet.push_back(i);
+    }
     chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
     if (!stopNodes_.empty() && stopNodes_[i]) ++chunk.stopNodes;
-    const auto radius =
-        float(jets_.buckets.startOf(batch.first) - jets_.seeds.leastStart + double(s.u));
-    const auto row = links_.row(i);
-    for (std::size_t k = 0; k < node.waitingCount; ++k)
-        enqueue(row[node.waiting[k]], i, s, radius, batch, chunk);
+    enqueue(node, s, batch, chunk);
     enqueueJumps(i, s, batch, chunk);
 }
 
@@ -250,25 +270,31 @@ bool JetMarch::withinLimit(NodeIndex i, float u, const Batch& batch) const {
 
 JetState JetMarch::stateOf(const Result& s, const Batch& batch) const {
     // Fits may lie before the batch, by a few buckets.
-    const float before = std::floor(s.u / width_);
-    const auto by = std::int64_t(std::max(before, 1 - float(batch.first)));
+    const float at = std::max(s.u / width_, 1 - float(batch.first));
+    const auto whole = std::int64_t(at), by = whole - (float(whole) > at ? 1 : 0);
     return {std::uint32_t(std::int64_t(batch.first) + by), s.u - float(by) * width_, s.g};
 }
 
-void JetMarch::enqueue(const JetLink& link, NodeIndex from, const Result& jet, float radius,
-                       const Batch& batch, Chunk& chunk) {
+void JetMarch::enqueue(const Node& node, const Result& jet, const Batch& batch, Chunk& chunk) {
     // Along a circle about the source, at the mean cost of both ends.
     const bool isotropic = core_.stretch.empty();
-    const float here = core_.nodes[from].weight;
-    const float weight =
-        isotropic ? here : meanWeight(core_.nodes[link.node()].weight, here) * here;
-    const Vec2f step = -weight * link.a;
-    const Vec2f flat = isotropic ? step : core_.stretch[from].vector(step);
-    const float along = dot(jet.g, step), square = dot(flat, flat);
-    const float r = radius + std::max(along, 0.0f), across = std::max(square - along * along, 0.0f);
-    const float further =
-        along > 0 ? along + across / (std::sqrt(r * r + across) + r) : std::sqrt(square);
-    put(link.node(), jet.u + further, batch, chunk);
+    const float here = core_.nodes[node.core].weight;
+    const auto radius =
+        float(jets_.buckets.startOf(batch.first) - jets_.seeds.leastStart + double(jet.u));
+    const auto row = links_.row(node.core);
+    for (std::size_t k = 0; k < node.waitingCount; ++k) {
+        const JetLink& link = row[node.waiting[k]];
+        const float weight =
+            isotropic ? here : meanWeight(core_.nodes[link.node()].weight, here) * here;
+        const Vec2f step = -weight * link.a;
+        const Vec2f flat = isotropic ? step : core_.stretch[node.core].vector(step);
+        const float along = dot(jet.g, step), square = dot(flat, flat);
+        const float r = radius + std::max(along, 0.0f),
+                    across = std::max(square - along * along, 0.0f);
+        const float further =
+            along > 0 ? along + across / (std::sqrt(r * r + across) + r) : std::sqrt(square);
+        put(link.node(), jet.u + further, batch, chunk);
+    }
 }
 
 void JetMarch::enqueueJumps(NodeIndex from, const Result& jet, const Batch& batch, Chunk& chunk) {
@@ -281,12 +307,9 @@ void JetMarch::enqueueJumps(NodeIndex from, const Result& jet, const Batch& batc
 
 void JetMarch::put(NodeIndex i, float u, const Batch& batch, Chunk& chunk) {
     const std::uint32_t current = queue_.bucketOf(i), next = batch.last + 1;
-    // In this batch, or taken out of it just now: its next bucket is settled in collect(). Without
-    // tensors such nodes come back soon enough.
-    const bool inBatch = current < next;
-    if (current == next || (inBatch && core_.stretch.empty())) return;
+    if (!mayPut(current, batch.last, core_.stretch.empty())) return;
     const std::uint32_t to = std::max(next, later(batch.first, bucketsTo(u)));
-    if (inBatch)
+    if (current < next)
         chunk.requeueLater.push_back({to, i});
     else if (queue_.lower(i, to, current))
         chunk.queued.push_back({to, i});
@@ -309,7 +332,8 @@ void JetMarch::collect(std::size_t chunkCount) {
         const Chunk& chunk = chunks_[c];
         if (chunk.tooFar) refuseTooFar();
         accepted_ += chunk.accepted.size();
-        byFallback_.insert(byFallback_.end(), chunk.byFallback.begin(), chunk.byFallback.end());
+        byFallback_ += chunk.byFallback;
+        mayMeet_.insert(mayMeet_.end(), chunk.mayMeet.begin(), chunk.mayMeet.end());
         heaviest_ = std::max(heaviest_, chunk.heaviest);
         stopNodesLeft_ -= chunk.stopNodes;
         for (const auto* list : {&chunk.queued, &chunk.deferred})
@@ -332,8 +356,8 @@ Field JetMarch::take() {
     field.limit = jets_.limit;
     field.lines = jets_.seeds.lines;
     field.solved = accepted_;
-    field.fallbackCount = byFallback_.size();
-    solveMeetings(jets_, byFallback_);
+    field.fallbackCount = byFallback_;
+    solveMeetings(jets_, mayMeet_);
     field.core = std::make_shared<const CoreJets>(std::move(jets_));
     return field;
 }

@@ -37,27 +37,34 @@ private:
     /// Part of a batch, for one thread: what it found out, to be written once all are solved.
     struct Chunk {
         std::vector<Accepted> accepted;
-        std::vector<Queued> queued;         ///< neighbors, into an earlier bucket than before
-        std::vector<Queued> deferred;       ///< nodes of the batch that are not final
-        std::vector<Queued> requeueLater;   ///< neighbors that are in the batch themselves
-        std::vector<NodeIndex> byFallback;  ///< of the accepted nodes
-        std::size_t stopNodes = 0;          ///< of the accepted nodes
-        bool tooFar = false;                ///< a value beyond the last bucket
+        std::vector<Queued> queued;        ///< neighbors, into an earlier bucket than before
+        std::vector<Queued> deferred;      ///< nodes of the batch that are not final
+        std::vector<Queued> requeueLater;  ///< neighbors that are in the batch themselves
+        std::size_t byFallback = 0;        ///< of the accepted nodes
+        std::vector<NodeIndex> mayMeet;    ///< of those: where S is smooth all around
+        std::size_t stopNodes = 0;         ///< of the accepted nodes
+        bool tooFar = false;               ///< a value beyond the last bucket
         double heaviest = 0;
 
         void clear() {
             accepted.clear(), queued.clear(), deferred.clear(), requeueLater.clear();
-            byFallback.clear();
-            stopNodes = 0;
+            mayMeet.clear();
+            byFallback = stopNodes = 0;
         }
     };
     /// A node of a group.
     struct Node {
         NodeIndex core;
-        std::array<std::uint8_t, JetLinks::kMax> waiting;  ///< links to nodes without a jet
+        /// Links to nodes without a jet that may be put into other buckets.
+        std::array<std::uint8_t, JetLinks::kMax> waiting;
         std::size_t waitingCount;
         float jump;               ///< the least value over jumps, +inf without
         std::uint32_t jumpLabel;  ///< its source
+    };
+    /// Links of a node to nodes that have a jet.
+    struct Known {
+        std::array<std::uint8_t, JetLinks::kMax> link;
+        std::size_t count;
     };
     struct Group {
         JetGroup jets;
@@ -74,7 +81,10 @@ private:
     std::uint32_t bucketOf(double u) const { return jets_.buckets.bucketOf(u, kLastBucket); }
     /// So many buckets after the start of a batch lies a value.
     std::uint32_t bucketsTo(float u) const {
-        return std::uint32_t(std::clamp(double(u / width_), 0.0, double(kLastBucket)));
+        const float buckets = u / width_;
+        return !(buckets > 0)                 ? 0
+               : buckets < float(kLastBucket) ? std::uint32_t(std::int64_t(buckets))
+                                              : kLastBucket;
     }
     static std::uint32_t later(std::uint32_t bucket, std::uint32_t by) {
         return by < kLastBucket - bucket ? bucket + by : kLastBucket;
@@ -108,6 +118,10 @@ private:
     }
     void solveGroup(const Batch& batch, Group& group, Chunk& chunk);
     void gather(NodeIndex i, const Batch& batch, Group& group);
+    /// Sorts the links of a node: those to nodes that have a jet, and Node::waiting.
+    Known split(std::span<const JetLink> row, const Batch& batch, Node& node) const;
+    /// Whether S is smooth at a node and goes on all around.
+    bool isSmoothAround(NodeIndex i) const;
     void gatherJumps(const Batch& batch, Node& node) const;
     /// Accepts a node and enqueues its neighbors if its value is final, else defers it.
     void settle(const Node& node, Result s, const Batch& batch, Chunk& chunk);
@@ -118,13 +132,19 @@ private:
     /// Whether a value at a core node is within JetOptions::below, or next to it.
     bool withinLimit(NodeIndex i, float u, const Batch& batch) const;
     JetState stateOf(const Result& s, const Batch& batch) const;
-    /// Puts the node at the other end of a link into the bucket of the value that a jet carries to
-    /// it, after the batch at the earliest.
-    void enqueue(const JetLink& link, NodeIndex from, const Result& jet, float radius,
-                 const Batch& batch, Chunk& chunk);
+    /// Puts the nodes that wait at the other ends of its links into the buckets of the values that
+    /// an accepted jet carries to them, after the batch at the earliest.
+    void enqueue(const Node& node, const Result& jet, const Batch& batch, Chunk& chunk);
     void enqueueJumps(NodeIndex from, const Result& jet, const Batch& batch, Chunk& chunk);
     /// Puts a node into the bucket of a value, after the batch at the earliest.
     void put(NodeIndex i, float u, const Batch& batch, Chunk& chunk);
+    /// Whether put() may move a node out of this bucket: not where that is next to the last of the
+    /// batch. The buckets of nodes in the batch, or taken out of it just now, are settled in
+    /// collect(), and without tensors such nodes come back soon enough. Once false, it stays so for
+    /// the batch.
+    static bool mayPut(std::uint32_t bucket, std::uint32_t last, bool isotropic) {
+        return isotropic ? bucket > last + 1 : bucket != last + 1;
+    }
 
     const std::shared_ptr<const JetCore> shared_;
     const JetCore& core_;
@@ -134,13 +154,14 @@ private:
     CoreJets jets_;
     BucketQueue queue_;
     const StartDiscs discs_;
-    const float width_;     ///< of a bucket: half a voxel at the least cost
-    double heaviest_ = 0;   ///< the largest cost per unit length accepted so far
-    bool stopped_ = false;  ///< the limit ended the march
+    const float width_;                   ///< of a bucket: half a voxel at the least cost
+    const std::uint32_t lastDiscBucket_;  ///< nodes of a disc wait there or earlier
+    double heaviest_ = 0;                 ///< the largest cost per unit length accepted so far
+    bool stopped_ = false;                ///< the limit ended the march
     std::vector<Chunk> chunks_;
-    std::vector<bool> stopNodes_;  ///< nodes of the core that the march has to reach; empty: all
-    std::vector<NodeIndex> byFallback_;
-    std::size_t stopNodesLeft_ = 0, accepted_ = 0, chunkSize_ = 0;
+    std::vector<bool> stopNodes_;     ///< nodes of the core that the march has to reach; empty: all
+    std::vector<NodeIndex> mayMeet_;  ///< as Chunk::mayMeet
+    std::size_t byFallback_ = 0, stopNodesLeft_ = 0, accepted_ = 0, chunkSize_ = 0;
 };
 
 }  // namespace igeo

@@ -11,25 +11,19 @@ namespace igeo {
 
 namespace {
 
-/// Whether three fronts or more meet at a node, or beside it, as at a focus, where S is smooth and
-/// goes on all around. Two fronts are fitted well enough by the march.
+/// Whether three fronts or more meet at a node, or beside it, as at a focus. Two fronts are fitted
+/// well enough by the march.
 bool frontsMeet(const CoreJets& jets, NodeIndex i) {
-    constexpr std::size_t kAllAround = 7;  // as in the march
-    constexpr float kSmooth = 0.9f;
     const JetCore& core = *jets.core;
-    if (core.nodes[i].obstacleState != Metric::Clear) return false;
     const TangentFrame frame(core.nodes[i].normal, core.band.faceted);
     ThreeFronts fronts;
-    std::size_t links = 0;
-    bool meet = false, smooth = true;
+    bool meet = false;
     forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
-        ++links;
-        smooth &= cosine >= kSmooth;
-        if (smooth && jets.accepted(j))
-            meet |= fronts.add(
+        if (!meet && jets.accepted(j))
+            meet = fronts.add(
                 flattened(frame, chord, core.nodes[j].normal, cosine, jets.gradientOf(j), 0).g);
     });
-    return meet && smooth && links >= kAllAround;
+    return meet;
 }
 
 /// Core nodes around a voxel, in the order of their voxels, which does not depend on where the grid

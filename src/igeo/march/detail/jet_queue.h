@@ -58,8 +58,11 @@ public:
                bucket.compare_exchange_strong(expected, 0, std::memory_order_relaxed);
     }
     /// Phase 1: the bucket of a node as it is now.
-    std::uint32_t bucketOf(NodeIndex i) const {
-        return std::atomic_ref(nodes_[i].bucket).load(std::memory_order_relaxed);
+    std::uint32_t bucketOf(NodeIndex i) const { return bucketOf(nodes_[i]); }
+    static std::uint32_t bucketOf(const JetState& node) {
+        // A reference to what is const takes C++26.
+        return std::atomic_ref(const_cast<std::uint32_t&>(node.bucket))
+            .load(std::memory_order_relaxed);
     }
     /// Phase 1: puts a node into a bucket if that is earlier than its own.
     /// @param expected  what bucketOf() gave

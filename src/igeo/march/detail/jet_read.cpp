@@ -78,7 +78,8 @@ private:
         const float u =
             float(std::int64_t(state.bucket) - point.bucket) * float(jets_.buckets.width) +
             state.rest;
-        corners_.add(lane, weight, from - node.foot, node.normal, gradients_[j], u, 1);
+        corners_.set(lane, corners_.count[lane]++, weight, from - node.foot, node.normal,
+                     gradients_[j], u, 1);
     }
 
     /// Whether the corners of a point tell its distance.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
 
 namespace igeo {
 
@@ -37,13 +38,22 @@ public:
     /// of the steps.
     template <typename Visit>
     void forNeighbors(unsigned offset, const Visit& visit) const {
+        // Which there are changes from node to node: first a set without branches, by rows of
+        // three.
         const int middle = indexOf(voxelOf(offset));
-        for (int dx = -1; dx <= 1; ++dx)
-            for (int dy = -1; dy <= 1; ++dy)
-                for (int dz = -1; dz <= 1; ++dz) {
-                    const NodeIndex j = at(middle + indexOfStep({dx, dy, dz}));
-                    if (j != kNoNode && (dx || dy || dz)) visit(j, Ijk{dx, dy, dz});
-                }
+        typedef int Row __attribute__((vector_size(16)));
+        Row there{};
+        for (unsigned k = 0; k < 27; k += 3) {
+            Row row;
+            std::memcpy(&row, &number_[std::size_t(middle + kSteps.index[k])], sizeof row);
+            there |= (row != int(kNoNode)) & (Row{1, 2, 4, 0} << int(k));
+        }
+        constexpr unsigned kMiddle = 1u << 13;
+        for (unsigned found = unsigned(there[0] | there[1] | there[2]) & ~kMiddle; found;
+             found &= found - 1) {
+            const auto k = unsigned(std::countr_zero(found));
+            visit(at(middle + kSteps.index[k]), kSteps.step[k]);
+        }
     }
 
     /// Whether forBox reaches all of a box.
@@ -72,6 +82,20 @@ private:
     }
     static constexpr int kEdge = 8 + 2 * Margin;
 
+    /// The steps to a voxel and to all around it.
+    struct Steps {
+        std::array<Ijk, 27> step{};
+        std::array<int, 27> index{};
+        constexpr Steps() {
+            for (int k = 0; k < 27; ++k) {
+                const Ijk s{k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1};
+                step[std::size_t(k)] = s;
+                index[std::size_t(k)] = (s.x * kEdge + s.y) * kEdge + s.z;
+            }
+        }
+    };
+    static constexpr Steps kSteps{};
+
     /// Bits 0 to 7: positions along an axis within reach, in a leaf at a shift.
     static constexpr unsigned reach(int shift) {
         return shift < 0 ? (0xff00u >> Margin) & 0xff : shift > 0 ? 0xffu >> (8 - Margin) : 0xff;
@@ -89,7 +113,7 @@ private:
             }
         }
     }
-    std::array<NodeIndex, std::size_t(kEdge* kEdge* kEdge)> number_;
+    std::array<NodeIndex, std::size_t(kEdge* kEdge* kEdge) + 1> number_;  ///< and one more to read
 };
 
 }  // namespace igeo
