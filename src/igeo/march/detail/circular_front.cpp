@@ -195,9 +195,10 @@ public:
     }
 
     /// Whether a value at the origin is within its bounds.
-    bool allows(double u) const {
-        constexpr double kFocus = 0.2, kSlack = 0.02;  // voxels
-        return u < longest_ + kSlack && u > least_ - kFocus;
+    /// @param atFocus  it may lie further below all plane fronts
+    bool allows(double u, bool atFocus) const {
+        constexpr double kFocus = 0.2, kNoFocus = 0.03, kSlack = 0.02;  // voxels
+        return u < longest_ + kSlack && u > least_ - (atFocus ? kFocus : kNoFocus);
     }
 
 private:
@@ -205,7 +206,7 @@ private:
     template <typename IsMember>
     Fit fit(std::size_t lead, double leastBend, const IsMember& isMember) const {
         constexpr int kSteps = 4;
-        constexpr std::size_t kLeast = 3;
+        constexpr std::size_t kLeast = 2;
         std::array<JetNeighbor, kMost> members;
         std::size_t size = 0, back = lead;  // the member of least value, farthest from a focus
         for (std::size_t k = 0; k < count_; ++k) {
@@ -214,6 +215,8 @@ private:
             if (carried_[k].from.u < carried_[back].from.u) back = k;
         }
         if (size < kLeast) return {};
+        // Two do not tell a focus from two fronts.
+        if (size == kLeast) leastBend = 0;
         Fit fit;
         CircularFront front = carried_[back].front();
         for (int step = 0; step < kSteps; ++step) {
@@ -235,12 +238,13 @@ private:
 
 }  // namespace
 
-std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors) {
+std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors, bool atFocus) {
     const Neighborhood all(neighbors);
     Fit best;
     for (const std::size_t lead : all.leads()) {
         const Fit fit = all.fitFrontOf(lead);
-        if (fit.residual < kBad && all.allows(fit.jet.u) && fit.jet.u < best.jet.u) best = fit;
+        if (fit.residual < kBad && all.allows(fit.jet.u, atFocus) && fit.jet.u < best.jet.u)
+            best = fit;
     }
     if (!(best.jet.u < kInfinity)) return {};
     return best.jet;

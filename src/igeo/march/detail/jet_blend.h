@@ -63,9 +63,10 @@ inline bool spreads(const JetNeighbors& all) {
 /// Whether the neighbors may be beside a focus: three fronts meet, or one narrows by 18 degrees and
 /// more from one to another.
 inline bool nearFocus(const JetNeighbors& all) {
-    ThreeFronts fronts;
+    FrontsAround fronts;
     for (int i = 0; i < all.count(); ++i) {
-        if (fronts.add(all.g(i))) return true;
+        fronts.add(all.g(i));
+        if (fronts.three()) return true;
         for (int j = 0; j < i; ++j)
             if (const Pair pair(all, i, j);
                 pair.bend2 > Pair::kFocusBend2 && pair.radius < 0 && pair.narrows())

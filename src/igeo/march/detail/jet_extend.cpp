@@ -201,23 +201,26 @@ void Extension::solveDoubtful(Doubtful& doubtful) const {
         const Around& around = node.around;
         const JetGroup::Solution& best = solutions[k];
         Found s = fromChart(around.node[0].jet.u + double(best.u), best.g, best.source, node.local);
-        const bool meet = around.threeFronts() ||
-                          (best.usedFallback && (meetNear(around) || jet::nearFocus(around.all())));
+        const FrontsAround fronts = around.fronts();
+        const bool meet =
+            fronts.three() || (best.usedFallback &&
+                               (fronts.two() || meetNear(around) || jet::nearFocus(around.all())));
         if (meet && metric_.clear(node.at.node) && !around.overCrease())
-            s = whereFrontsMeet(node, s).value_or(s);
+            s = whereFrontsMeet(node, s, fronts.three()).value_or(s);
         finish(node.at, exactNearSeed(node.at.node, s));
     }
     doubtful.nodes.clear();
 }
 
 std::optional<Extension::Found> Extension::whereFrontsMeet(const Doubtful::Node& node,
-                                                           const Found& before) const {
+                                                           const Found& before,
+                                                           bool atFocus) const {
     const Around& around = node.around;
     std::array<NodeIndex, JetNeighbors::kMax> core;
     for (std::size_t k = 0; k < around.count; ++k) core[k] = around.node[k].core;
     const NodeIndex i = node.at.node;
     const auto s = solveMeeting(jets_, node.local, band_.ijk(i), band_.footOf(i),
-                                {core.data(), around.count}, before.distance);
+                                {core.data(), around.count}, before.distance, atFocus);
     if (!s) return {};
     return fromChart(s->u, s->g, s->label, node.local);
 }

@@ -31,10 +31,10 @@ struct Around {
         return std::any_of(node.begin(), node.begin() + count,
                            [](const Node& n) { return n.overCrease; });
     }
-    bool threeFronts() const {
-        ThreeFronts fronts;
-        return std::any_of(node.begin(), node.begin() + count,
-                           [&](const Node& n) { return fronts.add(n.jet.g); });
+    FrontsAround fronts() const {
+        FrontsAround fronts;
+        for (std::size_t k = 0; k < count; ++k) fronts.add(node[k].jet.g);
+        return fronts;
     }
     JetNeighbors all() const {
         JetNeighbors all;
@@ -150,7 +150,8 @@ private:
     /// Where the core around the foot point is not of one smooth front.
     void addDoubtful(const Outside& node, Group& group) const;
     /// @param before  as the march solves it
-    std::optional<Found> whereFrontsMeet(const Doubtful::Node& node, const Found& before) const;
+    std::optional<Found> whereFrontsMeet(const Doubtful::Node& node, const Found& before,
+                                         bool atFocus) const;
     /// Whether fronts meet beside one of the nodes.
     bool meetNear(const Group::Node& node) const {
         return std::any_of(node.core.begin(), node.core.begin() + node.count,

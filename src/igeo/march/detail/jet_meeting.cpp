@@ -11,19 +11,16 @@ namespace igeo {
 
 namespace {
 
-/// Whether three fronts or more meet at a node, or beside it, as at a focus. Two fronts are fitted
-/// well enough by the march.
-bool frontsMeet(const CoreJets& jets, NodeIndex i) {
+FrontsAround frontsAround(const CoreJets& jets, NodeIndex i) {
     const JetCore& core = *jets.core;
     const TangentFrame frame(core.nodes[i].normal, core.band.faceted);
-    ThreeFronts fronts;
-    bool meet = false;
+    FrontsAround fronts;
     forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
-        if (!meet && jets.accepted(j))
-            meet = fronts.add(
+        if (jets.accepted(j))
+            fronts.add(
                 flattened(frame, chord, core.nodes[j].normal, cosine, jets.gradientOf(j), 0).g);
     });
-    return meet;
+    return fronts;
 }
 
 /// Core nodes around a voxel, in the order of their voxels, which does not depend on where the grid
@@ -58,7 +55,7 @@ private:
 
 std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local, const Ijk& voxel,
                                    const Vec3f& foot, std::span<const NodeIndex> around,
-                                   double before) {
+                                   double before, bool atFocus) {
     constexpr float kReach2 = 9;
     constexpr double kFallbackError = 0.25;  // voxels
     const JetCore& core = *jets.core;
@@ -81,7 +78,7 @@ std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local
                                       (jets.valueOf(k) - jets.seeds.leastStart) / local.weight));
     });
     if (!oneSource) return {};
-    const auto jet = fitCircularFront(neighbors);
+    const auto jet = fitCircularFront(neighbors, atFocus);
     const double old = (before - jets.seeds.leastStart) / local.weight;
     if (!jet || !(std::abs(jet->u - old) < kFallbackError)) return {};
     return Solved{jet->u, jet->g, label};
@@ -91,31 +88,36 @@ void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes) {
     const JetCore& core = *jets.core;
     if (core.costsVary || core.metric.anisotropic()) return;
     struct Meeting {
-        NodeIndex node;
         std::optional<Solved> jet;
+        bool ofThree = false;
     };
-    std::vector<std::optional<Meeting>> found(nodes.size());
+    std::vector<Meeting> found(nodes.size());
     parallelFor(nodes.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const NodeIndex i = nodes[k];
-            if (!frontsMeet(jets, i)) continue;
+            const FrontsAround fronts = frontsAround(jets, i);
+            if (!fronts.two()) continue;
             const JetNode& node = core.nodes[i];
-            found[k] = {i, solveMeeting(jets, core.localFrame(i), core.voxelOf(node), node.foot,
-                                        {&i, 1}, jets.valueOf(i))};
+            found[k] = {solveMeeting(jets, core.localFrame(i), core.voxelOf(node), node.foot,
+                                     {&i, 1}, jets.valueOf(i), fronts.three()),
+                        fronts.three()};
         }
     });
-    for (const std::optional<Meeting>& meeting : found) {
-        if (!meeting) continue;
-        const NodeIndex i = meeting->node;
-        jets.meetings.resize(core.nodes.size());
-        jets.meetings[i] = true;
-        forLinks(core, i,
-                 [&](NodeIndex j, const Ijk&, const Vec3f&, float) { jets.meetings[j] = true; });
-        if (!meeting->jet) continue;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+        const NodeIndex i = nodes[k];
+        const std::optional<Solved>& jet = found[k].jet;
+        if (found[k].ofThree) {
+            jets.meetings.resize(core.nodes.size());
+            jets.meetings[i] = true;
+            forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f&, float) {
+                jets.meetings[j] = true;
+            });
+        }
+        if (!jet) continue;
         JetState& state = jets.state[i];
-        const double u = jets.seeds.leastStart + double(core.nodes[i].weight) * meeting->jet->u;
+        const double u = jets.seeds.leastStart + double(core.nodes[i].weight) * jet->u;
         state.rest = float(u - jets.buckets.startOf(state.bucket));
-        state.g = meeting->jet->g;
+        state.g = jet->g;
     }
 }
 

@@ -14,14 +14,15 @@ namespace igeo {
 /// @param voxel, foot  its voxel, and where it is from there
 /// @param around  nodes of the core; those at their links count as well
 /// @param before  its value by the march
+/// @param atFocus as in fitCircularFront
 /// @return relative to the least start; none where costs vary, where fronts of several sources
 ///         meet, and where no front can be fitted or its value is 0.25 voxels from that before
 std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local, const Ijk& voxel,
                                    const Vec3f& foot, std::span<const NodeIndex> around,
-                                   double before);
+                                   double before, bool atFocus);
 
-/// Solves nodes of a march that took the fallback again, where three fronts meet: they have all
-/// their neighbors now, and no other value depends on theirs.
+/// Solves nodes of a march that took the fallback again, where fronts meet: they have all their
+/// neighbors now, and no other value depends on theirs.
 /// @param nodes  of the core, where S is smooth and goes on all around
 /// In parallel, the same bits for any number of threads.
 void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes);

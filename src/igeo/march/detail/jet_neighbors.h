@@ -120,22 +120,25 @@ constexpr float kSameFront = 0.7f;
 
 }  // namespace jet
 
-/// Tells whether there are three directions of travel more than 45 degrees from each other.
-class ThreeFronts {
+/// Tells how many directions of travel are apart: two that differ by 26 degrees, or three by more
+/// than 45 degrees from each other.
+class FrontsAround {
 public:
-    /// @return whether there are, with this one
-    bool add(Vec2f g) {
+    void add(Vec2f g) {
+        constexpr float kApart = 0.9f;
+        if (count_ > 0) two_ |= dot(g, g_[0]) < kApart;
+        if (count_ > 2) return;
         for (std::size_t k = 0; k < count_; ++k)
-            if (dot(g, g_[k]) >= jet::kSameFront) return false;
-        g_[count_] = g;
-        if (count_ == 2) return true;
-        ++count_;
-        return false;
+            if (dot(g, g_[k]) >= jet::kSameFront) return;
+        g_[count_++] = g;
     }
+    bool two() const { return two_; }
+    bool three() const { return count_ > 2; }
 
 private:
     std::array<Vec2f, 3> g_;
     std::size_t count_ = 0;
+    bool two_ = false;
 };
 
 }  // namespace igeo
