@@ -126,7 +126,7 @@ TEST_CASE("jet along the cut locus on the torus, from random seeds") {
                     number, near.size(), 100 * largest / field.maxDistance);
         most = std::max(most, 100 * largest / field.maxDistance);
     }
-    CHECK(most < 0.098);  // measured 0.065; 0.158 where two fronts were solved by the fallback
+    CHECK(most < 0.098);  // measured 0.065; 0.158 by the fallback where two fronts meet
 }
 
 TEST_CASE("jet on the side of a cylinder") {

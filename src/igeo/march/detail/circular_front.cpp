@@ -162,7 +162,8 @@ struct Fit {
 /// The neighbors whose fronts reach the origin.
 class Neighborhood {
 public:
-    explicit Neighborhood(std::span<const JetNeighbor> neighbors) {
+    /// @param atFocus  as in fitCircularFront
+    Neighborhood(std::span<const JetNeighbor> neighbors, bool atFocus) : atFocus_(atFocus) {
         for (const JetNeighbor& n : neighbors.first(std::min(neighbors.size(), kMost)))
             if (const auto c = carry(n, neighbors)) {
                 carried_[count_++] = *c;
@@ -194,11 +195,11 @@ public:
         return narrow.residual < kGood ? narrow : wide;
     }
 
-    /// Whether a value at the origin is within its bounds.
-    /// @param atFocus  it may lie further below all plane fronts
-    bool allows(double u, bool atFocus) const {
+    /// Whether neighbors agree with a fit, and its value is within its bounds.
+    bool allows(const Fit& fit) const {
         constexpr double kFocus = 0.2, kNoFocus = 0.03, kSlack = 0.02;  // voxels
-        return u < longest_ + kSlack && u > least_ - (atFocus ? kFocus : kNoFocus);
+        return fit.residual < (atFocus_ ? kBad : kGood) && fit.jet.u < longest_ + kSlack &&
+               fit.jet.u > least_ - (atFocus_ ? kFocus : kNoFocus);
     }
 
 private:
@@ -206,7 +207,8 @@ private:
     template <typename IsMember>
     Fit fit(std::size_t lead, double leastBend, const IsMember& isMember) const {
         constexpr int kSteps = 4;
-        constexpr std::size_t kLeast = 2;
+        // Two do not tell a focus from two fronts.
+        const std::size_t least = atFocus_ ? 3 : 2;
         std::array<JetNeighbor, kMost> members;
         std::size_t size = 0, back = lead;  // the member of least value, farthest from a focus
         for (std::size_t k = 0; k < count_; ++k) {
@@ -214,9 +216,8 @@ private:
             members[size++] = carried_[k].from;
             if (carried_[k].from.u < carried_[back].from.u) back = k;
         }
-        if (size < kLeast) return {};
-        // Two do not tell a focus from two fronts.
-        if (size == kLeast) leastBend = 0;
+        if (size < least) return {};
+        if (size == 2) leastBend = 0;
         Fit fit;
         CircularFront front = carried_[back].front();
         for (int step = 0; step < kSteps; ++step) {
@@ -230,6 +231,7 @@ private:
         return fit;
     }
 
+    const bool atFocus_;
     std::array<Carried, kMost> carried_;
     std::size_t count_ = 0;
     double longest_ = kInfinity;  ///< upper bound: the straight lines from the neighbors
@@ -239,12 +241,11 @@ private:
 }  // namespace
 
 std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors, bool atFocus) {
-    const Neighborhood all(neighbors);
+    const Neighborhood all(neighbors, atFocus);
     Fit best;
     for (const std::size_t lead : all.leads()) {
         const Fit fit = all.fitFrontOf(lead);
-        if (fit.residual < kBad && all.allows(fit.jet.u, atFocus) && fit.jet.u < best.jet.u)
-            best = fit;
+        if (all.allows(fit) && fit.jet.u < best.jet.u) best = fit;
     }
     if (!(best.jet.u < kInfinity)) return {};
     return best.jet;

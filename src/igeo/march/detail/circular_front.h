@@ -21,10 +21,12 @@ namespace igeo {
 
 /// The jet at the origin, from the front that arrives there first.
 /// @param neighbors  of one source, in the chart of the origin, up to three voxels away
-/// @param atFocus  whether the front may narrow to a focus here: then a value may lie 0.2 voxels
-///                 below all plane fronts, else 0.03
-/// @return none where fewer than two neighbors of that front lie behind the origin, or they differ
-///         by more than 0.02 voxels
+/// @param atFocus  whether the front may narrow to a focus here; bounds and counts for one that
+/// does
+///                 not are in brackets
+/// @return none where fewer than 3 (2) neighbors of that front lie behind the origin, they differ
+/// by
+///         more than 0.02 (0.004) voxels, or the value is 0.2 (0.03) below all plane fronts
 /// Time: some microseconds.
 std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors, bool atFocus = true);
 

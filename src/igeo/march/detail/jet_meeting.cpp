@@ -11,16 +11,18 @@ namespace igeo {
 
 namespace {
 
-FrontsAround frontsAround(const CoreJets& jets, NodeIndex i) {
+/// Whether three fronts or more meet at a node, or beside it, as at a focus. Two fronts are fitted
+/// well enough by the march.
+bool frontsMeet(const CoreJets& jets, NodeIndex i) {
     const JetCore& core = *jets.core;
     const TangentFrame frame(core.nodes[i].normal, core.band.faceted);
     FrontsAround fronts;
     forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
-        if (jets.accepted(j))
+        if (!fronts.three() && jets.accepted(j))
             fronts.add(
                 flattened(frame, chord, core.nodes[j].normal, cosine, jets.gradientOf(j), 0).g);
     });
-    return fronts;
+    return fronts.three();
 }
 
 /// Core nodes around a voxel, in the order of their voxels, which does not depend on where the grid
@@ -88,36 +90,31 @@ void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes) {
     const JetCore& core = *jets.core;
     if (core.costsVary || core.metric.anisotropic()) return;
     struct Meeting {
+        NodeIndex node;
         std::optional<Solved> jet;
-        bool ofThree = false;
     };
-    std::vector<Meeting> found(nodes.size());
+    std::vector<std::optional<Meeting>> found(nodes.size());
     parallelFor(nodes.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const NodeIndex i = nodes[k];
-            const FrontsAround fronts = frontsAround(jets, i);
-            if (!fronts.two()) continue;
+            if (!frontsMeet(jets, i)) continue;
             const JetNode& node = core.nodes[i];
-            found[k] = {solveMeeting(jets, core.localFrame(i), core.voxelOf(node), node.foot,
-                                     {&i, 1}, jets.valueOf(i), fronts.three()),
-                        fronts.three()};
+            found[k] = {i, solveMeeting(jets, core.localFrame(i), core.voxelOf(node), node.foot,
+                                        {&i, 1}, jets.valueOf(i), /*atFocus=*/true)};
         }
     });
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-        const NodeIndex i = nodes[k];
-        const std::optional<Solved>& jet = found[k].jet;
-        if (found[k].ofThree) {
-            jets.meetings.resize(core.nodes.size());
-            jets.meetings[i] = true;
-            forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f&, float) {
-                jets.meetings[j] = true;
-            });
-        }
-        if (!jet) continue;
+    for (const std::optional<Meeting>& meeting : found) {
+        if (!meeting) continue;
+        const NodeIndex i = meeting->node;
+        jets.meetings.resize(core.nodes.size());
+        jets.meetings[i] = true;
+        forLinks(core, i,
+                 [&](NodeIndex j, const Ijk&, const Vec3f&, float) { jets.meetings[j] = true; });
+        if (!meeting->jet) continue;
         JetState& state = jets.state[i];
-        const double u = jets.seeds.leastStart + double(core.nodes[i].weight) * jet->u;
+        const double u = jets.seeds.leastStart + double(core.nodes[i].weight) * meeting->jet->u;
         state.rest = float(u - jets.buckets.startOf(state.bucket));
-        state.g = jet->g;
+        state.g = meeting->jet->g;
     }
 }
 

@@ -21,8 +21,8 @@ std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local
                                    const Vec3f& foot, std::span<const NodeIndex> around,
                                    double before, bool atFocus);
 
-/// Solves nodes of a march that took the fallback again, where fronts meet: they have all their
-/// neighbors now, and no other value depends on theirs.
+/// Solves nodes of a march that took the fallback again, where three fronts meet: they have all
+/// their neighbors now, and no other value depends on theirs.
 /// @param nodes  of the core, where S is smooth and goes on all around
 /// In parallel, the same bits for any number of threads.
 void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes);

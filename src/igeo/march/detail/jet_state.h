@@ -70,7 +70,8 @@ struct CoreJets {
     std::vector<bool> meetings;        ///< per core node: meetNear; empty: nowhere
     double limit = kInfinity;          ///< larger distances are left out
 
-    /// Whether three fronts meet at a node that took the fallback, or at one that is linked to it.
+    /// Whether three fronts meet at a node or at one that is linked to it, so that it took the
+    /// fallback.
     bool meetNear(NodeIndex k) const { return !meetings.empty() && meetings[k]; }
     bool accepted(NodeIndex k) const { return state[k].accepted(); }
     double valueOf(NodeIndex k) const {
