@@ -1,8 +1,8 @@
 // The subcommand info: what it finds out of good files and of bad ones.
-#include <openvdb/points/PointConversion.h>
 #include <support/catch.h>
 #include <support/clouds.h>
 #include <support/mesh_shapes.h>
+#include <support/point_grid.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -203,14 +203,7 @@ TEST_CASE("info: points, as text, PLY and in a volume") {
     same["file"] = "in.xyz";
     CHECK(contentOf(same) == contentOf(text));
 
-    std::vector<openvdb::Vec3d> positions;
-    for (const igeo::Vec3d& p : cloud.points) positions.emplace_back(p.x, p.y, p.z);
-    const auto transform = openvdb::math::Transform::createLinearTransform(0.1);
-    const auto grid =
-        openvdb::points::createPointDataGrid<openvdb::points::NullCodec,
-                                             openvdb::points::PointDataGrid>(positions, *transform);
-    grid->setName("scan");
-    openvdb::io::File(desk / "in.vdb").write({grid});
+    openvdb::io::File(desk / "in.vdb").write({pointGrid(cloud, "scan")});
     const json volume = surveyed(desk, "in.vdb", 0);
     REQUIRE(volume["grids"].size() == 1);
     CHECK(volume["grids"][0]["points"] == true);

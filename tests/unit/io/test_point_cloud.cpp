@@ -3,9 +3,8 @@
 #include <support/clouds.h>
 #include <support/expect_error.h>
 #include <support/openvdb.h>
+#include <support/point_grid.h>
 #include <support/temp_dir.h>
-
-#include <openvdb/points/PointConversion.h>
 
 #include <algorithm>
 #include <cstring>
@@ -114,18 +113,8 @@ TEST_CASE("Clouds come back from every kind of file to the last bit") {
 TEST_CASE("Clouds are read from VDB grids of points") {
     const TempDir dir;
     const PointCloud cloud = sphereCloud(500, 2, {1, 2, 3});
-    std::vector<openvdb::Vec3d> positions;
-    for (const Vec3d& p : cloud.points) positions.emplace_back(p.x, p.y, p.z);
-    const auto transform = openvdb::math::Transform::createLinearTransform(0.1);
-    openvdb::points::PointAttributeVector<openvdb::Vec3d> source(positions);
-    const auto index =
-        openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(source, *transform);
-    const auto grid = openvdb::points::createPointDataGrid<openvdb::points::NullCodec,
-                                                           openvdb::points::PointDataGrid>(
-        *index, source, *transform);
-    grid->setName("points");
     openvdb::io::File file(dir / "a.vdb");
-    file.write({grid, openvdb::FloatGrid::create()});
+    file.write({pointGrid(cloud, "points"), openvdb::FloatGrid::create()});
     file.close();
 
     for (const std::string& name : {dir / "a.vdb", dir / "a.vdb:points"}) {
