@@ -81,8 +81,7 @@ std::string describe(const igeo::MeshFacts& mesh) {
     if (mesh.nonManifoldEdges > 0)
         line += ", " + count(mesh.nonManifoldEdges, "edge") + " of three triangles or more";
     if (mesh.nonOrientable > 0) line += ", " + std::to_string(mesh.nonOrientable) + " one-sided";
-    if (mesh.crossingPairs > 0)
-        line += ", " + count(mesh.crossingPairs, "pair") + " of faces cross";
+    if (mesh.crossingPairs > 0) line += ", " + crossingsOf(mesh);
     if (mesh.dropped > 0) line += "; " + count(mesh.dropped, "triangle") + " dropped";
     return line;
 }

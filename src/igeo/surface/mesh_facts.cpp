@@ -78,6 +78,12 @@ MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress) {
     return facts;
 }
 
+std::string crossingsOf(const MeshFacts& facts) {
+    if (facts.crossingPairs == 0) return {};
+    const bool orMore = facts.crossingPairs == MeshFacts::kMostCrossings;
+    return counted(facts.crossingPairs, "pair") + (orMore ? " or more" : "") + " of faces cross";
+}
+
 std::vector<std::string> meshWarnings(const MeshFacts& facts) {
     std::vector<std::string> warnings;
     if (facts.repeated > 0)
@@ -85,8 +91,7 @@ std::vector<std::string> meshWarnings(const MeshFacts& facts) {
                            " repeat others, in the same or the opposite order of corners (as in "
                            "two-sided exports): dropped");
     if (facts.crossingPairs > 0)
-        warnings.push_back(counted(facts.crossingPairs, "pair") +
-                           " of faces cross: the mesh passes through itself");
+        warnings.push_back(crossingsOf(facts) + ": the mesh passes through itself");
     if (facts.nonOrientable > 0)
         warnings.push_back(
             "the mesh has one side only in places (as a Moebius strip): it is cut along a line "

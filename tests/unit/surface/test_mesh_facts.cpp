@@ -3,6 +3,7 @@
 #include <support/catch.h>
 #include <support/mesh_shapes.h>
 
+#include <numbers>
 #include <random>
 
 namespace igeo {
@@ -96,6 +97,23 @@ TEST_CASE("crossings are those of all pairs", "[mesh]") {
     CHECK(piercingPairs(balls) > 100);
     CHECK(factsOf(balls).crossingPairs == piercingPairs(balls));
     CHECK(factsOf(test::sphereMesh({}, 1, 4)).crossingPairs == 0);
+}
+
+TEST_CASE("crossings are counted up to a million", "[mesh]") {
+    // Needles through one point, 1,800,000 pairs.
+    TriangleMesh mesh;
+    constexpr int kNeedles = 1900;
+    for (int k = 0; k < kNeedles; ++k) {
+        const double angle = std::numbers::pi * k / kNeedles;
+        const Vec3d to{std::cos(angle), std::sin(angle), 0};
+        const auto first = std::uint32_t(mesh.points.size());
+        mesh.points.insert(mesh.points.end(),
+                           {to, -1.0 * to + Vec3d{0, 0, 1e-2}, -1.0 * to - Vec3d{0, 0, 1e-2}});
+        mesh.triangles.push_back({first, first + 1, first + 2});
+    }
+    const MeshFacts facts = factsOf(mesh);
+    CHECK(facts.crossingPairs == 1'000'000);
+    CHECK(crossingsOf(facts) == "1000000 pairs or more of faces cross");
 }
 
 TEST_CASE("holes are lines of boundary edges", "[mesh]") {

@@ -2,6 +2,7 @@
 
 #include <igeo/base/detail/box.h>
 #include <igeo/base/parallel.h>
+#include <igeo/surface/mesh_facts.h>
 
 #include <algorithm>
 #include <array>
@@ -199,14 +200,15 @@ std::size_t crossingPairs(const TriangleMesh& mesh, double tolerance, const Prog
     };
     std::atomic<std::size_t> pairs{0};
     parallelFor(tree.runs(), 256, progress, [&](std::size_t begin, std::size_t end) {
-        std::size_t found = 0;
-        for (std::size_t r = begin; r < end; ++r)
+        for (std::size_t r = begin; r < end && pairs < MeshFacts::kMostCrossings; ++r) {
+            std::size_t found = 0;
             tree.forPairs(r, [&](std::uint32_t t, std::uint32_t u) {
                 found += Pair(cornersOf(t), cornersOf(u), tolerance).cross();
             });
-        pairs += found;
+            if (found > 0) pairs += found;
+        }
     });
-    return pairs;
+    return std::min(pairs.load(), MeshFacts::kMostCrossings);
 }
 
 }  // namespace igeo
