@@ -12,15 +12,12 @@ namespace igeo {
 
 /// A triangle mesh in numbers.
 struct MeshFacts {
-    /// Polygons of 10,000 corners may have a hundred million, which nobody wants to wait for.
-    static constexpr std::size_t kMostCrossings = 1'000'000;
-
     std::size_t points = 0, triangles = 0, dropped = 0, repeated = 0;  ///< as in TriangleMesh
     std::size_t components = 0, boundaryEdges = 0, nonManifoldEdges = 0,
                 nonOrientable = 0;  ///< as in MeshTopology
     std::size_t holes = 0;          ///< closed lines of boundary edges
-    std::size_t crossingPairs = 0;  ///< of triangles that cross, or overlap in one plane; at most
-                                    ///< kMostCrossings, which stands for more as well
+    std::size_t crossingPairs = 0;  ///< of triangles that cross, or overlap in one plane; a million
+                                    ///< stands for more as well
     bool closed = false;            ///< every edge has two triangles
     int euler = 0;                  ///< of a closed mesh: points - edges + triangles
 };

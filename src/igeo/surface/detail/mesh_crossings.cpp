@@ -2,7 +2,6 @@
 
 #include <igeo/base/detail/box.h>
 #include <igeo/base/parallel.h>
-#include <igeo/surface/mesh_facts.h>
 
 #include <algorithm>
 #include <array>
@@ -200,7 +199,7 @@ std::size_t crossingPairs(const TriangleMesh& mesh, double tolerance, const Prog
     };
     std::atomic<std::size_t> pairs{0};
     parallelFor(tree.runs(), 256, progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t r = begin; r < end && pairs < MeshFacts::kMostCrossings; ++r) {
+        for (std::size_t r = begin; r < end && pairs < kMostCrossingPairs; ++r) {
             std::size_t found = 0;
             tree.forPairs(r, [&](std::uint32_t t, std::uint32_t u) {
                 found += Pair(cornersOf(t), cornersOf(u), tolerance).cross();
@@ -208,7 +207,7 @@ std::size_t crossingPairs(const TriangleMesh& mesh, double tolerance, const Prog
             if (found > 0) pairs += found;
         }
     });
-    return std::min(pairs.load(), MeshFacts::kMostCrossings);
+    return std::min(pairs.load(), kMostCrossingPairs);
 }
 
 }  // namespace igeo
