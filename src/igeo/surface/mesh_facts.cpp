@@ -79,7 +79,6 @@ MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress) {
 }
 
 std::string crossingsOf(const MeshFacts& facts) {
-    if (facts.crossingPairs == 0) return {};
     const bool orMore = facts.crossingPairs == kMostCrossingPairs;
     return counted(facts.crossingPairs, "pair") + (orMore ? " or more" : "") + " of faces cross";
 }

@@ -28,7 +28,7 @@ struct MeshFacts {
 /// Time O(n log n).
 MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress = Progress::none());
 
-/// "3 pairs of faces cross"; empty where none does.
+/// "3 pairs of faces cross".
 std::string crossingsOf(const MeshFacts& facts);
 
 /// Warnings about a mesh, a sentence each; empty for a good one.

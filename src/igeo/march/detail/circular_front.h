@@ -21,12 +21,10 @@ namespace igeo {
 
 /// The jet at the origin, from the front that arrives there first.
 /// @param neighbors  of one source, in the chart of the origin, up to three voxels away
-/// @param atFocus  whether the front may narrow to a focus here; bounds and counts for one that
-/// does
-///                 not are in brackets
-/// @return none where fewer than 3 (2) neighbors of that front lie behind the origin, they differ
-/// by
-///         more than 0.02 (0.004) voxels, or the value is 0.2 (0.03) below all plane fronts
+/// @param atFocus  whether the front may narrow to a focus here; in brackets: where it may not
+/// @return none where fewer than 3 (2) neighbors of that front lie behind the origin, where they
+///         differ by more than 0.02 (0.004) voxels, and where the value is more than 0.2 (0.03)
+///         below all plane fronts
 /// Time: some microseconds.
 std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors, bool atFocus = true);
 
