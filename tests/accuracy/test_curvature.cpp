@@ -15,7 +15,6 @@ namespace igeo::test {
 namespace {
 
 using openvdb::Vec3d;
-const Vec3d kCenter(0.137, -0.291, 0.413);
 
 struct Exact {
     double mean = 0, gaussian = 0;
@@ -32,13 +31,13 @@ struct Case {
 };
 
 Case sphereCase() {
-    return {sphere(kCenter, 1), [](const Vec3d&) { return Exact{2, 1}; }};
+    return {sphere(kOffLattice, 1), [](const Vec3d&) { return Exact{2, 1}; }};
 }
 
 Case torusCase() {
     constexpr double kMajor = 2.5;
-    return {torus(kCenter, kMajor, 1), [](const Vec3d& p) {
-                const Vec3d q = p - kCenter;
+    return {torus(kOffLattice, kMajor, 1), [](const Vec3d& p) {
+                const Vec3d q = p - kOffLattice;
                 const double out = std::hypot(q.x(), q.y()) - kMajor;
                 const double cosine = out / std::hypot(out, q.z());
                 const double around = cosine / (kMajor + cosine);
@@ -48,8 +47,8 @@ Case torusCase() {
 
 Case ellipsoidCase() {
     const Vec3d a(1, 1.3, 1.7);
-    return {ellipsoid(kCenter, a), [a](const Vec3d& p) {
-                const Vec3d y = nearestOnEllipsoid(kCenter, a, p) - kCenter;
+    return {ellipsoid(kOffLattice, a), [a](const Vec3d& p) {
+                const Vec3d y = nearestOnEllipsoid(kOffLattice, a, p) - kOffLattice;
                 const double volume2 = (a * a).x() * (a * a).y() * (a * a).z();
                 const double g2 = (y / (a * a)).lengthSqr();
                 return Exact{(a.lengthSqr() - y.lengthSqr()) / (volume2 * g2 * std::sqrt(g2)),
@@ -130,7 +129,7 @@ TEST_CASE("principal directions of the torus are its circles") {
     const Curvature c = curvature(band);
     double worst = 0;
     for (NodeIndex i = 0; i < band.size(); ++i) {
-        const Vec3d q = worldOf(band, band.footPoint(i)) - kCenter;
+        const Vec3d q = worldOf(band, band.footPoint(i)) - kOffLattice;
         const Vec3d around = Vec3d(-q.y(), q.x(), 0).unit();  // of the large circle
         const igeo::Vec3d d = band.transform.worldFromIndexDirection(igeo::Vec3d(c.direction1[i]));
         worst = std::max(worst, std::abs(around.dot(Vec3d(d.x, d.y, d.z))));

@@ -11,7 +11,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
 constexpr double kRadius = 0.4;
 
 /// Errors of godunov from a generic seed.

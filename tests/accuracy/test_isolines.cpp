@@ -14,8 +14,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
-
 /// On the sphere of radius 0.4, by `jet`.
 Distance distanceFrom(const Seeds& seeds, int n) {
     return GeodesicSolver(Surface(*makeLevelSet(sphere(kCenter, 0.4), 1.0 / n, 3))).distance(seeds);

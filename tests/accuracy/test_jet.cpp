@@ -18,7 +18,6 @@ namespace igeo::test {
 namespace {
 
 using openvdb::Vec3d;
-const Vec3d kCenter(0.5, 0.5, 0.5);
 
 /// @param turn angle between the shape's axes and the grid's, degrees
 GeodesicSolver solverOn(const Shape& shape, int n, double halfWidth = 3, double turn = 0) {

@@ -17,7 +17,7 @@ namespace igeo::test {
 namespace {
 
 using openvdb::Vec3d;
-const Vec3d kCenter(0.5, 0.5, 0.5), kNormal = Vec3d(1, -2, 3).unit();
+const Vec3d kNormal = Vec3d(1, -2, 3).unit();
 
 /// A square of side 0.8 in a plane in general position, with coordinates (x, y) in it.
 struct Patch {

@@ -19,7 +19,6 @@ namespace igeo::test {
 namespace {
 
 using openvdb::Vec3d;
-const Vec3d kCenter(0.5, 0.5, 0.5);
 constexpr double kDegrees = 180 / M_PI;
 
 /// For seeds anywhere: they are moved onto S from however far away.

@@ -14,7 +14,6 @@ namespace igeo::test {
 namespace {
 
 using openvdb::Vec3d;
-const Vec3d kCenter(0.5, 0.5, 0.5);
 
 double angleBetween(const Vec3d& a, const Vec3d& b) {
     return std::atan2(a.cross(b).length(), a.dot(b));

@@ -14,7 +14,7 @@
 namespace igeo::test {
 namespace {
 
-const Vec3d kCenter{0.51, 0.48, 0.53};
+const Vec3d kMiddle{0.51, 0.48, 0.53};
 const openvdb::Vec3d kCenterVdb(0.51, 0.48, 0.53);
 
 /// @param spacings  the voxel size in median spacings; 0: the default
@@ -39,7 +39,7 @@ TEST_CASE("jet on the cloud of a sphere is as good as on its level set") {
     for (const bool normals : {false, true}) {
         CloudOptions options;
         options.normals = normals;
-        const PointCloud cloud = sphereCloud(20000, 0.4, kCenter, options);
+        const PointCloud cloud = sphereCloud(20000, 0.4, kMiddle, options);
         auto exact = [&](const Distance& d) {
             return [&d](const openvdb::Vec3d& p) {
                 return geodesicOnSphere(kCenterVdb, 0.4, seedOf(d), p);
@@ -80,7 +80,7 @@ TEST_CASE("jet on a cloud that scatters by a third of its spacing stays below 0.
     options.noise = 0.3;
     for (const bool normals : {false, true}) {
         options.normals = normals;
-        const Distance d = distanceOn(sphereCloud(20000, 0.4, kCenter, options), Scheme::Jet,
+        const Distance d = distanceOn(sphereCloud(20000, 0.4, kMiddle, options), Scheme::Jet,
                                       kCenterVdb + 0.4 * genericDirection());
         const Errors e = errorsOnSurface(d, [&](const openvdb::Vec3d& p) {
             return geodesicOnSphere(kCenterVdb, 0.4, seedOf(d), p);
@@ -98,7 +98,7 @@ TEST_CASE("jet on the cloud of a torus") {
     const double major = 0.35, minor = 0.12;
     const openvdb::Vec3d seed = kCenterVdb + openvdb::Vec3d(0.31, 0.26, 0.1);
     for (const Scheme scheme : {Scheme::Jet, Scheme::Godunov}) {
-        const Distance d = distanceOn(torusCloud(20000, major, minor, kCenter), scheme, seed);
+        const Distance d = distanceOn(torusCloud(20000, major, minor, kMiddle), scheme, seed);
         const TorusGeodesics torus(kCenterVdb, major, minor, seedOf(d));
         const Errors e = errorsOnSurface(
             d, [&](const openvdb::Vec3d& p) { return torus.distance(p); }, d.band().size() / 1000);

@@ -16,7 +16,6 @@ namespace igeo::test {
 namespace {
 
 using openvdb::Vec3d;
-const Vec3d kCenter(0.5, 0.5, 0.5);
 constexpr double kRadius = 0.4, kLatitude = 0.5;  // radians from the equator
 
 Surface surfaceOf(const Shape& shape, int n) {

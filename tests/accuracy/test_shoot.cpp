@@ -15,7 +15,6 @@ namespace igeo::test {
 namespace {
 
 using openvdb::Vec3d;
-const Vec3d kCenter(0.5, 0.5, 0.5);
 
 GeodesicSolver solverOn(const Shape& shape, int n) {
     const auto transform = rotatedTransform(1.0 / n, {1, 2, 3}, 20, {0.1, 0.2, 0.3});

@@ -16,8 +16,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
-
 const openvdb::Vec3d kHalfBox(0.303, 0.257, 0.352);
 
 /// The point of the box nearest to one that is almost on it.

@@ -31,7 +31,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
 constexpr double kRadius = 0.4;
 
 double seconds(int runs, const std::function<void()>& work) {

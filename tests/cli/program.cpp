@@ -1,7 +1,5 @@
 #include "program.h"
 
-#include <support/catch.h>
-
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -35,6 +33,10 @@ void writeBytes(const std::string& path, const std::string& bytes) {
     if (!out.flush()) throw std::runtime_error("cannot write " + path);
 }
 
+json parseJson(const std::string& text) { return json::parse(text); }
+
+json readJson(const std::string& path) { return parseJson(readBytes(path)); }
+
 void TempWorkspace::make(const std::string& file, const std::string& shape) const {
     Command command;
     command.program = IGEO_MAKE_SHAPE;
@@ -64,6 +66,8 @@ std::map<std::string, std::string> TempWorkspace::files() const {
     }
     return all;
 }
+
+json reportOf(const TempWorkspace& desk) { return readJson(desk / "r.json"); }
 
 void allowLeaks(Command& command) { command.environment["ASAN_OPTIONS"] = "detect_leaks=0"; }
 
@@ -132,7 +136,7 @@ void requireRefused(const TempWorkspace& desk, const std::string& line, int exit
     requireRefused(desk, desk.command(line), exitCode, says);
 }
 
-nlohmann::json contentOf(nlohmann::json document) {
+json contentOf(json document) {
     for (const char* member : {"command", "inputs", "seconds", "peakMemoryBytes"})
         CHECK(document.erase(member) == 1);
     return document;
@@ -152,3 +156,7 @@ bool validBySchema(const TempWorkspace& desk, const std::string& schema,
 }
 
 }  // namespace igeo::test
+
+std::string Catch::StringMaker<nlohmann::json>::convert(const nlohmann::json& document) {
+    return document.dump();
+}

@@ -1,6 +1,7 @@
 // The program at work in a folder of its own, as a user at a shell sees it.
 #pragma once
 
+#include <support/catch.h>
 #include <support/run_program.h>
 #include <support/temp_dir.h>
 
@@ -11,6 +12,11 @@
 
 namespace igeo::test {
 
+using nlohmann::json;
+
+/// Exit codes (docs/formats.md).
+inline constexpr int kUsage = 2, kUnusable = 3, kUnreached = 4;
+
 /// Words between blanks.
 std::vector<std::string> split(const std::string& text);
 
@@ -18,6 +24,10 @@ std::vector<std::string> lines(const std::string& text);
 
 std::string readBytes(const std::string& path);
 void writeBytes(const std::string& path, const std::string& bytes);
+
+/// JSON as its grammar has it, without NaN and Infinity; throws at anything else.
+json parseJson(const std::string& text);
+json readJson(const std::string& path);
 
 /// A temporary folder that a program works in.
 class TempWorkspace {
@@ -39,6 +49,14 @@ private:
     TempDir folder_;
 };
 
+/// With the unit sphere at voxels of 0.1 in in.vdb.
+struct Sphere : TempWorkspace {
+    Sphere() { make("in.vdb", "sphere --voxel-size 0.1"); }
+};
+
+/// The report r.json of a run.
+json reportOf(const TempWorkspace& desk);
+
 /// For AddressSanitizer: OpenVDB leaks the tree it was reading when a stream ends early.
 void allowLeaks(Command& command);
 
@@ -46,7 +64,7 @@ void allowLeaks(Command& command);
 Result requireDone(const TempWorkspace& desk, const std::string& line);
 
 /// A JSON document without its origin and cost: command, inputs, times and memory.
-nlohmann::json contentOf(nlohmann::json document);
+json contentOf(json document);
 
 /// Whether a JSON document holds to one of docs/*.schema.json; true where python3-jsonschema is
 /// missing.
@@ -65,3 +83,9 @@ void requireRefused(const TempWorkspace& desk, const std::string& line, int exit
                     const std::vector<std::string>& says);
 
 }  // namespace igeo::test
+
+/// How a failed check shows JSON: compiled once.
+template <>
+struct Catch::StringMaker<nlohmann::json> {
+    static std::string convert(const nlohmann::json& document);
+};

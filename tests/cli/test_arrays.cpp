@@ -3,16 +3,11 @@
 #include <support/catch.h>
 #include <support/mesh_shapes.h>
 
-#include <nlohmann/json.hpp>
-
 #include "program.h"
 
-using namespace igeo::test;
-using nlohmann::json;
+namespace igeo::test {
 
 namespace {
-
-const int kUsage = 2, kUnusable = 3, kUnreached = 4;
 
 /// Two spheres, 642 vertices each.
 struct Spheres : TempWorkspace {
@@ -40,11 +35,11 @@ TEST_CASE("groups of seeds: a label and a place in report and matrix each") {
                           "--matrix m.json");
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
     CHECK(validBySchema(desk, "matrix.schema.json", "m.json"));
-    const json seeds = json::parse(readBytes(desk / "r.json"))["seeds"];
+    const json seeds = readJson(desk / "r.json")["seeds"];
     REQUIRE(seeds.size() == 3);
     CHECK(seeds[1]["of"] == "group 'pole'");
     CHECK(seeds[1]["segments"] == 2);
-    const json matrix = json::parse(readBytes(desk / "m.json"));
+    const json matrix = readJson(desk / "m.json");
     CHECK(matrix["seeds"][0].contains("position"));
     CHECK(matrix["targets"][1] == json({{"group", "pole"}, {"points", 2}}));
     CHECK(matrix["distance"].size() == 3);
@@ -66,7 +61,7 @@ TEST_CASE("many targets have one line, and paths only where a result has them") 
     CHECK(lost.exitCode == kUnreached);
     CHECK(lost.err.find("18 of 30 targets, target 12 the first, are unreachable") !=
           std::string::npos);
-    CHECK(json::parse(readBytes(desk / "p.json"))["paths"].size() == 30);
+    CHECK(readJson(desk / "p.json")["paths"].size() == 30);
 
     writeBytes(desk / "t.csv", vertexList(1, 3));
     const Result few = desk.run(desk.in + "--seed vertex:0 --targets t.csv");
@@ -94,3 +89,5 @@ TEST_CASE("groups, columns and samples: refusals") {
     writeBytes(desk / "g.json", R"({"groups": {"pole": [1, )");
     requireRefused(desk, groups, kUnusable, {"g.json"});
 }
+
+}  // namespace igeo::test

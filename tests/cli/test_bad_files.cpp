@@ -8,11 +8,9 @@
 
 #include "program.h"
 
-using namespace igeo::test;
+namespace igeo::test {
 
 namespace {
-
-const int kUnusable = 3;
 
 /// Where to cut a file of `size` bytes: through the header (57 bytes), the metadata and the grid's
 /// description at its start, evenly through the rest, and just before its end.
@@ -93,3 +91,5 @@ TEST_CASE("a file that was written to a stream is read, and refused when it is c
         requireRefused(desk, command, kUnusable, {"'stream.vdb'", "is cut off"});
     }
 }
+
+}  // namespace igeo::test

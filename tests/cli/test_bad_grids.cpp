@@ -3,11 +3,9 @@
 
 #include "program.h"
 
-using namespace igeo::test;
+namespace igeo::test {
 
 namespace {
-
-const int kUnusable = 3;
 
 struct BadGrid {
     std::string kind;               ///< of make_shape bad
@@ -84,3 +82,5 @@ TEST_CASE("a grid of the wrong kind is refused when it is named as well") {
     requireRefused(desk, "--sdf vector.vdb:velocity --seed 1,0,0 -o out.vdb", kUnusable,
                    {"'velocity'", "vec3s", "float or double", "file 'vector.vdb'"});
 }
+
+}  // namespace igeo::test

@@ -6,15 +6,9 @@
 
 #include "program.h"
 
-using namespace igeo::test;
+namespace igeo::test {
 
 namespace {
-
-const int kUsage = 2, kUnusable = 3;
-
-struct Sphere : TempWorkspace {
-    Sphere() { make("in.vdb", "sphere --voxel-size 0.1"); }
-};
 
 struct BadFile {
     std::string name, content;
@@ -104,3 +98,5 @@ TEST_CASE("a file of points that cannot be read is refused") {
     requireRefused(desk, "--sdf in.vdb --seeds folder.csv -o out.vdb", kUnusable,
                    {"'folder.csv'", "it is a folder"});
 }
+
+}  // namespace igeo::test

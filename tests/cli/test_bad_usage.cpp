@@ -6,15 +6,9 @@
 #include "option_words.h"
 #include "program.h"
 
-using namespace igeo::test;
+namespace igeo::test {
 
 namespace {
-
-const int kUsage = 2;
-
-struct Sphere : TempWorkspace {
-    Sphere() { make("in.vdb", "sphere --voxel-size 0.1"); }
-};
 
 struct BadLine {
     std::string line;  ///< behind "--sdf in.vdb --seed 0,0,1 -o out.vdb "
@@ -177,3 +171,5 @@ TEST_CASE("inOptionWords: what the library calls its parameters, the program cal
           "use --scheme jet, or --max-distance and --max-distance");
     CHECK(inOptionWords("a file of points") == "a file of points");
 }
+
+}  // namespace igeo::test

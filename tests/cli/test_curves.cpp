@@ -1,6 +1,5 @@
 // Files of paths and isolines, and the options that make them.
 #include <support/catch.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +9,6 @@
 
 namespace igeo::test {
 namespace {
-
-using nlohmann::json;
 
 /// A box of 2 by 3 by 1.
 void makeBox(const TempWorkspace& desk) {
@@ -33,7 +30,7 @@ std::vector<std::vector<double>> rowsOf(const std::string& csv) {
 }
 
 json documentOf(const TempWorkspace& desk, const std::string& file) {
-    return json::parse(readBytes(desk / file));
+    return readJson(desk / file);
 }
 
 }  // namespace

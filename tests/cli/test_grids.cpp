@@ -10,7 +10,7 @@
 #include "program.h"
 #include "vdb_files.h"
 
-using namespace igeo::test;
+namespace igeo::test {
 using openvdb::FloatGrid;
 
 namespace {
@@ -228,3 +228,5 @@ TEST_CASE("a level set 2^30 voxels from its origin gives the distances of one at
                 Approx(*it).margin(0.01));
     requireRefused(desk, "--sdf beyond.vdb --seed 0,0,0 -o out.vdb", 3, {"beyond.vdb", "2^30"});
 }
+
+}  // namespace igeo::test

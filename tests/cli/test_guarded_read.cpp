@@ -11,7 +11,7 @@
 
 #include "program.h"
 
-using namespace igeo::test;
+namespace igeo::test {
 
 namespace {
 
@@ -157,3 +157,5 @@ TEST_CASE("memory that a file asks for without end is refused by --memory-limit"
     CHECK(ending.exitCode == 3);
     CHECK_THAT(ending.err, contains("'huge.vdb': out of memory"));
 }
+
+}  // namespace igeo::test

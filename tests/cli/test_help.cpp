@@ -5,7 +5,7 @@
 
 #include "program.h"
 
-using namespace igeo::test;
+namespace igeo::test {
 namespace fs = std::filesystem;
 
 namespace {
@@ -86,3 +86,5 @@ TEST_CASE("the examples of the help run as they are") {
     for (const char* name : {"trefoil_geodesic.vdb", "path.json", "near.vdb"})
         CHECK(fs::exists(desk / name));
 }
+
+}  // namespace igeo::test

@@ -5,14 +5,12 @@
 #include <support/point_grid.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "program.h"
 #include "vdb_files.h"
 
-using namespace igeo::test;
-using nlohmann::json;
+namespace igeo::test {
 
 namespace {
 
@@ -27,7 +25,7 @@ json surveyed(const TempWorkspace& desk, const std::string& source, int exitCode
     CHECK(words.err.empty());
     writeBytes(desk / "survey.json", asJson.out);
     CHECK(validBySchema(desk, "info.schema.json", "survey.json"));
-    const json j = json::parse(asJson.out);
+    const json j = parseJson(asJson.out);
     CHECK(lines(words.out).back() == j["verdict"].get<std::string>());
     return j;
 }
@@ -91,7 +89,7 @@ TEST_CASE("info: what it says of the surface is what a run says") {
     desk.make("in.vdb", "torus");
     const json survey = surveyed(desk, "in.vdb", 0), &s = survey["surface"];
     requireDone(desk, "--sdf in.vdb --seed 1.4,0,0 -q -o out.vdb --report r.json --grids label");
-    const json report = json::parse(readBytes(desk / "r.json"));
+    const json report = readJson(desk / "r.json");
     CHECK(s["band"]["nodes"] == report["band"]["nodes"]);
     CHECK(s["band"]["jetVoxels"] == report["parameters"]["bandVoxels"]);
     CHECK(s["band"]["boundsVoxels"] == report["parameters"]["bandBoundsVoxels"]);
@@ -100,12 +98,12 @@ TEST_CASE("info: what it says of the surface is what a run says") {
     CHECK(survey["levelSet"]["activeVoxels"] == report["surface"]["activeVoxels"]);
     CHECK(survey["grids"][0]["activeVoxels"] == report["surface"]["activeVoxels"]);
     requireDone(desk, "--sdf in.vdb --seed 1.4,0,0 -q -o out.vdb --report g.json --scheme godunov");
-    const json godunov = json::parse(readBytes(desk / "g.json"));
+    const json godunov = readJson(desk / "g.json");
     CHECK(s["band"]["godunovVoxels"] == godunov["parameters"]["bandVoxels"]);
 
     Command piped = desk.command("info - --json");
     piped.stdinFile = desk / "in.vdb";
-    json fromStream = json::parse(run(piped).out);
+    json fromStream = parseJson(run(piped).out);
     CHECK(fromStream["file"] == "standard input");
     CHECK(fromStream["inputs"][0]["digest"].is_null());
     fromStream["file"] = "in.vdb";
@@ -135,14 +133,14 @@ TEST_CASE("info: a mesh, closed or open") {
           Approx(1 / std::sqrt(3.0)).epsilon(0.06));
     // What a run of it says.
     requireDone(desk, "--mesh in.ply --voxel-size 0.05 --seed 1,2,4 -q -o out.vdb --report r.json");
-    CHECK(s["band"]["nodes"] == json::parse(readBytes(desk / "r.json"))["band"]["nodes"]);
+    CHECK(s["band"]["nodes"] == readJson(desk / "r.json")["band"]["nodes"]);
     // By default 256 voxels across.
     CHECK(surveyed(desk, "in.ply", 0)["surface"]["voxelSize"].get<double>() ==
           Approx(2.0 / 256).epsilon(0.01));
     CHECK(surveyed(desk, "in.ply --resolution 20", 0)["surface"]["voxelSize"].get<double>() ==
           Approx(0.1).epsilon(0.01));
     for (const char* threads : {"1", "2"})
-        CHECK(contentOf(json::parse(
+        CHECK(contentOf(parseJson(
                   desk.run(std::string("info in.ply --voxel-size 0.05 --json --threads ") + threads)
                       .out)) == contentOf(ball));
 
@@ -287,7 +285,7 @@ TEST_CASE("info: unreliable places as a volume") {
     REQUIRE(result.exitCode == 0);
     CHECK_THAT(result.err, contains("in out.vdb"));
     CHECK(desk.run("info in.vdb --unreliable out.vdb -q").err.empty());
-    const json unreliable = json::parse(result.out)["surface"]["unreliable"];
+    const json unreliable = parseJson(result.out)["surface"]["unreliable"];
     const auto grid = readVdb(desk / "out.vdb").get<openvdb::FloatGrid>("shell_unreliable");
     const auto psi = readVdb(desk / "in.vdb").get<openvdb::FloatGrid>("shell");
     CHECK(grid->activeVoxelCount() == unreliable["nodes"].get<std::uint64_t>());
@@ -327,3 +325,5 @@ TEST_CASE("info: wrong usage") {
     CHECK(desk.run("info -help").out == desk.run("info --help").out);
     CHECK_THAT(desk.run("info --help").out, contains("--unreliable"));
 }
+
+}  // namespace igeo::test

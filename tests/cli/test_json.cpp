@@ -2,12 +2,10 @@
 #include <support/catch.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "program.h"
 
-using namespace igeo::test;
-using nlohmann::json;
+namespace igeo::test {
 
 namespace {
 
@@ -103,13 +101,13 @@ TEST_CASE("all documents of a run say alike how it was made") {
     REQUIRE(result.exitCode == 4);
     const std::vector<std::pair<std::string, std::string>> documents{
         {"report", "r"}, {"geodesics", "p"}, {"isolines", "i"}, {"matrix", "m"}, {"pairs", "q"}};
-    const json report = json::parse(readBytes(desk / "r.json"));
+    const json report = readJson(desk / "r.json");
     CHECK(report["command"][1] == "in.vdb");
     for (const json& word : report["command"]) CHECK((word != "--threads" && word != "-q"));
     for (const auto& [schema, name] : documents) {
         INFO(schema);
         requireValid(desk, schema + ".schema.json", name + ".json");
-        const json document = json::parse(readBytes(desk / (name + ".json")));
+        const json document = readJson(desk / (name + ".json"));
         for (const char* same : {"command", "versions", "inputs", "metric", "warnings"})
             CHECK(document[same] == report[same]);
         for (const char* part : {"surface", "parameters"})
@@ -121,9 +119,8 @@ TEST_CASE("all documents of a run say alike how it was made") {
         CHECK(document["peakMemoryBytes"] > 1000000);
     }
     // What was skipped keeps its place.
-    const json target = report["targets"][1],
-               pair = json::parse(readBytes(desk / "q.json"))["pairs"][1],
-               matrix = json::parse(readBytes(desk / "m.json"));
+    const json target = report["targets"][1], pair = readJson(desk / "q.json")["pairs"][1],
+               matrix = readJson(desk / "m.json");
     CHECK(target["status"] == "off surface");
     CHECK((target["distance"].is_null() && target["target"]["position"].is_null()));
     CHECK(target["target"]["asked"] == json({9.0, 9.0, 9.0}));
@@ -203,7 +200,7 @@ TEST_CASE("the schemas refuse what does not belong") {
     requireDone(desk, "--sdf in.vdb --seed 0,0,1 -q --target 1,0,0 -o out.vdb --paths p.json");
     const int valid = validate(kSchemas + "geodesics.schema.json", desk / "p.json").exitCode;
     if (valid == 77 || valid == 127) return markSkipped("python3-jsonschema is missing");
-    const json good = json::parse(readBytes(desk / "p.json"));
+    const json good = readJson(desk / "p.json");
     const auto exitCodeOf = [&](const json& changed) {
         writeBytes(desk / "changed.json", changed.dump());
         return validate(kSchemas + "geodesics.schema.json", desk / "changed.json").exitCode;
@@ -228,8 +225,8 @@ TEST_CASE("a path runs from its target to its seed, downhill, on the surface") {
     requireDone(desk, "--sdf in.vdb --seed " + seed +
                           " --target 0.2,0.95,0.3 --target -0.4,0.9,0.2 --target 0.6,-0.8,0.1 "
                           "--snap 2 -q -o out.vdb --paths p.json --report r.json");
-    const json paths = json::parse(readBytes(desk / "p.json"));
-    const json report = json::parse(readBytes(desk / "r.json"));
+    const json paths = readJson(desk / "p.json");
+    const json report = readJson(desk / "r.json");
     const double dx = paths["surface"]["voxelSize"];
     REQUIRE(paths["paths"].size() == 3);
     for (const json& path : paths["paths"]) requireConsistent(path, dx);
@@ -249,7 +246,7 @@ TEST_CASE("a target without a distance has a path without vertices") {
     desk.make("in.vdb", "two-spheres");
     CHECK(desk.run("--sdf in.vdb --seed 1.2,0,0 --target -1.2,0,0 -q -o o.vdb --paths p.json")
               .exitCode == 4);
-    const json path = json::parse(readBytes(desk / "p.json"))["paths"][0];
+    const json path = readJson(desk / "p.json")["paths"][0];
     CHECK(path["status"] == "unreachable");
     CHECK(path["distance"].is_null());
     CHECK(path["length"].is_null());
@@ -272,7 +269,7 @@ TEST_CASE("OBJ paths have the vertices of the JSON, bit by bit") {
         if (words[0] == "v")
             inObj.push_back({std::stod(words[1]), std::stod(words[2]), std::stod(words[3])});
     }
-    const json document = json::parse(readBytes(desk / "p.json"));
+    const json document = readJson(desk / "p.json");
     for (const json& path : document["paths"])
         for (const json& p : path["vertices"]["position"])
             inJson.push_back(p.get<std::vector<double>>());
@@ -280,3 +277,5 @@ TEST_CASE("OBJ paths have the vertices of the JSON, bit by bit") {
     CHECK(ends == 2 * (inObj.size() - 2));
     CHECK(inObj == inJson);
 }
+
+}  // namespace igeo::test

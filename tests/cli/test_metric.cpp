@@ -5,18 +5,14 @@
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "program.h"
 #include "vdb_files.h"
 
-using namespace igeo::test;
-using nlohmann::json;
+namespace igeo::test {
 using openvdb::FloatGrid;
 
 namespace {
-
-const int kUsage = 2, kUnusable = 3, kUnreached = 4;
 
 /// A weight of its own resolution around the unit sphere: value(x, y, z) on a lattice of 0.17,
 /// background 0.
@@ -35,26 +31,24 @@ FloatGrid::Ptr weightGrid(const std::function<double(const openvdb::Vec3d&)>& va
 }
 
 /// A desk with the unit sphere of 20 voxels and a constant weight.
-struct SphereDesk : TempWorkspace {
-    explicit SphereDesk(double weight = 1) {
+struct WeighedSphere : TempWorkspace {
+    explicit WeighedSphere(double weight = 1) {
         make("in.vdb", "sphere --voxel-size 0.05");
         writeVdb(*this / "w.vdb", {weightGrid([=](auto&) { return weight; })});
     }
 };
 
-json report(const TempWorkspace& desk) { return json::parse(readBytes(desk / "r.json")); }
-
 }  // namespace
 
 TEST_CASE("a constant weight scales distances and lengths") {
-    const SphereDesk desk(4);
+    const WeighedSphere desk(4);
     const std::string query =
         "--sdf in.vdb --seed 0,0,1 --target 0.6,0,-0.8 --report r.json -q --scheme " +
         GENERATE(as<std::string>(), "jet", "godunov");
     requireDone(desk, query + " -o plain.vdb");
-    const json plain = report(desk);
+    const json plain = reportOf(desk);
     requireDone(desk, query + " -o heavy.vdb --weight w.vdb");
-    const json heavy = report(desk);
+    const json heavy = reportOf(desk);
 
     const auto a = readDistance(desk / "plain.vdb"), b = readDistance(desk / "heavy.vdb");
     openvdb::tools::foreach (a->beginValueOn(), [](const auto& at) { at.setValue(4 * *at); });
@@ -89,8 +83,8 @@ TEST_CASE("weights multiply, from the same file by name as well") {
     requireDone(desk,
                 "--sdf all.vdb:psi --seed 0,0,1 --weight all.vdb:two --weight all.vdb:three -q "
                 "-o six.vdb --report r.json");
-    CHECK(report(desk)["metric"]["least"] == 6);
-    CHECK(report(desk)["distance"]["max"].get<double>() == Approx(6 * M_PI).epsilon(2e-3));
+    CHECK(reportOf(desk)["metric"]["least"] == 6);
+    CHECK(reportOf(desk)["distance"]["max"].get<double>() == Approx(6 * M_PI).epsilon(2e-3));
     requireRefused(desk, "--sdf all.vdb:psi --seed 0,0,1 --weight all.vdb -o out.vdb", kUnusable,
                    {"all.vdb", "'two'", "'three'"});
     requireRefused(desk, "--sdf all.vdb:psi --seed 0,0,1 --weight all.vdb:four -o out.vdb",
@@ -106,12 +100,12 @@ TEST_CASE("a weight that varies makes paths bend, and near queries agree with wh
     const std::string seed = "--sdf in.vdb --weight w.vdb --seed 0.8,0,0.6 -q --report r.json ",
                       query = seed + "--target -0.8,0,0.6 ";
     requireDone(desk, query + "-o whole.vdb --straighten");
-    const json path = report(desk)["targets"][0];
+    const json path = reportOf(desk)["targets"][0];
     CHECK(path["weightedLength"].get<double>() ==
           Approx(path["distance"].get<double>()).epsilon(5e-3));
     // Over the top it is 2 acos(0.6) = 1.85 long.
     CHECK(path["length"].get<double>() > 2);
-    CHECK(report(desk)["accuracy"]["meanRelativeError"].get<double>() < 5e-3);
+    CHECK(reportOf(desk)["accuracy"]["meanRelativeError"].get<double>() < 5e-3);
 
     requireDone(desk, seed + "-o near.vdb --max-distance 1");
     const auto whole = readDistance(desk / "whole.vdb"), near = readDistance(desk / "near.vdb");
@@ -119,7 +113,7 @@ TEST_CASE("a weight that varies makes paths bend, and near queries agree with wh
     CHECK(near->activeVoxelCount() < whole->activeVoxelCount() / 4);
     CHECK(largestDifference(*whole, *near) < 1e-4);
     requireDone(desk, query + "-o stop.vdb --stop-at-targets");
-    CHECK(report(desk)["targets"][0]["distance"].get<double>() ==
+    CHECK(reportOf(desk)["targets"][0]["distance"].get<double>() ==
           Approx(path["distance"].get<double>()));
 }
 
@@ -182,7 +176,7 @@ TEST_CASE("curvature comes as grids and as a weight") {
     CHECK(at(*mean, 1.4) == Approx((2.5 + 1 / 1.4) / 2).epsilon(0.05));
     CHECK(at(*gaussian, 0.6) == Approx(-2.5 / 0.6).epsilon(0.08));
     CHECK(at(*weight, 0.6) > at(*weight, 1.4));
-    CHECK(report(desk)["metric"]["weights"] == json({"curvature crest,eps=0.1,p=1"}));
+    CHECK(reportOf(desk)["metric"]["weights"] == json({"curvature crest,eps=0.1,p=1"}));
 
     requireRefused(desk, "--sdf in.vdb --seed 1.4,0,0 --weight-curvature hill -o out.vdb", kUsage,
                    {"hill", "valley, crest"});
@@ -213,7 +207,7 @@ TEST_CASE("paths lead around obstacles of every kind") {
     const std::string ends = " --seed 0.6,0,0.8 --target 0.6,0,-0.8";
     INFO(obstacle);
     requireDone(desk, "--sdf in.vdb -q --straighten -o out.vdb --report r.json " + obstacle + ends);
-    const json r = report(desk);
+    const json r = reportOf(desk);
     // The cap has the angular radius 2 asin(0.2) = 0.403; the ends are 0.927 from its middle.
     const double alpha = 2 * std::asin(0.2), beta = std::acos(0.6),
                  exact = 2 * std::acos(std::cos(beta) / std::cos(alpha)) +
@@ -235,7 +229,7 @@ TEST_CASE("paths lead around obstacles of every kind") {
 }
 
 TEST_CASE("a wall leaves what is behind it unreached") {
-    const SphereDesk desk;
+    const WeighedSphere desk;
     const Result result = desk.run(
         "--sdf in.vdb --seed 0,0,1 --target 0,0,-1 --obstacle-box -2,-2,-0.01,2,2,0.01 "
         "-o out.vdb --report r.json");
@@ -244,7 +238,7 @@ TEST_CASE("a wall leaves what is behind it unreached") {
     const auto grid = readDistance(desk / "out.vdb");
     for (auto at = grid->cbeginValueOn(); at; ++at)
         if (grid->indexToWorld(at.getCoord()).z() < -0.1) FAIL("a voxel behind the wall");
-    CHECK(report(desk)["targets"][0]["status"] == "unreachable");
+    CHECK(reportOf(desk)["targets"][0]["status"] == "unreachable");
 }
 
 TEST_CASE("a tensor makes one direction more expensive than another") {
@@ -264,7 +258,7 @@ TEST_CASE("a tensor makes one direction more expensive than another") {
                 "--sdf in.vdb --metric g.vdb --seed 0.01,0.01,0 --target 0.51,0.01,0 --target "
                 "0.01,0.51,0 --target 0.31,0.41,0 -q -o out.vdb --report r.json --scheme " +
                     scheme);
-    const json targets = report(desk)["targets"];
+    const json targets = reportOf(desk)["targets"];
     const double slack = scheme == "jet" ? 2e-3 : 2e-2;
     CHECK(targets[0]["distance"].get<double>() == Approx(1.5).epsilon(slack));
     CHECK(targets[1]["distance"].get<double>() == Approx(0.5).epsilon(slack));
@@ -289,7 +283,7 @@ TEST_CASE("bending around a cylinder is avoided or preferred") {
     auto distances = [&](const std::string& kind) {
         requireDone(desk, query + kind + ",length=0.8660254");
         std::vector<double> d;
-        const json all = report(desk);
+        const json all = reportOf(desk);
         for (const json& t : all["targets"]) d.push_back(t["distance"]);
         return d;
     };
@@ -314,7 +308,7 @@ TEST_CASE("bending around a cylinder is avoided or preferred") {
 }
 
 TEST_CASE("obstacles that are none are refused") {
-    const SphereDesk desk;
+    const WeighedSphere desk;
     const std::string query = "--sdf in.vdb --seed 0,0,1 -o out.vdb --report out.json ";
     requireRefused(desk, query + "--obstacle-sphere 1,2,3", kUsage, {"1,2,3", "x,y,z,r"});
     requireRefused(desk, query + "--obstacle-sphere 1,2,3,-1", kUsage, {"-1", "not above 0"});
@@ -323,3 +317,5 @@ TEST_CASE("obstacles that are none are refused") {
     desk.make("vector.vdb", "bad vector");
     requireRefused(desk, query + "--obstacle vector.vdb", kUnusable, {"vector.vdb", "velocity"});
 }
+
+}  // namespace igeo::test

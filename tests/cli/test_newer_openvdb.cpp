@@ -1,13 +1,10 @@
 // Files of OpenVDB versions newer than the one in use.
 #include <support/catch.h>
 
-#include <nlohmann/json.hpp>
-
 #include "program.h"
 #include "vdb_files.h"
 
-using namespace igeo::test;
-using nlohmann::json;
+namespace igeo::test {
 
 namespace {
 
@@ -31,7 +28,7 @@ constexpr const char* kNewer = "written by a newer OpenVDB, 13.";
 /// A JSON document but for its input and the warning of it; anything else as it is.
 std::string withoutInput(const std::string& bytes) {
     if (!bytes.starts_with('{')) return bytes;
-    json document = contentOf(json::parse(bytes));
+    json document = contentOf(parseJson(bytes));
     document.erase("warnings");
     return document.dump();
 }
@@ -74,12 +71,12 @@ TEST_CASE("reports say that a file is of a newer OpenVDB") {
     SECTION("of a run") {
         const Result run = desk.run("--sdf in.vdb --seed 0,0,1 -o out.vdb --report -");
         CHECK(run.exitCode == 0);
-        const json warnings = json::parse(run.out)["warnings"];
+        const json warnings = parseJson(run.out)["warnings"];
         REQUIRE(warnings.size() == 1);
         CHECK_THAT(warnings[0].get<std::string>(), contains(kNewer));
     }
     SECTION("of info") {
-        const json report = json::parse(desk.run("info in.vdb --json").out);
+        const json report = parseJson(desk.run("info in.vdb --json").out);
         CHECK_THAT(report["warnings"].dump(), contains(kNewer));
         const Result text = desk.run("info in.vdb");
         CHECK_THAT(text.out, contains(kNewer));
@@ -118,3 +115,5 @@ TEST_CASE("a grid of an unknown type is listed, and the others are read") {
     CHECK(refused.exitCode == 3);
     CHECK_THAT(refused.err, contains(unknown));
 }
+
+}  // namespace igeo::test

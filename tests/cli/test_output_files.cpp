@@ -10,17 +10,12 @@
 
 #include "program.h"
 
-using namespace igeo::test;
+namespace igeo::test {
 namespace fs = std::filesystem;
 
 namespace {
 
-const int kUsage = 2, kUnusable = 3;
 const std::string kRun = "--sdf in.vdb --seed 0,0,1 -q ";
-
-struct Sphere : TempWorkspace {
-    Sphere() { make("in.vdb", "sphere --voxel-size 0.1"); }
-};
 
 /// The same run started by a shell after `setup`.
 Command throughShell(const TempWorkspace& desk, const std::string& setup, const std::string& line) {
@@ -193,3 +188,5 @@ TEST_CASE("an existing output is replaced as a whole") {
     requireDone(desk, kRun + "-o out.vdb");
     CHECK((readBytes(desk / "out.vdb") == readBytes(desk / "plain.vdb")));
 }
+
+}  // namespace igeo::test

@@ -3,17 +3,13 @@
 
 #include <cmath>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
 #include "program.h"
 #include "vdb_files.h"
 
-using namespace igeo::test;
-using nlohmann::json;
+namespace igeo::test {
 
 namespace {
-
-const int kUsage = 2;
 
 /// The number after a word of a PLY header.
 std::size_t countOf(const std::string& ply, const std::string& word) {
@@ -52,7 +48,7 @@ TEST_CASE("one run writes picture, mesh, isolines, matrix and all grids") {
     CHECK(validBySchema(desk, "isolines.schema.json", "i.json"));
     CHECK(validBySchema(desk, "matrix.schema.json", "d.json"));
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
-    const json isolines = json::parse(readBytes(desk / "i.json"));
+    const json isolines = readJson(desk / "i.json");
     for (const json& line : isolines["isolines"]) {
         CHECK(line["closed"] == true);
         // Multiples of the spacing; circles of radius sin(d) while the cells do not meet.
@@ -79,7 +75,7 @@ TEST_CASE("one run writes picture, mesh, isolines, matrix and all grids") {
     CHECK(file.get<openvdb::FloatGrid>("psi_engraved")->getGridClass() == openvdb::GRID_LEVEL_SET);
     file.get<openvdb::Vec3SGrid>("psi_geodesic_color");
 
-    const json outputs = json::parse(readBytes(desk / "r.json"))["outputs"];
+    const json outputs = readJson(desk / "r.json")["outputs"];
     CHECK(outputs["image"] == "p.png");
     CHECK(outputs["mesh"] == "m.ply");
 }
@@ -112,7 +108,7 @@ TEST_CASE("samples are seeds, and their distances a symmetric matrix") {
         "--threads 2");
     REQUIRE(result.exitCode == 0);
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
-    CHECK(json::parse(readBytes(desk / "r.json"))["seeds"].size() == 6);
+    CHECK(readJson(desk / "r.json")["seeds"].size() == 6);
     const auto rows = lines(result.out);
     REQUIRE(rows.size() == 7);
     CHECK(rows[0] ==
@@ -149,3 +145,5 @@ TEST_CASE("output options that cannot work are refused before any work") {
     requireRefused(desk, query + "--grids label --scheme godunov", kUsage, {"label", "jet"});
     requireRefused(desk, query + "--levels 3 --spacing 1 --isolines i.obj", kUsage, {"--levels"});
 }
+
+}  // namespace igeo::test

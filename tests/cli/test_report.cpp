@@ -4,16 +4,14 @@
 #include <support/two_isolines.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "output/messages.h"
 #include "output/path_curves.h"
 #include "output/report.h"
+#include "program.h"
 
 namespace igeo::test {
 namespace {
-
-using nlohmann::json;
 
 /// A run with a path of each status; everything that can be infinite is.
 struct Run : Pinned {
@@ -64,7 +62,7 @@ struct Run : Pinned {
 /// Numbers are finite by JSON's own grammar; the parser refuses NaN and Infinity.
 json parse(const std::string& text) {
     CHECK(text.back() == '\n');
-    return json::parse(text);
+    return parseJson(text);
 }
 
 }  // namespace
@@ -214,7 +212,7 @@ TEST_CASE("isolinesJson: world units") {
     field.scheme = "test";
     RunReport report;
     report.surface.file = "a.vdb";
-    const auto j = json::parse(isolinesJson(report, field, twoLines()));
+    const auto j = parseJson(isolinesJson(report, field, twoLines()));
     CHECK(j["type"] == "isolines");
     CHECK(j["surface"]["file"] == "a.vdb");
     CHECK(j["parameters"]["scheme"] == "test");

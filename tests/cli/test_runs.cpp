@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "program.h"
 #include "vdb_files.h"
 
-using namespace igeo::test;
-using nlohmann::json;
+namespace igeo::test {
 using openvdb::FloatGrid;
 
 namespace {
@@ -32,7 +30,7 @@ std::size_t countWithin(const FloatGrid& grid, float limit) {
 
 /// A report without what depends on the machine.
 json timeless(const std::string& text) {
-    json report = json::parse(text);
+    json report = parseJson(text);
     for (const char* name : {"seconds", "peakMemoryBytes", "outputs", "command"})
         report.erase(name);
     report["parameters"].erase("threads");
@@ -54,11 +52,11 @@ TEST_CASE("option --max-distance gives the part of the full result within it") {
     CHECK(near->activeVoxelCount() < full->activeVoxelCount());
     CHECK(near->activeVoxelCount() == countWithin(*full, std::stof(limit)));
     CHECK(isPartOf(*near, *full));
-    const json report = json::parse(readBytes(desk / "near.json"));
+    const json report = readJson(desk / "near.json");
     CHECK(report["distance"]["stoppedEarly"] == true);
     CHECK(report["parameters"]["maxDistance"] == std::stod(limit));
     // What lies on the far side is not even looked at: the torus is 56 voxels wide.
-    const json whole = json::parse(readBytes(desk / "full.json"));
+    const json whole = readJson(desk / "full.json");
     if (limit == "0.05") CHECK(report["band"]["nodes"] < whole["band"]["nodes"]);
 }
 
@@ -85,7 +83,7 @@ TEST_CASE("several seeds give the least of their distances, start values added")
                "[[0, 0, 1], {\"position\": [0, 0, -1], \"start\": 0.75, \"label\": \"late\"}]");
     const std::string rest = " --target 0,0,-1 -q --report report.json -o ";
     requireDone(desk, "--sdf in.vdb --seeds seeds.csv" + rest + "csv.vdb");
-    const json report = json::parse(readBytes(desk / "report.json"));
+    const json report = readJson(desk / "report.json");
     CHECK(report["seeds"].size() == 2);
     CHECK(report["seeds"][1]["start"] == Approx(0.75));
     CHECK(report["targets"][0]["seed"]["index"] == 1);
@@ -133,6 +131,8 @@ TEST_CASE("the same run gives the same bytes, on one thread and on two") {
         CHECK(timeless(readBytes(desk / "one_report.json")) ==
               timeless(readBytes(desk / (other + "_report.json"))));
     }
-    CHECK(json::parse(readBytes(desk / "one_report.json"))["parameters"]["threads"] == 1);
-    CHECK(json::parse(readBytes(desk / "two_report.json"))["parameters"]["threads"] == 2);
+    CHECK(readJson(desk / "one_report.json")["parameters"]["threads"] == 1);
+    CHECK(readJson(desk / "two_report.json")["parameters"]["threads"] == 2);
 }
+
+}  // namespace igeo::test

@@ -2,18 +2,14 @@
 #include <support/catch.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "program.h"
 #include "vdb_files.h"
 
-using namespace igeo::test;
-using nlohmann::json;
+namespace igeo::test {
 
 namespace {
-
-const int kUsage = 2, kUnusable = 3;
 
 /// The circle of latitude z = 0.6 on the unit sphere.
 json parallel() {
@@ -30,18 +26,17 @@ float valueAt(const openvdb::FloatGrid& grid, double x, double y, double z) {
     return grid.tree().getValue(openvdb::Coord::round(grid.worldToIndex({x, y, z})));
 }
 
-struct SphereDesk : TempWorkspace {
-    SphereDesk() { make("in.vdb", "sphere --voxel-size 0.05"); }
+struct FineSphere : TempWorkspace {
+    FineSphere() { make("in.vdb", "sphere --voxel-size 0.05"); }
     openvdb::FloatGrid::Ptr distance() const {
         return readVdb(*this / "out.vdb").get<openvdb::FloatGrid>("psi_geodesic");
     }
-    json report() const { return json::parse(readBytes(*this / "r.json")); }
 };
 
 }  // namespace
 
 TEST_CASE("a seed that another front has overrun has no effect on any result") {
-    const SphereDesk desk;
+    const FineSphere desk;
     auto at = [](double angle) {
         return std::to_string(std::sin(angle)) + ",0," + std::to_string(std::cos(angle));
     };
@@ -52,7 +47,7 @@ TEST_CASE("a seed that another front has overrun has no effect on any result") {
                 "--sdf in.vdb --seeds seeds.csv --targets targets.csv --extend -q -o out.vdb "
                 "--paths p.json --isolines i.json --spacing 0.25 --mesh-out m.obj --scheme " +
                     scheme);
-    const json paths = json::parse(readBytes(desk / "p.json"))["paths"];
+    const json paths = readJson(desk / "p.json")["paths"];
     const double exact[] = {1, 1.05, 0.95};
     // Measured: jet 0.0003, godunov 0.010.
     const double margin = scheme == "jet" ? 0.0005 : 0.015;
@@ -64,13 +59,13 @@ TEST_CASE("a seed that another front has overrun has no effect on any result") {
     const Result loud = desk.run("--sdf in.vdb --seeds seeds.csv -o out.vdb");
     CHECK(loud.err.find("warning: seed 1: the front of another seed comes at ") !=
           std::string::npos);
-    for (const json& line : json::parse(readBytes(desk / "i.json"))["isolines"])
+    for (const json& line : readJson(desk / "i.json")["isolines"])
         CHECK(line["level"].get<double>() < 3.2);
     CHECK(desk.distance()->background() < 3.2f);
 }
 
 TEST_CASE("targets inside a seed mask are reached with length 0") {
-    const SphereDesk desk;
+    const FineSphere desk;
     desk.make("mask.vdb", "sphere --param center=0,0,1 --param radius=0.5");
     writeBytes(desk / "targets.csv", "x,y,z\n0,0,1\n0.2,0,0.98\n0.4,0,0.9165\n0,0.43,0.9028\n");
     const std::string scheme = GENERATE("jet", "godunov");
@@ -80,7 +75,7 @@ TEST_CASE("targets inside a seed mask are reached with length 0") {
                     "--paths p.json --scheme " +
                         scheme + more);
         CHECK(validBySchema(desk, "geodesics.schema.json", "p.json"));
-        for (const json& path : json::parse(readBytes(desk / "p.json"))["paths"]) {
+        for (const json& path : readJson(desk / "p.json")["paths"]) {
             INFO(path.dump());
             CHECK(path["status"] == "reached");
             CHECK(path["distance"] == 0);
@@ -90,7 +85,7 @@ TEST_CASE("targets inside a seed mask are reached with length 0") {
 }
 
 TEST_CASE("seed-curve: distances from a curve, by file or as isolines of another run") {
-    const SphereDesk desk;
+    const FineSphere desk;
     writeBytes(desk / "curve.json", json({{{"position", parallel()}, {"closed", true}}}).dump());
     requireDone(desk, "--sdf in.vdb --seed 0,0,1 --isolines lines.json --levels 4 -q -o pole.vdb");
     requireDone(desk,
@@ -98,31 +93,31 @@ TEST_CASE("seed-curve: distances from a curve, by file or as isolines of another
                 "r.json --paths p.json");
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
     CHECK(validBySchema(desk, "geodesics.schema.json", "p.json"));
-    const json report = desk.report();
+    const json report = reportOf(desk);
     REQUIRE(report["seeds"].size() == 1);
     CHECK(report["seeds"][0]["of"] == "curve curve.json");
     CHECK(report["seeds"][0]["segments"] > 100);
     // Along the meridian; the voxel size is 5 % of the radius, the error far below a voxel.
     const double angle = std::atan2(0.6, 0.8);
     CHECK(report["targets"][0]["distance"].get<double>() == Approx(angle).epsilon(1e-3));
-    const json path = json::parse(readBytes(desk / "p.json"))["paths"][0];
+    const json path = readJson(desk / "p.json")["paths"][0];
     CHECK(path["seed"]["position"][2].get<double>() == Approx(0.6).margin(0.005));
 
     requireDone(desk,
                 "--sdf in.vdb --seed-curve lines.json --target 0,0,1 -q -o out.vdb --report "
                 "r.json");
-    CHECK(desk.report()["seeds"].size() == 4);
-    CHECK(desk.report()["targets"][0]["distance"].get<double>() == Approx(M_PI / 5).epsilon(0.01));
+    CHECK(reportOf(desk)["seeds"].size() == 4);
+    CHECK(reportOf(desk)["targets"][0]["distance"].get<double>() == Approx(M_PI / 5).epsilon(0.01));
 }
 
 TEST_CASE("seed-mask: 0 inside a level set, and --signed negative there") {
-    const SphereDesk desk;
+    const FineSphere desk;
     // Cuts the sphere at z = 0.6.
     desk.make("mask.vdb", "sphere --voxel-size 0.03 --param center=0,0,1 --param radius=" +
                               std::to_string(std::sqrt(0.8)));
     requireDone(desk, "--sdf in.vdb --seed-mask mask.vdb -q -o out.vdb --report r.json");
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
-    CHECK(desk.report()["seeds"][0]["of"] == "mask mask.vdb");
+    CHECK(reportOf(desk)["seeds"][0]["of"] == "mask mask.vdb");
     CHECK(valueAt(*desk.distance(), 0, 0, 1) == 0);
     CHECK(valueAt(*desk.distance(), 0.6, 0, 0.8) == 0);
     CHECK(valueAt(*desk.distance(), 0, -1, 0) == Approx(std::atan2(0.6, 0.8)).epsilon(0.01));
@@ -136,7 +131,7 @@ TEST_CASE("seed-mask: 0 inside a level set, and --signed negative there") {
 }
 
 TEST_CASE("signed and a closed curve: the smaller side is negative") {
-    const SphereDesk desk;
+    const FineSphere desk;
     json ring = parallel();
     ring.push_back(ring.front());  // closed by repeating its first point
     writeBytes(desk / "curve.json", ring.dump());
@@ -146,7 +141,7 @@ TEST_CASE("signed and a closed curve: the smaller side is negative") {
 }
 
 TEST_CASE("seeds that are no points: refusals") {
-    const SphereDesk desk;
+    const FineSphere desk;
     writeBytes(desk / "open.csv", "0.8,0,0.6\n0.6928,0.4,0.6\n");
     writeBytes(desk / "far.json", "[[0.8, 0, 0.6], [0, 0, 0]]");
     writeBytes(desk / "hop.json", "[[1, 0, 0], [-1, 0.01, 0]]");
@@ -171,12 +166,12 @@ TEST_CASE("seeds that are no points: refusals") {
 }
 
 TEST_CASE("with label: areas and boundaries of the cells are in the report") {
-    const SphereDesk desk;
+    const FineSphere desk;
     requireDone(desk,
                 "--sdf in.vdb --seed 0,0,1 --seed 0,0,-1 --grids label -q -o out.vdb --report "
                 "r.json");
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
-    const json report = desk.report();
+    const json report = reportOf(desk);
     // Half of the sphere each, and the equator between them; flat triangles lose (dx / R)^2.
     for (const json& seed : report["seeds"]) {
         CHECK(seed["cell"]["area"].get<double>() == Approx(2 * M_PI).epsilon(2.5e-3));
@@ -187,7 +182,7 @@ TEST_CASE("with label: areas and boundaries of the cells are in the report") {
 }
 
 TEST_CASE("pairs: CSV on stdout or in a file, JSON by its schema, weights count") {
-    const SphereDesk desk;
+    const FineSphere desk;
     writeBytes(desk / "pairs.csv", "x,y,z,x2,y2,z2\n0,0,1, 0.6,0,0.8\n1,0,0, 0,1,0\n");
     const Result result = desk.run("--sdf in.vdb --pairs pairs.csv -q");
     CHECK(result.exitCode == 0);
@@ -202,19 +197,19 @@ TEST_CASE("pairs: CSV on stdout or in a file, JSON by its schema, weights count"
     requireDone(desk, "--sdf in.vdb --pairs pairs.json -q --pairs-out out.json --report r.json");
     CHECK(validBySchema(desk, "pairs.schema.json", "out.json"));
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
-    CHECK(desk.report()["outputs"]["pairs"] == "out.json");
+    CHECK(reportOf(desk)["outputs"]["pairs"] == "out.json");
 
     // With an obstacle the path is longer, as a march from the one to the other says too.
     const std::string wall = "--sdf in.vdb -q --obstacle-box 0.25,-0.2,0,0.35,0.2,2 ";
     requireDone(desk, wall + "--pairs pairs.json --pairs-out out.json");
     requireDone(desk, wall + "--seed 0,0,1 --target 0.6,0,0.8 -o out.vdb --report r.json");
-    const double around = json::parse(readBytes(desk / "out.json"))["pairs"][0]["distance"];
+    const double around = readJson(desk / "out.json")["pairs"][0]["distance"];
     CHECK(around > 1.05 * std::acos(0.8));
-    CHECK(around == Approx(desk.report()["targets"][0]["distance"].get<double>()).epsilon(1e-6));
+    CHECK(around == Approx(reportOf(desk)["targets"][0]["distance"].get<double>()).epsilon(1e-6));
 }
 
 TEST_CASE("lists of points: any separator, and asked in reports as it was given") {
-    const SphereDesk desk;
+    const FineSphere desk;
     for (const std::string line : {"0.1,0.2,0.97", "0.1;0.2;0.97", "0.1\t0.2\t0.97",
                                    " 0.1  0.2 0.97 ", "x;y;z\n0.1; 0.2; 0.97"}) {
         INFO(line);
@@ -222,7 +217,7 @@ TEST_CASE("lists of points: any separator, and asked in reports as it was given"
         requireDone(
             desk,
             "--sdf in.vdb --seeds points.txt --targets points.txt -o out.vdb --report r.json");
-        const json report = desk.report();
+        const json report = reportOf(desk);
         const json asked = {0.1, 0.2, 0.97};
         CHECK(report["seeds"][0]["asked"] == asked);
         CHECK(report["targets"][0]["target"]["asked"] == asked);
@@ -233,8 +228,7 @@ TEST_CASE("lists of points: any separator, and asked in reports as it was given"
     requireRefused(desk, "--sdf in.vdb --seeds points.txt", kUnusable, {"line 1", "semicolons"});
     writeBytes(desk / "pairs.csv", "0.1 0.2 0.97 0 0 1\n");
     requireDone(desk, "--sdf in.vdb --pairs pairs.csv --pairs-out pairs.json -q");
-    CHECK(json::parse(readBytes(desk / "pairs.json"))["pairs"][0]["source"]["asked"] ==
-          json({0.1, 0.2, 0.97}));
+    CHECK(readJson(desk / "pairs.json")["pairs"][0]["source"]["asked"] == json({0.1, 0.2, 0.97}));
 }
 
 TEST_CASE("pairs: unreached pairs end with 4, wrong files are refused") {
@@ -257,13 +251,13 @@ TEST_CASE("pairs: unreached pairs end with 4, wrong files are refused") {
 }
 
 TEST_CASE("shoot: straight on around the sphere, and to the end of a sheet") {
-    const SphereDesk desk;
+    const FineSphere desk;
     const Result result = desk.run(
         "--sdf in.vdb --shoot 0,0,1,3,4,0,3.14159265 --shoot 0,0,1,1,0,7,0.5 --paths w.json");
     CHECK(result.exitCode == 0);
     CHECK(result.err.find("walk 1: 0.5 long, ends at 0.47942") != std::string::npos);
     CHECK(validBySchema(desk, "geodesics.schema.json", "w.json"));
-    const json walks = json::parse(readBytes(desk / "w.json"))["walks"];
+    const json walks = readJson(desk / "w.json")["walks"];
     REQUIRE(walks.size() == 2);
     CHECK(walks[0]["status"] == "complete");
     const json end = walks[0]["vertices"]["position"].back();
@@ -279,3 +273,5 @@ TEST_CASE("shoot: straight on around the sphere, and to the end of a sheet") {
     for (const char* bad : {"0,0,0,1,0,0", "0,0,0,1,0,0,-1", "0,0,0,0,0,1,1", "0,0,0,0,0,0,1"})
         requireRefused(desk, std::string("--sdf in.vdb --shoot ") + bad, kUsage, {"--shoot", bad});
 }
+
+}  // namespace igeo::test

@@ -7,7 +7,7 @@
 
 #include "program.h"
 
-using namespace igeo::test;
+namespace igeo::test {
 
 namespace {
 
@@ -111,3 +111,5 @@ TEST_CASE("a reader of stdout that has gone ends the program quietly") {
     CHECK(readBytes(desk / "code") == "3\n");
     CHECK(result.err.empty());
 }
+
+}  // namespace igeo::test

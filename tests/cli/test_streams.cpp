@@ -3,21 +3,11 @@
 
 #include <filesystem>
 
-#include <nlohmann/json.hpp>
-
 #include "program.h"
 #include "vdb_files.h"
 
-using namespace igeo::test;
+namespace igeo::test {
 namespace fs = std::filesystem;
-
-namespace {
-
-struct Sphere : TempWorkspace {
-    Sphere() { make("in.vdb", "sphere --voxel-size 0.1"); }
-};
-
-}  // namespace
 
 TEST_CASE("without -o the result is named after the input, in the current folder") {
     const TempWorkspace desk;
@@ -73,8 +63,7 @@ TEST_CASE("stdout can be the VDB, the report or the paths, and then holds nothin
         requireDone(desk, base + "-o out.vdb --paths out.json");
         const Result result = desk.run(base + "-o out.vdb --paths -");
         REQUIRE(result.exitCode == 0);
-        CHECK((contentOf(nlohmann::json::parse(result.out)) ==
-               contentOf(nlohmann::json::parse(readBytes(desk / "out.json")))));
+        CHECK((contentOf(parseJson(result.out)) == contentOf(readJson(desk / "out.json"))));
     }
 }
 
@@ -139,3 +128,5 @@ TEST_CASE("a target that a limit left out is reported as such") {
     CHECK_THAT(result.err, contains("target 0") && contains("beyond the distance"));
     CHECK(desk.files().size() == 3);
 }
+
+}  // namespace igeo::test

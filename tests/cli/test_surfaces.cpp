@@ -5,19 +5,15 @@
 #include <openvdb/tools/ChangeBackground.h>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "program.h"
 #include "vdb_files.h"
 
-using namespace igeo::test;
+namespace igeo::test {
 using igeo::Vec3d;
-using nlohmann::json;
 
 namespace {
-
-const int kUsage = 2, kUnusable = 3;
 
 /// A square of n^2 quads in the plane z = 0.1 x, of side 1 along y; without those for which `hole`.
 template <typename Hole>
@@ -45,9 +41,8 @@ std::string spherePoints(int n) {
     return xyz.str();
 }
 
-json report(const TempWorkspace& desk) { return json::parse(readBytes(desk / "r.json")); }
 double distanceOf(const TempWorkspace& desk, std::size_t target) {
-    return report(desk)["targets"][target]["distance"];
+    return reportOf(desk)["targets"][target]["distance"];
 }
 
 }  // namespace
@@ -70,10 +65,10 @@ TEST_CASE("the same sphere as level set, mesh and points: the same distances") {
         // The mesh cuts (dx / R)^2 / 8 of the radius off, the spiral's fits far less.
         CHECK(distanceOf(desk, 0) == Approx(quarter).epsilon(5e-4));
         CHECK(distanceOf(desk, 1) == Approx(far).epsilon(5e-4));
-        CHECK(report(desk)["surface"]["activeVoxels"].is_null());
+        CHECK(reportOf(desk)["surface"]["activeVoxels"].is_null());
         const bool mesh = surface[2] == 'm';
-        CHECK(report(desk)["surface"]["kind"] == (mesh ? "mesh" : "points"));
-        CHECK(report(desk)["surface"]["closed"] == (mesh ? json(true) : json(nullptr)));
+        CHECK(reportOf(desk)["surface"]["kind"] == (mesh ? "mesh" : "points"));
+        CHECK(reportOf(desk)["surface"]["closed"] == (mesh ? json(true) : json(nullptr)));
         const VdbFile file = readVdb(desk / "out.vdb");
         file.get<openvdb::FloatGrid>("in_geodesic");
     }
@@ -135,12 +130,12 @@ TEST_CASE("what the voxels do not show is said, by a run, its report and info") 
         const Result run =
             requireDone(desk, surface + " --seed " + seed + " -o out.vdb --report r.json");
         CHECK((run.err.find(warning) != std::string::npos) == !key.empty());
-        const json j = report(desk);
+        const json j = reportOf(desk);
         CHECK(validBySchema(desk, "report.schema.json", "r.json"));
         const Result info = desk.run("info " + surface.substr(surface.find(' ')) + " --json");
         writeBytes(desk / "i.json", info.out);
         CHECK(validBySchema(desk, "info.schema.json", "i.json"));
-        const json of = json::parse(info.out)["surface"]["unresolved"];
+        const json of = parseJson(info.out)["surface"]["unresolved"];
         if (key.empty()) return;
         CHECK(j["unresolved"][key] != 0);
         CHECK(of[key] == j["unresolved"][key]);
@@ -172,13 +167,13 @@ TEST_CASE("pieces of a mesh that do not touch are unreachable, unless gaps are j
         "--report r.json";
     const Result apart = desk.run(asked);
     CHECK(apart.exitCode == 4);
-    CHECK(report(desk)["targets"][0]["distance"].is_null());
-    CHECK(report(desk)["surface"]["joints"].is_null());
+    CHECK(reportOf(desk)["targets"][0]["distance"].is_null());
+    CHECK(reportOf(desk)["surface"]["joints"].is_null());
     const Result joined = desk.run(asked + " --join-gaps 0.03");
     CHECK(joined.exitCode == 0);
     CHECK(joined.err.find("1 pair of components") != std::string::npos);
     CHECK(distanceOf(desk, 0) == Approx(0.6 * std::hypot(1, 0.1)).margin(0.5 / 30));
-    CHECK(report(desk)["surface"]["joints"] == 1);
+    CHECK(reportOf(desk)["surface"]["joints"] == 1);
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
     const Result none = desk.run(asked + " --join-gaps 0.001");
     CHECK(none.exitCode == 4);
@@ -346,3 +341,5 @@ TEST_CASE("a band that needs too much memory is refused with a voxel size that f
     requireRefused(desk, "--mesh in.obj --voxel-size 4e-5 --seed 0.5,0.5,0.05", kUsage, {"voxels"});
     requireDone(desk, "--sdf in.vdb --seed 0,0,1 --memory-limit 0.1 -q -o out.vdb");
 }
+
+}  // namespace igeo::test

@@ -4,15 +4,12 @@
 
 #include <cmath>
 #include <functional>
-#include <nlohmann/json.hpp>
 
 #include "exit_code.h"
 #include "program.h"
 
 namespace igeo::test {
 namespace {
-
-using nlohmann::json;
 
 /// An NRRD file of 25^3 voxels of 0.2 units about 1,2,3, left-handed.
 std::string nrrd(const std::function<float(double x, double y, double z)>& f) {
@@ -46,7 +43,7 @@ std::string square() {
 }
 
 double distanceIn(const TempWorkspace& desk, const std::string& report) {
-    const json distance = json::parse(readBytes(desk / report))["targets"][0]["distance"];
+    const json distance = readJson(desk / report)["targets"][0]["distance"];
     return distance.is_number() ? distance.get<double>() : INFINITY;
 }
 
@@ -59,12 +56,12 @@ TEST_CASE("a volume of voxels: from its header's world to a VDB there") {
     requireDone(desk, run);
     CHECK(desk.files().count("head_geodesic.vdb") == 1);
     CHECK(distanceIn(desk, "r.json") == Approx(2 * M_PI).epsilon(6e-3));  // measured 0.4 %
-    const json report = json::parse(readBytes(desk / "r.json"));
+    const json report = readJson(desk / "r.json");
     CHECK(report["surface"]["voxelSize"] == Approx(0.2));
     CHECK(report["surface"]["closed"] == true);
     CHECK(validBySchema(desk, "report.schema.json", "r.json"));
     requireDone(desk, run + " --voxel-size 0.1 -o out.vdb");
-    CHECK(json::parse(readBytes(desk / "r.json"))["surface"]["voxelSize"] == Approx(0.1));
+    CHECK(readJson(desk / "r.json")["surface"]["voxelSize"] == Approx(0.1));
 }
 
 TEST_CASE("info knows volumes of voxels") {
@@ -79,12 +76,12 @@ TEST_CASE("info knows volumes of voxels") {
     CHECK(usable.exitCode == kDone);
     writeBytes(desk / "survey.json", usable.out);
     CHECK(validBySchema(desk, "info.schema.json", "survey.json"));
-    const json survey = json::parse(usable.out);
+    const json survey = parseJson(usable.out);
     CHECK(survey["voxels"]["size"] == json({25, 25, 25}));
     CHECK(survey["surface"]["components"].size() == 1);
     CHECK(survey["mesh"]["closed"] == true);
     writeBytes(desk / "in.obj", square());
-    CHECK(json::parse(desk.run("info in.obj --json").out)["voxels"] == nullptr);
+    CHECK(parseJson(desk.run("info in.obj --json").out)["voxels"] == nullptr);
     requireRefused(desk, "info in.obj --iso 8", kUsage, {"--iso", "volumes of voxels"});
 }
 
@@ -181,8 +178,7 @@ TEST_CASE("slopes that are too steep leave a seed without a path") {
     requireDone(desk, run + "--weight-slope up=z,max=45deg");
     // The integral of 1 + tan^2 a over a meridian, up to the target's angle.
     CHECK(distanceIn(desk, "r.json") == Approx(std::tan(std::atan2(0.4, 0.9))).epsilon(0.01));
-    CHECK(json::parse(readBytes(desk / "r.json"))["metric"]["weights"][0] ==
-          "slope up=z,max=45deg");
+    CHECK(readJson(desk / "r.json")["metric"]["weights"][0] == "slope up=z,max=45deg");
     const Result blocked = desk.run(run + "--weight-slope max=20deg");
     CHECK(blocked.exitCode == kUsage);
     CHECK(blocked.err.find("obstacle") != std::string::npos);

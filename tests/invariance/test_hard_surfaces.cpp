@@ -17,7 +17,6 @@ namespace {
 using Point = openvdb::Vec3d;
 
 /// Off every lattice plane; the direction is off every axis.
-const Point kCenter(0.137, -0.291, 0.413);
 const Point kWay = Point(1, 2, 3).unit();
 
 struct HardCase {
@@ -38,11 +37,11 @@ openvdb::FloatGrid::Ptr gridOf(const Shape& a, const Shape& b) {
 
 /// A torus with other values.
 openvdb::FloatGrid::Ptr changed(const std::function<float(float)>& change) {
-    auto grid = gridOf(torus(kCenter, 14, 6));
+    auto grid = gridOf(torus(kOffLattice, 14, 6));
     for (auto value = grid->beginValueOn(); value; ++value) value.setValue(change(*value));
     return grid;
 }
-const Point kOnTorus = kCenter + Point(14, 0.3, 6);
+const Point kOnTorus = kOffLattice + Point(14, 0.3, 6);
 
 openvdb::FloatGrid::Ptr scaled(float factor) {
     return changed([=](float v) { return factor * v; });
@@ -56,9 +55,10 @@ openvdb::FloatGrid::Ptr noisy(float size) {
 
 /// Two balls of radii 10 and `radius`, `gap` apart.
 openvdb::FloatGrid::Ptr twoBalls(double gap, double radius) {
-    return gridOf(sphere(kCenter, 10), sphere(kCenter + (10 + gap + radius) * kWay, radius));
+    return gridOf(sphere(kOffLattice, 10),
+                  sphere(kOffLattice + (10 + gap + radius) * kWay, radius));
 }
-const Point kFarSide = kCenter - 10 * kWay;
+const Point kFarSide = kOffLattice - 10 * kWay;
 
 Band bandOf(const openvdb::FloatGrid::Ptr& grid) {
     return bandFromLevelSet(checkedLevelSet(grid), std::sqrt(3.0));
@@ -94,24 +94,25 @@ void checkResult(const std::string& name, const Field& field) {
 
 TEST_CASE("hard surfaces: the march ends and leads down to the seed") {
     const Point half(12.3, 9.7, 14.2), onEdge(half.x(), 1.7, half.z());
-    const auto sharp = gridOf(box(kCenter, half)), cone = gridOf(frustum(kCenter, 12, 0.5, 15));
-    const auto smooth = gridOf(torus(kCenter, 14, 6));
-    const auto thin = gridOf(box(kCenter, {20, 14, 0.6}));
+    const auto sharp = gridOf(box(kOffLattice, half)),
+               cone = gridOf(frustum(kOffLattice, 12, 0.5, 15));
+    const auto smooth = gridOf(torus(kOffLattice, 14, 6));
+    const auto thin = gridOf(box(kOffLattice, {20, 14, 0.6}));
     const std::vector<HardCase> cases{
-        {"plate of 1.2 voxels", thin, {kCenter + Point(3.3, 1.2, 0.6)}},
+        {"plate of 1.2 voxels", thin, {kOffLattice + Point(3.3, 1.2, 0.6)}},
         {"ball next to a speck", twoBalls(2, 0.7), {kFarSide}},
         {"psi scaled by 0.92", scaled(0.92f), {kOnTorus}},
         {"psi with noise of 0.1", noisy(0.1f), {kOnTorus}},
-        {"from an edge", sharp, {kCenter + onEdge}},
-        {"from a corner", sharp, {kCenter + half}},
-        {"from a rim", cone, {kCenter + Point(12, 0, -15)}},
-        {"from a tip", cone, {kCenter + Point(0, 0, 15)}},
+        {"from an edge", sharp, {kOffLattice + onEdge}},
+        {"from a corner", sharp, {kOffLattice + half}},
+        {"from a rim", cone, {kOffLattice + Point(12, 0, -15)}},
+        {"from a tip", cone, {kOffLattice + Point(0, 0, 15)}},
         {"from two seeds a third of a voxel apart",
          smooth,
          {kOnTorus, kOnTorus + Point(0.3, 0.1, 0)}},
         {"from an edge and a hundredth of a voxel beside it",
          sharp,
-         {kCenter + onEdge, kCenter + onEdge + Point(0, 0.01, 0)}},
+         {kOffLattice + onEdge, kOffLattice + onEdge + Point(0, 0.01, 0)}},
     };
     for (const HardCase& c : cases) {
         const Band band = bandOf(c.grid);
@@ -120,24 +121,25 @@ TEST_CASE("hard surfaces: the march ends and leads down to the seed") {
 }
 
 TEST_CASE("hard surfaces: nothing crosses a gap of 1.5 voxels") {
-    const Point half(15, 12, 2.5), up(0, 0, 6.5), seed = kCenter + Point(1.1, 2.3, 2.5);
-    const Shape low = roundedBox(kCenter, half, 2.5), high = roundedBox(kCenter + up, half, 2.5);
+    const Point half(15, 12, 2.5), up(0, 0, 6.5), seed = kOffLattice + Point(1.1, 2.3, 2.5);
+    const Shape low = roundedBox(kOffLattice, half, 2.5),
+                high = roundedBox(kOffLattice + up, half, 2.5);
     const Band band = bandOf(gridOf(low, high));
     const Field field = march(band, {seed});
     checkResult("two plates 1.5 voxels apart", field);
     for (std::size_t k = 0; k < band.size(); ++k)
         if (field.distance[k] < kInfinity && band.inCore(NodeIndex(k)))
-            REQUIRE(band.footPoint(NodeIndex(k)).z < kCenter.z() + up.z() / 2);
+            REQUIRE(band.footPoint(NodeIndex(k)).z < kOffLattice.z() + up.z() / 2);
 }
 
 TEST_CASE("hard surfaces: a speck is a surface of its own") {
     const Band band = bandOf(twoBalls(2, 0.7));
-    const Field field = march(band, {kFarSide}), back = march(band, {kCenter + 13.4 * kWay});
+    const Field field = march(band, {kFarSide}), back = march(band, {kOffLattice + 13.4 * kWay});
     std::size_t onSpeck = 0;
     for (std::size_t k = 0; k < band.size(); ++k) {
         const auto i = NodeIndex(k);
         if (!band.inCore(i)) continue;
-        const bool onBall = (worldOf(band, band.footPoint(i)) - kCenter).length() < 11;
+        const bool onBall = (worldOf(band, band.footPoint(i)) - kOffLattice).length() < 11;
         REQUIRE((field.distance[i] < kInfinity) == onBall);
         REQUIRE((back.distance[i] < kInfinity) != onBall);
         onSpeck += !onBall;
@@ -165,7 +167,7 @@ TEST_CASE("hard surfaces: the gradient check warns of noise that matters") {
 }
 
 TEST_CASE("hard surfaces: a seed given twice counts once") {
-    const Band band = bandOf(gridOf(torus(kCenter, 14, 6)));
+    const Band band = bandOf(gridOf(torus(kOffLattice, 14, 6)));
     const Field once = march(band, {kOnTorus}), twice = march(band, {kOnTorus, kOnTorus});
     CHECK(twice.distance == once.distance);
     CHECK(twice.gradient == once.gradient);
@@ -175,7 +177,7 @@ TEST_CASE("hard surfaces: a seed given twice counts once") {
 
 TEST_CASE("hard surfaces: seeds on either face of a plate thinner than a voxel") {
     // Its middle is 0.09 voxels from a plane of voxels, so that they are inside.
-    const Point middle(kCenter.x(), kCenter.y(), 0.09);
+    const Point middle(kOffLattice.x(), kOffLattice.y(), 0.09);
     for (const double thickness : {1.0, 0.8, 0.6, 0.4})
         for (const double side : {-0.5, 0.5}) {
             const Band band = bandOf(gridOf(box(middle, {20, 14, thickness / 2})));
@@ -187,8 +189,8 @@ TEST_CASE("hard surfaces: seeds on either face of a plate thinner than a voxel")
 
 TEST_CASE("hard surfaces: a gap of 1.5 voxels with sharp rims") {
     // At the rims the two edges, 1.5 voxels apart, look like one groove, and the front may cross.
-    const Point half(15, 12, 2.5), up(0, 0, 6.5), seed = kCenter + Point(1.1, 2.3, 2.5);
-    const Band band = bandOf(gridOf(box(kCenter, half), box(kCenter + up, half)));
+    const Point half(15, 12, 2.5), up(0, 0, 6.5), seed = kOffLattice + Point(1.1, 2.3, 2.5);
+    const Band band = bandOf(gridOf(box(kOffLattice, half), box(kOffLattice + up, half)));
     checkResult("two sharp plates 1.5 voxels apart", march(band, {seed}));
 }
 
@@ -205,13 +207,14 @@ TEST_CASE("hard surfaces: no distance is negative") {
         const Band band = bandOf(grid);
         return checkField(march(band, seeds), Nodes::All).negative;
     };
-    CHECK(negative(gridOf(box(kCenter, half)), {kCenter + half}) == 0);
-    CHECK(negative(gridOf(torus(kCenter, 14, 6)), {kOnTorus, kOnTorus + Point(0.3, 0.1, 0)}) == 0);
+    CHECK(negative(gridOf(box(kOffLattice, half)), {kOffLattice + half}) == 0);
+    CHECK(negative(gridOf(torus(kOffLattice, 14, 6)), {kOnTorus, kOnTorus + Point(0.3, 0.1, 0)}) ==
+          0);
     for (const double radius : {0.7, 1.0, 1.5, 3.0}) {
-        const Point pole = kCenter - radius * kWay;
+        const Point pole = kOffLattice - radius * kWay;
         INFO("radius " << radius);
-        CHECK(negative(gridOf(sphere(kCenter, radius)), {pole}) == 0);
-        CHECK(negative(gridOf(sphere(kCenter, radius)), {pole, pole + aside}) == 0);
+        CHECK(negative(gridOf(sphere(kOffLattice, radius)), {pole}) == 0);
+        CHECK(negative(gridOf(sphere(kOffLattice, radius)), {pole, pole + aside}) == 0);
     }
 }
 

@@ -11,19 +11,19 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(3.137, -5.291, 1.413);
+const openvdb::Vec3d kMiddle(3.137, -5.291, 1.413);
 constexpr double kMajor = 14, kMinor = 6;
 
 }  // namespace
 
-openvdb::FloatGrid::Ptr torusGrid() { return makeLevelSet(torus(kCenter, kMajor, kMinor), 1, 4); }
+openvdb::FloatGrid::Ptr torusGrid() { return makeLevelSet(torus(kMiddle, kMajor, kMinor), 1, 4); }
 
 std::vector<Vec3d> torusPoints() {
     std::vector<Vec3d> points;
     for (const auto& [u, v] : {std::pair<double, double>{0.3, 0.7}, {2.9, -1.1}, {-1.7, 2.4}}) {
         const double d = kMajor + kMinor * std::cos(v);
-        points.push_back({kCenter.x() + d * std::cos(u), kCenter.y() + d * std::sin(u),
-                          kCenter.z() + kMinor * std::sin(v)});
+        points.push_back({kMiddle.x() + d * std::cos(u), kMiddle.y() + d * std::sin(u),
+                          kMiddle.z() + kMinor * std::sin(v)});
     }
     return points;
 }

@@ -3,10 +3,14 @@
 
 #include <igeo/io/triangle_mesh.h>
 
+#include <cmath>
 #include <functional>
 #include <string>
 
 namespace igeo::test {
+
+/// Half-width of the bands from meshes, voxels: 26 neighbors.
+inline const double kHalfWidth = std::sqrt(3.0);
 
 /// f over [0, 1]^2 in nu by nv quadrilaterals, each cut in two.
 /// @param keep  leaves quadrilaterals out, by their middle

@@ -48,6 +48,9 @@ Topology topologyOf(const SurfaceMesh& mesh);
 
 double meshArea(const SurfaceMesh& mesh);
 
+/// A color map that values can be read from.
+inline Vec3f ramp(double t) { return {float(t), 0.25f, float(1 - t)}; }
+
 /// A binary PLY file taken apart: per element the rows, per row the numbers; of a list its items.
 struct Ply {
     std::vector<std::string> header;

@@ -9,6 +9,10 @@
 
 namespace igeo::test {
 
+/// Where tests put shapes: in the middle of the unit cube, or away from every plane of symmetry of
+/// the lattice.
+inline const openvdb::Vec3d kCenter(0.5, 0.5, 0.5), kOffLattice(0.137, -0.291, 0.413);
+
 /// Distance in world units as a function of the world position; changes by at most the distance
 /// between two points (Lipschitz constant 1), which makeLevelSet relies on to skip empty space.
 using SignedDistance = std::function<double(const openvdb::Vec3d& pWorld)>;

@@ -12,8 +12,6 @@
 namespace igeo::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 GeodesicSolver onBox() {
     VoxelOptions voxels;
     voxels.resolution = 48;
@@ -23,7 +21,7 @@ GeodesicSolver onBox() {
 /// A tube about the z axis without ends, of 64 flat faces.
 TriangleMesh tube(double radius, double height) {
     return sheet(64, 16, [&](double u, double v) {
-        const double a = 2 * kPi * u;
+        const double a = 2 * std::numbers::pi * u;
         return Vec3d{radius * std::cos(a), radius * std::sin(a), height * (v - 0.5)};
     });
 }
@@ -72,7 +70,8 @@ TEST_CASE("pairPaths: pairs that nothing joins have no path") {
     CHECK(pairs[0].path.status == PathStatus::Unreachable);
     CHECK(pairs[0].path.points.empty());
     requireSound(pairs[1].path);
-    CHECK(pairs[1].path.length == Approx(0.5 * kPi / 2).epsilon(1.5e-3));  // measured: 1e-3
+    CHECK(pairs[1].path.length ==
+          Approx(0.5 * std::numbers::pi / 2).epsilon(1.5e-3));  // measured: 1e-3
     CHECK(solver.through({{0, 0, 0.5}, {2, 0, 0.5}}).status == PathStatus::Unreachable);
 }
 
@@ -144,9 +143,10 @@ TEST_CASE("through: closed geodesics of a box and a tube, exact") {
     VoxelOptions voxels;
     voxels.size = 0.05;
     const GeodesicSolver solver{Surface(tube(1, 4), voxels)};
-    const double around = 64 * 2 * std::sin(kPi / 64);
+    const double around = 64 * 2 * std::sin(std::numbers::pi / 64);
     auto at = [](double turns, double z) {
-        return Vec3d{std::cos(2 * kPi * turns), std::sin(2 * kPi * turns), z};
+        return Vec3d{std::cos(2 * std::numbers::pi * turns), std::sin(2 * std::numbers::pi * turns),
+                     z};
     };
     std::vector<Vec3d> ring, helix;
     for (int k = 0; k < 6; ++k) ring.push_back(at(k / 6.0, k % 2 ? 0.3 : -0.2));
@@ -173,7 +173,7 @@ TEST_CASE("through: on a turned and scaled sphere and torus, as level sets") {
     const GeodesicSolver ball{Surface(*makeLevelSet(sphere(middle, 1), *transform, 3))};
     const Polyline legs = ball.through({on(1, 0, 0), on(0, 1, 0), on(0, 0, 1)});
     requireSound(legs);
-    CHECK(legs.length == Approx(kPi).epsilon(0.00077));  // measured 0.00051
+    CHECK(legs.length == Approx(std::numbers::pi).epsilon(0.00077));  // measured 0.00051
     double turned = 0;
     for (std::size_t k = 0; k < legs.points.size(); ++k)
         turned = std::max(turned, length(legs.normals[k] - normalized(legs.points[k] - c)));
@@ -192,12 +192,12 @@ TEST_CASE("through: on a turned and scaled sphere and torus, as level sets") {
     const GeodesicSolver ring{Surface(*makeLevelSet(torus(middle, 1, 0.4), *transform, 3))};
     std::vector<Vec3d> loop;
     for (int k = 0; k < 5; ++k) {
-        const double a = 2 * kPi * k / 5;
+        const double a = 2 * std::numbers::pi * k / 5;
         loop.push_back(c + Vec3d{1.4 * std::cos(a), 1.4 * std::sin(a), 0});
     }
     const Polyline neck = ring.through(loop, true, true);
     requireSound(neck);
-    CHECK(neck.length == Approx(2 * kPi * 0.6).epsilon(0.00031));  // measured 0.0002
+    CHECK(neck.length == Approx(2 * std::numbers::pi * 0.6).epsilon(0.00031));  // measured 0.0002
 }
 
 TEST_CASE("pairs and through: with a weight that the whole surface says, and around an obstacle") {

@@ -15,16 +15,15 @@
 namespace igeo::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-const openvdb::Vec3d kCenter(3, -1, 2);
+const openvdb::Vec3d kFarAway(3, -1, 2);
 
 openvdb::FloatGrid::Ptr ball(double dx, double halfWidth = 3) {
-    return makeLevelSet(sphere(kCenter, 1), *rotatedTransform(dx, {1, 2, 3}, 25, {0.1, 0.2, 0.3}),
+    return makeLevelSet(sphere(kFarAway, 1), *rotatedTransform(dx, {1, 2, 3}, 25, {0.1, 0.2, 0.3}),
                         halfWidth);
 }
 Vec3d on(double x, double y, double z) {
     const Vec3d n = normalized(Vec3d{x, y, z});
-    return {kCenter.x() + n.x, kCenter.y() + n.y, kCenter.z() + n.z};
+    return {kFarAway.x() + n.x, kFarAway.y() + n.y, kFarAway.z() + n.z};
 }
 
 /// Asks to stop after so many updates.
@@ -43,7 +42,7 @@ TEST_CASE("GeodesicSolver: distances and paths on a turned sphere, in world unit
     for (const Vec3d& seed : {on(0, 0, 1), on(1, 2, -1)}) {
         const igeo::Distance d = solver.distance({seed});
         const Vec3d target = on(-1, 0.5, 0.3);
-        const Vec3d c{kCenter.x(), kCenter.y(), kCenter.z()};
+        const Vec3d c{kFarAway.x(), kFarAway.y(), kFarAway.z()};
         const double exact = std::acos(dot(seed - c, target - c));
         // Measured: 2.3e-4 and 5e-5 of the length; paths inherit that.
         CHECK(d.at(target) == Approx(exact).epsilon(0.00011));  // measured 7.1e-05
@@ -54,7 +53,7 @@ TEST_CASE("GeodesicSolver: distances and paths on a turned sphere, in world unit
         CHECK(length(path.points.front() - target) < 0.00043);  // measured 0.00028
         CHECK(length(path.points.back() - seed) < 0.00069);     // measured 0.00046
         CHECK(path.distance.front() >= path.distance.back());
-        CHECK(d.largest() == Approx(kPi).epsilon(0.008));
+        CHECK(d.largest() == Approx(std::numbers::pi).epsilon(0.008));
         const auto result = d.grid();
         CHECK(result->getName() == "psi_geodesic");
         CHECK(result->activeVoxelCount() == d.band().size());
@@ -72,7 +71,7 @@ TEST_CASE("Surface: without its volume there are results, and no more bands") {
     CHECK(after->getName() == before->getName());
     CHECK(after->transform() == before->transform());
     CHECK(after->activeVoxelCount() == before->activeVoxelCount());
-    CHECK(d.at(on(1, 0, 0)) == Approx(kPi / 2).epsilon(0.001));
+    CHECK(d.at(on(1, 0, 0)) == Approx(std::numbers::pi / 2).epsilon(0.001));
     expectError(Error::Kind::InvalidArgument, {"volume of psi was dropped", "dropVolume"},
                 [&] { d.levelSet(); });
     expectError(Error::Kind::InvalidArgument, {"dropped"},
@@ -115,14 +114,17 @@ TEST_CASE("Surface: a mesh and points through the same door") {
     const TriangleMesh mesh = sphereMesh({0, 0, 0}, 1, 4);
     const igeo::Distance onMesh =
         GeodesicSolver(Surface(mesh, {.size = 0.05})).distance({{0, 0, 1}});
-    CHECK(onMesh.at({1, 0, 0}) == Approx(kPi / 2).epsilon(0.0012));            // measured 0.00079
-    CHECK(onMesh.path({1, 0, 0}).length == Approx(kPi / 2).epsilon(0.00096));  // measured 0.00064
+    CHECK(onMesh.at({1, 0, 0}) ==
+          Approx(std::numbers::pi / 2).epsilon(0.0012));  // measured 0.00079
+    CHECK(onMesh.path({1, 0, 0}).length ==
+          Approx(std::numbers::pi / 2).epsilon(0.00096));  // measured 0.00064
     CHECK(onMesh.surface().facts().kind == SurfaceFacts::Kind::Mesh);
 
     PointCloud cloud;
     cloud.points = mesh.points;
     const igeo::Distance onPoints = GeodesicSolver(Surface(cloud)).distance({{0, 0, 1}});
-    CHECK(onPoints.at({1, 0, 0}) == Approx(kPi / 2).epsilon(6.1e-5));  // measured 4e-05
+    CHECK(onPoints.at({1, 0, 0}) ==
+          Approx(std::numbers::pi / 2).epsilon(6.1e-5));  // measured 4e-05
     CHECK(onPoints.surface().facts().kind == SurfaceFacts::Kind::Points);
 }
 
@@ -221,11 +223,12 @@ TEST_CASE("GeodesicSolver: several kinds of seeds and a sign") {
     Curve equator;
     equator.closed = true;
     for (int k = 0; k < 90; ++k)
-        equator.points.push_back(on(std::cos(k * kPi / 45), std::sin(k * kPi / 45), 0));
+        equator.points.push_back(
+            on(std::cos(k * std::numbers::pi / 45), std::sin(k * std::numbers::pi / 45), 0));
     Seeds seeds;
     seeds.curves = {equator};
     CHECK(solver.distance(seeds).at(on(0, 0, 1)) ==
-          Approx(kPi / 2).epsilon(0.00013));  // measured 8.5e-05
+          Approx(std::numbers::pi / 2).epsilon(0.00013));  // measured 8.5e-05
 
     auto region = std::make_shared<ObstacleSet>(surface.transform());
     region->addSphere(on(0, 0, 1), 2 * std::sin(0.5 / 2));  // the cap within 0.5 of the pole
@@ -233,7 +236,7 @@ TEST_CASE("GeodesicSolver: several kinds of seeds and a sign") {
     seeds.regions = {region};
     CHECK(solver.distance(seeds).at(on(0, 0, 1)) == 0);
     CHECK(solver.distance(seeds).at(on(1, 0, 0)) ==
-          Approx(kPi / 2 - 0.5).epsilon(3.5e-5));  // measured 2.3e-05
+          Approx(std::numbers::pi / 2 - 0.5).epsilon(3.5e-5));  // measured 2.3e-05
     seeds.isSigned = true;
     CHECK(solver.distance(seeds).at(on(0, 0, 1)) ==
           Approx(-0.5).epsilon(0.0013));  // measured 0.00088
@@ -247,10 +250,11 @@ TEST_CASE("GeodesicSolver: both schemes, weights, obstacles; one set-up for many
         SolverOptions options;
         options.scheme = scheme;
         auto wall = std::make_shared<ObstacleSet>(surface.transform());
-        wall->addBox({-100, -100, kCenter.z() - 0.1}, {100, kCenter.y() + 0.5, kCenter.z() + 0.1});
+        wall->addBox({-100, -100, kFarAway.z() - 0.1},
+                     {100, kFarAway.y() + 0.5, kFarAway.z() + 0.1});
         options.metric.obstacles = wall;
         const GeodesicSolver around(surface, options);
-        CHECK(around.distance({on(0, 0, 1)}).at(on(0, -1, -1)) > 1.1 * 3 * kPi / 4);
+        CHECK(around.distance({on(0, 0, 1)}).at(on(0, -1, -1)) > 1.1 * 3 * std::numbers::pi / 4);
         CHECK(around.wholeMetric() == around.wholeMetric());
         CHECK(around.wholeBand() == around.wholeBand());
         expectError(Error::Kind::InvalidArgument, {"seed 0", "obstacle"},
@@ -368,10 +372,10 @@ TEST_CASE("Distance: values at many points, with gradient and source") {
     const igeo::Distance d = solver.distance({seeds[0], seeds[1]});
     const std::vector<PointValue> values = d.valuesAt(points);
     REQUIRE(values.size() == points.size());
-    const Vec3d c{kCenter.x(), kCenter.y(), kCenter.z()};
+    const Vec3d c{kFarAway.x(), kFarAway.y(), kFarAway.z()};
     for (std::size_t k = 0; k < points.size(); ++k) {
         CHECK(values[k].distance == d.at(points[k]));
-        CHECK(values[k].source == (points[k].z > kCenter.z() ? 0 : 1));
+        CHECK(values[k].source == (points[k].z > kFarAway.z() ? 0 : 1));
         const Vec3d n = points[k] - c, away = seeds[values[k].source] - c;
         // Measured: 1.6e-3.
         CHECK(length(values[k].gradient + normalized(tangential(away, n))) < 2.4e-3);
@@ -384,7 +388,7 @@ TEST_CASE("Distance: values at many points, with gradient and source") {
 
 TEST_CASE("LogMap: read between the nodes, as long as the distance; about points only") {
     const GeodesicSolver solver{Surface(*ball(0.05))};
-    const Vec3d c{kCenter.x(), kCenter.y(), kCenter.z()}, seed = on(0, 0, 1);
+    const Vec3d c{kFarAway.x(), kFarAway.y(), kFarAway.z()}, seed = on(0, 0, 1);
     const igeo::Distance d = solver.distance({seed});
     const Similarity& t = d.band().transform;
     const LogMap map = logMap(d.field());

@@ -9,13 +9,13 @@
 namespace igeo::test {
 namespace {
 
-const Vec3d kCenter{0.3, -0.2, 0.1};
+const Vec3d kMiddle{0.3, -0.2, 0.1};
 
 }  // namespace
 
 TEST_CASE("nearestSurfacePoint: snap distance on a sphere, near and far") {
     const double radius = 20;
-    const Band band = sphereBand(kCenter, radius, 2);
+    const Band band = sphereBand(kMiddle, radius, 2);
     // The trilinear interpolant's zero is off the sphere by at most 1/8 of the sum of second
     // derivatives, 2 / R, at R - 1.
     const double interpolant = 0.25 / (radius - 1);
@@ -24,12 +24,12 @@ TEST_CASE("nearestSurfacePoint: snap distance on a sphere, near and far") {
     for (const double r : {10.0, 18.7, 20.0, 21.2, 23.0, 30.0, 100.0, 1e4}) {
         for (int trial = 0; trial < 50; ++trial) {
             const Vec3d u = normalized(Vec3d{normal(random), normal(random), normal(random)});
-            const Vec3d asked = kCenter + r * u;
+            const Vec3d asked = kMiddle + r * u;
             const SurfacePoint p = nearestSurfacePoint(band, asked);
             INFO("r = " << r << ", direction " << u.x << " " << u.y << " " << u.z);
             REQUIRE(p.askedIndex == asked);
             REQUIRE(p.snapDistance == length(p.pIndex - asked));
-            REQUIRE(std::abs(length(p.pIndex - kCenter) - radius) < interpolant + 1e-6);
+            REQUIRE(std::abs(length(p.pIndex - kMiddle) - radius) < interpolant + 1e-6);
             // Every point of the sphere has a voxel within sqrt(3)/2, so a foot point within that
             // times R / (R - 1) sideways: s = 0.92. By the law of cosines a foot point that far
             // off is further away by at most s^2 r / (2 R |r - R|), and by s at most.
@@ -79,17 +79,17 @@ TEST_CASE("nearestSurfacePoint: ties go to the node of the smallest number") {
 }
 
 TEST_CASE("nearestSurfacePoint: any finite position will do") {
-    const Band band = sphereBand(kCenter, 8, 2);
+    const Band band = sphereBand(kMiddle, 8, 2);
     for (const double far : {1e6, 3e9, 1e30, 1e200}) {
         for (const Vec3d& u : {Vec3d{1, 0, 0}, Vec3d{-0.6, 0, 0.8}}) {
             const SurfacePoint p = nearestSurfacePoint(band, far * u);
             REQUIRE(p.node < band.size());
-            CHECK(std::abs(length(p.pIndex - kCenter) - 8) < 0.25 / 7 + 1e-6);
+            CHECK(std::abs(length(p.pIndex - kMiddle) - 8) < 0.25 / 7 + 1e-6);
             // Beyond 1e15 the surface is smaller than a rounding of the distance.
-            if (far < 1e8) CHECK(dot(normalized(p.pIndex - kCenter), u) > 0.98);
+            if (far < 1e8) CHECK(dot(normalized(p.pIndex - kMiddle), u) > 0.98);
         }
     }
-    const SurfacePoint middle = nearestSurfacePoint(band, kCenter);
+    const SurfacePoint middle = nearestSurfacePoint(band, kMiddle);
     CHECK(std::abs(middle.snapDistance - 8) < 0.25 / 7 + 1e-6);
 }
 
@@ -100,8 +100,8 @@ TEST_CASE("nearestSurfacePoint: an empty band has no points") {
 }
 
 TEST_CASE("nodesAround: all nodes within the radius, sorted") {
-    const Band band = sphereBand(kCenter, 20, 2);
-    const SurfacePoint p = nearestSurfacePoint(band, kCenter + Vec3d{11, 13, 10});
+    const Band band = sphereBand(kMiddle, 20, 2);
+    const SurfacePoint p = nearestSurfacePoint(band, kMiddle + Vec3d{11, 13, 10});
     const auto found = nodesAround(band, p, 3.5);
     std::vector<NodeIndex> expected;
     for (std::size_t k = 0; k < band.size(); ++k)

@@ -28,11 +28,6 @@ using test::TempDir;
 const std::vector<double> kPoints{0, 0, 0, 1.5, 0, 0, 0, 2.25, 0, 0, 0, -3.125};
 const std::vector<double> kFaces{0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
 
-std::string write(const TempDir& dir, const std::string& name, const std::string& bytes) {
-    std::ofstream(dir / name, std::ios::binary) << bytes;
-    return dir / name;
-}
-
 template <typename T>
 std::vector<T> as(const std::vector<double>& values) {
     return {values.begin(), values.end()};
@@ -112,14 +107,14 @@ TEST_CASE("GIFTI in every encoding, byte order and order of dimensions", "[brain
                     INFO(name << " " << big << columns << isDouble);
                     const Encoding e{name, big, columns, isDouble};
                     // A name in capitals, and no transform is applied.
-                    checkTetrahedron(readMesh(write(dir, "a.surf.GII", giftiSurface(e))));
+                    checkTetrahedron(readMesh(dir.write("a.surf.GII", giftiSurface(e))));
                 }
 }
 
 TEST_CASE("GIFTI that is damaged or no surface is refused", "[brain]") {
     const TempDir dir;
     const auto refused = [&](const std::string& bytes, const std::vector<std::string>& says) {
-        const std::string file = write(dir, "a.gii", bytes);
+        const std::string file = dir.write("a.gii", bytes);
         expectError(Kind::BadInput, says, [&] { readMesh(file); });
     };
     const std::string good = giftiSurface({"GZipBase64Binary"});
@@ -153,17 +148,17 @@ std::string freeSurfer() {
 
 TEST_CASE("FreeSurfer's triangle files are known by their first bytes", "[brain]") {
     const TempDir dir;
-    const std::string file = write(dir, "lh.pial", freeSurfer());
+    const std::string file = dir.write("lh.pial", freeSurfer());
     CHECK(isMeshFile(file));
     checkTetrahedron(readMesh(file));
-    CHECK_FALSE(isMeshFile(write(dir, "lh.text", "some text")));
+    CHECK_FALSE(isMeshFile(dir.write("lh.text", "some text")));
     for (std::size_t size = 3; size < 3 + 26 + 8 + 48 + 48; size += 5) {
-        const std::string cut = write(dir, "lh.cut", freeSurfer().substr(0, size));
+        const std::string cut = dir.write("lh.cut", freeSurfer().substr(0, size));
         expectError(Kind::BadInput, {"lh.cut", "byte"}, [&] { readMesh(cut); });
     }
     std::string outside = freeSurfer();
     outside[3 + 26 + 8 + 48 + 3] = 9;
-    const std::string bad = write(dir, "lh.bad", outside);
+    const std::string bad = dir.write("lh.bad", outside);
     expectError(Kind::BadInput, {"lh.bad", "vertex 9 of 4"}, [&] { readMesh(bad); });
 }
 
@@ -189,7 +184,7 @@ TEST_CASE("FreeSurfer's quadrangle files of both kinds", "[brain]") {
     const std::string old = "\xff\xff\xff" + head + bytesOf(hundredths, true) + faces,
                       with = "\xff\xff\xfd" + head + bytesOf(points, true) + faces;
     for (const std::string& bytes : {old, with}) {
-        const std::string file = write(dir, "lh.orig", bytes);
+        const std::string file = dir.write("lh.orig", bytes);
         CHECK(isMeshFile(file));
         const TriangleMesh mesh = readMesh(file);
         REQUIRE(mesh.source);
@@ -199,19 +194,18 @@ TEST_CASE("FreeSurfer's quadrangle files of both kinds", "[brain]") {
         CHECK(mesh.source->vertices[6] == Vec3d{-2.25, 1.5, 1.5});
         CHECK(mesh.triangles.size() == 12);
         for (std::size_t size = 3; size < bytes.size(); size += 7) {
-            const std::string cut = write(dir, "lh.cut", bytes.substr(0, size));
+            const std::string cut = dir.write("lh.cut", bytes.substr(0, size));
             expectError(Kind::BadInput, {"lh.cut", "byte"}, [&] { readMesh(cut); });
         }
         std::string outside = bytes;
         outside[bytes.size() - 1] = 9;
-        const std::string bad = write(dir, "lh.bad", outside);
+        const std::string bad = dir.write("lh.bad", outside);
         expectError(Kind::BadInput, {"lh.bad", "vertex 9 of 8"}, [&] { readMesh(bad); });
     }
     // Morphometry begins alike.
-    const std::string curv =
-        write(dir, "lh.curv",
-              "\xff\xff\xff" + bytesOf(std::vector<std::int32_t>{163842, 327680, 1}, true) +
-                  std::string(4 * 163842, '\0'));
+    const std::string curv = dir.write(
+        "lh.curv", "\xff\xff\xff" + bytesOf(std::vector<std::int32_t>{163842, 327680, 1}, true) +
+                       std::string(4 * 163842, '\0'));
     expectError(Kind::BadInput, {"lh.curv", "no surface", "values per vertex"},
                 [&] { readMesh(curv); });
 }
@@ -240,7 +234,7 @@ std::string annotation(bool older = false) {
 TEST_CASE("regions of FreeSurfer's annotations are groups of seeds", "[brain]") {
     const TempDir dir;
     for (const bool older : {false, true}) {
-        const std::string file = write(dir, "lh.annot", annotation(older));
+        const std::string file = dir.write("lh.annot", annotation(older));
         CHECK(isAnnotationFile(file));
         const Annotation all = readAnnotation(file);
         CHECK(all.vertices == 6);
@@ -266,7 +260,7 @@ TEST_CASE("annotations that are damaged are refused", "[brain]") {
     const TempDir dir;
     const std::string good = annotation();
     const auto refused = [&](const std::string& bytes, const std::vector<std::string>& says) {
-        const std::string file = write(dir, "lh.bad.annot", bytes);
+        const std::string file = dir.write("lh.bad.annot", bytes);
         expectError(Kind::BadInput, says, [&] { readAnnotation(file); });
     };
     for (std::size_t size = 0; size < good.size(); size += 3)
@@ -298,11 +292,11 @@ TEST_CASE("mz3 files, raw and compressed", "[brain]") {
                bytesOf(std::vector<std::uint32_t>{4, 4, 3}) + "abc" +
                bytesOf(as<std::int32_t>(kFaces)) + bytesOf(as<float>(kPoints));
     };
-    checkTetrahedron(readMesh(write(dir, "a.mz3", mz3(3))));
-    checkTetrahedron(readMesh(write(dir, "b.mz3", test::gzipped(mz3(3)))));
-    const std::string onlyVertices = write(dir, "c.mz3", mz3(2)),
-                      cut = write(dir, "d.mz3", test::gzipped(mz3(3).substr(0, 60))),
-                      damaged = write(dir, "e.mz3", test::gzipped(mz3(3)).substr(0, 40));
+    checkTetrahedron(readMesh(dir.write("a.mz3", mz3(3))));
+    checkTetrahedron(readMesh(dir.write("b.mz3", test::gzipped(mz3(3)))));
+    const std::string onlyVertices = dir.write("c.mz3", mz3(2)),
+                      cut = dir.write("d.mz3", test::gzipped(mz3(3).substr(0, 60))),
+                      damaged = dir.write("e.mz3", test::gzipped(mz3(3)).substr(0, 40));
     expectError(Kind::BadInput, {"c.mz3", "no faces"}, [&] { readMesh(onlyVertices); });
     expectError(Kind::BadInput, {"d.mz3", "bytes are left"}, [&] { readMesh(cut); });
     expectError(Kind::BadInput, {"e.mz3", "cut off"}, [&] { readMesh(damaged); });
@@ -313,7 +307,7 @@ TEST_CASE("values per vertex from every kind of file", "[brain]") {
     const std::vector<double> values{0, 1.5, -2, 7};
     const auto check = [&](const std::string& name, const std::string& bytes) {
         INFO(name);
-        const std::string file = write(dir, name, bytes);
+        const std::string file = dir.write(name, bytes);
         CHECK(isVertexDataFile(file));
         CHECK(readVertexData(file, 4) == values);
     };
@@ -335,9 +329,9 @@ TEST_CASE("values per vertex from every kind of file", "[brain]") {
     check("a.npy", npy(">f4", "(4, 1)", bytesOf(as<float>(values), true)));
     check("lh.curv", "\xff\xff\xff" + bytesOf(std::vector<std::int32_t>{4, 9, 1}, true) +
                          bytesOf(as<float>(values), true));
-    const std::string label = write(dir, "a.label",
-                                    "#!ascii label  , from subject\n2\n"
-                                    "3  0.0 0 0 0.0\n1 1 2 3 0.5\n");
+    const std::string label = dir.write("a.label",
+                                        "#!ascii label  , from subject\n2\n"
+                                        "3  0.0 0 0 0.0\n1 1 2 3 0.5\n");
     CHECK(readVertexData(label, 4) == std::vector<double>{0, 1, 0, 1});
     const std::vector<AskedPoint> seeds = readPoints(label);
     REQUIRE(seeds.size() == 2);
@@ -350,7 +344,7 @@ TEST_CASE("values that do not fit the mesh are refused", "[brain]") {
     const auto refused = [&](const std::string& name, const std::string& bytes,
                              const std::vector<std::string>& says) {
         INFO(name);
-        const std::string file = write(dir, name, bytes);
+        const std::string file = dir.write(name, bytes);
         expectError(Kind::BadInput, says, [&] { readVertexData(file, 4); });
     };
     refused("a.txt", "0\n1\n2\n", {"a.txt", "3 values", "4 vertices"});
@@ -370,11 +364,11 @@ TEST_CASE("values that do not fit the mesh are refused", "[brain]") {
 TEST_CASE("pwn clouds in both forms", "[brain]") {
     const TempDir dir;
     for (const char* text : {"2\n0 0 1\n1 0 0\n0 0 1\n1 0 0\n", "0 0 1 0 0 1\n1 0 0 1 0 0\n"}) {
-        const PointCloud cloud = readPointCloud(write(dir, "a.pwn", text));
+        const PointCloud cloud = readPointCloud(dir.write("a.pwn", text));
         CHECK(cloud.points == std::vector<Vec3d>{{0, 0, 1}, {1, 0, 0}});
         CHECK(cloud.normals == std::vector<Vec3f>{{0, 0, 1}, {1, 0, 0}});
     }
-    const std::string cut = write(dir, "a.pwn", "2\n0 0 1\n1 0 0\n0 0 1\n");
+    const std::string cut = dir.write("a.pwn", "2\n0 0 1\n1 0 0\n0 0 1\n");
     expectError(Kind::BadInput, {"a.pwn", "announces 2", "holds 3"}, [&] { readPointCloud(cut); });
 }
 

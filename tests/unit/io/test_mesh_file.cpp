@@ -14,11 +14,6 @@ namespace {
 using Kind = Error::Kind;
 using test::TempDir;
 
-std::string write(const TempDir& dir, const std::string& name, const std::string& text) {
-    std::ofstream(dir / name, std::ios::binary) << text;
-    return dir / name;
-}
-
 double volume(const TriangleMesh& mesh) {
     double v = 0;
     for (const auto& [a, b, c] : mesh.triangles)
@@ -83,7 +78,7 @@ TEST_CASE("of faces in both orders one is left", "[mesh]") {
         points << "v " << 3 + std::cos(k * M_PI / 3) << " " << std::sin(k * M_PI / 3) << " 0\n";
     const int first = at(kSide, kSide) + 1;
     add({first, first + 1, first + 2, first + 3, first + 4, first + 5}, 2);
-    const TriangleMesh mesh = readMesh(write(dir, "two.obj", points.str() + faces.str()));
+    const TriangleMesh mesh = readMesh(dir.write("two.obj", points.str() + faces.str()));
     CHECK(mesh.triangles.size() == 2 * kSide * kSide + 4);
     CHECK(mesh.repeated == mesh.triangles.size());
     CHECK(mesh.dropped == mesh.repeated);
@@ -101,7 +96,7 @@ TEST_CASE("polygons of many corners are cut, of too many refused", "[mesh]") {
         }
         out << "f";
         for (int k = 0; k < corners; ++k) out << " " << k + 1;
-        return write(dir, "star.obj", out.str() + "\n");
+        return dir.write("star.obj", out.str() + "\n");
     };
     for (const int corners : {6, 200, 2000}) {
         const TriangleMesh mesh = readMesh(star(corners));
@@ -116,10 +111,11 @@ TEST_CASE("polygons of many corners are cut, of too many refused", "[mesh]") {
 
 TEST_CASE("polygons become triangles and a mirroring node keeps the outside outside", "[mesh]") {
     const TempDir dir;
-    const std::string cube = write(dir, "cube.OBJ",
-                                   "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 "
-                                   "1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 "
-                                   "8 7\nf 4 1 5 8\n");
+    const std::string cube =
+        dir.write("cube.OBJ",
+                  "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 "
+                  "1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 "
+                  "8 7\nf 4 1 5 8\n");
     const TriangleMesh mesh = readMesh(cube);
     CHECK(mesh.points.size() == 8);
     CHECK(mesh.triangles.size() == 12);
@@ -127,8 +123,8 @@ TEST_CASE("polygons become triangles and a mirroring node keeps the outside outs
     CHECK(meshArea(mesh) == Approx(6));
 
     // An L, whose corner 5 is in the middle of a fan from corner 1.
-    const TriangleMesh bent = readMesh(write(
-        dir, "bent.ply",
+    const TriangleMesh bent = readMesh(dir.write(
+        "bent.ply",
         "ply\nformat ascii 1.0\nelement vertex 6\nproperty double x\nproperty double y\n"
         "property uchar red\nproperty double z\nelement face 1\nproperty list uchar int "
         "vertex_index\nproperty float quality\nend_header\n0 0 9 1\n3 0 9 1\n3 1 9 1\n1 1 9 1\n"
@@ -144,7 +140,7 @@ TEST_CASE("polygons become triangles and a mirroring node keeps the outside outs
     std::string turned = text.str();
     const std::string scale = "[2,2,2]";
     turned.replace(turned.find(scale), scale.size(), "[-2,2,2]");
-    CHECK(volume(readMesh(write(dir, "turned.gltf", turned))) == Approx(8));
+    CHECK(volume(readMesh(dir.write("turned.gltf", turned))) == Approx(8));
 }
 
 TEST_CASE("vertices keep the numbers of the file", "[mesh]") {
@@ -157,8 +153,8 @@ TEST_CASE("vertices keep the numbers of the file", "[mesh]") {
     for (std::string line; std::getline(each, line);) obj += "v " + line + " 1 0 0\n";
     obj += "vt 0 0\nvn 0 0 1\ns off\nf 2/1/1 3//1 4/1\nf -1 \\\n 2 5 3\n";
     for (const std::string& file :
-         {write(dir, "a.obj", obj), write(dir, "a.off", "OFF\n6 2 0\n" + (vertices + faces)),
-          write(dir, "b.off", "COFF 6 2 0 # counts\n" + (vertices + faces))}) {
+         {dir.write("a.obj", obj), dir.write("a.off", "OFF\n6 2 0\n" + (vertices + faces)),
+          dir.write("b.off", "COFF 6 2 0 # counts\n" + (vertices + faces))}) {
         INFO(file);
         const TriangleMesh mesh = readMesh(file);
         REQUIRE(mesh.source);
@@ -176,27 +172,27 @@ TEST_CASE("vertices keep the numbers of the file", "[mesh]") {
     }
     using test::expectError;
     expectError(Kind::BadInput, {"a.obj, line 2", "'1.x'"},
-                [&] { readMesh(write(dir, "a.obj", "v 0 0 0\nv 1 1.x 0\n")); });
+                [&] { readMesh(dir.write("a.obj", "v 0 0 0\nv 1 1.x 0\n")); });
     expectError(Kind::BadInput, {"a.obj", "vertex 4 of 3"},
-                [&] { readMesh(write(dir, "a.obj", "f 1 2 4\nv 0 0 0\nv 1 0 0\nv 0 1 0\n")); });
+                [&] { readMesh(dir.write("a.obj", "f 1 2 4\nv 0 0 0\nv 1 0 0\nv 0 1 0\n")); });
     expectError(Kind::BadInput, {"a.obj, line 4", "vertex -4 of 3"},
-                [&] { readMesh(write(dir, "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n")); });
+                [&] { readMesh(dir.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n")); });
     expectError(Kind::BadInput, {"a.off, line 4", "2 of 3 vertices"},
-                [&] { readMesh(write(dir, "a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n")); });
+                [&] { readMesh(dir.write("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n")); });
     expectError(Kind::BadInput, {"a.off", "vertex 3 of 3"}, [&] {
-        readMesh(write(dir, "a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"));
+        readMesh(dir.write("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"));
     });
     expectError(Kind::BadInput, {"a.off", "4OFF"},
-                [&] { readMesh(write(dir, "a.off", "4OFF\n1 0 0\n0 0 0 0\n")); });
+                [&] { readMesh(dir.write("a.off", "4OFF\n1 0 0\n0 0 0 0\n")); });
 }
 
 TEST_CASE("what makes no triangle is left out", "[mesh]") {
     const TempDir dir;
     // A point that is off by rounding, a triangle twice, one without area, a line, a lone point.
     const TriangleMesh mesh =
-        readMesh(write(dir, "odd.obj",
-                       "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 1.0000002 0 0\nv 7 7 0.5\n"
-                       "f 1 2 3\nf 5 4 3\nf 3 2 1\nf 1 2 5\nl 1 4\n"));
+        readMesh(dir.write("odd.obj",
+                           "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 1.0000002 0 0\nv 7 7 0.5\n"
+                           "f 1 2 3\nf 5 4 3\nf 3 2 1\nf 1 2 5\nl 1 4\n"));
     CHECK(mesh.points.size() == 4);
     CHECK(mesh.triangles.size() == 2);
     CHECK(mesh.dropped == 2);
@@ -223,36 +219,37 @@ TEST_CASE("files that are no meshes are refused", "[mesh]") {
     using test::expectError;
     expectError(Kind::Io, {"none.obj", "No such file"}, [&] { readMesh(dir / "none.obj"); });
     expectError(Kind::Io, {"folder"}, [&] { readMesh(dir.path().string()); });
-    expectError(Kind::BadInput, {"empty"}, [&] { readMesh(write(dir, "empty.ply", "")); });
+    expectError(Kind::BadInput, {"empty"}, [&] { readMesh(dir.write("empty.ply", "")); });
     expectError(Kind::BadInput, {"a.txt", ".obj", ".glb"},
-                [&] { readMesh(write(dir, "a.txt", "v 0 0 0\n")); });
+                [&] { readMesh(dir.write("a.txt", "v 0 0 0\n")); });
     for (const char* name :
          {"junk.obj", "junk.ply", "junk.stl", "junk.off", "junk.gltf", "junk.glb"}) {
         INFO(name);
         std::string junk = "\x01\x02 nothing of the kind \xff\n";
         for (int k = 0; k < 6; ++k) junk += junk;
-        expectError(Kind::BadInput, {name}, [&] { readMesh(write(dir, name, junk)); });
+        expectError(Kind::BadInput, {name}, [&] { readMesh(dir.write(name, junk)); });
     }
     expectError(Kind::BadInput, {"readPointCloud"}, [&] {
-        readMesh(write(dir, "points.ply",
-                       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
-                       "y\nproperty float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n"));
+        readMesh(
+            dir.write("points.ply",
+                      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float "
+                      "y\nproperty float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n"));
     });
     for (const char* corner : {"3", "-1", "0.5", "nan"})
         expectError(Kind::BadInput, {"corner.ply, byte", corner + std::string(" of 3")}, [&] {
-            readMesh(write(dir, "corner.ply",
-                           "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar float "
-                           "vertex_indices\nelement vertex 3\nproperty float x\nproperty float "
-                           "y\nproperty float z\nend_header\n3 0 1 " +
-                               std::string(corner) + "\n0 0 0\n1 0 0\n0 1 0\n"));
+            readMesh(dir.write("corner.ply",
+                               "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar float "
+                               "vertex_indices\nelement vertex 3\nproperty float x\nproperty float "
+                               "y\nproperty float z\nend_header\n3 0 1 " +
+                                   std::string(corner) + "\n0 0 0\n1 0 0\n0 1 0\n"));
         });
     expectError(Kind::BadInput, {"readPointCloud"},
-                [&] { readMesh(write(dir, "points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")); });
+                [&] { readMesh(dir.write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")); });
     expectError(Kind::BadInput, {"not finite", "nan"}, [&] {
-        readMesh(write(dir, "nan.off", "OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"));
+        readMesh(dir.write("nan.off", "OFF\n3 1 0\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n"));
     });
     expectError(Kind::BadInput, {"shrunk"},
-                [&] { readMesh(write(dir, "dot.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n")); });
+                [&] { readMesh(dir.write("dot.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n")); });
     // Cut off anywhere: an error where the format knows how much there should be, never a crash.
     const TriangleMesh sphere = test::sphereMesh({}, 1, 2);
     for (const char* name : {"cut.ply", "cut.stl", "cut.gltf", "cut.off", "cut.obj"})

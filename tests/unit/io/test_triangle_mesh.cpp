@@ -77,17 +77,17 @@ TEST_CASE("points are welded within a millionth of the diagonal", "[mesh]") {
 }
 
 TEST_CASE("absurd sizes are refused before anything is allocated", "[mesh]") {
-    using Kind = Error::Kind;
     const TriangleMesh mesh = test::sheet(2, 2, square);
     CHECK(estimatedVoxels(mesh, 0.01) == Approx(60000));
     CHECK_NOTHROW(requireReasonable(mesh, 0.001));
-    test::expectError(Kind::InvalidArgument, {"6e+10", "1e+09", "7.746e-05"},
+    test::expectError(Error::Kind::InvalidArgument, {"6e+10", "1e+09", "7.746e-05"},
                       [&] { requireReasonable(mesh, 1e-5); });
     for (const double dx : {0.0, -1.0, kInfinity, std::nan("")})
-        test::expectError(Kind::InvalidArgument, {"voxel size"},
+        test::expectError(Error::Kind::InvalidArgument, {"voxel size"},
                           [&] { requireReasonable(mesh, dx); });
     const TriangleMesh far = test::moved(mesh, [](const Vec3d& p) { return p + Vec3d{1e9, 0, 0}; });
-    test::expectError(Kind::InvalidArgument, {"origin"}, [&] { requireReasonable(far, 0.1); });
+    test::expectError(Error::Kind::InvalidArgument, {"origin"},
+                      [&] { requireReasonable(far, 0.1); });
 }
 
 }  // namespace

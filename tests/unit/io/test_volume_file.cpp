@@ -18,11 +18,6 @@ using test::expectError;
 using test::gzipped;
 using test::TempDir;
 
-std::string write(const TempDir& dir, const std::string& name, const std::string& bytes) {
-    std::ofstream(dir / name, std::ios::binary) << bytes;
-    return dir / name;
-}
-
 /// 2 x 3 x 4 numbers from 0 on.
 std::vector<float> counted() {
     std::vector<float> values(24);
@@ -103,7 +98,7 @@ TEST_CASE("NIfTI-1 and 2 of either byte order, raw and compressed", "[volume]") 
                 header.sform(kSheared);
                 std::string bytes = header.bytes() + bytesOf(counted(), big);
                 if (packed) bytes = gzipped(bytes);
-                const VoxelVolume v = readVolume(write(dir, packed ? "a.nii.gz" : "a.nii", bytes));
+                const VoxelVolume v = readVolume(dir.write(packed ? "a.nii.gz" : "a.nii", bytes));
                 CHECK(v.size == std::array<std::size_t, 3>{2, 3, 4});
                 CHECK(v.values == counted());
                 CHECK(v.axis[0] == Vec3d{-2, 0, 0});
@@ -126,7 +121,7 @@ TEST_CASE("the qform of NIfTI is a rotation, and its first spacing mirrors", "[v
             header.qform({0.5, 0.5, 0.5}, {1, 2, 3});
             for (std::size_t d = 0; d < 4; ++d) header.pixdim(d, d == 0 ? handed : double(d) + 1);
             const VoxelVolume v =
-                readVolume(write(dir, "a.nii", header.bytes() + bytesOf(counted())));
+                readVolume(dir.write("a.nii", header.bytes() + bytesOf(counted())));
             CHECK(v.origin == Vec3d{1, 2, 3});
             CHECK(length(v.axis[0] - Vec3d{0, 2, 0}) < 1e-12);
             CHECK(length(v.axis[1] - Vec3d{0, 0, 3}) < 1e-12);
@@ -145,8 +140,8 @@ TEST_CASE("scale and intercept of NIfTI are applied, and every type is read", "[
         header.datatype(type);
         header.number(112, 176, 0.5);
         header.number(116, 184, -3);
-        const VoxelVolume v = readVolume(write(
-            dir, "a.nii", header.bytes() + bytesOf(std::vector<T>(values.begin(), values.end()))));
+        const VoxelVolume v = readVolume(dir.write(
+            "a.nii", header.bytes() + bytesOf(std::vector<T>(values.begin(), values.end()))));
         for (std::size_t k = 0; k < 24; ++k) CHECK(v.values[k] == 0.5f * values[k] - 3);
     };
     check(2, std::uint8_t());
@@ -167,11 +162,11 @@ TEST_CASE("a pair of files, named by either", "[volume]") {
     header.sform(kSheared);
     header.magic("ni1");
     header.number(108, 168, 0);
-    write(dir, "a.hdr", header.bytes().substr(0, 348));
-    write(dir, "a.img", bytesOf(counted()));
+    dir.write("a.hdr", header.bytes().substr(0, 348));
+    dir.write("a.img", bytesOf(counted()));
     for (const char* name : {"a.hdr", "a.img"}) CHECK(readVolume(dir / name).values == counted());
-    write(dir, "b.hdr.gz", gzipped(header.bytes().substr(0, 348)));
-    write(dir, "b.img.gz", gzipped(bytesOf(counted())));
+    dir.write("b.hdr.gz", gzipped(header.bytes().substr(0, 348)));
+    dir.write("b.img.gz", gzipped(bytesOf(counted())));
     CHECK(readVolume(dir / "b.hdr.gz").values == counted());
     CHECK(readVolume(dir / "b.img.gz").values == counted());
     std::filesystem::remove(dir / "a.img");
@@ -189,7 +184,7 @@ TEST_CASE("NIfTI that is no volume of numbers is refused", "[volume]") {
         bytes.resize(bytes.size() - cut);
         for (const bool packed : {false, true}) {
             const std::string file =
-                write(dir, packed ? "a.nii.gz" : "a.nii", packed ? gzipped(bytes) : bytes);
+                dir.write(packed ? "a.nii.gz" : "a.nii", packed ? gzipped(bytes) : bytes);
             INFO(says[0]);
             expectError(Kind::BadInput, says, [&] { readVolume(file); });
         }
@@ -208,11 +203,11 @@ TEST_CASE("NIfTI that is no volume of numbers is refused", "[volume]") {
     std::vector<float> values = counted();
     values[9] = std::numeric_limits<float>::quiet_NaN();
     refused({"voxel 1,1,1", "a.nii", "nan"}, same, values);
-    const std::string none = write(dir, "b.nii", "hello"),
-                      damaged = write(dir, "b.nii.gz", "\x1f\x8bhello, no gzip");
+    const std::string none = dir.write("b.nii", "hello"),
+                      damaged = dir.write("b.nii.gz", "\x1f\x8bhello, no gzip");
     expectError(Kind::BadInput, {"b.nii", "no NIfTI"}, [&] { readVolume(none); });
     expectError(Kind::BadInput, {"b.nii.gz", "damaged"}, [&] { readVolume(damaged); });
-    const std::string vdb = write(dir, "b.vdb", "hello");
+    const std::string vdb = dir.write("b.vdb", "hello");
     expectError(Kind::BadInput, {"b.vdb", ".nii"}, [&] { readVolume(vdb); });
 }
 
@@ -220,7 +215,7 @@ TEST_CASE("NIfTI without an orientation says so", "[volume]") {
     const TempDir dir;
     Header header(1);
     for (std::size_t d = 0; d < 4; ++d) header.pixdim(d, double(d));
-    const VoxelVolume v = readVolume(write(dir, "a.nii", header.bytes() + bytesOf(counted())));
+    const VoxelVolume v = readVolume(dir.write("a.nii", header.bytes() + bytesOf(counted())));
     CHECK(v.axis[2] == Vec3d{0, 0, 3});
     REQUIRE(v.warnings.size() == 1);
     CHECK(v.warnings[0].find("neither sform nor qform") != std::string::npos);
@@ -258,7 +253,7 @@ TEST_CASE("MGH of every type, raw and compressed", "[volume]") {
             INFO(kind << packed);
             const std::string bytes = mgh(type, voxels, kTurned);
             const std::string file =
-                write(dir, packed ? "a.mgz" : "a.mgh", packed ? gzipped(bytes) : bytes);
+                dir.write(packed ? "a.mgz" : "a.mgh", packed ? gzipped(bytes) : bytes);
             CHECK(isVolumeFile(file));
             const VoxelVolume v = readVolume(file);
             CHECK(v.kind == "MGH, " + kind);
@@ -282,7 +277,7 @@ TEST_CASE("MGH of every type, raw and compressed", "[volume]") {
     check(4, "int16", as(std::uint16_t{}));
     check(10, "uint16", as(std::uint16_t{}));
 
-    const VoxelVolume bare = readVolume(write(dir, "b.mgh", mgh(0, chars)));
+    const VoxelVolume bare = readVolume(dir.write("b.mgh", mgh(0, chars)));
     CHECK(bare.axis == std::array<Vec3d, 3>{{{-1, 0, 0}, {0, 0, -1}, {0, 1, 0}}});
     CHECK(bare.origin == Vec3d{1, -2, 1.5});
     REQUIRE(bare.warnings.size() == 1);
@@ -294,7 +289,7 @@ TEST_CASE("MGH that is no volume of numbers is refused", "[volume]") {
     const auto refused = [&](const std::string& name, const std::string& bytes,
                              const std::vector<std::string>& says) {
         INFO(name);
-        const std::string file = write(dir, name, bytes);
+        const std::string file = dir.write(name, bytes);
         expectError(Kind::BadInput, says, [&] { readVolume(file); });
     };
     const std::string good = mgh(3, bytesOf(counted(), true), kTurned);
@@ -329,8 +324,8 @@ TEST_CASE("NRRD raw, gzip and text, in one file or two", "[volume]") {
     const std::string raw = bytesOf(counted());
     std::string text;
     for (const float v : counted()) text += std::to_string(int(v)) + (v == 7 ? "\n" : " ");
-    write(dir, "a.raw", "two lines\nto skip\n" + raw);
-    write(dir, "b.raw", "some bytes" + raw);
+    dir.write("a.raw", "two lines\nto skip\n" + raw);
+    dir.write("b.raw", "some bytes" + raw);
     for (const auto& [name, bytes] :
          {std::pair("a.nrrd", kNrrd + "encoding: raw\n\n" + raw),
           {"b.nrrd", kNrrd + "encoding: gzip\n\n" + gzipped(raw)},
@@ -338,7 +333,7 @@ TEST_CASE("NRRD raw, gzip and text, in one file or two", "[volume]") {
           {"d.nhdr", kNrrd + "encoding: raw\nline skip: 2\ndata file: a.raw\n"},
           {"e.nhdr", kNrrd + "encoding: raw\nbyte skip: -1\ndatafile: b.raw\n"}}) {
         INFO(name);
-        const VoxelVolume v = readVolume(write(dir, name, bytes));
+        const VoxelVolume v = readVolume(dir.write(name, bytes));
         CHECK(v.size == std::array<std::size_t, 3>{2, 3, 4});
         CHECK(v.values == counted());
         CHECK(v.axis[1] == Vec3d{0.5, 3, 0});
@@ -355,7 +350,7 @@ TEST_CASE("NRRD that is no volume of numbers is refused", "[volume]") {
         INFO(says[0]);
         std::string bytes = kNrrd + "encoding: raw\n\n" + data;
         bytes.replace(bytes.find(from), from.size(), to);
-        const std::string file = write(dir, "a.nrrd", bytes);
+        const std::string file = dir.write("a.nrrd", bytes);
         expectError(Kind::BadInput, says, [&] { readVolume(file); });
     };
     refused({"a.nrrd", "no NRRD"}, "NRRD0004", "PNG", raw);
@@ -369,7 +364,7 @@ TEST_CASE("NRRD that is no volume of numbers is refused", "[volume]") {
     refused({"a.nrrd", "cut off"}, "encoding: raw", "encoding: gzip", gzipped(raw).substr(0, 30));
     refused({"a.nrrd", "2^34"}, "sizes: 2 3 4", "sizes: 2000000 3000000 4", raw);
     refused({"a.nrrd", "several files"}, "kinds: domain domain domain", "data file: LIST", raw);
-    const std::string lonely = write(dir, "b.nhdr", kNrrd + "encoding: raw\ndata file: none.raw\n");
+    const std::string lonely = dir.write("b.nhdr", kNrrd + "encoding: raw\ndata file: none.raw\n");
     expectError(Kind::Io, {"none.raw"}, [&] { readVolume(lonely); });
 }
 

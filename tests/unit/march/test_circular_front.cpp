@@ -25,7 +25,7 @@ std::vector<JetNeighbor> lattice(std::mt19937& random, const JetAt& at) {
 }
 
 /// At `p` the front that spreads from a source (sign 1), or narrows to a focus (-1).
-JetNeighbor onCircle(Vec2f p, Vec2f middle, float sign) {
+JetNeighbor aroundMiddle(Vec2f p, Vec2f middle, float sign) {
     const Vec2f r = p - middle;
     return {-1.0f * p, (sign / length(r)) * r, double(sign * length(r))};
 }
@@ -44,7 +44,7 @@ TEST_CASE("fitCircularFront is exact for circular fronts, at a focus and beside 
                 const float a = angle(random);
                 const Vec2f middle{distance * std::cos(a), distance * std::sin(a)};
                 const auto jet = fitCircularFront(
-                    lattice(random, [&](Vec2f p) { return onCircle(p, middle, sign); }));
+                    lattice(random, [&](Vec2f p) { return aroundMiddle(p, middle, sign); }));
                 if (!jet) {
                     ++missing;
                     continue;
@@ -92,7 +92,7 @@ TEST_CASE("fitCircularFront takes the least of two plane fronts, at whatever ang
 }
 
 TEST_CASE("fitCircularFront: nothing where neighbors are few, ahead of the point, or at odds") {
-    const auto at = [](float x, float y) { return onCircle({x, y}, {9, 1}, -1); };
+    const auto at = [](float x, float y) { return aroundMiddle({x, y}, {9, 1}, -1); };
     CHECK(!fitCircularFront({}));
     CHECK(!fitCircularFront(std::vector{at(-1, 0), at(-1, 1)}));
     // Two are enough for a front that has no focus here.

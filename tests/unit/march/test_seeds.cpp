@@ -16,7 +16,7 @@ SurfacePoint at(const Vec3d& p, bool joined = false) {
     return s;
 }
 
-Band plane() { return planeBand({0, 0, 1}, 0.2, {-20, -20, -3}, {20, 20, 3}, 1.8); }
+Band levelPlane() { return planeBand({0, 0, 1}, 0.2, {-20, -20, -3}, {20, 20, 3}, 1.8); }
 
 }  // namespace
 
@@ -66,7 +66,7 @@ TEST_CASE("SeedsNear: finds all within the radius, far from the origin as well")
 }
 
 TEST_CASE("seedsAlong: segments of half a voxel from end to end") {
-    const Band band = plane();
+    const Band band = levelPlane();
     Curve curve;
     curve.points = {{-5, 0, 0}, {5, 0.3, 1}, {5, 6, 0.2}};
     curve.start = 2;
@@ -96,7 +96,7 @@ TEST_CASE("seedsAlong: a point far away makes no more segments than the surface 
 }
 
 TEST_CASE("seedsAlong: curves off the surface are refused") {
-    const Band band = plane();
+    const Band band = levelPlane();
     using Kind = Error::Kind;
     expectError(Kind::InvalidArgument, {"no points"}, [&] { seedsAlong(band, {}, 1); });
     expectError(Kind::InvalidArgument, {"point 1", "2.8", "maxSnap"}, [&] {

@@ -13,12 +13,12 @@
 namespace igeo::test {
 namespace {
 
-const Vec3d kCenter{1.37, -2.91, 4.13};
-constexpr double kRadius = 6;
+const Vec3d kBallCenter{1.37, -2.91, 4.13};
+constexpr double kBallRadius = 6;
 
 /// A sphere whose placement in the world is anything but plain.
 Band placedSphere() {
-    Band band = sphereBand(kCenter, kRadius, 1.8);
+    Band band = sphereBand(kBallCenter, kBallRadius, 1.8);
     const auto m = rotatedTransform(0.25, {1, -2, 3}, 40, {10, -20, 5});
     const auto image = [&](const openvdb::Vec3d& p) {
         const openvdb::Vec3d q = m->indexToWorld(p);
@@ -50,7 +50,7 @@ typename Grid::Ptr sampled(const openvdb::math::Transform::Ptr& transform, const
                            const F& f) {
     const auto grid = Grid::create();
     grid->setTransform(transform);
-    const Vec3d middle = band.transform.worldFromIndex(kCenter);
+    const Vec3d middle = band.transform.worldFromIndex(kBallCenter);
     const openvdb::Coord c = openvdb::Coord::round(
         transform->worldToIndex(openvdb::Vec3d(middle.x, middle.y, middle.z)));
     const auto box = openvdb::CoordBBox::createCube(c.offsetBy(-32), 64);
@@ -99,7 +99,7 @@ TEST_CASE("sampleWeight: a linear weight is exact, whatever the grid's placement
 }
 
 TEST_CASE("sampleWeight: on the band's own voxels the world has no effect") {
-    Band band = sphereBand(kCenter, kRadius, 1.8);
+    Band band = sphereBand(kBallCenter, kBallRadius, 1.8);
     const auto grid = openvdb::FloatGrid::create(3);
     for (NodeIndex i = 0; i < band.size(); ++i) {
         const Ijk v = band.ijk(i);
@@ -112,7 +112,7 @@ TEST_CASE("sampleWeight: on the band's own voxels the world has no effect") {
 }
 
 TEST_CASE("sampleWeight: constant along normals, and the same on any number of threads") {
-    const Band band = sphereBand(kCenter, 3 * kRadius, 1.8);
+    const Band band = sphereBand(kBallCenter, 3 * kBallRadius, 1.8);
     const auto grid = sampled<openvdb::FloatGrid>(
         openvdb::math::Transform::createLinearTransform(0.7), band,
         [](const openvdb::Vec3d& p) { return float(2 + std::sin(p.x()) * std::cos(p.y())); });
@@ -129,7 +129,7 @@ TEST_CASE("sampleWeight: constant along normals, and the same on any number of t
 }
 
 TEST_CASE("sampleWeight: voxels that are not active count as the background") {
-    const Band band = sphereBand(kCenter, kRadius, 1.8);
+    const Band band = sphereBand(kBallCenter, kBallRadius, 1.8);
     LoadedGrid half = constant(2, 5, kLow, {1, 20, 20});
     editable(half).tree().setValueOff({3, -3, 10}, 77);  // inactive, and not to be seen
     const auto weight = sampleWeight(half, band);
@@ -186,7 +186,7 @@ TEST_CASE("sampleWeight: refuses what is no weight, with place, value and remedy
 }
 
 TEST_CASE("sampleWeight: refuses a grid that lies elsewhere or nowhere") {
-    const Band band = sphereBand(kCenter, kRadius, 1.8);
+    const Band band = sphereBand(kBallCenter, kBallRadius, 1.8);
     const auto bad = Error::Kind::BadInput;
     // Positive as its background is.
     expectError(bad, {"none of the grid's active voxels", "99.5,-0.5,-0.5 to 103.5,5.5,6.5"}, [&] {
@@ -245,7 +245,7 @@ TEST_CASE("sampleTensor: turned into index axes, lengths stay") {
 }
 
 TEST_CASE("sampleTensor: refuses what is no metric, with place and eigenvalue") {
-    const Band band = sphereBand(kCenter, kRadius, 1.8);
+    const Band band = sphereBand(kBallCenter, kBallRadius, 1.8);
     const auto bad = Error::Kind::BadInput;
     const auto vectors = [&](const openvdb::Vec3s& value, const openvdb::Vec3s& background = {}) {
         const auto grid = openvdb::Vec3SGrid::create(background);

@@ -13,8 +13,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
-
 struct Miss {
     double mean = 0, worst = 0;  ///< voxels
     int walks = 0;

@@ -15,7 +15,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
 constexpr double kRadius = 0.4, kDx = 0.02;  // 20 voxels
 
 struct Solved {

@@ -11,12 +11,12 @@
 namespace igeo::test {
 namespace {
 
-const Vec3d kCenter{0.3, -0.2, 0.1};
-constexpr double kRadius = 20, kStartRadius = 3.5;
+const Vec3d kBallCenter{0.3, -0.2, 0.1};
+constexpr double kBallRadius = 20, kStartRadius = 3.5;
 
 /// Exact distances on the sphere from `seed`.
 struct Sphere : Pinned {
-    Band band = sphereBand(kCenter, kRadius, 2);
+    Band band = sphereBand(kBallCenter, kBallRadius, 2);
     Field field;
 
     explicit Sphere(const Vec3d& direction, double start = 0) {
@@ -31,11 +31,11 @@ struct Sphere : Pinned {
         field.gradient = surfaceGradient(field);
     }
     SurfacePoint at(const Vec3d& direction) const {
-        return nearestSurfacePoint(band, kCenter + kRadius * normalized(direction));
+        return nearestSurfacePoint(band, kBallCenter + kBallRadius * normalized(direction));
     }
     static double geodesic(const Vec3d& p, const Vec3d& q) {
-        const Vec3d a = p - kCenter, b = q - kCenter;
-        return kRadius * std::atan2(length(cross(a, b)), dot(a, b));
+        const Vec3d a = p - kBallCenter, b = q - kBallCenter;
+        return kBallRadius * std::atan2(length(cross(a, b)), dot(a, b));
     }
     Path trace(const SurfacePoint& target) const { return tracePath(field, target); }
 };
@@ -66,14 +66,14 @@ void checkConsistent(const Sphere& s, const Path& path) {
 
 TEST_CASE("tracePath: great circles on the sphere") {
     const Sphere s({1, 2, 3});
-    const Vec3d toSeed = s.field.seeds[0].pIndex - kCenter;
+    const Vec3d toSeed = s.field.seeds[0].pIndex - kBallCenter;
     std::mt19937 random(1);
     std::normal_distribution<double> normal;
     for (int trial = 0; trial < 100; ++trial) {
         const SurfacePoint target = s.at({normal(random), normal(random), normal(random)});
         const double exact = Sphere::geodesic(target.pIndex, s.field.seeds[0].pIndex);
         // The antipode and the start disc have tests of their own.
-        if (exact < kStartRadius || exact > 0.9 * kRadius * M_PI) continue;
+        if (exact < kStartRadius || exact > 0.9 * kBallRadius * M_PI) continue;
         const Path path = s.trace(target);
         INFO("trial " << trial << ", distance " << exact);
         REQUIRE(path.status == PathStatus::Reached);
@@ -85,10 +85,10 @@ TEST_CASE("tracePath: great circles on the sphere") {
         // of that times r / r' from its start at L: r (1/r^2 - 1/L^2) / 2 < 1 / (2 r), so at most
         // 1 / 7 at the start disc, where it goes straight to the seed. The sphere's curvature
         // adds the same with R for r over the whole length: 2.7 R / R^2 = 0.14.
-        const Vec3d n = normalized(cross(toSeed, target.pIndex - kCenter));
+        const Vec3d n = normalized(cross(toSeed, target.pIndex - kBallCenter));
         double deviation = 0;
         for (const PathVertex& v : path.vertices)
-            deviation = std::max(deviation, std::abs(dot(n, v.pIndex - kCenter)));
+            deviation = std::max(deviation, std::abs(dot(n, v.pIndex - kBallCenter)));
         CHECK(deviation < 0.083);  // measured 0.055
 
         // Length: half the square of those angles; chords of 1 voxel are short by 1 / (24 R^2) of
@@ -97,7 +97,7 @@ TEST_CASE("tracePath: great circles on the sphere") {
         CHECK(std::abs(path.weightedLength - exact) <
               6.8e-4 * exact + 0.0061);  // measured 1 / 1.5 of it
         // Trilinear sampling of d: 1 / 8 of second derivatives of at most 1 / r + 1 / R per axis.
-        CHECK(std::abs(path.distance - exact) < 0.07 * (1 / kStartRadius + 1 / kRadius));
+        CHECK(std::abs(path.distance - exact) < 0.07 * (1 / kStartRadius + 1 / kBallRadius));
     }
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("tracePath: targets within the start disc go straight") {
     // On the surface: longer than the chord, by c^3 / (24 R^2) and the interpolant's 1 / (4 R) ups
     // and downs over each of the 3 pieces.
     CHECK(path.weightedLength >= chord);
-    CHECK(path.weightedLength < chord + 3 * (0.25 / kRadius) * (0.25 / kRadius) + 0.01);
+    CHECK(path.weightedLength < chord + 3 * (0.25 / kBallRadius) * (0.25 / kBallRadius) + 0.01);
 }
 
 TEST_CASE("tracePath: a target at the seed is a path of length 0") {
@@ -131,7 +131,7 @@ TEST_CASE("tracePath: from the antipode some shortest path") {
     const Path path = s.trace(antipode);
     CHECK(path.status == PathStatus::Reached);
     checkConsistent(s, path);
-    const double exact = kRadius * M_PI;
+    const double exact = kBallRadius * M_PI;
     CHECK(path.weightedLength > exact * (1 - 1e-3) - 0.2);
     // Until the gradient is of use, some 3 voxels from the antipode, steps lead from node to node:
     // at most sqrt(3) of them per voxel of descent.
@@ -152,7 +152,7 @@ TEST_CASE("tracePath: from node to node where the gradient is of no use") {
         // Paths along the 26 neighbors of a lattice are longer than straight ones by at most
         // sqrt(1 + (sqrt 2 - 1)^2 + (sqrt 3 - sqrt 2)^2) = 1.128, and a voxel at each end; foot
         // points of voxels within 1 of the surface are spread by at most R / (R - 1).
-        CHECK(path.weightedLength < 1.128 * kRadius / (kRadius - 1) * exact + 2);
+        CHECK(path.weightedLength < 1.128 * kBallRadius / (kBallRadius - 1) * exact + 2);
     }
 }
 

@@ -15,8 +15,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
-
 /// A sphere with three isolines, a path across them, and all that cut into it.
 struct Carved {
     Meshed m;

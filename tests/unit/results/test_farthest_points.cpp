@@ -12,12 +12,12 @@
 namespace igeo::test {
 namespace {
 
-const Vec3d kCenter{0.3, -0.2, 0.1};
-constexpr double kRadius = 20;
+const Vec3d kBallCenter{0.3, -0.2, 0.1};
+constexpr double kBallRadius = 20;
 
 double onSphere(const Vec3d& p, const Vec3d& q) {
-    const Vec3d a = p - kCenter, b = q - kCenter;
-    return kRadius * std::atan2(length(cross(a, b)), dot(a, b));
+    const Vec3d a = p - kBallCenter, b = q - kBallCenter;
+    return kBallRadius * std::atan2(length(cross(a, b)), dot(a, b));
 }
 
 std::vector<Vec3d> coreFeet(const Band& band) {
@@ -73,7 +73,7 @@ struct BallObstacle : Obstacles {
 }  // namespace
 
 TEST_CASE("farthestPoints on the sphere: as far apart as the greedy choice with exact distances") {
-    const Band band = sphereBand(kCenter, kRadius, 2);
+    const Band band = sphereBand(kBallCenter, kBallRadius, 2);
     constexpr std::size_t kCount = 60;
     const auto points = positions(farthestPoints(band, {}, {}, kCount));
     REQUIRE(points.size() == kCount);
@@ -85,7 +85,7 @@ TEST_CASE("farthestPoints on the sphere: as far apart as the greedy choice with 
     }
     // Whatever was chosen before, each choice is the farthest there is, but for the errors of two
     // distances (0.1 % of the largest, docs/accuracy.md) and the snap to psi = 0, 1 / (4 R).
-    const double tolerance = 2 * 0.001 * M_PI * kRadius + 0.25 / kRadius;
+    const double tolerance = 2 * 0.001 * M_PI * kBallRadius + 0.25 / kBallRadius;
     std::vector<double> nearest(feet.size(), kInfinity);
     for (std::size_t k = 1; k < kCount; ++k) {
         double farthest = 0, chosen = kInfinity;
@@ -137,7 +137,7 @@ TEST_CASE("farthestPoints on a plane: the opposite corner, then the sides") {
 }
 
 TEST_CASE("farthestPoints: any beginning is a sampling, on any number of threads") {
-    const Band band = sphereBand(kCenter, 12, 2);
+    const Band band = sphereBand(kBallCenter, 12, 2);
     const auto nodes = [&](std::size_t count, int threads) {
         const ThreadLimit limit(threads);
         std::vector<NodeIndex> n;
@@ -151,7 +151,7 @@ TEST_CASE("farthestPoints: any beginning is a sampling, on any number of threads
 }
 
 TEST_CASE("farthestPoints: a constant weight changes nothing, obstacles are kept free") {
-    const Band band = sphereBand(kCenter, 12, 2);
+    const Band band = sphereBand(kBallCenter, 12, 2);
     const auto twice = std::make_shared<Metric>();
     twice->weight.assign(band.size(), 2.0f);
     const auto plain = farthestPoints(band, {}, {}, 20),
@@ -159,7 +159,7 @@ TEST_CASE("farthestPoints: a constant weight changes nothing, obstacles are kept
     for (std::size_t k = 0; k < 20; ++k) CHECK(plain[k].node == heavy[k].node);
 
     const auto ball = std::make_shared<BallObstacle>();
-    ball->center = kCenter + Vec3d{12, 0, 0}, ball->radius = 6;
+    ball->center = kBallCenter + Vec3d{12, 0, 0}, ball->radius = 6;
     const auto metric = std::make_shared<Metric>();
     metric->setObstacles(band, ball);
     for (const SurfacePoint& p : farthestPoints(band, metric, {}, 60))
@@ -188,9 +188,9 @@ TEST_CASE("farthestPoints: every foot point once, and no more") {
 }
 
 TEST_CASE("JetOptions::below: only the cell is marched, and as ever") {
-    const Band band = sphereBand(kCenter, kRadius, 2);
-    const SurfacePoint a = nearestSurfacePoint(band, kCenter + Vec3d{3, 5, kRadius});
-    const SurfacePoint b = nearestSurfacePoint(band, kCenter + Vec3d{kRadius, 2, 8});
+    const Band band = sphereBand(kBallCenter, kBallRadius, 2);
+    const SurfacePoint a = nearestSurfacePoint(band, kBallCenter + Vec3d{3, 5, kBallRadius});
+    const SurfacePoint b = nearestSurfacePoint(band, kBallCenter + Vec3d{kBallRadius, 2, 8});
     const Field first = marchJet(band, {}, {a}), second = marchJet(band, {}, {b});
     JetOptions options;
     options.below = &first.distance;

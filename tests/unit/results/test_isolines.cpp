@@ -19,8 +19,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
-
 std::vector<Isoline> linesOf(const Meshed& m, const std::vector<double>& levels) {
     return isolines(m.field, m.mesh, levels);
 }

@@ -16,7 +16,7 @@ namespace {
 
 const Vec3d kNormal = normalized(Vec3d{0.2, -0.3, 1});
 
-Band plane() { return planeBand(kNormal, 0.4, {-20, -16, -12}, {20, 16, 12}, 2); }
+Band tiltedPlane() { return planeBand(kNormal, 0.4, {-20, -16, -12}, {20, 16, 12}, 2); }
 
 /// By how much the map leads past a node, sideways: what it has closer than the field, whose
 /// distances are those of the map. Voxels.
@@ -45,7 +45,7 @@ constexpr double kFloat = 5.7e-5;
 }  // namespace
 
 TEST_CASE("logMap: the plane itself") {
-    const Band band = plane();
+    const Band band = tiltedPlane();
     const SurfacePoint seed = nearestSurfacePoint(band, {1.3, -2.2, 0});
     const Field field = marchJet(band, {}, {seed});
     const LogMap map = logMap(field);
@@ -67,7 +67,7 @@ TEST_CASE("logMap: the plane itself") {
 }
 
 TEST_CASE("logMap: each node in the frame of the seed it is nearest to; starts are no length") {
-    const Band band = plane();
+    const Band band = tiltedPlane();
     SurfacePoint late = nearestSurfacePoint(band, {-12, 5, 0});
     late.start = 4;
     const Field field = marchJet(band, {}, {nearestSurfacePoint(band, {9, -4, 0}), late});
@@ -82,7 +82,7 @@ TEST_CASE("logMap: each node in the frame of the seed it is nearest to; starts a
 }
 
 TEST_CASE("logMap: a constant weight scales it") {
-    const Band band = plane();
+    const Band band = tiltedPlane();
     const auto metric = std::make_shared<Metric>();
     metric->weight.assign(band.size(), 3.0f);
     const Field field = marchJet(band, metric, {nearestSurfacePoint(band, {1.3, -2.2, 0})});
@@ -115,7 +115,7 @@ TEST_CASE("logMap: a cylinder unrolled") {
 }
 
 TEST_CASE("logMap: unknown where nothing arrived, and not active in its grid") {
-    Band band = plane();
+    Band band = tiltedPlane();
     band.transform.dx = 0.5;
     JetOptions options;
     options.maxDistance = 9;

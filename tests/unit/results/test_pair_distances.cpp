@@ -12,7 +12,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
 const double kH = std::sqrt(3.0);
 
 struct Surface {

@@ -13,7 +13,7 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(3, -2, 1);
+const openvdb::Vec3d kBall(3, -2, 1);
 
 /// The least distance between two of the points.
 double leastGap(std::vector<Vec3d> points) {
@@ -30,10 +30,10 @@ double leastGap(std::vector<Vec3d> points) {
 
 TEST_CASE("samplesOf: on a sphere, each foot point of the core once") {
     const double dx = 0.05, r = 0.8;
-    const Meshed m = meshed(sphere(kCenter, r), dx, {kCenter + openvdb::Vec3d(0, 0, r)});
+    const Meshed m = meshed(sphere(kBall, r), dx, {kBall + openvdb::Vec3d(0, 0, r)});
     const Samples s = samplesOf(m.field);
     CHECK(s.position.size() == m.band.coreSize());
-    const Vec3d center{kCenter.x(), kCenter.y(), kCenter.z()}, seed{0, 0, 1};
+    const Vec3d center{kBall.x(), kBall.y(), kBall.z()}, seed{0, 0, 1};
     double off = 0, error = 0, tilt = 0;
     for (std::size_t k = 0; k < s.position.size(); ++k) {
         const Vec3d n = normalized(s.position[k] - center);

@@ -9,15 +9,13 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(3, -2, 1);
+const openvdb::Vec3d kAway(3, -2, 1);
 constexpr double kDx = 0.05, kRadius = 0.8;
-
-Vec3f ramp(double t) { return {float(t), 0.25f, float(1 - t)}; }
 
 /// Two spheres, of which one is reached.
 Meshed solved() {
-    return meshed(twoSpheres(kCenter, kRadius, kCenter + openvdb::Vec3d(3, 0, 0), 0.5), kDx,
-                  {kCenter + openvdb::Vec3d(kRadius, 0, 0)});
+    return meshed(twoSpheres(kAway, kRadius, kAway + openvdb::Vec3d(3, 0, 0), 0.5), kDx,
+                  {kAway + openvdb::Vec3d(kRadius, 0, 0)});
 }
 
 std::uint32_t wordAt(const std::string& bytes, std::size_t at) {
@@ -58,7 +56,7 @@ struct Glb {
 
 TEST_CASE("sampleField: gradients point away from the seed and have length 1") {
     const Meshed m = solved();
-    const Vec3d center = m.band.transform.indexFromWorld({kCenter.x(), kCenter.y(), kCenter.z()});
+    const Vec3d center = m.band.transform.indexFromWorld({kAway.x(), kAway.y(), kAway.z()});
     double tilt = 0;
     for (std::size_t v = 0; v < m.mesh.position.size(); ++v) {
         const Vec3d g(m.mesh.gradient[v]);

@@ -15,10 +15,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
-
-Vec3f ramp(double t) { return {float(t), 0.25f, float(1 - t)}; }
-
 double volumeOf(const SurfaceMesh& mesh) {
     double volume = 0;
     for (const auto& [a, b, c] : mesh.triangles)

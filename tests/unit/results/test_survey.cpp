@@ -13,8 +13,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.137, -0.291, 0.413);
-
 struct Surveyed {
     LevelSet levelSet;
     Band band;
@@ -38,7 +36,7 @@ Surveyed surveyed(const Shape& shape, double dx) { return surveyed(makeLevelSet(
 
 TEST_CASE("survey: a sphere is one closed component of genus 0, its area right to second order") {
     for (const double dx : {0.1, 0.05, 0.025}) {
-        const Surveyed s = surveyed(sphere(kCenter, 1), dx);
+        const Surveyed s = surveyed(sphere(kOffLattice, 1), dx);
         const double r = 1 / dx;
         REQUIRE(s.survey.components.size() == 1);
         const SurfaceComponent& component = s.survey.components[0];
@@ -51,8 +49,8 @@ TEST_CASE("survey: a sphere is one closed component of genus 0, its area right t
         // Foot points are of second order as well: 1 / r^2 of r, and no further from the poles than
         // the lattice lets them.
         for (int a = 0; a < 3; ++a) {
-            CHECK(component.low[a] == Approx(kCenter[a] - 1).margin(dx * dx));
-            CHECK(component.high[a] == Approx(kCenter[a] + 1).margin(dx * dx));
+            CHECK(component.low[a] == Approx(kOffLattice[a] - 1).margin(dx * dx));
+            CHECK(component.high[a] == Approx(kOffLattice[a] + 1).margin(dx * dx));
         }
         // The Hessian is off by a part of the order of 1 / r^2; it is at most 1 here.
         CHECK(s.survey.largestCurvature == Approx(1 / r).epsilon(1 / (r * r) + 0.02));
@@ -66,22 +64,22 @@ TEST_CASE("survey: a sphere is one closed component of genus 0, its area right t
 }
 
 TEST_CASE("survey: handles, components, and a placement that does not matter") {
-    const Surveyed ring = surveyed(torus(kCenter, 1, 0.4), 0.05);
+    const Surveyed ring = surveyed(torus(kOffLattice, 1, 0.4), 0.05);
     REQUIRE(ring.survey.components.size() == 1);
     CHECK(ring.survey.components[0].genus == 1);
     CHECK(ring.survey.components[0].rims == 0);
     // As for the sphere, with the smaller radius: 8 voxels.
     CHECK(ring.area() == Approx(4 * M_PI * M_PI * 0.4).epsilon(1.5 / 64));
 
-    const Surveyed turned = surveyed(
-        makeLevelSet(torus(kCenter, 1, 0.4), *rotatedTransform(0.05, {1, 2, 3}, 40, {5, 6, 7}), 3));
+    const Surveyed turned = surveyed(makeLevelSet(
+        torus(kOffLattice, 1, 0.4), *rotatedTransform(0.05, {1, 2, 3}, 40, {5, 6, 7}), 3));
     REQUIRE(turned.survey.components.size() == 1);
     CHECK(turned.survey.components[0].genus == 1);
     CHECK(turned.area() == Approx(ring.area()).epsilon(1.5 / 64));
     const Vec3d extent{1.4, 1.4, 0.4};
     for (int a = 0; a < 3; ++a)
         CHECK(turned.survey.components[0].high[a] ==
-              Approx(kCenter[a] + extent[a]).margin(0.05 / 4));
+              Approx(kOffLattice[a] + extent[a]).margin(0.05 / 4));
 
     const Surveyed two = surveyed(twoSpheres({-0.7, 0, 0}, 0.4, {0.7, 0, 0}, 0.5), 0.05);
     REQUIRE(two.survey.components.size() == 2);
@@ -137,7 +135,7 @@ TEST_CASE("survey: faces side by side are one component of two parts") {
 TEST_CASE("survey: a plane patch has one rim, and is unreliable along it only") {
     const double dx = 0.05, size = 2;
     const openvdb::Vec3d n = openvdb::Vec3d(1, 1, 2).unit();
-    const Surveyed s = surveyed(planePatch(kCenter, n, size), dx);
+    const Surveyed s = surveyed(planePatch(kOffLattice, n, size), dx);
     REQUIRE(s.survey.components.size() == 1);
     CHECK(s.survey.components[0].rims == 1);
     CHECK(s.survey.components[0].genus == 0);
@@ -151,7 +149,7 @@ TEST_CASE("survey: a plane patch has one rim, and is unreliable along it only") 
         CHECK(s.survey.unreliability[i] == 1);
         // The domain is a square in the plane: within three voxels of its boundary, the diagonal
         // of a voxel for the missing neighbor and as much again for nodes that take it over.
-        const openvdb::Vec3d p = worldOf(s.band, s.band.footPoint(i)) - kCenter;
+        const openvdb::Vec3d p = worldOf(s.band, s.band.footPoint(i)) - kOffLattice;
         const double outward = std::sqrt(p.dot(p));
         if (outward < size / 2 - 2 * std::sqrt(3.0) * dx) FAIL_CHECK("a doubt at " << p.str());
     }
@@ -159,7 +157,7 @@ TEST_CASE("survey: a plane patch has one rim, and is unreliable along it only") 
 
 TEST_CASE("survey: the sheets of a plate that is too thin are found, and how far apart they are") {
     const double dx = 0.05;
-    const Surveyed thin = surveyed(thinSheet(kCenter, 0.8, 0.6, 0.1), dx);  // 2 voxels
+    const Surveyed thin = surveyed(thinSheet(kOffLattice, 0.8, 0.6, 0.1), dx);  // 2 voxels
     CHECK_FALSE(thin.survey.bounds.resolved);
     // Sheets face each other on the flat part, 1.5 x 1.1 on both sides, less two voxels along its
     // rim; all of the surface has the half-round rim as well.
@@ -172,7 +170,7 @@ TEST_CASE("survey: the sheets of a plate that is too thin are found, and how far
     // In the middle, sheets 2 voxels apart: sqrt(3) voxels are too much by sqrt(3). psi is exact.
     std::size_t middle = 0;
     for (NodeIndex i = 0; i < thin.band.size(); ++i) {
-        const openvdb::Vec3d p = worldOf(thin.band, thin.band.footPoint(i)) - kCenter;
+        const openvdb::Vec3d p = worldOf(thin.band, thin.band.footPoint(i)) - kOffLattice;
         if (std::abs(p.x()) > 0.6 || std::abs(p.y()) > 0.4) continue;
         ++middle;
         if (std::abs(double(thin.survey.unreliability[i]) - std::sqrt(3.0)) > 0.02)
@@ -182,7 +180,7 @@ TEST_CASE("survey: the sheets of a plate that is too thin are found, and how far
     CHECK(thin.survey.resolvingSize < 1);
 
     // 6 voxels apart the sheets are further than the band sees.
-    const Surveyed thick = surveyed(thinSheet(kCenter, 0.8, 0.6, 0.3), dx);
+    const Surveyed thick = surveyed(thinSheet(kOffLattice, 0.8, 0.6, 0.3), dx);
     CHECK(thick.survey.bounds.resolved);
     CHECK(thick.count(Unreliable::Facing) == 0);
     CHECK(thick.survey.unreliable == 0);
@@ -191,7 +189,7 @@ TEST_CASE("survey: the sheets of a plate that is too thin are found, and how far
 TEST_CASE("survey: a box is unreliable at its edges, everywhere there, and nowhere else") {
     const double dx = 0.05;
     const openvdb::Vec3d half(0.9, 0.7, 0.5);
-    const Surveyed s = surveyed(box(kCenter, half), dx);
+    const Surveyed s = surveyed(box(kOffLattice, half), dx);
     REQUIRE(s.survey.components.size() == 1);
     CHECK(s.survey.components[0].genus == 0);
     // Edges are rounded off within a voxel: less than a voxel of area along their 33.6 length.
@@ -201,7 +199,7 @@ TEST_CASE("survey: a box is unreliable at its edges, everywhere there, and nowhe
     for (NodeIndex i = 0; i < s.band.size(); ++i) {
         if (s.survey.unreliability[i] == 0) continue;
         CHECK(s.survey.unreliability[i] >= 1);
-        const openvdb::Vec3d p = worldOf(s.band, Vec3d(s.band.ijk(i))) - kCenter;
+        const openvdb::Vec3d p = worldOf(s.band, Vec3d(s.band.ijk(i))) - kOffLattice;
         std::array<double, 3> off;  // from the planes of the faces; an edge lies in two of them
         for (int a = 0; a < 3; ++a) off[std::size_t(a)] = half[a] - std::abs(p[a]);
         std::sort(off.begin(), off.end());
@@ -227,14 +225,14 @@ TEST_CASE("survey: a box is unreliable at its edges, everywhere there, and nowhe
 }
 
 TEST_CASE("survey: a rough distance is unreliable where it is rough") {
-    auto grid = makeLevelSet(sphere(kCenter, 1), 0.05, 3);
+    auto grid = makeLevelSet(sphere(kOffLattice, 1), 0.05, 3);
     // psi^3-like on one side: |grad psi| = 1.5 at S for x above the center by 0.8.
     for (auto it = grid->beginValueOn(); it; ++it)
-        if (grid->indexToWorld(it.getCoord()).x() > kCenter.x() + 0.8) it.setValue(1.5f * *it);
+        if (grid->indexToWorld(it.getCoord()).x() > kOffLattice.x() + 0.8) it.setValue(1.5f * *it);
     const Surveyed s = surveyed(grid);
     CHECK(s.count(Unreliable::Rough) > 100);
     for (NodeIndex i = 0; i < s.band.size(); ++i) {
-        const openvdb::Vec3d p = worldOf(s.band, Vec3d(s.band.ijk(i))) - kCenter;
+        const openvdb::Vec3d p = worldOf(s.band, Vec3d(s.band.ijk(i))) - kOffLattice;
         if (s.survey.unreliability[i] > 0 && p.x() < 0.8 - 4 * 0.05)
             FAIL_CHECK("a doubt at " << p.str());
         // |1.5 - 1| / 0.25.

@@ -15,7 +15,7 @@ namespace igeo::test {
 namespace {
 
 constexpr int kSide = 20;  ///< quads
-constexpr double kDx = 0.02;
+constexpr double kVoxel = 0.02;
 
 Vec3d at(int i, int j) { return {double(i) / kSide, double(j) / kSide, 0.1 * i / kSide}; }
 
@@ -40,7 +40,7 @@ std::string square() {
 struct Solved : Pinned {
     TempDir dir;
     TriangleMesh mesh = read();
-    Band band = bandFromMesh(mesh, kDx, std::sqrt(3.0));
+    Band band = bandFromMesh(mesh, kVoxel, std::sqrt(3.0));
     Field field = marchJet(band, nullptr,
                            {nearestSurfacePoint(band, band.transform.indexFromWorld(at(5, 8)))});
     VertexValues values = vertexValues(mesh, field);

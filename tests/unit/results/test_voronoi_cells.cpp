@@ -12,8 +12,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.5, 0.5, 0.5);
-
 double sumOf(const VoronoiCells& cells) {
     double sum = cells.unreachedArea;
     for (const VoronoiCell& c : cells.cells) sum += c.area;

@@ -8,8 +8,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.137, -0.291, 0.413);
-
 LevelSetStats statsOf(const Shape& shape, double dx, double halfWidth = 3) {
     return checkedLevelSet(makeLevelSet(shape, dx, halfWidth)).stats;
 }
@@ -18,7 +16,7 @@ LevelSetStats statsOf(const Shape& shape, double dx, double halfWidth = 3) {
 
 TEST_CASE("checkLevelSet: counts and widths of a sphere") {
     const double dx = 0.05;
-    const auto grid = makeLevelSet(sphere(kCenter, 1), dx, 3);
+    const auto grid = makeLevelSet(sphere(kOffLattice, 1), dx, 3);
     const LevelSet s = checkedLevelSet(grid);
     CHECK(s.warnings.empty());
     CHECK(s.stats.activeVoxels == grid->activeVoxelCount());
@@ -45,7 +43,7 @@ TEST_CASE("checkLevelSet: 95th percentile of curvature within 1 percent on a sph
     // Second differences of |x| are off by (dx / R)^2 times a number below 1: 1/400 at R = 20
     // voxels; the bins of the histogram are 0.4 % wide.
     for (const double radius : {20.0, 33.3, 60.0}) {
-        const double k = statsOf(sphere(kCenter, radius * 0.05), 0.05).largestCurvature;
+        const double k = statsOf(sphere(kOffLattice, radius * 0.05), 0.05).largestCurvature;
         CHECK(k * radius == Approx(1).epsilon(0.0031));  // measured 0.002
     }
 }
@@ -55,7 +53,7 @@ TEST_CASE("checkLevelSet: 95th percentile of curvature on a torus is that of the
     // are (dx / r)^2 again, 1/256 and less.
     for (const double r : {16.0, 24.0}) {
         const double dx = 0.4 / r;
-        const double k = statsOf(torus(kCenter, 1, 0.4), dx).largestCurvature;
+        const double k = statsOf(torus(kOffLattice, 1, 0.4), dx).largestCurvature;
         CHECK(k * r == Approx(1).epsilon(0.0016));  // measured 0.001
     }
 }
@@ -64,7 +62,7 @@ TEST_CASE("checkLevelSet: a twentieth of the surface may bend more") {
     // Two spheres of radii 30 and r voxels: the small one has r^2 / (900 + r^2) of the area.
     for (const auto& [r, expected] : {std::pair<double, double>{10, 10}, {6, 30}}) {
         const auto both =
-            twoSpheres(kCenter, 30 * 0.05, kCenter + openvdb::Vec3d(3, 0, 0), r * 0.05);
+            twoSpheres(kOffLattice, 30 * 0.05, kOffLattice + openvdb::Vec3d(3, 0, 0), r * 0.05);
         INFO("share " << r * r / (900 + r * r));
         // (dx / r)^2 of error at r = 10, and bins of 0.4 %.
         CHECK(statsOf(both, 0.05).largestCurvature * expected == Approx(1).epsilon(0.015));
@@ -73,28 +71,28 @@ TEST_CASE("checkLevelSet: a twentieth of the surface may bend more") {
 
 TEST_CASE("checkLevelSet: a plane has no curvature to speak of") {
     // Second differences of floats near 3: 1e-6 of rounding each. Enough to bend within a band.
-    const auto st = statsOf(planePatch(kCenter, {0.36, 0.48, -0.8}, 2), 0.05);
+    const auto st = statsOf(planePatch(kOffLattice, {0.36, 0.48, -0.8}, 2), 0.05);
     CHECK(st.largestCurvature < 1.5e-6);  // measured 1.0e-6
 }
 
 TEST_CASE("checkLevelSet: reach of a thin sheet is half its thickness") {
     // Sheets meet where psi = -thickness / 2; voxels that see it lie up to half a voxel off.
     for (const double thickness : {2.4, 3.0, 4.1}) {
-        const auto st = statsOf(thinSheet(kCenter, 1, 1, thickness * 0.05), 0.05);
+        const auto st = statsOf(thinSheet(kOffLattice, 1, 1, thickness * 0.05), 0.05);
         INFO("thickness " << thickness << ", reach " << st.reach);
         CHECK(std::abs(st.reach - thickness / 2) < 0.39);  // measured 0.26
     }
     // Thicker than the narrow band: nothing to see.
-    const auto thick = statsOf(thinSheet(kCenter, 1, 1, 8 * 0.05), 0.05);
+    const auto thick = statsOf(thinSheet(kOffLattice, 1, 1, 8 * 0.05), 0.05);
     CHECK(thick.reach == thick.halfWidth);
 }
 
 TEST_CASE("checkLevelSet: closed surfaces see the other sign next to them") {
     // A plane whose normal is the space diagonal has the least: voxels within 1/sqrt(3) of 1.
     for (const Shape& shape :
-         {sphere(kCenter, 1), torus(kCenter, 1, 0.4), box(kCenter, {1, 0.8, 0.7}),
-          cylinder(kCenter, 0.6, 0.7), trefoilTube(kCenter, 0.5, 0.25),
-          thinSheet(kCenter, 1, 1, 0.2), planePatch(kCenter, {1, 1, 1}, 2)}) {
+         {sphere(kOffLattice, 1), torus(kOffLattice, 1, 0.4), box(kOffLattice, {1, 0.8, 0.7}),
+          cylinder(kOffLattice, 0.6, 0.7), trefoilTube(kOffLattice, 0.5, 0.25),
+          thinSheet(kOffLattice, 1, 1, 0.2), planePatch(kOffLattice, {1, 1, 1}, 2)}) {
         const auto st = statsOf(shape, 0.05);
         INFO(shape.name << ": " << st.crossingShare);
         CHECK(st.crossingShare > 0.45);
@@ -112,16 +110,16 @@ TEST_CASE("checkLevelSet: the transform becomes a similarity") {
         CHECK(length(s.transform.worldFromIndex(p) - Vec3d{w.x(), w.y(), w.z()}) < 1e-13);
     }
     // Exactly dx where the map says so, and mirrored grids are fine.
-    CHECK(checkedLevelSet(makeLevelSet(sphere(kCenter, 1), 0.07, 3)).transform.dx == 0.07);
+    CHECK(checkedLevelSet(makeLevelSet(sphere(kOffLattice, 1), 0.07, 3)).transform.dx == 0.07);
     openvdb::Mat4d mirror = openvdb::Mat4d::identity();
     mirror(0, 0) = mirror(1, 1) = 0.05, mirror(2, 2) = -0.05;
     const auto mirrored = openvdb::math::Transform::createLinearTransform(mirror);
-    CHECK(checkedLevelSet(makeLevelSet(sphere(kCenter, 1), *mirrored, 3)).warnings.empty());
+    CHECK(checkedLevelSet(makeLevelSet(sphere(kOffLattice, 1), *mirrored, 3)).warnings.empty());
 }
 
 TEST_CASE("checkLevelSet: stray voxels decide no width, and are left out") {
     const double dx = 0.05;
-    const auto sound = makeLevelSet(sphere(kCenter, 1), dx, 3);
+    const auto sound = makeLevelSet(sphere(kOffLattice, 1), dx, 3);
     const LevelSetStats expected = checkedLevelSet(sound).stats;
     const openvdb::Coord far(60, 2, 3), inBand = sound->beginValueOn().getCoord();
     for (const float voxels : {-499.0f, 12.5f, 1e30f}) {
@@ -154,7 +152,7 @@ TEST_CASE("checkLevelSet: a level set that fills its inside has no strays") {
     // Its shells shrink to a point, and another piece has its own.
     const double dx = 0.05;
     for (const double halfWidth : {3.0, 3.001, 7.3, 25.0}) {
-        const auto grid = makeLevelSet(sphere(kCenter, 1), dx, halfWidth);
+        const auto grid = makeLevelSet(sphere(kOffLattice, 1), dx, halfWidth);
         for (auto it = grid->beginValueOn(); it; ++it)
             if (*it > 3 * float(dx)) it.setValueOff();
         const LevelSetStats s = checkedLevelSet(grid).stats;
@@ -164,7 +162,7 @@ TEST_CASE("checkLevelSet: a level set that fills its inside has no strays") {
 }
 
 TEST_CASE("checkLevelSet: a narrow level set is widened to take differences") {
-    const LevelSet s = checkedLevelSet(makeLevelSet(sphere(kCenter, 1), 0.05, 1.5));
+    const LevelSet s = checkedLevelSet(makeLevelSet(sphere(kOffLattice, 1), 0.05, 1.5));
     CHECK(s.stats.halfWidth == 3);
     REQUIRE(s.warnings.size() == 1);
     CHECK(s.warnings[0].find("widened by fast sweeping") != std::string::npos);
@@ -172,7 +170,7 @@ TEST_CASE("checkLevelSet: a narrow level set is widened to take differences") {
 
 TEST_CASE("widen: fills the band up to the width asked for") {
     const double dx = 0.05;
-    for (const Shape& shape : {sphere(kCenter, 1), torus(kCenter, 1, 0.5)}) {
+    for (const Shape& shape : {sphere(kOffLattice, 1), torus(kOffLattice, 1, 0.5)}) {
         for (const double width : {3.5, 5.0, 6.2}) {
             LevelSet s = checkedLevelSet(makeLevelSet(shape, dx, 3));
             widen(s, width);
@@ -200,7 +198,7 @@ TEST_CASE("widen: fills the band up to the width asked for") {
 }
 
 TEST_CASE("widen: does nothing to a level set that is wide enough") {
-    LevelSet s = checkedLevelSet(makeLevelSet(sphere(kCenter, 1), 0.05, 3));
+    LevelSet s = checkedLevelSet(makeLevelSet(sphere(kOffLattice, 1), 0.05, 3));
     const auto before = s.psi;
     widen(s, s.stats.halfWidth);
     widen(s, 2);

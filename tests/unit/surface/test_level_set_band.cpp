@@ -11,7 +11,6 @@ namespace igeo::test {
 namespace {
 
 /// Off every lattice line, plane and symmetry.
-const openvdb::Vec3d kCenter(0.137, -0.291, 0.413);
 
 Band bandOf(const Shape& shape, double dx, double h, double halfWidth) {
     return bandFromLevelSet(checkedLevelSet(makeLevelSet(shape, dx, halfWidth)), h);
@@ -41,7 +40,7 @@ WorstErrors worst(const Band& band,
 }
 
 openvdb::Vec3d torusNormal(const openvdb::Vec3d& p) {
-    const openvdb::Vec3d q = p - kCenter;
+    const openvdb::Vec3d q = p - kOffLattice;
     const openvdb::Vec3d onCircle = openvdb::Vec3d(q.x(), q.y(), 0).unit();
     return (q - onCircle).unit();
 }
@@ -50,7 +49,7 @@ openvdb::Vec3d torusNormal(const openvdb::Vec3d& p) {
 
 TEST_CASE("bandFromLevelSet: exactly the voxels with |psi| < h") {
     const double dx = 0.05, h = 2;
-    const auto grid = makeLevelSet(sphere(kCenter, 1), dx, 3);
+    const auto grid = makeLevelSet(sphere(kOffLattice, 1), dx, 3);
     const Band band = bandFromLevelSet(checkedLevelSet(grid), h);
     std::size_t expected = 0;
     for (auto it = grid->cbeginValueOn(); it; ++it) {
@@ -69,23 +68,25 @@ TEST_CASE("bandFromLevelSet: exactly the voxels with |psi| < h") {
 
 TEST_CASE("bandFromLevelSet: a plane's normals and foot points are exact") {
     const openvdb::Vec3d n = openvdb::Vec3d(0.36, 0.48, -0.8);
-    const Band band = bandOf(planePatch(kCenter, n, 1.5), 0.05, 2, 3);
+    const Band band = bandOf(planePatch(kOffLattice, n, 1.5), 0.05, 2, 3);
     for (std::size_t k = 0; k < band.size(); ++k) {
         // At the cut neighbors are missing.
-        const openvdb::Vec3d fromCenter = worldOf(band, Vec3d(band.ijk(NodeIndex(k)))) - kCenter;
+        const openvdb::Vec3d fromCenter =
+            worldOf(band, Vec3d(band.ijk(NodeIndex(k)))) - kOffLattice;
         if (fromCenter.length() > 0.7) continue;
         // psi / dx is a float below 4, off by 2.4e-7 with the rounding of the input; a difference
         // over two voxels of it, three times; foot points add |psi| < 2 times that.
         const Vec3d normal(band.normal[k]);
         REQUIRE(length(normal - Vec3d{n.x(), n.y(), n.z()}) < 2.15e-7);  // measured 1.4e-7
         const openvdb::Vec3d foot = worldOf(band, band.footPoint(NodeIndex(k)));
-        REQUIRE(std::abs((foot - kCenter).dot(n)) < 1.45e-8);  // measured 9.7e-9
+        REQUIRE(std::abs((foot - kOffLattice).dot(n)) < 1.45e-8);  // measured 9.7e-9
     }
 }
 
 TEST_CASE("bandFromLevelSet: |foot| = |psi| and normals have unit length") {
-    for (const Shape& shape : {sphere(kCenter, 1), torus(kCenter, 1, 0.4),
-                               box(kCenter, {0.7, 0.8, 0.6}), thinSheet(kCenter, 0.6, 0.6, 0.1)}) {
+    for (const Shape& shape :
+         {sphere(kOffLattice, 1), torus(kOffLattice, 1, 0.4), box(kOffLattice, {0.7, 0.8, 0.6}),
+          thinSheet(kOffLattice, 0.6, 0.6, 0.1)}) {
         const Band band = bandOf(shape, 0.05, 2.5, 3);
         INFO(shape.name);
         for (std::size_t k = 0; k < band.size(); ++k) {
@@ -103,13 +104,13 @@ TEST_CASE("bandFromLevelSet: normals and foot points converge at order 2") {
     // Central differences: error proportional to (dx / R)^2 plus terms of the fourth power, a few
     // percent of it at R = 6 voxels. R is that of the parallel surface at the inner edge of the
     // band, h voxels closer to the middle of the sphere or tube, so it shrinks with dx as well.
-    const auto sphereNormal = [](const openvdb::Vec3d& p) { return (p - kCenter).unit(); };
+    const auto sphereNormal = [](const openvdb::Vec3d& p) { return (p - kOffLattice).unit(); };
     struct Case {
         Shape shape;
         std::function<openvdb::Vec3d(const openvdb::Vec3d&)> normal;
     };
-    for (const Case& c :
-         {Case{sphere(kCenter, 1), sphereNormal}, Case{torus(kCenter, 1, 0.4), torusNormal}}) {
+    for (const Case& c : {Case{sphere(kOffLattice, 1), sphereNormal},
+                          Case{torus(kOffLattice, 1, 0.4), torusNormal}}) {
         INFO(c.shape.name);
         const double radius = c.shape.name == "sphere" ? 1 : 0.4;
         std::vector<double> relative, normal, foot;
@@ -129,7 +130,7 @@ TEST_CASE("bandFromLevelSet: normals and foot points converge at order 2") {
 }
 
 TEST_CASE("bandFromLevelSet: a turned grid gives the same band bit by bit") {
-    const auto grid = makeLevelSet(torus(kCenter, 1, 0.4), 0.05, 3);
+    const auto grid = makeLevelSet(torus(kOffLattice, 1, 0.4), 0.05, 3);
     const auto turned = grid->deepCopy();
     turned->setTransform(rotatedTransform(0.05, {1, 2, 3}, 30, {5, -7, 11}));
     const Band a = bandFromLevelSet(checkedLevelSet(grid), 2);
@@ -144,7 +145,7 @@ TEST_CASE("bandFromLevelSet: a turned grid gives the same band bit by bit") {
 TEST_CASE("bandFromLevelSet: sheets that face each other are not linked") {
     // 2.6 voxels thick: the middle lies within the band, at another place of the voxels each time.
     for (const double shift : {0.0, 0.013, 0.025, 0.037}) {
-        const openvdb::Vec3d center = kCenter + openvdb::Vec3d(0, 0, shift);
+        const openvdb::Vec3d center = kOffLattice + openvdb::Vec3d(0, 0, shift);
         const Band band = bandOf(thinSheet(center, 1, 1, 0.13), 0.05, 2, 3);
         // Every column through the sheet is cut once, where the normal turns.
         std::map<std::pair<int, int>, int> cuts;
@@ -165,7 +166,7 @@ TEST_CASE("bandFromLevelSet: sheets that face each other are not linked") {
             if (column.second != 1) FAIL("a column is cut " << column.second << " times");
     }
     // Nothing faces anything on a sphere.
-    const Band round = bandOf(sphere(kCenter, 1), 0.05, 2, 3);
+    const Band round = bandOf(sphere(kOffLattice, 1), 0.05, 2, 3);
     CHECK(std::count(round.facing.begin(), round.facing.end(), 0) == std::ptrdiff_t(round.size()));
 }
 
@@ -195,7 +196,7 @@ TEST_CASE("bandFromLevelSet: a region holds what the whole band holds there") {
 }
 
 TEST_CASE("bandFromLevelSet: refuses a width that the level set does not have") {
-    const LevelSet surface = checkedLevelSet(makeLevelSet(sphere(kCenter, 1), 0.05, 3));
+    const LevelSet surface = checkedLevelSet(makeLevelSet(sphere(kOffLattice, 1), 0.05, 3));
     const auto kind = Error::Kind::InvalidArgument;
     expectError(kind, {"4.0", "widen"}, [&] { bandFromLevelSet(surface, 4); });
     expectError(kind, {}, [&] { bandFromLevelSet(surface, 0); });

@@ -12,10 +12,9 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.137, -0.291, 0.413);
 constexpr double kDx = 0.05;
 
-openvdb::FloatGrid::Ptr soundSphere() { return makeLevelSet(sphere(kCenter, 1), kDx, 3); }
+openvdb::FloatGrid::Ptr soundSphere() { return makeLevelSet(sphere(kOffLattice, 1), kDx, 3); }
 
 openvdb::FloatGrid::Ptr bad(const std::string& kind) {
     for (const BadInput& b : badInputs())
@@ -98,24 +97,24 @@ TEST_CASE("checkLevelSet warns of unreliable input and goes on") {
     CHECK(anyHolds(warningsOf(unknown), "class is not 'level set'"));
 
     CHECK(anyHolds(warningsOf(bad("cut")), "lie at the edge of the volume"));
-    CHECK(anyHolds(warningsOf(makeLevelSet(planePatch(kCenter, {0, 0.6, 0.8}, 1), kDx, 3)),
+    CHECK(anyHolds(warningsOf(makeLevelSet(planePatch(kOffLattice, {0, 0.6, 0.8}, 1), kDx, 3)),
                    "lie at the edge of the volume"));
 
     // psi = 1.4 of the distance in a cap of a tenth of the sphere.
-    const auto cap = [](const openvdb::Vec3d& p) { return (p - kCenter).z() > 0.8; };
+    const auto cap = [](const openvdb::Vec3d& p) { return (p - kOffLattice).z() > 0.8; };
     const auto rough = warningsOf(changed(cap, [](float v) { return 1.4f * v; }));
     CHECK(anyHolds(rough, "% of the voxels have |grad psi| outside"));
 
     // Half of the sphere unsigned, as an open mesh would be: the crossing voxels are half as many.
-    const auto half = [](const openvdb::Vec3d& p) { return (p - kCenter).x() > 0; };
+    const auto half = [](const openvdb::Vec3d& p) { return (p - kOffLattice).x() > 0; };
     CHECK(anyHolds(warningsOf(changed(half, [](float v) { return std::abs(v); })),
                    "parts of psi look hollow"));
 }
 
 TEST_CASE("checkLevelSet finds nothing wrong with sound surfaces") {
     for (const Shape& shape :
-         {sphere(kCenter, 1), torus(kCenter, 1, 0.4), box(kCenter, {1, 0.8, 0.7}),
-          cylinder(kCenter, 0.6, 0.7), twoSpheres({-2, 0, 0}, 1, {1, 0.1, 0}, 0.8)}) {
+         {sphere(kOffLattice, 1), torus(kOffLattice, 1, 0.4), box(kOffLattice, {1, 0.8, 0.7}),
+          cylinder(kOffLattice, 0.6, 0.7), twoSpheres({-2, 0, 0}, 1, {1, 0.1, 0}, 0.8)}) {
         const auto warnings = warningsOf(makeLevelSet(shape, kDx, 3));
         INFO(shape.name << ": " << (warnings.empty() ? "" : warnings.front()));
         CHECK(warnings.empty());

@@ -7,13 +7,13 @@
 #include <support/mesh_shapes.h>
 
 #include <map>
+#include <numbers>
 #include <random>
 #include <tuple>
 
 namespace igeo {
 namespace {
 
-const double kPi = std::acos(-1.0), kH = std::sqrt(3.0);
 using Kind = Error::Kind;
 
 Field march(const Band& band, const Vec3d& seed) {
@@ -103,7 +103,7 @@ TEST_CASE("every voxel near a mesh is found, with its nearest point", "[mesh]") 
 TEST_CASE("both sides of a sheet are one band that ends where the sheet does", "[mesh]") {
     const TriangleMesh mesh = rectangle(0.0137);
     const double dx = 0.05;
-    const Band band = bandFromMesh(mesh, dx, kH);
+    const Band band = bandFromMesh(mesh, dx, test::kHalfWidth);
     std::size_t below = 0;
     for (NodeIndex i = 0; i < band.size(); ++i) {
         const Vec3d x = band.transform.worldFromIndex(Vec3d(band.ijk(i)));
@@ -139,7 +139,7 @@ TEST_CASE("sheets that face each other stay apart, however they are oriented", "
                 if (turned)
                     for (auto& t : other.triangles) std::swap(t[1], t[2]);
                 const TriangleMesh mesh = test::together(rectangle(start * dx, 5), other);
-                const Band band = bandFromMesh(mesh, dx, kH);
+                const Band band = bandFromMesh(mesh, dx, test::kHalfWidth);
                 const Field field = march(band, {0.3, 0.4, start * dx});
                 std::size_t leaked = 0, missed = 0;
                 for (NodeIndex i = 0; i < band.size(); ++i) {
@@ -157,25 +157,26 @@ TEST_CASE("a rolled sheet is walked along, not across", "[mesh]") {
     // end.
     const double dx = 0.02, pitch = 2.5 * dx;
     auto spiral = [&](double a) {
-        const double r = 0.2 + pitch * a / (2 * kPi);
+        const double r = 0.2 + pitch * a / (2 * std::numbers::pi);
         return Vec3d{r * std::cos(a), r * std::sin(a), 0};
     };
     const TriangleMesh mesh = test::sheet(800, 10, [&](double u, double v) {
-        return spiral(4 * kPi * u) + Vec3d{0, 0, 0.4 * v};
+        return spiral(4 * std::numbers::pi * u) + Vec3d{0, 0, 0.4 * v};
     });
     double arc = 0;
     constexpr int kSteps = 20000;
     for (int k = 0; k < kSteps; ++k)
-        arc += length(spiral(4 * kPi * (k + 1) / kSteps) - spiral(4 * kPi * k / kSteps));
-    const Band band = bandFromMesh(mesh, dx, kH);
+        arc += length(spiral(4 * std::numbers::pi * (k + 1) / kSteps) -
+                      spiral(4 * std::numbers::pi * k / kSteps));
+    const Band band = bandFromMesh(mesh, dx, test::kHalfWidth);
     const Field field = march(band, spiral(0) + Vec3d{0, 0, 0.2});
-    CHECK(at(band, field, spiral(4 * kPi) + Vec3d{0, 0, 0.2}) ==
+    CHECK(at(band, field, spiral(4 * std::numbers::pi) + Vec3d{0, 0, 0.2}) ==
           Approx(arc).epsilon(0.00042));  // measured 0.00028
 }
 
 TEST_CASE("a Moebius strip is reached all over", "[mesh]") {
     const TriangleMesh mesh = test::moebius(1, 0.4, 160);
-    const Band band = bandFromMesh(mesh, 0.03, kH);
+    const Band band = bandFromMesh(mesh, 0.03, test::kHalfWidth);
     const Field field = march(band, {1, 0, 0});
     CHECK(field.reached == band.size());
 }
@@ -189,7 +190,7 @@ TEST_CASE("three sheets that meet at an edge", "[mesh]") {
     TriangleMesh mesh = test::together(page(0.3), test::together(page(2.2), page(4.4)));
     weld(mesh);
     CHECK(meshTopology(mesh).nonManifoldEdges == 1);
-    const Band band = bandFromMesh(mesh, 0.03, kH);
+    const Band band = bandFromMesh(mesh, 0.03, test::kHalfWidth);
     const Field field = march(band, Vec3d{0.5 * std::cos(0.3), 0.5 * std::sin(0.3), 0.5});
     CHECK(field.reached == band.size());
     for (const double angle : {2.2, 4.4}) {
@@ -206,7 +207,7 @@ TEST_CASE("bands of meshes do not depend on threads, or on how triangles are tur
     const TriangleMesh mesh = test::sphereMesh({0.1, 0.2, 0.3}, 1, 4);
     auto bandWith = [&](int threads, const TriangleMesh& of) {
         const ThreadLimit limit(threads);
-        return bandFromMesh(of, 0.04, kH);
+        return bandFromMesh(of, 0.04, test::kHalfWidth);
     };
     const Band one = bandWith(1, mesh), many = bandWith(4, mesh);
     TriangleMesh mixed = mesh;
@@ -226,7 +227,7 @@ TEST_CASE("bands of meshes do not depend on threads, or on how triangles are tur
 TEST_CASE("where a mesh lies in space makes no difference", "[mesh]") {
     const TriangleMesh mesh = test::moebius(1, 0.4, 80);
     const double dx = 1.0 / 32;
-    const Band band = bandFromMesh(mesh, dx, kH);
+    const Band band = bandFromMesh(mesh, dx, test::kHalfWidth);
     const Field field = march(band, {1, 0, 0});
     // By whole voxels, and about an axis of the lattice: the same voxels with the same points.
     const TriangleMesh shifted = test::moved(mesh, [&](const Vec3d& p) {
@@ -237,8 +238,8 @@ TEST_CASE("where a mesh lies in space makes no difference", "[mesh]") {
     });
     const auto shift = [](const Ijk& c) { return c + Ijk{160, -80, 24}; };
     const auto turn = [](const Ijk& c) { return Ijk{c.y, c.z, c.x}; };
-    const Band bandShifted = bandFromMesh(shifted, dx, kH),
-               bandTurned = bandFromMesh(turned, dx, kH);
+    const Band bandShifted = bandFromMesh(shifted, dx, test::kHalfWidth),
+               bandTurned = bandFromMesh(turned, dx, test::kHalfWidth);
     const Field fieldShifted = march(bandShifted, {6, -2.5, 0.75}),
                 fieldTurned = march(bandTurned, {0, 0, 1});
     CHECK(bandShifted.size() == band.size());
@@ -270,16 +271,19 @@ TEST_CASE("bands of meshes ask for sensible sizes", "[mesh]") {
     for (const double h : {0.5, 20.0, std::nan("")})
         test::expectError(Kind::InvalidArgument, {"band of"}, [&] { bandFromMesh(mesh, 0.1, h); });
     test::expectError(Kind::InvalidArgument, {"voxels", "across"},
-                      [&] { bandFromMesh(mesh, 1e-6, kH); });
-    test::expectError(Kind::BadInput, {"no triangles"}, [&] { bandFromMesh({}, 0.1, kH); });
+                      [&] { bandFromMesh(mesh, 1e-6, test::kHalfWidth); });
+    test::expectError(Kind::BadInput, {"no triangles"},
+                      [&] { bandFromMesh({}, 0.1, test::kHalfWidth); });
     const TriangleMesh speck = test::moved(mesh, [](const Vec3d& p) {
         return 1e-3 * p + Vec3d{0.05, 0.05, 0.05};
     });
-    test::expectError(Kind::BadInput, {"smaller"}, [&] { bandFromMesh(speck, 0.1, kH); });
+    test::expectError(Kind::BadInput, {"smaller"},
+                      [&] { bandFromMesh(speck, 0.1, test::kHalfWidth); });
     struct Stop : Progress {
         bool cancelled() const override { return true; }
     } stop;
-    test::expectError(Kind::Cancelled, {}, [&] { bandFromMesh(mesh, 0.1, kH, stop); });
+    test::expectError(Kind::Cancelled, {},
+                      [&] { bandFromMesh(mesh, 0.1, test::kHalfWidth, stop); });
 }
 
 }  // namespace

@@ -9,11 +9,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <functional>
+#include <numbers>
 
 namespace igeo {
 namespace {
 
-const double kH = std::sqrt(3.0), kPi = std::acos(-1.0);
 using Points = std::vector<Vec3d>;
 
 /// Rigid motions: along the lattice, and in general position.
@@ -79,7 +79,7 @@ double largestError(const Strip& strip, double s, double z) {
     double most = 0;
     for (const Motion& motion : kMotions) {
         const TriangleMesh mesh = strip.mesh(motion);
-        const Band band = bandFromMesh(mesh, 1, kH);
+        const Band band = bandFromMesh(mesh, 1, test::kHalfWidth);
         const Field field =
             marchJet(band, nullptr, {nearestSurfacePoint(band, motion(strip.at(s, z)))});
         for (NodeIndex i = 0; i < band.size(); ++i) {
@@ -149,7 +149,7 @@ TEST_CASE("mesh links: slits of any width are walked around", "[mesh]") {
         double most = 0;
         for (const Motion& motion : kMotions) {
             const TriangleMesh mesh = slitRectangle(width, motion);
-            const Band band = bandFromMesh(mesh, 1, kH);
+            const Band band = bandFromMesh(mesh, 1, test::kHalfWidth);
             const Field field = marchJet(band, nullptr, {nearestSurfacePoint(band, motion(seed))});
             for (NodeIndex i = 0; i < band.size(); ++i)
                 if (band.inCore(i))
@@ -160,7 +160,7 @@ TEST_CASE("mesh links: slits of any width are walked around", "[mesh]") {
         INFO("slit of " << width);
         std::printf("slit of %g: largest error %.3f voxels\n", width, most);
         // A front turns up to half a voxel off the rim.
-        CHECK(most < kPi / 2);  // measured 1.18
+        CHECK(most < std::numbers::pi / 2);  // measured 1.18
     }
 }
 
@@ -179,13 +179,15 @@ TEST_CASE("mesh links: pieces that do not touch stay apart", "[mesh]") {
                 const Field f = marchJet(band, nullptr, {nearestSurfacePoint(band, seed)});
                 return sampleDistance(f, nearestSurfacePoint(band, target).pIndex);
             };
-            const Band apart = bandFromMesh(mesh, 1, kH);
+            const Band apart = bandFromMesh(mesh, 1, test::kHalfWidth);
             CHECK(apart.joints == 0);
             CHECK_FALSE(solve(apart) < kInfinity);
-            const Band narrower = bandFromMesh(mesh, 1, kH, Progress::none(), 0.9 * gap);
+            const Band narrower =
+                bandFromMesh(mesh, 1, test::kHalfWidth, Progress::none(), 0.9 * gap);
             CHECK(narrower.joints == 0);
             CHECK_FALSE(solve(narrower) < kInfinity);
-            const Band joined = bandFromMesh(mesh, 1, kH, Progress::none(), 1.1 * gap);
+            const Band joined =
+                bandFromMesh(mesh, 1, test::kHalfWidth, Progress::none(), 1.1 * gap);
             CHECK(joined.joints == 1);
             CHECK(solve(joined) == Approx(length(target - seed)).margin(0.5));
         }
@@ -203,7 +205,7 @@ TEST_CASE("mesh links: triangles that end on the edge of a larger one are joined
         TriangleMesh mesh = test::together(part(0, 1), part(12, 3));
         weld(mesh);
         const auto seed = motion({3, 5, 0}), target = motion({21, 7, 0});
-        const Band band = bandFromMesh(mesh, 1, kH);
+        const Band band = bandFromMesh(mesh, 1, test::kHalfWidth);
         const Field field = marchJet(band, nullptr, {nearestSurfacePoint(band, seed)});
         CHECK(field.reached == band.size());
         CHECK(sampleDistance(field, nearestSurfacePoint(band, target).pIndex) ==
@@ -215,16 +217,16 @@ TEST_CASE("mesh links: balls that nearly touch are joined where they do", "[mesh
     const double r = 12, gap = 0.7;
     const TriangleMesh mesh = test::together(test::sphereMesh({0, 0, 0}, r, 4),
                                              test::sphereMesh({2 * r + gap, 0.3, 0}, r, 4));
-    const Band band = bandFromMesh(mesh, 1, kH, Progress::none(), 0.8);
+    const Band band = bandFromMesh(mesh, 1, test::kHalfWidth, Progress::none(), 0.8);
     CHECK(band.joints == 1);
     const Field field = marchJet(band, nullptr, {nearestSurfacePoint(band, {-r, 0, 0})});
     const double d = sampleDistance(field, nearestSurfacePoint(band, {3 * r + gap, 0.3, 0}).pIndex);
     // Half around both; a gap of 0.8 is 1.1 voxels off the middle.
-    CHECK(d == Approx(2 * kPi * r + gap).margin(2.5));
+    CHECK(d == Approx(2 * std::numbers::pi * r + gap).margin(2.5));
 }
 
 TEST_CASE("mesh links: a sheet that crosses itself is followed, not left", "[mesh]") {
-    for (const double angle : {0.5, 0.9, kPi / 2}) {
+    for (const double angle : {0.5, 0.9, std::numbers::pi / 2}) {
         INFO("crossing at " << angle);
         // A loop: there and, turned by the angle, back through the middle.
         const double c = std::cos(angle), s = std::sin(angle);
@@ -238,17 +240,17 @@ TEST_CASE("mesh links: pages at 20 to 40 degrees reach each other over their edg
     for (const double degrees : {20.0, 30.0, 40.0})
         for (const Motion& motion : kMotions) {
             const auto page = [&](int k) {
-                const double a = k * degrees * kPi / 180;
+                const double a = k * degrees * std::numbers::pi / 180;
                 return test::sheet(1, 1, [&, a](double u, double v) {
                     return motion({20 * u * std::cos(a), 20 * u * std::sin(a), 20 * v});
                 });
             };
             TriangleMesh mesh = test::together(page(0), test::together(page(1), page(2)));
             weld(mesh);
-            const Band band = bandFromMesh(mesh, 1, kH);
+            const Band band = bandFromMesh(mesh, 1, test::kHalfWidth);
             for (const int from : {0, 1, 2}) {
                 auto on = [&](int k, double r, double z) {
-                    const double a = k * degrees * kPi / 180;
+                    const double a = k * degrees * std::numbers::pi / 180;
                     return motion({r * std::cos(a), r * std::sin(a), z});
                 };
                 const Field field =
@@ -269,7 +271,7 @@ TEST_CASE("mesh links do not depend on threads", "[mesh]") {
         test::together(test::sphereMesh({0, 0, 0}, 12, 3), test::sphereMesh({9, 4, 2}, 10, 3));
     auto bandWith = [&](int threads) {
         const ThreadLimit limit(threads);
-        return bandFromMesh(mesh, 1, kH, Progress::none(), 0.5);
+        return bandFromMesh(mesh, 1, test::kHalfWidth, Progress::none(), 0.5);
     };
     const Band one = bandWith(1), many = bandWith(4);
     CHECK(one.facing == many.facing);

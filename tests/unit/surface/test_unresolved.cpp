@@ -15,8 +15,6 @@
 namespace igeo::test {
 namespace {
 
-const openvdb::Vec3d kCenter(0.137, -0.291, 0.413);
-
 Unresolved unresolved(const openvdb::FloatGrid::Ptr& grid) {
     const LevelSet levelSet = checkedLevelSet(grid);
     return unresolvedOf(levelSet, bandFromLevelSet(levelSet, std::sqrt(3.0)));
@@ -29,7 +27,7 @@ bool warns(const Unresolved& of, const std::string& word) {
 }
 
 /// Turned about two axes, and moved off the lattice.
-TriangleMesh turned(TriangleMesh mesh) {
+TriangleMesh turnedMesh(TriangleMesh mesh) {
     const auto transform = rotatedTransform(1, {1, 2, 3}, 40, {0.1, 0.2, 0.3});
     return moved(std::move(mesh), [&](const Vec3d& p) {
         const openvdb::Vec3d q = transform->indexToWorld(openvdb::Vec3d(p.x, p.y, p.z));
@@ -50,7 +48,7 @@ openvdb::FloatGrid::Ptr converted(const TriangleMesh& mesh) {
 //// Two blocks side by side, a gap between them.
 TriangleMesh blocks(double gap) {
     const TriangleMesh block = boxMesh({16, 24, 20});
-    return turned(together(block, moved(block, [&](const Vec3d& p) {
+    return turnedMesh(together(block, moved(block, [&](const Vec3d& p) {
                                return p + Vec3d{16 + gap, 0, 0};
                            })));
 }
@@ -63,9 +61,9 @@ Unresolved onVoxels(const TriangleMesh& mesh, double dx) {
 
 TEST_CASE("unresolved: nothing of smooth and creased shapes") {
     for (const Shape& shape :
-         {sphere(kCenter, 0.5), torus(kCenter, 1, 0.4), box(kCenter, {0.9, 0.7, 0.5}),
-          roundedBox(kCenter, {0.9, 0.7, 0.5}, 0.2), cylinder(kCenter, 0.5, 0.8),
-          trefoilTube(kCenter, 0.3, 0.12), frustum(kCenter, 0.5, 0.2, 0.5)}) {
+         {sphere(kOffLattice, 0.5), torus(kOffLattice, 1, 0.4), box(kOffLattice, {0.9, 0.7, 0.5}),
+          roundedBox(kOffLattice, {0.9, 0.7, 0.5}, 0.2), cylinder(kOffLattice, 0.5, 0.8),
+          trefoilTube(kOffLattice, 0.3, 0.12), frustum(kOffLattice, 0.5, 0.2, 0.5)}) {
         INFO(shape.name);
         const Unresolved u =
             unresolved(makeLevelSet(shape, *rotatedTransform(0.05, {1, 2, 3}, 40, {5, 6, 7}), 3));
@@ -127,11 +125,11 @@ TEST_CASE(
     CHECK(meshFacts(two).euler == 4);
     CHECK(*onVoxels(two, 1).eulerDifference == 0);
 
-    CHECK(meshFacts(turned(plateWithTunnel(3))).euler == 0);
+    CHECK(meshFacts(turnedMesh(plateWithTunnel(3))).euler == 0);
     for (const double width : {2.5, 4.0})
-        CHECK(*onVoxels(turned(plateWithTunnel(width)), 1).eulerDifference == 0);
+        CHECK(*onVoxels(turnedMesh(plateWithTunnel(width)), 1).eulerDifference == 0);
     for (const double width : {0.2, 0.4}) {
-        const Unresolved u = onVoxels(turned(plateWithTunnel(width)), 1);
+        const Unresolved u = onVoxels(turnedMesh(plateWithTunnel(width)), 1);
         CHECK(*u.eulerDifference != 0);
         CHECK(warns(u, "tunnels or gaps"));
     }
