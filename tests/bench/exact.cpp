@@ -2,6 +2,7 @@
 #include <igeo/io/mesh_file.h>
 #include <igeo/io/vdb_read.h>
 #include <support/exact.h>
+#include <support/shapes.h>
 #include <support/torus_geodesics.h>
 
 #include <algorithm>
