@@ -11,7 +11,9 @@
 
 namespace igeo {
 
+namespace {
 using Kind = Error::Kind;
+}  // namespace
 
 void requireUsable(const PointCloud& cloud) {
     auto isFinite = [](const auto& v) {
