@@ -27,7 +27,8 @@ sed 's/@PROJECT_VERSION@/0/' src/igeo/base/version.h.in >"$scratch/igeo/base/ver
 # As the build makes it.
 echo 'constexpr const char* kCommit = "none";' >"$scratch/implicit_geodesic_commit.h"
 # Those of the C library must not be found beside them.
-for header in openvdb tbb oneapi boost Imath assimp nlohmann CLI fmt xxhash.h png.h pngconf.h pnglibconf.h; do
+for header in openvdb tbb oneapi boost Imath assimp nlohmann CLI fmt xxhash.h png.h pngconf.h pnglibconf.h \
+    freetype2/ft2build.h freetype2/freetype; do
     ln -s "/usr/include/$header" "$scratch/headers/"
 done
 
@@ -55,7 +56,7 @@ clang=(${CLANG:-clang++} -stdlib=libc++)
 if "${clang[@]}" -std=c++20 -fsyntax-only -x c++ - 2>/dev/null <<<'
     #include <atomic>
     int i; std::atomic_ref<int> r(i);'; then
-    compile "clang, libc++" windows "${clang[@]}"
+    compile "clang, libc++" windows "${clang[@]}" -isystem /usr/include/freetype2
 else
     skip "clang, libc++" "no clang++ with libc++ 19 or later"
 fi
