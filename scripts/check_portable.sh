@@ -20,7 +20,7 @@ esac
 root=$PWD scratch=$(mktemp -d) failed=false ran=false
 trap 'rm -rf "$scratch"' EXIT
 sources=("$@")
-[[ $# -gt 0 ]] || mapfile -t sources < <(find src apps -name '*.cpp' | sort)
+[[ $# -gt 0 ]] || mapfile -t sources < <(find src apps/implicit-geodesic -name '*.cpp' | sort)
 
 mkdir -p "$scratch/igeo/base" "$scratch/headers"
 sed 's/@PROJECT_VERSION@/0/' src/igeo/base/version.h.in >"$scratch/igeo/base/version.h"
@@ -40,7 +40,7 @@ compile() {
     printf '%-28s' "$name"
     if (cd "$scratch" && printf "$root/%s\n" "${sources[@]}" | grep -v "_$other.cpp" |
         xargs -P"$(nproc)" -n1 "$@" -std=c++20 -c -Wall -Wextra -Wpedantic -Wshadow -Werror \
-            -DIGEO_COMPILER='"none"' -I"$root/src" -I"$root/apps/implicit-geodesic" \
+            -DIGEO_COMPILER='"none"' -I"$root/src" -iquote "$root/apps/implicit-geodesic" \
             -I"$scratch") >"$scratch/log" 2>&1; then
         echo "ok ($((SECONDS - start)) s)"
     else

@@ -5,6 +5,7 @@
 #include <igeo/results/detail/band_mesh.h>
 
 #include <algorithm>
+#include <numbers>
 
 namespace igeo {
 
@@ -148,7 +149,7 @@ bool DrawnSurface::encloses(const Vec3d& p) const {
         half += std::atan2(dot(a, cross(b, c)),
                            la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
     }
-    return std::abs(half) > M_PI;
+    return std::abs(half) > std::numbers::pi;
 }
 
 }  // namespace igeo
