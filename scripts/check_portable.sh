@@ -27,8 +27,7 @@ sed 's/@PROJECT_VERSION@/0/' src/igeo/base/version.h.in >"$scratch/igeo/base/ver
 # As the build makes it.
 echo 'constexpr const char* kCommit = "none";' >"$scratch/implicit_geodesic_commit.h"
 # Those of the C library must not be found beside them.
-for header in openvdb tbb oneapi boost Imath assimp nlohmann CLI fmt xxhash.h png.h pngconf.h pnglibconf.h \
-    freetype2/ft2build.h freetype2/freetype; do
+for header in openvdb tbb oneapi boost Imath assimp nlohmann CLI fmt xxhash.h png.h pngconf.h pnglibconf.h; do
     ln -s "/usr/include/$header" "$scratch/headers/"
 done
 
@@ -41,7 +40,7 @@ compile() {
     if (cd "$scratch" && printf "$root/%s\n" "${sources[@]}" | grep -v "_$other.cpp" |
         xargs -P"$(nproc)" -n1 "$@" -std=c++20 -c -Wall -Wextra -Wpedantic -Wshadow -Werror \
             -DIGEO_COMPILER='"none"' -I"$root/src" -iquote "$root/apps/implicit-geodesic" \
-            -I"$scratch") >"$scratch/log" 2>&1; then
+            -I"$scratch" -isystem /usr/include/freetype2) >"$scratch/log" 2>&1; then
         echo "ok ($((SECONDS - start)) s)"
     else
         echo "FAILED ($((SECONDS - start)) s)"
@@ -56,7 +55,7 @@ clang=(${CLANG:-clang++} -stdlib=libc++)
 if "${clang[@]}" -std=c++20 -fsyntax-only -x c++ - 2>/dev/null <<<'
     #include <atomic>
     int i; std::atomic_ref<int> r(i);'; then
-    compile "clang, libc++" windows "${clang[@]}" -isystem /usr/include/freetype2
+    compile "clang, libc++" windows "${clang[@]}"
 else
     skip "clang, libc++" "no clang++ with libc++ 19 or later"
 fi

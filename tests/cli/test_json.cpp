@@ -143,7 +143,7 @@ TEST_CASE("documents differ in times and memory only, and with SOURCE_DATE_EPOCH
             const Result result = run(command);
             INFO(line << "\n" << result.err);
             REQUIRE(result.exitCode == 0);
-            all[line] = json::parse(result.out.empty() ? readBytes(desk / "out.json") : result.out);
+            all[line] = parseJson(result.out.empty() ? readBytes(desk / "out.json") : result.out);
         }
         return all;
     };

@@ -11,8 +11,7 @@ namespace {
 /// Reads `content` from a file of this name.
 std::vector<AskedPoint> read(const std::string& name, const std::string& content) {
     const TempDir folder;
-    std::ofstream(folder / name, std::ios::binary) << content;
-    return readPoints(folder / name);
+    return readPoints(folder.write(name, content));
 }
 
 void refuse(const std::string& name, const std::string& content,

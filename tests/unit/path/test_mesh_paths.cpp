@@ -13,14 +13,13 @@
 namespace igeo {
 namespace {
 
-const double kH = std::sqrt(3.0);
-
 struct Solved {
     Band band;
     Field field;
 
     Solved(const TriangleMesh& mesh, double dx, const Vec3d& seed)
-        : band(bandFromMesh(mesh, dx, kH)), field(marchJet(band, nullptr, {on(seed)})) {}
+        : band(bandFromMesh(mesh, dx, test::kHalfWidth)),
+          field(marchJet(band, nullptr, {on(seed)})) {}
 
     SurfacePoint on(const Vec3d& p) const {
         return nearestSurfacePoint(band, band.transform.indexFromWorld(p));
@@ -135,7 +134,7 @@ TEST_CASE("a path ends at seeds on vertices and edges", "[mesh]") {
 
 /// Where a shot over a mesh ends, world units.
 Vec3d shotOn(const TriangleMesh& mesh, const Vec3d& from, const Vec3d& direction, double way) {
-    const Band band = bandFromMesh(mesh, 0.02, kH);
+    const Band band = bandFromMesh(mesh, 0.02, test::kHalfWidth);
     const Similarity& t = band.transform;
     const Path path =
         shoot(band, nearestSurfacePoint(band, t.indexFromWorld(from)), direction, way / t.dx);
@@ -207,7 +206,7 @@ TEST_CASE("shoot: past vertices with the same angle on both sides", "[mesh]") {
 
 TEST_CASE("shoot: ends where a mesh does, and refuses a direction off it", "[mesh]") {
     const TriangleMesh flat = test::sheet(5, 5, [](double u, double v) { return Vec3d{u, v, 0}; });
-    const Band band = bandFromMesh(flat, 0.02, kH);
+    const Band band = bandFromMesh(flat, 0.02, test::kHalfWidth);
     const SurfacePoint start = nearestSurfacePoint(band, {13.1, 20.2, 0});
     const Path path = shoot(band, start, {1, 0.2, 0}, 100);
     CHECK(path.status == PathStatus::Stalled);
