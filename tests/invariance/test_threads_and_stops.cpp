@@ -1,11 +1,14 @@
-// The same bits for any number of threads, and for a march that is stopped early.
+// The same bits for any number of threads, in vector registers of any width, and for a march that
+// is stopped early.
 #include <igeo/base/parallel.h>
+#include <igeo/march/detail/registers.h>
 #include <igeo/march/jet.h>
 #include <igeo/path/trace.h>
 #include <support/catch.h>
 #include <support/march_cases.h>
 #include <support/openvdb.h>
 #include <support/pinned.h>
+#include <support/random_surface.h>
 #include <support/shapes.h>
 
 #include <algorithm>
@@ -95,6 +98,53 @@ TEST_CASE("the order in which nodes are solved changes no bit of jet") {
             }
             CHECK(differ == 0);
         }
+}
+
+TEST_CASE("registers of four and of eight floats give the same bits") {
+    bool& eight = eightAtATime();
+    const bool hasEight = eight;
+    if (!eight) WARN("skipped: this processor has no registers of eight floats");
+    const openvdb::math::Transform unit;
+    for (const unsigned surface : {3u, 4u, 5u}) {
+        // Creases and cut loci, several seeds and weights: all that is solved side by side.
+        const Band band =
+            bandOf(randomLevelSet(surface, surface == 4 ? 2 : 0, unit), std::sqrt(3.0));
+        Random random(surface);
+        std::vector<SurfacePoint> seeds, targets;
+        for (int k = 0; k < 3; ++k) {
+            const openvdb::Vec3d way = random.direction();
+            seeds.push_back(nearestSurfacePoint(band, 25.0 * Vec3d{way.x(), way.y(), way.z()}));
+        }
+        std::vector<Vec3d> points;
+        std::vector<Vec3f> normals;
+        for (NodeIndex i = 0; i < band.size(); i += 7)
+            points.push_back(band.footPoint(i)), normals.push_back(band.normal[i]);
+        for (const double contrast : {1.0, 3.0})
+            for (const std::size_t count : {1, 3}) {
+                INFO("surface " << surface << ", " << count << " seeds, contrast " << contrast);
+                const std::vector<SurfacePoint> from(seeds.begin(),
+                                                     seeds.begin() + std::ptrdiff_t(count));
+                const auto core = jetCore(band, contrast > 1 ? waves(band, contrast) : nullptr);
+                JetOptions options;
+                options.extend = false;
+                const Field a = marchJet(core, from), onCore = marchJet(core, from, options);
+                const auto read = arrivalsAt(onCore, points, normals);
+                eight = false;
+                const auto core4 = jetCore(band, contrast > 1 ? waves(band, contrast) : nullptr);
+                const Field b = marchJet(core4, from), onCore4 = marchJet(core4, from, options);
+                const auto read4 = arrivalsAt(onCore4, points, normals);
+                eight = hasEight;
+                std::size_t differ = 0;
+                for (NodeIndex i = 0; i < band.size(); ++i)
+                    differ += a.distance[i] != b.distance[i] || a.gradient[i] != b.gradient[i] ||
+                              (count > 1 && a.label[i] != b.label[i]);
+                CHECK(differ == 0);
+                for (std::size_t k = 0; k < points.size(); ++k)
+                    differ +=
+                        read[k].distance != read4[k].distance || read[k].source != read4[k].source;
+                CHECK(differ == 0);
+            }
+    }
 }
 
 TEST_CASE("one thread and several give the same bits") {

@@ -30,11 +30,14 @@ std::vector<std::uint32_t> sourcesOf(const std::vector<SurfacePoint>& seeds) {
 StraightLines::StraightLines(const std::vector<SurfacePoint>& seeds, double leastCost)
     : leastCost_(leastCost) {
     const std::vector<std::uint32_t> source = sourcesOf(seeds);
-    for (std::size_t k = 0; k < seeds.size(); ++k)
-        if (source[k] == seeds_.size())
-            seeds_.push_back(seeds[k].rim ? SurfacePoint{} : seeds[k]);
+    for (std::size_t k = 0; k < seeds.size(); ++k) {
+        const SurfacePoint& seed = seeds[k];
+        if (source[k] < lines_.size())
+            lines_.back().start = -kInfinity;
         else
-            seeds_.back() = {};
+            lines_.push_back({seed.pIndex, seed.segment, dot(seed.segment, seed.segment),
+                              seed.rim || seed.node == kNoNode ? -kInfinity : seed.start});
+    }
 }
 
 SeedsNear::SeedsNear(const std::vector<SurfacePoint>& seeds, double radius) {

@@ -32,14 +32,21 @@ public:
     /// @return the start value of the source and the straight line from it at the least cost;
     ///         -infinity for other sources
     double from(std::uint32_t source, const Vec3d& p) const {
-        const SurfacePoint* seed = source < seeds_.size() ? &seeds_[source] : nullptr;
-        return seed && seed->node != kNoNode
-                   ? seed->start + leastCost_ * length(seed->nearestTo(p) - p)
-                   : -kInfinity;
+        if (source >= lines_.size()) return -kInfinity;
+        const Line& line = lines_[source];
+        Vec3d off = p - line.from;
+        if (line.length2 > 0)
+            off = off - std::clamp(dot(off, line.along) / line.length2, 0.0, 1.0) * line.along;
+        return line.start + leastCost_ * length(off);
     }
 
 private:
-    std::vector<SurfacePoint> seeds_;  ///< per source; without a node: no bound
+    struct Line {
+        Vec3d from, along;
+        double length2 = 0;         ///< of `along`
+        double start = -kInfinity;  ///< of the source; -infinity: no bound
+    };
+    std::vector<Line> lines_;  ///< per source
     double leastCost_ = 0;
 };
 

@@ -55,16 +55,22 @@ TEST_CASE("Corners of a cell are of one front side by side where they are pair b
     for (const bool faceted : {false, true})
         for (int round = 0; round < 5000; ++round) {
             std::array<Corners, Lanes::kNodes> nodes;
-            JetCorners corners;
+            JetCorners corners{};
             for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) {
                 const Corners& c = nodes[lane] = randomCorners(random);
-                corners.count[lane] = 0;
-                corners.setNormal(lane, c.normal);
-                for (std::size_t k = 0; k < c.count; ++k)
-                    corners.set(lane, corners.count[lane]++, c.weight[k], c.chord[k], c.other[k],
-                                c.g[k], c.u[k], 1);
+                corners.nx[lane] = c.normal.x, corners.ny[lane] = c.normal.y;
+                corners.nz[lane] = c.normal.z;
+                corners.count[lane] = std::uint32_t(c.count);
+                for (std::size_t k = 0; k < c.count; ++k) {
+                    JetCorners::Corner& to = corners.corner[k];
+                    to.weight[lane] = c.weight[k], to.u[lane] = c.u[k], to.mean[lane] = 1;
+                    to.x[lane] = c.chord[k].x, to.y[lane] = c.chord[k].y;
+                    to.z[lane] = c.chord[k].z;
+                    to.mx[lane] = c.other[k].x, to.my[lane] = c.other[k].y;
+                    to.mz[lane] = c.other[k].z;
+                    to.gx[lane] = c.g[k].x, to.gy[lane] = c.g[k].y, to.gz[lane] = c.g[k].z;
+                }
             }
-            corners.pad();
             CarriedJets jets;
             carryFromCorners(corners, faceted, jets);
             for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) {

@@ -96,8 +96,7 @@ IGEO_AVX2 void findByEight(const SegmentLanes& lanes, SegmentMinima& minima) {
 
 void findMinima(const SegmentLanes& lanes, SegmentMinima& minima) {
 #ifdef IGEO_AVX2
-    static const bool eight = __builtin_cpu_supports("avx2");
-    if (eight) return findByEight(lanes, minima);
+    if (eightAtATime()) return findByEight(lanes, minima);
 #endif
     findByFour(lanes, minima);
 }

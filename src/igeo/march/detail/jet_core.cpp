@@ -45,11 +45,11 @@ CostRange fillLeaf(JetCore& core, LeafIndex l) {
         }
         core.nodes[k++] = {band.footOf(i),
                            band.normal[i],
-                           l,
+                           weight,
                            std::uint16_t(o),
                            metric.obstacleState.empty() ? Metric::Clear : metric.obstacleState[i],
                            band.facing[i],
-                           weight};
+                           l};
     });
     return costs;
 }

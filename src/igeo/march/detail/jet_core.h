@@ -29,14 +29,14 @@ struct LocalFrame {
     Stretch stretch;  ///< identity where the metric is isotropic
 };
 
-/// A core node on the surface.
+/// A core node on the surface. gatherCorners reads all but the leaf at once.
 struct JetNode {
     Vec3f foot, normal;
-    LeafIndex leaf;
+    float weight;
     std::uint16_t offset;
     Metric::ObstacleState obstacleState;
     std::uint8_t facing;  ///< Band::facing
-    float weight;
+    LeafIndex leaf;
 };
 
 /// The core of a band in a metric.

@@ -4,21 +4,7 @@
 
 #include <algorithm>
 
-// All is inlined, so it does not matter how a register of eight is passed.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace igeo {
-
-void JetCorners::pad() {
-    const std::uint32_t most = *std::max_element(count.begin(), count.end());
-    for (std::size_t lane = 0; lane < count.size(); ++lane)
-        for (std::size_t k = count[lane]; k < most; ++k) {
-            Corner& c = corner[k];
-            c.weight[lane] = c.x[lane] = c.y[lane] = c.z[lane] = 0;
-            c.mx[lane] = c.my[lane] = c.mz[lane] = 0;
-            c.gx[lane] = c.gy[lane] = c.gz[lane] = c.u[lane] = c.mean[lane] = 0;
-        }
-}
 
 namespace {
 
@@ -27,24 +13,8 @@ template <int Width>
 class LaneNodes {
     using V = typename Registers<Width>::Vector;
     using Flags = decltype(V{} < V{});
+    using Vectors = VectorLanes<Width>;
 
-    /// A vector per node.
-    struct Vectors {
-        V x, y, z;
-        IGEO_INLINE Vectors operator+(const Vectors& v) const {
-            return {x + v.x, y + v.y, z + v.z};
-        }
-        IGEO_INLINE Vectors operator-(const Vectors& v) const {
-            return {x - v.x, y - v.y, z - v.z};
-        }
-        IGEO_INLINE Vectors operator*(const V& s) const { return {s * x, s * y, s * z}; }
-    };
-    IGEO_INLINE static V dot(const Vectors& v, const Vectors& w) {
-        return v.x * w.x + v.y * w.y + v.z * w.z;
-    }
-    IGEO_INLINE static Vectors cross(const Vectors& v, const Vectors& w) {
-        return {v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
-    }
     IGEO_INLINE static V choose(const Flags& first, const V& a, const V& b) {
         return first ? a : b;
     }
@@ -54,18 +24,14 @@ class LaneNodes {
         takeRoots<Width>(v);
         return v;
     }
-    IGEO_INLINE static bool any(const Flags& f) {
-        int all = 0;
-        for (int k = 0; k < Width; ++k) all |= f[k];
-        return all != 0;
-    }
 
 public:
     IGEO_INLINE LaneNodes(const JetCorners& corners, std::size_t first)
-        : corners_(corners), first_(first) {
+        : corners_(corners),
+          first_(first),
+          normal_{in(corners.nx), in(corners.ny), in(corners.nz)} {
         for (std::size_t k = first; k < first + Width; ++k)
             most_ = std::max(most_, std::size_t(corners.count[k]));
-        normal_ = {in(corners.nx), in(corners.ny), in(corners.nz)};
     }
 
     IGEO_INLINE void carry(bool faceted, CarriedJets& jets) const {
@@ -134,12 +100,13 @@ private:
     IGEO_INLINE Neighbor flattened(const JetCorners::Corner& c, bool faceted) const {
         const Vectors other{in(c.mx), in(c.my), in(c.mz)}, g = direction(c);
         const V cosine = dot(normal_, other);
-        return {in(c.weight) > 0, unfold(chord(c), other, cosine, faceted) * in(c.mean),
+        const Flags there = in(c.weight) > 0;
+        return {there, unfold(chord(c), other, cosine, there, faceted) * in(c.mean),
                 g - (normal_ + other) * (dot(g, normal_) / (1 + cosine)), in(c.u)};
     }
     /// As TangentFrame::unfold has it.
     IGEO_INLINE Vectors unfold(const Vectors& chord, const Vectors& other, const V& cosine,
-                               bool faceted) const {
+                               const Flags& there, bool faceted) const {
         const V rise = dot(normal_, chord);
         const Vectors in = chord - normal_ * rise;
         const V in2 = dot(in, in), x = rise * rise / in2, c2 = in2 + rise * rise,
@@ -147,7 +114,7 @@ private:
                 stretch = choose(x < 0.02f, 1 + x * (0.5f - 0.125f * x), roots(1 + x)),
                 longer = stretch * (1 + kc2 * (1.0f / 24 + kc2 * (3.0f / 640))), one = V{} + 1;
         const Vectors arc = in * choose(in2 > 1e-12f, longer, one);
-        const Flags crease = cosine < TangentFrame::creaseCosine(faceted);
+        const Flags crease = there & (cosine < TangentFrame::creaseCosine(faceted));
         if (!any(crease)) return arc;
         // The planes of both foot points, unfolded about the line where they meet.
         const Vectors axis = cross(normal_, other), e = axis * (1 / roots(dot(axis, axis))),
@@ -187,8 +154,9 @@ private:
     }
 
     const JetCorners& corners_;
-    std::size_t first_, most_ = 0;
+    std::size_t first_;
     Vectors normal_;
+    std::size_t most_ = 0;  ///< corners of a point
 };
 
 void carryByFour(const JetCorners& corners, bool faceted, CarriedJets& jets) {
@@ -205,8 +173,7 @@ IGEO_AVX2 void carryByEight(const JetCorners& corners, bool faceted, CarriedJets
 
 void carryFromCorners(const JetCorners& corners, bool faceted, CarriedJets& jets) {
 #ifdef IGEO_AVX2
-    static const bool eight = __builtin_cpu_supports("avx2");
-    if (eight) return carryByEight(corners, faceted, jets);
+    if (eightAtATime()) return carryByEight(corners, faceted, jets);
 #endif
     carryByFour(corners, faceted, jets);
 }

@@ -1,17 +1,38 @@
-/// What core nodes at the corners of cells say at the foot points in them, for nodes outside the
-/// core. Internal.
+/// What core nodes at the corners of cells say at points in them: at foot points of nodes outside
+/// the core, and at any points of S. Internal.
 #pragma once
 
 #include <igeo/march/detail/jet_fit.h>
+#include <igeo/march/detail/jet_state.h>
 
 #include <array>
 
 namespace igeo {
 
-/// Up to eight nodes side by side, each with the core nodes at the corners of the cell around its
-/// foot point.
+/// Points of S, up to eight side by side, and the core nodes around them.
+struct CellPoints {
+    Lanes x{}, y{}, z{};     ///< from the low corner of its cell, in [0, 1)
+    Lanes nx{}, ny{}, nz{};  ///< normal of S
+    Lanes weight{};          ///< cost; not 0
+    /// Corner (a, b, c) of the cells at 4 a + 2 b + c; kNoNode where there is none.
+    std::array<std::array<NodeIndex, Lanes::kNodes>, 8> node;
+
+    CellPoints() { weight = {1, 1, 1, 1, 1, 1, 1, 1}; }
+    void set(std::size_t lane, const Vec3f& place, const Vec3f& normal) {
+        x[lane] = place.x, y[lane] = place.y, z[lane] = place.z;
+        nx[lane] = normal.x, ny[lane] = normal.y, nz[lane] = normal.z;
+    }
+    void clearNodes(std::size_t lane) {
+        for (auto& corner : node) corner[lane] = kNoNode;
+    }
+    Vec3f place(std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
+};
+
+/// What the nodes at the corners of the cells say.
 struct JetCorners {
-    static constexpr std::size_t kMax = 8;  ///< corners of a node
+    static constexpr std::size_t kMax = 8;  ///< corners of a cell
+    /// The first corner of each point, the second of each, and so on. Where a point has fewer than
+    /// one beside it, `weight`, `g` and `u` are 0.
     struct Corner {
         Lanes weight;      ///< trilinear
         Lanes x, y, z;     ///< the chord from the foot point of the corner
@@ -20,8 +41,16 @@ struct JetCorners {
         Lanes u, mean;     ///< value over the weight here, and what a chord counts (meanWeight)
     };
     std::array<Corner, kMax> corner;
-    Lanes nx, ny, nz;  ///< normals of the nodes
-    std::array<std::uint32_t, Lanes::kNodes> count{};
+    alignas(32) std::array<std::array<NodeIndex, Lanes::kNodes>, kMax> node;  ///< of the core
+    Lanes nx, ny, nz;  ///< normals of the points
+    template <typename T>
+    using PerLane = std::array<T, Lanes::kNodes>;
+    alignas(32) PerLane<std::uint32_t> count;   ///< corners of the point
+    alignas(32) PerLane<std::uint32_t> bucket;  ///< from where the values of its corners count
+    /// Whether all its corners have a jet, and normals within 37 degrees of its own.
+    alignas(32) PerLane<std::int32_t> smooth;
+    /// Whether one of them has links that are severed around it, or lies at an obstacle.
+    alignas(32) PerLane<std::int32_t> hindered;
 
     Vec3f chord(std::size_t lane, std::size_t k) const {
         return {corner[k].x[lane], corner[k].y[lane], corner[k].z[lane]};
@@ -29,23 +58,18 @@ struct JetCorners {
     Vec3f g(std::size_t lane, std::size_t k) const {
         return {corner[k].gx[lane], corner[k].gy[lane], corner[k].gz[lane]};
     }
-    void setNormal(std::size_t lane, const Vec3f& n) {
-        nx[lane] = n.x, ny[lane] = n.y, nz[lane] = n.z;
-    }
-    /// Sets the k-th corner of a node; `count` is left to the caller.
-    void set(std::size_t lane, std::size_t k, float weight, const Vec3f& chord, const Vec3f& normal,
-             const Vec3f& g, float u, float mean) {
-        Corner& c = corner[k];
-        c.weight[lane] = weight, c.u[lane] = u, c.mean[lane] = mean;
-        c.x[lane] = chord.x, c.y[lane] = chord.y, c.z[lane] = chord.z;
-        c.mx[lane] = normal.x, c.my[lane] = normal.y, c.mz[lane] = normal.z;
-        c.gx[lane] = g.x, c.gy[lane] = g.y, c.gz[lane] = g.z;
-    }
-    /// Makes lanes as long as the longest, by corners without a weight.
-    void pad();
 };
 
-/// The jets at the nodes: every corner carries its own there by the circular step (jet_fit.h) in
+/// The gradients of the accepted nodes of a core, over the weight, and one entry more, so that four
+/// numbers can be read from each. In parallel.
+std::vector<Vec3f> gradientsOf(const CoreJets& jets);
+
+/// Reads the nodes around the points of which the trilinear weight is at least a hundredth.
+/// @param gradients  gradientsOf(jets), or empty: those that are needed are computed
+void gatherCorners(const CoreJets& jets, const std::vector<Vec3f>& gradients,
+                   const CellPoints& points, JetCorners& corners);
+
+/// The jets at the points: every corner carries its own there by the circular step (jet_fit.h) in
 /// the mean direction; the values are blended.
 struct CarriedJets {
     Lanes u, gx, gy, gz;
@@ -53,7 +77,7 @@ struct CarriedJets {
     std::array<bool, Lanes::kNodes> spreads;   ///< which does not narrow
     std::array<bool, Lanes::kNodes> oneFront;  ///< which may narrow, but has no focus here
 };
-/// A node has the same bits in any lane, beside any others.
+/// A point has the same bits in any lane, beside any others.
 /// @param faceted  as Band::faceted
 void carryFromCorners(const JetCorners& corners, bool faceted, CarriedJets& jets);
 

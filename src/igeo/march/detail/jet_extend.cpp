@@ -8,72 +8,104 @@ namespace igeo {
 
 namespace jet {
 
-void Extension::add(const Outside& node, Group& group) const {
-    const NodeIndex k = band_.leaves[node.leaf].core.node(node.offset);
-    if (k != kNoNode) {
-        *node.to = finished(node.node, ofCore(k));
-        return;
+bool Extension::isSimple(const Group& group, std::size_t lane) const {
+    const NodeIndex i = group.nodes[lane].node;
+    if (!group.corners.count[lane] || !group.corners.smooth[lane] || !metric_.clear(i))
+        return false;
+    const bool besideSevered = band_.facing[i] & Band::kBesideSevered;
+    if (!besideSevered && jets_.label.empty()) return true;
+    const std::uint32_t label = labelOf(group, lane);
+    bool simple = true;
+    for (std::size_t c = 0; c < group.corners.count[lane]; ++c) {
+        const NodeIndex k = group.corners.node[c][lane];
+        simple &= jets_.labelOf(k) == label && (!besideSevered || isJoined(i, core_.nodes[k]));
     }
-    begin(node, group);
-    if (group.full()) solve(group);
+    return simple;
 }
 
-void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
-    Group group;
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-        if (nodes[k] == kNoNode) continue;
-        const auto [l, at] = band_.placeOf(nodes[k]);
-        add({nodes[k], l, at, to + k}, group);
+void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const {
+    const Outside& node = group.nodes[lane];
+    const JetCorners& corners = group.corners;
+    const NodeIndex i = node.node;
+    if (metric_.inside(i)) {
+        *node.to = {};
+        return;
     }
-    finish(group);
+    // One or two corners do not show that fronts meet around them.
+    bool simple = isSimple(group, lane) &&
+                  (jets_.meetings.empty() || corners.count[lane] > 2 || !meetNear(group, lane));
+    Found s;
+    if (simple && metric_.anisotropic()) {
+        s = carryInPlane(group, lane);
+    } else if (simple) {
+        simple = carried.spreads[lane] || (carried.oneFront[lane] && !meetNear(group, lane));
+        s = {jets_.buckets.startOf(corners.bucket[lane]) +
+                 double(group.points.weight[lane] * carried.u[lane]),
+             {carried.gx[lane], carried.gy[lane], carried.gz[lane]},
+             labelOf(group, lane)};
+    }
+    if (simple)
+        finish(node, maybeInDisc(i, s.distance) ? inDisc(i, s) : s);
+    else
+        addDoubtful(node, group);
 }
 
 void Extension::solve(Group& group) const {
     if (group.size == 0) return;
-    for (std::size_t lane = group.size; lane < Lanes::kNodes; ++lane) group.corners.count[lane] = 0;
+    for (std::size_t lane = group.size; lane < Lanes::kNodes; ++lane) group.points.clearNodes(lane);
+    gatherCorners(jets_, gradients_, group.points, group.corners);
     CarriedJets carried;
-    if (!metric_.anisotropic()) {
-        group.corners.pad();
-        carryFromCorners(group.corners, band_.faceted, carried);
-    }
+    if (!metric_.anisotropic()) carryFromCorners(group.corners, band_.faceted, carried);
     for (std::size_t lane = 0; lane < group.size; ++lane) extendTo(group, lane, carried);
     group.size = 0;
 }
 
-NodeJet Extension::finished(NodeIndex i, Found s) const {
-    if (!(s.distance <= jets_.limit) || metric_.inside(i)) return {kInfinity, {}, s.label};
-    if (metric_.weighted()) s.gradient *= float(weightOf(i));
-    return s;
-}
-
-void Extension::finish(const Outside& node, Found s) const {
-    if (s.distance < kInfinity)
-        s.distance =
-            std::max(s.distance,
-                     jets_.seeds.lines.from(s.label, footPoint(node.node, node.leaf, node.offset)));
-    *node.to = finished(node.node, s);
-}
-
-void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const {
-    const Group::Node& node = group.nodes[lane];
-    const NodeIndex i = node.node;
-    if (metric_.inside(i)) return finish(node, {});
-    Found s;
-    bool simple = node.simple && node.count > 0 && metric_.clear(i);
-    // One or two corners do not show that fronts meet around them.
-    if (simple && node.count < 3 && meetNear(node)) simple = false;
-    if (simple && metric_.anisotropic()) {
-        s = carryInPlane(group, lane);
-    } else if (simple) {
-        simple = carried.spreads[lane] || (carried.oneFront[lane] && !meetNear(node));
-        s = {jets_.buckets.startOf(node.bucket) + double(node.weight * carried.u[lane]),
-             {carried.gx[lane], carried.gy[lane], carried.gz[lane]},
-             jets_.labelOf(node.core[0])};
+void Extension::begin(const Outside& node, Group& group) const {
+    const std::size_t lane = group.size++;
+    group.nodes[lane] = node;
+    CellPoints& points = group.points;
+    const Vec3f foot = band_.footOf(node.node);
+    const Ijk low{floorToInt(foot.x), floorToInt(foot.y), floorToInt(foot.z)};
+    points.set(lane, foot - Vec3f(low), band_.normal[node.node]);
+    if (metric_.weighted()) points.weight[lane] = float(metric_.at(node.node));
+    const Ijk voxel =
+        low + Ijk{int(node.offset >> 6), int(node.offset >> 3 & 7), int(node.offset & 7)};
+    if (group.core && LeafNumbers<2>::holdsCell(voxel)) {
+        const NodeIndex* const first = group.core->cell(voxel);
+        for (unsigned k = 0; k < 8; ++k) points.node[k][lane] = first[LeafNumbers<2>::kCorners[k]];
+    } else {
+        points.clearNodes(lane);
+        band_.forCorners(&BandLeaf::core, node.leaf, node.offset, low,
+                         [&](NodeIndex j, unsigned k) { points.node[k][lane] = j; });
     }
-    if (simple)
-        finish(node, exactNearSeed(i, s));
-    else
-        addDoubtful(node, group);
+    if (group.full()) solve(group);
+}
+
+void Extension::extendLeaf(LeafIndex l, Group& group, NodeJet* to) const {
+    const LeafNodes& core = band_.leaves[l].core;
+    NodeIndex k = core.firstNode;
+    band_.forNodes(l, [&](NodeIndex i, unsigned at) {
+        if (core.mask[at >> 6] >> (at & 63) & 1)
+            *to = finished(i, ofCore(k++));
+        else
+            begin({i, l, at, to}, group);
+        ++to;
+    });
+    finish(group);
+}
+
+void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
+    Group group;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+        if (nodes[n] == kNoNode) continue;
+        const auto [l, at] = band_.placeOf(nodes[n]);
+        const NodeIndex k = band_.leaves[l].core.node(at);
+        if (k != kNoNode)
+            to[n] = finished(nodes[n], ofCore(k));
+        else
+            begin({nodes[n], l, at, to + n}, group);
+    }
+    finish(group);
 }
 
 void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
@@ -93,24 +125,23 @@ void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const
 }
 
 Around Extension::around(const Group& group, std::size_t lane, const LocalFrame& local) const {
-    const Group::Node& node = group.nodes[lane];
+    const NodeIndex i = group.nodes[lane].node;
     Around around;
-    for (std::size_t c = 0; c < node.count; ++c) {
-        const NodeIndex k = node.core[c];
-        addNeighbor(k, group.corners.chord(lane, c),
-                    dot(band_.normal[node.node], core_.nodes[k].normal), group.corners.g(lane, c),
-                    local, around);
+    for (std::size_t c = 0; c < group.corners.count[lane]; ++c) {
+        const NodeIndex k = group.corners.node[c][lane];
+        addNeighbor(k, group.corners.chord(lane, c), dot(band_.normal[i], core_.nodes[k].normal),
+                    group.corners.g(lane, c), local, around);
     }
     return around;
 }
 
 Extension::Found Extension::carryInPlane(const Group& group, std::size_t lane) const {
-    const Group::Node& node = group.nodes[lane];
-    const LocalFrame local = core_.localFrameInBand(node.node);
+    const LocalFrame local = core_.localFrameInBand(group.nodes[lane].node);
     BlendWeights weight{};
-    for (std::size_t c = 0; c < node.count; ++c) weight[c] = group.corners.corner[c].weight[lane];
+    for (std::size_t c = 0; c < group.corners.count[lane]; ++c)
+        weight[c] = group.corners.corner[c].weight[lane];
     const Jet jet = blendJets(around(group, lane, local).all(), weight);
-    return fromChart(jet.u, jet.g, jets_.labelOf(node.core[0]), local);
+    return fromChart(jet.u, jet.g, labelOf(group, lane), local);
 }
 
 Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
@@ -178,7 +209,7 @@ void Extension::addDoubtful(const Outside& at, Group& group) const {
     const Ijk middle = roundToIjk(Vec3d(band_.footOf(i)));
     if (!gatherAround(node, group.core, middle, 1)) gatherAround(node, group.core, {}, 2);
     if (node.around.count == 0) {
-        finish(at, exactNearSeed(i, {}));
+        finish(at, {});
         doubtful.nodes.pop_back();
         return;
     }
@@ -207,7 +238,7 @@ void Extension::solveDoubtful(Doubtful& doubtful) const {
                                (fronts.two() || meetNear(around) || jet::nearFocus(around.all())));
         if (meet && metric_.clear(node.at.node) && !around.overCrease())
             s = whereFrontsMeet(node, s, fronts.three()).value_or(s);
-        finish(node.at, exactNearSeed(node.at.node, s));
+        finish(node.at, maybeInDisc(node.at.node, s.distance) ? inDisc(node.at.node, s) : s);
     }
     doubtful.nodes.clear();
 }
@@ -223,15 +254,6 @@ std::optional<Extension::Found> Extension::whereFrontsMeet(const Doubtful::Node&
                                 {core.data(), around.count}, before.distance, atFocus);
     if (!s) return {};
     return fromChart(s->u, s->g, s->label, node.local);
-}
-
-std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
-    std::vector<Vec3f> gradients(jets.state.size());
-    parallelFor(gradients.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k)
-            if (jets.state[k].accepted()) gradients[k] = jets.gradientOf(NodeIndex(k));
-    });
-    return gradients;
 }
 
 }  // namespace jet
@@ -266,7 +288,7 @@ template <typename Visit>
 void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
                   const Visit& visit) {
     const Band& band = jets.core->band;
-    const std::vector<Vec3f> gradients = jet::gradientsOf(jets);
+    const std::vector<Vec3f> gradients = gradientsOf(jets);
     const Extension extension(jets, gradients);
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
         LeafNumbers<2> numbers;
@@ -278,11 +300,7 @@ void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
             found.assign(band.leaves[l].band.count, {});
             if (wanted.empty() || wanted[l]) {
                 numbers.fill(band, l);
-                NodeJet* to = found.data();
-                band.forNodes(l, [&](NodeIndex i, unsigned at) {
-                    extension.add({i, l, at, to++}, group);
-                });
-                extension.finish(group);
+                extension.extendLeaf(l, group, found.data());
             }
             visit(l, found);
         }

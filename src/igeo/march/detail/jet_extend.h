@@ -5,6 +5,7 @@
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
 #include <igeo/march/detail/leaf_numbers.h>
+#include <igeo/march/detail/registers.h>
 #include <igeo/march/field.h>
 
 #include <algorithm>
@@ -43,13 +44,10 @@ struct Around {
     }
 };
 
-/// The gradients of the accepted nodes of a core. In parallel.
-std::vector<Vec3f> gradientsOf(const CoreJets& jets);
-
 /// Gives nodes outside the core the jets of the core around their foot points.
 class Extension {
 public:
-    /// @param gradients  of the core, or empty: each is computed
+    /// @param gradients  gradientsOf(jets), or empty: those that are needed are computed
     Extension(const CoreJets& jets, const std::vector<Vec3f>& gradients)
         : jets_(jets),
           core_(*jets.core),
@@ -76,28 +74,19 @@ public:
     };
     /// Nodes outside the core that are extended side by side.
     struct Group {
-        struct Node : Outside {
-            std::size_t count = 0;  ///< corners
-            std::array<NodeIndex, JetCorners::kMax> core;
-            bool simple = true;  ///< all are of one smooth sheet, of one source, and have a jet
-            float weight = 1;
-            std::uint32_t bucket = 0;  ///< from where the values of the corners count
-        };
         const LeafNumbers<2>* core = nullptr;  ///< of the leaf of the nodes, if known
         std::size_t size = 0;
-        std::array<Node, Lanes::kNodes> nodes;
+        std::array<Outside, Lanes::kNodes> nodes;
+        CellPoints points;  ///< their foot points
         JetCorners corners;
         Doubtful doubtful;
 
         bool full() const { return size == nodes.size(); }
     };
-    /// Begins with a node of the band: its jet is in `to` after the next finish().
-    void add(const Outside& node, Group& group) const;
-    /// Extends the nodes of a group, and takes them out.
-    void finish(Group& group) const {
-        solve(group);
-        solveDoubtful(group.doubtful);
-    }
+    /// The jets of the nodes of a leaf.
+    /// @param group  empty, with the numbers of the leaf
+    /// @param to     a jet per node
+    void extendLeaf(LeafIndex l, Group& group, NodeJet* to) const;
     /// As Field::atCore.
     void at(std::span<const NodeIndex> nodes, NodeJet* to) const;
 
@@ -119,6 +108,11 @@ private:
         return Vec3d(band_.leaves[l].origin + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)}) +
                Vec3d(band_.footOf(i));
     }
+    /// That of the core nodes around a node of a group.
+    std::uint32_t labelOf(const Group& group, std::size_t lane) const {
+        if (jets_.label.empty()) return 0;
+        return jets_.label[group.corners.node[0][lane]];
+    }
     double weightOf(NodeIndex i) const {
         return metric_.anisotropic() ? core_.localFrameInBand(i).weight : metric_.at(i);
     }
@@ -131,15 +125,30 @@ private:
         const LocalFrame local = core_.localFrameInBand(i);
         return local.weight * double(local.stretch.largest());
     }
-    /// Adds a node and the corners around its foot point.
-    void begin(const Outside& node, Group& group) const;
-    class CornerLane;
+    /// Adds a node and the numbers of the core nodes around its foot point.
+    IGEO_INLINE void begin(const Outside& node, Group& group) const;
     void solve(Group& group) const;
-    void extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const;
+    IGEO_INLINE void extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const;
+    /// Whether all corners of a node are of one smooth sheet and of one source.
+    IGEO_INLINE bool isSimple(const Group& group, std::size_t lane) const;
     void solveDoubtful(Doubtful& doubtful) const;
+    /// Extends what is left in a group.
+    void finish(Group& group) const {
+        solve(group);
+        solveDoubtful(group.doubtful);
+    }
+    /// Sets the jet of a node, no less than a straight line.
+    IGEO_INLINE void finish(const Outside& node, const Found& s) const {
+        const Vec3d foot = footPoint(node.node, node.leaf, node.offset);
+        const double d = std::max(s.distance, jets_.seeds.lines.from(s.label, foot));
+        *node.to = finished(node.node, {d, s.gradient, s.label});
+    }
     /// What is left to do for any node.
-    NodeJet finished(NodeIndex i, Found s) const;
-    void finish(const Outside& node, Found s) const;
+    IGEO_INLINE NodeJet finished(NodeIndex i, Found s) const {
+        if (!(s.distance <= jets_.limit) || metric_.inside(i)) return {kInfinity, {}, s.label};
+        if (metric_.weighted()) s.gradient *= float(weightOf(i));
+        return s;
+    }
 
     void addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
                      const LocalFrame& local, Around& around) const;
@@ -153,9 +162,11 @@ private:
     std::optional<Found> whereFrontsMeet(const Doubtful::Node& node, const Found& before,
                                          bool atFocus) const;
     /// Whether fronts meet beside one of the nodes.
-    bool meetNear(const Group::Node& node) const {
-        return std::any_of(node.core.begin(), node.core.begin() + node.count,
-                           [&](NodeIndex k) { return jets_.meetNear(k); });
+    bool meetNear(const Group& group, std::size_t lane) const {
+        bool meet = false;
+        for (std::size_t c = 0; c < group.corners.count[lane]; ++c)
+            meet |= jets_.meetNear(group.corners.node[c][lane]);
+        return meet;
     }
     bool meetNear(const Around& around) const {
         return std::any_of(around.node.begin(), around.node.begin() + around.count,
@@ -171,11 +182,13 @@ private:
     /// @return whether any of it is on the node's sheet, reached or not
     bool gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, const Ijk& middle,
                       int reach) const;
-    /// The jet of the start disc that holds the foot point; s where none does.
-    Found exactNearSeed(NodeIndex i, const Found& s) const {
+    /// Whether a start disc may hold the foot point of a node at a distance.
+    bool maybeInDisc(NodeIndex i, double distance) const {
         constexpr double kMargin = 3;  // voxels
-        return s.distance > jets_.seeds.largestInDisc + kMargin * largestCost(i) ? s : inDisc(i, s);
+        const double cost = metric_.weighted() ? largestCost(i) : 1;
+        return !(distance > jets_.seeds.largestInDisc + kMargin * cost);
     }
+    /// The jet of the start disc that holds the foot point; s where none does.
     Found inDisc(NodeIndex i, const Found& s) const;
 
     const CoreJets& jets_;

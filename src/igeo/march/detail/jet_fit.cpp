@@ -182,12 +182,6 @@ private:
     V nearness_[JetLanes::kMax];  ///< 1 / (|a|^2 (|a|^2 + 0.1))
 };
 
-/// One width of registers.
-struct Kernels {
-    void (*findFronts)(const JetLanes&, JetFronts&);
-    void (*fitFronts)(const JetLanes&, const Lanes&, const Lanes&, JetFits&);
-};
-
 void findByFour(const JetLanes& lanes, JetFronts& fronts) {
     for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
         LaneFit<4>(lanes, first).findFronts(fronts);
@@ -204,24 +198,21 @@ IGEO_AVX2 void findByEight(const JetLanes& lanes, JetFronts& fronts) {
 IGEO_AVX2 void fitByEight(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& fits) {
     LaneFit<8>(lanes, 0).fit(x, y, fits);
 }
-Kernels bestKernels() {
-    if (__builtin_cpu_supports("avx2")) return {findByEight, fitByEight};
-    return {findByFour, fitByFour};
-}
-#else
-Kernels bestKernels() { return {findByFour, fitByFour}; }
 #endif
-
-const Kernels& kernels() {
-    static const Kernels best = bestKernels();
-    return best;
-}
 
 }  // namespace
 
-void findFronts(const JetLanes& lanes, JetFronts& fronts) { kernels().findFronts(lanes, fronts); }
+void findFronts(const JetLanes& lanes, JetFronts& fronts) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return findByEight(lanes, fronts);
+#endif
+    findByFour(lanes, fronts);
+}
 void fitFronts(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& fits) {
-    kernels().fitFronts(lanes, x, y, fits);
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return fitByEight(lanes, x, y, fits);
+#endif
+    fitByFour(lanes, x, y, fits);
 }
 
 }  // namespace igeo

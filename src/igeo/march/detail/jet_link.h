@@ -16,12 +16,13 @@ struct JetCore;
 /// A neighbor of a core node, laid out in the chart of that node.
 struct JetLink {
     std::uint32_t key;   ///< node() and overCrease()
-    Vec2f a;             ///< from the neighbor to the node; isotropic: times the mean of both
-                         ///< weights, over the node's
+    float ax, ay;        ///< a()
     float cosine, sine;  ///< of the angle by which directions of the neighbor's frame turn
 
     static constexpr std::uint32_t kCrease = std::uint32_t(1) << 31;
     NodeIndex node() const { return key & ~kCrease; }
+    /// From the neighbor to the node; isotropic: times the mean of both weights, over the node's.
+    Vec2f a() const { return {ax, ay}; }
     /// Whether the normals at both ends are more than 26 degrees apart.
     bool overCrease() const { return key & kCrease; }
     Vec2f turned(Vec2f g) const { return {cosine * g.x - sine * g.y, sine * g.x + cosine * g.y}; }

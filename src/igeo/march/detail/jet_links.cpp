@@ -1,6 +1,7 @@
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_core.h>
 #include <igeo/march/detail/leaf_numbers.h>
+#include <igeo/march/detail/registers.h>
 
 #include <algorithm>
 #include <array>
@@ -11,119 +12,187 @@ namespace igeo {
 
 namespace {
 
-using Four = JetNeighbors::Four;
-using Mask = decltype(Four{} < Four{});
+/// Normals further apart than 26 degrees are those of a crease.
+constexpr float kSmooth = 0.9f;
 
-struct Vec3Four {
-    Four x, y, z;
-    Vec3Four() = default;
-    explicit Vec3Four(const Vec3f& v) : x(Four{} + v.x), y(Four{} + v.y), z(Four{} + v.z) {}
+/// Nodes that may be linked to one node, and their links.
+struct Candidates {
+    static constexpr std::size_t kMax = JetLinks::kMax;
+    template <typename T>
+    using Array = std::array<T, kMax>;
+
+    std::size_t count = 0;
+    std::size_t neighbors = 0;  ///< the first ones, a step away; the others are linked for certain
+    alignas(32) Array<NodeIndex> node;
+    alignas(32) Array<LeafNumbers<1>::StepCode> step;  ///< of neighbors
+    alignas(32) Array<float> x, y, z;                  ///< chord from its foot point; of others
+
+    // What layOut() finds.
+    alignas(32) Array<float> cosine;           ///< between the normals
+    alignas(32) Array<std::int32_t> together;  ///< onOneSheet
+    bool smooth = true;   ///< all are on one sheet, with normals less than 26 degrees apart
+    Array<JetLink> link;  ///< over smooth parts of S
+
+    bool isSure(std::size_t k) const { return k >= neighbors; }
+    Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
+    /// A node that is linked by a bridge or a stencil, whatever the normals say.
+    void addLinked(NodeIndex j, const Vec3f& chord) {
+        node[count] = j;
+        x[count] = chord.x, y[count] = chord.y, z[count++] = chord.z;
+    }
 };
-inline Four dot(const Vec3Four& a, const Vec3Four& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-inline Four abs(const Four& v) { return v < 0 ? -v : v; }
+/// Lays candidates out in the chart of a node, side by side.
+template <int Width>
+class Layout {
+    using V = typename Registers<Width>::Vector;
+    using Integers = typename Registers<Width>::Integers;
+    using Vectors = VectorLanes<Width>;
 
-/// igeo::anyNormalTo, with the same bits.
-inline Vec3Four anyNormalTo(const Vec3Four& n) {
-    const Four x = abs(n.x), y = abs(n.y), z = abs(n.z), zero{};
-    const Mask byX = (x <= y) & (x <= z), byY = ~byX & (y <= z);
-    Vec3Four t;
-    t.x = byX ? zero : byY ? -n.z : n.y;
-    t.y = byX ? n.z : byY ? zero : -n.x;
-    t.z = byX ? -n.y : byY ? n.x : zero;
-    const Four len = jet::roots(dot(t, t));
-    const Four inverse = len > 0 ? 1 / len : zero + 1;
-    t.x *= inverse, t.y *= inverse, t.z *= inverse;
-    return t;
-}
-
-/// Nodes that may be linked to one node, four side by side.
-class Candidates {
 public:
-    void clear() { count_ = 0; }
-    std::size_t count() const { return count_; }
-    /// @param chord   from its foot point
-    /// @param linked  by a bridge or a stencil, whatever the normals say
-    void add(NodeIndex j, const Vec3f& chord, const Vec3f& normal, bool linked) {
-        const std::size_t k = count_++;
-        node_[k] = j, linked_[k] = linked;
-        set(chord_, k, chord), set(normal_, k, normal);
-    }
-    NodeIndex node(std::size_t k) const { return node_[k]; }
-    Vec3f chord(std::size_t k) const { return get(chord_, k); }
-    Vec3f normal(std::size_t k) const { return get(normal_, k); }
-    float cosine(std::size_t k) const { return cosine_[k]; }
-    bool isSure(std::size_t k) const { return linked_[k]; }
-    bool onOneSheet(std::size_t k) const { return onOneSheet_[k]; }
-    /// The link in the chart, over smooth parts of S.
-    JetLink link(std::size_t k) const {
-        return {node_[k], {ax_[k], ay_[k]}, turnCosine_[k], turnSine_[k]};
-    }
+    IGEO_INLINE Layout(const JetCore& core, const JetNode& node, const TangentFrame& frame,
+                       Candidates& all)
+        : nodes_(core.nodes.data()),
+          weighted_(core.costsVary && core.stretch.empty()),
+          smooth_(core.band.faceted ? 1.0f : kSmooth),
+          here_(node),
+          n_(same(frame.normal())),
+          t1_(same(frame.axis(0))),
+          t2_(same(frame.axis(1))),
+          all_(all) {}
 
-    /// Lays all out in the chart of a node: TangentFrame::unfold, onOneSheet.
-    void layOut(const TangentFrame& frame) {
-        for (std::size_t k = 0; k < count_; k += 4) layOutFour(frame, k);
+    IGEO_INLINE void layOut() const {
+        // What lies beyond the last one is laid out as well.
+        for (std::size_t k = all_.count; k % Width; ++k) all_.node[k] = 0, all_.step[k] = 0;
+        Integers rough{};
+        for (std::size_t k = 0; k < all_.count; k += Width) {
+            Integers here;
+            for (int lane = 0; lane < Width; ++lane) here[lane] = std::int32_t(k) + lane;
+            rough |= layOut(k) & (here < std::int32_t(all_.count));
+        }
+        all_.smooth = !any(rough);
     }
 
 private:
-    static constexpr std::size_t kMax = JetLinks::kMax;
-    using Array = std::array<float, kMax>;
-    using Vectors = std::array<Array, 3>;
+    /// @return flags: not on one sheet, or over a crease
+    IGEO_INLINE Integers layOut(std::size_t k) const {
+        V footAndX[4], rest[4];
+        loadFours<Width>(nodes_, sizeof(JetNode), &all_.node[k], footAndX);
+        loadFours<Width>(&nodes_->normal.y, sizeof(JetNode), &all_.node[k], rest);
+        const Vectors foot{footAndX[0], footAndX[1], footAndX[2]},
+            normal{footAndX[3], rest[0], rest[1]};
+        const V weight = rest[2];
+        if (k < all_.neighbors) {
+            const Integers step = read<Integers>(&all_.step[k]);
+            const Vectors chord =
+                same(here_.foot) - foot - Vectors{part(step >> 4), part(step >> 2), part(step)};
+            Integers isNeighbor;
+            for (int lane = 0; lane < Width; ++lane) isNeighbor[lane] = std::int32_t(k) + lane;
+            isNeighbor = isNeighbor < std::int32_t(all_.neighbors);
+            write(all_.x, k, isNeighbor ? chord.x : read<V>(&all_.x[k]));
+            write(all_.y, k, isNeighbor ? chord.y : read<V>(&all_.y[k]));
+            write(all_.z, k, isNeighbor ? chord.z : read<V>(&all_.z[k]));
+        }
+        const Vectors chord{read<V>(&all_.x[k]), read<V>(&all_.y[k]), read<V>(&all_.z[k])};
+        const Vectors axis = anyNormalTo(normal);
+        const V cosine = dot(n_, normal), rise = dot(n_, chord), riseOther = dot(normal, chord);
+        const Integers together = areOnOneSheet(cosine, rise, riseOther, dot(chord, chord));
+        // As TangentFrame::unfold has it.
+        const V x = dot(chord, t1_), y = dot(chord, t2_), in2 = x * x + y * y,
+                square = in2 + rise * rise;
+        const V bend = rise - riseOther, kc2 = bend * bend / square;
+        V stretch = 1 + rise * rise / in2;
+        takeRoots<Width>(stretch);
+        stretch *= 1 + kc2 * (1.0f / 24 + kc2 * (3.0f / 640));
+        const V s = in2 > 1e-12f ? stretch : V{} + 1;
+        // The least rotation that takes the normal of the neighbor to the one here.
+        const V turn = dot(axis, n_) / (1 + cosine);
+        V of[4] = {s * x, s * y, dot(axis, t1_) - turn * dot(normal, t1_),
+                   dot(axis, t2_) - turn * dot(normal, t2_)};
+        if (weighted_) {  // meanWeight
+            const V mean = weight == here_.weight ? V{} + 1 : (1 + weight / here_.weight) / 2;
+            of[0] *= mean, of[1] *= mean;
+        }
+        storeFours<Width>(of, &all_.link[k].ax, sizeof(JetLink));
+        for (int lane = 0; lane < Width; ++lane) {
+            const std::size_t l = k + std::size_t(lane);
+            all_.link[l].key = all_.node[l];
+        }
+        write(all_.cosine, k, cosine);
+        std::memcpy(&all_.together[k], &together, sizeof together);
+        return ~together | (cosine < smooth_);
+    }
 
-    static void set(Vectors& v, std::size_t k, const Vec3f& value) {
-        v[0][k] = value.x, v[1][k] = value.y, v[2][k] = value.z;
-    }
-    static Vec3f get(const Vectors& v, std::size_t k) { return {v[0][k], v[1][k], v[2][k]}; }
-    static Four load(const Array& a, std::size_t k) {
-        return *reinterpret_cast<const Four*>(a.data() + k);
-    }
-    static Vec3Four load(const Vectors& v, std::size_t k) {
-        Vec3Four four;
-        four.x = load(v[0], k), four.y = load(v[1], k), four.z = load(v[2], k);
-        return four;
-    }
-    static void store(Array& a, std::size_t k, Four value) {
-        *reinterpret_cast<Four*>(a.data() + k) = value;
-    }
-    static Four min(Four a, Four b) { return a < b ? a : b; }
-    static Four max(Four a, Four b) { return a > b ? a : b; }
-
-    static Mask areOnOneSheet(Four cosine, Four along, Four alongOther, Four square) {
+    IGEO_INLINE static Integers areOnOneSheet(const V& cosine, const V& along, const V& alongOther,
+                                              const V& square) {
         constexpr float kFar2 = 3.2f, kAlong2 = 0.25f;
-        const Mask stacked = (min(along, alongOther) > 1) | (max(along, alongOther) < -1);
-        const Mask acrossGap = (cosine < 0.5f) & (square > kFar2) & (along * alongOther < 0) &
-                               (min(along * along, alongOther * alongOther) > kAlong2 * square);
+        const Integers stacked = (min(along, alongOther) > 1) | (max(along, alongOther) < -1);
+        const Integers acrossGap = (cosine < 0.5f) & (square > kFar2) & (along * alongOther < 0) &
+                                   (min(along * along, alongOther * alongOther) > kAlong2 * square);
         return (cosine >= kOppositeNormals) & ~stacked & ~acrossGap;
     }
-
-    void layOutFour(const TangentFrame& frame, std::size_t k) {
-        const Vec3Four chord = load(chord_, k), normal = load(normal_, k),
-                       axis = anyNormalTo(normal), n(frame.normal()), t1(frame.axis(0)),
-                       t2(frame.axis(1));
-        const Four cosine = dot(n, normal), rise = dot(n, chord), riseOther = dot(normal, chord);
-        const Mask sheet = areOnOneSheet(cosine, rise, riseOther, dot(chord, chord));
-        // As TangentFrame::unfold has it.
-        const Four x = dot(chord, t1), y = dot(chord, t2), in2 = x * x + y * y,
-                   square = in2 + rise * rise;
-        const Four bend = rise - riseOther, kc2 = bend * bend / square;
-        const Four stretch =
-            jet::roots(1 + rise * rise / in2) * (1 + kc2 * (1.0f / 24 + kc2 * (3.0f / 640)));
-        const Four s = in2 > 1e-12f ? stretch : Four{} + 1;
-        // The least rotation that takes the normal of the neighbor to the one here.
-        const Four turn = dot(axis, n) / (1 + cosine);
-        store(ax_, k, s * x), store(ay_, k, s * y);
-        store(turnCosine_, k, dot(axis, t1) - turn * dot(normal, t1));
-        store(turnSine_, k, dot(axis, t2) - turn * dot(normal, t2));
-        store(cosine_, k, cosine);
-        for (std::size_t l = 0; l < 4; ++l) onOneSheet_[k + l] = sheet[l];
+    /// igeo::anyNormalTo, with the same bits.
+    IGEO_INLINE static Vectors anyNormalTo(const Vectors& n) {
+        const V x = absolute(n.x), y = absolute(n.y), z = absolute(n.z), zero{};
+        const Integers byX = (x <= y) & (x <= z), byY = ~byX & (y <= z);
+        const Vectors t{byX   ? zero
+                        : byY ? -n.z
+                              : n.y,
+                        byX   ? n.z
+                        : byY ? zero
+                              : -n.x,
+                        byX   ? -n.y
+                        : byY ? n.x
+                              : zero};
+        V len = dot(t, t);
+        takeRoots<Width>(len);
+        return t * (len > 0 ? 1 / len : zero + 1);
+    }
+    IGEO_INLINE static V absolute(const V& v) { return v < 0 ? -v : v; }
+    IGEO_INLINE static V min(const V& a, const V& b) { return a < b ? a : b; }
+    IGEO_INLINE static V max(const V& a, const V& b) { return a > b ? a : b; }
+    IGEO_INLINE static Vectors same(const Vec3f& v) { return {V{} + v.x, V{} + v.y, V{} + v.z}; }
+    /// Of a step in bits.
+    IGEO_INLINE static V part(const Integers& code) {
+        return __builtin_convertvector((code & 3) - 1, V);
+    }
+    template <typename Vector, typename T>
+    IGEO_INLINE static Vector read(const T* from) {
+        Vector v;
+        std::memcpy(&v, from, sizeof v);
+        return v;
+    }
+    IGEO_INLINE static void write(Candidates::Array<float>& to, std::size_t k, const V& v) {
+        std::memcpy(&to[k], &v, sizeof v);
     }
 
-    std::size_t count_ = 0;
-    std::array<NodeIndex, kMax> node_;
-    std::array<bool, kMax> linked_, onOneSheet_;
-    alignas(16) Vectors chord_{}, normal_{};
-    alignas(16) Array ax_, ay_, turnCosine_, turnSine_, cosine_;
+    const JetNode* nodes_;
+    bool weighted_;
+    float smooth_;  ///< least cosine where TangentFrame::unfold does the same
+    const JetNode& here_;
+    Vectors n_, t1_, t2_;
+    Candidates& all_;
 };
+
+void layOutByFour(const JetCore& core, const JetNode& node, const TangentFrame& frame,
+                  Candidates& all) {
+    Layout<4>(core, node, frame, all).layOut();
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 void layOutByEight(const JetCore& core, const JetNode& node, const TangentFrame& frame,
+                             Candidates& all) {
+    Layout<8>(core, node, frame, all).layOut();
+}
+#endif
+
+/// TangentFrame::unfold, onOneSheet.
+void layOut(const JetCore& core, const JetNode& node, const TangentFrame& frame,
+            Candidates& candidates) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return layOutByEight(core, node, frame, candidates);
+#endif
+    layOutByFour(core, node, frame, candidates);
+}
 
 /// Lays the neighbors of core nodes out in their charts.
 class LinkBuilder {
@@ -151,43 +220,58 @@ public:
 
 private:
     void find(NodeIndex i, const LeafNumbers<1>& numbers, Candidates& candidates) const {
-        candidates.clear();
+        candidates.count = candidates.neighbors = 0;
         const JetNode& node = core_.nodes[i];
-        auto add = [&](NodeIndex j, const Vec3f& chord, bool linked) {
-            candidates.add(j, chord, core_.nodes[j].normal, linked);
-        };
         auto addLinked = [&](NodeIndex j, const Ijk&, const Vec3f& chord, float) {
-            add(j, chord, true);
+            candidates.addLinked(j, chord);
         };
         if (!stencil_.empty()) return forStencil(core_, stencil_, i, addLinked);
-        const std::uint32_t severed = core_.severedSteps(node);
-        numbers.forNeighbors(node.offset, [&](NodeIndex j, const Ijk& step) {
-            if (severed && severed & SeveredLinks::bit(step.x, step.y, step.z)) return;
-            add(j, node.foot - core_.nodes[j].foot - Vec3f(step), false);
-        });
+        candidates.neighbors =
+            numbers.neighbors(node.offset, candidates.node.data(), candidates.step.data());
+        if (const std::uint32_t severed = core_.severedSteps(node))
+            dropSevered(severed, candidates);
+        candidates.count = candidates.neighbors;
         if (node.facing & Band::kBridged) forBridges(core_, node, addLinked);
     }
 
+    static void dropSevered(std::uint32_t severed, Candidates& candidates) {
+        std::size_t left = 0;
+        for (std::size_t k = 0; k < candidates.neighbors; ++k) {
+            const auto code = int(candidates.step[k]);
+            const Ijk step = Ijk{code >> 4, code >> 2 & 3, code & 3} - Ijk{1, 1, 1};
+            if (severed & SeveredLinks::bit(step.x, step.y, step.z)) continue;
+            candidates.node[left] = candidates.node[k];
+            candidates.step[left++] = candidates.step[k];
+        }
+        candidates.neighbors = left;
+    }
+
     void addRow(NodeIndex i, Candidates& candidates, std::vector<JetLink>& row) const {
-        constexpr float kSmooth = 0.9f;
-        const float mayBeCrease = core_.band.faceted ? 1.0f : kSmooth;
         const JetNode& node = core_.nodes[i];
         const TangentFrame frame(node.normal, core_.band.faceted);
-        candidates.layOut(frame);
-        const bool mayBeHidden = node.obstacleState != Metric::Clear,
-                   weighted = core_.costsVary && core_.stretch.empty();
-        for (std::size_t k = 0; k < candidates.count(); ++k) {
-            const JetNode& other = core_.nodes[candidates.node(k)];
-            if (!candidates.isSure(k) && (!candidates.onOneSheet(k) ||
+        layOut(core_, node, frame, candidates);
+        const bool mayBeHidden = node.obstacleState != Metric::Clear;
+        if (candidates.smooth && !mayBeHidden) {
+            const JetLink* const links = candidates.link.data();
+            row.insert(row.end(), links, links + candidates.count);
+            return;
+        }
+        const float mayBeCrease = core_.band.faceted ? 1.0f : kSmooth;
+        const bool weighted = core_.costsVary && core_.stretch.empty();
+        for (std::size_t k = 0; k < candidates.count; ++k) {
+            const JetNode& other = core_.nodes[candidates.node[k]];
+            if (!candidates.isSure(k) && (!candidates.together[k] ||
                                           (mayBeHidden && isHidden(core_, other, core_.footOf(node),
                                                                    node.normal + other.normal))))
                 continue;
-            JetLink link = candidates.link(k);
-            const float cosine = candidates.cosine(k);
-            if (cosine < mayBeCrease)  // TangentFrame decides
-                link.a = frame.unfold(candidates.chord(k), candidates.normal(k), cosine);
-            // docs/method.md, "The metric": weights.
-            if (weighted) link.a = meanWeight(other.weight, node.weight) * link.a;
+            JetLink link = candidates.link[k];
+            const float cosine = candidates.cosine[k];
+            if (cosine < mayBeCrease) {  // TangentFrame decides
+                Vec2f a = frame.unfold(candidates.chord(k), other.normal, cosine);
+                // docs/method.md, "The metric": weights.
+                if (weighted) a = meanWeight(other.weight, node.weight) * a;
+                link.ax = a.x, link.ay = a.y;
+            }
             if (cosine < kSmooth) link.key |= JetLink::kCrease;
             row.push_back(link);
         }

@@ -188,7 +188,7 @@ void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) {
         const NodeIndex j = link.node();
         const JetState& state = jets_.state[j];
         const float u = float(std::int64_t(state.bucket) - batch.first) * width_ + state.rest;
-        JetNeighbor n{link.a, link.turned(state.g)};
+        JetNeighbor n{link.a(), link.turned(state.g)};
         if (!isotropic) {
             n.g = perWeight(core_.nodes[j].weight) * n.g;
             n = stretched(core_.stretch[i], n);
@@ -286,7 +286,7 @@ void JetMarch::enqueue(const Node& node, const Result& jet, const Batch& batch, 
         const JetLink& link = row[node.waiting[k]];
         const float weight =
             isotropic ? here : meanWeight(core_.nodes[link.node()].weight, here) * here;
-        const Vec2f step = -weight * link.a;
+        const Vec2f step = -weight * link.a();
         const Vec2f flat = isotropic ? step : core_.stretch[node.core].vector(step);
         const float along = dot(jet.g, step), square = dot(flat, flat);
         const float r = radius + std::max(along, 0.0f),

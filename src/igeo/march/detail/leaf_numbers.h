@@ -15,14 +15,17 @@ template <int Margin>
 class LeafNumbers {
 public:
     static_assert(Margin >= 1 && Margin <= 8);
+    static constexpr int kEdge = 8 + 2 * Margin;
 
     void fill(const Band& band, LeafIndex l) {
-        number_.fill(kNoNode);
+        static_assert(kNoNode == ~NodeIndex(0));
+        std::memset(number_.data(), 0xff, sizeof number_);
         for (int dx = -1; dx <= 1; ++dx)
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dz = -1; dz <= 1; ++dz) {
                     const LeafIndex m = dx || dy || dz ? band.leafBeside(l, dx, dy, dz) : l;
-                    if (m != kNoLeaf) add(band.leaves[m].core, {8 * dx, 8 * dy, 8 * dz});
+                    if (m != kNoLeaf && band.leaves[m].core.count)
+                        add(band.leaves[m].core, dx, dy, dz);
                 }
     }
     /// Index of a voxel relative to the leaf, -Margin to 7 + Margin along each axis.
@@ -34,10 +37,29 @@ public:
     /// The core's number there, or kNoNode.
     NodeIndex at(int index) const { return number_[std::size_t(index)]; }
 
-    /// Calls visit(j, step) for the nodes around the voxel at an offset of the leaf, in the order
-    /// of the steps.
-    template <typename Visit>
-    void forNeighbors(unsigned offset, const Visit& visit) const {
+    /// Whether all corners of a cell, its low one at a voxel, are within the margin.
+    static bool holdsCell(const Ijk& low) {
+        return std::min({low.x, low.y, low.z}) >= -Margin &&
+               std::max({low.x, low.y, low.z}) < 7 + Margin;
+    }
+    /// The number there, and those of the other corners of the cell at kCorners from it.
+    const NodeIndex* cell(const Ijk& low) const { return &number_[std::size_t(indexOf(low))]; }
+    /// Corner (a, b, c) at 4 a + 2 b + c.
+    static constexpr std::array<int, 8> kCorners = {0,
+                                                    1,
+                                                    kEdge,
+                                                    kEdge + 1,
+                                                    kEdge* kEdge,
+                                                    kEdge* kEdge + 1,
+                                                    kEdge* kEdge + kEdge,
+                                                    kEdge* kEdge + kEdge + 1};
+
+    /// A step to one of the 26 voxels around, in bits: (x + 1) 16 + (y + 1) 4 + z + 1.
+    using StepCode = std::uint32_t;
+    /// The nodes around the voxel at an offset of the leaf, in the order of the steps.
+    /// @param node, step  room for 26
+    /// @return how many there are
+    std::size_t neighbors(unsigned offset, NodeIndex* node, StepCode* step) const {
         // Which there are changes from node to node: first a set without branches, by rows of
         // three.
         const int middle = indexOf(voxelOf(offset));
@@ -49,11 +71,14 @@ public:
             there |= (row != int(kNoNode)) & (Row{1, 2, 4, 0} << int(k));
         }
         constexpr unsigned kMiddle = 1u << 13;
+        std::size_t count = 0;
         for (unsigned found = unsigned(there[0] | there[1] | there[2]) & ~kMiddle; found;
              found &= found - 1) {
             const auto k = unsigned(std::countr_zero(found));
-            visit(at(middle + kSteps.index[k]), kSteps.step[k]);
+            node[count] = at(middle + kSteps.index[k]);
+            step[count++] = kSteps.code[k];
         }
+        return count;
     }
 
     /// Whether forBox reaches all of a box.
@@ -80,36 +105,49 @@ private:
     static constexpr Ijk voxelOf(unsigned offset) {
         return {int(offset >> 6), int(offset >> 3 & 7), int(offset & 7)};
     }
-    static constexpr int kEdge = 8 + 2 * Margin;
-
     /// The steps to a voxel and to all around it.
     struct Steps {
-        std::array<Ijk, 27> step{};
         std::array<int, 27> index{};
+        std::array<StepCode, 27> code{};
         constexpr Steps() {
             for (int k = 0; k < 27; ++k) {
-                const Ijk s{k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1};
-                step[std::size_t(k)] = s;
-                index[std::size_t(k)] = (s.x * kEdge + s.y) * kEdge + s.z;
+                const int x = k / 9, y = k / 3 % 3, z = k % 3;
+                index[std::size_t(k)] = indexOfStep({x - 1, y - 1, z - 1});
+                code[std::size_t(k)] = StepCode(x << 4 | y << 2 | z);
             }
         }
     };
     static constexpr Steps kSteps{};
 
-    /// Bits 0 to 7: positions along an axis within reach, in a leaf at a shift.
-    static constexpr unsigned reach(int shift) {
-        return shift < 0 ? (0xff00u >> Margin) & 0xff : shift > 0 ? 0xffu >> (8 - Margin) : 0xff;
-    }
-    void add(const LeafNodes& nodes, const Ijk& shift) {
-        std::uint64_t seen = 0;
-        for (int y = 0; y < 8; ++y)
-            if (reach(shift.y) >> y & 1) seen |= std::uint64_t(reach(shift.z)) << 8 * y;
-        for (int x = 0; x < 8; ++x) {
-            if (!(reach(shift.x) >> x & 1)) continue;
-            for (std::uint64_t bits = nodes.mask[std::size_t(x)] & seen; bits; bits &= bits - 1) {
+    /// Bits: the voxels of a slice within reach in the leaf at a shift, by 3 (y + 1) + z + 1.
+    struct Slices {
+        std::array<std::uint64_t, 9> seen{};
+        constexpr Slices() {
+            for (int k = 0; k < 9; ++k)
+                for (int y = 0; y < 8; ++y)
+                    if (reach(k / 3 - 1) >> y & 1)
+                        seen[std::size_t(k)] |= std::uint64_t(reach(k % 3 - 1)) << 8 * y;
+        }
+        /// Bits 0 to 7: positions along an axis within reach.
+        static constexpr unsigned reach(int shift) {
+            return shift < 0   ? (0xff00u >> Margin) & 0xff
+                   : shift > 0 ? 0xffu >> (8 - Margin)
+                               : 0xff;
+        }
+    };
+    static constexpr Slices kSlices{};
+
+    void add(const LeafNodes& nodes, int dx, int dy, int dz) {
+        const std::uint64_t seen = kSlices.seen[std::size_t(3 * dy + dz + 4)];
+        const int begin = dx < 0 ? 8 - Margin : 0, end = dx > 0 ? Margin : 8;
+        for (int x = begin; x < end; ++x) {
+            const std::uint64_t mask = nodes.mask[std::size_t(x)];
+            const NodeIndex first = nodes.firstNode + nodes.before[std::size_t(x)];
+            NodeIndex* const slice = &number_[std::size_t(indexOf({8 * dx + x, 8 * dy, 8 * dz}))];
+            for (std::uint64_t bits = mask & seen; bits; bits &= bits - 1) {
                 const int bit = std::countr_zero(bits);
-                const Ijk voxel = shift + Ijk{x, bit >> 3, bit & 7};
-                number_[std::size_t(indexOf(voxel))] = nodes.numberOf(unsigned(x << 6 | bit));
+                const std::uint64_t lower = mask & ((bits & -bits) - 1);
+                slice[(bit >> 3) * kEdge + (bit & 7)] = first + LeafNodes::bitCount(lower);
             }
         }
     }

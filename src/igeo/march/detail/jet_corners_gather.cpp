@@ -1,0 +1,182 @@
+#include <igeo/base/parallel.h>
+#include <igeo/march/detail/jet_corners.h>
+#include <igeo/march/detail/registers.h>
+
+namespace igeo {
+
+namespace {
+
+static_assert(sizeof(JetState) == 16 && offsetof(JetNode, normal) == 12 &&
+              offsetof(JetNode, weight) == 24 && offsetof(JetNode, offset) == 28);
+
+/// What is set in the last four bytes that are read of a node at an obstacle, or where links are
+/// severed around it.
+std::int32_t hindranceBits() {
+    JetNode node{};
+    node.obstacleState = Metric::ObstacleState(Metric::Beside | Metric::Inside);
+    node.facing = Band::kBesideSevered;
+    std::int32_t bits;
+    std::memcpy(&bits, &node.offset, sizeof bits);
+    return bits;
+}
+
+/// What all points have in common.
+struct CoreArrays {
+    const JetNode* nodes;
+    const JetState* states;
+    const Vec3f* gradients;  ///< null: left out
+    float bucketWidth;
+    bool weighted;
+    std::int32_t hindrance = hindranceBits();
+};
+
+template <int Width>
+class CornerLanes {
+    using V = typename Registers<Width>::Vector;
+    using Integers = typename Registers<Width>::Integers;
+    using Vectors = VectorLanes<Width>;
+
+public:
+    IGEO_INLINE CornerLanes(const CellPoints& points, std::size_t first, JetCorners& corners)
+        : points_(points), first_(first), corners_(corners) {}
+
+    IGEO_INLINE void gather(const CoreArrays& core) const {
+        constexpr float kFlat = 0.8f;
+        const V x = in(points_.x), y = in(points_.y), z = in(points_.z);
+        const V low[] = {1 - x, 1 - y, 1 - z},
+                high[] = {1 - absolute(x - 1), 1 - absolute(y - 1), 1 - absolute(z - 1)};
+        const Vectors normal{in(points_.nx), in(points_.ny), in(points_.nz)};
+        const V weight = in(points_.weight);
+        Integers left = corners(low, high), count{}, bucket{}, marks{}, smooth = ~Integers{};
+        for (std::size_t slot = 0; any(left); ++slot) {
+            // The next corner of each point.
+            const Integers there = left != 0, bit = left & -left;
+            left ^= bit;
+            count -= there;  // flags are -1
+            // A power of two as a floating-point number has its logarithm in its exponent.
+            const Integers k = there & ((Integers(__builtin_convertvector(bit, V)) >> 23) - 127);
+            const Integers a = k >> 2, b = k >> 1 & 1, c = k & 1;
+            alignas(32) std::uint32_t corner[Width], index[Width];
+            std::memcpy(corner, &k, sizeof corner);
+            for (int lane = 0; lane < Width; ++lane)
+                index[lane] = points_.node[corner[lane]][first_ + std::size_t(lane)];
+            Integers node;
+            std::memcpy(&node, index, sizeof node);
+            put(corners_.node[slot].data(), node);
+            node &= there;
+            std::memcpy(index, &node, sizeof index);
+
+            V footAndX[4], rest[4], state[4];
+            loadFours<Width>(core.nodes, sizeof(JetNode), index, footAndX);
+            loadFours<Width>(&core.nodes->normal.y, sizeof(JetNode), index, rest);
+            loadFours<Width>(core.states, sizeof(JetState), index, state);
+            const Vectors foot{footAndX[0], footAndX[1], footAndX[2]},
+                other{footAndX[3], rest[0], rest[1]};
+            const Integers inBucket = Integers(state[0]);
+            if (slot == 0) bucket = inBucket;
+            marks |= there & Integers(rest[3]);
+            smooth &= ((state[1] < float(kInfinity)) & (dot(normal, other) >= kFlat)) | ~there;
+
+            JetCorners::Corner& to = corners_.corner[slot];
+            V u = __builtin_convertvector(inBucket - bucket, V) * core.bucketWidth + state[1],
+              mean = V{} + 1;
+            if (core.weighted) {
+                u /= weight;
+                mean = rest[2] == weight ? mean : (1 + rest[2] / weight) / 2;
+            }
+            out(to.weight) =
+                where(there, (a != 0 ? high[0] : low[0]) * (b != 0 ? high[1] : low[1]) *
+                                 (c != 0 ? high[2] : low[2]));
+            out(to.u) = where(there, u), out(to.mean) = mean;
+            out(to.x) = x - __builtin_convertvector(a, V) - foot.x;
+            out(to.y) = y - __builtin_convertvector(b, V) - foot.y;
+            out(to.z) = z - __builtin_convertvector(c, V) - foot.z;
+            out(to.mx) = other.x, out(to.my) = other.y, out(to.mz) = other.z;
+            if (!core.gradients) continue;
+            V g[4];
+            loadFours<Width>(core.gradients, sizeof(Vec3f), index, g);
+            out(to.gx) = where(there, g[0]), out(to.gy) = where(there, g[1]);
+            out(to.gz) = where(there, g[2]);
+        }
+        out(corners_.nx) = normal.x, out(corners_.ny) = normal.y, out(corners_.nz) = normal.z;
+        put(corners_.count.data(), count), put(corners_.bucket.data(), bucket);
+        put(corners_.smooth.data(), smooth);
+        put(corners_.hindered.data(), marks & core.hindrance);
+    }
+
+private:
+    /// Bits: the corners of each point that are there and not light.
+    IGEO_INLINE Integers corners(const V (&low)[3], const V (&high)[3]) const {
+        constexpr float kLight = 0.01f;
+        Integers all{};
+        for (int k = 0; k < int(JetCorners::kMax); ++k) {
+            const V weight =
+                (k & 4 ? high : low)[0] * (k & 2 ? high : low)[1] * (k & 1 ? high : low)[2];
+            const Integers node = integers(points_.node[std::size_t(k)].data());
+            all |= (node != std::int32_t(kNoNode)) & (weight >= kLight) & (1 << k);
+        }
+        return all;
+    }
+    IGEO_INLINE static V absolute(const V& v) { return v < 0 ? -v : v; }
+    IGEO_INLINE static V where(const Integers& there, const V& v) { return V(there & Integers(v)); }
+    IGEO_INLINE V in(const Lanes& l) const { return *reinterpret_cast<const V*>(l.of + first_); }
+    IGEO_INLINE V& out(Lanes& l) const { return *reinterpret_cast<V*>(l.of + first_); }
+    IGEO_INLINE Integers integers(const NodeIndex* from) const {
+        Integers all;
+        std::memcpy(&all, from + first_, sizeof all);
+        return all;
+    }
+    template <typename T>
+    IGEO_INLINE void put(T* to, const Integers& all) const {
+        std::memcpy(to + first_, &all, sizeof all);
+    }
+
+    const CellPoints& points_;
+    std::size_t first_;
+    JetCorners& corners_;
+};
+
+void gatherByFour(const CoreArrays& core, const CellPoints& points, JetCorners& corners) {
+    for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
+        CornerLanes<4>(points, first, corners).gather(core);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 void gatherByEight(const CoreArrays& core, const CellPoints& points,
+                             JetCorners& corners) {
+    CornerLanes<8>(points, 0, corners).gather(core);
+}
+#endif
+
+}  // namespace
+
+std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
+    std::vector<Vec3f> gradients(jets.state.size() + 1);
+    parallelFor(jets.state.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+            if (jets.state[k].accepted()) gradients[k] = jets.gradientOf(NodeIndex(k));
+    });
+    return gradients;
+}
+
+void gatherCorners(const CoreJets& jets, const std::vector<Vec3f>& gradients,
+                   const CellPoints& points, JetCorners& corners) {
+    const CoreArrays core{jets.core->nodes.data(), jets.state.data(),
+                          gradients.empty() ? nullptr : gradients.data(), float(jets.buckets.width),
+                          jets.core->metric.weighted()};
+#ifdef IGEO_AVX2
+    if (eightAtATime())
+        gatherByEight(core, points, corners);
+    else
+#endif
+        gatherByFour(core, points, corners);
+    if (!gradients.empty()) return;
+    for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane)
+        for (std::size_t k = 0; k < JetCorners::kMax; ++k) {
+            const bool there = k < corners.count[lane];
+            const Vec3f g = there ? jets.gradientOf(corners.node[k][lane]) : Vec3f{};
+            JetCorners::Corner& c = corners.corner[k];
+            c.gx[lane] = g.x, c.gy[lane] = g.y, c.gz[lane] = g.z;
+        }
+}
+
+}  // namespace igeo
