@@ -26,6 +26,13 @@ std::vector<std::uint32_t> sourcesOf(const std::vector<SurfacePoint>& seeds);
 /// one straight segment.
 class StraightLines {
 public:
+    /// A source that is a point, or a straight segment.
+    struct Line {
+        Vec3d from, along;
+        double length2 = 0;         ///< of `along`
+        double start = -kInfinity;  ///< of the source; -infinity: no bound
+    };
+
     StraightLines() = default;
     /// @param leastCost  per unit length, over all of the surface
     StraightLines(const std::vector<SurfacePoint>& seeds, double leastCost);
@@ -39,13 +46,14 @@ public:
             off = off - std::clamp(dot(off, line.along) / line.length2, 0.0, 1.0) * line.along;
         return line.start + leastCost_ * length(off);
     }
+    /// Whether there is one source at most, and no segment.
+    bool ofOnePoint() const {
+        return lines_.empty() || (lines_.size() == 1 && !(lines_[0].length2 > 0));
+    }
+    Line only() const { return lines_.empty() ? Line{} : lines_[0]; }
+    double leastCost() const { return leastCost_; }
 
 private:
-    struct Line {
-        Vec3d from, along;
-        double length2 = 0;         ///< of `along`
-        double start = -kInfinity;  ///< of the source; -infinity: no bound
-    };
     std::vector<Line> lines_;  ///< per source
     double leastCost_ = 0;
 };

@@ -146,11 +146,10 @@ void forBridges(const JetCore& core, const JetNode& node, const Visit& visit) {
     });
 }
 
-/// Calls visit(j, chord) for the nodes that a node's jumps lead to.
+/// Calls visit(j, chord) for the nodes that the jumps of a bridged node lead to.
 template <typename Visit>
 void forJumps(const JetCore& core, NodeIndex i, const Visit& visit) {
     const JetNode& node = core.nodes[i];
-    if (!(node.facing & Band::kBridged)) return;
     core.band.forBridges(core.inBand(node), [&](const Bridge& b) {
         const NodeIndex j = core.band.coreNode(b.to);
         if (b.jump && core.nodes[j].obstacleState != Metric::Inside)

@@ -18,14 +18,15 @@ struct CellPoints {
     std::array<std::array<NodeIndex, Lanes::kNodes>, 8> node;
 
     CellPoints() { weight = {1, 1, 1, 1, 1, 1, 1, 1}; }
-    void set(std::size_t lane, const Vec3f& place, const Vec3f& normal) {
+    void setPlace(std::size_t lane, const Vec3f& place) {
         x[lane] = place.x, y[lane] = place.y, z[lane] = place.z;
+    }
+    void setNormal(std::size_t lane, const Vec3f& normal) {
         nx[lane] = normal.x, ny[lane] = normal.y, nz[lane] = normal.z;
     }
     void clearNodes(std::size_t lane) {
         for (auto& corner : node) corner[lane] = kNoNode;
     }
-    Vec3f place(std::size_t lane) const { return {x[lane], y[lane], z[lane]}; }
 };
 
 /// What the nodes at the corners of the cells say.

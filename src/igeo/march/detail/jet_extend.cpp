@@ -32,8 +32,7 @@ void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carr
         return;
     }
     // One or two corners do not show that fronts meet around them.
-    bool simple = isSimple(group, lane) &&
-                  (jets_.meetings.empty() || corners.count[lane] > 2 || !meetNear(group, lane));
+    bool simple = isSimple(group, lane) && (corners.count[lane] > 2 || !meetNear(group, lane));
     Found s;
     if (simple && metric_.anisotropic()) {
         s = carryInPlane(group, lane);
@@ -50,34 +49,71 @@ void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carr
         addDoubtful(node, group);
 }
 
+bool Extension::isPlain(const Group& group, std::size_t lane, const CarriedJets& carried) const {
+    const Outside& node = group.nodes[lane];
+    const JetCorners& corners = group.corners;
+    return mayBePlain_ && corners.smooth[lane] && carried.spreads[lane] &&
+           corners.count[lane] > 0 && (corners.count[lane] > 2 || !meetNear(group, lane)) &&
+           !(band_.facing[node.node] & Band::kBesideSevered) &&
+           !maybeInDisc(node.node, group.feet.value[lane]);
+}
+
+void Extension::findCorners(Group& group) const {
+    CellPoints& points = group.points;
+    findCells(group.core ? band_.leaves[group.nodes[0].leaf].origin : Ijk{}, group.feet, points);
+    for (std::size_t lane = 0; lane < group.size; ++lane) {
+        const int cell = group.feet.cell[lane];
+        if (group.core && cell >= 0) {
+            const NodeIndex* const low = group.core->cell(cell);
+            for (unsigned k = 0; k < 8; ++k)
+                points.node[k][lane] = low[LeafNumbers<2>::kCorners[k]];
+            continue;
+        }
+        const Outside& node = group.nodes[lane];
+        const Vec3f foot = band_.footOf(node.node);
+        points.clearNodes(lane);
+        band_.forCorners(&BandLeaf::core, node.leaf, node.offset,
+                         {floorToInt(foot.x), floorToInt(foot.y), floorToInt(foot.z)},
+                         [&](NodeIndex j, unsigned k) { points.node[k][lane] = j; });
+    }
+    for (std::size_t lane = group.size; lane < Lanes::kNodes; ++lane) points.clearNodes(lane);
+}
+
 void Extension::solve(Group& group) const {
     if (group.size == 0) return;
-    for (std::size_t lane = group.size; lane < Lanes::kNodes; ++lane) group.points.clearNodes(lane);
+    findCorners(group);
     gatherCorners(jets_, gradients_, group.points, group.corners);
     CarriedJets carried;
     if (!metric_.anisotropic()) carryFromCorners(group.corners, band_.faceted, carried);
-    for (std::size_t lane = 0; lane < group.size; ++lane) extendTo(group, lane, carried);
+    if (mayBePlain_) findValues(jets_, group.corners, carried, group.points.weight, group.feet);
+    for (std::size_t lane = 0; lane < group.size; ++lane) {
+        if (!isPlain(group, lane, carried)) {
+            extendTo(group, lane, carried);
+            continue;
+        }
+        const FootLanes& feet = group.feet;
+        const double d = std::max(feet.value[lane], feet.bound[lane]);
+        const float weight = group.points.weight[lane];
+        NodeJet& to = *group.nodes[lane].to;
+        if (d <= jets_.limit)
+            to = {d,
+                  {weight * carried.gx[lane], weight * carried.gy[lane], weight * carried.gz[lane]},
+                  0};
+        else
+            to = {};
+    }
     group.size = 0;
 }
 
 void Extension::begin(const Outside& node, Group& group) const {
     const std::size_t lane = group.size++;
+    const unsigned at = node.offset;
     group.nodes[lane] = node;
-    CellPoints& points = group.points;
-    const Vec3f foot = band_.footOf(node.node);
-    const Ijk low{floorToInt(foot.x), floorToInt(foot.y), floorToInt(foot.z)};
-    points.set(lane, foot - Vec3f(low), band_.normal[node.node]);
-    if (metric_.weighted()) points.weight[lane] = float(metric_.at(node.node));
-    const Ijk voxel =
-        low + Ijk{int(node.offset >> 6), int(node.offset >> 3 & 7), int(node.offset & 7)};
-    if (group.core && LeafNumbers<2>::holdsCell(voxel)) {
-        const NodeIndex* const first = group.core->cell(voxel);
-        for (unsigned k = 0; k < 8; ++k) points.node[k][lane] = first[LeafNumbers<2>::kCorners[k]];
-    } else {
-        points.clearNodes(lane);
-        band_.forCorners(&BandLeaf::core, node.leaf, node.offset, low,
-                         [&](NodeIndex j, unsigned k) { points.node[k][lane] = j; });
-    }
+    group.feet.set(
+        lane, band_.leaves[node.leaf].origin + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)},
+        band_.footOf(node.node));
+    group.points.setNormal(lane, band_.normal[node.node]);
+    if (metric_.weighted()) group.points.weight[lane] = float(metric_.at(node.node));
     if (group.full()) solve(group);
 }
 

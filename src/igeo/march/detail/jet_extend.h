@@ -1,10 +1,9 @@
 /// From the core of a band to the rest of it, for scheme `jet`. Internal.
 #pragma once
 
-#include <igeo/march/detail/jet_corners.h>
+#include <igeo/march/detail/jet_extend_lanes.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
-#include <igeo/march/detail/leaf_numbers.h>
 #include <igeo/march/detail/registers.h>
 #include <igeo/march/field.h>
 
@@ -53,7 +52,9 @@ public:
           core_(*jets.core),
           band_(core_.band),
           metric_(core_.metric),
-          gradients_(gradients) {}
+          gradients_(gradients),
+          mayBePlain_(jets.label.empty() && jets.seeds.lines.ofOnePoint() &&
+                      !metric_.anisotropic() && metric_.obstacleState.empty()) {}
 
     /// A node outside the core.
     struct Outside {
@@ -77,6 +78,7 @@ public:
         const LeafNumbers<2>* core = nullptr;  ///< of the leaf of the nodes, if known
         std::size_t size = 0;
         std::array<Outside, Lanes::kNodes> nodes;
+        FootLanes feet;
         CellPoints points;  ///< their foot points
         JetCorners corners;
         Doubtful doubtful;
@@ -125,9 +127,13 @@ private:
         const LocalFrame local = core_.localFrameInBand(i);
         return local.weight * double(local.stretch.largest());
     }
-    /// Adds a node and the numbers of the core nodes around its foot point.
     IGEO_INLINE void begin(const Outside& node, Group& group) const;
     void solve(Group& group) const;
+    /// The numbers of the core nodes around the foot points.
+    IGEO_INLINE void findCorners(Group& group) const;
+    /// Whether the carried jet of a node is all there is to it, but for its bound. For most nodes.
+    IGEO_INLINE bool isPlain(const Group& group, std::size_t lane,
+                             const CarriedJets& carried) const;
     IGEO_INLINE void extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const;
     /// Whether all corners of a node are of one smooth sheet and of one source.
     IGEO_INLINE bool isSimple(const Group& group, std::size_t lane) const;
@@ -164,8 +170,9 @@ private:
     /// Whether fronts meet beside one of the nodes.
     bool meetNear(const Group& group, std::size_t lane) const {
         bool meet = false;
-        for (std::size_t c = 0; c < group.corners.count[lane]; ++c)
-            meet |= jets_.meetNear(group.corners.node[c][lane]);
+        if (!jets_.meetings.empty())
+            for (std::size_t c = 0; c < group.corners.count[lane]; ++c)
+                meet |= jets_.meetNear(group.corners.node[c][lane]);
         return meet;
     }
     bool meetNear(const Around& around) const {
@@ -196,6 +203,7 @@ private:
     const Band& band_;
     const Metric& metric_;
     const std::vector<Vec3f>& gradients_;
+    const bool mayBePlain_;  ///< one source at a point, isotropic, no obstacles
 };
 
 }  // namespace igeo::jet

@@ -64,7 +64,12 @@ public:
     bool empty() const { return blocks_.empty(); }
     std::size_t blockCount() const { return blocks_.size(); }
     /// Makes the block of a node, unless it is there. Several threads may ask for one at a time.
-    void make(const JetCore& core, NodeIndex i, const JetStencil& stencil = {});
+    void make(const JetCore& core, NodeIndex i) {
+        if (!blockOf(i)) makeBlock(core, i, {});
+    }
+    void make(const JetCore& core, NodeIndex i, const JetStencil& stencil) {
+        if (!blockOf(i)) makeBlock(core, i, stencil);
+    }
     /// Drops the block of a node once this was called for all of its nodes. By one thread, while no
     /// other looks.
     void dropAccepted(NodeIndex i);
@@ -96,6 +101,7 @@ public:
     }
 
 private:
+    void makeBlock(const JetCore& core, NodeIndex i, const JetStencil& stencil);
     const Block* blockOf(NodeIndex i) const {
         return blocks_[i / kBlock].load(std::memory_order_acquire);
     }

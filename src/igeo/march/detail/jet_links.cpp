@@ -310,8 +310,7 @@ void JetLinks::clear() {
     blocks_.clear();
 }
 
-void JetLinks::make(const JetCore& core, NodeIndex i, const JetStencil& stencil) {
-    if (blockOf(i)) return;
+void JetLinks::makeBlock(const JetCore& core, NodeIndex i, const JetStencil& stencil) {
     const auto begin = NodeIndex(i / kBlock * kBlock);
     auto made = std::make_unique<Block>();
     LinkBuilder(core, stencil)

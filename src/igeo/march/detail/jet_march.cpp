@@ -199,7 +199,8 @@ void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) {
     // saves.
     group.jets.setRim(here.obstacleState != Metric::Clear ||
                       (isotropic && row.size() < kAllAround));
-    gatherJumps(batch, node);
+    node.jump = float(kInfinity);
+    if (here.facing & Band::kBridged) gatherJumps(batch, node);
 }
 
 bool JetMarch::isSmoothAround(NodeIndex i) const {
@@ -209,7 +210,6 @@ bool JetMarch::isSmoothAround(NodeIndex i) const {
 }
 
 void JetMarch::gatherJumps(const Batch& batch, Node& node) const {
-    node.jump = float(kInfinity);
     forJumps(core_, node.core, [&](NodeIndex j, const Vec3f& chord) {
         if (!jets_.accepted(j)) return;
         const double cost = (core_.largestCostAt(node.core) + core_.largestCostAt(j)) / 2;
@@ -246,7 +246,7 @@ void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chu
     chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
     if (!stopNodes_.empty() && stopNodes_[i]) ++chunk.stopNodes;
     enqueue(node, s, batch, chunk);
-    enqueueJumps(i, s, batch, chunk);
+    if (core_.nodes[i].facing & Band::kBridged) enqueueJumps(i, s, batch, chunk);
 }
 
 JetMarch::Result JetMarch::exactNearSeed(NodeIndex i, const Result& s, const Batch& batch) const {

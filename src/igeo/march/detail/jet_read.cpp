@@ -23,7 +23,8 @@ public:
         const Ijk low = floorToIjk(p);
         if (leaf_ == kNoLeaf || low.x >> 3 != at_.x || low.y >> 3 != at_.y || low.z >> 3 != at_.z)
             leaf_ = band_.leafAt(low), at_ = {low.x >> 3, low.y >> 3, low.z >> 3};
-        points_.set(lane, Vec3f(p - Vec3d(low)), normal);
+        points_.setPlace(lane, Vec3f(p - Vec3d(low)));
+        points_.setNormal(lane, normal);
         points_.clearNodes(lane);
         if (leaf_ != kNoLeaf)
             band_.forCorners(&BandLeaf::core, leaf_, Band::offsetOf(low.x, low.y, low.z), {},

@@ -37,13 +37,8 @@ public:
     /// The core's number there, or kNoNode.
     NodeIndex at(int index) const { return number_[std::size_t(index)]; }
 
-    /// Whether all corners of a cell, its low one at a voxel, are within the margin.
-    static bool holdsCell(const Ijk& low) {
-        return std::min({low.x, low.y, low.z}) >= -Margin &&
-               std::max({low.x, low.y, low.z}) < 7 + Margin;
-    }
-    /// The number there, and those of the other corners of the cell at kCorners from it.
-    const NodeIndex* cell(const Ijk& low) const { return &number_[std::size_t(indexOf(low))]; }
+    /// The number at an index, and those of the other corners of a cell at kCorners from it.
+    const NodeIndex* cell(int index) const { return &number_[std::size_t(index)]; }
     /// Corner (a, b, c) at 4 a + 2 b + c.
     static constexpr std::array<int, 8> kCorners = {0,
                                                     1,
