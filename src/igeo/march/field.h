@@ -11,6 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -158,6 +159,16 @@ Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNor
 std::vector<Arrival> arrivalsAt(const Field& field, const std::vector<Vec3d>& points,
                                 const std::vector<Vec3f>& sheetNormals,
                                 const Progress& progress = Progress::none());
+
+constexpr std::uint32_t kAnySource = std::numeric_limits<std::uint32_t>::max();
+/// The gradient of the front that arrives first at a point of S, along S: blended from the corners
+/// of its cell with directions within 45 degrees, or over a crease. Where fronts meet, the mean of
+/// all would lead along the line where they do.
+/// @param cell    around the point
+/// @param source  of the fronts that count
+/// @return 0 where corners are unreached, and where fronts meet head on over a crease, or godunov's
+Vec3d gradientOfFirst(const Field& field, const Vec3d& pIndex, const SurfaceCell& cell,
+                      std::uint32_t source = kAnySource);
 
 /// The gradient of the distance along S at an arrival: index space, as long as the weight there.
 /// Blended from the corners of the cell with the front's source; within a start disc the direction

@@ -84,19 +84,9 @@ Vec3d Tracer::normalAt(const Vec3d& p) const {
 
 bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
     const SurfaceCell cell(band_, *field_.metric, p, sheetNormal_);
-    Vec3d g{};
-    double lengths = 0;
-    for (std::size_t k = 0; k < 8; ++k) {
-        if (cell.node[k] == kNoNode) continue;
-        const Vec3d gk(field_.at(cell.node[k]).gradient);
-        g += cell.weight[k] * gk;
-        lengths += cell.weight[k] * length(gk);
-    }
-    g = tangential(g, cell.normal);
+    const Vec3d g = gradientOfFirst(field_, p, cell);
     const double len = length(g);
-    // Where opposite fronts meet, the blended gradient cancels: below a tenth of its parts, with
-    // fronts at 169 degrees, its direction is useless.
-    if (!(len > 0.1 * lengths)) return false;
+    if (!(len > 0)) return false;
     if (!field_.metric->anisotropic()) {
         v = -(1 / len) * g;
         return true;

@@ -11,8 +11,9 @@ namespace igeo {
 
 namespace {
 
-constexpr std::size_t kMost = 64;             ///< neighbors
-constexpr double kGood = 0.004, kBad = 0.02;  ///< residuals of fits, voxels
+constexpr std::size_t kMost = 64;                           ///< neighbors
+constexpr double kGood = 0.004, kFair = 0.01, kBad = 0.02;  ///< residuals of fits, voxels
+constexpr std::size_t kMany = 5;  ///< neighbors that make up for a fair residual
 
 float cross(Vec2f a, Vec2f b) { return a.x * b.y - a.y * b.x; }
 
@@ -73,14 +74,21 @@ struct NormalEquations {
     }
 };
 
-/// One step of the fit.
-/// @return the root mean square of the residuals before it
-double improve(CircularFront& front, std::span<const JetNeighbor> neighbors) {
+/// One step of a fit.
+struct Step {
+    double residual = kInfinity;    ///< root mean square before it
+    double ofAgreeing = kInfinity;  ///< that of the neighbors that are no outliers
+    std::size_t agree = 0;          ///< neighbors that are no outliers
+    bool small = false;             ///< it changes hardly anything
+};
+Step improve(CircularFront& front, std::span<const JetNeighbor> neighbors) {
     constexpr double kLever = 0.1;     // voxels: weight of an error of a radian
     constexpr double kOutlier = 0.02;  // voxels: larger residuals get smaller weights
     constexpr double kLeastRoot = 0.05, kNear2 = 0.3, kStiff = 1e-4;
     NormalEquations equations;
-    double total = 0, squares = 0;
+    constexpr double kSmall = 1e-5;
+    Step step;
+    double total = 0, squares = 0, inside = 0, squaresInside = 0;
     for (const JetNeighbor& n : neighbors) {
         const CircularFront::Jet jet = front.at(-double(n.a.x), -double(n.a.y));
         if (!(jet.root > kLeastRoot)) continue;
@@ -95,13 +103,17 @@ double improve(CircularFront& front, std::span<const JetNeighbor> neighbors) {
         equations.add({1, l / r, l * l / (r * (r + jet.ahead))}, byValue, w);
         equations.add({0, jet.ahead / r2, l / r2}, byAngle, w * kLever * kLever);
         total += w, squares += w * square;
+        if (square < kOutlier * kOutlier) inside += w, squaresInside += w * square, ++step.agree;
     }
-    if (!(total > 0)) return kInfinity;
+    if (!(total > 0)) return step;
     equations.row[2][2] += kStiff * total;
     const auto [u, angle, bend] = equations.solve();
     front.u += u, front.bend += bend;
     front.turn(angle);
-    return std::sqrt(squares / total);
+    step.residual = std::sqrt(squares / total);
+    if (step.agree) step.ofAgreeing = std::sqrt(squaresInside / inside);
+    step.small = std::max({std::abs(u), std::abs(angle), std::abs(bend)}) < kSmall;
+    return step;
 }
 
 /// A neighbor whose front reaches the origin.
@@ -157,6 +169,9 @@ bool spreads(const JetNeighbor& a, const JetNeighbor& b) {
 struct Fit {
     Jet jet;
     double residual = kInfinity;  ///< root mean square, voxels; +inf for no fit
+    bool many = false;            ///< many neighbors agree
+    bool clean = false;           ///< all neighbors agree well
+    std::uint64_t members = 0;    ///< bits: neighbors that it was fitted to
 };
 
 /// The neighbors whose fronts reach the origin.
@@ -183,22 +198,33 @@ public:
         if (onCircle == onLine) return {onCircle};
         return {onCircle, onLine};
     }
-    /// Fits the front of a neighbor: of all neighbors with directions within 45 degrees of its own;
-    /// or, if these belong to two fronts that meet at a small angle, of those that spread with it.
+    /// Fits the front of a neighbor: of all neighbors with directions within 20 degrees of its own,
+    /// or within 45, first at a focus; or, if these belong to two fronts that meet at a small
+    /// angle, of those that spread with it.
     Fit fitFrontOf(std::size_t lead) const {
+        constexpr float kTight = 0.96f;
         const Carried& own = carried_[lead];
-        const Fit wide = fit(lead, -kInfinity,
-                             [&](const Carried& c) { return dot(c.g, own.g) >= jet::kSameFront; });
-        if (wide.residual < kGood) return wide;
+        auto within = [&](float cosine) {
+            return fit(lead, -kInfinity,
+                       [&](const Carried& c) { return dot(c.g, own.g) >= cosine; });
+        };
+        const Fit first = within(atFocus_ ? jet::kSameFront : kTight);
+        if (first.clean) return first;
+        const Fit second = within(atFocus_ ? kTight : jet::kSameFront);
+        if (second.clean) return second;
         const Fit narrow =
             fit(lead, 0, [&](const Carried& c) { return spreads(c.from, own.from); });
-        return narrow.residual < kGood ? narrow : wide;
+        if (narrow.clean) return narrow;
+        for (const Fit* f : {&first, &second})
+            if (allows(*f)) return *f;
+        return narrow;
     }
 
     /// Whether neighbors agree with a fit, and its value is within its bounds.
     bool allows(const Fit& fit) const {
         constexpr double kFocus = 0.2, kNoFocus = 0.03, kSlack = 0.02;  // voxels
-        return fit.residual < (atFocus_ ? kBad : kGood) && fit.jet.u < longest_ + kSlack &&
+        const double most = atFocus_ ? kBad : fit.many ? kFair : kGood;
+        return fit.residual < most && fit.jet.u < longest_ + kSlack &&
                fit.jet.u > least_ - (atFocus_ ? kFocus : kNoFocus);
     }
 
@@ -209,21 +235,28 @@ private:
         constexpr int kSteps = 4;
         // Two do not tell a focus from two fronts.
         const std::size_t least = atFocus_ ? 3 : 2;
+        Fit fit;
         std::array<JetNeighbor, kMost> members;
         std::size_t size = 0, back = lead;  // the member of least value, farthest from a focus
         for (std::size_t k = 0; k < count_; ++k) {
             if (!isMember(carried_[k])) continue;
             members[size++] = carried_[k].from;
+            fit.members |= std::uint64_t(1) << k;
             if (carried_[k].from.u < carried_[back].from.u) back = k;
         }
         if (size < least) return {};
         if (size == 2) leastBend = 0;
-        Fit fit;
         CircularFront front = carried_[back].front();
-        for (int step = 0; step < kSteps; ++step) {
+        Step step;
+        for (int k = 0; k < kSteps && !step.small; ++k) {
             front.bend = std::max(front.bend, leastBend);
-            fit.residual = improve(front, {members.data(), size});
+            step = improve(front, {members.data(), size});
         }
+        // Outliers are nodes whose own values suffered from the other front.
+        const bool most = step.agree >= kMany - 1 && 2 * step.agree >= size;
+        fit.residual = most ? step.ofAgreeing : step.residual;
+        fit.many = step.agree >= kMany;
+        fit.clean = step.agree == size && fit.residual < kGood;
         front.bend = std::max(front.bend, leastBend);
         const CircularFront::Jet jet = front.at(0, 0);
         if (!jet.reaches()) return {};
@@ -244,6 +277,7 @@ std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors, bool
     const Neighborhood all(neighbors, atFocus);
     Fit best;
     for (const std::size_t lead : all.leads()) {
+        if (best.members >> lead & 1) continue;
         const Fit fit = all.fitFrontOf(lead);
         if (all.allows(fit) && fit.jet.u < best.jet.u) best = fit;
     }

@@ -23,8 +23,9 @@ namespace igeo {
 /// @param neighbors  of one source, in the chart of the origin, up to three voxels away
 /// @param atFocus  whether the front may narrow to a focus here; in brackets: where it may not
 /// @return none where fewer than 3 (2) neighbors of that front lie behind the origin, where they
-///         differ by more than 0.02 (0.004) voxels, and where the value is more than 0.2 (0.03)
-///         below all plane fronts
+///         differ by more than 0.02 voxels (0.004, or 0.01 if five agree; outliers left out if half
+///         of them and four agree), and where the value is more than 0.2 (0.03) below all plane
+///         fronts
 /// Time: some microseconds.
 std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors, bool atFocus = true);
 

@@ -159,13 +159,14 @@ void forJumps(const JetCore& core, NodeIndex i, const Visit& visit) {
 
 /// Calls visit(j, step, chord, cosine) for the nodes within a voxel that are linked to node i, and
 /// over bridges.
-template <typename Visit>
-void forLinks(const JetCore& core, NodeIndex i, const Visit& visit) {
+/// @param isWanted(j)  whether to look at a node within a voxel at all
+template <typename Visit, typename IsWanted>
+void forLinks(const JetCore& core, NodeIndex i, const Visit& visit, const IsWanted& isWanted) {
     const JetNode& node = core.nodes[i];
     const std::uint32_t severed = core.severedSteps(node);
     core.band.forNeighbors(
         &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
-            if (severed & SeveredLinks::bit(dx, dy, dz)) return;
+            if (severed & SeveredLinks::bit(dx, dy, dz) || !isWanted(j)) return;
             const JetNode& other = core.nodes[j];
             const float cosine = dot(node.normal, other.normal);
             const Vec3f chord = node.foot - other.foot - Vec3f{float(dx), float(dy), float(dz)};
@@ -173,6 +174,11 @@ void forLinks(const JetCore& core, NodeIndex i, const Visit& visit) {
                 visit(j, Ijk{dx, dy, dz}, chord, cosine);
         });
     if (node.facing & Band::kBridged) forBridges(core, node, visit);
+}
+
+template <typename Visit>
+void forLinks(const JetCore& core, NodeIndex i, const Visit& visit) {
+    forLinks(core, i, visit, [](NodeIndex) { return true; });
 }
 
 /// The same for the nodes of its stencil, or for its links where there are no stencils.

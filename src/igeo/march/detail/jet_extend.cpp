@@ -31,8 +31,7 @@ void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carr
         *node.to = {};
         return;
     }
-    // One or two corners do not show that fronts meet around them.
-    bool simple = isSimple(group, lane) && (corners.count[lane] > 2 || !meetNear(group, lane));
+    bool simple = isSimple(group, lane) && !mayMissFront(group, lane);
     Found s;
     if (simple && metric_.anisotropic()) {
         s = carryInPlane(group, lane);
@@ -53,7 +52,7 @@ bool Extension::isPlain(const Group& group, std::size_t lane, const CarriedJets&
     const Outside& node = group.nodes[lane];
     const JetCorners& corners = group.corners;
     return mayBePlain_ && corners.smooth[lane] && carried.spreads[lane] &&
-           corners.count[lane] > 0 && (corners.count[lane] > 2 || !meetNear(group, lane)) &&
+           corners.count[lane] > 0 && !mayMissFront(group, lane) &&
            !(band_.facing[node.node] & Band::kBesideSevered) &&
            !maybeInDisc(node.node, group.feet.value[lane]);
 }
@@ -269,11 +268,15 @@ void Extension::solveDoubtful(Doubtful& doubtful) const {
         const JetGroup::Solution& best = solutions[k];
         Found s = fromChart(around.node[0].jet.u + double(best.u), best.g, best.source, node.local);
         const FrontsAround fronts = around.fronts();
-        const bool meet =
-            fronts.three() || (best.usedFallback &&
-                               (fronts.two() || meetNear(around) || jet::nearFocus(around.all())));
-        if (meet && metric_.clear(node.at.node) && !around.overCrease())
-            s = whereFrontsMeet(node, s, fronts.three()).value_or(s);
+        // Too few nodes of the front that arrives first lie behind this one.
+        const bool late = (best.usedFallback || fronts.two()) && around.hasEarlier(best.u);
+        const bool meet = fronts.three() || late ||
+                          (best.usedFallback &&
+                           (fronts.two() || meetNear(around) || jet::nearFocus(around.all())));
+        if (meet && metric_.clear(node.at.node) && !around.overCrease()) {
+            const Found first = whereFrontsMeet(node, s, fronts.three()).value_or(s);
+            if (!late || first.distance < s.distance) s = first;
+        }
         finish(node.at, maybeInDisc(node.at.node, s.distance) ? inDisc(node.at.node, s) : s);
     }
     doubtful.nodes.clear();

@@ -31,6 +31,14 @@ struct Around {
         return std::any_of(node.begin(), node.begin() + count,
                            [](const Node& n) { return n.overCrease; });
     }
+    /// Whether the plane front of a node arrives clearly before a value, relative to that of the
+    /// first node.
+    bool hasEarlier(float u) const {
+        constexpr double kLater = 0.08;  // voxels
+        return std::any_of(node.begin(), node.begin() + count, [&](const Node& n) {
+            return node[0].jet.u + double(u) > n.jet.u + double(dot(n.jet.g, n.jet.a)) + kLater;
+        });
+    }
     FrontsAround fronts() const {
         FrontsAround fronts;
         for (std::size_t k = 0; k < count; ++k) fronts.add(node[k].jet.g);
@@ -168,16 +176,24 @@ private:
     std::optional<Found> whereFrontsMeet(const Doubtful::Node& node, const Found& before,
                                          bool atFocus) const;
     /// Whether fronts meet beside one of the nodes.
-    bool meetNear(const Group& group, std::size_t lane) const {
+    using MeetNear = bool (CoreJets::*)(NodeIndex) const;
+    bool anyCorner(const Group& group, std::size_t lane, MeetNear near) const {
         bool meet = false;
         if (!jets_.meetings.empty())
             for (std::size_t c = 0; c < group.corners.count[lane]; ++c)
-                meet |= jets_.meetNear(group.corners.node[c][lane]);
+                meet |= (jets_.*near)(group.corners.node[c][lane]);
         return meet;
+    }
+    /// One or two corners do not show that fronts meet around them.
+    bool mayMissFront(const Group& group, std::size_t lane) const {
+        return group.corners.count[lane] < 3 && anyCorner(group, lane, &CoreJets::twoMeetNear);
+    }
+    bool meetNear(const Group& group, std::size_t lane) const {
+        return anyCorner(group, lane, &CoreJets::threeMeetNear);
     }
     bool meetNear(const Around& around) const {
         return std::any_of(around.node.begin(), around.node.begin() + around.count,
-                           [&](const Around::Node& n) { return jets_.meetNear(n.core); });
+                           [&](const Around::Node& n) { return jets_.threeMeetNear(n.core); });
     }
     /// A jet of the chart, back on S; u relative to the least start.
     Found fromChart(double u, Vec2f g, std::uint32_t label, const LocalFrame& local) const {

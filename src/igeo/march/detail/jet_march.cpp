@@ -142,7 +142,7 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
         const Node& node = group.nodes[k];
         const JetGroup::Solution& s = solutions[k];
         const JetNode& at = core_.nodes[node.core];
-        Result result{s.u * at.weight, s.g, s.source, s.usedFallback};
+        Result result{s.u * at.weight, s.g, s.source, s.usedFallback, s.secondFront};
         if (!core_.stretch.empty()) result.g = core_.stretch[node.core].covectorBack(s.g);
         settle(node, result, batch, chunk);
     }
@@ -221,7 +221,7 @@ void JetMarch::gatherJumps(const Batch& batch, Node& node) const {
 
 void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chunk) {
     const NodeIndex i = node.core;
-    if (node.jump < s.u) s = {node.jump, {}, node.jumpLabel, false};
+    if (node.jump < s.u) s = {node.jump, {}, node.jumpLabel, false, false};
     // Nodes of a disc wait in its buckets or earlier.
     if (batch.first <= lastDiscBucket_) s = exactNearSeed(i, s, batch);
     if (!(s.u < float(kInfinity))) return;
@@ -239,10 +239,9 @@ void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chu
         return;
     }
     chunk.accepted.push_back({i, s.label, stateOf(s, batch)});
-    if (s.usedFallback) {
-        ++chunk.byFallback;
-        if (isSmoothAround(i)) chunk.mayMeet.push_back(i);
-    }
+    chunk.byFallback += s.usedFallback;
+    if ((s.usedFallback || s.secondFront) && isSmoothAround(i))
+        chunk.mayMeet.push_back({i, s.usedFallback});
     chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
     if (!stopNodes_.empty() && stopNodes_[i]) ++chunk.stopNodes;
     enqueue(node, s, batch, chunk);
@@ -254,7 +253,7 @@ JetMarch::Result JetMarch::exactNearSeed(NodeIndex i, const Result& s, const Bat
     if (disc == discs_.end()) return s;
     const auto u = float(disc->second.u - jets_.buckets.startOf(batch.first));
     if (s.u < u && s.label != disc->second.label) return s;
-    return {u, disc->second.g, disc->second.label, false};
+    return {u, disc->second.g, disc->second.label, false, false};
 }
 
 float JetMarch::boundedBelow(NodeIndex i, float u, std::uint32_t label, const Batch& batch) const {

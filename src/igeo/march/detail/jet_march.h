@@ -1,6 +1,7 @@
 /// The march of scheme `jet` over the core of a band. Internal.
 #pragma once
 
+#include <igeo/march/detail/jet_meeting.h>
 #include <igeo/march/detail/jet_queue.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
@@ -41,7 +42,7 @@ private:
         std::vector<Queued> deferred;      ///< nodes of the batch that are not final
         std::vector<Queued> requeueLater;  ///< neighbors that are in the batch themselves
         std::size_t byFallback = 0;        ///< of the accepted nodes
-        std::vector<NodeIndex> mayMeet;    ///< of those: where S is smooth all around
+        std::vector<MayMeet> mayMeet;      ///< of the accepted nodes
         std::size_t stopNodes = 0;         ///< of the accepted nodes
         bool tooFar = false;               ///< a value beyond the last bucket
         double heaviest = 0;
@@ -75,7 +76,7 @@ private:
         float u;  ///< relative to the start of the batch
         Vec2f g;
         std::uint32_t label;
-        bool usedFallback;
+        bool usedFallback, secondFront;
     };
 
     std::uint32_t bucketOf(double u) const { return jets_.buckets.bucketOf(u, kLastBucket); }
@@ -159,8 +160,8 @@ private:
     double heaviest_ = 0;                 ///< the largest cost per unit length accepted so far
     bool stopped_ = false;                ///< the limit ended the march
     std::vector<Chunk> chunks_;
-    std::vector<bool> stopNodes_;     ///< nodes of the core that the march has to reach; empty: all
-    std::vector<NodeIndex> mayMeet_;  ///< as Chunk::mayMeet
+    std::vector<bool> stopNodes_;   ///< nodes of the core that the march has to reach; empty: all
+    std::vector<MayMeet> mayMeet_;  ///< as Chunk::mayMeet
     std::size_t byFallback_ = 0, stopNodesLeft_ = 0, accepted_ = 0, chunkSize_ = 0;
 };
 

@@ -11,9 +11,8 @@ namespace igeo {
 
 namespace {
 
-/// Whether three fronts or more meet at a node, or beside it, as at a focus. Two fronts are fitted
-/// well enough by the march.
-bool frontsMeet(const CoreJets& jets, NodeIndex i) {
+/// The fronts at a node and beside it.
+FrontsAround frontsAt(const CoreJets& jets, NodeIndex i) {
     const JetCore& core = *jets.core;
     const TangentFrame frame(core.nodes[i].normal, core.band.faceted);
     FrontsAround fronts;
@@ -22,7 +21,7 @@ bool frontsMeet(const CoreJets& jets, NodeIndex i) {
             fronts.add(
                 flattened(frame, chord, core.nodes[j].normal, cosine, jets.gradientOf(j), 0).g);
     });
-    return fronts.three();
+    return fronts;
 }
 
 /// Core nodes around a voxel, in the order of their voxels, which does not depend on where the grid
@@ -33,10 +32,14 @@ public:
 
     /// Adds a node once; not if it is more than seven voxels off.
     void add(NodeIndex k) {
-        const Ijk v = core_.voxelOf(core_.nodes[k]) - middle_ + Ijk{kHalf, kHalf, kHalf};
+        const Ijk v = placeOf(k);
         if (((v.x | v.y | v.z) & ~(kEdge - 1)) != 0) return;
-        there_[std::size_t(v.x << 2 | v.y >> 2)] |= std::uint64_t(1) << ((v.y & 3) << 4 | v.z);
+        there_[wordOf(v)] |= bitOf(v);
         node_[std::size_t((v.x << 4 | v.y) << 4 | v.z)] = k;
+    }
+    bool has(NodeIndex k) const {
+        const Ijk v = placeOf(k);
+        return ((v.x | v.y | v.z) & ~(kEdge - 1)) == 0 && there_[wordOf(v)] & bitOf(v);
     }
     template <typename Visit>
     void forAll(const Visit& visit) const {
@@ -47,6 +50,11 @@ public:
 
 private:
     static constexpr int kHalf = 8, kEdge = 2 * kHalf;
+    Ijk placeOf(NodeIndex k) const {
+        return core_.voxelOf(core_.nodes[k]) - middle_ + Ijk{kHalf, kHalf, kHalf};
+    }
+    static std::size_t wordOf(const Ijk& v) { return std::size_t(v.x << 2 | v.y >> 2); }
+    static std::uint64_t bitOf(const Ijk& v) { return std::uint64_t(1) << ((v.y & 3) << 4 | v.z); }
     const JetCore& core_;
     Ijk middle_;
     std::array<std::uint64_t, 64> there_{};
@@ -66,7 +74,9 @@ std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local
     NodesAround all(core, voxel + roundToIjk(Vec3d(foot)));
     for (const NodeIndex k : around) {
         all.add(k);
-        forLinks(core, k, [&](NodeIndex j, const Ijk&, const Vec3f&, float) { all.add(j); });
+        forLinks(
+            core, k, [&](NodeIndex j, const Ijk&, const Vec3f&, float) { all.add(j); },
+            [&](NodeIndex j) { return !all.has(j); });
     }
     std::vector<JetNeighbor> neighbors;
     bool oneSource = true;
@@ -86,35 +96,40 @@ std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local
     return Solved{jet->u, jet->g, label};
 }
 
-void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes) {
+void solveMeetings(CoreJets& jets, const std::vector<MayMeet>& nodes) {
     const JetCore& core = *jets.core;
     if (core.costsVary || core.metric.anisotropic()) return;
     struct Meeting {
-        NodeIndex node;
+        std::uint8_t fronts = 0;  ///< CoreJets::meetings
         std::optional<Solved> jet;
     };
-    std::vector<std::optional<Meeting>> found(nodes.size());
+    std::vector<Meeting> found(nodes.size());
     parallelFor(nodes.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            const NodeIndex i = nodes[k];
-            if (!frontsMeet(jets, i)) continue;
+            const NodeIndex i = nodes[k].node;
+            const FrontsAround fronts = frontsAt(jets, i);
+            if (!fronts.two() && !fronts.three()) continue;
+            found[k].fronts = CoreJets::kTwo | (fronts.three() ? CoreJets::kThree : 0);
+            if (!nodes[k].inDoubt) continue;
             const JetNode& node = core.nodes[i];
-            found[k] = {i, solveMeeting(jets, core.localFrame(i), core.voxelOf(node), node.foot,
-                                        {&i, 1}, jets.valueOf(i), /*atFocus=*/true)};
+            found[k].jet = solveMeeting(jets, core.localFrame(i), core.voxelOf(node), node.foot,
+                                        {&i, 1}, jets.valueOf(i), fronts.three());
         }
     });
-    for (const std::optional<Meeting>& meeting : found) {
-        if (!meeting) continue;
-        const NodeIndex i = meeting->node;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+        const Meeting& meeting = found[k];
+        if (!meeting.fronts) continue;
+        const NodeIndex i = nodes[k].node;
         jets.meetings.resize(core.nodes.size());
-        jets.meetings[i] = true;
-        forLinks(core, i,
-                 [&](NodeIndex j, const Ijk&, const Vec3f&, float) { jets.meetings[j] = true; });
-        if (!meeting->jet) continue;
+        jets.meetings[i] |= meeting.fronts;
+        forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f&, float) {
+            jets.meetings[j] |= meeting.fronts;
+        });
+        if (!meeting.jet) continue;
         JetState& state = jets.state[i];
-        const double u = jets.seeds.leastStart + double(core.nodes[i].weight) * meeting->jet->u;
+        const double u = jets.seeds.leastStart + double(core.nodes[i].weight) * meeting.jet->u;
         state.rest = float(u - jets.buckets.startOf(state.bucket));
-        state.g = meeting->jet->g;
+        state.g = meeting.jet->g;
     }
 }
 

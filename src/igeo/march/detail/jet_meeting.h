@@ -21,10 +21,14 @@ std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local
                                    const Vec3f& foot, std::span<const NodeIndex> around,
                                    double before, bool atFocus);
 
-/// Solves nodes of a march that took the fallback again, where three fronts meet: they have all
-/// their neighbors now, and no other value depends on theirs.
-/// @param nodes  of the core, where S is smooth and goes on all around
+/// A node of the core at which fronts may meet, where S is smooth and goes on all around.
+struct MayMeet {
+    NodeIndex node;
+    bool inDoubt;  ///< it took the fallback
+};
+/// Finds where fronts meet (CoreJets::meetings), and solves nodes in doubt there again: they have
+/// all their neighbors now, and no other value depends on theirs.
 /// In parallel, the same bits for any number of threads.
-void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes);
+void solveMeetings(CoreJets& jets, const std::vector<MayMeet>& nodes);
 
 }  // namespace igeo

@@ -65,14 +65,15 @@ struct CoreJets {
     std::shared_ptr<const JetCore> core;
     JetSeeds seeds;
     JetBuckets buckets;
-    std::vector<JetState> state;       ///< per core node
-    std::vector<std::uint32_t> label;  ///< per core node; empty for one source
-    std::vector<bool> meetings;        ///< per core node: meetNear; empty: nowhere
-    double limit = kInfinity;          ///< larger distances are left out
+    std::vector<JetState> state;         ///< per core node
+    std::vector<std::uint32_t> label;    ///< per core node; empty for one source
+    std::vector<std::uint8_t> meetings;  ///< per core node, bits: kTwo, kThree; empty: none
+    double limit = kInfinity;            ///< larger distances are left out
 
-    /// Whether three fronts meet at a node or at one that is linked to it, so that it took the
-    /// fallback.
-    bool meetNear(NodeIndex k) const { return !meetings.empty() && meetings[k]; }
+    /// Two, or three and more, fronts meet at a node or at one that is linked to it.
+    static constexpr std::uint8_t kTwo = 1, kThree = 2;
+    bool twoMeetNear(NodeIndex k) const { return !meetings.empty() && meetings[k]; }
+    bool threeMeetNear(NodeIndex k) const { return !meetings.empty() && meetings[k] & kThree; }
     bool accepted(NodeIndex k) const { return state[k].accepted(); }
     double valueOf(NodeIndex k) const {
         return buckets.startOf(state[k].bucket) + double(state[k].rest);

@@ -75,11 +75,12 @@ JetGroup::Solution JetGroup::settle(std::size_t lane, const Fits& fits) const {
     if (lanes_.count[lane] == 0) return {};
     BestFit fit;
     fit.best.source = sources_[lane][0];
+    fit.best.secondFront = fits.fronts.second[lane] < JetFronts::kNoValue;
     fit.add(fits.first, fits.fronts, lane, node.rim);
     if (fits.hasSecond[lane]) fit.add(fits.second, fits.fronts, lane, node.rim);
     if (fit.valid && fit.fromBothSides && fit.clear && node.smooth) return fit.best;
     const Jet jet = fermatUpdate(neighborsOf(lane));
-    const Solution fallback{float(jet.u), jet.g, fit.best.source, true};
+    const Solution fallback{float(jet.u), jet.g, fit.best.source, true, fit.best.secondFront};
     // Extrapolated from one side: around a rim a front reaches the node by the last neighbor only.
     if (!fit.fromBothSides && node.smooth) return fallback;
     return fit.valid && std::abs(fit.best.u - fallback.u) < kAgree ? fit.best : fallback;

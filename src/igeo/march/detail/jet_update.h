@@ -54,6 +54,7 @@ public:
         Vec2f g;
         std::uint32_t source = 0;
         bool usedFallback = false;
+        bool secondFront = false;  ///< some neighbors are of another one (JetFronts::second)
     };
     /// The jets of all nodes. Per node the least of the fits of its fronts; where a fit is in doubt
     /// the fallback is computed as well, and the fit counts if it is valid and the two agree within
