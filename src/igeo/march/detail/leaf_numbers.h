@@ -52,7 +52,7 @@ public:
     /// A step to one of the 26 voxels around, in bits: (x + 1) 16 + (y + 1) 4 + z + 1.
     using StepCode = std::uint32_t;
     /// The nodes around the voxel at an offset of the leaf, in the order of the steps.
-    /// @param node, step  room for 26
+    /// @param node, step  at least 26 each
     /// @return how many there are
     std::size_t neighbors(unsigned offset, NodeIndex* node, StepCode* step) const {
         // Which there are changes from node to node: first a set without branches, by rows of

@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""The estimate of a run beside its real error, for models as level sets, meshes and points.
+
+usage: scripts/estimate.py --models DIR     a table into docs/benchmarks.md, in ten minutes
+
+A run reports, as `accuracy`, by how much its distances may be off. Here that is compared with exact
+polyhedral distances on the mesh of the model (igeo_peer, see scripts/compare.py), from its first vertex
+to sixty others. A level set is what vdb_tool makes of the mesh, and points lie on its triangles by
+chance: what either does not hold is part of the real error, and the estimate cannot see it.
+"""
+import argparse
+import csv
+import json
+import math
+import pathlib
+import random
+import statistics
+import tempfile
+
+import compare
+import measure
+
+SIZES = (128, 256)  # voxels along the longest side
+FORMS = ("level set", "mesh", "points")
+TARGETS, POINTS = 60, 60000
+NEAR = 0.1  # of the largest distance: targets nearer than this are left out
+DOCUMENT = measure.ROOT / "docs" / "benchmarks.md"
+
+
+def area(a, b, c):
+    """Of a triangle."""
+    v, w = [[y - x for x, y in zip(a, p)] for p in (b, c)]
+    return math.hypot(*(v[k - 2] * w[k - 1] - v[k - 1] * w[k - 2] for k in range(3))) / 2
+
+
+class Model:
+    """A mesh file, in a folder for what is made of it, with exact distances."""
+
+    def __init__(self, tools, program, folder, file):
+        self.file, self.folder, self.program = file, folder, program
+        copy = folder / "vertices.obj"
+        measure.run([program, file, "--seed", "vertex:0", "--per-vertex", copy])
+        lines = [line.split() for line in copy.read_text().splitlines()]
+        self.vertices = [[float(x) for x in line[1:4]] for line in lines if line[:1] == ["v"]]
+        self.faces = [[int(corner.split("/")[0]) - 1 for corner in line[1:4]]
+                      for line in lines if line[:1] == ["f"]]
+        targets = [self.vertices[int((k + 0.5) / TARGETS * len(self.vertices))] for k in range(TARGETS)]
+        self.targets = folder / "targets.csv"
+        self.targets.write_text("".join(compare.point(p) + "\n" for p in targets))
+        asked = folder / "asked.csv"
+        asked.write_text("".join(compare.point(p) + ",0\n" for p in targets))
+        self.seed = compare.point(self.vertices[0])
+        tools.say(tools.peer, "--method", "oracle", "--mesh", file, "--seed", self.seed, "--points", asked)
+        self.exact = compare.read_points(f"{asked}.exact")[1]
+
+    def surface(self, form, n):
+        """What the program is given: words of a command line."""
+        if form == "level set":
+            sdf = self.folder / f"{n}.vdb"
+            measure.run(["vdb_tool", "-quiet", "-read", self.file, "-mesh2ls", f"dim={n}", "width=3",
+                         "name=psi", "-write", sdf])
+            return [sdf]
+        size = max(max(axis) - min(axis) for axis in zip(*self.vertices)) / n
+        if form == "mesh":
+            return [self.file, "--voxel-size", f"{size:.6g}"]
+        points = self.folder / "points.xyz"
+        points.write_text("".join(" ".join(f"{x:.12g}" for x in p) + "\n" for p in self.scattered()))
+        return [points, "--voxel-size", f"{size:.6g}"]
+
+    def scattered(self):
+        """Points on the triangles, as many per area everywhere; the seed is the first."""
+        chance = random.Random(1)
+        corners = [[self.vertices[k] for k in face] for face in self.faces]
+        areas = [area(*c) for c in corners]
+        yield self.vertices[0]
+        for a, b, c in chance.choices(corners, areas, k=POINTS - 1):
+            u, v = sorted((chance.random(), chance.random()))
+            yield [u * x + (v - u) * y + (1 - v) * z for x, y, z in zip(a, b, c)]
+
+    def measured(self, form, n):
+        """Estimate and real error, means of relative errors in %."""
+        matrix, report = self.folder / "matrix.csv", self.folder / "report.json"
+        measure.run([self.program, *self.surface(form, n), "--seed", self.seed, "--targets", self.targets,
+                     "--skip-off-surface", "--matrix", matrix, "--report", report, "-o",
+                     self.folder / "distance.vdb"], expect=(0, 4))
+        with open(matrix, newline="", encoding="utf-8") as file:
+            distances = [float(row["distance_0"] or "inf") for row in csv.DictReader(file)]
+        said = json.loads(report.read_text())["accuracy"]
+        errors = [abs(d / t - 1) for d, t in zip(distances, self.exact, strict=True)
+                  if NEAR * max(self.exact) < t and max(d, t) < math.inf]
+        return {"estimate": 100 * said["meanRelativeError"], "error": 100 * statistics.fmean(errors),
+                "targets": len(errors)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--models", type=pathlib.Path, required=True, metavar="DIR")
+    parser.add_argument("--build", type=pathlib.Path, default=measure.ROOT / "build" / "release")
+    options = parser.parse_args()
+    tools, program = compare.Tools(options.build), options.build / "bin" / "implicit-geodesic"
+    rows = []
+    for name, file in compare.MODELS.items():
+        with tempfile.TemporaryDirectory() as folder:
+            model = Model(tools, program, pathlib.Path(folder), options.models / file)
+            for n in SIZES:
+                row = [f"{name}, {n}"]
+                for form in FORMS:
+                    result = model.measured(form, n)
+                    row.append(f"{measure.number(result['estimate'], 2)} / "
+                               f"{measure.number(result['error'], 2)}")
+                print(row, flush=True)
+                rows.append(row)
+    machine = f"Estimate / real error, means in % of each distance. {measure.machine()}; " \
+              f"command: `{measure.command_line()}`."
+    measure.rewrite(DOCUMENT, "estimate",
+                    f"{machine}\n\n{measure.table(['model, voxels', *FORMS], rows)}")
+
+
+if __name__ == "__main__":
+    main()
