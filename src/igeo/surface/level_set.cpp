@@ -58,6 +58,7 @@ bool crosses(const LeafBlock& b, int x, int y, int z) {
 
 void Tally::visit(const LeafBlock& b, int x, int y, double halfWidth) {
     const PsiRow row(b, x, y);
+    if (!row.active) return;
     const float* psi = b.row(x, y);
     for (unsigned bits = row.complete; bits; bits &= bits - 1) {
         const auto k = std::size_t(std::countr_zero(bits));
