@@ -7,19 +7,22 @@ namespace igeo::jet {
 namespace {
 
 IGEO_INLINE void findCellsHere(const Ijk& origin, FootLanes& feet, CellPoints& points) {
-    constexpr int kEdge = LeafNumbers<2>::kEdge, kMargin = 2;
+    constexpr std::uint32_t kEdge = LeafNumbers<2>::kEdge, kMargin = 2, kLast = kEdge - 2;
     auto place = [](float foot, std::int32_t low) { return foot - float(low); };
     for (std::size_t k = 0; k < Lanes::kNodes; ++k) {
         const Ijk low{floorToInt(feet.x[k]), floorToInt(feet.y[k]), floorToInt(feet.z[k])};
         points.x[k] = place(feet.x[k], low.x);
         points.y[k] = place(feet.y[k], low.y);
         points.z[k] = place(feet.z[k], low.z);
-        const int x = feet.voxelX[k] - origin.x + low.x + kMargin,
-                  y = feet.voxelY[k] - origin.y + low.y + kMargin,
-                  z = feet.voxelZ[k] - origin.z + low.z + kMargin;
-        const bool outside =
-            (x < 0) | (y < 0) | (z < 0) | (x > kEdge - 2) | (y > kEdge - 2) | (z > kEdge - 2);
-        feet.cell[k] = ((x * kEdge + y) * kEdge + z) | -std::int32_t(outside);
+        // Unsigned: nodes of a group without numbers may lie far apart.
+        auto inBlock = [](std::int32_t voxel, std::int32_t lower, std::int32_t from) {
+            return std::uint32_t(voxel) + std::uint32_t(lower) + kMargin - std::uint32_t(from);
+        };
+        const std::uint32_t x = inBlock(feet.voxelX[k], low.x, origin.x),
+                            y = inBlock(feet.voxelY[k], low.y, origin.y),
+                            z = inBlock(feet.voxelZ[k], low.z, origin.z);
+        const bool outside = (x > kLast) | (y > kLast) | (z > kLast);
+        feet.cell[k] = std::int32_t((x * kEdge + y) * kEdge + z) | -std::int32_t(outside);
     }
 }
 

@@ -25,7 +25,8 @@ struct Candidates {
     std::size_t neighbors = 0;  ///< the first ones, a step away; the others are linked for certain
     alignas(32) Array<NodeIndex> node;
     alignas(32) Array<LeafNumbers<1>::StepCode> step;  ///< of neighbors
-    alignas(32) Array<float> x, y, z;                  ///< chord from its foot point; of others
+    /// Chord from its foot point: given for the others, found for neighbors.
+    alignas(32) Array<float> x, y, z;
 
     // What layOut() finds.
     alignas(32) Array<float> cosine;           ///< between the normals
