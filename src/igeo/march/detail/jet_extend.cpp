@@ -269,10 +269,12 @@ void Extension::solveDoubtful(Doubtful& doubtful) const {
         Found s = fromChart(around.node[0].jet.u + double(best.u), best.g, best.source, node.local);
         const FrontsAround fronts = around.fronts();
         // Too few nodes of the front that arrives first lie behind this one.
-        const bool late = (best.usedFallback || fronts.two()) && around.hasEarlier(best.u);
-        const bool meet = fronts.three() || late ||
-                          (best.usedFallback &&
-                           (fronts.two() || meetNear(around) || jet::nearFocus(around.all())));
+        const bool late = (best.usedFallback || fronts.two()) && around.hasEarlier(best.u) &&
+                          anyMeets(around, &CoreJets::twoMeetNear);
+        const bool meet =
+            fronts.three() || late ||
+            (best.usedFallback && (fronts.two() || anyMeets(around, &CoreJets::threeMeetNear) ||
+                                   jet::nearFocus(around.all())));
         if (meet && metric_.clear(node.at.node) && !around.overCrease()) {
             const Found first = whereFrontsMeet(node, s, fronts.three()).value_or(s);
             if (!late || first.distance < s.distance) s = first;

@@ -191,9 +191,9 @@ private:
     bool meetNear(const Group& group, std::size_t lane) const {
         return anyCorner(group, lane, &CoreJets::threeMeetNear);
     }
-    bool meetNear(const Around& around) const {
+    bool anyMeets(const Around& around, MeetNear near) const {
         return std::any_of(around.node.begin(), around.node.begin() + around.count,
-                           [&](const Around::Node& n) { return jets_.threeMeetNear(n.core); });
+                           [&](const Around::Node& n) { return (jets_.*near)(n.core); });
     }
     /// A jet of the chart, back on S; u relative to the least start.
     Found fromChart(double u, Vec2f g, std::uint32_t label, const LocalFrame& local) const {

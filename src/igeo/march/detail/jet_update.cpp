@@ -75,7 +75,7 @@ JetGroup::Solution JetGroup::settle(std::size_t lane, const Fits& fits) const {
     if (lanes_.count[lane] == 0) return {};
     BestFit fit;
     fit.best.source = sources_[lane][0];
-    fit.best.secondFront = fits.fronts.second[lane] < JetFronts::kNoValue;
+    fit.best.secondFront = fits.hasSecond[lane];
     fit.add(fits.first, fits.fronts, lane, node.rim);
     if (fits.hasSecond[lane]) fit.add(fits.second, fits.fronts, lane, node.rim);
     if (fit.valid && fit.fromBothSides && fit.clear && node.smooth) return fit.best;

@@ -54,7 +54,7 @@ public:
         Vec2f g;
         std::uint32_t source = 0;
         bool usedFallback = false;
-        bool secondFront = false;  ///< some neighbors are of another one (JetFronts::second)
+        bool secondFront = false;  ///< another one arrives up to 0.2 voxels later, or before
     };
     /// The jets of all nodes. Per node the least of the fits of its fronts; where a fit is in doubt
     /// the fallback is computed as well, and the fit counts if it is valid and the two agree within
