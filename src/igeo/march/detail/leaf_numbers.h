@@ -138,11 +138,12 @@ private:
         for (int x = begin; x < end; ++x) {
             const std::uint64_t mask = nodes.mask[std::size_t(x)];
             const NodeIndex first = nodes.firstNode + nodes.before[std::size_t(x)];
-            NodeIndex* const slice = &number_[std::size_t(indexOf({8 * dx + x, 8 * dy, 8 * dz}))];
+            const int slice = indexOf({8 * dx + x, 8 * dy, 8 * dz});
             for (std::uint64_t bits = mask & seen; bits; bits &= bits - 1) {
                 const int bit = std::countr_zero(bits);
                 const std::uint64_t lower = mask & ((bits & -bits) - 1);
-                slice[(bit >> 3) * kEdge + (bit & 7)] = first + LeafNodes::bitCount(lower);
+                number_[std::size_t(slice + (bit >> 3) * kEdge + (bit & 7))] =
+                    first + LeafNodes::bitCount(lower);
             }
         }
     }

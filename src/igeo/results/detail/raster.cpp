@@ -51,14 +51,14 @@ Raster::Raster(const SurfaceTriangles& triangles, const Frame& frame)
 /// Clips what lies behind the eye, with a margin for rounding.
 Raster::Box Raster::boxOf(std::size_t triangle) const {
     constexpr double kNearest = 1e-6;  // voxels
-    constexpr double kMargin = 1e-3;   // pixels
+    constexpr double kSlack = 1e-3;    // pixels
     std::array<Vec3d, 3> v;
     for (unsigned k = 0; k < 3; ++k) v[k] = frame_.seen(triangles_.corner(triangle, k));
     Box box;
     auto add = [&](const Vec3d& s) {
         const auto [x, y] = frame_.place(s);
-        box.left = std::min(box.left, x - kMargin), box.right = std::max(box.right, x + kMargin);
-        box.top = std::min(box.top, y - kMargin), box.bottom = std::max(box.bottom, y + kMargin);
+        box.left = std::min(box.left, x - kSlack), box.right = std::max(box.right, x + kSlack);
+        box.top = std::min(box.top, y - kSlack), box.bottom = std::max(box.bottom, y + kSlack);
     };
     for (unsigned k = 0; k < 3; ++k) {
         const Vec3d &a = v[k], &b = v[(k + 1) % 3];
