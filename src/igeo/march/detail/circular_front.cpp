@@ -198,7 +198,7 @@ public:
         if (onCircle == onLine) return {onCircle};
         return {onCircle, onLine};
     }
-    /// Fits the front of a neighbor: of all neighbors with directions within 20 degrees of its own,
+    /// Fits the front of a neighbor: of all neighbors with directions within 16 degrees of its own,
     /// or within 45, first at a focus; or, if these belong to two fronts that meet at a small
     /// angle, of those that spread with it.
     Fit fitFrontOf(std::size_t lead) const {
