@@ -84,9 +84,8 @@ struct Step {
 Step improve(CircularFront& front, std::span<const JetNeighbor> neighbors) {
     constexpr double kLever = 0.1;     // voxels: weight of an error of a radian
     constexpr double kOutlier = 0.02;  // voxels: larger residuals get smaller weights
-    constexpr double kLeastRoot = 0.05, kNear2 = 0.3, kStiff = 1e-4;
+    constexpr double kLeastRoot = 0.05, kNear2 = 0.3, kStiff = 1e-4, kSmall = 1e-5;
     NormalEquations equations;
-    constexpr double kSmall = 1e-5;
     Step step;
     double total = 0, squares = 0, inside = 0, squaresInside = 0;
     for (const JetNeighbor& n : neighbors) {

@@ -18,7 +18,6 @@ class LaneNodes {
     IGEO_INLINE static V choose(const Flags& first, const V& a, const V& b) {
         return first ? a : b;
     }
-    IGEO_INLINE static V absolute(const V& v) { return choose(v < 0, -v, v); }
     IGEO_INLINE static V roots(const V& square) {
         V v = square;
         takeRoots<Width>(v);

@@ -117,7 +117,6 @@ private:
         }
         return all;
     }
-    IGEO_INLINE static V absolute(const V& v) { return v < 0 ? -v : v; }
     IGEO_INLINE static V where(const Integers& there, const V& v) { return V(there & Integers(v)); }
     IGEO_INLINE V in(const Lanes& l) const { return *reinterpret_cast<const V*>(l.of + first_); }
     IGEO_INLINE V& out(Lanes& l) const { return *reinterpret_cast<V*>(l.of + first_); }

@@ -175,9 +175,10 @@ private:
     /// @param before  as the march solves it
     std::optional<Found> whereFrontsMeet(const Doubtful::Node& node, const Found& before,
                                          bool atFocus) const;
-    /// Whether fronts meet beside one of the nodes.
+    /// CoreJets::twoMeetNear or CoreJets::threeMeetNear.
     using MeetNear = bool (CoreJets::*)(NodeIndex) const;
-    bool anyCorner(const Group& group, std::size_t lane, MeetNear near) const {
+    /// Whether fronts meet beside one of the nodes.
+    bool anyMeets(const Group& group, std::size_t lane, MeetNear near) const {
         bool meet = false;
         if (!jets_.meetings.empty())
             for (std::size_t c = 0; c < group.corners.count[lane]; ++c)
@@ -186,10 +187,10 @@ private:
     }
     /// One or two corners do not show that fronts meet around them.
     bool mayMissFront(const Group& group, std::size_t lane) const {
-        return group.corners.count[lane] < 3 && anyCorner(group, lane, &CoreJets::twoMeetNear);
+        return group.corners.count[lane] < 3 && anyMeets(group, lane, &CoreJets::twoMeetNear);
     }
     bool meetNear(const Group& group, std::size_t lane) const {
-        return anyCorner(group, lane, &CoreJets::threeMeetNear);
+        return anyMeets(group, lane, &CoreJets::threeMeetNear);
     }
     bool anyMeets(const Around& around, MeetNear near) const {
         return std::any_of(around.node.begin(), around.node.begin() + around.count,

@@ -149,7 +149,6 @@ private:
         takeRoots<Width>(len);
         return t * (len > 0 ? 1 / len : zero + 1);
     }
-    IGEO_INLINE static V absolute(const V& v) { return v < 0 ? -v : v; }
     IGEO_INLINE static V min(const V& a, const V& b) { return a < b ? a : b; }
     IGEO_INLINE static V max(const V& a, const V& b) { return a > b ? a : b; }
     IGEO_INLINE static Vectors same(const Vec3f& v) { return {V{} + v.x, V{} + v.y, V{} + v.z}; }

@@ -52,6 +52,11 @@ IGEO_INLINE void takeRoots(typename Registers<Width>::Vector& v) {
     v = *reinterpret_cast<const V*>(of);
 }
 
+template <typename V>
+IGEO_INLINE V absolute(const V& v) {
+    return v < 0 ? -v : v;
+}
+
 /// Whether one of the flags is set.
 template <typename Flags>
 IGEO_INLINE bool any(const Flags& flags) {
