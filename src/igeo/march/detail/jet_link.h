@@ -19,6 +19,8 @@ struct JetLink {
     float ax, ay;        ///< a()
     float cosine, sine;  ///< of the angle by which directions of the neighbor's frame turn
 
+    /// Normals further apart than 26 degrees are those of a crease.
+    static constexpr float kSmooth = 0.9f;
     static constexpr std::uint32_t kCrease = std::uint32_t(1) << 31;
     NodeIndex node() const { return key & ~kCrease; }
     /// From the neighbor to the node; isotropic: times the mean of both weights, over the node's.

@@ -12,8 +12,7 @@ namespace igeo {
 
 namespace {
 
-/// Normals further apart than 26 degrees are those of a crease.
-constexpr float kSmooth = 0.9f;
+constexpr float kSmooth = JetLink::kSmooth;
 
 /// Nodes that may be linked to one node, and their links.
 struct Candidates {

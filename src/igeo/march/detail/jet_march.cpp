@@ -140,7 +140,8 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
     const JetGroup::Solutions solutions = group.jets.solve();
     for (std::size_t k = 0; k < group.jets.size(); ++k) {
         const Node& node = group.nodes[k];
-        const JetGroup::Solution& s = solutions[k];
+        JetGroup::Solution s = solutions[k];
+        if (s.oneSided && isAtRim(node.core)) s = group.jets.solveAtRim(k);
         const JetNode& at = core_.nodes[node.core];
         Result result{s.u * at.weight, s.g, s.source, s.usedFallback, s.secondFront};
         if (!core_.stretch.empty()) result.g = core_.stretch[node.core].covectorBack(s.g);
@@ -195,12 +196,23 @@ void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) {
         }
         group.jets.add(n.a, n.g, perWeight(u), jets_.labelOf(j), link.overCrease());
     }
-    // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
-    // saves.
-    group.jets.setRim(here.obstacleState != Metric::Clear ||
-                      (isotropic && row.size() < kAllAround));
     node.jump = float(kInfinity);
     if (here.facing & Band::kBridged) gatherJumps(batch, node);
+}
+
+bool JetMarch::isAtRim(NodeIndex i) const {
+    if (core_.nodes[i].obstacleState != Metric::Clear) return true;
+    // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
+    // saves.
+    if (!core_.stretch.empty()) return false;
+    const auto row = links_.row(i);
+    return row.size() < kAllAround || std::any_of(row.begin(), row.end(), [&](const JetLink& l) {
+               bool crease = false;
+               forLinks(core_, l.node(), [&](NodeIndex, const Ijk&, const Vec3f&, float cosine) {
+                   crease |= cosine < JetLink::kSmooth;
+               });
+               return crease;
+           });
 }
 
 bool JetMarch::isSmoothAround(NodeIndex i) const {

@@ -121,6 +121,9 @@ private:
     void gather(NodeIndex i, const Batch& batch, Group& group);
     /// Sorts the links of a node: those to nodes that have a jet, and Node::waiting.
     Known split(std::span<const JetLink> row, const Batch& batch, Node& node) const;
+    /// Whether a front may go around something beside a node: an obstacle, the end of S, or a
+    /// corner at which creases within two links meet.
+    bool isAtRim(NodeIndex i) const;
     /// Whether S is smooth at a node and goes on all around.
     bool isSmoothAround(NodeIndex i) const;
     void gatherJumps(const Batch& batch, Node& node) const;

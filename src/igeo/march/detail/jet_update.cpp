@@ -38,12 +38,12 @@ namespace {
 struct BestFit {
     JetGroup::Solution best;
     bool valid = true;          ///< no fit failed
-    bool fromBothSides = true;  ///< no fit is an extrapolation where that makes a difference
+    bool fromBothSides = true;  ///< no fit is an extrapolation
     bool clear = true;          ///< no reason for doubt
 
     /// Takes a fit. It fails where its residual is large, or its value more than kSlack above the
     /// straight line from some neighbor.
-    void add(const JetFits& fits, const JetFronts& fronts, std::size_t k, bool rim) {
+    void add(const JetFits& fits, const JetFronts& fronts, std::size_t k) {
         constexpr float kResidual = 0.02f, kDoubt = 2e-3f, kSlack = 1e-3f, kFocus = 0.2f;
         const float u = fits.u[k], residual2 = fits.residual2[k];
         if (!(u <= fronts.bound[k] + kSlack) || residual2 > kResidual * kResidual) {
@@ -52,7 +52,7 @@ struct BestFit {
         }
         // Below all plane fronts: two neighbors always agree, however wrong.
         clear &= u >= fronts.straight[k] - kFocus && residual2 < kDoubt * kDoubt;
-        fromBothSides &= !(fits.oneSided[k] > 0) || !rim;
+        fromBothSides &= !(fits.oneSided[k] > 0);
         if (u < best.u) best.u = u, best.g = {fits.gx[k], fits.gy[k]};
     }
 };
@@ -69,6 +69,11 @@ JetGroup::Solutions JetGroup::solve() {
     return solutions;
 }
 
+JetGroup::Solution JetGroup::solveAtRim(std::size_t lane) {
+    nodes_[lane].rim = true;
+    return nodes_[lane].oneSource ? settle(lane, Fits(lanes_)) : solvePerSource(lane);
+}
+
 JetGroup::Solution JetGroup::settle(std::size_t lane, const Fits& fits) const {
     constexpr float kAgree = 0.01f;
     const Node& node = nodes_[lane];
@@ -76,13 +81,14 @@ JetGroup::Solution JetGroup::settle(std::size_t lane, const Fits& fits) const {
     BestFit fit;
     fit.best.source = sources_[lane][0];
     fit.best.secondFront = fits.hasSecond[lane];
-    fit.add(fits.first, fits.fronts, lane, node.rim);
-    if (fits.hasSecond[lane]) fit.add(fits.second, fits.fronts, lane, node.rim);
-    if (fit.valid && fit.fromBothSides && fit.clear && node.smooth) return fit.best;
+    fit.add(fits.first, fits.fronts, lane);
+    if (fits.hasSecond[lane]) fit.add(fits.second, fits.fronts, lane);
+    const bool counts = fit.fromBothSides || !node.rim;
+    fit.best.oneSided = !fit.fromBothSides && node.smooth;
+    if (fit.valid && counts && fit.clear && node.smooth) return fit.best;
     const Jet jet = fermatUpdate(neighborsOf(lane));
     const Solution fallback{float(jet.u), jet.g, fit.best.source, true, fit.best.secondFront};
-    // Extrapolated from one side: around a rim a front reaches the node by the last neighbor only.
-    if (!fit.fromBothSides && node.smooth) return fallback;
+    if (!counts && node.smooth) return fallback;
     return fit.valid && std::abs(fit.best.u - fallback.u) < kAgree ? fit.best : fallback;
 }
 
@@ -106,11 +112,15 @@ JetGroup::Solution JetGroup::solvePerSource(std::size_t lane) const {
         for (std::size_t k = 0; k < count; ++k)
             if (const JetNeighbor n = lanes_.at(lane, k); sources_[lane][k] == *at)
                 parts.add(n.a, n.g, float(n.u), *at, !nodes_[lane].smooth);
-        parts.setRim(nodes_[lane].rim);
+        parts.nodes_[parts.size_ - 1].rim = nodes_[lane].rim;
         if (!parts.full() && at + 1 != end) continue;
         const Solutions solutions = parts.solve();
-        for (std::size_t k = 0; k < parts.size(); ++k)
+        bool oneSided = best.oneSided;
+        for (std::size_t k = 0; k < parts.size(); ++k) {
+            oneSided |= solutions[k].oneSided;
             if (solutions[k].u < best.u) best = solutions[k];
+        }
+        best.oneSided = oneSided;
         parts.clear(lanes_.pull);
     }
     return best;

@@ -26,7 +26,7 @@ public:
     /// @param base   values of its neighbors count from here, as the distance to the source does
     /// @param longest2  squared length up to which fermatUpdate takes segments
     void begin(float base, float longest2 = JetNeighbors::kLongest2) {
-        nodes_[size_] = {true, false, true, longest2};
+        nodes_[size_] = {true, true, false, longest2};
         lanes_.base[size_] = base;
         lanes_.count[size_++] = 0;
     }
@@ -44,8 +44,6 @@ public:
         node.smooth &= !overCrease;
         lanes_.count[lane] = std::uint32_t(k + 1);
     }
-    /// @param rim  the node begun last may lie at an obstacle, or where S ends
-    void setRim(bool rim) { nodes_[size_ - 1].rim = rim; }
     std::size_t count() const { return lanes_.count[size_ - 1]; }  ///< of the node begun last
 
     /// The jet of a node by one of its fronts.
@@ -55,6 +53,7 @@ public:
         std::uint32_t source = 0;
         bool usedFallback = false;
         bool secondFront = false;  ///< another one arrives up to 0.2 voxels later, or before
+        bool oneSided = false;     ///< by a fit to neighbors that lie on one side of the ray
     };
     /// The jets of all nodes. Per node the least of the fits of its fronts; where a fit is in doubt
     /// the fallback is computed as well, and the fit counts if it is valid and the two agree within
@@ -62,10 +61,14 @@ public:
     /// the earlier source where they are equal.
     using Solutions = std::array<Solution, Lanes::kNodes>;
     Solutions solve();
+    /// The same for one node at a rim, which a front may reach by a last neighbor only, as it goes
+    /// around: an obstacle, the end of S, or a corner at which creases meet. A fit to neighbors on
+    /// one side of the ray would go straight on into the shadow, so the fallback counts instead.
+    Solution solveAtRim(std::size_t lane);
 
 private:
     struct Node {
-        bool smooth, rim, oneSource;
+        bool smooth, oneSource, rim;
         float longest2;
     };
     struct Fits;
