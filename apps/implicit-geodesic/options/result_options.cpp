@@ -120,8 +120,9 @@ std::vector<Option> curveOptions(ResultOptions& o) {
                      ".ply, .vtp or .usda; - writes JSON to stdout",
              .reads = text(o.paths)},
             {.names = {"--straighten"},
-             .text = "Relax the geodesics to locally shortest curves, free of the march's error; "
-                     "with --via the curve as a whole, whose points then only guide it",
+             .text = "Relax the geodesics to locally shortest curves, free of the march's error, "
+                     "as those on a mesh without weights and obstacles always are; with --via "
+                     "the curve as a whole, whose points then only guide it",
              .reads = flag(o.straighten)},
             {.names = {"--path-step"},
              .value = "D",

@@ -344,6 +344,19 @@ Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNor
     return field.atFootPoints ? reader.byJets() : reader.byVoxels();
 }
 
+namespace {
+
+/// A tangent vector turned along with its plane: the least rotation that takes one normal to the
+/// other. Over a crease both planes are unfolded.
+Vec3d turned(const Vec3d& v, const Vec3d& fromNormal, const Vec3d& toNormal) {
+    constexpr double kOpposite = -0.9;
+    const double cosine = dot(fromNormal, toNormal);
+    if (cosine < kOpposite) return v;
+    return v - (dot(v, toNormal) / (1 + cosine)) * (fromNormal + toNormal);
+}
+
+}  // namespace
+
 Vec3d gradientOfFirst(const Field& field, const Vec3d& pIndex, const SurfaceCell& cell,
                       std::uint32_t source) {
     constexpr double kSameFront = 0.7, kSmooth = 0.9, kCancels = 0.1;
@@ -373,7 +386,8 @@ Vec3d gradientOfFirst(const Field& field, const Vec3d& pIndex, const SurfaceCell
         const bool ofOther = field.atFootPoints && dot(c.normal, lead.normal) >= kSmooth &&
                              dot(c.g, lead.g) < kSameFront * length(c.g) * length(lead.g);
         if (ofOther) continue;
-        sum += c.weight * c.g, weights += c.weight, lengths += c.weight * length(c.g);
+        sum += c.weight * turned(c.g, c.normal, cell.normal), weights += c.weight,
+            lengths += c.weight * length(c.g);
     }
     const Vec3d g = tangential(sum, cell.normal);
     return length(g) > kCancels * lengths ? (1 / weights) * g : Vec3d{};

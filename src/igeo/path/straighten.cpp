@@ -290,8 +290,7 @@ Curve relaxed(const Field& field, const Path& path, Reach reach, Progress& progr
 Path shortened(const Field& field, const Path& path, Reach reach, Progress& progress,
                std::vector<double>& lengths) {
     const SurfaceTriangles* const triangles = field.band->triangles.get();
-    // The shortest curve over triangles of constant cost is computed exactly.
-    const bool exact = triangles && !field.metric->weighted() && !field.metric->obstacles;
+    const bool exact = hasExactCurves(field);
     Path shorter = path;
     shorter.vertices.clear();
     for (const Vec3d& p :

@@ -3,6 +3,7 @@
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
 #include <igeo/path/detail/curve_on_triangles.h>
+#include <igeo/path/straighten.h>
 
 #include <algorithm>
 
@@ -323,6 +324,7 @@ Path Tracer::trace(const SurfacePoint& target) {
 Path tracePath(const Field& field, const SurfacePoint& target, const TraceOptions& options) {
     Path path = Tracer(field, options).trace(target);
     if (field.band->triangles && !path.vertices.empty()) layOnTriangles(field, path);
+    if (hasExactCurves(field)) straighten(field, path);
     return path;
 }
 

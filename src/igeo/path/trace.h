@@ -23,6 +23,9 @@ struct TraceOptions {
 /// Where an obstacle blocks a step, the path slides along its rim. Where no step along the gradient
 /// leads down (cut loci, creases), the path continues over the foot points of nodes, each time to
 /// the neighbor of least distance. Distances never rise along a path.
+///
+/// On a mesh without weights and obstacles the path is then made the shortest curve over the
+/// triangles around it, exact to rounding, as straighten() does.
 /// @return vertices lie on S: on psi = 0 of the trilinear interpolant to 1e-6 voxels where the
 ///         projection converges; or on the triangles of a mesh, with all segments as well, since
 ///         there is a vertex on each edge that the path crosses

@@ -62,6 +62,10 @@ void layOnTriangles(const Field& field, Path& path) {
     measure(field, path);
 }
 
+bool hasExactCurves(const Field& field) {
+    return field.band->triangles && !field.metric->weighted() && !field.metric->obstacles;
+}
+
 std::vector<Vec3d> shortestOnTriangles(const SurfaceTriangles& triangles, const Path& path,
                                        const Progress& progress, bool winds) {
     constexpr double kStep = 1;

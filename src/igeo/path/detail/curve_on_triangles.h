@@ -18,6 +18,9 @@ std::vector<double> measure(const Field& field, Path& path);
 /// Sets the lengths.
 void layOnTriangles(const Field& field, Path& path);
 
+/// Whether shortest curves are exact: over triangles of constant cost, without obstacles.
+bool hasExactCurves(const Field& field);
+
 /// The locally shortest curve over the triangles near a path, in steps of a voxel at most.
 /// @param winds  keep the loops of the path around the surface
 /// @throws Error  Cancelled
