@@ -25,6 +25,11 @@ std::vector<std::string> densityWarnings(const CloudDensity& density, const std:
             fmt::format("{}: the spacing is uneven: {:f} in the median, {:f} at the 99th "
                         "percentile; thin parts may end or merge",
                         file, density.spacing, density.spacing99));
+    if (density.facing > 0.02)
+        warnings.push_back(
+            fmt::format("{}: on {} of the surface another sheet is within three spacings; folds "
+                        "may close there and distances be too short; take more points",
+                        file, percent(density.facing)));
     if (density.conflicts > 0.01)
         warnings.push_back(file + ": " + percent(density.conflicts) +
                            " of the normals disagree with their neighbors; where the surface is "

@@ -24,6 +24,7 @@ struct CloudDensity {
     /// Share of neighbors whose normals disagree (Orientation, or normals in the file that do not
     /// fit the surface)
     double conflicts = 0;
+    double facing = 0;  ///< share of points with one on another sheet within three spacings
     double largestCurvature = 0;  ///< 95th percentile, 1 / world length
 };
 

@@ -34,6 +34,8 @@ constexpr double kReach = 3;
 /// Points with so many times the spacing of those around them, or so many spacings off the surface
 /// of their neighbors, are isolated.
 constexpr double kIsolated = 3, kStray = 1.5;
+/// Points on another sheet within so many spacings may close a fold.
+constexpr double kFacing = 3;
 /// Cosine of the normals of two sheets, as Band::kOtherSheet.
 constexpr double kOtherSheet = -0.2;
 
@@ -297,12 +299,16 @@ void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
     curvature_.resize(n);
     off_.resize(n);
     std::vector<Vec3d> fitted(n);
-    std::atomic<std::size_t> done{0};
+    std::atomic<std::size_t> done{0}, facing{0};
     parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
         std::vector<PointTree::Found> nearest;
         for (std::size_t i = begin; i < end; ++i) {
             points_.nearest(points_[i], 2 * count, nearest);
+            const double near2 = squared(kFacing * spacing_[i]);
+            facing += std::any_of(nearest.begin(), nearest.end(), [&](const PointTree::Found& f) {
+                return f.squared < near2 && !sameSheet(f.point, normals_[i]);
+            });
             const PointFit fit = fitAt(i, count, nearest);
             fits_[i] = fit.quadric;
             curvature_[i] = fit.curvature;
@@ -312,6 +318,7 @@ void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
         progress.update("fitting points", (1 + double(done += end - begin) / double(n)) / 2);
     });
     progress.throwIfCancelled();
+    density_.facing = double(facing) / double(n);
     normals_ = std::move(fitted);
 }
 

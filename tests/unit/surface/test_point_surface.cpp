@@ -53,6 +53,24 @@ TEST_CASE("The spacing of a lattice is its edge") {
     CHECK(densityWarnings(density, "lattice").empty());
 }
 
+TEST_CASE("A cloud warns where another sheet is within three spacings") {
+    // 2.5 and 13 spacings thick in the middle.
+    for (const double flat : {0.1, 0.5}) {
+        auto flatten = [&](const Vec3d& p) { return Vec3d{p.x, p.y, flat * p.z}; };
+        const PointSurface surface(movedCloud(sphereCloud(2000, 1, {}), flatten));
+        INFO(flat << ": " << surface.density().facing);
+        const auto warnings = densityWarnings(surface.density(), "lens");
+        if (flat == 0.5) {
+            CHECK(surface.density().facing == 0);
+            CHECK(warnings.empty());
+        } else {
+            CHECK(surface.density().facing > 0.5);
+            REQUIRE_FALSE(warnings.empty());
+            CHECK(warnings.front().find("another sheet is within three") != std::string::npos);
+        }
+    }
+}
+
 TEST_CASE("Scatter is distinguished from shape, and averaged out") {
     // The estimate is a median over fits with 7 degrees of freedom each: within 15 %.
     for (const double noise : {0.1, 0.3}) {
