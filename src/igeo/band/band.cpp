@@ -182,6 +182,13 @@ void Band::bridge(const std::vector<Bridge>& bridges) {
     });
 }
 
+void Band::stretch(std::vector<StretchedLink> links) {
+    stretched_ = std::move(links);
+    std::sort(stretched_.begin(), stretched_.end(),
+              [](auto& a, auto& b) { return std::tie(a.from, a.bit) < std::tie(b.from, b.bit); });
+    for (const StretchedLink& l : stretched_) facing[l.from] |= kStretched;
+}
+
 bool Band::severed(NodeIndex i, NodeIndex j) const {
     const std::uint32_t steps = severedSteps(i);
     if (!steps) return false;
@@ -211,7 +218,8 @@ bool Band::joined(NodeIndex i, NodeIndex j) const {
 
 std::size_t Band::memUsage() const {
     return bytes(leaves) + bytes(leafOfBlock_) + bytes(offset_) + bytes(psi) + bytes(foot) +
-           bytes(normal) + bytes(facing) + severed_.memUsage() + bytes(bridges_) + bytes(table_);
+           bytes(normal) + bytes(facing) + severed_.memUsage() + bytes(bridges_) +
+           bytes(stretched_) + bytes(table_);
 }
 
 BandCell cellAt(const Band& band, const Vec3d& p) {

@@ -79,9 +79,10 @@ struct Band {
 
     /// Per node, bits: kFacing where a neighbor lies on a sheet that faces it, kSevered where links
     /// are severed, kBesideSevered there and at all neighbors of such nodes, kBridged at the ends
-    /// of bridges.
+    /// of bridges, kStretched at those of stretched links.
     std::vector<std::uint8_t> facing;
-    static constexpr std::uint8_t kFacing = 1, kSevered = 2, kBesideSevered = 4, kBridged = 8;
+    static constexpr std::uint8_t kFacing = 1, kSevered = 2, kBesideSevered = 4, kBridged = 8,
+                                  kStretched = 16;
 
     std::size_t size() const { return psi.size(); }
 
@@ -273,6 +274,17 @@ struct Band {
         for (; at != bridges_.end() && at->from == i; ++at) visit(*at);
     }
 
+    /// Sets the links of the core that are stretched. Time O(n log n).
+    void stretch(std::vector<StretchedLink> links);
+    /// Calls visit(link) for the stretched links from a node.
+    template <typename Visit>
+    void forStretched(NodeIndex i, const Visit& visit) const {
+        auto at =
+            std::lower_bound(stretched_.begin(), stretched_.end(), i,
+                             [](const StretchedLink& l, NodeIndex node) { return l.from < node; });
+        for (; at != stretched_.end() && at->from == i; ++at) visit(*at);
+    }
+
     /// The leaf at a step of so many leaves, or kNoLeaf.
     LeafIndex leafBeside(LeafIndex l, int dx, int dy, int dz) const {
         if (std::max({std::abs(dx), std::abs(dy), std::abs(dz)}) > 1)
@@ -319,7 +331,8 @@ private:
     std::vector<std::uint16_t> offset_;   ///< per node: in its leaf
     std::size_t coreSize_ = 0;
     SeveredLinks severed_;
-    std::vector<Bridge> bridges_;   ///< sorted by both ends
+    std::vector<Bridge> bridges_;           ///< sorted by both ends
+    std::vector<StretchedLink> stretched_;  ///< sorted
     std::vector<LeafIndex> table_;  ///< open addressing over leaf origins, a power of two long
 };
 

@@ -25,6 +25,24 @@ struct Bridge {
     friend bool operator==(const Bridge&, const Bridge&) = default;
 };
 
+/// A link of the core whose length along S is not what the tangent planes at its ends say, as seen
+/// from one end: on a mesh the triangles between may bend several times.
+struct StretchedLink {
+    NodeIndex from = 0;
+    std::uint16_t bit = 0;    ///< number of the bit of its step (SeveredLinks)
+    std::uint16_t parts = 0;  ///< the stretch, in parts of 1 / kOne
+
+    static constexpr double kOne = 32768, kLeast = 0.8, kMost = 1.9;
+    /// @param stretch  length along S, divided by that of the chord laid flat; kLeast to kMost
+    StretchedLink(NodeIndex node, int dx, int dy, int dz, double stretch)
+        : from(node),
+          bit(std::uint16_t(9 * dx + 3 * dy + dz + 13)),
+          parts(std::uint16_t(stretch * kOne + 0.5)) {}
+    float stretch() const { return float(parts) / float(kOne); }
+
+    friend bool operator==(const StretchedLink&, const StretchedLink&) = default;
+};
+
 /// Pairs of neighbors between which no front passes, because the surface joins their foot points by
 /// a detour or not at all. Only the few nodes with such pairs are stored, sorted: 8 bytes each.
 class SeveredLinks {

@@ -1,7 +1,9 @@
 /// Geodesics that depend on surface and metric alone: paths relaxed to locally shortest curves.
 #pragma once
 
-#include <igeo/path/trace.h>
+#include <igeo/base/progress.h>
+#include <igeo/march/field.h>
+#include <igeo/path/path.h>
 
 namespace igeo {
 

@@ -186,6 +186,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     band.sever(linksOffMesh(on, progress));
     band.bridge(bridgesOnMesh(on, progress));
     band.cutOff = shareCutOff(on);
+    band.stretch(stretchedOnMesh(on, progress));
     if (gap > 0) {
         const MeshJoints joints = jointsOverGaps(on, gap / dx, progress);
         band.joints = joints.pairs;

@@ -2,6 +2,7 @@
 // is exact. Lengths are in voxels.
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
+#include <igeo/surface/detail/mesh_walk.h>
 #include <igeo/surface/mesh_band.h>
 #include <support/catch.h>
 #include <support/mesh_shapes.h>
@@ -274,6 +275,7 @@ TEST_CASE("mesh links do not depend on threads", "[mesh]") {
         return bandFromMesh(mesh, 1, test::kHalfWidth, Progress::none(), 0.5);
     };
     const Band one = bandWith(1), many = bandWith(4);
+    std::size_t stretched = 0;
     CHECK(one.facing == many.facing);
     CHECK(one.joints == many.joints);
     for (NodeIndex i = 0; i < one.size(); ++i) {
@@ -282,7 +284,40 @@ TEST_CASE("mesh links do not depend on threads", "[mesh]") {
         one.forBridges(i, [&](const Bridge& bridge) { a.push_back(bridge); });
         many.forBridges(i, [&](const Bridge& bridge) { b.push_back(bridge); });
         REQUIRE(a == b);
+        std::vector<StretchedLink> x, y;
+        one.forStretched(i, [&](const StretchedLink& l) { x.push_back(l); });
+        many.forStretched(i, [&](const StretchedLink& l) { y.push_back(l); });
+        REQUIRE(x == y);
+        stretched += x.size();
     }
+    CHECK(stretched > 100);
+}
+
+TEST_CASE("mesh links: a walk pulled tight over pleats is the straight line unrolled", "[mesh]") {
+    constexpr double kRise = 0.4;
+    const double side = std::hypot(1, kRise);
+    const TriangleMesh mesh = test::sheet(12, 9, [&](double u, double v) {
+        const double k = std::round(12 * u);
+        return Vec3d{k, 9 * v, kRise * std::fmod(k, 2)};
+    });
+    const MeshTopology topology = meshTopology(mesh);
+    const MeshAdjacency adjacency(mesh, topology);
+    MeshWalk walk(adjacency);
+    auto middle = [&](std::uint32_t t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        return MeshPoint{t, 1.0 / 3 * (mesh.points[a] + mesh.points[b] + mesh.points[c])};
+    };
+    double longest = 0, loosest = 0;
+    for (std::uint32_t t = 1; t < mesh.triangles.size(); t += 5) {
+        const MeshPoint from = middle(0), to = middle(t);
+        const double exact = std::hypot(side * (to.at.x - from.at.x), to.at.y - from.at.y);
+        longest = std::max(longest, walk.tightLength(from, to, 2 * exact) / exact - 1);
+        loosest = std::max(loosest, walk.length(from, to, 2 * exact) / exact - 1);
+        REQUIRE(walk.tightLength(from, to, 2 * exact) > (1 - 1e-9) * exact);
+    }
+    INFO(longest << " " << loosest);
+    CHECK(longest < 0.009);  // measured 0.0060, over twelve pleats
+    CHECK(loosest > 0.02);
 }
 
 }  // namespace

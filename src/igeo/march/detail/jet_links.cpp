@@ -250,11 +250,18 @@ private:
         const TangentFrame frame(node.normal, core_.band.faceted);
         layOut(core_, node, frame, candidates);
         const bool mayBeHidden = node.obstacleState != Metric::Clear;
-        if (candidates.smooth && !mayBeHidden) {
+        // As long as they are along a mesh.
+        const bool isStretched = node.facing & Band::kStretched;
+        if (candidates.smooth && !mayBeHidden && !isStretched) {
             const JetLink* const links = candidates.link.data();
             row.insert(row.end(), links, links + candidates.count);
             return;
         }
+        std::array<float, 27> stretch;  // by the bit of a step
+        stretch.fill(1);
+        if (isStretched)
+            core_.band.forStretched(core_.inBand(node),
+                                    [&](const StretchedLink& l) { stretch[l.bit] = l.stretch(); });
         const float mayBeCrease = core_.band.faceted ? 1.0f : kSmooth;
         const bool weighted = core_.costsVary && core_.stretch.empty();
         for (std::size_t k = 0; k < candidates.count; ++k) {
@@ -270,6 +277,11 @@ private:
                 // docs/method.md, "The metric": weights.
                 if (weighted) a = meanWeight(other.weight, node.weight) * a;
                 link.ax = a.x, link.ay = a.y;
+            }
+            if (isStretched && k < candidates.neighbors) {
+                const auto code = candidates.step[k];
+                const std::size_t bit = 9 * (code >> 4) + 3 * (code >> 2 & 3) + (code & 3);
+                link.ax *= stretch[bit], link.ay *= stretch[bit];
             }
             if (cosine < kSmooth) link.key |= JetLink::kCrease;
             row.push_back(link);

@@ -86,11 +86,14 @@ Vec3f chordOf(const Band& band, NodeIndex i, NodeIndex j) {
     return band.footOf(i) - band.footOf(j) - Vec3f(band.ijk(j) - band.ijk(i));
 }
 
-/// The distance between two foot points as a march computes it.
-double arcOf(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
+/// The distance between two foot points as a march computes it: in the tangent plane of one.
+double flatLength(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
     const TangentFrame frame(band.normal[i], band.faceted);
-    const float cosine = dot(band.normal[i], band.normal[j]);
-    return std::max(length(frame.unfold(chord, band.normal[j], cosine)), length(chord));
+    return double(length(frame.unfold(chord, band.normal[j], dot(band.normal[i], band.normal[j]))));
+}
+/// The same, not less than that in space.
+double arcOf(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
+    return std::max(flatLength(band, i, chord, j), double(length(chord)));
 }
 
 /// The longest walk that a link with this arc may represent.
@@ -267,6 +270,50 @@ std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress) {
     std::vector<Link> off;
     for (const auto& part : parts) off.insert(off.end(), part.begin(), part.end());
     return off;
+}
+
+std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progress) {
+    constexpr float kBend = 0.985f, kRise = 0.1f;
+    constexpr double kSame = 0.002, kShort = 1e-3;
+    const Band& band = on.band;
+    std::vector<std::vector<StretchedLink>> parts(band.leaves.size());
+    auto isOnBend = [&](NodeIndex i) {
+        return dot(Vec3d(band.normal[i]), on.faceNormal[on.voxel(i).triangle]) < double(kBend);
+    };
+    auto measure = [&](NodeIndex i, NodeIndex j, const Ijk& step, MeshWalk& walk,
+                       std::vector<StretchedLink>& found) {
+        const float cosine = dot(band.normal[i], band.normal[j]);
+        if (cosine < Band::kOtherSheet) return;
+        const Vec3f chord = chordOf(band, i, j);
+        if (cosine > kBend && std::abs(dot(band.normal[i], chord)) < kRise &&
+            std::abs(dot(band.normal[j], chord)) < kRise && !isOnBend(i) && !isOnBend(j))
+            return;
+        const double along =
+            walk.tightLength(on.foot(i), on.foot(j), longestFor(arcOf(band, i, chord, j)));
+        if (!(along < kInfinity)) return;
+        auto add = [&](NodeIndex from, const Ijk& by, double flat) {
+            const double stretch =
+                std::clamp(along / flat, StretchedLink::kLeast, StretchedLink::kMost);
+            if (flat > kShort && std::abs(stretch - 1) > kSame)
+                found.emplace_back(from, by.x, by.y, by.z, stretch);
+        };
+        add(i, step, flatLength(band, i, chord, j));
+        add(j, -step, flatLength(band, j, -chord, i));
+    };
+    parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+        MeshWalk walk(on.adjacency);
+        for (std::size_t l = begin; l < end; ++l)
+            band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned) {
+                if (!band.inCore(i)) return;
+                band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int x, int y, int z) {
+                    if (j > i && band.inCore(j) && !band.severed(i, j))
+                        measure(i, j, {x, y, z}, walk, parts[l]);
+                });
+            });
+    });
+    std::vector<StretchedLink> all;
+    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return all;
 }
 
 double shareCutOff(const MeshBand& on) {

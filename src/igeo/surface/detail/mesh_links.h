@@ -37,6 +37,13 @@ struct MeshBand {
 /// @param on  its core numbered
 std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress);
 
+/// Links of the core over bends of the mesh, with their lengths along it: where normals differ by
+/// more than 10 degrees and the walk is not as long as the path over the two tangent planes.
+/// @throws Error  Cancelled through `progress`
+/// Time O(nodes), in parallel.
+/// @param on  its core numbered, links severed
+std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progress);
+
 /// Bridges between core nodes up to three steps apart that the mesh joins by a short walk, with no
 /// path over one node in between: where sheets cross, or lie so close that other sheets take the
 /// voxels.

@@ -118,7 +118,8 @@ bool MeshWalk::isNew(std::uint64_t side) {
     return true;
 }
 
-void MeshWalk::leave(std::uint32_t triangle, const Vec3d& at, double walked, std::uint32_t entry) {
+void MeshWalk::leave(std::uint32_t triangle, const Vec3d& at, double walked, std::uint32_t entry,
+                     std::size_t before) {
     const TriangleMesh& mesh = adjacency_.mesh();
     const auto& corner = mesh.triangles[triangle];
     for (std::uint32_t k = 0; k < 3; ++k) {
@@ -128,7 +129,7 @@ void MeshWalk::leave(std::uint32_t triangle, const Vec3d& at, double walked, std
         const double there = walked + igeo::length(next - at),
                      bound = there + igeo::length(to_.at - next);
         if (bound > most_) continue;
-        heap_.push_back({bound, there, triangle, k, next});
+        heap_.push_back({bound, there, triangle, k, next, before});
         std::push_heap(heap_.begin(), heap_.end());
     }
 }
@@ -140,15 +141,16 @@ double MeshWalk::length(const MeshPoint& from, const MeshPoint& to, double most)
     if (adjacency_.componentOf(from.triangle) != adjacency_.componentOf(to.triangle))
         return kInfinity;
     from_ = from, to_ = to, most_ = most;
-    heap_.clear();
+    heap_.clear(), passed_.clear();
     std::fill(seen_.begin(), seen_.end(), kNoSide);
     seenCount_ = 0;
-    leave(from.triangle, from.at, 0, kNoEdge);
+    leave(from.triangle, from.at, 0, kNoEdge, kNoStop);
     while (!heap_.empty()) {
         std::pop_heap(heap_.begin(), heap_.end());
         const Stop stop = heap_.back();
         heap_.pop_back();
         if (!isNew(3 * std::uint64_t(stop.triangle) + stop.edge)) continue;
+        passed_.push_back(stop);
         bool arrived = false;
         adjacency_.forBeyond(stop.triangle, stop.edge, [&](std::uint32_t u) {
             arrived |= u == to_.triangle;
@@ -160,11 +162,40 @@ double MeshWalk::length(const MeshPoint& from, const MeshPoint& to, double most)
             while (entry < 3 && !((in[entry] == a && in[(entry + 1) % 3] == b) ||
                                   (in[entry] == b && in[(entry + 1) % 3] == a)))
                 ++entry;
-            leave(u, stop.at, stop.walked, entry);
+            leave(u, stop.at, stop.walked, entry, passed_.size() - 1);
         });
         if (arrived) return stop.bound;
     }
     return kInfinity;
+}
+
+double MeshWalk::tightLength(const MeshPoint& from, const MeshPoint& to, double most) {
+    constexpr int kRounds = 20;
+    constexpr double kSettled = 1e-4;
+    const double loose = length(from, to, most);
+    if (!(loose < kInfinity) || from.triangle == to.triangle) return loose;
+    // The crossings, from the last to the first, between both ends.
+    std::vector<Stop>& way = heap_;
+    way.clear();
+    for (std::size_t k = passed_.size() - 1; k != kNoStop; k = passed_[k].before)
+        way.push_back(passed_[k]);
+    const TriangleMesh& mesh = adjacency_.mesh();
+    double tight = loose;
+    for (int round = 0; round < kRounds && way.size() > 1; ++round) {
+        double sum = 0;
+        Vec3d last = to.at;
+        for (std::size_t k = 0; k < way.size(); ++k) {
+            const auto& corner = mesh.triangles[way[k].triangle];
+            const Vec3d next = k + 1 < way.size() ? way[k + 1].at : from.at;
+            way[k].at = leastSum(mesh.points[corner[way[k].edge]],
+                                 mesh.points[corner[(way[k].edge + 1) % 3]], last, next);
+            sum += igeo::length(way[k].at - last);
+            last = way[k].at;
+        }
+        sum += igeo::length(last - from.at);
+        if (tight - std::exchange(tight, std::min(tight, sum)) < kSettled) break;
+    }
+    return tight;
 }
 
 }  // namespace igeo
