@@ -1,0 +1,364 @@
+// Values of a field at points of S: what results and paths read.
+#include <igeo/march/field.h>
+
+#include <igeo/band/tangent_frame.h>
+#include <igeo/march/detail/circular_front.h>
+#include <igeo/march/detail/fermat_update.h>
+#include <igeo/march/detail/jet_blend.h>
+
+namespace igeo {
+
+namespace {
+
+/// The distance by a start disc.
+struct Straight {
+    const SurfacePoint* seed = nullptr;
+    double distance = kInfinity;
+};
+
+/// Reads a field at a point of S.
+class Reader {
+public:
+    Reader(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal)
+        : field_(field),
+          band_(*field.band),
+          metric_(*field.metric),
+          p_(pIndex),
+          cell_(band_, metric_, pIndex, sheetNormal),
+          corner_(field.at(cell_.node)) {}
+
+    Arrival byVoxels() const;
+    Arrival byJets() const;
+
+private:
+    /// The tangent plane at the point.
+    struct Chart {
+        const Reader& reader;
+        TangentFrame frame;
+        PlaneMetric plane;
+        double here;  ///< the weight at the point
+
+        explicit Chart(const Reader& r);
+        /// @param voxel  of node j
+        JetNeighbor neighbor(NodeIndex j, const Ijk& voxel, const NodeJet& jet) const;
+    };
+
+    /// The least distance by the start discs that contain the point.
+    /// @param d     the distance by the corners; it separates a seed on this sheet from one on a
+    ///              sheet close by
+    /// @param isOf  selects seeds
+    template <typename IsOf>
+    Straight straight(double d, const IsOf& isOf) const;
+    Arrival arrival(double d, const Straight& disc, std::uint32_t source) const;
+    /// The first arrival, or the disc of a seed so close to others that no node is nearest to it.
+    Arrival orBetweenNodes(const Arrival& first) const;
+    /// Whether an earlier front reached a corner within the disc of this seed.
+    bool isOverrun(const SurfacePoint& seed) const;
+    double trilinear() const;
+    /// The jets of one source, blended.
+    double blended(std::uint32_t source) const;
+    /// Whether three faces of a mesh meet in the cell, which have no common plane.
+    bool atCorner() const;
+    /// By Fermat's principle, from the jets on each face around: a corner is seen straight from
+    /// all points of its faces. Exact up to the second order, for any angle around the corner.
+    double overFaces(const Chart& chart, std::uint32_t source) const;
+    /// The nodes of the core at the cell and beside it; none near obstacles.
+    std::vector<NodeIndex> coreAround() const;
+    /// From the core around the cell, where the corners are too few to separate fronts.
+    std::optional<Jet> whereFrontsMeet(const Chart& chart, std::uint32_t source) const;
+
+    const Field& field_;
+    const Band& band_;
+    const Metric& metric_;
+    const Vec3d p_;
+    const SurfaceCell cell_;
+    const std::array<NodeJet, 8> corner_;  ///< of the cell; unreached: +infinity
+};
+
+template <typename IsOf>
+Straight Reader::straight(double d, const IsOf& isOf) const {
+    Straight least;
+    field_.seedsNear.forNear(p_, [&](std::size_t k) {
+        const SurfacePoint& s = field_.seeds[k];
+        const Vec3d at = s.nearestTo(p_);
+        const double r = length(p_ - at);
+        if (!(r < field_.startRadius) || !isOf(k)) return;
+        const double cost = costToSeed(field_, s, p_, cell_.normal);
+        const double perVoxel = metric_.anisotropic() && r > 0 ? cost / r : s.weight;
+        if (s.start + cost < least.distance && d - s.start < 1.5 * field_.startRadius * perVoxel &&
+            !metric_.blocked(p_, at, cell_.normal))
+            least = {&s, s.start + cost};
+    });
+    return least;
+}
+
+Arrival Reader::arrival(double d, const Straight& disc, std::uint32_t source) const {
+    if (!disc.seed) return {d, source, nullptr};
+    return {disc.seed->rim ? std::min(d, disc.distance) : disc.distance, source, disc.seed};
+}
+
+bool Reader::isOverrun(const SurfacePoint& seed) const {
+    constexpr double kRounding = 1e-3;  // voxels
+    const auto source = field_.source[std::size_t(&seed - field_.seeds.data())];
+    auto isEarlier = [&](NodeIndex j, double distance) {
+        const Vec3d voxel(band_.ijk(j));
+        double straight = kInfinity;
+        field_.seedsNear.forNear(voxel, [&](std::size_t k) {
+            const SurfacePoint& s = field_.seeds[k];
+            const Vec3d chord = voxel - s.nearestTo(voxel);
+            if (field_.source[k] == source && length(chord) <= field_.startRadius)
+                straight = std::min(straight, s.start + metric_.stepCost(s.node, chord));
+        });
+        return straight < kInfinity && distance < straight - kRounding * metric_.at(j);
+    };
+    for (std::size_t k = 0; k < 8; ++k)
+        if (corner_[k].distance < kInfinity && isEarlier(cell_.node[k], corner_[k].distance))
+            return true;
+    return false;
+}
+
+/// For values that belong to voxels.
+double Reader::trilinear() const {
+    double sum = 0, weight = 0, nearest = kInfinity;
+    for (std::size_t k = 0; k < 8; ++k) {
+        const double d = corner_[k].distance;
+        if (!(d < kInfinity)) continue;
+        nearest = std::min(nearest, d);
+        sum += cell_.weight[k] * d;
+        weight += cell_.weight[k];
+    }
+    return weight > 0 ? sum / weight : nearest;
+}
+
+Reader::Chart::Chart(const Reader& r) : reader(r), frame(Vec3f(r.cell_.normal), r.band_.faceted) {
+    if (r.metric_.anisotropic())
+        plane = r.metric_.inPlane(frame, r.cell_);
+    else
+        plane.weight = r.metric_.at(r.cell_);
+    here = plane.weight;
+}
+
+JetNeighbor Reader::Chart::neighbor(NodeIndex j, const Ijk& voxel, const NodeJet& jet) const {
+    const Band& band = reader.band_;
+    const Metric& metric = reader.metric_;
+    const Vec3f nj = band.normal[j];
+    Vec3f chord(reader.p_ - (Vec3d(voxel) + Vec3d(band.footOf(j)))), g = jet.gradient;
+    if (metric.anisotropic()) {
+        g *= float(1 / here);
+    } else if (metric.weighted()) {
+        chord *= float((1 + metric.at(j) / here) / 2);
+        g = normalized(g);
+    }
+    const JetNeighbor n =
+        flattened(frame, chord, nj, dot(frame.normal(), nj), g, jet.distance / here);
+    return metric.anisotropic() ? stretched(plane.stretch, n) : n;
+}
+
+double Reader::blended(std::uint32_t source) const {
+    const Chart chart(*this);
+    if (atCorner())
+        if (const double u = overFaces(chart, source); u < kInfinity) return chart.here * u;
+    JetNeighbors all;
+    BlendWeights weight{};
+    for (std::size_t k = 0; k < 8; ++k) {
+        const NodeJet& jet = corner_[k];
+        if (!(jet.distance < kInfinity) || jet.label != source) continue;
+        // A single corner at p itself needs a positive weight.
+        weight[std::size_t(all.count())] = float(cell_.weight[k]) + 1e-6f;
+        all.add(chart.neighbor(cell_.node[k], cell_.voxel(k), jet));
+    }
+    const Jet jet = blendJets(all, weight);
+    if (!jet.usedFallback || metric_.anisotropic()) return chart.here * jet.u;
+    constexpr double kBlendError = 0.25;  // voxels
+    const auto met = whereFrontsMeet(chart, source);
+    return chart.here * (met && std::abs(met->u - jet.u) < kBlendError ? met->u : jet.u);
+}
+
+bool Reader::atCorner() const {
+    constexpr float kOneFace = 0.8f;  // 37 degrees
+    if (!band_.faceted || metric_.anisotropic()) return false;
+    std::array<Vec3f, 8> faces;
+    std::size_t count = 0;
+    for (const NodeIndex i : cell_.node) {
+        if (i == kNoNode) continue;
+        const auto end = faces.begin() + std::ptrdiff_t(count);
+        if (std::none_of(faces.begin(), end,
+                         [&](const Vec3f& face) { return dot(face, band_.normal[i]) > kOneFace; }))
+            faces[count++] = band_.normal[i];
+    }
+    return count > 2;
+}
+
+std::vector<NodeIndex> Reader::coreAround() const {
+    std::vector<NodeIndex> nodes;
+    for (const NodeIndex i : cell_.node) {
+        if (i == kNoNode) continue;
+        if (!metric_.clear(i)) return {};
+        if (band_.inCore(i)) nodes.push_back(i);
+        band_.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+            if (band_.inCore(j) && band_.joined(i, j)) nodes.push_back(j);
+        });
+    }
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    return nodes;
+}
+
+double Reader::overFaces(const Chart& chart, std::uint32_t source) const {
+    constexpr double kOnPlane = 0.25, kFar = 2.5;  // voxels
+    constexpr float kOnePlane = 0.999f;
+    std::vector<NodeIndex> nodes = coreAround();
+    std::erase_if(nodes, [&](NodeIndex j) {
+        const Vec3d chord = p_ - band_.footPoint(j);
+        const NodeJet jet = field_.at(j);
+        return !(jet.distance < kInfinity) || jet.label != source || length(chord) > kFar ||
+               std::abs(dot(chord, Vec3d(band_.normal[j]))) > kOnPlane;
+    });
+    double least = kInfinity;
+    while (!nodes.empty()) {
+        const Vec3f face = band_.normal[nodes.front()];
+        const auto own = std::partition(nodes.begin(), nodes.end(), [&](NodeIndex j) {
+            return dot(face, band_.normal[j]) < kOnePlane;
+        });
+        JetNeighbors all;
+        for (auto j = own; j != nodes.end() && all.count() < JetNeighbors::kMax; ++j)
+            all.add(chart.neighbor(*j, band_.ijk(*j), field_.at(*j)));
+        nodes.erase(own, nodes.end());
+        least = std::min(least, fermatUpdate(all).u);
+    }
+    return least;
+}
+
+std::optional<Jet> Reader::whereFrontsMeet(const Chart& chart, std::uint32_t source) const {
+    constexpr float kSmooth = 0.9f;
+    const std::vector<NodeIndex> nodes = coreAround();
+    std::vector<JetNeighbor> neighbors;
+    for (const NodeIndex j : nodes) {
+        const NodeJet jet = field_.at(j);
+        if (!(jet.distance < kInfinity)) continue;
+        const bool sameCost = std::abs(metric_.at(j) - chart.here) < 1e-6 * chart.here;
+        if (jet.label != source || !sameCost ||
+            dot(chart.frame.normal(), band_.normal[j]) < kSmooth)
+            return {};
+        neighbors.push_back(chart.neighbor(j, band_.ijk(j), jet));
+    }
+    return fitCircularFront(neighbors);
+}
+
+Arrival Reader::byVoxels() const {
+    const double d = std::max(field_.leastStart, trilinear());
+    const Straight disc = straight(d, [](std::size_t) { return true; });
+    if (disc.seed && d < disc.distance && field_.sourceCount() > 1 && isOverrun(*disc.seed))
+        return {d, 0, nullptr};
+    return arrival(d, disc, 0);
+}
+
+Arrival Reader::byJets() const {
+    Arrival first;
+    std::array<std::uint32_t, 8> sources;
+    std::size_t count = 0;
+    for (const NodeJet& jet : corner_) {
+        if (!(jet.distance < kInfinity)) continue;
+        const auto end = sources.begin() + std::ptrdiff_t(count);
+        if (std::find(sources.begin(), end, jet.label) == end) sources[count++] = jet.label;
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::uint32_t own = sources[k];
+        // Beside a seed in a groove, jets are extrapolated past the seed.
+        const double d = std::max({field_.leastStart, blended(own), field_.lines.from(own, p_)});
+        const Straight disc = straight(d, [&](std::size_t s) { return field_.source[s] == own; });
+        const Arrival a = arrival(d, disc, own);
+        if (a.distance < first.distance || (a.distance == first.distance && own < first.source))
+            first = a;
+    }
+    return count > 0 && field_.sourceCount() > 1 ? orBetweenNodes(first) : first;
+}
+
+Arrival Reader::orBetweenNodes(const Arrival& first) const {
+    constexpr double kCell2 = 3;  // squared diagonal
+    const Straight disc = straight(first.distance, [&](std::size_t k) {
+        const SurfacePoint& s = field_.seeds[k];
+        const Vec3d r = s.nearestTo(p_) - p_;
+        return dot(r, r) < kCell2 &&
+               dot(Vec3d(band_.normal[s.node]), cell_.normal) > Band::kOtherSheet;
+    });
+    if (!(disc.distance < first.distance)) return first;
+    return {disc.distance, field_.source[std::size_t(disc.seed - field_.seeds.data())], disc.seed};
+}
+
+}  // namespace
+
+Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal) {
+    const Reader reader(field, pIndex, sheetNormal);
+    return field.atFootPoints ? reader.byJets() : reader.byVoxels();
+}
+
+namespace {
+
+/// A tangent vector turned along with its plane: the least rotation that takes one normal to the
+/// other. Over a crease both planes are unfolded.
+Vec3d turned(const Vec3d& v, const Vec3d& fromNormal, const Vec3d& toNormal) {
+    constexpr double kOpposite = -0.9;
+    const double cosine = dot(fromNormal, toNormal);
+    if (cosine < kOpposite) return v;
+    return v - (dot(v, toNormal) / (1 + cosine)) * (fromNormal + toNormal);
+}
+
+}  // namespace
+
+Vec3d gradientOfFirst(const Field& field, const Vec3d& pIndex, const SurfaceCell& cell,
+                      std::uint32_t source) {
+    constexpr double kSameFront = 0.7, kSmooth = 0.9, kCancels = 0.1;
+    struct Corner {
+        Vec3d g, normal;
+        double weight, value;  ///< value: at the point, by a plane front
+    };
+    std::array<Corner, 8> corners;
+    std::size_t count = 0, first = 0;
+    const std::array<NodeJet, 8> jets = field.at(cell.node);
+    for (std::size_t k = 0; k < 8; ++k) {
+        const NodeJet& jet = jets[k];
+        if (!(jet.distance < kInfinity) || (source != kAnySource && jet.label != source)) continue;
+        const NodeIndex i = cell.node[k];
+        const Vec3d g(jet.gradient);
+        corners[count] = {g, Vec3d(field.band->normal[i]), cell.weight[k],
+                          jet.distance + dot(g, pIndex - field.band->footPoint(i))};
+        if (corners[count].value < corners[first].value) first = count;
+        ++count;
+    }
+    const Corner& lead = corners[first];
+    Vec3d sum{};
+    double weights = 0, lengths = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const Corner& c = corners[k];
+        // Gradients of godunov are differences over all fronts; over a crease one front turns.
+        const bool ofOther = field.atFootPoints && dot(c.normal, lead.normal) >= kSmooth &&
+                             dot(c.g, lead.g) < kSameFront * length(c.g) * length(lead.g);
+        if (ofOther) continue;
+        sum += c.weight * turned(c.g, c.normal, cell.normal), weights += c.weight,
+            lengths += c.weight * length(c.g);
+    }
+    const Vec3d g = tangential(sum, cell.normal);
+    return length(g) > kCancels * lengths ? (1 / weights) * g : Vec3d{};
+}
+
+Vec3d gradientAt(const Field& field, const Arrival& arrival, const Vec3d& pIndex,
+                 const SurfaceCell& cell) {
+    if (!(arrival.distance < kInfinity) || (field.gradient.empty() && !field.core)) return {};
+    const bool isotropic = !field.metric->anisotropic();
+    const double here = isotropic ? field.metric->at(cell) : 1;
+    if (arrival.seed && isotropic)
+        return here * normalized(tangential(pIndex - arrival.seed->nearestTo(pIndex), cell.normal));
+    Vec3d g = gradientOfFirst(field, pIndex, cell, arrival.source);
+    if (!(length(g) > 0)) {  // that of the nearest corner
+        double most = 0;
+        const std::array<NodeJet, 8> jets = field.at(cell.node);
+        for (std::size_t k = 0; k < 8; ++k)
+            if (jets[k].distance < kInfinity && jets[k].label == arrival.source &&
+                cell.weight[k] > most)
+                most = cell.weight[k], g = tangential(Vec3d(jets[k].gradient), cell.normal);
+    }
+    return isotropic ? here * normalized(g) : g;
+}
+
+}  // namespace igeo
