@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """The estimate of a run beside its real error, for models as level sets, meshes and points.
 
-usage: scripts/estimate.py --models DIR     a table into docs/benchmarks.md, in ten minutes
+usage: scripts/estimate.py --models DIR     a table into docs/benchmarks.md, in some minutes
 
 A run reports, as `accuracy`, by how much its distances may be off. Here that is compared with exact
 polyhedral distances on the mesh of the model (igeo_peer, see scripts/compare.py), from its first vertex
 to sixty others. A level set is what vdb_tool makes of the mesh, and points lie on its triangles by
-chance: what either does not hold is part of the real error, and the estimate cannot see it.
+chance: what either does not hold is part of the real error, and the estimate cannot see it. Of a model
+in several pieces, only that of its first vertex counts.
 """
 import argparse
 import csv
@@ -20,6 +21,8 @@ import tempfile
 import compare
 import measure
 
+MODELS = {**compare.MODELS, "bunny, coarse": "bunny-coarse.obj", "torus": "torus.obj",
+          "cad-featuretype": "cad-featuretype.stl", "foot": "foot-bones.obj", "bunny, scan": "bunny-scan.obj"}
 SIZES = (128, 256)  # voxels along the longest side
 FORMS = ("level set", "mesh", "points")
 TARGETS, POINTS = 60, 60000
@@ -44,7 +47,11 @@ class Model:
         self.vertices = [[float(x) for x in line[1:4]] for line in lines if line[:1] == ["v"]]
         self.faces = [[int(corner.split("/")[0]) - 1 for corner in line[1:4]]
                       for line in lines if line[:1] == ["f"]]
-        targets = [self.vertices[int((k + 0.5) / TARGETS * len(self.vertices))] for k in range(TARGETS)]
+        reached = folder / "reached.csv"
+        measure.run([program, file, "--seed", "vertex:0", "--per-vertex", reached])
+        with open(reached, newline="", encoding="utf-8") as rows:
+            there = [p for p, row in zip(self.vertices, csv.DictReader(rows), strict=True) if row["distance"] != "inf"]
+        targets = [there[int((k + 0.5) / TARGETS * len(there))] for k in range(TARGETS)]
         self.targets = folder / "targets.csv"
         self.targets.write_text("".join(compare.point(p) + "\n" for p in targets))
         asked = folder / "asked.csv"
@@ -78,18 +85,22 @@ class Model:
             yield [u * x + (v - u) * y + (1 - v) * z for x, y, z in zip(a, b, c)]
 
     def measured(self, form, n):
-        """Estimate and real error, means of relative errors in %."""
+        """Estimate and real error, means of relative errors in %, and a star where the run warns."""
         matrix, report = self.folder / "matrix.csv", self.folder / "report.json"
-        measure.run([self.program, *self.surface(form, n), "--seed", self.seed, "--targets", self.targets,
-                     "--skip-off-surface", "--matrix", matrix, "--report", report, "-o",
-                     self.folder / "distance.vdb"], expect=(0, 4))
+        done = measure.run([self.program, *self.surface(form, n), "--seed", self.seed, "--targets", self.targets,
+                            "--skip-off-surface", "--matrix", matrix, "--report", report, "-o",
+                            self.folder / "distance.vdb"], expect=(0, 3, 4))
+        if done.code == 3:
+            return "refused"
         with open(matrix, newline="", encoding="utf-8") as file:
             distances = [float(row["distance_0"] or "inf") for row in csv.DictReader(file)]
-        said = json.loads(report.read_text())["accuracy"]
+        said = json.loads(report.read_text())
         errors = [abs(d / t - 1) for d, t in zip(distances, self.exact, strict=True)
                   if NEAR * max(self.exact) < t and max(d, t) < math.inf]
-        return {"estimate": 100 * said["meanRelativeError"], "error": 100 * statistics.fmean(errors),
-                "targets": len(errors)}
+        estimate = said["accuracy"]["meanRelativeError"]
+        shown = [measure.number(100 * value, 2) if value is not None else "none"
+                 for value in (estimate, statistics.fmean(errors) if errors else None)]
+        return " / ".join(shown) + (" *" if said["warnings"] else "")
 
 
 def main():
@@ -99,18 +110,17 @@ def main():
     options = parser.parse_args()
     tools, program = compare.Tools(options.build), options.build / "bin" / "implicit-geodesic"
     rows = []
-    for name, file in compare.MODELS.items():
+    for name, file in MODELS.items():
         with tempfile.TemporaryDirectory() as folder:
             model = Model(tools, program, pathlib.Path(folder), options.models / file)
             for n in SIZES:
                 row = [f"{name}, {n}"]
                 for form in FORMS:
-                    result = model.measured(form, n)
-                    row.append(f"{measure.number(result['estimate'], 2)} / "
-                               f"{measure.number(result['error'], 2)}")
+                    row.append(model.measured(form, n))
                 print(row, flush=True)
                 rows.append(row)
-    machine = f"Estimate / real error, means in % of each distance. {measure.machine()}; " \
+    machine = f"Estimate / real error, means in % of each distance; *: the run warns of the surface. " \
+              f"{measure.machine()}; " \
               f"command: `{measure.command_line()}`."
     measure.rewrite(DOCUMENT, "estimate",
                     f"{machine}\n\n{measure.table(['model, voxels', *FORMS], rows)}")
