@@ -1,7 +1,7 @@
 // The same bits for any number of threads, in vector registers of any width, and for a march that
 // is stopped early.
 #include <igeo/base/parallel.h>
-#include <igeo/march/detail/registers.h>
+#include <igeo/base/detail/registers.h>
 #include <igeo/march/jet.h>
 #include <igeo/path/trace.h>
 #include <support/catch.h>

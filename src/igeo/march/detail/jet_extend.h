@@ -4,7 +4,7 @@
 #include <igeo/march/detail/jet_extend_lanes.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
-#include <igeo/march/detail/registers.h>
+#include <igeo/base/detail/registers.h>
 #include <igeo/march/field.h>
 
 #include <algorithm>

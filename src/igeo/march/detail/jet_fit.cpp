@@ -1,6 +1,6 @@
 #include <igeo/march/detail/jet_fit.h>
 
-#include <igeo/march/detail/registers.h>
+#include <igeo/base/detail/registers.h>
 
 #include <cmath>
 
