@@ -1,10 +1,11 @@
 // The same bits for any number of threads, in vector registers of any width, and for a march that
 // is stopped early.
-#include <igeo/base/parallel.h>
 #include <igeo/base/detail/registers.h>
+#include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
 #include <igeo/path/trace.h>
 #include <support/catch.h>
+#include <support/errors.h>
 #include <support/march_cases.h>
 #include <support/openvdb.h>
 #include <support/pinned.h>
@@ -107,8 +108,22 @@ TEST_CASE("registers of four and of eight floats give the same bits") {
     const openvdb::math::Transform unit;
     for (const unsigned surface : {3u, 4u, 5u}) {
         // Creases and cut loci, several seeds and weights: all that is solved side by side.
-        const Band band =
-            bandOf(randomLevelSet(surface, surface == 4 ? 2 : 0, unit), std::sqrt(3.0));
+        const auto grid = randomLevelSet(surface, surface == 4 ? 2 : 0, unit);
+        const Band band = bandOf(grid, std::sqrt(3.0));
+        const LevelSetStats stats = checkedLevelSet(grid).stats;
+        eight = false;
+        const Band band4 = bandOf(grid, std::sqrt(3.0));
+        const LevelSetStats stats4 = checkedLevelSet(grid).stats;
+        eight = hasEight;
+        CHECK(
+            (band4.psi == band.psi && band4.normal == band.normal && band4.facing == band.facing));
+        CHECK(band4.coreSize() == band.coreSize());
+        CHECK((stats4.nearSurface == stats.nearSurface && stats4.cutVoxels == stats.cutVoxels));
+        CHECK(stats4.crossingShare == stats.crossingShare);
+        CHECK(stats4.gradientMedian == stats.gradientMedian);
+        CHECK(stats4.gradientShare == stats.gradientShare);
+        CHECK(stats4.largestCurvature == stats.largestCurvature);
+        CHECK(stats4.reach == stats.reach);
         Random random(surface);
         std::vector<SurfacePoint> seeds, targets;
         for (int k = 0; k < 3; ++k) {

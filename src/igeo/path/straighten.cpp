@@ -273,7 +273,7 @@ bool Relaxation::shorten() {
 enum class Reach { Near, Whole };
 
 Curve relaxed(const Field& field, const Path& path, Reach reach, Progress& progress) {
-    constexpr int kRounds = 40, kManyRounds = 4000;
+    constexpr int kRounds = 100, kManyRounds = 4000;
     constexpr double kSettled = 1e-7;
     const bool whole = reach == Reach::Whole;
     Relaxation curve(*field.band, *field.metric, path, whole);

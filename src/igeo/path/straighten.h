@@ -19,7 +19,7 @@ namespace igeo {
 /// sharp edge some tenths of a voxel. A vertex that would enter an obstacle stays, so paths follow
 /// obstacles to within a fraction of a voxel. Paths that are not Reached are unchanged. The
 /// distances of the vertices become lengths to the seed along the curve. Time O(length), some 10
-/// rounds, more with weights and obstacles (40 at most). The length never grows.
+/// rounds, more with weights and obstacles (100 at most). The length never grows.
 /// @throws Error  Cancelled, tested before each round; the path is then unchanged
 void straighten(const Field& field, Path& path, Progress& progress = Progress::none());
 

@@ -5,9 +5,9 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/io/voxel_size.h>
-#include <igeo/surface/detail/histogram.h>
 #include <igeo/surface/detail/leaf_block.h>
 #include <igeo/surface/detail/psi_shells.h>
+#include <igeo/surface/detail/psi_tally.h>
 #include <openvdb/tools/FastSweeping.h>
 
 #include <algorithm>
@@ -25,68 +25,6 @@ using Kind = Error::Kind;
 using Leaf = LeafBlock::Leaf;
 
 std::string where(const LevelSet& s) { return " (" + s.file + ", grid '" + s.name + "')"; }
-
-constexpr double kGradientRange = 4;  // histogram of |grad psi| over [0, 4)
-constexpr double kReachRange = 16;    // histogram of |psi| at medial voxels, voxels
-
-/// What is counted leaf by leaf.
-struct Tally {
-    std::uint64_t nearSurface = 0, crossing = 0, cut = 0;
-    Histogram gradient, curvature, meeting;
-
-    void add(const Tally& o) {
-        nearSurface += o.nearSurface, crossing += o.crossing, cut += o.cut;
-        gradient.add(o.gradient), curvature.add(o.curvature), meeting.add(o.meeting);
-    }
-    void visit(const LeafBlock& b, int x, int y, double halfWidth);
-    void addCurvature(double k);
-};
-
-/// Whether a neighbor of a voxel has the other sign; NaN has none.
-bool crosses(const LeafBlock& b, int x, int y, int z) {
-    const float* row = b.row(x, y) + z;
-    const std::array<float, 6> around{b.row(x - 1, y)[z],
-                                      b.row(x + 1, y)[z],
-                                      b.row(x, y - 1)[z],
-                                      b.row(x, y + 1)[z],
-                                      row[-1],
-                                      row[1]};
-    unsigned below = 0, above = 0;
-    for (const float value : around) below |= value < 0, above |= value >= 0;
-    return std::signbit(*row) ? above : below;
-}
-
-void Tally::visit(const LeafBlock& b, int x, int y, double halfWidth) {
-    const PsiRow row(b, x, y);
-    if (!row.active) return;
-    const float* psi = b.row(x, y);
-    for (unsigned bits = row.complete; bits; bits &= bits - 1) {
-        const auto k = std::size_t(std::countr_zero(bits));
-        const double slope = row.slope(k);
-        gradient.add(slope / kGradientRange);
-        // Where opposite sheets meet, central differences cancel; at creases they stay above 0.58.
-        if (slope < 0.5) meeting.add(std::abs(psi[k]) / kReachRange);
-    }
-    unsigned within = 0;
-    for (unsigned z = 0; z < 8; ++z) within |= unsigned(std::abs(psi[z]) < 1) << z;
-    within &= row.active;
-    if (within == 0) return;
-    const RowCurvatures curvatures(b, x, y);
-    for (unsigned bits = within; bits; bits &= bits - 1) {
-        const int z = std::countr_zero(bits);
-        ++nearSurface;
-        crossing += crosses(b, x, y, z);
-        if (row.complete >> z & 1)
-            addCurvature(double(curvatures.largest[std::size_t(z)]));
-        else
-            cut += cutBeside(PsiDifferences(b, x, y, z), psi[z], halfWidth);
-    }
-}
-
-void Tally::addCurvature(double k) {
-    static const CurvatureBins bins;
-    if (!std::isnan(k)) curvature.addToBin(bins(k));
-}
 
 std::vector<const Leaf*> leavesOf(const openvdb::FloatGrid& grid) {
     std::vector<const Leaf*> leaves;
@@ -195,37 +133,19 @@ void removeActiveTiles(LevelSet& s) {
 
 void measure(LevelSet& s, Progress& progress) {
     const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
-    Tally all;
+    PsiTally all;
     std::mutex mutex;  // sums of integers: the order of adding does not matter
     Steps steps(progress, "check", leaves.size());
     parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
         if (steps.cancelled()) return;
-        Tally part;
-        LeafBlock block;
-        const LeafBlock::Accessor psi(s.psi->constTree());
-        for (std::size_t l = begin; l < end; ++l) {
-            block.gather(psi, leaves[l]->origin(), s.transform.dx, LeafBlock::kEdges);
-            for (int x = 0; x < 8; ++x)
-                for (int y = 0; y < 8; ++y) part.visit(block, x, y, s.stats.halfWidth);
-        }
+        PsiTally part;
+        part.addLeaves(s, {&leaves[begin], end - begin});
         steps.add(end - begin);
         std::lock_guard<std::mutex> lock(mutex);
         all.add(part);
     });
     progress.throwIfCancelled();
-
-    LevelSetStats& st = s.stats;
-    st.nearSurface = all.nearSurface;
-    st.crossingShare = all.nearSurface ? double(all.crossing) / double(all.nearSurface) : 0;
-    st.cutVoxels = all.cut;
-    st.gradientMedian = all.gradient.quantile(0.5) * kGradientRange;
-    st.gradientShare = all.gradient.share((1 - kGradientTolerance) / kGradientRange,
-                                          (1 + kGradientTolerance) / kGradientRange);
-    st.largestCurvature =
-        all.curvature.total() ? curvatureOfScale(all.curvature.quantile(0.95)) : 0;
-    // One surface voxel in 200 may lie at a place where sheets meet before it counts.
-    const double meeting = all.meeting.valueAfter(all.nearSurface / 200) * kReachRange;
-    st.reach = std::min(meeting, st.halfWidth);
+    all.summarize(s.stats);
 }
 
 /// World from index as a similarity, or a refusal that names what the transform does instead.

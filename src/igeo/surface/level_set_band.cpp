@@ -4,12 +4,11 @@
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
-#include <igeo/surface/detail/leaf_block.h>
+#include <igeo/surface/detail/leaf_filler.h>
 #include <igeo/surface/detail/wall_links.h>
 #include <openvdb/tools/SignedFloodFill.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 
 namespace igeo {
@@ -17,15 +16,6 @@ namespace igeo {
 namespace {
 
 using Leaf = LeafBlock::Leaf;
-
-/// On the round side of an edge sharper than about 80 degrees, normals turn so fast that no front
-/// would pass from face to face (Band::linked). So around bends of less than kSharpRadius the core
-/// holds all voxels within kRim of S. Voxels.
-constexpr double kRim = 1, kSharpRadius = 2;
-
-/// Where |psi| is concave, |grad psi| by central differences is less than this where sheets meet,
-/// and more at the crease of a right angle (0.71).
-constexpr double kMeeting = 0.65;
 
 bool meets(const Leaf& leaf, const std::vector<Ball>& region) {
     const openvdb::Coord o = leaf.origin();
@@ -46,14 +36,10 @@ std::vector<BandLeaf> bandLeaves(const std::vector<const Leaf*>& source, double 
         for (std::size_t l = begin; l < end; ++l) {
             const openvdb::Coord o = source[l]->origin();
             all[l].origin = {o.x(), o.y(), o.z()};
-            const float* values = source[l]->buffer().data();
-            for (std::size_t x = 0; x < 8; ++x) {
-                std::uint64_t within = 0;
-                for (std::size_t k = 0; k < 64; ++k)
-                    within |= std::uint64_t(std::abs(values[64 * x + k]) < hWorld) << k;
-                all[l].band.mask[x] =
-                    within & source[l]->valueMask().getWord<openvdb::Index64>(openvdb::Index(x));
-            }
+            markWithin(source[l]->buffer().data(), hWorld, all[l].band.mask);
+            for (std::size_t x = 0; x < 8; ++x)
+                all[l].band.mask[x] &=
+                    source[l]->valueMask().getWord<openvdb::Index64>(openvdb::Index(x));
         }
     });
     std::vector<BandLeaf> leaves;
@@ -66,52 +52,6 @@ std::vector<BandLeaf> bandLeaves(const std::vector<const Leaf*>& source, double 
     }
     return leaves;
 }
-
-/// Nodes that are looked at again, per leaf.
-struct Marks {
-    explicit Marks(std::size_t leaves) : kinks(leaves), meetings(leaves), rims(leaves) {}
-    std::vector<std::vector<NodeIndex>> kinks;     ///< where psi has a kink
-    std::vector<std::vector<NodeIndex>> meetings;  ///< where sheets may meet
-    std::vector<std::vector<NodeIndex>> rims;      ///< around sharp bends
-};
-
-/// Fills a leaf's nodes.
-class LeafFiller {
-public:
-    LeafFiller(const LeafBlock& block, std::size_t l, Band& band, Marks& marks)
-        : block_(block), l_(l), band_(band), marks_(marks) {}
-
-    void fill() {
-        NodeIndex i = band_.leaves[l_].band.firstNode;
-        forRows(band_.leaves[l_], [&](int x, int y, unsigned bits) {
-            const PsiRow row(block_, x, y);
-            for (; bits; bits &= bits - 1) fillNode(i++, row, x, y, std::countr_zero(bits));
-        });
-    }
-
-private:
-    void fillNode(NodeIndex i, const PsiRow& row, int x, int y, int z) {
-        const auto k = std::size_t(z);
-        const PsiDifferences d(block_, x, y, z);
-        const double value = block_.at(x, y, z), onRoundSide = value < 0 ? -1 : 1;
-        const bool smooth = row.smooth(k);
-        const Vec3d n = normalized(smooth ? d.central() : psiGradient(d, value));
-        if (!smooth) {
-            marks_.kinks[l_].push_back(i);
-            if (length(d.central()) < kMeeting && d.laplacian(onRoundSide) < 0)
-                marks_.meetings[l_].push_back(i);
-        }
-        if (std::abs(value) < kRim && d.laplacian(onRoundSide) > 1 / kSharpRadius)
-            marks_.rims[l_].push_back(i);
-        band_.psi[i] = float(value);
-        band_.normal[i] = Vec3f(n);
-    }
-
-    const LeafBlock& block_;
-    std::size_t l_;
-    Band& band_;
-    Marks& marks_;
-};
 
 }  // namespace
 
@@ -142,12 +82,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
     Steps steps(progress, "band", kept.size(), 0.2, 0.8);
     parallelFor(kept.size(), 32, [&](std::size_t begin, std::size_t end) {
         if (steps.cancelled()) return;
-        LeafBlock block;
-        const LeafBlock::Accessor psi(levelSet.psi->constTree());
-        for (std::size_t l = begin; l < end; ++l) {
-            block.gather(psi, kept[l]->origin(), dx, LeafBlock::kFaces);
-            LeafFiller(block, l, band, marks).fill();
-        }
+        fillLeaves(levelSet.psi->constTree(), LeafIndex(begin), end - begin, band, marks);
         steps.add(end - begin);
     });
     progress.throwIfCancelled();

@@ -141,13 +141,13 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
             };
             NodeIndex i = leaf.band.firstNode;
             forRows(leaf, [&](int x, int y, unsigned bits) {
-                const PsiRow row(block, x, y);
+                const unsigned smooth = PsiRow<>(block, x, y).smooth;
                 for (; bits; bits &= bits - 1, ++i) {
                     const int z = std::countr_zero(bits);
                     const unsigned at = Band::offsetOf(x, y, z);
                     thin[i] = band.facing[i] & Band::kFacing && leaf.core.node(at) != kNoNode &&
                               2 * reachAt(band, i, kParallel) < kResolved;
-                    if (!row.smooth(std::size_t(z)) && std::abs(band.psi[i]) >= kLeastPsi &&
+                    if (!(smooth >> z & 1) && std::abs(band.psi[i]) >= kLeastPsi &&
                         isClosed(x, y, z, band.footOf(i)))
                         markBeside(band, LeafIndex(l), at, closed);
                 }

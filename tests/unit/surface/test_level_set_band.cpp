@@ -90,8 +90,8 @@ TEST_CASE("bandFromLevelSet: |foot| = |psi| and normals have unit length") {
         const Band band = bandOf(shape, 0.05, 2.5, 3);
         INFO(shape.name);
         for (std::size_t k = 0; k < band.size(); ++k) {
-            // Three floats rounded to 6e-8 each.
-            REQUIRE(std::abs(length(Vec3d(band.normal[k])) - 1) < 7e-8);  // measured 4.6e-8
+            // In single precision: each number is rounded to 6e-8, several times.
+            REQUIRE(std::abs(length(Vec3d(band.normal[k])) - 1) < 1.5e-7);  // measured 9.7e-8
             // psi times these, rounded again.
             const Vec3d foot(band.footOf(NodeIndex(k)));
             REQUIRE(std::abs(length(foot) - std::abs(double(band.psi[k]))) <

@@ -57,6 +57,33 @@ IGEO_INLINE V absolute(const V& v) {
     return v < 0 ? -v : v;
 }
 
+template <int Width>
+IGEO_INLINE typename Registers<Width>::Vector loadLanes(const float* from) {
+    typename Registers<Width>::Vector v;
+    std::memcpy(&v, from, sizeof(v));
+    return v;
+}
+template <int Width>
+IGEO_INLINE void storeLanes(const typename Registers<Width>::Vector& v, float* to) {
+    std::memcpy(to, &v, sizeof(v));
+}
+
+/// Flags, 0 or -1 each, as bits.
+template <int Width>
+IGEO_INLINE unsigned bitsOf(const typename Registers<Width>::Integers& flags) {
+    using Integers = typename Registers<Width>::Integers;
+    if constexpr (Width == 4) {
+        Integers bits = flags & Integers{1, 2, 4, 8};
+        bits |= __builtin_shufflevector(bits, bits, 2, 3, 0, 1);
+        return unsigned(bits[0] | bits[1]);
+    } else {
+        Integers bits = flags & Integers{1, 2, 4, 8, 16, 32, 64, 128};
+        bits |= __builtin_shufflevector(bits, bits, 4, 5, 6, 7, 0, 1, 2, 3);
+        bits |= __builtin_shufflevector(bits, bits, 2, 3, 0, 1, 6, 7, 4, 5);
+        return unsigned(bits[0] | bits[1]);
+    }
+}
+
 /// Whether one of the flags is set.
 template <typename Flags>
 IGEO_INLINE bool any(const Flags& flags) {

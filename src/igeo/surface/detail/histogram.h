@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 namespace igeo {
@@ -18,12 +19,13 @@ public:
         return std::size_t(std::clamp(x, 0.0, 0.999999) * double(kBins));
     }
     void add(double x) { addToBin(binOf(x)); }
-    void addToBin(std::size_t bin) { ++counts_[bin], ++total_; }
+    void addToBin(std::size_t bin) { ++counts_[bin]; }
     void add(const Histogram& other) {
         for (std::size_t k = 0; k < kBins; ++k) counts_[k] += other.counts_[k];
-        total_ += other.total_;
     }
-    std::uint64_t total() const { return total_; }
+    std::uint64_t total() const {
+        return std::accumulate(counts_.begin(), counts_.end(), std::uint64_t(0));
+    }
     /// Least x (the middle of its bin) with more than `count` entries at or below it; 1 if none.
     double valueAfter(std::uint64_t count) const {
         std::uint64_t sum = 0;
@@ -36,13 +38,13 @@ public:
         std::uint64_t sum = 0;
         for (auto k = std::size_t(lo * double(kBins)); k < std::size_t(hi * double(kBins)); ++k)
             sum += counts_[k];
-        return total_ ? double(sum) / double(total_) : 1;
+        const std::uint64_t all = total();
+        return all ? double(sum) / double(all) : 1;
     }
-    double quantile(double q) const { return valueAfter(std::uint64_t(q * double(total_))); }
+    double quantile(double q) const { return valueAfter(std::uint64_t(q * double(total()))); }
 
 private:
     std::vector<std::uint64_t> counts_ = std::vector<std::uint64_t>(kBins);
-    std::uint64_t total_ = 0;
 };
 
 // Curvatures from 1e-6 to 10 per voxel on a logarithmic scale, bins 0.4 % wide.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band/band.h>
+#include <igeo/base/detail/registers.h>
 #include <igeo/base/symmetric_eigen.h>
 #include <igeo/base/types.h>
 #include <openvdb/openvdb.h>
@@ -26,13 +27,13 @@ public:
     /// differences in two axes, or all.
     enum Beyond { kFaces = 1, kEdges = 2, kCorners = 3 };
     /// @param dx divides the values: voxel size in world units
-    void gather(const Accessor& psi, const openvdb::Coord& origin, double dx,
-                Beyond beyond = kCorners) {
+    IGEO_INLINE void gather(const Accessor& psi, const openvdb::Coord& origin, double dx,
+                            Beyond beyond = kCorners) {
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y)
-                for (int z = -1; z <= 1; ++z)
-                    if (std::abs(x) + std::abs(y) + std::abs(z) <= beyond)
-                        copyFrom(psi, origin, {x, y, z}, 1 / dx);
+                if (const int off = std::abs(x) + std::abs(y); off <= beyond)
+                    copyColumn(psi, origin.offsetBy(8 * x, 8 * y, 0), {x, y, 0}, 1 / dx,
+                               off < beyond);
     }
 
     /// psi at voxel (x, y, z) of the leaf, each in [-1, 8].
@@ -51,40 +52,40 @@ private:
     static int first(int s) { return s < 0 ? 7 : 0; }
     static int last(int s) { return s > 0 ? 1 : 8; }
 
-    void copyFrom(const Accessor& psi, const openvdb::Coord& origin, const Ijk& s, double scale) {
-        const Leaf* leaf = psi.probeConstLeaf(origin.offsetBy(8 * s.x, 8 * s.y, 8 * s.z));
-        static constexpr std::array<float, 512> kEmpty{};
-        const float* from = leaf ? leaf->buffer().data() : kEmpty.data();
+    /// A leaf, or voxels that are all inactive.
+    struct Source {
+        const float* values;
+        const Leaf* leaf;
+        explicit Source(const Leaf* l) : leaf(l) {
+            static constexpr std::array<float, 512> kEmpty{};
+            values = l ? l->buffer().data() : kEmpty.data();
+        }
+        std::uint64_t slice(int x) const {
+            return leaf ? leaf->valueMask().getWord<openvdb::Index64>(openvdb::Index(x)) : 0;
+        }
+    };
+
+    /// Copies the rows of a leaf that lie in the block.
+    /// @param s         steps from the leaf of the block
+    /// @param withEnds  with the voxels before and after them, from the leaves there
+    IGEO_INLINE void copyColumn(const Accessor& psi, const openvdb::Coord& origin, const Ijk& s,
+                                double scale, bool withEnds) {
+        const Source here(psi.probeConstLeaf(origin)),
+            low(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, -8)) : nullptr),
+            high(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, 8)) : nullptr);
         for (int x = first(s.x); x < last(s.x); ++x) {
-            const std::uint64_t slice =
-                leaf ? leaf->valueMask().getWord<openvdb::Index64>(openvdb::Index(x)) : 0;
-            const auto row = std::size_t(10 * (x + 8 * s.x + 1) + 8 * s.y + 1);
-            if (s.z == 0)
-                copyRows(from + 64 * x, slice, s.y, scale, row);
-            else
-                copyEnds(from + 64 * x, slice, s, scale, row);
-        }
-    }
-    void copyRows(const float* from, std::uint64_t slice, int stepY, double scale,
-                  std::size_t row) {
-        for (int y = first(stepY), end = last(stepY); y < end; ++y) {
-            const unsigned bits = slice >> (8 * y) & 0xff;
-            const std::size_t at = row + std::size_t(y);
-            active_[at] = std::uint16_t((active_[at] & 0x201u) | bits << 1);
-            copyRow(from + 8 * y, bits, scale, &values_[10 * at + 1]);
-        }
-    }
-    /// Copies the voxels before or after the rows, from the leaf there.
-    void copyEnds(const float* from, std::uint64_t slice, const Ijk& s, double scale,
-                  std::size_t row) {
-        const unsigned z = s.z < 0 ? 7 : 0, shift = s.z < 0 ? 0 : 9;
-        float* to = &values_[s.z < 0 ? 0 : 9];
-        for (int y = first(s.y), end = last(s.y); y < end; ++y) {
-            const unsigned is = slice >> (8 * unsigned(y) + z) & 1;
-            const std::size_t at = row + std::size_t(y);
-            active_[at] = std::uint16_t((active_[at] & ~(1u << shift)) | is << shift);
-            const float value = float(from[8 * unsigned(y) + z] * scale);
-            to[10 * at] = is ? value : kMissing;
+            const std::uint64_t slice = here.slice(x), lows = low.slice(x), highs = high.slice(x);
+            for (int y = first(s.y); y < last(s.y); ++y) {
+                const int at = 10 * (x + 8 * s.x + 1) + y + 8 * s.y + 1, from = 64 * x + 8 * y;
+                const auto bits = unsigned(slice >> (8 * y) & 0xff),
+                           isLow = unsigned(lows >> (8 * y + 7) & 1),
+                           isHigh = unsigned(highs >> (8 * y) & 1);
+                float* row = &values_[std::size_t(10 * at)];
+                active_[std::size_t(at)] = std::uint16_t(bits << 1 | isLow | isHigh << 9);
+                copyRow(here.values + from, bits, scale, row + 1);
+                row[0] = isLow ? float(low.values[from + 7] * scale) : kMissing;
+                row[9] = isHigh ? float(high.values[from] * scale) : kMissing;
+            }
         }
     }
     /// Per set of active voxels: a mask of ones for each of them.
@@ -95,7 +96,7 @@ private:
         return masks;
     }();
     /// Without branches: half of the rows have voxels of both kinds.
-    static void copyRow(const float* from, unsigned active, double scale, float* to) {
+    static IGEO_INLINE void copyRow(const float* from, unsigned active, double scale, float* to) {
         constexpr auto kNaN = std::bit_cast<std::uint32_t>(kMissing);
         const std::array<std::uint32_t, 8>& mask = kMasks[active];
         std::array<float, 8> scaled;
@@ -107,35 +108,45 @@ private:
     }
 
     std::array<float, 1000> values_;
-    std::array<std::uint16_t, 100> active_{};
+    std::array<std::uint16_t, 100> active_;
 };
 
-/// Differences of psi at the eight voxels of a row, in single precision for vector instructions.
-struct PsiRow {
-    unsigned active, complete;    ///< bits by z; slope2 is valid for complete ones
-    std::array<float, 8> slope2;  ///< squared length of the central differences
+/// Eight numbers, one per voxel of a row.
+using RowNumbers = std::array<float, 8>;
 
-    PsiRow(const LeafBlock& b, int x, int y) {
+/// Differences of psi at the eight voxels of a row, in single precision, `Width` at a time.
+template <int Width = 4>
+struct PsiRow {
+    unsigned active, complete;  ///< bits by z; differences are valid for complete ones
+    unsigned smooth;            ///< bits: the same as PsiDifferences::smooth, up to rounding
+    RowNumbers dx, dy, dz;      ///< psi at the next voxel less psi at the one before
+    RowNumbers slope;           ///< length of the central differences
+
+    IGEO_INLINE PsiRow(const LeafBlock& b, int x, int y) {
         const unsigned here = b.active(x, y);
         active = here >> 1 & 0xff;
         complete =
             active & here & here >> 2 &
             (b.active(x - 1, y) & b.active(x + 1, y) & b.active(x, y - 1) & b.active(x, y + 1)) >>
                 1;
+        smooth = 0;
         if (active == 0) return;
-        const float *row = b.row(x, y), *x0 = b.row(x - 1, y), *x1 = b.row(x + 1, y),
-                    *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1), *z0 = row - 1, *z1 = row + 1;
-        for (std::size_t k = 0; k < 8; ++k) {
-            const float dx = x1[k] - x0[k], dy = y1[k] - y0[k], dz = z1[k] - z0[k];
-            slope2[k] = 0.25f * (dx * dx + dy * dy + dz * dz);
-        }
-    }
-    float slope(std::size_t k) const { return std::sqrt(slope2[k]); }
-    /// The same as PsiDifferences::smooth, up to rounding.
-    bool smooth(std::size_t k) const {
         constexpr float kLeast = float((1 - kSmooth) * (1 - kSmooth)),
                         kMost = float((1 + kSmooth) * (1 + kSmooth));
-        return complete >> k & 1 && slope2[k] > kLeast && slope2[k] < kMost;
+        const float *row = b.row(x, y), *x0 = b.row(x - 1, y), *x1 = b.row(x + 1, y),
+                    *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1), *z0 = row - 1, *z1 = row + 1;
+        for (std::size_t k = 0; k < 8; k += Width) {
+            using V = typename Registers<Width>::Vector;
+            const V alongX = loadLanes<Width>(x1 + k) - loadLanes<Width>(x0 + k),
+                    alongY = loadLanes<Width>(y1 + k) - loadLanes<Width>(y0 + k),
+                    alongZ = loadLanes<Width>(z1 + k) - loadLanes<Width>(z0 + k);
+            V square = 0.25f * (alongX * alongX + alongY * alongY + alongZ * alongZ);
+            smooth |= bitsOf<Width>((square > kLeast) & (square < kMost)) << k;
+            takeRoots<Width>(square);
+            storeLanes<Width>(alongX, &dx[k]), storeLanes<Width>(alongY, &dy[k]),
+                storeLanes<Width>(alongZ, &dz[k]), storeLanes<Width>(square, &slope[k]);
+        }
+        smooth &= complete;
     }
     static constexpr double kSmooth = 0.1;
 };
@@ -156,7 +167,9 @@ struct PsiDifferences {
     /// Laplacian of |psi|: the curvature 1 / r + 1 / r' of its level set on the round side.
     double laplacian(double side) const { return bend(0, side) + bend(1, side) + bend(2, side); }
     /// Whether psi has no kink here: no crease, no medial axis.
-    bool smooth() const { return complete() && std::abs(length(central()) - 1) < PsiRow::kSmooth; }
+    bool smooth() const {
+        return complete() && std::abs(length(central()) - 1) < PsiRow<>::kSmooth;
+    }
 };
 
 /// Calls visit(x, y, bits) for the rows of a leaf that contain nodes of the band, in their order.
@@ -172,14 +185,14 @@ void forRows(const BandLeaf& leaf, const Visit& visit) {
 /// Hessian H of psi: the eigenvalues of P H P, P = I - n n^T, moved from psi to 0 by
 /// k / (1 - psi k). NaN where a neighbor is missing.
 struct RowCurvatures {
-    std::array<float, 8> largest;
+    RowNumbers largest;
 
-    RowCurvatures(const LeafBlock& b, int x, int y) {
+    IGEO_INLINE RowCurvatures(const LeafBlock& b, int x, int y) {
         const float *row = b.row(x, y), *x0 = b.row(x - 1, y), *x1 = b.row(x + 1, y),
                     *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1), *x0y0 = b.row(x - 1, y - 1),
                     *x0y1 = b.row(x - 1, y + 1), *x1y0 = b.row(x + 1, y - 1),
                     *x1y1 = b.row(x + 1, y + 1);
-        std::array<float, 8> half, apart2;  // half the trace of P H P; (k - k')^2 / 4
+        RowNumbers half, apart2;  // half the trace of P H P; (k - k')^2 / 4
         for (int z = 0; z < 8; ++z) {
             const float c2 = 2 * row[z], gx = x1[z] - x0[z], gy = y1[z] - y0[z],
                         gz = row[z + 1] - row[z - 1], g2 = gx * gx + gy * gy + gz * gz;

@@ -1,0 +1,163 @@
+#include <igeo/surface/detail/leaf_filler.h>
+
+#include <bit>
+#include <cmath>
+
+namespace igeo {
+
+namespace {
+
+/// On the round side of an edge sharper than about 80 degrees, normals turn so fast that no front
+/// would pass from face to face (Band::linked). So around bends of less than kSharpRadius the core
+/// holds all voxels within kRim of S. Voxels.
+constexpr double kRim = 1, kSharpRadius = 2;
+
+/// Where |psi| is concave, |grad psi| by central differences is less than this where sheets meet,
+/// and more at the crease of a right angle (0.71).
+constexpr double kMeeting = 0.65;
+
+/// The nodes of a row.
+template <int Width>
+struct NodeRow {
+    RowNumbers nx, ny, nz;  ///< unit normals of smooth ones
+    unsigned smooth, rim;   ///< bits; rim: around a sharp bend
+
+    IGEO_INLINE NodeRow(const LeafBlock& b, int x, int y) : rim(0) {
+        using V = typename Registers<Width>::Vector;
+        const PsiRow<Width> row(b, x, y);
+        smooth = row.smooth;
+        const float *here = b.row(x, y), *x0 = b.row(x - 1, y), *x1 = b.row(x + 1, y),
+                    *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1);
+        for (std::size_t k = 0; k < 8; k += Width) {
+            const V length = 2 * loadLanes<Width>(&row.slope[k]);
+            storeLanes<Width>(loadLanes<Width>(&row.dx[k]) / length, &nx[k]);
+            storeLanes<Width>(loadLanes<Width>(&row.dy[k]) / length, &ny[k]);
+            storeLanes<Width>(loadLanes<Width>(&row.dz[k]) / length, &nz[k]);
+            const V psi = loadLanes<Width>(here + k),
+                    around = (loadLanes<Width>(x0 + k) + loadLanes<Width>(x1 + k)) +
+                             (loadLanes<Width>(y0 + k) + loadLanes<Width>(y1 + k)) +
+                             (loadLanes<Width>(here + k - 1) + loadLanes<Width>(here + k + 1)),
+                    laplacian = around - 6 * psi, onRoundSide = psi < 0 ? -laplacian : laplacian;
+            rim |= bitsOf<Width>((absolute(psi) < float(kRim)) &
+                                 (onRoundSide > float(1 / kSharpRadius)))
+                   << k;
+        }
+    }
+};
+
+/// Fills a leaf's nodes.
+class LeafFiller {
+public:
+    LeafFiller(const LeafBlock& block, LeafIndex l, Band& band, Marks& marks)
+        : block_(block), l_(l), band_(band), marks_(marks) {}
+
+    template <int Width>
+    IGEO_INLINE void fill() {
+        const BandLeaf& leaf = band_.leaves[l_];
+        NodeIndex first = leaf.band.firstNode;
+        for (int x = 0; x < 8; ++x)
+            for (int y = 0; y < 8; ++y)
+                if (const unsigned bits = leaf.band.mask[std::size_t(x)] >> (8 * y) & 0xff)
+                    first = fillRow<Width>(first, x, y, bits);
+    }
+
+private:
+    /// @param first  node of the row
+    /// @param bits   of its nodes
+    /// @return the first node of the next row
+    template <int Width>
+    IGEO_INLINE NodeIndex fillRow(NodeIndex first, int x, int y, unsigned bits) {
+        const NodeRow<Width> row(block_, x, y);
+        const float* psi = block_.row(x, y);
+        NodeIndex i = first;
+        for (unsigned rest = bits; rest; rest &= rest - 1, ++i) {
+            const auto z = std::size_t(std::countr_zero(rest));
+            band_.psi[i] = psi[z];
+            band_.normal[i] = {row.nx[z], row.ny[z], row.nz[z]};
+        }
+        const auto nodeAt = [&](int z) {
+            return first + NodeIndex(std::popcount(bits & ((1u << z) - 1)));
+        };
+        for (unsigned rest = bits & ~row.smooth; rest; rest &= rest - 1) {
+            const int z = std::countr_zero(rest);
+            fillKink(nodeAt(z), x, y, z);
+        }
+        for (unsigned rest = bits & row.rim; rest; rest &= rest - 1)
+            marks_.rims[l_].push_back(nodeAt(std::countr_zero(rest)));
+        return i;
+    }
+    void fillKink(NodeIndex i, int x, int y, int z) {
+        const PsiDifferences d(block_, x, y, z);
+        const double value = block_.at(x, y, z);
+        band_.normal[i] = Vec3f(normalized(psiGradient(d, value)));
+        marks_.kinks[l_].push_back(i);
+        if (length(d.central()) < kMeeting && d.laplacian(value < 0 ? -1 : 1) < 0)
+            marks_.meetings[l_].push_back(i);
+    }
+
+    const LeafBlock& block_;
+    LeafIndex l_;
+    Band& band_;
+    Marks& marks_;
+};
+
+template <int Width>
+IGEO_INLINE void fillAll(const openvdb::FloatTree& psi, LeafIndex first, std::size_t count,
+                         Band& band, Marks& marks) {
+    LeafBlock block;
+    const LeafBlock::Accessor at(psi);
+    for (LeafIndex l = first; l < first + count; ++l) {
+        const Ijk& o = band.leaves[l].origin;
+        block.gather(at, openvdb::Coord(o.x, o.y, o.z), band.transform.dx, LeafBlock::kFaces);
+        LeafFiller(block, l, band, marks).fill<Width>();
+    }
+}
+void fillByFour(const openvdb::FloatTree& psi, LeafIndex first, std::size_t count, Band& band,
+                Marks& marks) {
+    fillAll<4>(psi, first, count, band, marks);
+}
+
+/// @param limit  at least that of markWithin, with no number between the two
+template <int Width>
+IGEO_INLINE void markAll(const float* values, float limit, std::array<std::uint64_t, 8>& slices) {
+    for (std::uint64_t& slice : slices) {
+        slice = 0;
+        for (unsigned k = 0; k < 64; k += Width)
+            slice |= std::uint64_t(bitsOf<Width>(absolute(loadLanes<Width>(values + k)) < limit))
+                     << k;
+        values += 64;
+    }
+}
+void markByFour(const float* values, float limit, std::array<std::uint64_t, 8>& slices) {
+    markAll<4>(values, limit, slices);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 void fillByEight(const openvdb::FloatTree& psi, LeafIndex first, std::size_t count,
+                           Band& band, Marks& marks) {
+    fillAll<8>(psi, first, count, band, marks);
+}
+IGEO_AVX2 void markByEight(const float* values, float limit, std::array<std::uint64_t, 8>& slices) {
+    markAll<8>(values, limit, slices);
+}
+#endif
+
+}  // namespace
+
+void fillLeaves(const openvdb::FloatTree& psi, LeafIndex first, std::size_t count, Band& band,
+                Marks& marks) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return fillByEight(psi, first, count, band, marks);
+#endif
+    fillByFour(psi, first, count, band, marks);
+}
+
+void markWithin(const float* values, double limit, std::array<std::uint64_t, 8>& slices) {
+    auto rounded = float(limit);
+    if (double(rounded) < limit) rounded = std::nextafter(rounded, float(kInfinity));
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return markByEight(values, rounded, slices);
+#endif
+    markByFour(values, rounded, slices);
+}
+
+}  // namespace igeo
