@@ -139,11 +139,15 @@ private:
             const std::uint64_t mask = nodes.mask[std::size_t(x)];
             const NodeIndex first = nodes.firstNode + nodes.before[std::size_t(x)];
             const int slice = indexOf({8 * dx + x, 8 * dy, 8 * dz});
-            for (std::uint64_t bits = mask & seen; bits; bits &= bits - 1) {
+            std::uint64_t bits = mask & seen;
+            const auto countBefore = [&] {
+                return first + LeafNodes::bitCount(mask & ((bits & -bits) - 1));
+            };
+            // Whole rows have consecutive numbers.
+            for (NodeIndex number = countBefore(); bits; bits &= bits - 1) {
                 const int bit = std::countr_zero(bits);
-                const std::uint64_t lower = mask & ((bits & -bits) - 1);
-                number_[std::size_t(slice + (bit >> 3) * kEdge + (bit & 7))] =
-                    first + LeafNodes::bitCount(lower);
+                if (dz != 0) number = countBefore();
+                number_[std::size_t(slice + (bit >> 3) * kEdge + (bit & 7))] = number++;
             }
         }
     }
