@@ -43,15 +43,15 @@ void moveAlongNormals(Polyline& line, double by) {
     for (std::size_t k = 0; k < line.points.size(); ++k) line.points[k] += by * line.normals[k];
 }
 
-/// Readers at points use the field of the march. The first reader of the whole band extends it, and
-/// the field of the march is freed after its last reader.
+/// Readers at points use the field of the march, until a reader of the whole band extends it.
 struct Distance::Fields {
-    explicit Fields(Field f) : seeds(f.seeds), points(std::make_shared<const Field>(std::move(f))) {
-        if (!points->core) whole = points;
+    explicit Fields(Field f)
+        : seeds(f.seeds), marched(std::make_shared<const Field>(std::move(f))) {
+        if (!marched->core) whole = marched;
     }
     const std::vector<SurfacePoint> seeds;
     std::mutex mutex;
-    std::shared_ptr<const Field> points, whole;
+    std::shared_ptr<const Field> marched, whole;
     std::optional<Extent> extent;   ///< of the whole band, if `grid` has found it
     std::optional<double> largest;  ///< on the whole band
 };
@@ -69,9 +69,9 @@ Distance::Distance(Surface surface, BandWidth width, std::shared_ptr<const Band>
 const Field& Distance::field() const {
     const std::lock_guard<std::mutex> lock(fields_->mutex);
     if (!fields_->whole) {
-        Field whole = *fields_->points;
+        Field whole = *fields_->marched;
         extendToBand(whole);
-        fields_->points = fields_->whole = std::make_shared<const Field>(std::move(whole));
+        fields_->whole = std::make_shared<const Field>(std::move(whole));
     }
     return *fields_->whole;
 }
@@ -79,8 +79,9 @@ std::shared_ptr<const Field> Distance::forPoints(std::size_t count) const {
     constexpr std::size_t kCorners = 8;
     if (count * kCorners > band_->size()) field();
     const std::lock_guard<std::mutex> lock(fields_->mutex);
-    return fields_->points;
+    return fields_->whole ? fields_->whole : fields_->marched;
 }
+std::shared_ptr<const Field> Distance::marched() const { return fields_->marched; }
 const std::vector<SurfacePoint>& Distance::seeds() const { return fields_->seeds; }
 
 SurfacePoint Distance::nearest(const Vec3d& pWorld, const std::string& what) const {
@@ -213,7 +214,7 @@ std::size_t Distance::reached() const {
 Extent Distance::extent() const {
     const std::lock_guard<std::mutex> lock(fields_->mutex);
     if (fields_->extent) return *fields_->extent;
-    const Field& f = *fields_->points;
+    const Field& f = fields_->whole ? *fields_->whole : *fields_->marched;
     if (!fields_->largest) fields_->largest = largestOnBand(f);
     return {f.core ? band_->coreSize() : band_->size(), f.reached, *fields_->largest};
 }

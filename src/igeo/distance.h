@@ -109,7 +109,7 @@ public:
     Extent extent() const;
 
     /// The field as the march left it, to be read at points; with its seeds, scheme and metric.
-    std::shared_ptr<const Field> marched() const { return forPoints(0); }
+    std::shared_ptr<const Field> marched() const;
     /// The field for reading along `count` paths: on the whole band where that is cheaper.
     std::shared_ptr<const Field> forPaths(std::size_t count) const;
     /// The field on the whole band: voxels, index space. Of `jet` the first call extends it from

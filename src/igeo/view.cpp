@@ -140,7 +140,7 @@ void addPicture(ViewScene& scene, const DrawnSurface& surface, const Field& fiel
     const View view = chooseView(surface, field, paths, picture, aspect);
     scene.toEye = view.back;
     scene.up = normalized(picture.up);
-    scene.still = renderPng(surface, field, paths, picture, &view, progress);
+    scene.still = renderPng(surface, field, ArrivalReader(field), paths, picture, &view, progress);
 }
 
 /// Simplifies the mesh to the limit, with a note.
@@ -260,8 +260,10 @@ ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lin
 
 std::string renderPng(const Distance& distance, const std::vector<NamedCurve>& lines,
                       const PictureOptions& options, Progress& progress) {
-    return renderPng(shownLevelSet(distance, progress), distance.field(),
-                     asPaths(lines, distance.band().transform), options, progress);
+    const Field& field = distance.field();
+    const ArrivalReader reader(*distance.marched(), field);
+    return renderPng(drawnSurface(shownLevelSet(distance, progress), *field.band, progress), field,
+                     reader, asPaths(lines, field.band->transform), options, nullptr, progress);
 }
 
 ViewScene viewScene(const FileSurvey& survey, const ViewLimits& limits, Progress& progress) {

@@ -136,24 +136,33 @@ private:
 
     /// Computes the normals and distances of a row.
     void lookAt(int y) {
-        auto distanceAt = [&](int x) {
-            const std::size_t i = index(x, y);
-            const Vec3d p =
-                frame_.eye + double(samples_[i].depth) * frame_.toward(x + 0.5, y + 0.5);
-            return float(shader_.distanceAt(p, Vec3d(normals_[i])));
-        };
+        std::vector<Spot> spots(std::size_t(frame_.width));
         for (int x = 0; x < frame_.width; ++x) {
             const std::size_t i = index(x, y);
             if (!samples_[i].covered()) continue;
-            const Spot spot = spotAt(samples_[i], frame_.toward(x + 0.5, y + 0.5), x % 2 == 0);
+            Spot& spot = spots[std::size_t(x)];
+            spot = spotAt(samples_[i], frame_.toward(x + 0.5, y + 0.5));
             normals_[i] = Vec3f(spot.normal);
             distances_[i] = float(spot.distance);
         }
         if (surface_.hasDistances()) return;
-        for (int x = 1; x < frame_.width; x += 2) {
-            const std::size_t i = index(x, y);
-            if (samples_[i].covered()) distances_[i] = isSmooth(x, y) ? between(i) : distanceAt(x);
-        }
+        readRow(y, spots, [](int x) { return x % 2 == 0; });
+        readRow(y, spots, [&](int x) { return x % 2 && !isSmooth(x, y); });
+        for (int x = 1; x < frame_.width; x += 2)
+            if (const std::size_t i = index(x, y); samples_[i].covered() && isSmooth(x, y))
+                distances_[i] = between(i);
+    }
+    /// Reads the distances of those pixels of a row for which isWanted(x).
+    template <typename IsWanted>
+    void readRow(int y, const std::vector<Spot>& spots, const IsWanted& isWanted) {
+        std::vector<Spot> wanted;
+        std::vector<std::size_t> pixel;
+        for (int x = 0; x < frame_.width; ++x)
+            if (const std::size_t i = index(x, y); samples_[i].covered() && isWanted(x))
+                wanted.push_back(spots[std::size_t(x)]), pixel.push_back(i);
+        shader_.setDistances(wanted);
+        for (std::size_t k = 0; k < wanted.size(); ++k)
+            distances_[pixel[k]] = float(wanted[k].distance);
     }
     /// Interpolates by the cubic through two pixels on either side.
     float between(std::size_t i) const {
@@ -175,16 +184,14 @@ private:
         return !bends(i - 1) && !bends(i + 1) && !parted(x, y, x - 1, y) && !parted(x, y, x + 1, y);
     }
 
-    /// @param read  whether to read the field where the triangles have no distances
-    Spot spotAt(const Sample& s, const Vec3d& toward, bool read = true) const {
+    /// A spot without its distance, unless the triangles have distances.
+    Spot spotAt(const Sample& s, const Vec3d& toward) const {
         const std::array<double, 3> shares = raster_.shares(s.triangle, toward);
         Spot spot;
         spot.p = frame_.eye + double(s.depth) * toward;
         spot.normal = surface_.normal(s.triangle, shares, toward);
         if (surface_.hasDistances())
             spot.distance = shader_.known(spot.p, surface_.distance(s.triangle, shares));
-        else if (read)
-            spot.distance = shader_.distanceAt(spot.p, spot.normal);
         return spot;
     }
 
@@ -263,15 +270,19 @@ private:
 
     Rgba mean(int x, int y, const std::vector<Raster::Offset>& offsets, const Sample* samples,
               double slope) const {
-        Rgba sum;
+        std::vector<Spot> spots;
+        std::vector<Vec3d> toward;
         for (std::size_t k = 0; k < offsets.size(); ++k) {
             if (!samples[k].covered()) continue;
-            const Vec3d toward = frame_.toward(x + offsets[k][0], y + offsets[k][1]);
-            Spot spot = spotAt(samples[k], toward);
-            spot.occluded = 1 - opennessNear(x, y, samples[k].depth);
-            spot.slope = slope / kFiner;
-            sum += Rgba(shader_.color(spot, normalized(toward)), 1);
+            toward.push_back(frame_.toward(x + offsets[k][0], y + offsets[k][1]));
+            spots.push_back(spotAt(samples[k], toward.back()));
+            spots.back().occluded = 1 - opennessNear(x, y, samples[k].depth);
+            spots.back().slope = slope / kFiner;
         }
+        if (!surface_.hasDistances()) shader_.setDistances(spots);
+        Rgba sum;
+        for (std::size_t k = 0; k < spots.size(); ++k)
+            sum += Rgba(shader_.color(spots[k], normalized(toward[k])), 1);
         return sum * float(1.0 / double(offsets.size()));
     }
 
@@ -335,7 +346,7 @@ DrawnSurface drawnSurface(const LevelSet* levelSet, const Band& band, Progress& 
     return DrawnSurface(band, surfaceMesh(*levelSet, band, progress), closed);
 }
 
-std::string renderPng(const DrawnSurface& surface, const Field& field,
+std::string renderPng(const DrawnSurface& surface, const Field& field, const ArrivalReader& reader,
                       const std::vector<Path>& paths, const PictureOptions& options,
                       const View* given, Progress& progress) {
     checkOptions(options);
@@ -349,7 +360,7 @@ std::string renderPng(const DrawnSurface& surface, const Field& field,
         given ? *given : chooseView(surface, field, paths, options, double(options.height) / width);
     const Frame frame = frameOf(view, surface.transform(), width, options.height);
     const double pixel = view.depth / dx / frame.scale, across = options.width * pixel;
-    const Shader shader(field, scale, std::max(0.5 * pixel, 0.0009 * across), frame);
+    const Shader shader(field, reader, scale, std::max(0.5 * pixel, 0.0009 * across), frame);
     Renderer renderer(surface, frame, shader, progress);
     Film film(width, options.height);
     renderer.render(0.08 * across, film);
@@ -374,8 +385,8 @@ std::string renderPng(const DrawnSurface& surface, const Field& field,
 std::string renderPng(const LevelSet* levelSet, const Field& field, const std::vector<Path>& paths,
                       const PictureOptions& options, Progress& progress) {
     checkOptions(options);
-    return renderPng(drawnSurface(levelSet, *field.band, progress), field, paths, options, nullptr,
-                     progress);
+    return renderPng(drawnSurface(levelSet, *field.band, progress), field, ArrivalReader(field),
+                     paths, options, nullptr, progress);
 }
 
 }  // namespace igeo

@@ -90,24 +90,33 @@ private:
 
 }  // namespace
 
+ArrivalReader::ArrivalReader(const Field& field, const Field& whole)
+    : field_(field), whole_(whole), fromCore_(field.core && !field.metric->weighted()) {
+    if (fromCore_) gradients_ = gradientsOf(*field.core);
+}
+
+void ArrivalReader::read(std::span<const Vec3d> points, std::span<const Vec3f> sheetNormals,
+                         Arrival* to) const {
+    auto readOne = [&](std::size_t i) {
+        to[i] = arrivalAt(whole_, points[i], Vec3d(sheetNormals[i]));
+    };
+    if (!fromCore_) {
+        for (std::size_t i = 0; i < points.size(); ++i) readOne(i);
+        return;
+    }
+    CoreReader reader(*field_.core, gradients_);
+    for (std::size_t i = 0; i < points.size(); ++i) reader.add(points[i], sheetNormals[i], to[i]);
+    reader.finish();
+    for (const Arrival* left : reader.left) readOne(std::size_t(left - to));
+}
+
 std::vector<Arrival> arrivalsAt(const Field& field, const std::vector<Vec3d>& points,
                                 const std::vector<Vec3f>& sheetNormals, const Progress& progress) {
     std::vector<Arrival> arrivals(points.size());
-    auto read = [&](std::size_t i) {
-        arrivals[i] = arrivalAt(field, points[i], Vec3d(sheetNormals[i]));
-    };
-    const bool fromCore = field.core && !field.metric->weighted();
-    const std::vector<Vec3f> gradients = fromCore ? gradientsOf(*field.core) : std::vector<Vec3f>{};
+    const ArrivalReader reader(field);
     parallelFor(points.size(), 1024, progress, [&](std::size_t begin, std::size_t end) {
-        if (!fromCore) {
-            for (std::size_t i = begin; i < end; ++i) read(i);
-            return;
-        }
-        CoreReader reader(*field.core, gradients);
-        for (std::size_t i = begin; i < end; ++i)
-            reader.add(points[i], sheetNormals[i], arrivals[i]);
-        reader.finish();
-        for (const Arrival* left : reader.left) read(std::size_t(left - arrivals.data()));
+        reader.read({&points[begin], end - begin}, {&sheetNormals[begin], end - begin},
+                    &arrivals[begin]);
     });
     return arrivals;
 }

@@ -19,8 +19,9 @@ namespace igeo {
 DrawnSurface drawnSurface(const LevelSet* levelSet, const Band& band, Progress& progress);
 
 /// The same as renderPng in picture.h.
-/// @param view  null: as the options say (chooseView); given: of a small picture, packed in haste
-std::string renderPng(const DrawnSurface& surface, const Field& field,
+/// @param reader  of the field
+/// @param view    null: as the options say (chooseView); given: of a small picture, packed in haste
+std::string renderPng(const DrawnSurface& surface, const Field& field, const ArrivalReader& reader,
                       const std::vector<Path>& paths, const PictureOptions& options,
                       const View* view, Progress& progress);
 

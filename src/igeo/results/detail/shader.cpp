@@ -16,8 +16,10 @@ double coverage(double off, double half, double width) {
 
 }  // namespace
 
-Shader::Shader(const Field& field, const Scale& scale, double isolineHalf, const Frame& frame)
+Shader::Shader(const Field& field, const ArrivalReader& reader, const Scale& scale,
+               double isolineHalf, const Frame& frame)
     : field_(field),
+      reader_(reader),
       scale_(scale),
       isolineHalf_(isolineHalf),
       key_(normalized(-0.55 * frame.right + 0.75 * frame.up + 0.75 * frame.back)),
@@ -26,8 +28,14 @@ Shader::Shader(const Field& field, const Scale& scale, double isolineHalf, const
         isolineHalf_ = std::min(isolineHalf_, 0.15 * (scale.levels[k] - scale.levels[k - 1]));
 }
 
-double Shader::distanceAt(const Vec3d& p, const Vec3d& normal) const {
-    return known(p, sampleDistance(field_, p, normal));
+void Shader::setDistances(std::vector<Spot>& spots) const {
+    std::vector<Vec3d> points;
+    std::vector<Vec3f> normals;
+    for (const Spot& spot : spots) points.push_back(spot.p), normals.emplace_back(spot.normal);
+    std::vector<Arrival> arrivals(spots.size());
+    reader_.read(points, normals, arrivals.data());
+    for (std::size_t k = 0; k < spots.size(); ++k)
+        spots[k].distance = known(spots[k].p, arrivals[k].distance);
 }
 
 /// The distance at which an early stop ends the colors, so that they end along a level line and not

@@ -18,12 +18,13 @@ struct Spot {
 class Shader {
 public:
     /// @param isolineHalf  half the width of isolines, voxels
-    Shader(const Field& field, const Scale& scale, double isolineHalf, const Frame& frame);
+    Shader(const Field& field, const ArrivalReader& reader, const Scale& scale, double isolineHalf,
+           const Frame& frame);
 
     /// Whether the cost is the same everywhere.
     bool evenCosts() const { return !field_.metric->weighted(); }
-    /// The distance at a visible point of S; +infinity beyond an early stop.
-    double distanceAt(const Vec3d& p, const Vec3d& normal) const;
+    /// The distances at visible points of S; +infinity beyond an early stop.
+    void setDistances(std::vector<Spot>& spots) const;
     /// A distance at p; +infinity beyond an early stop.
     double known(const Vec3d& p, double distance) const {
         return field_.stoppedEarly && distance > lastKnown(p) ? kInfinity : distance;
@@ -39,6 +40,7 @@ private:
     Vec3d lit(const Vec3d& c, const Vec3d& n, const Vec3d& dir, double occluded) const;
 
     const Field& field_;
+    const ArrivalReader& reader_;
     const Scale& scale_;
     double isolineHalf_;
     Vec3d key_, fill_;
