@@ -139,13 +139,26 @@ void measure(LevelSet& s, Progress& progress) {
     parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
         if (steps.cancelled()) return;
         PsiTally part;
-        part.addLeaves(s, {&leaves[begin], end - begin});
+        part.addLeaves(s.psi->constTree(), s.transform.dx, s.stats.halfWidth,
+                       {&leaves[begin], end - begin});
         steps.add(end - begin);
         std::lock_guard<std::mutex> lock(mutex);
         all.add(part);
     });
     progress.throwIfCancelled();
-    all.summarize(s.stats);
+
+    LevelSetStats& st = s.stats;
+    st.nearSurface = all.nearSurface;
+    st.crossingShare = all.nearSurface ? double(all.crossing) / double(all.nearSurface) : 0;
+    st.cutVoxels = all.cut;
+    st.gradientMedian = all.gradient.quantile(0.5) * PsiTally::kGradientRange;
+    st.gradientShare = all.gradient.share((1 - kGradientTolerance) / PsiTally::kGradientRange,
+                                          (1 + kGradientTolerance) / PsiTally::kGradientRange);
+    st.largestCurvature =
+        all.curvature.total() ? curvatureOfScale(all.curvature.quantile(0.95)) : 0;
+    // One surface voxel in 200 may lie at a place where sheets meet before it counts.
+    const double meeting = all.meeting.valueAfter(all.nearSurface / 200) * PsiTally::kReachRange;
+    st.reach = std::min(meeting, st.halfWidth);
 }
 
 /// World from index as a similarity, or a refusal that names what the transform does instead.

@@ -49,8 +49,8 @@ openvdb::FloatGrid::Ptr converted(const TriangleMesh& mesh) {
 TriangleMesh blocks(double gap) {
     const TriangleMesh block = boxMesh({16, 24, 20});
     return turnedMesh(together(block, moved(block, [&](const Vec3d& p) {
-                               return p + Vec3d{16 + gap, 0, 0};
-                           })));
+                                   return p + Vec3d{16 + gap, 0, 0};
+                               })));
 }
 
 Unresolved onVoxels(const TriangleMesh& mesh, double dx) {

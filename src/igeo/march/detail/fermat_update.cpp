@@ -1,7 +1,7 @@
 #include <igeo/march/detail/fermat_update.h>
 
-#include <igeo/march/detail/jet_fit.h>
 #include <igeo/base/detail/registers.h>
+#include <igeo/march/detail/jet_fit.h>
 
 namespace igeo {
 

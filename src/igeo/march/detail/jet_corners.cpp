@@ -1,6 +1,6 @@
+#include <igeo/base/detail/registers.h>
 #include <igeo/march/detail/jet_blend.h>
 #include <igeo/march/detail/jet_corners.h>
-#include <igeo/base/detail/registers.h>
 
 #include <algorithm>
 

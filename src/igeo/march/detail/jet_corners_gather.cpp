@@ -1,6 +1,6 @@
+#include <igeo/base/detail/registers.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_corners.h>
-#include <igeo/base/detail/registers.h>
 
 namespace igeo {
 

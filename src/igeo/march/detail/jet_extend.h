@@ -1,10 +1,10 @@
 /// From the core of a band to the rest of it, for scheme `jet`. Internal.
 #pragma once
 
+#include <igeo/base/detail/registers.h>
 #include <igeo/march/detail/jet_extend_lanes.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
-#include <igeo/base/detail/registers.h>
 #include <igeo/march/field.h>
 
 #include <algorithm>

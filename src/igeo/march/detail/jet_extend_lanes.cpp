@@ -1,5 +1,5 @@
-#include <igeo/march/detail/jet_extend_lanes.h>
 #include <igeo/base/detail/registers.h>
+#include <igeo/march/detail/jet_extend_lanes.h>
 
 // Loops over all lanes, which compilers turn into vector instructions.
 namespace igeo::jet {

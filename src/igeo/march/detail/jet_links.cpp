@@ -1,7 +1,7 @@
+#include <igeo/base/detail/registers.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_core.h>
 #include <igeo/march/detail/leaf_numbers.h>
-#include <igeo/base/detail/registers.h>
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,6 @@
 
 #include <igeo/surface/detail/histogram.h>
 #include <igeo/surface/detail/leaf_block.h>
-#include <igeo/surface/level_set.h>
 
 #include <cstdint>
 #include <span>
@@ -11,29 +10,23 @@
 namespace igeo {
 
 /// Counts of the voxels of a level set, row by row. Sums do not depend on the order.
-class PsiTally {
-public:
+struct PsiTally {
     using Leaf = LeafBlock::Leaf;
+    static constexpr double kGradientRange = 4;  ///< gradient holds |grad psi| / kGradientRange
+    static constexpr double kReachRange = 16;    ///< meeting holds |psi| / kReachRange, voxels
 
-    /// @param s  the level set that the leaves belong to, with its voxel size and half-width
-    void addLeaves(const LevelSet& s, std::span<const Leaf* const> leaves);
+    std::uint64_t nearSurface = 0;  ///< |psi| < 1
+    std::uint64_t crossing = 0;     ///< of these: a face neighbor has the other sign
+    std::uint64_t cut = 0;          ///< of these: S is cut there (cutBeside)
+    Histogram gradient;             ///< of voxels with all face neighbors
+    Histogram curvature;            ///< of nearSurface: CurvatureBins
+    Histogram meeting;              ///< where sheets meet
+
+    /// @param dx         voxel size
+    /// @param halfWidth  of the level set, voxels
+    void addLeaves(const openvdb::FloatTree& psi, double dx, double halfWidth,
+                   std::span<const Leaf* const> leaves);
     void add(const PsiTally& other);
-    /// Sets nearSurface, crossingShare, cutVoxels, gradientMedian, gradientShare, largestCurvature
-    /// and reach.
-    void summarize(LevelSetStats& stats) const;
-
-private:
-    template <int Width>
-    IGEO_INLINE void addAll(const LevelSet& s, std::span<const Leaf* const> leaves);
-    void addByFour(const LevelSet& s, std::span<const Leaf* const> leaves);
-#ifdef IGEO_AVX2
-    IGEO_AVX2 void addByEight(const LevelSet& s, std::span<const Leaf* const> leaves);
-#endif
-    template <int Width>
-    IGEO_INLINE void addRow(const LeafBlock& b, int x, int y, double halfWidth);
-
-    std::uint64_t nearSurface_ = 0, crossing_ = 0, cut_ = 0;
-    Histogram gradient_, curvature_, meeting_;
 };
 
 }  // namespace igeo
