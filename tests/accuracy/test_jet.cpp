@@ -94,7 +94,7 @@ TEST_CASE("jet along the cut locus on the torus, from random seeds") {
     const int n = 100;
     const GeodesicSolver solver = solverOn(torus(kCenter, big, small), n);
     double most = 0;
-    for (const unsigned number : {2, 11, 14, 19}) {
+    for (const unsigned number : {1, 2, 25, 34}) {
         std::mt19937 random(number);
         std::uniform_real_distribution<double> angle(0, 2 * M_PI);
         const double u = angle(random), v = angle(random), r = big + small * std::cos(v);
@@ -125,8 +125,9 @@ TEST_CASE("jet along the cut locus on the torus, from random seeds") {
                     number, near.size(), 100 * largest / field.maxDistance);
         most = std::max(most, 100 * largest / field.maxDistance);
     }
-    // Measured 0.0429; 0.065 if only the extension fits circles, 0.158 if nothing does.
-    CHECK(most < 0.0644);
+    // Measured 0.0414. 0.091 where two neighbors of a front are too few beside two other fronts,
+    // 0.158 without circles.
+    CHECK(most < 0.0621);
 }
 
 TEST_CASE("jet on the side of a cylinder") {

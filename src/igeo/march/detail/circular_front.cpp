@@ -11,8 +11,8 @@ namespace igeo {
 
 namespace {
 
-constexpr std::size_t kMost = 64;                           ///< neighbors
-constexpr double kGood = 0.004, kFair = 0.01, kBad = 0.02;  ///< residuals of fits, voxels
+constexpr std::size_t kMost = 64;                             ///< neighbors
+constexpr double kGood = 0.005, kFair = 0.0125, kBad = 0.02;  ///< residuals of fits, voxels
 constexpr std::size_t kMany = 5;  ///< neighbors that allow a fair residual
 
 float cross(Vec2f a, Vec2f b) { return a.x * b.y - a.y * b.x; }

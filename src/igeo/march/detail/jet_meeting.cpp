@@ -90,7 +90,9 @@ std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local
                                       (jets.valueOf(k) - jets.seeds.leastStart) / local.weight));
     });
     if (!oneSource) return {};
-    const auto jet = fitCircularFront(neighbors, atFocus);
+    // A focus takes three neighbors of its front.
+    auto jet = fitCircularFront(neighbors, atFocus);
+    if (!jet && atFocus) jet = fitCircularFront(neighbors, false);
     const double old = (before - jets.seeds.leastStart) / local.weight;
     if (!jet || !(std::abs(jet->u - old) < kFallbackError)) return {};
     return Solved{jet->u, jet->g, label};

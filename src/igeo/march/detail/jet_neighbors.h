@@ -121,12 +121,17 @@ constexpr float kSameFront = 0.7f;
 }  // namespace jet
 
 /// Tells how many directions of travel are apart: two that differ by 26 degrees, or three by more
-/// than 45 degrees from each other.
+/// than 45 degrees from each other. The order of the directions does not matter for two of them.
 class FrontsAround {
 public:
     void add(Vec2f g) {
         constexpr float kApart = 0.9f;
-        if (count_ > 0) two_ |= dot(g, g_[0]) < kApart;
+        if (count_ == 0) left_ = right_ = g;
+        const Vec2f first = count_ > 0 ? g_[0] : g;
+        const auto side = [&](Vec2f v) { return first.x * v.y - first.y * v.x; };
+        if (side(g) > side(left_)) left_ = g;
+        if (side(g) < side(right_)) right_ = g;
+        two_ |= dot(g, first) < kApart || dot(left_, right_) < kApart;
         if (count_ > 2) return;
         for (std::size_t k = 0; k < count_; ++k)
             if (dot(g, g_[k]) >= jet::kSameFront) return;
@@ -137,6 +142,7 @@ public:
 
 private:
     std::array<Vec2f, 3> g_;
+    Vec2f left_, right_;  ///< the outermost on either side of the first
     std::size_t count_ = 0;
     bool two_ = false;
 };
