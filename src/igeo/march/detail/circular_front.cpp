@@ -11,8 +11,9 @@ namespace igeo {
 
 namespace {
 
-constexpr std::size_t kMost = 64;                             ///< neighbors
-constexpr double kGood = 0.005, kFair = 0.0125, kBad = 0.02;  ///< residuals of fits, voxels
+constexpr std::size_t kMost = 64;  ///< neighbors
+/// Residuals of fits, voxels: where all neighbors agree, of few, of many, and at a focus.
+constexpr double kClean = 0.004, kGood = 0.005, kFair = 0.0125, kBad = 0.02;
 constexpr std::size_t kMany = 5;  ///< neighbors that allow a fair residual
 
 float cross(Vec2f a, Vec2f b) { return a.x * b.y - a.y * b.x; }
@@ -255,7 +256,7 @@ private:
         const bool most = step.agree >= kMany - 1 && 2 * step.agree >= size;
         fit.residual = most ? step.ofAgreeing : step.residual;
         fit.many = step.agree >= kMany;
-        fit.clean = step.agree == size && fit.residual < kGood;
+        fit.clean = step.agree == size && fit.residual < kClean;
         front.bend = std::max(front.bend, leastBend);
         const CircularFront::Jet jet = front.at(0, 0);
         if (!jet.reaches()) return {};
