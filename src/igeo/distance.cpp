@@ -52,6 +52,7 @@ struct Distance::Fields {
     const std::vector<SurfacePoint> seeds;
     std::mutex mutex;
     std::shared_ptr<const Field> marched, whole;
+    const std::shared_ptr<const Field>& latest() const { return whole ? whole : marched; }
     std::optional<Extent> extent;   ///< of the whole band, if `grid` has found it
     std::optional<double> largest;  ///< on the whole band
 };
@@ -79,7 +80,7 @@ std::shared_ptr<const Field> Distance::forPoints(std::size_t count) const {
     constexpr std::size_t kCorners = 8;
     if (count * kCorners > band_->size()) field();
     const std::lock_guard<std::mutex> lock(fields_->mutex);
-    return fields_->whole ? fields_->whole : fields_->marched;
+    return fields_->latest();
 }
 std::shared_ptr<const Field> Distance::marched() const { return fields_->marched; }
 const std::vector<SurfacePoint>& Distance::seeds() const { return fields_->seeds; }
@@ -214,7 +215,7 @@ std::size_t Distance::reached() const {
 Extent Distance::extent() const {
     const std::lock_guard<std::mutex> lock(fields_->mutex);
     if (fields_->extent) return *fields_->extent;
-    const Field& f = fields_->whole ? *fields_->whole : *fields_->marched;
+    const Field& f = *fields_->latest();
     if (!fields_->largest) fields_->largest = largestOnBand(f);
     return {f.core ? band_->coreSize() : band_->size(), f.reached, *fields_->largest};
 }

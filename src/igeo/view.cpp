@@ -262,8 +262,8 @@ std::string renderPng(const Distance& distance, const std::vector<NamedCurve>& l
                       const PictureOptions& options, Progress& progress) {
     const Field& field = distance.field();
     const ArrivalReader reader(*distance.marched(), field);
-    return renderPng(drawnSurface(shownLevelSet(distance, progress), *field.band, progress), field,
-                     reader, asPaths(lines, field.band->transform), options, nullptr, progress);
+    return renderPng(shownLevelSet(distance, progress), field, reader,
+                     asPaths(lines, field.band->transform), options, progress);
 }
 
 ViewScene viewScene(const FileSurvey& survey, const ViewLimits& limits, Progress& progress) {

@@ -136,52 +136,18 @@ private:
 
     /// Computes the normals and distances of a row.
     void lookAt(int y) {
-        std::vector<Spot> spots(std::size_t(frame_.width));
-        for (int x = 0; x < frame_.width; ++x) {
-            const std::size_t i = index(x, y);
-            if (!samples_[i].covered()) continue;
-            Spot& spot = spots[std::size_t(x)];
-            spot = spotAt(samples_[i], frame_.toward(x + 0.5, y + 0.5));
-            normals_[i] = Vec3f(spot.normal);
-            distances_[i] = float(spot.distance);
-        }
-        if (surface_.hasDistances()) return;
-        readRow(y, spots, [](int x) { return x % 2 == 0; });
-        readRow(y, spots, [&](int x) { return x % 2 && !isSmooth(x, y); });
-        for (int x = 1; x < frame_.width; x += 2)
-            if (const std::size_t i = index(x, y); samples_[i].covered() && isSmooth(x, y))
-                distances_[i] = between(i);
-    }
-    /// Reads the distances of those pixels of a row for which isWanted(x).
-    template <typename IsWanted>
-    void readRow(int y, const std::vector<Spot>& spots, const IsWanted& isWanted) {
-        std::vector<Spot> wanted;
+        std::vector<Spot> spots;
         std::vector<std::size_t> pixel;
         for (int x = 0; x < frame_.width; ++x)
-            if (const std::size_t i = index(x, y); samples_[i].covered() && isWanted(x))
-                wanted.push_back(spots[std::size_t(x)]), pixel.push_back(i);
-        shader_.setDistances(wanted);
-        for (std::size_t k = 0; k < wanted.size(); ++k)
-            distances_[pixel[k]] = float(wanted[k].distance);
-    }
-    /// Interpolates by the cubic through two pixels on either side.
-    float between(std::size_t i) const {
-        return (9 * (distances_[i - 1] + distances_[i + 1]) -
-                (distances_[i - 3] + distances_[i + 3])) /
-               16;
-    }
-    /// Whether the distance is linear in a row around a pixel, to a few hundredths of a pixel, so
-    /// that the cubic is at least as accurate; only for constant costs.
-    bool isSmooth(int x, int y) const {
-        if (!shader_.evenCosts() || x < 3 || x + 3 >= frame_.width) return false;
-        const std::size_t i = index(x, y);
-        for (const std::size_t j : {i - 3, i - 1, i + 1, i + 3})
-            if (!samples_[j].covered() || !std::isfinite(distances_[j])) return false;
-        const float most = 0.04f * samples_[i].depth * float(frame_.perPixel);
-        auto bends = [&](std::size_t j) {
-            return std::abs(distances_[j - 2] - 2 * distances_[j] + distances_[j + 2]) > most;
-        };
-        return !bends(i - 1) && !bends(i + 1) && !parted(x, y, x - 1, y) && !parted(x, y, x + 1, y);
+            if (const std::size_t i = index(x, y); samples_[i].covered()) {
+                spots.push_back(spotAt(samples_[i], frame_.toward(x + 0.5, y + 0.5)));
+                pixel.push_back(i);
+            }
+        if (!surface_.hasDistances()) shader_.setDistances(spots);
+        for (std::size_t k = 0; k < spots.size(); ++k) {
+            normals_[pixel[k]] = Vec3f(spots[k].normal);
+            distances_[pixel[k]] = float(spots[k].distance);
+        }
     }
 
     /// A spot without its distance, unless the triangles have distances.
@@ -382,11 +348,17 @@ std::string renderPng(const DrawnSurface& surface, const Field& field, const Arr
     return canvas.png(given ? 4 : 6);
 }
 
+std::string renderPng(const LevelSet* levelSet, const Field& field, const ArrivalReader& reader,
+                      const std::vector<Path>& paths, const PictureOptions& options,
+                      Progress& progress) {
+    checkOptions(options);
+    return renderPng(drawnSurface(levelSet, *field.band, progress), field, reader, paths, options,
+                     nullptr, progress);
+}
+
 std::string renderPng(const LevelSet* levelSet, const Field& field, const std::vector<Path>& paths,
                       const PictureOptions& options, Progress& progress) {
-    checkOptions(options);
-    return renderPng(drawnSurface(levelSet, *field.band, progress), field, ArrivalReader(field),
-                     paths, options, nullptr, progress);
+    return renderPng(levelSet, field, ArrivalReader(field), paths, options, progress);
 }
 
 }  // namespace igeo

@@ -57,14 +57,19 @@ IGEO_INLINE V absolute(const V& v) {
     return v < 0 ? -v : v;
 }
 
-template <int Width>
-IGEO_INLINE typename Registers<Width>::Vector loadLanes(const float* from) {
-    typename Registers<Width>::Vector v;
+/// A register of numbers that need not be aligned.
+template <typename Vector, typename T>
+IGEO_INLINE Vector loadAs(const T* from) {
+    Vector v;
     std::memcpy(&v, from, sizeof(v));
     return v;
 }
 template <int Width>
-IGEO_INLINE void storeLanes(const typename Registers<Width>::Vector& v, float* to) {
+IGEO_INLINE auto loadLanes(const float* from) {
+    return loadAs<typename Registers<Width>::Vector>(from);
+}
+template <typename Vector, typename T>
+IGEO_INLINE void storeLanes(const Vector& v, T* to) {
     std::memcpy(to, &v, sizeof(v));
 }
 

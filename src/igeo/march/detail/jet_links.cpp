@@ -83,17 +83,17 @@ private:
             normal{footAndX[3], rest[0], rest[1]};
         const V weight = rest[2];
         if (k < all_.neighbors) {
-            const Integers step = read<Integers>(&all_.step[k]);
+            const Integers step = loadAs<Integers>(&all_.step[k]);
             const Vectors chord =
                 same(here_.foot) - foot - Vectors{part(step >> 4), part(step >> 2), part(step)};
             Integers isNeighbor;
             for (int lane = 0; lane < Width; ++lane) isNeighbor[lane] = std::int32_t(k) + lane;
             isNeighbor = isNeighbor < std::int32_t(all_.neighbors);
-            write(all_.x, k, isNeighbor ? chord.x : read<V>(&all_.x[k]));
-            write(all_.y, k, isNeighbor ? chord.y : read<V>(&all_.y[k]));
-            write(all_.z, k, isNeighbor ? chord.z : read<V>(&all_.z[k]));
+            storeLanes(isNeighbor ? chord.x : loadAs<V>(&all_.x[k]), &all_.x[k]);
+            storeLanes(isNeighbor ? chord.y : loadAs<V>(&all_.y[k]), &all_.y[k]);
+            storeLanes(isNeighbor ? chord.z : loadAs<V>(&all_.z[k]), &all_.z[k]);
         }
-        const Vectors chord{read<V>(&all_.x[k]), read<V>(&all_.y[k]), read<V>(&all_.z[k])};
+        const Vectors chord{loadAs<V>(&all_.x[k]), loadAs<V>(&all_.y[k]), loadAs<V>(&all_.z[k])};
         const Vectors axis = anyNormalTo(normal);
         const V cosine = dot(n_, normal), rise = dot(n_, chord), riseOther = dot(normal, chord);
         const Integers together = areOnOneSheet(cosine, rise, riseOther, dot(chord, chord));
@@ -118,8 +118,8 @@ private:
             const std::size_t l = k + std::size_t(lane);
             all_.link[l].key = all_.node[l];
         }
-        write(all_.cosine, k, cosine);
-        std::memcpy(&all_.together[k], &together, sizeof together);
+        storeLanes(cosine, &all_.cosine[k]);
+        storeLanes(together, &all_.together[k]);
         return ~together | (cosine < smooth_);
     }
 
@@ -154,15 +154,6 @@ private:
     /// Of a step in bits.
     IGEO_INLINE static V part(const Integers& code) {
         return __builtin_convertvector((code & 3) - 1, V);
-    }
-    template <typename Vector, typename T>
-    IGEO_INLINE static Vector read(const T* from) {
-        Vector v;
-        std::memcpy(&v, from, sizeof v);
-        return v;
-    }
-    IGEO_INLINE static void write(Candidates::Array<float>& to, std::size_t k, const V& v) {
-        std::memcpy(&to[k], &v, sizeof v);
     }
 
     const JetNode* nodes_;

@@ -24,5 +24,8 @@ DrawnSurface drawnSurface(const LevelSet* levelSet, const Band& band, Progress& 
 std::string renderPng(const DrawnSurface& surface, const Field& field, const ArrivalReader& reader,
                       const std::vector<Path>& paths, const PictureOptions& options,
                       const View* view, Progress& progress);
+std::string renderPng(const LevelSet* levelSet, const Field& field, const ArrivalReader& reader,
+                      const std::vector<Path>& paths, const PictureOptions& options,
+                      Progress& progress);
 
 }  // namespace igeo

@@ -21,8 +21,6 @@ public:
     Shader(const Field& field, const ArrivalReader& reader, const Scale& scale, double isolineHalf,
            const Frame& frame);
 
-    /// Whether the cost is the same everywhere.
-    bool evenCosts() const { return !field_.metric->weighted(); }
     /// The distances at visible points of S; +infinity beyond an early stop.
     void setDistances(std::vector<Spot>& spots) const;
     /// A distance at p; +infinity beyond an early stop.

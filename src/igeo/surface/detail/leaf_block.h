@@ -114,6 +114,15 @@ private:
 /// Eight numbers, one per voxel of a row.
 using RowNumbers = std::array<float, 8>;
 
+/// Bits: the voxels of a row with |value| < limit.
+template <int Width>
+IGEO_INLINE unsigned within(const float* values, float limit) {
+    unsigned bits = 0;
+    for (std::size_t k = 0; k < 8; k += Width)
+        bits |= bitsOf<Width>(absolute(loadLanes<Width>(values + k)) < limit) << k;
+    return bits;
+}
+
 /// Differences of psi at the eight voxels of a row, in single precision, `Width` at a time.
 template <int Width = 4>
 struct PsiRow {
@@ -143,8 +152,8 @@ struct PsiRow {
             V square = 0.25f * (alongX * alongX + alongY * alongY + alongZ * alongZ);
             smooth |= bitsOf<Width>((square > kLeast) & (square < kMost)) << k;
             takeRoots<Width>(square);
-            storeLanes<Width>(alongX, &dx[k]), storeLanes<Width>(alongY, &dy[k]),
-                storeLanes<Width>(alongZ, &dz[k]), storeLanes<Width>(square, &slope[k]);
+            storeLanes(alongX, &dx[k]), storeLanes(alongY, &dy[k]), storeLanes(alongZ, &dz[k]),
+                storeLanes(square, &slope[k]);
         }
         smooth &= complete;
     }

@@ -30,9 +30,9 @@ struct NodeRow {
                     *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1);
         for (std::size_t k = 0; k < 8; k += Width) {
             const V length = 2 * loadLanes<Width>(&row.slope[k]);
-            storeLanes<Width>(loadLanes<Width>(&row.dx[k]) / length, &nx[k]);
-            storeLanes<Width>(loadLanes<Width>(&row.dy[k]) / length, &ny[k]);
-            storeLanes<Width>(loadLanes<Width>(&row.dz[k]) / length, &nz[k]);
+            storeLanes(loadLanes<Width>(&row.dx[k]) / length, &nx[k]);
+            storeLanes(loadLanes<Width>(&row.dy[k]) / length, &ny[k]);
+            storeLanes(loadLanes<Width>(&row.dz[k]) / length, &nz[k]);
             const V psi = loadLanes<Width>(here + k),
                     around = (loadLanes<Width>(x0 + k) + loadLanes<Width>(x1 + k)) +
                              (loadLanes<Width>(y0 + k) + loadLanes<Width>(y1 + k)) +
@@ -122,10 +122,8 @@ template <int Width>
 IGEO_INLINE void markAll(const float* values, float limit, std::array<std::uint64_t, 8>& slices) {
     for (std::uint64_t& slice : slices) {
         slice = 0;
-        for (unsigned k = 0; k < 64; k += Width)
-            slice |= std::uint64_t(bitsOf<Width>(absolute(loadLanes<Width>(values + k)) < limit))
-                     << k;
-        values += 64;
+        for (unsigned k = 0; k < 64; k += 8, values += 8)
+            slice |= std::uint64_t(within<Width>(values, limit)) << k;
     }
 }
 void markByFour(const float* values, float limit, std::array<std::uint64_t, 8>& slices) {

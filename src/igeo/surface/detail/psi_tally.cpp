@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 namespace igeo {
 
@@ -17,32 +16,14 @@ IGEO_INLINE unsigned crossing(const LeafBlock& b, int x, int y) {
                                              b.row(x, y + 1), row - 1,         row + 1};
     unsigned bits = 0;
     for (std::size_t k = 0; k < 8; k += Width) {
-        Flags below{}, above{}, here;
+        Flags below{}, above{};
         for (const float* from : around) {
             const auto value = loadLanes<Width>(from + k);
             below |= value < 0, above |= value >= 0;
         }
-        std::memcpy(&here, row + k, sizeof(here));
-        bits |= bitsOf<Width>(here < 0 ? above : below) << k;
+        // By its sign bit.
+        bits |= bitsOf<Width>(loadAs<Flags>(row + k) < 0 ? above : below) << k;
     }
-    return bits;
-}
-
-/// Bits: the voxels of a row with values below a limit.
-template <int Width>
-IGEO_INLINE unsigned below(float limit, const RowNumbers& values) {
-    unsigned bits = 0;
-    for (std::size_t k = 0; k < 8; k += Width)
-        bits |= bitsOf<Width>(loadLanes<Width>(&values[k]) < limit) << k;
-    return bits;
-}
-
-/// Bits: the voxels of a row within a voxel of the surface.
-template <int Width>
-IGEO_INLINE unsigned withinOne(const float* psi) {
-    unsigned bits = 0;
-    for (std::size_t k = 0; k < 8; k += Width)
-        bits |= bitsOf<Width>(absolute(loadLanes<Width>(psi + k)) < 1) << k;
     return bits;
 }
 
@@ -57,7 +38,7 @@ IGEO_INLINE std::array<std::int32_t, 8> gradientBins(const RowNumbers& slope) {
         const V scaled = kPerUnit * loadLanes<Width>(&slope[k]);
         const auto bin = __builtin_convertvector(scaled < last ? scaled : last,
                                                  typename Registers<Width>::Integers);
-        std::memcpy(&bins[k], &bin, sizeof(bin));
+        storeLanes(bin, &bins[k]);
     }
     return bins;
 }
@@ -76,18 +57,19 @@ IGEO_INLINE void addRow(const LeafBlock& b, int x, int y, double halfWidth, PsiT
     for (unsigned bits = row.complete; bits; bits &= bits - 1)
         tally.gradient.addToBin(std::size_t(bins[std::size_t(std::countr_zero(bits))]));
     // Where opposite sheets meet, central differences cancel; at creases they stay above 0.58.
-    for (unsigned bits = row.complete & below<Width>(0.5f, row.slope); bits; bits &= bits - 1)
+    for (unsigned bits = row.complete & within<Width>(row.slope.data(), 0.5f); bits;
+         bits &= bits - 1)
         tally.meeting.add(double(std::abs(psi[std::countr_zero(bits)])) / PsiTally::kReachRange);
-    const unsigned within = row.active & withinOne<Width>(psi);
-    if (within == 0) return;
-    tally.nearSurface += unsigned(std::popcount(within));
-    tally.crossing += unsigned(std::popcount(within & crossing<Width>(b, x, y)));
+    const unsigned near = row.active & within<Width>(psi, 1);
+    if (near == 0) return;
+    tally.nearSurface += unsigned(std::popcount(near));
+    tally.crossing += unsigned(std::popcount(near & crossing<Width>(b, x, y)));
     const RowCurvatures curvatures(b, x, y);
-    for (unsigned bits = within & row.complete; bits; bits &= bits - 1)
+    for (unsigned bits = near & row.complete; bits; bits &= bits - 1)
         if (const auto k = double(curvatures.largest[std::size_t(std::countr_zero(bits))]);
             !std::isnan(k))
             tally.curvature.addToBin(curvatureBins()(k));
-    for (unsigned bits = within & ~row.complete; bits; bits &= bits - 1) {
+    for (unsigned bits = near & ~row.complete; bits; bits &= bits - 1) {
         const int z = std::countr_zero(bits);
         tally.cut += cutBeside(PsiDifferences(b, x, y, z), psi[z], halfWidth);
     }
