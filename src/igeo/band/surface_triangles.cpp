@@ -3,7 +3,6 @@
 #include <igeo/base/nearest_on_triangle.h>
 
 #include <algorithm>
-#include <numeric>
 
 namespace igeo {
 
@@ -30,13 +29,6 @@ double meeting(const Vec3d& from, const Vec3d& dir, const Vec3d& a, const Vec3d&
 }
 
 }  // namespace
-
-void SurfaceTriangles::Box::add(const Vec3d& p) {
-    for (int a = 0; a < 3; ++a) {
-        low[a] = std::min(low[a], p[a]);
-        high[a] = std::max(high[a], p[a]);
-    }
-}
 
 double SurfaceTriangles::Box::squaredDistance(const Vec3d& p) const {
     double sum = 0;
@@ -104,31 +96,40 @@ void SurfaceTriangles::makeTree() const {
     Tree& tree = tree_;
     while ((size() >> tree.levels) >= kBucket) ++tree.levels;
     tree.order.resize(size());
-    std::iota(tree.order.begin(), tree.order.end(), std::uint32_t(0));
     tree.boxes.resize((std::size_t(2) << tree.levels) - 1);
-    std::vector<Vec3d> middle(size());
-    for (std::size_t t = 0; t < size(); ++t) middle[t] = corner(t, 0) + corner(t, 1) + corner(t, 2);
-    for (unsigned level = 0; level <= tree.levels; ++level)
+    struct Item {
+        Vec3d middle;  ///< times three
+        std::uint32_t triangle;
+    };
+    std::vector<Item> items(size());
+    for (std::uint32_t t = 0; t < size(); ++t)
+        items[t] = {corner(t, 0) + corner(t, 1) + corner(t, 2), t};
+    auto at = [&](unsigned level, std::size_t k) {
+        return items.begin() + std::ptrdiff_t(edge(level, k));
+    };
+    for (unsigned level = 0; level < tree.levels; ++level)
         for (std::size_t k = 0; k < std::size_t(1) << level; ++k) {
-            const auto begin = tree.order.begin() + std::ptrdiff_t(edge(level, k)),
-                       end = tree.order.begin() + std::ptrdiff_t(edge(level, k + 1));
-            if (level == tree.levels) {
-                std::sort(begin, end);
-                Box& box = tree.boxes[(std::size_t(1) << level) - 1 + k];
-                for (auto t = begin; t != end; ++t)
-                    for (unsigned c = 0; c < 3; ++c) box.add(corner(*t, c));
-                continue;
-            }
             Box centers;
-            for (auto t = begin; t != end; ++t) centers.add(middle[*t]);
+            for (auto i = at(level, k); i != at(level, k + 1); ++i) centers.add(i->middle);
             const Vec3d size = centers.high - centers.low;
-            const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-            std::nth_element(begin, tree.order.begin() + std::ptrdiff_t(edge(level + 1, 2 * k + 1)),
-                             end, [&](std::uint32_t a, std::uint32_t b) {
-                                 return std::pair(middle[a][axis], a) <
-                                        std::pair(middle[b][axis], b);
+            double Vec3d::*const axis = size.x >= size.y && size.x >= size.z ? &Vec3d::x
+                                        : size.y >= size.z                   ? &Vec3d::y
+                                                                             : &Vec3d::z;
+            std::nth_element(at(level, k), at(level + 1, 2 * k + 1), at(level, k + 1),
+                             [axis](const Item& a, const Item& b) {
+                                 const double x = a.middle.*axis, y = b.middle.*axis;
+                                 return x < y || (x == y && a.triangle < b.triangle);
                              });
         }
+    for (std::size_t k = 0; k < std::size_t(1) << tree.levels; ++k) {
+        const std::size_t begin = edge(tree.levels, k), end = edge(tree.levels, k + 1);
+        for (std::size_t i = begin; i < end; ++i) tree.order[i] = items[i].triangle;
+        std::sort(tree.order.begin() + std::ptrdiff_t(begin),
+                  tree.order.begin() + std::ptrdiff_t(end));
+        Box& box = tree.boxes[(std::size_t(1) << tree.levels) - 1 + k];
+        for (std::size_t i = begin; i < end; ++i)
+            for (unsigned c = 0; c < 3; ++c) box.add(corner(tree.order[i], c));
+    }
     for (std::size_t b = (std::size_t(1) << tree.levels) - 1; b-- > 0;)
         for (const std::size_t half : {2 * b + 1, 2 * b + 2}) {
             tree.boxes[b].add(tree.boxes[half].low);

@@ -7,6 +7,19 @@
 
 namespace igeo {
 
+namespace {
+
+/// The corner nearest to a point on S, of the triangle that it lies on.
+Vec3d cornerNear(const SurfaceTriangles& triangles, const Vec3d& p) {
+    const std::uint32_t t = triangles.nearest(p).triangle;
+    Vec3d best = triangles.corner(t, 0);
+    for (unsigned k = 1; k < 3; ++k)
+        if (const Vec3d c = triangles.corner(t, k); length(c - p) < length(best - p)) best = c;
+    return best;
+}
+
+}  // namespace
+
 AccuracyEstimate estimateAccuracy(const Field& field, std::size_t samples, Progress& progress) {
     const Band& band = *field.band;
     AccuracyEstimate e;
@@ -16,11 +29,9 @@ AccuracyEstimate estimateAccuracy(const Field& field, std::size_t samples, Progr
     parallelFor(samples, 1, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const auto i = NodeIndex((2 * k + 1) * band.size() / (2 * samples));
-            SurfacePoint target;
-            target.node = i;
-            target.pIndex = target.askedIndex = band.footPoint(i);
-            projectToSurface(band, target.pIndex);
-            Path path = tracePath(field, target);
+            Vec3d p = band.footPoint(i);
+            if (band.triangles && k % 2 == 1) p = cornerNear(*band.triangles, p);
+            Path path = tracePath(field, nearestSurfacePoint(band, p));
             straighten(field, path, progress);
             // Close to a seed the distance is exact by construction, and would lower the estimate.
             if (path.status != PathStatus::Reached || path.distance < 3 * field.startRadius)

@@ -17,10 +17,12 @@ struct AccuracyEstimate {
     double fallbackShare = 0;
 };
 
-/// Traces geodesics from `samples` nodes spread over the surface, straightens them, and compares
-/// their lengths with the distances. The lengths have the small error of straighten(); where the
-/// distances are more accurate than that, the estimate is too high. It does not include the error
-/// of psi against the surface that psi was made from. Time O(samples * length), in parallel.
+/// Traces geodesics from the foot points of `samples` nodes spread over the surface, straightens
+/// them, and compares their lengths with the distances. On a mesh every second one starts from the
+/// vertex nearest to such a point, where errors are largest. The lengths have the small error of
+/// straighten(); where the distances are more accurate than that, the estimate is too high. It does
+/// not include the error of psi against the surface that psi was made from. Time O(samples *
+/// length), in parallel.
 AccuracyEstimate estimateAccuracy(const Field& field, std::size_t samples = 8,
                                   Progress& progress = Progress::none());
 

@@ -345,7 +345,7 @@ std::string renderPng(const DrawnSurface& surface, const Field& field, const Arr
     canvas.fill(0, 0, options.width, options.height, dark ? Vec3d{} : kWhite, clear ? 0 : 1);
     film.develop(options.background, canvas);
     legend.draw(canvas, dark ? kWhite : kInk);
-    return canvas.png(given ? 4 : 6);
+    return canvas.png();
 }
 
 std::string renderPng(const LevelSet* levelSet, const Field& field, const ArrivalReader& reader,

@@ -70,7 +70,8 @@ bool Canvas::isOpaque() const {
     return true;
 }
 
-std::string Canvas::png(int level) const {
+std::string Canvas::png() const {
+    constexpr int kCompression = 4;  // of zlib: half the time of 6, 5 to 10 % more bytes
     const bool opaque = isOpaque();
     std::string file;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -92,7 +93,7 @@ std::string Canvas::png(int level) const {
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
     // Trying all filters takes twice the time, and saves nothing.
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
-    png_set_compression_level(png, level);
+    png_set_compression_level(png, kCompression);
     png_write_info(png, info);
     if (opaque) png_set_filler(png, 0, PNG_FILLER_AFTER);
     for (int y = 0; y < height_; ++y)

@@ -29,8 +29,7 @@ public:
 
     /// A PNG file, marked as sRGB, with alpha where a pixel is not opaque; the same bytes for the
     /// same pixels.
-    /// @param level  of zlib; 4 takes half the time of 6 and 5 to 10 % more bytes
-    std::string png(int level = 6) const;
+    std::string png() const;
 
 private:
     std::uint8_t* at(int x, int y) {

@@ -60,9 +60,9 @@ public:
             const std::size_t j = index(u, v);
             if (!samples_[j].covered()) continue;
             const Vec3d r = places_[j] - p;
-            const double square = dot(r, r), off = 1 - square / (radius_ * radius_);
-            if (off > 0 && square > 0)
-                sum += off * std::max(0.0, dot(r, n) / std::sqrt(square) - kFlat);
+            const double rise = dot(r, n), square = dot(r, r),
+                         off = 1 - square / (radius_ * radius_);
+            if (rise > 0 && off > 0) sum += off * std::max(0.0, rise / std::sqrt(square) - kFlat);
         }
         return std::min(1.0, 2.2 * sum / kTaps);
     }

@@ -3,7 +3,6 @@
 #include <igeo/base/detail/box.h>
 #include <igeo/base/detail/disjoint_sets.h>
 #include <igeo/base/point_tree.h>
-#include <igeo/surface/detail/mesh_distance.h>
 
 #include <algorithm>
 
@@ -44,7 +43,10 @@ MeshAdjacency::MeshAdjacency(const TriangleMesh& mesh, const MeshTopology& topol
 
 bool MeshAdjacency::overlap(const Side& a, const Side& b, double tolerance) const {
     auto on = [&](const Vec3d& p, const Side& s) {
-        return length(nearestOnTriangle(p, end(s, 0), end(s, 1), end(s, 0)).point - p) <= tolerance;
+        const Vec3d e = end(s, 1) - end(s, 0), r = p - end(s, 0);
+        const double l2 = dot(e, e), at = l2 > 0 ? std::clamp(dot(r, e) / l2, 0.0, 1.0) : 0;
+        const Vec3d off = r - at * e;
+        return dot(off, off) <= tolerance * tolerance;
     };
     int ends = 0;
     Vec3d first;
@@ -76,9 +78,10 @@ void MeshAdjacency::findSeams() {
     tree.setReach(std::move(reach));
     for (std::size_t k = 0; k < sides.size(); ++k)
         tree.forReaching(middles[k], halfOf(sides[k]) + tolerance, [&](PointTree::Index i) {
-            const Side& other = sides[tree.inputIndex(i)];
-            if (other != sides[k] && overlap(sides[k], other, tolerance))
-                seams_.emplace_back(sides[k], other.first);
+            const std::size_t other = tree.inputIndex(i);
+            if (other <= k || !overlap(sides[k], sides[other], tolerance)) return;
+            seams_.emplace_back(sides[k], sides[other].first);
+            seams_.emplace_back(sides[other], sides[k].first);
         });
     std::sort(seams_.begin(), seams_.end());
 }
