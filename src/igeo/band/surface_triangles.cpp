@@ -30,6 +30,11 @@ double meeting(const Vec3d& from, const Vec3d& dir, const Vec3d& a, const Vec3d&
 
 }  // namespace
 
+inline void SurfaceTriangles::Box::add(const Vec3d& p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+}
+
 double SurfaceTriangles::Box::squaredDistance(const Vec3d& p) const {
     double sum = 0;
     for (int a = 0; a < 3; ++a) {
@@ -95,7 +100,7 @@ const SurfaceTriangles::Tree& SurfaceTriangles::tree() const {
 void SurfaceTriangles::makeTree() const {
     Tree& tree = tree_;
     while ((size() >> tree.levels) >= kBucket) ++tree.levels;
-    tree.order.resize(size());
+    tree.order.reserve(size());
     tree.boxes.resize((std::size_t(2) << tree.levels) - 1);
     struct Item {
         Vec3d middle;  ///< times three
@@ -122,13 +127,13 @@ void SurfaceTriangles::makeTree() const {
                              });
         }
     for (std::size_t k = 0; k < std::size_t(1) << tree.levels; ++k) {
-        const std::size_t begin = edge(tree.levels, k), end = edge(tree.levels, k + 1);
-        for (std::size_t i = begin; i < end; ++i) tree.order[i] = items[i].triangle;
-        std::sort(tree.order.begin() + std::ptrdiff_t(begin),
-                  tree.order.begin() + std::ptrdiff_t(end));
+        const auto begin = at(tree.levels, k), end = at(tree.levels, k + 1);
+        std::sort(begin, end, [](const Item& a, const Item& b) { return a.triangle < b.triangle; });
         Box& box = tree.boxes[(std::size_t(1) << tree.levels) - 1 + k];
-        for (std::size_t i = begin; i < end; ++i)
-            for (unsigned c = 0; c < 3; ++c) box.add(corner(tree.order[i], c));
+        for (auto i = begin; i != end; ++i) {
+            tree.order.push_back(i->triangle);
+            for (unsigned c = 0; c < 3; ++c) box.add(corner(i->triangle, c));
+        }
     }
     for (std::size_t b = (std::size_t(1) << tree.levels) - 1; b-- > 0;)
         for (const std::size_t half : {2 * b + 1, 2 * b + 2}) {

@@ -82,10 +82,7 @@ public:
 private:
     struct Box {
         Vec3d low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
-        void add(const Vec3d& p) {
-            low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-            high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-        }
+        void add(const Vec3d& p);
         double squaredDistance(const Vec3d& p) const;
         /// The distance at which a ray enters; +infinity where it misses.
         double entry(const Vec3d& from, const Vec3d& inverse) const;

@@ -1,4 +1,4 @@
-/// The point of a triangle nearest to a given point.
+/// The point of a triangle nearest to a given point, and the distance to a segment.
 #pragma once
 
 #include <igeo/base/types.h>
@@ -39,6 +39,14 @@ private:
 inline NearestOnTriangle nearestOnTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b,
                                            const Vec3d& c) {
     return TriangleCorners(a, b, c).nearest(p);
+}
+
+/// The distance of p from the segment from a to b, which may be a point.
+inline double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
+    const Vec3d along = b - a;
+    const double square = dot(along, along);
+    const double t = square > 0 ? std::clamp(dot(p - a, along) / square, 0.0, 1.0) : 0;
+    return length(p - a - t * along);
 }
 
 inline NearestOnTriangle TriangleCorners::nearest(const Vec3d& p) const {

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/error.h>
+#include <igeo/base/nearest_on_triangle.h>
 #include <igeo/metric/vertex_weights.h>
 #include <openvdb/tools/Interpolation.h>
 
@@ -95,13 +96,6 @@ bool anyActive(const VoxelSet& voxels, const Ijk& low, const Ijk& high, const Te
                                 return true;
             }
     return false;
-}
-
-double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
-    const Vec3d along = b - a;
-    const double square = dot(along, along);
-    const double t = square > 0 ? std::clamp(dot(p - a, along) / square, 0.0, 1.0) : 0;
-    return length(p - a - t * along);
 }
 
 bool levelSetBlocks(const openvdb::FloatGrid& grid, const IndexMap& map, const Vec3d& a,

@@ -1,5 +1,7 @@
 #include <igeo/results/detail/marks.h>
 
+#include <igeo/base/nearest_on_triangle.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,13 +12,6 @@ namespace {
 /// Whether a seed is part of a curve or of the rim of a region.
 bool isPiece(const std::vector<SurfacePoint>& seeds, std::size_t k) {
     return seeds[k].joined || (k + 1 < seeds.size() && seeds[k + 1].joined);
-}
-
-double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
-    const Vec3d along = b - a;
-    const double square = dot(along, along);
-    const double t = square > 0 ? std::clamp(dot(p - a, along) / square, 0.0, 1.0) : 0.0;
-    return length(p - a - t * along);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <igeo/base/detail/box.h>
 #include <igeo/base/detail/disjoint_sets.h>
+#include <igeo/base/nearest_on_triangle.h>
 #include <igeo/base/point_tree.h>
 
 #include <algorithm>
@@ -43,10 +44,7 @@ MeshAdjacency::MeshAdjacency(const TriangleMesh& mesh, const MeshTopology& topol
 
 bool MeshAdjacency::overlap(const Side& a, const Side& b, double tolerance) const {
     auto on = [&](const Vec3d& p, const Side& s) {
-        const Vec3d e = end(s, 1) - end(s, 0), r = p - end(s, 0);
-        const double l2 = dot(e, e), at = l2 > 0 ? std::clamp(dot(r, e) / l2, 0.0, 1.0) : 0;
-        const Vec3d off = r - at * e;
-        return dot(off, off) <= tolerance * tolerance;
+        return distanceToSegment(p, end(s, 0), end(s, 1)) <= tolerance;
     };
     int ends = 0;
     Vec3d first;
