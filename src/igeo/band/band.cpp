@@ -145,6 +145,12 @@ void Band::markFacing(NodeIndex i) {
         for (const int steps : {1, 2}) markFacing(i, steps * faceStep(face));
 }
 
+bool Band::isWhole(LeafIndex l, unsigned at, const Ijk& low) const {
+    unsigned count = 0;
+    forCorners(&BandLeaf::band, l, at, low, [&](NodeIndex, unsigned) { ++count; });
+    return count == 8;
+}
+
 void Band::markFacing() {
     parallelFor(size(), 4096, [&](std::size_t begin, std::size_t end) {
         // Each pair from one end.

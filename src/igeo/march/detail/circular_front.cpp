@@ -12,9 +12,8 @@ namespace igeo {
 namespace {
 
 constexpr std::size_t kMost = 64;  ///< neighbors
-/// Residuals of fits, voxels: where all neighbors agree, of few, of many, and at a focus.
-constexpr double kClean = 0.004, kGood = 0.005, kFair = 0.0125, kBad = 0.02;
-constexpr std::size_t kMany = 5;  ///< neighbors that allow a fair residual
+/// Residuals of fits, voxels: where all neighbors agree, and the largest.
+constexpr double kClean = 0.004, kBad = 0.02;
 
 float cross(Vec2f a, Vec2f b) { return a.x * b.y - a.y * b.x; }
 
@@ -169,7 +168,6 @@ bool spreads(const JetNeighbor& a, const JetNeighbor& b) {
 struct Fit {
     Jet jet;
     double residual = kInfinity;  ///< root mean square, voxels; +inf for no fit
-    bool many = false;            ///< many neighbors agree
     bool clean = false;           ///< all neighbors agree well
     std::uint64_t members = 0;    ///< bits: neighbors that it was fitted to
 };
@@ -177,8 +175,7 @@ struct Fit {
 /// The neighbors whose fronts reach the origin.
 class Neighborhood {
 public:
-    /// @param atFocus  as in fitCircularFront
-    Neighborhood(std::span<const JetNeighbor> neighbors, bool atFocus) : atFocus_(atFocus) {
+    explicit Neighborhood(std::span<const JetNeighbor> neighbors) {
         for (const JetNeighbor& n : neighbors.first(std::min(neighbors.size(), kMost)))
             if (const auto c = carry(n, neighbors)) {
                 carried_[count_++] = *c;
@@ -198,9 +195,9 @@ public:
         if (onCircle == onLine) return {onCircle};
         return {onCircle, onLine};
     }
-    /// Fits the front of a neighbor: of all neighbors with directions within 16 degrees of its own,
-    /// or within 45, first at a focus; or, if these belong to two fronts that meet at a small
-    /// angle, of those that spread with it.
+    /// Fits the front of a neighbor: of all neighbors with directions within 45 degrees of its own,
+    /// or within 16; or, if these belong to two fronts that meet at a small angle, of those that
+    /// spread with it.
     Fit fitFrontOf(std::size_t lead) const {
         constexpr float kTight = 0.96f;
         const Carried& own = carried_[lead];
@@ -208,9 +205,9 @@ public:
             return fit(lead, -kInfinity,
                        [&](const Carried& c) { return dot(c.g, own.g) >= cosine; });
         };
-        const Fit first = within(atFocus_ ? jet::kSameFront : kTight);
+        const Fit first = within(jet::kSameFront);
         if (first.clean) return first;
-        const Fit second = within(atFocus_ ? kTight : jet::kSameFront);
+        const Fit second = within(kTight);
         if (second.clean) return second;
         const Fit narrow =
             fit(lead, 0, [&](const Carried& c) { return spreads(c.from, own.from); });
@@ -222,10 +219,8 @@ public:
 
     /// Whether neighbors agree with a fit, and its value is within its bounds.
     bool allows(const Fit& fit) const {
-        constexpr double kFocus = 0.2, kNoFocus = 0.03, kSlack = 0.02;  // voxels
-        const double most = atFocus_ ? kBad : fit.many ? kFair : kGood;
-        return fit.residual < most && fit.jet.u < longest_ + kSlack &&
-               fit.jet.u > least_ - (atFocus_ ? kFocus : kNoFocus);
+        constexpr double kFocus = 0.2, kSlack = 0.02;  // voxels
+        return fit.residual < kBad && fit.jet.u < longest_ + kSlack && fit.jet.u > least_ - kFocus;
     }
 
 private:
@@ -233,8 +228,7 @@ private:
     template <typename IsMember>
     Fit fit(std::size_t lead, double leastBend, const IsMember& isMember) const {
         constexpr int kSteps = 4;
-        // Two do not tell a focus from two fronts.
-        const std::size_t least = atFocus_ ? 3 : 2;
+        constexpr std::size_t kLeast = 3, kAgreeing = 4;  // neighbors
         Fit fit;
         std::array<JetNeighbor, kMost> members;
         std::size_t size = 0, back = lead;  // the member of least value, farthest from a focus
@@ -244,8 +238,7 @@ private:
             fit.members |= std::uint64_t(1) << k;
             if (carried_[k].from.u < carried_[back].from.u) back = k;
         }
-        if (size < least) return {};
-        if (size == 2) leastBend = 0;
+        if (size < kLeast) return {};
         CircularFront front = carried_[back].front();
         Step step;
         for (int k = 0; k < kSteps && !step.small; ++k) {
@@ -253,9 +246,8 @@ private:
             step = improve(front, {members.data(), size});
         }
         // Outliers are nodes whose own values suffered from the other front.
-        const bool most = step.agree >= kMany - 1 && 2 * step.agree >= size;
+        const bool most = step.agree >= kAgreeing && 2 * step.agree >= size;
         fit.residual = most ? step.ofAgreeing : step.residual;
-        fit.many = step.agree >= kMany;
         fit.clean = step.agree == size && fit.residual < kClean;
         front.bend = std::max(front.bend, leastBend);
         const CircularFront::Jet jet = front.at(0, 0);
@@ -264,7 +256,6 @@ private:
         return fit;
     }
 
-    const bool atFocus_;
     std::array<Carried, kMost> carried_;
     std::size_t count_ = 0;
     double longest_ = kInfinity;  ///< upper bound: the straight lines from the neighbors
@@ -273,8 +264,8 @@ private:
 
 }  // namespace
 
-std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors, bool atFocus) {
-    const Neighborhood all(neighbors, atFocus);
+std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors) {
+    const Neighborhood all(neighbors);
     Fit best;
     for (const std::size_t lead : all.leads()) {
         if (best.members >> lead & 1) continue;

@@ -1,8 +1,8 @@
-/// Where fronts meet: the local solve of scheme `jet` for a point whose neighbors all have jets,
-/// but too few of one front for the fit of jet_fit.h. No grid, no states, no surface.
+/// Reading beside a focus: the jet at a point whose neighbors all have jets, but too few of one
+/// front for a blend. No grid, no states, no surface.
 ///
-/// Beside a point where fronts arrive from all sides, neighbors of one front have directions up to
-/// 90 degrees apart. So the front is modeled as a circle, with its curvature k as a third unknown.
+/// Where fronts arrive from all sides, neighbors of one front have directions up to 90 degrees
+/// apart. So the front is modeled as a circle, with its curvature k as a third unknown.
 /// From a point of it with value u and direction g, the front has at the offset a
 ///
 ///     value      u + (2 p + k |a|^2) / (1 + r),      p = g . a
@@ -21,12 +21,10 @@ namespace igeo {
 
 /// The jet at the origin, from the front that arrives there first.
 /// @param neighbors  of one source, in the chart of the origin, up to three voxels away
-/// @param atFocus  whether the front may narrow to a focus here; in brackets: where it may not
-/// @return none where fewer than 3 (2) neighbors of that front lie behind the origin, where they
-///         differ by more than 0.02 voxels (0.004, or 0.01 if five agree; outliers left out if half
-///         of them and four agree), and where the value is more than 0.2 (0.03) below all plane
-///         fronts
+/// @return none where fewer than three neighbors of that front lie behind the origin, where they
+///         differ by more than 0.02 voxels (outliers left out if half of them and four agree), and
+///         where the value is more than 0.2 voxels below all plane fronts
 /// Time: some microseconds.
-std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors, bool atFocus = true);
+std::optional<Jet> fitCircularFront(std::span<const JetNeighbor> neighbors);
 
 }  // namespace igeo

@@ -63,10 +63,14 @@ inline bool spreads(const JetNeighbors& all) {
 /// Whether the neighbors may be beside a focus: three fronts meet, or one narrows by 18 degrees and
 /// more from one to another.
 inline bool nearFocus(const JetNeighbors& all) {
-    FrontsAround fronts;
+    std::array<Vec2f, 2> apart;
+    std::size_t fronts = 0;
     for (int i = 0; i < all.count(); ++i) {
-        fronts.add(all.g(i));
-        if (fronts.three()) return true;
+        const bool isOther = std::all_of(apart.begin(), apart.begin() + fronts, [&](Vec2f g) {
+            return dot(g, all.g(i)) < kSameFront;
+        });
+        if (isOther && fronts == apart.size()) return true;
+        if (isOther) apart[fronts++] = all.g(i);
         for (int j = 0; j < i; ++j)
             if (const Pair pair(all, i, j);
                 pair.bend2 > Pair::kFocusBend2 && pair.radius < 0 && pair.narrows())

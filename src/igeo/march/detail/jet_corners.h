@@ -69,6 +69,8 @@ std::vector<Vec3f> gradientsOf(const CoreJets& jets);
 /// @param gradients  gradientsOf(jets), or empty: those that are needed are computed
 void gatherCorners(const CoreJets& jets, const std::vector<Vec3f>& gradients,
                    const CellPoints& points, JetCorners& corners);
+/// The same but for directions of travel, which are not set.
+void gatherCornersOfS(const CoreJets& jets, const CellPoints& points, JetCorners& corners);
 
 /// The jets at the points: every corner carries its own there by the circular step (jet_fit.h) in
 /// the mean direction; the values are blended.

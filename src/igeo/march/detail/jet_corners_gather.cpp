@@ -157,18 +157,28 @@ std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
     return gradients;
 }
 
+namespace {
+
+void gather(const CoreJets& jets, const Vec3f* gradients, const CellPoints& points,
+            JetCorners& corners) {
+    const CoreArrays core{jets.core->nodes.data(), jets.state.data(), gradients,
+                          float(jets.buckets.width), jets.core->metric.weighted()};
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return gatherByEight(core, points, corners);
+#endif
+    gatherByFour(core, points, corners);
+}
+
+}  // namespace
+
+void gatherCornersOfS(const CoreJets& jets, const CellPoints& points, JetCorners& corners) {
+    gather(jets, nullptr, points, corners);
+}
+
 void gatherCorners(const CoreJets& jets, const std::vector<Vec3f>& gradients,
                    const CellPoints& points, JetCorners& corners) {
-    const CoreArrays core{jets.core->nodes.data(), jets.state.data(),
-                          gradients.empty() ? nullptr : gradients.data(), float(jets.buckets.width),
-                          jets.core->metric.weighted()};
-#ifdef IGEO_AVX2
-    if (eightAtATime())
-        gatherByEight(core, points, corners);
-    else
-#endif
-        gatherByFour(core, points, corners);
-    if (!gradients.empty()) return;
+    if (!gradients.empty()) return gather(jets, gradients.data(), points, corners);
+    gatherCornersOfS(jets, points, corners);
     for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane)
         for (std::size_t k = 0; k < JetCorners::kMax; ++k) {
             const bool there = k < corners.count[lane];

@@ -2,7 +2,6 @@
 
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_blend.h>
-#include <igeo/march/detail/jet_meeting.h>
 
 namespace igeo {
 
@@ -43,7 +42,7 @@ void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carr
              labelOf(group, lane)};
     }
     if (simple)
-        finish(node, maybeInDisc(i, s.distance) ? inDisc(i, s) : s);
+        finishOrInDisc(node, s);
     else
         addDoubtful(node, group);
 }
@@ -256,45 +255,51 @@ void Extension::addDoubtful(const Outside& at, Group& group) const {
         const Around::Node& n = node.around.node[k];
         fronts.add(n.jet.a, n.jet.g, float(n.jet.u - base), n.source, n.overCrease);
     }
-    if (fronts.full()) solveDoubtful(doubtful);
+    if (fronts.full()) solveDoubtful(group);
 }
 
-void Extension::solveDoubtful(Doubtful& doubtful) const {
+void Extension::solveDoubtful(Group& group) const {
+    Doubtful& doubtful = group.doubtful;
     if (doubtful.nodes.empty()) return;
     const JetGroup::Solutions solutions = doubtful.fronts.solve();
     for (std::size_t k = 0; k < doubtful.nodes.size(); ++k) {
         const Doubtful::Node& node = doubtful.nodes[k];
-        const Around& around = node.around;
         const JetGroup::Solution& best = solutions[k];
-        Found s = fromChart(around.node[0].jet.u + double(best.u), best.g, best.source, node.local);
-        const FrontsAround fronts = around.fronts();
-        // Too few nodes of the front that arrives first lie behind this one.
-        const bool late = (best.usedFallback || fronts.two()) && around.hasEarlier(best.u) &&
-                          anyMeets(around, &CoreJets::twoMeetNear);
-        const bool meet =
-            fronts.three() || late ||
-            (best.usedFallback && (fronts.two() || anyMeets(around, &CoreJets::threeMeetNear) ||
-                                   jet::nearFocus(around.all())));
-        if (meet && metric_.clear(node.at.node) && !around.overCrease()) {
-            const Found first = whereFrontsMeet(node, s, fronts.three()).value_or(s);
-            if (!late || first.distance < s.distance) s = first;
-        }
-        finish(node.at, maybeInDisc(node.at.node, s.distance) ? inDisc(node.at.node, s) : s);
+        const double u = node.around.node[0].jet.u + double(best.u);
+        const Found s = fromChart(u, best.g, best.source, node.local);
+        if (frontsMeet(node, best.g))
+            addMeeting(node, u, s, group.meetings);
+        else
+            finishOrInDisc(node.at, s);
     }
     doubtful.nodes.clear();
 }
 
-std::optional<Extension::Found> Extension::whereFrontsMeet(const Doubtful::Node& node,
-                                                           const Found& before,
-                                                           bool atFocus) const {
-    const Around& around = node.around;
-    std::array<NodeIndex, JetNeighbors::kMax> core;
-    for (std::size_t k = 0; k < around.count; ++k) core[k] = around.node[k].core;
-    const NodeIndex i = node.at.node;
-    const auto s = solveMeeting(jets_, node.local, band_.ijk(i), band_.footOf(i),
-                                {core.data(), around.count}, before.distance, atFocus);
-    if (!s) return {};
-    return fromChart(s->u, s->g, s->label, node.local);
+void Extension::addMeeting(const Doubtful::Node& node, double u, const Found& before,
+                           Meetings& meetings) const {
+    const Outside& at = node.at;
+    MeetingPoint point{at.leaf, at.offset, band_.footOf(at.node), node.local, before.label, u};
+    std::array<JetNeighbor, JetNeighbors::kMax> neighbors;
+    for (std::size_t k = 0; k < node.around.count; ++k) {
+        const Around::Node& n = node.around.node[k];
+        if (n.source != before.label) return finishOrInDisc(at, before);
+        neighbors[k] = n.jet;
+    }
+    point.findFronts({neighbors.data(), node.around.count});
+    meetings.nodes.push_back({at, before});
+    meetings.points.push_back(point);
+}
+
+void Extension::solveMeetings(Meetings& meetings) const {
+    if (meetings.nodes.empty()) return;
+    const auto found = solveByRays(jets_, gradients_, meetings.points);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        const Meetings::Node& node = meetings.nodes[k];
+        const std::optional<Solved>& s = found[k];
+        finishOrInDisc(node.at,
+                       s ? fromChart(s->u, s->g, s->label, meetings.points[k].local) : node.before);
+    }
+    meetings.nodes.clear(), meetings.points.clear();
 }
 
 }  // namespace jet

@@ -3,13 +3,13 @@
 
 #include <igeo/base/detail/registers.h>
 #include <igeo/march/detail/jet_extend_lanes.h>
+#include <igeo/march/detail/jet_rays.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
 #include <igeo/march/field.h>
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,18 +31,12 @@ struct Around {
         return std::any_of(node.begin(), node.begin() + count,
                            [](const Node& n) { return n.overCrease; });
     }
-    /// Whether the plane front of a node arrives clearly before a value, relative to that of the
-    /// first node.
-    bool hasEarlier(float u) const {
-        constexpr double kLater = 0.08;  // voxels
-        return std::any_of(node.begin(), node.begin() + count, [&](const Node& n) {
-            return node[0].jet.u + double(u) > n.jet.u + double(dot(n.jet.g, n.jet.a)) + kLater;
-        });
-    }
-    FrontsAround fronts() const {
-        FrontsAround fronts;
-        for (std::size_t k = 0; k < count; ++k) fronts.add(node[k].jet.g);
-        return fronts;
+    /// Whether fronts meet across the foot point.
+    /// @param g  direction of travel there
+    bool frontsMeet(Vec2f g) const {
+        FrontsMeet fronts(g);
+        for (std::size_t k = 0; k < count; ++k) fronts.add(node[k].jet);
+        return fronts.meet();
     }
     JetNeighbors all() const {
         JetNeighbors all;
@@ -64,6 +58,8 @@ public:
           mayBePlain_(jets.label.empty() && jets.seeds.lines.ofOnePoint() &&
                       !metric_.anisotropic() && metric_.obstacleState.empty()) {}
 
+    /// A jet, its gradient over the weight.
+    using Found = NodeJet;
     /// A node outside the core.
     struct Outside {
         NodeIndex node;
@@ -81,6 +77,15 @@ public:
         std::vector<Node> nodes;
         JetGroup fronts;
     };
+    /// Nodes across which fronts meet, as the march would solve them.
+    struct Meetings {
+        struct Node {
+            Outside at;
+            Found before;
+        };
+        std::vector<Node> nodes;
+        std::vector<MeetingPoint> points;
+    };
     /// Nodes outside the core that are extended side by side.
     struct Group {
         const LeafNumbers<2>* core = nullptr;  ///< of the leaf of the nodes, if known
@@ -90,6 +95,7 @@ public:
         CellPoints points;  ///< their foot points
         JetCorners corners;
         Doubtful doubtful;
+        Meetings meetings;
 
         bool full() const { return size == nodes.size(); }
     };
@@ -101,9 +107,6 @@ public:
     void at(std::span<const NodeIndex> nodes, NodeJet* to) const;
 
 private:
-    /// A jet, its gradient over the weight.
-    using Found = NodeJet;
-
     Vec3f gradientOf(NodeIndex k) const {
         return gradients_.empty() ? jets_.gradientOf(k) : gradients_[k];
     }
@@ -145,11 +148,20 @@ private:
     IGEO_INLINE void extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const;
     /// Whether all corners of a node are of one smooth sheet and of one source.
     IGEO_INLINE bool isSimple(const Group& group, std::size_t lane) const;
-    void solveDoubtful(Doubtful& doubtful) const;
+    void solveDoubtful(Group& group) const;
+    void addMeeting(const Doubtful::Node& node, double u, const Found& before,
+                    Meetings& meetings) const;
+    /// By rays, where these find a jet.
+    void solveMeetings(Meetings& meetings) const;
     /// Extends what is left in a group.
     void finish(Group& group) const {
         solve(group);
-        solveDoubtful(group.doubtful);
+        solveDoubtful(group);
+        solveMeetings(group.meetings);
+    }
+    /// Sets the jet of a node, or that of a start disc which holds its foot point.
+    void finishOrInDisc(const Outside& at, const Found& s) const {
+        finish(at, maybeInDisc(at.node, s.distance) ? inDisc(at.node, s) : s);
     }
     /// Sets the jet of a node, no less than a straight line.
     IGEO_INLINE void finish(const Outside& node, const Found& s) const {
@@ -172,29 +184,26 @@ private:
     Found carryInPlane(const Group& group, std::size_t lane) const;
     /// Where the core around the foot point is not of one smooth front.
     void addDoubtful(const Outside& node, Group& group) const;
-    /// @param before  as the march solves it
-    std::optional<Found> whereFrontsMeet(const Doubtful::Node& node, const Found& before,
-                                         bool atFocus) const;
-    /// CoreJets::twoMeetNear or CoreJets::threeMeetNear.
-    using MeetNear = bool (CoreJets::*)(NodeIndex) const;
-    /// Whether fronts meet beside one of the nodes.
-    bool anyMeets(const Group& group, std::size_t lane, MeetNear near) const {
+    /// Whether fronts meet beside one of the corners.
+    bool meetNear(const Group& group, std::size_t lane) const {
         bool meet = false;
         if (!jets_.meetings.empty())
             for (std::size_t c = 0; c < group.corners.count[lane]; ++c)
-                meet |= (jets_.*near)(group.corners.node[c][lane]);
+                meet |= jets_.frontsMeetNear(group.corners.node[c][lane]);
         return meet;
     }
     /// One or two corners do not show that fronts meet around them.
     bool mayMissFront(const Group& group, std::size_t lane) const {
-        return group.corners.count[lane] < 3 && anyMeets(group, lane, &CoreJets::twoMeetNear);
+        return group.corners.count[lane] < 3 && meetNear(group, lane);
     }
-    bool meetNear(const Group& group, std::size_t lane) const {
-        return anyMeets(group, lane, &CoreJets::threeMeetNear);
-    }
-    bool anyMeets(const Around& around, MeetNear near) const {
-        return std::any_of(around.node.begin(), around.node.begin() + around.count,
-                           [&](const Around::Node& n) { return (jets_.*near)(n.core); });
+    /// Whether fronts meet across a node, where S is smooth and without obstacles.
+    /// @param g  direction of travel there
+    bool frontsMeet(const Doubtful::Node& node, Vec2f g) const {
+        const Around& around = node.around;
+        return metric_.clear(node.at.node) && !around.overCrease() &&
+               std::any_of(around.node.begin(), around.node.begin() + around.count,
+                           [&](const Around::Node& n) { return jets_.frontsMeetNear(n.core); }) &&
+               around.frontsMeet(g);
     }
     /// A jet of the chart, back on S; u relative to the least start.
     Found fromChart(double u, Vec2f g, std::uint32_t label, const LocalFrame& local) const {

@@ -156,14 +156,17 @@ private:
         // Neighbors to the left and right of the ray; straight behind counts for both.
         constexpr float kStraight = 0.03f;
         const V zero{}, one = zero + 1;
-        V total{}, value{}, square{};
+        V total{}, value{}, square{}, fromLeft{}, fromRight{};
         Mask left{}, right{};
         for (std::size_t k = 0; k < most_; ++k) {
             const auto& n = lanes_.neighbor[k];
             const V ax = in(n.ax), ay = in(n.ay), gx = in(n.gx), gy = in(n.gy);
             const V cosine = x * gx + y * gy, along = x * ax + y * ay;
             const Mask counts = (cosine >= zero + jet::kSameFront) & (along > zero);
-            const V across = x * ay - y * ax, slack = kStraight * along;
+            const V across = x * ay - y * ax, slack = kStraight * along, turn = x * gy - y * gx,
+                    whole = turn < zero ? zero - 1 : one, sine = cosine > zero ? turn : whole;
+            fromLeft = (across < zero) & (-sine > fromLeft) ? -sine : fromLeft;
+            fromRight = (across > zero) & (sine > fromRight) ? sine : fromRight;
             left |= counts & (across >= -slack), right |= counts & (across <= slack);
             const V w = counts ? along * along * nearness_[k] : zero;
             const V v = in(n.u) + (along + gx * ax + gy * ay) / (1 + cosine);
@@ -174,6 +177,7 @@ private:
         out(fits.gx) = x, out(fits.gy) = y;
         out(fits.residual2) = square * inverse - u * u;
         out(fits.oneSided) = (left & right) != 0 ? zero : one;
+        out(fits.turn) = fromLeft + fromRight;
     }
 
     const JetLanes& lanes_;

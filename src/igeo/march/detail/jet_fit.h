@@ -71,6 +71,7 @@ struct JetFits {
     Lanes gx, gy;  ///< direction of travel
     Lanes residual2;  ///< variance of what the neighbors say, by the same weights
     Lanes oneSided;   ///< 0 where neighbors lie to the left and to the right of the ray, else 1
+    Lanes turn;       ///< FrontsMeet::turn of the neighbors, of any front
 };
 /// Fits the fronts that have the directions `x`, `y` at one of the neighbors, in two rounds.
 void fitFronts(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& fits);

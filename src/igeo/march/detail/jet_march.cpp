@@ -143,7 +143,7 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
         JetGroup::Solution s = solutions[k];
         if (s.oneSided && isAtRim(node.core)) s = group.jets.solveAtRim(k);
         const JetNode& at = core_.nodes[node.core];
-        Result result{s.u * at.weight, s.g, s.source, s.usedFallback, s.secondFront};
+        Result result{s.u * at.weight, s.g, s.source, s.usedFallback, s.frontsMeet};
         if (!core_.stretch.empty()) result.g = core_.stretch[node.core].covectorBack(s.g);
         settle(node, result, batch, chunk);
     }
@@ -215,12 +215,6 @@ bool JetMarch::isAtRim(NodeIndex i) const {
            });
 }
 
-bool JetMarch::isSmoothAround(NodeIndex i) const {
-    const auto row = links_.row(i);
-    return core_.nodes[i].obstacleState == Metric::Clear && row.size() >= kAllAround &&
-           std::none_of(row.begin(), row.end(), [](const JetLink& l) { return l.overCrease(); });
-}
-
 void JetMarch::gatherJumps(const Batch& batch, Node& node) const {
     forJumps(core_, node.core, [&](NodeIndex j, const Vec3f& chord) {
         if (!jets_.accepted(j)) return;
@@ -252,8 +246,7 @@ void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chu
     }
     chunk.accepted.push_back({i, s.label, stateOf(s, batch)});
     chunk.byFallback += s.usedFallback;
-    if ((s.usedFallback || s.secondFront) && isSmoothAround(i))
-        chunk.mayMeet.push_back({i, s.usedFallback});
+    if (s.frontsMeet) chunk.frontsMeet.push_back(i);
     chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
     if (!stopNodes_.empty() && stopNodes_[i]) ++chunk.stopNodes;
     enqueue(node, s, batch, chunk);
@@ -344,7 +337,7 @@ void JetMarch::collect(std::size_t chunkCount) {
         if (chunk.tooFar) refuseTooFar();
         accepted_ += chunk.accepted.size();
         byFallback_ += chunk.byFallback;
-        mayMeet_.insert(mayMeet_.end(), chunk.mayMeet.begin(), chunk.mayMeet.end());
+        frontsMeet_.insert(frontsMeet_.end(), chunk.frontsMeet.begin(), chunk.frontsMeet.end());
         heaviest_ = std::max(heaviest_, chunk.heaviest);
         stopNodesLeft_ -= chunk.stopNodes;
         for (const auto* list : {&chunk.queued, &chunk.deferred})
@@ -368,7 +361,7 @@ Field JetMarch::take() {
     field.lines = jets_.seeds.lines;
     field.solved = accepted_;
     field.fallbackCount = byFallback_;
-    solveMeetings(jets_, mayMeet_);
+    solveMeetings(jets_, frontsMeet_);
     field.core = std::make_shared<const CoreJets>(std::move(jets_));
     return field;
 }

@@ -38,18 +38,18 @@ private:
     /// Part of a batch, for one thread: what it found out, to be written once all are solved.
     struct Chunk {
         std::vector<Accepted> accepted;
-        std::vector<Queued> queued;        ///< neighbors, into an earlier bucket than before
-        std::vector<Queued> deferred;      ///< nodes of the batch that are not final
-        std::vector<Queued> requeueLater;  ///< neighbors that are in the batch themselves
-        std::size_t byFallback = 0;        ///< of the accepted nodes
-        std::vector<MayMeet> mayMeet;      ///< of the accepted nodes
-        std::size_t stopNodes = 0;         ///< of the accepted nodes
-        bool tooFar = false;               ///< a value beyond the last bucket
+        std::vector<Queued> queued;         ///< neighbors, into an earlier bucket than before
+        std::vector<Queued> deferred;       ///< nodes of the batch that are not final
+        std::vector<Queued> requeueLater;   ///< neighbors that are in the batch themselves
+        std::size_t byFallback = 0;         ///< of the accepted nodes
+        std::vector<NodeIndex> frontsMeet;  ///< accepted nodes: JetGroup::Solution::frontsMeet
+        std::size_t stopNodes = 0;          ///< of the accepted nodes
+        bool tooFar = false;                ///< a value beyond the last bucket
         double heaviest = 0;
 
         void clear() {
             accepted.clear(), queued.clear(), deferred.clear(), requeueLater.clear();
-            mayMeet.clear();
+            frontsMeet.clear();
             byFallback = stopNodes = 0;
         }
     };
@@ -76,7 +76,7 @@ private:
         float u;  ///< relative to the start of the batch
         Vec2f g;
         std::uint32_t label;
-        bool usedFallback, secondFront;
+        bool usedFallback, frontsMeet;
     };
 
     std::uint32_t bucketOf(double u) const { return jets_.buckets.bucketOf(u, kLastBucket); }
@@ -124,8 +124,6 @@ private:
     /// Whether a front may go around something beside a node: an obstacle, the end of S, or a
     /// corner at which creases within two links meet.
     bool isAtRim(NodeIndex i) const;
-    /// Whether S is smooth at a node and goes on all around.
-    bool isSmoothAround(NodeIndex i) const;
     void gatherJumps(const Batch& batch, Node& node) const;
     /// Accepts a node and enqueues its neighbors if its value is final, else defers it.
     void settle(const Node& node, Result s, const Batch& batch, Chunk& chunk);
@@ -163,8 +161,8 @@ private:
     double heaviest_ = 0;                 ///< the largest cost per unit length accepted so far
     bool stopped_ = false;                ///< the limit ended the march
     std::vector<Chunk> chunks_;
-    std::vector<bool> stopNodes_;   ///< nodes of the core that the march has to reach; empty: all
-    std::vector<MayMeet> mayMeet_;  ///< as Chunk::mayMeet
+    std::vector<bool> stopNodes_;  ///< nodes of the core that the march has to reach; empty: all
+    std::vector<NodeIndex> frontsMeet_;  ///< as Chunk::frontsMeet
     std::size_t byFallback_ = 0, stopNodesLeft_ = 0, accepted_ = 0, chunkSize_ = 0;
 };
 

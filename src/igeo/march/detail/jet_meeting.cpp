@@ -1,138 +1,122 @@
 #include <igeo/march/detail/jet_meeting.h>
 
 #include <igeo/base/parallel.h>
-#include <igeo/march/detail/circular_front.h>
+#include <igeo/march/detail/jet_rays.h>
 
+#include <algorithm>
 #include <array>
-#include <bit>
-#include <cstdint>
+#include <optional>
 
 namespace igeo {
 
 namespace {
 
-/// The fronts at a node and beside it.
-FrontsAround frontsAt(const CoreJets& jets, NodeIndex i) {
+/// Nodes across which fronts meet, where S is smooth and without obstacles.
+struct Meetings {
+    std::vector<NodeIndex> nodes;
+    std::vector<MeetingPoint> points;
+    std::vector<NodeIndex> beside;  ///< nodes at links over which fronts meet, among others
+
+    void append(const Meetings& other) {
+        nodes.insert(nodes.end(), other.nodes.begin(), other.nodes.end());
+        points.insert(points.end(), other.points.begin(), other.points.end());
+        beside.insert(beside.end(), other.beside.begin(), other.beside.end());
+    }
+};
+
+/// Adds a node, if fronts meet across it.
+void visit(const CoreJets& jets, NodeIndex i, Meetings& meetings) {
+    constexpr float kSmooth = 0.9f, kToward = 0.1f;
     const JetCore& core = *jets.core;
-    const TangentFrame frame(core.nodes[i].normal, core.band.faceted);
-    FrontsAround fronts;
+    const JetNode& node = core.nodes[i];
+    if (!jets.accepted(i) || node.obstacleState != Metric::Clear) return;
+    const LocalFrame local = core.localFrame(i);
+    const std::uint32_t label = jets.labelOf(i);
+    auto value = [&](NodeIndex k) {
+        return (jets.valueOf(k) - jets.seeds.leastStart) / local.weight;
+    };
+    std::array<JetNeighbor, JetNeighbors::kMax> neighbors;
+    std::size_t count = 0;
+    FrontsMeet fronts(jets.state[i].g);
+    bool plain = true;
     forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
-        if (!fronts.three() && jets.accepted(j))
-            fronts.add(
-                flattened(frame, chord, core.nodes[j].normal, cosine, jets.gradientOf(j), 0).g);
+        plain &= cosine > kSmooth && jets.labelOf(j) == label;
+        if (!plain || !jets.accepted(j) || count == neighbors.size()) return;
+        neighbors[count] = flattened(local.frame, chord, core.nodes[j].normal, cosine,
+                                     jets.gradientOf(j), value(j));
+        if (fronts.add(neighbors[count++]) > kToward) meetings.beside.push_back(j);
     });
-    return fronts;
+    if (!plain || !fronts.meet()) return;
+    meetings.nodes.push_back(i);
+    meetings.points.push_back({node.leaf, node.offset, node.foot, local, label, value(i)});
+    meetings.points.back().findFronts({neighbors.data(), count});
 }
 
-/// Core nodes around a voxel, in the order of their voxels, which does not depend on where the grid
-/// begins.
-class NodesAround {
-public:
-    NodesAround(const JetCore& core, const Ijk& middle) : core_(core), middle_(middle) {}
+/// Work on parts of a list, in parallel; the results in the order of the list.
+template <typename Result, typename Work>
+std::vector<Result> byParts(std::size_t size, const Work& work) {
+    constexpr std::size_t kPart = 64;
+    std::vector<Result> found((size + kPart - 1) / kPart);
+    parallelFor(found.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p)
+            found[p] = work(p * kPart, std::min(size, (p + 1) * kPart));
+    });
+    return found;
+}
 
-    /// Adds a node once; not if it is more than seven voxels off.
-    void add(NodeIndex k) {
-        const Ijk v = placeOf(k);
-        if (((v.x | v.y | v.z) & ~(kEdge - 1)) != 0) return;
-        there_[wordOf(v)] |= bitOf(v);
-        node_[std::size_t((v.x << 4 | v.y) << 4 | v.z)] = k;
-    }
-    bool has(NodeIndex k) const {
-        const Ijk v = placeOf(k);
-        return ((v.x | v.y | v.z) & ~(kEdge - 1)) == 0 && there_[wordOf(v)] & bitOf(v);
-    }
-    template <typename Visit>
-    void forAll(const Visit& visit) const {
-        for (std::size_t word = 0; word < there_.size(); ++word)
-            for (std::uint64_t bits = there_[word]; bits; bits &= bits - 1)
-                visit(node_[word << 6 | std::size_t(std::countr_zero(bits))]);
-    }
+Meetings meetingsAmong(const CoreJets& jets, std::span<const NodeIndex> nodes) {
+    const auto parts = byParts<Meetings>(nodes.size(), [&](std::size_t begin, std::size_t end) {
+        Meetings found;
+        for (std::size_t k = begin; k < end; ++k) visit(jets, nodes[k], found);
+        return found;
+    });
+    Meetings all;
+    for (const Meetings& part : parts) all.append(part);
+    return all;
+}
 
-private:
-    static constexpr int kHalf = 8, kEdge = 2 * kHalf;
-    Ijk placeOf(NodeIndex k) const {
-        return core_.voxelOf(core_.nodes[k]) - middle_ + Ijk{kHalf, kHalf, kHalf};
-    }
-    static std::size_t wordOf(const Ijk& v) { return std::size_t(v.x << 2 | v.y >> 2); }
-    static std::uint64_t bitOf(const Ijk& v) { return std::uint64_t(1) << ((v.y & 3) << 4 | v.z); }
-    const JetCore& core_;
-    Ijk middle_;
-    std::array<std::uint64_t, 64> there_{};
-    std::array<NodeIndex, std::size_t(kEdge* kEdge* kEdge)> node_;  ///< where there is one
-};
+/// Those among the nodes and beside them.
+Meetings meetingsAround(const CoreJets& jets, std::vector<NodeIndex> nodes) {
+    Meetings found = meetingsAmong(jets, nodes);
+    std::sort(nodes.begin(), nodes.end());
+    std::vector<NodeIndex> beside = std::move(found.beside);
+    std::sort(beside.begin(), beside.end());
+    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+    std::erase_if(beside,
+                  [&](NodeIndex j) { return std::binary_search(nodes.begin(), nodes.end(), j); });
+    found.append(meetingsAmong(jets, beside));
+    return found;
+}
+
+void setJet(CoreJets& jets, NodeIndex i, const Solved& jet) {
+    JetState& state = jets.state[i];
+    const double u = jets.seeds.leastStart + double(jets.core->nodes[i].weight) * jet.u;
+    state.rest = float(u - jets.buckets.startOf(state.bucket));
+    state.g = jet.g;
+}
 
 }  // namespace
 
-std::optional<Solved> solveMeeting(const CoreJets& jets, const LocalFrame& local, const Ijk& voxel,
-                                   const Vec3f& foot, std::span<const NodeIndex> around,
-                                   double before, bool atFocus) {
-    constexpr float kReach2 = 9;
-    constexpr double kFallbackError = 0.25;  // voxels
+void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes) {
+    using Solutions = std::vector<std::optional<Solved>>;
     const JetCore& core = *jets.core;
-    if (core.costsVary || core.metric.anisotropic() || around.empty()) return {};
-    const std::uint32_t label = jets.labelOf(around.front());
-    NodesAround all(core, voxel + roundToIjk(Vec3d(foot)));
-    for (const NodeIndex k : around) {
-        all.add(k);
-        forLinks(
-            core, k, [&](NodeIndex j, const Ijk&, const Vec3f&, float) { all.add(j); },
-            [&](NodeIndex j) { return !all.has(j); });
-    }
-    std::vector<JetNeighbor> neighbors;
-    bool oneSource = true;
-    all.forAll([&](NodeIndex k) {
-        const JetNode& node = core.nodes[k];
-        const float cosine = dot(local.frame.normal(), node.normal);
-        const Vec3f chord = foot - node.foot - Vec3f(core.voxelOf(node) - voxel);
-        if (!jets.accepted(k) || cosine < Band::kOtherSheet || dot(chord, chord) > kReach2) return;
-        oneSource &= jets.labelOf(k) == label;
-        neighbors.push_back(flattened(local.frame, chord, node.normal, cosine, jets.gradientOf(k),
-                                      (jets.valueOf(k) - jets.seeds.leastStart) / local.weight));
-    });
-    if (!oneSource) return {};
-    // A focus takes three neighbors of its front.
-    auto jet = fitCircularFront(neighbors, atFocus);
-    if (!jet && atFocus) jet = fitCircularFront(neighbors, false);
-    const double old = (before - jets.seeds.leastStart) / local.weight;
-    if (!jet || !(std::abs(jet->u - old) < kFallbackError)) return {};
-    return Solved{jet->u, jet->g, label};
-}
-
-void solveMeetings(CoreJets& jets, const std::vector<MayMeet>& nodes) {
-    const JetCore& core = *jets.core;
-    if (core.costsVary || core.metric.anisotropic()) return;
-    struct Meeting {
-        std::uint8_t fronts = 0;  ///< CoreJets::meetings
-        std::optional<Solved> jet;
-    };
-    std::vector<Meeting> found(nodes.size());
-    parallelFor(nodes.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const NodeIndex i = nodes[k].node;
-            const FrontsAround fronts = frontsAt(jets, i);
-            if (!fronts.two() && !fronts.three()) continue;
-            found[k].fronts = CoreJets::kTwo | (fronts.three() ? CoreJets::kThree : 0);
-            if (!nodes[k].inDoubt) continue;
-            const JetNode& node = core.nodes[i];
-            found[k].jet = solveMeeting(jets, core.localFrame(i), core.voxelOf(node), node.foot,
-                                        {&i, 1}, jets.valueOf(i), fronts.three());
-        }
-    });
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-        const Meeting& meeting = found[k];
-        if (!meeting.fronts) continue;
-        const NodeIndex i = nodes[k].node;
-        jets.meetings.resize(core.nodes.size());
-        jets.meetings[i] |= meeting.fronts;
-        forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f&, float) {
-            jets.meetings[j] |= meeting.fronts;
+    if (core.costsVary || core.metric.anisotropic() || nodes.empty()) return;
+    const Meetings meetings = meetingsAround(jets, nodes);
+    const auto parts =
+        byParts<Solutions>(meetings.points.size(), [&](std::size_t begin, std::size_t end) {
+            return solveByRays(jets, {}, std::span(meetings.points).subspan(begin, end - begin));
         });
-        if (!meeting.jet) continue;
-        JetState& state = jets.state[i];
-        const double u = jets.seeds.leastStart + double(core.nodes[i].weight) * meeting.jet->u;
-        state.rest = float(u - jets.buckets.startOf(state.bucket));
-        state.g = meeting.jet->g;
-    }
+    jets.meetings.resize(core.nodes.size());
+    auto node = meetings.nodes.begin();
+    for (const Solutions& part : parts)
+        for (const std::optional<Solved>& jet : part) {
+            const NodeIndex i = *node++;
+            jets.meetings[i] = true;
+            forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f&, float) {
+                jets.meetings[j] = true;
+            });
+            if (jet) setJet(jets, i, *jet);
+        }
 }
 
 }  // namespace igeo

@@ -120,31 +120,31 @@ constexpr float kSameFront = 0.7f;
 
 }  // namespace jet
 
-/// Tells how many directions of travel are apart: two that differ by 26 degrees, or three by more
-/// than 45 degrees from each other. The order of the directions does not matter for two of them.
-class FrontsAround {
+/// Tells whether fronts meet across a point: whether neighbors on its left and right travel toward
+/// each other, by more than 18 degrees in all. Those of a front that narrows to a focus do so as
+/// well, those around a seed or behind a corner do not.
+class FrontsMeet {
 public:
-    void add(Vec2f g) {
-        constexpr float kApart = 0.9f;
-        if (count_ == 0) left_ = right_ = g;
-        const Vec2f first = count_ > 0 ? g_[0] : g;
-        const auto side = [&](Vec2f v) { return first.x * v.y - first.y * v.x; };
-        if (side(g) > side(left_)) left_ = g;
-        if (side(g) < side(right_)) right_ = g;
-        two_ |= dot(g, first) < kApart || dot(left_, right_) < kApart;
-        if (count_ > 2) return;
-        for (std::size_t k = 0; k < count_; ++k)
-            if (dot(g, g_[k]) >= jet::kSameFront) return;
-        g_[count_++] = g;
+    /// @param g  direction of travel at the point
+    explicit FrontsMeet(Vec2f g) : g_(g) {}
+    /// @return the sine of the angle by which it turns toward the point's side
+    float add(const JetNeighbor& n) {
+        const float side = across(n.a), turn = across(n.g),
+                    sine = dot(g_, n.g) > 0 ? turn : std::copysign(1.0f, turn),
+                    toward = side > 0 ? sine : side < 0 ? -sine : 0;
+        float& most = side > 0 ? fromRight_ : fromLeft_;
+        most = std::max(most, toward);
+        return toward;
     }
-    bool two() const { return two_; }
-    bool three() const { return count_ > 2; }
+    bool meet() const { return turn() > kTurn; }
+    float turn() const { return fromLeft_ + fromRight_; }
+    static constexpr float kTurn = 0.31f;
 
 private:
-    std::array<Vec2f, 3> g_;
-    Vec2f left_, right_;  ///< the outermost on either side of the first
-    std::size_t count_ = 0;
-    bool two_ = false;
+    float across(Vec2f v) const { return g_.x * v.y - g_.y * v.x; }
+
+    const Vec2f g_;
+    float fromLeft_ = 0, fromRight_ = 0;  ///< sines of the largest turns toward the other side
 };
 
 }  // namespace igeo

@@ -59,14 +59,14 @@ private:
         if (!corners_.count[lane] || !corners_.smooth[lane] || corners_.hindered[lane])
             return false;
         const std::uint32_t label = jets_.labelOf(corners_.node[0][lane]);
-        bool oneLabel = true, two = false, three = false;
+        bool oneLabel = true, meet = false;
         for (std::size_t c = 0; c < corners_.count[lane]; ++c) {
             const NodeIndex k = corners_.node[c][lane];
             oneLabel &= jets_.labelOf(k) == label;
-            two |= jets_.twoMeetNear(k), three |= jets_.threeMeetNear(k);
+            meet |= jets_.frontsMeetNear(k);
         }
-        if (!oneLabel || (corners_.count[lane] < kLeast && two) ||
-            !(carried.spreads[lane] || (carried.oneFront[lane] && !three)))
+        if (!oneLabel || (corners_.count[lane] < kLeast && meet) ||
+            !(carried.spreads[lane] || (carried.oneFront[lane] && !meet)))
             return false;
         const double d = jets_.buckets.startOf(corners_.bucket[lane]) + double(carried.u[lane]);
         if (!(d > jets_.seeds.largestInDisc + kNearSeed) || !(d < jets_.limit - kNearLimit))

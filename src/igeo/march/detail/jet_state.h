@@ -67,13 +67,11 @@ struct CoreJets {
     JetBuckets buckets;
     std::vector<JetState> state;         ///< per core node
     std::vector<std::uint32_t> label;    ///< per core node; empty for one source
-    std::vector<std::uint8_t> meetings;  ///< per core node, bits: kTwo, kThree; empty: none
+    std::vector<std::uint8_t> meetings;  ///< per core node: whether fronts meet there or at a node
+                                         ///< that is linked to it; empty: none meet
     double limit = kInfinity;            ///< larger distances are left out
 
-    /// Two, or three and more, fronts meet at a node or at one that is linked to it.
-    static constexpr std::uint8_t kTwo = 1, kThree = 2;
-    bool twoMeetNear(NodeIndex k) const { return !meetings.empty() && meetings[k]; }
-    bool threeMeetNear(NodeIndex k) const { return !meetings.empty() && meetings[k] & kThree; }
+    bool frontsMeetNear(NodeIndex k) const { return !meetings.empty() && meetings[k]; }
     bool accepted(NodeIndex k) const { return state[k].accepted(); }
     double valueOf(NodeIndex k) const {
         return buckets.startOf(state[k].bucket) + double(state[k].rest);

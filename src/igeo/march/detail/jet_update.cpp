@@ -57,6 +57,12 @@ struct BestFit {
     }
 };
 
+bool frontsMeet(const JetNeighbors& all, Vec2f g) {
+    FrontsMeet fronts(g);
+    for (int k = 0; k < all.count(); ++k) fronts.add({all.a(k), all.g(k)});
+    return fronts.meet();
+}
+
 }  // namespace
 
 JetGroup::Solutions JetGroup::solve() {
@@ -80,14 +86,16 @@ JetGroup::Solution JetGroup::settle(std::size_t lane, const Fits& fits) const {
     if (lanes_.count[lane] == 0) return {};
     BestFit fit;
     fit.best.source = sources_[lane][0];
-    fit.best.secondFront = fits.hasSecond[lane];
+    fit.best.frontsMeet = fits.hasSecond[lane] || fits.first.turn[lane] > FrontsMeet::kTurn;
     fit.add(fits.first, fits.fronts, lane);
     if (fits.hasSecond[lane]) fit.add(fits.second, fits.fronts, lane);
     const bool counts = fit.fromBothSides || !node.rim;
     fit.best.oneSided = !fit.fromBothSides && node.smooth;
     if (fit.valid && counts && fit.clear && node.smooth) return fit.best;
-    const Jet jet = fermatUpdate(neighborsOf(lane));
-    const Solution fallback{float(jet.u), jet.g, fit.best.source, true, fit.best.secondFront};
+    const JetNeighbors neighbors = neighborsOf(lane);
+    const Jet jet = fermatUpdate(neighbors);
+    const Solution fallback{float(jet.u), jet.g, fit.best.source, true,
+                            frontsMeet(neighbors, jet.g)};
     if (!counts && node.smooth) return fallback;
     return fit.valid && std::abs(fit.best.u - fallback.u) < kAgree ? fit.best : fallback;
 }

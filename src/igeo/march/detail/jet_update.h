@@ -52,8 +52,8 @@ public:
         Vec2f g;
         std::uint32_t source = 0;
         bool usedFallback = false;
-        bool secondFront = false;  ///< another one arrives up to 0.2 voxels later, or before
-        bool oneSided = false;     ///< by a fit to neighbors that lie on one side of the ray
+        bool frontsMeet = false;  ///< FrontsMeet::meet
+        bool oneSided = false;    ///< by a fit to neighbors that lie on one side of the ray
     };
     /// The jets of all nodes. Per node the least of the fits of its fronts; where a fit is in doubt
     /// the fallback is computed as well, and the fit counts if it is valid and the two agree within

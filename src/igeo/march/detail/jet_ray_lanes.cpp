@@ -1,0 +1,190 @@
+#include <igeo/base/detail/registers.h>
+#include <igeo/march/detail/jet_ray_lanes.h>
+
+#include <algorithm>
+
+namespace igeo {
+
+namespace {
+
+/// The rays from `first` on that fit into a register.
+template <int Width>
+class RayRegisters {
+    using V = typename Registers<Width>::Vector;
+    using Integers = typename Registers<Width>::Integers;
+    using Vectors = VectorLanes<Width>;
+
+public:
+    IGEO_INLINE RayRegisters(const JetCorners& corners, std::size_t first, RayLanes& rays)
+        : corners_(corners), first_(first), rays_(rays) {
+        for (std::size_t k = first; k < first + Width; ++k)
+            most_ = std::max(most_, std::size_t(corners.count[k]));
+    }
+
+    IGEO_INLINE void step(bool faceted, bool isLast) {
+        constexpr float kHigh = 0.5f;
+        // Arc over chord, of a circle; over an edge somewhere in the step, in the mean.
+        const float perBend2 = faceted ? 1.0f / 12 : 1.0f / 24;
+        const Vectors from{in(rays_.x), in(rays_.y), in(rays_.z)},
+            n{in(rays_.nx), in(rays_.ny), in(rays_.nz)},
+            v{in(rays_.vx), in(rays_.vy), in(rays_.vz)};
+        normal_ = meanNormal();
+        const V height = heightOverS();
+        toS_ = normal_ * -height;
+        const Vectors to = Vectors{in(rays_.aheadX), in(rays_.aheadY), in(rays_.aheadZ)} + toS_,
+                      chord = to - from, bend = normal_ - n;
+        // A circle: its arc, and its direction at the end, the mirror image of that at the start.
+        const V len = roots(dot(chord, chord)), kc = dot(bend, chord) / len;
+        const Vectors along = chord * (1 / len);
+        v_ = unit(tangential(along * (2 * dot(v, along)) - v));
+        out(rays_.length) = in(rays_.length) + len * (1 + kc * kc * perBend2);
+        out(rays_.turn) = dot(bend, v_);
+        put(to, rays_.x, rays_.y, rays_.z);
+        put(v_, rays_.vx, rays_.vy, rays_.vz);
+        put(normal_, rays_.nx, rays_.ny, rays_.nz);
+        valid_ = integers(rays_.valid.data()) & (integers(corners_.count.data()) > 0) &
+                 (integers(corners_.smooth.data()) != 0) &
+                 (integers(corners_.hindered.data()) == 0) & (absolute(height) <= kHigh);
+        if (isLast) read();
+        storeLanes(valid_, rays_.valid.data() + first_);
+    }
+
+private:
+    /// The front at the end, from the corners that belong to it. Its direction there, not at their
+    /// middle, which may lie to the side: as it changes from side to side.
+    IGEO_INLINE void read() {
+        constexpr float kStiff = 0.01f;
+        const Vectors mean = unit(tangential(membersOfFront())), side = cross(normal_, mean);
+        V total{}, l{}, t{}, ll{}, lt{};
+        for (std::size_t k = 0; k < most_; ++k) {
+            const V w = member_[k], across = -dot(side, chord(k)), turned = dot(side, own(k));
+            total += w, l += w * across, t += w * turned;
+            ll += w * across * across, lt += w * across * turned;
+        }
+        l /= total, t /= total;
+        const V curvature = (lt / total - l * t) / (ll / total - l * l + kStiff);
+        const Vectors g = unit(mean + side * (t - curvature * l));
+        V value{};
+        for (std::size_t k = 0; k < most_; ++k)
+            value += member_[k] *
+                     (in(corners_.corner[k].u) + dot(g + own(k), chord(k)) / (1 + dot(g, own(k))));
+        out(rays_.u) = value / total;
+        out(rays_.off) = dot(cross(g, v_), normal_);
+    }
+
+    /// Finds the corners of the front that travels most nearly against the ray.
+    /// @return the weighted sum of their directions
+    IGEO_INLINE Vectors membersOfFront() {
+        constexpr float kAgainst = 0.7f, kMember = 0.97f;
+        V most{};
+        Vectors lead{};
+        for (std::size_t k = 0; k < most_; ++k) {
+            const Vectors g = own(k);
+            const V against = -dot(g, v_);
+            const Integers better = (in(corners_.corner[k].weight) > 0) & (against > most);
+            most = better ? against : most;
+            lead = {better ? g.x : lead.x, better ? g.y : lead.y, better ? g.z : lead.z};
+        }
+        valid_ &= most > kAgainst;
+        Vectors sum{};
+        for (std::size_t k = 0; k < most_; ++k) {
+            const Vectors g = own(k);
+            const V w = in(corners_.corner[k].weight);
+            member_[k] = dot(g, lead) >= kMember ? w : V{};
+            sum = sum + g * member_[k];
+        }
+        return sum;
+    }
+
+    IGEO_INLINE Vectors meanNormal() const {
+        Vectors sum{};
+        for (std::size_t k = 0; k < most_; ++k) {
+            const JetCorners::Corner& c = corners_.corner[k];
+            sum = sum + Vectors{in(c.mx), in(c.my), in(c.mz)} * in(c.weight);
+        }
+        return unit(sum);
+    }
+    /// Of the point ahead: the mean of chord . (m + n) / 2, exact on spheres.
+    IGEO_INLINE V heightOverS() const {
+        V sum{}, total{};
+        for (std::size_t k = 0; k < most_; ++k) {
+            const JetCorners::Corner& c = corners_.corner[k];
+            const V w = in(c.weight);
+            sum += w * dot(Vectors{in(c.x), in(c.y), in(c.z)},
+                           Vectors{in(c.mx), in(c.my), in(c.mz)} + normal_);
+            total += w;
+        }
+        return sum / (2 * total);
+    }
+    /// From the foot point of a corner to the end of the step.
+    IGEO_INLINE Vectors chord(std::size_t k) const {
+        const JetCorners::Corner& c = corners_.corner[k];
+        return Vectors{in(c.x), in(c.y), in(c.z)} + toS_;
+    }
+    IGEO_INLINE Vectors own(std::size_t k) const {
+        const JetCorners::Corner& c = corners_.corner[k];
+        return {in(c.gx), in(c.gy), in(c.gz)};
+    }
+
+    IGEO_INLINE Vectors tangential(const Vectors& w) const { return w - normal_ * dot(w, normal_); }
+    IGEO_INLINE static V roots(V v) {
+        takeRoots<Width>(v);
+        return v;
+    }
+    IGEO_INLINE static Vectors unit(const Vectors& w) { return w * (1 / roots(dot(w, w))); }
+    IGEO_INLINE const V& in(const Lanes& l) const {
+        return *reinterpret_cast<const V*>(l.of + first_);
+    }
+    IGEO_INLINE V& out(Lanes& l) const { return *reinterpret_cast<V*>(l.of + first_); }
+    IGEO_INLINE void put(const Vectors& w, Lanes& x, Lanes& y, Lanes& z) const {
+        out(x) = w.x, out(y) = w.y, out(z) = w.z;
+    }
+    template <typename T>
+    IGEO_INLINE Integers integers(const T* from) const {
+        return loadAs<Integers>(from + first_);
+    }
+
+    const JetCorners& corners_;
+    const std::size_t first_;
+    RayLanes& rays_;
+    std::size_t most_ = 0;  ///< corners of a point
+    Vectors normal_, v_, toS_;
+    Integers valid_;
+    V member_[JetCorners::kMax];  ///< weights of the corners of the front, or 0
+};
+
+void stepByFour(const JetCorners& corners, bool faceted, bool isLast, RayLanes& rays) {
+    for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
+        RayRegisters<4>(corners, first, rays).step(faceted, isLast);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 void stepByEight(const JetCorners& corners, bool faceted, bool isLast, RayLanes& rays) {
+    RayRegisters<8>(corners, 0, rays).step(faceted, isLast);
+}
+#endif
+
+void step(const JetCorners& corners, bool faceted, bool isLast, RayLanes& rays) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return stepByEight(corners, faceted, isLast, rays);
+#endif
+    stepByFour(corners, faceted, isLast, rays);
+}
+
+}  // namespace
+
+void lookAhead(float step, RayLanes& rays) {
+    for (std::size_t k = 0; k < Lanes::kNodes; ++k) {
+        const float sink = step * rays.turn[k] / 2;
+        rays.aheadX[k] = rays.x[k] + step * rays.vx[k] - sink * rays.nx[k];
+        rays.aheadY[k] = rays.y[k] + step * rays.vy[k] - sink * rays.ny[k];
+        rays.aheadZ[k] = rays.z[k] + step * rays.vz[k] - sink * rays.nz[k];
+    }
+}
+void makeStep(const JetCorners& corners, bool faceted, RayLanes& rays) {
+    step(corners, faceted, false, rays);
+}
+void makeLastStep(const JetCorners& corners, bool faceted, RayLanes& rays) {
+    step(corners, faceted, true, rays);
+}
+
+}  // namespace igeo
