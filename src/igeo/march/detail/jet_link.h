@@ -80,14 +80,18 @@ public:
     /// other looks.
     void dropAccepted(NodeIndex i);
 
+    struct Row {
+        std::span<const JetLink> links;
+        bool creased;  ///< one of them is over a crease
+    };
     /// Of a node whose block is there.
-    std::span<const JetLink> row(NodeIndex i) const {
+    Row rowAt(NodeIndex i) const {
         const Block& block = *blockOf(i);
-        const std::size_t first = block.begin[i % kBlock];
-        return {block.link.data() + first, block.begin[i % kBlock + 1] - first};
+        const std::size_t k = i % kBlock, first = block.begin[k];
+        return {{block.link.data() + first, block.begin[k + 1] - first},
+                bool(block.creased >> k & 1)};
     }
-    /// Whether a link of a node is over a crease.
-    bool creased(NodeIndex i) const { return blockOf(i)->creased >> i % kBlock & 1; }
+    std::span<const JetLink> row(NodeIndex i) const { return rowAt(i).links; }
     float leastAround(NodeIndex i) const { return blockOf(i)->leastAround[i % kBlock]; }
 
     /// Brings the row of a node, or its place, nearer to the processor, if it is there: nine links,

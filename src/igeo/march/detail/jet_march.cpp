@@ -53,7 +53,8 @@ JetMarch::JetMarch(std::shared_ptr<const JetCore> core, const std::vector<Surfac
       isotropic_(core_.stretch.empty()),
       weighted_(core_.metric.weighted()),
       ofOnePoint_(jets_.seeds.lines.ofOnePoint()),
-      leastCost2_(float(jets_.seeds.lines.leastCost() * jets_.seeds.lines.leastCost())) {
+      leastCost2_(float(jets_.seeds.lines.leastCost() * jets_.seeds.lines.leastCost())),
+      heaviest_(core_.leastCost) {
     const auto last = std::max_element(seeds.begin(), seeds.end(),
                                        [](auto& a, auto& b) { return a.start < b.start; });
     // Buckets are numbered in 32 bits.
@@ -113,6 +114,7 @@ Batch JetMarch::nextBatch() {
 void JetMarch::process(const Batch& batch) {
     batchStart_ = jets_.buckets.startOf(batch.first);
     batchRadius_ = batchStart_ - jets_.seeds.leastStart;
+    scale_ = {batch.first, width_};
     // As many chunks as keep the threads busy to the end, of whole groups.
     const auto threads = std::size_t(ThreadLimit::current());
     chunkSize_ = std::clamp(batch.nodes.size() / (2 * threads) / Lanes::kNodes * Lanes::kNodes,
@@ -165,7 +167,8 @@ void JetMarch::gather(const Batch& batch, Group& group) {
         const JetNode& here = core_.nodes[i];
         JetRows::Row& row = group.rows.of[lane];
         if (!ownLinks_.empty()) ownLinks_.make(core_, i);
-        split(links_.row(i), jets_.state.data(), batch.last + 1, isotropic_, row);
+        const auto [links, creased] = links_.rowAt(i);
+        split(links, jets_.state.data(), batch.last + 1, isotropic_, row);
         group.weight[lane] = here.weight;
         group.line2[lane] = line2(here);
         group.jets.begin(weighted_ ? start / here.weight : start,
@@ -174,7 +177,7 @@ void JetMarch::gather(const Batch& batch, Group& group) {
             addStretched(i, row, batch, group.jets);
             continue;
         }
-        group.jets.expect(row.knownCount, !(links_.creased(i) && knowsCrease(row)));
+        group.jets.expect(row.knownCount, !(creased && knowsCrease(row)));
         for (std::size_t k = 0; k < row.knownCount && !jets_.label.empty(); ++k)
             group.jets.setSource(k, jets_.label[row.knownLink(k).node()]);
     }
@@ -224,8 +227,8 @@ bool JetMarch::isAtRim(NodeIndex i) const {
 }
 
 bool JetMarch::isSmoothAround(NodeIndex i) const {
-    return core_.nodes[i].obstacleState == Metric::Clear && links_.row(i).size() >= kAllAround &&
-           !links_.creased(i);
+    const auto [links, creased] = links_.rowAt(i);
+    return core_.nodes[i].obstacleState == Metric::Clear && links.size() >= kAllAround && !creased;
 }
 
 JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
@@ -243,8 +246,7 @@ IGEO_INLINE void JetMarch::enqueue(NodeIndex i, const JetRows::Row& row, const R
                                    const Batch& batch, Chunk& chunk) {
     if (!isotropic_) return enqueueStretched(i, row, jet, batch, chunk);
     std::array<std::uint32_t, JetLinks::kMax + 4> buckets;
-    carry({jet.u, jet.g, radiusOf(jet), core_.nodes[i].weight, batch.first, width_}, row,
-          buckets.data());
+    carry({jet.u, jet.g, radiusOf(jet), core_.nodes[i].weight}, scale_, row, buckets.data());
     const std::uint32_t next = batch.last + 1;
     for (std::size_t k = 0; k < row.waitingCount; ++k) {
         const NodeIndex j = row.waitingLink(k).node();
@@ -316,8 +318,9 @@ IGEO_INLINE void JetMarch::settle(std::size_t lane, const Group& group, Result s
     chunk.byFallback += s.usedFallback;
     if ((s.usedFallback || s.secondFront) && isSmoothAround(i))
         chunk.mayMeet.push_back({i, s.usedFallback});
-    chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
-    if (!stopNodes_.empty() && stopNodes_[i]) ++chunk.stopNodes;
+    if (core_.costsVary || !isotropic_)
+        chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
+    if (stopNodesLeft_ > 0 && stopNodes_[i]) ++chunk.stopNodes;
     enqueue(i, group.rows.of[lane], s, batch, chunk);
     if (bridged) enqueueJumps(i, s, batch, chunk);
 }
@@ -341,6 +344,7 @@ bool JetMarch::withinLimit(NodeIndex i, float u, const Batch& batch) const {
 }
 
 JetState JetMarch::stateOf(const Result& s, const Batch& batch) const {
+    if (s.u >= 0 && s.u < width_) return {batch.first, s.u, s.g};
     // Fits may lie before the batch, by a few buckets.
     const float at = std::clamp(s.u / width_, 1 - float(batch.first), 2.0f * float(kLastBucket));
     const auto whole = std::int64_t(at), by = whole - (float(whole) > at ? 1 : 0);

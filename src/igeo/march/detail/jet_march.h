@@ -180,7 +180,8 @@ private:
     const float leastCost2_;  ///< square of the least cost
     double batchStart_ = 0;   ///< where the batch in work begins
     double batchRadius_ = 0;  ///< the same, from the least start
-    double heaviest_ = 0;     ///< the largest cost per unit length accepted so far
+    BucketScale scale_;       ///< from there on
+    double heaviest_;         ///< the largest cost per unit length accepted so far
     bool stopped_ = false;    ///< the limit ended the march
     std::vector<Chunk> chunks_;
     std::vector<bool> stopNodes_;   ///< nodes of the core that the march has to reach; empty: all

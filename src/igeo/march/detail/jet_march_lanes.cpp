@@ -162,9 +162,14 @@ void layOut(const JetRows& rows, const JetState* state, std::uint32_t first, flo
     layOutByFour(rows, state, first, width, weight, lanes, most);
 }
 
-void carry(const CarriedJet& jet, const JetRows::Row& row, std::uint32_t* bucket) {
-    // What single precision has, at most kLastBucket.
-    const auto far = float(std::min(kLastBucket - jet.first, std::uint32_t(1) << 30) & ~127u);
+BucketScale::BucketScale(std::uint32_t bucket, float bucketWidth)
+    : first(bucket),
+      width(bucketWidth),
+      // What single precision has.
+      most(float(std::min(kLastBucket - bucket, std::uint32_t(1) << 30) & ~127u)) {}
+
+void carry(const CarriedJet& jet, const BucketScale& scale, const JetRows::Row& row,
+           std::uint32_t* bucket) {
     const Four zero{}, weight = zero - jet.weight;
     for (std::size_t k = 0; k < row.waitingCount; k += 4) {
         Four link[4];
@@ -175,11 +180,11 @@ void carry(const CarriedJet& jet, const JetRows::Row& row, std::uint32_t* bucket
                    rest = x * x + y * y - base * base, across = rest > 0 ? rest : zero;
         Four root = r * r + across;
         takeRoots<4>(root);
-        const Four buckets = (jet.u + base + across / (root + r)) / jet.width,
-                   within = buckets < far ? buckets : zero + far;
+        const Four buckets = (jet.u + base + across / (root + r)) / scale.width,
+                   within = buckets < scale.most ? buckets : zero + scale.most;
         // Not a number where foot points coincide.
         const Integers whole = __builtin_convertvector(within > 0 ? within : zero, Integers);
-        storeLanes(whole + std::int32_t(jet.first), bucket + k);
+        storeLanes(whole + std::int32_t(scale.first), bucket + k);
     }
 }
 

@@ -47,18 +47,25 @@ void split(std::span<const JetLink> links, const JetState* state, std::uint32_t 
 void layOut(const JetRows& rows, const JetState* state, std::uint32_t first, float width,
             const Lanes* weight, JetLanes& lanes);
 
+/// How values beyond the start of a bucket become buckets.
+struct BucketScale {
+    std::uint32_t first = 0;
+    float width = 1;
+    float most = 0;  ///< buckets behind the first, of those there are
+    BucketScale() = default;
+    BucketScale(std::uint32_t bucket, float bucketWidth);
+};
 /// A jet that goes on along links: on a circle about its source, at the mean cost of both ends.
 struct CarriedJet {
-    float u;  ///< beyond the start of bucket `first`
+    float u;  ///< beyond the start of the first bucket
     Vec2f g;
     float radius;  ///< distance from the source
     float weight;  ///< of the node
-    std::uint32_t first;
-    float width;  ///< of a bucket
 };
 /// The buckets of the values that a jet carries to waiting neighbors, or earlier ones if these are
 /// 1e9 buckets away. Isotropic metrics only.
 /// @param bucket  of a size that is a multiple of four
-void carry(const CarriedJet& jet, const JetRows::Row& row, std::uint32_t* bucket);
+void carry(const CarriedJet& jet, const BucketScale& scale, const JetRows::Row& row,
+           std::uint32_t* bucket);
 
 }  // namespace igeo

@@ -57,27 +57,36 @@ JetGroup::Solutions JetGroup::solve() {
     if (!filled_) closeLanes(), lanes_.pad();
     const Fits fits(lanes_);
     Solutions solutions;
-    std::array<BestFit, Lanes::kNodes> inDoubt;
     unsigned doubts = 0;
+    for (std::size_t k = 0; k < size_; ++k)
+        if (fits.isClear(k) && nodes_[k].smooth && nodes_[k].oneSource)
+            solutions[k] = {fits.first.u[k], {fits.first.gx[k], fits.first.gy[k]}, sources_[k][0]};
+        else
+            doubts |= 1u << k;
+    if (doubts) solveDoubtful(fits, doubts, solutions);
+    return solutions;
+}
+
+void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const {
+    std::array<BestFit, Lanes::kNodes> best;
+    unsigned inFallback = 0;
     FermatGroup fallback;
-    for (std::size_t k = 0; k < size_; ++k) {
+    for (; doubts; doubts &= doubts - 1) {
+        const auto k = std::size_t(std::countr_zero(doubts));
         if (!nodes_[k].oneSource) {
             solutions[k] = solvePerSource(k);
-        } else if (fits.isClear(k) && nodes_[k].smooth) {
-            solutions[k] = {fits.first.u[k], {fits.first.gx[k], fits.first.gy[k]}, sources_[k][0]};
-        } else if (inDoubt[k] = bestFit(k, fits); inDoubt[k].final) {
-            solutions[k] = inDoubt[k].best;
+        } else if (best[k] = bestFit(k, fits); best[k].final) {
+            solutions[k] = best[k].best;
         } else {
             fallback.add(k, lanes_, nodes_[k].longest2);
-            doubts |= 1u << k;
+            inFallback |= 1u << k;
         }
     }
     fallback.finish();
-    for (; doubts; doubts &= doubts - 1) {
-        const auto k = std::size_t(std::countr_zero(doubts));
-        solutions[k] = decide(k, inDoubt[k], fallback);
+    for (; inFallback; inFallback &= inFallback - 1) {
+        const auto k = std::size_t(std::countr_zero(inFallback));
+        solutions[k] = decide(k, best[k], fallback);
     }
-    return solutions;
 }
 
 JetGroup::Solution JetGroup::solveAtRim(std::size_t lane) {

@@ -97,6 +97,8 @@ private:
     };
     struct Fits;
     struct BestFit;
+    /// @param doubts  bits: the nodes to solve
+    void solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const;
     /// What the fits of a node come to.
     BestFit bestFit(std::size_t lane, const Fits& fits) const;
     /// The fit of a node, or its fallback.
