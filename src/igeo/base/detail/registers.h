@@ -78,6 +78,11 @@ template <int Width>
 IGEO_INLINE unsigned bitsOf(const typename Registers<Width>::Integers& flags) {
     using Integers = typename Registers<Width>::Integers;
     if constexpr (Width == 4) {
+#ifdef __SSE__
+        Registers<4>::Vector signs;
+        std::memcpy(&signs, &flags, sizeof signs);
+        return unsigned(__builtin_ia32_movmskps(signs));
+#endif
         Integers bits = flags & Integers{1, 2, 4, 8};
         bits |= __builtin_shufflevector(bits, bits, 2, 3, 0, 1);
         return unsigned(bits[0] | bits[1]);
@@ -149,18 +154,13 @@ IGEO_INLINE void transposeFours(const typename Registers<Width>::Vector (&row)[4
 
 /// Loads four numbers from each of several places: `of` has the first of all, the second of all,
 /// and so on.
-/// @param from    where the place with index 0 is
-/// @param stride  bytes from one place to the next
-/// @param index   of the places, one per lane
-template <int Width>
-IGEO_INLINE void loadFours(const void* from, std::size_t stride, const std::uint32_t* index,
-                           typename Registers<Width>::Vector (&of)[4]) {
+/// @param placeOf(lane)
+template <int Width, typename PlaceOf>
+IGEO_INLINE void loadFours(const PlaceOf& placeOf, typename Registers<Width>::Vector (&of)[4]) {
     using V = typename Registers<Width>::Vector;
     using Four = Registers<4>::Vector;
-    const auto* const bytes = static_cast<const char*>(from);
     Four four[Width];
-    for (int lane = 0; lane < Width; ++lane)
-        std::memcpy(&four[lane], bytes + stride * index[lane], sizeof(Four));
+    for (int lane = 0; lane < Width; ++lane) std::memcpy(&four[lane], placeOf(lane), sizeof(Four));
     V row[4];
     for (int lane = 0; lane < 4; ++lane)
         if constexpr (Width == 4)
@@ -168,6 +168,16 @@ IGEO_INLINE void loadFours(const void* from, std::size_t stride, const std::uint
         else
             row[lane] = __builtin_shufflevector(four[lane], four[lane + 4], 0, 1, 2, 3, 4, 5, 6, 7);
     transposeFours<Width>(row, of);
+}
+/// The same.
+/// @param from    where the place with index 0 is
+/// @param stride  bytes from one place to the next
+/// @param index   of the places, one per lane
+template <int Width>
+IGEO_INLINE void loadFours(const void* from, std::size_t stride, const std::uint32_t* index,
+                           typename Registers<Width>::Vector (&of)[4]) {
+    const auto* const bytes = static_cast<const char*>(from);
+    loadFours<Width>([&](int lane) { return bytes + stride * index[lane]; }, of);
 }
 
 /// The reverse: stores four numbers at each of several places, one after the other.

@@ -1,27 +1,43 @@
 #include <igeo/march/detail/fermat_update.h>
 
 #include <igeo/base/detail/registers.h>
-#include <igeo/march/detail/jet_fit.h>
+
+#include <algorithm>
+#include <bit>
 
 namespace igeo {
 
+/// The neighbors in a ring: after the last one all follow again, and then zeros, so that pairs of
+/// them that are s apart lie side by side.
+struct NeighborRing {
+    static constexpr std::size_t kZeros = 8;
+    using Array = std::array<float, 2 * std::size_t(JetNeighbors::kMax) + kZeros>;
+    alignas(32) Array ax, ay, gx, gy, u, len;
+    const std::size_t count;
+    const float longest2;
+
+    NeighborRing(std::size_t neighbors, float longest) : count(neighbors), longest2(longest) {}
+    void set(std::size_t k, Vec2f a, Vec2f g, float value) {
+        ax[k] = ax[k + count] = a.x, ay[k] = ay[k + count] = a.y;
+        gx[k] = gx[k + count] = g.x, gy[k] = gy[k + count] = g.y;
+        u[k] = u[k + count] = value;
+    }
+    /// Once all are set.
+    void close() {
+        const std::size_t end = 2 * count;
+        for (Array* array : {&ax, &ay, &gx, &gy, &u, &len})
+            std::fill_n(array->data() + end, kZeros, 0.0f);
+        for (std::size_t k = 0; k < end; k += 4) {
+            const auto x = loadLanes<4>(&ax[k]), y = loadLanes<4>(&ay[k]);
+            auto length = x * x + y * y;
+            takeRoots<4>(length);
+            storeLanes(length, &len[k]);
+        }
+    }
+};
+
 namespace {
 
-using jet::Four;
-
-/// Two neighbors.
-struct NeighborPair {
-    std::uint8_t p, q;
-};
-
-/// Up to eight segments, each from a neighbor p to a neighbor q. Values are relative to base().
-struct SegmentLanes {
-    struct End {
-        Lanes ax, ay, gx, gy, u;  ///< as in JetNeighbor
-    };
-    End p, q;
-    std::size_t count = 0;
-};
 /// The least costs across segments: total(s) = H(s) + |a_p - s e|, 0 <= s <= 1, with e the segment
 /// and H the cubic Hermite interpolant of the jets at its ends.
 struct SegmentMinima {
@@ -101,117 +117,150 @@ void findMinima(const SegmentLanes& lanes, SegmentMinima& minima) {
     findByFour(lanes, minima);
 }
 
-/// Segments from a neighbor to each of a group.
-class ShortSegments {
+/// Pairs of neighbors p and q = p + apart in the ring, p from `first` on.
+template <int Width>
+class LanePairs {
+    using V = typename Registers<Width>::Vector;
+
 public:
-    ShortSegments(const JetNeighbors& all, int p, const JetNeighbors::Group& q)
-        : apx_(Four{} + all.a(p).x),
-          apy_(Four{} + all.a(p).y),
-          ex_(apx_ - q.ax),
-          ey_(apy_ - q.ay),
-          up_(Four{} + all.u(p)),
-          du_(q.u - up_),
-          mp_(all.g(p).x * ex_ + all.g(p).y * ey_),
-          mq_(q.gx * ex_ + q.gy * ey_) {}
-    Four squaredLength() const { return ex_ * ex_ + ey_ * ey_; }
-    /// Lower bounds of total: the cubic falls below its ends by at most 4/27 of the slopes there.
-    Four bound() const {
-        const Four zero{},
-            one = zero + 1, square = squaredLength(),
-            foot = (apx_ * ex_ + apy_ * ey_) / (square > 1e-12f ? square : zero + 1e-12f),
-            along = foot > 1   ? one
-                    : foot > 0 ? foot
-                               : zero;
-        const Four dip = (4.0f / 27) * ((mp_ < 0 ? -mp_ : zero) + (mq_ > 0 ? mq_ : zero));
-        const Four x = apx_ - along * ex_, y = apy_ - along * ey_;
-        return up_ + (du_ < 0 ? du_ : zero) - dip + jet::roots(x * x + y * y);
+    IGEO_INLINE LanePairs(const NeighborRing& ring, std::size_t first, std::size_t apart)
+        : ring_(ring), p_(first), q_(first + apart) {}
+
+    /// Those that can matter, a bit each: of one front, because directions of two fronts have no
+    /// interpolant; short; seen from the node at less than 120 degrees; and with a total that may
+    /// be below a value.
+    IGEO_INLINE unsigned find(float below) const {
+        const V apx = p(ring_.ax), apy = p(ring_.ay), aqx = q(ring_.ax), aqy = q(ring_.ay);
+        const V gpx = p(ring_.gx), gpy = p(ring_.gy), gqx = q(ring_.gx), gqy = q(ring_.gy);
+        const V up = p(ring_.u), uq = q(ring_.u);
+        const V ex = apx - aqx, ey = apy - aqy, square = ex * ex + ey * ey, zero{};
+        const auto fits = (gpx * gqx + gpy * gqy >= zero + jet::kSameFront) &
+                          (square <= ring_.longest2) &
+                          (apx * aqx + apy * aqy >= -0.5f * (p(ring_.len) * q(ring_.len))) &
+                          ((up < below) | (uq < below));
+        if (!any(fits)) return 0;
+        // Lower bounds of total: the cubic falls below its ends by at most 4/27 of the slopes.
+        const V one = zero + 1,
+                foot = (apx * ex + apy * ey) / (square > 1e-12f ? square : zero + 1e-12f),
+                along = foot > 1   ? one
+                        : foot > 0 ? foot
+                                   : zero;
+        const V mp = gpx * ex + gpy * ey, mq = gqx * ex + gqy * ey,
+                dip = (4.0f / 27) * ((mp < 0 ? -mp : zero) + (mq > 0 ? mq : zero));
+        const V x = apx - along * ex, y = apy - along * ey;
+        V len = x * x + y * y;
+        takeRoots<Width>(len);
+        return bitsOf<Width>(fits & ((up < uq ? up : uq) - dip + len < below));
     }
 
 private:
-    Four apx_, apy_, ex_, ey_, up_, du_, mp_, mq_;
+    IGEO_INLINE V p(const NeighborRing::Array& of) const { return loadLanes<Width>(&of[p_]); }
+    IGEO_INLINE V q(const NeighborRing::Array& of) const { return loadLanes<Width>(&of[q_]); }
+    const NeighborRing& ring_;
+    const std::size_t p_, q_;
 };
 
-/// The pairs of neighbors whose segments may have a total below a given value.
-class SegmentPairs {
-public:
-    SegmentPairs(const JetNeighbors& all, float below) : all_(all) {
-        std::array<Four, JetNeighbors::kMax / 4> len;
-        for (int group = 0; group < all.groups(); ++group) {
-            const auto n = all.group(group);
-            len[std::size_t(group)] = jet::roots(n.ax * n.ax + n.ay * n.ay);
-        }
-        for (int j = 1; j < all.count(); ++j)
-            for (int group = 0; 4 * group < j; ++group)
-                add(j, group, len[std::size_t(group)], below);
-    }
-    std::size_t count() const { return count_; }
-    NeighborPair operator[](std::size_t k) const { return pair_[k]; }
-    /// Up to eight pairs from `first` on.
-    SegmentLanes lanes(std::size_t first) const {
-        SegmentLanes lanes{};
-        lanes.count = std::min(Lanes::kNodes, count_ - first);
-        for (std::size_t l = 0; l < lanes.count; ++l) {
-            const NeighborPair pair = pair_[first + l];
-            set(lanes.p, l, pair.p), set(lanes.q, l, pair.q);
-        }
-        return lanes;
-    }
-
-private:
-    void set(SegmentLanes::End& end, std::size_t lane, int k) const {
-        const Vec2f a = all_.a(k), g = all_.g(k);
-        end.ax[lane] = a.x, end.ay[lane] = a.y, end.gx[lane] = g.x, end.gy[lane] = g.y;
-        end.u[lane] = all_.u(k);
-    }
-    /// Adds the pairs of neighbor j with earlier ones of a group that can matter: of one front,
-    /// because directions of two fronts have no interpolant; short; seen from the node at less than
-    /// 120 degrees; and with a lower bound below the value.
-    void add(int j, int group, const Four& len, float below) {
-        const auto n = all_.group(group);
-        const Vec2f a = all_.a(j), g = all_.g(j);
-        const ShortSegments segments(all_, j, n);
-        const Four cosine = g.x * n.gx + g.y * n.gy, lengths = all_.len(j) * len;
-        auto fits = (cosine >= jet::kSameFront) & (segments.squaredLength() <= all_.longest2) &
-                    (a.x * n.ax + a.y * n.ay >= -0.5f * lengths) &
-                    ((n.u < below) | (all_.u(j) < below ? ~0 : 0));
-        if (!(fits[0] | fits[1] | fits[2] | fits[3])) return;
-        fits &= segments.bound() < below;
-        for (int k = 4 * group; k < std::min(4 * group + 4, j); ++k) {
-            pair_[count_] = {std::uint8_t(j), std::uint8_t(k)};
-            count_ += fits[k - 4 * group] ? 1 : 0;
-        }
-    }
-    const JetNeighbors& all_;
-    std::size_t count_ = 0;
-    std::array<NeighborPair, std::size_t(JetNeighbors::kMax*(JetNeighbors::kMax - 1) / 2)> pair_;
-};
+/// LanePairs::find for eight pairs.
+unsigned findPairsByFour(const NeighborRing& ring, std::size_t first, std::size_t apart,
+                         float below) {
+    const unsigned low = LanePairs<4>(ring, first, apart).find(below);
+    if (first + 4 >= ring.count) return low;
+    return low | LanePairs<4>(ring, first + 4, apart).find(below) << 4;
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 unsigned findPairsByEight(const NeighborRing& ring, std::size_t first, std::size_t apart,
+                                    float below) {
+    return LanePairs<8>(ring, first, apart).find(below);
+}
+#endif
+unsigned findPairs(const NeighborRing& ring, std::size_t first, std::size_t apart, float below) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return findPairsByEight(ring, first, apart, below);
+#endif
+    return findPairsByFour(ring, first, apart, below);
+}
 
 }  // namespace
 
-Jet fermatUpdate(const JetNeighbors& all) {
-    float best = float(kInfinity);
-    Vec2f direction;
-    int from = -1;  // the neighbor, or an end of the segment
-    for (int k = 0; k < all.count(); ++k)
-        if (const float u = all.u(k) + all.len(k); u < best)
-            best = u, direction = all.a(k), from = k;
-    const SegmentPairs pairs(all, best);
-    for (std::size_t k = 0; k < pairs.count(); k += Lanes::kNodes) {
-        const SegmentLanes lanes = pairs.lanes(k);
-        SegmentMinima minima;
-        findMinima(lanes, minima);
-        for (std::size_t l = 0; l < lanes.count; ++l)
-            if (minima.u[l] < best) {
-                best = minima.u[l], direction = {minima.x[l], minima.y[l]};
-                from = pairs[k + l].p;
-            }
+void FermatGroup::add(std::size_t node, const JetLanes& lanes, float longest2) {
+    NeighborRing ring(lanes.count[node], longest2);
+    for (std::size_t k = 0; k < ring.count; ++k) {
+        const JetLanes::Neighbor& n = lanes.neighbor[k];
+        ring.set(k, {n.ax[node], n.ay[node]}, {n.gx[node], n.gy[node]},
+                 n.u[node] - lanes.neighbor[0].u[node]);
     }
+    search(node, ring);
+}
+
+void FermatGroup::add(std::size_t node, const JetNeighbors& all) {
+    NeighborRing ring(std::size_t(all.count()), all.longest2);
+    for (int k = 0; k < all.count(); ++k) ring.set(std::size_t(k), all.a(k), all.g(k), all.u(k));
+    search(node, ring);
+}
+
+Vec2f FermatGroup::g(std::size_t node) const {
+    const Node& n = nodes_[node];
+    const float len = length(n.a);
+    return len > 0 ? (1 / len) * n.a : n.g;
+}
+
+void FermatGroup::search(std::size_t node, NeighborRing& ring) {
+    ring.close();
+    Node least;
+    const std::size_t count = ring.count;
+    for (std::size_t k = 0; k < count; ++k)
+        if (const float u = ring.u[k] + ring.len[k]; u < least.u)
+            least = {u, {ring.ax[k], ring.ay[k]}, {ring.gx[k], ring.gy[k]}};
+    nodes_[node] = least;
+    for (std::size_t apart = 1; 2 * apart <= count; ++apart) {
+        // Pairs of opposite neighbors come twice.
+        const std::size_t pairs = 2 * apart == count ? apart : count;
+        for (std::size_t first = 0; first < pairs; first += Lanes::kNodes) {
+            unsigned found = findPairs(ring, first, apart, least.u);
+            if (pairs - first < Lanes::kNodes) found &= (1u << (pairs - first)) - 1;
+            for (; found; found &= found - 1) {
+                const std::size_t p = first + std::size_t(std::countr_zero(found)), q = p + apart;
+                if (q < count)
+                    addSegment(node, ring, q, p);
+                else
+                    addSegment(node, ring, p, q - count);
+            }
+        }
+    }
+}
+
+void FermatGroup::addSegment(std::size_t node, const NeighborRing& ring, std::size_t p,
+                             std::size_t q) {
+    const std::size_t lane = segments_.count++;
+    const auto set = [&](SegmentLanes::End& end, std::size_t k) {
+        end.ax[lane] = ring.ax[k], end.ay[lane] = ring.ay[k];
+        end.gx[lane] = ring.gx[k], end.gy[lane] = ring.gy[k];
+        end.u[lane] = ring.u[k];
+    };
+    set(segments_.p, p), set(segments_.q, q);
+    segments_.node[lane] = std::uint8_t(node);
+    if (segments_.count == Lanes::kNodes) takeSegments();
+}
+
+void FermatGroup::takeSegments() {
+    SegmentMinima minima;
+    findMinima(segments_, minima);
+    for (std::size_t l = 0; l < segments_.count; ++l)
+        if (Node& node = nodes_[segments_.node[l]]; minima.u[l] < node.u)
+            node = {
+                minima.u[l], {minima.x[l], minima.y[l]}, {segments_.p.gx[l], segments_.p.gy[l]}};
+    segments_.count = 0;
+}
+
+Jet fermatUpdate(const JetNeighbors& all) {
+    FermatGroup group;
+    group.add(0, all);
+    group.finish();
     Jet jet;
     jet.usedFallback = true;
-    if (from < 0) return jet;
-    jet.u = all.base() + double(best);
-    const float len = length(direction);
-    jet.g = len > 0 ? (1 / len) * direction : all.g(from);
+    if (all.count() == 0) return jet;
+    jet.u = all.base() + double(group.u(0));
+    jet.g = group.g(0);
     return jet;
 }
 

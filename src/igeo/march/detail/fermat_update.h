@@ -4,7 +4,9 @@
 /// marching methods for solving the eikonal equation, SIAM J. Sci. Comput. 43 (2021).
 #pragma once
 
-#include <igeo/march/detail/jet_neighbors.h>
+#include <igeo/march/detail/jet_fit.h>
+
+#include <array>
 
 namespace igeo {
 
@@ -12,5 +14,48 @@ namespace igeo {
 /// Never below the values it starts from; at least first order, second where the front is smooth.
 /// @return u = +infinity without neighbors
 Jet fermatUpdate(const JetNeighbors& all);
+
+/// Up to eight segments, each from a neighbor p to a neighbor q.
+struct SegmentLanes {
+    struct End {
+        Lanes ax, ay, gx, gy, u;  ///< as in JetNeighbor, u relative to the first neighbor
+    };
+    End p{}, q{};
+    std::array<std::uint8_t, Lanes::kNodes> node{};  ///< whose neighbors they are
+    std::size_t count = 0;
+};
+
+struct NeighborRing;
+
+/// The fallbacks of up to eight nodes, whose segments are searched side by side. A node gets the
+/// same bits in any company.
+class FermatGroup {
+public:
+    /// Adds a node of a group.
+    /// @param longest2  as in JetNeighbors
+    void add(std::size_t node, const JetLanes& lanes, float longest2);
+    /// The same for neighbors by themselves.
+    void add(std::size_t node, const JetNeighbors& all);
+    /// Ends the search.
+    void finish() {
+        if (segments_.count > 0) takeSegments();
+    }
+    /// The value of a node, relative to its first neighbor, and the direction of travel.
+    float u(std::size_t node) const { return nodes_[node].u; }
+    Vec2f g(std::size_t node) const;
+
+private:
+    struct Node {
+        float u = float(kInfinity);  ///< the least so far
+        Vec2f a;                     ///< to the node from where that is
+        Vec2f g;                     ///< at the neighbor there, or at an end of the segment
+    };
+    void search(std::size_t node, NeighborRing& ring);
+    void addSegment(std::size_t node, const NeighborRing& ring, std::size_t p, std::size_t q);
+    void takeSegments();
+
+    std::array<Node, Lanes::kNodes> nodes_;
+    SegmentLanes segments_;
+};
 
 }  // namespace igeo

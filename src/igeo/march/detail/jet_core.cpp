@@ -136,7 +136,7 @@ void placeRimNodes(JetCore& core) {
 std::unique_ptr<JetCore> buildJetCore(const Band& band, MetricPtr metric) {
     if (!metric) metric = std::make_shared<Metric>();
     metric->check(band);
-    if (band.coreSize() > JetLink::kCrease)
+    if (band.coreSize() > JetLink::kMostNodes)
         throw Error(Error::Kind::InvalidArgument, "jet marches up to 2^31 nodes of the core",
                     "take larger voxels");
     auto core = std::make_unique<JetCore>(band, std::move(metric));

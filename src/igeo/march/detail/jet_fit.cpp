@@ -212,6 +212,24 @@ void findFronts(const JetLanes& lanes, JetFronts& fronts) {
 #endif
     findByFour(lanes, fronts);
 }
+JetVerdicts judge(const JetFronts& fronts, const JetFits& first) {
+    constexpr float kLater = 0.2f;
+    JetVerdicts verdicts{0, 0};
+    for (std::size_t lane = 0; lane < Lanes::kNodes; lane += 4) {
+        const auto in = [&](const Lanes& l) { return loadLanes<4>(l.of + lane); };
+        const auto none = decltype(in(first.u)){} + float(kInfinity), u = in(first.u),
+                   residual2 = in(first.residual2), later = in(fronts.second);
+        const auto second =
+            (later < JetFronts::kNoValue) & (later < (u < none ? u : none) + kLater);
+        const auto clear = ~second & (u <= in(fronts.bound) + jet::kSlack) &
+                           (u >= in(fronts.straight) - jet::kFocus) &
+                           (residual2 < jet::kDoubt * jet::kDoubt) & (in(first.oneSided) == 0) &
+                           (in(first.turn) <= FrontsMeet::kTurn);
+        verdicts.second |= bitsOf<4>(second) << lane;
+        verdicts.clear |= bitsOf<4>(clear) << lane;
+    }
+    return verdicts;
+}
 void fitFronts(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& fits) {
 #ifdef IGEO_AVX2
     if (eightAtATime()) return fitByEight(lanes, x, y, fits);

@@ -76,4 +76,21 @@ struct JetFits {
 /// Fits the fronts that have the directions `x`, `y` at one of the neighbors, in two rounds.
 void fitFronts(const JetLanes& lanes, const Lanes& x, const Lanes& y, JetFits& fits);
 
+/// What the fits of the first fronts come to, a bit per node.
+struct JetVerdicts {
+    unsigned second;  ///< another front may come first, or 0.2 later
+    unsigned clear;   ///< not so, no fronts meet, and there is no reason for doubt
+};
+JetVerdicts judge(const JetFronts& fronts, const JetFits& first);
+
+namespace jet {
+
+/// A fit fails where its value lies further above the straight line from some neighbor.
+constexpr float kSlack = 1e-3f;
+/// A fit is in doubt where its residual is larger, or its value further below all plane fronts: two
+/// neighbors always agree, however wrong.
+constexpr float kDoubt = 2e-3f, kFocus = 0.2f;
+
+}  // namespace jet
+
 }  // namespace igeo

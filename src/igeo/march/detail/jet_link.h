@@ -15,14 +15,16 @@ struct JetCore;
 
 /// A neighbor of a core node, laid out in the chart of that node.
 struct JetLink {
-    std::uint32_t key;   ///< node() and overCrease()
+    std::uint32_t key;   ///< twice node(), and overCrease()
     float ax, ay;        ///< a()
     float cosine, sine;  ///< of the angle by which directions of the neighbor's frame turn
 
     /// Normals further apart than 26 degrees are those of a crease.
     static constexpr float kSmooth = 0.9f;
-    static constexpr std::uint32_t kCrease = std::uint32_t(1) << 31;
-    NodeIndex node() const { return key & ~kCrease; }
+    static constexpr std::uint32_t kCrease = 1;
+    static constexpr std::uint32_t kMostNodes = std::uint32_t(1) << 31;
+    static std::uint32_t keyOf(NodeIndex i) { return i << 1; }
+    NodeIndex node() const { return key >> 1; }
     /// From the neighbor to the node; isotropic: times the mean of both weights, over the node's.
     Vec2f a() const { return {ax, ay}; }
     /// Whether the normals at both ends are more than 26 degrees apart.
@@ -49,9 +51,11 @@ class JetLinks {
 public:
     static constexpr std::size_t kBlock = 64;  ///< nodes
     static constexpr std::size_t kMax = 64;    ///< links per node
+    static constexpr std::size_t kBehind = 3;  ///< links that may be read behind a row
 
     struct Block {
         std::array<std::uint16_t, kBlock + 1> begin;  ///< of the rows, and the end of the last
+        std::uint64_t creased = 0;  ///< a bit per row: it has a link over a crease
         std::vector<JetLink> link;
         std::vector<float> leastAround;  ///< per node, where costs vary: the least of its own and
                                          ///< those of its neighbors
@@ -76,12 +80,18 @@ public:
     /// other looks.
     void dropAccepted(NodeIndex i);
 
+    struct Row {
+        std::span<const JetLink> links;
+        bool creased;  ///< one of them is over a crease
+    };
     /// Of a node whose block is there.
-    std::span<const JetLink> row(NodeIndex i) const {
+    Row rowAt(NodeIndex i) const {
         const Block& block = *blockOf(i);
-        const std::size_t first = block.begin[i % kBlock];
-        return {block.link.data() + first, block.begin[i % kBlock + 1] - first};
+        const std::size_t k = i % kBlock, first = block.begin[k];
+        return {{block.link.data() + first, block.begin[k + 1] - first},
+                bool(block.creased >> k & 1)};
     }
+    std::span<const JetLink> row(NodeIndex i) const { return rowAt(i).links; }
     float leastAround(NodeIndex i) const { return blockOf(i)->leastAround[i % kBlock]; }
 
     /// Brings the row of a node, or its place, nearer to the processor, if it is there: nine links,

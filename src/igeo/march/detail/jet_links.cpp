@@ -116,7 +116,7 @@ private:
         storeFours<Width>(of, &all_.link[k].ax, sizeof(JetLink));
         for (int lane = 0; lane < Width; ++lane) {
             const std::size_t l = k + std::size_t(lane);
-            all_.link[l].key = all_.node[l];
+            all_.link[l].key = JetLink::keyOf(all_.node[l]);
         }
         storeLanes(cosine, &all_.cosine[k]);
         storeLanes(together, &all_.together[k]);
@@ -201,9 +201,10 @@ public:
             if (stencil_.empty() && core_.nodes[i].leaf != leaf)
                 numbers.fill(core_.band, leaf = core_.nodes[i].leaf);
             find(i, numbers, candidates);
-            addRow(i, candidates, links);
+            if (addRow(i, candidates, links)) block.creased |= std::uint64_t(1) << (i - begin);
         }
         block.begin[end - begin] = std::uint16_t(links.size());
+        links.resize(links.size() + JetLinks::kBehind);
         block.link.assign(links.begin(), links.end());
         if (core_.costsVary) findLeastAround(block, begin, end);
     }
@@ -236,7 +237,8 @@ private:
         candidates.neighbors = left;
     }
 
-    void addRow(NodeIndex i, Candidates& candidates, std::vector<JetLink>& row) const {
+    /// @return whether one is over a crease
+    bool addRow(NodeIndex i, Candidates& candidates, std::vector<JetLink>& row) const {
         const JetNode& node = core_.nodes[i];
         const TangentFrame frame(node.normal, core_.band.faceted);
         layOut(core_, node, frame, candidates);
@@ -246,7 +248,7 @@ private:
         if (candidates.smooth && !mayBeHidden && !isStretched) {
             const JetLink* const links = candidates.link.data();
             row.insert(row.end(), links, links + candidates.count);
-            return;
+            return false;
         }
         std::array<float, 27> stretch;  // by the bit of a step
         stretch.fill(1);
@@ -255,6 +257,7 @@ private:
                                     [&](const StretchedLink& l) { stretch[l.bit] = l.stretch(); });
         const float mayBeCrease = core_.band.faceted ? 1.0f : kSmooth;
         const bool weighted = core_.costsVary && core_.stretch.empty();
+        bool creased = false;
         for (std::size_t k = 0; k < candidates.count; ++k) {
             const JetNode& other = core_.nodes[candidates.node[k]];
             if (!candidates.isSure(k) && (!candidates.together[k] ||
@@ -274,9 +277,10 @@ private:
                 const std::size_t bit = 9 * (code >> 4) + 3 * (code >> 2 & 3) + (code & 3);
                 link.ax *= stretch[bit], link.ay *= stretch[bit];
             }
-            if (cosine < kSmooth) link.key |= JetLink::kCrease;
+            if (cosine < kSmooth) link.key |= JetLink::kCrease, creased = true;
             row.push_back(link);
         }
+        return creased;
     }
 
     void findLeastAround(JetLinks::Block& block, NodeIndex begin, NodeIndex end) const {

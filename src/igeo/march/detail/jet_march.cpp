@@ -1,5 +1,6 @@
 #include <igeo/march/detail/jet_march.h>
 
+#include <igeo/base/detail/registers.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_meeting.h>
@@ -48,7 +49,12 @@ JetMarch::JetMarch(std::shared_ptr<const JetCore> core, const std::vector<Surfac
       queue_(jets_.state),
       discs_(startDiscs(core_, jets_.seeds)),
       width_(float(jets_.buckets.width)),
-      lastDiscBucket_(bucketOf(jets_.seeds.largestInDisc)) {
+      lastDiscBucket_(bucketOf(jets_.seeds.largestInDisc)),
+      isotropic_(core_.stretch.empty()),
+      weighted_(core_.metric.weighted()),
+      ofOnePoint_(jets_.seeds.lines.ofOnePoint()),
+      leastCost2_(float(jets_.seeds.lines.leastCost() * jets_.seeds.lines.leastCost())),
+      heaviest_(core_.leastCost) {
     const auto last = std::max_element(seeds.begin(), seeds.end(),
                                        [](auto& a, auto& b) { return a.start < b.start; });
     // Buckets are numbered in 32 bits.
@@ -56,6 +62,11 @@ JetMarch::JetMarch(std::shared_ptr<const JetCore> core, const std::vector<Surfac
         throw Error(Error::Kind::InvalidArgument,
                     "start values of seeds differ by more than 1e9 voxels",
                     "give seeds that no front comes near to a run of their own");
+    if (ofOnePoint_) {
+        const Vec3d seed = jets_.seeds.lines.only().from;
+        seedVoxel_ = roundToIjk(seed);
+        seedFoot_ = Vec3f(seed - Vec3d(seedVoxel_));
+    }
     enqueueStartDiscs();
     initStopNodes();
 }
@@ -101,6 +112,9 @@ Batch JetMarch::nextBatch() {
 }
 
 void JetMarch::process(const Batch& batch) {
+    batchStart_ = jets_.buckets.startOf(batch.first);
+    batchRadius_ = batchStart_ - jets_.seeds.leastStart;
+    scale_ = {batch.first, width_};
     // As many chunks as keep the threads busy to the end, of whole groups.
     const auto threads = std::size_t(ThreadLimit::current());
     chunkSize_ = std::clamp(batch.nodes.size() / (2 * threads) / Lanes::kNodes * Lanes::kNodes,
@@ -120,84 +134,81 @@ void JetMarch::solve(const Batch& batch, std::size_t chunkCount) {
     });
 }
 
+JetMarch::Group::Group() {
+    // Lanes without a node are laid out as well.
+    static constexpr JetLink kNoLink{};
+    for (JetRows::Row& row : rows.of) row.link = &kNoLink, row.known.fill(0);
+    std::fill_n(weight.of, Lanes::kNodes, 1.0f);
+}
+
 void JetMarch::solveChunk(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk) {
     chunk.clear();
     Group group;
-    group.jets.clear(core_.pull());
     // Nodes of a bucket lie all over the surface: what they need is fetched before it is used.
     constexpr std::size_t kNode = 16, kLinks = 8;
+    const NodeIndex* const nodes = batch.nodes.data();
+    const std::size_t size = batch.nodes.size();
     for (std::size_t k = begin; k < end; ++k) {
-        if (k + kNode < batch.nodes.size()) prefetchNode(batch.nodes[k + kNode]);
-        if (k + kLinks < batch.nodes.size()) links_.prefetch(batch.nodes[k + kLinks]);
-        const NodeIndex i = batch.nodes[k];
-        if (queue_.take(i, batch.first, batch.last)) gather(i, batch, group);
-        if (group.jets.full()) solveGroup(batch, group, chunk);
+        if (k + kNode < size) prefetchNode(nodes[k + kNode]);
+        if (k + kLinks < size) links_.prefetch(nodes[k + kLinks]);
+        if (queue_.take(nodes[k], batch.first, batch.last)) group.node[group.size++] = nodes[k];
+        if (group.full()) solveGroup(batch, group, chunk);
     }
-    if (group.jets.size() > 0) solveGroup(batch, group, chunk);
+    if (group.size > 0) solveGroup(batch, group, chunk);
 }
 
-void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
-    const JetGroup::Solutions solutions = group.jets.solve();
-    for (std::size_t k = 0; k < group.jets.size(); ++k) {
-        const Node& node = group.nodes[k];
-        JetGroup::Solution s = solutions[k];
-        if (s.oneSided && isAtRim(node.core)) s = group.jets.solveAtRim(k);
-        const JetNode& at = core_.nodes[node.core];
-        Result result{s.u * at.weight, s.g, s.source, s.usedFallback, s.frontsMeet};
-        if (!core_.stretch.empty()) result.g = core_.stretch[node.core].covectorBack(s.g);
-        settle(node, result, batch, chunk);
-    }
+void JetMarch::gather(const Batch& batch, Group& group) {
+    // Relative to the least start: near a source the solve takes u for the distance to it. Divided,
+    // as a product with 1 / weight would be off to the same side in each step.
+    const auto start = float(batchRadius_);
     group.jets.clear(core_.pull());
-}
-
-JetMarch::Known JetMarch::split(std::span<const JetLink> row, const Batch& batch,
-                                Node& node) const {
-    // Which neighbors have a jet changes from node to node: no branches.
-    const JetState* const state = jets_.state.data();
-    const std::uint32_t last = batch.last;
-    const bool isotropic = core_.stretch.empty();
-    Known known;
-    std::size_t knownCount = 0, waitingCount = 0;
-    for (std::size_t k = 0; k < row.size(); ++k) {
-        const JetState& other = state[row[k].node()];
-        const bool accepted = other.accepted();
-        known.link[knownCount] = node.waiting[waitingCount] = std::uint8_t(k);
-        knownCount += accepted;
-        waitingCount += !accepted & mayPut(BucketQueue::bucketOf(other), last, isotropic);
+    for (std::size_t lane = 0; lane < group.size; ++lane) {
+        const NodeIndex i = group.node[lane];
+        const JetNode& here = core_.nodes[i];
+        JetRows::Row& row = group.rows.of[lane];
+        if (!ownLinks_.empty()) ownLinks_.make(core_, i);
+        const auto [links, creased] = links_.rowAt(i);
+        split(links, jets_.state.data(), batch.last + 1, isotropic_, row);
+        group.weight[lane] = here.weight;
+        group.line2[lane] = line2(here);
+        group.jets.begin(weighted_ ? start / here.weight : start,
+                         isotropic_ ? JetNeighbors::kLongest2 : core_.longest2(core_.stretch[i]));
+        if (!isotropic_) {
+            addStretched(i, row, batch, group.jets);
+            continue;
+        }
+        group.jets.expect(row.knownCount, !(creased && knowsCrease(row)));
+        for (std::size_t k = 0; k < row.knownCount && !jets_.label.empty(); ++k)
+            group.jets.setSource(k, jets_.label[row.knownLink(k).node()]);
     }
-    known.count = knownCount, node.waitingCount = waitingCount;
-    return known;
 }
 
-void JetMarch::gather(NodeIndex i, const Batch& batch, Group& group) {
-    if (!ownLinks_.empty()) ownLinks_.make(core_, i);
-    Node& node = group.nodes[group.jets.size()];
-    node.core = i;
-    const JetNode& here = core_.nodes[i];
-    const bool isotropic = core_.stretch.empty();
-    // Divided, as a product with 1 / weight would be off to the same side in each step.
-    const bool weighted = core_.metric.weighted();
-    auto perWeight = [&](float u) { return weighted ? u / here.weight : u; };
-    const auto start = float(jets_.buckets.startOf(batch.first) - jets_.seeds.leastStart);
-    // Relative to the least start: near a source the solve takes u for the distance to it.
-    group.jets.begin(perWeight(start),
-                     isotropic ? JetNeighbors::kLongest2 : core_.longest2(core_.stretch[i]));
-    const auto row = links_.row(i);
-    const Known known = split(row, batch, node);
-    for (std::size_t k = 0; k < known.count; ++k) {
-        const JetLink& link = row[known.link[k]];
+void JetMarch::addStretched(NodeIndex i, const JetRows::Row& row, const Batch& batch,
+                            JetGroup& jets) const {
+    const float weight = core_.nodes[i].weight;
+    for (std::size_t k = 0; k < row.knownCount; ++k) {
+        const JetLink& link = row.knownLink(k);
         const NodeIndex j = link.node();
         const JetState& state = jets_.state[j];
         const float u = float(std::int64_t(state.bucket) - batch.first) * width_ + state.rest;
         JetNeighbor n{link.a(), link.turned(state.g)};
-        if (!isotropic) {
-            n.g = perWeight(core_.nodes[j].weight) * n.g;
-            n = stretched(core_.stretch[i], n);
-        }
-        group.jets.add(n.a, n.g, perWeight(u), jets_.labelOf(j), link.overCrease());
+        n.g = (core_.nodes[j].weight / weight) * n.g;
+        n = stretched(core_.stretch[i], n);
+        jets.add(n.a, n.g, u / weight, jets_.labelOf(j), link.overCrease());
     }
-    node.jump = float(kInfinity);
-    if (here.facing & Band::kBridged) gatherJumps(batch, node);
+}
+
+bool JetMarch::knowsCrease(const JetRows::Row& row) {
+    for (std::size_t k = 0; k < row.knownCount; ++k)
+        if (row.knownLink(k).overCrease()) return true;
+    return false;
+}
+
+float JetMarch::line2(const JetNode& node) const {
+    constexpr float kRounding = 1.0001f;
+    if (!ofOnePoint_) return float(kInfinity);
+    const Vec3f off = Vec3f(core_.voxelOf(node) - seedVoxel_) + (node.foot - seedFoot_);
+    return kRounding * leastCost2_ * dot(off, off);
 }
 
 bool JetMarch::isAtRim(NodeIndex i) const {
@@ -215,83 +226,37 @@ bool JetMarch::isAtRim(NodeIndex i) const {
            });
 }
 
-void JetMarch::gatherJumps(const Batch& batch, Node& node) const {
-    forJumps(core_, node.core, [&](NodeIndex j, const Vec3f& chord) {
+JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
+    Jump jump;
+    forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
         if (!jets_.accepted(j)) return;
-        const double cost = (core_.largestCostAt(node.core) + core_.largestCostAt(j)) / 2;
-        const auto u = float(jets_.valueOf(j) - jets_.buckets.startOf(batch.first) +
-                             cost * double(length(chord)));
-        if (u < node.jump) node.jump = u, node.jumpLabel = jets_.labelOf(j);
+        const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2;
+        const float u = fromStart(jets_.valueOf(j) + cost * double(length(chord)));
+        if (u < jump.u) jump = {u, jets_.labelOf(j)};
     });
+    return jump;
 }
 
-void JetMarch::settle(const Node& node, Result s, const Batch& batch, Chunk& chunk) {
-    const NodeIndex i = node.core;
-    if (node.jump < s.u) s = {node.jump, {}, node.jumpLabel, false, false};
-    // Nodes of a disc wait in its buckets or earlier.
-    if (batch.first <= lastDiscBucket_) s = exactNearSeed(i, s, batch);
-    if (!(s.u < float(kInfinity))) return;
-    s.u = boundedBelow(i, s.u, s.label, batch);
-    if (options_.below && !withinLimit(i, s.u, batch)) return;
-    if (!(s.u < slackOf(i))) {
-        // Half as far as its bucket: soon, with what is known then, but not in every bucket in
-        // between, of which there are many where weights differ by much.
-        const std::uint32_t half = later(batch.first, (bucketsTo(s.u) + 1) / 2);
-        chunk.deferred.push_back({std::max(batch.last + 1, half), i});
-        return;
+IGEO_INLINE void JetMarch::enqueue(NodeIndex i, const JetRows::Row& row, const Result& jet,
+                                   const Batch& batch, Chunk& chunk) {
+    if (!isotropic_) return enqueueStretched(i, row, jet, batch, chunk);
+    std::array<std::uint32_t, JetLinks::kMax + 4> buckets;
+    carry({jet.u, jet.g, radiusOf(jet), core_.nodes[i].weight}, scale_, row, buckets.data());
+    const std::uint32_t next = batch.last + 1;
+    for (std::size_t k = 0; k < row.waitingCount; ++k) {
+        const NodeIndex j = row.waitingLink(k).node();
+        const std::uint32_t current = queue_.bucketOf(j), to = std::max(next, buckets[k]);
+        if (to < current) lower(j, to, current, chunk);
     }
-    if (later(batch.first, bucketsTo(s.u)) >= kLastBucket) {
-        chunk.tooFar = true;
-        return;
-    }
-    chunk.accepted.push_back({i, s.label, stateOf(s, batch)});
-    chunk.byFallback += s.usedFallback;
-    if (s.frontsMeet) chunk.frontsMeet.push_back(i);
-    chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
-    if (!stopNodes_.empty() && stopNodes_[i]) ++chunk.stopNodes;
-    enqueue(node, s, batch, chunk);
-    if (core_.nodes[i].facing & Band::kBridged) enqueueJumps(i, s, batch, chunk);
 }
 
-JetMarch::Result JetMarch::exactNearSeed(NodeIndex i, const Result& s, const Batch& batch) const {
-    const auto disc = discs_.find(i);
-    if (disc == discs_.end()) return s;
-    const auto u = float(disc->second.u - jets_.buckets.startOf(batch.first));
-    if (s.u < u && s.label != disc->second.label) return s;
-    return {u, disc->second.g, disc->second.label, false, false};
-}
-
-float JetMarch::boundedBelow(NodeIndex i, float u, std::uint32_t label, const Batch& batch) const {
-    const double bound = jets_.seeds.lines.from(label, core_.footOf(core_.nodes[i]));
-    return std::max(u, float(bound - jets_.buckets.startOf(batch.first)));
-}
-
-bool JetMarch::withinLimit(NodeIndex i, float u, const Batch& batch) const {
-    const NodeIndex inBand = core_.inBand(core_.nodes[i]);
-    return jets_.buckets.startOf(batch.first) + double(u) <
-           (*options_.below)[inBand] + kMarginBelow * core_.largestCostAt(i);
-}
-
-JetState JetMarch::stateOf(const Result& s, const Batch& batch) const {
-    // Fits may lie before the batch, by a few buckets.
-    const float at = std::max(s.u / width_, 1 - float(batch.first));
-    const auto whole = std::int64_t(at), by = whole - (float(whole) > at ? 1 : 0);
-    return {std::uint32_t(std::int64_t(batch.first) + by), s.u - float(by) * width_, s.g};
-}
-
-void JetMarch::enqueue(const Node& node, const Result& jet, const Batch& batch, Chunk& chunk) {
-    // Along a circle about the source, at the mean cost of both ends.
-    const bool isotropic = core_.stretch.empty();
-    const float here = core_.nodes[node.core].weight;
-    const auto radius =
-        float(jets_.buckets.startOf(batch.first) - jets_.seeds.leastStart + double(jet.u));
-    const auto row = links_.row(node.core);
-    for (std::size_t k = 0; k < node.waitingCount; ++k) {
-        const JetLink& link = row[node.waiting[k]];
-        const float weight =
-            isotropic ? here : meanWeight(core_.nodes[link.node()].weight, here) * here;
-        const Vec2f step = -weight * link.a();
-        const Vec2f flat = isotropic ? step : core_.stretch[node.core].vector(step);
+void JetMarch::enqueueStretched(NodeIndex i, const JetRows::Row& row, const Result& jet,
+                                const Batch& batch, Chunk& chunk) {
+    const float here = core_.nodes[i].weight, radius = radiusOf(jet);
+    for (std::size_t k = 0; k < row.waitingCount; ++k) {
+        const JetLink& link = row.waitingLink(k);
+        const float weight = meanWeight(core_.nodes[link.node()].weight, here) * here;
+        const Vec2f step = -weight * link.a(), flat = core_.stretch[i].vector(step);
         const float along = dot(jet.g, step), square = dot(flat, flat);
         const float r = radius + std::max(along, 0.0f),
                     across = std::max(square - along * along, 0.0f);
@@ -311,12 +276,94 @@ void JetMarch::enqueueJumps(NodeIndex from, const Result& jet, const Batch& batc
 
 void JetMarch::put(NodeIndex i, float u, const Batch& batch, Chunk& chunk) {
     const std::uint32_t current = queue_.bucketOf(i), next = batch.last + 1;
-    if (!mayPut(current, batch.last, core_.stretch.empty())) return;
+    if (!mayPut(current, next, isotropic_)) return;
     const std::uint32_t to = std::max(next, later(batch.first, bucketsTo(u)));
     if (current < next)
         chunk.requeueLater.push_back({to, i});
-    else if (queue_.lower(i, to, current))
-        chunk.queued.push_back({to, i});
+    else
+        lower(i, to, current, chunk);
+}
+
+IGEO_INLINE void JetMarch::settle(std::size_t lane, const Group& group, Result s,
+                                  const Batch& batch, Chunk& chunk) {
+    const NodeIndex i = group.node[lane];
+    const JetNode& node = core_.nodes[i];
+    const bool bridged = node.facing & Band::kBridged;
+    if (bridged)
+        if (const Jump jump = jumpTo(i); jump.u < s.u) s = {jump.u, {}, jump.label, false, false};
+    // Nodes of a disc wait in its buckets or earlier.
+    if (batch.first <= lastDiscBucket_) s = exactNearSeed(i, s);
+    if (!(s.u < float(kInfinity))) return;
+    const float radius = radiusOf(s);
+    if (!(radius > 0 && radius * radius > group.line2[lane])) s.u = boundedBelow(i, s.u, s.label);
+    if (options_.below && !withinLimit(i, s.u, batch)) return;
+    if (!(s.u < slackOf(i))) {
+        // Half as far as its bucket: soon, with what is known then, but not in every bucket in
+        // between, of which there are many where weights differ by much.
+        const std::uint32_t half = later(batch.first, (bucketsTo(s.u) + 1) / 2);
+        chunk.deferred.push_back({std::max(batch.last + 1, half), i});
+        return;
+    }
+    const JetState state = stateOf(s, batch);
+    if (state.bucket >= kLastBucket) {
+        chunk.tooFar = true;
+        return;
+    }
+    chunk.accepted.push_back({i, s.label, state});
+    chunk.byFallback += s.usedFallback;
+    if (s.frontsMeet) chunk.frontsMeet.push_back(i);
+    if (core_.costsVary || !isotropic_)
+        chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
+    if (stopNodesLeft_ > 0 && stopNodes_[i]) ++chunk.stopNodes;
+    enqueue(i, group.rows.of[lane], s, batch, chunk);
+    if (bridged) enqueueJumps(i, s, batch, chunk);
+}
+
+JetMarch::Result JetMarch::exactNearSeed(NodeIndex i, const Result& s) const {
+    const auto disc = discs_.find(i);
+    if (disc == discs_.end()) return s;
+    const float u = fromStart(disc->second.u);
+    if (s.u < u && s.label != disc->second.label) return s;
+    return {u, disc->second.g, disc->second.label, false, false};
+}
+
+float JetMarch::boundedBelow(NodeIndex i, float u, std::uint32_t label) const {
+    return std::max(u, fromStart(jets_.seeds.lines.from(label, core_.footOf(core_.nodes[i]))));
+}
+
+bool JetMarch::withinLimit(NodeIndex i, float u, const Batch& batch) const {
+    const NodeIndex inBand = core_.inBand(core_.nodes[i]);
+    return jets_.buckets.startOf(batch.first) + double(u) <
+           (*options_.below)[inBand] + kMarginBelow * core_.largestCostAt(i);
+}
+
+JetState JetMarch::stateOf(const Result& s, const Batch& batch) const {
+    if (s.u >= 0 && s.u < width_) return {batch.first, s.u, s.g};
+    // Fits may lie before the batch, by a few buckets.
+    const float at = std::clamp(s.u / width_, 1 - float(batch.first), 2.0f * float(kLastBucket));
+    const auto whole = std::int64_t(at), by = whole - (float(whole) > at ? 1 : 0);
+    const std::int64_t bucket = std::min(batch.first + by, std::int64_t(kLastBucket));
+    return {std::uint32_t(bucket), s.u - float(by) * width_, s.g};
+}
+
+void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
+    gather(batch, group);
+    if (isotropic_)
+        group.jets.fill([&](JetLanes& lanes) {
+            layOut(group.rows, jets_.state.data(), batch.first, width_,
+                   weighted_ ? &group.weight : nullptr, lanes);
+        });
+    const JetGroup::Solutions solutions = group.jets.solve();
+    for (std::size_t lane = 0; lane < group.size; ++lane) {
+        const NodeIndex i = group.node[lane];
+        JetGroup::Solution s = solutions[lane];
+        if (s.oneSided && isAtRim(i)) s = group.jets.solveAtRim(lane);
+        if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
+        settle(lane, group,
+               {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet}, batch,
+               chunk);
+    }
+    group.size = 0;
 }
 
 void JetMarch::accept(std::size_t chunkCount) {

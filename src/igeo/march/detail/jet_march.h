@@ -1,6 +1,7 @@
 /// The march of scheme `jet` over the core of a band. Internal.
 #pragma once
 
+#include <igeo/march/detail/jet_march_lanes.h>
 #include <igeo/march/detail/jet_meeting.h>
 #include <igeo/march/detail/jet_queue.h>
 #include <igeo/march/detail/jet_start.h>
@@ -38,13 +39,13 @@ private:
     /// Part of a batch, for one thread: what it found out, to be written once all are solved.
     struct Chunk {
         std::vector<Accepted> accepted;
-        std::vector<Queued> queued;         ///< neighbors, into an earlier bucket than before
-        std::vector<Queued> deferred;       ///< nodes of the batch that are not final
-        std::vector<Queued> requeueLater;   ///< neighbors that are in the batch themselves
-        std::size_t byFallback = 0;         ///< of the accepted nodes
+        std::vector<Queued> queued;        ///< neighbors, into an earlier bucket than before
+        std::vector<Queued> deferred;      ///< nodes of the batch that are not final
+        std::vector<Queued> requeueLater;  ///< neighbors that are in the batch themselves
+        std::size_t byFallback = 0;        ///< of the accepted nodes
         std::vector<NodeIndex> frontsMeet;  ///< accepted nodes: JetGroup::Solution::frontsMeet
-        std::size_t stopNodes = 0;          ///< of the accepted nodes
-        bool tooFar = false;                ///< a value beyond the last bucket
+        std::size_t stopNodes = 0;         ///< of the accepted nodes
+        bool tooFar = false;               ///< a value beyond the last bucket
         double heaviest = 0;
 
         void clear() {
@@ -53,23 +54,22 @@ private:
             byFallback = stopNodes = 0;
         }
     };
-    /// A node of a group.
-    struct Node {
-        NodeIndex core;
-        /// Links to nodes without a jet that may be put into other buckets.
-        std::array<std::uint8_t, JetLinks::kMax> waiting;
-        std::size_t waitingCount;
-        float jump;               ///< the least value over jumps, +inf without
-        std::uint32_t jumpLabel;  ///< its source
+    /// The least value over the jumps to a node, and its source.
+    struct Jump {
+        float u = float(kInfinity);
+        std::uint32_t label = 0;
     };
-    /// Links of a node to nodes that have a jet.
-    struct Known {
-        std::array<std::uint8_t, JetLinks::kMax> link;
-        std::size_t count;
-    };
+    /// Up to eight nodes that are solved side by side.
     struct Group {
+        std::size_t size = 0;
+        std::array<NodeIndex, Lanes::kNodes> node;
+        std::array<float, Lanes::kNodes> line2;
+        JetRows rows;
+        Lanes weight;
         JetGroup jets;
-        std::array<Node, Lanes::kNodes> nodes;
+
+        Group();
+        bool full() const { return size == Lanes::kNodes; }
     };
     /// What a solve comes to.
     struct Result {
@@ -101,6 +101,11 @@ private:
         return float(options_.bucketWidth) * (float(core_.leastCostAt(i)) + leastAround) / 2;
     }
 
+    /// A value relative to the start of the batch.
+    float fromStart(double u) const { return float(u - batchStart_); }
+    /// The distance of a jet from the least start.
+    float radiusOf(const Result& jet) const { return float(batchRadius_ + double(jet.u)); }
+
     void enqueueStartDiscs();
     void initStopNodes();
     Batch nextBatch();
@@ -118,34 +123,41 @@ private:
         links_.prefetchPlace(i);
     }
     void solveGroup(const Batch& batch, Group& group, Chunk& chunk);
-    void gather(NodeIndex i, const Batch& batch, Group& group);
-    /// Sorts the links of a node: those to nodes that have a jet, and Node::waiting.
-    Known split(std::span<const JetLink> row, const Batch& batch, Node& node) const;
+    /// Sorts the links of the nodes, and begins them in Group::jets.
+    void gather(const Batch& batch, Group& group);
+    /// Adds the neighbors of a node in the coordinates of its tensor.
+    void addStretched(NodeIndex i, const JetRows::Row& row, const Batch& batch,
+                      JetGroup& jets) const;
+    /// Whether a neighbor that has a jet is over a crease.
+    static bool knowsCrease(const JetRows::Row& row);
+    /// The square of the straight line from the only seed to a node, at the least cost, and a
+    /// little more for rounding; +inf where there are other seeds.
+    float line2(const JetNode& node) const;
     /// Whether a front may go around something beside a node: an obstacle, the end of S, or a
     /// corner at which creases within two links meet.
     bool isAtRim(NodeIndex i) const;
-    void gatherJumps(const Batch& batch, Node& node) const;
+    Jump jumpTo(NodeIndex i) const;
     /// Accepts a node and enqueues its neighbors if its value is final, else defers it.
-    void settle(const Node& node, Result s, const Batch& batch, Chunk& chunk);
+    void settle(std::size_t lane, const Group& group, Result s, const Batch& batch, Chunk& chunk);
     /// The jet of its start disc, unless the front of another seed was there before.
-    Result exactNearSeed(NodeIndex core, const Result& s, const Batch& batch) const;
+    Result exactNearSeed(NodeIndex core, const Result& s) const;
     /// Not below the straight line from the seed.
-    float boundedBelow(NodeIndex i, float u, std::uint32_t label, const Batch& batch) const;
+    float boundedBelow(NodeIndex i, float u, std::uint32_t label) const;
     /// Whether a value at a core node is within JetOptions::below, or next to it.
     bool withinLimit(NodeIndex i, float u, const Batch& batch) const;
+    /// @return  bucket kLastBucket for values beyond
     JetState stateOf(const Result& s, const Batch& batch) const;
     /// Puts the nodes that wait at the other ends of its links into the buckets of the values that
     /// an accepted jet carries to them, after the batch at the earliest.
-    void enqueue(const Node& node, const Result& jet, const Batch& batch, Chunk& chunk);
+    void enqueue(NodeIndex i, const JetRows::Row& row, const Result& jet, const Batch& batch,
+                 Chunk& chunk);
+    void enqueueStretched(NodeIndex i, const JetRows::Row& row, const Result& jet,
+                          const Batch& batch, Chunk& chunk);
     void enqueueJumps(NodeIndex from, const Result& jet, const Batch& batch, Chunk& chunk);
     /// Puts a node into the bucket of a value, after the batch at the earliest.
     void put(NodeIndex i, float u, const Batch& batch, Chunk& chunk);
-    /// Whether put() may move a node out of this bucket: not where that is next to the last of the
-    /// batch. The buckets of nodes in the batch, or taken out of it just now, are settled in
-    /// collect(), and without tensors such nodes come back soon enough. Once false, it stays so for
-    /// the batch.
-    static bool mayPut(std::uint32_t bucket, std::uint32_t last, bool isotropic) {
-        return isotropic ? bucket > last + 1 : bucket != last + 1;
+    void lower(NodeIndex i, std::uint32_t to, std::uint32_t current, Chunk& chunk) {
+        if (queue_.lower(i, to, current)) chunk.queued.push_back({to, i});
     }
 
     const std::shared_ptr<const JetCore> shared_;
@@ -158,10 +170,19 @@ private:
     const StartDiscs discs_;
     const float width_;                   ///< of a bucket: half a voxel at the least cost
     const std::uint32_t lastDiscBucket_;  ///< nodes of a disc wait there or earlier
-    double heaviest_ = 0;                 ///< the largest cost per unit length accepted so far
-    bool stopped_ = false;                ///< the limit ended the march
+    const bool isotropic_, weighted_;
+    const bool ofOnePoint_;  ///< the only source is one
+    /// Its voxel, and where it is from there.
+    Ijk seedVoxel_{};
+    Vec3f seedFoot_{};
+    const float leastCost2_;  ///< square of the least cost
+    double batchStart_ = 0;   ///< where the batch in work begins
+    double batchRadius_ = 0;  ///< the same, from the least start
+    BucketScale scale_;       ///< from there on
+    double heaviest_;         ///< the largest cost per unit length accepted so far
+    bool stopped_ = false;    ///< the limit ended the march
     std::vector<Chunk> chunks_;
-    std::vector<bool> stopNodes_;  ///< nodes of the core that the march has to reach; empty: all
+    std::vector<bool> stopNodes_;   ///< nodes of the core that the march has to reach; empty: all
     std::vector<NodeIndex> frontsMeet_;  ///< as Chunk::frontsMeet
     std::size_t byFallback_ = 0, stopNodesLeft_ = 0, accepted_ = 0, chunkSize_ = 0;
 };

@@ -25,7 +25,7 @@ struct Solved {
 
 /// A core node in a march. Values count from the start of a bucket, so that single precision is
 /// enough for them.
-struct JetState {
+struct alignas(16) JetState {
     std::uint32_t bucket = kNoBucket;  ///< in which the node waits, 0 once taken out (jet_queue.h);
                                        ///< of an accepted node that of its value
     float rest = float(kInfinity);  ///< value beyond the start of the bucket; +inf until accepted

@@ -3,6 +3,7 @@
 #include <igeo/march/detail/fermat_update.h>
 
 #include <algorithm>
+#include <bit>
 
 namespace igeo {
 
@@ -10,101 +11,118 @@ namespace igeo {
 struct JetGroup::Fits {
     JetFronts fronts;
     JetFits first, second;
-    std::array<bool, Lanes::kNodes> hasSecond{};
+    JetVerdicts verdicts;
 
     /// Fits the front of the neighbor that carries the least value; where other neighbors belong to
     /// another front (a cut locus) that may come first, fits theirs as well.
     explicit Fits(const JetLanes& lanes) {
-        constexpr float kLater = 0.2f;
         findFronts(lanes, fronts);
         fitFronts(lanes, fronts.leadX, fronts.leadY, first);
-        bool any = false;
+        verdicts = judge(fronts, first);
+        if (!verdicts.second) return;
         Lanes x{}, y{};
-        for (std::size_t k = 0; k < Lanes::kNodes; ++k) {
-            if (!(fronts.second[k] < JetFronts::kNoValue) ||
-                fronts.second[k] >= orInfinity(first.u[k]) + kLater)
-                continue;
-            x[k] = fronts.secondX[k], y[k] = fronts.secondY[k];
-            any = hasSecond[k] = true;
-        }
-        if (any) fitFronts(lanes, x, y, second);
+        for (std::size_t k = 0; k < Lanes::kNodes; ++k)
+            if (hasSecond(k)) x[k] = fronts.secondX[k], y[k] = fronts.secondY[k];
+        fitFronts(lanes, x, y, second);
     }
-    static float orInfinity(float u) { return u < float(kInfinity) ? u : float(kInfinity); }
+    bool hasSecond(std::size_t k) const { return verdicts.second >> k & 1; }
+    bool isClear(std::size_t k) const { return verdicts.clear >> k & 1; }
 };
 
-namespace {
-
 /// The least of the fits of a node, and how far it can be trusted.
-struct BestFit {
-    JetGroup::Solution best;
+struct JetGroup::BestFit {
+    Solution best;
     bool valid = true;          ///< no fit failed
     bool fromBothSides = true;  ///< no fit is an extrapolation
     bool clear = true;          ///< no reason for doubt
+    bool counts = true;         ///< it is no extrapolation at a rim
+    bool final = true;          ///< it needs no fallback
 
     /// Takes a fit. It fails where its residual is large, or its value more than kSlack above the
     /// straight line from some neighbor.
     void add(const JetFits& fits, const JetFronts& fronts, std::size_t k) {
-        constexpr float kResidual = 0.02f, kDoubt = 2e-3f, kSlack = 1e-3f, kFocus = 0.2f;
+        constexpr float kResidual = 0.02f;
         const float u = fits.u[k], residual2 = fits.residual2[k];
-        if (!(u <= fronts.bound[k] + kSlack) || residual2 > kResidual * kResidual) {
+        if (!(u <= fronts.bound[k] + jet::kSlack) || residual2 > kResidual * kResidual) {
             valid = false;
             return;
         }
-        // Below all plane fronts: two neighbors always agree, however wrong.
-        clear &= u >= fronts.straight[k] - kFocus && residual2 < kDoubt * kDoubt;
+        clear &= u >= fronts.straight[k] - jet::kFocus && residual2 < jet::kDoubt * jet::kDoubt;
         fromBothSides &= !(fits.oneSided[k] > 0);
         if (u < best.u) best.u = u, best.g = {fits.gx[k], fits.gy[k]};
     }
 };
 
-bool frontsMeet(const JetNeighbors& all, Vec2f g) {
-    FrontsMeet fronts(g);
-    for (int k = 0; k < all.count(); ++k) fronts.add({all.a(k), all.g(k)});
-    return fronts.meet();
-}
-
-}  // namespace
-
 JetGroup::Solutions JetGroup::solve() {
-    for (std::size_t k = size_; k < Lanes::kNodes; ++k) lanes_.count[k] = 0, lanes_.base[k] = 0;
-    lanes_.pad();
+    if (!filled_) closeLanes(), lanes_.pad();
     const Fits fits(lanes_);
     Solutions solutions;
+    unsigned doubts = 0;
     for (std::size_t k = 0; k < size_; ++k)
-        solutions[k] = nodes_[k].oneSource ? settle(k, fits) : solvePerSource(k);
+        if (fits.isClear(k) && nodes_[k].smooth && nodes_[k].oneSource)
+            solutions[k] = {fits.first.u[k], {fits.first.gx[k], fits.first.gy[k]}, sources_[k][0]};
+        else
+            doubts |= 1u << k;
+    if (doubts) solveDoubtful(fits, doubts, solutions);
     return solutions;
+}
+
+void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const {
+    std::array<BestFit, Lanes::kNodes> best;
+    unsigned inFallback = 0;
+    FermatGroup fallback;
+    for (; doubts; doubts &= doubts - 1) {
+        const auto k = std::size_t(std::countr_zero(doubts));
+        if (!nodes_[k].oneSource) {
+            solutions[k] = solvePerSource(k);
+        } else if (best[k] = bestFit(k, fits); best[k].final) {
+            solutions[k] = best[k].best;
+        } else {
+            fallback.add(k, lanes_, nodes_[k].longest2);
+            inFallback |= 1u << k;
+        }
+    }
+    fallback.finish();
+    for (; inFallback; inFallback &= inFallback - 1) {
+        const auto k = std::size_t(std::countr_zero(inFallback));
+        solutions[k] = decide(k, best[k], fallback);
+    }
 }
 
 JetGroup::Solution JetGroup::solveAtRim(std::size_t lane) {
     nodes_[lane].rim = true;
-    return nodes_[lane].oneSource ? settle(lane, Fits(lanes_)) : solvePerSource(lane);
+    if (!nodes_[lane].oneSource) return solvePerSource(lane);
+    const BestFit fit = bestFit(lane, Fits(lanes_));
+    if (fit.final) return fit.best;
+    FermatGroup fallback;
+    fallback.add(lane, lanes_, nodes_[lane].longest2);
+    fallback.finish();
+    return decide(lane, fit, fallback);
 }
 
-JetGroup::Solution JetGroup::settle(std::size_t lane, const Fits& fits) const {
-    constexpr float kAgree = 0.01f;
+JetGroup::BestFit JetGroup::bestFit(std::size_t lane, const Fits& fits) const {
     const Node& node = nodes_[lane];
-    if (lanes_.count[lane] == 0) return {};
     BestFit fit;
+    if (lanes_.count[lane] == 0) return fit;
     fit.best.source = sources_[lane][0];
-    fit.best.frontsMeet = fits.hasSecond[lane] || fits.first.turn[lane] > FrontsMeet::kTurn;
+    fit.best.frontsMeet = fits.hasSecond(lane) || fits.first.turn[lane] > FrontsMeet::kTurn;
     fit.add(fits.first, fits.fronts, lane);
-    if (fits.hasSecond[lane]) fit.add(fits.second, fits.fronts, lane);
-    const bool counts = fit.fromBothSides || !node.rim;
+    if (fits.hasSecond(lane)) fit.add(fits.second, fits.fronts, lane);
+    fit.counts = fit.fromBothSides || !node.rim;
     fit.best.oneSided = !fit.fromBothSides && node.smooth;
-    if (fit.valid && counts && fit.clear && node.smooth) return fit.best;
-    const JetNeighbors neighbors = neighborsOf(lane);
-    const Jet jet = fermatUpdate(neighbors);
-    const Solution fallback{float(jet.u), jet.g, fit.best.source, true,
-                            frontsMeet(neighbors, jet.g)};
-    if (!counts && node.smooth) return fallback;
-    return fit.valid && std::abs(fit.best.u - fallback.u) < kAgree ? fit.best : fallback;
+    fit.final = fit.valid && fit.counts && fit.clear && node.smooth;
+    return fit;
 }
 
-JetNeighbors JetGroup::neighborsOf(std::size_t lane) const {
-    JetNeighbors all;
-    all.longest2 = nodes_[lane].longest2;
-    for (std::size_t k = 0; k < lanes_.count[lane]; ++k) all.add(lanes_.at(lane, k));
-    return all;
+JetGroup::Solution JetGroup::decide(std::size_t lane, const BestFit& fit,
+                                    const FermatGroup& fallback) const {
+    constexpr float kAgree = 0.01f;
+    const float u = lanes_.neighbor[0].u[lane] + fallback.u(lane);
+    FrontsMeet fronts(fallback.g(lane));
+    for (std::size_t k = 0; k < lanes_.count[lane]; ++k) fronts.add(lanes_.at(lane, k));
+    const Solution other{u, fallback.g(lane), fit.best.source, true, fronts.meet()};
+    if (!fit.counts && nodes_[lane].smooth) return other;
+    return fit.valid && std::abs(fit.best.u - u) < kAgree ? fit.best : other;
 }
 
 JetGroup::Solution JetGroup::solvePerSource(std::size_t lane) const {

@@ -12,13 +12,15 @@
 
 namespace igeo {
 
+class FermatGroup;
+
 /// Up to eight nodes that are solved side by side, each with the neighbors that have a jet. A node
 /// gets the same bits in any group.
 class JetGroup {
 public:
     /// Takes the nodes out.
     /// @param pull  JetLanes::pull
-    void clear(float pull = 0.005f) { size_ = 0, lanes_.pull = pull; }
+    void clear(float pull = 0.005f) { size_ = 0, lanes_.pull = pull, filled_ = false; }
     bool full() const { return size_ == Lanes::kNodes; }
     std::size_t size() const { return size_; }
 
@@ -46,6 +48,28 @@ public:
     }
     std::size_t count() const { return lanes_.count[size_ - 1]; }  ///< of the node begun last
 
+    /// In place of add(): the node begun last will have so many neighbors, of source 0.
+    void expect(std::size_t count, bool smooth) {
+        const std::size_t lane = size_ - 1;
+        lanes_.count[lane] = std::uint32_t(std::min(count, JetLanes::kMax));
+        sources_[lane][0] = 0;
+        nodes_[lane].smooth = smooth;
+    }
+    /// Where they have other sources: that of neighbor k, from the first one on.
+    void setSource(std::size_t k, std::uint32_t source) {
+        const std::size_t lane = size_ - 1;
+        if (k >= lanes_.count[lane]) return;
+        sources_[lane][k] = source;
+        nodes_[lane].oneSource &= source == sources_[lane][0];
+    }
+    /// Calls layOut(lanes), which lays out and pads all neighbors that are expected.
+    template <typename LayOut>
+    void fill(const LayOut& layOut) {
+        closeLanes();
+        layOut(lanes_);
+        filled_ = true;
+    }
+
     /// The jet of a node by one of its fronts.
     struct Solution {
         float u = float(kInfinity);  ///< relative to the base; +inf without neighbors
@@ -72,11 +96,20 @@ private:
         float longest2;
     };
     struct Fits;
-    Solution settle(std::size_t lane, const Fits& fits) const;
+    struct BestFit;
+    /// @param doubts  bits: the nodes to solve
+    void solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const;
+    /// What the fits of a node come to.
+    BestFit bestFit(std::size_t lane, const Fits& fits) const;
+    /// The fit of a node, or its fallback.
+    Solution decide(std::size_t lane, const BestFit& fit, const FermatGroup& fallback) const;
     Solution solvePerSource(std::size_t lane) const;
-    JetNeighbors neighborsOf(std::size_t lane) const;
+    void closeLanes() {
+        for (std::size_t k = size_; k < Lanes::kNodes; ++k) lanes_.count[k] = 0, lanes_.base[k] = 0;
+    }
 
     std::size_t size_ = 0;
+    bool filled_ = false;
     std::array<Node, Lanes::kNodes> nodes_;
     std::array<std::array<std::uint32_t, JetLanes::kMax>, Lanes::kNodes> sources_;
     JetLanes lanes_;
