@@ -145,6 +145,11 @@ void Band::markFacing(NodeIndex i) {
         for (const int steps : {1, 2}) markFacing(i, steps * faceStep(face));
 }
 
+void Band::markKink(NodeIndex i) {
+    std::atomic_ref(facing[i]).fetch_or(kKink, std::memory_order_relaxed);
+    markFacing(i);
+}
+
 void Band::markFacing() {
     parallelFor(size(), 4096, [&](std::size_t begin, std::size_t end) {
         // Each pair from one end.

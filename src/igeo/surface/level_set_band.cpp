@@ -88,7 +88,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
     progress.throwIfCancelled();
     parallelFor(marks.kinks.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l)
-            for (const NodeIndex i : marks.kinks[l]) band.markFacing(i);
+            for (const NodeIndex i : marks.kinks[l]) band.markKink(i);
     });
     band.sever(linksThroughWalls(band, levelSet, marks.meetings));
     std::vector<NodeIndex> rim;

@@ -181,15 +181,6 @@ struct PsiDifferences {
     }
 };
 
-/// Calls visit(x, y, bits) for the rows of a leaf that contain nodes of the band, in their order.
-template <typename Visit>
-void forRows(const BandLeaf& leaf, const Visit& visit) {
-    for (int x = 0; x < 8; ++x)
-        for (int y = 0; y < 8; ++y)
-            if (const unsigned bits = leaf.band.mask[std::size_t(x)] >> (8 * y) & 0xff)
-                visit(x, y, bits);
-}
-
 /// Largest |principal curvature| of S at the foot points of the eight voxels of a row, from the
 /// Hessian H of psi: the eigenvalues of P H P, P = I - n n^T, moved from psi to 0 by
 /// k / (1 - psi k). NaN where a neighbor is missing.
