@@ -24,6 +24,7 @@ namespace {
 class Writer : openvdb::io::Archive {
 public:
     Writer(std::ostream& os, bool seekable) : os_(os), seekable_(seekable) {}
+    ~Writer() { openvdb::io::clearStreamMetadataPtr(os_); }
 
     void write(const openvdb::GridCPtrVec& grids) {
         openvdb::MetaMap meta;
@@ -69,7 +70,6 @@ private:
             // setGridCompression() is for one grid.
             openvdb::io::setDataCompression(os_, compression());
         }
-        openvdb::io::clearStreamMetadataPtr(os_);
     }
 
     void writeTree(Descriptor& d, const openvdb::GridBase& grid) {
