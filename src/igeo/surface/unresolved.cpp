@@ -140,14 +140,17 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
                 return contradictsItself(block, int(at >> 6), int(at >> 3 & 7), int(at & 7),
                                          band.footOf(i));
             };
-            band.forNodes(l, [&](NodeIndex i, unsigned at) {
+            const LeafNodes& nodes = leaf.band;
+            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
                 const std::uint8_t marks = band.facing[i];
+                if (!(marks & (Band::kFacing | Band::kKink))) continue;
+                const unsigned at = band.placeOf(i).offset;
                 if (marks & Band::kFacing)
                     if (const NodeIndex k = leaf.core.node(at); k != kNoNode)
                         thin[k] = 2 * reachAt(band, i, kParallel) < kResolved;
                 if (marks & Band::kKink && std::abs(band.psi[i]) >= kLeastPsi && isClosed(i, at))
                     markBeside(band, l, at, closed);
-            });
+            }
         }
     });
     Unresolved unresolved;
