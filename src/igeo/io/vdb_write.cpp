@@ -26,12 +26,12 @@ public:
     Writer(std::ostream& os, bool seekable) : os_(os), seekable_(seekable) {}
     ~Writer() { openvdb::io::clearStreamMetadataPtr(os_); }
 
-    void write(const openvdb::GridCPtrVec& grids) {
+    void writeAll(const openvdb::GridCPtrVec& grids) {
         openvdb::MetaMap meta;
         meta.insertMeta("creator",
                         openvdb::StringMetadata(std::string("implicit-geodesic ") + kVersion));
 #if OPENVDB_LIBRARY_MAJOR_VERSION_NUMBER >= 13
-        Archive::write(os_, grids, seekable_, meta);
+        write(os_, grids, seekable_, meta);
 #else
         writeOnce(grids, meta);
 #endif
@@ -135,7 +135,7 @@ void stampUuid(std::iostream& file) {
 
 void writeVdb(std::ostream& stream, const openvdb::GridCPtrVec& grids) {
     std::stringstream buffer(std::ios::in | std::ios::out | std::ios::binary);
-    Writer(buffer, /*seekable=*/false).write(grids);
+    Writer(buffer, /*seekable=*/false).writeAll(grids);
     stampUuid(buffer);
     buffer.seekg(0);
     stream << buffer.rdbuf() << std::flush;
@@ -151,7 +151,7 @@ void writeVdb(const std::string& file, const openvdb::GridCPtrVec& grids) {
             !std::filesystem::is_regular_file(file, ignored)) {
             writeVdb(out.stream(), grids);
         } else {
-            Writer(out.stream(), /*seekable=*/true).write(grids);
+            Writer(out.stream(), /*seekable=*/true).writeAll(grids);
             out.stream().flush();
             out.stream().exceptions(std::ios::badbit);
             stampUuid(out.stream());
