@@ -1,5 +1,6 @@
 #include "output/result_table.h"
 
+#include <igeo/base/parallel.h>
 #include <igeo/results/color_map.h>
 #include <igeo/results/distance_matrix.h>
 #include <igeo/results/picture.h>
@@ -264,7 +265,8 @@ void writeResults(RunResult& r) {
             r.distance.field();
         } else if (r.lastRun && !asksForOther(o)) {
             r.distance.surface().dropVolume();
-            giveBackFreedMemory();
+            // One thread uses the memory again for the volume that it writes.
+            if (igeo::ThreadLimit::current() > 1) giveBackFreedMemory();
         }
     }
     for (const ResultKind& kind : resultKinds()) {

@@ -151,6 +151,11 @@ bool Band::isWhole(LeafIndex l, unsigned at, const Ijk& low) const {
     return count == 8;
 }
 
+void Band::markKink(NodeIndex i) {
+    std::atomic_ref(facing[i]).fetch_or(kKink, std::memory_order_relaxed);
+    markFacing(i);
+}
+
 void Band::markFacing() {
     parallelFor(size(), 4096, [&](std::size_t begin, std::size_t end) {
         // Each pair from one end.

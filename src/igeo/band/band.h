@@ -79,10 +79,11 @@ struct Band {
 
     /// Per node, bits: kFacing where a neighbor lies on a sheet that faces it, kSevered where links
     /// are severed, kBesideSevered there and at all neighbors of such nodes, kBridged at the ends
-    /// of bridges, kStretched at those of stretched links.
+    /// of bridges, kStretched at those of stretched links, kKink where psi of a level set has a
+    /// kink.
     std::vector<std::uint8_t> facing;
     static constexpr std::uint8_t kFacing = 1, kSevered = 2, kBesideSevered = 4, kBridged = 8,
-                                  kStretched = 16;
+                                  kStretched = 16, kKink = 32;
 
     std::size_t size() const { return psi.size(); }
 
@@ -246,9 +247,11 @@ struct Band {
     }
 
     /// Marks i and its neighbors up to two voxels along the axes as `facing` where normals oppose
-    /// or sheets are stacked.
-    /// May be called for many nodes in parallel; call it for every node at which psi has a kink.
+    /// or sheets are stacked. May be called for many nodes in parallel.
     void markFacing(NodeIndex i);
+    /// Marks i as kKink and calls markFacing(i). Call it for every node at which psi has a kink, in
+    /// parallel if you like.
+    void markKink(NodeIndex i);
     /// markFacing of all nodes, in parallel.
     void markFacing();
 

@@ -5,6 +5,7 @@
 #include <igeo/base/parallel.h>
 
 #include <algorithm>
+#include <bit>
 #include <memory>
 
 namespace igeo {
@@ -52,19 +53,30 @@ typename GridT::Ptr makeGrid(const typename GridT::ValueType& background,
 /// A leaf with the reached nodes set. Its background is known only after all leaves.
 std::unique_ptr<FloatLeaf> distanceLeaf(const Band& band, LeafIndex l,
                                         const std::vector<NodeJet>& jets, Extent& extent) {
+    if (std::none_of(jets.begin(), jets.end(),
+                     [](const NodeJet& s) { return s.distance < kInfinity; }))
+        return {};
     const BandLeaf& from = band.leaves[l];
-    std::unique_ptr<FloatLeaf> leaf;
+    auto leaf = std::make_unique<FloatLeaf>(
+        openvdb::Coord(from.origin.x, from.origin.y, from.origin.z), 0.0f);
+    float* const values = leaf->buffer().data();
     band.forNodes(l, [&](NodeIndex i, unsigned at) {
         const double d = jets[i - from.band.firstNode].distance;
         if (!(d < kInfinity)) return;
-        if (!leaf)
-            leaf = std::make_unique<FloatLeaf>(
-                openvdb::Coord(from.origin.x, from.origin.y, from.origin.z), 0.0f);
-        leaf->setValueOn(at, float(band.transform.dx * d));
+        values[at] = float(band.transform.dx * d);
+        leaf->getValueMask().setOn(at);
         ++extent.reached;
         extent.maxDistance = std::max(extent.maxDistance, d);
     });
     return leaf;
+}
+
+/// Sets the inactive voxels of a leaf. OpenVDB's iterator is not inlined.
+void fillInactive(FloatLeaf& leaf, float value) {
+    float* const values = leaf.buffer().data();
+    for (openvdb::Index x = 0; x < 8; ++x)
+        for (auto off = ~leaf.valueMask().getWord<openvdb::Index64>(x); off; off &= off - 1)
+            values[64 * x + openvdb::Index(std::countr_zero(off))] = value;
 }
 
 openvdb::FloatGrid::Ptr distanceGridByLeaf(const Field& field,
@@ -84,8 +96,7 @@ openvdb::FloatGrid::Ptr distanceGridByLeaf(const Field& field,
     const auto background = float(extent.maxDistance * band.transform.dx);
     parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l)
-            if (leaves[l])
-                for (auto at = leaves[l]->beginValueOff(); at; ++at) at.setValue(background);
+            if (leaves[l]) fillInactive(*leaves[l], background);
     });
     auto grid = makeGrid<openvdb::FloatGrid>(background, transform, name);
     for (auto& leaf : leaves)

@@ -31,24 +31,23 @@ bool meets(const Leaf& leaf, const std::vector<Ball>& region) {
 /// Leaves of the band: those of the level set that hold a voxel with |psi| < h, in tree order.
 std::vector<BandLeaf> bandLeaves(const std::vector<const Leaf*>& source, double hWorld,
                                  std::vector<const Leaf*>& kept) {
-    std::vector<BandLeaf> all(source.size());
+    using Mask = decltype(LeafNodes::mask);
+    std::vector<Mask> masks(source.size());
     parallelFor(source.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
-            const openvdb::Coord o = source[l]->origin();
-            all[l].origin = {o.x(), o.y(), o.z()};
-            markWithin(source[l]->buffer().data(), hWorld, all[l].band.mask);
+            markWithin(source[l]->buffer().data(), hWorld, masks[l]);
             for (std::size_t x = 0; x < 8; ++x)
-                all[l].band.mask[x] &=
-                    source[l]->valueMask().getWord<openvdb::Index64>(openvdb::Index(x));
+                masks[l][x] &= source[l]->valueMask().getWord<openvdb::Index64>(openvdb::Index(x));
         }
     });
-    std::vector<BandLeaf> leaves;
-    for (std::size_t l = 0; l < all.size(); ++l) {
-        std::uint64_t any = 0;
-        for (const std::uint64_t word : all[l].band.mask) any |= word;
-        if (!any) continue;
-        leaves.push_back(all[l]);
-        kept.push_back(source[l]);
+    for (std::size_t l = 0; l < source.size(); ++l)
+        if (masks[l] != Mask{}) kept.push_back(source[l]);
+    std::vector<BandLeaf> leaves(kept.size());
+    for (std::size_t l = 0, k = 0; l < source.size(); ++l) {
+        if (masks[l] == Mask{}) continue;
+        const openvdb::Coord o = source[l]->origin();
+        leaves[k].origin = {o.x(), o.y(), o.z()};
+        leaves[k++].band.mask = masks[l];
     }
     return leaves;
 }
@@ -88,7 +87,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
     progress.throwIfCancelled();
     parallelFor(marks.kinks.size(), 256, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l)
-            for (const NodeIndex i : marks.kinks[l]) band.markFacing(i);
+            for (const NodeIndex i : marks.kinks[l]) band.markKink(i);
     });
     band.sever(linksThroughWalls(band, levelSet, marks.meetings));
     std::vector<NodeIndex> rim;

@@ -117,46 +117,45 @@ void markBeside(const Band& band, LeafIndex l, unsigned at, std::vector<std::uin
     });
 }
 
-double shareOf(const Band& band, const std::vector<std::uint8_t>& marked) {
+double shareOf(const std::vector<std::uint8_t>& marked) {
     const auto count = std::count(marked.begin(), marked.end(), std::uint8_t(1));
-    return double(count) / double(std::max<std::size_t>(band.coreSize(), 1));
+    return double(count) / double(std::max<std::size_t>(marked.size(), 1));
 }
 
 }  // namespace
 
 Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
-    std::vector<std::uint8_t> thin(band.size()), closed(band.coreSize());
+    std::vector<std::uint8_t> thin(band.coreSize()), closed(band.coreSize());
     parallelFor(band.leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         LeafBlock block;
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
-        for (std::size_t l = begin; l < end; ++l) {
+        for (auto l = LeafIndex(begin); l < end; ++l) {
             const BandLeaf& leaf = band.leaves[l];
-            const openvdb::Coord origin(leaf.origin.x, leaf.origin.y, leaf.origin.z);
-            block.gather(psi, origin, band.transform.dx, LeafBlock::kFaces);
-            bool whole = false;  // set for the few leaves that need all of it
-            auto isClosed = [&](int x, int y, int z, const Vec3f& foot) {
-                if (!whole) block.gather(psi, origin, band.transform.dx);
-                whole = true;
-                return contradictsItself(block, x, y, z, foot);
+            bool gathered = false;
+            auto isClosed = [&](NodeIndex i, unsigned at) {
+                if (!gathered)
+                    block.gather(psi, {leaf.origin.x, leaf.origin.y, leaf.origin.z},
+                                 band.transform.dx);
+                gathered = true;
+                return contradictsItself(block, int(at >> 6), int(at >> 3 & 7), int(at & 7),
+                                         band.footOf(i));
             };
-            NodeIndex i = leaf.band.firstNode;
-            forRows(leaf, [&](int x, int y, unsigned bits) {
-                const unsigned smooth = PsiRow<>(block, x, y).smooth;
-                for (; bits; bits &= bits - 1, ++i) {
-                    const int z = std::countr_zero(bits);
-                    const unsigned at = Band::offsetOf(x, y, z);
-                    thin[i] = band.facing[i] & Band::kFacing && leaf.core.node(at) != kNoNode &&
-                              2 * reachAt(band, i, kParallel) < kResolved;
-                    if (!(smooth >> z & 1) && std::abs(band.psi[i]) >= kLeastPsi &&
-                        isClosed(x, y, z, band.footOf(i)))
-                        markBeside(band, LeafIndex(l), at, closed);
-                }
-            });
+            const LeafNodes& nodes = leaf.band;
+            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
+                const std::uint8_t marks = band.facing[i];
+                if (!(marks & (Band::kFacing | Band::kKink))) continue;
+                const unsigned at = band.placeOf(i).offset;
+                if (marks & Band::kFacing)
+                    if (const NodeIndex k = leaf.core.node(at); k != kNoNode)
+                        thin[k] = 2 * reachAt(band, i, kParallel) < kResolved;
+                if (marks & Band::kKink && std::abs(band.psi[i]) >= kLeastPsi && isClosed(i, at))
+                    markBeside(band, l, at, closed);
+            }
         }
     });
     Unresolved unresolved;
-    unresolved.thin = shareOf(band, thin);
-    unresolved.closed = shareOf(band, closed);
+    unresolved.thin = shareOf(thin);
+    unresolved.closed = shareOf(closed);
     return unresolved;
 }
 

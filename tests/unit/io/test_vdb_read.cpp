@@ -1,5 +1,6 @@
 #include <igeo/io/vdb_read.h>
 #include <igeo/io/vdb_write.h>
+#include <openvdb/io/File.h>
 #include <openvdb/io/Stream.h>
 #include <support/bad_inputs.h>
 #include <support/catch.h>
@@ -111,6 +112,35 @@ TEST_CASE("writeVdb: the same grids give the same bytes, other grids others") {
     CHECK(a != b);
     // 36 characters behind magic number, versions and flag.
     CHECK(a.substr(21, 36) != b.substr(21, 36));
+}
+
+TEST_CASE("writeVdb: OpenVDB reads grids of one name, of one tree and of halves") {
+    const TempDir folder;
+    const auto grid = smallSphere();
+    const openvdb::FloatGrid::Ptr twin = grid->copy();  // with the same tree
+    const auto halves = smallSphere("half");
+    halves->setSaveFloatAsHalf(true);
+    writeVdb(folder / "a.vdb", {grid, smallSphere(), twin, halves});
+    openvdb::io::File file(folder / "a.vdb");
+    file.open(/*delayLoad=*/false);
+    // By name.
+    const openvdb::GridPtrVec back = *file.getGrids();
+    REQUIRE(back.size() == 4);
+    CHECK(back[0]->getName() == "half");
+    CHECK(back[0]->saveFloatAsHalf());
+    CHECK(back[1]->baseTreePtr() != back[2]->baseTreePtr());
+    CHECK(back[1]->baseTreePtr() == back[3]->baseTreePtr());
+    for (const openvdb::GridBase::Ptr& g : back) {
+        const auto floats = openvdb::gridPtrCast<openvdb::FloatGrid>(g);
+        REQUIRE(floats);
+        CHECK(floats->tree().hasSameTopology(grid->tree()));
+        CHECK(floats->transform() == grid->transform());
+    }
+    for (const std::size_t k : {0, 1, 2}) {
+        CHECK(back[k]->metaValue<std::int64_t>("file_voxel_count") ==
+              std::int64_t(grid->activeVoxelCount()));
+        CHECK(!back[k]->metaValue<std::string>("file_compression").empty());
+    }
 }
 
 TEST_CASE("readLevelSetGrid: doubles and halves become floats") {

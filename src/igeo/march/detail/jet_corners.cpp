@@ -56,10 +56,8 @@ public:
             fronts.spreads |= similar & byPairs.spreads;
             fronts.one |= similar & byPairs.one;
         }
-        for (std::size_t k = 0; k < Width; ++k) {
-            jets.spreads[first_ + k] = fronts.spreads[k];
-            jets.oneFront[first_ + k] = fronts.one[k];
-        }
+        storeLanes(fronts.spreads & 1, &jets.spreads[first_]);
+        storeLanes(fronts.one & 1, &jets.oneFront[first_]);
     }
 
 private:

@@ -76,9 +76,9 @@ void gatherCornersOfS(const CoreJets& jets, const CellPoints& points, JetCorners
 /// the mean direction; the values are blended.
 struct CarriedJets {
     Lanes u, gx, gy, gz;
-    /// Whether the corners are of one front, as jet_blend.h has it for neighbors.
-    std::array<bool, Lanes::kNodes> spreads;   ///< which does not narrow
-    std::array<bool, Lanes::kNodes> oneFront;  ///< which may narrow, but has no focus here
+    /// 1 where the corners are of one front, as jet_blend.h has it for neighbors; else 0.
+    alignas(32) JetCorners::PerLane<std::int32_t> spreads;   ///< which does not narrow
+    alignas(32) JetCorners::PerLane<std::int32_t> oneFront;  ///< which may, but has no focus here
 };
 /// A point has the same bits in any lane, beside any others.
 /// @param faceted  as Band::faceted

@@ -47,18 +47,9 @@ void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carr
         addDoubtful(node, group);
 }
 
-bool Extension::isPlain(const Group& group, std::size_t lane, const CarriedJets& carried) const {
-    const Outside& node = group.nodes[lane];
-    const JetCorners& corners = group.corners;
-    return mayBePlain_ && corners.smooth[lane] && carried.spreads[lane] &&
-           corners.count[lane] > 0 && !mayMissFront(group, lane) &&
-           !(band_.facing[node.node] & Band::kBesideSevered) &&
-           !maybeInDisc(node.node, group.feet.value[lane]);
-}
-
 void Extension::findCorners(Group& group) const {
     CellPoints& points = group.points;
-    findCells(group.core ? band_.leaves[group.nodes[0].leaf].origin : Ijk{}, group.feet, points);
+    findCells(group.feet, points);
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const int cell = group.feet.cell[lane];
         if (group.core && cell >= 0) {
@@ -85,12 +76,11 @@ void Extension::solve(Group& group) const {
     if (!metric_.anisotropic()) carryFromCorners(group.corners, band_.faceted, carried);
     if (mayBePlain_) findValues(jets_, group.corners, carried, group.points.weight, group.feet);
     for (std::size_t lane = 0; lane < group.size; ++lane) {
-        if (!isPlain(group, lane, carried)) {
+        if (!mayBePlain_ || !isPlain(group, lane)) {
             extendTo(group, lane, carried);
             continue;
         }
-        const FootLanes& feet = group.feet;
-        const double d = std::max(feet.value[lane], feet.bound[lane]);
+        const double d = group.feet.value[lane];
         const float weight = group.points.weight[lane];
         NodeJet& to = *group.nodes[lane].to;
         if (d <= jets_.limit)
@@ -105,11 +95,8 @@ void Extension::solve(Group& group) const {
 
 void Extension::begin(const Outside& node, Group& group) const {
     const std::size_t lane = group.size++;
-    const unsigned at = node.offset;
     group.nodes[lane] = node;
-    group.feet.set(
-        lane, band_.leaves[node.leaf].origin + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)},
-        band_.footOf(node.node));
+    group.feet.set(lane, node.offset, band_.footOf(node.node));
     group.points.setNormal(lane, band_.normal[node.node]);
     if (metric_.weighted()) group.points.weight[lane] = float(metric_.at(node.node));
     if (group.full()) solve(group);
@@ -117,10 +104,12 @@ void Extension::begin(const Outside& node, Group& group) const {
 
 void Extension::extendLeaf(LeafIndex l, Group& group, NodeJet* to) const {
     const LeafNodes& core = band_.leaves[l].core;
+    const Ijk origin = band_.leaves[l].origin;
+    for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) group.feet.setLeaf(lane, origin);
     NodeIndex k = core.firstNode;
     band_.forNodes(l, [&](NodeIndex i, unsigned at) {
         if (core.mask[at >> 6] >> (at & 63) & 1)
-            *to = finished(i, ofCore(k++));
+            *to = finished(i, ofCore(k++, origin + stepOf(at)));
         else
             begin({i, l, at, to}, group);
         ++to;
@@ -134,10 +123,12 @@ void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
         if (nodes[n] == kNoNode) continue;
         const auto [l, at] = band_.placeOf(nodes[n]);
         const NodeIndex k = band_.leaves[l].core.node(at);
-        if (k != kNoNode)
-            to[n] = finished(nodes[n], ofCore(k));
-        else
+        if (k != kNoNode) {
+            to[n] = finished(nodes[n], ofCore(k, band_.leaves[l].origin + stepOf(at)));
+        } else {
+            group.feet.setLeaf(group.size, band_.leaves[l].origin);
             begin({nodes[n], l, at, to + n}, group);
+        }
     }
     finish(group);
 }
@@ -343,10 +334,12 @@ void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
         std::vector<NodeJet> found;
         for (std::size_t k = begin; k < end; ++k) {
             const auto l = LeafIndex(k);
-            found.assign(band.leaves[l].band.count, {});
+            found.resize(band.leaves[l].band.count);
             if (wanted.empty() || wanted[l]) {
                 numbers.fill(band, l);
                 extension.extendLeaf(l, group, found.data());
+            } else {
+                std::fill(found.begin(), found.end(), NodeJet{});
             }
             visit(l, found);
         }

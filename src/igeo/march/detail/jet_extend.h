@@ -56,7 +56,8 @@ public:
           metric_(core_.metric),
           gradients_(gradients),
           mayBePlain_(jets.label.empty() && jets.seeds.lines.ofOnePoint() &&
-                      !metric_.anisotropic() && metric_.obstacleState.empty()) {}
+                      !metric_.anisotropic() && metric_.obstacleState.empty()),
+          line_(jets.seeds.lines.only()) {}
 
     /// A jet, its gradient over the weight.
     using Found = NodeJet;
@@ -110,16 +111,21 @@ private:
     Vec3f gradientOf(NodeIndex k) const {
         return gradients_.empty() ? jets_.gradientOf(k) : gradients_[k];
     }
-    Found ofCore(NodeIndex k) const {
+    /// @param voxel  of the core node
+    IGEO_INLINE Found ofCore(NodeIndex k, const Ijk& voxel) const {
         if (!jets_.accepted(k)) return {};
         const std::uint32_t label = jets_.labelOf(k);
         // The march holds to the bound in single precision.
-        const double bound = jets_.seeds.lines.from(label, core_.footOf(core_.nodes[k]));
+        const double bound = boundOf(label, Vec3d(voxel) + Vec3d(core_.nodes[k].foot));
         return {std::max(jets_.valueOf(k), bound), gradientOf(k), label};
     }
+    /// StraightLines::from.
+    IGEO_INLINE double boundOf(std::uint32_t label, const Vec3d& foot) const {
+        if (!mayBePlain_) return jets_.seeds.lines.from(label, foot);
+        return line_.start + jets_.seeds.lines.leastCost() * length(foot - line_.from);
+    }
     Vec3d footPoint(NodeIndex i, LeafIndex l, unsigned at) const {
-        return Vec3d(band_.leaves[l].origin + Ijk{int(at >> 6), int(at >> 3 & 7), int(at & 7)}) +
-               Vec3d(band_.footOf(i));
+        return Vec3d(band_.leaves[l].origin + stepOf(at)) + Vec3d(band_.footOf(i));
     }
     /// That of the core nodes around a node of a group.
     std::uint32_t labelOf(const Group& group, std::size_t lane) const {
@@ -143,8 +149,10 @@ private:
     /// The numbers of the core nodes around the foot points.
     IGEO_INLINE void findCorners(Group& group) const;
     /// Whether the carried jet of a node is all there is to it, but for its bound. For most nodes.
-    IGEO_INLINE bool isPlain(const Group& group, std::size_t lane,
-                             const CarriedJets& carried) const;
+    bool isPlain(const Group& group, std::size_t lane) const {
+        return group.feet.plain[lane] && !mayMissFront(group, lane) &&
+               !(band_.facing[group.nodes[lane].node] & Band::kBesideSevered);
+    }
     IGEO_INLINE void extendTo(Group& group, std::size_t lane, const CarriedJets& carried) const;
     /// Whether all corners of a node are of one smooth sheet and of one source.
     IGEO_INLINE bool isSimple(const Group& group, std::size_t lane) const;
@@ -217,9 +225,8 @@ private:
                       int reach) const;
     /// Whether a start disc may hold the foot point of a node at a distance.
     bool maybeInDisc(NodeIndex i, double distance) const {
-        constexpr double kMargin = 3;  // voxels
         const double cost = metric_.weighted() ? largestCost(i) : 1;
-        return !(distance > jets_.seeds.largestInDisc + kMargin * cost);
+        return !(distance > jets_.seeds.largestInDisc + kDiscMargin * cost);
     }
     /// The jet of the start disc that holds the foot point; s where none does.
     Found inDisc(NodeIndex i, const Found& s) const;
@@ -230,6 +237,7 @@ private:
     const Metric& metric_;
     const std::vector<Vec3f>& gradients_;
     const bool mayBePlain_;  ///< one source at a point, isotropic, no obstacles
+    const StraightLines::Line line_;
 };
 
 }  // namespace igeo::jet

@@ -137,9 +137,10 @@ private:
         const int begin = dx < 0 ? 8 - Margin : 0, end = dx > 0 ? Margin : 8;
         for (int x = begin; x < end; ++x) {
             const std::uint64_t mask = nodes.mask[std::size_t(x)];
+            std::uint64_t bits = mask & seen;
+            if (!bits) continue;
             const NodeIndex first = nodes.firstNode + nodes.before[std::size_t(x)];
             const int slice = indexOf({8 * dx + x, 8 * dy, 8 * dz});
-            std::uint64_t bits = mask & seen;
             const auto countBefore = [&] {
                 return first + LeafNodes::bitCount(mask & ((bits & -bits) - 1));
             };

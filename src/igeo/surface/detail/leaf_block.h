@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -88,23 +87,18 @@ private:
             }
         }
     }
-    /// Per set of active voxels: a mask of ones for each of them.
-    static constexpr auto kMasks = [] {
-        std::array<std::array<std::uint32_t, 8>, 256> masks{};
-        for (std::size_t set = 0; set < 256; ++set)
-            for (std::size_t z = 0; z < 8; ++z) masks[set][z] = set >> z & 1 ? ~0u : 0u;
-        return masks;
-    }();
     /// Without branches: half of the rows have voxels of both kinds.
     static IGEO_INLINE void copyRow(const float* from, unsigned active, double scale, float* to) {
-        constexpr auto kNaN = std::bit_cast<std::uint32_t>(kMissing);
-        const std::array<std::uint32_t, 8>& mask = kMasks[active];
-        std::array<float, 8> scaled;
-        for (std::size_t z = 0; z < 8; ++z) scaled[z] = float(from[z] * scale);
-        const auto bits = std::bit_cast<std::array<std::uint32_t, 8>>(scaled);
-        std::array<std::uint32_t, 8> out;
-        for (std::size_t z = 0; z < 8; ++z) out[z] = (bits[z] & mask[z]) | (kNaN & ~mask[z]);
-        std::copy_n(std::bit_cast<std::array<float, 8>>(out).begin(), 8, to);
+        using Four = Registers<4>::Vector;
+        using Integers = Registers<4>::Integers;
+        typedef double Doubles __attribute__((vector_size(32)));
+        for (int z = 0; z < 8; z += 4) {
+            const Doubles scaled = __builtin_convertvector(loadLanes<4>(from + z), Doubles) * scale;
+            const Integers isActive =
+                ((Integers{} + int(active)) & (Integers{1, 2, 4, 8} << z)) != 0;
+            storeLanes(isActive ? __builtin_convertvector(scaled, Four) : Four{} + kMissing,
+                       to + z);
+        }
     }
 
     std::array<float, 1000> values_;
@@ -180,15 +174,6 @@ struct PsiDifferences {
         return complete() && std::abs(length(central()) - 1) < PsiRow<>::kSmooth;
     }
 };
-
-/// Calls visit(x, y, bits) for the rows of a leaf that contain nodes of the band, in their order.
-template <typename Visit>
-void forRows(const BandLeaf& leaf, const Visit& visit) {
-    for (int x = 0; x < 8; ++x)
-        for (int y = 0; y < 8; ++y)
-            if (const unsigned bits = leaf.band.mask[std::size_t(x)] >> (8 * y) & 0xff)
-                visit(x, y, bits);
-}
 
 /// Largest |principal curvature| of S at the foot points of the eight voxels of a row, from the
 /// Hessian H of psi: the eigenvalues of P H P, P = I - n n^T, moved from psi to 0 by

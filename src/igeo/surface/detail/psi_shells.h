@@ -13,7 +13,7 @@ namespace igeo {
 /// Numbers of voxels by |psi|, in shells one voxel thick.
 class Shells {
 public:
-    void add(double voxels) { ++count_[std::size_t(std::min(voxels, double(kMost)))]; }
+    void add(double voxels) { ++count_[std::size_t(int(std::min(voxels, double(kMost))))]; }
     void add(const Shells& other) {
         for (std::size_t k = 0; k <= kMost; ++k) count_[k] += other.count_[k];
     }

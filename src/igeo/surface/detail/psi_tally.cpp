@@ -65,10 +65,11 @@ IGEO_INLINE void addRow(const LeafBlock& b, int x, int y, double halfWidth, PsiT
     tally.nearSurface += unsigned(std::popcount(near));
     tally.crossing += unsigned(std::popcount(near & crossing<Width>(b, x, y)));
     const RowCurvatures curvatures(b, x, y);
+    const CurvatureBins& curvatureBin = curvatureBins();
     for (unsigned bits = near & row.complete; bits; bits &= bits - 1)
         if (const auto k = double(curvatures.largest[std::size_t(std::countr_zero(bits))]);
             !std::isnan(k))
-            tally.curvature.addToBin(curvatureBins()(k));
+            tally.curvature.addToBin(curvatureBin(k));
     for (unsigned bits = near & ~row.complete; bits; bits &= bits - 1) {
         const int z = std::countr_zero(bits);
         tally.cut += cutBeside(PsiDifferences(b, x, y, z), psi[z], halfWidth);

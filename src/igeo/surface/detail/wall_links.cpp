@@ -166,6 +166,7 @@ std::vector<std::uint8_t> besideMeetings(const Band& band,
 
 std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
                                     const std::vector<std::vector<NodeIndex>>& meetings) {
+    if (std::all_of(meetings.begin(), meetings.end(), [](auto& m) { return m.empty(); })) return {};
     const std::vector<std::uint8_t> beside = besideMeetings(band, meetings);
     std::vector<std::vector<Link>> found(band.leaves.size());
     parallelFor(found.size(), 16, [&](std::size_t begin, std::size_t end) {
