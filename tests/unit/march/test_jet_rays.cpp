@@ -136,7 +136,7 @@ TEST_CASE("solveByRays: two plane fronts, at whatever angle they meet and beside
             return std::vector<Front>{{100 + c * x + s * y, c * t1 + s * t2},
                                       {100 + c * x - s * y, c * t1 - s * t2}};
         };
-        // Where rays of 6 voxels lead away from the doubtful nodes.
+        // Where rays of 6 voxels lead away from the nodes in doubt.
         const double wide = std::min(0.8, 4 * s);
         const Off off = errorsOf(
             band, fronts, [&](const Vec3d& p) { return std::abs(dot(p, t2)) < wide; },

@@ -21,7 +21,7 @@ struct RayLanes {
 
     /// At the end of a ray.
     Lanes u;    ///< value, over the weight, from the bucket of JetCorners on
-    Lanes off;  ///< sine of the angle from the ray to the way back, about the normal
+    Lanes off;  ///< sine of the angle from the ray to the path back, about the normal
 };
 
 /// Sets where steps of a length lead to.
