@@ -260,9 +260,8 @@ ViewScene viewScene(const Distance& distance, const std::vector<NamedCurve>& lin
 
 std::string renderPng(const Distance& distance, const std::vector<NamedCurve>& lines,
                       const PictureOptions& options, Progress& progress) {
-    const Field& field = distance.field();
-    const ArrivalReader reader(*distance.marched(), field);
-    return renderPng(shownLevelSet(distance, progress), field, reader,
+    const Field field = shownField(distance);
+    return renderPng(shownLevelSet(distance, progress), field, ArrivalReader(field),
                      asPaths(lines, field.band->transform), options, progress);
 }
 

@@ -58,8 +58,12 @@ double SurfaceTriangles::Box::entry(const Vec3d& from, const Vec3d& inverse) con
 }
 
 SurfaceTriangles::SurfaceTriangles(std::vector<Vec3d> points, std::vector<Triangle> triangles,
-                                   std::vector<std::array<std::uint32_t, 3>> neighbor)
-    : points_(std::move(points)), triangles_(std::move(triangles)), neighbor_(std::move(neighbor)) {
+                                   std::vector<std::array<std::uint32_t, 3>> neighbor,
+                                   std::size_t run)
+    : points_(std::move(points)),
+      triangles_(std::move(triangles)),
+      neighbor_(std::move(neighbor)),
+      run_(run) {
     for (std::uint32_t t = 0; t < neighbor_.size(); ++t)
         for (unsigned k = 0; k < 3; ++k)
             if (neighbor_[t][k] == kMany) many_.push_back({ends(triangles_[t], k), {t, k}});
@@ -99,16 +103,18 @@ const SurfaceTriangles::Tree& SurfaceTriangles::tree() const {
 
 void SurfaceTriangles::makeTree() const {
     Tree& tree = tree_;
-    while ((size() >> tree.levels) >= kBucket) ++tree.levels;
-    tree.order.reserve(size());
+    while ((runs() >> tree.levels) >= kBucket) ++tree.levels;
+    tree.order.reserve(runs());
     tree.boxes.resize((std::size_t(2) << tree.levels) - 1);
     struct Item {
-        Vec3d middle;  ///< times three
-        std::uint32_t triangle;
+        Vec3d middle;  ///< times three, of its first triangle
+        std::uint32_t run;
     };
-    std::vector<Item> items(size());
-    for (std::uint32_t t = 0; t < size(); ++t)
-        items[t] = {corner(t, 0) + corner(t, 1) + corner(t, 2), t};
+    std::vector<Item> items(runs());
+    for (std::uint32_t k = 0; k < items.size(); ++k) {
+        const std::size_t t = k * run_;
+        items[k] = {corner(t, 0) + corner(t, 1) + corner(t, 2), k};
+    }
     auto at = [&](unsigned level, std::size_t k) {
         return items.begin() + std::ptrdiff_t(edge(level, k));
     };
@@ -123,16 +129,18 @@ void SurfaceTriangles::makeTree() const {
             std::nth_element(at(level, k), at(level + 1, 2 * k + 1), at(level, k + 1),
                              [axis](const Item& a, const Item& b) {
                                  const double x = a.middle.*axis, y = b.middle.*axis;
-                                 return x < y || (x == y && a.triangle < b.triangle);
+                                 return x < y || (x == y && a.run < b.run);
                              });
         }
     for (std::size_t k = 0; k < std::size_t(1) << tree.levels; ++k) {
         const auto begin = at(tree.levels, k), end = at(tree.levels, k + 1);
-        std::sort(begin, end, [](const Item& a, const Item& b) { return a.triangle < b.triangle; });
+        std::sort(begin, end, [](const Item& a, const Item& b) { return a.run < b.run; });
         Box& box = tree.boxes[(std::size_t(1) << tree.levels) - 1 + k];
         for (auto i = begin; i != end; ++i) {
-            tree.order.push_back(i->triangle);
-            for (unsigned c = 0; c < 3; ++c) box.add(corner(i->triangle, c));
+            tree.order.push_back(i->run);
+            forRun(i->run, [&](std::uint32_t t) {
+                for (unsigned c = 0; c < 3; ++c) box.add(corner(t, c));
+            });
         }
     }
     for (std::size_t b = (std::size_t(1) << tree.levels) - 1; b-- > 0;)
@@ -169,7 +177,7 @@ void SurfaceTriangles::forLeaves(const Key& key, const Limit& limit, const Visit
             continue;
         }
         for (std::size_t i = edge(w.level, w.box); i < edge(w.level, w.box + 1); ++i)
-            visit(in.order[i]);
+            forRun(in.order[i], visit);
     }
 }
 
@@ -193,20 +201,18 @@ SurfaceTriangles::Place SurfaceTriangles::nearest(const Vec3d& p, double within,
     return best.triangle != kNone ? best : other;
 }
 
-std::optional<SurfaceTriangles::Hit> SurfaceTriangles::hit(const Vec3d& from,
-                                                           const Vec3d& dir) const {
+bool SurfaceTriangles::meets(const Vec3d& from, const Vec3d& dir) const {
     const Vec3d inverse{1 / dir.x, 1 / dir.y, 1 / dir.z};
-    Hit first{kInfinity, kNone};
-    forLeaves([&](const Box& b) { return b.entry(from, inverse); }, [&] { return first.along; },
+    bool met = false;
+    forLeaves([&](const Box& b) { return b.entry(from, inverse); },
+              [&] { return met ? -1 : kInfinity; },
               [&](std::uint32_t t) {
+                  if (met) return;
                   const Vec3d a = corner(t, 0);
                   const double along = meeting(from, dir, a, corner(t, 1) - a, corner(t, 2) - a);
-                  if (!(along > 0 && along < kInfinity)) return;
-                  if (along < first.along || (along == first.along && t < first.triangle))
-                      first = {along, t};
+                  met = along > 0 && along < kInfinity;
               });
-    if (first.triangle == kNone) return std::nullopt;
-    return first;
+    return met;
 }
 
 }  // namespace igeo

@@ -30,15 +30,13 @@ public:
         Vec3d point;
         double squared = kInfinity;  ///< squared distance to the given point, voxels
     };
-    struct Hit {
-        double along;  ///< distance along the ray, voxels
-        std::uint32_t triangle;
-    };
 
     /// @param neighbor  per triangle, the neighbor across the edge from corner k to k + 1: kNone at
     ///                  a boundary, kMany where three or more triangles meet
+    /// @param run       so many triangles after one another are close, and stay together in the
+    /// tree
     SurfaceTriangles(std::vector<Vec3d> points, std::vector<Triangle> triangles,
-                     std::vector<std::array<std::uint32_t, 3>> neighbor);
+                     std::vector<std::array<std::uint32_t, 3>> neighbor, std::size_t run = 1);
 
     std::size_t size() const { return triangles_.size(); }
     /// Whether every edge has two triangles, so that there is an inside.
@@ -59,8 +57,8 @@ public:
     /// Time O(log n). The first call builds the tree, in O(n log n).
     Place nearest(const Vec3d& p, double within = kInfinity, const Vec3d& sheetNormal = {}) const;
 
-    /// The first triangle that a ray from `from` in the unit direction `dir` meets.
-    std::optional<Hit> hit(const Vec3d& from, const Vec3d& dir) const;
+    /// Whether a ray from `from` in the unit direction `dir` meets a triangle.
+    bool meets(const Vec3d& from, const Vec3d& dir) const;
 
     /// Calls visit(side) for the other triangles at an edge; `side` is the edge as a side of that
     /// triangle.
@@ -89,16 +87,23 @@ private:
     };
     /// Boxes level by level: 2^level - 1 boxes come before a level.
     struct Tree {
-        std::vector<std::uint32_t> order;
+        std::vector<std::uint32_t> order;  ///< of runs
         std::vector<Box> boxes;
         unsigned levels = 0;  ///< below the root
     };
     static constexpr double kOpposed = -0.2;   ///< cosine of normals; as Band::kOtherSheet
-    static constexpr std::size_t kBucket = 4;  ///< triangles in a leaf, at least half of it
+    static constexpr std::size_t kBucket = 4;  ///< runs in a leaf, at least half of it
 
     const Tree& tree() const;
     void makeTree() const;
-    std::size_t edge(unsigned level, std::size_t k) const { return k * size() >> level; }
+    std::size_t runs() const { return (size() + run_ - 1) / run_; }
+    std::size_t edge(unsigned level, std::size_t k) const { return k * runs() >> level; }
+    /// Calls visit(triangle) for a run.
+    template <typename Visit>
+    void forRun(std::uint32_t run, const Visit& visit) const {
+        const std::size_t end = std::min((run + 1) * run_, size());
+        for (std::size_t t = run * run_; t < end; ++t) visit(std::uint32_t(t));
+    }
     /// Visits leaves in the order of their boxes' `key`, least first: visit(triangle), while key <
     /// limit().
     template <typename Key, typename Limit, typename Visit>
@@ -110,6 +115,7 @@ private:
     std::vector<Vec3d> points_;
     std::vector<Triangle> triangles_;
     std::vector<std::array<std::uint32_t, 3>> neighbor_;
+    std::size_t run_;
     /// Sides at edges of three or more triangles, sorted by edge.
     std::vector<std::pair<std::pair<std::uint32_t, std::uint32_t>, Side>> many_;
     mutable std::once_flag treeMade_;

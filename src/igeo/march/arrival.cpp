@@ -5,6 +5,7 @@
 #include <igeo/march/detail/circular_front.h>
 #include <igeo/march/detail/fermat_update.h>
 #include <igeo/march/detail/jet_blend.h>
+#include <igeo/march/detail/known_jets.h>
 
 namespace igeo {
 
@@ -19,18 +20,22 @@ struct Straight {
 /// Reads a field at a point of S.
 class Reader {
 public:
-    Reader(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal)
+    /// @param known  null: they are found
+    Reader(const Field& field, const KnownJets* known, const Vec3d& pIndex,
+           const Vec3d& sheetNormal)
         : field_(field),
           band_(*field.band),
           metric_(*field.metric),
           p_(pIndex),
           cell_(band_, metric_, pIndex, sheetNormal),
-          corner_(field.at(cell_.node)) {}
+          corner_(known ? known->at(cell_.node) : field.at(cell_.node)) {}
 
+    Arrival first() const { return field_.atFootPoints ? byJets() : byVoxels(); }
+
+private:
     Arrival byVoxels() const;
     Arrival byJets() const;
 
-private:
     /// The tangent plane at the point.
     struct Chart {
         const Reader& reader;
@@ -289,8 +294,31 @@ Arrival Reader::orBetweenNodes(const Arrival& first) const {
 }  // namespace
 
 Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal) {
-    const Reader reader(field, pIndex, sheetNormal);
-    return field.atFootPoints ? reader.byJets() : reader.byVoxels();
+    return Reader(field, nullptr, pIndex, sheetNormal).first();
+}
+
+Arrival arrivalAt(const Field& field, const KnownJets& known, const Vec3d& pIndex,
+                  const Vec3d& sheetNormal) {
+    return Reader(field, &known, pIndex, sheetNormal).first();
+}
+
+KnownJets::KnownJets(const Field& field, std::span<const Vec3d> points) {
+    for (const Vec3d& p : points)
+        for (const NodeIndex i : cellAt(*field.band, p).node)
+            if (i != kNoNode) nodes_.push_back(i);
+    std::sort(nodes_.begin(), nodes_.end());
+    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
+    jets_.resize(nodes_.size());
+    field.at(nodes_, jets_.data());
+}
+
+std::array<NodeJet, 8> KnownJets::at(const std::array<NodeIndex, 8>& nodes) const {
+    std::array<NodeJet, 8> jets;
+    for (std::size_t k = 0; k < 8; ++k)
+        if (nodes[k] != kNoNode)
+            jets[k] = jets_[std::size_t(std::lower_bound(nodes_.begin(), nodes_.end(), nodes[k]) -
+                                        nodes_.begin())];
+    return jets;
 }
 
 namespace {

@@ -78,6 +78,8 @@ struct Field {
                 if (nodes[k] != kNoNode) jets[k] = atBand(nodes[k]);
         return jets;
     }
+    /// The same at any nodes, to one jet per node.
+    void at(std::span<const NodeIndex> nodes, NodeJet* to) const;
     /// The number of nodes that have values or may have: those of the core, if not extended.
     std::size_t size() const;
     /// Whether each node knows its source.
@@ -159,19 +161,17 @@ class ArrivalReader {
 public:
     /// Time and memory O(core).
     /// @param field  must outlive the reader
-    explicit ArrivalReader(const Field& field) : ArrivalReader(field, field) {}
-    /// @param whole  the same field on the whole band, for points that want more care: it takes
-    /// half
-    ///               the time to read
-    ArrivalReader(const Field& field, const Field& whole);
+    explicit ArrivalReader(const Field& field);
     /// Several threads may read at a time.
     /// @param sheetNormals  of the points: those of S, roughly
     /// @param to            as many as points
-    void read(std::span<const Vec3d> points, std::span<const Vec3f> sheetNormals,
-              Arrival* to) const;
+    /// @param tolerance     voxels; from 0.1 on, the core is read where fronts meet as well
+    /// @param isSmooth      if not null, per point: whether one smooth front is known to pass it
+    void read(std::span<const Vec3d> points, std::span<const Vec3f> sheetNormals, Arrival* to,
+              double tolerance = 0, std::uint8_t* isSmooth = nullptr) const;
 
 private:
-    const Field &field_, &whole_;
+    const Field& field_;
     bool fromCore_;
     std::vector<Vec3f> gradients_;  ///< of the core
 };

@@ -1,4 +1,5 @@
 // Pictures of a sphere with exact distances, decoded again and compared with where its points are.
+#include <igeo/base/detail/registers.h>
 #include <igeo/base/parallel.h>
 #include <igeo/results/color_map.h>
 #include <igeo/results/field_grids.h>
@@ -214,6 +215,41 @@ TEST_CASE("renderPng: the same bytes for any number of threads, and again") {
     CHECK((pictures[0].find("sRGB") != std::string::npos));
     CHECK((pictures[0].find("tIME") == std::string::npos));
     CHECK(pictures[0].substr(pictures[0].size() - 8, 4) == "IEND");
+}
+
+TEST_CASE("renderPng: the same bytes with registers of four and of eight floats") {
+    bool& eight = eightAtATime();
+    const bool hasEight = eight;
+    if (!eight) WARN("skipped: this processor has no registers of eight floats");
+    const SpherePicture scene({0.3, 0.2, 1});
+    PictureOptions options;
+    options.width = 403, options.height = 301;  // no multiple of either
+    const std::string byEight = scene.render(options);
+    eight = false;
+    const std::string byFour = scene.render(options);
+    eight = hasEight;
+    CHECK((byEight == byFour));
+}
+
+TEST_CASE("renderPng: distances at corners of triangles give the picture of those at pixels") {
+    // With a weight, which is 1 everywhere here, distances are read at pixels.
+    SpherePicture scene({0.3, 0.2, 1});
+    PictureOptions options;
+    options.width = 640, options.height = 480;
+    options.legend = false;
+    const Image atCorners(scene.render(options));
+    auto weighted = std::make_shared<Metric>();
+    weighted->weight.assign(scene.band.size(), 1.0f);
+    scene.field.metric = weighted;
+    const Image atPixels(scene.render(options));
+    std::size_t differ = 0;
+    int most = 0;
+    for (std::size_t k = 0; k < atPixels.rgb.size(); ++k) {
+        const int off = std::abs(int(atPixels.rgb[k]) - int(atCorners.rgb[k]));
+        differ += off > 4, most = std::max(most, off);
+    }
+    CHECK(differ < 665);  // measured 443, of a million; beside isolines
+    CHECK(most < 48);     // measured 32
 }
 
 TEST_CASE("renderPng: the chosen view shows the seed, and all of the surface, at any size") {

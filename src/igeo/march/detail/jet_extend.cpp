@@ -118,19 +118,20 @@ void Extension::extendLeaf(LeafIndex l, Group& group, NodeJet* to) const {
 }
 
 void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
-    Group group;
+    std::optional<Group> group;  // large
     for (std::size_t n = 0; n < nodes.size(); ++n) {
         if (nodes[n] == kNoNode) continue;
         const auto [l, at] = band_.placeOf(nodes[n]);
         const NodeIndex k = band_.leaves[l].core.node(at);
         if (k != kNoNode) {
             to[n] = finished(nodes[n], ofCore(k, band_.leaves[l].origin + stepOf(at)));
-        } else {
-            group.feet.setLeaf(group.size, band_.leaves[l].origin);
-            begin({nodes[n], l, at, to + n}, group);
+            continue;
         }
+        if (!group) group.emplace();
+        group->feet.setLeaf(group->size, band_.leaves[l].origin);
+        begin({nodes[n], l, at, to + n}, *group);
     }
-    finish(group);
+    if (group) finish(*group);
 }
 
 void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
@@ -351,6 +352,11 @@ void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
 void Field::atCore(std::span<const NodeIndex> nodes, NodeJet* to) const {
     const std::vector<Vec3f> none;
     Extension(*core, none).at(nodes, to);
+}
+
+void Field::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
+    if (core) return atCore(nodes, to);
+    for (std::size_t k = 0; k < nodes.size(); ++k) to[k] = atBand(nodes[k]);
 }
 
 void forLeaves(const Field& field,

@@ -1,6 +1,7 @@
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_corners.h>
 #include <igeo/march/detail/jet_extend.h>
+#include <igeo/march/detail/known_jets.h>
 #include <igeo/march/field.h>
 
 #include <algorithm>
@@ -13,8 +14,10 @@ namespace {
 /// front of constant cost, far from seeds.
 class CoreReader {
 public:
-    CoreReader(const CoreJets& jets, const std::vector<Vec3f>& gradients)
-        : jets_(jets), core_(*jets.core), band_(core_.band), gradients_(gradients) {}
+    /// @param met  null, or gets the arrivals of points where fronts meet: then they are not left
+    CoreReader(const CoreJets& jets, const std::vector<Vec3f>& gradients,
+               std::vector<Arrival*>* met)
+        : jets_(jets), core_(*jets.core), band_(core_.band), gradients_(gradients), met_(met) {}
 
     /// Begins with a point: its arrival is in `to` after the next finish(), or `to` is in `left`.
     void add(const Vec3d& p, const Vec3f& normal, Arrival& to) {
@@ -51,7 +54,7 @@ private:
     };
 
     /// Whether the corners of a point tell its distance.
-    bool settle(std::size_t lane, const CarriedJets& carried) const {
+    bool settle(std::size_t lane, const CarriedJets& carried) {
         // One or two corners do not show that fronts meet around them. Near a seed the distance is
         // that to the seed, and near a limit it depends on the corners left.
         constexpr std::uint32_t kLeast = 3;
@@ -65,21 +68,39 @@ private:
             oneLabel &= jets_.labelOf(k) == label;
             meet |= jets_.frontsMeetNear(k);
         }
-        if (!oneLabel || (corners_.count[lane] < kLeast && meet) ||
-            !(carried.spreads[lane] || (carried.oneFront[lane] && !meet)))
-            return false;
-        const double d = jets_.buckets.startOf(corners_.bucket[lane]) + double(carried.u[lane]);
+        if (!oneLabel || (corners_.count[lane] < kLeast && meet)) return false;
+        const bool meeting = !(carried.spreads[lane] || (carried.oneFront[lane] && !meet));
+        if (meeting && !met_) return false;
+        const double d = jets_.buckets.startOf(corners_.bucket[lane]) +
+                         double(meeting ? firstAt(lane) : carried.u[lane]);
         if (!(d > jets_.seeds.largestInDisc + kNearSeed) || !(d < jets_.limit - kNearLimit))
             return false;
         const Asked& asked = asked_[lane];
         *asked.to = {std::max(d, jets_.seeds.lines.from(label, *asked.p)), label, nullptr};
+        if (meeting) met_->push_back(asked.to);
         return true;
+    }
+
+    /// The value by the corners of the first front alone, each a plane front.
+    float firstAt(std::size_t lane) const {
+        constexpr float kOneFront = 0.1f;  // voxels
+        std::array<float, JetCorners::kMax> u;
+        float least = float(kInfinity), sum = 0, weights = 0;
+        for (std::size_t c = 0; c < corners_.count[lane]; ++c) {
+            u[c] = corners_.corner[c].u[lane] + dot(corners_.g(lane, c), corners_.chord(lane, c));
+            least = std::min(least, u[c]);
+        }
+        for (std::size_t c = 0; c < corners_.count[lane]; ++c)
+            if (const float weight = corners_.corner[c].weight[lane]; u[c] < least + kOneFront)
+                sum += weight * u[c], weights += weight;
+        return sum / weights;
     }
 
     const CoreJets& jets_;
     const JetCore& core_;
     const Band& band_;
     const std::vector<Vec3f>& gradients_;
+    std::vector<Arrival*>* const met_;
     std::array<Asked, Lanes::kNodes> asked_;
     CellPoints points_;
     JetCorners corners_;
@@ -90,24 +111,34 @@ private:
 
 }  // namespace
 
-ArrivalReader::ArrivalReader(const Field& field, const Field& whole)
-    : field_(field), whole_(whole), fromCore_(field.core && !field.metric->weighted()) {
+ArrivalReader::ArrivalReader(const Field& field)
+    : field_(field), fromCore_(field.core && !field.metric->weighted()) {
     if (fromCore_) gradients_ = gradientsOf(*field.core);
 }
 
 void ArrivalReader::read(std::span<const Vec3d> points, std::span<const Vec3f> sheetNormals,
-                         Arrival* to) const {
-    auto readOne = [&](std::size_t i) {
-        to[i] = arrivalAt(whole_, points[i], Vec3d(sheetNormals[i]));
-    };
+                         Arrival* to, double tolerance, std::uint8_t* isSmooth) const {
+    constexpr double kAtMeeting = 0.1;  // voxels
+    if (isSmooth) std::fill_n(isSmooth, points.size(), std::uint8_t(fromCore_));
     if (!fromCore_) {
-        for (std::size_t i = 0; i < points.size(); ++i) readOne(i);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            to[i] = arrivalAt(field_, points[i], Vec3d(sheetNormals[i]));
         return;
     }
-    CoreReader reader(*field_.core, gradients_);
+    std::vector<Arrival*> met;
+    CoreReader reader(*field_.core, gradients_, tolerance >= kAtMeeting ? &met : nullptr);
     for (std::size_t i = 0; i < points.size(); ++i) reader.add(points[i], sheetNormals[i], to[i]);
     reader.finish();
-    for (const Arrival* left : reader.left) readOne(std::size_t(left - to));
+    if (isSmooth)
+        for (const Arrival* at : met) isSmooth[at - to] = 0;
+    std::vector<Vec3d> left;
+    for (const Arrival* at : reader.left) left.push_back(points[std::size_t(at - to)]);
+    const KnownJets known(field_, left);
+    for (const Arrival* at : reader.left) {
+        const auto i = std::size_t(at - to);
+        to[i] = arrivalAt(field_, known, points[i], Vec3d(sheetNormals[i]));
+        if (isSmooth) isSmooth[i] = 0;
+    }
 }
 
 std::vector<Arrival> arrivalsAt(const Field& field, const std::vector<Vec3d>& points,

@@ -14,17 +14,20 @@ namespace {
 
 std::uint8_t byteOf(double x) { return std::uint8_t(255 * std::clamp(x, 0.0, 1.0) + 0.5); }
 
-/// From linear light, by a table: the nearest byte, to a quarter of a step.
-std::array<std::uint8_t, 3> srgbBytes(const Vec3d& linear) {
-    constexpr int kSteps = 1 << 14;
+constexpr int kSteps = 1 << 14;  ///< of the table from linear light to bytes
+
+/// The nearest bytes, to a quarter of a step.
+std::array<std::uint8_t, 3> srgbBytes(const Vec3f& linear) {
     static const std::vector<std::uint8_t> table = [] {
         std::vector<std::uint8_t> bytes(kSteps + 1);
         for (int k = 0; k <= kSteps; ++k)
             bytes[std::size_t(k)] = byteOf(srgbFromLinear(Vec3d{1, 1, 1} * (double(k) / kSteps)).x);
         return bytes;
     }();
-    auto encode = [](double c) {
-        return table[std::size_t(kSteps * std::clamp(c, 0.0, 1.0) + 0.5)];
+    const std::uint8_t* const of = table.data();
+    auto encode = [of](float c) {
+        const float inRange = c < 0 ? 0 : c > 1 ? 1 : c;
+        return of[int(kSteps * inRange + 0.5f)];
     };
     return {encode(linear.x), encode(linear.y), encode(linear.z)};
 }
@@ -34,16 +37,16 @@ std::array<std::uint8_t, 3> srgbBytes(const Vec3d& linear) {
 Canvas::Canvas(int width, int height)
     : width_(width), height_(height), rgba_(4 * std::size_t(width) * std::size_t(height)) {}
 
-void Canvas::set(int x, int y, const Vec3d& linear, double alpha) {
+void Canvas::set(int x, int y, const Vec3f& linear, float alpha) {
     if (!holds(x, y)) return;
-    const auto c = srgbBytes(linear);
+    const auto [r, g, b] = srgbBytes(linear);
     std::uint8_t* pixel = at(x, y);
-    std::copy(c.begin(), c.end(), pixel);
-    pixel[3] = byteOf(alpha);
+    pixel[0] = r, pixel[1] = g, pixel[2] = b;
+    pixel[3] = alpha < 1 ? byteOf(double(alpha)) : 255;
 }
 
 void Canvas::fill(int x, int y, int width, int height, const Vec3d& linear, double alpha) {
-    const auto [r, g, b] = srgbBytes(linear);
+    const auto [r, g, b] = srgbBytes(Vec3f(linear));
     const std::array<std::uint8_t, 4> pixel{r, g, b, byteOf(alpha)};
     for (int j = std::max(y, 0); j < std::min(y + height, height_); ++j)
         for (int i = std::max(x, 0); i < std::min(x + width, width_); ++i)
@@ -52,7 +55,7 @@ void Canvas::fill(int x, int y, int width, int height, const Vec3d& linear, doub
 
 void Canvas::text(const Font& font, double x, double y, const std::string& text,
                   const Vec3d& linear) {
-    const auto ink = srgbBytes(linear);
+    const auto ink = srgbBytes(Vec3f(linear));
     font.draw(text, x, y, [&](int i, int j, double coverage) {
         if (!holds(i, j)) return;
         // Blended in sRGB, so that strokes look equally heavy on white and on black.
@@ -71,7 +74,9 @@ bool Canvas::isOpaque() const {
 }
 
 std::string Canvas::png() const {
-    constexpr int kCompression = 4;  // of zlib: half the time of 6, 5 to 10 % more bytes
+    // Runs of equal bytes alone take half the time of zlib's level 4 and a fifth of that of 6, for
+    // 5 and 15 % more bytes.
+    constexpr int kRuns = 3;  // Z_RLE
     const bool opaque = isOpaque();
     std::string file;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -93,7 +98,7 @@ std::string Canvas::png() const {
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
     // Trying all filters takes twice the time, and saves nothing.
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
-    png_set_compression_level(png, kCompression);
+    png_set_compression_strategy(png, kRuns);
     png_write_info(png, info);
     if (opaque) png_set_filler(png, 0, PNG_FILLER_AFTER);
     for (int y = 0; y < height_; ++y)

@@ -21,7 +21,7 @@ public:
     int height() const { return height_; }
 
     /// @param alpha  of the pixel; the color is not multiplied with it
-    void set(int x, int y, const Vec3d& linear, double alpha = 1);
+    void set(int x, int y, const Vec3f& linear, float alpha = 1);
     /// Fills width x height pixels from (x, y) on.
     void fill(int x, int y, int width, int height, const Vec3d& linear, double alpha = 1);
     /// Draws a text that starts at (x, y) on its base line, over the pixels there.

@@ -56,29 +56,6 @@ CornerNormals creasedNormals(const SurfaceTriangles& triangles) {
     return normals;
 }
 
-/// The normals of psi at the vertices, where the band has them.
-CornerNormals smoothNormals(const Band& band, const SurfaceMesh& mesh) {
-    std::vector<Vec3f> at(mesh.position.size());
-    parallelFor(at.size(), 1024, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v) {
-            const Vec3d mean(mesh.normal[v]), n = normalAt(band, mesh.position[v], mean);
-            at[v] = Vec3f(dot(n, mean) > 0.5 ? n : mean);
-        }
-    });
-    CornerNormals normals(mesh.triangles.size());
-    for (std::size_t t = 0; t < normals.size(); ++t)
-        for (std::size_t k = 0; k < 3; ++k) normals[t][k] = at[mesh.triangles[t][k]];
-    return normals;
-}
-
-/// The means of the triangles around the vertices.
-CornerNormals meanNormals(const SurfaceMesh& mesh) {
-    CornerNormals normals(mesh.triangles.size());
-    for (std::size_t t = 0; t < normals.size(); ++t)
-        for (std::size_t k = 0; k < 3; ++k) normals[t][k] = mesh.normal[mesh.triangles[t][k]];
-    return normals;
-}
-
 /// The mean edge length in voxels, from which the tolerance beside S follows.
 double meanSide(const SurfaceMesh& mesh) {
     double sum = 0;
@@ -94,37 +71,38 @@ DrawnSurface::DrawnSurface(const Band& band)
     triangles_ = band.triangles;
     closed_ = triangles_->closed();
     clearance_ = 0.01;
-    cornerNormals_ = creasedNormals(*triangles_);
+    creased_ = creasedNormals(*triangles_);
 }
 
 DrawnSurface::DrawnSurface(const Band& band, SurfaceMesh mesh, bool closed)
     : band_(band),
       closed_(closed),
       clearance_(std::max(0.5, 0.5 * meanSide(mesh))),
-      cornerNormals_(mesh.distance.empty() ? smoothNormals(band, mesh) : meanNormals(mesh)),
+      normal_(std::move(mesh.normal)),
       distance_(std::move(mesh.distance)) {
+    constexpr std::size_t kRun = 4;  // they come cell by cell
     triangles_ = std::make_shared<SurfaceTriangles>(
         std::move(mesh.position), std::move(mesh.triangles),
-        /*neighbor, which rays do not need*/ std::vector<std::array<std::uint32_t, 3>>{});
+        /*neighbor, which rays do not need*/ std::vector<std::array<std::uint32_t, 3>>{}, kRun);
 }
 
-Vec3d DrawnSurface::normal(std::uint32_t triangle, const std::array<double, 3>& share,
-                           const Vec3d& dir) const {
-    const Vec3d own = triangles_->normal(triangle);
+Vec3f DrawnSurface::cornerNormal(std::uint32_t triangle, unsigned corner) const {
+    if (isCreased()) return creased_[triangle][corner];
+    constexpr float kSmooth = 0.5f;
+    const Vec3f mean = normal_[(*triangles_)[triangle][corner]];
+    if (hasDistances()) return mean;
+    // That of psi, where the band has it.
+    const Vec3d p = triangles_->corner(triangle, corner);
+    const BandCell cell = cellAt(band_, p);
     Vec3d sum;
-    for (std::size_t k = 0; k < 3; ++k) sum += share[k] * Vec3d(cornerNormals_[triangle][k]);
-    const Vec3d n = normalized(sum);
-    return n == Vec3d{} || dot(n, dir) * dot(own, dir) < 0 ? own : n;
-}
-
-double DrawnSurface::distance(std::uint32_t triangle, const std::array<double, 3>& share) const {
-    double sum = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double corner = distance_[(*triangles_)[triangle][k]];
-        if (!(corner < kInfinity)) return kInfinity;
-        sum += share[k] * corner;
+    bool plain = cell.complete;
+    for (std::size_t k = 0; k < 8 && plain; ++k) {
+        const NodeIndex i = cell.node[k];
+        plain = !band_.facing[i] && dot(band_.normal[i], mean) > kSmooth;
+        sum += cell.weight[k] * Vec3d(band_.normal[i]);
     }
-    return sum;
+    const Vec3f n(plain ? normalized(sum) : normalAt(band_, p, Vec3d(mean)));
+    return dot(n, mean) > kSmooth ? n : mean;
 }
 
 Vec3d DrawnSurface::normalNear(const Vec3d& p) const {
@@ -134,7 +112,7 @@ Vec3d DrawnSurface::normalNear(const Vec3d& p) const {
 }
 
 bool DrawnSurface::isVisible(const Vec3d& p, const Vec3d& n, const Vec3d& toEye) const {
-    return !triangles_->hit(p + (dot(n, toEye) < 0 ? -clearance_ : clearance_) * n, toEye);
+    return !triangles_->meets(p + (dot(n, toEye) < 0 ? -clearance_ : clearance_) * n, toEye);
 }
 
 bool DrawnSurface::encloses(const Vec3d& p) const {

@@ -24,16 +24,14 @@ public:
     const Similarity& transform() const { return band_.transform; }
     const SurfaceTriangles& triangles() const { return *triangles_; }
 
-    /// The unit normal for shading at a point of a triangle, blended from its corners.
-    /// @param share  barycentric coordinates, sum 1
-    /// @param dir    of the ray that meets the point; the normal is on the same side of it as that
-    ///               of the triangle
-    Vec3d normal(std::uint32_t triangle, const std::array<double, 3>& share,
-                 const Vec3d& dir) const;
-    /// Whether the corners have distances.
+    /// Whether normals differ from triangle to triangle at a vertex.
+    bool isCreased() const { return !creased_.empty(); }
+    /// The unit normal for shading at a corner of a triangle.
+    Vec3f cornerNormal(std::uint32_t triangle, unsigned corner) const;
+    /// Whether the vertices have distances.
     bool hasDistances() const { return !distance_.empty(); }
-    /// Blended from the corners, voxels; +infinity where one has none.
-    double distance(std::uint32_t triangle, const std::array<double, 3>& share) const;
+    /// At a vertex, voxels; +infinity: unreached.
+    double distance(std::uint32_t vertex) const { return distance_[vertex]; }
     /// Unit normal of the triangle nearest to a point; 0 without triangles.
     Vec3d normalNear(const Vec3d& p) const;
 
@@ -47,9 +45,10 @@ private:
     const Band& band_;
     std::shared_ptr<const SurfaceTriangles> triangles_;
     bool closed_;
-    double clearance_;  ///< of a ray that starts on S, voxels
-    std::vector<std::array<Vec3f, 3>> cornerNormals_;
-    std::vector<double> distance_;  ///< per vertex
+    double clearance_;                           ///< of a ray that starts on S, voxels
+    std::vector<std::array<Vec3f, 3>> creased_;  ///< normals per triangle and corner
+    std::vector<Vec3f> normal_;                  ///< per vertex: the mean of its triangles
+    std::vector<double> distance_;               ///< per vertex
 };
 
 }  // namespace igeo

@@ -1,5 +1,6 @@
 #include <igeo/results/detail/film.h>
 
+#include <igeo/base/parallel.h>
 #include <igeo/results/detail/legend.h>
 
 #include <algorithm>
@@ -20,20 +21,27 @@ void Rgba::tint(const Vec3d& color, double share) {
 
 void Film::drawRim(const Vec3d& color) {
     constexpr double kStrength = 0.5;
-    for (int y = 0; y < height_; ++y)
-        for (int x = 0; x < width_; ++x) {
-            Rgba& here = at(x, y);
-            if (!(here.a > 0)) continue;
-            float least = here.a;
-            for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height_ - 1); ++v)
-                for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width_ - 1); ++u)
-                    least = std::min(least, at(u, v).a);
-            const double share = kStrength * double(1 - least / here.a);
-            const float alpha = here.a;
-            here = here * float(1 - share);
-            here += Rgba(color, share * double(alpha));
-            here.a = alpha;
+    constexpr float kNone = std::numeric_limits<float>::infinity();
+    parallelFor(std::size_t(height_), 16, [&](std::size_t begin, std::size_t end) {
+        std::vector<float> column(std::size_t(width_) + 2, kNone);  // least alpha of three rows
+        for (int y = int(begin); y < int(end); ++y) {
+            const int above = std::max(y - 1, 0), below = std::min(y + 1, height_ - 1);
+            for (int x = 0; x < width_; ++x)
+                column[std::size_t(x + 1)] = std::min({at(x, above).a, at(x, y).a, at(x, below).a});
+            for (int x = 0; x < width_; ++x) {
+                Rgba& here = at(x, y);
+                const float* around = &column[std::size_t(x)];
+                const float least = std::min({around[0], around[1], around[2]});
+                if (!(least < here.a)) continue;
+                const double share = kStrength * double(1 - least / here.a);
+                const Rgba rim(color, share * double(here.a));
+                const auto rest = float(1 - share);
+                here.r = here.r * rest + rim.r;
+                here.g = here.g * rest + rim.g;
+                here.b = here.b * rest + rim.b;
+            }
         }
+    });
 }
 
 void Film::drawStrokes(const Strokes& strokes, double core, double edge, double strength) {
@@ -48,7 +56,7 @@ void Film::drawStrokes(const Strokes& strokes, double core, double edge, double 
         }
 }
 
-void Film::drawDot(const Dot& dot, const Frame& frame, const std::vector<Sample>& samples) {
+void Film::drawDot(const Dot& dot, const Frame& frame, const SeenPixels& seen) {
     constexpr double kRing = 0.72;
     const Vec3d s = frame.seen(dot.center);
     if (!(s.z > 0)) return;
@@ -65,10 +73,9 @@ void Film::drawDot(const Dot& dot, const Frame& frame, const std::vector<Sample>
             const double off = std::hypot(x + 0.5 - cx, y + 0.5 - cy),
                          covered = std::clamp(radius - off + 0.5, 0.0, 1.0);
             if (!(covered > 0)) continue;
-            const Sample& front = samples[std::size_t(y) * std::size_t(width_) + std::size_t(x)];
             // It lies on the surface, which may bulge toward the eye a little.
             const bool hidden =
-                dot.hidden || (front.covered() && double(front.depth) < s.z - 2 * dot.radius);
+                dot.hidden || double(seen.depth[seen.index(x, y)]) < s.z - 2 * dot.radius;
             const double inner = std::clamp(kRing * radius - off + 0.5, 0.0, 1.0);
             const Vec3d color = inner * core + (1 - inner) * ring;
             if (hidden)
@@ -79,18 +86,21 @@ void Film::drawDot(const Dot& dot, const Frame& frame, const std::vector<Sample>
 }
 
 void Film::develop(Background background, Canvas& canvas) const {
-    for (int y = 0; y < height_; ++y)
-        for (int x = 0; x < width_; ++x) {
-            const Rgba& c = at(x, y);
-            if (!(c.a > 0)) continue;
-            const Vec3d light{double(c.r), double(c.g), double(c.b)};
-            const double alpha = std::min(double(c.a), 1.0);
-            if (background == Background::Transparent)
-                canvas.set(x, y, light * (1 / double(c.a)), alpha);
-            else
-                canvas.set(x, y,
-                           background == Background::White ? light + (1 - alpha) * kWhite : light);
-        }
+    parallelFor(std::size_t(height_), 16, [&](std::size_t begin, std::size_t end) {
+        for (int y = int(begin); y < int(end); ++y)
+            for (int x = 0; x < width_; ++x) {
+                const Rgba& c = at(x, y);
+                if (!(c.a > 0)) continue;
+                const Vec3f light{c.r, c.g, c.b};
+                const float alpha = std::min(c.a, 1.0f);
+                if (background == Background::Transparent)
+                    canvas.set(x, y, light * (1 / c.a), alpha);
+                else if (background == Background::White)
+                    canvas.set(x, y, light + (1 - alpha) * Vec3f(kWhite));
+                else
+                    canvas.set(x, y, light);
+            }
+    });
 }
 
 }  // namespace igeo

@@ -3,6 +3,7 @@
 
 #include <igeo/results/detail/canvas.h>
 #include <igeo/results/detail/marks.h>
+#include <igeo/results/detail/seen_pixels.h>
 #include <igeo/results/picture_options.h>
 
 #include <vector>
@@ -19,6 +20,8 @@ struct Rgba {
           g(float(color.y * alpha)),
           b(float(color.z * alpha)),
           a(float(alpha)) {}
+    /// Opaque.
+    explicit Rgba(const Vec3f& color) : r(color.x), g(color.y), b(color.z), a(1) {}
     Rgba& operator+=(const Rgba& o) { return r += o.r, g += o.g, b += o.b, a += o.a, *this; }
     friend Rgba operator*(Rgba c, float s) { return c.r *= s, c.g *= s, c.b *= s, c.a *= s, c; }
     /// Draws a color over this one.
@@ -52,8 +55,8 @@ public:
     /// @param strength    share of their color, by the square root of light, which is close to
     ///                    perception
     void drawStrokes(const Strokes& strokes, double core, double edge, double strength);
-    /// Opaque where no sample is in front of it, elsewhere faint.
-    void drawDot(const Dot& dot, const Frame& frame, const std::vector<Sample>& samples);
+    /// Opaque where no pixel is in front of it, elsewhere faint.
+    void drawDot(const Dot& dot, const Frame& frame, const SeenPixels& seen);
     /// Converts the picture to pixels over its background, at the left of the canvas.
     void develop(Background background, Canvas& canvas) const;
 

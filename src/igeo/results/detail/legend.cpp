@@ -27,11 +27,12 @@ Scale::Scale(const Field& field, const PictureOptions& options)
         levels = chosenLevels(field, options.isolineCount, options.isolineSpacing);
 }
 
-double Scale::fromIsoline(double d) const {
-    const auto above = std::lower_bound(levels.begin(), levels.end(), d);
+double Scale::fromIsoline(double d, std::size_t& above) const {
+    while (above < levels.size() && levels[above] < d) ++above;
+    while (above > 0 && !(levels[above - 1] < d)) --above;
     double least = kInfinity;
-    if (above != levels.end()) least = *above - d;
-    if (above != levels.begin()) least = std::min(least, d - *(above - 1));
+    if (above < levels.size()) least = levels[above] - d;
+    if (above > 0) least = std::min(least, d - levels[above - 1]);
     return least;
 }
 

@@ -33,7 +33,9 @@ struct Scale {
         return dark ? 0.3 * c + Vec3d{0.7, 0.7, 0.7} : 0.12 * c;
     }
     /// The distance from d to the nearest isoline's level; +infinity without isolines.
-    double fromIsoline(double d) const;
+    /// @param above  the first level that is not below the last d, and then below this one; the
+    ///               search starts there
+    double fromIsoline(double d, std::size_t& above) const;
 };
 
 /// The color bar and its text, at the right edge.

@@ -161,12 +161,13 @@ public:
         further_.clear();
         for (int x = 0; x < 8; ++x)
             for (int y = 0; y < 8; ++y) {
-                findEdges(x, y);
                 unsigned all = 0x1ff, any = 0;
                 for (unsigned k = 0; k < 8; k += 2) {
                     const unsigned row = block_.inside(x + int(k >> 2), y + int(k >> 1 & 1));
                     all &= row, any |= row;
                 }
+                if (any == 0 || all == 0x1ff) continue;
+                findEdges(x, y);
                 unsigned crossed = (any | any >> 1) & ~(all & all >> 1) & 0xff;
                 leaf.cells.mask[std::size_t(x)] |= std::uint64_t(crossed) << 8 * y;
                 for (; crossed; crossed &= crossed - 1) addCell({x, y, std::countr_zero(crossed)});

@@ -11,21 +11,24 @@
 namespace igeo {
 
 /// A perspective camera in index space with unit axes; pixels count from the upper left.
+///
+/// Camera coordinates: to the right, up, and in depth, from the eye.
 struct Frame {
     Vec3d eye, right, up, back;
     double scale = 1;     ///< pixels per unit of length at depth 1
     double perPixel = 1;  ///< 1 / scale
     int width = 0, height = 0;
 
-    /// The ray through a picture position, of depth 1.
+    /// The ray through a picture position, of depth 1, in camera coordinates.
     Vec3d toward(double x, double y) const {
-        return ((x - 0.5 * width) * perPixel) * right + ((0.5 * height - y) * perPixel) * up - back;
+        return {(x - 0.5 * width) * perPixel, (0.5 * height - y) * perPixel, 1};
     }
-    /// A point in camera coordinates: right, up and depth, from the eye.
-    Vec3d seen(const Vec3d& p) const {
-        const Vec3d r = p - eye;
-        return {dot(r, right), dot(r, up), -dot(r, back)};
-    }
+    /// A direction in camera coordinates, and back.
+    Vec3d turned(const Vec3d& v) const { return {dot(v, right), dot(v, up), -dot(v, back)}; }
+    Vec3d turnedBack(const Vec3d& v) const { return v.x * right + v.y * up - v.z * back; }
+    /// A point in camera coordinates, and back.
+    Vec3d seen(const Vec3d& p) const { return turned(p - eye); }
+    Vec3d inSpace(const Vec3d& s) const { return eye + turnedBack(s); }
     /// The picture position of a camera point of depth > 0.
     std::array<double, 2> place(const Vec3d& s) const {
         return {0.5 * width + scale * s.x / s.z, 0.5 * height - scale * s.y / s.z};
@@ -36,20 +39,24 @@ struct Frame {
 struct Sample {
     float depth = std::numeric_limits<float>::infinity();
     std::uint32_t triangle = SurfaceTriangles::kNone;
+    float second = 0, third = 0;  ///< barycentric coordinates of corners 1 and 2
 
     bool covered() const { return triangle != SurfaceTriangles::kNone; }
 };
 
 /// Triangles sorted into tiles of the picture, so that threads draw tiles independently.
 ///
-/// A sample shows the first triangle on its ray; on ties the first in the list. Visibility uses
-/// edge functions of the ray itself (M. Olano and T. Greer, Triangle scan conversion using 2D
-/// homogeneous coordinates, 1997), so no clipping is needed. An edge belongs to both of its
-/// triangles.
+/// A sample shows the first triangle on its ray; on ties one that turns its front to the eye, and
+/// the first of these. Visibility uses edge functions of the ray itself (M. Olano and T. Greer,
+/// Triangle scan conversion using 2D homogeneous coordinates, 1997), so no clipping is needed. An
+/// edge belongs to both of its triangles.
 class Raster {
 public:
     static constexpr int kTile = 32;  ///< pixels along a side
+    static constexpr std::size_t kPixels = std::size_t(kTile) * kTile;
     using Offset = std::array<double, 2>;
+    /// Pixels of a tile: a bit for each, row by row.
+    using Pixels = std::array<std::uint32_t, kTile>;
 
     Raster(const SurfaceTriangles& triangles, const Frame& frame);
 
@@ -59,26 +66,40 @@ public:
         return {int(tile) % across_ * kTile, int(tile) / across_ * kTile};
     }
     std::size_t tileOf(int x, int y) const { return std::size_t(y / kTile * across_ + x / kTile); }
+    bool isEmpty(std::size_t tile) const { return first_[2 * tile] == first_[2 * tile + 2]; }
 
     /// The samples of a tile, at `offsets` from the corner of each pixel: that of pixel (x, y) in
     /// the tile and offset k comes at (y * kTile + x) * offsets.size() + k.
-    /// @param wanted  per pixel of the tile, whether it is drawn; empty: all
-    void draw(std::size_t tile, const std::vector<Offset>& offsets,
-              const std::vector<std::uint8_t>& wanted, std::vector<Sample>& samples) const;
-
-    /// Barycentric coordinates where the ray `toward` meets the plane of a triangle.
-    std::array<double, 3> shares(std::uint32_t triangle, const Vec3d& toward) const;
+    /// @param wanted   which pixels are drawn; samples of others are left as they are
+    /// @param samples  kPixels * offsets.size()
+    void draw(std::size_t tile, const std::vector<Offset>& offsets, const Pixels& wanted,
+              std::vector<Sample>& samples) const;
 
 private:
+    /// The part of the picture that a triangle covers, pixels, and its least depth.
     struct Box {
-        double left = 1e30, top = 1e30, right = -1e30, bottom = -1e30;
+        float left = 1e30f, top = 1e30f, right = -1e30f, bottom = -1e30f, nearest = 0;
     };
+    struct Edges;
+    class Tile;
     Box boxOf(std::size_t triangle) const;
+    std::array<Vec3d, 3> seen(std::size_t triangle) const {
+        const auto& [i, j, k] = triangles_[triangle];
+        return {corners_[i].at, corners_[j].at, corners_[k].at};
+    }
 
     const SurfaceTriangles& triangles_;
     const Frame& frame_;
     int across_, down_;
-    std::vector<std::size_t> first_;  ///< per tile: first of its triangles in the list
+    struct Corner {
+        Vec3d at;    ///< camera coordinates
+        float x, y;  ///< picture position; no number behind the eye
+    };
+    std::vector<Corner> corners_;  ///< per vertex
+    std::vector<Box> boxes_;       ///< per triangle
+    /// Per tile: first in the list of the triangles that turn their front to the eye, and of the
+    /// others, which the former hide on closed surfaces.
+    std::vector<std::size_t> first_;
     std::vector<std::uint32_t> list_;
 };
 

@@ -1,5 +1,7 @@
 #include <igeo/results/detail/shader.h>
 
+#include <igeo/base/detail/registers.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,61 +16,128 @@ double coverage(double off, double half, double width) {
     return std::clamp((to - from) / width, 0.0, 1.0);
 }
 
+/// Light on spots.
+struct Light {
+    std::vector<float> diffuse;  ///< a factor of colors
+    std::vector<float> shine;    ///< white
+};
+
+/// Studio light: a key light from the upper left, wrapped around for soft edges, a fill light from
+/// the right, and ambient light so that nothing is black.
+template <int Width>
+class LightLanes {
+    using V = typename Registers<Width>::Vector;
+    using Vectors = VectorLanes<Width>;
+
+    IGEO_INLINE static V positive(const V& v) { return v > 0 ? v : V{}; }
+    IGEO_INLINE static Vectors unit(const Vectors& v) {
+        V len = dot(v, v);
+        takeRoots<Width>(len);
+        return v * (1 / len);
+    }
+    IGEO_INLINE static Vectors everywhere(const Vec3f& v) {
+        return {V{} + v.x, V{} + v.y, V{} + v.z};
+    }
+
+public:
+    LightLanes()
+        : key_(normalized(Vec3d{-0.55, 0.75, -0.75})), fill_(normalized(Vec3d{0.9, 0.1, -0.5})) {}
+
+    IGEO_INLINE void shine(const Spots& spots, std::size_t k, Light& light) const {
+        const Vectors key = everywhere(key_), fill = everywhere(fill_),
+                      dir = unit({loadLanes<Width>(&spots.towardX[k]),
+                                  loadLanes<Width>(&spots.towardY[k]), V{} + 1});
+        Vectors n{loadLanes<Width>(&spots.nx[k]), loadLanes<Width>(&spots.ny[k]),
+                  loadLanes<Width>(&spots.nz[k])};
+        const V away = dot(n, dir), one = V{} + 1;
+        n = n * (away > 0 ? -one : one);
+        const V wrapped = positive((dot(n, key) + 0.35f) * float(1 / 1.35)),
+                filled = positive(dot(n, fill)), grazing = positive(1 - absolute(away)),
+                rim = grazing * grazing * grazing,
+                open = 0.2f + 0.8f * loadLanes<Width>(&spots.open[k]);
+        const V diffuse =
+            (0.42f + 0.62f * wrapped * wrapped + 0.14f * filled) * (1 - 0.3f * rim) * open;
+        V shine = positive(dot(n, unit(key - dir)));
+        shine *= shine, shine *= shine * shine, shine *= shine, shine *= shine;  // to the 24th
+        storeLanes(diffuse, &light.diffuse[k]);
+        storeLanes(0.05f * open * shine, &light.shine[k]);
+    }
+
+private:
+    Vec3f key_, fill_;
+};
+void lightByFour(const Spots& spots, Light& light) {
+    const LightLanes<4> lanes;
+    for (std::size_t k = 0; k < spots.size(); k += 4) lanes.shine(spots, k, light);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 void lightByEight(const Spots& spots, Light& light) {
+    const LightLanes<8> lanes;
+    for (std::size_t k = 0; k < spots.size(); k += 8) lanes.shine(spots, k, light);
+}
+#endif
+
+Light lightOf(const Spots& spots) {
+    Light light{std::vector<float>(spots.depth.size()), std::vector<float>(spots.depth.size())};
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return lightByEight(spots, light), light;
+#endif
+    lightByFour(spots, light);
+    return light;
+}
+
 }  // namespace
 
 Shader::Shader(const Field& field, const ArrivalReader& reader, const Scale& scale,
-               double isolineHalf, const Frame& frame)
+               double isolineHalf, const Frame& frame, double tolerance)
     : field_(field),
       reader_(reader),
       scale_(scale),
       isolineHalf_(isolineHalf),
-      key_(normalized(-0.55 * frame.right + 0.75 * frame.up + 0.75 * frame.back)),
-      fill_(normalized(0.9 * frame.right + 0.1 * frame.up + 0.5 * frame.back)) {
+      frame_(frame),
+      tolerance_(tolerance) {
+    constexpr int kSteps = 1 << 13;
+    for (int k = 0; k <= kSteps; ++k) colors_.emplace_back(scale.colors(double(k) / kSteps));
     for (std::size_t k = 1; k < scale.levels.size(); ++k)
         isolineHalf_ = std::min(isolineHalf_, 0.15 * (scale.levels[k] - scale.levels[k - 1]));
 }
 
-void Shader::setDistances(std::vector<Spot>& spots) const {
-    std::vector<Vec3d> points;
-    std::vector<Vec3f> normals;
-    for (const Spot& spot : spots) points.push_back(spot.p), normals.emplace_back(spot.normal);
-    std::vector<Arrival> arrivals(spots.size());
-    reader_.read(points, normals, arrivals.data());
-    for (std::size_t k = 0; k < spots.size(); ++k)
-        spots[k].distance = known(spots[k].p, arrivals[k].distance);
+std::vector<float> Shader::read(const std::vector<Vec3d>& points, const std::vector<Vec3f>& normals,
+                                std::vector<std::uint8_t>& isSmooth) const {
+    std::vector<Arrival> arrivals(points.size());
+    isSmooth.resize(points.size());
+    reader_.read(points, normals, arrivals.data(), tolerance_, isSmooth.data());
+    std::vector<float> distances;
+    for (const Arrival& a : arrivals) distances.push_back(float(a.distance));
+    return distances;
 }
 
 /// The distance at which an early stop ends the colors, so that they end along a level line and not
 /// cell by cell: jets reach beyond the last node, and means of voxels are too low where some are
 /// missing.
-double Shader::lastKnown(const Vec3d& p) const {
-    return field_.maxDistance - (field_.atFootPoints ? 0 : 2 * weightAt(p));
+double Shader::lastKnown(const Vec3f& place) const {
+    return field_.maxDistance - (field_.atFootPoints ? 0 : 2 * weightAt(place));
 }
 
-Vec3d Shader::color(const Spot& spot, const Vec3d& dir) const {
-    const bool reached = spot.distance < kInfinity;
-    const Vec3d n = dot(spot.normal, dir) > 0 ? -spot.normal : spot.normal;
-    Vec3d c = reached ? scale_.color(spot.distance) : kUnreached;
-    if (reached && !scale_.levels.empty()) {
-        const double off = scale_.fromIsoline(spot.distance);
-        const double half = isolineHalf_ * weightAt(spot.p);
-        c = mixed(coverage(off, half, spot.slope), Scale::lineOn(c), c);
+void Shader::color(const Spots& spots, std::vector<Vec3f>& colors) const {
+    const std::size_t n = spots.size();
+    const Light light = lightOf(spots);
+    colors.resize(n);
+    std::size_t level = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+        Vec3f c(kUnreached);
+        if (const float d = spots.distance[k]; d < float(kInfinity)) {
+            c = colorOf(d);
+            const double slope = double(spots.slope[k]), off = scale_.fromIsoline(double(d), level),
+                         half = isolineHalf_ * weightAt(spots.place(k));
+            if (off < half + slope / 2) {
+                const auto share = float(coverage(off, half, slope));
+                c = share * Vec3f(Scale::lineOn(Vec3d(c))) + (1 - share) * c;
+            }
+        }
+        const float shine = light.shine[k];
+        colors[k] = light.diffuse[k] * c + Vec3f{shine, shine, shine};
     }
-    return lit(c, n, dir, spot.occluded);
-}
-
-/// Studio light: a key light from the upper left, wrapped around for soft edges, a fill light from
-/// the right, and ambient light so that nothing is black.
-Vec3d Shader::lit(const Vec3d& c, const Vec3d& n, const Vec3d& dir, double occluded) const {
-    const double wrapped = std::max(0.0, (dot(n, key_) + 0.35) / 1.35);
-    const double filled = std::max(0.0, dot(n, fill_));
-    const double grazing = 1 - std::clamp(-dot(n, dir), 0.0, 1.0);
-    const double rim = grazing * grazing * grazing, open = 1 - 0.8 * occluded;
-    const double diffuse =
-        (0.42 + 0.62 * wrapped * wrapped + 0.14 * filled) * (1 - 0.3 * rim) * open;
-    double shine = std::max(0.0, dot(n, normalized(key_ - dir)));
-    shine *= shine, shine *= shine * shine, shine *= shine, shine *= shine;  // to the 24th
-    return diffuse * c + 0.05 * open * shine * kWhite;
 }
 
 }  // namespace igeo

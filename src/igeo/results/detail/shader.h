@@ -5,48 +5,81 @@
 #include <igeo/results/detail/legend.h>
 #include <igeo/results/detail/raster.h>
 
+#include <vector>
+
 namespace igeo {
 
-/// A visible point; index space.
-struct Spot {
-    Vec3d p, normal;  ///< the surface's normal, toward the eye or away from it
-    double distance = kInfinity;
-    double occluded = 0;  ///< share of ambient light that is blocked, 0 to 1
-    double slope = 0;     ///< change of the distance between neighboring samples; 0: a sharp line
+/// Visible points, in camera coordinates: the first of all, the second of all, and so on.
+struct Spots {
+    std::vector<float> towardX, towardY, depth;  ///< the ray (Frame::toward), and how far along it
+    std::vector<float> nx, ny, nz;               ///< unit normal, on either side of the surface
+    std::vector<float> distance;                 ///< +infinity: unreached
+    std::vector<float> open;   ///< share of ambient light that is not blocked, 0 to 1
+    std::vector<float> slope;  ///< change of the distance between neighboring samples; 0: a sharp
+                               ///< line
+
+    explicit Spots(std::size_t capacity) {
+        for (auto* v : all()) v->resize((capacity + 7) / 8 * 8);
+    }
+    std::size_t size() const { return size_; }
+    void add(const Vec3f& ray, float itsDepth, const Vec3f& n, float itsDistance, float itsOpen = 1,
+             float itsSlope = 0) {
+        const std::size_t k = size_++;
+        towardX[k] = ray.x, towardY[k] = ray.y, depth[k] = itsDepth;
+        nx[k] = n.x, ny[k] = n.y, nz[k] = n.z;
+        distance[k] = itsDistance, open[k] = itsOpen, slope[k] = itsSlope;
+    }
+    Vec3f normal(std::size_t k) const { return {nx[k], ny[k], nz[k]}; }
+    Vec3f place(std::size_t k) const { return depth[k] * Vec3f{towardX[k], towardY[k], 1}; }
+
+private:
+    std::array<std::vector<float>*, 9> all() {
+        return {&towardX, &towardY, &depth, &nx, &ny, &nz, &distance, &open, &slope};
+    }
+    std::size_t size_ = 0;
 };
 
 class Shader {
 public:
     /// @param isolineHalf  half the width of isolines, voxels
+    /// @param tolerance    of distances, voxels
     Shader(const Field& field, const ArrivalReader& reader, const Scale& scale, double isolineHalf,
-           const Frame& frame);
+           const Frame& frame, double tolerance);
 
-    /// The distances at visible points of S; +infinity beyond an early stop.
-    void setDistances(std::vector<Spot>& spots) const;
-    /// A distance at p; +infinity beyond an early stop.
-    double known(const Vec3d& p, double distance) const {
-        return field_.stoppedEarly && distance > lastKnown(p) ? kInfinity : distance;
+    /// The distances at points of S, voxels times weight; +infinity: unreached.
+    /// @param normals   of S, roughly; index space
+    /// @param isSmooth  as ArrivalReader::read has it
+    std::vector<float> read(const std::vector<Vec3d>& points, const std::vector<Vec3f>& normals,
+                            std::vector<std::uint8_t>& isSmooth) const;
+    /// A distance at a camera point; +infinity beyond an early stop.
+    float known(const Vec3f& place, float distance) const {
+        return field_.stoppedEarly && double(distance) > lastKnown(place)
+                   ? std::numeric_limits<float>::infinity()
+                   : distance;
     }
-    /// @param dir  of the ray, unit
-    Vec3d color(const Spot& spot, const Vec3d& dir) const;
+    const Field& field() const { return field_; }
+    /// @param colors  one per spot, in linear light
+    void color(const Spots& spots, std::vector<Vec3f>& colors) const;
 
 private:
-    double lastKnown(const Vec3d& p) const;
-    double weightAt(const Vec3d& p) const {
-        return field_.metric->weighted() ? field_.metric->at(cellAt(*field_.band, p)) : 1.0;
+    Vec3f colorOf(float distance) const {
+        const float at = float(scale_.share(double(distance))) * float(colors_.size() - 1);
+        return colors_[std::size_t(std::clamp(at, 0.0f, float(colors_.size() - 1)) + 0.5f)];
     }
-    Vec3d lit(const Vec3d& c, const Vec3d& n, const Vec3d& dir, double occluded) const;
+    double lastKnown(const Vec3f& place) const;
+    double weightAt(const Vec3f& place) const {
+        return field_.metric->weighted()
+                   ? field_.metric->at(cellAt(*field_.band, frame_.inSpace(Vec3d(place))))
+                   : 1.0;
+    }
 
     const Field& field_;
     const ArrivalReader& reader_;
     const Scale& scale_;
     double isolineHalf_;
-    Vec3d key_, fill_;
+    const Frame& frame_;
+    double tolerance_;
+    std::vector<Vec3f> colors_;  ///< for equal steps from the least to the largest distance
 };
-
-/// Blends two colors; `share` is that of the first.
-inline Vec3d mixed(double share, const Vec3d& a, const Vec3d& b) {
-    return share * a + (1 - share) * b;
-}
 
 }  // namespace igeo

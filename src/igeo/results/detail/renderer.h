@@ -1,0 +1,58 @@
+/// The surface of a picture, without lines and marks over it. Internal to the pictures.
+#pragma once
+
+#include <igeo/base/progress.h>
+#include <igeo/results/detail/corner_values.h>
+#include <igeo/results/detail/film.h>
+#include <igeo/results/detail/openness.h>
+#include <igeo/results/detail/seen_pixels.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace igeo {
+
+/// Draws the surface: one sample per pixel, then more where pixels show different parts of the
+/// surface. Lines are antialiased by their width at a sample.
+class Renderer {
+public:
+    Renderer(const DrawnSurface& surface, const Frame& frame, const Shader& shader,
+             Progress& progress);
+
+    /// @param radius  of the shading in folds, voxels
+    /// @param pixel   width of a pixel on the surface, voxels
+    void render(double radius, double pixel, Film& film);
+    const SeenPixels& seen() const { return seen_; }
+
+private:
+    static constexpr int kFiner = 3;  ///< samples per axis, in pixels with an edge
+
+    void sample();
+    std::vector<std::uint32_t> shownTriangles(std::size_t& pixels) const;
+    /// Calls body(y) for all rows; `pass` 0 or 1 of 2.
+    void rows(int pass, const std::function<void(int)>& body);
+    void lookAt(int y);
+    void colorRow(int y, Film& film);
+    void refine(std::size_t tile, std::vector<Sample>& samples, Film& film) const;
+    /// Reads the distances of these spots of all, where corners do not tell them.
+    void read(const std::vector<std::size_t>& which, Spots& spots) const;
+    /// Calls visit(x, y, number in the tile) for the pixels of a tile.
+    template <typename Visit>
+    void forPixels(std::size_t tile, const Visit& visit) const;
+
+    const DrawnSurface& surface_;
+    const Frame& frame_;
+    const Shader& shader_;
+    const Raster raster_;
+    Progress& progress_;
+    std::vector<Sample> samples_;  ///< at the centers of the pixels
+    SeenPixels seen_;
+    std::optional<CornerValues> corners_;
+    std::optional<Openness> open_;
+    std::vector<Raster::Pixels> edges_;  ///< per tile: pixels with an edge
+    std::unique_ptr<float[]> slopes_;    ///< at these pixels
+};
+
+}  // namespace igeo
