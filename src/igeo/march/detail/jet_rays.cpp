@@ -23,8 +23,8 @@ struct RaySearch {
     const MeetingPoint* point = nullptr;
     std::size_t number = 0;  ///< of the point
     Vec2f direction;         ///< of the next ray, in the chart of the point
-    float turn = 0,
-          off = 0;  ///< from the ray before to the next one; the angle at the end of the former
+    float turn = 0;          ///< from the ray before to the next one
+    float off = 0;           ///< the angle at the end of the ray before
     bool done = false;
     double u = kInfinity;  ///< the least so far
     Vec2f best;            ///< direction of that ray, corrected
