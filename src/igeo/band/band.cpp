@@ -145,12 +145,6 @@ void Band::markFacing(NodeIndex i) {
         for (const int steps : {1, 2}) markFacing(i, steps * faceStep(face));
 }
 
-bool Band::isWhole(LeafIndex l, unsigned at, const Ijk& low) const {
-    unsigned count = 0;
-    forCorners(&BandLeaf::band, l, at, low, [&](NodeIndex, unsigned) { ++count; });
-    return count == 8;
-}
-
 void Band::markKink(NodeIndex i) {
     std::atomic_ref(facing[i]).fetch_or(kKink, std::memory_order_relaxed);
     markFacing(i);

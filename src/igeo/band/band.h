@@ -181,11 +181,6 @@ struct Band {
         forCorners(nodes, at.leaf, at.offset, low, visit);
     }
 
-    /// Whether all 8 voxels at low + {0, 1}^3 are nodes, as around all points of S but those beside
-    /// its end.
-    /// @param low  relative to the voxel at an offset of leaf l
-    bool isWhole(LeafIndex l, unsigned at, const Ijk& low) const;
-
     /// Calls visit(j, weight, from) for the nodes j at the corners around the foot point of node i:
     /// trilinear weight, corners that hardly count left out, and the vector from the corner's voxel
     /// to the foot point.

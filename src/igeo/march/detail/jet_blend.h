@@ -66,9 +66,8 @@ inline bool nearFocus(const JetNeighbors& all) {
     std::array<Vec2f, 2> apart;
     std::size_t fronts = 0;
     for (int i = 0; i < all.count(); ++i) {
-        const bool isOther = std::all_of(apart.begin(), apart.begin() + fronts, [&](Vec2f g) {
-            return dot(g, all.g(i)) < kSameFront;
-        });
+        const bool isOther = std::all_of(apart.begin(), apart.begin() + fronts,
+                                         [&](Vec2f g) { return dot(g, all.g(i)) < kSameFront; });
         if (isOther && fronts == apart.size()) return true;
         if (isOther) apart[fronts++] = all.g(i);
         for (int j = 0; j < i; ++j)

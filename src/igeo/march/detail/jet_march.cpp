@@ -359,9 +359,8 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
         JetGroup::Solution s = solutions[lane];
         if (s.oneSided && isAtRim(i)) s = group.jets.solveAtRim(lane);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
-        settle(lane, group,
-               {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet}, batch,
-               chunk);
+        settle(lane, group, {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet},
+               batch, chunk);
     }
     group.size = 0;
 }

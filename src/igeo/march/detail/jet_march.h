@@ -39,13 +39,13 @@ private:
     /// Part of a batch, for one thread: what it found out, to be written once all are solved.
     struct Chunk {
         std::vector<Accepted> accepted;
-        std::vector<Queued> queued;        ///< neighbors, into an earlier bucket than before
-        std::vector<Queued> deferred;      ///< nodes of the batch that are not final
-        std::vector<Queued> requeueLater;  ///< neighbors that are in the batch themselves
-        std::size_t byFallback = 0;        ///< of the accepted nodes
+        std::vector<Queued> queued;         ///< neighbors, into an earlier bucket than before
+        std::vector<Queued> deferred;       ///< nodes of the batch that are not final
+        std::vector<Queued> requeueLater;   ///< neighbors that are in the batch themselves
+        std::size_t byFallback = 0;         ///< of the accepted nodes
         std::vector<NodeIndex> frontsMeet;  ///< accepted nodes: JetGroup::Solution::frontsMeet
-        std::size_t stopNodes = 0;         ///< of the accepted nodes
-        bool tooFar = false;               ///< a value beyond the last bucket
+        std::size_t stopNodes = 0;          ///< of the accepted nodes
+        bool tooFar = false;                ///< a value beyond the last bucket
         double heaviest = 0;
 
         void clear() {
@@ -182,7 +182,7 @@ private:
     double heaviest_;         ///< the largest cost per unit length accepted so far
     bool stopped_ = false;    ///< the limit ended the march
     std::vector<Chunk> chunks_;
-    std::vector<bool> stopNodes_;   ///< nodes of the core that the march has to reach; empty: all
+    std::vector<bool> stopNodes_;  ///< nodes of the core that the march has to reach; empty: all
     std::vector<NodeIndex> frontsMeet_;  ///< as Chunk::frontsMeet
     std::size_t byFallback_ = 0, stopNodesLeft_ = 0, accepted_ = 0, chunkSize_ = 0;
 };

@@ -131,7 +131,9 @@ public:
     float add(const JetNeighbor& n) {
         const float side = across(n.a), turn = across(n.g),
                     sine = dot(g_, n.g) > 0 ? turn : std::copysign(1.0f, turn),
-                    toward = side > 0 ? sine : side < 0 ? -sine : 0;
+                    toward = side > 0   ? sine
+                             : side < 0 ? -sine
+                                        : 0;
         float& most = side > 0 ? fromRight_ : fromLeft_;
         most = std::max(most, toward);
         return toward;

@@ -101,16 +101,23 @@ private:
     void findCorners() {
         for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) {
             points_.clearNodes(lane);
-            if (!rays_.valid[lane]) continue;
-            const Vec3f p{rays_.aheadX[lane], rays_.aheadY[lane], rays_.aheadZ[lane]};
-            const Ijk low{floorToInt(p.x), floorToInt(p.y), floorToInt(p.z)};
-            points_.setPlace(lane, p - Vec3f(low));
-            points_.setNormal(lane, {rays_.nx[lane], rays_.ny[lane], rays_.nz[lane]});
-            const MeetingPoint& from = *search_[lane].point;
-            if (!core_.band.isWhole(from.leaf, from.offset, low)) continue;  // beside an end of S
-            core_.band.forCorners(&BandLeaf::core, from.leaf, from.offset, low,
-                                  [&](NodeIndex j, unsigned k) { points_.node[k][lane] = j; });
+            if (rays_.valid[lane]) findCorners(lane);
         }
+    }
+    void findCorners(std::size_t lane) {
+        const Band& band = core_.band;
+        const MeetingPoint& from = *search_[lane].point;
+        const Vec3f p{rays_.aheadX[lane], rays_.aheadY[lane], rays_.aheadZ[lane]};
+        const Ijk low{floorToInt(p.x), floorToInt(p.y), floorToInt(p.z)};
+        points_.setPlace(lane, p - Vec3f(low));
+        points_.setNormal(lane, {rays_.nx[lane], rays_.ny[lane], rays_.nz[lane]});
+        // The band holds the whole cell, except beside an end of S.
+        std::size_t inBand = 0;
+        band.forCorners(&BandLeaf::band, from.leaf, from.offset, low,
+                        [&](NodeIndex, unsigned) { ++inBand; });
+        if (inBand < points_.node.size()) return;
+        band.forCorners(&BandLeaf::core, from.leaf, from.offset, low,
+                        [&](NodeIndex j, unsigned k) { points_.node[k][lane] = j; });
     }
     void takeRay(std::size_t lane) {
         RaySearch& search = search_[lane];
