@@ -28,7 +28,7 @@ struct SegmentLanes {
 struct NeighborRing;
 
 /// The fallbacks of up to eight nodes, whose segments are searched side by side. A node gets the
-/// same bits in any company.
+/// same bits in any group.
 class FermatGroup {
 public:
     /// Adds a node of a group.

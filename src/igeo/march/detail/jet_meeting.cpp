@@ -102,6 +102,7 @@ void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes) {
     const JetCore& core = *jets.core;
     if (core.costsVary || core.metric.anisotropic() || nodes.empty()) return;
     const Meetings meetings = meetingsAround(jets, nodes);
+    if (meetings.points.empty()) return;
     const auto parts =
         byParts<Solutions>(meetings.points.size(), [&](std::size_t begin, std::size_t end) {
             return solveByRays(jets, {}, std::span(meetings.points).subspan(begin, end - begin));
