@@ -297,7 +297,10 @@ IGEO_INLINE void JetMarch::settle(std::size_t lane, const Group& group, Result s
     const float radius = radiusOf(s);
     if (!(radius > 0 && radius * radius > group.line2[lane])) s.u = boundedBelow(i, s.u, s.label);
     if (options_.below && !withinLimit(i, s.u, batch)) return;
-    if (!(s.u < slackOf(i))) {
+    // What the fallback has from one or two neighbors is final when no node before it waits: the
+    // neighbors that it lacks may be in its own bucket.
+    const bool few = s.usedFallback && group.rows.of[lane].knownCount <= 2;
+    if (!(s.u < (few ? 0.0f : slackOf(i)))) {
         // Half as far as its bucket: soon, with what is known then, but not in every bucket in
         // between, of which there are many where weights differ by much.
         const std::uint32_t half = later(batch.first, (bucketsTo(s.u) + 1) / 2);
