@@ -121,7 +121,7 @@ constexpr float kSameFront = 0.7f;
 }  // namespace jet
 
 /// Tells whether fronts meet across a point: whether neighbors on its left and right travel toward
-/// each other, by more than 18 degrees in all. Those of a front that narrows to a focus do so as
+/// each other, by more than 14 degrees in all. Those of a front that narrows to a focus do so as
 /// well, those around a seed or behind a corner do not.
 class FrontsMeet {
 public:
@@ -140,7 +140,7 @@ public:
     }
     bool meet() const { return turn() > kTurn; }
     float turn() const { return fromLeft_ + fromRight_; }
-    static constexpr float kTurn = 0.31f;
+    static constexpr float kTurn = 0.24f;
 
 private:
     float across(Vec2f v) const { return g_.x * v.y - g_.y * v.x; }
