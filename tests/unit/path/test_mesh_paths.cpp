@@ -8,6 +8,7 @@
 #include <support/expect_error.h>
 #include <support/mesh_shapes.h>
 
+#include <algorithm>
 #include <numbers>
 
 namespace igeo {
@@ -127,8 +128,9 @@ TEST_CASE("the estimate on a mesh is the error of the distance, not that of leng
         const double error = errorAt(s.band.transform.worldFromIndex(p));
         sum += error, largest = std::max(largest, error), ++samples;
     }
-    CHECK(sum / double(samples) < 1.4e-6);  // measured 8.9e-07
-    CHECK(largest < 7.2e-6);                // measured 4.8e-06
+    // 0.004 voxels at one of them.
+    CHECK(sum / double(samples) < 1.8e-5);  // measured 1.2e-05
+    CHECK(largest < 1.2e-4);                // measured 7.6e-05
     // Every second one of the estimate's is a corner of the box.
     double atCorners = 0;
     for (const Vec3d& corner : box.points) atCorners = std::max(atCorners, errorAt(corner));
@@ -136,6 +138,25 @@ TEST_CASE("the estimate on a mesh is the error of the distance, not that of leng
     CHECK(e.largestError > atCorners / 2);
     CHECK(e.largestError < 1.05e-3);  // measured 7.0e-04
     CHECK(e.meanError < 2.6e-4);      // measured 1.7e-04
+}
+
+TEST_CASE("distances over a box are those of its unfolding nearly everywhere", "[mesh]") {
+    const TriangleMesh box = turned(test::boxMesh({1, 0.7, 0.5}));
+    std::vector<double> errors;  // voxels
+    for (const Vec3d& seed : {Vec3d{0.31, 0.22, 0.5}, Vec3d{0.7, 0.4, 0.5}, Vec3d{1, 0.3, 0.2}}) {
+        const Solved s(box, 0.02, turned(seed));
+        for (NodeIndex i = 0; i < s.band.size(); i += 23) {
+            if (!s.band.inCore(i) || s.field.distance[i] < 10) continue;
+            Path path = tracePath(s.field, nearestSurfacePoint(s.band, s.band.footPoint(i)));
+            straighten(s.field, path);
+            errors.push_back(std::abs(s.field.distance[i] - path.length));
+        }
+    }
+    std::sort(errors.begin(), errors.end());
+    REQUIRE(errors.size() > 900);
+    // Nine tenths of the nodes; 0.0073 if those with one known neighbor do not wait for more.
+    CHECK(errors[errors.size() * 9 / 10] < 0.005);  // measured 0.0033
+    CHECK(errors[errors.size() / 2] < 3.7e-6);      // measured 2.5e-06
 }
 
 TEST_CASE("a path ends at seeds on vertices and edges", "[mesh]") {
