@@ -136,18 +136,34 @@ void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
 
 void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
                             const LocalFrame& local, Around& around) const {
-    constexpr float kSmooth = 0.9f;
     const JetNode& other = core_.nodes[k];
     const auto here = float(local.weight);
-    // Relative to the least start: near a source the solve takes u for the distance to it.
-    const double u = (jets_.valueOf(k) - jets_.seeds.leastStart) / local.weight;
-    around.node[around.count++] = {
+    add(k,
         core_.stretch.empty()
             ? flattened(local.frame, meanWeight(other.weight, here) * chord, other.normal, cosine,
-                        g, u)
+                        g, 0)
             : stretched(local.stretch, flattened(local.frame, chord, other.normal, cosine,
-                                                 (other.weight / here) * g, u)),
-        jets_.labelOf(k), cosine < kSmooth, k};
+                                                 (other.weight / here) * g, 0)),
+        cosine, local, around);
+}
+
+void Extension::addNeighbor(const BoxLanes& box, std::size_t k, const LocalFrame& local,
+                            Around& around) const {
+    const bool laidOut = core_.stretch.empty() && !gradients_.empty() &&
+                         box.cosine[k] >= TangentFrame::creaseCosine(band_.faceted);
+    const NodeIndex j = box.node[k];
+    if (laidOut)
+        add(j, {{box.ax[k], box.ay[k]}, {box.gx[k], box.gy[k]}}, box.cosine[k], local, around);
+    else
+        addNeighbor(j, box.chord(k), box.cosine[k], gradientOf(j), local, around);
+}
+
+void Extension::add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame& local,
+                    Around& around) const {
+    constexpr float kSmooth = 0.9f;
+    // Relative to the least start: near a source the solve takes u for the distance to it.
+    jet.u = (jets_.valueOf(k) - jets_.seeds.leastStart) / local.weight;
+    around.node[around.count++] = {jet, jets_.labelOf(k), cosine < kSmooth, k};
 }
 
 Around Extension::around(const Group& group, std::size_t lane, const LocalFrame& local) const {
@@ -201,28 +217,27 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
 
 bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, const Ijk& middle,
                              int reach) const {
-    // Further off than a cell's diagonal it may be another surface.
-    constexpr float kNear2 = 3;
-    const NodeIndex i = node.at.node;
-    const Vec3f& normal = node.local.frame.normal();
-    bool onSheet = false;
-    auto visit = [&](NodeIndex k, const Ijk& step) {
-        const JetNode& other = core_.nodes[k];
-        const float cosine = dot(normal, other.normal);
-        const Vec3f chord = band_.footOf(i) - other.foot - Vec3f(step);
-        if (cosine < Band::kOtherSheet || dot(chord, chord) > kNear2 ||
-            stacked(chord, normal, other.normal) || !isJoined(i, other))
-            return;
-        if (!metric_.clear(i) && isHidden(core_, other, band_.footPoint(i), normal + other.normal))
-            return;
-        onSheet = true;
-        if (jets_.accepted(k) && !node.around.full())
-            addNeighbor(k, chord, cosine, gradientOf(k), node.local, node.around);
-    };
-    if (core && core->holdsBox(node.at.offset, middle, reach))
-        core->forBox(node.at.offset, middle, reach, visit);
+    const Outside& at = node.at;
+    BoxLanes box;
+    if (core && core->holdsBox(at.offset, middle, reach))
+        box.count =
+            core->nodesOfBox(at.offset, middle, reach, box.node.data(), box.step.data());
     else
-        band_.forBox(&BandLeaf::core, node.at.leaf, node.at.offset, middle, reach, visit);
+        band_.forBox(&BandLeaf::core, at.leaf, at.offset, middle, reach,
+                     [&](NodeIndex k, const Ijk& step) { box.add(k, step - middle); });
+    layOut(core_, gradients_, band_.footOf(at.node), middle, node.local, box);
+    bool onSheet = false;
+    for (std::size_t k = 0; k < box.count; ++k) {
+        if (!box.isNear(k)) continue;
+        const JetNode& other = core_.nodes[box.node[k]];
+        if (!isJoined(at.node, other) ||
+            (!metric_.clear(at.node) && isHidden(core_, other, band_.footPoint(at.node),
+                                                 node.local.frame.normal() + other.normal)))
+            continue;
+        onSheet = true;
+        if (jets_.accepted(box.node[k]) && !node.around.full())
+            addNeighbor(box, k, node.local, node.around);
+    }
     return onSheet;
 }
 

@@ -1,4 +1,4 @@
-/// Foot points of nodes outside the core, side by side. Internal.
+/// Foot points of nodes outside the core side by side, and core nodes around one. Internal.
 #pragma once
 
 #include <igeo/base/detail/registers.h>
@@ -48,5 +48,36 @@ void findCells(FootLanes& feet, CellPoints& points);
 /// Finds values, and which are plain, for one source at a point.
 void findValues(const CoreJets& jets, const JetCorners& corners, const CarriedJets& carried,
                 const Lanes& weight, FootLanes& feet);
+
+/// The core nodes of a box around a foot point, side by side.
+struct BoxLanes {
+    static constexpr std::size_t kMax = 128;
+    template <typename T>
+    using PerNode = std::array<T, kMax>;
+
+    std::size_t count = 0;
+    alignas(32) PerNode<NodeIndex> node;
+    alignas(32) PerNode<std::uint32_t> step;  ///< LeafNumbers::boxStep from the middle of the box
+
+    // What layOut() finds.
+    alignas(32) PerNode<float> x, y, z;  ///< chord to the foot point
+    alignas(32) PerNode<float> cosine;   ///< between the normals
+    /// In the chart of the foot point over smooth parts of S, with an isotropic metric
+    /// (JetNeighbor).
+    alignas(32) PerNode<float> ax, ay, gx, gy;
+    std::array<std::uint64_t, kMax / 64> near;  ///< bits: on the sheet, within a cell's diagonal
+
+    void add(NodeIndex core, const Ijk& fromMiddle) {
+        node[count] = core, step[count++] = LeafNumbers<2>::boxStep(fromMiddle);
+    }
+    bool isNear(std::size_t k) const { return near[k / 64] >> k % 64 & 1; }
+    Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
+};
+/// Lays the nodes out in the chart of the foot point.
+/// @param gradients  gradientsOf(jets), or empty: directions are not set
+/// @param foot       from its voxel
+/// @param middle     of the box, from the same voxel
+void layOut(const JetCore& core, const std::vector<Vec3f>& gradients, const Vec3f& foot,
+            const Ijk& middle, const LocalFrame& local, BoxLanes& box);
 
 }  // namespace igeo::jet

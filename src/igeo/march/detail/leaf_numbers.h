@@ -82,18 +82,26 @@ public:
         return std::min({v.x, v.y, v.z}) - reach >= -Margin &&
                std::max({v.x, v.y, v.z}) + reach <= 7 + Margin;
     }
-    /// As Band::forBox has it for the core: calls visit(k, step) for the nodes within `reach` of
-    /// the voxel at an offset of the leaf plus `middle`, in the order of the steps.
-    template <typename Visit>
-    void forBox(unsigned offset, const Ijk& middle, int reach, const Visit& visit) const {
+    /// A step of up to two voxels along each axis, in bits: (x + 2) 64 + (y + 2) 8 + z + 2.
+    static constexpr StepCode boxStep(const Ijk& step) {
+        return StepCode((step.x + 2) << 6 | (step.y + 2) << 3 | (step.z + 2));
+    }
+    /// The nodes that Band::forBox visits in the core, in the same order, and their steps from
+    /// `middle`.
+    /// @param node, step  as many as voxels
+    /// @return how many there are
+    std::size_t nodesOfBox(unsigned offset, const Ijk& middle, int reach, NodeIndex* node,
+                           StepCode* step) const {
         const int first = indexOf(voxelOf(offset) + middle);
+        std::size_t count = 0;
         for (int x = -reach; x <= reach; ++x)
             for (int y = -reach; y <= reach; ++y)
                 for (int z = -reach; z <= reach; ++z) {
-                    const Ijk step{x, y, z};
-                    const NodeIndex k = at(first + indexOfStep(step));
-                    if (k != kNoNode) visit(k, middle + step);
+                    node[count] = at(first + indexOfStep({x, y, z}));
+                    step[count] = boxStep({x, y, z});
+                    count += node[count] != kNoNode;
                 }
+        return count;
     }
 
 private:
