@@ -206,9 +206,16 @@ private:
                 meet |= jets_.frontsMeetNear(group.corners.node[c][lane]);
         return meet;
     }
+    /// Whether the foot point is that of its only corner, as on planes along the axes: the march has
+    /// solved it.
+    static bool isAtCorner(const Group& group, std::size_t lane) {
+        constexpr float kSame2 = 1e-6f;
+        const Vec3f chord = group.corners.chord(lane, 0);
+        return group.corners.count[lane] == 1 && dot(chord, chord) < kSame2;
+    }
     /// One or two corners do not show that fronts meet around them.
     bool mayMissFront(const Group& group, std::size_t lane) const {
-        return group.corners.count[lane] < 3 && meetNear(group, lane);
+        return group.corners.count[lane] < 3 && meetNear(group, lane) && !isAtCorner(group, lane);
     }
     /// Whether fronts meet across a node, where S is smooth and without obstacles.
     /// @param g  direction of travel there
