@@ -220,8 +220,7 @@ bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, c
     const Outside& at = node.at;
     BoxLanes box;
     if (core && core->holdsBox(at.offset, middle, reach))
-        box.count =
-            core->nodesOfBox(at.offset, middle, reach, box.node.data(), box.step.data());
+        box.count = core->nodesOfBox(at.offset, middle, reach, box.node.data(), box.step.data());
     else
         band_.forBox(&BandLeaf::core, at.leaf, at.offset, middle, reach,
                      [&](NodeIndex k, const Ijk& step) { box.add(k, step - middle); });

@@ -206,8 +206,8 @@ private:
                 meet |= jets_.frontsMeetNear(group.corners.node[c][lane]);
         return meet;
     }
-    /// Whether the foot point is that of its only corner, as on planes along the axes: the march has
-    /// solved it.
+    /// Whether the foot point is that of its only corner, as on planes along the axes: the march
+    /// has solved it.
     static bool isAtCorner(const Group& group, std::size_t lane) {
         constexpr float kSame2 = 1e-6f;
         const Vec3f chord = group.corners.chord(lane, 0);

@@ -175,8 +175,7 @@ void layOut(const JetCore& core, const std::vector<Vec3f>& gradients, const Vec3
             const Ijk& middle, const LocalFrame& local, BoxLanes& box) {
     const Vec3f* const from = gradients.empty() ? nullptr : gradients.data();
 #ifdef IGEO_AVX2
-    if (eightAtATime())
-        return layOutByEight(core.nodes.data(), from, foot, middle, local, box);
+    if (eightAtATime()) return layOutByEight(core.nodes.data(), from, foot, middle, local, box);
 #endif
     layOutByFour(core.nodes.data(), from, foot, middle, local, box);
 }
