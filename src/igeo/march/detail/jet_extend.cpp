@@ -49,7 +49,7 @@ void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carr
 
 void Extension::findCorners(Group& group) const {
     CellPoints& points = group.points;
-    findCells(group.feet, points);
+    findCells(group.feet, feetFromPsi_, points);
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const int cell = group.feet.cell[lane];
         if (group.core && cell >= 0) {
@@ -96,24 +96,63 @@ void Extension::solve(Group& group) const {
 void Extension::begin(const Outside& node, Group& group) const {
     const std::size_t lane = group.size++;
     group.nodes[lane] = node;
-    group.feet.set(lane, node.offset, band_.footOf(node.node));
+    group.feet.offset[lane] = node.offset;
+    if (feetFromPsi_)
+        group.feet.psi[lane] = band_.psi[node.node];
+    else
+        group.feet.setFoot(lane, band_.foot[node.node]);
     group.points.setNormal(lane, band_.normal[node.node]);
-    if (metric_.weighted()) group.points.weight[lane] = float(metric_.at(node.node));
+    if (weighted_) group.points.weight[lane] = float(metric_.at(node.node));
     if (group.full()) solve(group);
+}
+
+void Extension::takeCore(LeafIndex l, std::span<const std::uint32_t> nodes, FootLanes& feet,
+                         NodeJet* to) const {
+    const NodeIndex first = band_.leaves[l].band.firstNode,
+                    firstCore = band_.leaves[l].core.firstNode;
+    if (!mayBePlain_) {
+        for (std::size_t k = 0; k < nodes.size(); ++k) {
+            const Ijk voxel = band_.leaves[l].origin + stepOf(nodes[k] & 0xffff);
+            const std::uint32_t n = nodes[k] >> 16;
+            to[n] = finished(first + n, ofCore(NodeIndex(firstCore + k), voxel));
+        }
+        return;
+    }
+    for (std::size_t begin = 0; begin < nodes.size(); begin += Lanes::kNodes) {
+        const std::size_t count = std::min(Lanes::kNodes, nodes.size() - begin);
+        for (std::size_t k = 0; k < count; ++k) feet.offset[k] = nodes[begin + k] & 0xffff;
+        findCoreValues(jets_, NodeIndex(firstCore + begin), feet);
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto core = NodeIndex(firstCore + begin + k);
+            NodeJet& jet = to[nodes[begin + k] >> 16];
+            jet = {};
+            if (!(feet.value[k] <= jets_.limit)) continue;
+            jet.distance = feet.value[k], jet.gradient = gradientOf(core);
+            if (weighted_) jet.gradient *= core_.nodes[core].weight;
+        }
+    }
 }
 
 void Extension::extendLeaf(LeafIndex l, Group& group, NodeJet* to) const {
     const LeafNodes& core = band_.leaves[l].core;
     const Ijk origin = band_.leaves[l].origin;
     for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) group.feet.setLeaf(lane, origin);
-    NodeIndex k = core.firstNode;
-    band_.forNodes(l, [&](NodeIndex i, unsigned at) {
-        if (core.mask[at >> 6] >> (at & 63) & 1)
-            *to = finished(i, ofCore(k++, origin + stepOf(at)));
-        else
-            begin({i, l, at, to}, group);
-        ++to;
+    // Which nodes are in the core changes from one to the next: first lists of both, without
+    // branches, of offsets and 2^16 times places among the nodes.
+    std::array<std::uint32_t, 512> inCore, outside;
+    std::size_t coreCount = 0, outsideCount = 0;
+    const NodeIndex first = band_.leaves[l].band.firstNode;
+    std::uint32_t rank = 0;
+    band_.forNodes(l, [&](NodeIndex, unsigned at) {
+        const std::size_t isCore = core.mask[at >> 6] >> (at & 63) & 1;
+        inCore[coreCount] = outside[outsideCount] = rank++ << 16 | at;
+        coreCount += isCore, outsideCount += 1 - isCore;
     });
+    takeCore(l, {inCore.data(), coreCount}, group.feet, to);
+    for (std::size_t k = 0; k < outsideCount; ++k) {
+        const std::uint32_t n = outside[k] >> 16, at = outside[k] & 0xffff;
+        begin({first + n, l, at, to + n}, group);
+    }
     finish(group);
 }
 

@@ -55,6 +55,8 @@ public:
           band_(core_.band),
           metric_(core_.metric),
           gradients_(gradients),
+          feetFromPsi_(band_.foot.empty()),
+          weighted_(metric_.weighted()),
           mayBePlain_(jets.label.empty() && jets.seeds.lines.ofOnePoint() &&
                       !metric_.anisotropic() && metric_.obstacleState.empty()),
           line_(jets.seeds.lines.only()) {}
@@ -144,6 +146,11 @@ private:
         const LocalFrame local = core_.localFrameInBand(i);
         return local.weight * double(local.stretch.largest());
     }
+    /// The jets of the core nodes of a leaf.
+    /// @param nodes  offsets and 2^16 times places among the nodes of the leaf
+    /// @param feet   in which the leaf is set
+    void takeCore(LeafIndex l, std::span<const std::uint32_t> nodes, FootLanes& feet,
+                  NodeJet* to) const;
     IGEO_INLINE void begin(const Outside& node, Group& group) const;
     void solve(Group& group) const;
     /// The numbers of the core nodes around the foot points.
@@ -249,6 +256,7 @@ private:
     const Band& band_;
     const Metric& metric_;
     const std::vector<Vec3f>& gradients_;
+    const bool feetFromPsi_, weighted_;
     const bool mayBePlain_;  ///< one source at a point, isotropic, no obstacles
     const StraightLines::Line line_;
 };

@@ -5,9 +5,15 @@ namespace igeo::jet {
 
 namespace {
 
-IGEO_INLINE void findCellsHere(FootLanes& feet, CellPoints& points) {
+IGEO_INLINE void findCellsHere(FootLanes& feet, bool fromPsi, CellPoints& points) {
     constexpr std::uint32_t kEdge = LeafNumbers<2>::kEdge, kMargin = 2, kLast = kEdge - 2;
     auto place = [](float foot, std::int32_t low) { return foot - float(low); };
+    if (fromPsi)
+        for (std::size_t k = 0; k < Lanes::kNodes; ++k) {
+            feet.x[k] = -feet.psi[k] * points.nx[k];
+            feet.y[k] = -feet.psi[k] * points.ny[k];
+            feet.z[k] = -feet.psi[k] * points.nz[k];
+        }
     for (std::size_t k = 0; k < Lanes::kNodes; ++k) {
         const Ijk low{floorToInt(feet.x[k]), floorToInt(feet.y[k]), floorToInt(feet.z[k])};
         points.x[k] = place(feet.x[k], low.x);
@@ -24,24 +30,48 @@ IGEO_INLINE void findCellsHere(FootLanes& feet, CellPoints& points) {
     }
 }
 
-IGEO_INLINE void findValuesHere(const CoreJets& jets, const JetCorners& corners,
-                                const CarriedJets& carried, const Lanes& weight, FootLanes& feet) {
+IGEO_INLINE double startOf(const CoreJets& jets, std::uint32_t bucket) {
+    return jets.buckets.leastStart + (double(std::int32_t(bucket)) - 1.0) * jets.buckets.width;
+}
+
+IGEO_INLINE void raiseToBound(const CoreJets& jets, FootLanes& feet) {
     const StraightLines::Line line = jets.seeds.lines.only();
-    const double leastStart = jets.buckets.leastStart, width = jets.buckets.width,
-                 cost = jets.seeds.lines.leastCost(), largestInDisc = jets.seeds.largestInDisc;
+    const double cost = jets.seeds.lines.leastCost();
     for (std::size_t k = 0; k < Lanes::kNodes; ++k) {
-        const double start = leastStart + (double(std::int32_t(corners.bucket[k])) - 1.0) * width;
-        const double value = start + double(weight[k] * carried.u[k]);
-        const bool beyondDisc = value > largestInDisc + kDiscMargin * double(weight[k]);
-        feet.plain[k] = corners.smooth[k] & -(carried.spreads[k] & std::int32_t(beyondDisc) &
-                                              std::int32_t(corners.count[k] > 0));
         const Ijk step = stepOf(feet.offset[k]);
         const Vec3d off{double(feet.originX[k] + step.x) + double(feet.x[k]) - line.from.x,
                         double(feet.originY[k] + step.y) + double(feet.y[k]) - line.from.y,
                         double(feet.originZ[k] + step.z) + double(feet.z[k]) - line.from.z};
         const double bound = line.start + cost * length(off);
-        feet.value[k] = value < bound ? bound : value;
+        feet.value[k] = feet.value[k] < bound ? bound : feet.value[k];
     }
+}
+
+IGEO_INLINE void findValuesHere(const CoreJets& jets, const JetCorners& corners,
+                                const CarriedJets& carried, const Lanes& weight, FootLanes& feet) {
+    const double largestInDisc = jets.seeds.largestInDisc;
+    for (std::size_t k = 0; k < Lanes::kNodes; ++k) {
+        const double value = startOf(jets, corners.bucket[k]) + double(weight[k] * carried.u[k]);
+        const bool beyondDisc = value > largestInDisc + kDiscMargin * double(weight[k]);
+        feet.plain[k] = corners.smooth[k] & -(carried.spreads[k] & std::int32_t(beyondDisc) &
+                                              std::int32_t(corners.count[k] > 0));
+        feet.value[k] = value;
+    }
+    raiseToBound(jets, feet);
+}
+
+IGEO_INLINE void findCoreValuesHere(const CoreJets& jets, NodeIndex first, FootLanes& feet) {
+    const auto last = NodeIndex(jets.state.size() - 1);
+    alignas(32) FootLanes::PerLane<std::uint32_t> bucket;
+    Lanes rest;
+    for (std::size_t k = 0; k < Lanes::kNodes; ++k) {
+        const NodeIndex i = std::min(first + NodeIndex(k), last);
+        feet.setFoot(k, jets.core->nodes[i].foot);
+        bucket[k] = jets.state[i].bucket, rest[k] = jets.state[i].rest;
+    }
+    for (std::size_t k = 0; k < Lanes::kNodes; ++k)
+        feet.value[k] = startOf(jets, bucket[k]) + double(rest[k]);
+    raiseToBound(jets, feet);
 }
 
 /// Lays the nodes of a box out in the chart of a foot point.
@@ -135,18 +165,26 @@ void layOutByFour(const JetNode* nodes, const Vec3f* gradients, const Vec3f& foo
                   const Ijk& middle, const LocalFrame& local, BoxLanes& box) {
     BoxLayout<4>(nodes, gradients, foot, middle, local, box).layOut();
 }
-void findCellsByFour(FootLanes& feet, CellPoints& points) { findCellsHere(feet, points); }
+void findCellsByFour(FootLanes& feet, bool fromPsi, CellPoints& points) {
+    findCellsHere(feet, fromPsi, points);
+}
 void findValuesByFour(const CoreJets& jets, const JetCorners& corners, const CarriedJets& carried,
                       const Lanes& weight, FootLanes& feet) {
     findValuesHere(jets, corners, carried, weight, feet);
 }
+void findCoreValuesByFour(const CoreJets& jets, NodeIndex first, FootLanes& feet) {
+    findCoreValuesHere(jets, first, feet);
+}
 #ifdef IGEO_AVX2
+IGEO_AVX2 void findCoreValuesByEight(const CoreJets& jets, NodeIndex first, FootLanes& feet) {
+    findCoreValuesHere(jets, first, feet);
+}
 IGEO_AVX2 void layOutByEight(const JetNode* nodes, const Vec3f* gradients, const Vec3f& foot,
                              const Ijk& middle, const LocalFrame& local, BoxLanes& box) {
     BoxLayout<8>(nodes, gradients, foot, middle, local, box).layOut();
 }
-IGEO_AVX2 void findCellsByEight(FootLanes& feet, CellPoints& points) {
-    findCellsHere(feet, points);
+IGEO_AVX2 void findCellsByEight(FootLanes& feet, bool fromPsi, CellPoints& points) {
+    findCellsHere(feet, fromPsi, points);
 }
 IGEO_AVX2 void findValuesByEight(const CoreJets& jets, const JetCorners& corners,
                                  const CarriedJets& carried, const Lanes& weight, FootLanes& feet) {
@@ -156,11 +194,11 @@ IGEO_AVX2 void findValuesByEight(const CoreJets& jets, const JetCorners& corners
 
 }  // namespace
 
-void findCells(FootLanes& feet, CellPoints& points) {
+void findCells(FootLanes& feet, bool fromPsi, CellPoints& points) {
 #ifdef IGEO_AVX2
-    if (eightAtATime()) return findCellsByEight(feet, points);
+    if (eightAtATime()) return findCellsByEight(feet, fromPsi, points);
 #endif
-    findCellsByFour(feet, points);
+    findCellsByFour(feet, fromPsi, points);
 }
 
 void findValues(const CoreJets& jets, const JetCorners& corners, const CarriedJets& carried,
@@ -169,6 +207,13 @@ void findValues(const CoreJets& jets, const JetCorners& corners, const CarriedJe
     if (eightAtATime()) return findValuesByEight(jets, corners, carried, weight, feet);
 #endif
     findValuesByFour(jets, corners, carried, weight, feet);
+}
+
+void findCoreValues(const CoreJets& jets, NodeIndex first, FootLanes& feet) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return findCoreValuesByEight(jets, first, feet);
+#endif
+    findCoreValuesByFour(jets, first, feet);
 }
 
 void layOut(const JetCore& core, const std::vector<Vec3f>& gradients, const Vec3f& foot,

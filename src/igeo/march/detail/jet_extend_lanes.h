@@ -18,13 +18,14 @@ IGEO_INLINE Ijk stepOf(std::uint32_t offset) {
 struct FootLanes {
     template <typename T>
     using PerLane = std::array<T, Lanes::kNodes>;
+    Lanes psi{};
     Lanes x{}, y{}, z{};  ///< from the voxel to the foot point
     alignas(32) PerLane<std::int32_t> originX{}, originY{}, originZ{};  ///< of the leaves
     alignas(32) PerLane<std::uint32_t> offset{};                        ///< in these
     /// Of the cell around the foot point, in LeafNumbers<2> of the leaf; -1 where it does not hold
     /// the cell.
     alignas(32) PerLane<std::int32_t> cell;
-    /// Of the core around them, no less than the straight line to the seed.
+    /// No less than the straight line to the seed.
     alignas(32) PerLane<double> value;
     /// Flags: all corners have a jet and are of one smooth front, clearly beyond the start disc.
     alignas(32) PerLane<std::int32_t> plain;
@@ -32,9 +33,8 @@ struct FootLanes {
     void setLeaf(std::size_t lane, const Ijk& origin) {
         originX[lane] = origin.x, originY[lane] = origin.y, originZ[lane] = origin.z;
     }
-    void set(std::size_t lane, unsigned offsetInLeaf, const Vec3f& foot) {
+    void setFoot(std::size_t lane, const Vec3f& foot) {
         x[lane] = foot.x, y[lane] = foot.y, z[lane] = foot.z;
-        offset[lane] = offsetInLeaf;
     }
 };
 
@@ -43,11 +43,17 @@ struct FootLanes {
 constexpr double kDiscMargin = 3;
 
 /// Finds the cells around the foot points, and their places in these.
-void findCells(FootLanes& feet, CellPoints& points);
+/// @param fromPsi  foot points are -psi times the normal, and set by this; else given
+void findCells(FootLanes& feet, bool fromPsi, CellPoints& points);
 
 /// Finds values, and which are plain, for one source at a point.
 void findValues(const CoreJets& jets, const JetCorners& corners, const CarriedJets& carried,
                 const Lanes& weight, FootLanes& feet);
+
+/// Finds the values of eight core nodes in a row, of which the last may be missing, as those of the
+/// feet, for one source at a point.
+/// @param feet  of which offset and origin are set
+void findCoreValues(const CoreJets& jets, NodeIndex first, FootLanes& feet);
 
 /// The core nodes of a box around a foot point, side by side.
 struct BoxLanes {

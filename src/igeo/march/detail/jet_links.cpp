@@ -77,7 +77,7 @@ public:
         V rest[4];
         load(here, here_, n_, rest);
         hereWeight_ = rest[2];
-        t1_ = anyNormalTo(n_);
+        t1_ = anyNormalTo<Width>(n_);
         t2_ = cross(n_, t1_);
     }
 
@@ -111,7 +111,7 @@ private:
         }
         storeLanes(chord.x, &all_.x[k][lane_]), storeLanes(chord.y, &all_.y[k][lane_]);
         storeLanes(chord.z, &all_.z[k][lane_]);
-        const Vectors axis = anyNormalTo(normal);
+        const Vectors axis = anyNormalTo<Width>(normal);
         const V cosine = dot(n_, normal), rise = dot(n_, chord), riseOther = dot(normal, chord);
         const Integers together = areOnOneSheet(cosine, rise, riseOther, dot(chord, chord));
         // As TangentFrame::unfold has it.
@@ -154,23 +154,6 @@ private:
         const Integers acrossGap = (cosine < 0.5f) & (square > kFar2) & (along * alongOther < 0) &
                                    (min(along * along, alongOther * alongOther) > kAlong2 * square);
         return (cosine >= kOppositeNormals) & ~stacked & ~acrossGap;
-    }
-    /// igeo::anyNormalTo, with the same bits.
-    IGEO_INLINE static Vectors anyNormalTo(const Vectors& n) {
-        const V x = absolute(n.x), y = absolute(n.y), z = absolute(n.z), zero{};
-        const Integers byX = (x <= y) & (x <= z), byY = ~byX & (y <= z);
-        const Vectors t{byX   ? zero
-                        : byY ? -n.z
-                              : n.y,
-                        byX   ? n.z
-                        : byY ? zero
-                              : -n.x,
-                        byX   ? -n.y
-                        : byY ? n.x
-                              : zero};
-        V len = dot(t, t);
-        takeRoots<Width>(len);
-        return t * (len > 0 ? 1 / len : zero + 1);
     }
     IGEO_INLINE static V min(const V& a, const V& b) { return a < b ? a : b; }
     IGEO_INLINE static V max(const V& a, const V& b) { return a > b ? a : b; }
