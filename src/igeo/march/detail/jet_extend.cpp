@@ -282,8 +282,7 @@ bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, c
 void Extension::addDoubtful(const Outside& at, Group& group) const {
     Doubtful& doubtful = group.doubtful;
     const NodeIndex i = at.node;
-    doubtful.nodes.push_back({at, core_.localFrameInBand(i), {}});
-    Doubtful::Node& node = doubtful.nodes.back();
+    Doubtful::Node& node = doubtful.nodes.emplace_back(at, core_.localFrameInBand(i));
     // Where the foot point is off, the core passes within two voxels all the same.
     const Ijk middle = roundToIjk(Vec3d(band_.footOf(i)));
     if (!gatherAround(node, group.core, middle, 1)) gatherAround(node, group.core, {}, 2);

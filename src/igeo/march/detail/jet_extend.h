@@ -76,6 +76,7 @@ public:
             Outside at;
             LocalFrame local;
             Around around;
+            Node(const Outside& node, const LocalFrame& frame) : at(node), local(frame) {}
         };
         std::vector<Node> nodes;
         JetGroup fronts;
