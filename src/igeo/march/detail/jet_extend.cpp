@@ -173,6 +173,14 @@ void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
     if (group) finish(*group);
 }
 
+void Extension::add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame& local,
+                    Around& around) const {
+    constexpr float kSmooth = 0.9f;
+    // Relative to the least start: near a source the solve takes u for the distance to it.
+    jet.u = (jets_.valueOf(k) - jets_.seeds.leastStart) / local.weight;
+    around.node[around.count++] = {jet, jets_.labelOf(k), cosine < kSmooth, k};
+}
+
 void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
                             const LocalFrame& local, Around& around) const {
     const JetNode& other = core_.nodes[k];
@@ -195,14 +203,6 @@ void Extension::addNeighbor(const BoxLanes& box, std::size_t k, const LocalFrame
         add(j, {{box.ax[k], box.ay[k]}, {box.gx[k], box.gy[k]}}, box.cosine[k], local, around);
     else
         addNeighbor(j, box.chord(k), box.cosine[k], gradientOf(j), local, around);
-}
-
-void Extension::add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame& local,
-                    Around& around) const {
-    constexpr float kSmooth = 0.9f;
-    // Relative to the least start: near a source the solve takes u for the distance to it.
-    jet.u = (jets_.valueOf(k) - jets_.seeds.leastStart) / local.weight;
-    around.node[around.count++] = {jet, jets_.labelOf(k), cosine < kSmooth, k};
 }
 
 Around Extension::around(const Group& group, std::size_t lane, const LocalFrame& local) const {
@@ -265,17 +265,16 @@ bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, c
                      [&](NodeIndex k, const Ijk& step) { box.add(k, step - middle); });
     layOut(core_, gradients_, band_.footOf(at.node), middle, node.local, box);
     bool onSheet = false;
-    for (std::size_t k = 0; k < box.count; ++k) {
-        if (!box.isNear(k)) continue;
+    box.forNear([&](std::size_t k) {
         const JetNode& other = core_.nodes[box.node[k]];
         if (!isJoined(at.node, other) ||
             (!metric_.clear(at.node) && isHidden(core_, other, band_.footPoint(at.node),
                                                  node.local.frame.normal() + other.normal)))
-            continue;
+            return;
         onSheet = true;
         if (jets_.accepted(box.node[k]) && !node.around.full())
             addNeighbor(box, k, node.local, node.around);
-    }
+    });
     return onSheet;
 }
 

@@ -195,11 +195,11 @@ private:
     void addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
                      const LocalFrame& local, Around& around) const;
     /// The same for node k of a box.
-    void addNeighbor(const BoxLanes& box, std::size_t k, const LocalFrame& local,
-                     Around& around) const;
+    IGEO_INLINE void addNeighbor(const BoxLanes& box, std::size_t k, const LocalFrame& local,
+                                 Around& around) const;
     /// Adds a neighbor in the chart, without its value.
-    void add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame& local,
-             Around& around) const;
+    IGEO_INLINE void add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame& local,
+                         Around& around) const;
     /// The corners of a node of a group.
     Around around(const Group& group, std::size_t lane, const LocalFrame& local) const;
     /// What they carry there, with tensors.

@@ -6,6 +6,7 @@
 #include <igeo/march/detail/leaf_numbers.h>
 
 #include <array>
+#include <bit>
 
 namespace igeo::jet {
 
@@ -76,7 +77,13 @@ struct BoxLanes {
     void add(NodeIndex core, const Ijk& fromMiddle) {
         node[count] = core, step[count++] = LeafNumbers<2>::boxStep(fromMiddle);
     }
-    bool isNear(std::size_t k) const { return near[k / 64] >> k % 64 & 1; }
+    /// Calls visit(k) for those that are near.
+    template <typename Visit>
+    IGEO_INLINE void forNear(const Visit& visit) const {
+        for (std::size_t first = 0; first < kMax; first += 64)
+            for (std::uint64_t bits = near[first / 64]; bits; bits &= bits - 1)
+                visit(first + std::size_t(std::countr_zero(bits)));
+    }
     Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
 };
 /// Lays the nodes out in the chart of the foot point.
