@@ -265,7 +265,7 @@ bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, c
                      [&](NodeIndex k, const Ijk& step) { box.add(k, step - middle); });
     layOut(core_, gradients_, band_.footOf(at.node), middle, node.local, box);
     bool onSheet = false;
-    box.forNear([&](std::size_t k) {
+    box.forOnSheet([&](std::size_t k) {
         const JetNode& other = core_.nodes[box.node[k]];
         if (!isJoined(at.node, other) ||
             (!metric_.clear(at.node) && isHidden(core_, other, band_.footPoint(at.node),

@@ -30,6 +30,7 @@ IGEO_INLINE void findCellsHere(FootLanes& feet, bool fromPsi, CellPoints& points
     }
 }
 
+/// As JetBuckets::startOf has it.
 IGEO_INLINE double startOf(const CoreJets& jets, std::uint32_t bucket) {
     return jets.buckets.leastStart + (double(std::int32_t(bucket)) - 1.0) * jets.buckets.width;
 }
@@ -97,16 +98,17 @@ public:
     IGEO_INLINE void layOut() const {
         // What lies beyond the last one is laid out as well.
         for (std::size_t k = box_.count; k % Width; ++k) box_.node[k] = 0, box_.step[k] = 0;
-        box_.near = {};
+        box_.onSheet = {};
         for (std::size_t k = 0; k < box_.count; k += Width)
-            box_.near[k / 64] |= std::uint64_t(bitsOf<Width>(layOut(k))) << k % 64;
-        if (const std::size_t last = box_.count / 64; last < box_.near.size())
-            box_.near[last] &= (std::uint64_t(1) << box_.count % 64) - 1;
+            box_.onSheet[k / 64] |= std::uint64_t(bitsOf<Width>(layOut(k))) << k % 64;
+        if (const std::size_t last = box_.count / 64; last < box_.onSheet.size())
+            box_.onSheet[last] &= (std::uint64_t(1) << box_.count % 64) - 1;
     }
 
 private:
-    /// @return flags: BoxLanes::near
+    /// @return flags: BoxLanes::onSheet
     IGEO_INLINE Integers layOut(std::size_t k) const {
+        // Further off than a cell's diagonal it may be another surface.
         constexpr float kNear2 = 3;
         V footAndX[4], rest[4];
         loadFours<Width>(nodes_, sizeof(JetNode), &box_.node[k], footAndX);

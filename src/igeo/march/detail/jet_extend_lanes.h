@@ -72,16 +72,17 @@ struct BoxLanes {
     /// In the chart of the foot point over smooth parts of S, with an isotropic metric
     /// (JetNeighbor).
     alignas(32) PerNode<float> ax, ay, gx, gy;
-    std::array<std::uint64_t, kMax / 64> near;  ///< bits: on the sheet, within a cell's diagonal
+    std::array<std::uint64_t, kMax / 64>
+        onSheet;  ///< bits: of this sheet, within a cell's diagonal
 
     void add(NodeIndex core, const Ijk& fromMiddle) {
         node[count] = core, step[count++] = LeafNumbers<2>::boxStep(fromMiddle);
     }
-    /// Calls visit(k) for those that are near.
+    /// Calls visit(k) for those on the sheet.
     template <typename Visit>
-    IGEO_INLINE void forNear(const Visit& visit) const {
+    IGEO_INLINE void forOnSheet(const Visit& visit) const {
         for (std::size_t first = 0; first < kMax; first += 64)
-            for (std::uint64_t bits = near[first / 64]; bits; bits &= bits - 1)
+            for (std::uint64_t bits = onSheet[first / 64]; bits; bits &= bits - 1)
                 visit(first + std::size_t(std::countr_zero(bits)));
     }
     Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
