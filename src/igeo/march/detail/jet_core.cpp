@@ -3,6 +3,8 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 
+#include <bit>
+
 namespace igeo {
 
 namespace {
@@ -30,8 +32,8 @@ CostRange fillLeaf(JetCore& core, LeafIndex l) {
     const BandLeaf& leaf = band.leaves[l];
     CostRange costs;
     NodeIndex k = leaf.core.firstNode;
-    band.forNodes(l, [&](NodeIndex i, unsigned o) {
-        if (!(leaf.core.mask[o >> 6] >> (o & 63) & 1)) return;
+    auto fill = [&](unsigned o) {
+        const NodeIndex i = leaf.band.numberOf(o);
         float weight;
         if (core.stretch.empty()) {
             const double cost = metric.at(i);
@@ -50,7 +52,10 @@ CostRange fillLeaf(JetCore& core, LeafIndex l) {
                            metric.obstacleState.empty() ? Metric::Clear : metric.obstacleState[i],
                            band.facing[i],
                            l};
-    });
+    };
+    for (unsigned x = 0; x < 8; ++x)
+        for (std::uint64_t bits = leaf.core.mask[x]; bits; bits &= bits - 1)
+            fill(x << 6 | unsigned(std::countr_zero(bits)));
     return costs;
 }
 

@@ -146,13 +146,52 @@ IGEO_AVX2 void gatherByEight(const CoreArrays& core, const CellPoints& points,
 }
 #endif
 
+/// CoreJets::gradientOf, for nodes side by side; 0 where there is no jet.
+template <int Width>
+IGEO_INLINE void findGradientsHere(const CoreJets& jets, std::size_t begin, std::size_t end,
+                                   Vec3f* to) {
+    using V = typename Registers<Width>::Vector;
+    using Vectors = VectorLanes<Width>;
+    const JetNode* const nodes = jets.core->nodes.data();
+    const JetState* const states = jets.state.data();
+    for (std::size_t k = begin; k < end; k += Width) {
+        auto at = [&](int lane) { return std::min(k + std::size_t(lane), end - 1); };
+        V of[4], state[4];
+        loadFours<Width>([&](int lane) { return &nodes[at(lane)].normal; }, of);
+        loadFours<Width>([&](int lane) { return &states[at(lane)]; }, state);
+        const Vectors n{of[0], of[1], of[2]}, t1 = anyNormalTo<Width>(n), t2 = cross(n, t1),
+                                              g = t1 * state[2] + t2 * state[3];
+        const V zero{};
+        const auto accepted = state[1] < float(kInfinity);
+        alignas(32) float x[Width], y[Width], z[Width];
+        storeLanes(accepted ? g.x : zero, x), storeLanes(accepted ? g.y : zero, y);
+        storeLanes(accepted ? g.z : zero, z);
+        for (std::size_t lane = 0; lane < std::min(std::size_t(Width), end - k); ++lane)
+            to[k + lane] = {x[lane], y[lane], z[lane]};
+    }
+}
+void findGradientsByFour(const CoreJets& jets, std::size_t begin, std::size_t end, Vec3f* to) {
+    findGradientsHere<4>(jets, begin, end, to);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 void findGradientsByEight(const CoreJets& jets, std::size_t begin, std::size_t end,
+                                    Vec3f* to) {
+    findGradientsHere<8>(jets, begin, end, to);
+}
+#endif
+void findGradients(const CoreJets& jets, std::size_t begin, std::size_t end, Vec3f* to) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return findGradientsByEight(jets, begin, end, to);
+#endif
+    findGradientsByFour(jets, begin, end, to);
+}
+
 }  // namespace
 
 std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
     std::vector<Vec3f> gradients(jets.state.size() + 1);
     parallelFor(jets.state.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k)
-            if (jets.state[k].accepted()) gradients[k] = jets.gradientOf(NodeIndex(k));
+        findGradients(jets, begin, end, gradients.data());
     });
     return gradients;
 }

@@ -1,6 +1,5 @@
 #include <igeo/march/detail/jet_extend.h>
 
-#include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_blend.h>
 
 namespace igeo {
@@ -49,7 +48,7 @@ void Extension::extendTo(Group& group, std::size_t lane, const CarriedJets& carr
 
 void Extension::findCorners(Group& group) const {
     CellPoints& points = group.points;
-    findCells(group.feet, points);
+    findCells(group.feet, feetFromPsi_, points);
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const int cell = group.feet.cell[lane];
         if (group.core && cell >= 0) {
@@ -96,24 +95,63 @@ void Extension::solve(Group& group) const {
 void Extension::begin(const Outside& node, Group& group) const {
     const std::size_t lane = group.size++;
     group.nodes[lane] = node;
-    group.feet.set(lane, node.offset, band_.footOf(node.node));
+    group.feet.offset[lane] = node.offset;
+    if (feetFromPsi_)
+        group.feet.psi[lane] = band_.psi[node.node];
+    else
+        group.feet.setFoot(lane, band_.foot[node.node]);
     group.points.setNormal(lane, band_.normal[node.node]);
-    if (metric_.weighted()) group.points.weight[lane] = float(metric_.at(node.node));
+    if (weighted_) group.points.weight[lane] = float(metric_.at(node.node));
     if (group.full()) solve(group);
+}
+
+void Extension::takeCore(LeafIndex l, std::span<const std::uint32_t> nodes, FootLanes& feet,
+                         NodeJet* to) const {
+    const NodeIndex first = band_.leaves[l].band.firstNode,
+                    firstCore = band_.leaves[l].core.firstNode;
+    if (!mayBePlain_) {
+        for (std::size_t k = 0; k < nodes.size(); ++k) {
+            const Ijk voxel = band_.leaves[l].origin + stepOf(nodes[k] & 0xffff);
+            const std::uint32_t n = nodes[k] >> 16;
+            to[n] = finished(first + n, ofCore(NodeIndex(firstCore + k), voxel));
+        }
+        return;
+    }
+    for (std::size_t begin = 0; begin < nodes.size(); begin += Lanes::kNodes) {
+        const std::size_t count = std::min(Lanes::kNodes, nodes.size() - begin);
+        for (std::size_t k = 0; k < count; ++k) feet.offset[k] = nodes[begin + k] & 0xffff;
+        findCoreValues(jets_, NodeIndex(firstCore + begin), feet);
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto core = NodeIndex(firstCore + begin + k);
+            NodeJet& jet = to[nodes[begin + k] >> 16];
+            jet = {};
+            if (!(feet.value[k] <= jets_.limit)) continue;
+            jet.distance = feet.value[k], jet.gradient = gradientOf(core);
+            if (weighted_) jet.gradient *= core_.nodes[core].weight;
+        }
+    }
 }
 
 void Extension::extendLeaf(LeafIndex l, Group& group, NodeJet* to) const {
     const LeafNodes& core = band_.leaves[l].core;
     const Ijk origin = band_.leaves[l].origin;
     for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) group.feet.setLeaf(lane, origin);
-    NodeIndex k = core.firstNode;
-    band_.forNodes(l, [&](NodeIndex i, unsigned at) {
-        if (core.mask[at >> 6] >> (at & 63) & 1)
-            *to = finished(i, ofCore(k++, origin + stepOf(at)));
-        else
-            begin({i, l, at, to}, group);
-        ++to;
+    // Which nodes are in the core changes from one to the next: first lists of both, without
+    // branches, of offsets and 2^16 times places among the nodes.
+    std::array<std::uint32_t, 512> inCore, outside;
+    std::size_t coreCount = 0, outsideCount = 0;
+    const NodeIndex first = band_.leaves[l].band.firstNode;
+    std::uint32_t rank = 0;
+    band_.forNodes(l, [&](NodeIndex, unsigned at) {
+        const std::size_t isCore = core.mask[at >> 6] >> (at & 63) & 1;
+        inCore[coreCount] = outside[outsideCount] = rank++ << 16 | at;
+        coreCount += isCore, outsideCount += 1 - isCore;
     });
+    takeCore(l, {inCore.data(), coreCount}, group.feet, to);
+    for (std::size_t k = 0; k < outsideCount; ++k) {
+        const std::uint32_t n = outside[k] >> 16, at = outside[k] & 0xffff;
+        begin({first + n, l, at, to + n}, group);
+    }
     finish(group);
 }
 
@@ -134,20 +172,36 @@ void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
     if (group) finish(*group);
 }
 
+void Extension::add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame& local,
+                    Around& around) const {
+    constexpr float kSmooth = 0.9f;
+    // Relative to the least start: near a source the solve takes u for the distance to it.
+    jet.u = (jets_.valueOf(k) - jets_.seeds.leastStart) / local.weight;
+    around.node[around.count++] = {jet, jets_.labelOf(k), cosine < kSmooth, k};
+}
+
 void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
                             const LocalFrame& local, Around& around) const {
-    constexpr float kSmooth = 0.9f;
     const JetNode& other = core_.nodes[k];
     const auto here = float(local.weight);
-    // Relative to the least start: near a source the solve takes u for the distance to it.
-    const double u = (jets_.valueOf(k) - jets_.seeds.leastStart) / local.weight;
-    around.node[around.count++] = {
+    add(k,
         core_.stretch.empty()
             ? flattened(local.frame, meanWeight(other.weight, here) * chord, other.normal, cosine,
-                        g, u)
+                        g, 0)
             : stretched(local.stretch, flattened(local.frame, chord, other.normal, cosine,
-                                                 (other.weight / here) * g, u)),
-        jets_.labelOf(k), cosine < kSmooth, k};
+                                                 (other.weight / here) * g, 0)),
+        cosine, local, around);
+}
+
+void Extension::addNeighbor(const BoxLanes& box, std::size_t k, const LocalFrame& local,
+                            Around& around) const {
+    const bool laidOut = core_.stretch.empty() && !gradients_.empty() &&
+                         box.cosine[k] >= TangentFrame::creaseCosine(band_.faceted);
+    const NodeIndex j = box.node[k];
+    if (laidOut)
+        add(j, {{box.ax[k], box.ay[k]}, {box.gx[k], box.gy[k]}}, box.cosine[k], local, around);
+    else
+        addNeighbor(j, box.chord(k), box.cosine[k], gradientOf(j), local, around);
 }
 
 Around Extension::around(const Group& group, std::size_t lane, const LocalFrame& local) const {
@@ -201,36 +255,32 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
 
 bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, const Ijk& middle,
                              int reach) const {
-    // Further off than a cell's diagonal it may be another surface.
-    constexpr float kNear2 = 3;
-    const NodeIndex i = node.at.node;
-    const Vec3f& normal = node.local.frame.normal();
+    const Outside& at = node.at;
+    BoxLanes box;
+    if (core && core->holdsBox(at.offset, middle, reach))
+        box.count = core->nodesOfBox(at.offset, middle, reach, box.node.data(), box.step.data());
+    else
+        band_.forBox(&BandLeaf::core, at.leaf, at.offset, middle, reach,
+                     [&](NodeIndex k, const Ijk& step) { box.add(k, step - middle); });
+    layOut(core_, gradients_, band_.footOf(at.node), middle, node.local, box);
     bool onSheet = false;
-    auto visit = [&](NodeIndex k, const Ijk& step) {
-        const JetNode& other = core_.nodes[k];
-        const float cosine = dot(normal, other.normal);
-        const Vec3f chord = band_.footOf(i) - other.foot - Vec3f(step);
-        if (cosine < Band::kOtherSheet || dot(chord, chord) > kNear2 ||
-            stacked(chord, normal, other.normal) || !isJoined(i, other))
-            return;
-        if (!metric_.clear(i) && isHidden(core_, other, band_.footPoint(i), normal + other.normal))
+    box.forOnSheet([&](std::size_t k) {
+        const JetNode& other = core_.nodes[box.node[k]];
+        if (!isJoined(at.node, other) ||
+            (!metric_.clear(at.node) && isHidden(core_, other, band_.footPoint(at.node),
+                                                 node.local.frame.normal() + other.normal)))
             return;
         onSheet = true;
-        if (jets_.accepted(k) && !node.around.full())
-            addNeighbor(k, chord, cosine, gradientOf(k), node.local, node.around);
-    };
-    if (core && core->holdsBox(node.at.offset, middle, reach))
-        core->forBox(node.at.offset, middle, reach, visit);
-    else
-        band_.forBox(&BandLeaf::core, node.at.leaf, node.at.offset, middle, reach, visit);
+        if (jets_.accepted(box.node[k]) && !node.around.full())
+            addNeighbor(box, k, node.local, node.around);
+    });
     return onSheet;
 }
 
 void Extension::addDoubtful(const Outside& at, Group& group) const {
     Doubtful& doubtful = group.doubtful;
     const NodeIndex i = at.node;
-    doubtful.nodes.push_back({at, core_.localFrameInBand(i), {}});
-    Doubtful::Node& node = doubtful.nodes.back();
+    Doubtful::Node& node = doubtful.nodes.emplace_back(at, core_.localFrameInBand(i));
     // Where the foot point is off, the core passes within two voxels all the same.
     const Ijk middle = roundToIjk(Vec3d(band_.footOf(i)));
     if (!gatherAround(node, group.core, middle, 1)) gatherAround(node, group.core, {}, 2);
@@ -295,124 +345,5 @@ void Extension::solveMeetings(Meetings& meetings) const {
 }
 
 }  // namespace jet
-
-namespace {
-
-using jet::Extension;
-
-/// Per leaf: whether it or one beside it has a core node of a distance of at least `from`.
-std::vector<std::uint8_t> leavesReached(const CoreJets& jets, double from = -kInfinity) {
-    const std::vector<BandLeaf>& leaves = jets.core->band.leaves;
-    std::vector<std::uint8_t> reached(leaves.size()), beside(reached);
-    for (std::size_t k = 0; k < jets.state.size(); ++k)
-        if (jets.accepted(NodeIndex(k)) && jets.valueOf(NodeIndex(k)) >= from)
-            reached[jets.core->nodes[k].leaf] = 1;
-    for (std::size_t l = 0; l < beside.size(); ++l)
-        for (const LeafIndex m : leaves[l].neighbor)
-            if (m != kNoLeaf && reached[m]) beside[l] = 1;
-    return beside;
-}
-
-/// The leaves whose nodes may have a jet; empty: all of them.
-std::vector<std::uint8_t> leavesToExtend(const Field& field) {
-    if (field.solved == field.core->state.size()) return {};
-    return leavesReached(*field.core);
-}
-
-/// Calls visit(l, jets) with the jets of the nodes of every leaf: core nodes have their own, the
-/// others take those of the core around their foot points. In parallel.
-/// @param wanted  per leaf: whether its nodes are extended, or pass as unreached; empty: all
-template <typename Visit>
-void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
-                  const Visit& visit) {
-    const Band& band = jets.core->band;
-    const std::vector<Vec3f> gradients = gradientsOf(jets);
-    const Extension extension(jets, gradients);
-    parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
-        LeafNumbers<2> numbers;
-        Extension::Group group;
-        group.core = &numbers;
-        std::vector<NodeJet> found;
-        for (std::size_t k = begin; k < end; ++k) {
-            const auto l = LeafIndex(k);
-            found.resize(band.leaves[l].band.count);
-            if (wanted.empty() || wanted[l]) {
-                numbers.fill(band, l);
-                extension.extendLeaf(l, group, found.data());
-            } else {
-                std::fill(found.begin(), found.end(), NodeJet{});
-            }
-            visit(l, found);
-        }
-    });
-}
-
-}  // namespace
-
-void Field::atCore(std::span<const NodeIndex> nodes, NodeJet* to) const {
-    const std::vector<Vec3f> none;
-    Extension(*core, none).at(nodes, to);
-}
-
-void Field::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
-    if (core) return atCore(nodes, to);
-    for (std::size_t k = 0; k < nodes.size(); ++k) to[k] = atBand(nodes[k]);
-}
-
-void forLeaves(const Field& field,
-               const std::function<void(LeafIndex, const std::vector<NodeJet>&)>& visit) {
-    if (field.core) return extendByLeaf(*field.core, leavesToExtend(field), visit);
-    const Band& band = *field.band;
-    parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
-        std::vector<NodeJet> found;
-        for (std::size_t l = begin; l < end; ++l) {
-            found.clear();
-            band.forNodes(LeafIndex(l),
-                          [&](NodeIndex i, unsigned) { found.push_back(field.at(i)); });
-            visit(LeafIndex(l), found);
-        }
-    });
-}
-
-double largestOnBand(const Field& field) {
-    if (!field.core) return field.maxDistance;
-    // A foot point lies within a cell of the core node that it takes its jet from.
-    constexpr double kMargin = 4;  // voxels
-    const double from = field.maxDistance - kMargin * field.metric->largest();
-    std::vector<double> largest(field.band->leaves.size());
-    extendByLeaf(*field.core, leavesReached(*field.core, from),
-                 [&](LeafIndex l, const std::vector<NodeJet>& found) {
-                     for (const NodeJet& s : found)
-                         if (s.distance < kInfinity) largest[l] = std::max(largest[l], s.distance);
-                 });
-    return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
-}
-
-void extendToBand(Field& field) {
-    if (!field.core) return;
-    const auto wanted = leavesToExtend(field);
-    const auto core = std::move(field.core);
-    field.core = nullptr;
-    const Band& band = *field.band;
-    const bool labeled = !core->label.empty();
-    // In parallel: the first touch of fresh memory costs more than what is written there.
-    parallelFor(3, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            if (k == 0) field.distance.resize(band.size());
-            if (k == 1) field.gradient.resize(band.size());
-            if (k == 2 && labeled) field.label.resize(band.size());
-        }
-    });
-    extendByLeaf(*core, wanted, [&](LeafIndex l, const std::vector<NodeJet>& found) {
-        NodeIndex i = band.leaves[l].band.firstNode;
-        for (const NodeJet& s : found) {
-            field.distance[i] = s.distance;
-            field.gradient[i] = s.gradient;
-            if (labeled) field.label[i] = s.label;
-            ++i;
-        }
-    });
-    field.summarize();
-}
 
 }  // namespace igeo

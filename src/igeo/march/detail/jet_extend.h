@@ -55,6 +55,8 @@ public:
           band_(core_.band),
           metric_(core_.metric),
           gradients_(gradients),
+          feetFromPsi_(band_.foot.empty()),
+          weighted_(metric_.weighted()),
           mayBePlain_(jets.label.empty() && jets.seeds.lines.ofOnePoint() &&
                       !metric_.anisotropic() && metric_.obstacleState.empty()),
           line_(jets.seeds.lines.only()) {}
@@ -74,6 +76,7 @@ public:
             Outside at;
             LocalFrame local;
             Around around;
+            Node(const Outside& node, const LocalFrame& frame) : at(node), local(frame) {}
         };
         std::vector<Node> nodes;
         JetGroup fronts;
@@ -144,6 +147,11 @@ private:
         const LocalFrame local = core_.localFrameInBand(i);
         return local.weight * double(local.stretch.largest());
     }
+    /// The jets of the core nodes of a leaf.
+    /// @param nodes  offsets and 2^16 times places among the nodes of the leaf
+    /// @param feet   in which the leaf is set
+    void takeCore(LeafIndex l, std::span<const std::uint32_t> nodes, FootLanes& feet,
+                  NodeJet* to) const;
     IGEO_INLINE void begin(const Outside& node, Group& group) const;
     void solve(Group& group) const;
     /// The numbers of the core nodes around the foot points.
@@ -186,6 +194,12 @@ private:
 
     void addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const Vec3f& g,
                      const LocalFrame& local, Around& around) const;
+    /// The same for node k of a box.
+    IGEO_INLINE void addNeighbor(const BoxLanes& box, std::size_t k, const LocalFrame& local,
+                                 Around& around) const;
+    /// Adds a neighbor in the chart, without its value.
+    IGEO_INLINE void add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame& local,
+                         Around& around) const;
     /// The corners of a node of a group.
     Around around(const Group& group, std::size_t lane, const LocalFrame& local) const;
     /// What they carry there, with tensors.
@@ -200,9 +214,16 @@ private:
                 meet |= jets_.frontsMeetNear(group.corners.node[c][lane]);
         return meet;
     }
+    /// Whether the foot point is that of its only corner, as on planes along the axes: the march
+    /// has solved it.
+    static bool isAtCorner(const Group& group, std::size_t lane) {
+        constexpr float kSame2 = 1e-6f;
+        const Vec3f chord = group.corners.chord(lane, 0);
+        return group.corners.count[lane] == 1 && dot(chord, chord) < kSame2;
+    }
     /// One or two corners do not show that fronts meet around them.
     bool mayMissFront(const Group& group, std::size_t lane) const {
-        return group.corners.count[lane] < 3 && meetNear(group, lane);
+        return group.corners.count[lane] < 3 && meetNear(group, lane) && !isAtCorner(group, lane);
     }
     /// Whether fronts meet across a node, where S is smooth and without obstacles.
     /// @param g  direction of travel there
@@ -236,6 +257,7 @@ private:
     const Band& band_;
     const Metric& metric_;
     const std::vector<Vec3f>& gradients_;
+    const bool feetFromPsi_, weighted_;
     const bool mayBePlain_;  ///< one source at a point, isotropic, no obstacles
     const StraightLines::Line line_;
 };

@@ -14,35 +14,50 @@ namespace {
 
 constexpr float kSmooth = JetLink::kSmooth;
 
-/// Nodes that may be linked to one node, and their links.
+/// Up to eight nodes in a row, the nodes that may be linked to each, and their links: the first of
+/// each node, the second of each, and so on.
 struct Candidates {
-    static constexpr std::size_t kMax = JetLinks::kMax;
+    static constexpr std::size_t kNodes = 8, kMax = JetLinks::kMax;
     template <typename T>
-    using Array = std::array<T, kMax>;
+    using PerNode = std::array<T, kNodes>;
+    template <typename T>
+    using Slots = std::array<PerNode<T>, kMax>;
+    using StepCode = LeafNumbers<1>::StepCode;
 
-    std::size_t count = 0;
-    std::size_t neighbors = 0;  ///< the first ones, a step away; the others are linked for certain
-    alignas(32) Array<NodeIndex> node;
-    alignas(32) Array<LeafNumbers<1>::StepCode> step;  ///< of neighbors
-    /// Chord from its foot point: given for the others, found for neighbors.
-    alignas(32) Array<float> x, y, z;
+    NodeIndex first = 0;
+    std::size_t size = 0;  ///< nodes
+    alignas(32) PerNode<std::uint32_t> count;
+    alignas(32) PerNode<std::uint32_t> neighbors;  ///< the first ones, a step away; the others are
+                                                   ///< linked for certain
+    alignas(32) Slots<NodeIndex> node;
+    alignas(32) Slots<StepCode> step;  ///< of neighbors
+    bool anySure = false;
+    alignas(32) Slots<float> x, y, z;  ///< chord from its foot point: given for those that are sure
 
     // What layOut() finds.
-    alignas(32) Array<float> cosine;           ///< between the normals
-    alignas(32) Array<std::int32_t> together;  ///< onOneSheet
-    bool smooth = true;   ///< all are on one sheet, with normals less than 26 degrees apart
-    Array<JetLink> link;  ///< over smooth parts of S
+    alignas(32) Slots<float> cosine;           ///< between the normals
+    alignas(32) Slots<std::int32_t> together;  ///< onOneSheet
+    unsigned rough = 0;  ///< bits: nodes with one not on its sheet, or over a crease
+    PerNode<std::array<JetLink, kMax>> link;  ///< over smooth parts of S
 
-    bool isSure(std::size_t k) const { return k >= neighbors; }
-    Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
+    void clear(NodeIndex begin, std::size_t nodes) {
+        first = begin, size = nodes, anySure = false;
+        count = neighbors = {};
+    }
+    bool isSure(std::size_t lane, std::size_t k) const { return k >= neighbors[lane]; }
+    Vec3f chord(std::size_t lane, std::size_t k) const {
+        return {x[k][lane], y[k][lane], z[k][lane]};
+    }
     /// A node that is linked by a bridge or a stencil, whatever the normals say.
-    void addLinked(NodeIndex j, const Vec3f& chord) {
-        node[count] = j;
-        x[count] = chord.x, y[count] = chord.y, z[count++] = chord.z;
+    void addLinked(std::size_t lane, NodeIndex j, const Vec3f& chord) {
+        anySure = true;
+        const std::size_t k = count[lane]++;
+        node[k][lane] = j, step[k][lane] = 0;
+        x[k][lane] = chord.x, y[k][lane] = chord.y, z[k][lane] = chord.z;
     }
 };
 
-/// Lays candidates out in the chart of a node, side by side.
+/// Lays candidates out in the charts of their nodes, for the nodes that fit into a register.
 template <int Width>
 class Layout {
     using V = typename Registers<Width>::Vector;
@@ -50,51 +65,53 @@ class Layout {
     using Vectors = VectorLanes<Width>;
 
 public:
-    IGEO_INLINE Layout(const JetCore& core, const JetNode& node, const TangentFrame& frame,
-                       Candidates& all)
+    IGEO_INLINE Layout(const JetCore& core, std::size_t lane, Candidates& all)
         : nodes_(core.nodes.data()),
           weighted_(core.costsVary && core.stretch.empty()),
           smooth_(core.band.faceted ? 1.0f : kSmooth),
-          here_(node),
-          n_(same(frame.normal())),
-          t1_(same(frame.axis(0))),
-          t2_(same(frame.axis(1))),
-          all_(all) {}
+          lane_(lane),
+          all_(all) {
+        std::uint32_t here[Width];
+        for (int k = 0; k < Width; ++k)
+            here[k] = all.first + std::uint32_t(std::min(lane + std::size_t(k), all.size - 1));
+        V rest[4];
+        load(here, here_, n_, rest);
+        hereWeight_ = rest[2];
+        t1_ = anyNormalTo<Width>(n_);
+        t2_ = cross(n_, t1_);
+    }
 
     IGEO_INLINE void layOut() const {
-        // What lies beyond the last one is laid out as well.
-        for (std::size_t k = all_.count; k % Width; ++k) all_.node[k] = 0, all_.step[k] = 0;
+        const Integers count = loadAs<Integers>(&all_.count[lane_]);
         Integers rough{};
-        for (std::size_t k = 0; k < all_.count; k += Width) {
-            Integers here;
-            for (int lane = 0; lane < Width; ++lane) here[lane] = std::int32_t(k) + lane;
-            rough |= layOut(k) & (here < std::int32_t(all_.count));
+        for (std::int32_t k = 0; any(count > k); ++k) {
+            const Integers there = count > k;
+            rough |= layOut(std::size_t(k), there) & there;
         }
-        all_.smooth = !any(rough);
+        all_.rough |= bitsOf<Width>(rough) << lane_;
     }
 
 private:
     /// @return flags: not on one sheet, or over a crease
-    IGEO_INLINE Integers layOut(std::size_t k) const {
-        V footAndX[4], rest[4];
-        loadFours<Width>(nodes_, sizeof(JetNode), &all_.node[k], footAndX);
-        loadFours<Width>(&nodes_->normal.y, sizeof(JetNode), &all_.node[k], rest);
-        const Vectors foot{footAndX[0], footAndX[1], footAndX[2]},
-            normal{footAndX[3], rest[0], rest[1]};
-        const V weight = rest[2];
-        if (k < all_.neighbors) {
-            const Integers step = loadAs<Integers>(&all_.step[k]);
-            const Vectors chord =
-                same(here_.foot) - foot - Vectors{part(step >> 4), part(step >> 2), part(step)};
-            Integers isNeighbor;
-            for (int lane = 0; lane < Width; ++lane) isNeighbor[lane] = std::int32_t(k) + lane;
-            isNeighbor = isNeighbor < std::int32_t(all_.neighbors);
-            storeLanes(isNeighbor ? chord.x : loadAs<V>(&all_.x[k]), &all_.x[k]);
-            storeLanes(isNeighbor ? chord.y : loadAs<V>(&all_.y[k]), &all_.y[k]);
-            storeLanes(isNeighbor ? chord.z : loadAs<V>(&all_.z[k]), &all_.z[k]);
+    IGEO_INLINE Integers layOut(std::size_t k, const Integers& there) const {
+        // What lies beyond the last one of a node is laid out as well.
+        const Integers node = there & loadAs<Integers>(&all_.node[k][lane_]);
+        std::uint32_t index[Width];
+        std::memcpy(index, &node, sizeof index);
+        Vectors foot, normal;
+        V rest[4];
+        load(index, foot, normal, rest);
+        const Integers step = loadAs<Integers>(&all_.step[k][lane_]);
+        Vectors chord = here_ - foot - Vectors{part(step >> 4), part(step >> 2), part(step)};
+        if (all_.anySure) {
+            const Integers isNeighbor = loadAs<Integers>(&all_.neighbors[lane_]) > std::int32_t(k);
+            chord.x = isNeighbor ? chord.x : loadAs<V>(&all_.x[k][lane_]);
+            chord.y = isNeighbor ? chord.y : loadAs<V>(&all_.y[k][lane_]);
+            chord.z = isNeighbor ? chord.z : loadAs<V>(&all_.z[k][lane_]);
         }
-        const Vectors chord{loadAs<V>(&all_.x[k]), loadAs<V>(&all_.y[k]), loadAs<V>(&all_.z[k])};
-        const Vectors axis = anyNormalTo(normal);
+        storeLanes(chord.x, &all_.x[k][lane_]), storeLanes(chord.y, &all_.y[k][lane_]);
+        storeLanes(chord.z, &all_.z[k][lane_]);
+        const Vectors axis = anyNormalTo<Width>(normal);
         const V cosine = dot(n_, normal), rise = dot(n_, chord), riseOther = dot(normal, chord);
         const Integers together = areOnOneSheet(cosine, rise, riseOther, dot(chord, chord));
         // As TangentFrame::unfold has it.
@@ -110,17 +127,24 @@ private:
         V of[4] = {s * x, s * y, dot(axis, t1_) - turn * dot(normal, t1_),
                    dot(axis, t2_) - turn * dot(normal, t2_)};
         if (weighted_) {  // meanWeight
-            const V mean = weight == here_.weight ? V{} + 1 : (1 + weight / here_.weight) / 2;
+            const V weight = rest[2],
+                    mean = weight == hereWeight_ ? V{} + 1 : (1 + weight / hereWeight_) / 2;
             of[0] *= mean, of[1] *= mean;
         }
-        storeFours<Width>(of, &all_.link[k].ax, sizeof(JetLink));
-        for (int lane = 0; lane < Width; ++lane) {
-            const std::size_t l = k + std::size_t(lane);
-            all_.link[l].key = JetLink::keyOf(all_.node[l]);
-        }
-        storeLanes(cosine, &all_.cosine[k]);
-        storeLanes(together, &all_.together[k]);
+        storeFours<Width>(of, &all_.link[lane_][k].ax, sizeof all_.link[0]);
+        for (int lane = 0; lane < Width; ++lane)
+            all_.link[lane_ + std::size_t(lane)][k].key = JetLink::keyOf(index[lane]);
+        storeLanes(cosine, &all_.cosine[k][lane_]);
+        storeLanes(together, &all_.together[k][lane_]);
         return ~together | (cosine < smooth_);
+    }
+    IGEO_INLINE void load(const std::uint32_t* index, Vectors& foot, Vectors& normal,
+                          V (&rest)[4]) const {
+        V footAndX[4];
+        loadFours<Width>(nodes_, sizeof(JetNode), index, footAndX);
+        loadFours<Width>(&nodes_->normal.y, sizeof(JetNode), index, rest);
+        foot = {footAndX[0], footAndX[1], footAndX[2]};
+        normal = {footAndX[3], rest[0], rest[1]};
     }
 
     IGEO_INLINE static Integers areOnOneSheet(const V& cosine, const V& along, const V& alongOther,
@@ -131,26 +155,8 @@ private:
                                    (min(along * along, alongOther * alongOther) > kAlong2 * square);
         return (cosine >= kOppositeNormals) & ~stacked & ~acrossGap;
     }
-    /// igeo::anyNormalTo, with the same bits.
-    IGEO_INLINE static Vectors anyNormalTo(const Vectors& n) {
-        const V x = absolute(n.x), y = absolute(n.y), z = absolute(n.z), zero{};
-        const Integers byX = (x <= y) & (x <= z), byY = ~byX & (y <= z);
-        const Vectors t{byX   ? zero
-                        : byY ? -n.z
-                              : n.y,
-                        byX   ? n.z
-                        : byY ? zero
-                              : -n.x,
-                        byX   ? -n.y
-                        : byY ? n.x
-                              : zero};
-        V len = dot(t, t);
-        takeRoots<Width>(len);
-        return t * (len > 0 ? 1 / len : zero + 1);
-    }
     IGEO_INLINE static V min(const V& a, const V& b) { return a < b ? a : b; }
     IGEO_INLINE static V max(const V& a, const V& b) { return a > b ? a : b; }
-    IGEO_INLINE static Vectors same(const Vec3f& v) { return {V{} + v.x, V{} + v.y, V{} + v.z}; }
     /// Of a step in bits.
     IGEO_INLINE static V part(const Integers& code) {
         return __builtin_convertvector((code & 3) - 1, V);
@@ -159,29 +165,28 @@ private:
     const JetNode* nodes_;
     bool weighted_;
     float smooth_;  ///< least cosine where TangentFrame::unfold does the same
-    const JetNode& here_;
-    Vectors n_, t1_, t2_;
+    std::size_t lane_;
+    Vectors here_, n_, t1_, t2_;  ///< foot points and frames of the nodes
+    V hereWeight_;
     Candidates& all_;
 };
 
-void layOutByFour(const JetCore& core, const JetNode& node, const TangentFrame& frame,
-                  Candidates& all) {
-    Layout<4>(core, node, frame, all).layOut();
+void layOutByFour(const JetCore& core, Candidates& all) {
+    for (std::size_t lane = 0; lane < all.size; lane += 4) Layout<4>(core, lane, all).layOut();
 }
 #ifdef IGEO_AVX2
-IGEO_AVX2 void layOutByEight(const JetCore& core, const JetNode& node, const TangentFrame& frame,
-                             Candidates& all) {
-    Layout<8>(core, node, frame, all).layOut();
+IGEO_AVX2 void layOutByEight(const JetCore& core, Candidates& all) {
+    Layout<8>(core, 0, all).layOut();
 }
 #endif
 
 /// TangentFrame::unfold, onOneSheet.
-void layOut(const JetCore& core, const JetNode& node, const TangentFrame& frame,
-            Candidates& candidates) {
+void layOut(const JetCore& core, Candidates& candidates) {
+    candidates.rough = 0;
 #ifdef IGEO_AVX2
-    if (eightAtATime()) return layOutByEight(core, node, frame, candidates);
+    if (eightAtATime()) return layOutByEight(core, candidates);
 #endif
-    layOutByFour(core, node, frame, candidates);
+    layOutByFour(core, candidates);
 }
 
 /// Lays the neighbors of core nodes out in their charts.
@@ -196,12 +201,22 @@ public:
         LeafNumbers<1> numbers;
         LeafIndex leaf = kNoLeaf;
         Candidates candidates;
-        for (NodeIndex i = begin; i < end; ++i) {
-            block.begin[i - begin] = std::uint16_t(links.size());
-            if (stencil_.empty() && core_.nodes[i].leaf != leaf)
-                numbers.fill(core_.band, leaf = core_.nodes[i].leaf);
-            find(i, numbers, candidates);
-            if (addRow(i, candidates, links)) block.creased |= std::uint64_t(1) << (i - begin);
+        for (NodeIndex i = begin; i < end; i += Candidates::kNodes) {
+            candidates.clear(i, std::min(Candidates::kNodes, std::size_t(end - i)));
+            for (std::size_t lane = 0; lane < candidates.size; ++lane) {
+                const LeafIndex here = core_.nodes[i + lane].leaf;
+                if (stencil_.empty() && here != leaf) {
+                    leaf = here;
+                    fill(numbers, NodeIndex(i + lane), end);
+                }
+                find(lane, numbers, candidates);
+            }
+            layOut(core_, candidates);
+            for (std::size_t lane = 0; lane < candidates.size; ++lane) {
+                const std::size_t k = i - begin + lane;
+                block.begin[k] = std::uint16_t(links.size());
+                if (addRow(lane, candidates, links)) block.creased |= std::uint64_t(1) << k;
+            }
         }
         block.begin[end - begin] = std::uint16_t(links.size());
         links.resize(links.size() + JetLinks::kBehind);
@@ -210,46 +225,43 @@ public:
     }
 
 private:
-    void find(NodeIndex i, const LeafNumbers<1>& numbers, Candidates& candidates) const {
-        candidates.count = candidates.neighbors = 0;
+    /// Fills the numbers around the nodes of a leaf from one on, of those before `end`.
+    void fill(LeafNumbers<1>& numbers, NodeIndex i, NodeIndex end) const {
+        const LeafIndex l = core_.nodes[i].leaf;
+        const LeafNodes& leaf = core_.band.leaves[l].core;
+        const NodeIndex last = std::min(end, leaf.firstNode + leaf.count) - 1;
+        numbers.fill(core_.band, l, core_.nodes[i].offset >> 6, core_.nodes[last].offset >> 6);
+    }
+
+    void find(std::size_t lane, const LeafNumbers<1>& numbers, Candidates& candidates) const {
+        const NodeIndex i = candidates.first + NodeIndex(lane);
         const JetNode& node = core_.nodes[i];
         auto addLinked = [&](NodeIndex j, const Ijk&, const Vec3f& chord, float) {
-            candidates.addLinked(j, chord);
+            candidates.addLinked(lane, j, chord);
         };
         if (!stencil_.empty()) return forStencil(core_, stencil_, i, addLinked);
-        candidates.neighbors =
-            numbers.neighbors(node.offset, candidates.node.data(), candidates.step.data());
-        if (const std::uint32_t severed = core_.severedSteps(node))
-            dropSevered(severed, candidates);
-        candidates.count = candidates.neighbors;
+        std::uint32_t count = 0;
+        numbers.forNeighbors(node.offset, core_.severedSteps(node),
+                             [&](NodeIndex j, Candidates::StepCode code) {
+                                 candidates.node[count][lane] = j;
+                                 candidates.step[count++][lane] = code;
+                             });
+        candidates.count[lane] = candidates.neighbors[lane] = count;
         if (node.facing & Band::kBridged) forBridges(core_, node, addLinked);
     }
-
-    static void dropSevered(std::uint32_t severed, Candidates& candidates) {
-        std::size_t left = 0;
-        for (std::size_t k = 0; k < candidates.neighbors; ++k) {
-            const auto code = int(candidates.step[k]);
-            const Ijk step = Ijk{code >> 4, code >> 2 & 3, code & 3} - Ijk{1, 1, 1};
-            if (severed & SeveredLinks::bit(step.x, step.y, step.z)) continue;
-            candidates.node[left] = candidates.node[k];
-            candidates.step[left++] = candidates.step[k];
-        }
-        candidates.neighbors = left;
-    }
-
     /// @return whether one is over a crease
-    bool addRow(NodeIndex i, Candidates& candidates, std::vector<JetLink>& row) const {
-        const JetNode& node = core_.nodes[i];
-        const TangentFrame frame(node.normal, core_.band.faceted);
-        layOut(core_, node, frame, candidates);
+    bool addRow(std::size_t lane, const Candidates& candidates, std::vector<JetLink>& row) const {
+        const JetNode& node = core_.nodes[candidates.first + lane];
+        const JetLink* const links = candidates.link[lane].data();
+        const std::size_t count = candidates.count[lane];
         const bool mayBeHidden = node.obstacleState != Metric::Clear;
         // As long as they are along a mesh.
         const bool isStretched = node.facing & Band::kStretched;
-        if (candidates.smooth && !mayBeHidden && !isStretched) {
-            const JetLink* const links = candidates.link.data();
-            row.insert(row.end(), links, links + candidates.count);
+        if (!(candidates.rough >> lane & 1) && !mayBeHidden && !isStretched) {
+            row.insert(row.end(), links, links + count);
             return false;
         }
+        const TangentFrame frame(node.normal, core_.band.faceted);
         std::array<float, 27> stretch;  // by the bit of a step
         stretch.fill(1);
         if (isStretched)
@@ -258,22 +270,23 @@ private:
         const float mayBeCrease = core_.band.faceted ? 1.0f : kSmooth;
         const bool weighted = core_.costsVary && core_.stretch.empty();
         bool creased = false;
-        for (std::size_t k = 0; k < candidates.count; ++k) {
-            const JetNode& other = core_.nodes[candidates.node[k]];
-            if (!candidates.isSure(k) && (!candidates.together[k] ||
-                                          (mayBeHidden && isHidden(core_, other, core_.footOf(node),
-                                                                   node.normal + other.normal))))
+        for (std::size_t k = 0; k < count; ++k) {
+            const JetNode& other = core_.nodes[candidates.node[k][lane]];
+            if (!candidates.isSure(lane, k) &&
+                (!candidates.together[k][lane] ||
+                 (mayBeHidden &&
+                  isHidden(core_, other, core_.footOf(node), node.normal + other.normal))))
                 continue;
-            JetLink link = candidates.link[k];
-            const float cosine = candidates.cosine[k];
+            JetLink link = links[k];
+            const float cosine = candidates.cosine[k][lane];
             if (cosine < mayBeCrease) {  // TangentFrame decides
-                Vec2f a = frame.unfold(candidates.chord(k), other.normal, cosine);
+                Vec2f a = frame.unfold(candidates.chord(lane, k), other.normal, cosine);
                 // docs/method.md, "The metric": weights.
                 if (weighted) a = meanWeight(other.weight, node.weight) * a;
                 link.ax = a.x, link.ay = a.y;
             }
-            if (isStretched && k < candidates.neighbors) {
-                const auto code = candidates.step[k];
+            if (isStretched && !candidates.isSure(lane, k)) {
+                const auto code = candidates.step[k][lane];
                 const std::size_t bit = 9 * (code >> 4) + 3 * (code >> 2 & 3) + (code & 3);
                 link.ax *= stretch[bit], link.ay *= stretch[bit];
             }

@@ -17,16 +17,24 @@ public:
     static_assert(Margin >= 1 && Margin <= 8);
     static constexpr int kEdge = 8 + 2 * Margin;
 
-    void fill(const Band& band, LeafIndex l) {
+    /// @param low, high  slices of the leaf: beyond their margins nothing is set
+    void fill(const Band& band, LeafIndex l, int low = 0, int high = 7) {
         static_assert(kNoNode == ~NodeIndex(0));
-        std::memset(number_.data(), 0xff, sizeof number_);
-        for (int dx = -1; dx <= 1; ++dx)
+        constexpr int kSlice = kEdge * kEdge;
+        std::memset(&number_[std::size_t(low * kSlice)], 0xff,
+                    std::size_t((high - low + 1 + 2 * Margin) * kSlice) * sizeof number_[0]);
+        number_.back() = kNoNode;
+        for (int dx = -1; dx <= 1; ++dx) {
+            const Range slices{std::max(low - Margin - 8 * dx, 0),
+                               std::min(high + Margin - 8 * dx, 7)};
+            if (slices.first > slices.last) continue;
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dz = -1; dz <= 1; ++dz) {
                     const LeafIndex m = dx || dy || dz ? band.leafBeside(l, dx, dy, dz) : l;
                     if (m != kNoLeaf && band.leaves[m].core.count)
-                        add(band.leaves[m].core, dx, dy, dz);
+                        add(band.leaves[m].core, dx, dy, dz, slices);
                 }
+        }
     }
     /// Index of a voxel relative to the leaf, -Margin to 7 + Margin along each axis.
     static constexpr int indexOf(const Ijk& v) {
@@ -51,10 +59,11 @@ public:
 
     /// A step to one of the 26 voxels around, in bits: (x + 1) 16 + (y + 1) 4 + z + 1.
     using StepCode = std::uint32_t;
-    /// The nodes around the voxel at an offset of the leaf, in the order of the steps.
-    /// @param node, step  at least 26 each
-    /// @return how many there are
-    std::size_t neighbors(unsigned offset, NodeIndex* node, StepCode* step) const {
+    /// Calls visit(k, step) for the nodes around the voxel at an offset of the leaf, 26 at most, in
+    /// the order of the steps.
+    /// @param severed  bits of SeveredLinks: steps to leave out
+    template <typename Visit>
+    void forNeighbors(unsigned offset, std::uint32_t severed, const Visit& visit) const {
         // Which there are changes from node to node: first a set without branches, by rows of
         // three.
         const int middle = indexOf(voxelOf(offset));
@@ -66,34 +75,39 @@ public:
             there |= (row != int(kNoNode)) & (Row{1, 2, 4, 0} << int(k));
         }
         constexpr unsigned kMiddle = 1u << 13;
-        std::size_t count = 0;
-        for (unsigned found = unsigned(there[0] | there[1] | there[2]) & ~kMiddle; found;
-             found &= found - 1) {
+        for (unsigned found = unsigned(there[0] | there[1] | there[2]) & ~(kMiddle | severed);
+             found; found &= found - 1) {
             const auto k = unsigned(std::countr_zero(found));
-            node[count] = at(middle + kSteps.index[k]);
-            step[count++] = kSteps.code[k];
+            visit(at(middle + kSteps.index[k]), kSteps.code[k]);
         }
-        return count;
     }
 
-    /// Whether forBox reaches all of a box.
+    /// Whether nodesOfBox reaches all of a box.
     bool holdsBox(unsigned offset, const Ijk& middle, int reach) const {
         const Ijk v = voxelOf(offset) + middle;
         return std::min({v.x, v.y, v.z}) - reach >= -Margin &&
                std::max({v.x, v.y, v.z}) + reach <= 7 + Margin;
     }
-    /// As Band::forBox has it for the core: calls visit(k, step) for the nodes within `reach` of
-    /// the voxel at an offset of the leaf plus `middle`, in the order of the steps.
-    template <typename Visit>
-    void forBox(unsigned offset, const Ijk& middle, int reach, const Visit& visit) const {
+    /// A step of up to two voxels along each axis, in bits: (x + 2) 64 + (y + 2) 8 + z + 2.
+    static constexpr StepCode boxStep(const Ijk& step) {
+        return StepCode((step.x + 2) << 6 | (step.y + 2) << 3 | (step.z + 2));
+    }
+    /// The nodes that Band::forBox visits in the core, in the same order, and their steps from
+    /// `middle`.
+    /// @param node, step  as many as voxels
+    /// @return how many there are
+    std::size_t nodesOfBox(unsigned offset, const Ijk& middle, int reach, NodeIndex* node,
+                           StepCode* step) const {
         const int first = indexOf(voxelOf(offset) + middle);
+        std::size_t count = 0;
         for (int x = -reach; x <= reach; ++x)
             for (int y = -reach; y <= reach; ++y)
                 for (int z = -reach; z <= reach; ++z) {
-                    const Ijk step{x, y, z};
-                    const NodeIndex k = at(first + indexOfStep(step));
-                    if (k != kNoNode) visit(k, middle + step);
+                    node[count] = at(first + indexOfStep({x, y, z}));
+                    step[count] = boxStep({x, y, z});
+                    count += node[count] != kNoNode;
                 }
+        return count;
     }
 
 private:
@@ -132,26 +146,42 @@ private:
     };
     static constexpr Slices kSlices{};
 
-    void add(const LeafNodes& nodes, int dx, int dy, int dz) {
+    struct Range {
+        int first, last;
+    };
+    void add(const LeafNodes& nodes, int dx, int dy, int dz, const Range& slices) {
         const std::uint64_t seen = kSlices.seen[std::size_t(3 * dy + dz + 4)];
-        const int begin = dx < 0 ? 8 - Margin : 0, end = dx > 0 ? Margin : 8;
-        for (int x = begin; x < end; ++x) {
+        for (int x = slices.first; x <= slices.last; ++x) {
             const std::uint64_t mask = nodes.mask[std::size_t(x)];
             std::uint64_t bits = mask & seen;
             if (!bits) continue;
             const NodeIndex first = nodes.firstNode + nodes.before[std::size_t(x)];
-            const int slice = indexOf({8 * dx + x, 8 * dy, 8 * dz});
             const auto countBefore = [&] {
                 return first + LeafNodes::bitCount(mask & ((bits & -bits) - 1));
             };
+            const int slice = indexOf({8 * dx + x, 8 * dy, 8 * dz});
+            const auto set = [&](NodeIndex number) {
+                number_[std::size_t(slice + kPlaces.of[std::size_t(std::countr_zero(bits))])] =
+                    number;
+                bits &= bits - 1;
+            };
             // Whole rows have consecutive numbers.
-            for (NodeIndex number = countBefore(); bits; bits &= bits - 1) {
-                const int bit = std::countr_zero(bits);
-                if (dz != 0) number = countBefore();
-                number_[std::size_t(slice + (bit >> 3) * kEdge + (bit & 7))] = number++;
-            }
+            if (dz == 0)
+                for (NodeIndex number = countBefore(); bits; ++number) set(number);
+            else
+                while (bits) set(countBefore());
         }
     }
+    /// Of a bit of a slice: its index from that of bit 0.
+    struct Places {
+        std::array<std::int16_t, 64> of{};
+        constexpr Places() {
+            for (int bit = 0; bit < 64; ++bit)
+                of[std::size_t(bit)] = std::int16_t((bit >> 3) * kEdge + (bit & 7));
+        }
+    };
+    static constexpr Places kPlaces{};
+
     std::array<NodeIndex, std::size_t(kEdge* kEdge* kEdge) + 1> number_;  ///< and one more to read
 };
 
