@@ -211,6 +211,7 @@ void FermatGroup::search(std::size_t node, NeighborRing& ring) {
     for (std::size_t k = 0; k < count; ++k)
         if (const float u = ring.u[k] + ring.len[k]; u < least.u)
             least = {u, {ring.ax[k], ring.ay[k]}, {ring.gx[k], ring.gy[k]}};
+    least.detour = length(least.a) - dot(least.a, least.g);
     nodes_[node] = least;
     for (std::size_t apart = 1; 2 * apart <= count; ++apart) {
         // Pairs of opposite neighbors come twice.
@@ -246,9 +247,11 @@ void FermatGroup::takeSegments() {
     SegmentMinima minima;
     findMinima(segments_, minima);
     for (std::size_t l = 0; l < segments_.count; ++l)
-        if (Node& node = nodes_[segments_.node[l]]; minima.u[l] < node.u)
-            node = {
-                minima.u[l], {minima.x[l], minima.y[l]}, {segments_.p.gx[l], segments_.p.gy[l]}};
+        if (Node& node = nodes_[segments_.node[l]]; minima.u[l] < node.u) {
+            const SegmentLanes::End &p = segments_.p, &q = segments_.q;
+            const Vec2f a{minima.x[l], minima.y[l]}, gp{p.gx[l], p.gy[l]}, gq{q.gx[l], q.gy[l]};
+            node = {minima.u[l], a, gp, length(a) - std::max(dot(a, gp), dot(a, gq))};
+        }
     segments_.count = 0;
 }
 

@@ -43,12 +43,16 @@ public:
     /// The value of a node, relative to its first neighbor, and the direction of travel.
     float u(std::size_t node) const { return nodes_[node].u; }
     Vec2f g(std::size_t node) const;
+    /// How much longer the straight line to the node is than what a plane front travels along it:
+    /// large where no neighbor lies straight behind the node.
+    float detour(std::size_t node) const { return nodes_[node].detour; }
 
 private:
     struct Node {
         float u = float(kInfinity);  ///< the least so far
         Vec2f a;                     ///< to the node from where that is
         Vec2f g;                     ///< at the neighbor there, or at an end of the segment
+        float detour = 0;            ///< detour()
     };
     void search(std::size_t node, NeighborRing& ring);
     void addSegment(std::size_t node, const NeighborRing& ring, std::size_t p, std::size_t q);

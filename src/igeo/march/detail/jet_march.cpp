@@ -19,6 +19,16 @@ constexpr double kMarginBelow = 3;
 /// nearly so.
 constexpr std::size_t kAllAround = 7;
 
+/// Whether psi is 0 along a chord to a foot point, or nearly so.
+bool followsSurface(const Band& band, const Vec3d& foot, const Vec3f& chord) {
+    constexpr double kOff = 0.25;
+    for (const double t : {1.0 / 3, 2.0 / 3}) {
+        const PsiSample s = samplePsi(band, foot - t * Vec3d(chord));
+        if (!s.valid || std::abs(s.psi) > kOff) return false;
+    }
+    return true;
+}
+
 [[noreturn]] void refuseTooFar() {
     throw Error(Error::Kind::InvalidArgument,
                 "a distance is more than 2e9 times the least weight, in voxels",
@@ -189,13 +199,47 @@ void JetMarch::addStretched(NodeIndex i, const JetRows::Row& row, const Batch& b
     for (std::size_t k = 0; k < row.knownCount; ++k) {
         const JetLink& link = row.knownLink(k);
         const NodeIndex j = link.node();
-        const JetState& state = jets_.state[j];
-        const float u = float(std::int64_t(state.bucket) - batch.first) * width_ + state.rest;
-        JetNeighbor n{link.a(), link.turned(state.g)};
+        JetNeighbor n{link.a(), link.turned(jets_.state[j].g)};
         n.g = (core_.nodes[j].weight / weight) * n.g;
         n = stretched(core_.stretch[i], n);
-        jets.add(n.a, n.g, u / weight, jets_.labelOf(j), link.overCrease());
+        jets.add(n.a, n.g, valueIn(batch, j) / weight, jets_.labelOf(j), link.overCrease());
     }
+}
+
+bool JetMarch::mayGoRound(NodeIndex i, const JetGroup::Solution& s) const {
+    constexpr float kDetour = 0.1f;
+    return s.detour > kDetour && isotropic_ && !core_.costsVary && core_.band.foot.empty() &&
+           core_.nodes[i].obstacleState == Metric::Clear;
+}
+
+JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, const Batch& batch,
+                                          JetGroup::Solution s) const {
+    constexpr float kAlike = 0.2f;
+    const JetNode& here = core_.nodes[i];
+    const TangentFrame frame(here.normal, core_.band.faceted);
+    const Ijk voxel = core_.voxelOf(here);
+    // A path goes on to a neighbor, so one has to lie lower.
+    float least = float(kInfinity);
+    for (std::size_t k = 0; k < row.knownCount; ++k)
+        least = std::min(least, valueIn(batch, row.knownLink(k).node()) / here.weight);
+    const auto lower = [&](NodeIndex k) {
+        const JetNode& other = core_.nodes[k];
+        const float cosine = dot(here.normal, other.normal);
+        if (cosine < kAlike || other.obstacleState != Metric::Clear) return;
+        const Vec3f chord = here.foot - other.foot - Vec3f(core_.voxelOf(other) - voxel);
+        const Vec2f a = frame.unfold(chord, other.normal, cosine);
+        const float len = length(a), u = valueIn(batch, k) / here.weight + len;
+        if (!(u > least && u < s.u && len > 0) ||
+            !followsSurface(core_.band, core_.footOf(here), chord))
+            return;
+        s.u = u, s.g = (1 / len) * a, s.source = jets_.labelOf(k);
+    };
+    for (std::size_t k = 0; k < row.knownCount; ++k)
+        forLinks(
+            core_, row.knownLink(k).node(),
+            [&](NodeIndex j, const Ijk&, const Vec3f&, float) { lower(j); },
+            [&](NodeIndex j) { return jets_.accepted(j); });
+    return s;
 }
 
 bool JetMarch::knowsCrease(const JetRows::Row& row) {
@@ -209,6 +253,11 @@ float JetMarch::line2(const JetNode& node) const {
     if (!ofOnePoint_) return float(kInfinity);
     const Vec3f off = Vec3f(core_.voxelOf(node) - seedVoxel_) + (node.foot - seedFoot_);
     return kRounding * leastCost2_ * dot(off, off);
+}
+
+float JetMarch::valueIn(const Batch& batch, NodeIndex i) const {
+    const JetState& state = jets_.state[i];
+    return float(std::int64_t(state.bucket) - batch.first) * width_ + state.rest;
 }
 
 bool JetMarch::isAtRim(NodeIndex i) const {
@@ -361,6 +410,7 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
         const NodeIndex i = group.node[lane];
         JetGroup::Solution s = solutions[lane];
         if (s.oneSided && isAtRim(i)) s = group.jets.solveAtRim(lane);
+        if (mayGoRound(i, s)) s = overTwoLinks(i, group.rows.of[lane], batch, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
         settle(lane, group, {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet},
                batch, chunk);

@@ -125,9 +125,17 @@ private:
     void solveGroup(const Batch& batch, Group& group, Chunk& chunk);
     /// Sorts the links of the nodes, and begins them in Group::jets.
     void gather(const Batch& batch, Group& group);
+    /// Whether the value of a node may come from neighbors beside its ray alone, as beside creases
+    /// no other node of the core is next to it.
+    bool mayGoRound(NodeIndex i, const JetGroup::Solution& s) const;
+    /// The least of a solution and of straight lines on S from nodes two links away.
+    JetGroup::Solution overTwoLinks(NodeIndex i, const JetRows::Row& row, const Batch& batch,
+                                    JetGroup::Solution s) const;
     /// Adds the neighbors of a node in the coordinates of its tensor.
     void addStretched(NodeIndex i, const JetRows::Row& row, const Batch& batch,
                       JetGroup& jets) const;
+    /// The value of an accepted node, relative to the start of a batch.
+    float valueIn(const Batch& batch, NodeIndex i) const;
     /// Whether a neighbor that has a jet is over a crease.
     static bool knowsCrease(const JetRows::Row& row);
     /// The square of the straight line from the only seed to a node, at the least cost, and a

@@ -120,7 +120,8 @@ JetGroup::Solution JetGroup::decide(std::size_t lane, const BestFit& fit,
     const float u = lanes_.neighbor[0].u[lane] + fallback.u(lane);
     FrontsMeet fronts(fallback.g(lane));
     for (std::size_t k = 0; k < lanes_.count[lane]; ++k) fronts.add(lanes_.at(lane, k));
-    const Solution other{u, fallback.g(lane), fit.best.source, true, fronts.meet()};
+    Solution other{u, fallback.g(lane), fit.best.source, true, fronts.meet()};
+    if (!nodes_[lane].smooth) other.detour = fallback.detour(lane);
     if (!fit.counts && nodes_[lane].smooth) return other;
     return fit.valid && std::abs(fit.best.u - u) < kAgree ? fit.best : other;
 }

@@ -225,8 +225,9 @@ inline bool cutBeside(const PsiDifferences& d, double psi, double halfWidth) {
 /// level sets are round: their direction changes fast, but the central difference has the right
 /// direction. On the other side |psi| has a concave kink, the medial axis. There a central
 /// difference mixes two faces (|grad psi| < 1), so each axis takes the side for which the length of
-/// the gradient is closest to 1. Where one neighbor is missing the other side is used; an axis
-/// without either gives 0.
+/// the gradient is closest to 1. Where the kink is slight along an axis, that tells the faces apart
+/// and the central difference is kept: it may be a curve. Where one neighbor is missing the other
+/// side is used; an axis without either gives 0.
 inline Vec3d psiGradient(const PsiDifferences& d, double psi) {
     const Vec3d central = d.central();
     if (d.smooth()) return central;
@@ -237,7 +238,7 @@ inline Vec3d psiGradient(const PsiDifferences& d, double psi) {
         const double bend = d.bend(a, psi < 0 ? -1 : 1);
         const double none = std::numeric_limits<double>::quiet_NaN();
         options[std::size_t(a)] = {central[a], d.backward[a], d.forward[a]};
-        if (bend > -kKink) options[std::size_t(a)] = {central[a], none, none};
+        if (bend >= 0) options[std::size_t(a)] = {central[a], none, none};
         if (std::isnan(d.backward[a]) && std::isnan(d.forward[a]))
             options[std::size_t(a)] = {0, none, none};
     }
@@ -249,6 +250,8 @@ inline Vec3d psiGradient(const PsiDifferences& d, double psi) {
         const double misfit = std::abs(length(g) - 1);
         if (misfit < bestMisfit) bestMisfit = misfit, best = g;
     }
+    for (int a = 0; a < 3; ++a)
+        if (d.bend(a, psi < 0 ? -1 : 1) > -kKink) best[a] = central[a];
     return best;
 }
 
