@@ -257,7 +257,8 @@ std::string reachOf(const igeo::Distance& distance) {
     const double share = 100 * double(lost) / double(all);
     return fmt::format("{}; {:.2g} % of the surface is not reached, as {}", most, share,
                        field.metric->obstacles ? "obstacles or gaps lie between it and the seeds"
-                                               : "no seed is on its components");
+                                               : "no seed is on its components, or gaps lie "
+                                                 "between it and the seeds");
 }
 
 }  // namespace
