@@ -33,6 +33,19 @@ struct LeafNodes {
         const std::uint64_t lower = (std::uint64_t(1) << (offset & 63)) - 1;
         return firstNode + before[offset >> 6] + bitCount(mask[offset >> 6] & lower);
     }
+    /// Numbers of the voxel at an offset, and of those beside it in z, in y and in both; kNoNode
+    /// where there is none. None of them lies beyond the leaf.
+    void square(unsigned offset, NodeIndex* of) const {
+        const unsigned at = offset & 63;
+        const std::uint64_t bits = mask[offset >> 6], here = bits >> at;
+        const NodeIndex slice = firstNode + before[offset >> 6],
+                        first = slice + bitCount(bits & ((std::uint64_t(1) << at) - 1)),
+                        second = slice + bitCount(bits & ((std::uint64_t(0x100) << at) - 1));
+        const auto there = [&](unsigned bit) { return NodeIndex(here >> bit & 1); };
+        static_assert(kNoNode == ~NodeIndex(0));
+        of[0] = first | (there(0) - 1), of[1] = (first + there(0)) | (there(1) - 1);
+        of[2] = second | (there(8) - 1), of[3] = (second + there(8)) | (there(9) - 1);
+    }
     /// Counts bits by hand: baseline x86-64 has no instruction for it.
     static unsigned bitCount(std::uint64_t bits) {
         bits -= bits >> 1 & 0x5555555555555555;

@@ -126,6 +126,26 @@ IGEO_INLINE VectorLanes<Width> cross(const VectorLanes<Width>& v, const VectorLa
     return {v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
 }
 
+/// igeo::anyNormalTo per lane, with the same bits.
+template <int Width>
+IGEO_INLINE VectorLanes<Width> anyNormalTo(const VectorLanes<Width>& n) {
+    using V = typename Registers<Width>::Vector;
+    const V x = absolute(n.x), y = absolute(n.y), z = absolute(n.z), zero{};
+    const auto byX = (x <= y) & (x <= z), byY = ~byX & (y <= z);
+    const VectorLanes<Width> t{byX   ? zero
+                               : byY ? -n.z
+                                     : n.y,
+                               byX   ? n.z
+                               : byY ? zero
+                                     : -n.x,
+                               byX   ? -n.y
+                               : byY ? n.x
+                                     : zero};
+    V len = dot(t, t);
+    takeRoots<Width>(len);
+    return t * (len > 0 ? 1 / len : zero + 1);
+}
+
 /// Four lanes after four, of which each has `row[k]` of four rows: turns rows into columns.
 template <int Width>
 IGEO_INLINE void transposeFours(const typename Registers<Width>::Vector (&row)[4],

@@ -94,7 +94,7 @@ private:
             storeLanes(isNeighbor ? chord.z : loadAs<V>(&all_.z[k]), &all_.z[k]);
         }
         const Vectors chord{loadAs<V>(&all_.x[k]), loadAs<V>(&all_.y[k]), loadAs<V>(&all_.z[k])};
-        const Vectors axis = anyNormalTo(normal);
+        const Vectors axis = anyNormalTo<Width>(normal);
         const V cosine = dot(n_, normal), rise = dot(n_, chord), riseOther = dot(normal, chord);
         const Integers together = areOnOneSheet(cosine, rise, riseOther, dot(chord, chord));
         // As TangentFrame::unfold has it.
@@ -130,23 +130,6 @@ private:
         const Integers acrossGap = (cosine < 0.5f) & (square > kFar2) & (along * alongOther < 0) &
                                    (min(along * along, alongOther * alongOther) > kAlong2 * square);
         return (cosine >= kOppositeNormals) & ~stacked & ~acrossGap;
-    }
-    /// igeo::anyNormalTo, with the same bits.
-    IGEO_INLINE static Vectors anyNormalTo(const Vectors& n) {
-        const V x = absolute(n.x), y = absolute(n.y), z = absolute(n.z), zero{};
-        const Integers byX = (x <= y) & (x <= z), byY = ~byX & (y <= z);
-        const Vectors t{byX   ? zero
-                        : byY ? -n.z
-                              : n.y,
-                        byX   ? n.z
-                        : byY ? zero
-                              : -n.x,
-                        byX   ? -n.y
-                        : byY ? n.x
-                              : zero};
-        V len = dot(t, t);
-        takeRoots<Width>(len);
-        return t * (len > 0 ? 1 / len : zero + 1);
     }
     IGEO_INLINE static V min(const V& a, const V& b) { return a < b ? a : b; }
     IGEO_INLINE static V max(const V& a, const V& b) { return a > b ? a : b; }
