@@ -142,26 +142,28 @@ void Band::markFacing(NodeIndex i, const Ijk& step) {
 
 bool Band::coreCorners(LeafIndex l, unsigned at, const Ijk& low,
                        std::array<NodeIndex, 8>& corner) const {
-    constexpr std::uint64_t kSquare = 0x303;
+    const BandLeaf* const all = leaves.data();
+    NodeIndex* const of = corner.data();
     const int x = int(at >> 6) + low.x, y = int(at >> 3 & 7) + low.y, z = int(at & 7) + low.z;
+    const auto areNodes = [](const BandLeaf& leaf, unsigned o, std::uint64_t which) {
+        return !(~(leaf.band.mask.data()[o >> 6] >> (o & 63)) & which);
+    };
     if ((x & 7) < 7 && (y & 7) < 7 && (z & 7) < 7) {
-        l = (x | y | z) & ~7 ? leafBeside(l, x >> 3, y >> 3, z >> 3) : l;
+        if ((x | y | z) & ~7) l = leafBeside(l, x >> 3, y >> 3, z >> 3);
         if (l == kNoLeaf) return false;
-        const BandLeaf& leaf = leaves[l];
-        const unsigned first = offsetOf(x, y, z);
-        for (const unsigned o : {first, first + 64})
-            if (~(leaf.band.mask[o >> 6] >> (o & 63)) & kSquare) return false;
-        leaf.core.square(first, &corner[0]);
-        leaf.core.square(first + 64, &corner[4]);
+        constexpr std::uint64_t kSquare = 0x303;
+        const unsigned o = offsetOf(x, y, z);
+        if (!areNodes(all[l], o, kSquare) || !areNodes(all[l], o + 64, kSquare)) return false;
+        all[l].core.square(o, of);
+        all[l].core.square(o + 64, of + 4);
         return true;
     }
-    for (unsigned k = 0; k < 8; ++k) {
-        const int cx = x + int(k >> 2), cy = y + int(k >> 1 & 1), cz = z + int(k & 1);
-        const LeafIndex m = (cx | cy | cz) & ~7 ? leafBeside(l, cx >> 3, cy >> 3, cz >> 3) : l;
-        if (m == kNoLeaf) return false;
+    for (int k = 0; k < 8; ++k) {
+        const int cx = x + (k >> 2), cy = y + (k >> 1 & 1), cz = z + (k & 1);
+        const LeafIndex m = leafBeside(l, cx >> 3, cy >> 3, cz >> 3);
         const unsigned o = offsetOf(cx, cy, cz);
-        if (!(leaves[m].band.mask[o >> 6] >> (o & 63) & 1)) return false;
-        corner[k] = leaves[m].core.node(o);
+        if (m == kNoLeaf || !areNodes(all[m], o, 1)) return false;
+        of[k] = all[m].core.node(o);
     }
     return true;
 }

@@ -33,16 +33,15 @@ struct LeafNodes {
         const std::uint64_t lower = (std::uint64_t(1) << (offset & 63)) - 1;
         return firstNode + before[offset >> 6] + bitCount(mask[offset >> 6] & lower);
     }
-    /// Numbers of the voxel at an offset, and of those beside it in z, in y and in both; kNoNode
-    /// where there is none. None of them lies beyond the leaf.
+    /// The numbers of the voxel at an offset and of those beside it along z, y and both, all in the
+    /// leaf; kNoNode where there is none.
     void square(unsigned offset, NodeIndex* of) const {
-        const unsigned at = offset & 63;
-        const std::uint64_t bits = mask[offset >> 6], here = bits >> at;
-        const NodeIndex slice = firstNode + before[offset >> 6],
-                        first = slice + bitCount(bits & ((std::uint64_t(1) << at) - 1)),
-                        second = slice + bitCount(bits & ((std::uint64_t(0x100) << at) - 1));
-        const auto there = [&](unsigned bit) { return NodeIndex(here >> bit & 1); };
         static_assert(kNoNode == ~NodeIndex(0));
+        const unsigned x = offset >> 6, at = offset & 63;
+        const std::uint64_t bits = mask[x], below = (std::uint64_t(1) << at) - 1;
+        const auto there = [&](unsigned bit) { return NodeIndex(bits >> at >> bit & 1); };
+        const NodeIndex slice = firstNode + before[x], first = slice + bitCount(bits & below),
+                        second = slice + bitCount(bits & (below << 8 | 0xff));
         of[0] = first | (there(0) - 1), of[1] = (first + there(0)) | (there(1) - 1);
         of[2] = second | (there(8) - 1), of[3] = (second + there(8)) | (there(9) - 1);
     }

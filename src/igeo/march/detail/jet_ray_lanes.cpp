@@ -69,6 +69,7 @@ private:
             value += member_[k] *
                      (in(corners_.corner[k].u) + dot(g + own(k), chord(k)) / (1 + dot(g, own(k))));
         out(rays_.u) = value / total;
+        out(rays_.curvature) = curvature;
         out(rays_.off) = dot(cross(g, v_), normal_);
     }
 

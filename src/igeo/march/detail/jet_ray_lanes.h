@@ -21,8 +21,9 @@ struct RayLanes {
     alignas(32) PerLane<std::int32_t> lowX, lowY, lowZ;  ///< the low corner of the cell there
 
     /// At the end of a ray.
-    Lanes u;    ///< value, over the weight, from the bucket of JetCorners on
-    Lanes off;  ///< sine of the angle from the ray to the path back, about the normal
+    Lanes u;          ///< value, over the weight, from the bucket of JetCorners on
+    Lanes curvature;  ///< of the front
+    Lanes off;        ///< sine of the angle from the ray to the path back, about the normal
 };
 
 /// Sets where steps of a length lead to, and the points there but for the nodes around them.

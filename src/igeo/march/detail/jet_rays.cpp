@@ -35,15 +35,19 @@ struct RaySearch {
         : point(&p), number(n), direction(-1.0f * front) {}
 
     /// Takes what a ray found, and turns the next one.
-    void take(double value, float angle) {
+    /// @param curvature  of the front at its end
+    void take(double value, float angle, float curvature) {
         constexpr int kMostRays = 4;
-        constexpr float kGain = 3e-4f, kFlat = 0.02f, kMostTurn = 0.7f;
-        const float slope = turn != 0 ? (angle - off) / turn : -1;
+        constexpr float kGain = 4e-3f, kFlat = 0.02f, kMostTurn = 0.7f, kLeastSpread = 0.5f;
+        const float slope =
+            turn != 0 ? (angle - off) / turn : std::min(-1 - kLength * curvature, -kLeastSpread);
         const float next = std::clamp(angle / std::max(-slope, kFlat), -kMostTurn, kMostTurn);
         const Vec2f corrected = rotated(direction, next);
-        if (value < u) u = value, best = slope < -kFlat ? corrected : direction;
         // Twice what the next ray will gain.
-        done = kLength * angle * next < kGain || ++rays == kMostRays;
+        const float gain = kLength * angle * next;
+        done = gain < kGain || ++rays == kMostRays;
+        if (gain < kGain) value -= double(gain / 2);
+        if (value < u) u = value, best = slope < -kFlat ? corrected : direction;
         off = angle, turn = next, direction = corrected;
     }
 };
@@ -123,7 +127,7 @@ private:
         const double start = (double(corners_.bucket[lane]) - 1) * jets_.buckets.width;
         search.take(
             start / search.point->local.weight + double(rays_.u[lane]) + double(rays_.length[lane]),
-            std::asin(std::clamp(rays_.off[lane], -1.0f, 1.0f)));
+            std::asin(std::clamp(rays_.off[lane], -1.0f, 1.0f)), rays_.curvature[lane]);
     }
     bool isOfSource(std::size_t lane) const {
         if (jets_.label.empty()) return true;
