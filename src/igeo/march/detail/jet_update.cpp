@@ -7,6 +7,13 @@
 
 namespace igeo {
 
+namespace {
+
+/// So near to the fallback a fit has to be where it is in doubt.
+constexpr float kAgree = 0.01f;
+
+}  // namespace
+
 /// The fronts of the nodes of a group, and the fits of one or two of them.
 struct JetGroup::Fits {
     JetFronts fronts;
@@ -37,6 +44,7 @@ struct JetGroup::BestFit {
     bool clear = true;          ///< no reason for doubt
     bool counts = true;         ///< it is no extrapolation at a rim
     bool final = true;          ///< it needs no fallback
+    bool mayCount = false;      ///< it counts if the fallback agrees
 
     /// Takes a fit. It fails where its residual is large, or its value more than kSlack above the
     /// straight line from some neighbor.
@@ -51,6 +59,31 @@ struct JetGroup::BestFit {
         fromBothSides &= !(fits.oneSided[k] > 0);
         if (u < best.u) best.u = u, best.g = {fits.gx[k], fits.gy[k]};
     }
+};
+
+/// Whether fits agree with the fallbacks, as far as bounds of these tell.
+class JetGroup::Agreement {
+public:
+    explicit Agreement(const JetGroup& group) : group_(group) {}
+    bool isSure(std::size_t lane, const BestFit& fit) {
+        constexpr float kRounding = 1e-3f;
+        if (!fit.mayCount) return false;
+        if (!found_) find();
+        const float u = fit.best.u;
+        return bounds_.least[lane] > u - (kAgree - kRounding) &&
+               bounds_.most[lane] < u + (kAgree - kRounding);
+    }
+
+private:
+    void find() {
+        Lanes longest2{};
+        for (std::size_t k = 0; k < group_.size_; ++k) longest2[k] = group_.nodes_[k].longest2;
+        boundFallbacks(group_.lanes_, longest2, bounds_);
+        found_ = true;
+    }
+    const JetGroup& group_;
+    FermatBounds bounds_;
+    bool found_ = false;
 };
 
 JetGroup::Solutions JetGroup::solve() {
@@ -71,11 +104,12 @@ void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solut
     std::array<BestFit, Lanes::kNodes> best;
     unsigned inFallback = 0;
     FermatGroup fallback;
+    Agreement agreement(*this);
     for (; doubts; doubts &= doubts - 1) {
         const auto k = std::size_t(std::countr_zero(doubts));
         if (!nodes_[k].oneSource) {
             solutions[k] = solvePerSource(k);
-        } else if (best[k] = bestFit(k, fits); best[k].final) {
+        } else if (best[k] = bestFit(k, fits); best[k].final || agreement.isSure(k, best[k])) {
             solutions[k] = best[k].best;
         } else {
             fallback.add(k, lanes_, nodes_[k].longest2);
@@ -111,18 +145,17 @@ JetGroup::BestFit JetGroup::bestFit(std::size_t lane, const Fits& fits) const {
     fit.counts = fit.fromBothSides || !node.rim;
     fit.best.oneSided = !fit.fromBothSides && node.smooth;
     fit.final = fit.valid && fit.counts && fit.clear && node.smooth;
+    fit.mayCount = fit.valid && (fit.counts || !node.smooth);
     return fit;
 }
 
 JetGroup::Solution JetGroup::decide(std::size_t lane, const BestFit& fit,
                                     const FermatGroup& fallback) const {
-    constexpr float kAgree = 0.01f;
     const float u = lanes_.neighbor[0].u[lane] + fallback.u(lane);
+    if (fit.mayCount && std::abs(fit.best.u - u) < kAgree) return fit.best;
     FrontsMeet fronts(fallback.g(lane));
     for (std::size_t k = 0; k < lanes_.count[lane]; ++k) fronts.add(lanes_.at(lane, k));
-    const Solution other{u, fallback.g(lane), fit.best.source, true, fronts.meet()};
-    if (!fit.counts && nodes_[lane].smooth) return other;
-    return fit.valid && std::abs(fit.best.u - u) < kAgree ? fit.best : other;
+    return {u, fallback.g(lane), fit.best.source, true, fronts.meet()};
 }
 
 JetGroup::Solution JetGroup::solvePerSource(std::size_t lane) const {
