@@ -158,21 +158,17 @@ bool Band::coreCorners(LeafIndex l, unsigned at, const Ijk& low,
         all[l].core.square(o + 64, of + 4);
         return true;
     }
-    // By rows along z, of two voxels or of one in each leaf.
-    const int length = (z & 7) < 7 ? 2 : 1;
-    const std::uint64_t row = (1u << length) - 1;
-    for (int k = 0; k < 8; k += length) {
-        const int rx = x + (k >> 2), ry = y + (k >> 1 & 1), rz = z + (k & 1);
-        const LeafIndex m = leafBeside(l, rx >> 3, ry >> 3, rz >> 3);
-        const unsigned o = offsetOf(rx, ry, rz);
-        if (m == kNoLeaf || !areNodes(all[m], o, row)) return false;
-        const LeafNodes& core = all[m].core;
-        const std::uint64_t bits = core.mask.data()[o >> 6] >> (o & 63) & row;
-        of[k] = of[k + length - 1] = kNoNode;
-        if (!bits) continue;
-        const NodeIndex first = core.numberOf(o);
-        if (bits & 1) of[k] = first;
-        if (bits & 2) of[k + 1] = first + NodeIndex(bits & 1);
+    // In several leaves, mostly next to this one.
+    const auto isBeside = [](int p) { return p >= -8 && p < 15; };
+    const bool beside = isBeside(x) && isBeside(y) && isBeside(z);
+    const LeafIndex* const around = all[l].neighbor.data() + 13;
+    for (int k = 0; k < 8; ++k) {
+        const int cx = x + (k >> 2), cy = y + (k >> 1 & 1), cz = z + (k & 1);
+        const LeafIndex m = beside ? around[9 * (cx >> 3) + 3 * (cy >> 3) + (cz >> 3)]
+                                   : leafBeside(l, cx >> 3, cy >> 3, cz >> 3);
+        const unsigned o = offsetOf(cx, cy, cz);
+        if (m == kNoLeaf || !areNodes(all[m], o, 1)) return false;
+        of[k] = all[m].core.node(o);
     }
     return true;
 }

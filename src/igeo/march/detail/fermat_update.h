@@ -19,7 +19,7 @@ Jet fermatUpdate(const JetNeighbors& all);
 struct FermatBounds {
     Lanes least, most;  ///< relative to JetLanes::base
 };
-/// @param longest2  as in JetNeighbors, per node
+/// @param longest2  as in JetNeighbors, per node; 0: the node is left out
 void boundFallbacks(const JetLanes& lanes, const Lanes& longest2, FermatBounds& bounds);
 
 /// Up to eight segments, each from a neighbor p to a neighbor q.

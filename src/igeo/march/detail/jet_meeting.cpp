@@ -15,7 +15,8 @@ namespace {
 struct Meetings {
     std::vector<NodeIndex> nodes;
     std::vector<MeetingPoint> points;
-    std::vector<NodeIndex> beside;  ///< nodes at links over which fronts meet, among others
+    std::vector<NodeIndex> beside;       ///< nodes at links over which fronts meet, among others
+    std::vector<JetNeighbor> neighbors;  ///< of the node in work
 
     void append(const Meetings& other) {
         nodes.insert(nodes.end(), other.nodes.begin(), other.nodes.end());
@@ -41,11 +42,6 @@ private:
     JetLinks& own_;
 };
 
-/// A node at the other end of a link, in the chart of this one.
-JetNeighbor neighborOver(const CoreJets& jets, const JetLink& link, double value) {
-    return {link.a(), link.turned(jets.state[link.node()].g), value};
-}
-
 /// Adds a node, if fronts meet across it.
 void visit(const CoreJets& jets, const Links& links, NodeIndex i, Meetings& meetings) {
     constexpr float kToward = 0.1f;
@@ -54,33 +50,31 @@ void visit(const CoreJets& jets, const Links& links, NodeIndex i, Meetings& meet
     if (!jets.accepted(i) || node.obstacleState != Metric::Clear) return;
     const auto [row, creased] = links.rowAt(i);
     const std::uint32_t label = jets.labelOf(i);
+    const auto value = [&](NodeIndex k) {
+        return (jets.valueOf(k) - jets.seeds.leastStart) / double(node.weight);
+    };
+    std::vector<JetNeighbor>& neighbors = meetings.neighbors;
+    neighbors.clear();
     FrontsMeet fronts(jets.state[i].g);
     bool plain = !creased;
     for (const JetLink& link : row) {
         const NodeIndex j = link.node();
         plain &= jets.labelOf(j) == label;
-        if (jets.accepted(j) && fronts.add(neighborOver(jets, link, 0)) > kToward)
-            meetings.beside.push_back(j);
+        if (!jets.accepted(j)) continue;
+        neighbors.push_back({link.a(), link.turned(jets.state[j].g), value(j)});
+        if (fronts.add(neighbors.back()) > kToward) meetings.beside.push_back(j);
     }
     if (!plain || !fronts.meet()) return;
-    const LocalFrame local = core.localFrame(i);
-    auto value = [&](NodeIndex k) {
-        return (jets.valueOf(k) - jets.seeds.leastStart) / local.weight;
-    };
-    std::array<JetNeighbor, JetLinks::kMax> neighbors;
-    std::size_t count = 0;
-    for (const JetLink& link : row)
-        if (const NodeIndex j = link.node(); jets.accepted(j))
-            neighbors[count++] = neighborOver(jets, link, value(j));
     meetings.nodes.push_back(i);
-    meetings.points.push_back({node.leaf, node.offset, node.foot, local, label, value(i)});
-    meetings.points.back().findFronts({neighbors.data(), count});
+    meetings.points.push_back(
+        {node.leaf, node.offset, node.foot, core.localFrame(i), label, value(i)});
+    meetings.points.back().findFronts(neighbors);
 }
 
 /// Work on parts of a list, in parallel; the results in the order of the list.
 template <typename Result, typename Work>
 std::vector<Result> byParts(std::size_t size, const Work& work) {
-    constexpr std::size_t kPart = 64;
+    constexpr std::size_t kPart = 256;
     std::vector<Result> found((size + kPart - 1) / kPart);
     parallelFor(found.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p)

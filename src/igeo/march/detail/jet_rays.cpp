@@ -38,15 +38,18 @@ struct RaySearch {
     /// @param curvature  of the front at its end
     void take(double value, float angle, float curvature) {
         constexpr int kMostRays = 4;
-        constexpr float kGain = 4e-3f, kFlat = 0.02f, kMostTurn = 0.7f, kLeastSpread = 0.5f;
-        const float slope =
-            turn != 0 ? (angle - off) / turn : std::min(-1 - kLength * curvature, -kLeastSpread);
-        const float next = std::clamp(angle / std::max(-slope, kFlat), -kMostTurn, kMostTurn);
+        constexpr float kGain = 3e-4f, kSureGain = 4e-3f, kFlat = 0.02f, kMostTurn = 0.7f,
+                        kSpreads = 0.8f;
+        const bool isFirst = ++rays == 1;
+        const float slope = isFirst ? -1 - kLength * curvature : (angle - off) / turn,
+                    least = isFirst ? 1 : kFlat;
+        const float next = std::clamp(angle / std::max(-slope, least), -kMostTurn, kMostTurn);
         const Vec2f corrected = rotated(direction, next);
-        // Twice what the next ray will gain.
+        // Twice what the next ray will gain, which is known unless a focus is near.
         const float gain = kLength * angle * next;
-        done = gain < kGain || ++rays == kMostRays;
-        if (gain < kGain) value -= double(gain / 2);
+        const bool isSure = slope < -kSpreads && gain < kSureGain;
+        done = isSure || gain < kGain || rays == kMostRays;
+        if (isSure) value -= double(gain / 2);
         if (value < u) u = value, best = slope < -kFlat ? corrected : direction;
         off = angle, turn = next, direction = corrected;
     }

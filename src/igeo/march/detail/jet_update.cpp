@@ -12,6 +12,12 @@ namespace {
 /// So near to the fallback a fit has to be where it is in doubt.
 constexpr float kAgree = 0.01f;
 
+/// Whether a fit agrees with the fallback for certain.
+bool surelyAgrees(float u, const FermatBounds& bounds, std::size_t lane) {
+    constexpr float kSure = kAgree - 1e-3f;
+    return bounds.least[lane] > u - kSure && bounds.most[lane] < u + kSure;
+}
+
 }  // namespace
 
 /// The fronts of the nodes of a group, and the fits of one or two of them.
@@ -61,31 +67,6 @@ struct JetGroup::BestFit {
     }
 };
 
-/// Whether fits agree with the fallbacks, as far as bounds of these tell.
-class JetGroup::Agreement {
-public:
-    explicit Agreement(const JetGroup& group) : group_(group) {}
-    bool isSure(std::size_t lane, const BestFit& fit) {
-        constexpr float kRounding = 1e-3f;
-        if (!fit.mayCount) return false;
-        if (!found_) find();
-        const float u = fit.best.u;
-        return bounds_.least[lane] > u - (kAgree - kRounding) &&
-               bounds_.most[lane] < u + (kAgree - kRounding);
-    }
-
-private:
-    void find() {
-        Lanes longest2{};
-        for (std::size_t k = 0; k < group_.size_; ++k) longest2[k] = group_.nodes_[k].longest2;
-        boundFallbacks(group_.lanes_, longest2, bounds_);
-        found_ = true;
-    }
-    const JetGroup& group_;
-    FermatBounds bounds_;
-    bool found_ = false;
-};
-
 JetGroup::Solutions JetGroup::solve() {
     if (!filled_) closeLanes(), lanes_.pad();
     const Fits fits(lanes_);
@@ -103,18 +84,28 @@ JetGroup::Solutions JetGroup::solve() {
 void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const {
     std::array<BestFit, Lanes::kNodes> best;
     unsigned inFallback = 0;
-    FermatGroup fallback;
-    Agreement agreement(*this);
+    Lanes longest2{};
     for (; doubts; doubts &= doubts - 1) {
         const auto k = std::size_t(std::countr_zero(doubts));
         if (!nodes_[k].oneSource) {
             solutions[k] = solvePerSource(k);
-        } else if (best[k] = bestFit(k, fits); best[k].final || agreement.isSure(k, best[k])) {
+        } else if (best[k] = bestFit(k, fits); best[k].final) {
             solutions[k] = best[k].best;
         } else {
-            fallback.add(k, lanes_, nodes_[k].longest2);
+            if (best[k].mayCount) longest2[k] = nodes_[k].longest2;
             inFallback |= 1u << k;
         }
+    }
+    if (!inFallback) return;
+    FermatBounds bounds;
+    boundFallbacks(lanes_, longest2, bounds);
+    FermatGroup fallback;
+    for (unsigned left = inFallback; left; left &= left - 1) {
+        const auto k = std::size_t(std::countr_zero(left));
+        if (best[k].mayCount && surelyAgrees(best[k].best.u, bounds, k))
+            solutions[k] = best[k].best, inFallback &= ~(1u << k);
+        else
+            fallback.add(k, lanes_, nodes_[k].longest2);
     }
     fallback.finish();
     for (; inFallback; inFallback &= inFallback - 1) {

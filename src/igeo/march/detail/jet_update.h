@@ -97,7 +97,6 @@ private:
     };
     struct Fits;
     struct BestFit;
-    class Agreement;
     /// @param doubts  bits: the nodes to solve
     void solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const;
     /// What the fits of a node come to.
