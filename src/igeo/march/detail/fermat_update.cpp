@@ -198,7 +198,7 @@ private:
         const V gpx = in(from.gx), gpy = in(from.gy), gqx = in(to.gx), gqy = in(to.gy);
         const V ex = apx - aqx, ey = apy - aqy, square = ex * ex + ey * ey, zero{}, one = zero + 1;
         const auto counts = (gpx * gqx + gpy * gqy >= zero + jet::kSameFront) &
-                            (square < longest2_) & (apx * aqx + apy * aqy >= -0.5f * lengths);
+                            (square <= longest2_) & (apx * aqx + apy * aqy >= -0.5f * lengths);
         if (!any(counts)) return;
         constexpr float kTiny = 1e-12f;
         const V up = in(from.u), du = in(to.u) - up, flat = square - du * du;

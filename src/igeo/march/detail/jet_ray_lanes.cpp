@@ -181,7 +181,7 @@ void lookAhead(float step, RayLanes& rays, CellPoints& points) {
         const Four sink = step * in(rays.turn) / 2;
         const auto look = [&](const Lanes& from, const Lanes& v, const Lanes& n, Lanes& ahead,
                               auto& low, Lanes& place) {
-            const Four to = in(from) + step * in(v)-sink * in(n);
+            const Four way = step * in(v), down = sink * in(n), to = in(from) + way - down;
             const Integers whole = __builtin_convertvector(to, Integers),
                            floor = whole + (__builtin_convertvector(whole, Four) > to);
             storeLanes(to, ahead.of + lane);
