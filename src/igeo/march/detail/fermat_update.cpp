@@ -201,10 +201,10 @@ private:
                             (square <= longest2_) & (apx * aqx + apy * aqy >= -0.5f * lengths);
         if (!any(counts)) return;
         constexpr float kTiny = 1e-12f;
-        const V up = in(from.u), du = in(to.u) - up, flat = square - du * du;
-        const V beside =
-                    absolute(apx * ey - apy * ex) * du / roots(flat > kTiny ? flat : kTiny + zero),
-                at = (apx * ex + apy * ey - beside) / (square > kTiny ? square : kTiny + zero),
+        const V up = in(from.u), du = in(to.u) - up, flat = square - du * du,
+                root = roots(flat > kTiny ? flat : kTiny + zero),
+                at = ((apx * ex + apy * ey) * root - absolute(apx * ey - apy * ex) * du) /
+                     ((square > kTiny ? square : kTiny + zero) * root),
                 s = at > 1   ? one
                     : at > 0 ? at
                              : zero,
