@@ -38,16 +38,15 @@ struct RaySearch {
     /// @param curvature  of the front at its end
     void take(double value, float angle, float curvature) {
         constexpr int kMostRays = 4;
-        constexpr float kGain = 3e-4f, kSureGain = 4e-3f, kFlat = 0.02f, kMostTurn = 0.7f,
-                        kSpreads = 0.8f;
+        constexpr float kGain = 3e-4f, kSureGain = 4e-3f, kFlat = 0.02f, kMostTurn = 0.7f;
         const bool isFirst = ++rays == 1;
         const float slope = isFirst ? -1 - kLength * curvature : (angle - off) / turn,
                     least = isFirst ? 1 : kFlat;
         const float next = std::clamp(angle / std::max(-slope, least), -kMostTurn, kMostTurn);
         const Vec2f corrected = rotated(direction, next);
-        // Twice what the next ray will gain, which is known unless a focus is near.
+        // Twice what the next ray will gain, which is known where the front spreads.
         const float gain = kLength * angle * next;
-        const bool isSure = slope < -kSpreads && gain < kSureGain;
+        const bool isSure = slope < -1 && gain < kSureGain;
         done = isSure || gain < kGain || rays == kMostRays;
         if (isSure) value -= double(gain / 2);
         if (value < u) u = value, best = slope < -kFlat ? corrected : direction;
