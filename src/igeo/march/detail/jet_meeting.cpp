@@ -28,7 +28,7 @@ struct Meetings {
 /// The links of the core after a march.
 class Links {
 public:
-    /// @param own  of the march, where the core has none: made anew where they are needed
+    /// @param own  of the march, where the core has none: made again where they are needed
     Links(const JetCore& core, JetLinks& own) : core_(core), own_(own) {}
 
     JetLinks::Row rowAt(NodeIndex i) const {
