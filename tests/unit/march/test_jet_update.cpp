@@ -93,6 +93,46 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("boundFallbacks: the fallback lies between, and closely so on one front") {
+    std::mt19937 random(12);
+    std::uniform_real_distribution<float> at(-1.5f, 1.5f), angle(0, 6.2831853f), one(-1, 1);
+    float widest = 0;
+    for (int k = 0; k < 2000; ++k) {
+        // Values and directions of one front that are off by a little, or by a lot.
+        const float off = k % 2 ? 0.5f : 0.003f, from = angle(random);
+        const Vec2f source{-30 * std::cos(from), -30 * std::sin(from)};
+        JetNeighbors all;
+        JetLanes lanes;
+        const auto node = std::size_t(k % 8), count = std::size_t(2 + k % 7);
+        lanes.base = {};
+        for (std::size_t n = 0; n < count; ++n) {
+            JetNeighbor next = onCircle({at(random), at(random)}, source);
+            const float turn = off * one(random), c = std::cos(turn), s = std::sin(turn);
+            next.g = {c * next.g.x - s * next.g.y, s * next.g.x + c * next.g.y};
+            next.u += double(off * one(random));
+            all.add(next);
+            JetLanes::Neighbor& to = lanes.neighbor[n];
+            to.ax[node] = next.a.x, to.ay[node] = next.a.y;
+            to.gx[node] = next.g.x, to.gy[node] = next.g.y, to.u[node] = float(next.u);
+        }
+        lanes.count[node] = std::uint32_t(count);
+        lanes.pad();
+        Lanes longest2{};
+        longest2[node] = all.longest2;
+        FermatBounds bounds;
+        boundFallbacks(lanes, longest2, bounds);
+        const auto u = float(fermatUpdate(all).u);
+        INFO("case " << k);
+        REQUIRE(bounds.least[node] < u + 2e-5f);
+        // The search misses the least by a little.
+        REQUIRE(bounds.most[node] > u - 2e-3f);
+        if (k % 2 == 0) REQUIRE(u < bounds.most[node] + 1e-4f);
+        if (k % 2 == 0) widest = std::max(widest, bounds.most[node] - bounds.least[node]);
+    }
+    std::printf("bounds of fallbacks: up to %.1e apart\n", double(widest));
+    CHECK(widest < 0.017f);  // measured 0.011
+}
+
 TEST_CASE("blendJets interpolates a circular front exactly and keeps two fronts apart") {
     JetNeighbors around;
     std::array<float, JetNeighbors::kMax> weight{};

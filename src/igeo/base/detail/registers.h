@@ -126,7 +126,7 @@ IGEO_INLINE VectorLanes<Width> cross(const VectorLanes<Width>& v, const VectorLa
     return {v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
 }
 
-/// igeo::anyNormalTo, with the same bits.
+/// igeo::anyNormalTo per lane, with the same bits.
 template <int Width>
 IGEO_INLINE VectorLanes<Width> anyNormalTo(const VectorLanes<Width>& n) {
     using V = typename Registers<Width>::Vector;

@@ -160,6 +160,87 @@ private:
     const std::size_t p_, q_;
 };
 
+/// The bounds for the nodes from `first` on that fit into a register.
+template <int Width>
+class LaneBounds {
+    using V = typename Registers<Width>::Vector;
+
+public:
+    IGEO_INLINE LaneBounds(const JetLanes& lanes, const Lanes& longest2, std::size_t first)
+        : lanes_(lanes), first_(first), longest2_(in(longest2)), most_(0) {
+        for (std::size_t k = first; k < first + Width; ++k)
+            if (longest2[k] > 0) most_ = std::max(most_, std::size_t(lanes.count[k]));
+    }
+
+    IGEO_INLINE void find(FermatBounds& bounds) const {
+        V least = V{} + JetFronts::kNoValue, most = least;
+        V len[JetLanes::kMax];
+        for (std::size_t p = 0; p < most_; ++p) {
+            const JetLanes::Neighbor& n = lanes_.neighbor[p];
+            const V ax = in(n.ax), ay = in(n.ay);
+            len[p] = roots(ax * ax + ay * ay);
+            const V u = in(n.u) + len[p];
+            least = u < least ? u : least;
+        }
+        most = least;
+        for (std::size_t q = 1; q < most_; ++q)
+            for (std::size_t p = 0; p < q; ++p) bound(p, q, len[p] * len[q], least, most);
+        out(bounds.least) = least, out(bounds.most) = most;
+    }
+
+private:
+    /// The segment of two neighbors. With u linear on it the total is convex, and least at s; by
+    /// how much the cubic lies below follows from the slopes at the ends.
+    IGEO_INLINE void bound(std::size_t p, std::size_t q, const V& lengths, V& least,
+                           V& most) const {
+        const JetLanes::Neighbor &from = lanes_.neighbor[p], &to = lanes_.neighbor[q];
+        const V apx = in(from.ax), apy = in(from.ay), aqx = in(to.ax), aqy = in(to.ay);
+        const V gpx = in(from.gx), gpy = in(from.gy), gqx = in(to.gx), gqy = in(to.gy);
+        const V ex = apx - aqx, ey = apy - aqy, square = ex * ex + ey * ey, zero{}, one = zero + 1;
+        const auto counts = (gpx * gqx + gpy * gqy >= zero + jet::kSameFront) &
+                            (square <= longest2_) & (apx * aqx + apy * aqy >= -0.5f * lengths);
+        if (!any(counts)) return;
+        constexpr float kTiny = 1e-12f;
+        const V up = in(from.u), du = in(to.u) - up, flat = square - du * du,
+                root = roots(flat > kTiny ? flat : kTiny + zero),
+                at = ((apx * ex + apy * ey) * root - absolute(apx * ey - apy * ex) * du) /
+                     ((square > kTiny ? square : kTiny + zero) * root),
+                s = at > 1   ? one
+                    : at > 0 ? at
+                             : zero,
+                t = 1 - s;
+        const V x = apx - s * ex, y = apy - s * ey, linear = up + s * du + roots(x * x + y * y);
+        const V mp = gpx * ex + gpy * ey - du, mq = gqx * ex + gqy * ey - du,
+                dip = (4.0f / 27) * ((mp < 0 ? -mp : zero) + (mq > 0 ? mq : zero)),
+                low = linear - dip, high = linear + s * t * (t * mp - s * mq);
+        least = counts & (low < least) ? low : least;
+        most = counts & (high < most) ? high : most;
+    }
+    IGEO_INLINE static V roots(V v) {
+        takeRoots<Width>(v);
+        return v;
+    }
+    IGEO_INLINE const V& in(const Lanes& l) const {
+        return *reinterpret_cast<const V*>(l.of + first_);
+    }
+    IGEO_INLINE V& out(Lanes& l) const { return *reinterpret_cast<V*>(l.of + first_); }
+
+    const JetLanes& lanes_;
+    const std::size_t first_;
+    const V longest2_;
+    std::size_t most_;
+};
+
+void boundByFour(const JetLanes& lanes, const Lanes& longest2, FermatBounds& bounds) {
+    for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
+        LaneBounds<4>(lanes, longest2, first).find(bounds);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 void boundByEight(const JetLanes& lanes, const Lanes& longest2, FermatBounds& bounds) {
+    LaneBounds<8>(lanes, longest2, 0).find(bounds);
+}
+#endif
+
 /// LanePairs::find for eight pairs.
 unsigned findPairsByFour(const NeighborRing& ring, std::size_t first, std::size_t apart,
                          float below) {
@@ -181,6 +262,13 @@ unsigned findPairs(const NeighborRing& ring, std::size_t first, std::size_t apar
 }
 
 }  // namespace
+
+void boundFallbacks(const JetLanes& lanes, const Lanes& longest2, FermatBounds& bounds) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return boundByEight(lanes, longest2, bounds);
+#endif
+    boundByFour(lanes, longest2, bounds);
+}
 
 void FermatGroup::add(std::size_t node, const JetLanes& lanes, float longest2) {
     NeighborRing ring(lanes.count[node], longest2);

@@ -15,6 +15,13 @@ namespace igeo {
 /// @return u = +infinity without neighbors
 Jet fermatUpdate(const JetNeighbors& all);
 
+/// Bounds of the fallbacks of the nodes of a group, without a search.
+struct FermatBounds {
+    Lanes least, most;  ///< relative to JetLanes::base
+};
+/// @param longest2  as in JetNeighbors, per node; 0: the node is left out
+void boundFallbacks(const JetLanes& lanes, const Lanes& longest2, FermatBounds& bounds);
+
 /// Up to eight segments, each from a neighbor p to a neighbor q.
 struct SegmentLanes {
     struct End {

@@ -24,7 +24,8 @@ std::int32_t hindranceBits() {
 struct CoreArrays {
     const JetNode* nodes;
     const JetState* states;
-    const Vec3f* gradients;  ///< null: left out
+    const Vec3f* gradients;  ///< null: computed from the states
+    bool ofS;                ///< without gradients
     float bucketWidth;
     bool weighted;
     std::int32_t hindrance = hindranceBits();
@@ -92,9 +93,12 @@ public:
             out(to.y) = y - __builtin_convertvector(b, V) - foot.y;
             out(to.z) = z - __builtin_convertvector(c, V) - foot.z;
             out(to.mx) = other.x, out(to.my) = other.y, out(to.mz) = other.z;
-            if (!core.gradients) continue;
+            if (core.ofS) continue;
             V g[4];
-            loadFours<Width>(core.gradients, sizeof(Vec3f), index, g);
+            if (core.gradients)
+                loadFours<Width>(core.gradients, sizeof(Vec3f), index, g);
+            else
+                lift(other, state[2], state[3], g);
             out(to.gx) = where(there, g[0]), out(to.gy) = where(there, g[1]);
             out(to.gz) = where(there, g[2]);
         }
@@ -116,6 +120,11 @@ private:
             all |= (node != std::int32_t(kNoNode)) & (weight >= kLight) & (1 << k);
         }
         return all;
+    }
+    /// TangentFrame::lift.
+    IGEO_INLINE static void lift(const Vectors& normal, const V& x, const V& y, V (&g)[4]) {
+        const Vectors t = anyNormalTo<Width>(normal), of = t * x + cross(normal, t) * y;
+        g[0] = of.x, g[1] = of.y, g[2] = of.z;
     }
     IGEO_INLINE static V where(const Integers& there, const V& v) { return V(there & Integers(v)); }
     IGEO_INLINE V in(const Lanes& l) const { return *reinterpret_cast<const V*>(l.of + first_); }
@@ -198,33 +207,29 @@ std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
 
 namespace {
 
-void gather(const CoreJets& jets, const Vec3f* gradients, const CellPoints& points,
-            JetCorners& corners) {
-    const CoreArrays core{jets.core->nodes.data(), jets.state.data(), gradients,
-                          float(jets.buckets.width), jets.core->metric.weighted()};
+void gather(const CoreArrays& core, const CellPoints& points, JetCorners& corners) {
 #ifdef IGEO_AVX2
     if (eightAtATime()) return gatherByEight(core, points, corners);
 #endif
     gatherByFour(core, points, corners);
 }
+CoreArrays arraysOf(const CoreJets& jets) {
+    return {jets.core->nodes.data(),   jets.state.data(),           nullptr, true,
+            float(jets.buckets.width), jets.core->metric.weighted()};
+}
 
 }  // namespace
 
 void gatherCornersOfS(const CoreJets& jets, const CellPoints& points, JetCorners& corners) {
-    gather(jets, nullptr, points, corners);
+    gather(arraysOf(jets), points, corners);
 }
 
 void gatherCorners(const CoreJets& jets, const std::vector<Vec3f>& gradients,
                    const CellPoints& points, JetCorners& corners) {
-    if (!gradients.empty()) return gather(jets, gradients.data(), points, corners);
-    gatherCornersOfS(jets, points, corners);
-    for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane)
-        for (std::size_t k = 0; k < JetCorners::kMax; ++k) {
-            const bool there = k < corners.count[lane];
-            const Vec3f g = there ? jets.gradientOf(corners.node[k][lane]) : Vec3f{};
-            JetCorners::Corner& c = corners.corner[k];
-            c.gx[lane] = g.x, c.gy[lane] = g.y, c.gz[lane] = g.z;
-        }
+    CoreArrays core = arraysOf(jets);
+    core.ofS = false;
+    if (!gradients.empty()) core.gradients = gradients.data();
+    gather(core, points, corners);
 }
 
 }  // namespace igeo

@@ -460,7 +460,7 @@ Field JetMarch::take() {
     field.lines = jets_.seeds.lines;
     field.solved = accepted_;
     field.fallbackCount = byFallback_;
-    solveMeetings(jets_, frontsMeet_);
+    solveMeetings(jets_, ownLinks_, frontsMeet_);
     field.core = std::make_shared<const CoreJets>(std::move(jets_));
     return field;
 }

@@ -15,7 +15,8 @@ namespace {
 struct Meetings {
     std::vector<NodeIndex> nodes;
     std::vector<MeetingPoint> points;
-    std::vector<NodeIndex> beside;  ///< nodes at links over which fronts meet, among others
+    std::vector<NodeIndex> beside;       ///< nodes at links over which fronts meet, among others
+    std::vector<JetNeighbor> neighbors;  ///< of the node in work
 
     void append(const Meetings& other) {
         nodes.insert(nodes.end(), other.nodes.begin(), other.nodes.end());
@@ -24,38 +25,56 @@ struct Meetings {
     }
 };
 
+/// The links of the core after a march.
+class Links {
+public:
+    /// @param own  of the march, where the core has none: made again where they are needed
+    Links(const JetCore& core, JetLinks& own) : core_(core), own_(own) {}
+
+    JetLinks::Row rowAt(NodeIndex i) const {
+        if (!core_.links.empty()) return core_.links.rowAt(i);
+        own_.make(core_, i);
+        return own_.rowAt(i);
+    }
+
+private:
+    const JetCore& core_;
+    JetLinks& own_;
+};
+
 /// Adds a node, if fronts meet across it.
-void visit(const CoreJets& jets, NodeIndex i, Meetings& meetings) {
-    constexpr float kSmooth = 0.9f, kToward = 0.1f;
+void visit(const CoreJets& jets, const Links& links, NodeIndex i, Meetings& meetings) {
+    constexpr float kToward = 0.1f;
     const JetCore& core = *jets.core;
     const JetNode& node = core.nodes[i];
     if (!jets.accepted(i) || node.obstacleState != Metric::Clear) return;
-    const LocalFrame local = core.localFrame(i);
+    const auto [row, creased] = links.rowAt(i);
     const std::uint32_t label = jets.labelOf(i);
-    auto value = [&](NodeIndex k) {
-        return (jets.valueOf(k) - jets.seeds.leastStart) / local.weight;
+    const auto value = [&](NodeIndex k) {
+        return (jets.valueOf(k) - jets.seeds.leastStart) / double(node.weight);
     };
-    std::array<JetNeighbor, JetNeighbors::kMax> neighbors;
-    std::size_t count = 0;
+    std::vector<JetNeighbor>& neighbors = meetings.neighbors;
+    neighbors.clear();
     FrontsMeet fronts(jets.state[i].g);
-    bool plain = true;
-    forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f& chord, float cosine) {
-        plain &= cosine > kSmooth && jets.labelOf(j) == label;
-        if (!plain || !jets.accepted(j) || count == neighbors.size()) return;
-        neighbors[count] = flattened(local.frame, chord, core.nodes[j].normal, cosine,
-                                     jets.gradientOf(j), value(j));
-        if (fronts.add(neighbors[count++]) > kToward) meetings.beside.push_back(j);
-    });
+    bool plain = !creased;
+    for (const JetLink& link : row) {
+        const NodeIndex j = link.node();
+        plain &= jets.labelOf(j) == label;
+        if (!jets.accepted(j)) continue;
+        neighbors.push_back({link.a(), link.turned(jets.state[j].g), value(j)});
+        if (fronts.add(neighbors.back()) > kToward) meetings.beside.push_back(j);
+    }
     if (!plain || !fronts.meet()) return;
     meetings.nodes.push_back(i);
-    meetings.points.push_back({node.leaf, node.offset, node.foot, local, label, value(i)});
-    meetings.points.back().findFronts({neighbors.data(), count});
+    meetings.points.push_back(
+        {node.leaf, node.offset, node.foot, core.localFrame(i), label, value(i)});
+    meetings.points.back().findFronts(neighbors);
 }
 
 /// Work on parts of a list, in parallel; the results in the order of the list.
 template <typename Result, typename Work>
 std::vector<Result> byParts(std::size_t size, const Work& work) {
-    constexpr std::size_t kPart = 64;
+    constexpr std::size_t kPart = 256;
     std::vector<Result> found((size + kPart - 1) / kPart);
     parallelFor(found.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p)
@@ -64,10 +83,10 @@ std::vector<Result> byParts(std::size_t size, const Work& work) {
     return found;
 }
 
-Meetings meetingsAmong(const CoreJets& jets, std::span<const NodeIndex> nodes) {
+Meetings meetingsAmong(const CoreJets& jets, const Links& links, std::span<const NodeIndex> nodes) {
     const auto parts = byParts<Meetings>(nodes.size(), [&](std::size_t begin, std::size_t end) {
         Meetings found;
-        for (std::size_t k = begin; k < end; ++k) visit(jets, nodes[k], found);
+        for (std::size_t k = begin; k < end; ++k) visit(jets, links, nodes[k], found);
         return found;
     });
     Meetings all;
@@ -76,15 +95,15 @@ Meetings meetingsAmong(const CoreJets& jets, std::span<const NodeIndex> nodes) {
 }
 
 /// Those among the nodes and beside them.
-Meetings meetingsAround(const CoreJets& jets, std::vector<NodeIndex> nodes) {
-    Meetings found = meetingsAmong(jets, nodes);
+Meetings meetingsAround(const CoreJets& jets, const Links& links, std::vector<NodeIndex> nodes) {
+    Meetings found = meetingsAmong(jets, links, nodes);
     std::sort(nodes.begin(), nodes.end());
     std::vector<NodeIndex> beside = std::move(found.beside);
     std::sort(beside.begin(), beside.end());
     beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
     std::erase_if(beside,
                   [&](NodeIndex j) { return std::binary_search(nodes.begin(), nodes.end(), j); });
-    found.append(meetingsAmong(jets, beside));
+    found.append(meetingsAmong(jets, links, beside));
     return found;
 }
 
@@ -97,11 +116,12 @@ void setJet(CoreJets& jets, NodeIndex i, const Solved& jet) {
 
 }  // namespace
 
-void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes) {
+void solveMeetings(CoreJets& jets, JetLinks& own, const std::vector<NodeIndex>& nodes) {
     using Solutions = std::vector<std::optional<Solved>>;
     const JetCore& core = *jets.core;
     if (core.costsVary || core.metric.anisotropic() || nodes.empty()) return;
-    const Meetings meetings = meetingsAround(jets, nodes);
+    const Links links(core, own);
+    const Meetings meetings = meetingsAround(jets, links, nodes);
     if (meetings.points.empty()) return;
     const auto parts =
         byParts<Solutions>(meetings.points.size(), [&](std::size_t begin, std::size_t end) {
@@ -113,9 +133,7 @@ void solveMeetings(CoreJets& jets, const std::vector<NodeIndex>& nodes) {
         for (const std::optional<Solved>& jet : part) {
             const NodeIndex i = *node++;
             jets.meetings[i] = true;
-            forLinks(core, i, [&](NodeIndex j, const Ijk&, const Vec3f&, float) {
-                jets.meetings[j] = true;
-            });
+            for (const JetLink& link : links.rowAt(i).links) jets.meetings[link.node()] = true;
             if (jet) setJet(jets, i, *jet);
         }
 }

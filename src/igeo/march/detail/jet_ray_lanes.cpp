@@ -69,6 +69,7 @@ private:
             value += member_[k] *
                      (in(corners_.corner[k].u) + dot(g + own(k), chord(k)) / (1 + dot(g, own(k))));
         out(rays_.u) = value / total;
+        out(rays_.curvature) = curvature;
         out(rays_.off) = dot(cross(g, v_), normal_);
     }
 
@@ -172,13 +173,26 @@ void step(const JetCorners& corners, bool faceted, bool isLast, RayLanes& rays) 
 
 }  // namespace
 
-void lookAhead(float step, RayLanes& rays) {
-    for (std::size_t k = 0; k < Lanes::kNodes; ++k) {
-        const float sink = step * rays.turn[k] / 2;
-        rays.aheadX[k] = rays.x[k] + step * rays.vx[k] - sink * rays.nx[k];
-        rays.aheadY[k] = rays.y[k] + step * rays.vy[k] - sink * rays.ny[k];
-        rays.aheadZ[k] = rays.z[k] + step * rays.vz[k] - sink * rays.nz[k];
+void lookAhead(float step, RayLanes& rays, CellPoints& points) {
+    using Four = Registers<4>::Vector;
+    using Integers = Registers<4>::Integers;
+    for (std::size_t lane = 0; lane < Lanes::kNodes; lane += 4) {
+        const auto in = [&](const Lanes& l) { return loadLanes<4>(l.of + lane); };
+        const Four sink = step * in(rays.turn) / 2;
+        const auto look = [&](const Lanes& from, const Lanes& v, const Lanes& n, Lanes& ahead,
+                              auto& low, Lanes& place) {
+            const Four way = step * in(v), down = sink * in(n), to = in(from) + way - down;
+            const Integers whole = __builtin_convertvector(to, Integers),
+                           floor = whole + (__builtin_convertvector(whole, Four) > to);
+            storeLanes(to, ahead.of + lane);
+            storeLanes(floor, low.data() + lane);
+            storeLanes(to - __builtin_convertvector(floor, Four), place.of + lane);
+        };
+        look(rays.x, rays.vx, rays.nx, rays.aheadX, rays.lowX, points.x);
+        look(rays.y, rays.vy, rays.ny, rays.aheadY, rays.lowY, points.y);
+        look(rays.z, rays.vz, rays.nz, rays.aheadZ, rays.lowZ, points.z);
     }
+    points.nx = rays.nx, points.ny = rays.ny, points.nz = rays.nz;
 }
 void makeStep(const JetCorners& corners, bool faceted, RayLanes& rays) {
     step(corners, faceted, false, rays);

@@ -18,14 +18,16 @@ struct RayLanes {
     alignas(32) PerLane<std::int32_t> valid;  ///< 0 or -1: the ray is on smooth S
 
     Lanes aheadX, aheadY, aheadZ;  ///< where the next step leads to, but for its height above S
+    alignas(32) PerLane<std::int32_t> lowX, lowY, lowZ;  ///< the low corner of the cell there
 
     /// At the end of a ray.
-    Lanes u;    ///< value, over the weight, from the bucket of JetCorners on
-    Lanes off;  ///< sine of the angle from the ray to the path back, about the normal
+    Lanes u;          ///< value, over the weight, from the bucket of JetCorners on
+    Lanes curvature;  ///< of the front
+    Lanes off;        ///< sine of the angle from the ray to the path back, about the normal
 };
 
-/// Sets where steps of a length lead to.
-void lookAhead(float step, RayLanes& rays);
+/// Sets where steps of a length lead to, and the points there but for the nodes around them.
+void lookAhead(float step, RayLanes& rays, CellPoints& points);
 /// Makes the step.
 /// @param corners  of the cells around the points ahead
 /// @param faceted  as Band::faceted

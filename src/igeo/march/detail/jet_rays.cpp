@@ -22,6 +22,7 @@ Vec2f rotated(Vec2f v, float angle) {
 struct RaySearch {
     const MeetingPoint* point = nullptr;
     std::size_t number = 0;  ///< of the point
+    int rays = 0;            ///< sent so far
     Vec2f direction;         ///< of the next ray, in the chart of the point
     float turn = 0;          ///< from the ray before to the next one
     float off = 0;           ///< the angle at the end of the ray before
@@ -34,14 +35,21 @@ struct RaySearch {
         : point(&p), number(n), direction(-1.0f * front) {}
 
     /// Takes what a ray found, and turns the next one.
-    void take(double value, float angle) {
-        constexpr float kGain = 3e-4f, kFlat = 0.02f, kMostTurn = 0.7f;
-        const float slope = turn != 0 ? (angle - off) / turn : -1;
-        const float next = std::clamp(angle / std::max(-slope, kFlat), -kMostTurn, kMostTurn);
+    /// @param curvature  of the front at its end
+    void take(double value, float angle, float curvature) {
+        constexpr int kMostRays = 4;
+        constexpr float kGain = 3e-4f, kSureGain = 4e-3f, kFlat = 0.02f, kMostTurn = 0.7f;
+        const bool isFirst = ++rays == 1;
+        const float slope = isFirst ? -1 - kLength * curvature : (angle - off) / turn,
+                    least = isFirst ? 1 : kFlat;
+        const float next = std::clamp(angle / std::max(-slope, least), -kMostTurn, kMostTurn);
         const Vec2f corrected = rotated(direction, next);
+        // Twice what the next ray will gain, which is known where the front spreads.
+        const float gain = kLength * angle * next;
+        const bool isSure = slope < -1 && gain < kSureGain;
+        done = isSure || gain < kGain || rays == kMostRays;
+        if (isSure) value -= double(gain / 2);
         if (value < u) u = value, best = slope < -kFlat ? corrected : direction;
-        // Twice what the next ray will gain.
-        done = kLength * angle * next < kGain;
         off = angle, turn = next, direction = corrected;
     }
 };
@@ -52,17 +60,11 @@ public:
     RayGroup(const CoreJets& jets, const std::vector<Vec3f>& gradients)
         : jets_(jets), core_(*jets.core), gradients_(gradients) {}
 
-    bool full() const { return size_ == Lanes::kNodes; }
-    bool empty() const { return size_ == 0; }
-    void add(const RaySearch& search) { search_[size_++] = search; }
-    /// Calls take(search) for each of the searches, once they are done, and takes them out.
-    template <typename Take>
-    void run(const Take& take) {
-        constexpr int kRounds = 4;
-        for (int round = 0; round < kRounds && anyLeft(); ++round) {
-            begin();
+    /// Ends the searches. A lane takes the next one as soon as one has ended.
+    void run(std::span<RaySearch> searches) {
+        while (begin(searches)) {
             for (int k = 1; k <= kSteps; ++k) {
-                lookAhead(kStep, rays_);
+                lookAhead(kStep, rays_, points_);
                 findCorners();
                 if (k < kSteps) {
                     gatherCornersOfS(jets_, points_, corners_);
@@ -72,56 +74,54 @@ public:
                     makeLastStep(corners_, core_.band.faceted, rays_);
                 }
             }
-            for (std::size_t lane = 0; lane < size_; ++lane) takeRay(lane);
+            for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane)
+                if (search_[lane]) takeRay(lane);
         }
-        for (std::size_t lane = 0; lane < size_; ++lane) take(search_[lane]);
-        size_ = 0;
     }
 
 private:
-    bool anyLeft() const {
-        return std::any_of(search_.begin(), search_.begin() + size_,
-                           [](const RaySearch& s) { return !s.done; });
-    }
-    void begin() {
+    /// Begins the next rays.
+    /// @return whether there are any
+    bool begin(std::span<RaySearch>& searches) {
         rays_.turn = rays_.length = {};
+        bool any = false;
         for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) {
-            rays_.valid[lane] = lane < size_ && !search_[lane].done ? -1 : 0;
-            if (lane >= size_) continue;
-            const RaySearch& s = search_[lane];
-            const Vec3f& p = s.point->foot;
-            const TangentFrame& frame = s.point->local.frame;
-            const Vec3f v = frame.lift(s.direction), n = frame.normal();
-            rays_.x[lane] = p.x, rays_.y[lane] = p.y, rays_.z[lane] = p.z;
-            rays_.vx[lane] = v.x, rays_.vy[lane] = v.y, rays_.vz[lane] = v.z;
-            rays_.nx[lane] = n.x, rays_.ny[lane] = n.y, rays_.nz[lane] = n.z;
-            points_.weight[lane] = float(s.point->local.weight);
+            RaySearch*& search = search_[lane];
+            if (!search || search->done) {
+                search = searches.empty() ? nullptr : searches.data();
+                searches = searches.subspan(search ? 1 : 0);
+            }
+            rays_.valid[lane] = search ? -1 : 0;
+            if (search) begin(lane, *search), any = true;
         }
+        return any;
+    }
+    void begin(std::size_t lane, const RaySearch& search) {
+        const MeetingPoint& from = *search.point;
+        const TangentFrame& frame = from.local.frame;
+        const Vec3f v = frame.lift(search.direction), n = frame.normal();
+        rays_.x[lane] = from.foot.x, rays_.y[lane] = from.foot.y, rays_.z[lane] = from.foot.z;
+        rays_.vx[lane] = v.x, rays_.vy[lane] = v.y, rays_.vz[lane] = v.z;
+        rays_.nx[lane] = n.x, rays_.ny[lane] = n.y, rays_.nz[lane] = n.z;
+        points_.weight[lane] = float(from.local.weight);
     }
     void findCorners() {
         for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) {
-            points_.clearNodes(lane);
-            if (rays_.valid[lane]) findCorners(lane);
+            if (!rays_.valid[lane] || !findCorners(lane)) points_.clearNodes(lane);
         }
     }
-    void findCorners(std::size_t lane) {
-        const Band& band = core_.band;
-        const MeetingPoint& from = *search_[lane].point;
-        const Vec3f p{rays_.aheadX[lane], rays_.aheadY[lane], rays_.aheadZ[lane]};
-        const Ijk low{floorToInt(p.x), floorToInt(p.y), floorToInt(p.z)};
-        points_.setPlace(lane, p - Vec3f(low));
-        points_.setNormal(lane, {rays_.nx[lane], rays_.ny[lane], rays_.nz[lane]});
-        // The band holds the whole cell, except beside an end of S.
-        std::size_t inBand = 0;
-        band.forCorners(&BandLeaf::band, from.leaf, from.offset, low,
-                        [&](NodeIndex, unsigned) { ++inBand; });
-        if (inBand < points_.node.size()) return;
-        band.forCorners(&BandLeaf::core, from.leaf, from.offset, low,
-                        [&](NodeIndex j, unsigned k) { points_.node[k][lane] = j; });
+    /// @return whether the band holds the whole cell: it does, except beside an end of S
+    bool findCorners(std::size_t lane) {
+        const MeetingPoint& from = *search_[lane]->point;
+        std::array<NodeIndex, 8> corner;
+        if (!core_.band.coreCorners(from.leaf, from.offset,
+                                    {rays_.lowX[lane], rays_.lowY[lane], rays_.lowZ[lane]}, corner))
+            return false;
+        for (std::size_t k = 0; k < corner.size(); ++k) points_.node[k][lane] = corner[k];
+        return true;
     }
     void takeRay(std::size_t lane) {
-        RaySearch& search = search_[lane];
-        if (search.done) return;
+        RaySearch& search = *search_[lane];
         if (!rays_.valid[lane] || !isOfSource(lane)) {
             search.done = true;
             return;
@@ -129,21 +129,20 @@ private:
         const double start = (double(corners_.bucket[lane]) - 1) * jets_.buckets.width;
         search.take(
             start / search.point->local.weight + double(rays_.u[lane]) + double(rays_.length[lane]),
-            std::asin(std::clamp(rays_.off[lane], -1.0f, 1.0f)));
+            std::asin(std::clamp(rays_.off[lane], -1.0f, 1.0f)), rays_.curvature[lane]);
     }
     bool isOfSource(std::size_t lane) const {
         if (jets_.label.empty()) return true;
         bool same = true;
         for (std::size_t k = 0; k < corners_.count[lane]; ++k)
-            same &= jets_.label[corners_.node[k][lane]] == search_[lane].point->label;
+            same &= jets_.label[corners_.node[k][lane]] == search_[lane]->point->label;
         return same;
     }
 
     const CoreJets& jets_;
     const JetCore& core_;
     const std::vector<Vec3f>& gradients_;
-    std::array<RaySearch, Lanes::kNodes> search_;
-    std::size_t size_ = 0;
+    std::array<RaySearch*, Lanes::kNodes> search_{};  ///< null: the lane is empty
     RayLanes rays_;
     CellPoints points_;
     JetCorners corners_;
@@ -182,19 +181,17 @@ std::vector<std::optional<Solved>> solveByRays(const CoreJets& jets,
     // A ray rounds the edges of facets, which the fits of the march do not.
     const double kept = jets.core->band.faceted ? 0.01 : 0;
     std::vector<std::optional<Solved>> found(points.size());
-    auto take = [&](const RaySearch& s) {
+    std::vector<RaySearch> searches;
+    for (std::size_t k = 0; k < points.size(); ++k)
+        for (std::size_t f = 0; f < points[k].fronts; ++f)
+            searches.push_back({points[k], k, points[k].front[f]});
+    RayGroup(jets, gradients).run(searches);
+    for (const RaySearch& s : searches) {
         std::optional<Solved>& to = found[s.number];
         const double change = std::abs(s.u - s.point->before);
         if (change >= kept && change < kFallbackError && !(to && to->u <= s.u))
             to = Solved{s.u, -1.0f * s.best, s.point->label};
-    };
-    RayGroup group(jets, gradients);
-    for (std::size_t k = 0; k < points.size(); ++k)
-        for (std::size_t f = 0; f < points[k].fronts; ++f) {
-            group.add({points[k], k, points[k].front[f]});
-            if (group.full()) group.run(take);
-        }
-    if (!group.empty()) group.run(take);
+    }
     return found;
 }
 

@@ -7,6 +7,19 @@
 
 namespace igeo {
 
+namespace {
+
+/// So near to the fallback a fit has to be where it is in doubt.
+constexpr float kAgree = 0.01f;
+
+/// Whether a fit agrees with the fallback for certain.
+bool surelyAgrees(float u, const FermatBounds& bounds, std::size_t lane) {
+    constexpr float kSure = kAgree - 1e-3f;
+    return bounds.least[lane] > u - kSure && bounds.most[lane] < u + kSure;
+}
+
+}  // namespace
+
 /// The fronts of the nodes of a group, and the fits of one or two of them.
 struct JetGroup::Fits {
     JetFronts fronts;
@@ -37,6 +50,7 @@ struct JetGroup::BestFit {
     bool clear = true;          ///< no reason for doubt
     bool counts = true;         ///< it is no extrapolation at a rim
     bool final = true;          ///< it needs no fallback
+    bool mayCount = false;      ///< it counts if the fallback agrees
 
     /// Takes a fit. It fails where its residual is large, or its value more than kSlack above the
     /// straight line from some neighbor.
@@ -70,7 +84,7 @@ JetGroup::Solutions JetGroup::solve() {
 void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solutions) const {
     std::array<BestFit, Lanes::kNodes> best;
     unsigned inFallback = 0;
-    FermatGroup fallback;
+    Lanes longest2{};
     for (; doubts; doubts &= doubts - 1) {
         const auto k = std::size_t(std::countr_zero(doubts));
         if (!nodes_[k].oneSource) {
@@ -78,9 +92,20 @@ void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solut
         } else if (best[k] = bestFit(k, fits); best[k].final) {
             solutions[k] = best[k].best;
         } else {
-            fallback.add(k, lanes_, nodes_[k].longest2);
+            if (best[k].mayCount) longest2[k] = nodes_[k].longest2;
             inFallback |= 1u << k;
         }
+    }
+    if (!inFallback) return;
+    FermatBounds bounds;
+    boundFallbacks(lanes_, longest2, bounds);
+    FermatGroup fallback;
+    for (unsigned left = inFallback; left; left &= left - 1) {
+        const auto k = std::size_t(std::countr_zero(left));
+        if (best[k].mayCount && surelyAgrees(best[k].best.u, bounds, k))
+            solutions[k] = best[k].best, inFallback &= ~(1u << k);
+        else
+            fallback.add(k, lanes_, nodes_[k].longest2);
     }
     fallback.finish();
     for (; inFallback; inFallback &= inFallback - 1) {
@@ -111,19 +136,19 @@ JetGroup::BestFit JetGroup::bestFit(std::size_t lane, const Fits& fits) const {
     fit.counts = fit.fromBothSides || !node.rim;
     fit.best.oneSided = !fit.fromBothSides && node.smooth;
     fit.final = fit.valid && fit.counts && fit.clear && node.smooth;
+    fit.mayCount = fit.valid && (fit.counts || !node.smooth);
     return fit;
 }
 
 JetGroup::Solution JetGroup::decide(std::size_t lane, const BestFit& fit,
                                     const FermatGroup& fallback) const {
-    constexpr float kAgree = 0.01f;
     const float u = lanes_.neighbor[0].u[lane] + fallback.u(lane);
+    if (fit.mayCount && std::abs(fit.best.u - u) < kAgree) return fit.best;
     FrontsMeet fronts(fallback.g(lane));
     for (std::size_t k = 0; k < lanes_.count[lane]; ++k) fronts.add(lanes_.at(lane, k));
     Solution other{u, fallback.g(lane), fit.best.source, true, fronts.meet()};
     if (!nodes_[lane].smooth) other.detour = fallback.detour(lane);
-    if (!fit.counts && nodes_[lane].smooth) return other;
-    return fit.valid && std::abs(fit.best.u - u) < kAgree ? fit.best : other;
+    return other;
 }
 
 JetGroup::Solution JetGroup::solvePerSource(std::size_t lane) const {
