@@ -21,7 +21,7 @@ constexpr std::size_t kAllAround = 7;
 
 /// Whether psi is 0 along a chord to a foot point, or nearly so.
 bool followsSurface(const Band& band, const Vec3d& foot, const Vec3f& chord) {
-    constexpr double kOff = 0.25;
+    constexpr double kOff = 0.15;
     for (const double t : {1.0 / 3, 2.0 / 3}) {
         const PsiSample s = samplePsi(band, foot - t * Vec3d(chord));
         if (!s.valid || std::abs(s.psi) > kOff) return false;
