@@ -79,6 +79,8 @@ public:
     /// Drops the block of a node once this was called for all of its nodes. By one thread, while no
     /// other looks.
     void dropAccepted(NodeIndex i);
+    /// Drops the block of a node, which no other thread looks at, if it is there.
+    void drop(NodeIndex i) { delete blocks_[i / kBlock].exchange(nullptr); }
 
     struct Row {
         std::span<const JetLink> links;

@@ -340,8 +340,7 @@ void JetLinks::makeBlock(const JetCore& core, NodeIndex i, const JetStencil& ste
 }
 
 void JetLinks::dropAccepted(NodeIndex i) {
-    if (--left_[i / kBlock] > 0) return;
-    delete blocks_[i / kBlock].exchange(nullptr);
+    if (--left_[i / kBlock] == 0) drop(i);
 }
 
 void buildLinks(JetCore& core, const JetStencil& stencil) {

@@ -15,12 +15,14 @@ namespace {
 struct Meetings {
     std::vector<NodeIndex> nodes;
     std::vector<MeetingPoint> points;
+    std::vector<NodeIndex> around;       ///< their neighbors
     std::vector<NodeIndex> beside;       ///< nodes at links over which fronts meet, among others
     std::vector<JetNeighbor> neighbors;  ///< of the node in work
 
     void append(const Meetings& other) {
         nodes.insert(nodes.end(), other.nodes.begin(), other.nodes.end());
         points.insert(points.end(), other.points.begin(), other.points.end());
+        around.insert(around.end(), other.around.begin(), other.around.end());
         beside.insert(beside.end(), other.beside.begin(), other.beside.end());
     }
 };
@@ -28,13 +30,18 @@ struct Meetings {
 /// The links of the core after a march.
 class Links {
 public:
-    /// @param own  of the march, where the core has none: made again where they are needed
+    /// @param own  of the march, where the core has none: made again where they are needed, and
+    ///             only as long
     Links(const JetCore& core, JetLinks& own) : core_(core), own_(own) {}
 
     JetLinks::Row rowAt(NodeIndex i) const {
         if (!core_.links.empty()) return core_.links.rowAt(i);
         own_.make(core_, i);
         return own_.rowAt(i);
+    }
+    /// Drops the block of a node, which no other thread looks at.
+    void drop(NodeIndex i) const {
+        if (core_.links.empty()) own_.drop(i);
     }
 
 private:
@@ -66,38 +73,57 @@ void visit(const CoreJets& jets, const Links& links, NodeIndex i, Meetings& meet
     }
     if (!plain || !fronts.meet()) return;
     meetings.nodes.push_back(i);
+    for (const JetLink& link : row) meetings.around.push_back(link.node());
     meetings.points.push_back(
         {node.leaf, node.offset, node.foot, core.localFrame(i), label, value(i)});
     meetings.points.back().findFronts(neighbors);
 }
 
+/// Ends of parts of a list that work is divided into.
+/// @param mayEnd  whether a part may end before an element
+template <typename MayEnd>
+std::vector<std::size_t> partsOf(std::size_t size, const MayEnd& mayEnd) {
+    constexpr std::size_t kPart = 256;
+    std::vector<std::size_t> ends;
+    for (std::size_t k = kPart; k < size; ++k)
+        if (mayEnd(k)) ends.push_back(k), k += kPart - 1;
+    ends.push_back(size);
+    return ends;
+}
+
 /// Work on parts of a list, in parallel; the results in the order of the list.
 template <typename Result, typename Work>
-std::vector<Result> byParts(std::size_t size, const Work& work) {
-    constexpr std::size_t kPart = 256;
-    std::vector<Result> found((size + kPart - 1) / kPart);
+std::vector<Result> byParts(const std::vector<std::size_t>& ends, const Work& work) {
+    std::vector<Result> found(ends.size());
     parallelFor(found.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p)
-            found[p] = work(p * kPart, std::min(size, (p + 1) * kPart));
+        for (std::size_t p = begin; p < end; ++p) found[p] = work(p ? ends[p - 1] : 0, ends[p]);
     });
     return found;
 }
 
+/// @param nodes  ascending: a block of links is made once, and dropped as soon as it was used
 Meetings meetingsAmong(const CoreJets& jets, const Links& links, std::span<const NodeIndex> nodes) {
-    const auto parts = byParts<Meetings>(nodes.size(), [&](std::size_t begin, std::size_t end) {
+    const auto endsBlock = [&](std::size_t k) {
+        return k == nodes.size() || nodes[k - 1] / JetLinks::kBlock != nodes[k] / JetLinks::kBlock;
+    };
+    const auto look = [&](std::size_t begin, std::size_t end) {
         Meetings found;
-        for (std::size_t k = begin; k < end; ++k) visit(jets, links, nodes[k], found);
+        for (std::size_t k = begin; k < end; ++k) {
+            visit(jets, links, nodes[k], found);
+            if (endsBlock(k + 1)) links.drop(nodes[k]);
+        }
         return found;
-    });
+    };
     Meetings all;
-    for (const Meetings& part : parts) all.append(part);
+    for (const Meetings& part : byParts<Meetings>(partsOf(nodes.size(), endsBlock), look))
+        all.append(part);
     return all;
 }
 
 /// Those among the nodes and beside them.
 Meetings meetingsAround(const CoreJets& jets, const Links& links, std::vector<NodeIndex> nodes) {
-    Meetings found = meetingsAmong(jets, links, nodes);
     std::sort(nodes.begin(), nodes.end());
+    Meetings found = meetingsAmong(jets, links, nodes);
     std::vector<NodeIndex> beside = std::move(found.beside);
     std::sort(beside.begin(), beside.end());
     beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
@@ -123,17 +149,18 @@ void solveMeetings(CoreJets& jets, JetLinks& own, const std::vector<NodeIndex>& 
     const Links links(core, own);
     const Meetings meetings = meetingsAround(jets, links, nodes);
     if (meetings.points.empty()) return;
-    const auto parts =
-        byParts<Solutions>(meetings.points.size(), [&](std::size_t begin, std::size_t end) {
+    const auto parts = byParts<Solutions>(
+        partsOf(meetings.points.size(), [](std::size_t) { return true; }),
+        [&](std::size_t begin, std::size_t end) {
             return solveByRays(jets, {}, std::span(meetings.points).subspan(begin, end - begin));
         });
     jets.meetings.resize(core.nodes.size());
+    for (const NodeIndex i : meetings.around) jets.meetings[i] = true;
     auto node = meetings.nodes.begin();
     for (const Solutions& part : parts)
         for (const std::optional<Solved>& jet : part) {
             const NodeIndex i = *node++;
             jets.meetings[i] = true;
-            for (const JetLink& link : links.rowAt(i).links) jets.meetings[link.node()] = true;
             if (jet) setJet(jets, i, *jet);
         }
 }
