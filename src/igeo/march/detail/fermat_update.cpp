@@ -213,8 +213,8 @@ private:
         const V mp = gpx * ex + gpy * ey - du, mq = gqx * ex + gqy * ey - du,
                 dip = (4.0f / 27) * ((mp < 0 ? -mp : zero) + (mq > 0 ? mq : zero)),
                 low = linear - dip, high = linear + s * t * (t * mp - s * mq);
-        least = counts & (low < least) ? low : least;
-        most = counts & (high < most) ? high : most;
+        least = (counts & (low < least)) ? low : least;
+        most = (counts & (high < most)) ? high : most;
     }
     IGEO_INLINE static V roots(V v) {
         takeRoots<Width>(v);

@@ -165,8 +165,8 @@ private:
             const Mask counts = (cosine >= zero + jet::kSameFront) & (along > zero);
             const V across = x * ay - y * ax, slack = kStraight * along, turn = x * gy - y * gx,
                     whole = turn < zero ? zero - 1 : one, sine = cosine > zero ? turn : whole;
-            fromLeft = (across < zero) & (-sine > fromLeft) ? -sine : fromLeft;
-            fromRight = (across > zero) & (sine > fromRight) ? sine : fromRight;
+            fromLeft = ((across < zero) & (-sine > fromLeft)) ? -sine : fromLeft;
+            fromRight = ((across > zero) & (sine > fromRight)) ? sine : fromRight;
             left |= counts & (across >= -slack), right |= counts & (across <= slack);
             const V w = counts ? along * along * nearness_[k] : zero;
             const V v = in(n.u) + (along + gx * ax + gy * ay) / (1 + cosine);

@@ -166,10 +166,12 @@ private:
                 bits &= bits - 1;
             };
             // Whole rows have consecutive numbers.
-            if (dz == 0)
-                for (NodeIndex number = countBefore(); bits; ++number) set(number);
-            else
+            if (dz == 0) {
+                NodeIndex number = countBefore();
+                while (bits) set(number++);
+            } else {
                 while (bits) set(countBefore());
+            }
         }
     }
     /// Of a bit of a slice: its index from that of bit 0.

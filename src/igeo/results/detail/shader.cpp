@@ -96,8 +96,8 @@ Shader::Shader(const Field& field, const ArrivalReader& reader, const Scale& sca
       isolineHalf_(isolineHalf),
       frame_(frame),
       tolerance_(tolerance) {
-    constexpr int kSteps = 1 << 13;
-    for (int k = 0; k <= kSteps; ++k) colors_.emplace_back(scale.colors(double(k) / kSteps));
+    constexpr int kColors = 1 << 13;
+    for (int k = 0; k <= kColors; ++k) colors_.emplace_back(scale.colors(double(k) / kColors));
     for (std::size_t k = 1; k < scale.levels.size(); ++k)
         isolineHalf_ = std::min(isolineHalf_, 0.15 * (scale.levels[k] - scale.levels[k - 1]));
 }
