@@ -173,7 +173,7 @@ public:
     }
 
     IGEO_INLINE void find(FermatBounds& bounds) const {
-        V least = V{} + JetFronts::kNoValue, most = least;
+        V least = V{} + JetFronts::kNoValue;
         V len[JetLanes::kMax];
         for (std::size_t p = 0; p < most_; ++p) {
             const JetLanes::Neighbor& n = lanes_.neighbor[p];
@@ -182,7 +182,7 @@ public:
             const V u = in(n.u) + len[p];
             least = u < least ? u : least;
         }
-        most = least;
+        V most = least;
         for (std::size_t q = 1; q < most_; ++q)
             for (std::size_t p = 0; p < q; ++p) bound(p, q, len[p] * len[q], least, most);
         out(bounds.least) = least, out(bounds.most) = most;

@@ -20,6 +20,15 @@ std::int32_t hindranceBits() {
     return bits;
 }
 
+/// TangentFrame::lift.
+template <int Width>
+IGEO_INLINE VectorLanes<Width> lifted(const VectorLanes<Width>& normal,
+                                      const typename Registers<Width>::Vector& x,
+                                      const typename Registers<Width>::Vector& y) {
+    const VectorLanes<Width> t = anyNormalTo<Width>(normal);
+    return t * x + cross(normal, t) * y;
+}
+
 /// What all points have in common.
 struct CoreArrays {
     const JetNode* nodes;
@@ -94,13 +103,16 @@ public:
             out(to.z) = z - __builtin_convertvector(c, V) - foot.z;
             out(to.mx) = other.x, out(to.my) = other.y, out(to.mz) = other.z;
             if (core.ofS) continue;
-            V g[4];
-            if (core.gradients)
-                loadFours<Width>(core.gradients, sizeof(Vec3f), index, g);
-            else
-                lift(other, state[2], state[3], g);
-            out(to.gx) = where(there, g[0]), out(to.gy) = where(there, g[1]);
-            out(to.gz) = where(there, g[2]);
+            Vectors g;
+            if (core.gradients) {
+                V of[4];
+                loadFours<Width>(core.gradients, sizeof(Vec3f), index, of);
+                g = {of[0], of[1], of[2]};
+            } else {
+                g = lifted<Width>(other, state[2], state[3]);
+            }
+            out(to.gx) = where(there, g.x), out(to.gy) = where(there, g.y);
+            out(to.gz) = where(there, g.z);
         }
         out(corners_.nx) = normal.x, out(corners_.ny) = normal.y, out(corners_.nz) = normal.z;
         put(corners_.count.data(), count), put(corners_.bucket.data(), bucket);
@@ -120,11 +132,6 @@ private:
             all |= (node != std::int32_t(kNoNode)) & (weight >= kLight) & (1 << k);
         }
         return all;
-    }
-    /// TangentFrame::lift.
-    IGEO_INLINE static void lift(const Vectors& normal, const V& x, const V& y, V (&g)[4]) {
-        const Vectors t = anyNormalTo<Width>(normal), of = t * x + cross(normal, t) * y;
-        g[0] = of.x, g[1] = of.y, g[2] = of.z;
     }
     IGEO_INLINE static V where(const Integers& there, const V& v) { return V(there & Integers(v)); }
     IGEO_INLINE V in(const Lanes& l) const { return *reinterpret_cast<const V*>(l.of + first_); }
@@ -168,8 +175,7 @@ IGEO_INLINE void findGradientsHere(const CoreJets& jets, std::size_t begin, std:
         V of[4], state[4];
         loadFours<Width>([&](int lane) { return &nodes[at(lane)].normal; }, of);
         loadFours<Width>([&](int lane) { return &states[at(lane)]; }, state);
-        const Vectors n{of[0], of[1], of[2]}, t1 = anyNormalTo<Width>(n), t2 = cross(n, t1),
-                                              g = t1 * state[2] + t2 * state[3];
+        const Vectors g = lifted<Width>({of[0], of[1], of[2]}, state[2], state[3]);
         const V zero{};
         const auto accepted = state[1] < float(kInfinity);
         alignas(32) float x[Width], y[Width], z[Width];
