@@ -68,10 +68,10 @@ void Band::buildTopology(bool withFeet) {
     }
 
     leafOfBlock_.resize((count + kBlock - 1) / kBlock);
-    offset_.resize(count);
-    psi.resize(count);
-    if (withFeet) foot.resize(count);
-    normal.resize(count);
+    resizeByAll(offset_, count);
+    resizeByAll(psi, count);
+    if (withFeet) resizeByAll(foot, count);
+    resizeByAll(normal, count);
     facing.assign(count, 0);
     parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {

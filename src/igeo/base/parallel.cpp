@@ -12,6 +12,7 @@ namespace igeo {
 void parallelFor(std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)>& body) {
     if (n == 0) return;
+    if (n <= grain) return body(0, n);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, std::max<std::size_t>(grain, 1)),
                       [&](const tbb::blocked_range<std::size_t>& r) {
                           // Isolated: a thread that waits for an inner loop, of ours or of OpenVDB,
@@ -27,6 +28,15 @@ void parallelFor(std::size_t n, std::size_t grain, const Progress& progress,
         if (!progress.cancelled()) body(begin, end);
     });
     progress.throwIfCancelled();
+}
+
+void touchPages(void* memory, std::size_t bytes) {
+    constexpr std::size_t kPage = 4096;
+    if (ThreadLimit::current() == 1) return;
+    parallelFor(bytes / kPage, 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+            static_cast<volatile char*>(memory)[k * kPage] = 0;
+    });
 }
 
 struct ThreadLimit::Impl {

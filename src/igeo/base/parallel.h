@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <vector>
 
 namespace igeo {
 
@@ -22,6 +23,18 @@ void parallelFor(std::size_t n, std::size_t grain,
 /// @throws Error  Cancelled
 void parallelFor(std::size_t n, std::size_t grain, const Progress& progress,
                  const std::function<void(std::size_t, std::size_t)>& body);
+
+/// Makes memory that was never used ready to be written, by all threads: its first touch takes
+/// longer than most of what is written there, and one thread would do all of it.
+void touchPages(void* memory, std::size_t bytes);
+
+/// v.resize(n) of an empty vector, by all threads but for the initial values.
+template <typename T>
+void resizeByAll(std::vector<T>& v, std::size_t n) {
+    v.reserve(n);
+    touchPages(v.data(), n * sizeof(T));
+    v.resize(n);
+}
 
 /// Limits the threads of the process while it lives; for programs, never used inside the library.
 class ThreadLimit {

@@ -204,7 +204,8 @@ void findGradients(const CoreJets& jets, std::size_t begin, std::size_t end, Vec
 }  // namespace
 
 std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
-    std::vector<Vec3f> gradients(jets.state.size() + 1);
+    std::vector<Vec3f> gradients;
+    resizeByAll(gradients, jets.state.size() + 1);
     parallelFor(jets.state.size(), 4096, [&](std::size_t begin, std::size_t end) {
         findGradients(jets, begin, end, gradients.data());
     });

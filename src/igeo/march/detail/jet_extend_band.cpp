@@ -103,14 +103,9 @@ void extendToBand(Field& field) {
     field.core = nullptr;
     const Band& band = *field.band;
     const bool labeled = !core->label.empty();
-    // In parallel: the first touch of fresh memory costs more than what is written there.
-    parallelFor(3, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            if (k == 0) field.distance.resize(band.size());
-            if (k == 1) field.gradient.resize(band.size());
-            if (k == 2 && labeled) field.label.resize(band.size());
-        }
-    });
+    resizeByAll(field.distance, band.size());
+    resizeByAll(field.gradient, band.size());
+    if (labeled) resizeByAll(field.label, band.size());
     extendByLeaf(*core, wanted, [&](LeafIndex l, const std::vector<NodeJet>& found) {
         NodeIndex i = band.leaves[l].band.firstNode;
         for (const NodeJet& s : found) {

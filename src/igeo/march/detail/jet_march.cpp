@@ -40,7 +40,7 @@ CoreJets unmarched(const std::shared_ptr<const JetCore>& core,
     CoreJets jets{core, JetSeeds(*core, seeds, options.startRadius), {}, {}, {}, {}, 0};
     // In single precision, as the march takes it.
     jets.buckets = {jets.seeds.leastStart, double(float(options.bucketWidth * core->leastCost))};
-    jets.state.resize(core->nodes.size());
+    resizeByAll(jets.state, core->nodes.size());
     if (jets.seeds.source.back() > 0) jets.label.assign(core->nodes.size(), 0);
     jets.limit = options.maxDistance;
     return jets;
@@ -126,9 +126,10 @@ void JetMarch::process(const Batch& batch) {
     batchRadius_ = batchStart_ - jets_.seeds.leastStart;
     scale_ = {batch.first, width_};
     // As many chunks as keep the threads busy to the end, of whole groups.
+    constexpr std::size_t kMost = 8 * Lanes::kNodes;
     const auto threads = std::size_t(ThreadLimit::current());
-    chunkSize_ = std::clamp(batch.nodes.size() / (2 * threads) / Lanes::kNodes * Lanes::kNodes,
-                            Lanes::kNodes, 8 * Lanes::kNodes);
+    const std::size_t groups = batch.nodes.size() / (4 * threads) / Lanes::kNodes;
+    chunkSize_ = threads == 1 ? kMost : std::clamp(groups * Lanes::kNodes, Lanes::kNodes, kMost);
     const std::size_t chunkCount = (batch.nodes.size() + chunkSize_ - 1) / chunkSize_;
     if (chunks_.size() < chunkCount) chunks_.resize(chunkCount);
     solve(batch, chunkCount);
@@ -138,9 +139,9 @@ void JetMarch::process(const Batch& batch) {
 
 void JetMarch::solve(const Batch& batch, std::size_t chunkCount) {
     parallelFor(chunkCount, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t c = begin; c < end; ++c)
-            solveChunk(batch, c * chunkSize_, std::min(batch.nodes.size(), (c + 1) * chunkSize_),
-                       chunks_[c]);
+        for (std::size_t c = begin; c < end; ++c) chunks_[c].clear();
+        solvePart(batch, begin * chunkSize_, std::min(batch.nodes.size(), end * chunkSize_),
+                  chunks_[begin]);
     });
 }
 
@@ -151,8 +152,7 @@ JetMarch::Group::Group() {
     std::fill_n(weight.of, Lanes::kNodes, 1.0f);
 }
 
-void JetMarch::solveChunk(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk) {
-    chunk.clear();
+void JetMarch::solvePart(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk) {
     Group group;
     // Nodes of a bucket lie all over the surface: what they need is fetched before it is used.
     constexpr std::size_t kNode = 16, kLinks = 8;
@@ -419,7 +419,8 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
 }
 
 void JetMarch::accept(std::size_t chunkCount) {
-    parallelFor(chunkCount, 4, [&](std::size_t begin, std::size_t end) {
+    constexpr std::size_t kNodes = 256;  // fewer take less time than to wake a thread
+    parallelFor(chunkCount, kNodes / chunkSize_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c) {
             for (const Queued& q : chunks_[c].deferred) jets_.state[q.node].bucket = q.bucket;
             for (const Accepted& a : chunks_[c].accepted) {

@@ -36,7 +36,7 @@ private:
         std::uint32_t label;
         JetState state;
     };
-    /// Part of a batch, for one thread: what it found out, to be written once all are solved.
+    /// What one thread finds out about a part of a batch, to be written once all are solved.
     struct Chunk {
         std::vector<Accepted> accepted;
         std::vector<Queued> queued;         ///< neighbors, into an earlier bucket than before
@@ -116,7 +116,8 @@ private:
     void accept(std::size_t chunkCount);
     void collect(std::size_t chunkCount);
 
-    void solveChunk(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk);
+    /// @param chunk  empty
+    void solvePart(const Batch& batch, std::size_t begin, std::size_t end, Chunk& chunk);
     void prefetchNode(NodeIndex i) const {
         __builtin_prefetch(&core_.nodes[i]);
         __builtin_prefetch(&jets_.state[i]);
