@@ -163,6 +163,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
                                  o.skipOffSurface};
     const igeo::GeodesicSolver solver = prepared.solver.with(rules);
     checkGridNames(o, solver.surface().gridName());
+    checkFileOfGrid(o, solver.surface().facts().name);
     const SeedInput input = readSeeds(o, solver.surface());
     checkSeeds(o, input.seeds);
     RunReport report = newReport(solver, prepared.metric, input, o, digests);

@@ -37,6 +37,33 @@ TEST_CASE("stdin can be the surface, as a file or as a pipe") {
     CHECK((readBytes(desk / "psi_geodesic.vdb") == expected));
 }
 
+TEST_CASE("the name of a grid from stdin is a name and no path") {
+    const TempWorkspace desk;
+    fs::create_directory(desk / "here");
+    const auto runNamed = [&](const std::string& grid, const std::string& line) {
+        desk.make("in.vdb", "sphere --voxel-size 0.1 --name " + grid);
+        Command command = desk.command("--sdf - --seed 0,0,1 -q " + line);
+        command.workingDirectory = desk / "here";
+        command.stdinFile = desk / "in.vdb";
+        return run(command);
+    };
+    writeBytes(desk / "escaped_geodesic.vdb", "from before");
+    const std::vector<std::string> paths{"../escaped", "a/b/escaped", "..\\escaped",
+                                         desk / "escaped"};
+    for (const std::string& grid : paths) {
+        INFO(grid);
+        CHECK(runNamed(grid, "").exitCode == 0);
+        CHECK(readBytes(desk / "escaped_geodesic.vdb") == "from before");
+        CHECK(fs::remove(desk / "here/escaped_geodesic.vdb"));
+        CHECK(fs::is_empty(desk / "here"));
+    }
+    // The checks of other outputs: it is an input.
+    desk.make("here/w_geodesic.vdb", "sphere --voxel-size 0.1");
+    const Result refused = runNamed("../w", "--weight w_geodesic.vdb");
+    CHECK(refused.exitCode == kUsage);
+    CHECK_THAT(refused.err, contains("would overwrite the input"));
+}
+
 TEST_CASE("stdout can be the VDB, the report or the paths, and then holds nothing else") {
     const Sphere desk;
     const std::string base = "--sdf in.vdb --seed 0,0,1 --target 1,0,0 -v ";

@@ -9,6 +9,7 @@
 #include <igeo/surface/volume_mesh.h>
 
 #include "input/guarded_read.h"
+#include "process.h"
 
 namespace {
 
@@ -40,6 +41,8 @@ igeo::TriangleMesh readVoxels(const SurfaceOptions& o, igeo::VoxelOptions& voxel
 template <typename Input, typename... Voxels>
 igeo::Surface checked(Input&& input, const SurfaceOptions& o, igeo::Progress& progress,
                       const Voxels&... voxels) {
+    // What reading took beside the surface, as a grid of doubles.
+    giveBackFreedMemory();
     progress.finished("read");
     const FileGuard guard(o.source.text(), FileGuard::kNoLimit);
     igeo::Surface surface(std::forward<Input>(input), voxels..., progress);

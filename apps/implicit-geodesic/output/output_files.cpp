@@ -58,7 +58,10 @@ std::string distanceFile(const RunOptions& options, const std::string* grid) {
     if (!options.output.empty()) return options.output;
     const std::string& file = options.source.file;
     if (file != "-") return igeo::stemOf(file) + "_geodesic.vdb";
-    return grid ? *grid + "_geodesic.vdb" : "";
+    if (!grid) return "";
+    // Names in files are no paths: the last part alone, whichever system it is from.
+    const std::size_t slash = grid->find_last_of("/\\");
+    return grid->substr(slash == std::string::npos ? 0 : slash + 1) + "_geodesic.vdb";
 }
 
 std::string colorMapOf(const RunOptions& options) {

@@ -28,7 +28,8 @@ std::string wholeName(const std::string& file);
 /// Files that a run reads, without the grids in them; - is standard input.
 std::vector<std::string> inputFiles(const RunOptions& options);
 
-/// The file of distances. A grid from standard input gives it its name.
+/// The file of distances. A grid from standard input gives it the last part of its name, which is
+/// no path.
 /// @param grid  name of the grid; null before it is read
 /// @return empty where the name of the grid is needed
 std::string distanceFile(const RunOptions& options, const std::string* grid);

@@ -37,10 +37,10 @@ void requireTogether(const ResultKind& kind, const RunOptions& o) {
                    "it holds distances between points");
 }
 
-std::vector<OutputFile> askedFiles(const RunOptions& o) {
+std::vector<OutputFile> askedFiles(const RunOptions& o, const std::string* grid = nullptr) {
     std::vector<OutputFile> files;
     for (const ResultKind& kind : resultKinds())
-        if (const std::string file = kind.file(o, nullptr); !file.empty())
+        if (const std::string file = kind.file(o, grid); !file.empty())
             files.push_back({kind.option, file, kind.endings});
     return files;
 }
@@ -144,6 +144,10 @@ void checkFiles(const RunOptions& o) {
             "standard input is named for " + std::to_string(n) + " inputs, and can be read once",
             "give the others as files");
     checkOutputFiles(askedFiles(o), inputs);
+}
+
+void checkFileOfGrid(const RunOptions& o, const std::string& grid) {
+    if (o.source.file == "-") checkOutputFiles(askedFiles(o, &grid), inputFiles(o));
 }
 
 std::vector<std::string> outputFiles(const RunOptions& o) {

@@ -30,5 +30,8 @@ std::vector<WithoutEffect> optionsWithoutEffect(const RunOptions& options);
 /// Refuses files that cannot be read or written, before any is read.
 /// @throws igeo::Error  InvalidArgument
 void checkFiles(const RunOptions& options);
+/// Refuses the file that a grid from standard input gives its name, once the grid is read.
+/// @throws igeo::Error  InvalidArgument
+void checkFileOfGrid(const RunOptions& options, const std::string& grid);
 /// Files that a run writes, as far as the options determine them; - is standard output.
 std::vector<std::string> outputFiles(const RunOptions& options);

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <functional>
 #include <iostream>
+#include <memory>
 
 namespace igeo {
 
@@ -326,11 +327,26 @@ std::vector<NamedGrid> readGrids(const GridSource& source, const Wanted& wanted,
     }
 }
 
+/// In single precision. Takes the leaves of `doubles` one by one, so both are never there at once.
+openvdb::FloatGrid::Ptr singlesOfDoubles(openvdb::DoubleGrid& doubles) {
+    using Leaf = openvdb::FloatTree::LeafNodeType;
+    std::vector<openvdb::DoubleTree::LeafNodeType*> taken;
+    doubles.tree().stealNodes(taken, doubles.background(), false);
+    std::vector<std::unique_ptr<openvdb::DoubleTree::LeafNodeType>> leaves(taken.begin(),
+                                                                           taken.end());
+    auto singles = std::make_shared<openvdb::FloatGrid>(doubles);
+    for (auto& leaf : leaves) {
+        singles->tree().addLeaf(new Leaf(*leaf));
+        leaf.reset();
+    }
+    return singles;
+}
+
 /// A float, double or half grid in single precision; null for any other.
 openvdb::FloatGrid::Ptr scalars(const GridBase::Ptr& grid) {
     if (const auto singles = singlesOfHalves(grid)) return singles;
     if (const auto doubles = openvdb::gridPtrCast<openvdb::DoubleGrid>(grid))
-        return std::make_shared<openvdb::FloatGrid>(*doubles);
+        return singlesOfDoubles(*doubles);
     return openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
 }
 

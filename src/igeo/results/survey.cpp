@@ -5,6 +5,7 @@
 #include <igeo/base/detail/disjoint_sets.h>
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
+#include <igeo/march/detail/jet_state.h>
 #include <igeo/results/surface_mesh.h>
 #include <igeo/surface/detail/leaf_block.h>
 #include <igeo/surface/level_set_band.h>
@@ -310,10 +311,22 @@ void putOnGrid(FileSurvey& file, bool closed, const std::string& name, const Fil
     file.low = world.low, file.high = world.high;
 }
 
+/// @param bytes  of memory, beside kProgramBytes
+void estimate(FileSurvey& file, double bytes, double secondsPerNode) {
+    file.surface->bytes = std::uint64_t(kProgramBytes + bytes);
+    file.surface->seconds = secondsPerNode * double(file.band.size());
+}
 void estimate(FileSurvey& file, const RunCost& cost) {
-    const double n = double(file.band.size());
-    file.surface->bytes = std::uint64_t(kProgramBytes + cost.bytesPerNode * n);
-    file.surface->seconds = cost.secondsPerNode * n;
+    estimate(file, cost.bytesPerNode * double(file.band.size()), cost.secondsPerNode);
+}
+
+/// The most that a march on a level set takes: the level set itself, the band, the core with its
+/// jets, and about so much per node of the band for links around the front.
+double marchBytes(const LevelSet& levelSet, const Band& band) {
+    constexpr double kFront = 3;
+    return double(levelSet.psi->memUsage() + band.memUsage()) +
+           double(sizeof(JetNode) + sizeof(JetState)) * double(band.coreSize()) +
+           kFront * double(band.size());
 }
 
 /// The given triangles, without normals.
@@ -377,7 +390,7 @@ FileSurvey surveyFile(const GridSource& source, Progress& progress) {
     file.surface->unresolved = unresolvedOf(file.levelSet, file.band);
     for (const std::string& w : unresolvedWarnings(file.surface->unresolved))
         file.warnings.push_back(w);
-    estimate(file, kVolumeCost);
+    estimate(file, marchBytes(file.levelSet, file.band), kVolumeSecondsPerNode);
     return file;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <utility>
 
 namespace igeo {
 
@@ -14,18 +15,30 @@ namespace {
 /// Nodes across which fronts meet, where S is smooth and without obstacles.
 struct Meetings {
     std::vector<NodeIndex> nodes;
-    std::vector<MeetingPoint> points;
-    std::vector<NodeIndex> around;       ///< their neighbors
-    std::vector<NodeIndex> beside;       ///< nodes at links over which fronts meet, among others
-    std::vector<JetNeighbor> neighbors;  ///< of the node in work
+    std::vector<std::optional<Solved>> jets;  ///< theirs, by rays
+    std::vector<NodeIndex> around;            ///< their neighbors, ascending
+    std::vector<NodeIndex> beside;  ///< nodes at links over which fronts meet, ascending, among
+                                    ///< others
 
     void append(const Meetings& other) {
         nodes.insert(nodes.end(), other.nodes.begin(), other.nodes.end());
-        points.insert(points.end(), other.points.begin(), other.points.end());
+        jets.insert(jets.end(), other.jets.begin(), other.jets.end());
         around.insert(around.end(), other.around.begin(), other.around.end());
         beside.insert(beside.end(), other.beside.begin(), other.beside.end());
     }
 };
+
+/// The same of a part of the nodes, while it is looked at.
+struct MeetingSearch {
+    Meetings found;
+    std::vector<MeetingPoint> points;    ///< one per found node
+    std::vector<JetNeighbor> neighbors;  ///< of the node in work
+};
+
+void sortUnique(std::vector<NodeIndex>& nodes) {
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+}
 
 /// The links of the core after a march.
 class Links {
@@ -50,7 +63,7 @@ private:
 };
 
 /// Adds a node, if fronts meet across it.
-void visit(const CoreJets& jets, const Links& links, NodeIndex i, Meetings& meetings) {
+void visit(const CoreJets& jets, const Links& links, NodeIndex i, MeetingSearch& search) {
     constexpr float kToward = 0.1f;
     const JetCore& core = *jets.core;
     const JetNode& node = core.nodes[i];
@@ -60,7 +73,7 @@ void visit(const CoreJets& jets, const Links& links, NodeIndex i, Meetings& meet
     const auto value = [&](NodeIndex k) {
         return (jets.valueOf(k) - jets.seeds.leastStart) / double(node.weight);
     };
-    std::vector<JetNeighbor>& neighbors = meetings.neighbors;
+    std::vector<JetNeighbor>& neighbors = search.neighbors;
     neighbors.clear();
     FrontsMeet fronts(jets.state[i].g);
     bool plain = !creased;
@@ -69,54 +82,54 @@ void visit(const CoreJets& jets, const Links& links, NodeIndex i, Meetings& meet
         plain &= jets.labelOf(j) == label;
         if (!jets.accepted(j)) continue;
         neighbors.push_back({link.a(), link.turned(jets.state[j].g), value(j)});
-        if (fronts.add(neighbors.back()) > kToward) meetings.beside.push_back(j);
+        if (fronts.add(neighbors.back()) > kToward) search.found.beside.push_back(j);
     }
     if (!plain || !fronts.meet()) return;
-    meetings.nodes.push_back(i);
-    for (const JetLink& link : row) meetings.around.push_back(link.node());
-    meetings.points.push_back(
+    search.found.nodes.push_back(i);
+    for (const JetLink& link : row) search.found.around.push_back(link.node());
+    search.points.push_back(
         {node.leaf, node.offset, node.foot, core.localFrame(i), label, value(i)});
-    meetings.points.back().findFronts(neighbors);
+    search.points.back().findFronts(neighbors);
 }
 
-/// Ends of parts of a list that work is divided into.
-/// @param mayEnd  whether a part may end before an element
-template <typename MayEnd>
-std::vector<std::size_t> partsOf(std::size_t size, const MayEnd& mayEnd) {
+bool inOneBlock(NodeIndex a, NodeIndex b) { return a / JetLinks::kBlock == b / JetLinks::kBlock; }
+
+/// Ends of parts of a list of ascending nodes: each block of links belongs to one.
+std::vector<std::size_t> partsOf(std::span<const NodeIndex> nodes) {
     constexpr std::size_t kPart = 256;
     std::vector<std::size_t> ends;
-    for (std::size_t k = kPart; k < size; ++k)
-        if (mayEnd(k)) ends.push_back(k), k += kPart - 1;
-    ends.push_back(size);
+    for (std::size_t k = kPart; k < nodes.size(); ++k)
+        if (!inOneBlock(nodes[k - 1], nodes[k])) ends.push_back(k), k += kPart - 1;
+    ends.push_back(nodes.size());
     return ends;
 }
 
-/// Work on parts of a list, in parallel; the results in the order of the list.
-template <typename Result, typename Work>
-std::vector<Result> byParts(const std::vector<std::size_t>& ends, const Work& work) {
-    std::vector<Result> found(ends.size());
-    parallelFor(found.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p) found[p] = work(p ? ends[p - 1] : 0, ends[p]);
-    });
-    return found;
+/// Those among a part of the nodes, which is ascending: a block of links is made once, and dropped
+/// as soon as it was used.
+Meetings meetingsIn(const CoreJets& jets, const Links& links, std::span<const NodeIndex> nodes) {
+    MeetingSearch search;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+        visit(jets, links, nodes[k], search);
+        if (k + 1 == nodes.size() || !inOneBlock(nodes[k], nodes[k + 1])) links.drop(nodes[k]);
+    }
+    search.found.jets = solveByRays(jets, {}, search.points);
+    sortUnique(search.found.around);
+    sortUnique(search.found.beside);
+    return std::move(search.found);
 }
 
-/// @param nodes  ascending: a block of links is made once, and dropped as soon as it was used
+/// Those among the nodes, in their order.
 Meetings meetingsAmong(const CoreJets& jets, const Links& links, std::span<const NodeIndex> nodes) {
-    const auto endsBlock = [&](std::size_t k) {
-        return k == nodes.size() || nodes[k - 1] / JetLinks::kBlock != nodes[k] / JetLinks::kBlock;
-    };
-    const auto look = [&](std::size_t begin, std::size_t end) {
-        Meetings found;
-        for (std::size_t k = begin; k < end; ++k) {
-            visit(jets, links, nodes[k], found);
-            if (endsBlock(k + 1)) links.drop(nodes[k]);
+    const std::vector<std::size_t> ends = partsOf(nodes);
+    std::vector<Meetings> parts(ends.size());
+    parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) {
+            const std::size_t first = p ? ends[p - 1] : 0;
+            parts[p] = meetingsIn(jets, links, nodes.subspan(first, ends[p] - first));
         }
-        return found;
-    };
+    });
     Meetings all;
-    for (const Meetings& part : byParts<Meetings>(partsOf(nodes.size(), endsBlock), look))
-        all.append(part);
+    for (Meetings& part : parts) all.append(std::exchange(part, {}));
     return all;
 }
 
@@ -125,8 +138,7 @@ Meetings meetingsAround(const CoreJets& jets, const Links& links, std::vector<No
     std::sort(nodes.begin(), nodes.end());
     Meetings found = meetingsAmong(jets, links, nodes);
     std::vector<NodeIndex> beside = std::move(found.beside);
-    std::sort(beside.begin(), beside.end());
-    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+    sortUnique(beside);
     std::erase_if(beside,
                   [&](NodeIndex j) { return std::binary_search(nodes.begin(), nodes.end(), j); });
     found.append(meetingsAmong(jets, links, beside));
@@ -143,26 +155,18 @@ void setJet(CoreJets& jets, NodeIndex i, const Solved& jet) {
 }  // namespace
 
 void solveMeetings(CoreJets& jets, JetLinks& own, const std::vector<NodeIndex>& nodes) {
-    using Solutions = std::vector<std::optional<Solved>>;
     const JetCore& core = *jets.core;
     if (core.costsVary || core.metric.anisotropic() || nodes.empty()) return;
-    const Links links(core, own);
-    const Meetings meetings = meetingsAround(jets, links, nodes);
-    if (meetings.points.empty()) return;
-    const auto parts = byParts<Solutions>(
-        partsOf(meetings.points.size(), [](std::size_t) { return true; }),
-        [&](std::size_t begin, std::size_t end) {
-            return solveByRays(jets, {}, std::span(meetings.points).subspan(begin, end - begin));
-        });
+    // All are solved before one is changed.
+    const Meetings meetings = meetingsAround(jets, Links(core, own), nodes);
+    if (meetings.nodes.empty()) return;
     jets.meetings.resize(core.nodes.size());
     for (const NodeIndex i : meetings.around) jets.meetings[i] = true;
-    auto node = meetings.nodes.begin();
-    for (const Solutions& part : parts)
-        for (const std::optional<Solved>& jet : part) {
-            const NodeIndex i = *node++;
-            jets.meetings[i] = true;
-            if (jet) setJet(jets, i, *jet);
-        }
+    for (std::size_t k = 0; k < meetings.nodes.size(); ++k) {
+        const NodeIndex i = meetings.nodes[k];
+        jets.meetings[i] = true;
+        if (meetings.jets[k]) setJet(jets, i, *meetings.jets[k]);
+    }
 }
 
 }  // namespace igeo
