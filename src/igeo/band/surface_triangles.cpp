@@ -35,6 +35,8 @@ inline void SurfaceTriangles::Box::add(const Vec3d& p) {
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
 }
 
+inline void SurfaceTriangles::Box::add(const Box& box) { add(box.low), add(box.high); }
+
 double SurfaceTriangles::Box::squaredDistance(const Vec3d& p) const {
     double sum = 0;
     for (int a = 0; a < 3; ++a) {
@@ -101,18 +103,29 @@ const SurfaceTriangles::Tree& SurfaceTriangles::tree() const {
     return tree_;
 }
 
+/// Of the triangles from the first to the last.
+inline SurfaceTriangles::Box SurfaceTriangles::boxOf(std::size_t first, std::size_t last) const {
+    Box box;
+    for (std::size_t t = first; t <= last; ++t)
+        for (unsigned c = 0; c < 3; ++c) box.add(corner(t, c));
+    return box;
+}
+
 void SurfaceTriangles::makeTree() const {
     Tree& tree = tree_;
-    while ((runs() >> tree.levels) >= kBucket) ++tree.levels;
+    while ((runs() >> tree.levels) >= bucket()) ++tree.levels;
     tree.order.reserve(runs());
     tree.boxes.resize((std::size_t(2) << tree.levels) - 1);
+    if (run_ > kFew)
+        for (std::size_t t = 0; t < size(); t += kFew)
+            tree.few.push_back(boxOf(t, std::min(t + kFew, size()) - 1));
     struct Item {
-        Vec3d middle;  ///< times three, of its first triangle
+        Vec3d middle;  ///< times three, of its middle triangle
         std::uint32_t run;
     };
     std::vector<Item> items(runs());
     for (std::uint32_t k = 0; k < items.size(); ++k) {
-        const std::size_t t = k * run_;
+        const std::size_t t = std::min(k * run_ + run_ / 2, size() - 1);
         items[k] = {corner(t, 0) + corner(t, 1) + corner(t, 2), k};
     }
     auto at = [&](unsigned level, std::size_t k) {
@@ -138,16 +151,14 @@ void SurfaceTriangles::makeTree() const {
         Box& box = tree.boxes[(std::size_t(1) << tree.levels) - 1 + k];
         for (auto i = begin; i != end; ++i) {
             tree.order.push_back(i->run);
-            forRun(i->run, [&](std::uint32_t t) {
-                for (unsigned c = 0; c < 3; ++c) box.add(corner(t, c));
-            });
+            const std::size_t first = i->run * run_, last = endOf(i->run) - 1;
+            if (tree.few.empty()) box.add(boxOf(first, last));
+            for (std::size_t f = first / kFew; f <= last / kFew && f < tree.few.size(); ++f)
+                box.add(tree.few[f]);
         }
     }
     for (std::size_t b = (std::size_t(1) << tree.levels) - 1; b-- > 0;)
-        for (const std::size_t half : {2 * b + 1, 2 * b + 2}) {
-            tree.boxes[b].add(tree.boxes[half].low);
-            tree.boxes[b].add(tree.boxes[half].high);
-        }
+        for (const std::size_t half : {2 * b + 1, 2 * b + 2}) tree.boxes[b].add(tree.boxes[half]);
 }
 
 template <typename Key, typename Limit, typename Visit>
@@ -176,8 +187,15 @@ void SurfaceTriangles::forLeaves(const Key& key, const Limit& limit, const Visit
             stack[top++] = nearer;
             continue;
         }
-        for (std::size_t i = edge(w.level, w.box); i < edge(w.level, w.box + 1); ++i)
-            forRun(in.order[i], visit);
+        for (std::size_t i = edge(w.level, w.box); i < edge(w.level, w.box + 1); ++i) {
+            const std::size_t end = endOf(in.order[i]);
+            for (std::size_t t = in.order[i] * run_; t < end;) {
+                const std::size_t next = in.few.empty() ? end : std::min(t + kFew, end);
+                const double few = in.few.empty() ? w.key : key(in.few[t / kFew]);
+                for (; t < next; ++t)
+                    if (few < kInfinity && !(few > limit())) visit(std::uint32_t(t));
+            }
+        }
     }
 }
 

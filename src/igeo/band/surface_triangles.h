@@ -34,7 +34,7 @@ public:
     /// @param neighbor  per triangle, the neighbor across the edge from corner k to k + 1: kNone at
     ///                  a boundary, kMany where three or more triangles meet
     /// @param run       so many triangles after one another are close, and stay together in the
-    /// tree
+    ///                  tree
     SurfaceTriangles(std::vector<Vec3d> points, std::vector<Triangle> triangles,
                      std::vector<std::array<std::uint32_t, 3>> neighbor, std::size_t run = 1);
 
@@ -81,6 +81,7 @@ private:
     struct Box {
         Vec3d low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
         void add(const Vec3d& p);
+        void add(const Box& box);
         double squaredDistance(const Vec3d& p) const;
         /// The distance at which a ray enters; +infinity where it misses.
         double entry(const Vec3d& from, const Vec3d& inverse) const;
@@ -89,21 +90,20 @@ private:
     struct Tree {
         std::vector<std::uint32_t> order;  ///< of runs
         std::vector<Box> boxes;
-        unsigned levels = 0;  ///< below the root
+        unsigned levels = 0;   ///< below the root
+        std::vector<Box> few;  ///< of each kFew triangles after one another, in long runs
     };
-    static constexpr double kOpposed = -0.2;   ///< cosine of normals; as Band::kOtherSheet
-    static constexpr std::size_t kBucket = 4;  ///< runs in a leaf, at least half of it
+    static constexpr double kOpposed = -0.2;  ///< cosine of normals; as Band::kOtherSheet
+    static constexpr std::size_t kFew = 4;    ///< triangles with a box of their own
 
     const Tree& tree() const;
     void makeTree() const;
+    Box boxOf(std::size_t first, std::size_t last) const;
     std::size_t runs() const { return (size() + run_ - 1) / run_; }
     std::size_t edge(unsigned level, std::size_t k) const { return k * runs() >> level; }
-    /// Calls visit(triangle) for a run.
-    template <typename Visit>
-    void forRun(std::uint32_t run, const Visit& visit) const {
-        const std::size_t end = std::min((run + 1) * run_, size());
-        for (std::size_t t = run * run_; t < end; ++t) visit(std::uint32_t(t));
-    }
+    std::size_t endOf(std::size_t run) const { return std::min((run + 1) * run_, size()); }
+    /// Runs in a leaf of the tree: at most so many, and at least half of it.
+    std::size_t bucket() const { return run_ > kFew ? 2 : 4; }
     /// Visits leaves in the order of their boxes' `key`, least first: visit(triangle), while key <
     /// limit().
     template <typename Key, typename Limit, typename Visit>

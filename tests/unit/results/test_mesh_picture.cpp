@@ -1,5 +1,6 @@
 // Pictures of meshes show their own triangles, to the pixel.
 #include <igeo/march/jet.h>
+#include <igeo/results/detail/drawn_surface.h>
 #include <igeo/surface/mesh_band.h>
 #include <support/catch.h>
 #include <support/expect_error.h>
@@ -91,6 +92,19 @@ TEST_CASE("picture: a closed mesh is not drawn from inside", "[mesh]") {
         o.eye = {0.5, 0.3, 0.6};
         CHECK(!renderPng(nullptr, box.field, {}, o).empty());
     }
+}
+
+TEST_CASE("DrawnSurface: what turns its back is hidden on closed meshes with normals outward") {
+    SurfaceMesh mesh;
+    mesh.position = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    const Band band;
+    CHECK(DrawnSurface(band, mesh, true).hidesBacks());
+    SurfaceMesh inward = mesh, open = mesh;
+    for (auto& [a, b, c] : inward.triangles) std::swap(b, c);
+    CHECK_FALSE(DrawnSurface(band, inward, true).hidesBacks());
+    open.triangles.pop_back();
+    CHECK_FALSE(DrawnSurface(band, open, true).hidesBacks());
 }
 
 }  // namespace igeo::test

@@ -102,26 +102,68 @@ std::vector<Vec3d> eyeDirections(const Vec3d& up) {
     return all;
 }
 
+/// How well directions to the eye show the sights. A direction is looked along only once its bound
+/// does not decide.
+class Scores {
+public:
+    Scores(const DrawnSurface& surface, const std::vector<Sight>& seen,
+           const std::vector<Vec3d>& directions)
+        : surface_(surface), seen_(seen) {
+        for (const Vec3d& world : directions) {
+            Direction d{indexDirection(surface.transform(), world)};
+            for (const Sight& s : seen)
+                if (surface.mayBeVisible(s.normal, d.toEye)) d.score += worth(s, d.toEye);
+            all_.push_back(d);
+        }
+    }
+    /// The first direction that is almost as good as the best.
+    std::size_t choose() {
+        constexpr double kAlmost = 0.9;
+        const auto lower = [](const Direction& a, const Direction& b) { return a.score < b.score; };
+        auto best = std::max_element(all_.begin(), all_.end(), lower);
+        while (!best->looked) {
+            look(*best);
+            best = std::max_element(all_.begin(), all_.end(), lower);
+        }
+        const double enough = kAlmost * best->score;
+        std::size_t k = 0;
+        while (all_[k].score < enough || (!all_[k].looked && look(all_[k]) < enough)) ++k;
+        return k;
+    }
+
+private:
+    struct Direction {
+        Vec3d toEye;       ///< index space
+        double score = 0;  ///< a bound until it was looked along
+        bool looked = false;
+    };
+    static double worth(const Sight& s, const Vec3d& toEye) {
+        constexpr double kOpenEnough = 0.4;  // cosine above which a point is fully visible
+        return s.weight * std::min(std::abs(dot(s.normal, toEye)) / kOpenEnough, 1.0);
+    }
+    double look(Direction& d) const {
+        std::vector<std::uint8_t> visible(seen_.size());
+        parallelFor(seen_.size(), 32, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                visible[i] = surface_.isVisible(seen_[i].pIndex, seen_[i].normal, d.toEye);
+        });
+        d.score = 0;
+        d.looked = true;
+        for (std::size_t i = 0; i < seen_.size(); ++i)
+            if (visible[i]) d.score += worth(seen_[i], d.toEye);
+        return d.score;
+    }
+
+    const DrawnSurface& surface_;
+    const std::vector<Sight>& seen_;
+    std::vector<Direction> all_;
+};
+
 /// Chooses the direction to the eye, world space.
 Vec3d chooseDirection(const DrawnSurface& surface, const std::vector<Sight>& seen,
                       const Vec3d& up) {
-    constexpr double kAlmost = 0.9;
-    constexpr double kOpenEnough = 0.4;  // cosine above which a point is fully visible
     const std::vector<Vec3d> directions = eyeDirections(up);
-    std::vector<double> scores(directions.size());
-    parallelFor(directions.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const Vec3d toEye = indexDirection(surface.transform(), directions[k]);
-            for (const Sight& s : seen)
-                if (surface.isVisible(s.pIndex, s.normal, toEye))
-                    scores[k] +=
-                        s.weight * std::min(std::abs(dot(s.normal, toEye)) / kOpenEnough, 1.0);
-        }
-    });
-    const double best = *std::max_element(scores.begin(), scores.end());
-    std::size_t k = 0;
-    while (scores[k] < kAlmost * best) ++k;
-    return directions[k];
+    return directions[Scores(surface, seen, directions).choose()];
 }
 
 }  // namespace

@@ -63,6 +63,25 @@ double meanSide(const SurfaceMesh& mesh) {
     return mesh.triangles.empty() ? 0 : sum / double(mesh.triangles.size());
 }
 
+/// Whether a mesh has no rim, and its normals point away from what it encloses.
+bool isOutside(const SurfaceMesh& mesh) {
+    // Edges count once from their lesser vertex and once toward it, as numbers that have nothing to
+    // do with each other: their sum is 0 only without a rim.
+    auto edge = [](std::uint64_t a, std::uint64_t b) {
+        std::uint64_t hash = (std::min(a, b) << 32 | std::max(a, b)) * 0x9e3779b97f4a7c15u;
+        hash = (hash ^ hash >> 29) * 0xbf58476d1ce4e5b9u;
+        hash ^= hash >> 32;
+        return a < b ? hash : 0 - hash;
+    };
+    std::uint64_t rim = 0;
+    double volume = 0;
+    for (const auto& [a, b, c] : mesh.triangles) {
+        rim += edge(a, b) + edge(b, c) + edge(c, a);
+        volume += dot(mesh.position[a], cross(mesh.position[b], mesh.position[c]));
+    }
+    return rim == 0 && volume > 0;
+}
+
 }  // namespace
 
 DrawnSurface::DrawnSurface(const Band& band)
@@ -77,10 +96,11 @@ DrawnSurface::DrawnSurface(const Band& band)
 DrawnSurface::DrawnSurface(const Band& band, SurfaceMesh mesh, bool closed)
     : band_(band),
       closed_(closed),
+      hidesBacks_(isOutside(mesh)),
       clearance_(std::max(0.5, 0.5 * meanSide(mesh))),
       normal_(std::move(mesh.normal)),
       distance_(std::move(mesh.distance)) {
-    constexpr std::size_t kRun = 4;  // they come cell by cell
+    constexpr std::size_t kRun = 64;  // they come leaf by leaf
     triangles_ = std::make_shared<SurfaceTriangles>(
         std::move(mesh.position), std::move(mesh.triangles),
         /*neighbor, which rays do not need*/ std::vector<std::array<std::uint32_t, 3>>{}, kRun);
@@ -112,7 +132,8 @@ Vec3d DrawnSurface::normalNear(const Vec3d& p) const {
 }
 
 bool DrawnSurface::isVisible(const Vec3d& p, const Vec3d& n, const Vec3d& toEye) const {
-    return !triangles_->meets(p + (dot(n, toEye) < 0 ? -clearance_ : clearance_) * n, toEye);
+    return mayBeVisible(n, toEye) &&
+           !triangles_->meets(p + (dot(n, toEye) < 0 ? -clearance_ : clearance_) * n, toEye);
 }
 
 bool DrawnSurface::encloses(const Vec3d& p) const {

@@ -35,6 +35,12 @@ public:
     /// Unit normal of the triangle nearest to a point; 0 without triangles.
     Vec3d normalNear(const Vec3d& p) const;
 
+    /// Whether S has no rim, and normals away from its inside: what turns its back is hidden.
+    bool hidesBacks() const { return hidesBacks_; }
+    /// False where a point of S with this normal is on the far side of what it encloses.
+    bool mayBeVisible(const Vec3d& n, const Vec3d& toEye) const {
+        return !hidesBacks_ || dot(n, toEye) >= 0;
+    }
     /// Whether the line from a point of S in the unit direction `toEye` is free.
     /// @param n  normalNear(p)
     bool isVisible(const Vec3d& p, const Vec3d& n, const Vec3d& toEye) const;
@@ -44,7 +50,7 @@ public:
 private:
     const Band& band_;
     std::shared_ptr<const SurfaceTriangles> triangles_;
-    bool closed_;
+    bool closed_, hidesBacks_;
     double clearance_;                           ///< of a ray that starts on S, voxels
     std::vector<std::array<Vec3f, 3>> creased_;  ///< normals per triangle and corner
     std::vector<Vec3f> normal_;                  ///< per vertex: the mean of its triangles

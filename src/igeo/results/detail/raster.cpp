@@ -16,13 +16,13 @@ constexpr double kNearest = 1e-6;  ///< least depth of what is drawn, voxels
 
 }  // namespace
 
-Raster::Raster(const SurfaceTriangles& triangles, const Frame& frame)
+Raster::Raster(const SurfaceTriangles& triangles, bool withBacks, const Frame& frame)
     : triangles_(triangles),
       frame_(frame),
       across_((frame.width + kTile - 1) / kTile),
       down_((frame.height + kTile - 1) / kTile),
       corners_(triangles.points().size()),
-      boxes_(triangles.size()),
+      boxes_(new Box[triangles.size()]),
       first_(2 * tiles() + 1) {
     parallelFor(corners_.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
@@ -43,12 +43,14 @@ Raster::Raster(const SurfaceTriangles& triangles, const Frame& frame)
     parallelFor(ranges.size(), 4096, [&](std::size_t begin, std::size_t end) {
         auto tile = [](float pixel) { return std::int16_t(int(pixel) / kTile); };
         for (std::size_t t = begin; t < end; ++t) {
+            const auto [u, v, w] = seen(t);
+            const bool back = (dot(u, cross(v, w)) < 0) != mirrored;
+            if (back && !withBacks) continue;
             const Box b = boxes_[t] = boxOf(t);
             if (b.right < 0 || b.bottom < 0 || b.left >= width || b.top >= height) continue;
-            const auto [u, v, w] = seen(t);
             ranges[t] = {tile(std::max(b.left, 0.0f)), tile(std::max(b.top, 0.0f)),
                          tile(std::min(b.right, width - 1)), tile(std::min(b.bottom, height - 1)),
-                         (dot(u, cross(v, w)) < 0) != mirrored};
+                         back};
         }
     });
     auto forTiles = [&](auto visit) {
@@ -73,7 +75,7 @@ Raster::Box Raster::boxOf(std::size_t triangle) const {
         return {std::min({p.x, q.x, r.x}) - kSlack, std::min({p.y, q.y, r.y}) - kSlack,
                 std::max({p.x, q.x, r.x}) + kSlack, std::max({p.y, q.y, r.y}) + kSlack,
                 float(std::min({p.at.z, q.at.z, r.at.z}))};
-    Box box;
+    Box box{1e30f, 1e30f, -1e30f, -1e30f, 0};
     auto add = [&](const Vec3d& s) {
         const auto [x, y] = frame_.place(s);
         box.left = std::min(box.left, float(x) - kSlack);

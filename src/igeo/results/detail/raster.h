@@ -6,6 +6,7 @@
 
 #include <array>
 #include <limits>
+#include <memory>
 #include <vector>
 
 namespace igeo {
@@ -58,7 +59,8 @@ public:
     /// Pixels of a tile: a bit for each, row by row.
     using Pixels = std::array<std::uint32_t, kTile>;
 
-    Raster(const SurfaceTriangles& triangles, const Frame& frame);
+    /// @param withBacks  false: no sample shows a triangle that turns its back to the eye
+    Raster(const SurfaceTriangles& triangles, bool withBacks, const Frame& frame);
 
     std::size_t tiles() const { return std::size_t(across_) * std::size_t(down_); }
     /// The upper left pixel.
@@ -78,7 +80,7 @@ public:
 private:
     /// The part of the picture that a triangle covers, pixels, and its least depth.
     struct Box {
-        float left = 1e30f, top = 1e30f, right = -1e30f, bottom = -1e30f, nearest = 0;
+        float left, top, right, bottom, nearest;
     };
     struct Edges;
     class Tile;
@@ -95,8 +97,8 @@ private:
         Vec3d at;    ///< camera coordinates
         float x, y;  ///< picture position; no number behind the eye
     };
-    std::vector<Corner> corners_;  ///< per vertex
-    std::vector<Box> boxes_;       ///< per triangle
+    std::vector<Corner> corners_;   ///< per vertex
+    std::unique_ptr<Box[]> boxes_;  ///< per triangle
     /// Per tile: first in the list of the triangles that turn their front to the eye, and of the
     /// others, which the former hide on closed surfaces.
     std::vector<std::size_t> first_;

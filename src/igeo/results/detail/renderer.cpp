@@ -14,7 +14,7 @@ Renderer::Renderer(const DrawnSurface& surface, const Frame& frame, const Shader
     : surface_(surface),
       frame_(frame),
       shader_(shader),
-      raster_(surface.triangles(), frame),
+      raster_(surface.triangles(), !surface.hidesBacks(), frame),
       progress_(progress),
       samples_(std::size_t(frame.width) * std::size_t(frame.height)),
       seen_(frame),

@@ -18,8 +18,11 @@ double coverage(double off, double half, double width) {
 
 /// Light on spots.
 struct Light {
-    std::vector<float> diffuse;  ///< a factor of colors
-    std::vector<float> shine;    ///< white
+    std::unique_ptr<float[]> diffuse;  ///< a factor of colors
+    std::unique_ptr<float[]> shine;    ///< white
+
+    explicit Light(std::size_t spots)
+        : diffuse(new float[spots + 7]), shine(new float[spots + 7]) {}
 };
 
 /// Studio light: a key light from the upper left, wrapped around for soft edges, a fill light from
@@ -77,12 +80,14 @@ IGEO_AVX2 void lightByEight(const Spots& spots, Light& light) {
 }
 #endif
 
-Light lightOf(const Spots& spots) {
-    Light light{std::vector<float>(spots.depth.size()), std::vector<float>(spots.depth.size())};
+Light lightOf(Spots& spots) {
+    spots.fillRegister();
+    Light light(spots.size());
 #ifdef IGEO_AVX2
-    if (eightAtATime()) return lightByEight(spots, light), light;
-#endif
+    (eightAtATime() ? lightByEight : lightByFour)(spots, light);
+#else
     lightByFour(spots, light);
+#endif
     return light;
 }
 
@@ -119,7 +124,7 @@ double Shader::lastKnown(const Vec3f& place) const {
     return field_.maxDistance - (field_.atFootPoints ? 0 : 2 * weightAt(place));
 }
 
-void Shader::color(const Spots& spots, std::vector<Vec3f>& colors) const {
+void Shader::color(Spots& spots, std::vector<Vec3f>& colors) const {
     const std::size_t n = spots.size();
     const Light light = lightOf(spots);
     colors.resize(n);

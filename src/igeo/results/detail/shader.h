@@ -5,21 +5,24 @@
 #include <igeo/results/detail/legend.h>
 #include <igeo/results/detail/raster.h>
 
+#include <memory>
 #include <vector>
 
 namespace igeo {
 
 /// Visible points, in camera coordinates: the first of all, the second of all, and so on.
 struct Spots {
-    std::vector<float> towardX, towardY, depth;  ///< the ray (Frame::toward), and how far along it
-    std::vector<float> nx, ny, nz;               ///< unit normal, on either side of the surface
-    std::vector<float> distance;                 ///< +infinity: unreached
-    std::vector<float> open;   ///< share of ambient light that is not blocked, 0 to 1
-    std::vector<float> slope;  ///< change of the distance between neighboring samples; 0: a sharp
-                               ///< line
+    float *towardX, *towardY, *depth;  ///< the ray (Frame::toward), and how far along it
+    float *nx, *ny, *nz;               ///< unit normal, on either side of the surface
+    float* distance;                   ///< +infinity: unreached
+    float* open;                       ///< share of ambient light that is not blocked, 0 to 1
+    float* slope;  ///< change of the distance between neighboring samples; 0: a sharp line
 
-    explicit Spots(std::size_t capacity) {
-        for (auto* v : all()) v->resize((capacity + 7) / 8 * 8);
+    explicit Spots(std::size_t capacity)
+        : stride_((capacity + 7) / 8 * 8), numbers_(new float[9 * stride_]) {
+        float* next = numbers_.get();
+        for (float** of : {&towardX, &towardY, &depth, &nx, &ny, &nz, &distance, &open, &slope})
+            *of = next, next += stride_;
     }
     std::size_t size() const { return size_; }
     void add(const Vec3f& ray, float itsDepth, const Vec3f& n, float itsDistance, float itsOpen = 1,
@@ -32,11 +35,16 @@ struct Spots {
     Vec3f normal(std::size_t k) const { return {nx[k], ny[k], nz[k]}; }
     Vec3f place(std::size_t k) const { return depth[k] * Vec3f{towardX[k], towardY[k], 1}; }
 
-private:
-    std::array<std::vector<float>*, 9> all() {
-        return {&towardX, &towardY, &depth, &nx, &ny, &nz, &distance, &open, &slope};
+    /// Gives values to the rest of a register of eight.
+    void fillRegister() {
+        const std::size_t n = size_;
+        while (size_ % 8) add({0, 0, 1}, 1, {0, 0, 1}, 0);
+        size_ = n;
     }
-    std::size_t size_ = 0;
+
+private:
+    std::size_t stride_, size_ = 0;
+    std::unique_ptr<float[]> numbers_;
 };
 
 class Shader {
@@ -59,7 +67,7 @@ public:
     }
     const Field& field() const { return field_; }
     /// @param colors  one per spot, in linear light
-    void color(const Spots& spots, std::vector<Vec3f>& colors) const;
+    void color(Spots& spots, std::vector<Vec3f>& colors) const;
 
 private:
     Vec3f colorOf(float distance) const {
