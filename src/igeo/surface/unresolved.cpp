@@ -23,6 +23,8 @@ constexpr float kParallel = -0.7f;
 constexpr float kContradiction = 0.4f;
 /// Within this many steps of a contradiction, S is considered affected.
 constexpr int kBeside = 2;
+/// Nodes. In grooves that narrow to nothing psi parts single nodes from all others.
+constexpr std::size_t kLargestIsland = 8;
 /// Closer voxels have a foot point in any direction.
 constexpr float kLeastPsi = 0.25f;
 
@@ -117,6 +119,29 @@ void markBeside(const Band& band, LeafIndex l, unsigned at, std::vector<std::uin
     });
 }
 
+/// Whether a core node belongs to an island: no link leads out of its part of the core, which is
+/// small and has other nodes beside it.
+bool isOnIsland(const Band& band, NodeIndex node) {
+    std::array<NodeIndex, kLargestIsland + 1> part{node};
+    std::size_t size = 1;
+    bool alone = true;
+    for (std::size_t k = 0; k < size && size < part.size(); ++k) {
+        const NodeIndex i = part[k];
+        const std::uint32_t severed = band.severedSteps(i);
+        band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int x, int y, int z) {
+            if (!band.inCore(j) || size == part.size()) return;
+            const Vec3f chord = band.footOf(i) - band.footOf(j) - Vec3f(Ijk{x, y, z});
+            const float cosine = dot(band.normal[i], band.normal[j]);
+            const bool linked = !(severed & SeveredLinks::bit(x, y, z)) &&
+                                onOneSheet(chord, band.normal[i], band.normal[j], cosine);
+            alone &= linked;
+            if (linked && std::find(part.begin(), part.begin() + size, j) == part.begin() + size)
+                part[size++] = j;
+        });
+    }
+    return size < part.size() && !alone;
+}
+
 double shareOf(const std::vector<std::uint8_t>& marked) {
     const auto count = std::count(marked.begin(), marked.end(), std::uint8_t(1));
     return double(count) / double(std::max<std::size_t>(marked.size(), 1));
@@ -125,7 +150,7 @@ double shareOf(const std::vector<std::uint8_t>& marked) {
 }  // namespace
 
 Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
-    std::vector<std::uint8_t> thin(band.coreSize()), closed(band.coreSize());
+    std::vector<std::uint8_t> thin(band.coreSize()), closed(thin), cutOff(thin);
     parallelFor(band.leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         LeafBlock block;
         const LeafBlock::Accessor psi(levelSet.psi->constTree());
@@ -143,11 +168,13 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
             const LeafNodes& nodes = leaf.band;
             for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
                 const std::uint8_t marks = band.facing[i];
-                if (!(marks & (Band::kFacing | Band::kKink))) continue;
+                if (!marks) continue;
                 const unsigned at = band.placeOf(i).offset;
-                if (marks & Band::kFacing)
-                    if (const NodeIndex k = leaf.core.node(at); k != kNoNode)
+                if (const NodeIndex k = leaf.core.node(at); k != kNoNode) {
+                    if (marks & Band::kFacing)
                         thin[k] = 2 * reachAt(band, i, kParallel) < kResolved;
+                    if (marks & (Band::kFacing | Band::kSevered)) cutOff[k] = isOnIsland(band, i);
+                }
                 if (marks & Band::kKink && std::abs(band.psi[i]) >= kLeastPsi && isClosed(i, at))
                     markBeside(band, l, at, closed);
             }
@@ -156,6 +183,7 @@ Unresolved unresolvedOf(const LevelSet& levelSet, const Band& band) {
     Unresolved unresolved;
     unresolved.thin = shareOf(thin);
     unresolved.closed = shareOf(closed);
+    unresolved.cutOff = shareOf(cutOff);
     return unresolved;
 }
 
@@ -233,8 +261,8 @@ std::vector<std::string> unresolvedWarnings(const Unresolved& unresolved) {
          "walls or gaps are thinner than 1.1 voxels on {:.2g} % of the surface: fronts may cross "
          "them, and distances come out too short; smaller voxels separate their sides");
     if (!warn(unresolved.cutOff, kCutOff,
-              "{:.2g} % of the surface is thinner than the voxels can show, and no path leads "
-              "there: take smaller voxels"))
+              "{:.2g} % of the surface lies in walls or grooves narrower than the voxels can show, "
+              "and no path leads there: take smaller voxels"))
         warn(unresolved.facing, kFacing,
              "sheets face each other within two voxels on {:.0f} % of the surface: distances are "
              "less accurate there; info gives the voxel size that separates them");

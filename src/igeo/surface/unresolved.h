@@ -20,7 +20,9 @@ struct Unresolved {
     /// Level sets: within two voxels of a contradiction in psi.
     std::optional<double> closed;
     std::optional<double> facing;  ///< meshes: facingShare
-    std::optional<double> cutOff;  ///< meshes: Band::cutOff
+    /// Meshes: Band::cutOff. Level sets: nodes that no front reaches, in groups of at most eight,
+    /// as the links to all nodes beside them are cut
+    std::optional<double> cutOff;
     /// Closed meshes that do not cross themselves: eulerOnVoxels() minus that of the mesh. 0: the
     /// voxels resolve all tunnels, gaps and components.
     std::optional<int> eulerDifference;

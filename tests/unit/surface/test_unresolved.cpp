@@ -1,4 +1,5 @@
 // What the voxels do not show: said with its share, and not where they do.
+#include <igeo/geodesic_solver.h>
 #include <igeo/surface/level_set_band.h>
 #include <igeo/surface/mesh_band.h>
 #include <igeo/surface/unresolved.h>
@@ -69,7 +70,30 @@ TEST_CASE("unresolved: nothing of smooth and creased shapes") {
             unresolved(makeLevelSet(shape, *rotatedTransform(0.05, {1, 2, 3}, 40, {5, 6, 7}), 3));
         CHECK(*u.closed == 0);
         CHECK(*u.thin == 0);
+        CHECK(*u.cutOff == 0);
         CHECK(unresolvedWarnings(u).empty());
+    }
+}
+
+TEST_CASE("unresolved: grooves that no front reaches, where a fin meets a ball at an acute angle") {
+    for (const double low : {8.5, 10.5, 11.5}) {
+        Shape part = sphere(openvdb::Vec3d(0), 12);
+        const Shape fin = partOf({{{0, -9, low}, {26, 9, low + 4}}});
+        part.sdf = [ball = part.sdf, fin = fin.sdf](const openvdb::Vec3d& p) {
+            return std::min(ball(p), fin(p));
+        };
+        part.bounds.expand(fin.bounds);
+        const auto grid = makeLevelSet(part, *rotatedTransform(1, {1, 2, 3}, 40, {5, 6, 7}), 3);
+        const Unresolved u = unresolved(grid);
+        const Distance d = GeodesicSolver(Surface(*grid)).distance({{-12, 0.3, 0}});
+        const Band& band = d.band();
+        std::size_t unreached = 0;
+        for (NodeIndex i = 0; i < band.size(); ++i)
+            unreached += band.inCore(i) && !(d.field().distance[i] < kInfinity);
+        std::printf("fin from %.1f voxels on: %.3g %% cut off, %zu of %zu nodes unreached\n", low,
+                    100 * *u.cutOff, unreached, band.coreSize());
+        CHECK(*u.cutOff * double(band.coreSize()) == Approx(double(unreached)));
+        CHECK(warns(u, "walls or grooves narrower than the voxels can show"));
     }
 }
 
