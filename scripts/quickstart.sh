@@ -32,7 +32,8 @@ bunnyFromDebian() {
 }
 
 getBunny() {
-    [ -s out/bunny.obj ] && return
+    [ -s out/bunny.obj ] && [ ! -e out/bunny.source ] && return
+    rm -f out/bunny.source
     case ${BUNNY:-any} in
         npm) bunnyFromNpm ;;
         debian) bunnyFromDebian ;;
@@ -68,8 +69,10 @@ mkdir -p out
 
 if [ -n "$mesh" ]; then
     name=$(basename "${mesh%.*}")
-    if [ ! "out/$name.obj" -nt "$mesh" ]; then
+    # Another model may have the same name.
+    if [ ! "out/$name.obj" -nt "$mesh" ] || [ "$(cat "out/$name.source" 2>/dev/null)" != "$mesh" ]; then
         say "reading $mesh"
+        printf '%s\n' "$mesh" >"out/$name.source"
         vdb_tool -quiet -read "$mesh" -write "out/$name.obj"
     fi
 elif getBunny; then

@@ -20,11 +20,13 @@ case ${1:-} in
             --shard "$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT"
         ;;
     --merge)
+        name=$(basename "$2")
+        summary=$(dirname "$2")/${name%.*}.summary
         parts=()
         for ((k = 1; k <= $3; ++k)); do
-            parts+=("${2%.*}.summary-$k-of-$3.json")
+            parts+=("$summary-$k-of-$3.json")
         done
-        exec "$program" batch merge "${parts[@]}" -o "${2%.*}.summary.json"
+        exec "$program" batch merge "${parts[@]}" -o "$summary.json"
         ;;
 esac
 

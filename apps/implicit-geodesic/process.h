@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <string>
 
 constexpr double kGiB = 1024.0 * 1024 * 1024;
 
@@ -56,3 +57,24 @@ void giveBackFreedMemory();
 
 /// The peak memory of the process so far, bytes.
 std::uint64_t peakMemory();
+
+/// Keeps other processes from the same work while it lives. The system gives the lock up when its
+/// process ends, however that ends; a file that is left then is taken over.
+class ProcessLock {
+public:
+    /// Locks a file, which is made where it is missing and holds the owner's host and process.
+    /// Where the file system has no locks, there is none.
+    explicit ProcessLock(const std::string& file);
+    /// Removes the file.
+    ~ProcessLock();
+    ProcessLock(const ProcessLock&) = delete;
+    ProcessLock& operator=(const ProcessLock&) = delete;
+
+    /// The owner, as in "process 123 on host tower", where another process has the lock; else empty.
+    const std::string& otherOwner() const { return owner_; }
+
+private:
+    const std::string file_;
+    std::string owner_;
+    int descriptor_ = -1;
+};

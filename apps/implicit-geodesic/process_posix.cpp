@@ -2,14 +2,17 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -207,4 +210,45 @@ std::uint64_t peakMemory() {
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
     return kUnit * std::uint64_t(usage.ru_maxrss);
+}
+
+ProcessLock::ProcessLock(const std::string& file) : file_(file) {
+    for (;;) {
+        descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (descriptor_ < 0) return;
+        if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+            const bool isTaken = errno == EWOULDBLOCK;
+            std::array<char, 256> text{};
+            const ssize_t size = isTaken ? pread(descriptor_, text.data(), text.size(), 0) : 0;
+            if (isTaken) {
+                owner_.assign(text.data(), std::size_t(std::max<ssize_t>(size, 0)));
+                owner_.erase(std::find_if(owner_.begin(), owner_.end(),
+                                          [](char c) { return c < ' ' || c > '~'; }),
+                             owner_.end());
+                if (owner_.empty()) owner_ = "another process";
+            }
+            close(descriptor_);
+            descriptor_ = -1;
+            return;
+        }
+        // The owner before may have removed the file meanwhile, and another made it again.
+        struct stat mine {
+        }, named{};
+        if (fstat(descriptor_, &mine) == 0 && stat(file.c_str(), &named) == 0 &&
+            mine.st_ino == named.st_ino && mine.st_dev == named.st_dev)
+            break;
+        close(descriptor_);
+    }
+    std::array<char, 128> host{};
+    gethostname(host.data(), host.size() - 1);
+    const std::string text =
+        "process " + std::to_string(getpid()) + " on host " + host.data() + "\n";
+    // For a message only.
+    if (ftruncate(descriptor_, 0) != 0 || write(descriptor_, text.data(), text.size()) < 0) return;
+}
+
+ProcessLock::~ProcessLock() {
+    if (descriptor_ < 0) return;
+    unlink(file_.c_str());
+    close(descriptor_);
 }

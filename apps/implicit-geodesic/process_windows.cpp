@@ -73,3 +73,7 @@ std::uint64_t peakMemory() {
     ::GetProcessMemoryInfo(::GetCurrentProcess(), &memory, sizeof memory);
     return memory.PeakWorkingSetSize;
 }
+
+ProcessLock::ProcessLock(const std::string& file) : file_(file) {}
+
+ProcessLock::~ProcessLock() = default;

@@ -527,6 +527,17 @@ class Batch(TempWorkspace):
         self.assertIn("--matrix-rows", done.stderr)
 
 
+class SlurmNames(unittest.TestCase):
+    def test_merge_names_summaries_beside_the_manifest(self):
+        for manifest, stem in (("dir.d/jobs", "dir.d/jobs"), ("dir.d/jobs.json", "dir.d/jobs"),
+                               ("/a.b/c.d/jobs.v2.json", "/a.b/c.d/jobs.v2")):
+            said = subprocess.run(["bash", ROOT / "scripts/slurm_batch.sh", "--merge", manifest, "2"], text=True,
+                                  capture_output=True, check=True, env={**os.environ, "IMPLICIT_GEODESIC": "echo"})
+            self.assertEqual(said.stdout.split(), [
+                "batch", "merge", f"{stem}.summary-1-of-2.json", f"{stem}.summary-2-of-2.json",
+                "-o", f"{stem}.summary.json"])
+
+
 class Interruptions(TempWorkspace):
     """Jobs enough for a second, so that a signal finds some done and some not."""
 
@@ -559,6 +570,31 @@ class Interruptions(TempWorkspace):
             process.send_signal(number)
             said = process.communicate(timeout=60)[1]
         return said, process.returncode
+
+    def test_two_at_once_do_not_compute_the_same_jobs(self):
+        lock = self.folder / "jobs.summary.json.lock"
+        with subprocess.Popen(self.command("batch", "jobs.json", "-q"), cwd=self.folder) as first:
+            while first.poll() is None and not (self.folder / "jobs.summary.json").exists():
+                time.sleep(0.002)
+            first.send_signal(signal.SIGSTOP)
+            self.assertTrue(lock.exists())
+            done = self.recorded()
+            said = self.batch(code=USAGE)
+            self.assertIn(f"jobs.summary.json': process {first.pid} on host ", said)
+            self.assertEqual(self.recorded(), done)
+            self.batch("--dry-run")
+            first.send_signal(signal.SIGCONT)
+            self.assertEqual(first.wait(60), DONE)
+        self.assertFalse(lock.exists())
+        self.assertEqual((self.folder / "jobs.summary.json").read_bytes(), self.whole)
+
+    def test_a_lock_whose_owner_is_gone_is_taken_over(self):
+        lock = self.folder / "jobs.summary.json.lock"
+        self.interrupted(signal.SIGKILL, 0, begun=True)
+        lock.write_text("process 1 on host elsewhere\n")
+        self.batch("-q")
+        self.assertFalse(lock.exists())
+        self.assertEqual((self.folder / "jobs.summary.json").read_bytes(), self.whole)
 
     def recorded(self):
         if not (self.folder / "jobs.summary.json").exists():

@@ -48,6 +48,14 @@ std::string defaultSummary(const fs::path& manifest, const Part& shard) {
         .string();
 }
 
+/// Two batches at once would compute the same jobs twice.
+void refuseOther(const ProcessLock& lock, const std::string& summary) {
+    if (lock.otherOwner().empty()) return;
+    throw igeo::Error(igeo::Error::Kind::InvalidArgument,
+                      "another batch writes the summary '" + summary + "': " + lock.otherOwner(),
+                      "wait until it has ended; what it has done then is not done again");
+}
+
 /// The solver of jobs with the same surface and metric, made by the first job that needs it.
 class SharedSolver {
 public:
@@ -283,11 +291,13 @@ int batch(const BatchOptions& options, Console& console, ConsoleProgress& progre
     // In the folder of the manifest, jobs name their files as single runs there do, also in
     // reports.
     fs::current_path(fs::path(manifest).parent_path());
-    const BatchPlan plan = planBatch(jobs, files, options.shard, progress);
     if (options.dryRun) {
-        printPlan(plan);
+        printPlan(planBatch(jobs, files, options.shard, progress));
         return kDone;
     }
+    const ProcessLock lock(summary + ".lock");
+    refuseOther(lock, summary);
+    const BatchPlan plan = planBatch(jobs, files, options.shard, progress);
     return Batch(plan, files, options.verbose, console, progress).run();
 }
 
