@@ -232,8 +232,7 @@ ProcessLock::ProcessLock(const std::string& file) : file_(file) {
             return;
         }
         // The owner before may have removed the file meanwhile, and another made it again.
-        struct stat mine {
-        }, named{};
+        struct stat mine, named;
         if (fstat(descriptor_, &mine) == 0 && stat(file.c_str(), &named) == 0 &&
             mine.st_ino == named.st_ino && mine.st_dev == named.st_dev)
             break;
