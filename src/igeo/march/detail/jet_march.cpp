@@ -333,35 +333,23 @@ void JetMarch::put(NodeIndex i, float u, const Batch& batch, Chunk& chunk) {
         lower(i, to, current, chunk);
 }
 
-bool JetMarch::isBeforeNeighbor(NodeIndex i, Vec2f g, const Batch& batch) const {
-    constexpr float kBehind = 0.2f;
-    const auto links = links_.row(i);
-    return std::any_of(links.begin(), links.end(), [&](const JetLink& l) {
-        const JetState& other = jets_.state[l.node()];
-        // Other threads take nodes of the batch out meanwhile: to bucket 0.
-        return !other.accepted() && BucketQueue::bucketOf(other) <= batch.last &&
-               dot(g, l.a()) > kBehind;
-    });
-}
-
 IGEO_INLINE void JetMarch::settle(std::size_t lane, const Group& group, Result s,
                                   const Batch& batch, Chunk& chunk) {
     const NodeIndex i = group.node[lane];
     const JetNode& node = core_.nodes[i];
     const bool bridged = node.facing & Band::kBridged;
     if (bridged)
-        if (const Jump jump = jumpTo(i); jump.u < s.u) s = {jump.u, {}, jump.label};
+        if (const Jump jump = jumpTo(i); jump.u < s.u) s = {jump.u, {}, jump.label, false, false};
     // Nodes of a disc wait in its buckets or earlier.
     if (batch.first <= lastDiscBucket_) s = exactNearSeed(i, s);
     if (!(s.u < float(kInfinity))) return;
     const float radius = radiusOf(s);
     if (!(radius > 0 && radius * radius > group.line2[lane])) s.u = boundedBelow(i, s.u, s.label);
     if (options_.below && !withinLimit(i, s.u, batch)) return;
-    // What comes from one or two neighbors waits for those that are in its own bucket: a fit where
-    // one of them is behind the node, the fallback until no node before it waits.
-    const bool waits = s.ofFew && s.u >= 0 &&
-                       (s.usedFallback || (!core_.costsVary && isBeforeNeighbor(i, s.g, batch)));
-    if (waits || !(s.u < slackOf(i))) {
+    // What the fallback has from one or two neighbors is final when no node before it waits: the
+    // neighbors that it lacks may be in its own bucket.
+    const bool few = s.usedFallback && group.rows.of[lane].knownCount <= 2;
+    if (!(s.u < (few ? 0.0f : slackOf(i)))) {
         // Half as far as its bucket: soon, with what is known then, but not in every bucket in
         // between, of which there are many where weights differ by much.
         const std::uint32_t half = later(batch.first, (bucketsTo(s.u) + 1) / 2);
@@ -388,7 +376,7 @@ JetMarch::Result JetMarch::exactNearSeed(NodeIndex i, const Result& s) const {
     if (disc == discs_.end()) return s;
     const float u = fromStart(disc->second.u);
     if (s.u < u && s.label != disc->second.label) return s;
-    return {u, disc->second.g, disc->second.label};
+    return {u, disc->second.g, disc->second.label, false, false};
 }
 
 float JetMarch::boundedBelow(NodeIndex i, float u, std::uint32_t label) const {
@@ -424,9 +412,7 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
         if (s.oneSided && isAtRim(i)) s = group.jets.solveAtRim(lane);
         if (mayGoRound(i, s)) s = overTwoLinks(i, group.rows.of[lane], batch, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
-        const bool ofFew = group.rows.of[lane].knownCount <= 2;
-        settle(lane, group,
-               {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet, ofFew},
+        settle(lane, group, {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet},
                batch, chunk);
     }
     group.size = 0;

@@ -76,8 +76,7 @@ private:
         float u;  ///< relative to the start of the batch
         Vec2f g;
         std::uint32_t label;
-        bool usedFallback = false, frontsMeet = false;
-        bool ofFew = false;  ///< from one or two neighbors
+        bool usedFallback, frontsMeet;
     };
 
     std::uint32_t bucketOf(double u) const { return jets_.buckets.bucketOf(u, kLastBucket); }
@@ -147,8 +146,6 @@ private:
     /// corner at which creases within two links meet.
     bool isAtRim(NodeIndex i) const;
     Jump jumpTo(NodeIndex i) const;
-    /// Whether a neighbor behind a node is solved in the same batch.
-    bool isBeforeNeighbor(NodeIndex i, Vec2f g, const Batch& batch) const;
     /// Accepts a node and enqueues its neighbors if its value is final, else defers it.
     void settle(std::size_t lane, const Group& group, Result s, const Batch& batch, Chunk& chunk);
     /// The jet of its start disc, unless the front of another seed was there before.
