@@ -216,21 +216,25 @@ std::uint64_t peakMemory() {
     return kUnit * std::uint64_t(usage.ru_maxrss);
 }
 
+namespace {
+
+/// The first line of a lock that another process has.
+std::string ownerIn(int descriptor) {
+    std::array<char, 256> text{};
+    const ssize_t size = pread(descriptor, text.data(), text.size(), 0);
+    const auto end = std::find_if(text.begin(), text.begin() + std::max<ssize_t>(size, 0),
+                                  [](char c) { return c < ' ' || c > '~'; });
+    return end == text.begin() ? "another process" : std::string(text.begin(), end);
+}
+
+}  // namespace
+
 ProcessLock::ProcessLock(const std::string& file) : file_(file) {
     for (;;) {
         descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
         if (descriptor_ < 0) return;
         if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-            const bool isTaken = errno == EWOULDBLOCK;
-            std::array<char, 256> text{};
-            const ssize_t size = isTaken ? pread(descriptor_, text.data(), text.size(), 0) : 0;
-            if (isTaken) {
-                owner_.assign(text.data(), std::size_t(std::max<ssize_t>(size, 0)));
-                owner_.erase(std::find_if(owner_.begin(), owner_.end(),
-                                          [](char c) { return c < ' ' || c > '~'; }),
-                             owner_.end());
-                if (owner_.empty()) owner_ = "another process";
-            }
+            if (errno == EWOULDBLOCK) owner_ = ownerIn(descriptor_);
             close(descriptor_);
             descriptor_ = -1;
             return;
