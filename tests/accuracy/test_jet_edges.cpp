@@ -118,6 +118,21 @@ struct NotchErrors {
     }
 };
 
+/// The sides of a prism: an outline in x and z, from y = 0 to `width`.
+TriangleMesh prismMesh(const std::vector<std::array<double, 2>>& outline, double width,
+                       const std::function<igeo::Vec3d(double, double, double)>& at) {
+    TriangleMesh mesh;
+    const auto n = std::uint32_t(outline.size());
+    for (const auto& [x, z] : outline)
+        for (const double y : {0.0, width}) mesh.points.push_back(at(x, y, z));
+    for (std::uint32_t k = 0; k < n; ++k) {
+        const std::uint32_t next = (k + 1) % n;
+        mesh.triangles.push_back({2 * k, 2 * k + 1, 2 * next + 1});
+        mesh.triangles.push_back({2 * k, 2 * next + 1, 2 * next});
+    }
+    return mesh;
+}
+
 }  // namespace
 
 TEST_CASE("jet passes sharp edges everywhere along them") {
@@ -214,6 +229,56 @@ TEST_CASE("jet reads distances at the corners of a mesh from each face by itself
     CHECK(low > -0.12);                  // measured 0.079
     CHECK(high < 0.12);                  // measured 0.080
     CHECK(sum / double(count) < 0.024);  // measured 0.016
+}
+
+TEST_CASE("jet next to a seed: over an edge and across a slot as along the surface") {
+    // On a long block with a slot across it, seeds and targets within four voxels of each other:
+    // over an edge of the block, and on the walls of the slot.
+    constexpr double kLong = 40, kWide = 24, kHigh = 12;
+    for (const double gap : {1.5, 2.0, 2.5, 3.0})
+        for (const bool asMesh : {false, true}) {
+            if (!asMesh && gap < 2) continue;  // not resolved
+            Random random(7);
+            double low = 0, high = 0;
+            for (int turn = 0; turn < 4; ++turn) {
+                const auto place =
+                    rotatedTransform(1, Vec3d(0.3 + 0.2 * turn, 0.9 - 0.4 * turn, 0.6),
+                                     17 + 41.0 * turn, Vec3d(0.313, 0.127, 0.411));
+                // The mesh is turned, or the lattice.
+                const auto at = [&](double x, double y, double z) {
+                    const Vec3d p(x, y, z);
+                    return fromVdb(asMesh ? place->indexToWorld(p) : p);
+                };
+                // The outline in x and z; the floor of the slot is at z = 0.
+                const std::vector<std::array<double, 2>> outline{
+                    {kLong, -4}, {kLong, kHigh}, {gap, kHigh}, {gap, 0},
+                    {0, 0},      {0, kHigh},     {-10, kHigh}, {-10, -4}};
+                const auto surface = [&] {
+                    if (asMesh) return Surface(prismMesh(outline, kWide, at), {.size = 1});
+                    const Shape block = partOf({{{-10, 0, -4}, {kLong, kWide, kHigh}},
+                                                {{0, -5, 0}, {gap, kWide + 5, kHigh + 5}, true}});
+                    return Surface(*makeLevelSet(block, *place, 3));
+                };
+                const GeodesicSolver solver(surface());
+                const auto judge = [&](const igeo::Vec3d& seed, const igeo::Vec3d& target,
+                                       int edges, double exact) {
+                    const double error = (solver.distance({seed}).at(target) - exact) / edges;
+                    low = std::min(low, error), high = std::max(high, error);
+                };
+                for (int k = 0; k < 40; ++k) {
+                    const double a = random.between(0.3, 2.5), b = random.between(0.3, 2.5),
+                                 y = random.between(8, 16), across = random.between(-1.5, 1.5);
+                    judge(at(kLong - a, y, kHigh), at(kLong, y + across, kHigh - b), 1,
+                          std::hypot(a + b, across));
+                    judge(at(0, y, 0.5 + a), at(gap, y + across, 0.5 + b), 2,
+                          std::hypot(1 + a + b + gap, across));
+                }
+            }
+            std::printf("next to a seed, slot of %.1f voxels, %s: %.2f to %.2f voxels per edge\n",
+                        gap, asMesh ? "mesh" : "level set", low, high);
+            CHECK(low > -1.08);  // measured 0.72; 1.80 straight through solid and air
+            CHECK(high < 0.92);  // measured 0.61
+        }
 }
 
 }  // namespace igeo::test

@@ -54,6 +54,9 @@ private:
     /// @param isOf  selects seeds
     template <typename IsOf>
     Straight straight(double d, const IsOf& isOf) const;
+    /// Whether the straight line to a seed runs along S: over no edge, and not across a gap or
+    /// through a wall (seedNeighborhoodJet). A seed on an edge lies in the planes of both faces.
+    bool alongSurface(const SurfacePoint& seed, const Vec3d& chord) const;
     Arrival arrival(double d, const Straight& disc, std::uint32_t source) const;
     /// The first arrival, or the disc of a seed so close to others that no node is nearest to it.
     Arrival orBetweenNodes(const Arrival& first) const;
@@ -88,6 +91,7 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
         const Vec3d at = s.nearestTo(p_);
         const double r = length(p_ - at);
         if (!(r < field_.startRadius) || !isOf(k)) return;
+        if (field_.atFootPoints && !alongSurface(s, p_ - at)) return;
         const double cost = costToSeed(field_, s, p_, cell_.normal);
         const double perVoxel = metric_.anisotropic() && r > 0 ? cost / r : s.weight;
         if (s.start + cost < least.distance && d - s.start < 1.5 * field_.startRadius * perVoxel &&
@@ -95,6 +99,12 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
             least = {&s, s.start + cost};
     });
     return least;
+}
+
+bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
+    constexpr double kSmooth = 0.8, kInPlane = 0.05;
+    return dot(cell_.normal, Vec3d(band_.normal[seed.node])) >= kSmooth ||
+           std::abs(dot(cell_.normal, chord)) < kInPlane * length(chord);
 }
 
 Arrival Reader::arrival(double d, const Straight& disc, std::uint32_t source) const {

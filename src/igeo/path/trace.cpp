@@ -57,14 +57,14 @@ private:
     struct State {
         Vec3d p;
         double d;
-        const SurfacePoint* disc;  ///< the seed of the start disc it is in, or nullptr
+        const SurfacePoint* seed;  ///< that a straight line joins with it, or nullptr
         double step;
         NodeIndex node;  ///< while the path goes from node to node, else kNoNode
     };
     /// The seed of a region that contains the target, so that the path has no length; or nullptr.
     const SurfacePoint* regionAround(const Arrival& arrival) const;
-    /// The seed that the path may join by a straight line.
-    const SurfacePoint* seedAhead(const State& at) const;
+    /// The seed whose straight line to p is as long as the distance d there, or nullptr.
+    const SurfacePoint* straightAhead(const Vec3d& p, double d) const;
     void finishAtSeed(Path& path, const SurfacePoint& seed) const;
     /// A step along the gradient; where that does not lead down (cut loci, creases), to the next
     /// node. The distance falls in both cases, so the path ends.
@@ -223,22 +223,29 @@ void Tracer::appendBetween(Path& path, const Vec3d& p, double d) const {
     }
 }
 
-const SurfacePoint* Tracer::seedAhead(const State& at) const {
-    if (at.disc || !field_.metric->anisotropic()) return at.disc;
-    // The rest of a start disc made long by a tensor, where S is flat and the straight line is as
-    // accurate as the distance: the front bends there more sharply than a cell resolves.
+const SurfacePoint* Tracer::straightAhead(const Vec3d& p, double d) const {
+    // Beside a seed on a folded or thin surface, and in a start disc made long by a tensor, where
+    // the front bends more sharply than a cell resolves.
     constexpr double kRise = 1, kAgree = 0.02;
+    const bool isotropic = !field_.metric->anisotropic();
     const TangentFrame frame{Vec3f(sheetNormal_)};
-    for (const SurfacePoint& s : field_.seeds) {
-        const double cost = costToSeed(field_, s, at.p, sheetNormal_);
-        const Vec3d end = s.nearestTo(at.p);
-        if (std::abs(at.d - s.start - cost) <= kAgree * cost &&
-            std::abs(dot(sheetNormal_, end - at.p)) <= kRise &&
-            cost <= field_.startRadius * field_.metric->inPlane(frame, s.node).largest() &&
-            !field_.metric->blocked(at.p, end, sheetNormal_))
-            return &s;
-    }
-    return nullptr;
+    const SurfacePoint* ahead = nullptr;
+    auto look = [&](const SurfacePoint& s) {
+        const double cost = costToSeed(field_, s, p, sheetNormal_);
+        if (ahead || !(std::abs(d - s.start - cost) <= kAgree * cost)) return;
+        const Vec3d end = s.nearestTo(p);
+        const bool near =
+            isotropic
+                ? length(end - p) < field_.startRadius
+                : std::abs(dot(sheetNormal_, end - p)) <= kRise &&
+                      cost <= field_.startRadius * field_.metric->inPlane(frame, s.node).largest();
+        if (near && !field_.metric->blocked(p, end, sheetNormal_)) ahead = &s;
+    };
+    if (isotropic)
+        field_.seedsNear.forNear(p, [&](std::size_t k) { look(field_.seeds[k]); });
+    else
+        for (const SurfacePoint& s : field_.seeds) look(s);
+    return ahead;
 }
 
 const SurfacePoint* Tracer::regionAround(const Arrival& arrival) const {
@@ -299,7 +306,8 @@ Path Tracer::trace(const SurfacePoint& target) {
     }
     path.status = PathStatus::Stalled;
     while (true) {
-        if (const SurfacePoint* seed = seedAhead(at)) {
+        if (!at.seed) at.seed = straightAhead(at.p, at.d);
+        if (const SurfacePoint* seed = at.seed) {
             finishAtSeed(path, *seed);
             return path;
         }
@@ -308,9 +316,11 @@ Path Tracer::trace(const SurfacePoint& target) {
             at.p = band_.footPoint(at.node);
             sheetNormal_ = Vec3d(band_.normal[at.node]);
             projectToSurface(band_, at.p, sheetNormal_);
-            at.disc = arrivalAt(field_, at.p, sheetNormal_).seed;
+            const double d = field_.at(at.node).distance;
+            at.seed = straightAhead(band_.footPoint(at.node), d);
+            if (!at.seed) at.seed = arrivalAt(field_, at.p, sheetNormal_).seed;
             // Values at points may be lower than those of the nodes around them.
-            at.d = std::min(at.d, field_.at(at.node).distance);
+            at.d = std::min(at.d, d);
             appendBetween(path, at.p, at.d);
             at.step = options_.maxStep / 4;
         }
