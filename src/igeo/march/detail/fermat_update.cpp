@@ -219,8 +219,7 @@ private:
                 high = linear + s * t * (t * mp - s * mq);
         const V farther = lengthP > lengthQ ? lengthP : lengthQ, slopeP = absolute(mp),
                 slopeQ = absolute(mq), slope = slopeP > slopeQ ? slopeP : slopeQ,
-                fall = slope * slope * (farther * farther * farther) /
-                       (2 * area * area + kTiny),
+                fall = slope * slope * (farther * farther * farther) / (2 * area * area + kTiny),
                 byDip = linear - dip, byBend = high - fall, low = byDip > byBend ? byDip : byBend;
         least = (counts & (low < least)) ? low : least;
         most = (counts & (high < most)) ? high : most;

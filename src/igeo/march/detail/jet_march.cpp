@@ -417,10 +417,10 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
             layOut(group.rows, jets_.state.data(), batch.first, width_,
                    weighted_ ? &group.weight : nullptr, lanes);
         });
-    const JetGroup::Solutions solutions = group.jets.solve();
+    JetGroup::Solutions solutions = group.jets.solve();
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
-        JetGroup::Solution s = solutions[lane];
+        JetGroup::Solution& s = solutions[lane];
         if (s.oneSided && isAtRim(i)) s = group.jets.solveAtRim(lane);
         if (mayGoRound(i, s)) s = overTwoLinks(i, group.rows.of[lane], batch, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
