@@ -140,41 +140,6 @@ void Band::markFacing(NodeIndex i, const Ijk& step) {
     std::atomic_ref(facing[j]).fetch_or(kFacing, std::memory_order_relaxed);
 }
 
-bool Band::coreCorners(LeafIndex l, unsigned at, const Ijk& low,
-                       std::array<NodeIndex, 8>& corner) const {
-    NodeIndex* const of = corner.data();
-    const int x = int(at >> 6) + low.x, y = int(at >> 3 & 7) + low.y, z = int(at & 7) + low.z;
-    // Mostly in this leaf or in those around it.
-    const auto isBeside = [](int p) { return p >= -8 && p < 15; };
-    const bool beside = isBeside(x) && isBeside(y) && isBeside(z);
-    const LeafIndex* const around = leaves[l].neighbor.data() + 13;
-    // The leaf of a voxel, if all of the voxels at `bits` from it are nodes; else null.
-    const auto leafAround = [&](int px, int py, int pz, std::uint64_t bits) -> const BandLeaf* {
-        const LeafIndex m = beside ? around[9 * (px >> 3) + 3 * (py >> 3) + (pz >> 3)]
-                                   : leafBeside(l, px >> 3, py >> 3, pz >> 3);
-        if (m == kNoLeaf) return nullptr;
-        const BandLeaf* const leaf = leaves.data() + m;
-        const std::uint64_t slice = leaf->band.mask.data()[px & 7];
-        return ~(slice >> (offsetOf(0, py, pz) & 63)) & bits ? nullptr : leaf;
-    };
-    if ((y & 7) < 7 && (z & 7) < 7) {
-        constexpr std::uint64_t kSquare = 0x303;
-        for (int a = 0; a < 2; ++a) {
-            const BandLeaf* const leaf = leafAround(x + a, y, z, kSquare);
-            if (!leaf) return false;
-            leaf->core.square(offsetOf(x + a, y, z), of + 4 * a);
-        }
-        return true;
-    }
-    for (int k = 0; k < 8; ++k) {
-        const int cx = x + (k >> 2), cy = y + (k >> 1 & 1), cz = z + (k & 1);
-        const BandLeaf* const leaf = leafAround(cx, cy, cz, 1);
-        if (!leaf) return false;
-        of[k] = leaf->core.node(offsetOf(cx, cy, cz));
-    }
-    return true;
-}
-
 void Band::markFacing(NodeIndex i) {
     for (int face = 0; face < 6; ++face)
         for (const int steps : {1, 2}) markFacing(i, steps * faceStep(face));

@@ -181,12 +181,6 @@ struct Band {
         forCorners(nodes, at.leaf, at.offset, low, visit);
     }
 
-    /// The core's numbers at the corners of a cell, as forCorners has them; kNoNode where there is
-    /// none.
-    /// @return whether all corners are nodes of the band; if not, the numbers may not be set
-    bool coreCorners(LeafIndex l, unsigned at, const Ijk& low,
-                     std::array<NodeIndex, 8>& corner) const;
-
     /// Calls visit(j, weight, from) for the nodes j at the corners around the foot point of node i:
     /// trilinear weight, corners that hardly count left out, and the vector from the corner's voxel
     /// to the foot point.

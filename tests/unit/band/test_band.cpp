@@ -117,33 +117,6 @@ TEST_CASE(
         }
 }
 
-TEST_CASE("Band: coreCorners finds what neighbor finds, where all corners are nodes") {
-    Band band = bandOfVoxels(randomVoxels({-12, -12, -12}, 24, 0.97, 7));
-    for (std::size_t k = 0; k < band.size(); ++k) {
-        band.psi[k] = k % 3 ? 2.0f : 0.0f;
-        band.normal[k] = {0, 0, 1};
-    }
-    band.numberCore();
-    std::size_t whole = 0;
-    for (NodeIndex i = 0; i < band.size(); ++i) {
-        const auto [l, at] = band.placeOf(i);
-        // Up to two leaves away.
-        const Ijk low{int(i % 29) - 14, int(i % 31) - 15, int(i % 37) - 18};
-        std::array<NodeIndex, 8> expected, seen;
-        bool all = true;
-        for (int k = 0; k < 8; ++k) {
-            const Ijk step = low + Ijk{k >> 2, k >> 1 & 1, k & 1};
-            all &= band.neighbor(&BandLeaf::band, l, at, step) != kNoNode;
-            expected[std::size_t(k)] = band.neighbor(&BandLeaf::core, l, at, step);
-        }
-        REQUIRE(band.coreCorners(l, at, low, seen) == all);
-        if (!all) continue;
-        REQUIRE(seen == expected);
-        ++whole;
-    }
-    CHECK(whole > band.size() / 10);
-}
-
 TEST_CASE("Band: the core is closed and in one piece") {
     for (const Band& band : {sphereBand({0.3, -0.4, 0.2}, 11.7, 1.8),
                              planeBand({1, 2, 4}, 0.37, {-9, -9, -9}, {9, 9, 9}, 1.8)}) {

@@ -1,6 +1,8 @@
 // Fronts at the corners of cells, separated side by side, against the same pair by pair.
+#include <igeo/base/detail/registers.h>
 #include <igeo/march/detail/jet_blend.h>
 #include <igeo/march/detail/jet_corners.h>
+#include <support/analytic_band.h>
 #include <support/catch.h>
 
 #include <cmath>
@@ -101,6 +103,62 @@ TEST_CASE("Corners of a cell are of one front side by side where they are pair b
     CHECK(cases - one > cases / 20);
     // Beside a threshold the two may round to different sides of it.
     CHECK(differ <= 3);
+}
+
+/// A cube of 24 voxels with random holes, and as much that is not core.
+Band bandWithHoles() {
+    std::mt19937 random(7);
+    std::bernoulli_distribution isNode(0.97);
+    std::vector<Ijk> voxels;
+    for (int k = 0; k < 24 * 24 * 24; ++k)
+        if (isNode(random)) voxels.push_back({k / 576 - 12, k / 24 % 24 - 12, k % 24 - 12});
+    Band band = test::bandOfVoxels(voxels);
+    for (std::size_t k = 0; k < band.size(); ++k) {
+        band.psi[k] = k % 3 ? 2.0f : 0.0f;
+        band.normal[k] = {0, 0, 1};
+    }
+    band.numberCore();
+    return band;
+}
+
+TEST_CASE("findCorners finds what Band::neighbor finds, where all corners are nodes") {
+    const Band band = bandWithHoles();
+    const bool eight = eightAtATime();
+    std::size_t whole = 0, differ = 0;
+    for (NodeIndex first = 0; first + Lanes::kNodes <= band.size(); first += Lanes::kNodes) {
+        // Up to two leaves away.
+        const Ijk low{int(first % 29) - 14, int(first % 31) - 15, int(first % 37) - 18};
+        CellPlaces cells;
+        for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) {
+            const auto [l, at] = band.placeOf(first + NodeIndex(lane));
+            cells.leaf[lane] = l;
+            cells.x[lane] = int(at >> 6) + low.x;
+            cells.y[lane] = int(at >> 3 & 7) + low.y;
+            cells.z[lane] = int(at & 7) + low.z;
+        }
+        for (const bool isEight : {true, false}) {
+            eightAtATime() = isEight && eight;
+            CellPoints points;
+            findCorners(band, cells, 0x7f, points);
+            for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) {
+                std::array<NodeIndex, 8> expected;
+                bool all = lane < 7;
+                for (int k = 0; k < 8; ++k) {
+                    const NodeIndex i = first + NodeIndex(lane);
+                    const auto [l, at] = band.placeOf(i);
+                    const Ijk step = low + Ijk{k >> 2, k >> 1 & 1, k & 1};
+                    all &= band.neighbor(i, step) != kNoNode;
+                    expected[std::size_t(k)] = band.neighbor(&BandLeaf::core, l, at, step);
+                }
+                whole += all;
+                for (std::size_t k = 0; k < 8; ++k)
+                    differ += points.node[k][lane] != (all ? expected[k] : kNoNode);
+            }
+        }
+    }
+    eightAtATime() = eight;
+    CHECK(differ == 0);
+    CHECK(whole > band.size() / 10);
 }
 
 }  // namespace igeo

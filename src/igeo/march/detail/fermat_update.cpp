@@ -184,26 +184,30 @@ public:
         }
         V most = least;
         for (std::size_t q = 1; q < most_; ++q)
-            for (std::size_t p = 0; p < q; ++p) bound(p, q, len[p] * len[q], least, most);
+            for (std::size_t p = 0; p < q; ++p) bound(p, q, len[p], len[q], least, most);
         out(bounds.least) = least, out(bounds.most) = most;
     }
 
 private:
-    /// The segment of two neighbors. With u linear on it the total is convex, and least at s; by
-    /// how much the cubic lies below follows from the slopes at the ends.
-    IGEO_INLINE void bound(std::size_t p, std::size_t q, const V& lengths, V& least,
-                           V& most) const {
+    /// The segment of two neighbors. With u linear on it the total is convex, and least at s. By
+    /// how much the cubic lies below follows from the slopes at the ends, in two ways: by 4/27 of
+    /// them at most; and from its value at s on it falls with these slopes at most, while the
+    /// length bends up by (a x e)^2 / |a|^3 at least.
+    IGEO_INLINE void bound(std::size_t p, std::size_t q, const V& lengthP, const V& lengthQ,
+                           V& least, V& most) const {
         const JetLanes::Neighbor &from = lanes_.neighbor[p], &to = lanes_.neighbor[q];
         const V apx = in(from.ax), apy = in(from.ay), aqx = in(to.ax), aqy = in(to.ay);
         const V gpx = in(from.gx), gpy = in(from.gy), gqx = in(to.gx), gqy = in(to.gy);
         const V ex = apx - aqx, ey = apy - aqy, square = ex * ex + ey * ey, zero{}, one = zero + 1;
         const auto counts = (gpx * gqx + gpy * gqy >= zero + jet::kSameFront) &
-                            (square <= longest2_) & (apx * aqx + apy * aqy >= -0.5f * lengths);
+                            (square <= longest2_) &
+                            (apx * aqx + apy * aqy >= -0.5f * (lengthP * lengthQ));
         if (!any(counts)) return;
         constexpr float kTiny = 1e-12f;
         const V up = in(from.u), du = in(to.u) - up, flat = square - du * du,
                 root = roots(flat > kTiny ? flat : kTiny + zero),
-                at = ((apx * ex + apy * ey) * root - absolute(apx * ey - apy * ex) * du) /
+                area = absolute(apx * ey - apy * ex),
+                at = ((apx * ex + apy * ey) * root - area * du) /
                      ((square > kTiny ? square : kTiny + zero) * root),
                 s = at > 1   ? one
                     : at > 0 ? at
@@ -212,7 +216,11 @@ private:
         const V x = apx - s * ex, y = apy - s * ey, linear = up + s * du + roots(x * x + y * y);
         const V mp = gpx * ex + gpy * ey - du, mq = gqx * ex + gqy * ey - du,
                 dip = (4.0f / 27) * ((mp < 0 ? -mp : zero) + (mq > 0 ? mq : zero)),
-                low = linear - dip, high = linear + s * t * (t * mp - s * mq);
+                high = linear + s * t * (t * mp - s * mq);
+        const V farther = lengthP > lengthQ ? lengthP : lengthQ, slopeP = absolute(mp),
+                slopeQ = absolute(mq), slope = slopeP > slopeQ ? slopeP : slopeQ,
+                fall = slope * slope * (farther * farther * farther) / (2 * area * area + kTiny),
+                byDip = linear - dip, byBend = high - fall, low = byDip > byBend ? byDip : byBend;
         least = (counts & (low < least)) ? low : least;
         most = (counts & (high < most)) ? high : most;
     }

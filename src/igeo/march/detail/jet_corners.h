@@ -29,6 +29,18 @@ struct CellPoints {
     }
 };
 
+/// Up to eight cells side by side: their low corners, in voxels from that of a leaf.
+struct CellPlaces {
+    template <typename T>
+    using PerLane = std::array<T, Lanes::kNodes>;
+    PerLane<LeafIndex> leaf{};
+    alignas(32) PerLane<std::int32_t> x{}, y{}, z{};
+};
+/// Sets the core nodes around the points.
+/// @param wanted  bits: the points to look for. The others, and those in cells that are not wholly
+///                in the band, have no nodes around them.
+void findCorners(const Band& band, const CellPlaces& cells, unsigned wanted, CellPoints& points);
+
 /// What the nodes at the corners of the cells say.
 struct JetCorners {
     static constexpr std::size_t kMax = 8;  ///< corners of a cell

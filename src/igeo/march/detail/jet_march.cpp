@@ -74,8 +74,10 @@ JetMarch::JetMarch(std::shared_ptr<const JetCore> core, const std::vector<Surfac
                     "give seeds that no front comes near to a run of their own");
     if (ofOnePoint_) {
         const Vec3d seed = jets_.seeds.lines.only().from;
-        seedVoxel_ = roundToIjk(seed);
-        seedFoot_ = Vec3f(seed - Vec3d(seedVoxel_));
+        const Ijk voxel = roundToIjk(seed);
+        const auto foot = Vec3f(seed - Vec3d(voxel));
+        seedVoxel_ = Registers<4>::Integers{voxel.x, voxel.y, voxel.z};
+        seedFoot_ = Registers<4>::Vector{foot.x, foot.y, foot.z};
     }
     enqueueStartDiscs();
     initStopNodes();
@@ -249,10 +251,20 @@ bool JetMarch::knowsCrease(const JetRows::Row& row) {
 }
 
 float JetMarch::line2(const JetNode& node) const {
+    using Four = Registers<4>::Vector;
+    using Integers = Registers<4>::Integers;
     constexpr float kRounding = 1.0001f;
     if (!ofOnePoint_) return float(kInfinity);
-    const Vec3f off = Vec3f(core_.voxelOf(node) - seedVoxel_) + (node.foot - seedFoot_);
-    return kRounding * leastCost2_ * dot(off, off);
+    // The fourth number is not used.
+    static_assert(offsetof(BandLeaf, origin) == 0 && sizeof(BandLeaf) >= sizeof(Integers) &&
+                  offsetof(JetNode, foot) + sizeof(Four) <= sizeof(JetNode));
+    const Integers leaf = loadAs<Integers>(&core_.band.leaves[node.leaf]) - seedVoxel_,
+                   inLeaf = (Integers{} + std::int32_t(node.offset)) & Integers{7 << 6, 7 << 3, 7};
+    const Four off = __builtin_convertvector(leaf, Four) +
+                     __builtin_convertvector(inLeaf, Four) * Four{0x1p-6f, 0x1p-3f, 1} +
+                     (loadAs<Four>(&node.foot) - seedFoot_),
+               square = off * off;
+    return kRounding * leastCost2_ * (square[0] + square[1] + square[2]);
 }
 
 float JetMarch::valueIn(const Batch& batch, NodeIndex i) const {
@@ -405,10 +417,10 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
             layOut(group.rows, jets_.state.data(), batch.first, width_,
                    weighted_ ? &group.weight : nullptr, lanes);
         });
-    const JetGroup::Solutions solutions = group.jets.solve();
+    JetGroup::Solutions solutions = group.jets.solve();
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
-        JetGroup::Solution s = solutions[lane];
+        JetGroup::Solution& s = solutions[lane];
         if (s.oneSided && isAtRim(i)) s = group.jets.solveAtRim(lane);
         if (mayGoRound(i, s)) s = overTwoLinks(i, group.rows.of[lane], batch, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);

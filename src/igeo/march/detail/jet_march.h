@@ -1,6 +1,7 @@
 /// The march of scheme `jet` over the core of a band. Internal.
 #pragma once
 
+#include <igeo/base/detail/registers.h>
 #include <igeo/march/detail/jet_march_lanes.h>
 #include <igeo/march/detail/jet_meeting.h>
 #include <igeo/march/detail/jet_queue.h>
@@ -182,8 +183,8 @@ private:
     const bool isotropic_, weighted_;
     const bool ofOnePoint_;  ///< the only source is one
     /// Its voxel, and where it is from there.
-    Ijk seedVoxel_{};
-    Vec3f seedFoot_{};
+    Registers<4>::Integers seedVoxel_{};
+    Registers<4>::Vector seedFoot_{};
     const float leastCost2_;  ///< square of the least cost
     double batchStart_ = 0;   ///< where the batch in work begins
     double batchRadius_ = 0;  ///< the same, from the least start

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <bit>
+#include <cstring>
 #include <optional>
 #include <utility>
 
@@ -12,33 +15,29 @@ namespace igeo {
 
 namespace {
 
+/// A mark per node. Several threads may set it, each to the same.
+using Marks = std::vector<std::uint8_t>;
+void setMark(std::uint8_t& mark, std::uint8_t to) {
+    std::atomic_ref(mark).store(to, std::memory_order_relaxed);
+}
+/// The nodes with a mark, ascending. Few have any.
+std::vector<NodeIndex> nodesWith(std::uint8_t mark, const Marks& marks) {
+    std::vector<NodeIndex> nodes;
+    for (std::size_t first = 0; first < marks.size(); first += 8) {
+        const std::size_t end = std::min(first + 8, marks.size());
+        std::uint64_t any = 0;
+        std::memcpy(&any, &marks[first], end - first);
+        for (std::size_t k = first; any && k < end; ++k)
+            if (marks[k] == mark) nodes.push_back(NodeIndex(k));
+    }
+    return nodes;
+}
+
 /// Nodes across which fronts meet, where S is smooth and without obstacles.
 struct Meetings {
     std::vector<NodeIndex> nodes;
     std::vector<std::optional<Solved>> jets;  ///< theirs, by rays
-    std::vector<NodeIndex> around;            ///< their neighbors, ascending
-    std::vector<NodeIndex> beside;  ///< nodes at links over which fronts meet, ascending, among
-                                    ///< others
-
-    void append(const Meetings& other) {
-        nodes.insert(nodes.end(), other.nodes.begin(), other.nodes.end());
-        jets.insert(jets.end(), other.jets.begin(), other.jets.end());
-        around.insert(around.end(), other.around.begin(), other.around.end());
-        beside.insert(beside.end(), other.beside.begin(), other.beside.end());
-    }
 };
-
-/// The same of a part of the nodes, while it is looked at.
-struct MeetingSearch {
-    Meetings found;
-    std::vector<MeetingPoint> points;    ///< one per found node
-    std::vector<JetNeighbor> neighbors;  ///< of the node in work
-};
-
-void sortUnique(std::vector<NodeIndex>& nodes) {
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-}
 
 /// The links of the core after a march.
 class Links {
@@ -62,36 +61,6 @@ private:
     JetLinks& own_;
 };
 
-/// Adds a node, if fronts meet across it.
-void visit(const CoreJets& jets, const Links& links, NodeIndex i, MeetingSearch& search) {
-    constexpr float kToward = 0.1f;
-    const JetCore& core = *jets.core;
-    const JetNode& node = core.nodes[i];
-    if (!jets.accepted(i) || node.obstacleState != Metric::Clear) return;
-    const auto [row, creased] = links.rowAt(i);
-    const std::uint32_t label = jets.labelOf(i);
-    const auto value = [&](NodeIndex k) {
-        return (jets.valueOf(k) - jets.seeds.leastStart) / double(node.weight);
-    };
-    std::vector<JetNeighbor>& neighbors = search.neighbors;
-    neighbors.clear();
-    FrontsMeet fronts(jets.state[i].g);
-    bool plain = !creased;
-    for (const JetLink& link : row) {
-        const NodeIndex j = link.node();
-        plain &= jets.labelOf(j) == label;
-        if (!jets.accepted(j)) continue;
-        neighbors.push_back({link.a(), link.turned(jets.state[j].g), value(j)});
-        if (fronts.add(neighbors.back()) > kToward) search.found.beside.push_back(j);
-    }
-    if (!plain || !fronts.meet()) return;
-    search.found.nodes.push_back(i);
-    for (const JetLink& link : row) search.found.around.push_back(link.node());
-    search.points.push_back(
-        {node.leaf, node.offset, node.foot, core.localFrame(i), label, value(i)});
-    search.points.back().findFronts(neighbors);
-}
-
 bool inOneBlock(NodeIndex a, NodeIndex b) { return a / JetLinks::kBlock == b / JetLinks::kBlock; }
 
 /// Ends of parts of a list of ascending nodes: each block of links belongs to one.
@@ -104,45 +73,113 @@ std::vector<std::size_t> partsOf(std::span<const NodeIndex> nodes) {
     return ends;
 }
 
-/// Those among a part of the nodes, which is ascending: a block of links is made once, and dropped
-/// as soon as it was used.
-Meetings meetingsIn(const CoreJets& jets, const Links& links, std::span<const NodeIndex> nodes) {
-    MeetingSearch search;
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-        visit(jets, links, nodes[k], search);
-        if (k + 1 == nodes.size() || !inOneBlock(nodes[k], nodes[k + 1])) links.drop(nodes[k]);
-    }
-    search.found.jets = solveByRays(jets, {}, search.points);
-    sortUnique(search.found.around);
-    sortUnique(search.found.beside);
-    return std::move(search.found);
-}
+class MeetingSearch {
+public:
+    /// @param near  gets a mark where fronts meet, and at nodes that are linked to these
+    MeetingSearch(const CoreJets& jets, JetLinks& own, Marks& near)
+        : jets_(jets), core_(*jets.core), links_(core_, own), near_(near), seen_(near.size()) {}
 
-/// Those among the nodes, in their order.
-Meetings meetingsAmong(const CoreJets& jets, const Links& links, std::span<const NodeIndex> nodes) {
+    /// Those among the nodes, and those beside them.
+    std::array<Meetings, 2> find(const std::vector<NodeIndex>& nodes) {
+        for (const NodeIndex i : nodes) seen_[i] = kFirst;
+        std::array<Meetings, 2> found;
+        found[0] = meetingsAmong(nodesWith(kFirst, seen_));
+        found[1] = meetingsAmong(nodesWith(kBeside, seen_));
+        return found;
+    }
+
+private:
+    static constexpr std::uint8_t kFirst = 1, kBeside = 2;
+    /// The search in a part of the nodes.
+    struct Part {
+        Meetings found;
+        std::vector<MeetingPoint> points;  ///< one per found node
+        LinkedNodes group;                 ///< in work
+        LinkedFronts fronts;
+        ArrivingFronts first;
+    };
+
+    Meetings meetingsAmong(const std::vector<NodeIndex>& nodes);
+    /// A block of links is made once, and dropped as soon as it was used.
+    Meetings meetingsIn(std::span<const NodeIndex> nodes);
+    void lookAt(Part& part);
+    void add(NodeIndex i, std::size_t lane, Part& part);
+
+    const CoreJets& jets_;
+    const JetCore& core_;
+    const Links links_;
+    Marks& near_;
+    Marks seen_;  ///< kBeside: at a link over which fronts meet
+};
+
+Meetings MeetingSearch::meetingsAmong(const std::vector<NodeIndex>& nodes) {
     const std::vector<std::size_t> ends = partsOf(nodes);
     std::vector<Meetings> parts(ends.size());
     parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p) {
             const std::size_t first = p ? ends[p - 1] : 0;
-            parts[p] = meetingsIn(jets, links, nodes.subspan(first, ends[p] - first));
+            parts[p] = meetingsIn(std::span(nodes).subspan(first, ends[p] - first));
         }
     });
     Meetings all;
-    for (Meetings& part : parts) all.append(std::exchange(part, {}));
+    for (const Meetings& part : parts) {
+        all.nodes.insert(all.nodes.end(), part.nodes.begin(), part.nodes.end());
+        all.jets.insert(all.jets.end(), part.jets.begin(), part.jets.end());
+    }
     return all;
 }
 
-/// Those among the nodes and beside them.
-Meetings meetingsAround(const CoreJets& jets, const Links& links, std::vector<NodeIndex> nodes) {
-    std::sort(nodes.begin(), nodes.end());
-    Meetings found = meetingsAmong(jets, links, nodes);
-    std::vector<NodeIndex> beside = std::move(found.beside);
-    sortUnique(beside);
-    std::erase_if(beside,
-                  [&](NodeIndex j) { return std::binary_search(nodes.begin(), nodes.end(), j); });
-    found.append(meetingsAmong(jets, links, beside));
-    return found;
+Meetings MeetingSearch::meetingsIn(std::span<const NodeIndex> nodes) {
+    Part part;
+    for (std::size_t k = 0, kept = 0; k < nodes.size(); ++k) {
+        const NodeIndex i = nodes[k];
+        const bool isLast = k + 1 == nodes.size();
+        if (jets_.accepted(i) && core_.nodes[i].obstacleState == Metric::Clear)
+            part.group.add(i, links_.rowAt(i).links);
+        if (!part.group.full() && !isLast) continue;
+        lookAt(part);
+        for (; kept <= k; ++kept)
+            if (isLast || !inOneBlock(nodes[kept], nodes[k + 1])) links_.drop(nodes[kept]);
+    }
+    part.found.jets = solveByRays(jets_, {}, part.points);
+    return std::move(part.found);
+}
+
+void MeetingSearch::lookAt(Part& part) {
+    if (part.group.size == 0) return;
+    findFronts(jets_, part.group, part.fronts);
+    for (std::size_t k = 0; k < part.fronts.arrivals.count; ++k)
+        for (unsigned toward = part.fronts.toward[k]; toward; toward &= toward - 1) {
+            const JetLink* const row = part.group.link[std::size_t(std::countr_zero(toward))];
+            std::uint8_t& seen = seen_[row[k].node()];
+            if (!std::atomic_ref(seen).load(std::memory_order_relaxed)) setMark(seen, kBeside);
+        }
+    if (part.fronts.meet) findFronts(part.fronts.arrivals, part.first);
+    for (unsigned meet = part.fronts.meet; meet; meet &= meet - 1) {
+        const auto lane = std::size_t(std::countr_zero(meet));
+        add(part.group.node[lane], lane, part);
+    }
+    part.group.clear();
+}
+
+void MeetingSearch::add(NodeIndex i, std::size_t lane, Part& part) {
+    const auto [row, creased] = links_.rowAt(i);
+    const std::uint32_t label = jets_.labelOf(i);
+    if (creased || std::any_of(row.begin(), row.end(), [&](const JetLink& link) {
+            return jets_.labelOf(link.node()) != label;
+        }))
+        return;
+    setMark(near_[i], 1);
+    for (const JetLink& link : row) setMark(near_[link.node()], 1);
+    part.found.nodes.push_back(i);
+    const JetNode& node = core_.nodes[i];
+    const auto& [bucket, rest, g] = jets_.state[i];
+    const double weight = node.weight, start = (bucket - 1.0) * jets_.buckets.width / weight;
+    MeetingPoint& point = part.points.emplace_back(MeetingPoint{node.leaf, node.offset, node.foot,
+                                                                core_.localFrame(i), label,
+                                                                start + double(rest) / weight});
+    if (start + double(part.fronts.least[lane]) >= double(MeetingPoint::kNearSeed))
+        point.take(part.first, lane);
 }
 
 void setJet(CoreJets& jets, NodeIndex i, const Solved& jet) {
@@ -157,16 +194,15 @@ void setJet(CoreJets& jets, NodeIndex i, const Solved& jet) {
 void solveMeetings(CoreJets& jets, JetLinks& own, const std::vector<NodeIndex>& nodes) {
     const JetCore& core = *jets.core;
     if (core.costsVary || core.metric.anisotropic() || nodes.empty()) return;
-    // All are solved before one is changed.
-    const Meetings meetings = meetingsAround(jets, Links(core, own), nodes);
-    if (meetings.nodes.empty()) return;
     jets.meetings.resize(core.nodes.size());
-    for (const NodeIndex i : meetings.around) jets.meetings[i] = true;
-    for (std::size_t k = 0; k < meetings.nodes.size(); ++k) {
-        const NodeIndex i = meetings.nodes[k];
-        jets.meetings[i] = true;
-        if (meetings.jets[k]) setJet(jets, i, *meetings.jets[k]);
+    bool any = false;
+    // All are solved before one is changed.
+    for (const Meetings& found : MeetingSearch(jets, own, jets.meetings).find(nodes)) {
+        any |= !found.nodes.empty();
+        for (std::size_t k = 0; k < found.nodes.size(); ++k)
+            if (found.jets[k]) setJet(jets, found.nodes[k], *found.jets[k]);
     }
+    if (!any) jets.meetings.clear();
 }
 
 }  // namespace igeo

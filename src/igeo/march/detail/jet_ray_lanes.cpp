@@ -180,18 +180,20 @@ void lookAhead(float step, RayLanes& rays, CellPoints& points) {
         const auto in = [&](const Lanes& l) { return loadLanes<4>(l.of + lane); };
         const Four sink = step * in(rays.turn) / 2;
         const auto look = [&](const Lanes& from, const Lanes& v, const Lanes& n, Lanes& ahead,
-                              auto& low, Lanes& place) {
+                              const auto& start, auto& low, Lanes& place) {
             const Four way = step * in(v), down = sink * in(n), to = in(from) + way - down;
             const Integers whole = __builtin_convertvector(to, Integers),
                            floor = whole + (__builtin_convertvector(whole, Four) > to);
             storeLanes(to, ahead.of + lane);
-            storeLanes(floor, low.data() + lane);
+            storeLanes(loadAs<Integers>(start.data() + lane) + floor, low.data() + lane);
             storeLanes(to - __builtin_convertvector(floor, Four), place.of + lane);
         };
-        look(rays.x, rays.vx, rays.nx, rays.aheadX, rays.lowX, points.x);
-        look(rays.y, rays.vy, rays.ny, rays.aheadY, rays.lowY, points.y);
-        look(rays.z, rays.vz, rays.nz, rays.aheadZ, rays.lowZ, points.z);
+        const CellPlaces& start = rays.start;
+        look(rays.x, rays.vx, rays.nx, rays.aheadX, start.x, rays.cell.x, points.x);
+        look(rays.y, rays.vy, rays.ny, rays.aheadY, start.y, rays.cell.y, points.y);
+        look(rays.z, rays.vz, rays.nz, rays.aheadZ, start.z, rays.cell.z, points.z);
     }
+    rays.cell.leaf = rays.start.leaf;
     points.nx = rays.nx, points.ny = rays.ny, points.nz = rays.nz;
 }
 void makeStep(const JetCorners& corners, bool faceted, RayLanes& rays) {

@@ -16,9 +16,10 @@ struct RayLanes {
     Lanes turn;        ///< of the direction toward the normal, in the last step
     Lanes length;      ///< so far
     alignas(32) PerLane<std::int32_t> valid;  ///< 0 or -1: the ray is on smooth S
+    CellPlaces start{};                       ///< the voxel where the ray begins
 
     Lanes aheadX, aheadY, aheadZ;  ///< where the next step leads to, but for its height above S
-    alignas(32) PerLane<std::int32_t> lowX, lowY, lowZ;  ///< the low corner of the cell there
+    CellPlaces cell{};             ///< the one there
 
     /// At the end of a ray.
     Lanes u;          ///< value, over the weight, from the bucket of JetCorners on

@@ -10,8 +10,7 @@ namespace igeo {
 namespace {
 
 constexpr int kSteps = 3;
-constexpr float kStep = 2;  // voxels
-constexpr float kLength = kSteps * kStep;
+constexpr float kStep = MeetingPoint::kLength / kSteps, kLength = MeetingPoint::kLength;
 
 Vec2f rotated(Vec2f v, float angle) {
     const float c = std::cos(angle), s = std::sin(angle);
@@ -103,22 +102,17 @@ private:
         rays_.x[lane] = from.foot.x, rays_.y[lane] = from.foot.y, rays_.z[lane] = from.foot.z;
         rays_.vx[lane] = v.x, rays_.vy[lane] = v.y, rays_.vz[lane] = v.z;
         rays_.nx[lane] = n.x, rays_.ny[lane] = n.y, rays_.nz[lane] = n.z;
+        CellPlaces& start = rays_.start;
+        start.leaf[lane] = from.leaf;
+        start.x[lane] = int(from.offset >> 6), start.y[lane] = int(from.offset >> 3 & 7);
+        start.z[lane] = int(from.offset & 7);
         points_.weight[lane] = float(from.local.weight);
     }
     void findCorners() {
-        for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane) {
-            if (!rays_.valid[lane] || !findCorners(lane)) points_.clearNodes(lane);
-        }
-    }
-    /// @return whether the band holds the whole cell: it does, except beside an end of S
-    bool findCorners(std::size_t lane) {
-        const MeetingPoint& from = *search_[lane]->point;
-        std::array<NodeIndex, 8> corner;
-        if (!core_.band.coreCorners(from.leaf, from.offset,
-                                    {rays_.lowX[lane], rays_.lowY[lane], rays_.lowZ[lane]}, corner))
-            return false;
-        for (std::size_t k = 0; k < corner.size(); ++k) points_.node[k][lane] = corner[k];
-        return true;
+        unsigned valid = 0;
+        for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane)
+            valid |= unsigned(rays_.valid[lane] & 1) << lane;
+        igeo::findCorners(core_.band, rays_.cell, valid, points_);
     }
     void takeRay(std::size_t lane) {
         RaySearch& search = *search_[lane];
@@ -150,28 +144,25 @@ private:
 
 }  // namespace
 
+void MeetingPoint::take(const ArrivingFronts& found, std::size_t lane) {
+    fronts = std::size_t(found.count[lane]);
+    for (std::size_t k = 0; k < fronts; ++k) front[k] = {found.x[k][lane], found.y[k][lane]};
+}
+
 void MeetingPoint::findFronts(std::span<const JetNeighbor> neighbors) {
-    constexpr float kApart = 0.98f;  // 11 degrees
-    constexpr double kLater = 0.2;   // voxels
-    constexpr double kNearSeed = 5;  // voxels that rays keep away from it
+    Arrivals arrivals;
     fronts = 0;
-    double first = kInfinity;
-    while (fronts < kFronts) {
-        double least = kInfinity;
-        for (const JetNeighbor& n : neighbors) {
-            if (n.u < double(kLength) + kNearSeed) {
-                fronts = 0;
-                return;
-            }
-            bool counts = dot(n.a, n.g) > 0;
-            for (std::size_t k = 0; k < fronts; ++k) counts &= dot(n.g, front[k]) <= kApart;
-            const double u = n.u + double(dot(n.g, n.a));
-            if (counts && u < least) least = u, front[fronts] = n.g;
-        }
-        first = std::min(first, least);
-        if (!(least <= first + kLater)) return;
-        ++fronts;
+    for (const JetNeighbor& n : neighbors) {
+        if (n.u < kNearSeed) return;
+        const float along = dot(n.g, n.a);
+        Arrivals::Neighbor& to = arrivals.neighbor[arrivals.count++];
+        to.u = {}, to.gx = {}, to.gy = {};
+        to.gx[0] = n.g.x, to.gy[0] = n.g.y;
+        to.u[0] = along > 0 ? float(n.u - neighbors[0].u) + along : JetFronts::kNoValue;
     }
+    ArrivingFronts found;
+    igeo::findFronts(arrivals, found);
+    take(found, 0);
 }
 
 std::vector<std::optional<Solved>> solveByRays(const CoreJets& jets,

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <igeo/march/detail/jet_corners.h>
+#include <igeo/march/detail/jet_meeting_lanes.h>
 
 #include <array>
 #include <optional>
@@ -31,13 +32,17 @@ struct MeetingPoint {
     std::uint32_t label;
     double before;  ///< value by the march, over the weight, relative to the least start
 
-    static constexpr std::size_t kFronts = 3;
-    std::array<Vec2f, kFronts> front{};
+    std::array<Vec2f, ArrivingFronts::kMax> front{};
     std::size_t fronts = 0;
 
-    /// Takes the directions of the neighbors whose plane fronts arrive first.
+    /// Voxels: of a ray, and how near to a seed a neighbor of the point may be, as rays keep away
+    /// from it.
+    static constexpr float kLength = 6, kNearSeed = kLength + 5;
+    /// Takes the directions of the neighbors whose plane fronts arrive first; none near a seed.
     /// @param neighbors  in the chart, of one source
     void findFronts(std::span<const JetNeighbor> neighbors);
+    /// The same.
+    void take(const ArrivingFronts& found, std::size_t lane);
 };
 
 /// The first arrival at each of the points, relative to the least start; none where S is creased or

@@ -99,13 +99,16 @@ void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solut
     if (!inFallback) return;
     FermatBounds bounds;
     boundFallbacks(lanes_, longest2, bounds);
-    FermatGroup fallback;
     for (unsigned left = inFallback; left; left &= left - 1) {
         const auto k = std::size_t(std::countr_zero(left));
         if (best[k].mayCount && surelyAgrees(best[k].best.u, bounds, k))
             solutions[k] = best[k].best, inFallback &= ~(1u << k);
-        else
-            fallback.add(k, lanes_, nodes_[k].longest2);
+    }
+    if (!inFallback) return;
+    FermatGroup fallback;
+    for (unsigned left = inFallback; left; left &= left - 1) {
+        const auto k = std::size_t(std::countr_zero(left));
+        fallback.add(k, lanes_, nodes_[k].longest2);
     }
     fallback.finish();
     for (; inFallback; inFallback &= inFallback - 1) {
