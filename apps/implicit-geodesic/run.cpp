@@ -68,9 +68,7 @@ RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metri
 igeo::AccuracyEstimate estimate(const igeo::Distance& distance, const Console& console,
                                 igeo::Progress& progress) {
     progress.update("accuracy", 0);
-    constexpr std::size_t kSamples = 8;
-    const igeo::AccuracyEstimate a =
-        igeo::estimateAccuracy(*distance.forPaths(kSamples), kSamples, progress);
+    const igeo::AccuracyEstimate a = igeo::estimateAccuracy(*distance.marched(), progress);
     progress.finished("accuracy");
     if (a.samples)
         console.detail(fmt::format(

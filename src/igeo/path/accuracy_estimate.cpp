@@ -1,6 +1,7 @@
 #include <igeo/path/accuracy_estimate.h>
 
 #include <igeo/base/parallel.h>
+#include <igeo/path/detail/curve_on_triangles.h>
 #include <igeo/path/straighten.h>
 
 #include <algorithm>
@@ -18,36 +19,49 @@ Vec3d cornerNear(const SurfaceTriangles& triangles, const Vec3d& p) {
     return best;
 }
 
+/// The mean, in which no value counts more than half their number times the median: one alone then
+/// adds no more than half a median.
+double steadyMean(std::vector<double> values) {
+    if (values.empty()) return 0;
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    const double most = double(values.size()) / 2 * *middle;
+    double sum = 0;
+    for (const double x : values) sum += std::min(x, most);
+    return sum / double(values.size());
+}
+
 }  // namespace
 
-AccuracyEstimate estimateAccuracy(const Field& field, std::size_t samples, Progress& progress) {
+AccuracyEstimate estimateAccuracy(const Field& field, Progress& progress) {
+    constexpr std::size_t kOnTriangles = 64, kElsewhere = 16;
     const Band& band = *field.band;
     AccuracyEstimate e;
     if (band.size() == 0) return e;
     if (field.solved) e.fallbackShare = double(field.fallbackCount) / double(field.solved);
+    // Straightening forgives coarse steps.
+    TraceOptions trace{.maxStep = 2, .tolerance = 0.01};
+    trace.rough = hasExactCurves(field);
+    const std::size_t samples = trace.rough ? kOnTriangles : kElsewhere;
     std::vector<double> error(samples, -1);
     parallelFor(samples, 1, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const auto i = NodeIndex((2 * k + 1) * band.size() / (2 * samples));
             Vec3d p = band.footPoint(i);
             if (band.triangles && k % 2 == 1) p = cornerNear(*band.triangles, p);
-            Path path = tracePath(field, nearestSurfacePoint(band, p));
-            straighten(field, path, progress);
+            const Path path = tracePath(field, nearestSurfacePoint(band, p), trace);
             // Close to a seed the distance is exact by construction, and would lower the estimate.
             if (path.status != PathStatus::Reached || path.distance < 3 * field.startRadius)
                 continue;
             const SurfacePoint& seed = field.seeds[path.seed];
-            const double length = seed.start + path.weightedLength;
+            const double length = seed.start + straightenedLength(field, path, progress);
             error[k] = std::abs(length - path.distance) / path.distance;
         }
     });
-    for (const double x : error) {
-        if (x < 0) continue;
-        ++e.samples;
-        e.meanError += x;
-        e.largestError = std::max(e.largestError, x);
-    }
-    if (e.samples) e.meanError /= double(e.samples);
+    std::erase_if(error, [](double x) { return x < 0; });
+    e.samples = error.size();
+    e.meanError = steadyMean(error);
+    for (const double x : error) e.largestError = std::max(e.largestError, x);
     return e;
 }
 

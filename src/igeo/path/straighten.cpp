@@ -350,6 +350,11 @@ bool straightenWhole(const Field& field, Path& path, bool closed, Progress& prog
     return true;
 }
 
+double straightenedLength(const Field& field, const Path& path, Progress& progress) {
+    std::vector<double> lengths;
+    return shortened(field, path, Reach::Near, progress, lengths).weightedLength;
+}
+
 void straighten(const Field& field, Path& path, Progress& progress) {
     if (path.status != PathStatus::Reached || path.vertices.size() < 3) return;
     std::vector<double> lengths;

@@ -23,9 +23,16 @@ namespace igeo {
 /// @throws Error  Cancelled, tested before each round; the path is then unchanged
 void straighten(const Field& field, Path& path, Progress& progress = Progress::none());
 
-/// The same for a curve that may be far from shortest, such as one through points. It is relaxed as
-/// a whole to the locally shortest curve that it can be moved to on S with its ends fixed, so its
-/// loops around S remain. The vertices' distances become lengths from its start by the metric.
+/// The length, by the metric, of the curve that straighten makes of a path that is Reached: also of
+/// a rough one (TraceOptions::rough), which its chords may make shorter than any curve on S.
+/// @throws Error  Cancelled
+double straightenedLength(const Field& field, const Path& path,
+                          Progress& progress = Progress::none());
+
+/// The same as straighten for a curve that may be far from shortest, such as one through points. It
+/// is relaxed as a whole to the locally shortest curve that it can be moved to on S with its ends
+/// fixed, so its loops around S remain. The vertices' distances become lengths from its start by
+/// the metric.
 /// @param closed  the last vertex repeats the first, and no vertex is fixed: parts of the curve are
 ///                relaxed in turn (Birkhoff's curve shortening) until none gets shorter
 /// @return false where a closed curve contracts to a point, so that there is no closed geodesic;

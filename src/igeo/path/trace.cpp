@@ -66,6 +66,10 @@ private:
     /// The seed whose straight line to p is as long as the distance d there, or nullptr.
     const SurfacePoint* straightAhead(const Vec3d& p, double d) const;
     void finishAtSeed(Path& path, const SurfacePoint& seed) const;
+    /// The node nearest to p that a path may pass through, or kNoNode.
+    NodeIndex nodeBeside(const Vec3d& p) const;
+    /// A step of a rough path; false where it does not lead down.
+    bool stepFromNode(State& at) const;
     /// A step along the gradient; where that does not lead down (cut loci, creases), to the next
     /// node. The distance falls in both cases, so the path ends.
     /// @return false where no neighbor is lower
@@ -273,8 +277,42 @@ void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
     path.status = PathStatus::Reached;
 }
 
+NodeIndex Tracer::nodeBeside(const Vec3d& p) const {
+    NodeIndex nearest = kNoNode;
+    double least = kInfinity;
+    for (const NodeIndex i : cellAt(band_, p).node) {
+        if (i == kNoNode || !walkable(i) ||
+            dot(Vec3f(sheetNormal_), band_.normal[i]) < Band::kOtherSheet)
+            continue;
+        if (const double far = length(band_.footPoint(i) - p); far < least)
+            least = far, nearest = i;
+    }
+    return nearest;
+}
+
+bool Tracer::stepFromNode(State& at) const {
+    constexpr double kStep = 2, kOff = 1;  // voxels
+    const NodeIndex from = nodeBeside(at.p);
+    if (from == kNoNode) return false;
+    const Vec3d ahead = at.p - kStep * normalized(Vec3d(field_.at(from).gradient));
+    Vec3d p = ahead;
+    if (!projectToSurface(band_, p, sheetNormal_) || length(p - ahead) > kOff) return false;
+    const NodeIndex to = nodeBeside(p);
+    if (to == kNoNode) return false;
+    const NodeJet jet = field_.at(to);
+    const double d = jet.distance + dot(Vec3d(jet.gradient), p - band_.footPoint(to));
+    if (!(d < at.d)) return false;
+    at = {p, d, nullptr, at.step, kNoNode};
+    field_.seedsNear.forNear(p, [&](std::size_t k) {
+        if (!at.disc && length(field_.seeds[k].nearestTo(p) - p) < field_.startRadius)
+            at.disc = arrivalAt(field_, p, sheetNormal_).seed;
+    });
+    return true;
+}
+
 bool Tracer::advance(State& at) const {
     constexpr double kFall = 1e-4;  // voxels
+    if (options_.rough && at.node == kNoNode && stepFromNode(at)) return true;
     Vec3d next = at.p;
     Arrival there;
     if (stepAlongGradient(next, at.step)) there = arrivalAt(field_, next, sheetNormal_);
@@ -333,6 +371,7 @@ Path Tracer::trace(const SurfacePoint& target) {
 
 Path tracePath(const Field& field, const SurfacePoint& target, const TraceOptions& options) {
     Path path = Tracer(field, options).trace(target);
+    if (options.rough) return path;
     if (field.band->triangles && !path.vertices.empty()) layOnTriangles(field, path);
     if (hasExactCurves(field)) straighten(field, path);
     return path;

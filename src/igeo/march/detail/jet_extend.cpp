@@ -156,7 +156,7 @@ void Extension::extendLeaf(LeafIndex l, Group& group, NodeJet* to) const {
 }
 
 void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
-    std::optional<Group> group;  // large
+    Group group;  // large: not to be cleared
     for (std::size_t n = 0; n < nodes.size(); ++n) {
         if (nodes[n] == kNoNode) continue;
         const auto [l, at] = band_.placeOf(nodes[n]);
@@ -165,11 +165,10 @@ void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
             to[n] = finished(nodes[n], ofCore(k, band_.leaves[l].origin + stepOf(at)));
             continue;
         }
-        if (!group) group.emplace();
-        group->feet.setLeaf(group->size, band_.leaves[l].origin);
-        begin({nodes[n], l, at, to + n}, *group);
+        group.feet.setLeaf(group.size, band_.leaves[l].origin);
+        begin({nodes[n], l, at, to + n}, group);
     }
-    if (group) finish(*group);
+    finish(group);
 }
 
 void Extension::add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame& local,
