@@ -4,6 +4,7 @@
 #include <igeo/base/parallel.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace igeo {
@@ -113,18 +114,40 @@ CornerValues::Trust CornerValues::trustIn(std::uint32_t triangle) const {
     return off <= tolerance_ ? Linear : Rough;
 }
 
-CornerValues::Value CornerValues::at(const Sample& sample, const Vec3f& toward) const {
-    const Corner &p = corners_[slot(sample.triangle, 0)], &q = corners_[slot(sample.triangle, 1)],
-                 &r = corners_[slot(sample.triangle, 2)];
-    const float b = sample.second, c = sample.third, a = 1 - b - c;
-    using Four = Registers<4>::Vector;
-    const Four sum = a * loadAs<Four>(&p) + b * loadAs<Four>(&q) + c * loadAs<Four>(&r);
-    Value value{normalized(Vec3f{sum[0], sum[1], sum[2]}),
-                std::isfinite(sum[3]) ? sum[3] : kFarAway};
-    const bool away = dot(value.normal, toward) > 0;
-    if (away != triangles_[sample.triangle].away || value.normal == Vec3f{})
-        value.normal = Vec3f(frame_.turned(surface_.triangles().normal(sample.triangle)));
-    return value;
+CornerValues::Values CornerValues::at(const FourSamples& samples, const Values::Four& towardX,
+                                      const Values::Four& towardY) const {
+    using Four = Values::Four;
+    using Integers = Registers<4>::Integers;
+    const SurfaceTriangles& triangles = surface_.triangles();
+    const bool creased = surface_.isCreased();
+    std::uint32_t slots[3][4];
+    Integers away;
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+        const std::uint32_t t = samples.covered(lane) ? samples.triangle[lane] : 0;
+        const SurfaceTriangles::Triangle& v = triangles[t];
+        for (std::uint32_t k = 0; k < 3; ++k) slots[k][lane] = creased ? 3 * t + k : v[k];
+        away[lane] = -std::int32_t(triangles_[t].away);
+    }
+    Four p[4], q[4], r[4], sum[4];
+    loadFours<4>(corners_.data(), sizeof(Corner), slots[0], p);
+    loadFours<4>(corners_.data(), sizeof(Corner), slots[1], q);
+    loadFours<4>(corners_.data(), sizeof(Corner), slots[2], r);
+    const Four b = loadAs<Four>(&samples.second), c = loadAs<Four>(&samples.third), a = 1 - b - c;
+    for (int k = 0; k < 4; ++k) sum[k] = a * p[k] + b * q[k] + c * r[k];
+    Four length = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
+    takeRoots<4>(length);
+    const Integers hasLength = length > 0;
+    const Four shorter = hasLength ? 1 / length : Four{} + 1;
+    Values values{sum[0] * shorter, sum[1] * shorter, sum[2] * shorter,
+                  sum[3] < kFarAway ? sum[3] : Four{} + kFarAway};
+    const Integers turned = values.nx * towardX + values.ny * towardY + values.nz > 0;
+    for (unsigned wrong = bitsOf<4>((turned ^ away) | ~hasLength); wrong; wrong &= wrong - 1) {
+        const auto lane = std::size_t(std::countr_zero(wrong));
+        if (!samples.covered(lane)) continue;
+        const Vec3d n = frame_.turned(triangles.normal(samples.triangle[lane]));
+        values.nx[lane] = float(n.x), values.ny[lane] = float(n.y), values.nz[lane] = float(n.z);
+    }
+    return values;
 }
 
 }  // namespace igeo

@@ -91,14 +91,15 @@ void Film::develop(Background background, Canvas& canvas) const {
             for (int x = 0; x < width_; ++x) {
                 const Rgba& c = at(x, y);
                 if (!(c.a > 0)) continue;
-                const Vec3f light{c.r, c.g, c.b};
-                const float alpha = std::min(c.a, 1.0f);
+                Canvas::Four light = loadAs<Canvas::Four>(&c);
+                const float clear = 1 - std::min(c.a, 1.0f);
                 if (background == Background::Transparent)
-                    canvas.set(x, y, light * (1 / c.a), alpha);
+                    light = light * (1 / c.a), light[3] = c.a;
                 else if (background == Background::White)
-                    canvas.set(x, y, light + (1 - alpha) * Vec3f(kWhite));
+                    light += clear;
                 else
-                    canvas.set(x, y, light);
+                    light += Canvas::Four{0, 0, 0, clear};
+                canvas.set(x, y, light);
             }
     });
 }
