@@ -2,6 +2,8 @@
 
 #include <igeo/march/detail/jet_blend.h>
 
+#include <memory>
+
 namespace igeo {
 
 namespace jet {
@@ -156,7 +158,7 @@ void Extension::extendLeaf(LeafIndex l, Group& group, NodeJet* to) const {
 }
 
 void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
-    std::optional<Group> group;  // large
+    std::unique_ptr<Group> group;  // large, and its lanes need no values
     for (std::size_t n = 0; n < nodes.size(); ++n) {
         if (nodes[n] == kNoNode) continue;
         const auto [l, at] = band_.placeOf(nodes[n]);
@@ -165,7 +167,7 @@ void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
             to[n] = finished(nodes[n], ofCore(k, band_.leaves[l].origin + stepOf(at)));
             continue;
         }
-        if (!group) group.emplace();
+        if (!group) group = std::make_unique_for_overwrite<Group>();
         group->feet.setLeaf(group->size, band_.leaves[l].origin);
         begin({nodes[n], l, at, to + n}, *group);
     }
