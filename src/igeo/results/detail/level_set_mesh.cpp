@@ -532,13 +532,21 @@ private:
     /// false at walls.
     static bool cornersAround(const Around& around, int axis, const Ijk& lowest, Quad& q) {
         const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+        struct Step {
+            int offset;
+            unsigned leaf;
+        };
+        auto stepAlong = [&](int along) {
+            const int stride = 64 >> 3 * along;
+            return lowest[along] < 7 ? Step{stride, 0}
+                                     : Step{-7 * stride, CellSheets::bitOf(along)};
+        };
+        const Step toB = stepAlong(b), toC = stepAlong(c);
         for (std::size_t k = 0; k < 4; ++k) {
             const bool inB = k == 1 || k == 2, inC = k >= 2;
-            Ijk cell = lowest;
-            cell[b] += inB, cell[c] += inC;
-            const CellLeaf* leaf =
-                around[std::size_t((cell.x >> 3) << 2 | (cell.y >> 3) << 1 | cell.z >> 3)];
-            const unsigned at = Band::offsetOf(cell.x, cell.y, cell.z);
+            const CellLeaf* leaf = around[(inB ? toB.leaf : 0) | (inC ? toC.leaf : 0)];
+            const unsigned at = Band::offsetOf(lowest.x, lowest.y, lowest.z) +
+                                unsigned((inB ? toB.offset : 0) + (inC ? toC.offset : 0));
             if (!leaf || leaf->walls[at >> 6] >> (at & 63) & 1) return false;
             q[k] = leaf->cells.numberOf(at);
             if (leaf->several.empty()) continue;
