@@ -30,9 +30,11 @@ const std::uint8_t* Canvas::table() {
 
 void Canvas::fill(int x, int y, int width, int height, const Vec3d& linear, double alpha) {
     const Bytes pixel = bytesOf(linear, alpha);
-    for (int j = std::max(y, 0); j < std::min(y + height, height_); ++j)
-        for (int i = std::max(x, 0); i < std::min(x + width, width_); ++i)
-            std::copy(pixel.begin(), pixel.end(), at(i, j));
+    const int left = std::max(x, 0), count = std::min(x + width, width_) - left;
+    for (int j = std::max(y, 0); j < std::min(y + height, height_) && count > 0; ++j) {
+        std::uint8_t* const row = at(left, j);
+        for (int i = 0; i < count; ++i) storeLanes(pixel, row + 4 * i);
+    }
 }
 
 void Canvas::text(const Font& font, double x, double y, const std::string& text,

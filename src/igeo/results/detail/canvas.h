@@ -45,7 +45,7 @@ private:
     /// The nearest bytes, to a quarter of a step.
     IGEO_INLINE Bytes bytesOf(const Four& linear) const {
         constexpr Four kScale{kSteps, kSteps, kSteps, 255}, kOne{1, 1, 1, 1};
-        const Four inRange = linear < 0 ? Four{} : linear > kOne ? kOne : linear;
+        const Four most = linear < kOne ? linear : kOne, inRange = most > 0 ? most : Four{};
         const auto k = __builtin_convertvector(kScale * inRange + 0.5f, Registers<4>::Integers);
         return {table_[k[0]], table_[k[1]], table_[k[2]], std::uint8_t(k[3])};
     }

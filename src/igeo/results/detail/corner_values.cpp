@@ -54,7 +54,7 @@ CornerValues::CornerValues(const DrawnSurface& surface, const Frame& frame, cons
             triangles_[t] = {surface.hasDistances() ? Linear
                              : areRead              ? trustIn(t)
                                                     : None,
-                             dot(triangles.normal(t), triangles.corner(t, 0) - frame.eye) > 0};
+                             turnsAway(t)};
         }
     });
 }
@@ -84,6 +84,13 @@ CornerValues::Corner CornerValues::cornerOf(const Vec3f& normal, float distance)
     return {n.x, n.y, n.z, distance};
 }
 
+bool CornerValues::turnsAway(std::uint32_t triangle) const {
+    const SurfaceTriangles& triangles = surface_.triangles();
+    const Vec3d a = triangles.corner(triangle, 0);
+    return dot(cross(triangles.corner(triangle, 1) - a, triangles.corner(triangle, 2) - a),
+               a - frame_.eye) > 0;
+}
+
 /// A distance has a gradient of length 1. That of the linear interpolant is shorter where two
 /// fronts meet in the triangle or the front is curved: if its square is 1 - s, the interpolant is
 /// off by at most about sqrt(s) / 2 of the triangle's width. A single smooth front has a radius of
@@ -102,13 +109,15 @@ CornerValues::Trust CornerValues::trustIn(std::uint32_t triangle) const {
     if (unreached > 0) return unreached == 3 ? Linear : None;
     const Vec3d p = triangles.corner(triangle, 0), e = triangles.corner(triangle, 1) - p,
                 f = triangles.corner(triangle, 2) - p;
-    const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), area2 = ee * ff - ef * ef,
-                 byE = d[1] - d[0], byF = d[2] - d[0],
-                 gradient2 = (ff * byE * byE - 2 * ef * byE * byF + ee * byF * byF) / area2,
+    const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f),
                  width2 = std::max({ee, ff, ee - 2 * ef + ff}),
-                 radius = std::min({d[0], d[1], d[2]}) - shader_.field().leastStart;
+                 radius = std::min({d[0], d[1], d[2]}) - shader_.field().leastStart,
+                 ofSmooth = width2 / (8 * kLeastRadius);
+    if (isSmooth && radius >= kLeastRadius && ofSmooth <= tolerance_) return Linear;
+    const double area2 = ee * ff - ef * ef, byE = d[1] - d[0], byF = d[2] - d[0],
+                 gradient2 = (ff * byE * byE - 2 * ef * byE * byF + ee * byF * byF) / area2;
     double off = std::sqrt(width2 * std::abs(1 - gradient2)) / 2;
-    if (isSmooth) off = std::min(off, width2 / (8 * kLeastRadius));
+    if (isSmooth) off = std::min(off, ofSmooth);
     off = std::max(off, width2 / (8 * radius));
     if (!(radius > 0) || !(off <= kRough * tolerance_)) return None;
     return off <= tolerance_ ? Linear : Rough;
@@ -120,18 +129,19 @@ CornerValues::Values CornerValues::at(const FourSamples& samples, const Values::
     using Integers = Registers<4>::Integers;
     const SurfaceTriangles& triangles = surface_.triangles();
     const bool creased = surface_.isCreased();
-    std::uint32_t slots[3][4];
+    std::array<SurfaceTriangles::Triangle, 4> corners;
     Integers away;
     for (std::size_t lane = 0; lane < 4; ++lane) {
         const std::uint32_t t = samples.covered(lane) ? samples.triangle[lane] : 0;
-        const SurfaceTriangles::Triangle& v = triangles[t];
-        for (std::uint32_t k = 0; k < 3; ++k) slots[k][lane] = creased ? 3 * t + k : v[k];
+        corners[lane] =
+            creased ? SurfaceTriangles::Triangle{3 * t, 3 * t + 1, 3 * t + 2} : triangles[t];
         away[lane] = -std::int32_t(triangles_[t].away);
     }
     Four p[4], q[4], r[4], sum[4];
-    loadFours<4>(corners_.data(), sizeof(Corner), slots[0], p);
-    loadFours<4>(corners_.data(), sizeof(Corner), slots[1], q);
-    loadFours<4>(corners_.data(), sizeof(Corner), slots[2], r);
+    const auto load = [&](std::size_t k, Four(&of)[4]) {
+        loadFours<4>([&](int lane) { return &corners_[corners[std::size_t(lane)][k]]; }, of);
+    };
+    load(0, p), load(1, q), load(2, r);
     const Four b = loadAs<Four>(&samples.second), c = loadAs<Four>(&samples.third), a = 1 - b - c;
     for (int k = 0; k < 4; ++k) sum[k] = a * p[k] + b * q[k] + c * r[k];
     Four length = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];

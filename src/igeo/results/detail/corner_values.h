@@ -59,6 +59,7 @@ private:
                      std::vector<float>& distances);
     Corner cornerOf(const Vec3f& normal, float distance) const;
     Trust trustIn(std::uint32_t triangle) const;
+    bool turnsAway(std::uint32_t triangle) const;
 
     const DrawnSurface& surface_;
     const Frame& frame_;

@@ -92,13 +92,15 @@ void Film::develop(Background background, Canvas& canvas) const {
                 const Rgba& c = at(x, y);
                 if (!(c.a > 0)) continue;
                 Canvas::Four light = loadAs<Canvas::Four>(&c);
-                const float clear = 1 - std::min(c.a, 1.0f);
-                if (background == Background::Transparent)
-                    light = light * (1 / c.a), light[3] = c.a;
-                else if (background == Background::White)
-                    light += clear;
-                else
-                    light += Canvas::Four{0, 0, 0, clear};
+                if (c.a != 1) {
+                    const float clear = 1 - std::min(c.a, 1.0f);
+                    if (background == Background::Transparent)
+                        light = light * (1 / c.a), light[3] = c.a;
+                    else if (background == Background::White)
+                        light += clear;
+                    else
+                        light += Canvas::Four{0, 0, 0, clear};
+                }
                 canvas.set(x, y, light);
             }
     });

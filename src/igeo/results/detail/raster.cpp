@@ -207,10 +207,7 @@ private:
 #endif
     IGEO_INLINE void add(std::uint32_t triangle) {
         const Box& box = raster_.boxes_[triangle];
-        const int x0 = firstIn(box.left - pattern_.high - float(left_)),
-                  x1 = lastIn(box.right - pattern_.low - float(left_), width_),
-                  y0 = firstIn(box.top - pattern_.high - float(top_)),
-                  y1 = lastIn(box.bottom - pattern_.low - float(top_), height_);
+        const auto [x0, y0, x1, y1] = pixelsIn(box);
         if (x0 > x1 || y0 > y1) return;
         const std::uint32_t columns = columnsFrom(x0, x1);
         std::uint32_t any = 0;
@@ -239,13 +236,19 @@ private:
         }
     }
 
-    static int firstIn(float from) {
-        const float x = std::clamp(from, 0.0f, float(kTile));
-        const int i = int(x);
-        return i + (float(i) < x);
-    }
-    static int lastIn(float to, int count) {
-        return to < 0 ? -1 : int(std::min(to, float(count - 1)));
+    /// The first and the last columns and rows with samples in a box, or one more.
+    IGEO_INLINE std::array<int, 4> pixelsIn(const Box& box) const {
+        using Four = Registers<4>::Vector;
+        constexpr auto kEnd = float(kTile);
+        const auto left = float(left_), top = float(top_);
+        const Four least{0, 0, -1, -1}, most{kEnd, kEnd, float(width_ - 1), float(height_ - 1)},
+            sample{pattern_.high, pattern_.high, pattern_.low, pattern_.low},
+            from = loadAs<Four>(&box) - sample - Four{left, top, left, top},
+            above = from > least ? from : least, at = above < most ? above : most;
+        // Rounded up by rounding their difference from the end down.
+        const auto whole = __builtin_convertvector(Four{kEnd, kEnd, 1, 1} + Four{-1, -1, 1, 1} * at,
+                                                   Registers<4>::Integers);
+        return {kTile - whole[0], kTile - whole[1], whole[2] - 1, whole[3] - 1};
     }
     static std::uint32_t columnsFrom(int x0, int x1) {
         return x0 > x1 ? 0 : ~0u << x0 & ~0u >> (kTile - 1 - x1);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band/surface_triangles.h>
+#include <igeo/base/detail/registers.h>
 #include <igeo/base/progress.h>
 
 #include <array>
@@ -47,6 +48,7 @@ struct FourSamples {
     std::array<float, kLanes> second{}, third{};  ///< barycentric coordinates of corners 1 and 2
 
     bool covered(std::size_t lane) const { return triangle[lane] != kNone; }
+    bool anyCovered() const { return bitsOf<kLanes>(loadLanes<kLanes>(depth.data()) < kFar) != 0; }
 };
 
 /// Triangles sorted into tiles of the picture, so that threads draw tiles independently.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <numeric>
 
 namespace igeo {
 
@@ -26,9 +27,11 @@ void Renderer::render(double radius, double pixel, Film& film) {
     std::size_t pixels = 0;
     const std::vector<std::uint32_t> shown = shownTriangles(pixels);
     corners_.emplace(surface_, frame_, shader_, shown, pixels, kPartOfPixel * pixel);
-    rows(0, [&](int y) { lookAt(y); });
+    rows(0, [&](int top, int bottom) { lookAt(top, bottom); });
     open_.emplace(seen_, radius);
-    rows(1, [&](int y) { colorRow(y, film); });
+    rows(1, [&](int top, int bottom) {
+        for (int y = top; y < bottom; ++y) colorRow(y, film);
+    });
     parallelFor(raster_.tiles(), 1, progress_, [&](std::size_t begin, std::size_t end) {
         const Raster::Finer finer = Raster::finer();
         for (std::size_t t = begin; t < end; ++t) refine(t, finer, film);
@@ -75,6 +78,7 @@ std::vector<std::uint32_t> Renderer::shownTriangles(std::size_t& pixels) const {
     for (int y = 0; y < frame_.height; ++y)
         for (int x = 0; x < frame_.width; x += int(FourSamples::kLanes)) {
             const FourSamples& samples = samplesAt(x, y);
+            if (!samples.anyCovered()) continue;
             for (std::size_t lane = 0; lane < FourSamples::kLanes; ++lane)
                 if (samples.covered(lane)) isShown[samples.triangle[lane]] = 1, ++pixels;
         }
@@ -84,29 +88,45 @@ std::vector<std::uint32_t> Renderer::shownTriangles(std::size_t& pixels) const {
     return shown;
 }
 
-void Renderer::rows(int pass, const std::function<void(int)>& body) {
+void Renderer::rows(int pass, const std::function<void(int, int)>& body) {
+    constexpr int kRows = 16;
+    const int parts = (frame_.height + kRows - 1) / kRows;
     std::atomic<int> done{0};
-    parallelFor(std::size_t(frame_.height), 4, [&](std::size_t begin, std::size_t end) {
-        for (int y = int(begin); y < int(end) && !progress_.cancelled(); ++y) {
-            body(y);
-            progress_.update("picture", (pass + double(++done) / frame_.height) / 2);
+    parallelFor(std::size_t(parts), 1, [&](std::size_t begin, std::size_t end) {
+        for (int k = int(begin); k < int(end) && !progress_.cancelled(); ++k) {
+            body(k * kRows, std::min((k + 1) * kRows, frame_.height));
+            progress_.update("picture", (pass + double(++done) / parts) / 2);
         }
     });
     progress_.throwIfCancelled();
 }
 
-void Renderer::lookAt(int y) {
-    using Four = CornerValues::Values::Four;
-    std::vector<std::size_t> odd;  // pixels
+void Renderer::lookAt(int top, int bottom) {
+    std::vector<std::size_t> odd;
+    for (int y = top; y < bottom; ++y) lookAt(y, odd);
+    SpotList list(odd.size());
+    for (const std::size_t i : odd) {
+        const Vec3f toward =
+            seen_.toward(int(i % seen_.stride) - SeenPixels::kPad, int(i / seen_.stride) - 1);
+        list.add({toward.x, toward.y, seen_.depth[i], seen_.nx[i], seen_.ny[i], seen_.nz[i],
+                  seen_.distance[i], 1, 0});
+    }
+    std::vector<std::size_t> all(odd.size());
+    std::iota(all.begin(), all.end(), std::size_t(0));
+    const Spots spots = list.spots();
+    read(all, spots);
+    for (const std::size_t k : all) seen_.distance[odd[k]] = spots.distance[k];
+}
+
+void Renderer::lookAt(int y, std::vector<std::size_t>& odd) {
     for (int x = 0; x < frame_.width; x += int(FourSamples::kLanes)) {
         const FourSamples& samples = samplesAt(x, y);
         const std::size_t i = seen_.index(x, y);
-        const Four depth = loadAs<Four>(&samples.depth);
-        if (!bitsOf<4>(depth < FourSamples::kFar)) continue;
+        if (!samples.anyCovered()) continue;
         const CornerValues::Values values =
             corners_->at(samples, loadLanes<4>(&seen_.towardX[std::size_t(x + SeenPixels::kPad)]),
-                         Four{} + seen_.towardY[std::size_t(y)]);
-        storeLanes(depth, &seen_.depth[i]);
+                         CornerValues::Values::Four{} + seen_.towardY[std::size_t(y)]);
+        storeLanes(samples.depth, &seen_.depth[i]);
         storeLanes(values.nx, &seen_.nx[i]);
         storeLanes(values.ny, &seen_.ny[i]);
         storeLanes(values.nz, &seen_.nz[i]);
@@ -114,16 +134,13 @@ void Renderer::lookAt(int y) {
         for (std::size_t lane = 0; lane < FourSamples::kLanes; ++lane)
             if (samples.covered(lane) &&
                 corners_->trust(samples.triangle[lane]) != CornerValues::Linear)
-                odd.push_back(std::size_t(x) + lane);
+                odd.push_back(i + lane);
     }
-    if (odd.empty() && shader_.knowsAll()) return;
-    const std::vector<float> towardY(seen_.stride, seen_.towardY[std::size_t(y)]);
-    const Spots spots = spotsOf(y, towardY.data(), nullptr, nullptr);
     for (int x = 0; x < frame_.width && !shader_.knowsAll(); ++x) {
-        const auto k = std::size_t(x);
-        if (spots.any(k)) spots.distance[k] = shader_.known(spots.place(k), spots.distance[k]);
+        const std::size_t i = seen_.index(x, y);
+        if (seen_.covered(i))
+            seen_.distance[i] = shader_.known(seen_.place(x, y), seen_.distance[i]);
     }
-    read(odd, spots);
 }
 
 /// The pixels of a row.

@@ -30,9 +30,12 @@ private:
     static void keepColumns(int columns, FourSamples* tile);
     void sample();
     std::vector<std::uint32_t> shownTriangles(std::size_t& pixels) const;
-    /// Calls body(y) for all rows; `pass` 0 or 1 of 2.
-    void rows(int pass, const std::function<void(int)>& body);
-    void lookAt(int y);
+    /// Calls body(top, bottom) for all rows, some at a time; `pass` 0 or 1 of 2.
+    void rows(int pass, const std::function<void(int, int)>& body);
+    /// Finds what is seen in rows: pixels whose distances corners do not tell are read together.
+    void lookAt(int top, int bottom);
+    /// @param odd  gets these pixels, as indices of seen_
+    void lookAt(int y, std::vector<std::size_t>& odd);
     Spots spotsOf(int y, const float* towardY, const float* open, const float* slope);
     void colorRow(int y, Film& film);
     void refine(std::size_t tile, const Raster::Finer& finer, Film& film) const;
