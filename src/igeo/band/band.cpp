@@ -231,20 +231,28 @@ BandCell cellAt(const Band& band, const Vec3d& p) {
     BandCell cell;
     cell.low = floorToIjk(p);
     cell.t = p - Vec3d(cell.low);
-    cell.node.fill(kNoNode);
-    std::size_t found = 0;
-    auto visit = [&](NodeIndex i, std::size_t k) { cell.node[k] = i, ++found; };
-    if (const LeafIndex l = band.leafAt(cell.low); l != kNoLeaf) {
-        const unsigned at = Band::offsetOf(cell.low.x, cell.low.y, cell.low.z);
-        band.forCorners(&BandLeaf::band, l, at, {}, visit);
+    const LeafIndex l = band.leafAt(cell.low);
+    const unsigned at = Band::offsetOf(cell.low.x, cell.low.y, cell.low.z);
+    if (l != kNoLeaf && std::max({cell.low.x & 7, cell.low.y & 7, cell.low.z & 7}) < 7) {
+        for (unsigned a = 0; a < 2; ++a) band.leaves[l].band.square(at + 64 * a, &cell.node[4 * a]);
     } else {
-        for (std::size_t k = 0; k < 8; ++k)
-            if (const NodeIndex i = band.nodeAt(cell.voxel(k)); i != kNoNode) visit(i, k);
+        cell.node.fill(kNoNode);
+        auto visit = [&](NodeIndex i, std::size_t k) { cell.node[k] = i; };
+        if (l != kNoLeaf) {
+            band.forCorners(&BandLeaf::band, l, at, {}, visit);
+        } else {
+            for (std::size_t k = 0; k < 8; ++k) visit(band.nodeAt(cell.voxel(k)), k);
+        }
     }
-    cell.complete = found == 8;
-    for (std::size_t k = 0; k < 8; ++k)
-        cell.weight[k] = (k >> 2 ? cell.t.x : 1 - cell.t.x) *
-                         (k >> 1 & 1 ? cell.t.y : 1 - cell.t.y) * (k & 1 ? cell.t.z : 1 - cell.t.z);
+    NodeIndex most = 0;  // kNoNode, if there is one
+    for (const NodeIndex i : cell.node) most = std::max(most, i);
+    cell.complete = most != kNoNode;
+    const Vec3d &up = cell.t, down{1 - up.x, 1 - up.y, 1 - up.z};
+    const std::array<double, 4> square{down.x * down.y, down.x * up.y, up.x * down.y, up.x * up.y};
+    for (std::size_t k = 0; k < 4; ++k) {
+        cell.weight[2 * k] = square[k] * down.z;
+        cell.weight[2 * k + 1] = square[k] * up.z;
+    }
     return cell;
 }
 

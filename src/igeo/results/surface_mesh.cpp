@@ -1,5 +1,6 @@
 #include <igeo/results/surface_mesh.h>
 
+#include <igeo/base/detail/four_doubles.h>
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
 #include <igeo/results/detail/level_set_mesh.h>
@@ -13,23 +14,66 @@ namespace {
 
 using Quad = QuadMesh::Quad;
 
-/// Splits quadrilaterals along the diagonal whose worse triangle is better. Quality is area over
-/// the squares of the sides, negative for a flipped triangle.
+/// Four quadrilaterals side by side.
+class QuadLanes {
+    using V = FourDoubles;
+
+    IGEO_INLINE static FourVectors corners(const Quad* quads, std::size_t corner,
+                                           const std::vector<Vec3d>& p) {
+        std::array<double, 4> x, y, z;
+        for (std::size_t lane = 0; lane < 4; ++lane) {
+            const Vec3d& at = p[quads[lane][corner]];
+            x[lane] = at.x, y[lane] = at.y, z[lane] = at.z;
+        }
+        return {loadAs<V>(&x), loadAs<V>(&y), loadAs<V>(&z)};
+    }
+    /// Area over the squares of the sides, negative for a flipped triangle.
+    IGEO_INLINE static V quality(const FourVectors& i, const FourVectors& j, const FourVectors& l,
+                                 const FourVectors& n) {
+        const FourVectors ij = j - i, jl = l - j, li = i - l;
+        return dot(cross(ij, jl), n) / (dot(ij, ij) + dot(jl, jl) + dot(li, li));
+    }
+    IGEO_INLINE static V lesser(const V& a, const V& b) { return b < a ? b : a; }
+
+public:
+    /// Bits: those whose diagonal from the first corner is the better one.
+    IGEO_INLINE static unsigned fromFirst(const Quad* quads, const std::vector<Vec3d>& p) {
+        const FourVectors a = corners(quads, 0, p), b = corners(quads, 1, p),
+                          c = corners(quads, 2, p), d = corners(quads, 3, p),
+                          n = normalized(cross(c - a, d - b));
+        return bitsOf(lesser(quality(a, b, c, n), quality(a, c, d, n)) >=
+                      lesser(quality(b, c, d, n), quality(b, d, a, n)));
+    }
+};
+unsigned fromFirstByTwo(const Quad* quads, const std::vector<Vec3d>& p) {
+    return QuadLanes::fromFirst(quads, p);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 unsigned fromFirstByFour(const Quad* quads, const std::vector<Vec3d>& p) {
+    return QuadLanes::fromFirst(quads, p);
+}
+#else
+constexpr auto fromFirstByFour = fromFirstByTwo;
+#endif
+
+/// Splits quadrilaterals along the diagonal whose worse triangle is better.
 std::vector<SurfaceMesh::Triangle> split(const std::vector<Quad>& quads,
                                          const std::vector<Vec3d>& p) {
     std::vector<SurfaceMesh::Triangle> triangles(2 * quads.size());
-    parallelFor(quads.size(), 1024, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const auto [a, b, c, d] = quads[k];
-            const Vec3d n = normalized(cross(p[c] - p[a], p[d] - p[b]));
-            auto quality = [&](std::uint32_t i, std::uint32_t j, std::uint32_t l) {
-                const Vec3d ij = p[j] - p[i], jl = p[l] - p[j], li = p[i] - p[l];
-                return dot(cross(ij, jl), n) / (dot(ij, ij) + dot(jl, jl) + dot(li, li));
-            };
-            const double ac = std::min(quality(a, b, c), quality(a, c, d));
-            const double bd = std::min(quality(b, c, d), quality(b, d, a));
-            triangles[2 * k] = ac >= bd ? SurfaceMesh::Triangle{a, b, c} : std::array{b, c, d};
-            triangles[2 * k + 1] = ac >= bd ? SurfaceMesh::Triangle{a, c, d} : std::array{b, d, a};
+    const auto fromFirst = eightAtATime() ? fromFirstByFour : fromFirstByTwo;
+    parallelFor((quads.size() + 3) / 4, 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = 4 * begin; k < std::min(4 * end, quads.size()); k += 4) {
+            std::array<Quad, 4> four{};
+            const std::size_t count = std::min<std::size_t>(quads.size() - k, 4);
+            std::copy_n(&quads[k], count, four.begin());
+            const unsigned first = fromFirst(four.data(), p);
+            for (std::size_t i = 0; i < count; ++i) {
+                const auto [a, b, c, d] = four[i];
+                using Triangle = SurfaceMesh::Triangle;
+                const bool ac = first >> i & 1;
+                triangles[2 * (k + i)] = ac ? Triangle{a, b, c} : Triangle{b, c, d};
+                triangles[2 * (k + i) + 1] = ac ? Triangle{a, c, d} : Triangle{b, d, a};
+            }
         }
     });
     return triangles;

@@ -29,9 +29,7 @@ public:
         points_.setPlace(lane, Vec3f(p - Vec3d(low)));
         points_.setNormal(lane, normal);
         points_.clearNodes(lane);
-        if (leaf_ != kNoLeaf)
-            band_.forCorners(&BandLeaf::core, leaf_, Band::offsetOf(low.x, low.y, low.z), {},
-                             [&](NodeIndex j, unsigned k) { points_.node[k][lane] = j; });
+        if (leaf_ != kNoLeaf) findCorners(low, lane);
         if (size_ == Lanes::kNodes) finish();
     }
     void finish() {
@@ -52,6 +50,16 @@ private:
         const Vec3d* p = nullptr;
         Arrival* to = nullptr;
     };
+
+    void findCorners(const Ijk& low, std::size_t lane) {
+        const unsigned at = Band::offsetOf(low.x, low.y, low.z);
+        if (std::max({low.x & 7, low.y & 7, low.z & 7}) == 7)
+            return band_.forCorners(&BandLeaf::core, leaf_, at, {},
+                                    [&](NodeIndex j, unsigned k) { points_.node[k][lane] = j; });
+        std::array<NodeIndex, 8> node;
+        for (unsigned a = 0; a < 2; ++a) band_.leaves[leaf_].core.square(at + 64 * a, &node[4 * a]);
+        for (std::size_t k = 0; k < 8; ++k) points_.node[k][lane] = node[k];
+    }
 
     /// Whether the corners of a point tell its distance.
     bool settle(std::size_t lane, const CarriedJets& carried) {

@@ -5,7 +5,6 @@
 #include <png.h>
 
 #include <algorithm>
-#include <array>
 #include <csetjmp>
 
 namespace igeo {
@@ -14,48 +13,33 @@ namespace {
 
 std::uint8_t byteOf(double x) { return std::uint8_t(255 * std::clamp(x, 0.0, 1.0) + 0.5); }
 
-constexpr int kSteps = 1 << 14;  ///< of the table from linear light to bytes
+}  // namespace
 
-/// The nearest bytes, to a quarter of a step.
-std::array<std::uint8_t, 3> srgbBytes(const Vec3f& linear) {
+Canvas::Canvas(int width, int height)
+    : width_(width), height_(height), rgba_(4 * std::size_t(width) * std::size_t(height)) {}
+
+const std::uint8_t* Canvas::table() {
     static const std::vector<std::uint8_t> table = [] {
         std::vector<std::uint8_t> bytes(kSteps + 1);
         for (int k = 0; k <= kSteps; ++k)
             bytes[std::size_t(k)] = byteOf(srgbFromLinear(Vec3d{1, 1, 1} * (double(k) / kSteps)).x);
         return bytes;
     }();
-    const std::uint8_t* const of = table.data();
-    auto encode = [of](float c) {
-        const float inRange = c < 0 ? 0 : c > 1 ? 1 : c;
-        return of[int(kSteps * inRange + 0.5f)];
-    };
-    return {encode(linear.x), encode(linear.y), encode(linear.z)};
-}
-
-}  // namespace
-
-Canvas::Canvas(int width, int height)
-    : width_(width), height_(height), rgba_(4 * std::size_t(width) * std::size_t(height)) {}
-
-void Canvas::set(int x, int y, const Vec3f& linear, float alpha) {
-    if (!holds(x, y)) return;
-    const auto [r, g, b] = srgbBytes(linear);
-    std::uint8_t* pixel = at(x, y);
-    pixel[0] = r, pixel[1] = g, pixel[2] = b;
-    pixel[3] = alpha < 1 ? byteOf(double(alpha)) : 255;
+    return table.data();
 }
 
 void Canvas::fill(int x, int y, int width, int height, const Vec3d& linear, double alpha) {
-    const auto [r, g, b] = srgbBytes(Vec3f(linear));
-    const std::array<std::uint8_t, 4> pixel{r, g, b, byteOf(alpha)};
-    for (int j = std::max(y, 0); j < std::min(y + height, height_); ++j)
-        for (int i = std::max(x, 0); i < std::min(x + width, width_); ++i)
-            std::copy(pixel.begin(), pixel.end(), at(i, j));
+    const Bytes pixel = bytesOf(linear, alpha);
+    const int left = std::max(x, 0), count = std::min(x + width, width_) - left;
+    for (int j = std::max(y, 0); j < std::min(y + height, height_) && count > 0; ++j) {
+        std::uint8_t* const row = at(left, j);
+        for (int i = 0; i < count; ++i) storeLanes(pixel, row + 4 * i);
+    }
 }
 
 void Canvas::text(const Font& font, double x, double y, const std::string& text,
                   const Vec3d& linear) {
-    const auto ink = srgbBytes(Vec3f(linear));
+    const Bytes ink = bytesOf(linear, 1);
     font.draw(text, x, y, [&](int i, int j, double coverage) {
         if (!holds(i, j)) return;
         // Blended in sRGB, so that strokes look equally heavy on white and on black.

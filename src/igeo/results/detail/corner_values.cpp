@@ -4,6 +4,7 @@
 #include <igeo/base/parallel.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace igeo {
@@ -53,7 +54,7 @@ CornerValues::CornerValues(const DrawnSurface& surface, const Frame& frame, cons
             triangles_[t] = {surface.hasDistances() ? Linear
                              : areRead              ? trustIn(t)
                                                     : None,
-                             dot(triangles.normal(t), triangles.corner(t, 0) - frame.eye) > 0};
+                             turnsAway(t)};
         }
     });
 }
@@ -83,6 +84,13 @@ CornerValues::Corner CornerValues::cornerOf(const Vec3f& normal, float distance)
     return {n.x, n.y, n.z, distance};
 }
 
+bool CornerValues::turnsAway(std::uint32_t triangle) const {
+    const SurfaceTriangles& triangles = surface_.triangles();
+    const Vec3d a = triangles.corner(triangle, 0);
+    return dot(cross(triangles.corner(triangle, 1) - a, triangles.corner(triangle, 2) - a),
+               a - frame_.eye) > 0;
+}
+
 /// A distance has a gradient of length 1. That of the linear interpolant is shorter where two
 /// fronts meet in the triangle or the front is curved: if its square is 1 - s, the interpolant is
 /// off by at most about sqrt(s) / 2 of the triangle's width. A single smooth front has a radius of
@@ -101,30 +109,55 @@ CornerValues::Trust CornerValues::trustIn(std::uint32_t triangle) const {
     if (unreached > 0) return unreached == 3 ? Linear : None;
     const Vec3d p = triangles.corner(triangle, 0), e = triangles.corner(triangle, 1) - p,
                 f = triangles.corner(triangle, 2) - p;
-    const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f), area2 = ee * ff - ef * ef,
-                 byE = d[1] - d[0], byF = d[2] - d[0],
-                 gradient2 = (ff * byE * byE - 2 * ef * byE * byF + ee * byF * byF) / area2,
+    const double ee = dot(e, e), ef = dot(e, f), ff = dot(f, f),
                  width2 = std::max({ee, ff, ee - 2 * ef + ff}),
-                 radius = std::min({d[0], d[1], d[2]}) - shader_.field().leastStart;
+                 radius = std::min({d[0], d[1], d[2]}) - shader_.field().leastStart,
+                 ofSmooth = width2 / (8 * kLeastRadius);
+    if (isSmooth && radius >= kLeastRadius && ofSmooth <= tolerance_) return Linear;
+    const double area2 = ee * ff - ef * ef, byE = d[1] - d[0], byF = d[2] - d[0],
+                 gradient2 = (ff * byE * byE - 2 * ef * byE * byF + ee * byF * byF) / area2;
     double off = std::sqrt(width2 * std::abs(1 - gradient2)) / 2;
-    if (isSmooth) off = std::min(off, width2 / (8 * kLeastRadius));
+    if (isSmooth) off = std::min(off, ofSmooth);
     off = std::max(off, width2 / (8 * radius));
     if (!(radius > 0) || !(off <= kRough * tolerance_)) return None;
     return off <= tolerance_ ? Linear : Rough;
 }
 
-CornerValues::Value CornerValues::at(const Sample& sample, const Vec3f& toward) const {
-    const Corner &p = corners_[slot(sample.triangle, 0)], &q = corners_[slot(sample.triangle, 1)],
-                 &r = corners_[slot(sample.triangle, 2)];
-    const float b = sample.second, c = sample.third, a = 1 - b - c;
-    using Four = Registers<4>::Vector;
-    const Four sum = a * loadAs<Four>(&p) + b * loadAs<Four>(&q) + c * loadAs<Four>(&r);
-    Value value{normalized(Vec3f{sum[0], sum[1], sum[2]}),
-                std::isfinite(sum[3]) ? sum[3] : kFarAway};
-    const bool away = dot(value.normal, toward) > 0;
-    if (away != triangles_[sample.triangle].away || value.normal == Vec3f{})
-        value.normal = Vec3f(frame_.turned(surface_.triangles().normal(sample.triangle)));
-    return value;
+CornerValues::Values CornerValues::at(const FourSamples& samples, const Values::Four& towardX,
+                                      const Values::Four& towardY) const {
+    using Four = Values::Four;
+    using Integers = Registers<4>::Integers;
+    const SurfaceTriangles& triangles = surface_.triangles();
+    const bool creased = surface_.isCreased();
+    std::array<SurfaceTriangles::Triangle, 4> corners;
+    Integers away;
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+        const std::uint32_t t = samples.covered(lane) ? samples.triangle[lane] : 0;
+        corners[lane] =
+            creased ? SurfaceTriangles::Triangle{3 * t, 3 * t + 1, 3 * t + 2} : triangles[t];
+        away[lane] = -std::int32_t(triangles_[t].away);
+    }
+    Four p[4], q[4], r[4], sum[4];
+    const auto load = [&](std::size_t k, Four(&of)[4]) {
+        loadFours<4>([&](int lane) { return &corners_[corners[std::size_t(lane)][k]]; }, of);
+    };
+    load(0, p), load(1, q), load(2, r);
+    const Four b = loadAs<Four>(&samples.second), c = loadAs<Four>(&samples.third), a = 1 - b - c;
+    for (int k = 0; k < 4; ++k) sum[k] = a * p[k] + b * q[k] + c * r[k];
+    Four length = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
+    takeRoots<4>(length);
+    const Integers hasLength = length > 0;
+    const Four shorter = hasLength ? 1 / length : Four{} + 1;
+    Values values{sum[0] * shorter, sum[1] * shorter, sum[2] * shorter,
+                  sum[3] < kFarAway ? sum[3] : Four{} + kFarAway};
+    const Integers turned = values.nx * towardX + values.ny * towardY + values.nz > 0;
+    for (unsigned wrong = bitsOf<4>((turned ^ away) | ~hasLength); wrong; wrong &= wrong - 1) {
+        const auto lane = std::size_t(std::countr_zero(wrong));
+        if (!samples.covered(lane)) continue;
+        const Vec3d n = frame_.turned(triangles.normal(samples.triangle[lane]));
+        values.nx[lane] = float(n.x), values.ny[lane] = float(n.y), values.nz[lane] = float(n.z);
+    }
+    return values;
 }
 
 }  // namespace igeo

@@ -1,6 +1,7 @@
 /// Normals and distances at the corners of visible triangles. Internal to the pictures.
 #pragma once
 
+#include <igeo/base/detail/registers.h>
 #include <igeo/results/detail/drawn_surface.h>
 #include <igeo/results/detail/shader.h>
 
@@ -20,13 +21,16 @@ public:
     CornerValues(const DrawnSurface& surface, const Frame& frame, const Shader& shader,
                  const std::vector<std::uint32_t>& shown, std::size_t pixels, double tolerance);
 
-    /// At a point of a triangle, in camera coordinates.
-    struct Value {
-        Vec3f normal;    ///< unit; on the same side of the ray as that of the triangle
-        float distance;  ///< +infinity where that of a corner is
+    /// At points of triangles, in camera coordinates.
+    struct Values {
+        using Four = Registers<4>::Vector;
+        Four nx, ny, nz;  ///< unit; on the same side of the ray as that of the triangle
+        Four distance;    ///< +infinity where that of a corner is
     };
-    /// @param toward  the ray of the sample
-    Value at(const Sample& sample, const Vec3f& toward) const;
+    /// Where nothing is covered, values have no meaning.
+    /// @param towardX, towardY  the rays of the samples
+    Values at(const FourSamples& samples, const Values::Four& towardX,
+              const Values::Four& towardY) const;
 
     /// How distances in a triangle follow from those of its corners.
     enum Trust : std::uint8_t {
@@ -55,6 +59,7 @@ private:
                      std::vector<float>& distances);
     Corner cornerOf(const Vec3f& normal, float distance) const;
     Trust trustIn(std::uint32_t triangle) const;
+    bool turnsAway(std::uint32_t triangle) const;
 
     const DrawnSurface& surface_;
     const Frame& frame_;

@@ -68,10 +68,9 @@ bool isOutside(const SurfaceMesh& mesh) {
     // Edges count once from their lesser vertex and once toward it, as numbers that have nothing to
     // do with each other: their sum is 0 only without a rim.
     auto edge = [](std::uint64_t a, std::uint64_t b) {
-        std::uint64_t hash = (std::min(a, b) << 32 | std::max(a, b)) * 0x9e3779b97f4a7c15u;
-        hash = (hash ^ hash >> 29) * 0xbf58476d1ce4e5b9u;
-        hash ^= hash >> 32;
-        return a < b ? hash : 0 - hash;
+        const std::uint64_t hash = (std::min(a, b) << 32 | std::max(a, b)) * 0x9e3779b97f4a7c15u,
+                            mixed = (hash ^ hash >> 29) * 0xbf58476d1ce4e5b9u;
+        return a < b ? mixed : 0 - mixed;
     };
     std::uint64_t rim = 0;
     double volume = 0;

@@ -91,14 +91,17 @@ void Film::develop(Background background, Canvas& canvas) const {
             for (int x = 0; x < width_; ++x) {
                 const Rgba& c = at(x, y);
                 if (!(c.a > 0)) continue;
-                const Vec3f light{c.r, c.g, c.b};
-                const float alpha = std::min(c.a, 1.0f);
-                if (background == Background::Transparent)
-                    canvas.set(x, y, light * (1 / c.a), alpha);
-                else if (background == Background::White)
-                    canvas.set(x, y, light + (1 - alpha) * Vec3f(kWhite));
-                else
-                    canvas.set(x, y, light);
+                Canvas::Four light = loadAs<Canvas::Four>(&c);
+                if (c.a != 1) {
+                    const float clear = 1 - std::min(c.a, 1.0f);
+                    if (background == Background::Transparent)
+                        light = light * (1 / c.a), light[3] = c.a;
+                    else if (background == Background::White)
+                        light += clear;
+                    else
+                        light += Canvas::Four{0, 0, 0, clear};
+                }
+                canvas.set(x, y, light);
             }
     });
 }

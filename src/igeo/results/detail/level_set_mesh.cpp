@@ -1,6 +1,7 @@
 #include <igeo/results/detail/level_set_mesh.h>
 
 #include <igeo/band/band.h>
+#include <igeo/base/detail/four_doubles.h>
 #include <igeo/base/parallel.h>
 #include <igeo/results/detail/cell_sheets.h>
 #include <igeo/surface/level_set.h>
@@ -64,9 +65,16 @@ private:
     void copyRow(const float* from, unsigned active, int row, int stepZ, double scale) {
         float* to = &values_[std::size_t(9 * row + 8 * stepZ)];
         unsigned inside = 0;
-        for (int z = 0; z < count(stepZ); ++z) {
-            to[z] = float(double(from[z]) * scale);
-            inside |= unsigned(to[z] < 0) << z;
+        if (stepZ) {
+            *to = float(double(*from) * scale);
+            inside = *to < 0;
+        }
+        for (int z = stepZ ? 8 : 0; z < 8; z += 4) {
+            using Four = Registers<4>::Vector;
+            const Four scaled = __builtin_convertvector(
+                __builtin_convertvector(loadAs<Four>(from + z), FourDoubles) * scale, Four);
+            storeLanes(scaled, to + z);
+            inside |= bitsOf<4>(scaled < 0) << z;
         }
         put(row, stepZ, inside, active);
     }
@@ -127,6 +135,106 @@ struct Trilinear {
     }
 };
 
+/// Cells of one sheet, whose corners are all active, side by side.
+struct FourCells {
+    std::size_t count = 0;
+    std::array<std::array<float, 4>, 8> psi{};  ///< per corner
+    std::array<Ijk, 4> cell;                    ///< in the leaf
+    std::array<std::size_t, 4> point;           ///< number of the vertex
+
+    void add(const Ijk& itsCell, const std::array<float, 8>& itsPsi, std::size_t itsPoint) {
+        for (std::size_t k = 0; k < 8; ++k) psi[k][count] = itsPsi[k];
+        cell[count] = itsCell, point[count++] = itsPoint;
+    }
+    bool full() const { return count == cell.size(); }
+};
+
+/// Places in cells, each a register per axis.
+struct FourPlaces {
+    std::array<std::array<double, 4>, 3> mean;    ///< of the points where edges are crossed
+    std::array<std::array<double, 4>, 3> onZero;  ///< the mean, moved to psi = 0
+    unsigned moved;                               ///< bits: where it came there within the cell
+    unsigned steep;                               ///< bits: where psi may jump as at a wall
+
+    Vec3d at(const std::array<std::array<double, 4>, 3>& of, std::size_t lane) const {
+        return {of[0][lane], of[1][lane], of[2][lane]};
+    }
+};
+
+/// What Trilinear and CellFinder do, with the same bits.
+class CellLanes {
+    using V = FourDoubles;
+
+    /// The mean of the points where edges are crossed.
+    IGEO_INLINE static FourVectors meanOf(const V (&psi)[8]) {
+        const V one = V{} + 1;
+        V sum[3] = {}, count{};
+        for (int axis = 0; axis < 3; ++axis)
+            for (unsigned k = 0; k < 8; ++k) {
+                const unsigned bit = CellSheets::bitOf(axis);
+                if (k & bit) continue;
+                const V &a = psi[k], &b = psi[k | bit];
+                const auto crossed = (a < 0) ^ (b < 0);
+                const V counted = crossed ? one : V{};
+                for (int other = 0; other < 3; ++other)
+                    if (other == axis)
+                        sum[axis] += crossed ? a / (a - b) : V{};
+                    else if (k & CellSheets::bitOf(other))
+                        sum[other] += counted;
+                count += counted;
+            }
+        return FourVectors{sum[0], sum[1], sum[2]} * (1 / count);
+    }
+    /// @return where it came to psi = 0
+    IGEO_INLINE static FourFlags project(const V (&v)[8], FourVectors& p) {
+        constexpr double kTolerance = 1e-6;
+        const V c = v[0], x = v[4] - c, y = v[2] - c, z = v[1] - c, xy = v[6] - v[4] - y,
+                xz = v[5] - v[4] - z, yz = v[3] - v[2] - z, xyz = v[7] - v[6] - (v[5] - v[4]) - yz;
+        FourFlags moved{}, moving = ~moved;
+        for (int iteration = 0; iteration < 20; ++iteration) {
+            moving &= (p.x >= 0) & (p.y >= 0) & (p.z >= 0) & (p.x < 1) & (p.y < 1) & (p.z < 1);
+            const FourVectors g{x + xy * p.y + p.z * (xz + xyz * p.y),
+                                y + yz * p.z + p.x * (xy + xyz * p.z),
+                                z + xz * p.x + p.y * (yz + xyz * p.x)};
+            const V psi = c + g.x * p.x + p.y * (y + yz * p.z) + z * p.z, g2 = dot(g, g);
+            const FourFlags there = moving & ((psi < 0 ? -psi : psi) <= kTolerance);
+            moved |= there;
+            moving &= ~there & (g2 >= 1e-4);
+            if (!bitsOf(moving)) break;
+            const FourVectors next = p - g * (psi / g2);
+            p = {moving ? next.x : p.x, moving ? next.y : p.y, moving ? next.z : p.z};
+        }
+        return moved;
+    }
+    IGEO_INLINE static void store(const FourVectors& p, std::array<std::array<double, 4>, 3>& to) {
+        storeLanes(p.x, &to[0]);
+        storeLanes(p.y, &to[1]);
+        storeLanes(p.z, &to[2]);
+    }
+
+public:
+    IGEO_INLINE static void place(const FourCells& cells, FourPlaces& to) {
+        using Four = Registers<4>::Vector;
+        constexpr float kSteep = 1.9f;
+        Four low = loadAs<Four>(&cells.psi[0]), high = low;
+        V psi[8];
+        for (std::size_t k = 0; k < 8; ++k) {
+            const Four here = loadAs<Four>(&cells.psi[k]);
+            low = here < low ? here : low, high = here > high ? here : high;
+            psi[k] = __builtin_convertvector(here, V);
+        }
+        to.steep = bitsOf<4>(~(high - low <= kSteep));
+        FourVectors p = meanOf(psi);
+        store(p, to.mean);
+        to.moved = bitsOf(project(psi, p));
+        store(p, to.onZero);
+    }
+};
+void placeByTwo(const FourCells& cells, FourPlaces& to) { CellLanes::place(cells, to); }
+#ifdef IGEO_AVX2
+IGEO_AVX2 void placeByFour(const FourCells& cells, FourPlaces& to) { CellLanes::place(cells, to); }
+#endif
+
 /// The cells that S passes through, whose lowest voxel is in one leaf.
 struct CellLeaf {
     /// A cell of several sheets: the first is numbered in `cells`, the others follow its cells.
@@ -168,10 +276,15 @@ public:
                 }
                 if (any == 0 || all == 0x1ff) continue;
                 findEdges(x, y);
-                unsigned crossed = (any | any >> 1) & ~(all & all >> 1) & 0xff;
-                leaf.cells.mask[std::size_t(x)] |= std::uint64_t(crossed) << 8 * y;
-                for (; crossed; crossed &= crossed - 1) addCell({x, y, std::countr_zero(crossed)});
+                unsigned crossed = (any | any >> 1) & ~(all & all >> 1) & 0xff, active = 0x1ff;
+                for (int k = 0; k < 4; ++k) active &= block_.active(x + k / 2, y + k % 2);
+                leaf_->cells.mask[std::size_t(x)] |= std::uint64_t(crossed) << 8 * y;
+                for (; crossed; crossed &= crossed - 1) {
+                    const int z = std::countr_zero(crossed);
+                    addCell({x, y, z}, (active & active >> 1) >> z & 1);
+                }
             }
+        placeFour();
         leaf.points.insert(leaf.points.end(), further_.begin(), further_.end());
     }
 
@@ -197,15 +310,48 @@ private:
         return bits;
     }
 
-    void addCell(const Ijk& cell) {
-        const std::array<float, 8> psi = block_.corners(cell.x, cell.y, cell.z);
-        const unsigned inside = cornerBits(cell, [&](int x, int y) { return block_.inside(x, y); }),
-                       active = cornerBits(cell, [&](int x, int y) { return block_.active(x, y); });
-        const CellSheets& usual = CellSheets::of(inside);
-        if (isWall(psi, active, usual)) {
-            leaf_->walls[std::size_t(cell.x)] |= std::uint64_t(1) << (8 * cell.y + cell.z);
-            leaf_->hasWalls = true;
+    unsigned insideOf(const Ijk& cell) const {
+        return cornerBits(cell, [&](int x, int y) { return block_.inside(x, y); });
+    }
+    void addWall(const Ijk& cell) {
+        leaf_->walls[std::size_t(cell.x)] |= std::uint64_t(1) << (8 * cell.y + cell.z);
+        leaf_->hasWalls = true;
+    }
+
+    /// Finds the vertices of the cells that wait.
+    void placeFour() {
+        FourPlaces places;
+#ifdef IGEO_AVX2
+        (eightAtATime() ? placeByFour : placeByTwo)(four_, places);
+#else
+        placeByTwo(four_, places);
+#endif
+        for (std::size_t lane = 0; lane < four_.count; ++lane) {
+            const Ijk& cell = four_.cell[lane];
+            const Vec3d low(leaf_->origin + cell);
+            leaf_->points[four_.point[lane]] = places.moved >> lane & 1
+                                                   ? low + places.at(places.onZero, lane)
+                                                   : onBand(low + places.at(places.mean, lane));
+            if (places.steep >> lane & 1 && isWall(block_.corners(cell.x, cell.y, cell.z), 0xff,
+                                                   CellSheets::of(insideOf(cell))))
+                addWall(cell);
         }
+        four_.count = 0;
+    }
+
+    /// @param complete  whether all corners are active
+    void addCell(const Ijk& cell, bool complete) {
+        const std::array<float, 8> psi = block_.corners(cell.x, cell.y, cell.z);
+        const unsigned inside = insideOf(cell);
+        const CellSheets& usual = CellSheets::of(inside);
+        if (complete && usual.count == 1 && !usual.twice && !band_.triangles) {
+            four_.add(cell, psi, leaf_->points.size());
+            leaf_->points.emplace_back();
+            if (four_.full()) placeFour();
+            return;
+        }
+        const unsigned active = cornerBits(cell, [&](int x, int y) { return block_.active(x, y); });
+        if (isWall(psi, active, usual)) addWall(cell);
         if (usual.count == 1 && !usual.twice) return addVertices(cell, psi, active, usual);
         const CellSheets sheets(inside, partedFaces(leaf_->origin + cell, usual.twice));
         if (sheets.count > 1)
@@ -267,6 +413,9 @@ private:
                     bool complete) const {
         const Vec3d low(leaf_->origin + cell), from = low + place;
         if (complete && !band_.triangles && Trilinear(psi).project(place)) return low + place;
+        return onBand(from);
+    }
+    Vec3d onBand(const Vec3d& from) const {
         // Beyond a voxel the projection is on another sheet.
         Vec3d p = from;
         return projectToSurface(band_, p) && length(p - from) < 1 ? p : from;
@@ -278,6 +427,7 @@ private:
     double dx_;
     CellBlock block_;
     CellLeaf* leaf_ = nullptr;
+    FourCells four_;  ///< which wait for their vertices
     std::vector<Vec3d> further_;
 };
 
@@ -352,30 +502,51 @@ private:
             if (at != numbers_.end()) around[k] = &all_[at->second];
         }
         const CellLeaf& leaf = all_[l];
+        const bool plain = !leaf.hasWalls && leaf.several.empty();
         for (int x = 0; x < 8; ++x)
             for (int axis = 0; axis < 3; ++axis) {
                 const std::uint64_t up = leaf.up[std::size_t(axis)][std::size_t(x)];
                 for (std::uint64_t bits = up | leaf.down[std::size_t(axis)][std::size_t(x)]; bits;
                      bits &= bits - 1) {
                     const int bit = std::countr_zero(bits);
+                    const Ijk lowest{x, bit >> 3, bit & 7};
                     Quad q;
-                    if (!cornersAround(around, axis, {x, bit >> 3, bit & 7}, q)) continue;
+                    if (plain && lowest[(axis + 1) % 3] < 7 && lowest[(axis + 2) % 3] < 7)
+                        q = cornersWithin(leaf, axis, lowest);
+                    else if (!cornersAround(around, axis, lowest, q))
+                        continue;
                     if (!(up >> bit & 1)) std::swap(q[1], q[3]);
                     quads.push_back(q);
                 }
             }
     }
+    /// The vertices in the four cells around the edge as cornersAround has them, all in a leaf of
+    /// single sheets.
+    static Quad cornersWithin(const CellLeaf& leaf, int axis, const Ijk& lowest) {
+        const unsigned at = Band::offsetOf(lowest.x, lowest.y, lowest.z),
+                       b = 64u >> 3 * ((axis + 1) % 3), c = 64u >> 3 * ((axis + 2) % 3);
+        return {leaf.cells.numberOf(at), leaf.cells.numberOf(at + b),
+                leaf.cells.numberOf(at + b + c), leaf.cells.numberOf(at + c)};
+    }
     /// The vertices in the four cells around the edge, counter-clockwise seen from its upper end;
     /// false at walls.
     static bool cornersAround(const Around& around, int axis, const Ijk& lowest, Quad& q) {
         const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+        struct Step {
+            int offset;
+            unsigned leaf;
+        };
+        auto stepAlong = [&](int along) {
+            const int stride = 64 >> 3 * along;
+            return lowest[along] < 7 ? Step{stride, 0}
+                                     : Step{-7 * stride, CellSheets::bitOf(along)};
+        };
+        const Step toB = stepAlong(b), toC = stepAlong(c);
         for (std::size_t k = 0; k < 4; ++k) {
             const bool inB = k == 1 || k == 2, inC = k >= 2;
-            Ijk cell = lowest;
-            cell[b] += inB, cell[c] += inC;
-            const CellLeaf* leaf =
-                around[std::size_t((cell.x >> 3) << 2 | (cell.y >> 3) << 1 | cell.z >> 3)];
-            const unsigned at = Band::offsetOf(cell.x, cell.y, cell.z);
+            const CellLeaf* leaf = around[(inB ? toB.leaf : 0) | (inC ? toC.leaf : 0)];
+            const unsigned at = Band::offsetOf(lowest.x, lowest.y, lowest.z) +
+                                unsigned((inB ? toB.offset : 0) + (inC ? toC.offset : 0));
             if (!leaf || leaf->walls[at >> 6] >> (at & 63) & 1) return false;
             q[k] = leaf->cells.numberOf(at);
             if (leaf->several.empty()) continue;

@@ -1,10 +1,13 @@
 #include <igeo/results/detail/raster.h>
 
+#include <igeo/base/detail/four_doubles.h>
 #include <igeo/base/parallel.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
+#include <type_traits>
 
 namespace igeo {
 
@@ -101,7 +104,7 @@ struct Raster::Edges {
     std::array<double, 3> at, byX, byY;
     double volume;  ///< depth times the sum of the three; not positive: not visible
 
-    Edges(const std::array<Vec3d, 3>& v, const Frame& frame) {
+    IGEO_INLINE Edges(const std::array<Vec3d, 3>& v, const Frame& frame) {
         // Each is proportional to the volume of the ray with the opposite edge.
         std::array<Vec3d, 3> e{cross(v[1], v[2]), cross(v[2], v[0]), cross(v[0], v[1])};
         volume = dot(v[0], e[0]);
@@ -116,42 +119,95 @@ struct Raster::Edges {
             at[k] = e[k].z - 0.5 * frame.width * byX[k] - 0.5 * frame.height * byY[k];
         }
     }
-    void show(double x, double y, std::uint32_t triangle, Sample& sample) const {
-        const double a = at[0] + byX[0] * x + byY[0] * y, b = at[1] + byX[1] * x + byY[1] * y,
-                     c = at[2] + byX[2] * x + byY[2] * y, sum = a + b + c;
-        if (!(sum > 0) || std::min({a, b, c}) < -kRoom * sum) return;
-        const double share = 1 / sum;
-        const auto depth = float(volume * share);
-        if (depth < sample.depth) sample = {depth, triangle, float(b * share), float(c * share)};
+    /// For four samples.
+    using Three = std::array<FourDoubles, 3>;
+    IGEO_INLINE Three times(const std::array<double, 3>& change, const FourDoubles& x) const {
+        return {change[0] * x, change[1] * x, change[2] * x};
+    }
+    IGEO_INLINE void show(const Three& fromX, const Three& fromY, std::uint32_t triangle,
+                          FourSamples& samples) const {
+        using Four = Registers<4>::Vector;
+        using Integers = Registers<4>::Integers;
+        const FourDoubles a = at[0] + fromX[0] + fromY[0], b = at[1] + fromX[1] + fromY[1],
+                          c = at[2] + fromX[2] + fromY[2], sum = a + b + c, lesser = b < a ? b : a,
+                          least = c < lesser ? c : lesser;
+        const auto inside = __builtin_convertvector((sum > 0) & (least >= -kRoom * sum), Integers);
+        if (!bitsOf<4>(inside)) return;
+        const FourDoubles share = 1 / sum;
+        const Four depth = __builtin_convertvector(volume * share, Four),
+                   before = loadAs<Four>(&samples.depth);
+        const Integers shown = inside & (depth < before);
+        if (!bitsOf<4>(shown)) return;
+        auto put = [&](const auto& now, auto& to) __attribute__((always_inline)) {
+            using V = std::remove_cvref_t<decltype(now)>;
+            storeLanes(shown ? now : loadAs<V>(&to), &to);
+        };
+        put(depth, samples.depth);
+        put(Integers{} + std::int32_t(triangle), samples.triangle);
+        put(__builtin_convertvector(b * share, Four), samples.second);
+        put(__builtin_convertvector(c * share, Four), samples.third);
     }
 };
 
 /// A tile while it is drawn.
+template <typename Pattern>
 class Raster::Tile {
 public:
-    Tile(const Raster& raster, std::size_t tile, const std::vector<Offset>& offsets,
-         const Pixels& wanted, std::vector<Sample>& samples)
-        : raster_(raster), offsets_(offsets), wanted_(wanted), samples_(samples) {
+    Tile(const Raster& raster, std::size_t tile, const Pattern& pattern, const Pixels& wanted,
+         FourSamples* samples)
+        : raster_(raster), pattern_(pattern), wanted_(wanted), samples_(samples) {
         const auto [left, top] = raster.origin(tile);
         left_ = left, top_ = top;
         width_ = std::min(kTile, raster.frame_.width - left_);
         height_ = std::min(kTile, raster.frame_.height - top_);
-        for (const Offset& o : offsets) {
-            lowX_ = std::min(lowX_, float(o[0])), highX_ = std::max(highX_, float(o[0]));
-            lowY_ = std::min(lowY_, float(o[1])), highY_ = std::max(highY_, float(o[1]));
-        }
-        for (int y = 0; y < height_; ++y)
-            for (std::uint32_t bits = wanted[std::size_t(y)]; bits; bits &= bits - 1)
-                std::fill_n(at(std::countr_zero(bits), y), offsets.size(), Sample{});
+        forGroups([&](FourSamples* group, int, int) {
+            std::fill_n(group, Pattern::kPerGroup, FourSamples{});
+        });
         farthest_.fill(std::numeric_limits<float>::infinity());
     }
 
-    void add(std::uint32_t triangle) {
+    void addAll(std::span<const std::uint32_t> triangles) {
+#ifdef IGEO_AVX2
+        if (eightAtATime()) return addByFour(triangles);
+#endif
+        for (const std::uint32_t t : triangles) add(t);
+    }
+    /// Finds what is hidden by all that was drawn.
+    void findFarthest() {
+        farthest_.fill(0);
+        forGroups([&](const FourSamples* group, int x, int y) {
+            float& most = farthest_[std::size_t(y / kBlock * kBlocks + x / kBlock)];
+            for (std::size_t r = 0; r < Pattern::kPerGroup; ++r)
+                for (const float depth : group[r].depth) most = std::max(most, depth);
+        });
+    }
+
+private:
+    static constexpr int kBlock = 8, kBlocks = kTile / kBlock;
+
+    static constexpr std::uint32_t kFirstGroup = (1u << Pattern::kPixels) - 1;
+
+    FourSamples* at(int x, int y) {
+        return &samples_[std::size_t(y * kTile + x) / Pattern::kPixels * Pattern::kPerGroup];
+    }
+    /// Calls visit(samples, x, y) for the groups with pixels that are wanted.
+    template <typename Visit>
+    void forGroups(const Visit& visit) {
+        for (int y = 0; y < height_; ++y)
+            for (std::uint32_t bits = wanted_[std::size_t(y)]; bits;) {
+                const int x = std::countr_zero(bits) & -Pattern::kPixels;
+                visit(at(x, y), x, y);
+                bits &= ~(kFirstGroup << x);
+            }
+    }
+#ifdef IGEO_AVX2
+    IGEO_AVX2 void addByFour(std::span<const std::uint32_t> triangles) {
+        for (const std::uint32_t t : triangles) add(t);
+    }
+#endif
+    IGEO_INLINE void add(std::uint32_t triangle) {
         const Box& box = raster_.boxes_[triangle];
-        const int x0 = firstIn(box.left - highX_ - float(left_)),
-                  x1 = lastIn(box.right - lowX_ - float(left_), width_),
-                  y0 = firstIn(box.top - highY_ - float(top_)),
-                  y1 = lastIn(box.bottom - lowY_ - float(top_), height_);
+        const auto [x0, y0, x1, y1] = pixelsIn(box);
         if (x0 > x1 || y0 > y1) return;
         const std::uint32_t columns = columnsFrom(x0, x1);
         std::uint32_t any = 0;
@@ -159,40 +215,40 @@ public:
         if (!(any & columns) || isHidden(box.nearest, x0, x1, y0, y1)) return;
         const Edges edges(raster_.seen(triangle), raster_.frame_);
         if (!(edges.volume > 0)) return;
+        const bool few = (x1 - x0) / Pattern::kPixels < 3;
         const Spans spans(edges, box.nearest);
-        for (int y = y0; y <= y1; ++y)
-            for (std::uint32_t bits = wanted_[std::size_t(y)] & columns &
-                                      (x1 - x0 < 3 ? ~0u : columnsIn(spans, y, x0, x1));
-                 bits; bits &= bits - 1) {
-                const int x = std::countr_zero(bits);
-                Sample* sample = at(x, y);
-                for (const Offset& o : offsets_)
-                    edges.show(left_ + x + o[0], top_ + y + o[1], triangle, *sample++);
+        for (int y = y0; y <= y1; ++y) {
+            std::uint32_t bits =
+                wanted_[std::size_t(y)] & columns & (few ? ~0u : columnsIn(spans, y, x0, x1));
+            std::array<typename Edges::Three, Pattern::kPerGroup> fromY;
+            for (std::size_t r = 0; r < Pattern::kPerGroup; ++r)
+                fromY[r] =
+                    edges.times(edges.byY, double(top_ + y) + loadAs<FourDoubles>(&pattern_.y[r]));
+            while (bits) {
+                const int x = std::countr_zero(bits) & -Pattern::kPixels;
+                bits &= ~(kFirstGroup << x);
+                FourSamples* const group = at(x, y);
+                for (std::size_t r = 0; r < Pattern::kPerGroup; ++r)
+                    edges.show(edges.times(edges.byX,
+                                           double(left_ + x) + loadAs<FourDoubles>(&pattern_.x[r])),
+                               fromY[r], triangle, group[r]);
             }
-    }
-    /// Finds what is hidden by all that was drawn.
-    void findFarthest() {
-        farthest_.fill(0);
-        for (int y = 0; y < height_; ++y)
-            for (std::uint32_t bits = wanted_[std::size_t(y)]; bits; bits &= bits - 1) {
-                const int x = std::countr_zero(bits);
-                float& most = farthest_[std::size_t(y / kBlock * kBlocks + x / kBlock)];
-                const Sample* sample = at(x, y);
-                for (std::size_t s = 0; s < offsets_.size(); ++s)
-                    most = std::max(most, sample[s].depth);
-            }
+        }
     }
 
-private:
-    static constexpr int kBlock = 8, kBlocks = kTile / kBlock;
-
-    static int firstIn(float from) {
-        const float x = std::clamp(from, 0.0f, float(kTile));
-        const int i = int(x);
-        return i + (float(i) < x);
-    }
-    static int lastIn(float to, int count) {
-        return to < 0 ? -1 : int(std::min(to, float(count - 1)));
+    /// The first and the last columns and rows with samples in a box, or one more.
+    IGEO_INLINE std::array<int, 4> pixelsIn(const Box& box) const {
+        using Four = Registers<4>::Vector;
+        constexpr auto kEnd = float(kTile);
+        const auto left = float(left_), top = float(top_);
+        const Four least{0, 0, -1, -1}, most{kEnd, kEnd, float(width_ - 1), float(height_ - 1)},
+            sample{pattern_.high, pattern_.high, pattern_.low, pattern_.low},
+            from = loadAs<Four>(&box) - sample - Four{left, top, left, top},
+            above = from > least ? from : least, at = above < most ? above : most;
+        // Rounded up by rounding their difference from the end down.
+        const auto whole = __builtin_convertvector(Four{kEnd, kEnd, 1, 1} + Four{-1, -1, 1, 1} * at,
+                                                   Registers<4>::Integers);
+        return {kTile - whole[0], kTile - whole[1], whole[2] - 1, whole[3] - 1};
     }
     static std::uint32_t columnsFrom(int x0, int x1) {
         return x0 > x1 ? 0 : ~0u << x0 & ~0u >> (kTile - 1 - x1);
@@ -214,18 +270,17 @@ private:
         for (std::size_t k = 0; k < 3; ++k) {
             const double byY = spans.edges.byY[k],
                          here = spans.edges.at[k] + spans.room + spans.edges.byX[k] * left_ +
-                                byY * (top_ + y + double(byY > 0 ? highY_ : lowY_)),
+                                byY * (top_ + y + double(byY > 0 ? pattern_.high : pattern_.low)),
                          edge = -here * spans.pixels[k];
             if (spans.edges.byX[k] >= 0)
-                low = std::max(low, edge - double(highX_) - kSlack);
+                low = std::max(low, edge - double(pattern_.high) - kSlack);
             else
-                high = std::min(high, edge - double(lowX_) + kSlack);
+                high = std::min(high, edge - double(pattern_.low) + kSlack);
         }
         if (!(low <= high)) return 0;
         const int from = int(low);
         return columnsFrom(from + (from < low), int(high));
     }
-    Sample* at(int x, int y) { return &samples_[std::size_t(y * kTile + x) * offsets_.size()]; }
     bool isHidden(float nearest, int x0, int x1, int y0, int y1) const {
         for (int y = y0 / kBlock; y <= y1 / kBlock; ++y)
             for (int x = x0 / kBlock; x <= x1 / kBlock; ++x)
@@ -234,20 +289,45 @@ private:
     }
 
     const Raster& raster_;
-    const std::vector<Offset>& offsets_;
+    const Pattern& pattern_;
     const Pixels& wanted_;
-    std::vector<Sample>& samples_;
+    FourSamples* const samples_;
     int left_, top_, width_, height_;
-    float lowX_ = 1, highX_ = 0, lowY_ = 1, highY_ = 0;
     std::array<float, std::size_t(kBlocks) * kBlocks> farthest_;  ///< depth, by blocks
 };
 
-void Raster::draw(std::size_t tile, const std::vector<Offset>& offsets, const Pixels& wanted,
-                  std::vector<Sample>& samples) const {
-    Tile drawn(*this, tile, offsets, wanted, samples);
-    for (std::size_t l = first_[2 * tile]; l < first_[2 * tile + 1]; ++l) drawn.add(list_[l]);
-    drawn.findFarthest();
-    for (std::size_t l = first_[2 * tile + 1]; l < first_[2 * tile + 2]; ++l) drawn.add(list_[l]);
+Raster::Centers Raster::centers() {
+    return {{{{0.5, 1.5, 2.5, 3.5}}}, {{{0.5, 0.5, 0.5, 0.5}}}, 0.5f, 0.5f};
 }
+
+/// No two in one row or column of the pixel.
+Raster::Finer Raster::finer() {
+    constexpr std::size_t kLanes = FourSamples::kLanes;
+    auto at = [](int a, int b) { return (a + (b + 0.5) / kFiner) / kFiner; };
+    Finer finer;
+    finer.low = float(at(0, 0)), finer.high = float(at(kFiner - 1, kFiner - 1));
+    for (std::size_t s = 0; s < Finer::kPerGroup * kLanes; ++s) {
+        const int k = std::min(int(s), kFiner * kFiner - 1), a = k / kFiner, b = k % kFiner;
+        finer.x[s / kLanes][s % kLanes] = at(a, b);
+        finer.y[s / kLanes][s % kLanes] = at(b, a);
+    }
+    return finer;
+}
+
+template <typename Pattern>
+void Raster::draw(std::size_t tile, const Pattern& pattern, const Pixels& wanted,
+                  FourSamples* samples) const {
+    Tile<Pattern> drawn(*this, tile, pattern, wanted, samples);
+    auto part = [&](std::size_t k) {
+        return std::span(list_.data() + first_[k], first_[k + 1] - first_[k]);
+    };
+    drawn.addAll(part(2 * tile));
+    const auto backs = part(2 * tile + 1);
+    if (backs.empty()) return;
+    drawn.findFarthest();
+    drawn.addAll(backs);
+}
+template void Raster::draw(std::size_t, const Centers&, const Pixels&, FourSamples*) const;
+template void Raster::draw(std::size_t, const Finer&, const Pixels&, FourSamples*) const;
 
 }  // namespace igeo

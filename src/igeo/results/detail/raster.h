@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band/surface_triangles.h>
+#include <igeo/base/detail/registers.h>
 #include <igeo/base/progress.h>
 
 #include <array>
@@ -36,13 +37,18 @@ struct Frame {
     }
 };
 
-/// The visible triangle at a picture position.
-struct Sample {
-    float depth = std::numeric_limits<float>::infinity();
-    std::uint32_t triangle = SurfaceTriangles::kNone;
-    float second = 0, third = 0;  ///< barycentric coordinates of corners 1 and 2
+/// The visible triangles at four picture positions.
+struct FourSamples {
+    static constexpr std::size_t kLanes = 4;
+    static constexpr float kFar = std::numeric_limits<float>::infinity();
+    static constexpr std::uint32_t kNone = SurfaceTriangles::kNone;
 
-    bool covered() const { return triangle != SurfaceTriangles::kNone; }
+    std::array<float, kLanes> depth{kFar, kFar, kFar, kFar};
+    std::array<std::uint32_t, kLanes> triangle{kNone, kNone, kNone, kNone};
+    std::array<float, kLanes> second{}, third{};  ///< barycentric coordinates of corners 1 and 2
+
+    bool covered(std::size_t lane) const { return triangle[lane] != kNone; }
+    bool anyCovered() const { return bitsOf<kLanes>(loadLanes<kLanes>(depth.data()) < kFar) != 0; }
 };
 
 /// Triangles sorted into tiles of the picture, so that threads draw tiles independently.
@@ -55,9 +61,24 @@ class Raster {
 public:
     static constexpr int kTile = 32;  ///< pixels along a side
     static constexpr std::size_t kPixels = std::size_t(kTile) * kTile;
-    using Offset = std::array<double, 2>;
     /// Pixels of a tile: a bit for each, row by row.
     using Pixels = std::array<std::uint32_t, kTile>;
+    /// Where samples are: the same in each group of kGroup pixels of a row, in so many registers.
+    template <int kGroup, int kRegisters>
+    struct PixelGroups {
+        static constexpr int kPixels = kGroup;
+        static constexpr std::size_t kPerGroup = kRegisters,
+                                     kPerTile = Raster::kPixels / kGroup * kRegisters;
+        using Lanes = std::array<double, FourSamples::kLanes>;
+
+        std::array<Lanes, kRegisters> x, y;  ///< from the corner of the first pixel of a group
+        float low, high;                     ///< of x and of y in each pixel
+    };
+    using Centers = PixelGroups<4, 1>;  ///< of pixels
+    static Centers centers();
+    static constexpr int kFiner = 3;  ///< per axis of a pixel
+    using Finer = PixelGroups<1, 3>;  ///< kFiner^2 samples, and more that are of no use
+    static Finer finer();
 
     /// @param withBacks  false: no sample shows a triangle that turns its back to the eye
     Raster(const SurfaceTriangles& triangles, bool withBacks, const Frame& frame);
@@ -70,12 +91,12 @@ public:
     std::size_t tileOf(int x, int y) const { return std::size_t(y / kTile * across_ + x / kTile); }
     bool isEmpty(std::size_t tile) const { return first_[2 * tile] == first_[2 * tile + 2]; }
 
-    /// The samples of a tile, at `offsets` from the corner of each pixel: that of pixel (x, y) in
-    /// the tile and offset k comes at (y * kTile + x) * offsets.size() + k.
-    /// @param wanted   which pixels are drawn; samples of others are left as they are
-    /// @param samples  kPixels * offsets.size()
-    void draw(std::size_t tile, const std::vector<Offset>& offsets, const Pixels& wanted,
-              std::vector<Sample>& samples) const;
+    /// The samples of a tile, group by group, row by row.
+    /// @param wanted   which pixels are drawn; samples of others have any value
+    /// @param samples  Pattern::kPerTile
+    template <typename Pattern>
+    void draw(std::size_t tile, const Pattern& pattern, const Pixels& wanted,
+              FourSamples* samples) const;
 
 private:
     /// The part of the picture that a triangle covers, pixels, and its least depth.
@@ -83,6 +104,7 @@ private:
         float left, top, right, bottom, nearest;
     };
     struct Edges;
+    template <typename Pattern>
     class Tile;
     Box boxOf(std::size_t triangle) const;
     std::array<Vec3d, 3> seen(std::size_t triangle) const {

@@ -16,10 +16,10 @@ Renderer::Renderer(const DrawnSurface& surface, const Frame& frame, const Shader
       shader_(shader),
       raster_(surface.triangles(), !surface.hidesBacks(), frame),
       progress_(progress),
-      samples_(std::size_t(frame.width) * std::size_t(frame.height)),
+      samples_(new FourSamples[raster_.tiles() * Raster::Centers::kPerTile]),
       seen_(frame),
       edges_(raster_.tiles()),
-      slopes_(new float[samples_.size()]) {}
+      slopes_(new float[std::size_t(frame.width) * std::size_t(frame.height)]) {}
 
 void Renderer::render(double radius, double pixel, Film& film) {
     constexpr double kPartOfPixel = 0.25;
@@ -27,12 +27,14 @@ void Renderer::render(double radius, double pixel, Film& film) {
     std::size_t pixels = 0;
     const std::vector<std::uint32_t> shown = shownTriangles(pixels);
     corners_.emplace(surface_, frame_, shader_, shown, pixels, kPartOfPixel * pixel);
-    rows(0, [&](int y) { lookAt(y); });
+    rows(0, [&](int top, int bottom) { lookAt(top, bottom); });
     open_.emplace(seen_, radius);
-    rows(1, [&](int y) { colorRow(y, film); });
+    rows(1, [&](int top, int bottom) {
+        for (int y = top; y < bottom; ++y) colorRow(y, film);
+    });
     parallelFor(raster_.tiles(), 1, progress_, [&](std::size_t begin, std::size_t end) {
-        std::vector<Sample> samples;
-        for (std::size_t t = begin; t < end; ++t) refine(t, samples, film);
+        const Raster::Finer finer = Raster::finer();
+        for (std::size_t t = begin; t < end; ++t) refine(t, finer, film);
     });
 }
 
@@ -45,65 +47,118 @@ void Renderer::forPixels(std::size_t tile, const Visit& visit) const {
             visit(x, y, std::size_t((y - top) * kTile + x - left));
 }
 
+/// Leaves the first columns of a tile.
+void Renderer::keepColumns(int columns, FourSamples* tile) {
+    for (std::size_t k = 0; k < Raster::kPixels; ++k)
+        if (int(k % Raster::kTile) >= columns) {
+            FourSamples& samples = tile[k / FourSamples::kLanes];
+            samples.triangle[k % FourSamples::kLanes] = FourSamples::kNone;
+            samples.depth[k % FourSamples::kLanes] = FourSamples::kFar;
+        }
+}
+
 void Renderer::sample() {
     parallelFor(raster_.tiles(), 1, progress_, [&](std::size_t begin, std::size_t end) {
-        const std::vector<Raster::Offset> middle{{0.5, 0.5}};
+        const Raster::Centers centers = Raster::centers();
         Raster::Pixels all;
         all.fill(~0u);
-        std::vector<Sample> tile(Raster::kPixels);
-        for (std::size_t t = begin; t < end; ++t) {
-            if (raster_.isEmpty(t)) continue;
-            raster_.draw(t, middle, all, tile);
-            forPixels(t, [&](int x, int y, std::size_t k) {
-                samples_[std::size_t(y) * std::size_t(frame_.width) + std::size_t(x)] = tile[k];
-            });
-        }
+        for (std::size_t t = begin; t < end; ++t)
+            if (!raster_.isEmpty(t)) {
+                FourSamples* const samples = &samples_[t * Raster::Centers::kPerTile];
+                raster_.draw(t, centers, all, samples);
+                if (const int shown = frame_.width - raster_.origin(t)[0]; shown < Raster::kTile)
+                    keepColumns(shown, samples);
+            }
     });
 }
 
 /// The triangles at the middle of a pixel, and the number of these pixels.
 std::vector<std::uint32_t> Renderer::shownTriangles(std::size_t& pixels) const {
     std::vector<std::uint8_t> isShown(surface_.triangles().size());
-    for (const Sample& s : samples_)
-        if (s.covered()) isShown[s.triangle] = 1, ++pixels;
+    for (int y = 0; y < frame_.height; ++y)
+        for (int x = 0; x < frame_.width; x += int(FourSamples::kLanes)) {
+            const FourSamples& samples = samplesAt(x, y);
+            if (!samples.anyCovered()) continue;
+            for (std::size_t lane = 0; lane < FourSamples::kLanes; ++lane)
+                if (samples.covered(lane)) isShown[samples.triangle[lane]] = 1, ++pixels;
+        }
     std::vector<std::uint32_t> shown;
     for (std::uint32_t t = 0; t < isShown.size(); ++t)
         if (isShown[t] || surface_.hasDistances()) shown.push_back(t);
     return shown;
 }
 
-void Renderer::rows(int pass, const std::function<void(int)>& body) {
+void Renderer::rows(int pass, const std::function<void(int, int)>& body) {
+    constexpr int kRows = 16;
+    const int parts = (frame_.height + kRows - 1) / kRows;
     std::atomic<int> done{0};
-    parallelFor(std::size_t(frame_.height), 4, [&](std::size_t begin, std::size_t end) {
-        for (int y = int(begin); y < int(end) && !progress_.cancelled(); ++y) {
-            body(y);
-            progress_.update("picture", (pass + double(++done) / frame_.height) / 2);
+    parallelFor(std::size_t(parts), 1, [&](std::size_t begin, std::size_t end) {
+        for (int k = int(begin); k < int(end) && !progress_.cancelled(); ++k) {
+            body(k * kRows, std::min((k + 1) * kRows, frame_.height));
+            progress_.update("picture", (pass + double(++done) / parts) / 2);
         }
     });
     progress_.throwIfCancelled();
 }
 
-void Renderer::lookAt(int y) {
-    Spots odd{std::size_t(frame_.width)};
-    std::vector<std::size_t> pixel;
-    for (int x = 0; x < frame_.width; ++x) {
-        const Sample& s = samples_[std::size_t(y) * std::size_t(frame_.width) + std::size_t(x)];
-        if (!s.covered()) continue;
-        const std::size_t i = seen_.index(x, y);
-        const Vec3f toward = seen_.toward(x, y);
-        const CornerValues::Value value = corners_->at(s, toward);
-        seen_.put(i, s.depth, value.normal, shader_.known(s.depth * toward, value.distance));
-        if (corners_->trust(s.triangle) == CornerValues::Linear) continue;
-        odd.add(toward, s.depth, value.normal, value.distance);
-        pixel.push_back(i);
+void Renderer::lookAt(int top, int bottom) {
+    std::vector<std::size_t> odd;
+    for (int y = top; y < bottom; ++y) lookAt(y, odd);
+    SpotList list(odd.size());
+    for (const std::size_t i : odd) {
+        const Vec3f toward =
+            seen_.toward(int(i % seen_.stride) - SeenPixels::kPad, int(i / seen_.stride) - 1);
+        list.add({toward.x, toward.y, seen_.depth[i], seen_.nx[i], seen_.ny[i], seen_.nz[i],
+                  seen_.distance[i], 1, 0});
     }
-    std::vector<std::size_t> all(pixel.size());
+    std::vector<std::size_t> all(odd.size());
     std::iota(all.begin(), all.end(), std::size_t(0));
-    read(all, odd);
-    for (const std::size_t k : all) seen_.distance[pixel[k]] = odd.distance[k];
+    const Spots spots = list.spots();
+    read(all, spots);
+    for (const std::size_t k : all) seen_.distance[odd[k]] = spots.distance[k];
 }
 
-void Renderer::read(const std::vector<std::size_t>& which, Spots& spots) const {
+void Renderer::lookAt(int y, std::vector<std::size_t>& odd) {
+    for (int x = 0; x < frame_.width; x += int(FourSamples::kLanes)) {
+        const FourSamples& samples = samplesAt(x, y);
+        const std::size_t i = seen_.index(x, y);
+        if (!samples.anyCovered()) continue;
+        const CornerValues::Values values =
+            corners_->at(samples, loadLanes<4>(&seen_.towardX[std::size_t(x + SeenPixels::kPad)]),
+                         CornerValues::Values::Four{} + seen_.towardY[std::size_t(y)]);
+        storeLanes(samples.depth, &seen_.depth[i]);
+        storeLanes(values.nx, &seen_.nx[i]);
+        storeLanes(values.ny, &seen_.ny[i]);
+        storeLanes(values.nz, &seen_.nz[i]);
+        storeLanes(values.distance, &seen_.distance[i]);
+        for (std::size_t lane = 0; lane < FourSamples::kLanes; ++lane)
+            if (samples.covered(lane) &&
+                corners_->trust(samples.triangle[lane]) != CornerValues::Linear)
+                odd.push_back(i + lane);
+    }
+    for (int x = 0; x < frame_.width && !shader_.knowsAll(); ++x) {
+        const std::size_t i = seen_.index(x, y);
+        if (seen_.covered(i))
+            seen_.distance[i] = shader_.known(seen_.place(x, y), seen_.distance[i]);
+    }
+}
+
+/// The pixels of a row.
+Spots Renderer::spotsOf(int y, const float* towardY, const float* open, const float* slope) {
+    const std::size_t i = seen_.index(0, y);
+    return {&seen_.towardX[SeenPixels::kPad],
+            towardY,
+            &seen_.depth[i],
+            &seen_.nx[i],
+            &seen_.ny[i],
+            &seen_.nz[i],
+            &seen_.distance[i],
+            open,
+            slope,
+            std::size_t(frame_.width)};
+}
+
+void Renderer::read(const std::vector<std::size_t>& which, const Spots& spots) const {
     std::vector<Vec3d> points;
     std::vector<Vec3f> normals;
     for (const std::size_t k : which) {
@@ -118,65 +173,64 @@ void Renderer::read(const std::vector<std::size_t>& which, Spots& spots) const {
 
 void Renderer::colorRow(int y, Film& film) {
     constexpr int kTile = Raster::kTile;
-    RowEdges row;
-    findEdges(seen_, y, row);
+    const RowEdges row(seen_, y);
     std::vector<float> open;
     open_->row(y, open);
-    Spots spots{std::size_t(frame_.width)};
-    std::vector<int> columns;
+    const std::vector<float> towardY(seen_.stride, seen_.towardY[std::size_t(y)]);
+    shader_.color(spotsOf(y, towardY.data(), open.data(), row.slope.get()), &film.at(0, y));
     for (int x = 0; x < frame_.width; ++x) {
-        const std::size_t i = seen_.index(x, y);
-        if (row.edge[std::size_t(x)]) {
-            edges_[raster_.tileOf(x, y)][std::size_t(y % kTile)] |= 1u << x % kTile;
-            slopes_[std::size_t(y) * std::size_t(frame_.width) + std::size_t(x)] =
-                row.slope[std::size_t(x)];
-        } else if (seen_.covered(i)) {
-            spots.add(seen_.toward(x, y), seen_.depth[i], seen_.normal(i), seen_.distance[i],
-                      open[std::size_t(x)], row.slope[std::size_t(x)]);
-            columns.push_back(x);
-        }
+        if (!row.edge[std::size_t(x)]) continue;
+        film.at(x, y) = {};
+        edges_[raster_.tileOf(x, y)][std::size_t(y % kTile)] |= 1u << x % kTile;
+        slopes_[std::size_t(y) * std::size_t(frame_.width) + std::size_t(x)] =
+            row.slope[std::size_t(x)];
     }
-    std::vector<Vec3f> colors;
-    shader_.color(spots, colors);
-    for (std::size_t k = 0; k < columns.size(); ++k) film.at(columns[k], y) = Rgba(colors[k]);
 }
 
-void Renderer::refine(std::size_t tile, std::vector<Sample>& samples, Film& film) const {
+void Renderer::refine(std::size_t tile, const Raster::Finer& finer, Film& film) const {
+    constexpr std::size_t kSamples = std::size_t(Raster::kFiner) * Raster::kFiner;
     const Raster::Pixels& wanted = edges_[tile];
     if (std::count(wanted.begin(), wanted.end(), 0u) == Raster::kTile) return;
-    // No two in one row or column of the pixel.
-    std::vector<Raster::Offset> offsets;
-    for (int a = 0; a < kFiner; ++a)
-        for (int b = 0; b < kFiner; ++b)
-            offsets.push_back(
-                {(a + (b + 0.5) / kFiner) / kFiner, (b + (a + 0.5) / kFiner) / kFiner});
-    samples.resize(Raster::kPixels * offsets.size());
-    raster_.draw(tile, offsets, wanted, samples);
+    const std::unique_ptr<FourSamples[]> all(new FourSamples[Raster::Finer::kPerTile]);
+    raster_.draw(tile, finer, wanted, all.get());
     std::size_t pixels = 0;
     for (const std::uint32_t row : wanted) pixels += std::size_t(std::popcount(row));
-    Spots spots(pixels * offsets.size());
+    SpotList list(pixels * kSamples);
     std::vector<Rgba*> pixel;
     std::vector<std::size_t> odd;
-    forPixels(tile, [&](int x, int y, std::size_t k) {
-        if (!(wanted[k / Raster::kTile] >> k % Raster::kTile & 1)) return;
+    auto add = [&](int x, int y, const FourSamples& samples, std::size_t r) {
+        constexpr std::size_t kLanes = FourSamples::kLanes;
         const float slope = slopes_[std::size_t(y) * std::size_t(frame_.width) + std::size_t(x)];
-        for (std::size_t o = 0; o < offsets.size(); ++o) {
-            const Sample& s = samples[k * offsets.size() + o];
-            if (!s.covered()) continue;
-            const Vec3f toward(frame_.toward(x + offsets[o][0], y + offsets[o][1]));
-            const CornerValues::Value value = corners_->at(s, toward);
-            if (corners_->trust(s.triangle) == CornerValues::None) odd.push_back(spots.size());
-            spots.add(toward, s.depth, value.normal,
-                      shader_.known(s.depth * toward, value.distance), open_->at(x, y, s.depth),
-                      slope / kFiner);
+        std::array<float, kLanes> towardX, towardY;
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            const Vec3f toward(frame_.toward(x + finer.x[r][lane], y + finer.y[r][lane]));
+            towardX[lane] = toward.x, towardY[lane] = toward.y;
+        }
+        const CornerValues::Values values =
+            corners_->at(samples, loadLanes<4>(towardX.data()), loadLanes<4>(towardY.data()));
+        for (std::size_t lane = 0; lane < std::min(kLanes, kSamples - r * kLanes); ++lane) {
+            if (!samples.covered(lane)) continue;
+            const float depth = samples.depth[lane];
+            if (corners_->trust(samples.triangle[lane]) == CornerValues::None)
+                odd.push_back(list.size());
+            list.add({towardX[lane], towardY[lane], depth, values.nx[lane], values.ny[lane],
+                      values.nz[lane],
+                      shader_.known(depth * Vec3f{towardX[lane], towardY[lane], 1},
+                                    values.distance[lane]),
+                      open_->at(x, y, depth), slope / Raster::kFiner});
             pixel.push_back(&film.at(x, y));
         }
+    };
+    forPixels(tile, [&](int x, int y, std::size_t k) {
+        if (!(wanted[k / Raster::kTile] >> k % Raster::kTile & 1)) return;
+        for (std::size_t r = 0; r < finer.x.size(); ++r) add(x, y, all[k * finer.x.size() + r], r);
     });
+    const Spots spots = list.spots();
     read(odd, spots);
-    std::vector<Vec3f> colors;
-    shader_.color(spots, colors);
-    const auto share = float(1.0 / double(offsets.size()));
-    for (std::size_t k = 0; k < pixel.size(); ++k) *pixel[k] += Rgba(colors[k]) * share;
+    std::vector<Rgba> colors(list.size() + FourSamples::kLanes);
+    shader_.color(spots, colors.data());
+    const auto share = float(1.0 / double(kSamples));
+    for (std::size_t k = 0; k < pixel.size(); ++k) *pixel[k] += colors[k] * share;
 }
 
 }  // namespace igeo

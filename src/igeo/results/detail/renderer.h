@@ -27,17 +27,27 @@ public:
     const SeenPixels& seen() const { return seen_; }
 
 private:
-    static constexpr int kFiner = 3;  ///< samples per axis, in pixels with an edge
-
+    static void keepColumns(int columns, FourSamples* tile);
     void sample();
     std::vector<std::uint32_t> shownTriangles(std::size_t& pixels) const;
-    /// Calls body(y) for all rows; `pass` 0 or 1 of 2.
-    void rows(int pass, const std::function<void(int)>& body);
-    void lookAt(int y);
+    /// Calls body(top, bottom) for all rows, some at a time; `pass` 0 or 1 of 2.
+    void rows(int pass, const std::function<void(int, int)>& body);
+    /// Finds what is seen in rows: pixels whose distances corners do not tell are read together.
+    void lookAt(int top, int bottom);
+    /// @param odd  gets these pixels, as indices of seen_
+    void lookAt(int y, std::vector<std::size_t>& odd);
+    Spots spotsOf(int y, const float* towardY, const float* open, const float* slope);
     void colorRow(int y, Film& film);
-    void refine(std::size_t tile, std::vector<Sample>& samples, Film& film) const;
+    void refine(std::size_t tile, const Raster::Finer& finer, Film& film) const;
     /// Reads the distances of these spots of all, where corners do not tell them.
-    void read(const std::vector<std::size_t>& which, Spots& spots) const;
+    void read(const std::vector<std::size_t>& which, const Spots& spots) const;
+    /// Those at the centers of a pixel and of the next three.
+    const FourSamples& samplesAt(int x, int y) const {
+        constexpr int kTile = Raster::kTile;
+        return samples_[(raster_.tileOf(x, y) * Raster::kPixels +
+                         std::size_t(y % kTile * kTile + x % kTile)) /
+                        FourSamples::kLanes];
+    }
     /// Calls visit(x, y, number in the tile) for the pixels of a tile.
     template <typename Visit>
     void forPixels(std::size_t tile, const Visit& visit) const;
@@ -47,7 +57,7 @@ private:
     const Shader& shader_;
     const Raster raster_;
     Progress& progress_;
-    std::vector<Sample> samples_;  ///< at the centers of the pixels
+    std::unique_ptr<FourSamples[]> samples_;  ///< at the centers of the pixels, tile by tile
     SeenPixels seen_;
     std::optional<CornerValues> corners_;
     std::optional<Openness> open_;

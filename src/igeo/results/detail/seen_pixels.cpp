@@ -10,10 +10,10 @@ SeenPixels::SeenPixels(const Frame& frame)
       stride((std::size_t(frame.width) + 3 * kPad - 1) / kPad * kPad),
       perPixel(frame.perPixel),
       depth(stride * std::size_t(height + 2), std::numeric_limits<float>::infinity()),
-      nx(depth.size()),
-      ny(depth.size()),
-      nz(depth.size()),
-      distance(depth.size()),
+      nx(new float[depth.size()]),
+      ny(new float[depth.size()]),
+      nz(new float[depth.size()]),
+      distance(new float[depth.size()]),
       towardX(stride),
       towardY(std::size_t(height)) {
     for (int x = 0; x < width; ++x)
@@ -30,7 +30,8 @@ class PixelLanes {
     using Integers = typename Registers<Width>::Integers;
     using Vectors = VectorLanes<Width>;
 
-    IGEO_INLINE static V loaded(const std::vector<float>& from, std::size_t i) {
+    template <typename Floats>
+    IGEO_INLINE static V loaded(const Floats& from, std::size_t i) {
         return loadLanes<Width>(&from[i]);
     }
     IGEO_INLINE static V chosen(const Integers& first, const V& a, const V& b) {
@@ -70,8 +71,22 @@ class PixelLanes {
 public:
     IGEO_INLINE explicit PixelLanes(const SeenPixels& seen) : seen_(seen) {}
 
+    /// Whether one of some pixels or of their neighbors is covered.
+    IGEO_INLINE bool anyCovered(int x, int y) const {
+        V nearest = loaded(seen_.depth, seen_.index(x, y));
+        for (const std::size_t i : {seen_.index(x - 1, y), seen_.index(x + 1, y),
+                                    seen_.index(x, y - 1), seen_.index(x, y + 1)}) {
+            const V depth = loaded(seen_.depth, i);
+            nearest = depth < nearest ? depth : nearest;
+        }
+        return bitsOf<Width>(nearest < std::numeric_limits<float>::infinity());
+    }
     IGEO_INLINE void edges(int x, int y, RowEdges& row) const {
         constexpr float kNone = std::numeric_limits<float>::infinity();
+        if (!anyCovered(x, y)) {
+            storeLanes(Integers{}, &row.edge[std::size_t(x)]);
+            return;
+        }
         const Pixels here = at(x, y);
         Integers edge{};
         V steepest[2] = {};
@@ -107,13 +122,13 @@ IGEO_AVX2 void edgesByEight(const SeenPixels& seen, int y, RowEdges& row) {
 
 }  // namespace
 
-void findEdges(const SeenPixels& seen, int y, RowEdges& row) {
-    row.edge.resize(seen.stride);
-    row.slope.resize(seen.stride);
+RowEdges::RowEdges(const SeenPixels& seen, int y)
+    : edge(new std::int32_t[seen.stride]), slope(new float[seen.stride]) {
 #ifdef IGEO_AVX2
-    if (eightAtATime()) return edgesByEight(seen, y, row);
+    (eightAtATime() ? edgesByEight : edgesByFour)(seen, y, *this);
+#else
+    edgesByFour(seen, y, *this);
 #endif
-    edgesByFour(seen, y, row);
 }
 
 }  // namespace igeo

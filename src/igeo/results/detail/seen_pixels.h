@@ -3,6 +3,8 @@
 
 #include <igeo/results/detail/raster.h>
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace igeo {
@@ -15,9 +17,9 @@ struct SeenPixels {
     int width, height;
     std::size_t stride;                   ///< from one row to the next
     double perPixel;                      ///< as in Frame
-    std::vector<float> depth;             ///< +infinity: background
-    std::vector<float> nx, ny, nz;        ///< unit normal, on either side of the surface
-    std::vector<float> distance;          ///< +infinity: unreached
+    std::vector<float> depth;             ///< +infinity: background, without other values
+    std::unique_ptr<float[]> nx, ny, nz;  ///< unit normal, on either side of the surface
+    std::unique_ptr<float[]> distance;    ///< +infinity: unreached
     std::vector<float> towardX, towardY;  ///< the rays (Frame::toward), per column and row
 
     explicit SeenPixels(const Frame& frame);
@@ -31,19 +33,16 @@ struct SeenPixels {
     }
     Vec3f place(int x, int y) const { return depth[index(x, y)] * toward(x, y); }
     Vec3f normal(std::size_t i) const { return {nx[i], ny[i], nz[i]}; }
-    void put(std::size_t i, float itsDepth, const Vec3f& n, float itsDistance) {
-        depth[i] = itsDepth, distance[i] = itsDistance;
-        nx[i] = n.x, ny[i] = n.y, nz[i] = n.z;
-    }
 };
 
 /// Differences of the pixels of a row from their neighbors.
 struct RowEdges {
     /// Per pixel, not 0: it and one of its four neighbors show different parts: surface and
     /// background, reached and unreached, one behind the other, or two sides of a crease.
-    std::vector<std::int32_t> edge;
-    std::vector<float> slope;  ///< of the distance, per pixel, over the others
+    std::unique_ptr<std::int32_t[]> edge;
+    std::unique_ptr<float[]> slope;  ///< of the distance, per pixel of the surface, over the others
+
+    RowEdges(const SeenPixels& seen, int y);
 };
-void findEdges(const SeenPixels& seen, int y, RowEdges& row);
 
 }  // namespace igeo

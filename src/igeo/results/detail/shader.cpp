@@ -1,6 +1,6 @@
 #include <igeo/results/detail/shader.h>
 
-#include <igeo/base/detail/registers.h>
+#include <igeo/base/detail/four_doubles.h>
 
 #include <algorithm>
 #include <cmath>
@@ -69,20 +69,21 @@ public:
 private:
     Vec3f key_, fill_;
 };
-void lightByFour(const Spots& spots, Light& light) {
-    const LightLanes<4> lanes;
-    for (std::size_t k = 0; k < spots.size(); k += 4) lanes.shine(spots, k, light);
+template <int Width>
+IGEO_INLINE void lightAll(const Spots& spots, Light& light) {
+    const LightLanes<Width> lanes;
+    for (std::size_t k = 0; k < spots.size; k += Width)
+        if (bitsOf<Width>(loadLanes<Width>(&spots.depth[k]) <
+                          std::numeric_limits<float>::infinity()))
+            lanes.shine(spots, k, light);
 }
+void lightByFour(const Spots& spots, Light& light) { lightAll<4>(spots, light); }
 #ifdef IGEO_AVX2
-IGEO_AVX2 void lightByEight(const Spots& spots, Light& light) {
-    const LightLanes<8> lanes;
-    for (std::size_t k = 0; k < spots.size(); k += 8) lanes.shine(spots, k, light);
-}
+IGEO_AVX2 void lightByEight(const Spots& spots, Light& light) { lightAll<8>(spots, light); }
 #endif
 
-Light lightOf(Spots& spots) {
-    spots.fillRegister();
-    Light light(spots.size());
+Light lightOf(const Spots& spots) {
+    Light light(spots.size);
 #ifdef IGEO_AVX2
     (eightAtATime() ? lightByEight : lightByFour)(spots, light);
 #else
@@ -101,10 +102,17 @@ Shader::Shader(const Field& field, const ArrivalReader& reader, const Scale& sca
       isolineHalf_(isolineHalf),
       frame_(frame),
       tolerance_(tolerance) {
-    constexpr int kColors = 1 << 13;
-    for (int k = 0; k <= kColors; ++k) colors_.emplace_back(scale.colors(double(k) / kColors));
     for (std::size_t k = 1; k < scale.levels.size(); ++k)
         isolineHalf_ = std::min(isolineHalf_, 0.15 * (scale.levels[k] - scale.levels[k - 1]));
+    constexpr int kSteps = 1 << 13;
+    std::size_t level = 0;
+    for (int k = 0; k <= kSteps; ++k) {
+        const double share = double(k) / kSteps;
+        const Vec3f c(scale.colors(share));
+        // A step has the distances up to a half of it away, the first and the last all others.
+        const double off = k > 0 && k < kSteps ? scale.fromIsoline(scale.atShare(share), level) : 0;
+        steps_.push_back({Four{c.x, c.y, c.z, 0}, off - 0.6 * (scale.high - scale.low) / kSteps});
+    }
 }
 
 std::vector<float> Shader::read(const std::vector<Vec3d>& points, const std::vector<Vec3f>& normals,
@@ -124,24 +132,52 @@ double Shader::lastKnown(const Vec3f& place) const {
     return field_.maxDistance - (field_.atFootPoints ? 0 : 2 * weightAt(place));
 }
 
-void Shader::color(Spots& spots, std::vector<Vec3f>& colors) const {
-    const std::size_t n = spots.size();
+/// The numbers of steps of color.
+Registers<4>::Integers Shader::stepsOf(const Four& distance) const {
+    const auto last = float(steps_.size() - 1);
+    const double low = scale_.low, range = scale_.high - low;
+    const Four share =
+                   range > 0
+                       ? __builtin_convertvector(
+                             (__builtin_convertvector(distance, FourDoubles) - low) / range, Four)
+                       : Four{},
+               at = share * last, positive = at > 0 ? at : Four{};
+    return __builtin_convertvector((positive < last ? positive : Four{} + last) + 0.5f,
+                                   Registers<4>::Integers);
+}
+
+/// The color of a reached spot, with its part of an isoline.
+Shader::Four Shader::lined(const Four& color, const Spots& spots, std::size_t k,
+                           std::size_t& level) const {
+    const double slope = double(spots.slope[k]),
+                 off = scale_.fromIsoline(double(spots.distance[k]), level),
+                 half = isolineHalf_ * weightAt(spots.place(k));
+    if (!(off < half + slope / 2)) return color;
+    const auto share = float(coverage(off, half, slope));
+    const Vec3f line(Scale::lineOn({double(color[0]), double(color[1]), double(color[2])}));
+    return share * Four{line.x, line.y, line.z, 0} + (1 - share) * color;
+}
+
+void Shader::color(const Spots& spots, Rgba* colors) const {
     const Light light = lightOf(spots);
-    colors.resize(n);
+    const Vec3f gray(kUnreached);
+    const bool weighted = field_.metric->weighted();
     std::size_t level = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-        Vec3f c(kUnreached);
-        if (const float d = spots.distance[k]; d < float(kInfinity)) {
-            c = colorOf(d);
-            const double slope = double(spots.slope[k]), off = scale_.fromIsoline(double(d), level),
-                         half = isolineHalf_ * weightAt(spots.place(k));
-            if (off < half + slope / 2) {
-                const auto share = float(coverage(off, half, slope));
-                c = share * Vec3f(Scale::lineOn(Vec3d(c))) + (1 - share) * c;
+    for (std::size_t first = 0; first < spots.size; first += 4) {
+        if (!bitsOf<4>(loadLanes<4>(&spots.depth[first]) < FourSamples::kFar)) continue;
+        const auto steps = stepsOf(loadLanes<4>(&spots.distance[first]));
+        for (std::size_t k = first; k < first + 4; ++k) {
+            if (!spots.any(k)) continue;
+            Four c{gray.x, gray.y, gray.z, 0};
+            if (spots.distance[k] < float(kInfinity)) {
+                const Step& step = steps_[std::size_t(steps[k - first])];
+                c = step.color;
+                if (weighted || step.fromIsoline < isolineHalf_ + double(spots.slope[k]) / 2)
+                    c = lined(c, spots, k, level);
             }
+            const float shine = light.shine[k];
+            storeLanes(light.diffuse[k] * c + Four{shine, shine, shine, 1}, &colors[k].r);
         }
-        const float shine = light.shine[k];
-        colors[k] = light.diffuse[k] * c + Vec3f{shine, shine, shine};
     }
 }
 
