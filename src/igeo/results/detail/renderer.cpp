@@ -27,10 +27,10 @@ void Renderer::render(double radius, double pixel, Film& film) {
     std::size_t pixels = 0;
     const std::vector<std::uint32_t> shown = shownTriangles(pixels);
     corners_.emplace(surface_, frame_, shader_, shown, pixels, kPartOfPixel * pixel);
-    rows(0, [&](int top, int bottom) { lookAt(top, bottom); });
+    rows(0, [&](int top, int bottom, const RowDone& done) { lookAt(top, bottom, done); });
     open_.emplace(seen_, radius);
-    rows(1, [&](int top, int bottom) {
-        for (int y = top; y < bottom; ++y) colorRow(y, film);
+    rows(1, [&](int top, int bottom, const RowDone& done) {
+        for (int y = top; y < bottom; ++y) colorRow(y, film), done();
     });
     parallelFor(raster_.tiles(), 1, progress_, [&](std::size_t begin, std::size_t end) {
         const Raster::Finer finer = Raster::finer();
@@ -88,22 +88,23 @@ std::vector<std::uint32_t> Renderer::shownTriangles(std::size_t& pixels) const {
     return shown;
 }
 
-void Renderer::rows(int pass, const std::function<void(int, int)>& body) {
+void Renderer::rows(int pass, const std::function<void(int, int, const RowDone&)>& body) {
     constexpr int kRows = 16;
-    const int parts = (frame_.height + kRows - 1) / kRows;
     std::atomic<int> done{0};
-    parallelFor(std::size_t(parts), 1, [&](std::size_t begin, std::size_t end) {
-        for (int k = int(begin); k < int(end) && !progress_.cancelled(); ++k) {
-            body(k * kRows, std::min((k + 1) * kRows, frame_.height));
-            progress_.update("picture", (pass + double(++done) / parts) / 2);
-        }
+    const RowDone rowDone = [&] {
+        progress_.update("picture", (pass + double(++done) / frame_.height) / 2);
+    };
+    const auto parts = std::size_t((frame_.height + kRows - 1) / kRows);
+    parallelFor(parts, 1, [&](std::size_t begin, std::size_t end) {
+        for (int k = int(begin); k < int(end) && !progress_.cancelled(); ++k)
+            body(k * kRows, std::min((k + 1) * kRows, frame_.height), rowDone);
     });
     progress_.throwIfCancelled();
 }
 
-void Renderer::lookAt(int top, int bottom) {
+void Renderer::lookAt(int top, int bottom, const RowDone& rowDone) {
     std::vector<std::size_t> odd;
-    for (int y = top; y < bottom; ++y) lookAt(y, odd);
+    for (int y = top; y < bottom; ++y) lookAt(y, odd), rowDone();
     SpotList list(odd.size());
     for (const std::size_t i : odd) {
         const Vec3f toward =

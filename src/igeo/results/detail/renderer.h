@@ -30,10 +30,11 @@ private:
     static void keepColumns(int columns, FourSamples* tile);
     void sample();
     std::vector<std::uint32_t> shownTriangles(std::size_t& pixels) const;
-    /// Calls body(top, bottom) for all rows, some at a time; `pass` 0 or 1 of 2.
-    void rows(int pass, const std::function<void(int, int)>& body);
+    using RowDone = std::function<void()>;
+    /// Calls body(top, bottom, rowDone) for all rows, some at a time; `pass` 0 or 1 of 2.
+    void rows(int pass, const std::function<void(int, int, const RowDone&)>& body);
     /// Finds what is seen in rows: pixels whose distances corners do not tell are read together.
-    void lookAt(int top, int bottom);
+    void lookAt(int top, int bottom, const RowDone& rowDone);
     /// @param odd  gets these pixels, as indices of seen_
     void lookAt(int y, std::vector<std::size_t>& odd);
     Spots spotsOf(int y, const float* towardY, const float* open, const float* slope);
