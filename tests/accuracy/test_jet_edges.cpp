@@ -281,4 +281,57 @@ TEST_CASE("jet next to a seed: over an edge and across a slot as along the surfa
         }
 }
 
+TEST_CASE("jet next to a seed: over a low rib, not through it") {
+    // Seeds and targets on the floor on either side of a rib, and on its walls, within a start disc
+    // of each other in space.
+    constexpr double kLong = 30, kWide = 24, kDeep = 5;
+    for (const double thick : {0.5, 1.0, 2.0, 3.0})
+        for (const double high : {1.5, 2.0, 3.0})
+            for (const bool asMesh : {false, true}) {
+                if (!asMesh && thick < 2) continue;  // not resolved
+                Random random(3);
+                double low = 0, most = 0, sum = 0;
+                std::size_t count = 0;
+                for (int turn = 0; turn < 6; ++turn) {
+                    const auto place =
+                        rotatedTransform(1, Vec3d(0.5 - 0.3 * turn, 0.2 + 0.4 * turn, 0.6),
+                                         23 + 37.0 * turn, Vec3d(0.211, 0.377, 0.143));
+                    const auto at = [&](double x, double y, double z) {
+                        const Vec3d p(x, y, z);
+                        return fromVdb(asMesh ? place->indexToWorld(p) : p);
+                    };
+                    const std::vector<std::array<double, 2>> outline{
+                        {kLong, -kDeep}, {kLong, 0}, {thick, 0},  {thick, high},
+                        {0, high},       {0, 0},     {-kLong, 0}, {-kLong, -kDeep}};
+                    const auto surface = [&] {
+                        if (asMesh) return Surface(prismMesh(outline, kWide, at), {.size = 1});
+                        const Shape block = partOf({{{-kLong, 0, -kDeep}, {kLong, kWide, 0}},
+                                                    {{0, 0, -1}, {thick, kWide, high}}});
+                        return Surface(*makeLevelSet(block, *place, 3));
+                    };
+                    const GeodesicSolver solver(surface());
+                    for (int k = 0; k < 40; ++k) {
+                        const double a = random.between(0.3, 1.5), b = random.between(0.3, 1.5),
+                                     y = random.between(9, 15), across = random.between(-1.5, 1.5);
+                        const Distance d = solver.distance({at(-a, y, 0)});
+                        const auto judge = [&](const igeo::Vec3d& target, int edges, double along) {
+                            const double error = (d.at(target) - std::hypot(along, across)) / edges;
+                            low = std::min(low, error), most = std::max(most, error);
+                            sum += error, ++count;
+                        };
+                        judge(at(thick + b, y + across, 0), 4, a + 2 * high + thick + b);
+                        judge(at(thick, y + across, high / 2), 3, a + 1.5 * high + thick);
+                    }
+                }
+                const double mean = sum / double(count);
+                std::printf(
+                    "next to a seed, rib of %.1f x %.1f voxels, %s: %.2f to %.2f per edge, "
+                    "mean %.2f\n",
+                    thick, high, asMesh ? "mesh" : "level set", low, most, mean);
+                CHECK(low > -1.48);  // measured 0.99; 1.5 straight through the highest ribs
+                CHECK(most < 0.76);  // measured 0.51
+                CHECK(std::abs(mean) < 0.46);  // measured 0.31
+            }
+}
+
 }  // namespace igeo::test

@@ -268,6 +268,24 @@ void dropParted(const Band& band, NodeIndex onSheet, BandCell& cell) {
 
 }  // namespace
 
+bool meshJoins(const Band& band, const SurfaceTriangles::Place& at, NodeIndex i) {
+    constexpr double kOn = 1e-3, kLonger = 1.15, kRoom = 0.1;  // voxels
+    const Vec3d foot = band.footPoint(i);
+    const auto there = band.triangles->nearest(foot, kOn);
+    return there.triangle != SurfaceTriangles::kNone &&
+           band.triangles->joins(at, there, kLonger / 2 * length(foot - at.point) + kRoom);
+}
+
+NodeIndex firstOnSheet(const Band& band, const SurfaceTriangles::Place& at,
+                       std::span<std::pair<float, NodeIndex>> nodes) {
+    if (nodes.empty()) return kNoNode;
+    std::sort(nodes.begin(), nodes.end());
+    const auto first = std::find_if(nodes.begin(), nodes.end(), [&](const auto& node) {
+        return meshJoins(band, at, node.second);
+    });
+    return first == nodes.end() ? nodes.front().second : first->second;
+}
+
 Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNormal) {
     auto blended = [&] {
         Vec3d sum{};
@@ -276,8 +294,8 @@ Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNorm
         return normalized(sum);
     };
     const Vec3f n(sheetNormal == Vec3d{} ? blended() : sheetNormal);
-    NodeIndex onSheet = kNoNode;
-    float least = float(kInfinity);
+    std::array<std::pair<float, NodeIndex>, 8> left;
+    std::size_t count = 0;
     bool parted = false;
     for (std::size_t k = 0; k < 8; ++k) {
         NodeIndex& i = cell.node[k];
@@ -293,10 +311,19 @@ Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNorm
         }
         parted |= (band.facing[i] & Band::kSevered) != 0;
         // Where sheets cross, the plane that is meant tells more than the nearest foot point.
-        const float off = dot(chord, chord) + rise * rise + (1 - cosine);
-        if (off < least) least = off, onSheet = i;
+        left[count++] = {dot(chord, chord) + rise * rise + (1 - cosine), i};
     }
-    if (parted) dropParted(band, onSheet, cell);
+    if (parted) {
+        const std::span nodes(left.data(), count);
+        const auto first = std::min_element(nodes.begin(), nodes.end());
+        dropParted(
+            band,
+            band.triangles
+                ? firstOnSheet(band, band.triangles->nearest(cell.point(), kInfinity, Vec3d(n)),
+                               nodes)
+                : first->second,
+            cell);
+    }
     return sheetNormal == Vec3d{} && !parted ? Vec3d(n) : blended();
 }
 

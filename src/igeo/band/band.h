@@ -13,6 +13,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace igeo {
@@ -412,11 +414,20 @@ struct BandCell {
     Vec3d t;                        ///< position in the cell, [0, 1)^3
     bool complete = true;           ///< all 8 corners are in the band
 
+    Vec3d point() const { return Vec3d(low) + t; }
     Ijk voxel(std::size_t k) const {
         return low + Ijk{std::int32_t(k >> 2), std::int32_t(k >> 1 & 1), std::int32_t(k & 1)};
     }
 };
 BandCell cellAt(const Band& band, const Vec3d& pIndex);
+
+/// Whether a path on the triangles hardly longer than the chord joins a point of the mesh with the
+/// foot point of a node.
+bool meshJoins(const Band& band, const SurfaceTriangles::Place& at, NodeIndex i);
+/// The first of the nodes that the triangles join with a point; the first of all where none is.
+/// @param nodes  with their order; sorted here
+NodeIndex firstOnSheet(const Band& band, const SurfaceTriangles::Place& at,
+                       std::span<std::pair<float, NodeIndex>> nodes);
 
 /// Takes the corners that lie on a sheet facing the others' (Band::linked) out of the cell, and
 /// those that severed links part from the corner on the sheet that is meant (whose foot point is

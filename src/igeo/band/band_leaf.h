@@ -33,6 +33,18 @@ struct LeafNodes {
         const std::uint64_t lower = (std::uint64_t(1) << (offset & 63)) - 1;
         return firstNode + before[offset >> 6] + bitCount(mask[offset >> 6] & lower);
     }
+    /// The numbers of the voxel at an offset and of those beside it along z, y and both, all in the
+    /// leaf; kNoNode where there is none.
+    void square(unsigned offset, NodeIndex* of) const {
+        static_assert(kNoNode == ~NodeIndex(0));
+        const unsigned x = offset >> 6, at = offset & 63;
+        const std::uint64_t bits = mask[x], below = (std::uint64_t(1) << at) - 1;
+        const auto there = [&](unsigned bit) { return NodeIndex(bits >> at >> bit & 1); };
+        const NodeIndex slice = firstNode + before[x], first = slice + bitCount(bits & below),
+                        second = slice + bitCount(bits & (below << 8 | 0xff));
+        of[0] = first | (there(0) - 1), of[1] = (first + there(0)) | (there(1) - 1);
+        of[2] = second | (there(8) - 1), of[3] = (second + there(8)) | (there(9) - 1);
+    }
     /// Counts bits by hand: baseline x86-64 has no instruction for it.
     static unsigned bitCount(std::uint64_t bits) {
         bits -= bits >> 1 & 0x5555555555555555;

@@ -67,18 +67,17 @@ Nearest nearestNode(const Band& band, const Vec3d& p) {
 
 /// The node near a point whose foot point is nearest to it and to the plane of the triangle there.
 /// For points where sheets cross or lie close together.
-NodeIndex nodeOnPlane(const Band& band, const Vec3d& pIndex, const Vec3d& normal) {
-    NodeIndex best = kNoNode;
-    double least = kInfinity;
-    forNodesAround(band, pIndex, [&](NodeIndex i) {
-        const Vec3d chord = band.footPoint(i) - pIndex;
+NodeIndex nodeOnSheet(const Band& band, const SurfaceTriangles::Place& at) {
+    const Vec3d normal = band.triangles->normal(at.triangle);
+    std::vector<std::pair<float, NodeIndex>> nodes;
+    forNodesAround(band, at.point, [&](NodeIndex i) {
+        const Vec3d chord = band.footPoint(i) - at.point;
         const double rise = dot(chord, normal);
         // The normal of the band may be opposite to that of the triangle.
         const double turn = 1 - std::abs(dot(Vec3d(band.normal[i]), normal));
-        const double off = dot(chord, chord) + rise * rise + turn;
-        if (off < least) least = off, best = i;
+        nodes.emplace_back(float(dot(chord, chord) + rise * rise + turn), i);
     });
-    return best;
+    return firstOnSheet(band, at, nodes);
 }
 
 /// The point on psi = 0, found from the node with the nearest foot point.
@@ -117,7 +116,7 @@ SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
     if (s.node == kNoNode || dot(band.normal[s.node], band.normal[best.node]) < Band::kOtherSheet)
         s.node = best.node;
     if (at.triangle != SurfaceTriangles::kNone && band.facing[s.node] & Band::kBesideSevered)
-        s.node = nodeOnPlane(band, s.pIndex, band.triangles->normal(at.triangle));
+        s.node = nodeOnSheet(band, at);
     return s;
 }
 

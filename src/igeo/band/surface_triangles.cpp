@@ -3,6 +3,7 @@
 #include <igeo/base/nearest_on_triangle.h>
 
 #include <algorithm>
+#include <unordered_set>
 
 namespace igeo {
 
@@ -217,6 +218,25 @@ SurfaceTriangles::Place SurfaceTriangles::nearest(const Vec3d& p, double within,
                       of = here;
               });
     return best.triangle != kNone ? best : other;
+}
+
+bool SurfaceTriangles::joins(const Place& from, const Place& to, double radius) const {
+    if (from.triangle == to.triangle) return true;
+    const Vec3d middle = 0.5 * (from.point + to.point);
+    std::vector<std::uint32_t> found{from.triangle};
+    std::unordered_set<std::uint32_t> seen{from.triangle};
+    for (std::size_t k = 0; k < found.size(); ++k)
+        for (unsigned c = 0; c < 3; ++c) {
+            const Vec3d a = corner(found[k], c), b = corner(found[k], c + 1);
+            if (length(nearestOnTriangle(middle, a, b, a).point - middle) > radius) continue;
+            bool arrived = false;
+            forBeyond({found[k], c}, [&](const Side& side) {
+                arrived |= side.triangle == to.triangle;
+                if (seen.insert(side.triangle).second) found.push_back(side.triangle);
+            });
+            if (arrived) return true;
+        }
+    return false;
 }
 
 bool SurfaceTriangles::meets(const Vec3d& from, const Vec3d& dir) const {

@@ -57,6 +57,10 @@ public:
     /// Time O(log n). The first call builds the tree, in O(n log n).
     Place nearest(const Vec3d& p, double within = kInfinity, const Vec3d& sheetNormal = {}) const;
 
+    /// Whether a path on the triangles joins two points of them through edges within the ball of
+    /// this radius around their middle. Time O(triangles within).
+    bool joins(const Place& from, const Place& to, double radius) const;
+
     /// Whether a ray from `from` in the unit direction `dir` meets a triangle.
     bool meets(const Vec3d& from, const Vec3d& dir) const;
 

@@ -85,17 +85,21 @@ private:
 
 template <typename IsOf>
 Straight Reader::straight(double d, const IsOf& isOf) const {
+    // Between the corners the tip of the cone is blunt; by more, the front went around something.
+    constexpr double kOtherPath = 1.2, kBlunt = 0.5;  // kBlunt: voxels
     Straight least;
     field_.seedsNear.forNear(p_, [&](std::size_t k) {
         const SurfacePoint& s = field_.seeds[k];
         const Vec3d at = s.nearestTo(p_);
         const double r = length(p_ - at);
         if (!(r < field_.startRadius) || !isOf(k)) return;
-        if (field_.atFootPoints && !alongSurface(s, p_ - at)) return;
         const double cost = costToSeed(field_, s, p_, cell_.normal);
         const double perVoxel = metric_.anisotropic() && r > 0 ? cost / r : s.weight;
-        if (s.start + cost < least.distance && d - s.start < 1.5 * field_.startRadius * perVoxel &&
-            !metric_.blocked(p_, at, cell_.normal))
+        const bool along =
+            field_.atFootPoints
+                ? alongSurface(s, p_ - at) && d - s.start <= kOtherPath * cost + kBlunt * perVoxel
+                : d - s.start < 1.5 * field_.startRadius * perVoxel;
+        if (along && s.start + cost < least.distance && !metric_.blocked(p_, at, cell_.normal))
             least = {&s, s.start + cost};
     });
     return least;

@@ -304,8 +304,8 @@ bool Tracer::stepFromNode(State& at) const {
     if (!(d < at.d)) return false;
     at = {p, d, nullptr, at.step, kNoNode};
     field_.seedsNear.forNear(p, [&](std::size_t k) {
-        if (!at.disc && length(field_.seeds[k].nearestTo(p) - p) < field_.startRadius)
-            at.disc = arrivalAt(field_, p, sheetNormal_).seed;
+        if (!at.seed && length(field_.seeds[k].nearestTo(p) - p) < field_.startRadius)
+            at.seed = arrivalAt(field_, p, sheetNormal_).seed;
     });
     return true;
 }

@@ -224,9 +224,9 @@ Extension::Found Extension::carryInPlane(const Group& group, std::size_t lane) c
 }
 
 Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
-    // The core around such a node has been reached from its seed, so that it is on the same sheet;
-    // in the long discs of tensors it may have been along another path.
-    constexpr double kOtherPath = 1.2;
+    // The core around such a node has been reached from its seed, but maybe along another path,
+    // around a wall.
+    constexpr double kOtherPath = 1.2, kBlunt = 0.5;  // kBlunt: voxels
     const JetSeeds& seeds = jets_.seeds;
     const Vec3d foot = band_.footPoint(i);
     const LocalFrame local = core_.localFrameInBand(i);
@@ -240,8 +240,9 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
         Solved disc;
         if (!metric_.blocked(from, foot, Vec3d(seeds.normal[k])) &&
             seedNeighborhoodJet(core_, seeds, std::uint32_t(k), local, foot, disc) &&
-            (length(foot - from) <= seeds.startRadius ||
-             s.distance - seed.start <= kOtherPath * (disc.u - seed.start)) &&
+            s.distance - seed.start <=
+                kOtherPath * (disc.u - seed.start) +
+                    (length(foot - from) <= seeds.startRadius ? kBlunt * local.weight : 0) &&
             disc.u < best.u)
             best = disc;
     };

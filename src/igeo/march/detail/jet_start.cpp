@@ -1,6 +1,8 @@
 #include <igeo/march/detail/jet_start.h>
 
+#include <queue>
 #include <set>
+#include <tuple>
 
 namespace igeo {
 
@@ -14,13 +16,18 @@ double seedCost(const Band& band, const JetSeeds& seeds, std::uint32_t k, const 
 }
 
 /// The start disc of one seed, found outward from the seed over the core, so that it reaches no
-/// surface close by.
+/// surface close by. It ends where links lead around something: where the path along them is
+/// longer than the straight line by more than steps from node to node are.
 class StartDisc {
 public:
     StartDisc(const JetCore& core, const JetSeeds& seeds, std::uint32_t k)
         : core_(core), seeds_(seeds), k_(k), seed_(seeds.points[k]) {
         visitAroundSeed();
-        for (std::size_t at = 0; at < found_.size(); ++at) visitNeighbors(found_[at].first);
+        while (!waiting_.empty()) {
+            const Step next = waiting_.top();
+            waiting_.pop();
+            if (visit(next)) visitNeighbors(next);
+        }
         // A seed in a corner that obstacles hide from all nodes near it: straight to the nearest.
         if (found_.empty() && nearest_ != kNoNode)
             found_.emplace_back(nearest_,
@@ -29,18 +36,45 @@ public:
     const std::vector<std::pair<NodeIndex, Solved>>& jets() const { return found_; }
 
 private:
-    void visitAroundSeed() {
-        const Vec3f sheetNormal = core_.band.normal[seed_.node];
-        core_.band.forBox(&BandLeaf::core, seed_.node, {}, 2, [&](NodeIndex i, const Ijk&) {
+    /// A node, by the path to it from node to node.
+    struct Step {
+        double walked;  ///< voxels
+        NodeIndex node;
+        bool operator<(const Step& other) const {
+            return std::tie(other.walked, other.node) < std::tie(walked, node);
+        }
+    };
+
+    /// @param isBeside(i, node)  whether S joins a node of the core with the seed
+    template <typename IsBeside>
+    void visitWithin(int reach, const IsBeside& isBeside) {
+        core_.band.forBox(&BandLeaf::core, seed_.node, {}, reach, [&](NodeIndex i, const Ijk&) {
             const JetNode& node = core_.nodes[i];
-            if (dot(node.normal, sheetNormal) >= Band::kOtherSheet &&
-                !stacked(Vec3f(core_.footOf(node) - seed_.pIndex), node.normal, sheetNormal) &&
-                core_.band.joined(seed_.node, core_.inBand(node)))
-                visit(i);
+            if (isBeside(core_.inBand(node), node))
+                waiting_.push({length(core_.footOf(node) - nearestOfSeed(i)), i});
         });
     }
-    void visitNeighbors(NodeIndex i) {
-        const JetNode& node = core_.nodes[i];
+    void visitAroundSeed() {
+        const Band& band = core_.band;
+        const Vec3f sheetNormal = band.normal[seed_.node];
+        // On a mesh also nodes on the next face of a sharp edge.
+        constexpr double kNear = 2;  // voxels
+        if (band.triangles) {
+            const auto at = band.triangles->nearest(seed_.pIndex, kInfinity, Vec3d(sheetNormal));
+            visitWithin(2, [&](NodeIndex j, const JetNode& node) {
+                return length(core_.footOf(node) - seed_.pIndex) < kNear && meshJoins(band, at, j);
+            });
+        }
+        // Two steps off, a node may be beyond a wall.
+        for (int reach = 1; reach <= 2 && waiting_.empty(); ++reach)
+            visitWithin(reach, [&](NodeIndex j, const JetNode& node) {
+                const Vec3f chord(core_.footOf(node) - seed_.pIndex);
+                return dot(node.normal, sheetNormal) >= Band::kOtherSheet &&
+                       !stacked(chord, node.normal, sheetNormal) && band.joined(seed_.node, j);
+            });
+    }
+    void visitNeighbors(const Step& from) {
+        const JetNode& node = core_.nodes[from.node];
         const std::uint32_t severed = core_.severedSteps(node);
         core_.band.forNeighbors(
             &BandLeaf::core, node.leaf, node.offset, [&](NodeIndex j, int dx, int dy, int dz) {
@@ -49,24 +83,33 @@ private:
                 const Vec3f chord = node.foot - other.foot - Vec3f(Ijk{dx, dy, dz});
                 if (dot(node.normal, other.normal) >= Band::kOtherSheet &&
                     !stacked(chord, node.normal, other.normal))
-                    visit(j);
+                    waiting_.push({from.walked + double(length(chord)), j});
             });
     }
-    void visit(NodeIndex i) {
-        if (!visited_.insert(i).second) return;
-        const Vec3d foot = core_.footOf(core_.nodes[i]), from = seed_.nearestTo(foot);
+    Vec3d nearestOfSeed(NodeIndex i) const { return seed_.nearestTo(core_.footOf(core_.nodes[i])); }
+    /// @return whether the node is in the disc, and new
+    bool visit(const Step& step) {
+        constexpr double kDetour = 1.25, kRoom = 0.5;  // voxels
+        const NodeIndex i = step.node;
+        if (!visited_.insert(i).second) return false;
+        const Vec3d foot = core_.footOf(core_.nodes[i]), from = nearestOfSeed(i);
         if (core_.nodes[i].obstacleState == Metric::Inside ||
             core_.metric.blocked(from, foot, Vec3d(seeds_.normal[k_])))
-            return;
-        if (const double r = length(foot - from); r < least_) least_ = r, nearest_ = i;
-        if (Solved s; seedNeighborhoodJet(core_, seeds_, k_, core_.localFrame(i), foot, s))
-            found_.emplace_back(i, s);
+            return false;
+        const double r = length(foot - from);
+        if (step.walked > kDetour * r + kRoom) return false;
+        if (r < least_) least_ = r, nearest_ = i;
+        Solved s;
+        if (!seedNeighborhoodJet(core_, seeds_, k_, core_.localFrame(i), foot, s)) return false;
+        found_.emplace_back(i, s);
+        return true;
     }
 
     const JetCore& core_;
     const JetSeeds& seeds_;
     const std::uint32_t k_;
     const SurfacePoint& seed_;
+    std::priority_queue<Step> waiting_;
     std::set<NodeIndex> visited_;
     std::vector<std::pair<NodeIndex, Solved>> found_;
     NodeIndex nearest_ = kNoNode;

@@ -122,10 +122,12 @@ private:
     void find(LeafSheets& sheets, bool coreOnly) {
         const NodeIndex end = nodes_.firstNode + nodes_.count;
         for (NodeIndex i = nodes_.firstNode; i < end; ++i) {
-            if (coreOnly && !on_.band.inCore(i)) continue;
+            const bool isCore = on_.band.inCore(i);
             const std::uint32_t sheet = sheetOf_[i - nodes_.firstNode];
             auto visit = [&](NodeIndex j) {
-                if (j < i || (coreOnly && !on_.band.inCore(j))) return;
+                // A node of the next leaf may have a sheet facing it.
+                if (j < i || (coreOnly && !(isCore && on_.band.inCore(j)) && !on_.band.facing[j]))
+                    return;
                 if (sheet == LeafSheets::kNone ||
                     sheet != (j < end ? sheetOf_[j - nodes_.firstNode]
                                       : sheets.evenSheetOf(on_.voxel(j).triangle)))
