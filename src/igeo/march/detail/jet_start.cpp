@@ -66,12 +66,25 @@ private:
             });
         }
         // Two steps off, a node may be beyond a wall.
-        for (int reach = 1; reach <= 2 && waiting_.empty(); ++reach)
-            visitWithin(reach, [&](NodeIndex j, const JetNode& node) {
-                const Vec3f chord(core_.footOf(node) - seed_.pIndex);
-                return dot(node.normal, sheetNormal) >= Band::kOtherSheet &&
-                       !stacked(chord, node.normal, sheetNormal) && band.joined(seed_.node, j);
+        auto isBeside = [&](NodeIndex j, const JetNode& node) {
+            const Vec3d chord = core_.footOf(node) - seed_.pIndex;
+            return dot(node.normal, sheetNormal) >= Band::kOtherSheet &&
+                   !stacked(Vec3f(chord), node.normal, sheetNormal) && band.joined(seed_.node, j);
+        };
+        if (!band.triangles)
+            visitWithin(2, [&](NodeIndex j, const JetNode& node) {
+                return isBeside(j, node) && followsSurface(core_.footOf(node));
             });
+        for (int reach = 1; reach <= 2 && waiting_.empty(); ++reach) visitWithin(reach, isBeside);
+    }
+    /// Whether psi is 0 along the chord from the seed, or nearly so.
+    bool followsSurface(const Vec3d& foot) const {
+        constexpr double kOff = 0.3;
+        for (const double t : {1.0 / 3, 2.0 / 3}) {
+            const PsiSample s = samplePsi(core_.band, seed_.pIndex + t * (foot - seed_.pIndex));
+            if (s.valid && std::abs(s.psi) > kOff) return false;
+        }
+        return true;
     }
     void visitNeighbors(const Step& from) {
         const JetNode& node = core_.nodes[from.node];
@@ -89,7 +102,7 @@ private:
     Vec3d nearestOfSeed(NodeIndex i) const { return seed_.nearestTo(core_.footOf(core_.nodes[i])); }
     /// @return whether the node is in the disc, and new
     bool visit(const Step& step) {
-        constexpr double kDetour = 1.25, kRoom = 0.5;  // voxels
+        constexpr double kDetour = 1.25, kRoom = 1;  // voxels
         const NodeIndex i = step.node;
         if (!visited_.insert(i).second) return false;
         const Vec3d foot = core_.footOf(core_.nodes[i]), from = nearestOfSeed(i);
