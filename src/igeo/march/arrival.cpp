@@ -86,7 +86,7 @@ private:
 template <typename IsOf>
 Straight Reader::straight(double d, const IsOf& isOf) const {
     // Between the corners the tip of the cone is blunt; by more, the front went around something.
-    constexpr double kOtherPath = 1.2, kBlunt = 1.5;  // kBlunt: voxels
+    constexpr double kOtherPath = 1.2, kBlunt = 0.5;  // kBlunt: voxels
     Straight least;
     field_.seedsNear.forNear(p_, [&](std::size_t k) {
         const SurfacePoint& s = field_.seeds[k];
