@@ -185,7 +185,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
         report.paths = distance.paths(o.straighten, stages);
         stages.finished("trace");
     }
-    warnOfLongPaths(distance.band().transform.dx, report);
+    warnOfPathsAgainstDistances(distance.band().transform.dx, report);
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
         report.accuracy = estimate(distance, console, stages);
     report.walks = shoot(solver, o.shots, stages);

@@ -328,9 +328,9 @@ TEST_CASE("jet next to a seed: over a low rib, not through it") {
                     "next to a seed, rib of %.1f x %.1f voxels, %s: %.2f to %.2f per edge, "
                     "mean %.2f\n",
                     thick, high, asMesh ? "mesh" : "level set", low, most, mean);
-                CHECK(low > -1.48);  // measured 0.99; 1.5 straight through the highest ribs
-                CHECK(most < 0.76);  // measured 0.51
-                CHECK(std::abs(mean) < 0.46);  // measured 0.31
+                CHECK(low > -1.31);  // measured 0.87; 1.5 straight through the highest ribs
+                CHECK(most < 0.72);  // measured 0.48
+                CHECK(std::abs(mean) < 0.54);  // measured 0.36
             }
 }
 

@@ -187,13 +187,13 @@ TEST_CASE("matrixJson: world units, null where there is no path") {
     CHECK(part["asymmetry"].is_null());
 }
 
-TEST_CASE("warnOfLongPaths: paths that disagree with their distances") {
+TEST_CASE("warnOfPathsAgainstDistances: paths that disagree with their distances") {
     Run run;
     auto warnings = [&](double distance, double length) {
         run.report.warnings.clear();
         run.report.paths[0].startDistance = distance, run.report.paths[0].weightedLength = length;
         run.report.paths[0].endDistance = 0;
-        warnOfLongPaths(0.5, run.report);
+        warnOfPathsAgainstDistances(0.5, run.report);
         return run.report.warnings;
     };
     CHECK(warnings(30, 31).empty());  // two voxels, but few percent
@@ -201,6 +201,9 @@ TEST_CASE("warnOfLongPaths: paths that disagree with their distances") {
     REQUIRE(warnings(10, 12).size() == 1);
     CHECK(run.report.warnings[0].find("1 of 1 paths") != std::string::npos);
     CHECK(run.report.warnings[0].find("target 0 by 20 %") != std::string::npos);
+    CHECK(warnings(30, 29).empty());
+    REQUIRE(warnings(20, 15).size() == 1);
+    CHECK(run.report.warnings[0].find("target 0 by 25 %") != std::string::npos);
 }
 
 TEST_CASE("isolinesJson: world units") {

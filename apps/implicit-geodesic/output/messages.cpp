@@ -156,7 +156,7 @@ void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
         report.warnings.push_back(w);
 }
 
-void warnOfLongPaths(double dx, RunReport& report) {
+void warnOfPathsAgainstDistances(double dx, RunReport& report) {
     constexpr double kShare = 0.05, kVoxels = 2;
     std::size_t count = 0, reached = 0, worst = 0;
     double most = 0;
@@ -164,15 +164,15 @@ void warnOfLongPaths(double dx, RunReport& report) {
         const igeo::Polyline& p = report.paths[k];
         if (p.status != igeo::PathStatus::Reached || !(p.startDistance > 0)) continue;
         ++reached;
-        const double excess = p.endDistance + p.weightedLength - p.startDistance;
-        if (excess < kVoxels * dx || excess < kShare * p.startDistance) continue;
+        const double off = std::abs(p.endDistance + p.weightedLength - p.startDistance);
+        if (off < kVoxels * dx || off < kShare * p.startDistance) continue;
         ++count;
-        if (excess / p.startDistance > most) most = excess / p.startDistance, worst = k;
+        if (off / p.startDistance > most) most = off / p.startDistance, worst = k;
     }
     if (count == 0) return;
     report.warnings.push_back(fmt::format(
-        "{} of {} paths are longer than their distances by more than 5 % (target {} by {:.2g} %): "
-        "the distance or the path is unreliable there",
+        "{} of {} paths are longer or shorter than their distances by more than 5 % (target {} by "
+        "{:.0f} %): the distance or the path is unreliable there",
         count, reached, worst, 100 * most));
 }
 
@@ -255,7 +255,9 @@ std::string reachOf(const igeo::Distance& distance) {
     if (field.stoppedEarly || !distance.ofWholeSurface()) return most + " around the seeds";
     if (lost == 0) return most + " on the whole surface";
     const double share = 100 * double(lost) / double(all);
-    return fmt::format("{}; {:.2g} % of the surface is not reached, as {}", most, share,
+    const std::string percent =
+        share < 99.5 ? fmt::format("{:.2g}", share) : fmt::format("{:.0f}", share);
+    return fmt::format("{}; {} % of the surface is not reached, as {}", most, percent,
                        field.metric->obstacles ? "obstacles or gaps lie between it and the seeds"
                                                : "no seed is on its components, or gaps lie "
                                                  "between it and the seeds");

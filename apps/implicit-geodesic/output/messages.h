@@ -20,10 +20,10 @@ void describe(const igeo::Distance& distance, const Console& console);
 /// Adds a warning for each seed that another front reaches before the seed starts.
 void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report);
 
-/// Adds a warning where paths are longer than their distances by more than the error of a march:
-/// then one of the two is wrong.
+/// Adds a warning where the lengths of paths differ from their distances by more than the error of
+/// a march: then one of the two is wrong.
 /// @param dx  voxel size
-void warnOfLongPaths(double dx, RunReport& report);
+void warnOfPathsAgainstDistances(double dx, RunReport& report);
 
 /// Adds a warning for each walk over sharp bends that the voxels round.
 void warnOfRoundedBends(RunReport& report);
