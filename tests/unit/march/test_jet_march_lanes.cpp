@@ -45,7 +45,8 @@ TEST_CASE("split sorts the links of a node as a loop over them does") {
                     waiting.push_back(k);
             }
             JetRows::Row sorted;
-            split(row, states.data(), kNext, isotropic, sorted);
+            sorted.links = row;
+            split({&sorted, 1}, states.data(), kNext, isotropic);
             CHECK(std::vector<std::size_t>(sorted.known.begin(),
                                            sorted.known.begin() + sorted.knownCount) == known);
             CHECK(std::vector<std::size_t>(sorted.waiting.begin(),
@@ -63,20 +64,23 @@ TEST_CASE("carry finds the buckets of a circular front, near and far") {
             const float a = angle(random), width = 0.01f;
             std::array<JetLink, 5> links{};
             JetRows::Row row;
-            row.link = links.data(), row.waitingCount = links.size(), row.waiting.fill(0);
+            row.links = links, row.waitingCount = links.size(), row.waiting.fill(0);
             for (std::size_t k = 0; k < links.size(); ++k) {
                 row.waiting[k] = std::uint8_t(k);
                 links[k].ax = at(random), links[k].ay = at(random);
             }
-            std::array<std::uint32_t, 8> buckets;
+            JetsOnLinks jets;
             const Vec2f g{std::cos(a), std::sin(a)};
-            carry({0.3f, g, radius, 1}, {7, width}, row, buckets.data());
+            jets.add(0, -1.0f * g, radius, 1, row);  // lanes do not mix
+            jets.add(0.3f, g, radius, 1, row);
+            carry({7, width}, jets);
             for (std::size_t k = 0; k < links.size(); ++k) {
                 const double x = -double(links[k].ax), y = -double(links[k].ay),
                              along = double(g.x) * x + double(g.y) * y,
                              far = std::hypot(double(radius * g.x) + x, double(radius * g.y) + y),
                              step = along > 0 ? far - double(radius) : std::hypot(x, y);
-                CHECK(std::abs(double(buckets[k]) - 7 - (0.3 + step) / double(width)) < 1.01);
+                CHECK(std::abs(double(jets.bucket[k][1]) - 7 - (0.3 + step) / double(width)) <
+                      1.01);
             }
         }
 }
@@ -85,12 +89,13 @@ TEST_CASE("carry stays within the buckets that there are") {
     std::array<JetLink, 1> links{};
     links[0].ax = -1e9f;
     JetRows::Row row;
-    row.link = links.data(), row.waitingCount = 1, row.waiting.fill(0);
-    std::array<std::uint32_t, 4> buckets;
+    row.links = links, row.waitingCount = 1, row.waiting.fill(0);
+    JetsOnLinks jets;
+    jets.add(0, {1, 0}, 1e9f, 1, row);
     for (const std::uint32_t first : {1u, 0x80000000u, kNoBucket - 1000}) {
-        carry({0, {1, 0}, 1e9f, 1}, {first, 0.1f}, row, buckets.data());
-        CHECK(buckets[0] >= first);
-        CHECK(buckets[0] < kNoBucket);
+        carry({first, 0.1f}, jets);
+        CHECK(jets.bucket[0][0] >= first);
+        CHECK(jets.bucket[0][0] < kNoBucket);
     }
 }
 

@@ -106,6 +106,7 @@ public:
         __builtin_prefetch(bytes);
         __builtin_prefetch(bytes + 64);
         __builtin_prefetch(bytes + 128);
+        __builtin_prefetch(bytes + 179);
     }
     void prefetchPlace(NodeIndex i) const {
         const Block* const block = blockOf(i);

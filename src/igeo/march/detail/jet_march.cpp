@@ -150,7 +150,7 @@ void JetMarch::solve(const Batch& batch, std::size_t chunkCount) {
 JetMarch::Group::Group() {
     // Lanes without a node are laid out as well.
     static constexpr JetLink kNoLink{};
-    for (JetRows::Row& row : rows.of) row.link = &kNoLink, row.known.fill(0);
+    for (JetRows::Row& row : rows.of) row.links = {&kNoLink, 0}, row.known.fill(0);
     std::fill_n(weight.of, Lanes::kNodes, 1.0f);
 }
 
@@ -174,13 +174,18 @@ void JetMarch::gather(const Batch& batch, Group& group) {
     // as a product with 1 / weight would be off to the same side in each step.
     const auto start = float(batchRadius_);
     group.jets.clear(core_.pull());
+    std::array<bool, Lanes::kNodes> creased;
+    for (std::size_t lane = 0; lane < group.size; ++lane) {
+        const NodeIndex i = group.node[lane];
+        if (!ownLinks_.empty()) ownLinks_.make(core_, i);
+        const JetLinks::Row row = links_.rowAt(i);
+        group.rows.of[lane].links = row.links, creased[lane] = row.creased;
+    }
+    split({group.rows.of.data(), group.size}, jets_.state.data(), batch.last + 1, isotropic_);
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
         const JetNode& here = core_.nodes[i];
-        JetRows::Row& row = group.rows.of[lane];
-        if (!ownLinks_.empty()) ownLinks_.make(core_, i);
-        const auto [links, creased] = links_.rowAt(i);
-        split(links, jets_.state.data(), batch.last + 1, isotropic_, row);
+        const JetRows::Row& row = group.rows.of[lane];
         group.weight[lane] = here.weight;
         group.line2[lane] = line2(here);
         group.jets.begin(weighted_ ? start / here.weight : start,
@@ -189,7 +194,7 @@ void JetMarch::gather(const Batch& batch, Group& group) {
             addStretched(i, row, batch, group.jets);
             continue;
         }
-        group.jets.expect(row.knownCount, !(creased && knowsCrease(row)));
+        group.jets.expect(row.knownCount, !(creased[lane] && knowsCrease(row)));
         for (std::size_t k = 0; k < row.knownCount && !jets_.label.empty(); ++k)
             group.jets.setSource(k, jets_.label[row.knownLink(k).node()]);
     }
@@ -298,17 +303,19 @@ JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
     return jump;
 }
 
-IGEO_INLINE void JetMarch::enqueue(NodeIndex i, const JetRows::Row& row, const Result& jet,
-                                   const Batch& batch, Chunk& chunk) {
-    if (!isotropic_) return enqueueStretched(i, row, jet, batch, chunk);
-    std::array<std::uint32_t, JetLinks::kMax + 4> buckets;
-    carry({jet.u, jet.g, radiusOf(jet), core_.nodes[i].weight}, scale_, row, buckets.data());
+void JetMarch::enqueue(const Batch& batch, JetsOnLinks& accepted, Chunk& chunk) {
+    carry(scale_, accepted);
     const std::uint32_t next = batch.last + 1;
-    for (std::size_t k = 0; k < row.waitingCount; ++k) {
-        const NodeIndex j = row.waitingLink(k).node();
-        const std::uint32_t current = queue_.bucketOf(j), to = std::max(next, buckets[k]);
-        if (to < current) lower(j, to, current, chunk);
+    for (std::size_t n = 0; n < accepted.size; ++n) {
+        const JetRows::Row& row = *accepted.row[n];
+        for (std::size_t k = 0; k < row.waitingCount; ++k) {
+            const NodeIndex j = row.waitingLink(k).node();
+            const std::uint32_t current = queue_.bucketOf(j),
+                                to = std::max(next, accepted.bucket[k][n]);
+            if (to < current) lower(j, to, current, chunk);
+        }
     }
+    accepted.size = 0;
 }
 
 void JetMarch::enqueueStretched(NodeIndex i, const JetRows::Row& row, const Result& jet,
@@ -345,8 +352,8 @@ void JetMarch::put(NodeIndex i, float u, const Batch& batch, Chunk& chunk) {
         lower(i, to, current, chunk);
 }
 
-IGEO_INLINE void JetMarch::settle(std::size_t lane, const Group& group, Result s,
-                                  const Batch& batch, Chunk& chunk) {
+IGEO_INLINE void JetMarch::settle(std::size_t lane, Group& group, Result s, const Batch& batch,
+                                  Chunk& chunk) {
     const NodeIndex i = group.node[lane];
     const JetNode& node = core_.nodes[i];
     const bool bridged = node.facing & Band::kBridged;
@@ -379,7 +386,11 @@ IGEO_INLINE void JetMarch::settle(std::size_t lane, const Group& group, Result s
     if (core_.costsVary || !isotropic_)
         chunk.heaviest = std::max(chunk.heaviest, core_.largestCostAt(i));
     if (stopNodesLeft_ > 0 && stopNodes_[i]) ++chunk.stopNodes;
-    enqueue(i, group.rows.of[lane], s, batch, chunk);
+    const JetRows::Row& row = group.rows.of[lane];
+    if (isotropic_)
+        group.accepted.add(s.u, s.g, radiusOf(s), node.weight, row);
+    else
+        enqueueStretched(i, row, s, batch, chunk);
     if (bridged) enqueueJumps(i, s, batch, chunk);
 }
 
@@ -401,7 +412,7 @@ bool JetMarch::withinLimit(NodeIndex i, float u, const Batch& batch) const {
            (*options_.below)[inBand] + kMarginBelow * core_.largestCostAt(i);
 }
 
-JetState JetMarch::stateOf(const Result& s, const Batch& batch) const {
+IGEO_INLINE JetState JetMarch::stateOf(const Result& s, const Batch& batch) const {
     if (s.u >= 0 && s.u < width_) return {batch.first, s.u, s.g};
     // Fits may lie before the batch, by a few buckets.
     const float at = std::clamp(s.u / width_, 1 - float(batch.first), 2.0f * float(kLastBucket));
@@ -427,6 +438,7 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
         settle(lane, group, {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet},
                batch, chunk);
     }
+    if (!group.accepted.empty()) enqueue(batch, group.accepted, chunk);
     group.size = 0;
 }
 

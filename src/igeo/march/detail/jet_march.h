@@ -68,6 +68,7 @@ private:
         JetRows rows;
         Lanes weight;
         JetGroup jets;
+        JetsOnLinks accepted;  ///< isotropic: those that go on to their neighbors
 
         Group();
         bool full() const { return size == Lanes::kNodes; }
@@ -148,7 +149,7 @@ private:
     bool isAtRim(NodeIndex i) const;
     Jump jumpTo(NodeIndex i) const;
     /// Accepts a node and enqueues its neighbors if its value is final, else defers it.
-    void settle(std::size_t lane, const Group& group, Result s, const Batch& batch, Chunk& chunk);
+    void settle(std::size_t lane, Group& group, Result s, const Batch& batch, Chunk& chunk);
     /// The jet of its start disc, unless the front of another seed was there before.
     Result exactNearSeed(NodeIndex core, const Result& s) const;
     /// Not below the straight line from the seed.
@@ -157,10 +158,9 @@ private:
     bool withinLimit(NodeIndex i, float u, const Batch& batch) const;
     /// @return  bucket kLastBucket for values beyond
     JetState stateOf(const Result& s, const Batch& batch) const;
-    /// Puts the nodes that wait at the other ends of its links into the buckets of the values that
-    /// an accepted jet carries to them, after the batch at the earliest.
-    void enqueue(NodeIndex i, const JetRows::Row& row, const Result& jet, const Batch& batch,
-                 Chunk& chunk);
+    /// Puts the nodes that wait at the other ends of their links into the buckets of the values
+    /// that accepted jets carry to them, after the batch at the earliest.
+    void enqueue(const Batch& batch, JetsOnLinks& accepted, Chunk& chunk);
     void enqueueStretched(NodeIndex i, const JetRows::Row& row, const Result& jet,
                           const Batch& batch, Chunk& chunk);
     void enqueueJumps(NodeIndex from, const Result& jet, const Batch& batch, Chunk& chunk);

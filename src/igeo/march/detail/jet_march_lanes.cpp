@@ -73,7 +73,7 @@ public:
 private:
     IGEO_INLINE void layOutNeighbor(std::size_t k) const {
         const JetLink* links[Width];
-        for (int l = 0; l < Width; ++l) links[l] = rows_[l].link + rows_[l].known[k];
+        for (int l = 0; l < Width; ++l) links[l] = rows_[l].links.data() + rows_[l].known[k];
         V link[4], state[4];
         loadFours<Width>([&](int l) { return &links[l]->ax; }, link);
         loadFours<Width>([&](int l) { return stateAt(state_, *links[l]); }, state);
@@ -108,6 +108,88 @@ private:
     Integers count_;
 };
 
+/// Which neighbors have a jet changes from node to node: no branches.
+/// @param next  the bucket behind the batch, with its first bit turned
+IGEO_INLINE void split(const JetState* state, const Integers& next, const Integers& anyBucket,
+                       JetRows::Row& row) {
+    using Two = double __attribute__((vector_size(16)));
+    static_assert(JetLanes::kMax <= 32);
+    static constexpr std::uint8_t kFirst[] = {0, 1, 3, 7, 15};
+    const std::span<const JetLink> links = row.links;
+    const Integers sign = Integers{} + std::numeric_limits<std::int32_t>::min();
+    std::memset(row.known.data(), 0, 32), row.waiting.fill(0);
+    std::uint8_t *known = row.known.data(), *waiting = row.waiting.data();
+    for (std::size_t k = 0; k < links.size(); k += 4) {
+        const JetLink* const four = links.data() + k;
+        const auto both = [&](std::size_t l) { return bucketAndRest(stateAt(state, four[l])); };
+        const Two a{both(0), both(1)}, b{both(2), both(3)};
+        const auto low = loadAs<Integers>(&a), high = loadAs<Integers>(&b);
+        const Integers bucket = __builtin_shufflevector(low, high, 0, 2, 4, 6) ^ sign,
+                       rest = __builtin_shufflevector(low, high, 1, 3, 5, 7),
+                       may = ((bucket > next) | anyBucket) & (bucket != next);
+        const unsigned there = kFirst[std::min(links.size() - k, std::size_t(4))],
+                       accepted = bitsOf<4>(loadAs<Four>(&rest) < float(kInfinity)) & there;
+        append(accepted, std::uint32_t(k), known);
+        append(bitsOf<4>(may) & ~accepted & there, std::uint32_t(k), waiting);
+    }
+    row.knownCount = std::size_t(known - row.known.data());
+    row.waitingCount = std::size_t(waiting - row.waiting.data());
+}
+
+/// Jets that go on, of the lanes that fit into a register.
+template <int Width>
+class Carrying {
+    using V = typename Registers<Width>::Vector;
+    using Integers = typename Registers<Width>::Integers;
+
+public:
+    IGEO_INLINE Carrying(const BucketScale& scale, JetsOnLinks& jets, std::size_t lane)
+        : scale_(scale), jets_(jets), lane_(lane) {
+        for (std::size_t l = 0; l < Width; ++l)
+            row_[l] = jets.row[lane + l < jets.size ? lane + l : 0];
+    }
+
+    IGEO_INLINE void carry(std::size_t most) const {
+        for (std::size_t k = 0; k < most; ++k) carryTo(k);
+    }
+
+private:
+    IGEO_INLINE void carryTo(std::size_t k) const {
+        V link[4];
+        loadFours<Width>([&](int l) { return &row_[l]->waitingLink(k).ax; }, link);
+        const V zero{}, cost = zero - in(jets_.weight), x = cost * link[0], y = cost * link[1],
+                        along = in(jets_.gx) * x + in(jets_.gy) * y;
+        const auto ahead = along > 0;
+        const V base = ahead ? along : zero, r = ahead ? in(jets_.radius) + along : zero,
+                rest = x * x + y * y - base * base, across = rest > 0 ? rest : zero;
+        V root = r * r + across;
+        takeRoots<Width>(root);
+        const V buckets = (in(jets_.u) + base + across / (root + r)) / scale_.width,
+                within = buckets < scale_.most ? buckets : zero + scale_.most;
+        // Not a number where foot points coincide.
+        const Integers whole = __builtin_convertvector(within > 0 ? within : zero, Integers);
+        storeLanes(whole + std::int32_t(scale_.first), &jets_.bucket[k][lane_]);
+    }
+    IGEO_INLINE const V& in(const Lanes& l) const {
+        return *reinterpret_cast<const V*>(l.of + lane_);
+    }
+
+    const BucketScale scale_;
+    JetsOnLinks& jets_;
+    const std::size_t lane_;
+    const JetRows::Row* row_[Width];
+};
+
+void carryByFour(const BucketScale& scale, JetsOnLinks& jets, std::size_t most) {
+    for (std::size_t lane = 0; lane < jets.size; lane += 4)
+        Carrying<4>(scale, jets, lane).carry(most);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 void carryByEight(const BucketScale& scale, JetsOnLinks& jets, std::size_t most) {
+    Carrying<8>(scale, jets, 0).carry(most);
+}
+#endif
+
 void layOutByFour(const JetRows& rows, const JetState* state, std::uint32_t first, float width,
                   const Lanes* weight, JetLanes& lanes, std::size_t most) {
     for (std::size_t lane = 0; lane < Lanes::kNodes; lane += 4)
@@ -122,35 +204,13 @@ IGEO_AVX2 void layOutByEight(const JetRows& rows, const JetState* state, std::ui
 
 }  // namespace
 
-void split(std::span<const JetLink> links, const JetState* state, std::uint32_t next,
-           bool isotropic, JetRows::Row& row) {
-    // Which neighbors have a jet changes from node to node: no branches.
-    using Two = double __attribute__((vector_size(16)));
-    static_assert(JetLanes::kMax <= 32);
-    std::memset(row.known.data(), 0, 32);
-    std::uint8_t *known = row.known.data(), *waiting = row.waiting.data();
+void split(std::span<JetRows::Row> rows, const JetState* state, std::uint32_t next,
+           bool isotropic) {
     // Registers compare numbers with signs.
     const Integers sign = Integers{} + std::numeric_limits<std::int32_t>::min(),
                    nextOne = (Integers{} + std::int32_t(next)) ^ sign,
                    anyBucket = Integers{} - (isotropic ? 0 : 1);
-    static constexpr std::uint8_t kFirst[] = {0, 1, 3, 7, 15};
-    for (std::size_t k = 0; k < links.size(); k += 4) {
-        const JetLink* const four = links.data() + k;
-        const auto both = [&](std::size_t l) { return bucketAndRest(stateAt(state, four[l])); };
-        const Two a{both(0), both(1)}, b{both(2), both(3)};
-        const auto low = loadAs<Integers>(&a), high = loadAs<Integers>(&b);
-        const Integers bucket = __builtin_shufflevector(low, high, 0, 2, 4, 6) ^ sign,
-                       rest = __builtin_shufflevector(low, high, 1, 3, 5, 7),
-                       may = ((bucket > nextOne) | anyBucket) & (bucket != nextOne);
-        const unsigned there = kFirst[std::min(links.size() - k, std::size_t(4))],
-                       accepted = bitsOf<4>(loadAs<Four>(&rest) < float(kInfinity)) & there;
-        append(accepted, std::uint32_t(k), known);
-        append(bitsOf<4>(may) & ~accepted & there, std::uint32_t(k), waiting);
-    }
-    row.link = links.data();
-    row.knownCount = std::size_t(known - row.known.data());
-    row.waitingCount = std::size_t(waiting - row.waiting.data());
-    std::memset(waiting, 0, 4);
+    for (JetRows::Row& row : rows) split(state, nextOne, anyBucket, row);
 }
 
 void layOut(const JetRows& rows, const JetState* state, std::uint32_t first, float width,
@@ -168,24 +228,13 @@ BucketScale::BucketScale(std::uint32_t bucket, float bucketWidth)
       // What single precision has.
       most(float(std::min(kLastBucket - bucket, std::uint32_t(1) << 30) & ~127u)) {}
 
-void carry(const CarriedJet& jet, const BucketScale& scale, const JetRows::Row& row,
-           std::uint32_t* bucket) {
-    const Four zero{}, weight = zero - jet.weight;
-    for (std::size_t k = 0; k < row.waitingCount; k += 4) {
-        Four link[4];
-        loadFours<4>([&](int l) { return &row.link[row.waiting[k + std::size_t(l)]].ax; }, link);
-        const Four x = weight * link[0], y = weight * link[1], along = jet.g.x * x + jet.g.y * y;
-        const auto ahead = along > 0;
-        const Four base = ahead ? along : zero, r = ahead ? jet.radius + along : zero,
-                   rest = x * x + y * y - base * base, across = rest > 0 ? rest : zero;
-        Four root = r * r + across;
-        takeRoots<4>(root);
-        const Four buckets = (jet.u + base + across / (root + r)) / scale.width,
-                   within = buckets < scale.most ? buckets : zero + scale.most;
-        // Not a number where foot points coincide.
-        const Integers whole = __builtin_convertvector(within > 0 ? within : zero, Integers);
-        storeLanes(whole + std::int32_t(scale.first), bucket + k);
-    }
+void carry(const BucketScale& scale, JetsOnLinks& jets) {
+    std::size_t most = 0;
+    for (std::size_t k = 0; k < jets.size; ++k) most = std::max(most, jets.row[k]->waitingCount);
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return carryByEight(scale, jets, most);
+#endif
+    carryByFour(scale, jets, most);
 }
 
 }  // namespace igeo

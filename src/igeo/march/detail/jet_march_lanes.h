@@ -18,12 +18,12 @@ struct JetRows {
     /// Numbers of links in their row; zeros, or numbers of others, follow as far as they are read.
     using Numbers = std::array<std::uint8_t, JetLinks::kMax + 4>;
     struct Row {
-        const JetLink* link;
+        std::span<const JetLink> links;  ///< JetLinks::kBehind more are read
         Numbers known, waiting;
         std::size_t knownCount, waitingCount;
 
-        const JetLink& knownLink(std::size_t k) const { return link[known[k]]; }
-        const JetLink& waitingLink(std::size_t k) const { return link[waiting[k]]; }
+        const JetLink& knownLink(std::size_t k) const { return links.data()[known[k]]; }
+        const JetLink& waitingLink(std::size_t k) const { return links.data()[waiting[k]]; }
     };
     std::array<Row, Lanes::kNodes> of;
 };
@@ -35,11 +35,10 @@ struct JetRows {
 inline bool mayPut(std::uint32_t bucket, std::uint32_t next, bool isotropic) {
     return isotropic ? bucket > next : bucket != next;
 }
-/// Sorts the links of a node.
-/// @param links  its row; JetLinks::kBehind more are read
-/// @param next   the bucket behind the batch, as mayPut() has it
-void split(std::span<const JetLink> links, const JetState* state, std::uint32_t next,
-           bool isotropic, JetRows::Row& row);
+/// Sorts the links of nodes.
+/// @param rows  of which the links are set
+/// @param next  the bucket behind the batch, as mayPut() has it
+void split(std::span<JetRows::Row> rows, const JetState* state, std::uint32_t next, bool isotropic);
 
 /// Lays the known neighbors of a group out and pads its lanes. Isotropic metrics only.
 /// @param first, width  values count from the start of this bucket, in units of `weight`
@@ -55,17 +54,27 @@ struct BucketScale {
     BucketScale() = default;
     BucketScale(std::uint32_t bucket, float bucketWidth);
 };
-/// A jet that goes on along links: on a circle about its source, at the mean cost of both ends.
-struct CarriedJet {
-    float u;  ///< beyond the start of the first bucket
-    Vec2f g;
-    float radius;  ///< distance from the source
-    float weight;  ///< of the node
+/// Jets of up to eight nodes that go on along their links: on circles about their sources, at the
+/// mean cost of both ends.
+struct JetsOnLinks {
+    std::size_t size = 0;
+    Lanes u{};  ///< beyond the start of the first bucket
+    Lanes gx{}, gy{};
+    Lanes radius{};  ///< distance from the source
+    Lanes weight{};  ///< of the node
+    std::array<const JetRows::Row*, Lanes::kNodes> row;
+    /// Found by carry(): the first of Row::waiting of each node, the second of each, and so on.
+    alignas(32) std::array<std::array<std::uint32_t, Lanes::kNodes>, JetLinks::kMax> bucket;
+
+    bool empty() const { return size == 0; }
+    void add(float value, Vec2f g, float distance, float cost, const JetRows::Row& links) {
+        u[size] = value, gx[size] = g.x, gy[size] = g.y;
+        radius[size] = distance, weight[size] = cost, row[size++] = &links;
+    }
 };
-/// The buckets of the values that a jet carries to waiting neighbors, or earlier ones if these are
-/// 1e9 buckets away. Isotropic metrics only.
-/// @param bucket  of a size that is a multiple of four
-void carry(const CarriedJet& jet, const BucketScale& scale, const JetRows::Row& row,
-           std::uint32_t* bucket);
+/// Finds the buckets of the values that the jets carry to waiting neighbors, or earlier ones if
+/// these are 1e9 buckets away. Isotropic metrics only.
+/// @param jets  at least one
+void carry(const BucketScale& scale, JetsOnLinks& jets);
 
 }  // namespace igeo
