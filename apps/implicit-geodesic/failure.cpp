@@ -44,7 +44,7 @@ Failure currentFailure() {
         return {exitCodeFor(e.kind()), inOptionWords(e.what()), inOptionWords(e.remedy())};
     } catch (const std::bad_alloc&) {
         return {kFailed, "out of memory",
-                "use a narrower band, a coarser level set, a larger --memory-limit or a larger "
+                "use a narrower band, larger voxels, a larger --memory-limit or a larger "
                 "machine"};
     } catch (const std::filesystem::filesystem_error& e) {
         const std::string what = e.path1().empty() ? "the working folder" : e.path1().string();

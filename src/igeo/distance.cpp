@@ -15,6 +15,16 @@
 
 namespace igeo {
 
+namespace {
+
+/// Voxels times weight; unreached beyond the limit of the march.
+double distanceAt(const Field& field, const SurfacePoint& p) {
+    const double d = sampleDistance(field, p.pIndex, Vec3d(field.band->normal[p.node]));
+    return d <= field.limit ? d : kInfinity;
+}
+
+}  // namespace
+
 const TriangleMesh& requireMesh(const Surface& surface) {
     if (const TriangleMesh* mesh = surface.triangles()) return *mesh;
     throw Error(Error::Kind::InvalidArgument,
@@ -95,14 +105,13 @@ SurfacePoint Distance::nearest(const Vec3d& pWorld, const std::string& what) con
 double Distance::at(const Vec3d& pWorld) const {
     const SurfacePoint p = nearest(pWorld);
     const std::shared_ptr<const Field> field = forPoints(1);
-    return sampleDistance(*field, p.pIndex, Vec3d(band_->normal[p.node])) *
-           signAt(*field, p.pIndex) * band_->transform.dx;
+    return distanceAt(*field, p) * signAt(*field, p.pIndex) * band_->transform.dx;
 }
 
 PointValue Distance::valueAt(const Field& field, const SurfacePoint& p) const {
     const Vec3d normal(band_->normal[p.node]);
     const Arrival arrival = arrivalAt(field, p.pIndex, normal);
-    if (!(arrival.distance < kInfinity)) return {};
+    if (!(arrival.distance < kInfinity) || arrival.distance > field.limit) return {};
     const SurfaceCell cell(*band_, *field.metric, p.pIndex, normal);
     const double sign = signAt(field, p.pIndex);
     const Vec3d gradient = gradientAt(field, arrival, p.pIndex, cell);
@@ -171,10 +180,8 @@ std::vector<double> Distance::atTargets() const {
     parallelFor(distances.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const SurfacePoint& p = targets_[k];
-            distances[k] = p.offSurface
-                               ? std::numeric_limits<double>::quiet_NaN()
-                               : band_->transform.dx *
-                                     sampleDistance(*field, p.pIndex, Vec3d(band_->normal[p.node]));
+            distances[k] = p.offSurface ? std::numeric_limits<double>::quiet_NaN()
+                                        : band_->transform.dx * distanceAt(*field, p);
         }
     });
     return distances;
@@ -198,7 +205,9 @@ openvdb::FloatGrid::Ptr Distance::grid(const std::string& name) const {
     return grid;
 }
 SurfaceMesh Distance::mesh(Progress& progress) const {
-    return inWorld(indexMesh(progress), band_->transform);
+    SurfaceMesh mesh = indexMesh(progress);
+    dropBeyond(mesh, marched()->limit);
+    return inWorld(std::move(mesh), band_->transform);
 }
 SurfaceMesh Distance::indexMesh(Progress& progress) const {
     return surface_.mesh(width_, field(), progress);

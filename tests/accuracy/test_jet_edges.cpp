@@ -118,21 +118,6 @@ struct NotchErrors {
     }
 };
 
-/// The sides of a prism: an outline in x and z, from y = 0 to `width`.
-TriangleMesh prismMesh(const std::vector<std::array<double, 2>>& outline, double width,
-                       const std::function<igeo::Vec3d(double, double, double)>& at) {
-    TriangleMesh mesh;
-    const auto n = std::uint32_t(outline.size());
-    for (const auto& [x, z] : outline)
-        for (const double y : {0.0, width}) mesh.points.push_back(at(x, y, z));
-    for (std::uint32_t k = 0; k < n; ++k) {
-        const std::uint32_t next = (k + 1) % n;
-        mesh.triangles.push_back({2 * k, 2 * k + 1, 2 * next + 1});
-        mesh.triangles.push_back({2 * k, 2 * next + 1, 2 * next});
-    }
-    return mesh;
-}
-
 }  // namespace
 
 TEST_CASE("jet passes sharp edges everywhere along them") {

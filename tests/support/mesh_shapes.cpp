@@ -99,6 +99,20 @@ TriangleMesh plateWithTunnel(double width) {
     return mesh;
 }
 
+TriangleMesh prismMesh(const std::vector<std::array<double, 2>>& outline, double width,
+                       const std::function<Vec3d(double, double, double)>& at) {
+    TriangleMesh mesh;
+    const auto n = std::uint32_t(outline.size());
+    for (const auto& [x, z] : outline)
+        for (const double y : {0.0, width}) mesh.points.push_back(at(x, y, z));
+    for (std::uint32_t k = 0; k < n; ++k) {
+        const std::uint32_t next = (k + 1) % n;
+        mesh.triangles.push_back({2 * k, 2 * k + 1, 2 * next + 1});
+        mesh.triangles.push_back({2 * k, 2 * next + 1, 2 * next});
+    }
+    return mesh;
+}
+
 TriangleMesh moebius(double radius, double width, std::size_t n) {
     const double pi = std::acos(-1.0);
     TriangleMesh mesh = sheet(n, std::max<std::size_t>(2, n / 8), [&](double u, double v) {

@@ -3,9 +3,11 @@
 
 #include <igeo/io/triangle_mesh.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace igeo::test {
 
@@ -25,6 +27,11 @@ TriangleMesh boxMesh(const Vec3d& size);
 
 /// A plate of 20 x 20 x 6 about the origin with a square tunnel of `width` through its middle.
 TriangleMesh plateWithTunnel(double width);
+
+/// The sides of a prism: an outline in x and z, from y = 0 to `width`.
+/// @param at  places a point
+TriangleMesh prismMesh(const std::vector<std::array<double, 2>>& outline, double width,
+                       const std::function<Vec3d(double, double, double)>& at);
 
 /// Moebius strip of a turn of `radius`, `width` across, in n pieces.
 TriangleMesh moebius(double radius, double width, std::size_t n);

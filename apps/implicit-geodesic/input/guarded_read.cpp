@@ -71,7 +71,7 @@ void catchFaults() {
                "  please report this, with the command and its files; no output is half written\n");
     gOutOfMemory.set(std::string(gLineStart) +
                      "implicit-geodesic: error: out of memory\n"
-                     "  use a coarser level set or a larger machine\n");
+                     "  use larger voxels or a larger machine\n");
     std::set_terminate(onTerminate);
     onFault(reportFault, endNow);
 }

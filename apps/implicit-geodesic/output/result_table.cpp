@@ -48,10 +48,14 @@ igeo::Vec3d upOf(const RunOptions& options) {
 
 std::string meshAs(const std::string& ending, RunResult& r) {
     const igeo::Similarity& transform = r.band().transform;
-    if (ending == ".vtp") return igeo::surfaceVtp(r.mesh(), transform);
+    const double limit = r.distance.marched()->limit;
+    igeo::SurfaceMesh within;
+    if (limit < igeo::kInfinity) within = r.mesh(), dropBeyond(within, limit);
+    const igeo::SurfaceMesh& mesh = limit < igeo::kInfinity ? within : r.mesh();
+    if (ending == ".vtp") return igeo::surfaceVtp(mesh, transform);
     if (ending == ".glb")
-        return igeo::surfaceGlb(r.mesh(), transform, linear(r.options), upOf(r.options));
-    return (ending == ".obj" ? igeo::surfaceObj : igeo::surfacePly)(r.mesh(), transform,
+        return igeo::surfaceGlb(mesh, transform, linear(r.options), upOf(r.options));
+    return (ending == ".obj" ? igeo::surfaceObj : igeo::surfacePly)(mesh, transform,
                                                                     srgb(r.options));
 }
 

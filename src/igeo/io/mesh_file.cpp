@@ -280,12 +280,15 @@ void finish(TriangleMesh& mesh) {
         throw Error(Kind::BadInput,
                     fmt::format("'{}' holds {} points and no faces", mesh.file, mesh.points.size()),
                     "give points without faces to readPointCloud");
+    constexpr double kLargest = 1e30;
+    auto allowed = [](double x) { return std::abs(x) <= kLargest; };
     for (const Vec3d& p : mesh.points)
-        if (!std::isfinite(dot(p, p)))
+        if (!allowed(p.x) || !allowed(p.y) || !allowed(p.z))
             throw Error(Kind::BadInput,
-                        fmt::format("'{}' has coordinates that are not finite: {:f}, {:f}, {:f}",
-                                    mesh.file, p.x, p.y, p.z),
-                        "export the mesh again, with coordinates of up to 3.4e38 but for .ply");
+                        fmt::format("'{}' has the point {}, {}, {}: coordinates have to be finite "
+                                    "and between -{:g} and {:g}",
+                                    mesh.file, p.x, p.y, p.z, kLargest, kLargest),
+                        "export the mesh again");
     requireExtent(Box(mesh.points).longestSide(), mesh.file);
     weld(mesh);
     if (mesh.triangles.empty())

@@ -1,6 +1,7 @@
 // Values of a field at points of S: what results and paths read.
 #include <igeo/march/field.h>
 
+#include <igeo/band/detail/chord.h>
 #include <igeo/band/tangent_frame.h>
 #include <igeo/march/detail/circular_front.h>
 #include <igeo/march/detail/fermat_update.h>
@@ -99,7 +100,8 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
             field_.atFootPoints
                 ? alongSurface(s, p_ - at) && d - s.start <= kOtherPath * cost + kBlunt * perVoxel
                 : d - s.start < 1.5 * field_.startRadius * perVoxel;
-        if (along && s.start + cost < least.distance && !metric_.blocked(p_, at, cell_.normal))
+        if (along && s.start + cost < least.distance && !metric_.blocked(p_, at, cell_.normal) &&
+            followsSurface(band_, p_, at))
             least = {&s, s.start + cost};
     });
     return least;

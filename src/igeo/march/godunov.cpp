@@ -46,12 +46,14 @@ double axisCost(const Tensor& g, std::size_t axis) {
 class Godunov {
 public:
     /// @param leastStart of all seeds: heap keys are relative to it, because they are floats
-    Godunov(const Band& band, MetricPtr metric, const GodunovOptions& options, double leastStart)
+    Godunov(const Band& band, MetricPtr metric, const std::vector<SurfacePoint>& seeds,
+            const GodunovOptions& options, double leastStart)
         : band_(band),
           metric_(std::move(metric)),
           anisotropic_(metric_->anisotropic()),
           options_(options),
           leastStart_(leastStart),
+          lines_(seeds, metric_->least()),
           neighbors_(band, *metric_),
           accepted_(band.size() + 1, kInfinity),
           trial_(band.size() + 1, kInfinity),
@@ -110,6 +112,12 @@ private:
     template <int Order>
     double solve(NodeIndex i) const;
 
+    /// The straight line at the least cost is a lower solution of order 1, which is monotone; order
+    /// 2 is not, and goes below it by parts of a voxel.
+    double notBelowLine(NodeIndex i, double value) const {
+        return value < trial_[i] ? std::max(value, lines_.fromAny(Vec3d(band_.ijk(i)))) : value;
+    }
+
     /// Marks the nodes that the early stop waits for.
     void initStopNodes();
 
@@ -118,6 +126,7 @@ private:
     const bool anisotropic_;
     const GodunovOptions& options_;
     const double leastStart_;
+    const StraightLines lines_;
     const FaceNeighbors neighbors_;
     std::vector<SurfacePoint> seeds_;
     std::vector<double> accepted_, trial_;
@@ -180,7 +189,7 @@ void Godunov::march(Progress& progress) {
         }
         for (const NodeIndex j : neighbors_[i])
             if (j != band_.size() && accepted_[j] == kInfinity && !keepsStart(j))
-                lower(j, solve<Order>(j));
+                lower(j, Order == 1 ? solve<1>(j) : notBelowLine(j, solve<Order>(j)));
     }
 }
 
@@ -218,7 +227,7 @@ Field marchGodunov(const Band& band, MetricPtr metric, const std::vector<Surface
     check(band, *metric, seeds, options);
     double leastStart = kInfinity;
     for (const SurfacePoint& seed : seeds) leastStart = std::min(leastStart, seed.start);
-    Godunov march(band, std::move(metric), options, leastStart);
+    Godunov march(band, std::move(metric), seeds, options, leastStart);
     for (const SurfacePoint& seed : seeds) march.start(seed);
     if (options.order == 1)
         march.march<1>(progress);

@@ -46,6 +46,14 @@ public:
             off = off - std::clamp(dot(off, line.along) / line.length2, 0.0, 1.0) * line.along;
         return line.start + leastCost_ * length(off);
     }
+    /// The least over all sources; -infinity where it is known for none or sources are many.
+    double fromAny(const Vec3d& p) const {
+        constexpr std::size_t kFew = 8;
+        double least = lines_.empty() || lines_.size() > kFew ? -kInfinity : kInfinity;
+        for (std::uint32_t s = 0; s < lines_.size() && least > -kInfinity; ++s)
+            least = std::min(least, from(s, p));
+        return least;
+    }
     /// Whether there is one source at most, and no segment.
     bool ofOnePoint() const {
         return lines_.empty() || (lines_.size() == 1 && !(lines_[0].length2 > 0));

@@ -1,5 +1,6 @@
 #include <igeo/path/trace.h>
 
+#include <igeo/band/detail/chord.h>
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
 #include <igeo/path/detail/curve_on_triangles.h>
@@ -44,6 +45,8 @@ private:
     /// Whether a path may pass through a node and continue from it: the value of each node came
     /// from a lower one.
     bool walkable(NodeIndex i) const;
+    /// Whether S joins p with the foot point of a node nearby.
+    bool isOnSheet(const Vec3d& p, NodeIndex i) const;
     /// The node that gives the shortest path from p, of those that no obstacle hides.
     NodeIndex nodeAhead(const Vec3d& p) const;
     NodeIndex lowestNeighbor(NodeIndex i) const;
@@ -116,6 +119,7 @@ bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
         if (ratio > 1) continue;
         const Vec3d free = q;
         if (!projectToSurface(band_, q, sheetNormal_) || length(q - free) > step) continue;
+        if (band_.triangles && !followsSurface(band_, p, q)) continue;
         if (field_.metric->blocked(p, q, sheetNormal_)) return slide(p, k1, step);
         p = q;
         // Third-order local error: the step that just meets the tolerance, with a margin.
@@ -160,6 +164,11 @@ bool Tracer::walkable(NodeIndex i) const {
            field_.at(i).distance < kInfinity;
 }
 
+bool Tracer::isOnSheet(const Vec3d& p, NodeIndex i) const {
+    return !band_.triangles || !(band_.facing[i] & Band::kBesideSevered) ||
+           followsSurface(band_, p, band_.footPoint(i));
+}
+
 NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
     // Farther off, a chord may cut the edge or cross the wall between.
     constexpr double kFar = 2;  // voxels
@@ -171,7 +180,7 @@ NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
                     const NodeIndex j = band_.nodeAt(middle + Ijk{x, y, z});
                     if (j != kNoNode && walkable(j) &&
                         dot(Vec3f(sheetNormal_), band_.normal[j]) >= Band::kOtherSheet &&
-                        !field_.metric->blocked(band_, p, sheetNormal_, j))
+                        !field_.metric->blocked(band_, p, sheetNormal_, j) && isOnSheet(p, j))
                         visit(j, length(band_.footPoint(j) - p));
                 }
     };
@@ -216,6 +225,8 @@ void Tracer::append(Path& path, const Vec3d& p, double d) const {
 
 void Tracer::appendBetween(Path& path, const Vec3d& p, double d) const {
     const PathVertex from = path.vertices.back();
+    // A bridge may lead around a wall.
+    if (band_.triangles && !followsSurface(band_, from.pIndex, p)) return;
     const double chord = length(p - from.pIndex);
     const int segments = int(std::ceil(chord / options_.maxStep));
     for (int k = 1; k < segments; ++k) {
@@ -243,7 +254,8 @@ const SurfacePoint* Tracer::straightAhead(const Vec3d& p, double d) const {
                 ? length(end - p) < field_.startRadius
                 : std::abs(dot(sheetNormal_, end - p)) <= kRise &&
                       cost <= field_.startRadius * field_.metric->inPlane(frame, s.node).largest();
-        if (near && !field_.metric->blocked(p, end, sheetNormal_)) ahead = &s;
+        if (near && !field_.metric->blocked(p, end, sheetNormal_) && followsSurface(band_, p, end))
+            ahead = &s;
     };
     if (isotropic)
         field_.seedsNear.forNear(p, [&](std::size_t k) { look(field_.seeds[k]); });
@@ -267,7 +279,7 @@ void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
     const int segments = std::max(1, int(std::ceil(length(line) / options_.maxStep)));
     for (int k = 1; k < segments; ++k) {
         Vec3d p = from + (double(k) / segments) * line;
-        projectToSurface(band_, p, sheetNormal_);
+        projectToSurface(band_, p, Vec3d(band_.normal[seed.node]));
         // In a groove a point of the line may be projected to the wall behind the last point.
         d = std::min(d, seed.start + costToSeed(field_, seed, p, sheetNormal_));
         append(path, p, d);
@@ -333,8 +345,8 @@ Path Tracer::trace(const SurfacePoint& target) {
     }
     sheetNormal_ = Vec3d(band_.normal[target.node]);
     const Arrival arrival = arrivalAt(field_, target.pIndex, sheetNormal_);
+    if (!(arrival.distance < kInfinity) || arrival.distance > field_.limit) return path;
     path.distance = arrival.distance;
-    if (!(arrival.distance < kInfinity)) return path;
     State at{target.pIndex, arrival.distance, arrival.seed, options_.maxStep / 4, kNoNode};
     append(path, at.p, at.d);
     if (const SurfacePoint* seed = regionAround(arrival)) {

@@ -124,6 +124,14 @@ void sampleDistances(SurfaceMesh& mesh, const Field& field, Progress& progress) 
     }
 }
 
+void dropBeyond(SurfaceMesh& mesh, double limit) {
+    for (std::size_t i = 0; i < mesh.distance.size(); ++i) {
+        if (mesh.distance[i] <= limit) continue;
+        mesh.distance[i] = kInfinity, mesh.label[i] = kNoLabel;
+        if (!mesh.gradient.empty()) mesh.gradient[i] = {};
+    }
+}
+
 void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {
     const std::size_t n = mesh.position.size();
     mesh.normal = vertexNormals(mesh);

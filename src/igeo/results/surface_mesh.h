@@ -53,6 +53,10 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band,
 /// @throws Error  Cancelled through `progress`
 void sampleDistances(SurfaceMesh& mesh, const Field& field, Progress& progress = Progress::none());
 
+/// Makes the vertices beyond a limit of the march unreached. Next to it the others are
+/// extrapolated, by up to some voxels, so that isolines and cells end at the limit.
+void dropBeyond(SurfaceMesh& mesh, double limit);
+
 /// Fills normal, distance, label and gradient of a mesh on S from its positions and triangles.
 /// @throws Error  Cancelled through `progress`
 void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress = Progress::none());

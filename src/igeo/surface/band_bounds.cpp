@@ -52,8 +52,8 @@ double requireBandWidth(double h, const BandBounds& bounds, double dx) {
                     bounds.upper * dx, bounds.upper, bounds.why),
         bounds.resolved
             ? "leave SolverOptions::band out for the best width within the bounds"
-            : "the grid resolves no wider band: leave SolverOptions::band out, or use a "
-              "finer level set");
+            : "the voxels resolve no wider band: leave SolverOptions::band out, or take smaller "
+              "voxels");
 }
 
 }  // namespace igeo

@@ -136,10 +136,11 @@ LevelSet levelSetFromBand(const Band& band, bool closed, const std::string& file
     if (closed) openvdb::tools::signedFloodFill(grid.tree());
     LevelSet made = describeLevelSet(std::move(loaded), progress);
     if (made.stats.gradientShare < kMostlySmooth)
-        made.warnings.push_back(
-            fmt::format("as a level set, which some results need, {} is rough on {:.0f} % of its "
-                        "voxels: it has thin parts or sharp edges there; smaller voxels show them",
-                        name, 100 * (1 - made.stats.gradientShare)));
+        made.warnings.push_back(fmt::format(
+            "some results need {} as a level set, which is no exact distance on {:.0f} % "
+            "of its voxels, next to thin parts and sharp edges; smaller voxels show "
+            "these",
+            name, 100 * (1 - made.stats.gradientShare)));
     return made;
 }
 

@@ -148,6 +148,25 @@ std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
     return rim;
 }
 
+/// Adds the nodes next to another component, for the core: where two lie closer than a voxel, with
+/// normals alike, the nodes beyond both are the nearest of one, and its core would be empty.
+void addBesideOthers(const MeshBand& on, std::vector<NodeIndex>& rim) {
+    if (on.adjacency.components() < 2) return;
+    const Band& band = on.band;
+    auto component = [&](NodeIndex i) { return on.adjacency.componentOf(on.voxel(i).triangle); };
+    for (NodeIndex i = 0; i < band.size(); ++i) {
+        const Vec3f n = band.normal[i];
+        const float most = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
+        if (std::abs(band.psi[i]) > most) continue;
+        for (int face = 0; face < 6; ++face) {
+            const NodeIndex j = band.neighbor(i, Band::faceStep(face));
+            if (j == kNoNode || component(i) == component(j)) continue;
+            rim.push_back(i);
+            break;
+        }
+    }
+}
+
 }  // namespace
 
 Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress, double gap) {
@@ -177,11 +196,12 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
             Error::Kind::BadInput,
             "no voxel comes to lie on the mesh: it is smaller than one (" + given.file + ")",
             "take smaller voxels");
-    const std::vector<NodeIndex> rim = fillNodes(normals, nearLeaves, band);
+    std::vector<NodeIndex> rim = fillNodes(normals, nearLeaves, band);
     progress.throwIfCancelled();
     band.markFacing();
     const MeshAdjacency adjacency(mesh, topology);
     const MeshBand on{adjacency, normals.ofFace, nearLeaves, band};
+    addBesideOthers(on, rim);
     band.numberCore(rim);
     band.sever(linksOffMesh(on, progress));
     band.bridge(bridgesOnMesh(on, progress));

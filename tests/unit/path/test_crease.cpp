@@ -25,15 +25,15 @@ struct Miss {
 
 /// @param exact(start, direction, length)  where a walk ends that starts on top
 template <typename Exact>
-Miss missOf(const Shape& shape, double dx, double top, const Exact& exact) {
-    const auto transform = rotatedTransform(dx, {1, 2, 3}, 20, {0.1, 0.2, 0.3});
-    const LevelSet levelSet = checkedLevelSet(makeLevelSet(shape, *transform, 3));
+void addMisses(const Shape& shape, const openvdb::math::Transform& transform, double top,
+               const Exact& exact, Miss& miss) {
+    const double dx = transform.voxelSize()[0];
+    const LevelSet levelSet = checkedLevelSet(makeLevelSet(shape, transform, 3));
     const Band band = bandFromLevelSet(levelSet, std::sqrt(3.0));
     const Similarity& t = band.transform;
     std::mt19937 random(5);
     std::uniform_real_distribution<double> uniform(-1, 1);
-    Miss miss;
-    while (miss.walks < 24) {
+    for (const int all = miss.walks + 24; miss.walks < all;) {
         const Vec3d from{0.5 + 0.15 * uniform(random), 0.5 + 0.15 * uniform(random), top};
         const double angle = 4 * uniform(random);
         const Vec3d direction{std::cos(angle), std::sin(angle), 0};
@@ -48,6 +48,15 @@ Miss missOf(const Shape& shape, double dx, double top, const Exact& exact) {
         REQUIRE(path.length == Approx(length / dx));
         miss.add(igeo::length(t.worldFromIndex(path.vertices.back().pIndex) - end) / dx);
     }
+}
+
+template <typename Exact>
+Miss missOf(const Shape& shape, double dx, double top, const Exact& exact) {
+    Miss miss;
+    for (int turn = 0; turn < 6; ++turn)
+        addMisses(shape,
+                  *rotatedTransform(dx, {1, 2.0 - 0.7 * turn, 3}, 20 + 66 * turn, {0.1, 0.2, 0.3}),
+                  top, exact, miss);
     miss.mean /= miss.walks;
     return miss;
 }
@@ -72,11 +81,11 @@ TEST_CASE("shoot: over the edges of a box, voxels off after a walk of 0.55") {
         return false;
     };
     // Over a rounded edge they would be 2.8 and 12 voxels off.
-    for (const auto& [n, most] : {std::pair(64, 0.47), std::pair(128, 1.05)}) {
+    for (const auto& [n, most] : {std::pair(64, 0.014), std::pair(128, 0.48)}) {
         const Miss m = missOf(box(kCenter, {half.x, half.y, half.z}), 1.0 / n, 0.8, exact);
         std::printf("shoot over edges of a box, N = %d: mean %.3f, worst %.3f voxels\n", n, m.mean,
                     m.worst);
-        CHECK(m.worst < most);  // measured 0.31, 0.70
+        CHECK(m.worst < most);  // measured 0.009, 0.32; 0.67, 1.02 with nodes beside the edge
     }
 }
 
@@ -95,11 +104,11 @@ TEST_CASE("shoot: over the rim of a cylinder, voxels off after a walk of 0.55") 
         return true;
     };
     // Over a rounded edge they would be 3.1 and 14 voxels off.
-    for (const auto& [n, most] : {std::pair(64, 0.98), std::pair(128, 1.13)}) {
+    for (const auto& [n, most] : {std::pair(64, 0.24), std::pair(128, 0.96)}) {
         const Miss m = missOf(cylinder(kCenter, radius, halfHeight), 1.0 / n, 0.8, exact);
         std::printf("shoot over the rim of a cylinder, N = %d: mean %.3f, worst %.3f voxels\n", n,
                     m.mean, m.worst);
-        CHECK(m.worst < most);  // measured 0.65, 0.75
+        CHECK(m.worst < most);  // measured 0.15, 0.64
     }
 }
 

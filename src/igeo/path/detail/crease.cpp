@@ -1,5 +1,6 @@
 #include <igeo/path/detail/crease.h>
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 #include <optional>
@@ -34,6 +35,8 @@ public:
     Local operator()(const Vec3d& q, const Vec3d&) const { return {true, height(q), normal(q)}; }
 
 private:
+    /// Keeps the nodes of a plane, if most lie on one: those beside the crease tilt it.
+    void keepPlane();
     void fit();
     bool dropOutliers();
 
@@ -65,12 +68,30 @@ SheetFit::SheetFit(const Band& band, const Vec3d& center, const Vec3d& n, int si
                 normals_.push_back(Vec3d(band.normal[i]));
             }
     if (feet_.size() < kFew) return;
+    keepPlane();
     fit();
     while (dropOutliers()) {
         if (feet_.size() < kFew) return;
         fit();
     }
     valid_ = true;
+}
+
+void SheetFit::keepPlane() {
+    constexpr double kSame = 0.002, kOff = 0.01;  // of normals; voxels
+    std::vector<std::size_t> most;
+    for (std::size_t k = 0; k < feet_.size(); ++k) {
+        std::vector<std::size_t> alike;
+        for (std::size_t i = 0; i < feet_.size(); ++i)
+            if (length(normals_[i] - normals_[k]) < kSame &&
+                std::abs(dot(feet_[i] - feet_[k], normals_[k])) < kOff)
+                alike.push_back(i);
+        if (alike.size() > most.size()) most = std::move(alike);
+    }
+    if (2 * most.size() <= feet_.size()) return;
+    std::vector<Vec3d> feet, normals;
+    for (const std::size_t i : most) feet.push_back(feet_[i]), normals.push_back(normals_[i]);
+    feet_ = std::move(feet), normals_ = std::move(normals);
 }
 
 /// Least squares, component by component.
@@ -96,14 +117,20 @@ void SheetFit::fit() {
     constant_ = mean - u * slope_[0] - v * slope_[1];
 }
 
-/// Removes the node with the largest error of the normal, if that is too large.
+/// Removes the node with the largest error of the normal, if that is too large: by itself, or
+/// beside the errors of most.
 bool SheetFit::dropOutliers() {
-    constexpr double kOff = 0.05;
-    double most = kOff;
+    constexpr double kOff = 0.05, kTimes = 3, kLeast = 0.002;
+    std::vector<double> off;
+    for (std::size_t k = 0; k < feet_.size(); ++k)
+        off.push_back(length(normals_[k] - normal(feet_[k])));
+    std::vector<double> sorted = off;
+    const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    double most = std::clamp(kTimes * *middle, kLeast, kOff);
     std::size_t worst = feet_.size();
     for (std::size_t k = 0; k < feet_.size(); ++k)
-        if (const double off = length(normals_[k] - normal(feet_[k])); off > most)
-            most = off, worst = k;
+        if (off[k] > most) most = off[k], worst = k;
     if (worst == feet_.size()) return false;
     feet_.erase(feet_.begin() + std::ptrdiff_t(worst));
     normals_.erase(normals_.begin() + std::ptrdiff_t(worst));

@@ -1,0 +1,42 @@
+#include <igeo/band/detail/chord.h>
+
+namespace igeo {
+
+namespace {
+
+/// The length of a path on S between two points, by halving the chord; +infinity where none is
+/// found.
+double lengthAlong(const Band& band, const Vec3d& a, const Vec3d& b, int halvings) {
+    constexpr double kStep = 0.75;  // voxels
+    const double chord = length(b - a);
+    if (chord <= kStep) return chord;
+    Vec3d middle = 0.5 * (a + b);
+    if (halvings == 0 || !projectToSurface(band, middle)) return kInfinity;
+    return lengthAlong(band, a, middle, halvings - 1) + lengthAlong(band, middle, b, halvings - 1);
+}
+
+/// Whether psi is 0 along the chord, or nearly so: also along a crease, where Newton's steps of a
+/// projection fail.
+bool nearlyOnPsi(const Band& band, const Vec3d& a, const Vec3d& b) {
+    constexpr double kOff = 0.3;  // voxels
+    for (const double t : {0.25, 0.5, 0.75}) {
+        const PsiSample s = samplePsi(band, a + t * (b - a));
+        if (!s.valid || std::abs(s.psi) > kOff) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+bool followsSurface(const Band& band, const Vec3d& a, const Vec3d& b) {
+    constexpr double kLonger = 1.1, kRoom = 0.1, kOn = 0.5;  // kRoom, kOn: voxels
+    const double chord = length(b - a);
+    if (!band.triangles)
+        return nearlyOnPsi(band, a, b) ||
+               lengthAlong(band, a, b, /*halvings=*/4) <= kLonger * chord + kRoom;
+    const auto from = band.triangles->nearest(a, kOn), to = band.triangles->nearest(b, kOn);
+    return from.triangle != SurfaceTriangles::kNone && to.triangle != SurfaceTriangles::kNone &&
+           band.triangles->joins(from, to, kLonger / 2 * chord + kRoom);
+}
+
+}  // namespace igeo

@@ -1,0 +1,14 @@
+/// Chords between points of S. Internal to the band and to what reads fields.
+#pragma once
+
+#include <igeo/band/band.h>
+
+namespace igeo {
+
+/// Whether S runs along the chord between two points of it: no wall or gap lies between, and S
+/// leads from one to the other by a path at most a tenth longer. On a mesh the triangles decide;
+/// elsewhere the middles of the chord and of its parts, each moved to psi = 0.
+/// @param b  within some voxels of a; both may be some tenths of a voxel off S
+bool followsSurface(const Band& band, const Vec3d& a, const Vec3d& b);
+
+}  // namespace igeo
