@@ -481,7 +481,7 @@ Field JetMarch::take() {
     field.scheme = "jet";
     field.startRadius = options_.startRadius;
     field.stoppedEarly = stopped_ || options_.below;
-    field.limit = jets_.limit;
+    field.limit = options_.maxDistance;
     field.lines = jets_.seeds.lines;
     field.solved = accepted_;
     field.fallbackCount = byFallback_;

@@ -37,7 +37,7 @@ struct RaySearch {
     /// @param curvature  of the front at its end
     void take(double value, float angle, float curvature) {
         constexpr int kMostRays = 4;
-        constexpr float kGain = 1e-3f, kSureGain = 4e-3f, kFlat = 0.02f, kMostTurn = 0.7f;
+        constexpr float kGain = 3e-4f, kSureGain = 4e-3f, kFlat = 0.02f, kMostTurn = 0.7f;
         const bool isFirst = ++rays == 1;
         const float slope = isFirst ? -1 - kLength * curvature : (angle - off) / turn,
                     least = isFirst ? 1 : kFlat;
