@@ -19,6 +19,14 @@ struct Straight {
     double distance = kInfinity;
 };
 
+/// A point on the triangles or beside them; then on those of its sheet.
+SurfaceTriangles::Place placeOf(const SurfaceTriangles& triangles, const Vec3d& p,
+                                const Vec3d& sheetNormal) {
+    constexpr double kOn = 1e-3;  // voxels
+    const SurfaceTriangles::Place at = triangles.nearest(p);
+    return at.squared < kOn * kOn ? at : triangles.nearest(p, kInfinity, sheetNormal);
+}
+
 /// Reads a field at a point of S.
 class Reader {
 public:
@@ -32,7 +40,7 @@ public:
           cell_(band_, metric_, pIndex, sheetNormal),
           corner_(known ? known->at(cell_.node) : field.at(cell_.node)),
           onMesh_(field.atFootPoints && band_.triangles && !metric_.anisotropic()
-                      ? band_.triangles->nearest(pIndex, kInfinity, cell_.normal)
+                      ? placeOf(*band_.triangles, pIndex, cell_.normal)
                       : SurfaceTriangles::Place{}),
           thin_(onMesh_.triangle != SurfaceTriangles::kNone && hasThinWalls(band_, cell_)) {}
 
@@ -63,8 +71,8 @@ private:
     /// Whether the straight line to a seed runs along S: over no edge, and not across a gap or
     /// through a wall (seedNeighborhoodJet). A seed on an edge lies in the planes of both faces.
     bool alongSurface(const SurfacePoint& seed, const Vec3d& chord) const;
-    /// The length of a walk to a seed over edges of a mesh; +infinity: none as short as a disc.
-    double walkFromSeed(const SurfacePoint& seed, const Vec3d& at) const;
+    /// The length of a walk from a seed over edges of a mesh; +infinity: none within a disc.
+    double walkFrom(const Vec3d& at) const;
     Arrival arrival(double d, const Straight& disc, std::uint32_t source) const;
     /// The first arrival, or the disc of a seed so close to others that no node is nearest to it.
     Arrival orBetweenNodes(const Arrival& first) const;
@@ -88,7 +96,7 @@ private:
     const Metric& metric_;
     const Vec3d p_;
     const SurfaceCell cell_;
-    const std::array<NodeJet, 8> corner_;  ///< of the cell; unreached: +infinity
+    const std::array<NodeJet, 8> corner_;   ///< of the cell; unreached: +infinity
     const SurfaceTriangles::Place onMesh_;  ///< of jet's points without tensors
     const bool thin_;                       ///< walls of a mesh are as thin as the cell
 };
@@ -103,18 +111,17 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
         const Vec3d at = s.nearestTo(p_);
         const double r = length(p_ - at);
         if (!(r < field_.startRadius) || !isOf(k)) return;
-        const bool flat = alongSurface(s, p_ - at);
+        const bool flat = field_.atFootPoints && alongSurface(s, p_ - at);
         const bool walks = onMesh_.triangle != SurfaceTriangles::kNone && (thin_ || !flat);
         const double cost =
-            walks ? s.weight * walkFromSeed(s, at) : costToSeed(field_, s, p_, cell_.normal);
+            walks ? s.weight * walkFrom(at) : costToSeed(field_, s, p_, cell_.normal);
         const double perVoxel = metric_.anisotropic() && r > 0 ? cost / r : s.weight;
-        const bool along =
-            walks ? cost < kInfinity
-            : field_.atFootPoints
-                ? flat && d - s.start <= kOtherPath * cost + kBlunt * perVoxel
-                : d - s.start < 1.5 * field_.startRadius * perVoxel;
+        const bool along = walks ? cost < kInfinity
+                           : field_.atFootPoints
+                               ? flat && d - s.start <= kOtherPath * cost + kBlunt * perVoxel
+                               : d - s.start < 1.5 * field_.startRadius * perVoxel;
         if (along && s.start + cost < least.distance && !metric_.blocked(p_, at, cell_.normal) &&
-            followsSurface(band_, p_, at))
+            (walks || followsSurface(band_, p_, at)))
             least = {&s, s.start + cost};
     });
     return least;
@@ -126,9 +133,8 @@ bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
            std::abs(dot(cell_.normal, chord)) < kInPlane * length(chord);
 }
 
-double Reader::walkFromSeed(const SurfacePoint& seed, const Vec3d& at) const {
-    const auto from =
-        band_.triangles->nearest(at, kInfinity, Vec3d(band_.normal[seed.node]));
+double Reader::walkFrom(const Vec3d& at) const {
+    const auto from = band_.triangles->nearest(at);
     return ShortWalk(*band_.triangles)
         .tightLength({from.triangle, from.point}, {onMesh_.triangle, onMesh_.point},
                      field_.startRadius);
@@ -306,8 +312,8 @@ Arrival Reader::byJets() const {
             first = a;
     };
     if (thin_) {
-        const CoreByWalks around(field_, onMesh_);
-        for (const std::uint32_t own : around.sources()) consider(own, around.first(own));
+        const JetsByWalks around = coreByWalks(field_, onMesh_);
+        for (const std::uint32_t own : around.sources()) consider(own, around.first(own).distance);
         // A seed that is nearer than any node of its sheet.
         const Straight disc = straight(first.distance, [](std::size_t) { return true; });
         if (disc.distance < first.distance)

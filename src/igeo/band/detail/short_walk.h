@@ -32,7 +32,7 @@ inline Vec3d leastSum(const Vec3d& a, const Vec3d& b, const Vec3d& p, const Vec3
 
 /// The ends of a walk.
 struct WalkEnds {
-    double length = kInfinity;  ///< of the walk; +infinity: there is none
+    double length = kInfinity;          ///< of the walk; +infinity: there is none
     std::uint32_t first = 0, last = 0;  ///< the triangles in which it begins and ends
     Vec3d out, in;                      ///< unit directions of travel there; 0 for no length
     bool mirrored = false;  ///< the normals of the two triangles are on different sides of the walk
@@ -107,8 +107,8 @@ void ShortWalk<Mesh>::leave(std::uint32_t triangle, const Vec3d& at, double walk
                             std::uint32_t entry, std::size_t before) {
     for (std::uint32_t k = 0; k < 3; ++k) {
         if (k == entry) continue;
-        const Vec3d next = leastSum(mesh_.corner(triangle, k), mesh_.corner(triangle, k + 1),
-                                    from_.at, to_.at);
+        const Vec3d next =
+            leastSum(mesh_.corner(triangle, k), mesh_.corner(triangle, k + 1), from_.at, to_.at);
         const double there = walked + igeo::length(next - at),
                      bound = there + igeo::length(to_.at - next);
         if (bound > most_) continue;
@@ -167,9 +167,8 @@ double ShortWalk<Mesh>::tightLength(const MeshPoint& from, const MeshPoint& to, 
         Vec3d last = to.at;
         for (std::size_t k = 0; k < way.size(); ++k) {
             const Vec3d next = k + 1 < way.size() ? way[k + 1].at : from.at;
-            way[k].at =
-                leastSum(mesh_.corner(way[k].triangle, way[k].edge),
-                         mesh_.corner(way[k].triangle, way[k].edge + 1), last, next);
+            way[k].at = leastSum(mesh_.corner(way[k].triangle, way[k].edge),
+                                 mesh_.corner(way[k].triangle, way[k].edge + 1), last, next);
             sum += igeo::length(way[k].at - last);
             last = way[k].at;
         }

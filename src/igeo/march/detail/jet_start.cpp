@@ -62,7 +62,7 @@ private:
         // On a mesh also nodes on the next face of a sharp edge.
         constexpr double kNear = 2;  // voxels
         if (band.triangles) {
-            const auto at = band.triangles->nearest(seed_.pIndex, kInfinity, Vec3d(sheetNormal));
+            const auto at = band.triangles->nearest(seed_.pIndex);
             visitWithin(2, [&](NodeIndex j, const JetNode& node) {
                 return length(core_.footOf(node) - seed_.pIndex) < kNear && meshJoins(band, at, j);
             });
@@ -115,8 +115,9 @@ private:
         if (step.walked > kDetour * r + kRoom) return false;
         if (r < least_) least_ = r, nearest_ = i;
         Solved s;
-        if (!seedNeighborhoodJet(core_, seeds_, k_, core_.nodes[i].facing, core_.localFrame(i), foot,
-                                 s)) return false;
+        if (!seedNeighborhoodJet(core_, seeds_, k_, core_.nodes[i].facing, core_.localFrame(i),
+                                 foot, s))
+            return false;
         found_.emplace_back(i, s);
         return true;
     }
@@ -138,7 +139,7 @@ Vec3f normalAt(const Band& band, const SurfacePoint& seed) {
     const Vec3f ofNode = band.normal[seed.node];
     if (band.triangles) {
         // Beside an edge the gradient of psi is between the normals of both faces.
-        const auto at = band.triangles->nearest(p, kInfinity, Vec3d(ofNode));
+        const auto at = band.triangles->nearest(p);
         const Vec3d n = band.triangles->normal(at.triangle);
         return n == Vec3d{} ? ofNode : Vec3f(n);
     }
@@ -171,15 +172,15 @@ namespace {
 
 /// The jet of a foot point over edges of a mesh, by a walk on the triangles.
 /// @return false without a walk within the start disc
-bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
-               const LocalFrame& local, const Vec3d& foot, Solved& s) {
+bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, const LocalFrame& local,
+               const Vec3d& foot, Solved& s) {
     const SurfaceTriangles& triangles = *core.band.triangles;
     const SurfacePoint& seed = seeds.points[k];
     const Vec3f& normal = local.frame.normal();
-    const auto from = triangles.nearest(seed.nearestTo(foot), kInfinity, Vec3d(seeds.normal[k])),
+    const auto from = triangles.nearest(seed.nearestTo(foot)),
                to = triangles.nearest(foot, kInfinity, Vec3d(normal));
-    const WalkEnds way = ShortWalk(triangles).ends({from.triangle, from.point},
-                                                   {to.triangle, foot}, seeds.startRadius);
+    const WalkEnds way = ShortWalk(triangles).ends({from.triangle, from.point}, {to.triangle, foot},
+                                                   seeds.startRadius);
     if (!(way.length < kInfinity)) return false;
     s = {seed.start + (seed.weight + local.weight) / 2 * way.length, {}, seeds.source[k]};
     const Vec2f in = local.frame.flat(Vec3f(way.in));

@@ -8,7 +8,7 @@ namespace igeo {
 
 namespace {
 
-constexpr double kLongestWalk = 3;  // voxels
+constexpr double kFarthest = 3, kLongestWalk = 5;  // voxels; longer between pages
 
 /// A core node near a point.
 struct Near {
@@ -28,8 +28,7 @@ std::vector<Near> coreNear(const Field& field, const Vec3d& p) {
         for (int y = -kReach; y <= kReach + 1; ++y)
             for (int z = -kReach; z <= kReach + 1; ++z) {
                 const NodeIndex i = band.nodeAt(low + Ijk{x, y, z});
-                if (i != kNoNode && band.inCore(i) &&
-                    length(band.footPoint(i) - p) < kLongestWalk)
+                if (i != kNoNode && band.inCore(i) && length(band.footPoint(i) - p) < kFarthest)
                     nodes.push_back(i);
             }
     std::vector<NodeJet> jets(nodes.size());
@@ -50,79 +49,83 @@ std::vector<Near> coreNear(const Field& field, const Vec3d& p) {
 }  // namespace
 
 bool hasThinWalls(const Band& band, const BandCell& cell) {
-    return band.triangles &&
-           std::all_of(cell.node.begin(), cell.node.end(), [](auto i) { return i == kNoNode; }) |
-               std::any_of(cell.node.begin(), cell.node.end(), [&](NodeIndex i) {
-                   return i != kNoNode && band.facing[i] & Band::kBesideSevered;
-               });
+    return band.triangles && std::all_of(cell.node.begin(), cell.node.end(), [](auto i) {
+                                 return i == kNoNode;
+                             }) | std::any_of(cell.node.begin(), cell.node.end(), [&](NodeIndex i) {
+                                 return i != kNoNode && band.facing[i] & Band::kBesideSevered;
+                             });
 }
 
-CoreByWalks::CoreByWalks(const Field& field, const SurfaceTriangles::Place& place) {
+double JetsByWalks::add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
+                        double most) {
     constexpr double kOneFace = 0.8;  // 37 degrees
-    constexpr double kAround = 1;     // voxels: beside the nodes from which the front comes
-    const Band& band = *field.band;
-    const Metric& metric = *field.metric;
-    const SurfaceTriangles& triangles = *band.triangles;
-    std::vector<Vec3d> faceNormal;
-    ShortWalk walk(triangles);
-    double first = kInfinity;
-    for (const Near& near : coreNear(field, place.point)) {
-        if (near.least > first + kAround * here_ || nodes_.size() == JetNeighbors::kMax) break;
-        const Vec3d up(band.normal[near.node]);
-        const auto from = triangles.nearest(near.foot, kInfinity, up);
-        const WalkEnds way =
-            walk.ends({from.triangle, near.foot}, {place.triangle, place.point}, kLongestWalk);
-        if (!(way.length < kInfinity)) continue;
-        if (nodes_.empty()) here_ = metric.at(near.node);
-        Node node{{}, kNoFace, near.jet.label};
-        node.jet.u = near.jet.distance / here_;
-        const double cost = (1 + metric.at(near.node) / here_) / 2 * way.length;
-        first = std::min(first, here_ * (node.jet.u + cost));
-        const Vec3d normal = triangles.normal(way.last), start = triangles.normal(way.first);
-        if (!way.straight || normal == Vec3d{} || start == Vec3d{}) {
-            node.jet.a = {float(cost), 0};
-            nodes_.push_back(node);
-            continue;
-        }
-        node.face = 0;
-        while (node.face < faceNormal.size() && dot(faceNormal[node.face], normal) < kOneFace)
-            ++node.face;
-        if (node.face == faceNormal.size()) faceNormal.push_back(normal);
-        // The angle between walk and direction of travel is the same at both ends.
-        const Vec3d own = dot(start, up) < 0 ? -1 * up : up,
-                    g = normalized(turned(Vec3d(near.jet.gradient), own, start));
-        const double along = dot(g, way.out), side = dot(g, cross(start, way.out)),
-                     across = way.mirrored ? -side : side;
-        const TangentFrame frame{Vec3f(faceNormal[node.face])};
-        Vec2f to = frame.flat(Vec3f(way.in));
-        to = length(to) > 0 ? (1 / length(to)) * to : Vec2f{1, 0};
-        node.jet.a = float(cost) * to;
-        node.jet.g = float(along) * to + float(across) * Vec2f{-to.y, to.x};
-        nodes_.push_back(node);
+    const auto from = triangles_.nearest(foot, kInfinity, normal);
+    const WalkEnds way = walk_.ends({from.triangle, foot}, at_, most);
+    if (!(way.length < kInfinity)) return kInfinity;
+    const double cost = (1 + weight / here_) / 2 * way.length;
+    Carried carried{{{float(cost), 0}, {}, jet.distance / here_}, kNoFace, jet.label};
+    const Vec3d up = triangles_.normal(way.last), start = triangles_.normal(way.first);
+    if (way.straight && up != Vec3d{} && start != Vec3d{}) {
+        std::size_t& face = carried.face = 0;
+        while (face < faceNormal_.size() && dot(faceNormal_[face], up) < kOneFace) ++face;
+        if (face == faceNormal_.size()) faceNormal_.push_back(up);
+        // The normal of the band may be opposite to that of the triangle.
+        const Vec3d own = dot(start, normal) < 0 ? -1 * normal : normal,
+                    g = normalized(turned(Vec3d(jet.gradient), own, start));
+        const double left = dot(g, cross(start, way.out));
+        const Vec2f in = TangentFrame(Vec3f(faceNormal_[face])).flat(Vec3f(way.in));
+        const Vec2f to = length(in) > 0 ? (1 / length(in)) * in : Vec2f{1, 0};
+        carried.jet.a = float(cost) * to;
+        carried.jet.g =
+            float(dot(g, way.out)) * to + float(way.mirrored ? -left : left) * Vec2f{-to.y, to.x};
     }
-    faces_ = faceNormal.size();
+    jets_.push_back(carried);
+    return jet.distance + here_ * cost;
 }
 
-std::vector<std::uint32_t> CoreByWalks::sources() const {
+std::vector<std::uint32_t> JetsByWalks::sources() const {
     std::vector<std::uint32_t> all;
-    for (const Node& node : nodes_) all.push_back(node.source);
+    for (const Carried& carried : jets_) all.push_back(carried.source);
     std::sort(all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
     return all;
 }
 
-double CoreByWalks::first(std::uint32_t source) const {
-    double least = kInfinity;
-    for (std::size_t face = 0; face < faces_; ++face) {
+JetsByWalks::First JetsByWalks::first(std::uint32_t source) const {
+    First first;
+    for (std::size_t face = 0; face < faceNormal_.size(); ++face) {
         JetNeighbors all;
-        for (const Node& node : nodes_)
-            if (node.source == source && node.face == face) all.add(node.jet);
-        if (all.count() > 0) least = std::min(least, fermatUpdate(all).u);
+        for (const Carried& carried : jets_)
+            if (carried.source == source && carried.face == face &&
+                all.count() < JetNeighbors::kMax)
+                all.add(carried.jet);
+        if (all.count() == 0) continue;
+        const Jet jet = fermatUpdate(all);
+        if (const double d = here_ * jet.u; d < first.distance)
+            first = {d, Vec3d(TangentFrame(Vec3f(faceNormal_[face])).lift(jet.g)),
+                     faceNormal_[face]};
     }
-    for (const Node& node : nodes_)
-        if (node.source == source && node.face == kNoFace)
-            least = std::min(least, node.jet.u + double(length(node.jet.a)));
-    return here_ * least;
+    for (const Carried& carried : jets_)
+        if (carried.source == source && carried.face == kNoFace)
+            if (const double d = here_ * (carried.jet.u + double(length(carried.jet.a)));
+                d < first.distance)
+                first = {d, {}, {}};
+    return first;
+}
+
+JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at) {
+    constexpr double kAround = 1;  // voxels: beside the nodes from which the front comes
+    const Band& band = *field.band;
+    const std::vector<Near> nodes = coreNear(field, at.point);
+    const double here = nodes.empty() ? 1 : field.metric->at(nodes.front().node);
+    JetsByWalks jets(*band.triangles, at, here);
+    double first = kInfinity;
+    for (const Near& near : nodes) {
+        if (near.least > first + kAround * here) break;
+        first = std::min(first, jets.add(near.foot, Vec3d(band.normal[near.node]), near.jet,
+                                         field.metric->at(near.node), kLongestWalk));
+    }
+    return jets;
 }
 
 }  // namespace igeo

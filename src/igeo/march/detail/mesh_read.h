@@ -1,12 +1,13 @@
-/// Jets read at points of a mesh over short walks on its triangles, for scheme `jet`. Internal.
+/// Jets carried to points of a mesh over short walks on its triangles, for scheme `jet`. Internal.
 ///
-/// Where walls are as thin as voxels, the cell around a point has corners of several sheets, and
-/// normals and psi do not tell them apart. The triangles do.
+/// Where walls are as thin as voxels, and where pages share an edge, normals and psi do not tell
+/// sheets apart. The triangles do. A straight walk is a straight line on its triangles laid flat:
+/// at both ends it makes the same angle with the direction of travel.
 #pragma once
 
 #include <igeo/band/detail/short_walk.h>
-#include <igeo/march/field.h>
 #include <igeo/march/detail/jet_neighbors.h>
+#include <igeo/march/field.h>
 
 #include <vector>
 
@@ -24,30 +25,49 @@ inline Vec3d turned(const Vec3d& v, const Vec3d& fromNormal, const Vec3d& toNorm
 /// Whether jets at the corners of a cell may belong to several sheets of a mesh.
 bool hasThinWalls(const Band& band, const BandCell& cell);
 
-/// The core around a point of a mesh: nodes that a walk of at most 3 voxels joins with the point.
-/// Those reached straight are laid out flat, face by face of those that meet in the point.
-class CoreByWalks {
+/// Jets around a point of a mesh, laid flat, on each of the faces that meet in the point by itself.
+class JetsByWalks {
 public:
-    /// @param place  of the point
-    CoreByWalks(const Field& field, const SurfaceTriangles::Place& place);
+    /// @param here  the weight at the point
+    JetsByWalks(const SurfaceTriangles& triangles, const SurfaceTriangles::Place& at, double here)
+        : triangles_(triangles), walk_(triangles), at_{at.triangle, at.point}, here_(here) {}
 
-    /// The sources whose fronts have reached the nodes, ascending.
+    /// Carries a jet over a walk.
+    /// @param foot, normal  where it is
+    /// @param jet     its gradient of any length
+    /// @param weight  there
+    /// @param most    longest walk, voxels
+    /// @return an upper bound of the distance at the point; +infinity without a walk
+    double add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
+               double most);
+
+    struct First {
+        double distance = kInfinity;
+        Vec3d direction;  ///< of travel, unit; 0 where it is unknown
+        Vec3d normal;     ///< of the face on which it travels
+    };
+    /// The first arrival of a source, by Fermat's principle; +infinity without jets of it.
+    First first(std::uint32_t source) const;
+    /// The sources of the jets, ascending.
     std::vector<std::uint32_t> sources() const;
-    /// The first arrival of a source, by Fermat's principle on each face by itself; +infinity
-    /// without nodes that it has reached.
-    double first(std::uint32_t source) const;
 
 private:
-    struct Node {
+    struct Carried {
         JetNeighbor jet;   ///< in the plane of its face; u over the weight at the point
         std::size_t face;  ///< kNoFace: the walk bends, and the front starts again
         std::uint32_t source;
     };
     static constexpr std::size_t kNoFace = std::size_t(-1);
 
-    std::vector<Node> nodes_;
-    std::size_t faces_ = 0;
-    double here_ = 1;  ///< the weight at the point
+    const SurfaceTriangles& triangles_;
+    ShortWalk<SurfaceTriangles> walk_;
+    MeshPoint at_;
+    double here_;
+    std::vector<Carried> jets_;
+    std::vector<Vec3d> faceNormal_;
 };
+
+/// Carries the jets of the core around a point of a mesh to it.
+JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at);
 
 }  // namespace igeo

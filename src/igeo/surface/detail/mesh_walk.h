@@ -25,6 +25,11 @@ public:
     const Vec3d& corner(std::size_t t, std::size_t k) const {
         return mesh_.points[mesh_.triangles[t][k % 3]];
     }
+    /// Unit normal of a triangle; zero for one without area.
+    Vec3d normal(std::size_t t) const {
+        const Vec3d& a = corner(t, 0);
+        return normalized(cross(corner(t, 1) - a, corner(t, 2) - a));
+    }
     bool mayJoin(std::uint32_t t, std::uint32_t u) const { return component_[t] == component_[u]; }
     /// Calls visit(u) for the triangles beyond the edge from corner k of triangle t to the next
     /// corner.
@@ -50,6 +55,10 @@ public:
     /// Whether corner k of triangle t is an end of a boundary edge.
     bool isAtBoundary(std::uint32_t t, std::size_t k) const {
         return atBoundary_[mesh_.triangles[t][k]];
+    }
+    /// Whether three or more triangles meet in the edge.
+    bool isMany(std::uint32_t t, std::size_t k) const {
+        return topology_.neighbor[t][k] == MeshTopology::kMany;
     }
     /// Whether exactly one triangle lies beyond the edge.
     bool isPlain(std::uint32_t t, std::size_t k) const {
