@@ -74,6 +74,12 @@ public:
         for (const Side& other : sidesAtManyEdge(side))
             if (other.triangle != side.triangle) visit(other);
     }
+    /// As ShortWalk asks for them: visit(triangle), and whether a walk may join two triangles.
+    template <typename Visit>
+    void forBeyond(std::uint32_t t, std::uint32_t k, const Visit& visit) const {
+        forBeyond(Side{t, k}, [&](const Side& side) { visit(side.triangle); });
+    }
+    bool mayJoin(std::uint32_t, std::uint32_t) const { return true; }
     /// The one triangle across an edge; none at a boundary and where three or more meet.
     std::optional<Side> beyond(const Side& side) const {
         const std::uint32_t beside = neighbor_[side.triangle][side.corner];

@@ -7,6 +7,7 @@
 #include <igeo/march/detail/fermat_update.h>
 #include <igeo/march/detail/jet_blend.h>
 #include <igeo/march/detail/known_jets.h>
+#include <igeo/march/detail/mesh_read.h>
 
 namespace igeo {
 
@@ -17,6 +18,14 @@ struct Straight {
     const SurfacePoint* seed = nullptr;
     double distance = kInfinity;
 };
+
+/// A point on the triangles or beside them; then on those of its sheet.
+SurfaceTriangles::Place placeOf(const SurfaceTriangles& triangles, const Vec3d& p,
+                                const Vec3d& sheetNormal) {
+    constexpr double kOn = 1e-3;  // voxels
+    const SurfaceTriangles::Place at = triangles.nearest(p);
+    return at.squared < kOn * kOn ? at : triangles.nearest(p, kInfinity, sheetNormal);
+}
 
 /// Reads a field at a point of S.
 class Reader {
@@ -29,7 +38,11 @@ public:
           metric_(*field.metric),
           p_(pIndex),
           cell_(band_, metric_, pIndex, sheetNormal),
-          corner_(known ? known->at(cell_.node) : field.at(cell_.node)) {}
+          corner_(known ? known->at(cell_.node) : field.at(cell_.node)),
+          onMesh_(field.atFootPoints && band_.triangles && !metric_.anisotropic()
+                      ? placeOf(*band_.triangles, pIndex, cell_.normal)
+                      : SurfaceTriangles::Place{}),
+          thin_(onMesh_.triangle != SurfaceTriangles::kNone && hasThinWalls(band_, cell_)) {}
 
     Arrival first() const { return field_.atFootPoints ? byJets() : byVoxels(); }
 
@@ -58,6 +71,8 @@ private:
     /// Whether the straight line to a seed runs along S: over no edge, and not across a gap or
     /// through a wall (seedNeighborhoodJet). A seed on an edge lies in the planes of both faces.
     bool alongSurface(const SurfacePoint& seed, const Vec3d& chord) const;
+    /// The length of a walk from a seed over edges of a mesh; +infinity: none within a disc.
+    double walkFrom(const Vec3d& at) const;
     Arrival arrival(double d, const Straight& disc, std::uint32_t source) const;
     /// The first arrival, or the disc of a seed so close to others that no node is nearest to it.
     Arrival orBetweenNodes(const Arrival& first) const;
@@ -81,7 +96,9 @@ private:
     const Metric& metric_;
     const Vec3d p_;
     const SurfaceCell cell_;
-    const std::array<NodeJet, 8> corner_;  ///< of the cell; unreached: +infinity
+    const std::array<NodeJet, 8> corner_;   ///< of the cell; unreached: +infinity
+    const SurfaceTriangles::Place onMesh_;  ///< of jet's points without tensors
+    const bool thin_;                       ///< walls of a mesh are as thin as the cell
 };
 
 template <typename IsOf>
@@ -94,14 +111,17 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
         const Vec3d at = s.nearestTo(p_);
         const double r = length(p_ - at);
         if (!(r < field_.startRadius) || !isOf(k)) return;
-        const double cost = costToSeed(field_, s, p_, cell_.normal);
+        const bool flat = field_.atFootPoints && alongSurface(s, p_ - at);
+        const bool walks = onMesh_.triangle != SurfaceTriangles::kNone && (thin_ || !flat);
+        const double cost =
+            walks ? s.weight * walkFrom(at) : costToSeed(field_, s, p_, cell_.normal);
         const double perVoxel = metric_.anisotropic() && r > 0 ? cost / r : s.weight;
-        const bool along =
-            field_.atFootPoints
-                ? alongSurface(s, p_ - at) && d - s.start <= kOtherPath * cost + kBlunt * perVoxel
-                : d - s.start < 1.5 * field_.startRadius * perVoxel;
+        const bool along = walks ? cost < kInfinity
+                           : field_.atFootPoints
+                               ? flat && d - s.start <= kOtherPath * cost + kBlunt * perVoxel
+                               : d - s.start < 1.5 * field_.startRadius * perVoxel;
         if (along && s.start + cost < least.distance && !metric_.blocked(p_, at, cell_.normal) &&
-            followsSurface(band_, p_, at))
+            (walks || followsSurface(band_, p_, at)))
             least = {&s, s.start + cost};
     });
     return least;
@@ -111,6 +131,13 @@ bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
     constexpr double kSmooth = 0.8, kInPlane = 0.05;
     return dot(cell_.normal, Vec3d(band_.normal[seed.node])) >= kSmooth ||
            std::abs(dot(cell_.normal, chord)) < kInPlane * length(chord);
+}
+
+double Reader::walkFrom(const Vec3d& at) const {
+    const auto from = band_.triangles->nearest(at);
+    return ShortWalk(*band_.triangles)
+        .tightLength({from.triangle, from.point}, {onMesh_.triangle, onMesh_.point},
+                     field_.startRadius);
 }
 
 Arrival Reader::arrival(double d, const Straight& disc, std::uint32_t source) const {
@@ -276,6 +303,24 @@ Arrival Reader::byVoxels() const {
 
 Arrival Reader::byJets() const {
     Arrival first;
+    auto consider = [&](std::uint32_t own, double value) {
+        // Beside a seed in a groove, jets are extrapolated past the seed.
+        const double d = std::max({field_.leastStart, value, field_.lines.from(own, p_)});
+        const Straight disc = straight(d, [&](std::size_t s) { return field_.source[s] == own; });
+        const Arrival a = arrival(d, disc, own);
+        if (a.distance < first.distance || (a.distance == first.distance && own < first.source))
+            first = a;
+    };
+    if (thin_) {
+        const JetsByWalks around = coreByWalks(field_, onMesh_);
+        for (const std::uint32_t own : around.sources()) consider(own, around.first(own).distance);
+        // A seed that is nearer than any node of its sheet.
+        const Straight disc = straight(first.distance, [](std::size_t) { return true; });
+        if (disc.distance < first.distance)
+            first = {disc.distance, field_.source[std::size_t(disc.seed - field_.seeds.data())],
+                     disc.seed};
+        return first;
+    }
     std::array<std::uint32_t, 8> sources;
     std::size_t count = 0;
     for (const NodeJet& jet : corner_) {
@@ -283,15 +328,7 @@ Arrival Reader::byJets() const {
         const auto end = sources.begin() + std::ptrdiff_t(count);
         if (std::find(sources.begin(), end, jet.label) == end) sources[count++] = jet.label;
     }
-    for (std::size_t k = 0; k < count; ++k) {
-        const std::uint32_t own = sources[k];
-        // Beside a seed in a groove, jets are extrapolated past the seed.
-        const double d = std::max({field_.leastStart, blended(own), field_.lines.from(own, p_)});
-        const Straight disc = straight(d, [&](std::size_t s) { return field_.source[s] == own; });
-        const Arrival a = arrival(d, disc, own);
-        if (a.distance < first.distance || (a.distance == first.distance && own < first.source))
-            first = a;
-    }
+    for (std::size_t k = 0; k < count; ++k) consider(sources[k], blended(sources[k]));
     return count > 0 && field_.sourceCount() > 1 ? orBetweenNodes(first) : first;
 }
 
@@ -336,19 +373,6 @@ std::array<NodeJet, 8> KnownJets::at(const std::array<NodeIndex, 8>& nodes) cons
                                         nodes_.begin())];
     return jets;
 }
-
-namespace {
-
-/// A tangent vector turned along with its plane: the least rotation that takes one normal to the
-/// other. Over a crease both planes are unfolded.
-Vec3d turned(const Vec3d& v, const Vec3d& fromNormal, const Vec3d& toNormal) {
-    constexpr double kOpposite = -0.9;
-    const double cosine = dot(fromNormal, toNormal);
-    if (cosine < kOpposite) return v;
-    return v - (dot(v, toNormal) / (1 + cosine)) * (fromNormal + toNormal);
-}
-
-}  // namespace
 
 Vec3d gradientOfFirst(const Field& field, const Vec3d& pIndex, const SurfaceCell& cell,
                       std::uint32_t source) {

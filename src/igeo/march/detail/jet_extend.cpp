@@ -239,7 +239,8 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
         const Vec3d from = seed.nearestTo(foot);
         Solved disc;
         if (!metric_.blocked(from, foot, Vec3d(seeds.normal[k])) &&
-            seedNeighborhoodJet(core_, seeds, std::uint32_t(k), local, foot, disc) &&
+            seedNeighborhoodJet(core_, seeds, std::uint32_t(k), band_.facing[i], local, foot,
+                                disc) &&
             s.distance - seed.start <=
                 kOtherPath * (disc.u - seed.start) +
                     (length(foot - from) <= seeds.startRadius ? kBlunt * local.weight : 0) &&

@@ -292,13 +292,44 @@ bool JetMarch::isAtRim(NodeIndex i) const {
            });
 }
 
+JetsByWalks JetMarch::jumpsByWalks(NodeIndex i) const {
+    constexpr double kLonger = 1.1, kRoom = 0.1;  // voxels: a walk, before it is pulled tight
+    const JetNode& node = core_.nodes[i];
+    const Vec3d foot = core_.footOf(node);
+    const SurfaceTriangles& triangles = *core_.band.triangles;
+    JetsByWalks jets(triangles, triangles.nearest(foot, kInfinity, Vec3d(node.normal)),
+                     core_.largestCostAt(i));
+    forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
+        const JetNode& other = core_.nodes[j];
+        if (jets_.accepted(j))
+            jets.add(core_.footOf(other), Vec3d(other.normal),
+                     {jets_.valueOf(j), jets_.gradientOf(j), jets_.labelOf(j)},
+                     core_.largestCostAt(j), kLonger * double(length(chord)) + kRoom);
+    });
+    return jets;
+}
+
 JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
     Jump jump;
+    if (core_.band.triangles && isotropic_) {
+        const JetsByWalks jets = jumpsByWalks(i);
+        const Vec3d up(core_.nodes[i].normal);
+        for (const std::uint32_t source : jets.sources()) {
+            const JetsByWalks::First first = jets.first(source);
+            const float u = fromStart(first.distance);
+            if (!(u < jump.u)) continue;
+            const Vec3d face = dot(first.normal, up) < 0 ? -1 * first.normal : first.normal;
+            const Vec2f g =
+                core_.localFrame(i).frame.flat(Vec3f(turned(first.direction, face, up)));
+            jump = {u, length(g) > 0 ? (1 / length(g)) * g : Vec2f{}, source};
+        }
+        if (jump.u < float(kInfinity)) return jump;
+    }
     forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
         if (!jets_.accepted(j)) return;
         const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2;
         const float u = fromStart(jets_.valueOf(j) + cost * double(length(chord)));
-        if (u < jump.u) jump = {u, jets_.labelOf(j)};
+        if (u < jump.u) jump = {u, {}, jets_.labelOf(j)};
     });
     return jump;
 }
@@ -358,7 +389,8 @@ IGEO_INLINE void JetMarch::settle(std::size_t lane, Group& group, Result s, cons
     const JetNode& node = core_.nodes[i];
     const bool bridged = node.facing & Band::kBridged;
     if (bridged)
-        if (const Jump jump = jumpTo(i); jump.u < s.u) s = {jump.u, {}, jump.label, false, false};
+        if (const Jump jump = jumpTo(i); jump.u < s.u)
+            s = {jump.u, jump.g, jump.label, false, false};
     // Nodes of a disc wait in its buckets or earlier.
     if (batch.first <= lastDiscBucket_) s = exactNearSeed(i, s);
     if (!(s.u < float(kInfinity))) return;

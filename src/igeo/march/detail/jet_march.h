@@ -7,6 +7,7 @@
 #include <igeo/march/detail/jet_queue.h>
 #include <igeo/march/detail/jet_start.h>
 #include <igeo/march/detail/jet_update.h>
+#include <igeo/march/detail/mesh_read.h>
 #include <igeo/march/field.h>
 #include <igeo/march/jet_options.h>
 
@@ -55,9 +56,10 @@ private:
             byFallback = stopNodes = 0;
         }
     };
-    /// The least value over the jumps to a node, and its source.
+    /// The first arrival over the jumps to a node; on a mesh by walks.
     struct Jump {
         float u = float(kInfinity);
+        Vec2f g;  ///< direction of travel in the chart of the node; 0 where it is unknown
         std::uint32_t label = 0;
     };
     /// Up to eight nodes that are solved side by side.
@@ -148,6 +150,8 @@ private:
     /// corner at which creases within two links meet.
     bool isAtRim(NodeIndex i) const;
     Jump jumpTo(NodeIndex i) const;
+    /// The jets of accepted nodes at the other ends of its jumps, carried over the triangles.
+    JetsByWalks jumpsByWalks(NodeIndex i) const;
     /// Accepts a node and enqueues its neighbors if its value is final, else defers it.
     void settle(std::size_t lane, Group& group, Result s, const Batch& batch, Chunk& chunk);
     /// The jet of its start disc, unless the front of another seed was there before.

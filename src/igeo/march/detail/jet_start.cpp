@@ -1,5 +1,7 @@
 #include <igeo/march/detail/jet_start.h>
 
+#include <igeo/band/detail/short_walk.h>
+
 #include <queue>
 #include <set>
 #include <tuple>
@@ -60,7 +62,7 @@ private:
         // On a mesh also nodes on the next face of a sharp edge.
         constexpr double kNear = 2;  // voxels
         if (band.triangles) {
-            const auto at = band.triangles->nearest(seed_.pIndex, kInfinity, Vec3d(sheetNormal));
+            const auto at = band.triangles->nearest(seed_.pIndex);
             visitWithin(2, [&](NodeIndex j, const JetNode& node) {
                 return length(core_.footOf(node) - seed_.pIndex) < kNear && meshJoins(band, at, j);
             });
@@ -113,7 +115,9 @@ private:
         if (step.walked > kDetour * r + kRoom) return false;
         if (r < least_) least_ = r, nearest_ = i;
         Solved s;
-        if (!seedNeighborhoodJet(core_, seeds_, k_, core_.localFrame(i), foot, s)) return false;
+        if (!seedNeighborhoodJet(core_, seeds_, k_, core_.nodes[i].facing, core_.localFrame(i),
+                                 foot, s))
+            return false;
         found_.emplace_back(i, s);
         return true;
     }
@@ -129,6 +133,22 @@ private:
     double least_ = kInfinity;  ///< distance of nearest_, voxels
 };
 
+/// The unit normal of S at a seed.
+Vec3f normalAt(const Band& band, const SurfacePoint& seed) {
+    const Vec3d p = seed.pIndex + 0.5 * seed.segment;
+    const Vec3f ofNode = band.normal[seed.node];
+    if (band.triangles) {
+        // Beside an edge the gradient of psi is between the normals of both faces.
+        const auto at = band.triangles->nearest(p);
+        const Vec3d n = band.triangles->normal(at.triangle);
+        return n == Vec3d{} ? ofNode : Vec3f(n);
+    }
+    const PsiSample psi = samplePsi(band, p);
+    // Where two faces share a cell their gradients cancel.
+    const bool clear = psi.valid && length(psi.gradient) > 0.5;
+    return clear ? Vec3f(normalized(psi.gradient)) : ofNode;
+}
+
 }  // namespace
 
 JetSeeds::JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, double radius)
@@ -139,10 +159,7 @@ JetSeeds::JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, 
     const Band& band = core.band;
     const Metric& metric = core.metric;
     for (SurfacePoint& s : points) {
-        const PsiSample psi = samplePsi(band, s.pIndex + 0.5 * s.segment);
-        // Where two faces share a cell their gradients cancel.
-        const bool clear = psi.valid && length(psi.gradient) > 0.5;
-        normal.push_back(clear ? Vec3f(normalized(psi.gradient)) : band.normal[s.node]);
+        normal.push_back(normalAt(band, s));
         if (metric.anisotropic())
             plane.push_back(metric.inPlane(TangentFrame(band.normal[s.node]), s.node));
         s.weight = metric.anisotropic() ? plane.back().weight : metric.at(s.node);
@@ -151,8 +168,31 @@ JetSeeds::JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, 
     lines = StraightLines(points, core.leastCost);
 }
 
+namespace {
+
+/// The jet of a foot point over edges of a mesh, by a walk on the triangles.
+/// @return false without a walk within the start disc
+bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, const LocalFrame& local,
+               const Vec3d& foot, Solved& s) {
+    const SurfaceTriangles& triangles = *core.band.triangles;
+    const SurfacePoint& seed = seeds.points[k];
+    const Vec3f& normal = local.frame.normal();
+    const auto from = triangles.nearest(seed.nearestTo(foot)),
+               to = triangles.nearest(foot, kInfinity, Vec3d(normal));
+    const WalkEnds way = ShortWalk(triangles).ends({from.triangle, from.point}, {to.triangle, foot},
+                                                   seeds.startRadius);
+    if (!(way.length < kInfinity)) return false;
+    s = {seed.start + (seed.weight + local.weight) / 2 * way.length, {}, seeds.source[k]};
+    const Vec2f in = local.frame.flat(Vec3f(way.in));
+    if (length(in) > 0) s.g = (1 / length(in)) * in;
+    return true;
+}
+
+}  // namespace
+
 bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
-                         const LocalFrame& local, const Vec3d& foot, Solved& s) {
+                         std::uint8_t facing, const LocalFrame& local, const Vec3d& foot,
+                         Solved& s) {
     const SurfacePoint& seed = seeds.points[k];
     const TangentFrame& frame = local.frame;
     const Vec3f chord(foot - seed.nearestTo(foot)), &normal = frame.normal();
@@ -167,7 +207,10 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     // Across a crease chords say nothing, and the march begins next to the seed; but a seed on the
     // crease itself lies in the planes of all its faces.
     constexpr float kSmooth = 0.8f, kInPlane = 0.05f;
-    if (cosine < kSmooth && std::abs(dot(normal, chord)) >= kInPlane * c) return false;
+    const bool overCrease = cosine < kSmooth && std::abs(dot(normal, chord)) >= kInPlane * c;
+    if (core.band.triangles && isotropic && (overCrease || facing & Band::kBesideSevered))
+        return jetByWalk(core, seeds, k, local, foot, s);
+    if (overCrease) return false;
     const Vec2f a =
         cosine < kSmooth ? frame.flat(chord) : frame.unfold(chord, seeds.normal[k], cosine);
     const float arc = length(a);

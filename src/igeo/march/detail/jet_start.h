@@ -10,10 +10,13 @@ namespace igeo {
 /// The jet of a foot point that lies within the start disc of seed k: value and gradient of the
 /// straight line to the seed, its chord lengthened to the arc, at the mean of the costs at both
 /// ends.
-/// @param foot  the foot point, index space; `local` its chart
+/// On a mesh, over edges and between thin walls, that of the shortest walk on the triangles.
+/// @param facing  as Band::facing, of the node
+/// @param foot    the foot point, index space; `local` its chart
 /// @return false where it lies outside of the disc, or across a crease from the seed
 bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
-                         const LocalFrame& local, const Vec3d& foot, Solved& s);
+                         std::uint8_t facing, const LocalFrame& local, const Vec3d& foot,
+                         Solved& s);
 
 /// Jets by core node.
 using StartDiscs = std::map<NodeIndex, Solved>;

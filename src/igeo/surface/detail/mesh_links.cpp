@@ -99,6 +99,20 @@ double arcOf(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
 /// The longest walk that a link with this arc may represent.
 double longestFor(double arc) { return 1.25 * arc + 0.25; }
 
+/// Whether three or more triangles meet in an edge in a leaf or one beside it.
+bool pagesMeetNear(const MeshBand& on, LeafIndex l) {
+    auto meetIn = [&](LeafIndex m) {
+        if (m == kNoLeaf) return false;
+        const auto& triangles = on.leaves[m].triangles;
+        return std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
+            return on.adjacency.isMany(t, 0) || on.adjacency.isMany(t, 1) ||
+                   on.adjacency.isMany(t, 2);
+        });
+    };
+    const auto& beside = on.band.leaves[l].neighbor;
+    return meetIn(l) || std::any_of(beside.begin(), beside.end(), meetIn);
+}
+
 /// The links of one leaf's nodes to nodes of larger numbers.
 class LinksOfLeaf {
 public:
@@ -106,6 +120,7 @@ public:
         : on_(on), nodes_(on.band.leaves[l].band), walk_(walk), off_(off) {
         LeafSheets sheets(on, on.leaves[l].triangles);
         if (sheets.isOneEvenSheet()) return;
+        pages_ = pagesMeetNear(on, l);
         for (const NearVoxel& v : on.leaves[l].voxels)
             sheetOf_.push_back(sheets.evenSheetOf(v.triangle));
         const auto first = on.band.facing.begin() + nodes_.firstNode;
@@ -142,22 +157,30 @@ private:
         const MeshPoint from = on_.foot(i), to = on_.foot(j);
         if (from.triangle == to.triangle) return;
         // Pairs that normals separate are severed too, so that no link leads around (Band::joined).
-        if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet ||
-            !(walk_.length(from, to, longestFor(arcOf(band, i, chordOf(band, i, j), j))) <
-              kInfinity))
+        if (dot(band.normal[i], band.normal[j]) < Band::kOtherSheet || !joins(i, j, from, to))
             off_.emplace_back(i, j);
+    }
+    bool joins(NodeIndex i, NodeIndex j, const MeshPoint& from, const MeshPoint& to) {
+        const double most = longestFor(arcOf(on_.band, i, chordOf(on_.band, i, j), j));
+        if (!pages_) return walk_.length(from, to, most) < kInfinity;
+        // Over an edge of three pages normals may end up on the other side: no chart holds both.
+        const WalkEnds way = walk_.ends(from, to, most);
+        return way.length < kInfinity && !way.mirrored;
     }
 
     const MeshBand& on_;
     const LeafNodes& nodes_;
     MeshWalk& walk_;
     std::vector<Link>& off_;
+    bool pages_ = false;                  ///< pagesMeetNear
     std::vector<std::uint32_t> sheetOf_;  ///< per node of the leaf: LeafSheets::evenSheetOf
 };
 
 /// Collects the core nodes linked to a core node, sorted, and their directions.
+/// @param counts(j)  whether the direction of a node counts
+template <typename Counts>
 void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked,
-                  std::vector<double>* angles) {
+                  std::vector<double>* angles, const Counts& counts) {
     linked.clear();
     const std::uint32_t severed = band.severedSteps(i);
     const TangentFrame frame(band.normal[i]);
@@ -167,9 +190,13 @@ void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked,
         if (!onOneSheet(chord, band.normal[i], n, dot(band.normal[i], n))) return;
         linked.push_back(j);
         const Vec2f a = frame.flat(-chord);
-        if (angles && dot(a, a) > 1e-4f) angles->push_back(std::atan2(double(a.y), double(a.x)));
+        if (angles && dot(a, a) > 1e-4f && counts(j))
+            angles->push_back(std::atan2(double(a.y), double(a.x)));
     });
     std::sort(linked.begin(), linked.end());
+}
+void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked) {
+    collectLinks(band, i, linked, nullptr, [](NodeIndex) { return true; });
 }
 
 /// Finds bridges for nodes whose links leave a sector open.
@@ -177,19 +204,28 @@ class Bridges {
 public:
     explicit Bridges(const MeshBand& on) : on_(on), band_(on.band), walk_(on.adjacency) {}
     /// Adds the bridges from a core node.
-    void find(NodeIndex i, std::vector<Bridge>& bridges);
+    /// @param pages  whether an edge of three or more triangles is near: sheets that meet there at
+    ///               small angles have no nodes for some voxels, and all of them are joined
+    void find(NodeIndex i, bool pages, std::vector<Bridge>& bridges);
 
 private:
     static constexpr double kOpen = 1.9;    ///< radians; neighbors in a lattice leave a right angle
     static constexpr double kBeside = 0.3;  ///< closer to a link, a bridge leads the same way
-    static constexpr std::size_t kMost = 4;  ///< per node
+    static constexpr std::size_t kMost = 4;    ///< per node, and of each page
+    static constexpr double kOnePage = 0.997;  ///< cosine of normals of faces
 
+    const Vec3d& faceOf(NodeIndex i) const { return on_.faceNormal[on_.voxel(i).triangle]; }
+    bool onOnePage(NodeIndex i, NodeIndex j) const {
+        return std::abs(dot(faceOf(i), faceOf(j))) > kOnePage;
+    }
     /// Finds the widest open sector between two directions, [from, to].
     bool findOpenSector();
     bool inOpenSector(const Vec2f& direction) const;
     bool haveLinkInCommon(NodeIndex j);
     /// The length of the walk to j, if a bridge is needed; +infinity otherwise.
     double lengthTo(NodeIndex i, NodeIndex j, Bridge& bridge);
+    /// The same near an edge of three or more triangles.
+    double lengthOverPages(NodeIndex i, NodeIndex j, Bridge& bridge);
 
     const MeshBand& on_;
     const Band& band_;
@@ -219,7 +255,7 @@ bool Bridges::inOpenSector(const Vec2f& direction) const {
 }
 
 bool Bridges::haveLinkInCommon(NodeIndex j) {
-    collectLinks(band_, j, linkedThere_, nullptr);
+    collectLinks(band_, j, linkedThere_);
     return std::any_of(linkedThere_.begin(), linkedThere_.end(), [&](NodeIndex k) {
         return std::binary_search(linked_.begin(), linked_.end(), k);
     });
@@ -239,26 +275,47 @@ double Bridges::lengthTo(NodeIndex i, NodeIndex j, Bridge& bridge) {
     if (!(length < kInfinity) || haveLinkInCommon(j)) return kInfinity;
     // Around the end of a slit a front does not continue straight.
     const bool bent = length > longestFor(arc);
-    bridge = {i, j, float(std::max(1.0, length / std::max(arc, kShort))), jump || bent};
+    const double flat = jump || bent ? double(igeo::length(chord)) : arc;
+    bridge = {i, j, float(std::max(1.0, length / std::max(flat, kShort))), jump || bent};
     return length;
 }
 
-void Bridges::find(NodeIndex i, std::vector<Bridge>& bridges) {
+double Bridges::lengthOverPages(NodeIndex i, NodeIndex j, Bridge& bridge) {
+    constexpr double kLongest = 12, kShort = 1e-3;
+    if (std::binary_search(linked_.begin(), linked_.end(), j)) return kInfinity;
+    const WalkEnds way = walk_.ends(on_.foot(i), on_.foot(j), kLongest);
+    if (!(way.length < kInfinity) ||
+        !inOpenSector(TangentFrame(band_.normal[i]).flat(Vec3f(way.out))) ||
+        (onOnePage(i, j) && haveLinkInCommon(j)))
+        return kInfinity;
+    const double chord = double(igeo::length(chordOf(band_, i, j)));
+    bridge = {i, j, float(std::max(1.0, way.length / std::max(chord, kShort))), true};
+    return way.length;
+}
+
+void Bridges::find(NodeIndex i, bool pages, std::vector<Bridge>& bridges) {
     angles_.clear();
-    collectLinks(band_, i, linked_, &angles_);
+    collectLinks(band_, i, linked_, &angles_,
+                 [&](NodeIndex j) { return !pages || onOnePage(i, j); });
     if (!findOpenSector()) return;
     std::vector<std::pair<double, Bridge>> found;
     band_.forBox(&BandLeaf::band, i, {}, 3, [&](NodeIndex j, const Ijk&) {
         if (j == i || !band_.inCore(j)) return;
         Bridge bridge;
-        const double length = lengthTo(i, j, bridge);
+        const double length = pages ? lengthOverPages(i, j, bridge) : lengthTo(i, j, bridge);
         if (length < kInfinity) found.emplace_back(length, bridge);
     });
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
         return std::pair(a.first, a.second.to) < std::pair(b.first, b.second.to);
     });
-    for (std::size_t k = 0; k < std::min(found.size(), kMost); ++k)
-        bridges.push_back(found[k].second);
+    std::vector<Bridge> own;
+    for (const auto& [length, bridge] : found) {
+        const auto onPage = std::count_if(own.begin(), own.end(), [&](const Bridge& other) {
+            return !pages || onOnePage(other.to, bridge.to);
+        });
+        if (std::size_t(onPage) < kMost) own.push_back(bridge);
+    }
+    bridges.insert(bridges.end(), own.begin(), own.end());
 }
 
 }  // namespace
@@ -336,7 +393,7 @@ double shareCutOff(const MeshBand& on) {
             });
             return;
         }
-        collectLinks(band, i, linked, nullptr);
+        collectLinks(band, i, linked);
         for (const NodeIndex j : linked) parts.join(c, band.coreNode(j));
         band.forBridges(i, [&](const Bridge& b) { parts.join(c, band.coreNode(b.to)); });
     });
@@ -351,7 +408,7 @@ double shareCutOff(const MeshBand& on) {
 }
 
 std::vector<Bridge> thinned(std::vector<Bridge> bridges) {
-    constexpr std::uint8_t kMostPerNode = 16;
+    constexpr std::uint8_t kMostPerNode = 16, kMostJumps = 64;  // a march stores no jumps
     for (Bridge& b : bridges)
         if (b.to < b.from) std::swap(b.from, b.to);
     std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
@@ -362,7 +419,7 @@ std::vector<Bridge> thinned(std::vector<Bridge> bridges) {
     for (const Bridge& b : bridges) {
         if (!kept.empty() && kept.back().from == b.from && kept.back().to == b.to) continue;
         std::uint8_t &from = count[b.from], &to = count[b.to];
-        if (from >= kMostPerNode || to >= kMostPerNode) continue;
+        if (std::max(from, to) >= (b.jump ? kMostJumps : kMostPerNode)) continue;
         ++from, ++to;
         kept.push_back(b);
     }
@@ -375,9 +432,10 @@ std::vector<Bridge> bridgesOnMesh(const MeshBand& on, Progress& progress) {
     parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
         Bridges bridges(on);
         for (std::size_t l = begin; l < end; ++l) {
+            const bool pages = pagesMeetNear(on, LeafIndex(l));
             const LeafNodes& nodes = band.leaves[l].band;
             for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i)
-                if (band.facing[i] && band.inCore(i)) bridges.find(i, parts[l]);
+                if (band.facing[i] && band.inCore(i)) bridges.find(i, pages, parts[l]);
         }
     });
     std::vector<Bridge> all;

@@ -1,22 +1,16 @@
 /// Walks over the triangles of a mesh: the distance of two points along it. Internal.
 #pragma once
 
+#include <igeo/band/detail/short_walk.h>
 #include <igeo/io/triangle_mesh.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <utility>
 #include <vector>
 
 namespace igeo {
-
-/// A point of a mesh.
-struct MeshPoint {
-    std::uint32_t triangle;
-    Vec3d at;
-};
 
 /// Adjacency of triangles: through edges of any number of triangles, and along boundary edges of
 /// which one lies on the other, as where a corner of small triangles ends on the edge of a large
@@ -27,6 +21,16 @@ public:
     MeshAdjacency(const TriangleMesh& mesh, const MeshTopology& topology);
 
     const TriangleMesh& mesh() const { return mesh_; }
+    const TriangleMesh::Triangle& operator[](std::size_t t) const { return mesh_.triangles[t]; }
+    const Vec3d& corner(std::size_t t, std::size_t k) const {
+        return mesh_.points[mesh_.triangles[t][k % 3]];
+    }
+    /// Unit normal of a triangle; zero for one without area.
+    Vec3d normal(std::size_t t) const {
+        const Vec3d& a = corner(t, 0);
+        return normalized(cross(corner(t, 1) - a, corner(t, 2) - a));
+    }
+    bool mayJoin(std::uint32_t t, std::uint32_t u) const { return component_[t] == component_[u]; }
     /// Calls visit(u) for the triangles beyond the edge from corner k of triangle t to the next
     /// corner.
     template <typename Visit>
@@ -51,6 +55,10 @@ public:
     /// Whether corner k of triangle t is an end of a boundary edge.
     bool isAtBoundary(std::uint32_t t, std::size_t k) const {
         return atBoundary_[mesh_.triangles[t][k]];
+    }
+    /// Whether three or more triangles meet in the edge.
+    bool isMany(std::uint32_t t, std::size_t k) const {
+        return topology_.neighbor[t][k] == MeshTopology::kMany;
     }
     /// Whether exactly one triangle lies beyond the edge.
     bool isPlain(std::uint32_t t, std::size_t k) const {
@@ -85,43 +93,6 @@ private:
     std::vector<AtEdge> many_;      ///< triangles at edges of three or more, sorted
 };
 
-/// Searches for short walks. One per thread, reused.
-class MeshWalk {
-public:
-    explicit MeshWalk(const MeshAdjacency& adjacency) : adjacency_(adjacency) {}
-
-    /// The length of a walk from one point to another, if it finds one of at most `most`; else
-    /// +infinity.
-    ///
-    /// Crosses every edge at the point with the least sum of distances to both ends. Walks over one
-    /// edge, or over faces in one plane, are the shortest; others are hardly longer. Time
-    /// O(triangles that meet the ellipsoid of points with a sum up to `most`).
-    double length(const MeshPoint& from, const MeshPoint& to, double most);
-    /// The same with the walk pulled tight over its triangles, by moving each crossing between the
-    /// two beside it, in up to 20 rounds. Over a few edges it is then the shortest.
-    double tightLength(const MeshPoint& from, const MeshPoint& to, double most);
-
-private:
-    struct Stop {
-        double bound, walked;  ///< lower bound of the whole walk; length so far
-        std::uint32_t triangle, edge;
-        Vec3d at;
-        std::size_t before;  ///< of the stops passed, or kNoStop
-        bool operator<(const Stop& o) const { return bound > o.bound; }
-    };
-    static constexpr std::size_t kNoStop = std::numeric_limits<std::size_t>::max();
-    /// Pushes the exits of a triangle onto the heap.
-    void leave(std::uint32_t triangle, const Vec3d& at, double walked, std::uint32_t entry,
-               std::size_t before);
-    /// Whether this walk meets an edge of a triangle for the first time.
-    bool isNew(std::uint64_t side);
-
-    const MeshAdjacency& adjacency_;
-    MeshPoint from_{}, to_{};
-    double most_ = 0;
-    std::vector<Stop> heap_, passed_;
-    std::vector<std::uint64_t> seen_;  ///< sides of triangles met in this walk, open addressing
-    std::size_t seenCount_ = 0;
-};
+using MeshWalk = ShortWalk<MeshAdjacency>;
 
 }  // namespace igeo

@@ -1,0 +1,131 @@
+#include <igeo/march/detail/mesh_read.h>
+
+#include <igeo/march/detail/fermat_update.h>
+
+#include <algorithm>
+
+namespace igeo {
+
+namespace {
+
+constexpr double kFarthest = 3, kLongestWalk = 5;  // voxels; longer between pages
+
+/// A core node near a point.
+struct Near {
+    double least;  ///< of the point, if the front comes from there
+    NodeIndex node;
+    Vec3d foot;
+    NodeJet jet;
+};
+
+/// The core nodes with a jet whose foot points are near a point; those that matter most first.
+std::vector<Near> coreNear(const Field& field, const Vec3d& p) {
+    constexpr int kReach = 2;
+    const Band& band = *field.band;
+    std::vector<NodeIndex> nodes;
+    const Ijk low = floorToIjk(p);
+    for (int x = -kReach; x <= kReach + 1; ++x)
+        for (int y = -kReach; y <= kReach + 1; ++y)
+            for (int z = -kReach; z <= kReach + 1; ++z) {
+                const NodeIndex i = band.nodeAt(low + Ijk{x, y, z});
+                if (i != kNoNode && band.inCore(i) && length(band.footPoint(i) - p) < kFarthest)
+                    nodes.push_back(i);
+            }
+    std::vector<NodeJet> jets(nodes.size());
+    field.at(nodes, jets.data());
+    std::vector<Near> found;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+        const Vec3d foot = band.footPoint(nodes[k]);
+        if (jets[k].distance < kInfinity)
+            found.push_back({jets[k].distance + field.metric->at(nodes[k]) * length(foot - p),
+                             nodes[k], foot, jets[k]});
+    }
+    std::sort(found.begin(), found.end(), [](const Near& a, const Near& b) {
+        return std::pair(a.least, a.node) < std::pair(b.least, b.node);
+    });
+    return found;
+}
+
+}  // namespace
+
+bool hasThinWalls(const Band& band, const BandCell& cell) {
+    return band.triangles && std::all_of(cell.node.begin(), cell.node.end(), [](auto i) {
+                                 return i == kNoNode;
+                             }) | std::any_of(cell.node.begin(), cell.node.end(), [&](NodeIndex i) {
+                                 return i != kNoNode && band.facing[i] & Band::kBesideSevered;
+                             });
+}
+
+double JetsByWalks::add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
+                        double most) {
+    constexpr double kOneFace = 0.8;  // 37 degrees
+    const auto from = triangles_.nearest(foot, kInfinity, normal);
+    const WalkEnds way = walk_.ends({from.triangle, foot}, at_, most);
+    if (!(way.length < kInfinity)) return kInfinity;
+    const double cost = (1 + weight / here_) / 2 * way.length;
+    Carried carried{{{float(cost), 0}, {}, jet.distance / here_}, kNoFace, jet.label};
+    const Vec3d up = triangles_.normal(way.last), start = triangles_.normal(way.first);
+    if (way.straight && up != Vec3d{} && start != Vec3d{}) {
+        std::size_t& face = carried.face = 0;
+        while (face < faceNormal_.size() && dot(faceNormal_[face], up) < kOneFace) ++face;
+        if (face == faceNormal_.size()) faceNormal_.push_back(up);
+        // The normal of the band may be opposite to that of the triangle.
+        const Vec3d own = dot(start, normal) < 0 ? -1 * normal : normal,
+                    g = normalized(turned(Vec3d(jet.gradient), own, start));
+        const double left = dot(g, cross(start, way.out));
+        const Vec2f in = TangentFrame(Vec3f(faceNormal_[face])).flat(Vec3f(way.in));
+        const Vec2f to = length(in) > 0 ? (1 / length(in)) * in : Vec2f{1, 0};
+        carried.jet.a = float(cost) * to;
+        carried.jet.g =
+            float(dot(g, way.out)) * to + float(way.mirrored ? -left : left) * Vec2f{-to.y, to.x};
+    }
+    jets_.push_back(carried);
+    return jet.distance + here_ * cost;
+}
+
+std::vector<std::uint32_t> JetsByWalks::sources() const {
+    std::vector<std::uint32_t> all;
+    for (const Carried& carried : jets_) all.push_back(carried.source);
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return all;
+}
+
+JetsByWalks::First JetsByWalks::first(std::uint32_t source) const {
+    First first;
+    for (std::size_t face = 0; face < faceNormal_.size(); ++face) {
+        JetNeighbors all;
+        for (const Carried& carried : jets_)
+            if (carried.source == source && carried.face == face &&
+                all.count() < JetNeighbors::kMax)
+                all.add(carried.jet);
+        if (all.count() == 0) continue;
+        const Jet jet = fermatUpdate(all);
+        if (const double d = here_ * jet.u; d < first.distance)
+            first = {d, Vec3d(TangentFrame(Vec3f(faceNormal_[face])).lift(jet.g)),
+                     faceNormal_[face]};
+    }
+    for (const Carried& carried : jets_)
+        if (carried.source == source && carried.face == kNoFace)
+            if (const double d = here_ * (carried.jet.u + double(length(carried.jet.a)));
+                d < first.distance)
+                first = {d, {}, {}};
+    return first;
+}
+
+JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at) {
+    constexpr double kAround = 1;  // voxels: beside the nodes from which the front comes
+    const Band& band = *field.band;
+    const std::vector<Near> nodes = coreNear(field, at.point);
+    const double here = nodes.empty() ? 1 : field.metric->at(nodes.front().node);
+    JetsByWalks jets(*band.triangles, at, here);
+    double first = kInfinity;
+    for (const Near& near : nodes) {
+        if (near.least > first + kAround * here) break;
+        first = std::min(first, jets.add(near.foot, Vec3d(band.normal[near.node]), near.jet,
+                                         field.metric->at(near.node), kLongestWalk));
+    }
+    return jets;
+}
+
+}  // namespace igeo

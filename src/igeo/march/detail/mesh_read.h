@@ -1,0 +1,73 @@
+/// Jets carried to points of a mesh over short walks on its triangles, for scheme `jet`. Internal.
+///
+/// Where walls are as thin as voxels, and where pages share an edge, normals and psi do not tell
+/// sheets apart. The triangles do. A straight walk is a straight line on its triangles laid flat:
+/// at both ends it makes the same angle with the direction of travel.
+#pragma once
+
+#include <igeo/band/detail/short_walk.h>
+#include <igeo/march/detail/jet_neighbors.h>
+#include <igeo/march/field.h>
+
+#include <vector>
+
+namespace igeo {
+
+/// A tangent vector turned along with its plane: the least rotation that takes one normal to the
+/// other. Over a crease both planes are unfolded.
+inline Vec3d turned(const Vec3d& v, const Vec3d& fromNormal, const Vec3d& toNormal) {
+    constexpr double kOpposite = -0.9;
+    const double cosine = dot(fromNormal, toNormal);
+    if (cosine < kOpposite) return v;
+    return v - (dot(v, toNormal) / (1 + cosine)) * (fromNormal + toNormal);
+}
+
+/// Whether jets at the corners of a cell may belong to several sheets of a mesh.
+bool hasThinWalls(const Band& band, const BandCell& cell);
+
+/// Jets around a point of a mesh, laid flat, on each of the faces that meet in the point by itself.
+class JetsByWalks {
+public:
+    /// @param here  the weight at the point
+    JetsByWalks(const SurfaceTriangles& triangles, const SurfaceTriangles::Place& at, double here)
+        : triangles_(triangles), walk_(triangles), at_{at.triangle, at.point}, here_(here) {}
+
+    /// Carries a jet over a walk.
+    /// @param foot, normal  where it is
+    /// @param jet     its gradient of any length
+    /// @param weight  there
+    /// @param most    longest walk, voxels
+    /// @return an upper bound of the distance at the point; +infinity without a walk
+    double add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
+               double most);
+
+    struct First {
+        double distance = kInfinity;
+        Vec3d direction;  ///< of travel, unit; 0 where it is unknown
+        Vec3d normal;     ///< of the face on which it travels
+    };
+    /// The first arrival of a source, by Fermat's principle; +infinity without jets of it.
+    First first(std::uint32_t source) const;
+    /// The sources of the jets, ascending.
+    std::vector<std::uint32_t> sources() const;
+
+private:
+    struct Carried {
+        JetNeighbor jet;   ///< in the plane of its face; u over the weight at the point
+        std::size_t face;  ///< kNoFace: the walk bends, and the front starts again
+        std::uint32_t source;
+    };
+    static constexpr std::size_t kNoFace = std::size_t(-1);
+
+    const SurfaceTriangles& triangles_;
+    ShortWalk<SurfaceTriangles> walk_;
+    MeshPoint at_;
+    double here_;
+    std::vector<Carried> jets_;
+    std::vector<Vec3d> faceNormal_;
+};
+
+/// Carries the jets of the core around a point of a mesh to it.
+JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at);
+
+}  // namespace igeo
