@@ -66,7 +66,8 @@ TEST_CASE("requireBandWidth: holds M&S (14) and explains itself") {
     expectError(kind, {"two sheets", "leave SolverOptions::band out"},
                 [&] { requireBandWidth(4, b, 0.1); });
     expectError(kind, {"curvature"}, [&] { requireBandWidth(12, bandBounds(0.1, 3, 3), 0.1); });
-    expectError(kind, {"take smaller voxels"}, [&] { requireBandWidth(3, bandBounds(1, 3, 3), 0.1); });
+    expectError(kind, {"take smaller voxels"},
+                [&] { requireBandWidth(3, bandBounds(1, 3, 3), 0.1); });
     expectError(kind, {}, [&] { requireBandWidth(std::nan(""), b, 0.1); });
     expectError(kind, {}, [&] { requireBandWidth(-2, b, 0.1); });
 }
