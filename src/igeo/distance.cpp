@@ -20,7 +20,7 @@ namespace {
 /// Voxels times weight; unreached beyond the limit of the march.
 double distanceAt(const Field& field, const SurfacePoint& p) {
     const double d = sampleDistance(field, p.pIndex, Vec3d(field.band->normal[p.node]));
-    return d <= field.limit ? d : kInfinity;
+    return d <= field.greatest ? d : kInfinity;
 }
 
 }  // namespace
@@ -111,7 +111,7 @@ double Distance::at(const Vec3d& pWorld) const {
 PointValue Distance::valueAt(const Field& field, const SurfacePoint& p) const {
     const Vec3d normal(band_->normal[p.node]);
     const Arrival arrival = arrivalAt(field, p.pIndex, normal);
-    if (!(arrival.distance < kInfinity) || arrival.distance > field.limit) return {};
+    if (!(arrival.distance < kInfinity) || arrival.distance > field.greatest) return {};
     const SurfaceCell cell(*band_, *field.metric, p.pIndex, normal);
     const double sign = signAt(field, p.pIndex);
     const Vec3d gradient = gradientAt(field, arrival, p.pIndex, cell);
@@ -206,7 +206,7 @@ openvdb::FloatGrid::Ptr Distance::grid(const std::string& name) const {
 }
 SurfaceMesh Distance::mesh(Progress& progress) const {
     SurfaceMesh mesh = indexMesh(progress);
-    dropBeyond(mesh, marched()->limit);
+    dropBeyond(mesh, marched()->greatest);
     return inWorld(std::move(mesh), band_->transform);
 }
 SurfaceMesh Distance::indexMesh(Progress& progress) const {

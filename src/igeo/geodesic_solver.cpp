@@ -356,6 +356,7 @@ Distance Query::solve(const Surface& surface) {
                        return region.empty() || allFound();
                    });
     if (!near) solveOn({}, limit);
+    field_.greatest = limit;
     finishInside(asked_.regions, asked_.points.size() + asked_.groups.size() + asked_.curves.size(),
                  asked_.isSigned, field_, progress_);
     return Distance(surface, setup_.width, band_, whole_, std::move(field_), std::move(targets_),

@@ -219,6 +219,12 @@ TEST_CASE("GeodesicSolver: nothing that is read exceeds the largest distance") {
             judge(d.path(sphere.points[k]).startDistance, shouldReach);
         }
         for (const double value : d.mesh().distance) judge(value, false);
+        // Targets that end the march have their distances.
+        const std::vector<igeo::Vec3d> few{sphere.points[7], sphere.points[400]};
+        const igeo::Distance stopped =
+            solver.distance({{0, 0, 1}}, {.targets = few, .stopAtTargets = true});
+        for (const Polyline& path : stopped.paths()) CHECK(path.status == PathStatus::Reached);
+        for (const double value : stopped.atTargets()) CHECK(value < kInfinity);
         CHECK(beyond == 0);  // up to 0.4 voxels more, at 5 % of the vertices with a distance
         CHECK(within == 0);
     }

@@ -48,7 +48,7 @@ igeo::Vec3d upOf(const RunOptions& options) {
 
 std::string meshAs(const std::string& ending, RunResult& r) {
     const igeo::Similarity& transform = r.band().transform;
-    const double limit = r.distance.marched()->limit;
+    const double limit = r.distance.marched()->greatest;
     igeo::SurfaceMesh within;
     if (limit < igeo::kInfinity) within = r.mesh(), dropBeyond(within, limit);
     const igeo::SurfaceMesh& mesh = limit < igeo::kInfinity ? within : r.mesh();

@@ -57,7 +57,10 @@ struct Field {
     StraightLines lines;        ///< lower bounds of the distance (jet)
     double maxDistance = 0;     ///< the largest finite distance
     bool stoppedEarly = false;  ///< a limit ended the march: +infinity need not mean unconnected
-    double limit = kInfinity;   ///< larger distances are dropped
+    double limit = kInfinity;   ///< of nodes: larger distances are dropped
+    /// Of points: larger distances count as unreached. The limit of the caller; `limit` may be
+    /// less, where targets ended the march.
+    double greatest = kInfinity;
 
     /// The values at a node. O(1).
     NodeJet at(NodeIndex i) const {

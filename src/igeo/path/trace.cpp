@@ -345,7 +345,7 @@ Path Tracer::trace(const SurfacePoint& target) {
     }
     sheetNormal_ = Vec3d(band_.normal[target.node]);
     const Arrival arrival = arrivalAt(field_, target.pIndex, sheetNormal_);
-    if (!(arrival.distance < kInfinity) || arrival.distance > field_.limit) return path;
+    if (!(arrival.distance < kInfinity) || arrival.distance > field_.greatest) return path;
     path.distance = arrival.distance;
     State at{target.pIndex, arrival.distance, arrival.seed, options_.maxStep / 4, kNoNode};
     append(path, at.p, at.d);
