@@ -513,7 +513,7 @@ Field JetMarch::take() {
     field.scheme = "jet";
     field.startRadius = options_.startRadius;
     field.stoppedEarly = stopped_ || options_.below;
-    field.limit = options_.maxDistance;
+    field.limit = jets_.limit;
     field.lines = jets_.seeds.lines;
     field.solved = accepted_;
     field.fallbackCount = byFallback_;
