@@ -15,24 +15,22 @@ double lengthAlong(const Band& band, const Vec3d& a, const Vec3d& b, int halving
     return lengthAlong(band, a, middle, halvings - 1) + lengthAlong(band, middle, b, halvings - 1);
 }
 
-/// Whether psi is 0 along the chord, or nearly so: also along a crease, where Newton's steps of a
-/// projection fail.
-bool nearlyOnPsi(const Band& band, const Vec3d& a, const Vec3d& b) {
-    constexpr double kOff = 0.3;  // voxels
-    for (const double t : {0.25, 0.5, 0.75}) {
-        const PsiSample s = samplePsi(band, a + t * (b - a));
-        if (!s.valid || std::abs(s.psi) > kOff) return false;
+}  // namespace
+
+bool staysNearPsi(const Band& band, const Vec3d& from, const Vec3d& chord, int parts, double most) {
+    for (int k = 1; k < parts; ++k) {
+        const PsiSample s = samplePsi(band, from + (double(k) / parts) * chord);
+        if (!s.valid || std::abs(s.psi) > most) return false;
     }
     return true;
 }
 
-}  // namespace
-
 bool followsSurface(const Band& band, const Vec3d& a, const Vec3d& b) {
-    constexpr double kLonger = 1.1, kRoom = 0.1, kOn = 0.5;  // kRoom, kOn: voxels
+    constexpr double kLonger = 1.1, kRoom = 0.1, kOn = 0.5, kOff = 0.3;  // but kLonger: voxels
     const double chord = length(b - a);
     if (!band.triangles)
-        return nearlyOnPsi(band, a, b) ||
+        // Along a crease, where Newton's steps of a projection fail, psi tells.
+        return staysNearPsi(band, a, b - a, 4, kOff) ||
                lengthAlong(band, a, b, /*halvings=*/4) <= kLonger * chord + kRoom;
     const auto from = band.triangles->nearest(a, kOn), to = band.triangles->nearest(b, kOn);
     return from.triangle != SurfaceTriangles::kNone && to.triangle != SurfaceTriangles::kNone &&

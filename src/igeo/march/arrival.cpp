@@ -39,10 +39,8 @@ public:
           p_(pIndex),
           cell_(band_, metric_, pIndex, sheetNormal),
           corner_(known ? known->at(cell_.node) : field.at(cell_.node)),
-          onMesh_(field.atFootPoints && band_.triangles && !metric_.anisotropic()
-                      ? placeOf(*band_.triangles, pIndex, cell_.normal)
-                      : SurfaceTriangles::Place{}),
-          thin_(onMesh_.triangle != SurfaceTriangles::kNone && hasThinWalls(band_, cell_)) {}
+          hasWalks_(field.atFootPoints && band_.triangles && !metric_.anisotropic()),
+          thin_(hasWalks_ && hasThinWalls(band_, cell_) && isOnMesh()) {}
 
     Arrival first() const { return field_.atFootPoints ? byJets() : byVoxels(); }
 
@@ -71,6 +69,12 @@ private:
     /// Whether the straight line to a seed runs along S: over no edge, and not across a gap or
     /// through a wall (seedNeighborhoodJet). A seed on an edge lies in the planes of both faces.
     bool alongSurface(const SurfacePoint& seed, const Vec3d& chord) const;
+    /// The point on its triangle.
+    const SurfaceTriangles::Place& onMesh() const {
+        if (!onMesh_) onMesh_ = placeOf(*band_.triangles, p_, cell_.normal);
+        return *onMesh_;
+    }
+    bool isOnMesh() const { return onMesh().triangle != SurfaceTriangles::kNone; }
     /// The length of a walk from a seed over edges of a mesh; +infinity: none within a disc.
     double walkFrom(const Vec3d& at) const;
     Arrival arrival(double d, const Straight& disc, std::uint32_t source) const;
@@ -96,9 +100,11 @@ private:
     const Metric& metric_;
     const Vec3d p_;
     const SurfaceCell cell_;
-    const std::array<NodeJet, 8> corner_;   ///< of the cell; unreached: +infinity
-    const SurfaceTriangles::Place onMesh_;  ///< of jet's points without tensors
-    const bool thin_;                       ///< walls of a mesh are as thin as the cell
+    const std::array<NodeJet, 8> corner_;  ///< of the cell; unreached: +infinity
+    const bool hasWalks_;                  ///< on a mesh, for jet without tensors
+    /// Found by onMesh(): few points need it.
+    mutable std::optional<SurfaceTriangles::Place> onMesh_;
+    const bool thin_;  ///< walls of a mesh are as thin as the cell
 };
 
 template <typename IsOf>
@@ -112,7 +118,7 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
         const double r = length(p_ - at);
         if (!(r < field_.startRadius) || !isOf(k)) return;
         const bool flat = field_.atFootPoints && alongSurface(s, p_ - at);
-        const bool walks = onMesh_.triangle != SurfaceTriangles::kNone && (thin_ || !flat);
+        const bool walks = hasWalks_ && (thin_ || !flat) && isOnMesh();
         const double cost =
             walks ? s.weight * walkFrom(at) : costToSeed(field_, s, p_, cell_.normal);
         const double perVoxel = metric_.anisotropic() && r > 0 ? cost / r : s.weight;
@@ -136,7 +142,7 @@ bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
 double Reader::walkFrom(const Vec3d& at) const {
     const auto from = band_.triangles->nearest(at);
     return ShortWalk(*band_.triangles)
-        .tightLength({from.triangle, from.point}, {onMesh_.triangle, onMesh_.point},
+        .tightLength({from.triangle, from.point}, {onMesh().triangle, onMesh().point},
                      field_.startRadius);
 }
 
@@ -312,7 +318,7 @@ Arrival Reader::byJets() const {
             first = a;
     };
     if (thin_) {
-        const JetsByWalks around = coreByWalks(field_, onMesh_);
+        const JetsByWalks around = coreByWalks(field_, onMesh());
         for (const std::uint32_t own : around.sources()) consider(own, around.first(own).distance);
         // A seed that is nearer than any node of its sheet.
         const Straight disc = straight(first.distance, [](std::size_t) { return true; });

@@ -5,6 +5,9 @@
 
 namespace igeo {
 
+/// Whether |psi| is at most `most` at the points that divide a chord into parts.
+bool staysNearPsi(const Band& band, const Vec3d& from, const Vec3d& chord, int parts, double most);
+
 /// Whether S runs along the chord between two points of it: no wall or gap lies between, and S
 /// leads from one to the other by a path at most a tenth longer. On a mesh the triangles decide;
 /// elsewhere the middles of the chord and of its parts, each moved to psi = 0.

@@ -19,16 +19,6 @@ constexpr double kMarginBelow = 3;
 /// nearly so.
 constexpr std::size_t kAllAround = 7;
 
-/// Whether psi is 0 along a chord to a foot point, or nearly so.
-bool followsSurface(const Band& band, const Vec3d& foot, const Vec3f& chord) {
-    constexpr double kOff = 0.15;
-    for (const double t : {1.0 / 3, 2.0 / 3}) {
-        const PsiSample s = samplePsi(band, foot - t * Vec3d(chord));
-        if (!s.valid || std::abs(s.psi) > kOff) return false;
-    }
-    return true;
-}
-
 [[noreturn]] void refuseTooFar() {
     throw Error(Error::Kind::InvalidArgument,
                 "a distance is more than 2e9 times the least weight, in voxels",
@@ -219,36 +209,6 @@ bool JetMarch::mayGoRound(NodeIndex i, const JetGroup::Solution& s) const {
            core_.nodes[i].obstacleState == Metric::Clear;
 }
 
-JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, const Batch& batch,
-                                          JetGroup::Solution s) const {
-    constexpr float kAlike = 0.2f;
-    const JetNode& here = core_.nodes[i];
-    const TangentFrame frame(here.normal, core_.band.faceted);
-    const Ijk voxel = core_.voxelOf(here);
-    // A path goes on to a neighbor, so one has to lie lower.
-    float least = float(kInfinity);
-    for (std::size_t k = 0; k < row.knownCount; ++k)
-        least = std::min(least, valueIn(batch, row.knownLink(k).node()) / here.weight);
-    const auto lower = [&](NodeIndex k) {
-        const JetNode& other = core_.nodes[k];
-        const float cosine = dot(here.normal, other.normal);
-        if (cosine < kAlike || other.obstacleState != Metric::Clear) return;
-        const Vec3f chord = here.foot - other.foot - Vec3f(core_.voxelOf(other) - voxel);
-        const Vec2f a = frame.unfold(chord, other.normal, cosine);
-        const float len = length(a), u = valueIn(batch, k) / here.weight + len;
-        if (!(u > least && u < s.u && len > 0) ||
-            !followsSurface(core_.band, core_.footOf(here), chord))
-            return;
-        s.u = u, s.g = (1 / len) * a, s.source = jets_.labelOf(k);
-    };
-    for (std::size_t k = 0; k < row.knownCount; ++k)
-        forLinks(
-            core_, row.knownLink(k).node(),
-            [&](NodeIndex j, const Ijk&, const Vec3f&, float) { lower(j); },
-            [&](NodeIndex j) { return jets_.accepted(j); });
-    return s;
-}
-
 bool JetMarch::knowsCrease(const JetRows::Row& row) {
     for (std::size_t k = 0; k < row.knownCount; ++k)
         if (row.knownLink(k).overCrease()) return true;
@@ -292,48 +252,6 @@ bool JetMarch::isAtRim(NodeIndex i) const {
            });
 }
 
-JetsByWalks JetMarch::jumpsByWalks(NodeIndex i) const {
-    constexpr double kLonger = 1.1, kRoom = 0.1;  // voxels: a walk, before it is pulled tight
-    const JetNode& node = core_.nodes[i];
-    const Vec3d foot = core_.footOf(node);
-    const SurfaceTriangles& triangles = *core_.band.triangles;
-    JetsByWalks jets(triangles, triangles.nearest(foot, kInfinity, Vec3d(node.normal)),
-                     core_.largestCostAt(i));
-    forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
-        const JetNode& other = core_.nodes[j];
-        if (jets_.accepted(j))
-            jets.add(core_.footOf(other), Vec3d(other.normal),
-                     {jets_.valueOf(j), jets_.gradientOf(j), jets_.labelOf(j)},
-                     core_.largestCostAt(j), kLonger * double(length(chord)) + kRoom);
-    });
-    return jets;
-}
-
-JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
-    Jump jump;
-    if (core_.band.triangles && isotropic_) {
-        const JetsByWalks jets = jumpsByWalks(i);
-        const Vec3d up(core_.nodes[i].normal);
-        for (const std::uint32_t source : jets.sources()) {
-            const JetsByWalks::First first = jets.first(source);
-            const float u = fromStart(first.distance);
-            if (!(u < jump.u)) continue;
-            const Vec3d face = dot(first.normal, up) < 0 ? -1 * first.normal : first.normal;
-            const Vec2f g =
-                core_.localFrame(i).frame.flat(Vec3f(turned(first.direction, face, up)));
-            jump = {u, length(g) > 0 ? (1 / length(g)) * g : Vec2f{}, source};
-        }
-        if (jump.u < float(kInfinity)) return jump;
-    }
-    forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
-        if (!jets_.accepted(j)) return;
-        const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2;
-        const float u = fromStart(jets_.valueOf(j) + cost * double(length(chord)));
-        if (u < jump.u) jump = {u, {}, jets_.labelOf(j)};
-    });
-    return jump;
-}
-
 void JetMarch::enqueue(const Batch& batch, JetsOnLinks& accepted, Chunk& chunk) {
     carry(scale_, accepted);
     const std::uint32_t next = batch.last + 1;
@@ -363,14 +281,6 @@ void JetMarch::enqueueStretched(NodeIndex i, const JetRows::Row& row, const Resu
             along > 0 ? along + across / (std::sqrt(r * r + across) + r) : std::sqrt(square);
         put(link.node(), jet.u + further, batch, chunk);
     }
-}
-
-void JetMarch::enqueueJumps(NodeIndex from, const Result& jet, const Batch& batch, Chunk& chunk) {
-    forJumps(core_, from, [&](NodeIndex j, const Vec3f& chord) {
-        if (jets_.accepted(j)) return;
-        const double cost = (core_.largestCostAt(from) + core_.largestCostAt(j)) / 2;
-        put(j, jet.u + float(cost) * length(chord), batch, chunk);
-    });
 }
 
 void JetMarch::put(NodeIndex i, float u, const Batch& batch, Chunk& chunk) {

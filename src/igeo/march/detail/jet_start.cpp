@@ -75,12 +75,12 @@ private:
         };
         if (!band.triangles)
             visitWithin(2, [&](NodeIndex j, const JetNode& node) {
-                return isBeside(j, node) && followsSurface(core_.footOf(node));
+                return isBeside(j, node) && isNearPsi(core_.footOf(node));
             });
         for (int reach = 1; reach <= 2 && waiting_.empty(); ++reach) visitWithin(reach, isBeside);
     }
-    /// Whether psi is 0 along the chord from the seed, or nearly so.
-    bool followsSurface(const Vec3d& foot) const {
+    /// Whether psi is 0 along the chord from the seed, or nearly so, where the band has it.
+    bool isNearPsi(const Vec3d& foot) const {
         constexpr double kOff = 0.3;
         for (const double t : {1.0 / 3, 2.0 / 3}) {
             const PsiSample s = samplePsi(core_.band, seed_.pIndex + t * (foot - seed_.pIndex));

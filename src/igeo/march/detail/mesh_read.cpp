@@ -49,11 +49,10 @@ std::vector<Near> coreNear(const Field& field, const Vec3d& p) {
 }  // namespace
 
 bool hasThinWalls(const Band& band, const BandCell& cell) {
-    return band.triangles && std::all_of(cell.node.begin(), cell.node.end(), [](auto i) {
-                                 return i == kNoNode;
-                             }) | std::any_of(cell.node.begin(), cell.node.end(), [&](NodeIndex i) {
-                                 return i != kNoNode && band.facing[i] & Band::kBesideSevered;
-                             });
+    bool any = false, severed = false;
+    for (const NodeIndex i : cell.node)
+        if (i != kNoNode) any = true, severed |= bool(band.facing[i] & Band::kBesideSevered);
+    return band.triangles && (severed || !any);
 }
 
 double JetsByWalks::add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
