@@ -65,10 +65,11 @@ RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metri
     return report;
 }
 
-igeo::AccuracyEstimate estimate(const igeo::Distance& distance, const Console& console,
-                                igeo::Progress& progress) {
+igeo::AccuracyEstimate estimate(const igeo::Distance& distance, double heightNoise,
+                                const Console& console, igeo::Progress& progress) {
     progress.update("accuracy", 0);
-    const igeo::AccuracyEstimate a = igeo::estimateAccuracy(*distance.marched(), progress);
+    const igeo::AccuracyEstimate a =
+        igeo::estimateAccuracy(*distance.marched(), heightNoise, progress);
     progress.finished("accuracy");
     if (a.samples)
         console.detail(fmt::format(
@@ -187,7 +188,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     }
     warnOfPathsAgainstDistances(distance.band().transform.dx, report);
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
-        report.accuracy = estimate(distance, console, stages);
+        report.accuracy = estimate(distance, report.surface.heightNoise, console, stages);
     report.walks = shoot(solver, o.shots, stages);
     warnOfRoundedBends(report);
     report.pairs = solvePairs(solver, o, stages);

@@ -43,6 +43,7 @@ struct SurfaceFacts {
     double joinGaps = 0;                  ///< of a mesh: VoxelOptions::joinGaps
     double diagonal = 0;                  ///< across the surface, voxels
     double snap = 0;                      ///< default of maxSnap, world units
+    double heightNoise = 0;               ///< of points: CloudDensity::heightNoise, voxels^3
     std::string summary;                  ///< in a few words
     std::vector<std::string> warnings;    ///< for the user, one sentence each
 };

@@ -1,5 +1,6 @@
 // Clouds of points against exact distances: errors in % of the largest distance.
 #include <igeo/geodesic_solver.h>
+#include <igeo/path/accuracy_estimate.h>
 #include <igeo/surface/point_surface.h>
 #include <support/catch.h>
 #include <support/clouds.h>
@@ -91,6 +92,34 @@ TEST_CASE("jet on a cloud that scatters by a third of its spacing stays below 0.
         // The scatter of single points, 0.3 of 126 spacings, is what the seed is off at most.
         CHECK(e.max <= 0.163);  // measured 0.108
     }
+}
+
+TEST_CASE("The estimate sees by how much points scatter") {
+    // Scatter moves the fitted sphere in and out, and lengths on it with that. Before, the estimate
+    // was four to nine times too low.
+    for (const double noise : {0.05, 0.1, 0.3})
+        for (const std::size_t points : {5000, 20000}) {
+            CloudOptions options;
+            options.noise = noise;
+            const GeodesicSolver solver(Surface(sphereCloud(points, 0.4, kMiddle, options)));
+            const Distance d = solver.distance({fromVdb(kCenterVdb + 0.4 * genericDirection())});
+            double sum = 0;
+            std::size_t count = 0;
+            for (NodeIndex i = 0; i < d.band().size(); ++i) {
+                const double exact = geodesicOnSphere(kCenterVdb, 0.4, seedOf(d),
+                                                      worldOf(d.band(), d.band().footPoint(i)));
+                if (exact < 0.12) continue;
+                sum += std::abs(d.field().distance[i] * d.band().transform.dx / exact - 1), ++count;
+            }
+            const double factor =
+                estimateAccuracy(d.field(), solver.surface().facts().heightNoise).meanError /
+                (sum / double(count));
+            std::printf(
+                "points, scatter %.2f, %zu points: real error %.4f %%, estimate / real %.2f\n",
+                noise, points, 100 * sum / double(count), factor);
+            CHECK(factor > 0.57);  // measured 0.86 to 1.48
+            CHECK(factor < 2.2);
+        }
 }
 
 TEST_CASE("jet on the cloud of a torus") {

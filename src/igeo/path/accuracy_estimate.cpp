@@ -1,10 +1,13 @@
 #include <igeo/path/accuracy_estimate.h>
 
 #include <igeo/base/parallel.h>
+#include <igeo/path/curve_normals.h>
 #include <igeo/path/detail/curve_on_triangles.h>
 #include <igeo/path/straighten.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace igeo {
 
@@ -31,9 +34,26 @@ double steadyMean(std::vector<double> values) {
     return sum / double(values.size());
 }
 
+/// By how much the length of a path is off in the mean, relative to itself, as S rises and falls.
+double errorByHeights(const Band& band, Path path, double heightNoise) {
+    if (!(heightNoise > 0)) return 0;
+    addNormals(band, path);
+    double curvature2 = 0;
+    for (std::size_t k = 1; k < path.vertices.size(); ++k) {
+        const PathVertex &a = path.vertices[k - 1], &b = path.vertices[k];
+        const Vec3d step = b.pIndex - a.pIndex;
+        const double len = length(step);
+        if (!(len > 0)) continue;
+        const double turn = dot(b.normal - a.normal, step) / len;
+        curvature2 += turn * turn / len;
+    }
+    const double meanOfDeviation = std::sqrt(2 / std::numbers::pi);  // of a normal distribution
+    return meanOfDeviation * std::sqrt(heightNoise * curvature2) / path.length;
+}
+
 }  // namespace
 
-AccuracyEstimate estimateAccuracy(const Field& field, Progress& progress) {
+AccuracyEstimate estimateAccuracy(const Field& field, double heightNoise, Progress& progress) {
     constexpr std::size_t kOnTriangles = 64, kElsewhere = 16;
     const Band& band = *field.band;
     AccuracyEstimate e;
@@ -55,7 +75,8 @@ AccuracyEstimate estimateAccuracy(const Field& field, Progress& progress) {
                 continue;
             const SurfacePoint& seed = field.seeds[path.seed];
             const double length = seed.start + straightenedLength(field, path, progress);
-            error[k] = std::abs(length - path.distance) / path.distance;
+            error[k] = std::hypot(std::abs(length - path.distance) / path.distance,
+                                  errorByHeights(band, path, heightNoise));
         }
     });
     std::erase_if(error, [](double x) { return x < 0; });

@@ -25,7 +25,12 @@ struct AccuracyEstimate {
 /// are exact and take little time, and errors differ much from point to point; 16 elsewhere. The
 /// lengths have the small error of straighten(); where the distances are more accurate than that,
 /// the estimate is too high. It does not include the error of psi against the surface that psi was
-/// made from. Time O(length), in parallel.
-AccuracyEstimate estimateAccuracy(const Field& field, Progress& progress = Progress::none());
+/// made from, but for that of scattered points: where S lies e(s) too high along a geodesic of
+/// normal curvature k(s), the geodesic is too long by the integral of k e to first order, so its
+/// standard deviation is the root of `heightNoise` times the integral of k^2. Time O(length), in
+/// parallel.
+/// @param heightNoise  SurfaceFacts::heightNoise
+AccuracyEstimate estimateAccuracy(const Field& field, double heightNoise = 0,
+                                  Progress& progress = Progress::none());
 
 }  // namespace igeo

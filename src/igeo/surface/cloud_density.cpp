@@ -2,8 +2,16 @@
 
 #include <fmt/core.h>
 #include <cmath>
+#include <numbers>
 
 namespace igeo {
+
+double CloudDensity::heightNoise() const {
+    constexpr double kUnknowns = 6;
+    if (!(noise > 0)) return 0;
+    const double count = double(fitted), radius = spacing * std::sqrt(count / std::numbers::pi);
+    return kUnknowns / count * noise * noise * radius;
+}
 
 std::vector<std::string> densityWarnings(const CloudDensity& density, const std::string& file) {
     std::vector<std::string> warnings;

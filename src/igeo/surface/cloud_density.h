@@ -26,6 +26,11 @@ struct CloudDensity {
     double conflicts = 0;
     double facing = 0;  ///< share of points with one on another sheet within three spacings
     double largestCurvature = 0;  ///< 95th percentile, 1 / world length
+
+    /// How much the surface rises and falls about the true one, as scatter is averaged: the
+    /// variance of its height times the length over which that varies. The fit has six unknowns,
+    /// and its `fitted` points fill a disc. World length^3.
+    double heightNoise() const;
 };
 
 /// Warnings about a cloud, a sentence each; empty for a good one.
