@@ -1,33 +1,14 @@
 #include <igeo/base/parallel.h>
 
+#include <igeo/base/detail/system.h>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
-
 #include <algorithm>
-#include <cstdint>
 
 namespace igeo {
-
-namespace {
-
-/// Asks for pages of 2 MB: reads all over a large array miss the address cache less often, and
-/// fewer pages are touched first. A system that has none goes on with its own.
-void askForLargePages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) {
-#if defined(__linux__) && defined(MADV_HUGEPAGE)
-    constexpr std::uintptr_t kPage = 2 << 20;
-    const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + kPage - 1) / kPage * kPage,
-               end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / kPage * kPage;
-    if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-#endif
-}
-
-}  // namespace
 
 void parallelFor(std::size_t n, std::size_t grain,
                  const std::function<void(std::size_t, std::size_t)>& body) {

@@ -2,6 +2,7 @@
 /// Errors are numbers of <cerrno>, 0 for success.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace igeo {
@@ -16,6 +17,11 @@ int createFile(const std::string& path);
 
 /// Returns after the file is on disk.
 int syncFile(const std::string& path);
+
+/// Asks for pages of 2 MB, for memory that was never used: reads all over a large array miss the
+/// address cache less often, and fewer pages are touched first. A system that has none goes on with
+/// its own.
+void askForLargePages(void* memory, std::size_t bytes);
 
 /// Whether a write error means that the disk is full.
 bool isOutOfSpace(int error);

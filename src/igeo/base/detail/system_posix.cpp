@@ -1,8 +1,10 @@
 #include <fcntl.h>
 #include <igeo/base/detail/system.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 
 namespace igeo {
 
@@ -23,6 +25,15 @@ int syncFile(const std::string& path) {
     const int error = ::fsync(fd) == 0 ? 0 : errno;
     ::close(fd);
     return error == EINVAL ? 0 : error;  // files that cannot be synced are no failure
+}
+
+void askForLargePages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) {
+#ifdef MADV_HUGEPAGE
+    constexpr std::uintptr_t kPage = 2 << 20;
+    const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + kPage - 1) / kPage * kPage,
+               end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / kPage * kPage;
+    if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+#endif
 }
 
 bool isOutOfSpace(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }

@@ -31,6 +31,8 @@ int syncFile(const std::string& path) {
     return error;
 }
 
+void askForLargePages(void*, std::size_t) {}
+
 bool isOutOfSpace(int error) { return error == ENOSPC || error == EFBIG; }
 
 }  // namespace igeo

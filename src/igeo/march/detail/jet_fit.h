@@ -89,7 +89,7 @@ namespace jet {
 constexpr float kSlack = 1e-3f;
 /// A fit is in doubt where its residual is larger, or its value further below all plane fronts: two
 /// neighbors always agree, however wrong.
-constexpr float kDoubt = 2e-3f, kFocus = 0.2f;
+constexpr float kDoubt = 6e-3f, kFocus = 0.2f;
 
 }  // namespace jet
 

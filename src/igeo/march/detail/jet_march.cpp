@@ -118,10 +118,11 @@ void JetMarch::process(const Batch& batch) {
     batchRadius_ = batchStart_ - jets_.seeds.leastStart;
     scale_ = {batch.first, width_};
     // As many chunks as keep the threads busy to the end, of whole groups.
-    constexpr std::size_t kMost = 8 * Lanes::kNodes;
+    constexpr std::size_t kLargest = 8 * Lanes::kNodes;
     const auto threads = std::size_t(ThreadLimit::current());
     const std::size_t groups = batch.nodes.size() / (4 * threads) / Lanes::kNodes;
-    chunkSize_ = threads == 1 ? kMost : std::clamp(groups * Lanes::kNodes, Lanes::kNodes, kMost);
+    chunkSize_ =
+        threads == 1 ? kLargest : std::clamp(groups * Lanes::kNodes, Lanes::kNodes, kLargest);
     const std::size_t chunkCount = (batch.nodes.size() + chunkSize_ - 1) / chunkSize_;
     if (chunks_.size() < chunkCount) chunks_.resize(chunkCount);
     solve(batch, chunkCount);

@@ -309,7 +309,8 @@ void Bridges::find(NodeIndex i, bool pages, std::vector<Bridge>& bridges) {
         return std::pair(a.first, a.second.to) < std::pair(b.first, b.second.to);
     });
     std::vector<Bridge> own;
-    for (const auto& [length, bridge] : found) {
+    for (const auto& each : found) {
+        const Bridge& bridge = each.second;
         const auto onPage = std::count_if(own.begin(), own.end(), [&](const Bridge& other) {
             return !pages || onOnePage(other.to, bridge.to);
         });
