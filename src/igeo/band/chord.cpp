@@ -4,6 +4,8 @@ namespace igeo {
 
 namespace {
 
+constexpr int kHalvings = 4;
+
 /// The length of a path on S between two points, by halving the chord; +infinity where none is
 /// found.
 double lengthAlong(const Band& band, const Vec3d& a, const Vec3d& b, int halvings) {
@@ -25,13 +27,20 @@ bool staysNearPsi(const Band& band, const Vec3d& from, const Vec3d& chord, int p
     return true;
 }
 
+bool psiJoins(const Band& band, const Vec3d& p, const Vec3d& foot) {
+    constexpr double kLonger = 1.2, kRoom = 0.1, kOff = 0.35;  // but kLonger: voxels
+    const PsiSample s = samplePsi(band, foot);
+    return !(s.valid && std::abs(s.psi) > kOff) &&
+           lengthAlong(band, p, foot, kHalvings) <= kLonger * length(foot - p) + kRoom;
+}
+
 bool followsSurface(const Band& band, const Vec3d& a, const Vec3d& b) {
     constexpr double kLonger = 1.1, kRoom = 0.1, kOn = 0.5, kOff = 0.3;  // but kLonger: voxels
     const double chord = length(b - a);
     if (!band.triangles)
         // Along a crease, where Newton's steps of a projection fail, psi tells.
         return staysNearPsi(band, a, b - a, 4, kOff) ||
-               lengthAlong(band, a, b, /*halvings=*/4) <= kLonger * chord + kRoom;
+               lengthAlong(band, a, b, kHalvings) <= kLonger * chord + kRoom;
     const auto from = band.triangles->nearest(a, kOn), to = band.triangles->nearest(b, kOn);
     return from.triangle != SurfaceTriangles::kNone && to.triangle != SurfaceTriangles::kNone &&
            band.triangles->joins(from, to, kLonger / 2 * chord + kRoom);

@@ -17,6 +17,9 @@ namespace {
 struct Straight {
     const SurfacePoint* seed = nullptr;
     double distance = kInfinity;
+    bool ofNearest = false;  ///< no other seed of the source is nearer
+    /// By straight lines at the least cost, whether S runs along them or not: no distance is less.
+    double bound = 0;
 };
 
 /// A point on the triangles or beside them; then on those of its sheet.
@@ -25,6 +28,24 @@ SurfaceTriangles::Place placeOf(const SurfaceTriangles& triangles, const Vec3d& 
     constexpr double kOn = 1e-3;  // voxels
     const SurfaceTriangles::Place at = triangles.nearest(p);
     return at.squared < kOn * kOn ? at : triangles.nearest(p, kInfinity, sheetNormal);
+}
+
+/// The cell around a point. Beside facing sheets of a level set only the corners that psi joins
+/// with the point are left, unless it joins none.
+SurfaceCell cellOnSheet(const Field& field, const Vec3d& p, const Vec3d& sheetNormal) {
+    const Band& band = *field.band;
+    const SurfaceCell all(band, *field.metric, p, sheetNormal);
+    const bool thin = std::any_of(all.node.begin(), all.node.end(), [&](NodeIndex i) {
+        return i != kNoNode && band.facing[i] & (Band::kFacing | Band::kBesideSevered);
+    });
+    if (!thin || !field.atFootPoints || band.triangles) return all;
+    SurfaceCell joined = all;
+    for (NodeIndex& i : joined.node)
+        if (i != kNoNode && !psiJoins(band, p, band.footPoint(i)))
+            i = kNoNode, joined.complete = false;
+    const bool isAlone = std::all_of(joined.node.begin(), joined.node.end(),
+                                     [](NodeIndex i) { return i == kNoNode; });
+    return isAlone ? all : joined;
 }
 
 /// Reads a field at a point of S.
@@ -37,7 +58,7 @@ public:
           band_(*field.band),
           metric_(*field.metric),
           p_(pIndex),
-          cell_(band_, metric_, pIndex, sheetNormal),
+          cell_(cellOnSheet(field, pIndex, sheetNormal)),
           corner_(known ? known->at(cell_.node) : field.at(cell_.node)),
           hasWalks_(field.atFootPoints && band_.triangles && !metric_.anisotropic()),
           thin_(hasWalks_ && hasThinWalls(band_, cell_) && isOnMesh()) {}
@@ -111,12 +132,16 @@ template <typename IsOf>
 Straight Reader::straight(double d, const IsOf& isOf) const {
     // Between the corners the tip of the cone is blunt; by more, the front went around something.
     constexpr double kOtherPath = 1.2, kBlunt = 0.5;  // kBlunt: voxels
+    const double leastCost = field_.lines.leastCost();
     Straight least;
+    double nearest = kInfinity, bound = kInfinity;
     field_.seedsNear.forNear(p_, [&](std::size_t k) {
         const SurfacePoint& s = field_.seeds[k];
         const Vec3d at = s.nearestTo(p_);
         const double r = length(p_ - at);
         if (!(r < field_.startRadius) || !isOf(k)) return;
+        bound = std::min(bound, s.rim ? 0 : s.start + leastCost * r);
+        if (r < nearest) nearest = r, least.ofNearest = false;
         const bool flat = field_.atFootPoints && alongSurface(s, p_ - at);
         const bool walks = hasWalks_ && (thin_ || !flat) && isOnMesh();
         const double cost =
@@ -128,15 +153,19 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
                                : d - s.start < 1.5 * field_.startRadius * perVoxel;
         if (along && s.start + cost < least.distance && !metric_.blocked(p_, at, cell_.normal) &&
             (walks || followsSurface(band_, p_, at)))
-            least = {&s, s.start + cost};
+            least.seed = &s, least.distance = s.start + cost, least.ofNearest = r == nearest;
     });
+    // Inside a region no seed is near.
+    if (nearest < kInfinity)
+        least.bound = std::min(bound, field_.leastStart + leastCost * field_.startRadius);
     return least;
 }
 
 bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
-    constexpr double kSmooth = 0.8, kInPlane = 0.05;
+    constexpr double kSmooth = 0.8, kInPlane = 0.05, kOff = 0.1;  // kOff: voxels
+    const double off = band_.triangles ? 0 : kOff;
     return dot(cell_.normal, Vec3d(band_.normal[seed.node])) >= kSmooth ||
-           std::abs(dot(cell_.normal, chord)) < kInPlane * length(chord);
+           std::abs(dot(cell_.normal, chord)) < kInPlane * length(chord) + off;
 }
 
 double Reader::walkFrom(const Vec3d& at) const {
@@ -147,8 +176,11 @@ double Reader::walkFrom(const Vec3d& at) const {
 }
 
 Arrival Reader::arrival(double d, const Straight& disc, std::uint32_t source) const {
-    if (!disc.seed) return {d, source, nullptr};
-    return {disc.seed->rim ? std::min(d, disc.distance) : disc.distance, source, disc.seed};
+    const double bounded = std::max(d, disc.bound);
+    if (!disc.seed) return {bounded, source, nullptr};
+    // A nearer seed of the source may lie over an edge.
+    if (disc.ofNearest && !disc.seed->rim) return {disc.distance, source, disc.seed};
+    return {std::min(bounded, disc.distance), source, disc.seed};
 }
 
 bool Reader::isOverrun(const SurfacePoint& seed) const {
@@ -214,13 +246,21 @@ double Reader::blended(std::uint32_t source) const {
         if (const double u = overFaces(chart, source); u < kInfinity) return chart.here * u;
     JetNeighbors all;
     BlendWeights weight{};
-    for (std::size_t k = 0; k < 8; ++k) {
-        const NodeJet& jet = corner_[k];
-        if (!(jet.distance < kInfinity) || jet.label != source) continue;
-        // A single corner at p itself needs a positive weight.
-        weight[std::size_t(all.count())] = float(cell_.weight[k]) + 1e-6f;
-        all.add(chart.neighbor(cell_.node[k], cell_.voxel(k), jet));
-    }
+    auto gather = [&](bool beyondSeeds) {
+        for (std::size_t k = 0; k < 8; ++k) {
+            const NodeJet& jet = corner_[k];
+            if (!(jet.distance < kInfinity) || jet.label != source) continue;
+            const JetNeighbor n = chart.neighbor(cell_.node[k], cell_.voxel(k), jet);
+            // The front would come to p before it starts: p is on the other side of the seed.
+            if (!beyondSeeds && n.u + double(dot(n.g, n.a)) < field_.leastStart / chart.here)
+                continue;
+            // A single corner at p itself needs a positive weight.
+            weight[std::size_t(all.count())] = float(cell_.weight[k]) + 1e-6f;
+            all.add(n);
+        }
+    };
+    gather(false);
+    if (all.count() == 0) gather(true);
     const Jet jet = blendJets(all, weight);
     if (!jet.usedFallback || metric_.anisotropic()) return chart.here * jet.u;
     constexpr double kBlendError = 0.25;  // voxels

@@ -131,6 +131,61 @@ void removeActiveTiles(LevelSet& s) {
     s.psi = psi;
 }
 
+/// By more than this many voxels no distance differs from voxel to voxel.
+constexpr double kMostStep = 1.25;
+
+/// Whether a voxel has the sign of the other side: most of its neighbors differ from it by more
+/// than a distance can, and with the other sign no two do.
+bool hasWrongSign(LeafBlock::Accessor& psi, const openvdb::Coord& at, float value, float most) {
+    constexpr int kLeast = 4, kLeft = 1;  // of six neighbors; one may be wrong as well
+    int now = 0, turned = 0;
+    for (int face = 0; face < 6; ++face) {
+        openvdb::Coord next = at;
+        next[face / 2] += face % 2 ? 1 : -1;
+        float other;
+        if (!psi.probeValue(next, other)) continue;
+        now += std::abs(value - other) > most;
+        turned += std::abs(value + other) > most;
+    }
+    return now >= kLeast && turned <= kLeft;
+}
+
+/// Conversions from a mesh may give single voxels in slots of two or three voxels the sign of the
+/// inside: they get that of their neighbors.
+void turnWrongSigns(LevelSet& s) {
+    const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
+    std::vector<std::vector<openvdb::Coord>> found(leaves.size());
+    const auto most = float(kMostStep * s.transform.dx);
+    parallelFor(leaves.size(), 256, [&](std::size_t begin, std::size_t end) {
+        LeafBlock::Accessor psi(s.psi->constTree());
+        for (std::size_t l = begin; l < end; ++l) {
+            // Few leaves have such a step from a voxel to the next along z.
+            const float* values = leaves[l]->buffer().data();
+            float largest = 0;
+            for (std::size_t k = 0; k < 511; ++k)
+                largest = std::max(largest, (k & 7) == 7 ? 0 : std::abs(values[k + 1] - values[k]));
+            if (!(largest > most)) continue;
+            for (auto it = leaves[l]->cbeginValueOn(); it; ++it)
+                if (hasWrongSign(psi, it.getCoord(), *it, most)) found[l].push_back(it.getCoord());
+        }
+    });
+    std::vector<openvdb::Coord> all;
+    for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+    if (all.empty()) return;
+    const openvdb::FloatGrid::Ptr psi = s.psi->deepCopy();
+    for (const openvdb::Coord& at : all) {
+        const float value = psi->tree().getValue(at);
+        psi->tree().setValueOnly(at, -value);
+        s.stats.negative += value < 0 ? -1 : 1;
+    }
+    s.psi = psi;
+    const openvdb::Coord& first = all.front();
+    s.warnings.push_back(fmt::format(
+        "voxels in narrow slots or walls with the sign of the other side of the surface: {}, the "
+        "first at index {},{},{}; it is turned. Smaller voxels, or the mesh itself, have none",
+        all.size(), first.x(), first.y(), first.z()));
+}
+
 void measure(LevelSet& s, Progress& progress) {
     const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
     PsiTally all;
@@ -340,6 +395,7 @@ void checkLevelSet(LoadedGrid loaded, LevelSet& s, Progress& progress) {
     removeActiveTiles(s);
     judgeExtent(s);
     judgeRange(s);
+    turnWrongSigns(s);
     // Differences need two voxels on each side of the surface.
     if (s.stats.halfWidth < 2) widen(s, 3);
     measure(s, progress);

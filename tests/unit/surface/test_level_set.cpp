@@ -148,6 +148,29 @@ TEST_CASE("checkLevelSet: stray voxels decide no width, and are left out") {
     CHECK(s.stats.halfWidth == expected.halfWidth);
 }
 
+TEST_CASE("checkLevelSet: single voxels with the sign of the other side are turned") {
+    // A slot of 2.6 voxels in a block, in general position.
+    const auto transform = rotatedTransform(1, {1, 2, 3}, 40, {0.1, 0.2, 0.3});
+    const auto right = makeLevelSet(
+        partOf({{{-12, -12, -16}, {12, 12, 0}}, {{-1.3, -14, -10}, {1.3, 14, 2}, true}}),
+        *transform, 3);
+    const auto wrong = right->deepCopy();
+    std::size_t turned = 0;
+    for (auto it = wrong->beginValueOn(); it; ++it) {
+        const auto p = transform->indexToWorld(it.getCoord());
+        // In the middle of the slot, as OpenVDB's meshToVolume leaves them.
+        const bool inside = std::abs(p.x()) < 0.3 && std::abs(p.y()) < 9 && std::abs(p.z() + 5) < 3;
+        if (inside && it.getCoord().y() % 7 == 0) it.setValue(-*it), ++turned;
+    }
+    CHECK(turned > 5);
+    const LevelSet s = checkedLevelSet(wrong), expected = checkedLevelSet(right);
+    REQUIRE(s.warnings.size() == expected.warnings.size() + 1);
+    CHECK(s.warnings.front().find("surface: " + std::to_string(turned) + ",") != std::string::npos);
+    CHECK(s.stats.negative == expected.stats.negative);
+    for (auto it = right->cbeginValueOn(); it; ++it)
+        if (s.psi->tree().getValue(it.getCoord()) != *it) FAIL_CHECK(it.getCoord());
+}
+
 TEST_CASE("checkLevelSet: a level set that fills its inside has no strays") {
     // Its shells shrink to a point, and another piece has its own.
     const double dx = 0.05;

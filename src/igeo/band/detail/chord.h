@@ -14,4 +14,9 @@ bool staysNearPsi(const Band& band, const Vec3d& from, const Vec3d& chord, int p
 /// @param b  within some voxels of a; both may be some tenths of a voxel off S
 bool followsSurface(const Band& band, const Vec3d& a, const Vec3d& b);
 
+/// Whether psi shows a path from a point of S to a foot point near it, at most a fifth longer than
+/// the chord, and the foot point lies on psi = 0, or nearly so. In the middle of a wall foot points
+/// lie anywhere. For level sets and points.
+bool psiJoins(const Band& band, const Vec3d& p, const Vec3d& foot);
+
 }  // namespace igeo

@@ -1,5 +1,6 @@
 #include <igeo/march/detail/jet_extend.h>
 
+#include <igeo/band/detail/chord.h>
 #include <igeo/march/detail/jet_blend.h>
 
 namespace igeo {
@@ -226,7 +227,7 @@ Extension::Found Extension::carryInPlane(const Group& group, std::size_t lane) c
 Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
     // The core around such a node has been reached from its seed, but maybe along another path,
     // around a wall.
-    constexpr double kOtherPath = 1.2, kBlunt = 1.5;  // kBlunt: voxels
+    constexpr double kOtherPath = 1.2, kBlunt = 0.5, kDoubtful = 1.5;  // but kOtherPath: voxels
     const JetSeeds& seeds = jets_.seeds;
     const Vec3d foot = band_.footPoint(i);
     const LocalFrame local = core_.localFrameInBand(i);
@@ -238,12 +239,15 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
         leastStart = std::min(leastStart, seed.start);
         const Vec3d from = seed.nearestTo(foot);
         Solved disc;
-        if (!metric_.blocked(from, foot, Vec3d(seeds.normal[k])) &&
-            seedNeighborhoodJet(core_, seeds, std::uint32_t(k), band_.facing[i], local, foot,
-                                disc) &&
-            s.distance - seed.start <=
-                kOtherPath * (disc.u - seed.start) +
-                    (length(foot - from) <= seeds.startRadius ? kBlunt * local.weight : 0) &&
+        if (metric_.blocked(from, foot, Vec3d(seeds.normal[k])) ||
+            !seedNeighborhoodJet(core_, seeds, std::uint32_t(k), band_.facing[i], local, foot,
+                                 disc))
+            return;
+        const double longer = s.distance - seed.start - kOtherPath * (disc.u - seed.start);
+        const bool inReach = length(foot - from) <= seeds.startRadius;
+        if ((longer <= (inReach ? kBlunt * local.weight : 0) ||
+             (inReach && longer <= kDoubtful * local.weight &&
+              followsSurface(band_, from, foot))) &&
             disc.u < best.u)
             best = disc;
     };

@@ -1,5 +1,6 @@
 #include <igeo/march/detail/jet_start.h>
 
+#include <igeo/band/detail/chord.h>
 #include <igeo/band/detail/short_walk.h>
 
 #include <queue>
@@ -9,6 +10,9 @@
 namespace igeo {
 
 namespace {
+
+/// Voxels: nearer to a seed of a level set, nodes on the next face over an edge are in its disc.
+constexpr double kNextFace = 1.5;
 
 /// Cost of a chord at seed k, turned into its tangent plane.
 double seedCost(const Band& band, const JetSeeds& seeds, std::uint32_t k, const Vec3f& chord) {
@@ -75,15 +79,15 @@ private:
         };
         if (!band.triangles)
             visitWithin(2, [&](NodeIndex j, const JetNode& node) {
-                return isBeside(j, node) && isNearPsi(core_.footOf(node));
+                return isBeside(j, node) && isNearPsi(seed_.pIndex, core_.footOf(node));
             });
         for (int reach = 1; reach <= 2 && waiting_.empty(); ++reach) visitWithin(reach, isBeside);
     }
     /// Whether psi is 0 along the chord from the seed, or nearly so, where the band has it.
-    bool isNearPsi(const Vec3d& foot) const {
+    bool isNearPsi(const Vec3d& from, const Vec3d& foot) const {
         constexpr double kOff = 0.3;
         for (const double t : {1.0 / 3, 2.0 / 3}) {
-            const PsiSample s = samplePsi(core_.band, seed_.pIndex + t * (foot - seed_.pIndex));
+            const PsiSample s = samplePsi(core_.band, from + t * (foot - from));
             if (s.valid && std::abs(s.psi) > kOff) return false;
         }
         return true;
@@ -102,7 +106,7 @@ private:
             });
     }
     Vec3d nearestOfSeed(NodeIndex i) const { return seed_.nearestTo(core_.footOf(core_.nodes[i])); }
-    /// @return whether the node is in the disc, and new
+    /// @return whether the disc goes on from the node
     bool visit(const Step& step) {
         constexpr double kDetour = 1.25, kRoom = 1;  // voxels
         const NodeIndex i = step.node;
@@ -118,8 +122,12 @@ private:
         if (!seedNeighborhoodJet(core_, seeds_, k_, core_.nodes[i].facing, core_.localFrame(i),
                                  foot, s))
             return false;
+        // From the next face of a level set the disc would grow over ribs.
+        const bool straight =
+            core_.band.triangles || isNearPsi(from, foot) || followsSurface(core_.band, from, foot);
+        if (!straight && r > kNextFace) return false;
         found_.emplace_back(i, s);
-        return true;
+        return straight;
     }
 
     const JetCore& core_;
@@ -204,15 +212,18 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     if (c > float(seeds.startRadius) &&
         (isotropic || costThere > seeds.startRadius * seeds.plane[k].largest()))
         return false;
-    // Across a crease chords say nothing, and the march begins next to the seed; but a seed on the
-    // crease itself lies in the planes of all its faces.
-    constexpr float kSmooth = 0.8f, kInPlane = 0.05f;
-    const bool overCrease = cosine < kSmooth && std::abs(dot(normal, chord)) >= kInPlane * c;
+    // Across a crease a chord says nothing, unless both faces are known, next to the seed. A seed
+    // on the crease itself lies in the planes of all its faces. Where psi rounds the crease off, a
+    // seed of a level set is off them.
+    constexpr float kSmooth = 0.8f, kInPlane = 0.05f, kOff = 0.1f;  // kOff: voxels
+    const float off = core.band.triangles ? 0 : kOff;
+    const bool overCrease = cosine < kSmooth && std::abs(dot(normal, chord)) >= kInPlane * c + off;
     if (core.band.triangles && isotropic && (overCrease || facing & Band::kBesideSevered))
         return jetByWalk(core, seeds, k, local, foot, s);
-    if (overCrease) return false;
-    const Vec2f a =
-        cosine < kSmooth ? frame.flat(chord) : frame.unfold(chord, seeds.normal[k], cosine);
+    if (overCrease && (core.band.triangles || c > float(kNextFace) || cosine < Band::kOtherSheet))
+        return false;
+    const Vec2f a = cosine < kSmooth && !overCrease ? frame.flat(chord)
+                                                    : frame.unfold(chord, seeds.normal[k], cosine);
     const float arc = length(a);
     s = {seed.start, {}, seeds.source[k]};
     if (isotropic) {

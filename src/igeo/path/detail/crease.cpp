@@ -21,9 +21,12 @@ public:
 
     bool valid() const { return valid_; }
     Vec3d normal(const Vec3d& q) const {
-        const Vec3d r = q - center_;
-        return normalized(constant_ + dot(r, along_[0]) * slope_[0] +
-                          dot(r, along_[1]) * slope_[1]);
+        // Along the sheet the normal of spheres and cylinders is linear; across it, it is not.
+        const Vec3d r = q - center_, up = cross(along_[0], along_[1]),
+                    linear =
+                        constant_ + dot(r, along_[0]) * slope_[0] + dot(r, along_[1]) * slope_[1],
+                    along = linear - dot(linear, up) * up;
+        return normalized(along + std::sqrt(std::max(1 - dot(along, along), 0.0)) * up);
     }
     /// The height of q above the sheet.
     double height(const Vec3d& q) const {
@@ -50,19 +53,24 @@ private:
 
 SheetFit::SheetFit(const Band& band, const Vec3d& center, const Vec3d& n, int side)
     : center_(center) {
-    constexpr int kReach = 4;
-    constexpr double kRadius = 4, kAlike = 0.9, kNear = 1.3;
+    constexpr int kReach = 6;
+    constexpr double kRadius = 6, kAlike = 0.9, kNear = 1.3, kSlope = 0.3, kRise = 0.7;
     constexpr std::size_t kFew = 8;
     along_[0] = anyNormalTo(n);
     along_[1] = cross(n, along_[0]);
     const Ijk middle = roundToIjk(center);
+    // Another sheet may have the same normal.
+    auto isOnSheet = [&](const Vec3d& r) {
+        const double far = length(r);
+        return far <= kRadius && std::abs(dot(r, n)) <= kSlope * far + kRise;
+    };
     for (int x = -kReach; x <= kReach; ++x)
         for (int y = -kReach; y <= kReach; ++y)
             for (int z = -kReach; z <= kReach; ++z) {
                 const NodeIndex i = band.nodeAt(middle + Ijk{x, y, z});
                 if (i == kNoNode || band.psi[i] * float(side) < 0 ||
                     std::abs(band.psi[i]) > kNear || dot(Vec3d(band.normal[i]), n) < kAlike ||
-                    length(band.footPoint(i) - center) > kRadius)
+                    !isOnSheet(band.footPoint(i) - center))
                     continue;
                 feet_.push_back(band.footPoint(i));
                 normals_.push_back(Vec3d(band.normal[i]));

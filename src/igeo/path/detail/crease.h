@@ -11,9 +11,10 @@ namespace igeo {
 ///
 /// Around a crease foot points and normals are those of a rounded edge, which turns a walk by some
 /// degrees. So each sheet is fitted to nodes that show only this sheet: those on the inner side of
-/// the bend, where psi has a kink and differences stay on one side of it. The fit is a normal
-/// linear along the sheet, and the height by it: accurate for planes, cylinders and spheres. The
-/// walk then crosses one sheet to the line where the sheets meet, and keeps its angle to this line.
+/// the bend, where psi has a kink and differences stay on one side of it. The fit is a normal with
+/// a linear part along the sheet, and the height by it: accurate for planes, cylinders and spheres.
+/// The walk then crosses one sheet to the line where the sheets meet, and keeps its angle to this
+/// line.
 class CreaseWatch {
 public:
     /// @param length  of the whole walk
