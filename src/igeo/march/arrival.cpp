@@ -83,6 +83,10 @@ private:
     /// Whether an earlier front reached a corner within the disc of this seed.
     bool isOverrun(const SurfacePoint& seed) const;
     double trilinear() const;
+    /// A lower bound of the distance, over the weight here: from the value of a corner on the same
+    /// face it differs by the way between them at most. It stops fronts whose direction is wrong,
+    /// as at a node on the end of an edge.
+    double leastOnFace(const Chart& chart, std::uint32_t source) const;
     /// The jets of one source, blended.
     double blended(std::uint32_t source) const;
     /// Whether three faces of a mesh meet in the cell, which have no common plane.
@@ -135,7 +139,8 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
 
 bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
     constexpr double kSmooth = 0.8, kInPlane = 0.05;
-    return dot(cell_.normal, Vec3d(band_.normal[seed.node])) >= kSmooth ||
+    const Vec3d ofSeed(band_.normal[seed.node]);
+    return (dot(cell_.normal, ofSeed) >= kSmooth && !isOverStep(chord, cell_.normal, ofSeed)) ||
            std::abs(dot(cell_.normal, chord)) < kInPlane * length(chord);
 }
 
@@ -208,6 +213,20 @@ JetNeighbor Reader::Chart::neighbor(NodeIndex j, const Ijk& voxel, const NodeJet
     return metric.anisotropic() ? stretched(plane.stretch, n) : n;
 }
 
+double Reader::leastOnFace(const Chart& chart, std::uint32_t source) const {
+    constexpr float kOneFace = 0.9f;
+    constexpr double kOff = 0.1;  // voxels
+    double least = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        if (!(corner_[k].distance < kInfinity) || corner_[k].label != source ||
+            dot(chart.frame.normal(), band_.normal[cell_.node[k]]) < kOneFace)
+            continue;
+        const JetNeighbor n = chart.neighbor(cell_.node[k], cell_.voxel(k), corner_[k]);
+        least = std::max(least, n.u - double(length(n.a)) - kOff);
+    }
+    return least;
+}
+
 double Reader::blended(std::uint32_t source) const {
     const Chart chart(*this);
     if (atCorner())
@@ -221,7 +240,8 @@ double Reader::blended(std::uint32_t source) const {
         weight[std::size_t(all.count())] = float(cell_.weight[k]) + 1e-6f;
         all.add(chart.neighbor(cell_.node[k], cell_.voxel(k), jet));
     }
-    const Jet jet = blendJets(all, weight);
+    Jet jet = blendJets(all, weight);
+    jet.u = std::max(jet.u, leastOnFace(chart, source));
     if (!jet.usedFallback || metric_.anisotropic()) return chart.here * jet.u;
     constexpr double kBlendError = 0.25;  // voxels
     const auto met = whereFrontsMeet(chart, source);

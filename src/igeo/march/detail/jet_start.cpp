@@ -1,5 +1,6 @@
 #include <igeo/march/detail/jet_start.h>
 
+#include <igeo/band/detail/chord.h>
 #include <igeo/band/detail/short_walk.h>
 
 #include <queue>
@@ -204,10 +205,12 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     if (c > float(seeds.startRadius) &&
         (isotropic || costThere > seeds.startRadius * seeds.plane[k].largest()))
         return false;
-    // Across a crease chords say nothing, and the march begins next to the seed; but a seed on the
-    // crease itself lies in the planes of all its faces.
+    // Across a crease or a step chords say nothing, and the march begins next to the seed; but a
+    // seed on the crease itself lies in the planes of all its faces.
     constexpr float kSmooth = 0.8f, kInPlane = 0.05f;
-    const bool overCrease = cosine < kSmooth && std::abs(dot(normal, chord)) >= kInPlane * c;
+    const bool overCrease = cosine < kSmooth
+                                ? std::abs(dot(normal, chord)) >= kInPlane * c
+                                : isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seeds.normal[k]));
     if (core.band.triangles && isotropic && (overCrease || facing & Band::kBesideSevered))
         return jetByWalk(core, seeds, k, local, foot, s);
     if (overCrease) return false;
