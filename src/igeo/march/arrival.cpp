@@ -215,7 +215,7 @@ JetNeighbor Reader::Chart::neighbor(NodeIndex j, const Ijk& voxel, const NodeJet
 
 double Reader::leastOnFace(const Chart& chart, std::uint32_t source) const {
     constexpr float kOneFace = 0.9f;
-    constexpr double kOff = 0.1;  // voxels
+    constexpr double kOff = 0.25;  // voxels
     double least = 0;
     for (std::size_t k = 0; k < 8; ++k) {
         if (!(corner_[k].distance < kInfinity) || corner_[k].label != source ||
@@ -338,7 +338,7 @@ Arrival Reader::byJets() const {
             first = a;
     };
     if (thin_) {
-        const JetsByWalks around = coreByWalks(field_, onMesh());
+        const JetsByWalks around = coreByWalks(field_, onMesh(), cell_);
         for (const std::uint32_t own : around.sources()) consider(own, around.first(own).distance);
         // A seed that is nearer than any node of its sheet.
         const Straight disc = straight(first.distance, [](std::size_t) { return true; });
