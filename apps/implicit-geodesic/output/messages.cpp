@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/text.h>
+#include <igeo/results/lost_points.h>
 #include <igeo/results/overrun_seeds.h>
 
 #include <algorithm>
@@ -220,6 +221,14 @@ void warnOfSkippedPoints(const igeo::Distance& distance, RunReport& report) {
             few.push_back(fmt::format("of pair {} {}", k, report.pairs[k].reason()));
     if (skipped > 0)
         report.warnings.push_back(skippedWarning("pairs", report.pairs.size(), few, skipped));
+}
+
+void warnOfLostTargets(const igeo::Distance& distance, RunReport& report) {
+    std::vector<igeo::Vec3d> points;
+    for (const igeo::SurfacePoint& p : distance.targets()) points.push_back(p.pIndex);
+    const std::string warning =
+        igeo::lostWarning(*distance.marched(), "targets", points, distance.atTargets());
+    if (!warning.empty()) report.warnings.push_back(warning);
 }
 
 void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report) {

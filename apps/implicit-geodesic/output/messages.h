@@ -32,6 +32,9 @@ void warnOfRoundedBends(RunReport& report);
 /// number, and the first few.
 void warnOfSkippedPoints(const igeo::Distance& distance, RunReport& report);
 
+/// Adds a warning for targets without a distance that the triangles of a mesh join to a seed.
+void warnOfLostTargets(const igeo::Distance& distance, RunReport& report);
+
 /// Adds a warning where the obstacles block nothing of the surface.
 void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report);
 

@@ -3,6 +3,7 @@
 #include <igeo/base/parallel.h>
 #include <igeo/results/color_map.h>
 #include <igeo/results/distance_matrix.h>
+#include <igeo/results/lost_points.h>
 #include <igeo/results/picture.h>
 #include <igeo/results/surface_files.h>
 #include <igeo/view.h>
@@ -96,16 +97,29 @@ std::string verticesAs(const std::string& ending, const igeo::TriangleMesh& mesh
     return igeo::verticesCsv(values);
 }
 
+void warn(RunResult& r, const std::string& sentence) {
+    if (!sentence.empty()) r.report.warnings.push_back(sentence);
+}
+
+std::vector<igeo::Vec3d> inIndexSpace(const RunResult& r, std::vector<igeo::Vec3d> points) {
+    for (igeo::Vec3d& p : points) p = r.band().transform.indexFromWorld(p);
+    return points;
+}
+
 void writeVertices(RunResult& r, const std::string& file) {
+    const igeo::TriangleMesh& mesh = *r.distance.surface().triangles();
     igeo::VertexValues values = r.distance.atVertices(r.progress);
     if (r.options.perSeed)
         values.columns = r.solver.atVertices(sourcesOf(r), r.input.limits, r.progress);
-    writeDocument(file, verticesAs(endingOf(file), *r.distance.surface().triangles(), values,
-                                   srgb(r.options)));
+    warn(r, igeo::lostWarning(*r.marched(), "vertices",
+                              inIndexSpace(r, igeo::polygonsOf(mesh).vertices), values.distance));
+    writeDocument(file, verticesAs(endingOf(file), mesh, values, srgb(r.options)));
 }
 
 void writeSamples(RunResult& r, const std::string& file) {
     const igeo::Samples samples = r.distance.samples();
+    warn(r, igeo::lostWarning(*r.marched(), "samples", inIndexSpace(r, samples.position),
+                              samples.distance));
     const std::string ending = endingOf(file);
     writeDocument(file, ending == ".npz"   ? igeo::samplesNpz(samples)
                         : ending == ".ply" ? igeo::samplesPly(samples)
@@ -121,6 +135,24 @@ void nameGroups(const igeo::Seeds& seeds, bool betweenSeeds, igeo::DistanceMatri
     }
 }
 
+/// Adds a warning where the matrix lacks distances that the mesh has.
+void warnOfLost(RunResult& r, const igeo::DistanceMatrix& matrix) {
+    const std::shared_ptr<const igeo::Field> field = r.marched();
+    std::vector<igeo::Vec3d> targets;
+    for (const igeo::MatrixPlace& target : matrix.targets)
+        targets.push_back(r.band().transform.indexFromWorld(target.point.position));
+    igeo::LostPoints lost(r.band(), field->metric);
+    for (std::size_t s = matrix.firstRow; s < matrix.firstRow + matrix.rows(); ++s) {
+        std::vector<igeo::SurfacePoint> seeds;
+        for (std::size_t k = 0; k < field->seeds.size(); ++k)
+            if (field->source[k] == s) seeds.push_back(field->seeds[k]);
+        std::vector<double> row;
+        for (std::size_t t = 0; t < targets.size(); ++t) row.push_back(matrix.at(s, t));
+        lost.add(seeds, targets, row);
+    }
+    warn(r, lost.warning("distances of the matrix"));
+}
+
 void writeMatrix(RunResult& r, const std::string& file) {
     const std::shared_ptr<const igeo::Field> field = r.marched();
     const std::vector<igeo::SurfacePoint>&seeds = field->seeds, &targets = r.distance.targets();
@@ -133,6 +165,7 @@ void writeMatrix(RunResult& r, const std::string& file) {
              : igeo::distances(r.band(), metric, seeds, targets, r.progress);
     nameGroups(r.input.seeds, targets.empty(), matrix);
     matrix.withReasons = r.options.skipOffSurface;
+    warnOfLost(r, matrix);
     const std::string ending = endingOf(file);
     writeDocument(file, ending == ".json"  ? matrixJson(r.report, *field, matrix)
                         : ending == ".npy" ? igeo::matrixNpy(matrix)

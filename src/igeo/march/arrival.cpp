@@ -104,6 +104,10 @@ private:
     /// Whether an earlier front reached a corner within the disc of this seed.
     bool isOverrun(const SurfacePoint& seed) const;
     double trilinear() const;
+    /// A lower bound of the distance on a mesh, over the weight here: from the value of a corner on
+    /// the same face it differs by the line between them at most. It stops fronts whose direction
+    /// is wrong, as at a node on the end of an edge.
+    double leastOnFace(const Chart& chart, std::uint32_t source) const;
     /// The jets of one source, blended.
     double blended(std::uint32_t source) const;
     /// Whether three faces of a mesh meet in the cell, which have no common plane.
@@ -164,7 +168,8 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
 bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
     constexpr double kSmooth = 0.8, kInPlane = 0.05, kOff = 0.1;  // kOff: voxels
     const double off = band_.triangles ? 0 : kOff;
-    return dot(cell_.normal, Vec3d(band_.normal[seed.node])) >= kSmooth ||
+    const Vec3d ofSeed(band_.normal[seed.node]);
+    return (dot(cell_.normal, ofSeed) >= kSmooth && !isOverStep(chord, cell_.normal, ofSeed)) ||
            std::abs(dot(cell_.normal, chord)) < kInPlane * length(chord) + off;
 }
 
@@ -240,6 +245,20 @@ JetNeighbor Reader::Chart::neighbor(NodeIndex j, const Ijk& voxel, const NodeJet
     return metric.anisotropic() ? stretched(plane.stretch, n) : n;
 }
 
+double Reader::leastOnFace(const Chart& chart, std::uint32_t source) const {
+    constexpr float kOneFace = 0.9f;
+    constexpr double kOff = 0.25;  // voxels
+    double least = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        if (!(corner_[k].distance < kInfinity) || corner_[k].label != source ||
+            dot(chart.frame.normal(), band_.normal[cell_.node[k]]) < kOneFace)
+            continue;
+        const JetNeighbor n = chart.neighbor(cell_.node[k], cell_.voxel(k), corner_[k]);
+        least = std::max(least, n.u - double(length(n.a)) - kOff);
+    }
+    return least;
+}
+
 double Reader::blended(std::uint32_t source) const {
     const Chart chart(*this);
     if (atCorner())
@@ -261,7 +280,8 @@ double Reader::blended(std::uint32_t source) const {
     };
     gather(false);
     if (all.count() == 0) gather(true);
-    const Jet jet = blendJets(all, weight);
+    Jet jet = blendJets(all, weight);
+    if (band_.triangles) jet.u = std::max(jet.u, leastOnFace(chart, source));
     if (!jet.usedFallback || metric_.anisotropic()) return chart.here * jet.u;
     constexpr double kBlendError = 0.25;  // voxels
     const auto met = whereFrontsMeet(chart, source);
@@ -358,7 +378,7 @@ Arrival Reader::byJets() const {
             first = a;
     };
     if (thin_) {
-        const JetsByWalks around = coreByWalks(field_, onMesh());
+        const JetsByWalks around = coreByWalks(field_, onMesh(), cell_);
         for (const std::uint32_t own : around.sources()) consider(own, around.first(own).distance);
         // A seed that is nearer than any node of its sheet.
         const Straight disc = straight(first.distance, [](std::size_t) { return true; });

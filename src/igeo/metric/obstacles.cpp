@@ -111,24 +111,6 @@ bool levelSetBlocks(const openvdb::FloatGrid& grid, const IndexMap& map, const V
     return false;
 }
 
-/// Whether a segment passes over a part of a mesh, or within kPatchFat of it. Where the segment
-/// leaves S, as the chord of a bend, the part is searched for along the normal.
-bool patchBlocks(const SurfaceTriangles& patch, const Vec3d& a, const Vec3d& b,
-                 const Vec3d& normal) {
-    const Vec3d along = b - a;
-    const double reach = kReach + std::min(kBulge * dot(along, along), kMostBulge);
-    const int steps = int(std::ceil(length(along) / kPatchStep));
-    for (int k = 0; k <= steps; ++k) {
-        const Vec3d p = a + (steps ? double(k) / steps : 0.0) * along;
-        const auto place = patch.nearest(p, reach + kPatchFat);
-        if (place.triangle == SurfaceTriangles::kNone) continue;
-        const Vec3d off = place.point - p;
-        const double up = dot(off, normal);
-        if (std::abs(up) <= reach && length(off - up * normal) <= kPatchFat) return true;
-    }
-    return false;
-}
-
 /// Whether the strip center +-u +-v meets a grown cube of the mask.
 bool stripMeets(const VoxelSet& mask, const Vec3d& center, const Vec3d& u, const Vec3d& v) {
     constexpr double kHalf = 0.5 + kFat;
@@ -199,13 +181,38 @@ void ObstacleSet::addGrid(const ObstacleGrid& source) {
                     "other grid in active voxels that are true or above 0.5");
 }
 
+/// Whether a segment passes over a part of a mesh, or within kPatchFat of it. Where the segment
+/// leaves S, as the chord of a bend, the part is searched for along the normal.
+bool ObstacleSet::patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b,
+                              const Vec3d& normal) {
+    const Vec3d along = b - a;
+    const double reach = kReach + std::min(kBulge * dot(along, along), kMostBulge);
+    const int steps = int(std::ceil(length(along) / kPatchStep));
+    for (int k = 0; k <= steps; ++k) {
+        const Vec3d p = a + (steps ? double(k) / steps : 0.0) * along;
+        const auto place = patch.parts->nearest(p, reach + kPatchFat);
+        if (place.triangle == SurfaceTriangles::kNone) continue;
+        const Vec3d off = place.point - p;
+        const double up = dot(off, normal);
+        if (std::abs(up) > reach || length(off - up * normal) > kPatchFat) continue;
+        // Through a thin wall lies the part of its other side.
+        if (std::abs(up) <= reach - kReach + kFat ||
+            dot(patch.normal[place.triangle], normal) > Band::kOtherSheet)
+            return true;
+    }
+    return false;
+}
+
 void ObstacleSet::addVertices(const TriangleMesh& mesh, const std::vector<bool>& blocked) {
     const std::vector<double> atPoint =
         valuesAtPoints(mesh, std::vector<double>(blocked.begin(), blocked.end()));
     std::vector<Vec3d> points;
     for (const Vec3d& p : mesh.points) points.push_back(transform_.indexFromWorld(p));
+    TriangleMesh oriented = mesh;
+    orientConsistently(oriented);
     std::vector<SurfaceTriangles::Triangle> parts;
-    for (const TriangleMesh::Triangle& t : mesh.triangles) {
+    std::vector<Vec3d> normals;
+    for (const TriangleMesh::Triangle& t : oriented.triangles) {
         std::vector<std::uint32_t> corners;
         for (const std::uint32_t c : t)
             if (atPoint[c] > 0) corners.push_back(c);
@@ -213,6 +220,8 @@ void ObstacleSet::addVertices(const TriangleMesh& mesh, const std::vector<bool>&
         // Edges and points become triangles without area.
         corners.resize(3, corners.back());
         parts.push_back({corners[0], corners[1], corners[2]});
+        const Vec3d& first = points[t[0]];
+        normals.push_back(normalized(cross(points[t[1]] - first, points[t[2]] - first)));
         const Vec3d &a = points[corners[0]], &b = points[corners[1]], &c = points[corners[2]];
         const double grown = kReach + kMostBulge + kPatchFat;
         Vec3d low = a, high = a;
@@ -228,7 +237,8 @@ void ObstacleSet::addVertices(const TriangleMesh& mesh, const std::vector<bool>&
     std::vector<std::array<std::uint32_t, 3>> alone(
         parts.size(), {SurfaceTriangles::kNone, SurfaceTriangles::kNone, SurfaceTriangles::kNone});
     patches_.push_back(
-        std::make_shared<SurfaceTriangles>(std::move(points), std::move(parts), std::move(alone)));
+        {std::make_shared<SurfaceTriangles>(std::move(points), std::move(parts), std::move(alone)),
+         std::move(normals)});
 }
 
 void ObstacleSet::addLevelSet(const openvdb::FloatGrid::ConstPtr& grid, const IndexMap& map) {
@@ -317,7 +327,7 @@ bool ObstacleSet::block(const Vec3d& oneEnd, const Vec3d& otherEnd, const Vec3d&
     for (const MaskBody& body : masks_)
         if (maskBlocks(*body.blocked, body.map, a, b, normal)) return true;
     for (const auto& patch : patches_)
-        if (patchBlocks(*patch, a, b, normal)) return true;
+        if (patchBlocks(patch, a, b, normal)) return true;
     return false;
 }
 

@@ -101,7 +101,14 @@ private:
     std::vector<Box> boxes_;
     std::vector<LevelSetBody> levelSets_;
     std::vector<MaskBody> masks_;
-    std::vector<std::shared_ptr<const SurfaceTriangles>> patches_;  ///< index space of the band
+    /// Parts of a mesh, index space of the band.
+    struct Patch {
+        std::shared_ptr<const SurfaceTriangles> parts;
+        std::vector<Vec3d> normal;  ///< per part that of its triangle, oriented as in the band
+    };
+    static bool patchBlocks(const Patch& patch, const Vec3d& a, const Vec3d& b,
+                            const Vec3d& normal);
+    std::vector<Patch> patches_;
     std::shared_ptr<VoxelSet> near_;  ///< cells of 8^3 voxels of the band that grids reach into
     bool everywhere_ = false;         ///< a level set blocks everything far away
 };

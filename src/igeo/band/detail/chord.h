@@ -3,10 +3,21 @@
 
 #include <igeo/band/band.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace igeo {
 
 /// Whether |psi| is at most `most` at the points that divide a chord into parts.
 bool staysNearPsi(const Band& band, const Vec3d& from, const Vec3d& chord, int parts, double most);
+
+/// Whether a chord rises over a plane at its ends by more than any arc does that turns by up to 37
+/// degrees: S leads from end to end over a step.
+inline bool isOverStep(const Vec3d& chord, const Vec3d& n, const Vec3d& m) {
+    constexpr double kSteepest = 0.35, kShort = 1;  // voxels; 0.32 on an arc of 37 degrees
+    const double c = length(chord);
+    return c > kShort && std::max(std::abs(dot(chord, n)), std::abs(dot(chord, m))) > kSteepest * c;
+}
 
 /// Whether S runs along the chord between two points of it: no wall or gap lies between, and S
 /// leads from one to the other by a path at most a tenth longer. On a mesh the triangles decide;

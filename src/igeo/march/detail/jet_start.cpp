@@ -212,16 +212,20 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     if (c > float(seeds.startRadius) &&
         (isotropic || costThere > seeds.startRadius * seeds.plane[k].largest()))
         return false;
-    // Across a crease a chord says nothing, unless both faces are known, next to the seed. A seed
-    // on the crease itself lies in the planes of all its faces. Where psi rounds the crease off, a
-    // seed of a level set is off them.
+    // Across a crease or a step a chord says nothing, unless both faces are known, next to the
+    // seed. A seed on the crease itself lies in the planes of all its faces. Where psi rounds the
+    // crease off, a seed of a level set is off them.
     constexpr float kSmooth = 0.8f, kInPlane = 0.05f, kOff = 0.1f;  // kOff: voxels
     const float off = core.band.triangles ? 0 : kOff;
-    const bool overCrease = cosine < kSmooth && std::abs(dot(normal, chord)) >= kInPlane * c + off;
-    if (core.band.triangles && isotropic && (overCrease || facing & Band::kBesideSevered))
+    const bool overCrease = cosine < kSmooth && std::abs(dot(normal, chord)) >= kInPlane * c + off,
+               overStep = cosine >= kSmooth &&
+                          isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seeds.normal[k]));
+    if (core.band.triangles && isotropic &&
+        (overCrease || overStep || facing & Band::kBesideSevered))
         return jetByWalk(core, seeds, k, local, foot, s);
-    if (overCrease && (core.band.triangles || c > float(kNextFace) || cosine < Band::kOtherSheet))
-        return false;
+    const bool isKnownFace =
+        !core.band.triangles && c <= float(kNextFace) && cosine >= Band::kOtherSheet;
+    if (overStep || (overCrease && !isKnownFace)) return false;
     const Vec2f a = cosine < kSmooth && !overCrease ? frame.flat(chord)
                                                     : frame.unfold(chord, seeds.normal[k], cosine);
     const float arc = length(a);

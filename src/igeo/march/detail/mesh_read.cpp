@@ -46,6 +46,18 @@ std::vector<Near> coreNear(const Field& field, const Vec3d& p) {
     return found;
 }
 
+/// The weight at a point; where its cell has no node, that of the nearest.
+double weightAt(const Field& field, const Vec3d& p, const BandCell& cell,
+                const std::vector<Near>& nodes) {
+    const auto isNearer = [&](const Near& a, const Near& b) {
+        return length(a.foot - p) < length(b.foot - p);
+    };
+    if (nodes.empty() ||
+        std::any_of(cell.node.begin(), cell.node.end(), [](NodeIndex i) { return i != kNoNode; }))
+        return field.metric->at(cell);
+    return field.metric->at(std::min_element(nodes.begin(), nodes.end(), isNearer)->node);
+}
+
 }  // namespace
 
 bool hasThinWalls(const Band& band, const BandCell& cell) {
@@ -112,11 +124,12 @@ JetsByWalks::First JetsByWalks::first(std::uint32_t source) const {
     return first;
 }
 
-JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at) {
+JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
+                        const BandCell& cell) {
     constexpr double kAround = 1;  // voxels: beside the nodes from which the front comes
     const Band& band = *field.band;
     const std::vector<Near> nodes = coreNear(field, at.point);
-    const double here = nodes.empty() ? 1 : field.metric->at(nodes.front().node);
+    const double here = weightAt(field, at.point, cell, nodes);
     JetsByWalks jets(*band.triangles, at, here);
     double first = kInfinity;
     for (const Near& near : nodes) {

@@ -68,6 +68,8 @@ private:
 };
 
 /// Carries the jets of the core around a point of a mesh to it.
-JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at);
+/// @param cell  of the point, with the corners on its sheet
+JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
+                        const BandCell& cell);
 
 }  // namespace igeo

@@ -16,7 +16,7 @@ constexpr double kBeside = 1.5;
 /// Bridges from a node to another component: enough to fit a front.
 constexpr std::size_t kNearest = 4;
 
-/// Core nodes to search: those of a component, or those at its boundary.
+/// Core nodes to search: those of a component, or those beside its boundary.
 struct Side {
     std::vector<NodeIndex> nodes;
     std::vector<Vec3d> feet;
@@ -44,15 +44,15 @@ public:
 private:
     /// Joins the nodes of one side to the nearest of the other.
     void join(const Side& from, const Side& to);
-    /// Joins nodes at the boundary of one component that no walk joins.
-    void joinBoundaries(const Side& boundary, Progress& progress);
-    /// The point nearest to p on the part of a component around one of its nodes.
-    Vec3d nearestTo(const Vec3d& p, NodeIndex on) const;
-    /// The gap between two components, around two of their nodes.
+    /// Joins nodes beside the boundary of one component that no walk joins.
+    void joinRims(const Side& rims, Progress& progress);
+    /// Per component, the core nodes within a voxel of a boundary: few have foot points on it.
+    std::vector<Side> besideBoundaries() const;
+    /// The point of the mesh nearest to p, down over triangles from a point on: not beyond a wall
+    /// or a slot.
+    MeshPoint nearestAround(const Vec3d& p, MeshPoint on) const;
+    /// The gap between two sides, around two of their nodes.
     double gapBetween(NodeIndex i, NodeIndex j) const;
-    /// The gap between foot points at boundaries of one component.
-    double gapBetweenRims(NodeIndex i, NodeIndex j) const;
-    bool atBoundary(NodeIndex i) const;
     void add(NodeIndex i, NodeIndex j) {
         // Where normals differ too much a jet cannot be transported: the front starts again.
         const bool jump = dot(on_.band.normal[i], on_.band.normal[j]) < 0.5f;
@@ -64,41 +64,31 @@ private:
     std::vector<Bridge> bridges_;
 };
 
-Vec3d Joints::nearestTo(const Vec3d& p, NodeIndex on) const {
-    const MeshAdjacency& adjacency = on_.adjacency;
-    const std::uint32_t component = adjacency.componentOf(on_.voxel(on).triangle);
-    Vec3d best;
+MeshPoint Joints::nearestAround(const Vec3d& p, MeshPoint on) const {
+    constexpr double kSame = 1e-9;  // voxels: the next triangle at an edge or a corner
+    const MeshAdjacency& mesh = on_.adjacency;
     double least = kInfinity;
-    for (const std::uint32_t t : on_.leaves[on_.band.leafOf(on)].triangles) {
-        if (adjacency.componentOf(t) != component) continue;
-        const auto& [a, b, c] = adjacency.mesh().triangles[t];
-        const std::vector<Vec3d>& points = adjacency.mesh().points;
-        const Vec3d q = nearestOnTriangle(p, points[a], points[b], points[c]).point;
-        if (const double d2 = dot(q - p, q - p); d2 < least) least = d2, best = q;
+    std::vector<std::uint32_t> seen{on.triangle};
+    for (std::size_t n = 0; n < seen.size(); ++n) {
+        const std::uint32_t t = seen[n];
+        const Vec3d q =
+            nearestOnTriangle(p, mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).point;
+        const double d = length(q - p);
+        if (d > least + kSame) continue;
+        if (d < least) least = d, on = {t, q};
+        for (std::size_t k = 0; k < 3; ++k)
+            mesh.forBeyond(t, k, [&](std::uint32_t u) {
+                if (std::find(seen.begin(), seen.end(), u) == seen.end()) seen.push_back(u);
+            });
     }
-    return best;
+    return on;
 }
 
 double Joints::gapBetween(NodeIndex i, NodeIndex j) const {
     // Alternating projections between the sides, from the foot points to their rims.
-    const Vec3d there = nearestTo(on_.foot(i).at, j), here = nearestTo(there, i);
-    return length(nearestTo(here, j) - here);
-}
-
-double Joints::gapBetweenRims(NodeIndex i, NodeIndex j) const {
-    auto offTriangle = [&](const Vec3d& p, std::uint32_t t) {
-        const auto& [a, b, c] = on_.adjacency.mesh().triangles[t];
-        const std::vector<Vec3d>& points = on_.adjacency.mesh().points;
-        return length(nearestOnTriangle(p, points[a], points[b], points[c]).point - p);
-    };
-    const MeshPoint a = on_.foot(i), b = on_.foot(j);
-    return std::min(offTriangle(a.at, b.triangle), offTriangle(b.at, a.triangle));
-}
-
-bool Joints::atBoundary(NodeIndex i) const {
-    const NearVoxel& v = on_.voxel(i);
-    if (v.feature < 3) return on_.adjacency.isAtBoundary(v.triangle, v.feature);
-    return v.feature < 6 && on_.adjacency.isBoundary(v.triangle, std::size_t(v.feature - 3));
+    const MeshPoint there = nearestAround(on_.foot(i).at, on_.foot(j)),
+                    here = nearestAround(there.at, on_.foot(i));
+    return length(nearestAround(here.at, there).at - here.at);
 }
 
 void Joints::join(const Side& from, const Side& to) {
@@ -112,43 +102,69 @@ void Joints::join(const Side& from, const Side& to) {
     }
 }
 
-void Joints::joinBoundaries(const Side& boundary, Progress& progress) {
+void Joints::joinRims(const Side& rims, Progress& progress) {
     constexpr std::size_t kMost = 64;
     std::vector<PointTree::Found> found;
     MeshWalk walk(on_.adjacency);
-    for (const NodeIndex i : boundary.nodes) {
+    for (const NodeIndex i : rims.nodes) {
         progress.throwIfCancelled();
         const MeshPoint from = on_.foot(i);
-        boundary.tree.nearest(from.at, kMost, found, reach_);
+        rims.tree.nearest(from.at, kMost, found, reach_);
         for (const PointTree::Found& f : found) {
-            const NodeIndex j = boundary.nodes[boundary.tree.inputIndex(f.point)];
+            const NodeIndex j = rims.nodes[rims.tree.inputIndex(f.point)];
             const double most = 3 * (std::sqrt(f.squared) + kBeside);
-            if (j == i || walk.length(from, on_.foot(j), most) < kInfinity) continue;
-            if (gapBetweenRims(i, j) <= gap_) add(i, j);
+            if (j == i || walk.length(from, on_.foot(j), most) < kInfinity ||
+                gapBetween(i, j) > gap_)
+                continue;
+            add(i, j);
             break;
         }
     }
 }
 
+std::vector<Side> Joints::besideBoundaries() const {
+    constexpr double kWithin = 1;  // voxels
+    const MeshAdjacency& mesh = on_.adjacency;
+    std::vector<Side> rims(mesh.components());
+    for (LeafIndex l = 0; l < on_.band.leaves.size(); ++l) {
+        std::vector<std::pair<std::uint32_t, std::size_t>> edges;
+        for (const std::uint32_t t : on_.leaves[l].triangles)
+            for (std::size_t k = 0; k < 3; ++k)
+                if (mesh.isBoundary(t, k)) edges.emplace_back(t, k);
+        if (edges.empty()) continue;
+        on_.band.forNodes(l, [&](NodeIndex i, unsigned) {
+            if (!on_.band.inCore(i)) return;
+            const MeshPoint foot = on_.foot(i);
+            if (std::any_of(edges.begin(), edges.end(), [&](const auto& e) {
+                    return distanceToSegment(foot.at, mesh.corner(e.first, e.second),
+                                             mesh.corner(e.first, e.second + 1)) < kWithin;
+                }))
+                rims[mesh.componentOf(foot.triangle)].add(i, foot.at);
+        });
+    }
+    for (Side& rim : rims)
+        if (!rim.nodes.empty()) rim.finish();
+    return rims;
+}
+
 MeshJoints Joints::find(Progress& progress) {
     const Band& band = on_.band;
-    std::vector<Side> sides(on_.adjacency.components()), boundaries(sides.size());
+    std::vector<Side> sides(on_.adjacency.components());
     for (NodeIndex i = 0; i < band.size(); ++i) {
         if (!band.inCore(i)) continue;
         const MeshPoint foot = on_.foot(i);
         const std::uint32_t c = on_.adjacency.componentOf(foot.triangle);
         sides[c].add(i, foot.at);
-        if (atBoundary(i)) boundaries[c].add(i, foot.at);
     }
-    for (auto* all : {&sides, &boundaries})
-        for (Side& side : *all)
-            if (!side.nodes.empty()) side.finish();
+    for (Side& side : sides)
+        if (!side.nodes.empty()) side.finish();
+    const std::vector<Side> rims = besideBoundaries();
     MeshJoints joints;
     for (std::size_t a = 0; a < sides.size(); ++a) {
         progress.throwIfCancelled();
-        if (!boundaries[a].nodes.empty()) {
+        if (!rims[a].nodes.empty()) {
             const std::size_t before = bridges_.size();
-            joinBoundaries(boundaries[a], progress);
+            joinRims(rims[a], progress);
             joints.pairs += bridges_.size() > before;
         }
         for (std::size_t b = a + 1; b < sides.size(); ++b) {

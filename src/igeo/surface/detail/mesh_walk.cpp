@@ -10,14 +10,10 @@
 namespace igeo {
 
 MeshAdjacency::MeshAdjacency(const TriangleMesh& mesh, const MeshTopology& topology)
-    : mesh_(mesh), topology_(topology), atBoundary_(mesh.points.size()) {
+    : mesh_(mesh), topology_(topology) {
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-        for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t k = 0; k < 3; ++k)
             if (topology.neighbor[t][k] == MeshTopology::kMany) many_.emplace_back(edge(t, k), t);
-            if (!isBoundary(t, k)) continue;
-            atBoundary_[mesh.triangles[t][k]] = true;
-            atBoundary_[mesh.triangles[t][(k + 1) % 3]] = true;
-        }
     std::sort(many_.begin(), many_.end());
     if (topology.boundaryEdges > 0) findSeams();
     numberComponents();

@@ -52,10 +52,6 @@ public:
     bool isBoundary(std::uint32_t t, std::size_t k) const {
         return topology_.neighbor[t][k] == MeshTopology::kNone;
     }
-    /// Whether corner k of triangle t is an end of a boundary edge.
-    bool isAtBoundary(std::uint32_t t, std::size_t k) const {
-        return atBoundary_[mesh_.triangles[t][k]];
-    }
     /// Whether three or more triangles meet in the edge.
     bool isMany(std::uint32_t t, std::size_t k) const {
         return topology_.neighbor[t][k] == MeshTopology::kMany;
@@ -89,8 +85,7 @@ private:
     std::vector<Seam> seams_;  ///< triangles beyond boundary edges, sorted
     std::vector<std::uint32_t> component_;
     std::size_t components_ = 0;
-    std::vector<bool> atBoundary_;  ///< per point
-    std::vector<AtEdge> many_;      ///< triangles at edges of three or more, sorted
+    std::vector<AtEdge> many_;  ///< triangles at edges of three or more, sorted
 };
 
 using MeshWalk = ShortWalk<MeshAdjacency>;

@@ -1,0 +1,43 @@
+/// Points of a mesh without a distance, though triangles join them to a seed.
+#pragma once
+
+#include <igeo/march/field.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace igeo {
+
+/// Marches over a mesh, and their distances to points of it. The voxels may lack a link that
+/// the mesh has: in walls narrower than they are, and between sheets that meet at a small angle.
+class LostPoints {
+public:
+    /// @param band  of a mesh; of anything else no point counts as lost
+    LostPoints(const Band& band, const MetricPtr& metric);
+    ~LostPoints();
+    /// Adds the distances of a march that no limit has ended.
+    /// @param distance  to each point of S; +infinity: unreached, NaN: not asked for
+    /// Time O(triangles + points log triangles) from the first point without a distance on.
+    void add(const std::vector<SurfacePoint>& seeds, const std::vector<Vec3d>& pIndex,
+             const std::vector<double>& distance);
+    /// The number of points without a distance that edges of triangles, past all obstacles, join to
+    /// a seed, or to a point with a distance over joined gaps (Band::joints).
+    std::size_t count() const { return lost_; }
+    /// A sentence for users; empty where none is lost.
+    /// @param what  of what: "vertices"
+    std::string warning(const char* what) const;
+
+private:
+    struct Parts;  ///< of the mesh
+    const Band& band_;
+    const MetricPtr metric_;
+    std::unique_ptr<Parts> parts_;  ///< made when needed
+    std::size_t lost_ = 0, all_ = 0;
+};
+
+/// The warning of one march; empty where a limit has ended it.
+std::string lostWarning(const Field& field, const char* what, const std::vector<Vec3d>& pIndex,
+                        const std::vector<double>& distance);
+
+}  // namespace igeo
