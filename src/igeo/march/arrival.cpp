@@ -137,6 +137,7 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
     // Between the corners the tip of the cone is blunt; by more, the front went around something.
     constexpr double kOtherPath = 1.2, kBlunt = 0.5;  // kBlunt: voxels
     const double leastCost = field_.lines.leastCost();
+    const double here = metric_.anisotropic() ? 1 : metric_.at(cell_);
     Straight least;
     double nearest = kInfinity, bound = kInfinity;
     field_.seedsNear.forNear(p_, [&](std::size_t k) {
@@ -148,9 +149,10 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
         if (r < nearest) nearest = r, least.ofNearest = false;
         const bool flat = field_.atFootPoints && alongSurface(s, p_ - at);
         const bool walks = hasWalks_ && (thin_ || !flat) && isOnMesh();
-        const double cost =
-            walks ? s.weight * walkFrom(at) : costToSeed(field_, s, p_, cell_.normal);
-        const double perVoxel = metric_.anisotropic() && r > 0 ? cost / r : s.weight;
+        const double mean = meanToSeed(field_, s, here),
+                     cost = walks ? mean * walkFrom(at)
+                                  : costToSeed(field_, s, p_, cell_.normal, here),
+                     perVoxel = metric_.anisotropic() && r > 0 ? cost / r : mean;
         const bool along = walks ? cost < kInfinity
                            : field_.atFootPoints
                                ? flat && d - s.start <= kOtherPath * cost + kBlunt * perVoxel

@@ -89,10 +89,10 @@ std::vector<Vec3f> surfaceGradient(const Field& field) {
 }
 
 double costToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIndex,
-                  const Vec3d& normal) {
+                  const Vec3d& normal, double here) {
     const Vec3d chord = seed.nearestTo(pIndex) - pIndex;
     const double r = length(chord);
-    if (!field.metric->anisotropic()) return seed.weight * r;
+    if (!field.metric->anisotropic()) return meanToSeed(field, seed, here) * r;
     return r * field.metric->stepCost(seed.node, normalized(tangential(chord, normal)));
 }
 

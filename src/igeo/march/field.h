@@ -120,10 +120,16 @@ void forLeaves(const Field& field,
 /// distance and metric; for schemes that compute no gradient of their own.
 std::vector<Vec3f> surfaceGradient(const Field& field);
 
-/// Cost of the segment from a point of S with normal `normal` to a seed close to it, by the seed's
-/// metric.
+/// The cost per unit length from a point to a seed close to it, isotropic, as the scheme has it
+/// around seeds: the mean of both ends; for `godunov` that of the seed.
+/// @param here  the weight at the point
+inline double meanToSeed(const Field& field, const SurfacePoint& seed, double here) {
+    return field.atFootPoints ? (seed.weight + here) / 2 : seed.weight;
+}
+/// Cost of the segment from a point of S with normal `normal` to a seed close to it: a tensor is
+/// that of the seed.
 double costToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIndex,
-                  const Vec3d& normal);
+                  const Vec3d& normal, double here);
 
 /// The cell around a point of S without the corners that lie on another sheet or behind an
 /// obstacle, and the normal blended from the remaining corners.

@@ -68,6 +68,12 @@ private:
     const SurfacePoint* regionAround(const Arrival& arrival) const;
     /// The seed whose straight line to p is as long as the distance d there, or nullptr.
     const SurfacePoint* straightAhead(const Vec3d& p, double d) const;
+    /// 1 with a tensor.
+    double weightAt(const Vec3d& p) const {
+        const Metric& metric = *field_.metric;
+        if (!metric.weighted() || metric.anisotropic()) return 1;
+        return metric.at(SurfaceCell(band_, metric, p, sheetNormal_));
+    }
     void finishAtSeed(Path& path, const SurfacePoint& seed) const;
     /// The node nearest to p that a path may pass through, or kNoNode.
     NodeIndex nodeBeside(const Vec3d& p) const;
@@ -245,8 +251,9 @@ const SurfacePoint* Tracer::straightAhead(const Vec3d& p, double d) const {
     const bool isotropic = !field_.metric->anisotropic();
     const TangentFrame frame{Vec3f(sheetNormal_)};
     const SurfacePoint* ahead = nullptr;
+    const double here = weightAt(p);
     auto look = [&](const SurfacePoint& s) {
-        const double cost = costToSeed(field_, s, p, sheetNormal_);
+        const double cost = costToSeed(field_, s, p, sheetNormal_, here);
         if (ahead || !(std::abs(d - s.start - cost) <= kAgree * cost)) return;
         const Vec3d end = s.nearestTo(p);
         const bool near =
@@ -281,7 +288,7 @@ void Tracer::finishAtSeed(Path& path, const SurfacePoint& seed) const {
         Vec3d p = from + (double(k) / segments) * line;
         projectToSurface(band_, p, Vec3d(band_.normal[seed.node]));
         // In a groove a point of the line may be projected to the wall behind the last point.
-        d = std::min(d, seed.start + costToSeed(field_, seed, p, sheetNormal_));
+        d = std::min(d, seed.start + costToSeed(field_, seed, p, sheetNormal_, weightAt(p)));
         append(path, p, d);
     }
     append(path, end, seed.start);
