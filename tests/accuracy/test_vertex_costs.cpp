@@ -188,7 +188,7 @@ TEST_CASE("weights at vertices are linear between them", "[vertices]") {
     // Along the gradient of the weight a straight line is shortest: the integral of 1 + 2 y.
     CHECK(between(solver, {0.5, 0.1, 0}, {0.5, 0.9, 0}) ==
           Approx(0.8 * 2).epsilon(7e-5));  // measured 4.6e-5
-    // Also next to the seed, where the weight there was taken for all the way: 1.7e-2.
+    // Also next to the seed, where the weight there was taken along the whole line: 1.7e-2.
     for (const double step : {-0.034, -0.02, 0.01, 0.034})
         CHECK(between(solver, {0.5, 0.4, 0}, {0.5, 0.4 + step, 0}) ==
               Approx(std::abs(step) * (1.8 + step)).epsilon(3.5e-8));  // measured 2.2e-8

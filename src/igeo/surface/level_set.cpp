@@ -134,10 +134,32 @@ void removeActiveTiles(LevelSet& s) {
 /// By more than this many voxels no distance differs from voxel to voxel.
 constexpr double kMostStep = 1.25;
 
+/// Neighbors of six from which a voxel with the wrong sign differs by more; one may be wrong too.
+constexpr int kLeastSteps = 4;
+
+/// How many steps from a voxel to the next along z, within a leaf, are too long.
+int longStepsAlongZ(const float* values, float most) {
+    int steps = 0;
+    for (unsigned k = 0; k < 511; ++k)
+        steps += int(std::abs(values[k + 1] - values[k]) > most) & int((k & 7) != 7);
+    return steps;
+}
+
+/// Whether so many steps from a voxel may be too long: all that leave its leaf count.
+bool mayHaveWrongSign(const float* values, unsigned at, float most) {
+    int steps = 0;
+    for (const unsigned stride : {1u, 8u, 64u}) {
+        const unsigned place = at / stride & 7;
+        steps += place == 0 || std::abs(values[at] - values[at - stride]) > most;
+        steps += place == 7 || std::abs(values[at] - values[at + stride]) > most;
+    }
+    return steps >= kLeastSteps;
+}
+
 /// Whether a voxel has the sign of the other side: most of its neighbors differ from it by more
 /// than a distance can, and with the other sign no two do.
 bool hasWrongSign(LeafBlock::Accessor& psi, const openvdb::Coord& at, float value, float most) {
-    constexpr int kLeast = 4, kLeft = 1;  // of six neighbors; one may be wrong as well
+    constexpr int kLeft = 1;
     int now = 0, turned = 0;
     for (int face = 0; face < 6; ++face) {
         openvdb::Coord next = at;
@@ -147,7 +169,7 @@ bool hasWrongSign(LeafBlock::Accessor& psi, const openvdb::Coord& at, float valu
         now += std::abs(value - other) > most;
         turned += std::abs(value + other) > most;
     }
-    return now >= kLeast && turned <= kLeft;
+    return now >= kLeastSteps && turned <= kLeft;
 }
 
 /// Conversions from a mesh may give single voxels in slots of two or three voxels the sign of the
@@ -159,20 +181,21 @@ void turnWrongSigns(LevelSet& s) {
     parallelFor(leaves.size(), 256, [&](std::size_t begin, std::size_t end) {
         LeafBlock::Accessor psi(s.psi->constTree());
         for (std::size_t l = begin; l < end; ++l) {
-            // Few leaves have such a step from a voxel to the next along z.
             const float* values = leaves[l]->buffer().data();
-            float largest = 0;
-            for (std::size_t k = 0; k < 511; ++k)
-                largest = std::max(largest, (k & 7) == 7 ? 0 : std::abs(values[k + 1] - values[k]));
-            if (!(largest > most)) continue;
+            if (longStepsAlongZ(values, most) == 0) continue;  // most leaves
             for (auto it = leaves[l]->cbeginValueOn(); it; ++it)
-                if (hasWrongSign(psi, it.getCoord(), *it, most)) found[l].push_back(it.getCoord());
+                if (mayHaveWrongSign(values, it.pos(), most) &&
+                    hasWrongSign(psi, it.getCoord(), *it, most))
+                    found[l].push_back(it.getCoord());
         }
     });
     std::vector<openvdb::Coord> all;
     for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
     if (all.empty()) return;
-    const openvdb::FloatGrid::Ptr psi = s.psi->deepCopy();
+    // Of a grid that was read for this level set nobody else has the tree.
+    const bool isOurs = s.psi.use_count() == 1 && s.psi->constTreePtr().use_count() == 2;
+    const openvdb::FloatGrid::Ptr psi =
+        isOurs ? openvdb::ConstPtrCast<openvdb::FloatGrid>(s.psi) : s.psi->deepCopy();
     for (const openvdb::Coord& at : all) {
         const float value = psi->tree().getValue(at);
         psi->tree().setValueOnly(at, -value);
@@ -355,9 +378,9 @@ void judgeShape(LevelSet& s) {
                         st.cutVoxels));
 }
 
-void take(const LoadedGrid& loaded, LevelSet& s) {
+void take(LoadedGrid& loaded, LevelSet& s) {
     s = {};
-    s.psi = loaded.grid;
+    s.psi = std::move(loaded.grid);
     s.file = loaded.file;
     s.name = loaded.name;
     s.warnings = loaded.warnings;

@@ -41,8 +41,8 @@ struct LevelSet {
     std::vector<std::string> warnings;  ///< what a user should know, one sentence each
 };
 
-/// Checks a grid and describes it. The grid is left as it is: where it has active tiles, strays or
-/// voxels with the wrong sign, or is too narrow, the level set has a copy.
+/// Checks a grid and describes it. A grid that others hold is left as it is: where it has active
+/// tiles, strays or voxels with the wrong sign, or is too narrow, the level set has a copy.
 ///
 /// Asks for a transform of uniform scale, rotation and translation, indices within +-2^30, finite
 /// values, both signs, and |grad psi| near 1; judged by shares, since distances of real models have
