@@ -192,7 +192,7 @@ void turnWrongSigns(LevelSet& s) {
     std::vector<openvdb::Coord> all;
     for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
     if (all.empty()) return;
-    // Of a grid that was read for this level set nobody else has the tree.
+    // A grid that was read for this level set has no other owner.
     const bool isOurs = s.psi.use_count() == 1 && s.psi->constTreePtr().use_count() == 2;
     const openvdb::FloatGrid::Ptr psi =
         isOurs ? openvdb::ConstPtrCast<openvdb::FloatGrid>(s.psi) : s.psi->deepCopy();
