@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace igeo {
 
@@ -69,8 +70,7 @@ std::string LostPoints::warning(const char* what) const {
     if (lost_ == 0) return "";
     return fmt::format(
         "{} of {} {} ({:.2g} %) have no distance, though triangles join them to a seed: they are "
-        "in "
-        "walls or between sheets too narrow for the voxels; take smaller voxels",
+        "in walls or between sheets too narrow for the voxels; take smaller voxels",
         lost_, all_, what, 100 * double(lost_) / double(all_));
 }
 
