@@ -205,7 +205,7 @@ void turnWrongSigns(LevelSet& s) {
     const openvdb::Coord& first = all.front();
     s.warnings.push_back(fmt::format(
         "voxels in narrow slots or walls with the sign of the other side of the surface: {}, the "
-        "first at index {},{},{}; it is turned. Smaller voxels, or the mesh itself, have none",
+        "first at index {},{},{}; they are turned. Smaller voxels, or the mesh itself, have none",
         all.size(), first.x(), first.y(), first.z()));
 }
 
