@@ -194,7 +194,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     report.pairs = solvePairs(solver, o, stages);
     report.vias = solveVias(solver, o, stages);
     warnOfSkippedPoints(distance, report);
-    warnOfLostTargets(distance, report);
+    warnOfLostPoints(solver, distance, report);
 
     report.seconds = stages.seconds();
     report.peakMemory = peakMemory();

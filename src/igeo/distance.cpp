@@ -7,6 +7,7 @@
 #include <igeo/march/signed_field.h>
 #include <igeo/path/curve_normals.h>
 #include <igeo/path/straighten.h>
+#include <igeo/results/lost_points.h>
 
 #include <limits>
 #include <mutex>
@@ -189,6 +190,14 @@ std::vector<double> Distance::atTargets() const {
 VertexValues Distance::atVertices(Progress& progress) const {
     const TriangleMesh& mesh = requireMesh(surface_);
     return vertexValues(mesh, *forPoints(mesh.points.size()), progress);
+}
+std::string Distance::lostVertexWarning(Progress& progress) const {
+    const TriangleMesh* const mesh = surface_.triangles();
+    const Field& field = *marched();
+    if (!mesh || field.seeds.empty() || field.stoppedEarly || field.reached == field.size())
+        return {};
+    return lostWarning(field, "vertices", polygonsOf(*mesh).vertices,
+                       vertexValues(*mesh, field, progress).distance);
 }
 Samples Distance::samples() const { return samplesOf(*forPoints(0)); }
 DistanceMatrix Distance::matrix(Progress& progress) const {

@@ -1,7 +1,10 @@
 // Groups of seeds, columns, tables of targets: what the program says of them. What their files hold
 // is in tests/consumers.
+#include <fmt/core.h>
 #include <support/catch.h>
 #include <support/mesh_shapes.h>
+
+#include <numbers>
 
 #include "program.h"
 
@@ -66,6 +69,36 @@ TEST_CASE("many targets have one line, and paths only where a result has them") 
     writeBytes(desk / "t.csv", vertexList(1, 3));
     const Result few = desk.run(desk.in + "--seed vertex:0 --targets t.csv");
     CHECK(few.err.find("target 2: distance ") != std::string::npos);
+}
+
+TEST_CASE("points that triangles join to a seed and voxels do not: a warning by every output") {
+    // Three pages from one edge, half a degree apart: the middle one lies in the voxels of both.
+    const TempWorkspace desk;
+    TriangleMesh pages;
+    for (const double degrees : {0.3, 0.8, 1.3}) {
+        const double x = 30 * std::cos(degrees * std::numbers::pi / 180),
+                     z = 30 * std::sin(degrees * std::numbers::pi / 180);
+        pages = together(pages, sheet(10, 10, [=](double u, double v) {
+                             return Vec3d{u * x, 30 * v, u * z};
+                         }));
+    }
+    igeo::test::writeMesh(pages, desk / "in.obj");
+    const Vec3d a = pages.points[120], b = pages.points[200];
+    writeBytes(desk / "p.csv", fmt::format("{},{},{},{},{},{}\n", a.x, a.y, a.z, b.x, b.y, b.z));
+    const std::string in = "--mesh in.obj --voxel-size 1 --seed vertex:120 ",
+                      lost = "have no distance, though triangles join them to a seed";
+    auto warned = [&](const std::string& options) {
+        const Result r = desk.run(options);
+        INFO(options << "\n" << r.err);
+        return r.err.find(lost) != std::string::npos;
+    };
+    CHECK(warned(in + "-o out.vdb"));
+    CHECK(warned(in + "--image out.png"));
+    CHECK(warned(in + "--per-vertex out.csv"));
+    CHECK(warned(in + "--seed vertex:230 --per-vertex out.csv --per-seed"));
+    CHECK(warned("--mesh in.obj --voxel-size 1 --pairs p.csv"));
+    CHECK_FALSE(
+        warned("--mesh in.obj --voxel-size 0.02 --seed vertex:0 --max-distance 1 -o o.vdb"));
 }
 
 TEST_CASE("groups, columns and samples: refusals") {

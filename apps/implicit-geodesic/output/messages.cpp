@@ -154,7 +154,7 @@ void describe(const igeo::Distance& distance, const Console& console) {
 
 void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
     for (const std::string& w : igeo::overrunWarnings(*distance.marched(), report.sources))
-        report.warnings.push_back(w);
+        report.warn(w);
 }
 
 void warnOfPathsAgainstDistances(double dx, RunReport& report) {
@@ -171,7 +171,7 @@ void warnOfPathsAgainstDistances(double dx, RunReport& report) {
         if (off / p.startDistance > most) most = off / p.startDistance, worst = k;
     }
     if (count == 0) return;
-    report.warnings.push_back(fmt::format(
+    report.warn(fmt::format(
         "{} of {} paths are longer or shorter than their distances by more than 5 % (target {} by "
         "{:.0f} %): the distance or the path is unreliable there",
         count, reached, worst, 100 * most));
@@ -180,7 +180,7 @@ void warnOfPathsAgainstDistances(double dx, RunReport& report) {
 void warnOfRoundedBends(RunReport& report) {
     for (std::size_t k = 0; k < report.walks.size(); ++k)
         if (const std::size_t bends = report.walks[k].roundedBends)
-            report.warnings.push_back(fmt::format(
+            report.warn(fmt::format(
                 "walk {} goes over {} sharp bend{} as the voxels round {} off, below 25 degrees or "
                 "less than 5 voxels from another: behind {} its direction is off by up to some "
                 "degrees; smaller voxels, or the mesh itself, show such edges",
@@ -213,22 +213,34 @@ void warnOfSkippedPoints(const igeo::Distance& distance, RunReport& report) {
         few.push_back(
             fmt::format("target {} ({}) is {}", k, textOf(p.asked, 9), igeo::skippedReason(p)));
     }
-    if (skipped > 0)
-        report.warnings.push_back(skippedWarning("targets", targets.size(), few, skipped));
+    if (skipped > 0) report.warn(skippedWarning("targets", targets.size(), few, skipped));
     few.clear(), skipped = 0;
     for (std::size_t k = 0; k < report.pairs.size(); ++k)
         if (report.pairs[k].isSkipped() && skipped++ < kNamed)
             few.push_back(fmt::format("of pair {} {}", k, report.pairs[k].reason()));
-    if (skipped > 0)
-        report.warnings.push_back(skippedWarning("pairs", report.pairs.size(), few, skipped));
+    if (skipped > 0) report.warn(skippedWarning("pairs", report.pairs.size(), few, skipped));
 }
 
-void warnOfLostTargets(const igeo::Distance& distance, RunReport& report) {
-    std::vector<igeo::Vec3d> points;
-    for (const igeo::SurfacePoint& p : distance.targets()) points.push_back(p.pIndex);
-    const std::string warning =
-        igeo::lostWarning(*distance.marched(), "targets", points, distance.atTargets());
-    if (!warning.empty()) report.warnings.push_back(warning);
+void warnOfLostPoints(const igeo::GeodesicSolver& solver, const igeo::Distance& distance,
+                      RunReport& report) {
+    report.warn(distance.lostVertexWarning());
+    std::vector<igeo::Vec3d> targets;
+    for (const igeo::SurfacePoint& p : distance.targets())
+        targets.push_back(igeo::inWorld(p, distance.band().transform).position);
+    report.warn(igeo::lostWarning(*distance.marched(), "targets", targets, distance.atTargets()));
+    if (std::all_of(report.pairs.begin(), report.pairs.end(), [](const igeo::PairDistance& p) {
+            return p.isSkipped() || p.distance < igeo::kInfinity;
+        }))
+        return;
+    const std::shared_ptr<const igeo::Band> band = solver.wholeBand();
+    igeo::LostPoints lost(*band, solver.wholeMetric());
+    for (const igeo::PairDistance& p : report.pairs) {
+        if (p.isSkipped()) continue;
+        igeo::SurfacePoint source;
+        source.pIndex = band->transform.indexFromWorld(p.source.position);
+        lost.add({source}, {p.target.position}, {p.distance});
+    }
+    report.warn(lost.warning("pairs"));
 }
 
 void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report) {
@@ -236,7 +248,7 @@ void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report) {
     if (distance.marched()->metric->blocksAny(distance.band())) return;
     std::string names;
     for (const std::string& name : report.obstacles) names += (names.empty() ? "" : ", ") + name;
-    report.warnings.push_back("no obstacle meets the surface, so nothing is blocked: " + names);
+    report.warn("no obstacle meets the surface, so nothing is blocked: " + names);
 }
 
 void tellJoints(std::size_t joints, double gap, const Console& console,

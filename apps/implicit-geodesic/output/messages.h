@@ -32,8 +32,10 @@ void warnOfRoundedBends(RunReport& report);
 /// number, and the first few.
 void warnOfSkippedPoints(const igeo::Distance& distance, RunReport& report);
 
-/// Adds a warning for targets without a distance that the triangles of a mesh join to a seed.
-void warnOfLostTargets(const igeo::Distance& distance, RunReport& report);
+/// Adds a warning each for vertices of a mesh, targets and pairs without a distance that triangles
+/// join to a seed, or to each other.
+void warnOfLostPoints(const igeo::GeodesicSolver& solver, const igeo::Distance& distance,
+                      RunReport& report);
 
 /// Adds a warning where the obstacles block nothing of the surface.
 void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report);

@@ -49,6 +49,11 @@ struct RunReport : Provenance {
     igeo::AccuracyEstimate accuracy;
     std::vector<std::pair<std::string, std::string>> outputs;  ///< kind, file
     std::vector<std::string> warnings;
+
+    /// @param sentence  empty: nothing to warn of
+    void warn(const std::string& sentence) {
+        if (!sentence.empty()) warnings.push_back(sentence);
+    }
 };
 
 /// What every document of a run and every job in the summary of a batch begins with: originJson,

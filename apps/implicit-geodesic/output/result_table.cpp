@@ -97,29 +97,39 @@ std::string verticesAs(const std::string& ending, const igeo::TriangleMesh& mesh
     return igeo::verticesCsv(values);
 }
 
-void warn(RunResult& r, const std::string& sentence) {
-    if (!sentence.empty()) r.report.warnings.push_back(sentence);
-}
-
-std::vector<igeo::Vec3d> inIndexSpace(const RunResult& r, std::vector<igeo::Vec3d> points) {
-    for (igeo::Vec3d& p : points) p = r.band().transform.indexFromWorld(p);
-    return points;
+/// Marches of single sources, numbered from `firstSource` on, and their distances to points: adds a
+/// warning where triangles join some without one.
+/// @param distances(k)  those of march k, or nothing
+template <typename Distances>
+void warnOfLost(RunResult& r, const char* what, const std::vector<igeo::Vec3d>& pWorld,
+                std::size_t firstSource, std::size_t count, const Distances& distances) {
+    const std::shared_ptr<const igeo::Field> field = r.marched();
+    igeo::LostPoints lost(r.band(), field->metric);
+    for (std::size_t k = 0; k < count; ++k) {
+        std::vector<igeo::SurfacePoint> seeds;
+        for (std::size_t s = 0; s < field->seeds.size(); ++s)
+            if (field->source[s] == firstSource + k) seeds.push_back(field->seeds[s]);
+        lost.add(seeds, pWorld, distances(k));
+    }
+    r.report.warn(lost.warning(what));
 }
 
 void writeVertices(RunResult& r, const std::string& file) {
     const igeo::TriangleMesh& mesh = *r.distance.surface().triangles();
     igeo::VertexValues values = r.distance.atVertices(r.progress);
-    if (r.options.perSeed)
+    if (r.options.perSeed) {
         values.columns = r.solver.atVertices(sourcesOf(r), r.input.limits, r.progress);
-    warn(r, igeo::lostWarning(*r.marched(), "vertices",
-                              inIndexSpace(r, igeo::polygonsOf(mesh).vertices), values.distance));
+        if (r.input.limits.maxDistance == igeo::kInfinity)
+            warnOfLost(r, "distances from single seeds", igeo::polygonsOf(mesh).vertices, 0,
+                       values.columns.size(),
+                       [&](std::size_t k) { return values.columns[k].distance; });
+    }
     writeDocument(file, verticesAs(endingOf(file), mesh, values, srgb(r.options)));
 }
 
 void writeSamples(RunResult& r, const std::string& file) {
     const igeo::Samples samples = r.distance.samples();
-    warn(r, igeo::lostWarning(*r.marched(), "samples", inIndexSpace(r, samples.position),
-                              samples.distance));
+    r.report.warn(igeo::lostWarning(*r.marched(), "samples", samples.position, samples.distance));
     const std::string ending = endingOf(file);
     writeDocument(file, ending == ".npz"   ? igeo::samplesNpz(samples)
                         : ending == ".ply" ? igeo::samplesPly(samples)
@@ -135,24 +145,6 @@ void nameGroups(const igeo::Seeds& seeds, bool betweenSeeds, igeo::DistanceMatri
     }
 }
 
-/// Adds a warning where the matrix lacks distances that the mesh has.
-void warnOfLost(RunResult& r, const igeo::DistanceMatrix& matrix) {
-    const std::shared_ptr<const igeo::Field> field = r.marched();
-    std::vector<igeo::Vec3d> targets;
-    for (const igeo::MatrixPlace& target : matrix.targets)
-        targets.push_back(r.band().transform.indexFromWorld(target.point.position));
-    igeo::LostPoints lost(r.band(), field->metric);
-    for (std::size_t s = matrix.firstRow; s < matrix.firstRow + matrix.rows(); ++s) {
-        std::vector<igeo::SurfacePoint> seeds;
-        for (std::size_t k = 0; k < field->seeds.size(); ++k)
-            if (field->source[k] == s) seeds.push_back(field->seeds[k]);
-        std::vector<double> row;
-        for (std::size_t t = 0; t < targets.size(); ++t) row.push_back(matrix.at(s, t));
-        lost.add(seeds, targets, row);
-    }
-    warn(r, lost.warning("distances of the matrix"));
-}
-
 void writeMatrix(RunResult& r, const std::string& file) {
     const std::shared_ptr<const igeo::Field> field = r.marched();
     const std::vector<igeo::SurfacePoint>&seeds = field->seeds, &targets = r.distance.targets();
@@ -165,7 +157,13 @@ void writeMatrix(RunResult& r, const std::string& file) {
              : igeo::distances(r.band(), metric, seeds, targets, r.progress);
     nameGroups(r.input.seeds, targets.empty(), matrix);
     matrix.withReasons = r.options.skipOffSurface;
-    warnOfLost(r, matrix);
+    std::vector<igeo::Vec3d> columns;
+    for (const igeo::MatrixPlace& target : matrix.targets) columns.push_back(target.point.position);
+    warnOfLost(r, "distances of the matrix", columns, matrix.firstRow, matrix.rows(),
+               [&](std::size_t k) {
+                   const auto row = matrix.distance.begin() + std::ptrdiff_t(k * columns.size());
+                   return std::vector<double>(row, row + std::ptrdiff_t(columns.size()));
+               });
     const std::string ending = endingOf(file);
     writeDocument(file, ending == ".json"  ? matrixJson(r.report, *field, matrix)
                         : ending == ".npy" ? igeo::matrixNpy(matrix)

@@ -101,6 +101,7 @@ class Solver:
                 getattr(reader, name)(value)
             self._made = self._with_metric(reader, weight, tensor, obstacles, progress)
         self._warned: set[str] = set()
+        self._warned_of_lost = False
         self._has_obstacles = obstacles is not None
 
     @staticmethod
@@ -200,6 +201,9 @@ class Solver:
         self._warn(made.of_whole_surface)
         if start is not None:
             warn(made.overrun, 3)
+        if not self._warned_of_lost and made.lost_vertices:
+            self._warned_of_lost = True
+            warn([made.lost_vertices], 3)
         return Distance(made, self.surface)
 
     def distances(

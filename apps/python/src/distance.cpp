@@ -219,6 +219,11 @@ void bindDistance(py::module_& module) {
                                    const py::gil_scoped_release released;
                                    return igeo::overrunWarnings(*d.marched());
                                })
+        .def_property_readonly("lost_vertices",
+                               [](const Distance& d) {
+                                   const py::gil_scoped_release released;
+                                   return d.lostVertexWarning();
+                               })
         .def_property_readonly("seeds", &seedPoints)
         .def_property_readonly("largest", &Distance::largest)
         .def_property_readonly("of_whole_surface", &Distance::ofWholeSurface)

@@ -1,5 +1,7 @@
 """Weights, tensors and obstacles as arrays and functions."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -167,3 +169,18 @@ def test_a_seed_that_another_front_has_overrun_is_a_warning():
     solver = igeo.Solver(igeo.Surface.from_mesh(*sheet(11), resolution=48))
     with pytest.warns(igeo.SurfaceWarning, match="seed 1: the front of another seed comes at 1, before the start at 5"):
         solver.distance([0, 10], start=[0, 5])
+
+
+def test_vertices_that_the_voxels_lose_are_a_warning_once():
+    points, faces = [], []
+    for degrees in (0.3, 0.8, 1.3):  # pages from one edge: the middle one lies in the voxels of both
+        page, triangles = sheet(11)
+        angle, first = np.radians(degrees), 121 * len(points)
+        points.append(np.column_stack([page[:, 0] * np.cos(angle), page[:, 1], page[:, 0] * np.sin(angle)]))
+        faces.append(triangles + first)
+    solver = igeo.Solver(igeo.Surface.from_mesh(np.concatenate(points), np.concatenate(faces), resolution=32))
+    with pytest.warns(igeo.SurfaceWarning, match="vertices .* have no distance, though triangles join them to a seed"):
+        solver.distance(60)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        solver.distance(61)

@@ -45,24 +45,26 @@ struct LostPoints::Parts {
     DisjointSets sets;
 };
 
-LostPoints::LostPoints(const Band& band, const MetricPtr& metric) : band_(band), metric_(metric) {}
+LostPoints::LostPoints(const Band& band, const MetricPtr& metric)
+    : band_(band), metric_(metric ? metric : std::make_shared<Metric>()) {}
 LostPoints::~LostPoints() = default;
 
-void LostPoints::add(const std::vector<SurfacePoint>& seeds, const std::vector<Vec3d>& pIndex,
+void LostPoints::add(const std::vector<SurfacePoint>& seeds, const std::vector<Vec3d>& pWorld,
                      const std::vector<double>& distance) {
     for (const double d : distance) all_ += !std::isnan(d);  // NaN: none was asked for
     if (!band_.triangles || std::count(distance.begin(), distance.end(), kInfinity) == 0) return;
     if (!parts_) parts_ = std::make_unique<Parts>(*band_.triangles, *metric_);
     std::vector<bool> reached(band_.triangles->points().size());
-    auto reach = [&](const Vec3d& p) {
-        if (const auto part = parts_->at(p); part != Parts::kNone) reached[part] = true;
+    auto reach = [&](const Vec3d& pIndex) {
+        if (const auto part = parts_->at(pIndex); part != Parts::kNone) reached[part] = true;
     };
+    auto indexOf = [&](std::size_t k) { return band_.transform.indexFromWorld(pWorld[k]); };
     for (const SurfacePoint& seed : seeds) reach(seed.pIndex);
     for (std::size_t k = 0; band_.joints > 0 && k < distance.size(); ++k)
-        if (distance[k] < kInfinity) reach(pIndex[k]);
+        if (distance[k] < kInfinity) reach(indexOf(k));
     for (std::size_t k = 0; k < distance.size(); ++k)
         if (distance[k] == kInfinity)
-            if (const auto part = parts_->at(pIndex[k]); part != Parts::kNone)
+            if (const auto part = parts_->at(indexOf(k)); part != Parts::kNone)
                 lost_ += reached[part];
 }
 
@@ -74,7 +76,7 @@ std::string LostPoints::warning(const char* what) const {
         lost_, all_, what, 100 * double(lost_) / double(all_));
 }
 
-std::string lostWarning(const Field& field, const char* what, const std::vector<Vec3d>& pIndex,
+std::string lostWarning(const Field& field, const char* what, const std::vector<Vec3d>& pWorld,
                         const std::vector<double>& distance) {
     constexpr double kBeyondCore = 2;  // voxels
     if (field.stoppedEarly ||
@@ -82,7 +84,7 @@ std::string lostWarning(const Field& field, const char* what, const std::vector<
          field.greatest < field.maxDistance + kBeyondCore * field.metric->largest()))
         return "";
     LostPoints lost(*field.band, field.metric);
-    lost.add(field.seeds, pIndex, distance);
+    lost.add(field.seeds, pWorld, distance);
     return lost.warning(what);
 }
 

@@ -14,12 +14,14 @@ namespace igeo {
 class LostPoints {
 public:
     /// @param band  of a mesh; of anything else no point counts as lost
+    /// @param metric  null: Euclidean
     LostPoints(const Band& band, const MetricPtr& metric);
     ~LostPoints();
     /// Adds the distances of a march that no limit has ended.
-    /// @param distance  to each point of S; +infinity: unreached, NaN: not asked for
+    /// @param pWorld  points of S
+    /// @param distance  to each of them; +infinity: unreached, NaN: not asked for
     /// Time O(triangles + points log triangles) from the first point without a distance on.
-    void add(const std::vector<SurfacePoint>& seeds, const std::vector<Vec3d>& pIndex,
+    void add(const std::vector<SurfacePoint>& seeds, const std::vector<Vec3d>& pWorld,
              const std::vector<double>& distance);
     /// The number of points without a distance that edges of triangles, past all obstacles, join to
     /// a seed, or to a point with a distance over joined gaps (Band::joints).
@@ -37,7 +39,7 @@ private:
 };
 
 /// The warning of one march; empty where a limit has ended it.
-std::string lostWarning(const Field& field, const char* what, const std::vector<Vec3d>& pIndex,
+std::string lostWarning(const Field& field, const char* what, const std::vector<Vec3d>& pWorld,
                         const std::vector<double>& distance);
 
 }  // namespace igeo
