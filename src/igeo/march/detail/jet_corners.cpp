@@ -49,7 +49,10 @@ public:
         }
         out(jets.u) = value / total;
         out(jets.gx) = g.x, out(jets.gy) = g.y, out(jets.gz) = g.z;
-        const Flags close = least >= jet::kClose, similar = least >= jet::kSameFront;
+        const Flags similar = least >= jet::kSameFront;
+        Flags close = least >= jet::kClose;
+        // Where S is curved directions differ that are close in its plane.
+        if (any(similar & ~close)) close |= similar & closeInPlane(g);
         Fronts fronts{close, close};
         if (any(similar & ~close)) {
             const Fronts byPairs = frontsOfPairs(faceted);
@@ -93,13 +96,27 @@ private:
         return g * choose(len > 0, 1 / len, zero);
     }
 
+    /// The direction at a corner, turned into the tangent plane of the point.
+    IGEO_INLINE Vectors turned(const JetCorners::Corner& c) const {
+        const Vectors other{in(c.mx), in(c.my), in(c.mz)}, g = direction(c);
+        return g - (normal_ + other) * (dot(g, normal_) / (1 + dot(normal_, other)));
+    }
+    /// Whether these directions are close to one.
+    IGEO_INLINE Flags closeInPlane(const Vectors& g) const {
+        Flags close = ~Flags{};
+        for (std::size_t k = 0; k < most_; ++k) {
+            const JetCorners::Corner& c = corners_.corner[k];
+            close &= (dot(g, turned(c)) >= jet::kClose) | (in(c.weight) <= 0);
+        }
+        return close;
+    }
+
     /// As flattened() has it.
     IGEO_INLINE Neighbor flattened(const JetCorners::Corner& c, bool faceted) const {
-        const Vectors other{in(c.mx), in(c.my), in(c.mz)}, g = direction(c);
-        const V cosine = dot(normal_, other);
+        const Vectors other{in(c.mx), in(c.my), in(c.mz)};
         const Flags there = in(c.weight) > 0;
-        return {there, unfold(chord(c), other, cosine, there, faceted) * in(c.mean),
-                g - (normal_ + other) * (dot(g, normal_) / (1 + cosine)), in(c.u)};
+        return {there, unfold(chord(c), other, dot(normal_, other), there, faceted) * in(c.mean),
+                turned(c), in(c.u)};
     }
     /// As TangentFrame::unfold has it.
     IGEO_INLINE Vectors unfold(const Vectors& chord, const Vectors& other, const V& cosine,
