@@ -51,7 +51,7 @@ public:
         out(jets.gx) = g.x, out(jets.gy) = g.y, out(jets.gz) = g.z;
         const Flags similar = least >= jet::kSameFront;
         Flags close = least >= jet::kClose;
-        // Where S is curved directions differ that are close in its plane.
+        // Where S is curved directions differ that are close in its plane. Then no pair differs.
         if (any(similar & ~close)) close |= similar & closeInPlane(g);
         Fronts fronts{close, close};
         if (any(similar & ~close)) {
@@ -101,12 +101,13 @@ private:
         const Vectors other{in(c.mx), in(c.my), in(c.mz)}, g = direction(c);
         return g - (normal_ + other) * (dot(g, normal_) / (1 + dot(normal_, other)));
     }
-    /// Whether these directions are close to one.
+    /// Whether these directions are so close to one that any two of them are alike (jet::kAlike2).
     IGEO_INLINE Flags closeInPlane(const Vectors& g) const {
+        constexpr float kHalfAlike = 0.99875f;  // 2.9 degrees
         Flags close = ~Flags{};
         for (std::size_t k = 0; k < most_; ++k) {
             const JetCorners::Corner& c = corners_.corner[k];
-            close &= (dot(g, turned(c)) >= jet::kClose) | (in(c.weight) <= 0);
+            close &= (dot(g, turned(c)) >= kHalfAlike) | (in(c.weight) <= 0);
         }
         return close;
     }
