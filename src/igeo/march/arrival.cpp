@@ -61,7 +61,7 @@ public:
           cell_(cellOnSheet(field, pIndex, sheetNormal)),
           corner_(known ? known->at(cell_.node) : field.at(cell_.node)),
           hasWalks_(field.atFootPoints && band_.triangles && !metric_.anisotropic()),
-          thin_(hasWalks_ && hasThinWalls(band_, cell_) && isOnMesh()) {}
+          byWalks_(hasWalks_ && (hasThinWalls(band_, cell_) || atCorner()) && isOnMesh()) {}
 
     Arrival first() const { return field_.atFootPoints ? byJets() : byVoxels(); }
 
@@ -112,9 +112,6 @@ private:
     double blended(std::uint32_t source) const;
     /// Whether three faces of a mesh meet in the cell, which have no common plane.
     bool atCorner() const;
-    /// By Fermat's principle, from the jets on each face around: a corner is seen straight from
-    /// all points of its faces. Exact up to the second order, for any angle around the corner.
-    double overFaces(const Chart& chart, std::uint32_t source) const;
     /// The nodes of the core at the cell and beside it; none near obstacles.
     std::vector<NodeIndex> coreAround() const;
     /// From the core around the cell, where the corners are too few to separate fronts.
@@ -129,7 +126,8 @@ private:
     const bool hasWalks_;                  ///< on a mesh, for jet without tensors
     /// Found by onMesh(): few points need it.
     mutable std::optional<SurfaceTriangles::Place> onMesh_;
-    const bool thin_;  ///< walls of a mesh are as thin as the cell
+    /// Walls of a mesh are as thin as the cell, or three of its faces meet in the cell.
+    const bool byWalks_;
 };
 
 template <typename IsOf>
@@ -148,7 +146,7 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
         bound = std::min(bound, s.rim ? 0 : s.start + leastCost * r);
         if (r < nearest) nearest = r, least.ofNearest = false;
         const bool flat = field_.atFootPoints && alongSurface(s, p_ - at);
-        const bool walks = hasWalks_ && (thin_ || !flat) && isOnMesh();
+        const bool walks = hasWalks_ && (byWalks_ || !flat) && isOnMesh();
         const double mean = meanToSeed(field_, s, here),
                      cost = walks ? mean * walkFrom(at)
                                   : costToSeed(field_, s, p_, cell_.normal, here),
@@ -168,11 +166,13 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
 }
 
 bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
-    constexpr double kSmooth = 0.8, kInPlane = 0.05, kOff = 0.1;  // kOff: voxels
-    const double off = band_.triangles ? 0 : kOff;
+    // Over an edge the normal of a cell is between those of the faces of a mesh, and says little.
+    constexpr double kSmooth = 0.8, kSmoothOnMesh = 0.97, kInPlane = 0.05, kOff = 0.1;  // voxels
     const Vec3d ofSeed(band_.normal[seed.node]);
-    return (dot(cell_.normal, ofSeed) >= kSmooth && !isOverStep(chord, cell_.normal, ofSeed)) ||
-           std::abs(dot(cell_.normal, chord)) < kInPlane * length(chord) + off;
+    const bool smooth = dot(cell_.normal, ofSeed) >= (hasWalks_ ? kSmoothOnMesh : kSmooth);
+    if (smooth && !isOverStep(chord, cell_.normal, ofSeed)) return true;
+    return !hasWalks_ && std::abs(dot(cell_.normal, chord)) <
+                             kInPlane * length(chord) + (band_.triangles ? 0 : kOff);
 }
 
 double Reader::walkFrom(const Vec3d& at) const {
@@ -263,8 +263,6 @@ double Reader::leastOnFace(const Chart& chart, std::uint32_t source) const {
 
 double Reader::blended(std::uint32_t source) const {
     const Chart chart(*this);
-    if (atCorner())
-        if (const double u = overFaces(chart, source); u < kInfinity) return chart.here * u;
     JetNeighbors all;
     BlendWeights weight{};
     auto gather = [&](bool beyondSeeds) {
@@ -292,7 +290,6 @@ double Reader::blended(std::uint32_t source) const {
 
 bool Reader::atCorner() const {
     constexpr float kOneFace = 0.8f;  // 37 degrees
-    if (!band_.faceted || metric_.anisotropic()) return false;
     std::array<Vec3f, 8> faces;
     std::size_t count = 0;
     for (const NodeIndex i : cell_.node) {
@@ -318,31 +315,6 @@ std::vector<NodeIndex> Reader::coreAround() const {
     std::sort(nodes.begin(), nodes.end());
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     return nodes;
-}
-
-double Reader::overFaces(const Chart& chart, std::uint32_t source) const {
-    constexpr double kOnPlane = 0.25, kFar = 2.5;  // voxels
-    constexpr float kOnePlane = 0.999f;
-    std::vector<NodeIndex> nodes = coreAround();
-    std::erase_if(nodes, [&](NodeIndex j) {
-        const Vec3d chord = p_ - band_.footPoint(j);
-        const NodeJet jet = field_.at(j);
-        return !(jet.distance < kInfinity) || jet.label != source || length(chord) > kFar ||
-               std::abs(dot(chord, Vec3d(band_.normal[j]))) > kOnPlane;
-    });
-    double least = kInfinity;
-    while (!nodes.empty()) {
-        const Vec3f face = band_.normal[nodes.front()];
-        const auto own = std::partition(nodes.begin(), nodes.end(), [&](NodeIndex j) {
-            return dot(face, band_.normal[j]) < kOnePlane;
-        });
-        JetNeighbors all;
-        for (auto j = own; j != nodes.end() && all.count() < JetNeighbors::kMax; ++j)
-            all.add(chart.neighbor(*j, band_.ijk(*j), field_.at(*j)));
-        nodes.erase(own, nodes.end());
-        least = std::min(least, fermatUpdate(all).u);
-    }
-    return least;
 }
 
 std::optional<Jet> Reader::whereFrontsMeet(const Chart& chart, std::uint32_t source) const {
@@ -379,7 +351,7 @@ Arrival Reader::byJets() const {
         if (a.distance < first.distance || (a.distance == first.distance && own < first.source))
             first = a;
     };
-    if (thin_) {
+    if (byWalks_) {
         const JetsByWalks around = coreByWalks(field_, onMesh(), cell_);
         for (const std::uint32_t own : around.sources()) consider(own, around.first(own).distance);
         // A seed that is nearer than any node of its sheet.

@@ -295,9 +295,11 @@ void FermatGroup::add(std::size_t node, const JetNeighbors& all) {
 }
 
 Vec2f FermatGroup::g(std::size_t node) const {
+    // Foot points on an edge may all but coincide: the chord between them shows no direction.
+    constexpr float kSamePoint = 0.1f;
     const Node& n = nodes_[node];
     const float len = length(n.a);
-    return len > 0 ? (1 / len) * n.a : n.g;
+    return len > kSamePoint ? (1 / len) * n.a : n.g;
 }
 
 void FermatGroup::search(std::size_t node, NeighborRing& ring) {
