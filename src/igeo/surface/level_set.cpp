@@ -216,7 +216,8 @@ void turnWrongSigns(LevelSet& s) {
 
 /// Voxels that a conversion has lowered in front of hollow edges get back what they had.
 void sharpenHollowEdges(LevelSet& s) {
-    const std::vector<LoweredVoxel> lowered = loweredAtHollowEdges(s);
+    const std::vector<LoweredVoxel> lowered =
+        loweredAtHollowEdges(s.psi->constTree(), s.transform.dx);
     if (lowered.empty()) return;
     const openvdb::FloatGrid::Ptr psi = toChange(s);
     for (const LoweredVoxel& voxel : lowered) {

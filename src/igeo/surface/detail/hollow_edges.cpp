@@ -17,7 +17,7 @@ constexpr float kFarthest = 1.5f;
 /// What psi was around a leaf before OpenVDB's renormalization, in voxels.
 class BeforeRenormalization {
 public:
-    explicit BeforeRenormalization(const LevelSet& levelSet) : psi_(levelSet) {}
+    BeforeRenormalization(const openvdb::FloatTree& psi, double dx) : psi_(psi, dx) {}
 
     void moveTo(const Ijk& origin) {
         psi_.moveTo(origin);
@@ -143,27 +143,26 @@ void look(BeforeRenormalization& before, const openvdb::Coord& origin, const Ijk
 
 }  // namespace
 
-std::vector<LoweredVoxel> loweredAtHollowEdges(const LevelSet& levelSet) {
+std::vector<LoweredVoxel> loweredAtHollowEdges(const openvdb::FloatTree& psi, double dx) {
     // For each sure one: on exact shapes 98 or more, on converted parts with plane faces 3 at most.
     constexpr std::size_t kSharpPerSure = 10;
     std::vector<const LeafBlock::Leaf*> leaves;
-    levelSet.psi->constTree().getNodes(leaves);
+    psi.getNodes(leaves);
     std::vector<Found> found(leaves.size());
     parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
-        const LeafBlock::Accessor psi(levelSet.psi->constTree());
+        const LeafBlock::Accessor accessor(psi);
         LeafBlock block;
-        BeforeRenormalization before(levelSet);
+        BeforeRenormalization before(psi, dx);
         for (std::size_t l = begin; l < end; ++l) {
             const openvdb::Coord o = leaves[l]->origin();
-            block.gather(psi, o, levelSet.transform.dx, LeafBlock::kFaces);
+            block.gather(accessor, o, dx, LeafBlock::kFaces);
             bool moved = false;
             for (int x = 0; x < 8; ++x)
                 for (int y = 0; y < 8; ++y)
                     for (unsigned bits = mayBeLowered(block, x, y); bits; bits &= bits - 1) {
                         if (!moved) before.moveTo({o.x(), o.y(), o.z()});
                         moved = true;
-                        look(before, o, {x, y, std::countr_zero(bits)}, levelSet.transform.dx,
-                             found[l]);
+                        look(before, o, {x, y, std::countr_zero(bits)}, dx, found[l]);
                     }
         }
     });

@@ -1,7 +1,7 @@
 /// Hollow edges that a conversion from a mesh has rounded. Internal.
 #pragma once
 
-#include <igeo/surface/level_set.h>
+#include <openvdb/openvdb.h>
 
 #include <vector>
 
@@ -22,6 +22,6 @@ struct LoweredVoxel {
 /// the step makes its value of these heights. None counts if the step would have lowered many
 /// others that have not been: then psi is no such conversion. Time O(voxels with a kink), in
 /// parallel.
-std::vector<LoweredVoxel> loweredAtHollowEdges(const LevelSet& levelSet);
+std::vector<LoweredVoxel> loweredAtHollowEdges(const openvdb::FloatTree& psi, double dx);
 
 }  // namespace igeo

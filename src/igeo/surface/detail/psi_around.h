@@ -2,7 +2,6 @@
 #pragma once
 
 #include <igeo/surface/detail/leaf_block.h>
-#include <igeo/surface/level_set.h>
 
 #include <algorithm>
 #include <array>
@@ -14,8 +13,7 @@ namespace igeo {
 /// The trilinear interpolant of psi around a leaf, in voxels; NaN beside inactive voxels.
 class PsiAround {
 public:
-    explicit PsiAround(const LevelSet& levelSet)
-        : psi_(levelSet.psi->constTree()), perDx_(1 / levelSet.transform.dx) {}
+    PsiAround(const openvdb::FloatTree& psi, double dx) : psi_(psi), perDx_(1 / dx) {}
 
     /// Gathers the voxels around the leaf at this origin.
     void moveTo(const Ijk& origin) {

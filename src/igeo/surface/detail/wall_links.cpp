@@ -91,7 +91,7 @@ std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
     const std::vector<std::uint8_t> beside = besideMeetings(band, meetings);
     std::vector<std::vector<Link>> found(band.leaves.size());
     parallelFor(found.size(), 16, [&](std::size_t begin, std::size_t end) {
-        PsiAround psi(levelSet);
+        PsiAround psi(levelSet.psi->constTree(), levelSet.transform.dx);
         for (std::size_t l = begin; l < end; ++l) {
             bool gathered = false;
             band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {
