@@ -426,7 +426,8 @@ TEST_CASE("thin walls: distances near points, curves and groups beside a wall of
     CHECK(count > 40000);
     CHECK(low > -1.77);  // measured 1.18; 2.9 where jets were carried back over the seed
     CHECK(most < 0.78);  // measured 0.52; 2.9 by segments far from the point
-    CHECK(double(off) < 0.0013 * double(count));  // measured 0.0008
+    // Measured 0.0003; 0.0008 where seeds were seen over an edge from beside a hollow one.
+    CHECK(double(off) < 0.00045 * double(count));
 }
 
 namespace {

@@ -168,11 +168,14 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
 }
 
 bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
-    constexpr double kSmooth = 0.8, kInPlane = 0.05, kOff = 0.1;  // kOff: voxels
-    const double off = band_.triangles ? 0 : kOff;
+    constexpr double kSmooth = 0.8, kInPlane = 0.05, kOff = 0.1, kOffPsi = 0.3;  // voxels: both off
     const Vec3d ofSeed(band_.normal[seed.node]);
-    return (dot(cell_.normal, ofSeed) >= kSmooth && !isOverStep(chord, cell_.normal, ofSeed)) ||
-           std::abs(dot(cell_.normal, chord)) < kInPlane * length(chord) + off;
+    if (dot(cell_.normal, ofSeed) >= kSmooth && !isOverStep(chord, cell_.normal, ofSeed))
+        return true;
+    const double off = std::abs(dot(cell_.normal, chord)), most = kInPlane * length(chord);
+    if (band_.triangles) return off < most;
+    // Beside a hollow edge the normal is between those of both faces.
+    return off < most + kOff && staysNearPsi(band_, p_ - chord, chord, 4, kOffPsi);
 }
 
 double Reader::walkFrom(const Vec3d& at) const {
