@@ -166,13 +166,16 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
 }
 
 bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
-    // Over an edge the normal of a cell is between those of the faces of a mesh, and says little.
-    constexpr double kSmooth = 0.8, kSmoothOnMesh = 0.97, kInPlane = 0.05, kOff = 0.1;  // voxels
+    // Over an edge, and beside a hollow one, the normal of a cell is between those of both faces.
+    constexpr double kSmooth = 0.8, kSmoothOnMesh = 0.97;
+    constexpr double kInPlane = 0.05, kOff = 0.1, kOffPsi = 0.3;  // voxels: both off
     const Vec3d ofSeed(band_.normal[seed.node]);
     const bool smooth = dot(cell_.normal, ofSeed) >= (hasWalks_ ? kSmoothOnMesh : kSmooth);
     if (smooth && !isOverStep(chord, cell_.normal, ofSeed)) return true;
-    return !hasWalks_ && std::abs(dot(cell_.normal, chord)) <
-                             kInPlane * length(chord) + (band_.triangles ? 0 : kOff);
+    if (hasWalks_) return false;
+    const double off = std::abs(dot(cell_.normal, chord)), most = kInPlane * length(chord);
+    if (band_.triangles) return off < most;
+    return off < most + kOff && staysNearPsi(band_, p_ - chord, chord, 4, kOffPsi);
 }
 
 double Reader::walkFrom(const Vec3d& at) const {

@@ -18,18 +18,19 @@ constexpr double kGradientTolerance = 0.25;
 /// What the values of a level set show. Shares are in [0, 1], lengths and curvatures in voxels.
 struct LevelSetStats {
     std::uint64_t activeVoxels = 0;
-    std::uint64_t badVoxels = 0;    ///< NaN or infinite
-    Ijk firstBad{};                 ///< the first of them
-    std::uint64_t negative = 0;     ///< active voxels inside
-    double halfWidth = 0;           ///< largest |psi| of an active voxel that is no stray
-    std::uint64_t strayVoxels = 0;  ///< |psi| far beyond that of all others
-    std::uint64_t nearSurface = 0;  ///< |psi| < 1
-    double crossingShare = 0;       ///< of nearSurface: a face neighbor has the other sign
-    double gradientMedian = 0;      ///< of |grad psi|, central differences
-    double gradientShare = 0;       ///< of voxels with |grad psi| in [0.75, 1.25]
-    std::uint64_t cutVoxels = 0;    ///< at the surface, yet a neighbor that should be there is not
-    double largestCurvature = 0;    ///< 95th percentile of max |principal curvature| on S
-    double reach = 0;               ///< least |psi| at which sheets meet; halfWidth if they do not
+    std::uint64_t badVoxels = 0;      ///< NaN or infinite
+    Ijk firstBad{};                   ///< the first of them
+    std::uint64_t negative = 0;       ///< active voxels inside
+    double halfWidth = 0;             ///< largest |psi| of an active voxel that is no stray
+    std::uint64_t strayVoxels = 0;    ///< |psi| far beyond that of all others
+    std::uint64_t loweredVoxels = 0;  ///< before hollow edges, by a conversion; set right again
+    std::uint64_t nearSurface = 0;    ///< |psi| < 1
+    double crossingShare = 0;         ///< of nearSurface: a face neighbor has the other sign
+    double gradientMedian = 0;        ///< of |grad psi|, central differences
+    double gradientShare = 0;         ///< of voxels with |grad psi| in [0.75, 1.25]
+    std::uint64_t cutVoxels = 0;  ///< at the surface, yet a neighbor that should be there is not
+    double largestCurvature = 0;  ///< 95th percentile of max |principal curvature| on S
+    double reach = 0;             ///< least |psi| at which sheets meet; halfWidth if they do not
 };
 
 /// A usable level set.

@@ -157,11 +157,12 @@ void turnOver(const Vec3d& from, const Vec3d& to, int side, Walker& w) {
 
 /// The walk from a point before a crease to about a point after it, across the line where the
 /// sheets meet.
+/// @param end  of the walk as voxels round the crease off, or its last point so far
 /// @param length  at which it ends
-/// @return nothing where there is no crease
+/// @return nothing where there is no crease, or another sheet comes first
 std::optional<std::vector<Walker>> over(const Band& band, const Walker& before, const Vec3d& middle,
-                                        const Walker& after, double length) {
-    constexpr double kBeyond = 2.5, kOff = 2.5, kFarthest = 10;
+                                        const Walker& after, const Walker& end, double length) {
+    constexpr double kBeyond = 2.5, kOff = 2.5, kFarthest = 10, kApart = 0.4;
     const int side = dot(after.n, before.v) > 0 ? -1 : 1;
     const SheetFit a(band, middle, before.n, side), b(band, middle, after.n, side);
     if (!a.valid() || !b.valid()) return std::nullopt;
@@ -172,7 +173,11 @@ std::optional<std::vector<Walker>> over(const Band& band, const Walker& before, 
     double high = 0;
     while (true) {
         high = std::min(kCreaseStep, length - walk.back().at);
-        if (!(high > 0)) return walk;
+        if (!(high > 0)) {
+            // A walk that ends before the crease is there still on S.
+            if (igeo::length(walk.back().p - end.p) > kApart) return std::nullopt;
+            return walk;
+        }
         if (!(next = walk.back()).step(a, high)) return std::nullopt;
         if (isOver(next)) break;
         if (next.at - before.at > kFarthest) return std::nullopt;
@@ -188,8 +193,8 @@ std::optional<std::vector<Walker>> over(const Band& band, const Walker& before, 
     if (igeo::length(next.p - middle) > kOff) return std::nullopt;
     turnOver(a.normal(next.p), b.normal(next.p), side, next);
     walk.push_back(next);
-    for (const double end = std::min(next.at + kBeyond, length); next.at < end;) {
-        if (!next.step(b, std::min(kCreaseStep, end - next.at))) return std::nullopt;
+    for (const double last = std::min(next.at + kBeyond, length); next.at < last;) {
+        if (!next.step(b, std::min(kCreaseStep, last - next.at))) return std::nullopt;
         walk.push_back(next);
     }
     return walk;
@@ -236,7 +241,7 @@ bool CreaseWatch::unfold(std::vector<Walker>& track) {
     const double bend = degrees(more[from].n, after.n);
     std::optional<std::vector<Walker>> walk;
     if (bend > kLeast && bend < kMostBend)
-        walk = over(band_, more[from], more[middle].p, after, length_);
+        walk = over(band_, more[from], more[middle].p, after, track.back(), length_);
     bend_ = 0;
     if (!walk) {
         const std::size_t beyond = std::min(middle + kWindow, more.size() - 1);

@@ -1,7 +1,7 @@
 #include <igeo/surface/detail/wall_links.h>
 
 #include <igeo/base/parallel.h>
-#include <igeo/surface/detail/leaf_block.h>
+#include <igeo/surface/detail/psi_around.h>
 
 #include <algorithm>
 #include <array>
@@ -24,85 +24,6 @@ constexpr double kKept = 0.7, kAlike = 0.6;
 
 /// Sine of the angle by which normals on a clearly convex part turn away from each other.
 constexpr double kTurn = 0.2;
-
-/// The trilinear interpolant of psi around a leaf, in voxels; NaN beside inactive voxels.
-class PsiAround {
-public:
-    explicit PsiAround(const LevelSet& levelSet)
-        : psi_(levelSet.psi->constTree()), perDx_(1 / levelSet.transform.dx) {}
-
-    /// Gathers the voxels around the leaf at this origin.
-    void moveTo(const Ijk& origin) {
-        low_ = origin - Ijk{kMargin, kMargin, kMargin};
-        for (int x = -1; x <= 1; ++x)
-            for (int y = -1; y <= 1; ++y)
-                for (int z = -1; z <= 1; ++z) gather(origin, {x, y, z});
-    }
-    double at(const Vec3d& p) const {
-        const Ijk cell = floorToIjk(p), v = cell - low_;
-        const bool inside = std::min({v.x, v.y, v.z}) >= 0 && std::max({v.x, v.y, v.z}) < kEdge - 1;
-        return inside ? interpolate(&value_[indexOf(v)], kSteps, p - Vec3d(cell))
-                      : atFar(cell, p - Vec3d(cell));
-    }
-
-private:
-    static constexpr int kMargin = 4;  ///< most chords, and what is looked at beside them
-    static constexpr int kEdge = 8 + 2 * kMargin;
-    static constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
-    using Steps = std::array<std::size_t, 3>;
-    static constexpr Steps kSteps{std::size_t(kEdge * kEdge), std::size_t(kEdge), 1};
-
-    static constexpr std::size_t indexOf(const Ijk& v) {
-        return std::size_t((v.x * kEdge + v.y) * kEdge + v.z);
-    }
-    /// @param low  the value at the low corner of the cell; t is the place in it
-    static double interpolate(const float* low, const Steps& step, const Vec3d& t) {
-        auto along = [&](const float* from) {
-            return double(*from) + t.z * (double(from[step[2]]) - double(*from));
-        };
-        auto across = [&](const float* from) {
-            const double first = along(from);
-            return first + t.y * (along(from + step[1]) - first);
-        };
-        const double first = across(low);
-        return first + t.x * (across(low + step[0]) - first);
-    }
-    /// Far from the leaf.
-    double atFar(const Ijk& cell, const Vec3d& t) const {
-        std::array<float, 8> corner;
-        for (std::size_t k = 0; k < 8; ++k) {
-            const openvdb::Coord ijk(cell.x + int(k >> 2), cell.y + int(k >> 1 & 1),
-                                     cell.z + int(k & 1));
-            float value;
-            corner[k] = psi_.probeValue(ijk, value) ? float(value * perDx_) : kMissing;
-        }
-        return interpolate(corner.data(), {4, 2, 1}, t);
-    }
-    /// Copies what the block holds of the leaf s leaves away.
-    void gather(const Ijk& origin, const Ijk& s) {
-        // Voxels of that leaf, as [first, last) along each axis.
-        auto first = [](int step) { return step < 0 ? 8 - kMargin : 0; };
-        auto last = [](int step) { return step > 0 ? kMargin : 8; };
-        const LeafBlock::Leaf* leaf = psi_.probeConstLeaf(
-            openvdb::Coord(origin.x + 8 * s.x, origin.y + 8 * s.y, origin.z + 8 * s.z));
-        for (int x = first(s.x); x < last(s.x); ++x)
-            for (int y = first(s.y); y < last(s.y); ++y) {
-                const openvdb::Index row = openvdb::Index(x << 6 | y << 3);
-                for (int z = first(s.z); z < last(s.z); ++z) {
-                    const openvdb::Index offset = row + openvdb::Index(z);
-                    value_[indexOf(Ijk{x, y, z} + 8 * s + Ijk{kMargin, kMargin, kMargin})] =
-                        leaf && leaf->isValueOn(offset)
-                            ? float(double(leaf->getValue(offset)) * perDx_)
-                            : kMissing;
-                }
-            }
-    }
-
-    LeafBlock::Accessor psi_;
-    double perDx_;
-    Ijk low_;
-    std::array<float, std::size_t(kEdge* kEdge* kEdge)> value_;
-};
 
 /// The bit of the side of S on which psi has this sign.
 unsigned sideOf(double psi) { return psi < 0 ? 1 : 2; }
@@ -170,7 +91,7 @@ std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
     const std::vector<std::uint8_t> beside = besideMeetings(band, meetings);
     std::vector<std::vector<Link>> found(band.leaves.size());
     parallelFor(found.size(), 16, [&](std::size_t begin, std::size_t end) {
-        PsiAround psi(levelSet);
+        PsiAround psi(levelSet.psi->constTree(), levelSet.transform.dx);
         for (std::size_t l = begin; l < end; ++l) {
             bool gathered = false;
             band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {

@@ -1,0 +1,177 @@
+#include <igeo/surface/detail/hollow_edges.h>
+
+#include <igeo/base/parallel.h>
+#include <igeo/surface/detail/psi_around.h>
+
+#include <bit>
+#include <cmath>
+#include <vector>
+
+namespace igeo {
+
+namespace {
+
+/// Voxels: in front of a hollow edge the step lowers no larger |psi| much.
+constexpr float kFarthest = 1.5f;
+
+/// What psi was around a leaf before OpenVDB's renormalization, in voxels.
+class BeforeRenormalization {
+public:
+    BeforeRenormalization(const openvdb::FloatTree& psi, double dx) : psi_(psi, dx) {}
+
+    void moveTo(const Ijk& origin) {
+        psi_.moveTo(origin);
+        planes_.fill({});
+        sharp_.fill(kUnknown);
+    }
+    float stored(const Ijk& v) const { return psi_.voxel(v); }
+    /// The least height over the planes of faces, if that is more than the stored value.
+    float sharp(const Ijk& v) {
+        float& known = sharp_[indexOf(v, 1)];
+        if (std::isnan(known)) known = overPlanes(v);
+        return known;
+    }
+    /// What the renormalization makes of it.
+    float renormalized(const Ijk& v) {
+        constexpr float kOffset = 0.8f;
+        const float p = sharp(v) - kOffset, side = p > 0 ? 1.0f : -1.0f;
+        float square = 0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const float before = p - (sharp(v - unit(a)) - kOffset),
+                        after = p - (sharp(v + unit(a)) - kOffset),
+                        most = std::max({side * before, side * after, 0.0f});
+            square += most * most;
+        }
+        const float step = p / std::sqrt(p * p + square) * (std::sqrt(square) - 1);
+        return std::min(p, p - step) + kOffset;
+    }
+
+private:
+    static constexpr int kReach = 2;  ///< voxels to the faces
+    static constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+    /// psi around a voxel on one face.
+    struct Plane {
+        Vec3f slope;
+        enum { Unknown, None, Known } state = Unknown;
+    };
+
+    static Ijk unit(std::size_t axis) { return {axis == 0, axis == 1, axis == 2}; }
+    static std::size_t indexOf(const Ijk& v, int margin) {
+        const int edge = 8 + 2 * margin;
+        return std::size_t(((v.x + margin) * edge + v.y + margin) * edge + v.z + margin);
+    }
+    float bend(const Ijk& v, const Ijk& step) const {
+        return stored(v + step) + stored(v - step) - 2 * stored(v);
+    }
+    const Plane& plane(const Ijk& v) {
+        // Inside, in front of no hollow edge, the renormalization has changed nothing.
+        constexpr float kInside = -0.2f, kFlat = 0.03f;
+        Plane& p = planes_[indexOf(v, 1 + kReach)];
+        if (p.state != Plane::Unknown) return p;
+        p.state = Plane::None;
+        if (!(stored(v) < kInside)) return p;
+        for (std::size_t a = 0; a < 3; ++a) {
+            if (!(std::abs(bend(v, unit(a))) < kFlat)) return p;
+            p.slope[int(a)] = (stored(v + unit(a)) - stored(v - unit(a))) / 2;
+        }
+        if (std::abs(length(p.slope) - 1) < kFlat) p.state = Plane::Known;
+        return p;
+    }
+    float overPlanes(const Ijk& v) {
+        constexpr float kOneFace = 0.9f, kAgree = 0.2f;
+        const float value = stored(v);
+        if (!(std::abs(value) < kFarthest)) return value;
+        struct Height {
+            float height = float(kInfinity);
+            Vec3f slope;
+        };
+        std::array<Height, (2 * kReach + 1) * (2 * kReach + 1) * (2 * kReach + 1)> heights;
+        std::size_t count = 0;
+        Height least;
+        float most = float(kInfinity);
+        for (int x = -kReach; x <= kReach; ++x)
+            for (int y = -kReach; y <= kReach; ++y)
+                for (int z = -kReach; z <= kReach; ++z) {
+                    const Ijk step{x, y, z};
+                    const Plane& p = plane(v + step);
+                    if (p.state != Plane::Known) continue;
+                    const float inside = stored(v + step);
+                    const Height h{inside - dot(p.slope, Vec3f(step)), p.slope};
+                    heights[count++] = h;
+                    if (h.height < least.height) least = h;
+                    most = std::min(most, inside + length(Vec3f(step)));
+                }
+        if (!(least.height < most)) return value;
+        bool otherFace = false;
+        for (std::size_t k = 0; k < count; ++k) {
+            const bool same = dot(heights[k].slope, least.slope) > kOneFace;
+            if (same && heights[k].height > least.height + kAgree) return value;
+            otherFace |= !same;
+        }
+        return otherFace ? std::max(value, least.height) : value;
+    }
+
+    PsiAround psi_;
+    std::array<Plane, 14 * 14 * 14> planes_;
+    std::array<float, 10 * 10 * 10> sharp_;
+};
+
+/// Bits: voxels of a row that a hollow edge may have lowered.
+unsigned mayBeLowered(const LeafBlock& block, int x, int y) {
+    const PsiRow<4> row(block, x, y);
+    return row.complete & ~row.smooth & within<4>(block.row(x, y), kFarthest);
+}
+
+/// What a leaf says.
+struct Found {
+    std::vector<LoweredVoxel> lowered;
+    std::size_t sure = 0;   ///< lowered for sure
+    std::size_t sharp = 0;  ///< not lowered, though the step would have lowered it
+};
+
+void look(BeforeRenormalization& before, const openvdb::Coord& origin, const Ijk& v, double dx,
+          Found& found) {
+    // Voxels. Heights are less exact where faces are narrow or bend.
+    constexpr float kLowered = 0.1f, kSure = 0.05f, kNearly = 0.2f, kLeast = 0.03f;
+    const float value = before.stored(v), was = before.sharp(v),
+                off = before.renormalized(v) - value;
+    found.sure += was > value + kLowered && std::abs(off) < kSure;
+    found.sharp += was <= value + kLowered && off < -kLowered;
+    if (was > value + kLeast && std::abs(off) < kNearly)
+        found.lowered.push_back({origin.offsetBy(v.x, v.y, v.z), float(double(was) * dx)});
+}
+
+}  // namespace
+
+std::vector<LoweredVoxel> loweredAtHollowEdges(const openvdb::FloatTree& psi, double dx) {
+    // For each sure one: on exact shapes 98 or more, on converted parts with plane faces 3 at most.
+    constexpr std::size_t kSharpPerSure = 10;
+    std::vector<const LeafBlock::Leaf*> leaves;
+    psi.getNodes(leaves);
+    std::vector<Found> found(leaves.size());
+    parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
+        const LeafBlock::Accessor accessor(psi);
+        LeafBlock block;
+        BeforeRenormalization before(psi, dx);
+        for (std::size_t l = begin; l < end; ++l) {
+            const openvdb::Coord o = leaves[l]->origin();
+            block.gather(accessor, o, dx, LeafBlock::kFaces);
+            bool moved = false;
+            for (int x = 0; x < 8; ++x)
+                for (int y = 0; y < 8; ++y)
+                    for (unsigned bits = mayBeLowered(block, x, y); bits; bits &= bits - 1) {
+                        if (!moved) before.moveTo({o.x(), o.y(), o.z()});
+                        moved = true;
+                        look(before, o, {x, y, std::countr_zero(bits)}, dx, found[l]);
+                    }
+        }
+    });
+    std::size_t sure = 0, sharp = 0;
+    for (const Found& f : found) sure += f.sure, sharp += f.sharp;
+    std::vector<LoweredVoxel> lowered;
+    if (kSharpPerSure * sure <= sharp) return lowered;
+    for (const Found& f : found) lowered.insert(lowered.end(), f.lowered.begin(), f.lowered.end());
+    return lowered;
+}
+
+}  // namespace igeo
