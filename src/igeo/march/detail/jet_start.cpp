@@ -220,8 +220,10 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     const bool overCrease = cosine < kSmooth && std::abs(dot(normal, chord)) >= kInPlane * c + off,
                overStep = cosine >= kSmooth &&
                           isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seeds.normal[k]));
+    // Over an edge the normal of a foot point may lie between those of the faces of a mesh.
+    constexpr float kOneFace = 0.97f;
     if (core.band.triangles && isotropic &&
-        (overCrease || overStep || facing & Band::kBesideSevered))
+        (cosine < kOneFace || overStep || facing & Band::kBesideSevered))
         return jetByWalk(core, seeds, k, local, foot, s);
     const bool isKnownFace =
         !core.band.triangles && c <= float(kNextFace) && cosine >= Band::kOtherSheet;
