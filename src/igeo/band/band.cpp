@@ -221,9 +221,30 @@ bool Band::joined(NodeIndex i, NodeIndex j) const {
     return false;
 }
 
+std::vector<NodeIndex> Band::spineNear(const Vec3d& p) const {
+    constexpr int kOff = 2;  // voxels: from a foot point to its node, at most
+    std::vector<NodeIndex> found;
+    if (spine.empty()) return found;
+    const int range = int(std::ceil(kSpineReach)) + kOff;
+    const Ijk at = floorToIjk(p), low = leafOrigin(at - Ijk{range, range, range}),
+              high = at + Ijk{range + 1, range + 1, range + 1};
+    for (int x = low.x; x <= high.x; x += 8)
+        for (int y = low.y; y <= high.y; y += 8)
+            for (int z = low.z; z <= high.z; z += 8) {
+                const LeafIndex l = leafAt({x, y, z});
+                if (l == kNoLeaf) continue;
+                const LeafNodes& nodes = leaves[l].band;
+                for (auto i = std::lower_bound(spine.begin(), spine.end(), nodes.firstNode);
+                     i != spine.end() && *i < nodes.firstNode + nodes.count; ++i)
+                    if (length(footPoint(*i) - p) <= kSpineReach) found.push_back(*i);
+            }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
 std::size_t Band::memUsage() const {
     return bytes(leaves) + bytes(leafOfBlock_) + bytes(offset_) + bytes(psi) + bytes(foot) +
-           bytes(normal) + bytes(facing) + severed_.memUsage() + bytes(bridges_) +
+           bytes(normal) + bytes(facing) + bytes(spine) + severed_.memUsage() + bytes(bridges_) +
            bytes(stretched_) + bytes(table_);
 }
 

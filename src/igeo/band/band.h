@@ -73,6 +73,10 @@ struct Band {
     double cutOff = 0;
     /// S itself, where the band was made from a mesh; null elsewhere.
     std::shared_ptr<const SurfaceTriangles> triangles;
+    /// Where three or more pages of a mesh share an edge at small angles, some have no nodes for
+    /// voxels. Jumps lead from the edge to the first nodes of such a page. Core nodes at both ends
+    /// of them, ascending.
+    std::vector<NodeIndex> spine;
 
     std::vector<BandLeaf> leaves;
     std::vector<float> psi;     ///< per node: signed distance, voxels; |psi| < h
@@ -278,6 +282,10 @@ struct Band {
                                    [](const Bridge& b, NodeIndex node) { return b.from < node; });
         for (; at != bridges_.end() && at->from == i; ++at) visit(*at);
     }
+
+    /// The nodes of the spine with foot points within kSpineReach of a point, ascending.
+    std::vector<NodeIndex> spineNear(const Vec3d& p) const;
+    static constexpr double kSpineReach = 16;  ///< voxels
 
     /// Sets the links of the core that are stretched. Time O(n log n).
     void stretch(std::vector<StretchedLink> links);

@@ -96,8 +96,10 @@ private:
         return *onMesh_;
     }
     bool isOnMesh() const { return onMesh().triangle != SurfaceTriangles::kNone; }
-    /// The length of a walk from a seed over edges of a mesh; +infinity: none within a disc.
-    double walkFrom(const Vec3d& at) const;
+    /// The length of a walk from a seed over edges of a mesh; +infinity: none up to `most`.
+    double walkFrom(const Vec3d& at, double most) const;
+    /// The first arrival, or a seed on the same page where that has few nodes, as in StartDisc.
+    Arrival orFromPage(Arrival first) const;
     Arrival arrival(double d, const Straight& disc, std::uint32_t source) const;
     /// The first arrival, or the disc of a seed so close to others that no node is nearest to it.
     Arrival orBetweenNodes(const Arrival& first) const;
@@ -148,7 +150,7 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
         const bool flat = field_.atFootPoints && alongSurface(s, p_ - at);
         const bool walks = hasWalks_ && (byWalks_ || !flat) && isOnMesh();
         const double mean = meanToSeed(field_, s, here),
-                     cost = walks ? mean * walkFrom(at)
+                     cost = walks ? mean * walkFrom(at, field_.startRadius)
                                   : costToSeed(field_, s, p_, cell_.normal, here),
                      perVoxel = metric_.anisotropic() && r > 0 ? cost / r : mean;
         const bool along = walks ? cost < kInfinity
@@ -178,11 +180,24 @@ bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
     return off < most + kOff && staysNearPsi(band_, p_ - chord, chord, 4, kOffPsi);
 }
 
-double Reader::walkFrom(const Vec3d& at) const {
+double Reader::walkFrom(const Vec3d& at, double most) const {
     const auto from = band_.triangles->nearest(at);
     return ShortWalk(*band_.triangles)
-        .tightLength({from.triangle, from.point}, {onMesh().triangle, onMesh().point},
-                     field_.startRadius);
+        .tightLength({from.triangle, from.point}, {onMesh().triangle, onMesh().point}, most);
+}
+
+Arrival Reader::orFromPage(Arrival first) const {
+    constexpr double kLonger = 1.1;
+    if (!field_.evenCosts || band_.spine.empty()) return first;
+    field_.seedsNear.forNear(p_, [&](std::size_t k) {
+        const SurfacePoint& s = field_.seeds[k];
+        const Vec3d at = s.nearestTo(p_);
+        const double r = length(p_ - at);
+        if (r > Band::kSpineReach || !(s.start + s.weight * r < first.distance)) return;
+        const double d = s.start + s.weight * walkFrom(at, kLonger * r);
+        if (d < first.distance) first = {d, field_.source[k], &s};
+    });
+    return first;
 }
 
 Arrival Reader::arrival(double d, const Straight& disc, std::uint32_t source) const {
@@ -362,7 +377,7 @@ Arrival Reader::byJets() const {
         if (disc.distance < first.distance)
             first = {disc.distance, field_.source[std::size_t(disc.seed - field_.seeds.data())],
                      disc.seed};
-        return first;
+        return orFromPage(first);
     }
     std::array<std::uint32_t, 8> sources;
     std::size_t count = 0;

@@ -34,7 +34,8 @@ void Field::summarize() {
     else
         summarizeAll([&](std::size_t k) { return distance[k]; });
     source = sourcesOf(seeds);
-    seedsNear = SeedsNear(seeds, startRadius);
+    const bool pages = band && !band->spine.empty();
+    seedsNear = SeedsNear(seeds, pages ? Band::kSpineReach : startRadius);
     if (!seeds.empty())
         leastStart = std::min_element(seeds.begin(), seeds.end(), [](auto& a, auto& b) {
                          return a.start < b.start;

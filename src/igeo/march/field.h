@@ -51,6 +51,7 @@ struct Field {
     SeedsNear seedsNear;                ///< finds seeds by position
     MetricPtr metric = std::make_shared<Metric>();  ///< the metric of the march; never null
     std::string scheme;                             ///< the scheme, such as "godunov, order 2"
+    bool evenCosts = true;                          ///< one cost everywhere, and no obstacles
     double startRadius = 0;     ///< voxels; closer to a seed, distances are exact
     std::size_t reached = 0;    ///< nodes with a finite distance; of the core if not extended
     double leastStart = 0;      ///< the least start value of its seeds

@@ -204,7 +204,10 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     addBesideOthers(on, rim);
     band.numberCore(rim);
     band.sever(linksOffMesh(on, progress));
-    band.bridge(bridgesOnMesh(on, progress));
+    band.spine = spineOfMesh(on);
+    const MeshBridges bridges = bridgesOnMesh(on, progress);
+    band.bridge(bridges.bridges);
+    band.spine = bridges.spine;
     band.cutOff = shareCutOff(on);
     band.stretch(stretchedOnMesh(on, progress));
     if (gap > 0) {

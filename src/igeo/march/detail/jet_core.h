@@ -58,6 +58,8 @@ struct JetCore {
         return band.leaves[node.leaf].origin +
                Ijk{node.offset >> 6, node.offset >> 3 & 7, node.offset & 7};
     }
+    /// Whether a straight walk of any length costs as much per voxel as at its ends.
+    bool isEven() const { return stretch.empty() && !costsVary && !metric.obstacles; }
     /// The band's number of a core node.
     NodeIndex inBand(const JetNode& node) const {
         return band.leaves[node.leaf].band.numberOf(node.offset);
@@ -149,11 +151,13 @@ void forBridges(const JetCore& core, const JetNode& node, const Visit& visit) {
 /// Calls visit(j, chord) for the nodes that the jumps of a bridged node lead to.
 template <typename Visit>
 void forJumps(const JetCore& core, NodeIndex i, const Visit& visit) {
+    constexpr float kFar = 6;  // voxels: farther than bridges, from the spine
     const JetNode& node = core.nodes[i];
     core.band.forBridges(core.inBand(node), [&](const Bridge& b) {
         const NodeIndex j = core.band.coreNode(b.to);
-        if (b.jump && core.nodes[j].obstacleState != Metric::Inside)
-            visit(j, b.stretch * Vec3f(core.footOf(node) - core.footOf(core.nodes[j])));
+        if (!b.jump || core.nodes[j].obstacleState == Metric::Inside) return;
+        const Vec3f chord(core.footOf(node) - core.footOf(core.nodes[j]));
+        if (core.isEven() || length(chord) < kFar) visit(j, b.stretch * chord);
     });
 }
 

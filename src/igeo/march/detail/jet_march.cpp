@@ -422,6 +422,7 @@ Field JetMarch::take() {
     field.metric = core_.metricPtr;
     field.seeds = jets_.seeds.points;
     field.scheme = "jet";
+    field.evenCosts = core_.isEven();
     field.startRadius = options_.startRadius;
     field.stoppedEarly = stopped_ || options_.below;
     field.limit = jets_.limit;

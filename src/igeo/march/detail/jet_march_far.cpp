@@ -2,6 +2,9 @@
 
 #include <igeo/band/detail/chord.h>
 
+#include <algorithm>
+#include <tuple>
+
 // Beyond links: over two of them, and over jumps.
 namespace igeo {
 
@@ -37,19 +40,37 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
 }
 
 JetsByWalks JetMarch::jumpsByWalks(NodeIndex i) const {
-    constexpr double kLonger = 1.1, kRoom = 0.1;  // voxels: a walk, before it is pulled tight
+    // A walk before it is pulled tight; jumps that matter, beside the first.
+    constexpr double kLonger = 1.1, kRoom = 0.1, kAround = 1;  // voxels
     const JetNode& node = core_.nodes[i];
     const Vec3d foot = core_.footOf(node);
     const SurfaceTriangles& triangles = *core_.band.triangles;
     JetsByWalks jets(triangles, triangles.nearest(foot, kInfinity, Vec3d(node.normal)),
                      core_.largestCostAt(i));
+    struct From {
+        double least;  ///< of the node, if the front comes from there
+        double chord;
+        NodeIndex node;
+        bool operator<(const From& o) const {
+            return std::tie(least, node) < std::tie(o.least, o.node);
+        }
+    };
+    std::vector<From> from;
     forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
-        const JetNode& other = core_.nodes[j];
-        if (jets_.accepted(j))
-            jets.add(core_.footOf(other), Vec3d(other.normal),
-                     {jets_.valueOf(j), jets_.gradientOf(j), jets_.labelOf(j)},
-                     core_.largestCostAt(j), kLonger * double(length(chord)) + kRoom);
+        const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2,
+                     far = double(length(chord));
+        if (jets_.accepted(j)) from.push_back({jets_.valueOf(j) + cost * far, far, j});
     });
+    std::sort(from.begin(), from.end());
+    double first = kInfinity;
+    for (const From& f : from) {
+        if (f.least > first + kAround * core_.largestCostAt(i)) break;
+        const JetNode& other = core_.nodes[f.node];
+        first = std::min(first, jets.add(core_.footOf(other), Vec3d(other.normal),
+                                         {jets_.valueOf(f.node), jets_.gradientOf(f.node),
+                                          jets_.labelOf(f.node)},
+                                         core_.largestCostAt(f.node), kLonger * f.chord + kRoom));
+    }
     return jets;
 }
 

@@ -21,6 +21,24 @@ double seedCost(const Band& band, const JetSeeds& seeds, std::uint32_t k, const 
     return l > 0 ? seeds.plane[k].cost((length(chord) / l) * flat) : 0;
 }
 
+/// The jet of a foot point over edges of a mesh, by a walk on the triangles.
+/// @return false without a walk of at most `most` voxels
+bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, const LocalFrame& local,
+               const Vec3d& foot, double most, Solved& s) {
+    const SurfaceTriangles& triangles = *core.band.triangles;
+    const SurfacePoint& seed = seeds.points[k];
+    const Vec3f& normal = local.frame.normal();
+    const auto from = triangles.nearest(seed.nearestTo(foot)),
+               to = triangles.nearest(foot, kInfinity, Vec3d(normal));
+    const WalkEnds way =
+        ShortWalk(triangles).ends({from.triangle, from.point}, {to.triangle, foot}, most);
+    if (!(way.length < kInfinity)) return false;
+    s = {seed.start + (seed.weight + local.weight) / 2 * way.length, {}, seeds.source[k]};
+    const Vec2f in = local.frame.flat(Vec3f(way.in));
+    if (length(in) > 0) s.g = (1 / length(in)) * in;
+    return true;
+}
+
 /// The start disc of one seed, found outward from the seed over the core, so that it reaches no
 /// surface close by. It ends where links lead around something: where the path along them is
 /// longer than the straight line by more than steps from node to node are.
@@ -34,6 +52,7 @@ public:
             waiting_.pop();
             if (visit(next)) visitNeighbors(next);
         }
+        visitSpine();
         // A seed in a corner that obstacles hide from all nodes near it: straight to the nearest.
         if (found_.empty() && nearest_ != kNoNode)
             found_.emplace_back(nearest_,
@@ -82,6 +101,20 @@ private:
                 return isBeside(j, node) && isNearPsi(seed_.pIndex, core_.footOf(node));
             });
         for (int reach = 1; reach <= 2 && waiting_.empty(); ++reach) visitWithin(reach, isBeside);
+    }
+    /// Around a seed on a page with few nodes the disc has no neighbors to grow over. It takes in
+    /// those that a straight walk joins with the seed, as jumps do.
+    void visitSpine() {
+        constexpr double kLonger = 1.1;
+        if (!core_.isEven()) return;
+        for (const NodeIndex j : core_.band.spineNear(seed_.pIndex)) {
+            const NodeIndex i = core_.band.coreNode(j);
+            const Vec3d foot = core_.footOf(core_.nodes[i]);
+            Solved s;
+            if (jetByWalk(core_, seeds_, k_, core_.localFrame(i), foot,
+                          kLonger * length(foot - nearestOfSeed(i)), s))
+                found_.emplace_back(i, s);
+        }
     }
     /// Whether psi is 0 along the chord from the seed, or nearly so, where the band has it.
     bool isNearPsi(const Vec3d& from, const Vec3d& foot) const {
@@ -176,28 +209,6 @@ JetSeeds::JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, 
     lines = StraightLines(points, core.leastCost);
 }
 
-namespace {
-
-/// The jet of a foot point over edges of a mesh, by a walk on the triangles.
-/// @return false without a walk within the start disc
-bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, const LocalFrame& local,
-               const Vec3d& foot, Solved& s) {
-    const SurfaceTriangles& triangles = *core.band.triangles;
-    const SurfacePoint& seed = seeds.points[k];
-    const Vec3f& normal = local.frame.normal();
-    const auto from = triangles.nearest(seed.nearestTo(foot)),
-               to = triangles.nearest(foot, kInfinity, Vec3d(normal));
-    const WalkEnds way = ShortWalk(triangles).ends({from.triangle, from.point}, {to.triangle, foot},
-                                                   seeds.startRadius);
-    if (!(way.length < kInfinity)) return false;
-    s = {seed.start + (seed.weight + local.weight) / 2 * way.length, {}, seeds.source[k]};
-    const Vec2f in = local.frame.flat(Vec3f(way.in));
-    if (length(in) > 0) s.g = (1 / length(in)) * in;
-    return true;
-}
-
-}  // namespace
-
 bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
                          std::uint8_t facing, const LocalFrame& local, const Vec3d& foot,
                          Solved& s) {
@@ -224,7 +235,7 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     constexpr float kOneFace = 0.97f;
     if (core.band.triangles && isotropic &&
         (cosine < kOneFace || overStep || facing & Band::kBesideSevered))
-        return jetByWalk(core, seeds, k, local, foot, s);
+        return jetByWalk(core, seeds, k, local, foot, seeds.startRadius, s);
     const bool isKnownFace =
         !core.band.triangles && c <= float(kNextFace) && cosine >= Band::kOtherSheet;
     if (overStep || (overCrease && !isKnownFace)) return false;

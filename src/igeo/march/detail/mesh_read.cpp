@@ -9,6 +9,7 @@ namespace igeo {
 namespace {
 
 constexpr double kFarthest = 3, kLongestWalk = 5;  // voxels; longer between pages
+constexpr double kLonger = 1.1;                    // walks from the spine, than the chord
 
 /// A core node near a point.
 struct Near {
@@ -31,6 +32,12 @@ std::vector<Near> coreNear(const Field& field, const Vec3d& p) {
                 if (i != kNoNode && band.inCore(i) && length(band.footPoint(i) - p) < kFarthest)
                     nodes.push_back(i);
             }
+    if (field.evenCosts) {
+        const std::vector<NodeIndex> spine = band.spineNear(p);
+        nodes.insert(nodes.end(), spine.begin(), spine.end());
+        std::sort(nodes.begin(), nodes.end());
+        nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    }
     std::vector<NodeJet> jets(nodes.size());
     field.at(nodes, jets.data());
     std::vector<Near> found;
@@ -134,8 +141,9 @@ JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
     double first = kInfinity;
     for (const Near& near : nodes) {
         if (near.least > first + kAround * here) break;
+        const double most = std::max(kLongestWalk, kLonger * length(near.foot - at.point));
         first = std::min(first, jets.add(near.foot, Vec3d(band.normal[near.node]), near.jet,
-                                         field.metric->at(near.node), kLongestWalk));
+                                         field.metric->at(near.node), most));
     }
     return jets;
 }

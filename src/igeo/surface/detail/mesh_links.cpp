@@ -206,9 +206,12 @@ public:
     /// Adds the bridges from a core node.
     /// @param pages  whether an edge of three or more triangles is near: sheets that meet there at
     ///               small angles have no nodes for some voxels, and all of them are joined
-    void find(NodeIndex i, bool pages, std::vector<Bridge>& bridges);
+    void find(NodeIndex i, bool pages, MeshBridges& all);
 
 private:
+    /// Adds jumps to the spine from a node with no others of its page in between.
+    void findSpine(NodeIndex i, MeshBridges& all);
+
     static constexpr double kOpen = 1.9;    ///< radians; neighbors in a lattice leave a right angle
     static constexpr double kBeside = 0.3;  ///< closer to a link, a bridge leads the same way
     static constexpr std::size_t kMost = 4;    ///< per node, and of each page
@@ -293,7 +296,7 @@ double Bridges::lengthOverPages(NodeIndex i, NodeIndex j, Bridge& bridge) {
     return way.length;
 }
 
-void Bridges::find(NodeIndex i, bool pages, std::vector<Bridge>& bridges) {
+void Bridges::find(NodeIndex i, bool pages, MeshBridges& all) {
     angles_.clear();
     collectLinks(band_, i, linked_, &angles_,
                  [&](NodeIndex j) { return !pages || onOnePage(i, j); });
@@ -316,7 +319,37 @@ void Bridges::find(NodeIndex i, bool pages, std::vector<Bridge>& bridges) {
         });
         if (std::size_t(onPage) < kMost) own.push_back(bridge);
     }
-    bridges.insert(bridges.end(), own.begin(), own.end());
+    all.bridges.insert(all.bridges.end(), own.begin(), own.end());
+    findSpine(i, all);
+}
+
+void Bridges::findSpine(NodeIndex i, MeshBridges& all) {
+    // Nearer nodes are in the box. Fronts that pass the edge at up to 75 degrees come straight.
+    constexpr double kNear = 2, kSlant = 4, kLonger = 1.1;
+    const MeshPoint from = on_.foot(i);
+    const TangentFrame frame(band_.normal[i]);
+    const std::vector<NodeIndex> spine = band_.spineNear(from.at);
+    bool isOpen = false;
+    for (const NodeIndex j : spine) {
+        const Vec3d chord = on_.foot(j).at - from.at;
+        if (igeo::length(chord) < kNear) return;
+        isOpen |= inOpenSector(frame.flat(Vec3f(chord)));
+    }
+    if (!isOpen) return;
+    std::vector<std::pair<double, Bridge>> found;
+    double nearest = kInfinity;
+    for (const NodeIndex j : spine) {
+        const double chord = igeo::length(on_.foot(j).at - from.at),
+                     length = walk_.length(from, on_.foot(j), kLonger * chord);
+        if (!(length < kInfinity)) continue;
+        nearest = std::min(nearest, length);
+        found.emplace_back(length, Bridge{i, j, float(std::max(1.0, length / chord)), true});
+    }
+    for (const auto& [length, bridge] : found)
+        if (length <= kSlant * nearest) {
+            all.bridges.push_back(bridge);
+            all.spine.insert(all.spine.end(), {i, bridge.to});
+        }
 }
 
 }  // namespace
@@ -408,18 +441,52 @@ double shareCutOff(const MeshBand& on) {
     return 1 - double(held) / double(band.coreSize());
 }
 
+std::vector<NodeIndex> spineOfMesh(const MeshBand& on) {
+    constexpr double kBeside = 1, kApart = 0.7;  // voxels
+    const MeshAdjacency& mesh = on.adjacency;
+    std::vector<std::vector<NodeIndex>> parts(on.leaves.size());
+    parallelFor(on.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            std::vector<std::pair<std::uint32_t, std::size_t>> edges;
+            for (const std::uint32_t t : on.leaves[l].triangles)
+                for (std::size_t k = 0; k < 3; ++k)
+                    if (mesh.isMany(t, k)) edges.emplace_back(t, k);
+            if (edges.empty()) continue;
+            std::vector<std::pair<double, NodeIndex>> beside;
+            on.band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned) {
+                if (!on.band.inCore(i)) return;
+                double nearest = kBeside;
+                for (const auto& [t, k] : edges)
+                    nearest = std::min(nearest, distanceToSegment(on.foot(i).at, mesh.corner(t, k),
+                                                                  mesh.corner(t, k + 1)));
+                if (nearest < kBeside) beside.emplace_back(nearest, i);
+            });
+            std::sort(beside.begin(), beside.end());
+            for (const auto& [distance, i] : beside)
+                if (std::none_of(parts[l].begin(), parts[l].end(), [&](NodeIndex j) {
+                        return length(on.foot(i).at - on.foot(j).at) < kApart;
+                    }))
+                    parts[l].push_back(i);
+        }
+    });
+    std::vector<NodeIndex> spine;
+    for (const auto& part : parts) spine.insert(spine.end(), part.begin(), part.end());
+    std::sort(spine.begin(), spine.end());
+    return spine;
+}
+
 std::vector<Bridge> thinned(std::vector<Bridge> bridges) {
-    constexpr std::uint8_t kMostPerNode = 16, kMostJumps = 64;  // a march stores no jumps
+    constexpr std::uint16_t kMostPerNode = 16, kMostJumps = 1024;  // a march stores no jumps
     for (Bridge& b : bridges)
         if (b.to < b.from) std::swap(b.from, b.to);
     std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
         return std::tie(a.from, a.to, a.stretch) < std::tie(b.from, b.to, b.stretch);
     });
-    std::unordered_map<NodeIndex, std::uint8_t> count;
+    std::unordered_map<NodeIndex, std::uint16_t> count;
     std::vector<Bridge> kept;
     for (const Bridge& b : bridges) {
         if (!kept.empty() && kept.back().from == b.from && kept.back().to == b.to) continue;
-        std::uint8_t &from = count[b.from], &to = count[b.to];
+        std::uint16_t &from = count[b.from], &to = count[b.to];
         if (std::max(from, to) >= (b.jump ? kMostJumps : kMostPerNode)) continue;
         ++from, ++to;
         kept.push_back(b);
@@ -427,9 +494,9 @@ std::vector<Bridge> thinned(std::vector<Bridge> bridges) {
     return kept;
 }
 
-std::vector<Bridge> bridgesOnMesh(const MeshBand& on, Progress& progress) {
+MeshBridges bridgesOnMesh(const MeshBand& on, Progress& progress) {
     const Band& band = on.band;
-    std::vector<std::vector<Bridge>> parts(band.leaves.size());
+    std::vector<MeshBridges> parts(band.leaves.size());
     parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
         Bridges bridges(on);
         for (std::size_t l = begin; l < end; ++l) {
@@ -439,9 +506,15 @@ std::vector<Bridge> bridgesOnMesh(const MeshBand& on, Progress& progress) {
                 if (band.facing[i] && band.inCore(i)) bridges.find(i, pages, parts[l]);
         }
     });
-    std::vector<Bridge> all;
-    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-    return thinned(std::move(all));
+    MeshBridges all;
+    for (const MeshBridges& part : parts) {
+        all.bridges.insert(all.bridges.end(), part.bridges.begin(), part.bridges.end());
+        all.spine.insert(all.spine.end(), part.spine.begin(), part.spine.end());
+    }
+    all.bridges = thinned(std::move(all.bridges));
+    std::sort(all.spine.begin(), all.spine.end());
+    all.spine.erase(std::unique(all.spine.begin(), all.spine.end()), all.spine.end());
+    return all;
 }
 
 }  // namespace igeo
