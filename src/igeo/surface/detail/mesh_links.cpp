@@ -442,7 +442,7 @@ double shareCutOff(const MeshBand& on) {
 }
 
 std::vector<NodeIndex> spineOfMesh(const MeshBand& on) {
-    constexpr double kBeside = 1, kApart = 0.7;  // voxels
+    constexpr double kOnEdge = 1, kApart = 0.7;  // voxels
     const MeshAdjacency& mesh = on.adjacency;
     std::vector<std::vector<NodeIndex>> parts(on.leaves.size());
     parallelFor(on.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
@@ -455,18 +455,19 @@ std::vector<NodeIndex> spineOfMesh(const MeshBand& on) {
             std::vector<std::pair<double, NodeIndex>> beside;
             on.band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned) {
                 if (!on.band.inCore(i)) return;
-                double nearest = kBeside;
+                double nearest = kOnEdge;
                 for (const auto& [t, k] : edges)
                     nearest = std::min(nearest, distanceToSegment(on.foot(i).at, mesh.corner(t, k),
                                                                   mesh.corner(t, k + 1)));
-                if (nearest < kBeside) beside.emplace_back(nearest, i);
+                if (nearest < kOnEdge) beside.emplace_back(nearest, i);
             });
             std::sort(beside.begin(), beside.end());
-            for (const auto& [distance, i] : beside)
-                if (std::none_of(parts[l].begin(), parts[l].end(), [&](NodeIndex j) {
-                        return length(on.foot(i).at - on.foot(j).at) < kApart;
-                    }))
-                    parts[l].push_back(i);
+            for (const auto& [distance, node] : beside) {
+                const Vec3d at = on.foot(node).at;
+                if (std::none_of(parts[l].begin(), parts[l].end(),
+                                 [&](NodeIndex j) { return length(at - on.foot(j).at) < kApart; }))
+                    parts[l].push_back(node);
+            }
         }
     });
     std::vector<NodeIndex> spine;
