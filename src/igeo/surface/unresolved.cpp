@@ -28,16 +28,19 @@ constexpr std::size_t kLargestIsland = 8;
 /// Closer voxels have a foot point in any direction.
 constexpr float kLeastPsi = 0.25f;
 
-/// Balls around the neighbors of a voxel that contain no point of S.
+/// Balls around the neighbors of a voxel that contain no point of S. None is larger than psi at the
+/// voxel allows: where a conversion has made a neighbor too deep, that neighbor is wrong.
 class EmptyBalls {
 public:
     EmptyBalls(const LeafBlock& psi, int x, int y, int z) {
+        const auto here = float(std::abs(psi.at(x, y, z)));
         for (int dx = -1; dx <= 1; ++dx)
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dz = -1; dz <= 1; ++dz) {
-                    const double value = psi.at(x + dx, y + dy, z + dz);
+                    const auto value = float(std::abs(psi.at(x + dx, y + dy, z + dz)));
+                    const Vec3f center(Ijk{dx, dy, dz});
                     if ((dx | dy | dz) && !std::isnan(value))
-                        ball_[count_++] = {Vec3f(Ijk{dx, dy, dz}), float(std::abs(value))};
+                        ball_[count_++] = {center, std::min(value, here + length(center))};
                 }
     }
     struct Ball {
