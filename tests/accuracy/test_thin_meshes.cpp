@@ -69,6 +69,13 @@ Outline crossing(double t) {
                      {h, 9}},
                     true, {5.1, 6.3});
 }
+/// A sheet in folds, each of two lines a width apart at their far ends.
+Outline folds(double height, double width) {
+    Outline o{"folds", {}, {}, 16, {0.3 * height, 5.2}};
+    for (int k = 0; k <= 12; ++k) o.corners.push_back({k * width / 2, k % 2 * height});
+    for (std::size_t k = 0; k < 12; ++k) o.lines.push_back({k, k + 1});
+    return o;
+}
 /// A block with a flange of thickness t at a groove, and a floor two voxels below it.
 Outline flange(double t, double along) {
     return polyline("flange",
@@ -236,6 +243,18 @@ TEST_CASE("thin meshes: vertices of walls and slots take the values of their own
             CHECK(e.unreached == 0);
             CHECK(e.low > -0.14);  // measured -0.090
             CHECK(e.high < 0.41);  // 0.272
+        }
+}
+
+TEST_CASE("thin meshes: folds", "[mesh]") {
+    for (const double height : {3.0, 5.0})
+        for (const double width : {2.2, 3.1, 4.5}) {
+            INFO("folds of " << height << " and " << width);
+            std::printf("%.1f %.1f ", height, width);
+            const VertexErrors e = errorsOn(folds(height, width));
+            CHECK(e.unreached == 0);
+            CHECK(e.low > -0.17);  // measured -0.108
+            CHECK(e.high < 0.45);  // 0.298
         }
 }
 

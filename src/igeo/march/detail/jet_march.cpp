@@ -206,7 +206,8 @@ void JetMarch::addStretched(NodeIndex i, const JetRows::Row& row, const Batch& b
 
 bool JetMarch::mayGoRound(NodeIndex i, const JetGroup::Solution& s) const {
     constexpr float kDetour = 0.1f;
-    return s.detour > kDetour && isotropic_ && !core_.costsVary && core_.band.foot.empty() &&
+    return s.detour > kDetour && isotropic_ && !core_.costsVary &&
+           (core_.band.triangles || core_.band.foot.empty()) &&
            core_.nodes[i].obstacleState == Metric::Clear;
 }
 

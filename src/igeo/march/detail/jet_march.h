@@ -12,6 +12,7 @@
 #include <igeo/march/jet_options.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace igeo {
 
@@ -133,8 +134,11 @@ private:
     /// Whether the value of a node may come from neighbors beside its ray alone, as beside creases
     /// no other node of the core is next to it.
     bool mayGoRound(NodeIndex i, const JetGroup::Solution& s) const;
-    /// The least of a solution and of straight lines on S from nodes two links away.
+    /// The least of a solution and of what nodes up to two links away carry: along straight lines
+    /// on S, and on a mesh over walks.
     JetGroup::Solution overTwoLinks(NodeIndex i, const JetRows::Row& row, const Batch& batch,
+                                    JetGroup::Solution s) const;
+    JetGroup::Solution walkTwoLinks(NodeIndex i, const JetRows::Row& row,
                                     JetGroup::Solution s) const;
     /// Adds the neighbors of a node in the coordinates of its tensor.
     void addStretched(NodeIndex i, const JetRows::Row& row, const Batch& batch,
@@ -150,8 +154,18 @@ private:
     /// corner at which creases within two links meet.
     bool isAtRim(NodeIndex i) const;
     Jump jumpTo(NodeIndex i) const;
-    /// The jets of accepted nodes at the other ends of its jumps, carried over the triangles.
-    JetsByWalks jumpsByWalks(NodeIndex i) const;
+    /// A node from which a front may come to another.
+    struct From {
+        double least;  ///< of the other, if it does
+        double most;   ///< longest walk, voxels
+        NodeIndex node;
+        bool operator<(const From& o) const {
+            return std::pair(least, node) < std::pair(o.least, o.node);
+        }
+    };
+    /// The first arrival at a node from accepted nodes, carried over the triangles.
+    /// @param around  voxels: from so much later nodes it is not sought
+    Jump firstByWalks(NodeIndex i, std::vector<From> from, double around) const;
     /// Accepts a node and enqueues its neighbors if its value is final, else defers it.
     void settle(std::size_t lane, Group& group, Result s, const Batch& batch, Chunk& chunk);
     /// The jet of its start disc, unless the front of another seed was there before.

@@ -3,13 +3,13 @@
 #include <igeo/band/detail/chord.h>
 
 #include <algorithm>
-#include <tuple>
 
 // Beyond links: over two of them, and over jumps.
 namespace igeo {
 
 JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, const Batch& batch,
                                           JetGroup::Solution s) const {
+    if (core_.band.triangles) return walkTwoLinks(i, row, s);
     constexpr float kAlike = 0.2f;
     constexpr double kOff = 0.15;  // voxels
     const JetNode& here = core_.nodes[i];
@@ -39,55 +39,79 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
     return s;
 }
 
-JetsByWalks JetMarch::jumpsByWalks(NodeIndex i) const {
-    // A walk before it is pulled tight; jumps that matter, beside the first.
-    constexpr double kLonger = 1.1, kRoom = 0.1, kAround = 1;  // voxels
-    const JetNode& node = core_.nodes[i];
-    const Vec3d foot = core_.footOf(node);
-    const SurfaceTriangles& triangles = *core_.band.triangles;
-    JetsByWalks jets(triangles, triangles.nearest(foot, kInfinity, Vec3d(node.normal)),
-                     core_.largestCostAt(i));
-    struct From {
-        double least;  ///< of the node, if the front comes from there
-        double chord;
-        NodeIndex node;
-        bool operator<(const From& o) const {
-            return std::tie(least, node) < std::tie(o.least, o.node);
-        }
-    };
-    std::vector<From> from;
-    forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
-        const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2,
-                     far = double(length(chord));
-        if (jets_.accepted(j)) from.push_back({jets_.valueOf(j) + cost * far, far, j});
-    });
-    std::sort(from.begin(), from.end());
+JetGroup::Solution JetMarch::walkTwoLinks(NodeIndex i, const JetRows::Row& row,
+                                          JetGroup::Solution s) const {
+    constexpr double kAround = 0.25;  // voxels: walks that are longer, but beside one another
+    const double weight = core_.nodes[i].weight, most = batchStart_ + double(s.u) * weight;
+    const Vec3d foot = core_.footOf(core_.nodes[i]);
     double first = kInfinity;
+    std::vector<From> from;
+    const auto add = [&](NodeIndex k) {
+        const double u = jets_.valueOf(k), chord = length(core_.footOf(core_.nodes[k]) - foot);
+        if (k == i || core_.nodes[k].obstacleState != Metric::Clear || u + weight * chord > most)
+            return;
+        from.push_back({u + weight * chord, (most - u) / weight + kAround, k});
+        first = std::min(first, from.back().least);
+    };
+    for (std::size_t k = 0; k < row.knownCount; ++k)
+        forLinks(
+            core_, row.knownLink(k).node(),
+            [&](NodeIndex j, const Ijk&, const Vec3f&, float) { add(j); },
+            [&](NodeIndex j) { return jets_.accepted(j); });
+    // A value that is not final yet is found again.
+    if (!(fromStart(first) < slackOf(i))) return s;
+    const Jump least = firstByWalks(i, std::move(from), kAround);
+    if (least.u < s.u * float(weight))
+        s.u = least.u / float(weight), s.g = least.g, s.source = least.label;
+    return s;
+}
+
+JetMarch::Jump JetMarch::firstByWalks(NodeIndex i, std::vector<From> from, double around) const {
+    const JetNode& node = core_.nodes[i];
+    const Vec3d foot = core_.footOf(node), up(node.normal);
+    const SurfaceTriangles& triangles = *core_.band.triangles;
+    const double weight = core_.largestCostAt(i);
+    const SurfaceTriangles::Place place = footPlace(triangles, foot, up);
+    const double side = sideOf(triangles, place, up);
+    JetsByWalks jets(triangles, place, weight);
+    std::sort(from.begin(), from.end());
+    from.erase(std::unique(from.begin(), from.end(),
+                           [](const From& a, const From& b) { return a.node == b.node; }),
+               from.end());
+    double least = kInfinity;
     for (const From& f : from) {
-        if (f.least > first + kAround * core_.largestCostAt(i)) break;
+        if (f.least > least + around * weight) break;
         const JetNode& other = core_.nodes[f.node];
-        first = std::min(first, jets.add(core_.footOf(other), Vec3d(other.normal),
+        least = std::min(least, jets.add(core_.footOf(other), Vec3d(other.normal),
                                          {jets_.valueOf(f.node), jets_.gradientOf(f.node),
                                           jets_.labelOf(f.node)},
-                                         core_.largestCostAt(f.node), kLonger * f.chord + kRoom));
+                                         core_.largestCostAt(f.node), f.most));
     }
-    return jets;
+    Jump jump;
+    for (const std::uint32_t source : jets.sources()) {
+        const JetsByWalks::First first = jets.first(source);
+        const float u = fromStart(first.distance);
+        if (!(u < jump.u)) continue;
+        const Vec2f g =
+            core_.localFrame(i).frame.flat(Vec3f(turned(first.direction, side * first.normal, up)));
+        jump = {u, length(g) > 0 ? (1 / length(g)) * g : Vec2f{}, source};
+    }
+    return jump;
 }
 
 JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
+    // A walk before it is pulled tight; jumps that matter, beside the first.
+    constexpr double kLonger = 1.1, kRoom = 0.1, kAround = 1;  // voxels
     Jump jump;
     if (core_.band.triangles && isotropic_) {
-        const JetsByWalks jets = jumpsByWalks(i);
-        const Vec3d up(core_.nodes[i].normal);
-        for (const std::uint32_t source : jets.sources()) {
-            const JetsByWalks::First first = jets.first(source);
-            const float u = fromStart(first.distance);
-            if (!(u < jump.u)) continue;
-            const Vec3d face = dot(first.normal, up) < 0 ? -1 * first.normal : first.normal;
-            const Vec2f g =
-                core_.localFrame(i).frame.flat(Vec3f(turned(first.direction, face, up)));
-            jump = {u, length(g) > 0 ? (1 / length(g)) * g : Vec2f{}, source};
-        }
+        std::vector<From> from;
+        forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
+            if (!jets_.accepted(j)) return;
+            const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2,
+                         far = double(length(chord));
+            from.push_back({jets_.valueOf(j) + cost * far, kLonger * far + kRoom, j});
+        });
+        jump = firstByWalks(i, std::move(from), kAround);
         if (jump.u < float(kInfinity)) return jump;
     }
     forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {

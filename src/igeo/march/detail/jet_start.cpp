@@ -2,6 +2,7 @@
 
 #include <igeo/band/detail/chord.h>
 #include <igeo/band/detail/short_walk.h>
+#include <igeo/march/detail/mesh_read.h>
 
 #include <queue>
 #include <set>
@@ -29,12 +30,13 @@ bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, cons
     const SurfacePoint& seed = seeds.points[k];
     const Vec3f& normal = local.frame.normal();
     const auto from = triangles.nearest(seed.nearestTo(foot)),
-               to = triangles.nearest(foot, kInfinity, Vec3d(normal));
+               to = footPlace(triangles, foot, Vec3d(normal));
     const WalkEnds way =
         ShortWalk(triangles).ends({from.triangle, from.point}, {to.triangle, foot}, most);
     if (!(way.length < kInfinity)) return false;
     s = {seed.start + (seed.weight + local.weight) / 2 * way.length, {}, seeds.source[k]};
-    const Vec2f in = local.frame.flat(Vec3f(way.in));
+    const Vec3d face = sideOf(triangles, to, Vec3d(normal)) * triangles.normal(way.last);
+    const Vec2f in = local.frame.flat(Vec3f(turned(way.in, face, Vec3d(normal))));
     if (length(in) > 0) s.g = (1 / length(in)) * in;
     return true;
 }

@@ -74,21 +74,34 @@ bool hasThinWalls(const Band& band, const BandCell& cell) {
     return band.triangles && (severed || !any);
 }
 
+SurfaceTriangles::Place footPlace(const SurfaceTriangles& triangles, const Vec3d& foot,
+                                  const Vec3d& normal) {
+    constexpr double kRounding = 0.01;  // voxels
+    const auto place = triangles.nearest(foot, kRounding, normal);
+    return place.triangle != SurfaceTriangles::kNone ? place
+                                                     : triangles.nearest(foot, kInfinity, normal);
+}
+
+double sideOf(const SurfaceTriangles& triangles, const SurfaceTriangles::Place& foot,
+              const Vec3d& normal) {
+    return dot(triangles.normal(foot.triangle), normal) < Band::kOtherSheet ? -1 : 1;
+}
+
 double JetsByWalks::add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
                         double most) {
     constexpr double kOneFace = 0.8;  // 37 degrees
-    const auto from = triangles_.nearest(foot, kInfinity, normal);
+    const auto from = footPlace(triangles_, foot, normal);
     const WalkEnds way = walk_.ends({from.triangle, foot}, at_, most);
     if (!(way.length < kInfinity)) return kInfinity;
     const double cost = (1 + weight / here_) / 2 * way.length;
-    Carried carried{{{float(cost), 0}, {}, jet.distance / here_}, kNoFace, jet.label};
-    const Vec3d up = triangles_.normal(way.last), start = triangles_.normal(way.first);
+    const Vec3d up = triangles_.normal(way.last);
+    Carried carried{{{float(cost), 0}, {}, jet.distance / here_}, kNoFace, jet.label, way.in, up};
+    const Vec3d start = triangles_.normal(way.first);
     if (way.straight && up != Vec3d{} && start != Vec3d{}) {
         std::size_t& face = carried.face = 0;
         while (face < faceNormal_.size() && dot(faceNormal_[face], up) < kOneFace) ++face;
         if (face == faceNormal_.size()) faceNormal_.push_back(up);
-        // The normal of the band may be opposite to that of the triangle.
-        const Vec3d own = dot(start, normal) < 0 ? -1 * normal : normal,
+        const Vec3d own = sideOf(triangles_, from, normal) * normal,
                     g = normalized(turned(Vec3d(jet.gradient), own, start));
         const double left = dot(g, cross(start, way.out));
         const Vec2f in = TangentFrame(Vec3f(faceNormal_[face])).flat(Vec3f(way.in));
@@ -127,7 +140,7 @@ JetsByWalks::First JetsByWalks::first(std::uint32_t source) const {
         if (carried.source == source && carried.face == kNoFace)
             if (const double d = here_ * (carried.jet.u + double(length(carried.jet.a)));
                 d < first.distance)
-                first = {d, {}, {}};
+                first = {d, carried.in, carried.up};
     return first;
 }
 

@@ -25,6 +25,15 @@ inline Vec3d turned(const Vec3d& v, const Vec3d& fromNormal, const Vec3d& toNorm
 /// Whether jets at the corners of a cell may belong to several sheets of a mesh.
 bool hasThinWalls(const Band& band, const BandCell& cell);
 
+/// Where the foot point of a node is on its mesh.
+SurfaceTriangles::Place footPlace(const SurfaceTriangles& triangles, const Vec3d& foot,
+                                  const Vec3d& normal);
+/// -1 where the normal of a node is opposite to those of the triangles, as beyond the seam of a
+/// mesh with one side, else 1. Over a crease of more than 90 degrees a cosine does not tell.
+/// @param foot  its footPlace
+double sideOf(const SurfaceTriangles& triangles, const SurfaceTriangles::Place& foot,
+              const Vec3d& normal);
+
 /// Jets around a point of a mesh, laid flat, on each of the faces that meet in the point by itself.
 class JetsByWalks {
 public:
@@ -43,7 +52,7 @@ public:
 
     struct First {
         double distance = kInfinity;
-        Vec3d direction;  ///< of travel, unit; 0 where it is unknown
+        Vec3d direction;  ///< of travel, unit; 0 for a walk without length
         Vec3d normal;     ///< of the face on which it travels
     };
     /// The first arrival of a source, by Fermat's principle; +infinity without jets of it.
@@ -56,6 +65,7 @@ private:
         JetNeighbor jet;   ///< in the plane of its face; u over the weight at the point
         std::size_t face;  ///< kNoFace: the walk bends, and the front starts again
         std::uint32_t source;
+        Vec3d in, up;  ///< at the end of the walk: its direction, and the normal of its triangle
     };
     static constexpr std::size_t kNoFace = std::size_t(-1);
 
