@@ -192,12 +192,25 @@ VertexValues Distance::atVertices(Progress& progress) const {
     return vertexValues(mesh, *forPoints(mesh.points.size()), progress);
 }
 std::string Distance::lostVertexWarning(Progress& progress) const {
+    constexpr std::size_t kMost = 1000;
+    constexpr double kOn = 1e-3;  // voxels; vertices without a face are elsewhere
     const TriangleMesh* const mesh = surface_.triangles();
     const Field& field = *marched();
     if (!mesh || field.seeds.empty() || field.stoppedEarly || field.reached == field.size())
         return {};
-    return lostWarning(field, "vertices", polygonsOf(*mesh).vertices,
-                       vertexValues(*mesh, field, progress).distance);
+    std::vector<Vec3d> looked;
+    const std::vector<Vec3d>& all = mesh->points;
+    const std::size_t step = (all.size() + kMost - 1) / kMost;
+    for (std::size_t k = 0; k < all.size(); k += step) looked.push_back(all[k]);
+    std::vector<double> distance(looked.size(), std::numeric_limits<double>::quiet_NaN());
+    parallelFor(looked.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const SurfacePoint p =
+                surface_.nearest(*band_, band_->transform.indexFromWorld(looked[k]));
+            if (p.snapDistance < kOn) distance[k] = band_->transform.dx * distanceAt(field, p);
+        }
+    });
+    return lostWarning(field, step > 1 ? "vertices looked at" : "vertices", looked, distance);
 }
 Samples Distance::samples() const { return samplesOf(*forPoints(0)); }
 DistanceMatrix Distance::matrix(Progress& progress) const {

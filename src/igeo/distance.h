@@ -84,8 +84,8 @@ public:
     /// @throws Error  InvalidArgument for a surface that is no mesh
     VertexValues atVertices(Progress& progress = Progress::none()) const;
     /// A sentence on the vertices of the mesh that triangles join to a seed and that have no
-    /// distance (lostWarning). Empty where there are none, where all nodes have a distance, and for
-    /// a surface that is no mesh.
+    /// distance (lostWarning); it looks at 1000 of them at most, spread over the file. Empty where
+    /// there are none, where all nodes have a distance, and for a surface that is no mesh.
     std::string lostVertexWarning(Progress& progress = Progress::none()) const;
     /// The distances of jet at its foot points (samplesOf).
     /// @throws Error  InvalidArgument for another scheme
