@@ -21,7 +21,7 @@ public:
 
     void moveTo(const Ijk& origin) {
         psi_.moveTo(origin);
-        planes_.fill({});
+        faces_.fill(Face::Unknown);
         sharp_.fill(kUnknown);
     }
     float stored(const Ijk& v) const { return psi_.voxel(v); }
@@ -49,11 +49,8 @@ public:
 private:
     static constexpr int kReach = 2;  ///< voxels to the faces
     static constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-    /// psi around a voxel on one face.
-    struct Plane {
-        Vec3f slope;
-        enum { Unknown, None, Known } state = Unknown;
-    };
+    /// Whether psi around a voxel is that of one face.
+    enum class Face : std::uint8_t { Unknown, None, Plane };
 
     static Ijk unit(std::size_t axis) { return {axis == 0, axis == 1, axis == 2}; }
     static std::size_t indexOf(const Ijk& v, int margin) {
@@ -63,19 +60,22 @@ private:
     float bend(const Ijk& v, const Ijk& step) const {
         return stored(v + step) + stored(v - step) - 2 * stored(v);
     }
-    const Plane& plane(const Ijk& v) {
+    /// The slope of psi around a voxel on one face; null elsewhere.
+    const Vec3f* slopeAt(const Ijk& v) {
+        const std::size_t k = indexOf(v, 1 + kReach);
+        if (faces_[k] == Face::Unknown)
+            faces_[k] = isOnPlane(v, slopes_[k]) ? Face::Plane : Face::None;
+        return faces_[k] == Face::Plane ? &slopes_[k] : nullptr;
+    }
+    bool isOnPlane(const Ijk& v, Vec3f& slope) const {
         // Inside, in front of no hollow edge, the renormalization has changed nothing.
         constexpr float kInside = -0.2f, kFlat = 0.03f;
-        Plane& p = planes_[indexOf(v, 1 + kReach)];
-        if (p.state != Plane::Unknown) return p;
-        p.state = Plane::None;
-        if (!(stored(v) < kInside)) return p;
+        if (!(stored(v) < kInside)) return false;
         for (std::size_t a = 0; a < 3; ++a) {
-            if (!(std::abs(bend(v, unit(a))) < kFlat)) return p;
-            p.slope[int(a)] = (stored(v + unit(a)) - stored(v - unit(a))) / 2;
+            if (!(std::abs(bend(v, unit(a))) < kFlat)) return false;
+            slope[int(a)] = (stored(v + unit(a)) - stored(v - unit(a))) / 2;
         }
-        if (std::abs(length(p.slope) - 1) < kFlat) p.state = Plane::Known;
-        return p;
+        return std::abs(length(slope) - 1) < kFlat;
     }
     float overPlanes(const Ijk& v) {
         constexpr float kOneFace = 0.9f, kAgree = 0.2f;
@@ -93,10 +93,10 @@ private:
             for (int y = -kReach; y <= kReach; ++y)
                 for (int z = -kReach; z <= kReach; ++z) {
                     const Ijk step{x, y, z};
-                    const Plane& p = plane(v + step);
-                    if (p.state != Plane::Known) continue;
+                    const Vec3f* const slope = slopeAt(v + step);
+                    if (!slope) continue;
                     const float inside = stored(v + step);
-                    const Height h{inside - dot(p.slope, Vec3f(step)), p.slope};
+                    const Height h{inside - dot(*slope, Vec3f(step)), *slope};
                     heights[count++] = h;
                     if (h.height < least.height) least = h;
                     most = std::min(most, inside + length(Vec3f(step)));
@@ -112,14 +112,17 @@ private:
     }
 
     PsiAround psi_;
-    std::array<Plane, 14 * 14 * 14> planes_;
+    std::array<Face, 14 * 14 * 14> faces_;
+    std::array<Vec3f, 14 * 14 * 14> slopes_;  ///< set on planes
     std::array<float, 10 * 10 * 10> sharp_;
 };
 
 /// Bits: voxels of a row that a hollow edge may have lowered.
 unsigned mayBeLowered(const LeafBlock& block, int x, int y) {
+    const unsigned near = within<4>(block.row(x, y), kFarthest);
+    if (!near) return 0;
     const PsiRow<4> row(block, x, y);
-    return row.complete & ~row.smooth & within<4>(block.row(x, y), kFarthest);
+    return row.complete & ~row.smooth & near;
 }
 
 /// What a leaf says.
