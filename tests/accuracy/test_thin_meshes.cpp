@@ -307,8 +307,8 @@ TEST_CASE("thin meshes: an obstacle on one face of a plate leaves the other face
 }
 
 TEST_CASE("thin meshes: costs that change along a plate", "[mesh]") {
-    // From a curve around the plate fronts run along y, on which the cost depends. Start discs know
-    // the cost at the seed only, which moves all values beyond them alike.
+    // From a curve around the plate fronts run along y, on which the cost depends. Start discs take
+    // the mean cost of both ends, which moves all values beyond them alike.
     constexpr double kMiddle = 8, kDisc = 3.5;
     for (const double t : {0.5, 1.0, 2.0}) {
         double sum2 = 0, count = 0;
