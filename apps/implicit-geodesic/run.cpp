@@ -174,8 +174,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     describe(distance, console);
     if (distance.ofWholeSurface()) {
         report.unresolved = solver.surface().unresolved(distance.band());
-        for (const std::string& w : igeo::unresolvedWarnings(report.unresolved))
-            report.warnings.push_back(w);
+        for (const std::string& w : igeo::unresolvedWarnings(report.unresolved)) report.warn(w);
     }
 
     if (o.joinGaps > 0) tellJoints(distance.band().joints, o.joinGaps, console, report.warnings);

@@ -99,7 +99,7 @@ std::string verticesAs(const std::string& ending, const igeo::TriangleMesh& mesh
 
 /// Marches of single sources, numbered from `firstSource` on, and their distances to points: adds a
 /// warning where triangles join some without one.
-/// @param distances(k)  those of march k, or nothing
+/// @param distances(k)  those of march k
 template <typename Distances>
 void warnOfLost(RunResult& r, const char* what, const std::vector<igeo::Vec3d>& pWorld,
                 std::size_t firstSource, std::size_t count, const Distances& distances) {
@@ -120,9 +120,11 @@ void writeVertices(RunResult& r, const std::string& file) {
     if (r.options.perSeed) {
         values.columns = r.solver.atVertices(sourcesOf(r), r.input.limits, r.progress);
         if (r.input.limits.maxDistance == igeo::kInfinity)
-            warnOfLost(r, "distances from single seeds", igeo::polygonsOf(mesh).vertices, 0,
-                       values.columns.size(),
-                       [&](std::size_t k) { return values.columns[k].distance; });
+            warnOfLost(
+                r, "distances from single seeds", igeo::polygonsOf(mesh).vertices, 0,
+                values.columns.size(), [&](std::size_t k) -> const auto& {
+                    return values.columns[k].distance;
+                });
     }
     writeDocument(file, verticesAs(endingOf(file), mesh, values, srgb(r.options)));
 }

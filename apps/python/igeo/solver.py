@@ -201,9 +201,9 @@ class Solver:
         self._warn(made.of_whole_surface)
         if start is not None:
             warn(made.overrun, 3)
-        if not self._warned_of_lost and made.lost_vertices:
+        if not self._warned_of_lost and (lost := made.lost_vertices):
             self._warned_of_lost = True
-            warn([made.lost_vertices], 3)
+            warn([lost], 3)
         return Distance(made, self.surface)
 
     def distances(

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace igeo {
 
@@ -54,9 +55,9 @@ void LostPoints::add(const std::vector<SurfacePoint>& seeds, const std::vector<V
     for (const double d : distance) all_ += !std::isnan(d);  // NaN: none was asked for
     if (!band_.triangles || std::count(distance.begin(), distance.end(), kInfinity) == 0) return;
     if (!parts_) parts_ = std::make_unique<Parts>(*band_.triangles, *metric_);
-    std::vector<bool> reached(band_.triangles->points().size());
+    std::set<DisjointSets::Index> reached;  // a march may add as little as a pair of points
     auto reach = [&](const Vec3d& pIndex) {
-        if (const auto part = parts_->at(pIndex); part != Parts::kNone) reached[part] = true;
+        if (const auto part = parts_->at(pIndex); part != Parts::kNone) reached.insert(part);
     };
     auto indexOf = [&](std::size_t k) { return band_.transform.indexFromWorld(pWorld[k]); };
     for (const SurfacePoint& seed : seeds) reach(seed.pIndex);
@@ -65,7 +66,7 @@ void LostPoints::add(const std::vector<SurfacePoint>& seeds, const std::vector<V
     for (std::size_t k = 0; k < distance.size(); ++k)
         if (distance[k] == kInfinity)
             if (const auto part = parts_->at(indexOf(k)); part != Parts::kNone)
-                lost_ += reached[part];
+                lost_ += reached.count(part);
 }
 
 std::string LostPoints::warning(const char* what) const {
