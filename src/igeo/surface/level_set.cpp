@@ -5,10 +5,10 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/io/voxel_size.h>
-#include <igeo/surface/detail/hollow_edges.h>
 #include <igeo/surface/detail/leaf_block.h>
 #include <igeo/surface/detail/psi_shells.h>
 #include <igeo/surface/detail/psi_tally.h>
+#include <igeo/surface/detail/renormalization.h>
 #include <openvdb/tools/FastSweeping.h>
 
 #include <algorithm>
@@ -214,18 +214,12 @@ void turnWrongSigns(LevelSet& s) {
         all.size(), first.x(), first.y(), first.z()));
 }
 
-/// Voxels that a conversion has lowered in front of hollow edges get back what they had.
-void sharpenHollowEdges(LevelSet& s) {
-    const std::vector<LoweredVoxel> lowered =
-        loweredAtHollowEdges(s.psi->constTree(), s.transform.dx);
-    if (lowered.empty()) return;
+/// A conversion from a mesh by OpenVDB ends with a step that makes psi too low where S is hollow.
+void undoConversion(LevelSet& s) {
+    if (!isRenormalized(*s.psi)) return;
     const openvdb::FloatGrid::Ptr psi = toChange(s);
-    for (const LoweredVoxel& voxel : lowered) {
-        s.stats.negative -= psi->tree().getValue(voxel.at) < 0 && voxel.was >= 0;
-        psi->tree().setValueOnly(voxel.at, voxel.was);
-    }
+    s.stats.loweredVoxels = undoRenormalization(*psi, s.transform.dx);
     s.psi = psi;
-    s.stats.loweredVoxels = lowered.size();
 }
 
 void measure(LevelSet& s, Progress& progress) {
@@ -446,7 +440,7 @@ void checkLevelSet(LoadedGrid loaded, LevelSet& s, Progress& progress) {
     judgeExtent(s);
     judgeRange(s);
     turnWrongSigns(s);
-    sharpenHollowEdges(s);
+    undoConversion(s);
     // Differences need two voxels on each side of the surface.
     if (s.stats.halfWidth < 2) widen(s, 3);
     measure(s, progress);

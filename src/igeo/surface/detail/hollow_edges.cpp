@@ -1,6 +1,5 @@
 #include <igeo/surface/detail/hollow_edges.h>
 
-#include <igeo/base/parallel.h>
 #include <igeo/surface/detail/psi_around.h>
 
 #include <bit>
@@ -14,10 +13,20 @@ namespace {
 /// Voxels: in front of a hollow edge the step lowers no larger |psi| much.
 constexpr float kFarthest = 1.5f;
 
+/// Bits: voxels of a row that a hollow edge may have lowered.
+unsigned mayBeLowered(const LeafBlock& block, int x, int y) {
+    const unsigned near = within<4>(block.row(x, y), kFarthest);
+    if (!near) return 0;
+    const PsiRow<4> row(block, x, y);
+    return row.complete & ~row.smooth & near;
+}
+
+}  // namespace
+
 /// What psi was around a leaf before OpenVDB's renormalization, in voxels.
-class BeforeRenormalization {
+class HollowEdges::Before {
 public:
-    BeforeRenormalization(const openvdb::FloatTree& psi, double dx) : psi_(psi, dx) {}
+    Before(const openvdb::FloatTree& psi, double dx) : psi_(psi, dx) {}
 
     void moveTo(const Ijk& origin) {
         psi_.moveTo(origin);
@@ -117,64 +126,25 @@ private:
     std::array<float, 10 * 10 * 10> sharp_;
 };
 
-/// Bits: voxels of a row that a hollow edge may have lowered.
-unsigned mayBeLowered(const LeafBlock& block, int x, int y) {
-    const unsigned near = within<4>(block.row(x, y), kFarthest);
-    if (!near) return 0;
-    const PsiRow<4> row(block, x, y);
-    return row.complete & ~row.smooth & near;
-}
+HollowEdges::HollowEdges(const openvdb::FloatTree& psi, double dx)
+    : before_(std::make_unique<Before>(psi, dx)), dx_(dx) {}
+HollowEdges::~HollowEdges() = default;
 
-/// What a leaf says.
-struct Found {
-    std::vector<LoweredVoxel> lowered;
-    std::size_t sure = 0;   ///< lowered for sure
-    std::size_t sharp = 0;  ///< not lowered, though the step would have lowered it
-};
-
-void look(BeforeRenormalization& before, const openvdb::Coord& origin, const Ijk& v, double dx,
-          Found& found) {
+void HollowEdges::look(const LeafBlock& block, const openvdb::Coord& origin,
+                       std::vector<LoweredVoxel>& lowered) {
     // Voxels. Heights are less exact where faces are narrow or bend.
-    constexpr float kLowered = 0.1f, kSure = 0.05f, kNearly = 0.2f, kLeast = 0.03f;
-    const float value = before.stored(v), was = before.sharp(v),
-                off = before.renormalized(v) - value;
-    found.sure += was > value + kLowered && std::abs(off) < kSure;
-    found.sharp += was <= value + kLowered && off < -kLowered;
-    if (was > value + kLeast && std::abs(off) < kNearly)
-        found.lowered.push_back({origin.offsetBy(v.x, v.y, v.z), float(double(was) * dx)});
-}
-
-}  // namespace
-
-std::vector<LoweredVoxel> loweredAtHollowEdges(const openvdb::FloatTree& psi, double dx) {
-    // For each sure one: on exact shapes 98 or more, on converted parts with plane faces 3 at most.
-    constexpr std::size_t kSharpPerSure = 10;
-    std::vector<const LeafBlock::Leaf*> leaves;
-    psi.getNodes(leaves);
-    std::vector<Found> found(leaves.size());
-    parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
-        const LeafBlock::Accessor accessor(psi);
-        LeafBlock block;
-        BeforeRenormalization before(psi, dx);
-        for (std::size_t l = begin; l < end; ++l) {
-            const openvdb::Coord o = leaves[l]->origin();
-            block.gather(accessor, o, dx, LeafBlock::kFaces);
-            bool moved = false;
-            for (int x = 0; x < 8; ++x)
-                for (int y = 0; y < 8; ++y)
-                    for (unsigned bits = mayBeLowered(block, x, y); bits; bits &= bits - 1) {
-                        if (!moved) before.moveTo({o.x(), o.y(), o.z()});
-                        moved = true;
-                        look(before, o, {x, y, std::countr_zero(bits)}, dx, found[l]);
-                    }
-        }
-    });
-    std::size_t sure = 0, sharp = 0;
-    for (const Found& f : found) sure += f.sure, sharp += f.sharp;
-    std::vector<LoweredVoxel> lowered;
-    if (kSharpPerSure * sure <= sharp) return lowered;
-    for (const Found& f : found) lowered.insert(lowered.end(), f.lowered.begin(), f.lowered.end());
-    return lowered;
+    constexpr float kNearly = 0.2f, kLeast = 0.03f;
+    bool moved = false;
+    for (int x = 0; x < 8; ++x)
+        for (int y = 0; y < 8; ++y)
+            for (unsigned bits = mayBeLowered(block, x, y); bits; bits &= bits - 1) {
+                if (!moved) before_->moveTo({origin.x(), origin.y(), origin.z()});
+                moved = true;
+                const Ijk v{x, y, std::countr_zero(bits)};
+                const float value = before_->stored(v), was = before_->sharp(v);
+                if (was > value + kLeast && std::abs(before_->renormalized(v) - value) < kNearly)
+                    lowered.push_back({origin.offsetBy(v.x, v.y, v.z), float(double(was) * dx_)});
+            }
 }
 
 }  // namespace igeo

@@ -1,8 +1,10 @@
 /// Hollow edges that a conversion from a mesh has rounded. Internal.
 #pragma once
 
+#include <igeo/surface/detail/leaf_block.h>
 #include <openvdb/openvdb.h>
 
+#include <memory>
 #include <vector>
 
 namespace igeo {
@@ -13,15 +15,26 @@ struct LoweredVoxel {
     float was;
 };
 
-/// The voxels that OpenVDB's meshToVolume has lowered in front of hollow edges, in tree order.
+/// Voxels that the last step of OpenVDB's meshToVolume has lowered in front of hollow edges.
 ///
-/// That function ends with a step of renormalization (Renormalize in tools/MeshToVolume.h). In
-/// front of a hollow edge the step lowers psi by up to a voxel, as if the edge were rounded, and
+/// There the step (renormalization.h) lowers psi by up to a voxel, as if the edge were rounded, and
 /// distances over it come out up to 0.9 voxels too short. Before the step psi was the height over
 /// the nearer of the planes of both faces, which the voxels inside still show. A voxel counts if
-/// the step makes its value of these heights. None counts if the step would have lowered many
-/// others that have not been: then psi is no such conversion. Time O(voxels with a kink), in
-/// parallel.
-std::vector<LoweredVoxel> loweredAtHollowEdges(const openvdb::FloatTree& psi, double dx);
+/// the step makes its value of these heights.
+class HollowEdges {
+public:
+    HollowEdges(const openvdb::FloatTree& psi, double dx);
+    ~HollowEdges();
+
+    /// Adds those of one leaf. Time O(voxels with a kink).
+    /// @param block  of this leaf, with its faces
+    void look(const LeafBlock& block, const openvdb::Coord& origin,
+              std::vector<LoweredVoxel>& lowered);
+
+private:
+    class Before;
+    std::unique_ptr<Before> before_;
+    double dx_;
+};
 
 }  // namespace igeo

@@ -1,0 +1,38 @@
+/// The step that ends OpenVDB's conversion of meshes, undone. Internal.
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+#include <cstddef>
+
+namespace igeo {
+
+/// Whether the values of psi are as OpenVDB's meshToVolume leaves them.
+///
+/// It ends with a step of renormalization (Renormalize in tools/MeshToVolume.h) between two
+/// additions, of -0.8 voxels and of 0.8 voxels less 1e-7. Values next to zero keep only the bits
+/// that a number of 0.8 voxels has: here all of them do, of other values one in eight or fewer.
+/// Values with few bits, as of a plane between voxels or in half precision, show nothing. Looks at
+/// a thousand leaves.
+bool isRenormalized(const openvdb::FloatGrid& psi);
+
+/// Undoes that step.
+///
+/// It makes phi = psi - 0.8 voxels lower by c = |S| M. M is what the upwind gradient of phi is
+/// above 1 outside of phi = 0 and below 1 inside, S = phi / sqrt(phi^2 + |grad phi|^2); M < 0
+/// changes nothing. So psi is too low wherever the surface is hollow: by up to half the curvature,
+/// and by up to a voxel in front of hollow edges and in folds.
+/// - Voxels in front of hollow edges of plane faces get the least height over these (HollowEdges).
+/// - Elsewhere M changes little along the gradient, and the upwind gradient of what is stored lacks
+///   m = M (1 - q) of 1: q sums, over the axes, the share of the gradient times the fall of |S| to
+///   the upwind neighbor. Where |S| times the sum of the shares nears 1, c hardly shows in the
+///   stored values; there M is the mean over the 27 voxels around, weighted 1, 2, 1 along each
+///   axis, and so where M is above 0.3 to 0.5.
+/// docs/trials.md#hollow-edges-of-conversions has the errors. Time O(voxels), in parallel; the same
+/// values on any number of threads. Memory: a float per voxel of a leaf, meanwhile.
+///
+/// @param dx  voxel size
+/// @return    how many voxels lie in front of hollow edges
+std::size_t undoRenormalization(openvdb::FloatGrid& psi, double dx);
+
+}  // namespace igeo
