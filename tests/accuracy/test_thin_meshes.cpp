@@ -289,7 +289,7 @@ TEST_CASE("thin meshes: gaps beside thin walls and slots are joined, and nothing
             const VertexErrors e = errorsOn(o);
             CHECK(e.unreached == 0);
             CHECK(e.low > -0.47);  // measured -0.309
-            CHECK(e.high < 0.99);  // 0.658
+            CHECK(e.high < 0.5);   // 0.332; 0.658 by the nodes of one side alone
         }
 }
 

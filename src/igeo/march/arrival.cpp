@@ -110,6 +110,8 @@ private:
     /// the same face it differs by the line between them at most. It stops fronts whose direction
     /// is wrong, as at a node on the end of an edge.
     double leastOnFace(const Chart& chart, std::uint32_t source) const;
+    /// Whether a seed is so near that nodes here are in its start disc, or might be.
+    bool isBesideSeed() const;
     /// The jets of one source, blended.
     double blended(std::uint32_t source) const;
     /// Whether three faces of a mesh meet in the cell, which have no common plane.
@@ -279,6 +281,14 @@ double Reader::leastOnFace(const Chart& chart, std::uint32_t source) const {
     return least;
 }
 
+bool Reader::isBesideSeed() const {
+    bool is = false;
+    field_.seedsNear.forNear(p_, [&](std::size_t k) {
+        is = is || length(p_ - field_.seeds[k].nearestTo(p_)) < field_.startRadius;
+    });
+    return is;
+}
+
 double Reader::blended(std::uint32_t source) const {
     const Chart chart(*this);
     JetNeighbors all;
@@ -298,7 +308,7 @@ double Reader::blended(std::uint32_t source) const {
     };
     gather(false);
     if (all.count() == 0) gather(true);
-    Jet jet = blendJets(all, weight);
+    Jet jet = blendJets(all, weight, isBesideSeed());
     if (band_.triangles) jet.u = std::max(jet.u, leastOnFace(chart, source));
     if (!jet.usedFallback || metric_.anisotropic()) return chart.here * jet.u;
     constexpr double kBlendError = 0.25;  // voxels

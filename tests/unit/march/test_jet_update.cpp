@@ -224,6 +224,33 @@ TEST_CASE("blendJets: at a focus, and toward it, and away from a source") {
     }
 }
 
+TEST_CASE(
+    "blendJets: a front with little weight comes from somewhere, and not before the others allow") {
+    // Corners on one face with a plane front, which is 20 here, and one with little weight.
+    const auto withOne = [](const JetNeighbor& one, bool besideSeed) {
+        JetNeighbors all;
+        std::array<float, JetNeighbors::kMax> weight{};
+        for (const Vec2f p : {Vec2f{-0.5f, -0.5f}, {0.5f, -0.5f}, {-0.5f, 0.5f}, {0.5f, 0.5f}}) {
+            weight[std::size_t(all.count())] = 0.24f;
+            all.add({-1.0f * p, {1, 0}, 20 + double(p.x)});
+        }
+        weight[std::size_t(all.count())] = 0.04f;
+        all.add(one);
+        return blendJets(all, weight, besideSeed).u;
+    };
+    // Over an edge, beyond the point: its front would be at 18.6 here, and no corner says from
+    // where.
+    const JetNeighbor beyond{{2.3f, 0}, {-0.6f, 0.8f}, 20};
+    CHECK(std::abs(withOne(beyond, false) - 20) < 1e-5);
+    // Of the other side of a wall: at 15.5 here, where the corners allow 19.8 by the least.
+    const JetNeighbor wall{{1, 0.5f}, {0.6f, 0.8f}, 14.5};
+    CHECK(std::abs(withOne(wall, false) - 20) < 1e-5);
+    CHECK(std::abs(withOne(wall, true) - 15.5) < 1e-5);
+    // A front that meets theirs, and comes a little earlier here.
+    const JetNeighbor meets{{-0.7f, 0}, {-1, 0}, 19.2};
+    CHECK(std::abs(withOne(meets, false) - 19.9) < 1e-5);
+}
+
 TEST_CASE("JetGroup: a node has the same bits in any lane and any company") {
     std::mt19937 random(5);
     std::uniform_real_distribution<float> at(-1.7f, 1.7f), angle(0, 6.2831853f);

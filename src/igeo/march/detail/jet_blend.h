@@ -89,30 +89,76 @@ inline int leastOf(const JetNeighbors& all, const std::array<bool, JetNeighbors:
     return lead;
 }
 
-/// blendJets for neighbors of several fronts: each front is blended by itself, and the least value
-/// counts.
-inline Jet blendFronts(const JetNeighbors& all, const BlendWeights& weight) {
-    Jet best;
-    std::array<bool, JetNeighbors::kMax> done{};
-    for (int lead = leastOf(all, done); lead >= 0; lead = leastOf(all, done)) {
-        std::array<bool, JetNeighbors::kMax> own{};
-        Vec2f sum{};
-        for (int k = 0; k < all.count(); ++k) {
-            if (done[std::size_t(k)] || (k != lead && !Pair(all, k, lead).spreads())) continue;
-            done[std::size_t(k)] = own[std::size_t(k)] = true;
-            sum = sum + weight[std::size_t(k)] * all.g(k);
-        }
-        const float len = length(sum);
-        const Vec2f g = len > 0 ? (1 / len) * sum : Vec2f{};
-        float value = 0, total = 0;
-        for (int k = 0; k < all.count(); ++k) {
-            if (!own[std::size_t(k)]) continue;
-            const float w = weight[std::size_t(k)];
-            value += w * (all.u(k) + dot(g + all.g(k), all.a(k)) / (1 + dot(g, all.g(k))));
-            total += w;
-        }
-        if (const double u = all.base() + double(value / total); u < best.u) best = {u, g};
+/// One of the fronts at the origin.
+struct BlendedFront {
+    std::array<bool, JetNeighbors::kMax> own{};  ///< its neighbors
+    float weight = 0;
+    float u = 0;
+    Vec2f g;
+};
+
+/// The front of the neighbor that leads those not blended yet.
+inline BlendedFront blendFront(const JetNeighbors& all, const BlendWeights& weight, int lead,
+                               std::array<bool, JetNeighbors::kMax>& done) {
+    BlendedFront front;
+    Vec2f sum{};
+    for (int k = 0; k < all.count(); ++k) {
+        if (done[std::size_t(k)] || (k != lead && !Pair(all, k, lead).spreads())) continue;
+        done[std::size_t(k)] = front.own[std::size_t(k)] = true;
+        sum = sum + weight[std::size_t(k)] * all.g(k);
     }
+    const float len = length(sum);
+    front.g = len > 0 ? (1 / len) * sum : Vec2f{};
+    for (int k = 0; k < all.count(); ++k) {
+        if (!front.own[std::size_t(k)]) continue;
+        const float w = weight[std::size_t(k)];
+        front.u +=
+            w * (all.u(k) + dot(front.g + all.g(k), all.a(k)) / (1 + dot(front.g, all.g(k))));
+        front.weight += w;
+    }
+    front.u /= front.weight;
+    return front;
+}
+
+/// Whether a front may pass the origin. It comes from somewhere: one of its neighbors lies behind
+/// the origin, not beyond it, if they have less than half of the weight. And it comes no earlier
+/// than the values of other neighbors allow, less the lines from there, if those have more weight.
+/// Beside a seed values at nodes over an edge may be too large: there it may pass.
+inline bool mayPass(const BlendedFront& front, const JetNeighbors& all, const BlendWeights& weight,
+                    bool besideSeed) {
+    constexpr float kBeyond = 0.1f, kEarlier = 0.25f;  // voxels
+    bool comes = false;
+    float others = 0, against = 0;
+    for (int k = 0; k < all.count(); ++k) {
+        const float w = weight[std::size_t(k)];
+        if (front.own[std::size_t(k)]) {
+            comes |= dot(all.g(k), all.a(k)) > -kBeyond;
+        } else {
+            others += w;
+            if (all.u(k) - length(all.a(k)) > front.u + kEarlier) against += w;
+        }
+    }
+    return besideSeed || ((comes || front.weight >= others) && front.weight >= against);
+}
+
+/// blendJets for neighbors of several fronts: each front is blended by itself, and the least value
+/// counts of those that may pass; if none may, that of the front with most weight.
+inline Jet blendFronts(const JetNeighbors& all, const BlendWeights& weight, bool besideSeed) {
+    Jet best;
+    BlendedFront heaviest;
+    std::array<bool, JetNeighbors::kMax> done{};
+    const auto jetOf = [&](const BlendedFront& front) {
+        Jet jet;
+        jet.u = all.base() + double(front.u), jet.g = front.g;
+        return jet;
+    };
+    for (int lead = leastOf(all, done); lead >= 0; lead = leastOf(all, done)) {
+        const BlendedFront front = blendFront(all, weight, lead, done);
+        if (front.weight > heaviest.weight) heaviest = front;
+        if (const Jet jet = jetOf(front); jet.u < best.u && mayPass(front, all, weight, besideSeed))
+            best = jet;
+    }
+    if (!(best.u < kInfinity)) best = jetOf(heaviest);
     best.usedFallback = nearFocus(all);
     return best;
 }
@@ -128,8 +174,9 @@ inline Four fourOf(const BlendWeights& weight, int group) {
 /// The jet at the origin among jets on all sides of it: each neighbor carries its jet to the origin
 /// by the circular step (jet_fit.h) in the mean direction; the values are blended. Where fronts
 /// meet, each is blended by itself and the least value counts.
+/// @param besideSeed  within the start disc of a seed
 /// @return u = +inf without neighbors; usedFallback beside a focus (nearFocus)
-inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
+inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight, bool besideSeed = false) {
     if (all.count() == 0) return {};
     jet::Four gx{}, gy{}, total{};
     for (int k = 0; k < all.groups(); ++k) {
@@ -139,7 +186,7 @@ inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
     }
     const Vec2f mean{jet::sum(gx), jet::sum(gy)};
     const float len = length(mean);
-    if (!(len > 0)) return jet::blendFronts(all, weight);
+    if (!(len > 0)) return jet::blendFronts(all, weight, besideSeed);
     const Vec2f g = (1 / len) * mean;
     jet::Four value{};
     bool close = true;
@@ -148,12 +195,13 @@ inline Jet blendJets(const JetNeighbors& all, const BlendWeights& weight) {
         const jet::Four w = jet::fourOf(weight, k);
         const jet::Four cosine = g.x * n.gx + g.y * n.gy;
         const auto other = (cosine < jet::kSameFront) & (w > 0);
-        if (other[0] | other[1] | other[2] | other[3]) return jet::blendFronts(all, weight);
+        if (other[0] | other[1] | other[2] | other[3])
+            return jet::blendFronts(all, weight, besideSeed);
         const auto off = (cosine < jet::kClose) & (w > 0);
         close = close && !(off[0] | off[1] | off[2] | off[3]);
         value += w * (n.u + ((g.x + n.gx) * n.ax + (g.y + n.gy) * n.ay) / (1 + cosine));
     }
-    if (!close && !jet::ofOneFront(all)) return jet::blendFronts(all, weight);
+    if (!close && !jet::ofOneFront(all)) return jet::blendFronts(all, weight, besideSeed);
     return {all.base() + double(jet::sum(value) / jet::sum(total)), g,
             !close && jet::nearFocus(all)};
 }

@@ -87,9 +87,33 @@ double sideOf(const SurfaceTriangles& triangles, const SurfaceTriangles::Place& 
     return dot(triangles.normal(foot.triangle), normal) < Band::kOtherSheet ? -1 : 1;
 }
 
+std::size_t JetsByWalks::faceOf(const Vec3d& up) {
+    constexpr double kOneFace = 0.8;  // 37 degrees
+    std::size_t face = 0;
+    while (face < faceNormal_.size() && dot(faceNormal_[face], up) < kOneFace) ++face;
+    if (face == faceNormal_.size()) faceNormal_.push_back(up);
+    return face;
+}
+
+void JetsByWalks::addAcross(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet,
+                            double weight) {
+    constexpr float kAlike = -0.2f;
+    const Vec3d up = triangles_.normal(at_.triangle);
+    if (up == Vec3d{}) return;
+    const std::size_t face = faceOf(up);
+    const TangentFrame frame{Vec3f(faceNormal_[face])};
+    const float cosine = dot(frame.normal(), Vec3f(normal));
+    if (cosine < kAlike) return;
+    const float mean = float((1 + weight / here_) / 2);
+    const Vec2f a = frame.unfold(Vec3f(at_.at - foot), Vec3f(normal), cosine),
+                g = frame.flat(Vec3f(turned(Vec3d(jet.gradient), normal, faceNormal_[face])));
+    if (!(length(g) > 0)) return;
+    jets_.push_back(
+        {{mean * a, (1 / length(g)) * g, jet.distance / here_}, face, jet.label, {}, up});
+}
+
 double JetsByWalks::add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
                         double most) {
-    constexpr double kOneFace = 0.8;  // 37 degrees
     const auto from = footPlace(triangles_, foot, normal);
     const WalkEnds way = walk_.ends({from.triangle, foot}, at_, most);
     if (!(way.length < kInfinity)) return kInfinity;
@@ -98,9 +122,7 @@ double JetsByWalks::add(const Vec3d& foot, const Vec3d& normal, const NodeJet& j
     Carried carried{{{float(cost), 0}, {}, jet.distance / here_}, kNoFace, jet.label, way.in, up};
     const Vec3d start = triangles_.normal(way.first);
     if (way.straight && up != Vec3d{} && start != Vec3d{}) {
-        std::size_t& face = carried.face = 0;
-        while (face < faceNormal_.size() && dot(faceNormal_[face], up) < kOneFace) ++face;
-        if (face == faceNormal_.size()) faceNormal_.push_back(up);
+        const std::size_t face = carried.face = faceOf(up);
         const Vec3d own = sideOf(triangles_, from, normal) * normal,
                     g = normalized(turned(Vec3d(jet.gradient), own, start));
         const double left = dot(g, cross(start, way.out));
@@ -152,11 +174,29 @@ JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
     const double here = weightAt(field, at.point, cell, nodes);
     JetsByWalks jets(*band.triangles, at, here);
     double first = kInfinity;
+    std::vector<NodeIndex> joined;
+    std::vector<const Near*> apart;
     for (const Near& near : nodes) {
         if (near.least > first + kAround * here) break;
         const double most = std::max(kLongestWalk, kLonger * length(near.foot - at.point));
-        first = std::min(first, jets.add(near.foot, Vec3d(band.normal[near.node]), near.jet,
-                                         field.metric->at(near.node), most));
+        const double d = jets.add(near.foot, Vec3d(band.normal[near.node]), near.jet,
+                                  field.metric->at(near.node), most);
+        if (d < kInfinity)
+            joined.push_back(near.node);
+        else
+            apart.push_back(&near);
+        first = std::min(first, d);
+    }
+    // Between the rim of a gap and the first nodes beside it no front is known on this side.
+    if (band.joints == 0) return jets;
+    for (const Near* near : apart) {
+        bool bridged = false;
+        band.forBridges(near->node, [&](const Bridge& b) {
+            bridged |= std::find(joined.begin(), joined.end(), b.to) != joined.end();
+        });
+        if (bridged)
+            jets.addAcross(near->foot, Vec3d(band.normal[near->node]), near->jet,
+                           field.metric->at(near->node));
     }
     return jets;
 }

@@ -50,6 +50,10 @@ public:
     double add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
                double most);
 
+    /// The same across a gap that a bridge joins, to a point at its rim: over both planes,
+    /// unfolded.
+    void addAcross(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight);
+
     struct First {
         double distance = kInfinity;
         Vec3d direction;  ///< of travel, unit; 0 for a walk without length
@@ -68,6 +72,8 @@ private:
         Vec3d in, up;  ///< at the end of the walk: its direction, and the normal of its triangle
     };
     static constexpr std::size_t kNoFace = std::size_t(-1);
+    /// The number of a face by its normal.
+    std::size_t faceOf(const Vec3d& up);
 
     const SurfaceTriangles& triangles_;
     ShortWalk<SurfaceTriangles> walk_;
