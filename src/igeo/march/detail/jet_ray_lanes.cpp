@@ -93,7 +93,7 @@ public:
             const JetCorners::Corner& c = beside.corners.corner[k];
             const Vectors g{in(c.gx), in(c.gy), in(c.gz)},
                 chord = Vectors{in(c.x), in(c.y), in(c.z)} + toEnd;
-            const V w = counts & (dot(g, lead_) >= kMember) ? in(c.weight) : V{},
+            const V w = (counts & (dot(g, lead_) >= kMember)) ? in(c.weight) : V{},
                     across = -dot(side, chord), turned = dot(side, g);
             all += w, allL += w * across, allT += w * turned;
             ll += w * across * across, lt += w * across * turned;
