@@ -42,9 +42,11 @@ TEST_CASE("jet on the sphere is of second order and meets its figures, wherever 
     const struct {
         int n, seeds;
         double mean, max;
-    } figures[] = {{100, 20, 0.00125, 0.0064},  // measured 0.00083, 0.0042
-                   {200, 20, 0.00026, 0.0048},  // 0.00017, 0.0032
-                   {400, 20, 5.4e-5, 0.0013}};  // 3.6e-5, 0.0012
+    } figures[] = {{100, 40, 0.00125, 0.0057},  // measured 0.00086, 0.0038
+                   {200, 40, 0.00026, 0.0021},  // 0.00017, 0.0014; 0.0063 where rays take the
+                                                // front at their ends for straight
+                   {400, 40, 5.4e-5, 0.0013}};  // 4e-5, 0.0011; 0.0021 where directions are
+                                                // predicted as from a source
     for (const auto& f : figures) {
         const GeodesicSolver solver = solverOn(sphere(kCenter, 0.4), f.n);
         for (int k = 0; k <= f.seeds; ++k) {
@@ -93,14 +95,13 @@ TEST_CASE("jet along the cut locus on the torus, from random seeds") {
     const double big = 0.3, small = 0.12;
     const struct {
         int n;
-        std::vector<unsigned> seeds;
         double max;
-    } figures[] = {{100, {1, 2, 16, 20, 24, 34}, 0.028},  // measured 0.0188
-                   {200, {2, 16, 20}, 0.008}};            // 0.0063
+    } figures[] = {{100, 0.028},   // measured 0.0205
+                   {200, 0.008}};  // 0.0062
     for (const auto& f : figures) {
         const GeodesicSolver solver = solverOn(torus(kCenter, big, small), f.n);
         double most = 0;
-        for (const unsigned number : f.seeds) {
+        for (unsigned number = 1; number <= 20; ++number) {
             std::mt19937 random(number);
             std::uniform_real_distribution<double> angle(0, 2 * M_PI);
             const double u = angle(random), v = angle(random), r = big + small * std::cos(v);
@@ -120,6 +121,10 @@ TEST_CASE("jet along the cut locus on the torus, from random seeds") {
                 if (least < 0.96f) near.push_back(i);
             }
             CHECK(near.size() > 1000);
+            // The oracle takes milliseconds per point: some 250 of them.
+            const std::size_t stride = near.size() / 250;
+            for (std::size_t k = 0; k < near.size() / stride; ++k) near[k] = near[k * stride];
+            near.resize(near.size() / stride);
             std::vector<double> error(near.size());
             parallelFor(near.size(), 16, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t k = begin; k < end; ++k)
@@ -129,7 +134,7 @@ TEST_CASE("jet along the cut locus on the torus, from random seeds") {
             });
             const double largest =
                 100 * *std::max_element(error.begin(), error.end()) / field.maxDistance;
-            std::printf("jet, torus N = %d, seed %u: %zu nodes along the cut locus, max %.4f %%\n",
+            std::printf("jet, torus N = %d, seed %u: %zu nodes beside the cut locus, max %.4f %%\n",
                         f.n, number, near.size(), largest);
             most = std::max(most, largest);
         }

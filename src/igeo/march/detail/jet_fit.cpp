@@ -101,8 +101,14 @@ private:
 
     /// Where the neighbors' directions, bent as circles about a source at distance u, point at the
     /// node: weighted mean of r_j g_j + a_j over the neighbors of the front. Not normalized.
+    ///
+    /// A front that narrows turns the other way. So where what the neighbors say differs along the
+    /// front, the mean is taken to the node, with the slope of their line, less a slack.
     IGEO_INLINE void predictDirection(const V& startX, const V& startY, V& x, V& y) {
+        constexpr float kSlack = 0.02f;  // 1 / voxels
+        constexpr float kStiff = 0.01f;  // voxels^2: neighbors side by side show no slope
         const V base = in(lanes_.base), zero{};
+        V total{}, side{}, side2{}, turned{};
         x = y = zero;
         for (std::size_t k = 0; k < most_; ++k) {
             const auto& n = lanes_.neighbor[k];
@@ -114,9 +120,19 @@ private:
             const Mask ok = (startX * gx + startY * gy >= zero + jet::kSameFront) & (along > zero);
             // |r g + a| is r + along to second order in a / r; near a source a rough weight is
             // enough.
-            const V w = ok ? along * along * nearness_[k] / (r + along) : zero;
-            x += w * (r * gx + ax), y += w * (r * gy + ay);
+            const V weight = ok ? along * along * nearness_[k] : zero,
+                    w = ok ? weight / (r + along) : zero, vx = w * (r * gx + ax),
+                    vy = w * (r * gy + ay), across = startX * ay - startY * ax,
+                    moment = weight * across;
+            x += vx, y += vy;
+            total += weight, side += moment, side2 += moment * across;
+            turned += (startX * vy - startY * vx) * across;
         }
+        // Positive where directions turn toward each other. Not a number without neighbors.
+        const V mean = side / total, turn = startX * y - startY * x,
+                slope = (turned - mean * turn) / (side2 - mean * side + kStiff * total),
+                back = slope > zero + kSlack ? (slope - kSlack) * side : zero;
+        x += back * startY, y -= back * startX;
     }
 
     /// One round of the fit: the direction that solves the normal equations with f_j and the

@@ -13,7 +13,7 @@
 /// linear in (u, g) once f_j is taken from the round before. Its weight is cos^2 of the angle
 /// between a_j and the direction of travel over |a_j|^2 + 0.1, so that neighbors straight behind
 /// the node decide. A small Tikhonov term pulls g to the predicted direction where the neighbors
-/// leave it open.
+/// leave it open: that of a front from a source at distance u, or narrower where they show it.
 ///
 /// Each node has a lane of its own and its sums run over its neighbors in their order, so its
 /// result has the same bits in whatever group it is solved, and in registers of any width.

@@ -21,7 +21,7 @@ public:
             most_ = std::max(most_, std::size_t(corners.count[k]));
     }
 
-    IGEO_INLINE void step(bool faceted, bool isLast) {
+    IGEO_INLINE void step(bool faceted) {
         constexpr float kHigh = 0.5f;
         // Arc over chord, of a circle; over an edge somewhere in the step, in the mean.
         const float perBend2 = faceted ? 1.0f / 12 : 1.0f / 24;
@@ -45,15 +45,35 @@ public:
         valid_ = integers(rays_.valid.data()) & (integers(corners_.count.data()) > 0) &
                  (integers(corners_.smooth.data()) != 0) &
                  (integers(corners_.hindered.data()) == 0) & (absolute(height) <= kHigh);
-        if (isLast) read();
         storeLanes(valid_, rays_.valid.data() + first_);
     }
 
-private:
+    /// Looks to the side of the end of a ray, where the corners there lie on the other one.
+    IGEO_INLINE void lookBeside(BesideRays& beside) {
+        begin();
+        const Vectors side = cross(normal_, v_);
+        V total{}, l{}, ll{};
+        for (std::size_t k = 0; k < most_; ++k) {
+            const V w = in(corners_.corner[k].weight), across = -dot(side, chord(k));
+            total += w, l += w * across, ll += w * across * across;
+        }
+        l /= total;
+        const V way = l > 0 ? V{} - beside.kStep : V{} + beside.kStep;
+        const Integers wanted = valid_ & (ll / total - l * l < beside.kSpread);
+        storeLanes(wanted, beside.wanted.data() + first_);
+        const Vectors to = Vectors{in(rays_.x), in(rays_.y), in(rays_.z)} + side * way;
+        look(to.x, rays_.start.x, beside.cell.x, beside.points.x, beside.x);
+        look(to.y, rays_.start.y, beside.cell.y, beside.points.y, beside.y);
+        look(to.z, rays_.start.z, beside.cell.z, beside.points.z, beside.z);
+        out(beside.points.nx) = normal_.x, out(beside.points.ny) = normal_.y,
+        out(beside.points.nz) = normal_.z;
+    }
+
     /// The front at the end, from the corners that belong to it. Its direction there, not at their
     /// middle, which may lie to the side: as it changes from side to side.
-    IGEO_INLINE void read() {
+    IGEO_INLINE void read(const BesideRays& beside) {
         constexpr float kStiff = 0.01f;
+        begin();
         const Vectors mean = unit(tangential(membersOfFront())), side = cross(normal_, mean);
         V total{}, l{}, t{}, ll{}, lt{};
         for (std::size_t k = 0; k < most_; ++k) {
@@ -61,8 +81,24 @@ private:
             total += w, l += w * across, t += w * turned;
             ll += w * across * across, lt += w * across * turned;
         }
+        V all = total, allL = l, allT = t;
         l /= total, t /= total;
-        const V curvature = (lt / total - l * t) / (ll / total - l * l + kStiff);
+        // The corners beside the end show the change only.
+        const Integers counts = integers(beside.wanted.data()) &
+                                (integers(beside.corners.smooth.data()) != 0) &
+                                (integers(beside.corners.hindered.data()) == 0);
+        const Vectors toEnd = Vectors{in(rays_.x), in(rays_.y), in(rays_.z)} -
+                              Vectors{in(beside.x), in(beside.y), in(beside.z)};
+        for (std::size_t k = 0; k < mostBeside(beside); ++k) {
+            const JetCorners::Corner& c = beside.corners.corner[k];
+            const Vectors g{in(c.gx), in(c.gy), in(c.gz)},
+                chord = Vectors{in(c.x), in(c.y), in(c.z)} + toEnd;
+            const V w = (counts & (dot(g, lead_) >= kMember)) ? in(c.weight) : V{},
+                    across = -dot(side, chord), turned = dot(side, g);
+            all += w, allL += w * across, allT += w * turned;
+            ll += w * across * across, lt += w * across * turned;
+        }
+        const V curvature = (lt - allL * allT / all) / (ll - allL * allL / all + kStiff * all);
         const Vectors g = unit(mean + side * (t - curvature * l));
         V value{};
         for (std::size_t k = 0; k < most_; ++k)
@@ -71,27 +107,55 @@ private:
         out(rays_.u) = value / total;
         out(rays_.curvature) = curvature;
         out(rays_.off) = dot(cross(g, v_), normal_);
+        storeLanes(valid_, rays_.valid.data() + first_);
+    }
+
+private:
+    static constexpr float kMember = 0.97f;  ///< of one front at the end, cosine
+
+    /// At the end of a ray.
+    IGEO_INLINE void begin() {
+        normal_ = {in(rays_.nx), in(rays_.ny), in(rays_.nz)};
+        v_ = {in(rays_.vx), in(rays_.vy), in(rays_.vz)};
+        toS_ = Vectors{in(rays_.x), in(rays_.y), in(rays_.z)} -
+               Vectors{in(rays_.aheadX), in(rays_.aheadY), in(rays_.aheadZ)};
+        valid_ = integers(rays_.valid.data());
+    }
+    IGEO_INLINE std::size_t mostBeside(const BesideRays& beside) const {
+        std::size_t most = 0;
+        for (std::size_t k = first_; k < first_ + Width; ++k)
+            most = std::max(most, std::size_t(beside.corners.count[k]));
+        return most;
+    }
+    /// The cell of a coordinate, and the place in it.
+    template <typename Starts, typename Cells>
+    IGEO_INLINE void look(const V& to, const Starts& start, Cells& low, Lanes& place, Lanes& at) {
+        const Integers whole = __builtin_convertvector(to, Integers),
+                       floor = whole + (__builtin_convertvector(whole, V) > to);
+        storeLanes(loadAs<Integers>(start.data() + first_) + floor, low.data() + first_);
+        out(place) = to - __builtin_convertvector(floor, V);
+        out(at) = to;
     }
 
     /// Finds the corners of the front that travels most nearly against the ray.
     /// @return the weighted sum of their directions
     IGEO_INLINE Vectors membersOfFront() {
-        constexpr float kAgainst = 0.7f, kMember = 0.97f;
+        constexpr float kAgainst = 0.7f;
         V most{};
-        Vectors lead{};
+        lead_ = Vectors{};
         for (std::size_t k = 0; k < most_; ++k) {
             const Vectors g = own(k);
             const V against = -dot(g, v_);
             const Integers better = (in(corners_.corner[k].weight) > 0) & (against > most);
             most = better ? against : most;
-            lead = {better ? g.x : lead.x, better ? g.y : lead.y, better ? g.z : lead.z};
+            lead_ = {better ? g.x : lead_.x, better ? g.y : lead_.y, better ? g.z : lead_.z};
         }
         valid_ &= most > kAgainst;
         Vectors sum{};
         for (std::size_t k = 0; k < most_; ++k) {
             const Vectors g = own(k);
             const V w = in(corners_.corner[k].weight);
-            member_[k] = dot(g, lead) >= kMember ? w : V{};
+            member_[k] = dot(g, lead_) >= kMember ? w : V{};
             sum = sum + g * member_[k];
         }
         return sum;
@@ -149,27 +213,29 @@ private:
     const std::size_t first_;
     RayLanes& rays_;
     std::size_t most_ = 0;  ///< corners of a point
-    Vectors normal_, v_, toS_;
+    Vectors normal_, v_, toS_, lead_;
     Integers valid_;
     V member_[JetCorners::kMax];  ///< weights of the corners of the front, or 0
 };
 
-void stepByFour(const JetCorners& corners, bool faceted, bool isLast, RayLanes& rays) {
-    for (std::size_t first = 0; first < Lanes::kNodes; first += 4)
-        RayRegisters<4>(corners, first, rays).step(faceted, isLast);
+template <typename Do>
+void byFour(const JetCorners& corners, RayLanes& rays, const Do& work) {
+    for (std::size_t first = 0; first < Lanes::kNodes; first += 4) {
+        RayRegisters<4> registers(corners, first, rays);
+        work(registers);
+    }
 }
 #ifdef IGEO_AVX2
-IGEO_AVX2 void stepByEight(const JetCorners& corners, bool faceted, bool isLast, RayLanes& rays) {
-    RayRegisters<8>(corners, 0, rays).step(faceted, isLast);
+IGEO_AVX2 void stepByEight(const JetCorners& corners, bool faceted, RayLanes& rays) {
+    RayRegisters<8>(corners, 0, rays).step(faceted);
+}
+IGEO_AVX2 void lookByEight(const JetCorners& corners, RayLanes& rays, BesideRays& beside) {
+    RayRegisters<8>(corners, 0, rays).lookBeside(beside);
+}
+IGEO_AVX2 void readByEight(const JetCorners& corners, const BesideRays& beside, RayLanes& rays) {
+    RayRegisters<8>(corners, 0, rays).read(beside);
 }
 #endif
-
-void step(const JetCorners& corners, bool faceted, bool isLast, RayLanes& rays) {
-#ifdef IGEO_AVX2
-    if (eightAtATime()) return stepByEight(corners, faceted, isLast, rays);
-#endif
-    stepByFour(corners, faceted, isLast, rays);
-}
 
 }  // namespace
 
@@ -197,10 +263,23 @@ void lookAhead(float step, RayLanes& rays, CellPoints& points) {
     points.nx = rays.nx, points.ny = rays.ny, points.nz = rays.nz;
 }
 void makeStep(const JetCorners& corners, bool faceted, RayLanes& rays) {
-    step(corners, faceted, false, rays);
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return stepByEight(corners, faceted, rays);
+#endif
+    byFour(corners, rays, [&](auto& r) { r.step(faceted); });
 }
-void makeLastStep(const JetCorners& corners, bool faceted, RayLanes& rays) {
-    step(corners, faceted, true, rays);
+void lookBeside(const JetCorners& corners, RayLanes& rays, BesideRays& beside) {
+    beside.cell.leaf = rays.start.leaf;
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return lookByEight(corners, rays, beside);
+#endif
+    byFour(corners, rays, [&](auto& r) { r.lookBeside(beside); });
+}
+void readFronts(const JetCorners& corners, const BesideRays& beside, RayLanes& rays) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return readByEight(corners, beside, rays);
+#endif
+    byFour(corners, rays, [&](auto& r) { r.read(beside); });
 }
 
 }  // namespace igeo

@@ -33,7 +33,21 @@ void lookAhead(float step, RayLanes& rays, CellPoints& points);
 /// @param corners  of the cells around the points ahead
 /// @param faceted  as Band::faceted
 void makeStep(const JetCorners& corners, bool faceted, RayLanes& rays);
-/// Makes the last step, and reads the front there that travels most nearly against the ray.
-void makeLastStep(const JetCorners& corners, bool faceted, RayLanes& rays);
+/// Points to the side of the ends of rays, and the corners around them. Where the corners at an end
+/// lie on one side of it, they do not show how the front is curved.
+struct BesideRays {
+    static constexpr float kStep = 1;       ///< voxels, from the end
+    static constexpr float kSpread = 0.1f;  ///< of the corners at the end, voxels^2: it is enough
+    Lanes x, y, z;                          ///< from the voxel where the ray begins
+    CellPlaces cell{};
+    CellPoints points;
+    JetCorners corners;
+    alignas(32) RayLanes::PerLane<std::int32_t> wanted;  ///< 0 or -1
+};
+/// Sets the points.
+/// @param corners  of the cells around the ends
+void lookBeside(const JetCorners& corners, RayLanes& rays, BesideRays& beside);
+/// Reads the front at the end that travels most nearly against the ray.
+void readFronts(const JetCorners& corners, const BesideRays& beside, RayLanes& rays);
 
 }  // namespace igeo

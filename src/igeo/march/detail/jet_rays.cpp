@@ -64,15 +64,20 @@ public:
         while (begin(searches)) {
             for (int k = 1; k <= kSteps; ++k) {
                 lookAhead(kStep, rays_, points_);
-                findCorners();
-                if (k < kSteps) {
+                findCorners(rays_.valid, rays_.cell, points_);
+                if (k < kSteps)
                     gatherCornersOfS(jets_, points_, corners_);
-                    makeStep(corners_, core_.band.faceted, rays_);
-                } else {
+                else
                     gatherCorners(jets_, gradients_, points_, corners_);
-                    makeLastStep(corners_, core_.band.faceted, rays_);
-                }
+                makeStep(corners_, core_.band.faceted, rays_);
             }
+            lookBeside(corners_, rays_, beside_);
+            findCorners(beside_.wanted, beside_.cell, beside_.points);
+            gatherCorners(jets_, gradients_, beside_.points, beside_.corners);
+            for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane)
+                if (beside_.wanted[lane] && !isOfSource(beside_.corners, lane))
+                    beside_.wanted[lane] = 0;
+            readFronts(corners_, beside_, rays_);
             for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane)
                 if (search_[lane]) takeRay(lane);
         }
@@ -106,17 +111,18 @@ private:
         start.leaf[lane] = from.leaf;
         start.x[lane] = int(from.offset >> 6), start.y[lane] = int(from.offset >> 3 & 7);
         start.z[lane] = int(from.offset & 7);
-        points_.weight[lane] = float(from.local.weight);
+        points_.weight[lane] = beside_.points.weight[lane] = float(from.local.weight);
     }
-    void findCorners() {
-        unsigned valid = 0;
+    void findCorners(const RayLanes::PerLane<std::int32_t>& wanted, const CellPlaces& cells,
+                     CellPoints& points) const {
+        unsigned bits = 0;
         for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane)
-            valid |= unsigned(rays_.valid[lane] & 1) << lane;
-        igeo::findCorners(core_.band, rays_.cell, valid, points_);
+            bits |= unsigned(wanted[lane] & 1) << lane;
+        igeo::findCorners(core_.band, cells, bits, points);
     }
     void takeRay(std::size_t lane) {
         RaySearch& search = *search_[lane];
-        if (!rays_.valid[lane] || !isOfSource(lane)) {
+        if (!rays_.valid[lane] || !isOfSource(corners_, lane)) {
             search.done = true;
             return;
         }
@@ -125,11 +131,11 @@ private:
             start / search.point->local.weight + double(rays_.u[lane]) + double(rays_.length[lane]),
             std::asin(std::clamp(rays_.off[lane], -1.0f, 1.0f)), rays_.curvature[lane]);
     }
-    bool isOfSource(std::size_t lane) const {
+    bool isOfSource(const JetCorners& corners, std::size_t lane) const {
         if (jets_.label.empty()) return true;
         bool same = true;
-        for (std::size_t k = 0; k < corners_.count[lane]; ++k)
-            same &= jets_.label[corners_.node[k][lane]] == search_[lane]->point->label;
+        for (std::size_t k = 0; k < corners.count[lane]; ++k)
+            same &= jets_.label[corners.node[k][lane]] == search_[lane]->point->label;
         return same;
     }
 
@@ -140,6 +146,7 @@ private:
     RayLanes rays_;
     CellPoints points_;
     JetCorners corners_;
+    BesideRays beside_;
 };
 
 }  // namespace
