@@ -56,11 +56,13 @@ struct StepLanes {
                    share = shares / above(gradient, kTiny),
                    fall = pull - absolute(upwind) / upwindRoot,
                    excess = side * (gradient - 1) / above(1 - share * fall, kRoom);
-        // Where the mean stands for M.
-        constexpr float kSteep = 0.7f, kSteepest = 1, kSure = 0.3f;
+        // Where the mean stands for M; where psi contradicts itself, and stays as it is.
+        constexpr float kSteep = 0.7f, kSteepest = 1, kSure = 0.3f, kFold = 1.0f, kDoubtful = 0.7f;
         const Four steep = (pull * share - kSteep) / (kSteepest - kSteep),
                    large = (excess - kSure) / (kMostExcess - kSure);
-        pack(below(above(excess, kLeastExcess), kMostExcess), pull, steep > large ? steep : large);
+        const Four trust = below(above((kFold - excess) / (kFold - kDoubtful), 0), 1);
+        pack(below(above(excess, kLeastExcess), kMostExcess), trust * pull,
+             steep > large ? steep : large);
     }
     using Integers = Registers<4>::Integers;
 
