@@ -219,7 +219,7 @@ public:
 
     /// Whether neighbors agree with a fit, and its value is within its bounds.
     bool allows(const Fit& fit) const {
-        constexpr double kFocus = 0.2, kSlack = 0.02;  // voxels
+        constexpr double kFocus = 0.03, kSlack = 0.02;  // voxels
         return fit.residual < kBad && fit.jet.u < longest_ + kSlack && fit.jet.u > least_ - kFocus;
     }
 
