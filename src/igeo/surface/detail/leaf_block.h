@@ -28,11 +28,18 @@ public:
     /// @param dx divides the values: voxel size in world units
     IGEO_INLINE void gather(const Accessor& psi, const openvdb::Coord& origin, double dx,
                             Beyond beyond = kCorners) {
+        gather(psi, origin, dx, beyond, [](const Leaf& leaf) { return leaf.buffer().data(); });
+    }
+    /// The same of other values at the active voxels of psi.
+    /// @param valuesOf  the 512 values of a leaf
+    template <typename ValuesOf>
+    IGEO_INLINE void gather(const Accessor& psi, const openvdb::Coord& origin, double dx,
+                            Beyond beyond, const ValuesOf& valuesOf) {
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y)
                 if (const int off = std::abs(x) + std::abs(y); off <= beyond)
                     copyColumn(psi, origin.offsetBy(8 * x, 8 * y, 0), {x, y, 0}, 1 / dx,
-                               off < beyond);
+                               off < beyond, valuesOf);
     }
 
     /// psi at voxel (x, y, z) of the leaf, each in [-1, 8].
@@ -55,9 +62,10 @@ private:
     struct Source {
         const float* values;
         const Leaf* leaf;
-        explicit Source(const Leaf* l) : leaf(l) {
+        template <typename ValuesOf>
+        Source(const Leaf* l, const ValuesOf& valuesOf) : leaf(l) {
             static constexpr std::array<float, 512> kEmpty{};
-            values = l ? l->buffer().data() : kEmpty.data();
+            values = l ? valuesOf(*l) : kEmpty.data();
         }
         std::uint64_t slice(int x) const {
             return leaf ? leaf->valueMask().getWord<openvdb::Index64>(openvdb::Index(x)) : 0;
@@ -67,11 +75,12 @@ private:
     /// Copies the rows of a leaf that lie in the block.
     /// @param s         steps from the leaf of the block
     /// @param withEnds  with the voxels before and after them, from the leaves there
+    template <typename ValuesOf>
     IGEO_INLINE void copyColumn(const Accessor& psi, const openvdb::Coord& origin, const Ijk& s,
-                                double scale, bool withEnds) {
-        const Source here(psi.probeConstLeaf(origin)),
-            low(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, -8)) : nullptr),
-            high(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, 8)) : nullptr);
+                                double scale, bool withEnds, const ValuesOf& valuesOf) {
+        const Source here(psi.probeConstLeaf(origin), valuesOf),
+            low(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, -8)) : nullptr, valuesOf),
+            high(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, 8)) : nullptr, valuesOf);
         for (int x = first(s.x); x < last(s.x); ++x) {
             const std::uint64_t slice = here.slice(x), lows = low.slice(x), highs = high.slice(x);
             for (int y = first(s.y); y < last(s.y); ++y) {

@@ -3,11 +3,10 @@
 #include <igeo/base/parallel.h>
 #include <igeo/surface/detail/hollow_edges.h>
 #include <igeo/surface/detail/leaf_block.h>
-#include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <set>
 #include <vector>
@@ -20,16 +19,16 @@ using Tree = openvdb::FloatTree;
 using Leaf = LeafBlock::Leaf;
 using Four = Registers<4>::Vector;
 
-constexpr double kOffset = 0.8;         ///< voxels: phi = psi - kOffset
-constexpr float kShift = 1e-7f;         ///< world units: what the step takes away at last
+constexpr double kOffset = 0.8;  ///< voxels: phi = psi - kOffset
+constexpr float kShift = 1e-7f;  ///< world units: what the step takes away at last
+constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 constexpr float kLeastExcess = -0.05f;  ///< M, where it is less and
 constexpr float kMostExcess = 0.5f;     ///< more
 
 /// What the step has done to four voxels of a row, in one number each: M in its first 16 bits, |S|
 /// and the share of the mean of M in a byte each. A sum of such numbers is one of M.
 struct StepLanes {
-    Four packed;
-    unsigned known;  ///< bits: no neighbor is missing
+    Four packed;  ///< NaN where a neighbor is missing
 
     /// @param from  the first of them
     /// @param zero  phi = 0, as psi in voxels
@@ -46,7 +45,6 @@ struct StepLanes {
         };
         add(phi(-1, 0, 0), phi(1, 0, 0)), add(phi(0, -1, 0), phi(0, 1, 0));
         add(phi(0, 0, -1), phi(0, 0, 1));
-        known = bitsOf<4>(all == all);
         constexpr float kTiny = 1e-6f, kRoom = 0.1f;
         // phi at the upwind neighbors, in the mean.
         const Four upwind = here - side * square / above(shares, kTiny);
@@ -61,8 +59,9 @@ struct StepLanes {
         const Four steep = (pull * share - kSteep) / (kSteepest - kSteep),
                    large = (excess - kSure) / (kMostExcess - kSure);
         const Four trust = below(above((kFold - excess) / (kFold - kDoubtful), 0), 1);
-        pack(below(above(excess, kLeastExcess), kMostExcess), trust * pull,
-             steep > large ? steep : large);
+        const Four value = pack(below(above(excess, kLeastExcess), kMostExcess), trust * pull,
+                                steep > large ? steep : large);
+        packed = all == all ? value : Four{} + kMissing;
     }
     using Integers = Registers<4>::Integers;
 
@@ -83,10 +82,10 @@ private:
     static IGEO_INLINE Integers toByte(const Four& v) {
         return __builtin_convertvector(below(above(v, 0), 1) * 255.0f + 0.5f, Integers);
     }
-    IGEO_INLINE void pack(const Four& excess, const Four& pull, const Four& share) {
+    static IGEO_INLINE Four pack(const Four& excess, const Four& pull, const Four& share) {
         const Integers bits =
             (loadAs<Integers>(&excess) & ~0xffff) | toByte(pull) << 8 | toByte(share);
-        packed = loadAs<Four>(&bits);
+        return loadAs<Four>(&bits);
     }
 };
 
@@ -140,13 +139,12 @@ private:
 /// Undoes the step: first what is known, then the rest.
 class Undo {
 public:
-    Undo(openvdb::FloatGrid& psi, double dx)
-        : psi_(psi.tree()),
-          dx_(dx),
-          zero_(float(kOffset - double(kShift) / dx)),
-          leaves_(psi_),
-          excess_(psi_, 0, openvdb::TopologyCopy()),
-          excesses_(excess_) {}
+    Undo(Tree& psi, double dx) : psi_(psi), dx_(dx), zero_(float(kOffset - double(kShift) / dx)) {
+        psi_.getNodes(leaves_);
+        for (std::size_t l = 0; l < leaves_.size(); ++l)
+            leaves_[l]->setTransientData(openvdb::Index32(l));
+        resizeByAll(packed_, kPerLeaf * leaves_.size());
+    }
 
     std::size_t run() {
         measureAll();
@@ -156,39 +154,36 @@ public:
     }
 
 private:
-    std::size_t count() const { return leaves_.leafCount(); }
+    static constexpr std::size_t kPerLeaf = 512;
 
-    /// M at the voxels of a leaf.
-    void measure(const LeafBlock& block, Leaf& excess) const {
-        float* to = excess.buffer().data();
+    /// What StepLanes packs, or NaN, at the voxels of a leaf.
+    float* packedOf(const Leaf& leaf) { return &packed_[kPerLeaf * leaf.transientData()]; }
+
+    void measure(const LeafBlock& block, const Leaf& leaf) {
         for (int x = 0; x < 8; ++x)
             for (int y = 0; y < 8; ++y)
-                for (int k = 0; k < 8; k += 4) {
-                    const unsigned active = block.active(x, y) >> (k + 1) & 15;
-                    if (!active) continue;
-                    const StepLanes step(block, x, y, k, zero_);
-                    const int at = 64 * x + 8 * y + k;
-                    storeLanes(step.packed, to + at);
-                    for (unsigned missing = active & ~step.known; missing; missing &= missing - 1)
-                        excess.setValueOff(openvdb::Index(at + std::countr_zero(missing)));
-                }
+                for (int k = 0; k < 8; k += 4)
+                    if (block.active(x, y) >> (k + 1) & 15)
+                        storeLanes(StepLanes(block, x, y, k, zero_).packed,
+                                   packedOf(leaf) + 64 * x + 8 * y + k);
     }
     void measureAll() {
-        lowered_.resize(count());
-        parallelFor(count(), 64, [&](std::size_t begin, std::size_t end) {
+        lowered_.resize(leaves_.size());
+        parallelFor(leaves_.size(), 64, [&](std::size_t begin, std::size_t end) {
             const LeafBlock::Accessor accessor(psi_);
             const auto block = std::make_unique<LeafBlock>();
             HollowEdges edges(psi_, dx_);
             for (std::size_t l = begin; l < end; ++l) {
-                block->gather(accessor, leaves_.leaf(l).origin(), dx_, LeafBlock::kFaces);
-                measure(*block, excesses_.leaf(l));
-                edges.look(*block, leaves_.leaf(l).origin(), lowered_[l]);
+                const openvdb::Coord origin = leaves_[l]->origin();
+                block->gather(accessor, origin, dx_, LeafBlock::kFaces);
+                measure(*block, *leaves_[l]);
+                edges.look(*block, origin, lowered_[l]);
             }
         });
     }
     /// Gives voxels in front of hollow edges what they had, and measures M beside them again.
     std::size_t restore() {
-        std::set<openvdb::Coord> beside;  // origins of leaves
+        std::set<std::size_t> beside;  // leaves
         std::size_t restored = 0;
         for (const auto& part : lowered_)
             for (const LoweredVoxel& v : part) {
@@ -197,17 +192,19 @@ private:
                 for (int face = 0; face < 6; ++face) {
                     openvdb::Coord next = v.at;
                     next[face / 2] += face % 2 ? 1 : -1;
-                    if (const Leaf* leaf = psi_.probeConstLeaf(next)) beside.insert(leaf->origin());
+                    if (const Leaf* leaf = psi_.probeConstLeaf(next))
+                        beside.insert(leaf->transientData());
                 }
             }
         const LeafBlock::Accessor accessor(psi_);
         const auto block = std::make_unique<LeafBlock>();
-        for (const openvdb::Coord& origin : beside) {
-            block->gather(accessor, origin, dx_, LeafBlock::kFaces);
-            measure(*block, *excess_.probeLeaf(origin));
+        for (const std::size_t l : beside) {
+            block->gather(accessor, leaves_[l]->origin(), dx_, LeafBlock::kFaces);
+            measure(*block, *leaves_[l]);
         }
-        for (const auto& part : lowered_)
-            for (const LoweredVoxel& v : part) excess_.setValueOff(v.at);
+        for (std::size_t l = 0; l < leaves_.size(); ++l)
+            for (const LoweredVoxel& v : lowered_[l])
+                packedOf(*leaves_[l])[Leaf::coordToOffset(v.at)] = kMissing;
         return restored;
     }
     /// Adds c to the voxels of a leaf, and what the step has taken away at last.
@@ -234,14 +231,15 @@ private:
                 }
     }
     void raiseAll() {
-        parallelFor(count(), 64, [&](std::size_t begin, std::size_t end) {
-            const LeafBlock::Accessor accessor(excess_);
+        parallelFor(leaves_.size(), 64, [&](std::size_t begin, std::size_t end) {
+            const LeafBlock::Accessor accessor(psi_);
             const auto block = std::make_unique<LeafBlock>();
             const auto smoothed = std::make_unique<Smoothed>();
             for (std::size_t l = begin; l < end; ++l) {
-                block->gather(accessor, excesses_.leaf(l).origin(), 1);
+                block->gather(accessor, leaves_[l]->origin(), 1, LeafBlock::kCorners,
+                              [&](const Leaf& leaf) { return packedOf(leaf); });
                 smoothed->of(*block);
-                raise(*block, *smoothed, leaves_.leaf(l));
+                raise(*block, *smoothed, *leaves_[l]);
             }
         });
     }
@@ -249,10 +247,9 @@ private:
     Tree& psi_;
     double dx_;
     float zero_;
-    openvdb::tree::LeafManager<Tree> leaves_;
-    Tree excess_;
-    openvdb::tree::LeafManager<Tree> excesses_;
-    std::vector<std::vector<LoweredVoxel>> lowered_;
+    std::vector<Leaf*> leaves_;  ///< their numbers are in their transient data
+    std::vector<float> packed_;
+    std::vector<std::vector<LoweredVoxel>> lowered_;  ///< by leaf
 };
 
 }  // namespace
@@ -280,6 +277,8 @@ bool isRenormalized(const openvdb::FloatGrid& psi) {
            double(coarse) < kFew * double(near);
 }
 
-std::size_t undoRenormalization(openvdb::FloatGrid& psi, double dx) { return Undo(psi, dx).run(); }
+std::size_t undoRenormalization(openvdb::FloatGrid& psi, double dx) {
+    return Undo(psi.tree(), dx).run();
+}
 
 }  // namespace igeo

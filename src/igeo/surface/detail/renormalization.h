@@ -29,7 +29,8 @@ bool isRenormalized(const openvdb::FloatGrid& psi);
 ///   stored values; there M is the mean over the 27 voxels around, weighted 1, 2, 1 along each
 ///   axis, and so where M is above 0.3 to 0.5.
 /// docs/trials.md#hollow-edges-of-conversions has the errors. Time O(voxels), in parallel; the same
-/// values on any number of threads. Memory: a float per voxel of a leaf, meanwhile.
+/// values on any number of threads. Memory: a float per voxel of a leaf, meanwhile. Sets the
+/// transient data of leaves.
 ///
 /// @param dx  voxel size
 /// @return    how many voxels lie in front of hollow edges
