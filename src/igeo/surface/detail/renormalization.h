@@ -27,7 +27,8 @@ bool isRenormalized(const openvdb::FloatGrid& psi);
 ///   m = M (1 - q) of 1: q sums, over the axes, the share of the gradient times the fall of |S| to
 ///   the upwind neighbor. Where |S| times the sum of the shares nears 1, c hardly shows in the
 ///   stored values; there M is the mean over the 27 voxels around, weighted 1, 2, 1 along each
-///   axis, and so where M is above 0.3 to 0.5.
+///   axis, and so where M is above 0.3 to 0.5. From M = 0.7 to 1 c fades to 0: there psi
+///   contradicts itself, as in folds that the conversion closed, and `unresolved` is to see them.
 /// docs/trials.md#hollow-edges-of-conversions has the errors. Time O(voxels), in parallel; the same
 /// values on any number of threads. Memory: a float per voxel of a leaf, meanwhile. Sets the
 /// transient data of leaves.
