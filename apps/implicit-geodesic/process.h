@@ -70,7 +70,8 @@ public:
     ProcessLock(const ProcessLock&) = delete;
     ProcessLock& operator=(const ProcessLock&) = delete;
 
-    /// The owner, as in "process 123 on host tower", where another process has the lock; else empty.
+    /// The owner, as in "process 123 on host tower", where another process has the lock; else
+    /// empty.
     const std::string& otherOwner() const { return owner_; }
 
 private:
