@@ -16,6 +16,7 @@
 #include <bit>
 #include <cstdint>
 #include <mutex>
+#include <numeric>
 #include <utility>
 
 namespace igeo {
@@ -220,6 +221,13 @@ void undoConversion(LevelSet& s) {
     const openvdb::FloatGrid::Ptr psi = toChange(s);
     s.stats.loweredVoxels = undoRenormalization(*psi, s.transform.dx);
     s.psi = psi;
+    const std::vector<const Leaf*> leaves = leavesOf(*psi);
+    std::vector<std::uint64_t> negative(leaves.size());
+    parallelFor(leaves.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l)
+            forActive(*leaves[l], [&](float value) { negative[l] += value < 0; });
+    });
+    s.stats.negative = std::accumulate(negative.begin(), negative.end(), std::uint64_t(0));
 }
 
 void measure(LevelSet& s, Progress& progress) {

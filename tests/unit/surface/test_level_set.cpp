@@ -198,6 +198,9 @@ TEST_CASE("checkLevelSet: hollow edges that OpenVDB's conversion rounds are set 
     CHECK(before > 40);
     CHECK(lowered(*s.psi) < 26);  // measured 17 of 44: where the faces end, and beside them
     CHECK(s.stats.loweredVoxels > before / 2);
+    std::uint64_t negative = 0;
+    for (auto it = s.psi->cbeginValueOn(); it; ++it) negative += *it < 0;
+    CHECK(s.stats.negative == negative);
     REQUIRE(s.warnings.size() == 1);
     CHECK(s.warnings.front().find("hollow edges are rounded") != std::string::npos);
 

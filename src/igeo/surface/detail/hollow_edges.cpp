@@ -42,7 +42,7 @@ public:
     }
     /// What the renormalization makes of it.
     float renormalized(const Ijk& v) {
-        constexpr float kOffset = 0.8f;
+        constexpr auto kOffset = float(kRenormalizedAbout);
         const float p = sharp(v) - kOffset, side = p > 0 ? 1.0f : -1.0f;
         float square = 0;
         for (std::size_t a = 0; a < 3; ++a) {

@@ -9,6 +9,9 @@
 
 namespace igeo {
 
+/// Voxels: what the last step of OpenVDB's meshToVolume takes psi relative to (renormalization.h).
+constexpr double kRenormalizedAbout = 0.8;
+
 /// A voxel and the value that it had, in world units.
 struct LoweredVoxel {
     openvdb::Coord at;

@@ -19,8 +19,8 @@ using Tree = openvdb::FloatTree;
 using Leaf = LeafBlock::Leaf;
 using Four = Registers<4>::Vector;
 
-constexpr double kOffset = 0.8;  ///< voxels: phi = psi - kOffset
-constexpr float kShift = 1e-7f;  ///< world units: what the step takes away at last
+constexpr double kOffset = kRenormalizedAbout;  ///< voxels: phi = psi - kOffset
+constexpr float kShift = 1e-7f;                 ///< world units: what the step takes away at last
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 constexpr float kLeastExcess = -0.05f;  ///< M, where it is less and
 constexpr float kMostExcess = 0.5f;     ///< more
