@@ -5,6 +5,7 @@
 #include "console.h"
 #include "exit_code.h"
 #include "failure.h"
+#include "heap.h"
 #include "info.h"
 #include "input/guarded_read.h"
 #include "options/options.h"
@@ -53,6 +54,7 @@ int start(const MergeOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    useLargePages();
     openStandardStreams();
     reserveStdout();
     catchFaults();

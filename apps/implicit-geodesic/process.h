@@ -52,9 +52,6 @@ void limitMemory(double bytes, int threads);
 /// groups (containers) and of its Slurm job.
 double machineMemory();
 
-/// Returns freed memory to the system, where the C library keeps it for the thread that freed it.
-void giveBackFreedMemory();
-
 /// The peak memory of the process so far, bytes.
 std::uint64_t peakMemory();
 

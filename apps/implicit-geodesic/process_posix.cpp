@@ -20,7 +20,6 @@
 #include <thread>
 
 #ifdef __GLIBC__
-#include <malloc.h>
 #endif
 
 namespace {
@@ -187,12 +186,6 @@ void limitBySlurm(double& bytes) {
 }
 
 }  // namespace
-
-void giveBackFreedMemory() {
-#ifdef __GLIBC__
-    malloc_trim(0);
-#endif
-}
 
 double machineMemory() {
     double bytes = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGE_SIZE));

@@ -59,8 +59,6 @@ void limitComputing(double) {}
 // Windows refuses memory that it does not have at once: std::bad_alloc.
 void limitMemory(double, int) {}
 
-void giveBackFreedMemory() {}
-
 double machineMemory() {
     MEMORYSTATUSEX memory{};
     memory.dwLength = sizeof memory;

@@ -25,6 +25,7 @@
 #include <string>
 
 #include "commands.h"
+#include "heap.h"
 #include "stages.h"
 #include "sweep.h"
 
@@ -139,6 +140,7 @@ void benchSweep(const Arguments& args) {
 }  // namespace igeo::test
 
 int main(int argc, char** argv) try {
+    useLargePages();
     using namespace igeo::test;
     const std::map<std::string, void (*)(const Arguments&)> commands{
         {"march", benchMarch},     {"sweep", benchSweep}, {"solve", benchSolve},

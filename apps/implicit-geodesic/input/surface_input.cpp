@@ -8,8 +8,8 @@
 #include <igeo/surface/rebuild.h>
 #include <igeo/surface/volume_mesh.h>
 
+#include "heap.h"
 #include "input/guarded_read.h"
-#include "process.h"
 
 namespace {
 

@@ -10,11 +10,11 @@
 
 #include <algorithm>
 
+#include "heap.h"
 #include "output/grids.h"
 #include "output/output_files.h"
 #include "output/path_curves.h"
 #include "output/run_result.h"
-#include "process.h"
 
 namespace {
 

@@ -23,6 +23,7 @@
 
 #include "bench/extracted_mesh.h"
 #include "bench/stages.h"
+#include "heap.h"
 #include "peer.h"
 #include "support/arguments.h"
 
@@ -141,6 +142,7 @@ void oracle(const Arguments& args) {
 }  // namespace igeo::test
 
 int main(int argc, char** argv) try {
+    useLargePages();
     const igeo::test::Arguments args(argc, argv, 1);
     const std::string method = args.text("method");
     method == "list"     ? igeo::test::list()
