@@ -1,4 +1,5 @@
 // The last step of OpenVDB's conversion of meshes: how it is recognized, and undone.
+#include <igeo/base/detail/registers.h>
 #include <igeo/base/parallel.h>
 #include <igeo/surface/detail/renormalization.h>
 #include <openvdb/tools/LevelSetFilter.h>
@@ -143,16 +144,21 @@ TEST_CASE("undoRenormalization: voxels so small that 1e-7 is a part of one") {
         if (std::abs(*it) != background) FAIL_CHECK(it.getCoord());
 }
 
-TEST_CASE("undoRenormalization: the same bits on any number of threads") {
+TEST_CASE("undoRenormalization: the same bits on any number of threads, in any registers") {
     const Mesh torus = bumpyTorus();
-    const Grid::Ptr one = converted(torus, 30), many = one->deepCopy();
+    const Grid::Ptr one = converted(torus, 30), many = one->deepCopy(), four = one->deepCopy();
     {
         const ThreadLimit limit(1);
         undoRenormalization(*one, 1 / 30.0);
     }
     undoRenormalization(*many, 1 / 30.0);
-    for (auto it = one->cbeginValueOn(); it; ++it)
-        if (many->tree().getValue(it.getCoord()) != *it) FAIL_CHECK(it.getCoord());
+    const bool eight = eightAtATime();
+    eightAtATime() = false;
+    undoRenormalization(*four, 1 / 30.0);
+    eightAtATime() = eight;
+    for (const Grid::Ptr& other : {many, four})
+        for (auto it = one->cbeginValueOn(); it; ++it)
+            if (other->tree().getValue(it.getCoord()) != *it) FAIL_CHECK(it.getCoord());
 }
 
 }  // namespace igeo::test

@@ -73,6 +73,15 @@ IGEO_INLINE void storeLanes(const Vector& v, T* to) {
     std::memcpy(to, &v, sizeof(v));
 }
 
+/// 1, 2, 4 and so on.
+template <int Width>
+IGEO_INLINE typename Registers<Width>::Integers bitPerLane() {
+    if constexpr (Width == 4)
+        return typename Registers<Width>::Integers{1, 2, 4, 8};
+    else
+        return typename Registers<Width>::Integers{1, 2, 4, 8, 16, 32, 64, 128};
+}
+
 /// Flags, 0 or -1 each, as bits.
 template <int Width>
 IGEO_INLINE unsigned bitsOf(const typename Registers<Width>::Integers& flags) {
@@ -83,11 +92,11 @@ IGEO_INLINE unsigned bitsOf(const typename Registers<Width>::Integers& flags) {
         std::memcpy(&signs, &flags, sizeof signs);
         return unsigned(__builtin_ia32_movmskps(signs));
 #endif
-        Integers bits = flags & Integers{1, 2, 4, 8};
+        Integers bits = flags & bitPerLane<4>();
         bits |= __builtin_shufflevector(bits, bits, 2, 3, 0, 1);
         return unsigned(bits[0] | bits[1]);
     } else {
-        Integers bits = flags & Integers{1, 2, 4, 8, 16, 32, 64, 128};
+        Integers bits = flags & bitPerLane<8>();
         bits |= __builtin_shufflevector(bits, bits, 4, 5, 6, 7, 0, 1, 2, 3);
         bits |= __builtin_shufflevector(bits, bits, 2, 3, 0, 1, 6, 7, 4, 5);
         return unsigned(bits[0] | bits[1]);

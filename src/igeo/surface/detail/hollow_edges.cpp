@@ -13,12 +13,36 @@ namespace {
 /// Voxels: in front of a hollow edge the step lowers no larger |psi| much.
 constexpr float kFarthest = 1.5f;
 
-/// Bits: voxels of a row that a hollow edge may have lowered.
-unsigned mayBeLowered(const LeafBlock& block, int x, int y) {
-    const unsigned near = within<4>(block.row(x, y), kFarthest);
-    if (!near) return 0;
-    const PsiRow<4> row(block, x, y);
-    return row.complete & ~row.smooth & near;
+/// Bits by row: voxels of a leaf that a hollow edge may have lowered.
+using LeafBits = std::array<std::uint8_t, 64>;
+
+template <int Width>
+IGEO_INLINE void findLoweredHere(const LeafBlock& block, LeafBits& mayBe) {
+    for (int x = 0; x < 8; ++x)
+        for (int y = 0; y < 8; ++y) {
+            unsigned bits = within<Width>(block.row(x, y), kFarthest);
+            if (bits) {
+                const PsiRow<Width> row(block, x, y);
+                bits &= row.complete & ~row.smooth;
+            }
+            mayBe[std::size_t(8 * x + y)] = std::uint8_t(bits);
+        }
+}
+
+void findLoweredByFour(const LeafBlock& block, LeafBits& mayBe) {
+    findLoweredHere<4>(block, mayBe);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 void findLoweredByEight(const LeafBlock& block, LeafBits& mayBe) {
+    findLoweredHere<8>(block, mayBe);
+}
+#endif
+
+void findLowered(const LeafBlock& block, LeafBits& mayBe) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return findLoweredByEight(block, mayBe);
+#endif
+    findLoweredByFour(block, mayBe);
 }
 
 }  // namespace
@@ -135,9 +159,11 @@ void HollowEdges::look(const LeafBlock& block, const openvdb::Coord& origin,
     // Voxels. Heights are less exact where faces are narrow or bend.
     constexpr float kNearly = 0.2f, kLeast = 0.03f;
     bool moved = false;
+    LeafBits mayBe;
+    findLowered(block, mayBe);
     for (int x = 0; x < 8; ++x)
         for (int y = 0; y < 8; ++y)
-            for (unsigned bits = mayBeLowered(block, x, y); bits; bits &= bits - 1) {
+            for (unsigned bits = mayBe[std::size_t(8 * x + y)]; bits; bits &= bits - 1) {
                 if (!moved) before_->moveTo({origin.x(), origin.y(), origin.z()});
                 moved = true;
                 const Ijk v{x, y, std::countr_zero(bits)};

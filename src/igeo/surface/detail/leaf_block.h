@@ -104,7 +104,7 @@ private:
         for (int z = 0; z < 8; z += 4) {
             const Doubles scaled = __builtin_convertvector(loadLanes<4>(from + z), Doubles) * scale;
             const Integers isActive =
-                ((Integers{} + int(active)) & (Integers{1, 2, 4, 8} << z)) != 0;
+                ((Integers{} + int(active)) & (bitPerLane<4>() << z)) != 0;
             storeLanes(isActive ? __builtin_convertvector(scaled, Four) : Four{} + kMissing,
                        to + z);
         }

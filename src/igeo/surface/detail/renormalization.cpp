@@ -17,7 +17,6 @@ namespace {
 
 using Tree = openvdb::FloatTree;
 using Leaf = LeafBlock::Leaf;
-using Four = Registers<4>::Vector;
 
 constexpr double kOffset = kRenormalizedAbout;  ///< voxels: phi = psi - kOffset
 constexpr float kShift = 1e-7f;                 ///< world units: what the step takes away at last
@@ -25,84 +24,84 @@ constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 constexpr float kLeastExcess = -0.05f;  ///< M, where it is less and
 constexpr float kMostExcess = 0.5f;     ///< more
 
-/// What the step has done to four voxels of a row, in one number each: M in its first 16 bits, |S|
+/// What the step has done to some voxels of a row, in one number each: M in its first 16 bits, |S|
 /// and the share of the mean of M in a byte each. A sum of such numbers is one of M.
+template <int Width>
 struct StepLanes {
-    Four packed;  ///< NaN where a neighbor is missing
+    using V = typename Registers<Width>::Vector;
+    using Integers = typename Registers<Width>::Integers;
+
+    V packed;  ///< NaN where a neighbor is missing
 
     /// @param from  the first of them
     /// @param zero  phi = 0, as psi in voxels
     IGEO_INLINE StepLanes(const LeafBlock& block, int x, int y, int from, float zero) {
         auto phi = [&](int i, int j, int k) {
-            return loadLanes<4>(block.row(x + i, y + j) + from + k) - zero;
+            return loadLanes<Width>(block.row(x + i, y + j) + from + k) - zero;
         };
-        const Four here = phi(0, 0, 0), side = here > 0 ? Four{} + 1 : Four{} - 1;
-        Four square{}, shares{}, all = here;
-        auto add = [&](const Four& low, const Four& high) {
-            const Four toLow = side * (here - low), toHigh = side * (here - high);
-            const Four step = above(toLow > toHigh ? toLow : toHigh, 0);
+        const V here = phi(0, 0, 0), side = here > 0 ? V{} + 1 : V{} - 1;
+        V square{}, shares{}, all = here;
+        auto add = [&](const V& low, const V& high) {
+            const V toLow = side * (here - low), toHigh = side * (here - high);
+            const V step = above(toLow > toHigh ? toLow : toHigh, 0);
             square += step * step, shares += step, all += low + high;
         };
         add(phi(-1, 0, 0), phi(1, 0, 0)), add(phi(0, -1, 0), phi(0, 1, 0));
         add(phi(0, 0, -1), phi(0, 0, 1));
         constexpr float kTiny = 1e-6f, kRoom = 0.1f;
         // phi at the upwind neighbors, in the mean.
-        const Four upwind = here - side * square / above(shares, kTiny);
-        Four gradient = square, root = here * here + square, upwindRoot = upwind * upwind + 1;
-        takeRoots<4>(gradient), takeRoots<4>(root), takeRoots<4>(upwindRoot);
-        const Four pull = absolute(here) / above(root, kTiny),
-                   share = shares / above(gradient, kTiny),
-                   fall = pull - absolute(upwind) / upwindRoot,
-                   excess = side * (gradient - 1) / above(1 - share * fall, kRoom);
+        const V upwind = here - side * square / above(shares, kTiny);
+        V gradient = square, root = here * here + square, upwindRoot = upwind * upwind + 1;
+        takeRoots<Width>(gradient), takeRoots<Width>(root), takeRoots<Width>(upwindRoot);
+        const V pull = absolute(here) / above(root, kTiny), share = shares / above(gradient, kTiny),
+                fall = pull - absolute(upwind) / upwindRoot,
+                excess = side * (gradient - 1) / above(1 - share * fall, kRoom);
         // Where the mean stands for M; where psi contradicts itself, and stays as it is.
         constexpr float kSteep = 0.7f, kSteepest = 1, kSure = 0.3f, kFold = 1.0f, kDoubtful = 0.7f;
-        const Four steep = (pull * share - kSteep) / (kSteepest - kSteep),
-                   large = (excess - kSure) / (kMostExcess - kSure);
-        const Four trust = below(above((kFold - excess) / (kFold - kDoubtful), 0), 1);
-        const Four value = pack(below(above(excess, kLeastExcess), kMostExcess), trust * pull,
-                                steep > large ? steep : large);
-        packed = all == all ? value : Four{} + kMissing;
+        const V steep = (pull * share - kSteep) / (kSteepest - kSteep),
+                large = (excess - kSure) / (kMostExcess - kSure);
+        const V trust = below(above((kFold - excess) / (kFold - kDoubtful), 0), 1);
+        const V value = pack(below(above(excess, kLeastExcess), kMostExcess), trust * pull,
+                             steep > large ? steep : large);
+        packed = all == all ? value : V{} + kMissing;
     }
-    using Integers = Registers<4>::Integers;
-
-    static IGEO_INLINE Four pull(const Four& packed) { return byte(packed, 8); }
-    static IGEO_INLINE Four shareOfMean(const Four& packed) { return byte(packed, 0); }
+    static IGEO_INLINE V pull(const V& packed) { return byte(packed, 8); }
+    static IGEO_INLINE V shareOfMean(const V& packed) { return byte(packed, 0); }
 
 private:
-    static IGEO_INLINE Four above(const Four& v, float least) {
-        return v > least ? v : Four{} + least;
-    }
-    static IGEO_INLINE Four below(const Four& v, float most) {
-        return v < most ? v : Four{} + most;
-    }
-    static IGEO_INLINE Four byte(const Four& packed, int shift) {
-        return __builtin_convertvector((loadAs<Integers>(&packed) >> shift) & 255, Four) *
+    static IGEO_INLINE V above(const V& v, float least) { return v > least ? v : V{} + least; }
+    static IGEO_INLINE V below(const V& v, float most) { return v < most ? v : V{} + most; }
+    static IGEO_INLINE V byte(const V& packed, int shift) {
+        return __builtin_convertvector((loadAs<Integers>(&packed) >> shift) & 255, V) *
                (1 / 255.0f);
     }
-    static IGEO_INLINE Integers toByte(const Four& v) {
+    static IGEO_INLINE Integers toByte(const V& v) {
         return __builtin_convertvector(below(above(v, 0), 1) * 255.0f + 0.5f, Integers);
     }
-    static IGEO_INLINE Four pack(const Four& excess, const Four& pull, const Four& share) {
+    static IGEO_INLINE V pack(const V& excess, const V& pull, const V& share) {
         const Integers bits =
             (loadAs<Integers>(&excess) & ~0xffff) | toByte(pull) << 8 | toByte(share);
-        return loadAs<Four>(&bits);
+        return loadAs<V>(&bits);
     }
 };
 
 /// Means over the 27 voxels around each of a leaf, weighted 1, 2, 1 along each axis; missing ones
 /// do not count.
+template <int Width>
 class Smoothed {
+    using V = typename Registers<Width>::Vector;
+
 public:
-    void of(const LeafBlock& block) {
+    IGEO_INLINE void of(const LeafBlock& block) {
         for (int x = 0; x < 10; ++x)
             for (int y = 0; y < 10; ++y) {
                 const float* row = block.row(x - 1, y - 1);
-                for (int k = 0; k < 8; k += 4) {
-                    Four sum{}, weight{};
+                for (int k = 0; k < 8; k += Width) {
+                    V sum{}, weight{};
                     for (int z = -1; z <= 1; ++z) {
-                        const Four v = loadLanes<4>(row + k + z), one = Four{} + (z ? 1.0f : 2.0f);
-                        sum += v == v ? one * v : Four{};
-                        weight += v == v ? one : Four{};
+                        const V v = loadLanes<Width>(row + k + z), one = V{} + (z ? 1.0f : 2.0f);
+                        sum += v == v ? one * v : V{};
+                        weight += v == v ? one : V{};
                     }
                     at(x, y, k) = {sum, weight};
                 }
@@ -110,31 +109,105 @@ public:
         // In place: what is read lies ahead of what is written.
         for (int x = 0; x < 10; ++x)
             for (int y = 0; y < 8; ++y)
-                for (int k = 0; k < 8; k += 4)
+                for (int k = 0; k < 8; k += Width)
                     at(x, y, k) = at(x, y, k) + at(x, y + 1, k) + at(x, y + 1, k) + at(x, y + 2, k);
         for (int x = 0; x < 8; ++x)
             for (int y = 0; y < 8; ++y)
-                for (int k = 0; k < 8; k += 4)
+                for (int k = 0; k < 8; k += Width)
                     at(x, y, k) = at(x, y, k) + at(x + 1, y, k) + at(x + 1, y, k) + at(x + 2, y, k);
     }
-    /// At four voxels of a row.
-    IGEO_INLINE Four mean(int x, int y, int from) const {
+    /// At some voxels of a row.
+    IGEO_INLINE V mean(int x, int y, int from) const {
         const Sums& s = sums_[indexOf(x, y, from)];
-        return s.sum / (s.weight > 0 ? s.weight : Four{} + 1);
+        return s.sum / (s.weight > 0 ? s.weight : V{} + 1);
     }
 
 private:
     struct Sums {
-        Four sum, weight;
+        V sum, weight;
         IGEO_INLINE Sums operator+(const Sums& o) const { return {sum + o.sum, weight + o.weight}; }
     };
-    static std::size_t indexOf(int x, int y, int k) {
-        return std::size_t((x * 10 + y) * 2 + k / 4);
+    IGEO_INLINE static std::size_t indexOf(int x, int y, int k) {
+        return std::size_t((x * 10 + y) * (8 / Width) + k / Width);
     }
-    Sums& at(int x, int y, int k) { return sums_[indexOf(x, y, k)]; }
+    IGEO_INLINE Sums& at(int x, int y, int k) { return sums_[indexOf(x, y, k)]; }
 
-    std::array<Sums, 200> sums_;
+    std::array<Sums, 800 / Width> sums_;
 };
+
+/// The packed voxels of a level set, leaf by leaf.
+struct PackedVoxels {
+    static constexpr std::size_t kPerLeaf = 512;
+    std::vector<float> all;
+
+    /// @param leaf  with its number in the transient data
+    float* of(const Leaf& leaf) { return &all[kPerLeaf * leaf.transientData()]; }
+};
+
+/// Gathers psi around a leaf, and packs what the step has done to its voxels.
+/// @param zero  phi = 0, as psi in voxels
+template <int Width>
+IGEO_INLINE void measureHere(const LeafBlock::Accessor& psi, double dx, float zero,
+                             const Leaf& leaf, LeafBlock& block, float* packed) {
+    block.gather(psi, leaf.origin(), dx, LeafBlock::kFaces);
+    for (int x = 0; x < 8; ++x)
+        for (int y = 0; y < 8; ++y)
+            for (int k = 0; k < 8; k += Width)
+                if (block.active(x, y) >> (k + 1) & ((1u << Width) - 1))
+                    storeLanes(StepLanes<Width>(block, x, y, k, zero).packed,
+                               packed + 64 * x + 8 * y + k);
+}
+
+/// Adds c to the voxels of a leaf, and what the step has taken away at last.
+template <int Width>
+IGEO_INLINE void raiseHere(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
+                           LeafBlock& excess, Leaf& psi) {
+    using Step = StepLanes<Width>;
+    using V = typename Step::V;
+    using Integers = typename Step::Integers;
+    const Integers bits = bitPerLane<Width>();
+    excess.gather(accessor, psi.origin(), 1, LeafBlock::kCorners,
+                  [&](const Leaf& leaf) { return packed.of(leaf); });
+    Smoothed<Width> smoothed;
+    smoothed.of(excess);
+    for (int x = 0; x < 8; ++x)
+        for (int y = 0; y < 8; ++y)
+            for (int k = 0; k < 8; k += Width) {
+                const int at = 64 * x + 8 * y + k;
+                const auto active =
+                    int(psi.valueMask().getWord<openvdb::Index64>(openvdb::Index(x)) >> (at & 63)) &
+                    ((1 << Width) - 1);
+                if (!active) continue;
+                const V own = loadLanes<Width>(excess.row(x, y) + k),
+                        share = Step::shareOfMean(own),
+                        all = share * smoothed.mean(x, y, k) + (1 - share) * own;
+                // NaN where M is missing.
+                const V by = all > 0 ? Step::pull(own) * all * dx : V{};
+                float* const to = psi.buffer().data() + at;
+                const V value = loadLanes<Width>(to);
+                const Integers isActive = ((Integers{} + active) & bits) != 0;
+                storeLanes(isActive ? value + (by + kShift) : value, to);
+            }
+}
+
+void measureByFour(const LeafBlock::Accessor& psi, double dx, float zero, const Leaf& leaf,
+                   LeafBlock& block, float* packed) {
+    measureHere<4>(psi, dx, zero, leaf, block, packed);
+}
+void raiseByFour(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
+                 LeafBlock& excess, Leaf& psi) {
+    raiseHere<4>(accessor, packed, dx, excess, psi);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 void measureByEight(const LeafBlock::Accessor& psi, double dx, float zero,
+                              const Leaf& leaf, LeafBlock& block, float* packed) {
+    measureHere<8>(psi, dx, zero, leaf, block, packed);
+}
+IGEO_AVX2 void raiseByEight(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
+                            LeafBlock& excess, Leaf& psi) {
+    raiseHere<8>(accessor, packed, dx, excess, psi);
+}
+#endif
 
 /// Undoes the step: first what is known, then the rest.
 class Undo {
@@ -143,7 +216,7 @@ public:
         psi_.getNodes(leaves_);
         for (std::size_t l = 0; l < leaves_.size(); ++l)
             leaves_[l]->setTransientData(openvdb::Index32(l));
-        resizeByAll(packed_, kPerLeaf * leaves_.size());
+        resizeByAll(packed_.all, PackedVoxels::kPerLeaf * leaves_.size());
     }
 
     std::size_t run() {
@@ -154,18 +227,12 @@ public:
     }
 
 private:
-    static constexpr std::size_t kPerLeaf = 512;
-
-    /// What StepLanes packs, or NaN, at the voxels of a leaf.
-    float* packedOf(const Leaf& leaf) { return &packed_[kPerLeaf * leaf.transientData()]; }
-
-    void measure(const LeafBlock& block, const Leaf& leaf) {
-        for (int x = 0; x < 8; ++x)
-            for (int y = 0; y < 8; ++y)
-                for (int k = 0; k < 8; k += 4)
-                    if (block.active(x, y) >> (k + 1) & 15)
-                        storeLanes(StepLanes(block, x, y, k, zero_).packed,
-                                   packedOf(leaf) + 64 * x + 8 * y + k);
+    void measure(const LeafBlock::Accessor& accessor, const Leaf& leaf, LeafBlock& block) {
+#ifdef IGEO_AVX2
+        if (eightAtATime())
+            return measureByEight(accessor, dx_, zero_, leaf, block, packed_.of(leaf));
+#endif
+        measureByFour(accessor, dx_, zero_, leaf, block, packed_.of(leaf));
     }
     void measureAll() {
         lowered_.resize(leaves_.size());
@@ -174,10 +241,8 @@ private:
             const auto block = std::make_unique<LeafBlock>();
             HollowEdges edges(psi_, dx_);
             for (std::size_t l = begin; l < end; ++l) {
-                const openvdb::Coord origin = leaves_[l]->origin();
-                block->gather(accessor, origin, dx_, LeafBlock::kFaces);
-                measure(*block, *leaves_[l]);
-                edges.look(*block, origin, lowered_[l]);
+                measure(accessor, *leaves_[l], *block);
+                edges.look(*block, leaves_[l]->origin(), lowered_[l]);
             }
         });
     }
@@ -198,49 +263,23 @@ private:
             }
         const LeafBlock::Accessor accessor(psi_);
         const auto block = std::make_unique<LeafBlock>();
-        for (const std::size_t l : beside) {
-            block->gather(accessor, leaves_[l]->origin(), dx_, LeafBlock::kFaces);
-            measure(*block, *leaves_[l]);
-        }
+        for (const std::size_t l : beside) measure(accessor, *leaves_[l], *block);
         for (std::size_t l = 0; l < leaves_.size(); ++l)
             for (const LoweredVoxel& v : lowered_[l])
-                packedOf(*leaves_[l])[Leaf::coordToOffset(v.at)] = kMissing;
+                packed_.of(*leaves_[l])[Leaf::coordToOffset(v.at)] = kMissing;
         return restored;
     }
-    /// Adds c to the voxels of a leaf, and what the step has taken away at last.
-    void raise(const LeafBlock& excess, const Smoothed& smoothed, Leaf& psi) const {
-        const auto dx = float(dx_);
-        for (int x = 0; x < 8; ++x)
-            for (int y = 0; y < 8; ++y)
-                for (int k = 0; k < 8; k += 4) {
-                    const int at = 64 * x + 8 * y + k;
-                    const auto active = int(
-                        psi.valueMask().getWord<openvdb::Index64>(openvdb::Index(x)) >> (at & 63) &
-                        15);
-                    if (!active) continue;
-                    const Four own = loadLanes<4>(excess.row(x, y) + k),
-                               share = StepLanes::shareOfMean(own),
-                               all = share * smoothed.mean(x, y, k) + (1 - share) * own;
-                    // NaN where M is missing.
-                    const Four by = all > 0 ? StepLanes::pull(own) * all * dx : Four{};
-                    float* const to = psi.buffer().data() + at;
-                    const Four value = loadLanes<4>(to);
-                    const StepLanes::Integers isActive =
-                        ((StepLanes::Integers{} + active) & StepLanes::Integers{1, 2, 4, 8}) != 0;
-                    storeLanes(isActive ? value + (by + kShift) : value, to);
-                }
+    void raise(const LeafBlock::Accessor& accessor, Leaf& leaf, LeafBlock& block) {
+#ifdef IGEO_AVX2
+        if (eightAtATime()) return raiseByEight(accessor, packed_, float(dx_), block, leaf);
+#endif
+        raiseByFour(accessor, packed_, float(dx_), block, leaf);
     }
     void raiseAll() {
         parallelFor(leaves_.size(), 64, [&](std::size_t begin, std::size_t end) {
             const LeafBlock::Accessor accessor(psi_);
             const auto block = std::make_unique<LeafBlock>();
-            const auto smoothed = std::make_unique<Smoothed>();
-            for (std::size_t l = begin; l < end; ++l) {
-                block->gather(accessor, leaves_[l]->origin(), 1, LeafBlock::kCorners,
-                              [&](const Leaf& leaf) { return packedOf(leaf); });
-                smoothed->of(*block);
-                raise(*block, *smoothed, *leaves_[l]);
-            }
+            for (std::size_t l = begin; l < end; ++l) raise(accessor, *leaves_[l], *block);
         });
     }
 
@@ -248,7 +287,7 @@ private:
     double dx_;
     float zero_;
     std::vector<Leaf*> leaves_;  ///< their numbers are in their transient data
-    std::vector<float> packed_;
+    PackedVoxels packed_;
     std::vector<std::vector<LoweredVoxel>> lowered_;  ///< by leaf
 };
 
