@@ -2,6 +2,7 @@
 
 #include <igeo/surface/detail/psi_around.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <vector>
@@ -13,36 +14,58 @@ namespace {
 /// Voxels: in front of a hollow edge the step lowers no larger |psi| much.
 constexpr float kFarthest = 1.5f;
 
-/// Bits by row: voxels of a leaf that a hollow edge may have lowered.
-using LeafBits = std::array<std::uint8_t, 64>;
+/// Bits: voxels of a row around which psi is that of one face.
+template <int Width>
+IGEO_INLINE unsigned planesIn(const LeafBlock& block, int x, int y) {
+    // Inside, in front of no hollow edge, the renormalization has changed nothing.
+    constexpr float kInside = -0.2f, kFlat = 0.03f;
+    using V = typename Registers<Width>::Vector;
+    unsigned bits = 0;
+    for (int z = 0; z < 8; z += Width) {
+        auto at = [&](int i, int j, int k) {
+            return loadLanes<Width>(block.row(x + i, y + j) + z + k);
+        };
+        const V here = at(0, 0, 0);
+        auto flat = here < kInside;
+        if (!bitsOf<Width>(flat)) continue;
+        V square{};
+        auto add = [&](const V& low, const V& high) {
+            const V slope = (high - low) / 2;
+            flat &= absolute(high + low - 2 * here) < kFlat;
+            square += slope * slope;
+        };
+        add(at(-1, 0, 0), at(1, 0, 0)), add(at(0, -1, 0), at(0, 1, 0));
+        add(at(0, 0, -1), at(0, 0, 1));
+        takeRoots<Width>(square);
+        bits |= bitsOf<Width>(flat & (absolute(square - 1) < kFlat)) << z;
+    }
+    return bits;
+}
 
 template <int Width>
-IGEO_INLINE void findLoweredHere(const LeafBlock& block, LeafBits& mayBe) {
+IGEO_INLINE void findHere(const LeafBlock& block, HollowEdges::Shown& shown) {
     for (int x = 0; x < 8; ++x)
         for (int y = 0; y < 8; ++y) {
-            unsigned bits = within<Width>(block.row(x, y), kFarthest);
-            if (bits) {
+            const auto at = std::size_t(8 * x + y);
+            shown.plane[at] = shown.mayBeLowered[at] = 0;
+            if (!block.active(x, y)) continue;
+            shown.plane[at] = std::uint8_t(planesIn<Width>(block, x, y));
+            if (const unsigned near = within<Width>(block.row(x, y), kFarthest)) {
                 const PsiRow<Width> row(block, x, y);
-                bits &= row.complete & ~row.smooth;
+                shown.mayBeLowered[at] = std::uint8_t(near & row.complete & ~row.smooth);
             }
-            mayBe[std::size_t(8 * x + y)] = std::uint8_t(bits);
         }
 }
 
-void findLoweredByFour(const LeafBlock& block, LeafBits& mayBe) {
-    findLoweredHere<4>(block, mayBe);
-}
+void findByFour(const LeafBlock& block, HollowEdges::Shown& shown) { findHere<4>(block, shown); }
 #ifdef IGEO_AVX2
-IGEO_AVX2 void findLoweredByEight(const LeafBlock& block, LeafBits& mayBe) {
-    findLoweredHere<8>(block, mayBe);
+IGEO_AVX2 void findByEight(const LeafBlock& block, HollowEdges::Shown& shown) {
+    findHere<8>(block, shown);
 }
 #endif
 
-void findLowered(const LeafBlock& block, LeafBits& mayBe) {
-#ifdef IGEO_AVX2
-    if (eightAtATime()) return findLoweredByEight(block, mayBe);
-#endif
-    findLoweredByFour(block, mayBe);
+bool hasAny(const HollowEdges::Bits& bits) {
+    return std::any_of(bits.begin(), bits.end(), [](std::uint8_t row) { return row != 0; });
 }
 
 }  // namespace
@@ -50,17 +73,41 @@ void findLowered(const LeafBlock& block, LeafBits& mayBe) {
 /// What psi was around a leaf before OpenVDB's renormalization, in voxels.
 class HollowEdges::Before {
 public:
-    Before(const openvdb::FloatTree& psi, double dx) : psi_(psi, dx) {}
+    Before(const openvdb::FloatTree& psi, double dx, const std::vector<Shown>& shown)
+        : tree_(psi), psi_(psi, dx), shown_(shown) {}
 
-    void moveTo(const Ijk& origin) {
-        psi_.moveTo(origin);
-        faces_.fill(Face::Unknown);
+    /// @return false where there is no face
+    bool moveTo(const openvdb::Coord& origin) {
+        origin_ = origin;
+        isGathered_ = false;
+        planes_.fill(0);
+        bool any = false;
+        for (int x = -1; x <= 1; ++x)
+            for (int y = -1; y <= 1; ++y)
+                for (int z = -1; z <= 1; ++z)
+                    if (const auto* leaf =
+                            tree_.probeConstLeaf(origin.offsetBy(8 * x, 8 * y, 8 * z)))
+                        any |= takePlanes(shown_[leaf->transientData()].plane, {x, y, z});
+        return any;
+    }
+    /// Whether there is a face within reach.
+    bool besideFace(const Ijk& v) const {
+        for (int x = -kReach; x <= kReach; ++x)
+            for (int y = -kReach; y <= kReach; ++y)
+                if (planesAround(v, x, y)) return true;
+        return false;
+    }
+    /// Then psi is known too.
+    void gather() {
+        if (isGathered_) return;
+        isGathered_ = true;
+        psi_.moveTo({origin_.x(), origin_.y(), origin_.z()});
         sharp_.fill(kUnknown);
     }
     float stored(const Ijk& v) const { return psi_.voxel(v); }
     /// The least height over the planes of faces, if that is more than the stored value.
     float sharp(const Ijk& v) {
-        float& known = sharp_[indexOf(v, 1)];
+        float& known = sharp_[indexOf(v)];
         if (std::isnan(known)) known = overPlanes(v);
         return known;
     }
@@ -80,35 +127,43 @@ public:
     }
 
 private:
-    static constexpr int kReach = 2;  ///< voxels to the faces
+    static constexpr int kReach = 2;            ///< voxels to the faces
+    static constexpr int kMargin = kReach + 1;  ///< of what is known of faces, around the leaf
     static constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-    /// Whether psi around a voxel is that of one face.
-    enum class Face : std::uint8_t { Unknown, None, Plane };
 
     static Ijk unit(std::size_t axis) { return {axis == 0, axis == 1, axis == 2}; }
-    static std::size_t indexOf(const Ijk& v, int margin) {
-        const int edge = 8 + 2 * margin;
-        return std::size_t(((v.x + margin) * edge + v.y + margin) * edge + v.z + margin);
+    static std::size_t indexOf(const Ijk& v) {
+        return std::size_t((10 * (v.x + 1) + v.y + 1) * 10 + v.z + 1);
     }
-    float bend(const Ijk& v, const Ijk& step) const {
-        return stored(v + step) + stored(v - step) - 2 * stored(v);
+    static std::size_t rowOf(int x, int y) {
+        return std::size_t((8 + 2 * kMargin) * (x + kMargin) + y + kMargin);
     }
-    /// The slope of psi around a voxel on one face; null elsewhere.
-    const Vec3f* slopeAt(const Ijk& v) {
-        const std::size_t k = indexOf(v, 1 + kReach);
-        if (faces_[k] == Face::Unknown)
-            faces_[k] = isOnPlane(v, slopes_[k]) ? Face::Plane : Face::None;
-        return faces_[k] == Face::Plane ? &slopes_[k] : nullptr;
+    /// Takes the bits of the leaf s leaves away.
+    /// @return whether there are any
+    bool takePlanes(const Bits& plane, const Ijk& s) {
+        auto first = [](int step) { return step < 0 ? 8 - kMargin : 0; };
+        auto last = [](int step) { return step > 0 ? kMargin : 8; };
+        constexpr unsigned kAll = (1u << (8 + 2 * kMargin)) - 1;
+        unsigned any = 0;
+        for (int x = first(s.x); x < last(s.x); ++x)
+            for (int y = first(s.y); y < last(s.y); ++y) {
+                const unsigned row = unsigned(plane[std::size_t(8 * x + y)]) << 16,
+                               bits = row >> (16 - kMargin - 8 * s.z) & kAll;
+                planes_[rowOf(x + 8 * s.x, y + 8 * s.y)] |= bits;
+                any |= bits;
+            }
+        return any;
     }
-    bool isOnPlane(const Ijk& v, Vec3f& slope) const {
-        // Inside, in front of no hollow edge, the renormalization has changed nothing.
-        constexpr float kInside = -0.2f, kFlat = 0.03f;
-        if (!(stored(v) < kInside)) return false;
-        for (std::size_t a = 0; a < 3; ++a) {
-            if (!(std::abs(bend(v, unit(a))) < kFlat)) return false;
+    /// Bits by z + kReach: faces in the row (x, y) beside a voxel.
+    unsigned planesAround(const Ijk& v, int x, int y) const {
+        constexpr unsigned kAcross = (1u << (2 * kReach + 1)) - 1;
+        return planes_[rowOf(v.x + x, v.y + y)] >> (v.z + kMargin - kReach) & kAcross;
+    }
+    Vec3f slopeAt(const Ijk& v) const {
+        Vec3f slope;
+        for (std::size_t a = 0; a < 3; ++a)
             slope[int(a)] = (stored(v + unit(a)) - stored(v - unit(a))) / 2;
-        }
-        return std::abs(length(slope) - 1) < kFlat;
+        return slope;
     }
     float overPlanes(const Ijk& v) {
         constexpr float kOneFace = 0.9f, kAgree = 0.2f;
@@ -124,12 +179,11 @@ private:
         float most = float(kInfinity);
         for (int x = -kReach; x <= kReach; ++x)
             for (int y = -kReach; y <= kReach; ++y)
-                for (int z = -kReach; z <= kReach; ++z) {
-                    const Ijk step{x, y, z};
-                    const Vec3f* const slope = slopeAt(v + step);
-                    if (!slope) continue;
+                for (unsigned bits = planesAround(v, x, y); bits; bits &= bits - 1) {
+                    const Ijk step{x, y, std::countr_zero(bits) - kReach};
+                    const Vec3f slope = slopeAt(v + step);
                     const float inside = stored(v + step);
-                    const Height h{inside - dot(*slope, Vec3f(step)), *slope};
+                    const Height h{inside - dot(slope, Vec3f(step)), slope};
                     heights[count++] = h;
                     if (h.height < least.height) least = h;
                     most = std::min(most, inside + length(Vec3f(step)));
@@ -144,29 +198,39 @@ private:
         return otherFace ? std::max(value, least.height) : value;
     }
 
+    LeafBlock::Accessor tree_;
     PsiAround psi_;
-    std::array<Face, 14 * 14 * 14> faces_;
-    std::array<Vec3f, 14 * 14 * 14> slopes_;  ///< set on planes
+    const std::vector<Shown>& shown_;
+    openvdb::Coord origin_;
+    bool isGathered_ = false;
+    std::array<unsigned, 14 * 14> planes_;  ///< bits by row and z + kMargin
     std::array<float, 10 * 10 * 10> sharp_;
 };
 
-HollowEdges::HollowEdges(const openvdb::FloatTree& psi, double dx)
-    : before_(std::make_unique<Before>(psi, dx)), dx_(dx) {}
+HollowEdges::Shown HollowEdges::shownBy(const LeafBlock& block) {
+    Shown shown;
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return findByEight(block, shown), shown;
+#endif
+    return findByFour(block, shown), shown;
+}
+
+HollowEdges::HollowEdges(const openvdb::FloatTree& psi, double dx, const std::vector<Shown>& shown)
+    : before_(std::make_unique<Before>(psi, dx, shown)), shown_(shown), dx_(dx) {}
 HollowEdges::~HollowEdges() = default;
 
-void HollowEdges::look(const LeafBlock& block, const openvdb::Coord& origin,
-                       std::vector<LoweredVoxel>& lowered) {
+void HollowEdges::look(const LeafBlock::Leaf& leaf, std::vector<LoweredVoxel>& lowered) {
     // Voxels. Heights are less exact where faces are narrow or bend.
     constexpr float kNearly = 0.2f, kLeast = 0.03f;
-    bool moved = false;
-    LeafBits mayBe;
-    findLowered(block, mayBe);
+    const Bits& mayBe = shown_[leaf.transientData()].mayBeLowered;
+    const openvdb::Coord origin = leaf.origin();
+    if (!hasAny(mayBe) || !before_->moveTo(origin)) return;
     for (int x = 0; x < 8; ++x)
         for (int y = 0; y < 8; ++y)
             for (unsigned bits = mayBe[std::size_t(8 * x + y)]; bits; bits &= bits - 1) {
-                if (!moved) before_->moveTo({origin.x(), origin.y(), origin.z()});
-                moved = true;
                 const Ijk v{x, y, std::countr_zero(bits)};
+                if (!before_->besideFace(v)) continue;
+                before_->gather();
                 const float value = before_->stored(v), was = before_->sharp(v);
                 if (was > value + kLeast && std::abs(before_->renormalized(v) - value) < kNearly)
                     lowered.push_back({origin.offsetBy(v.x, v.y, v.z), float(double(was) * dx_)});

@@ -4,6 +4,8 @@
 #include <igeo/surface/detail/leaf_block.h>
 #include <openvdb/openvdb.h>
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -26,17 +28,27 @@ struct LoweredVoxel {
 /// the step makes its value of these heights.
 class HollowEdges {
 public:
-    HollowEdges(const openvdb::FloatTree& psi, double dx);
+    /// Bits of the voxels of a leaf, by row.
+    using Bits = std::array<std::uint8_t, 64>;
+    /// What psi in a leaf shows.
+    struct Shown {
+        Bits plane;  ///< psi around the voxel is that of one face
+        Bits mayBeLowered;
+    };
+    /// @param block  with its faces
+    static Shown shownBy(const LeafBlock& block);
+
+    /// @param shown  by the number of the leaf, which is in its transient data
+    HollowEdges(const openvdb::FloatTree& psi, double dx, const std::vector<Shown>& shown);
     ~HollowEdges();
 
-    /// Adds those of one leaf. Time O(voxels with a kink).
-    /// @param block  of this leaf, with its faces
-    void look(const LeafBlock& block, const openvdb::Coord& origin,
-              std::vector<LoweredVoxel>& lowered);
+    /// Adds those of one leaf. Time O(voxels with a kink beside a face).
+    void look(const LeafBlock::Leaf& leaf, std::vector<LoweredVoxel>& lowered);
 
 private:
     class Before;
     std::unique_ptr<Before> before_;
+    const std::vector<Shown>& shown_;
     double dx_;
 };
 

@@ -16,6 +16,19 @@
 
 namespace igeo {
 
+/// Copies four voxels, divided by the voxel size; NaN where inactive. Without branches: half of the
+/// rows have voxels of both kinds.
+/// @param active  bits: which of them are
+IGEO_INLINE void copyFour(const float* from, unsigned active, double perDx, float* to) {
+    using Four = Registers<4>::Vector;
+    using Integers = Registers<4>::Integers;
+    typedef double Doubles __attribute__((vector_size(32)));
+    constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
+    const Doubles scaled = __builtin_convertvector(loadLanes<4>(from), Doubles) * perDx;
+    const Integers isActive = ((Integers{} + int(active)) & bitPerLane<4>()) != 0;
+    storeLanes(isActive ? __builtin_convertvector(scaled, Four) : Four{} + kMissing, to);
+}
+
 /// The 10^3 voxels of a leaf and one voxel around it, in voxel units; NaN where inactive.
 class LeafBlock {
 public:
@@ -96,18 +109,8 @@ private:
             }
         }
     }
-    /// Without branches: half of the rows have voxels of both kinds.
     static IGEO_INLINE void copyRow(const float* from, unsigned active, double scale, float* to) {
-        using Four = Registers<4>::Vector;
-        using Integers = Registers<4>::Integers;
-        typedef double Doubles __attribute__((vector_size(32)));
-        for (int z = 0; z < 8; z += 4) {
-            const Doubles scaled = __builtin_convertvector(loadLanes<4>(from + z), Doubles) * scale;
-            const Integers isActive =
-                ((Integers{} + int(active)) & (bitPerLane<4>() << z)) != 0;
-            storeLanes(isActive ? __builtin_convertvector(scaled, Four) : Four{} + kMissing,
-                       to + z);
-        }
+        copyFour(from, active, scale, to), copyFour(from + 4, active >> 4, scale, to + 4);
     }
 
     std::array<float, 1000> values_;

@@ -29,11 +29,15 @@ public:
                       : atFar(cell, p - Vec3d(cell));
     }
 
+    /// Voxel (x, y, 0), and those from -kMargin to 7 + kMargin beside it.
+    const float* row(int x, int y) const {
+        return &value_[indexOf({x + kMargin, y + kMargin, kMargin})];
+    }
     /// A voxel at most kMargin away from the leaf, whose first voxel is (0, 0, 0).
     float voxel(const Ijk& v) const { return value_[indexOf(v + Ijk{kMargin, kMargin, kMargin})]; }
 
 private:
-    static constexpr int kMargin = 4;  ///< most chords, and what is looked at beside them
+    static constexpr int kMargin = 4;  ///< of four: most chords, and what is looked at beside them
     static constexpr int kEdge = 8 + 2 * kMargin;
     static constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
     using Steps = std::array<std::size_t, 3>;
@@ -73,16 +77,19 @@ private:
         const LeafBlock::Leaf* leaf = psi_.probeConstLeaf(
             openvdb::Coord(origin.x + 8 * s.x, origin.y + 8 * s.y, origin.z + 8 * s.z));
         for (int x = first(s.x); x < last(s.x); ++x)
-            for (int y = first(s.y); y < last(s.y); ++y) {
-                const openvdb::Index row = openvdb::Index(x << 6 | y << 3);
-                for (int z = first(s.z); z < last(s.z); ++z) {
-                    const openvdb::Index offset = row + openvdb::Index(z);
-                    value_[indexOf(Ijk{x, y, z} + 8 * s + Ijk{kMargin, kMargin, kMargin})] =
-                        leaf && leaf->isValueOn(offset)
-                            ? float(double(leaf->getValue(offset)) * perDx_)
-                            : kMissing;
+            for (int y = first(s.y); y < last(s.y); ++y)
+                for (int z = first(s.z); z < last(s.z); z += 4) {
+                    float* const to =
+                        &value_[indexOf(Ijk{x, y, z} + 8 * s + Ijk{kMargin, kMargin, kMargin})];
+                    if (leaf)
+                        copyFour(
+                            leaf->buffer().data() + (x << 6 | y << 3 | z),
+                            leaf->valueMask().getWord<std::uint8_t>(openvdb::Index(x << 3 | y)) >>
+                                z,
+                            perDx_, to);
+                    else
+                        std::fill_n(to, 4, kMissing);
                 }
-            }
     }
 
     LeafBlock::Accessor psi_;

@@ -235,15 +235,19 @@ private:
         measureByFour(accessor, dx_, zero_, leaf, block, packed_.of(leaf));
     }
     void measureAll() {
-        lowered_.resize(leaves_.size());
+        std::vector<HollowEdges::Shown> shown(leaves_.size());
         parallelFor(leaves_.size(), 64, [&](std::size_t begin, std::size_t end) {
             const LeafBlock::Accessor accessor(psi_);
             const auto block = std::make_unique<LeafBlock>();
-            HollowEdges edges(psi_, dx_);
             for (std::size_t l = begin; l < end; ++l) {
                 measure(accessor, *leaves_[l], *block);
-                edges.look(*block, leaves_[l]->origin(), lowered_[l]);
+                shown[l] = HollowEdges::shownBy(*block);
             }
+        });
+        lowered_.resize(leaves_.size());
+        parallelFor(leaves_.size(), 64, [&](std::size_t begin, std::size_t end) {
+            HollowEdges edges(psi_, dx_, shown);
+            for (std::size_t l = begin; l < end; ++l) edges.look(*leaves_[l], lowered_[l]);
         });
     }
     /// Gives voxels in front of hollow edges what they had, and measures M beside them again.
