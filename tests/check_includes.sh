@@ -35,7 +35,7 @@ fmt/printf.h  src apps
 tbb/       src apps        src/igeo/base/parallel.h src/igeo/base/parallel.cpp apps/implicit-geodesic/version_text.cpp
 fcntl.h    src apps        src/igeo/base/detail/system_posix.cpp src/igeo/base/detail/system_windows.cpp apps/implicit-geodesic/process_posix.cpp
 sys/       src apps        src/igeo/base/detail/system_posix.cpp src/igeo/base/detail/system_windows.cpp apps/implicit-geodesic/process_posix.cpp
-unistd.h   src apps        src/igeo/base/detail/system_posix.cpp apps/implicit-geodesic/process_posix.cpp
+unistd.h   src apps        src/igeo/base/detail/system_posix.cpp apps/implicit-geodesic/process_posix.cpp apps/implicit-geodesic/heap.cpp
 windows.h  src apps        apps/implicit-geodesic/process_windows.cpp
 '
 
