@@ -231,6 +231,8 @@ void print(const FileSurvey& file) {
         table.row("|grad psi|",
                   fmt::format("{:.3f} (median), within [0.75, 1.25] at {:.1f} % of the voxels",
                               stats.gradientMedian, 100 * stats.gradientShare));
+    if (stats.conversionUndone)
+        table.row("conversion", "of a mesh by OpenVDB: psi gets back what its last step took away");
     if (file.surface) printSurface(table, file);
     for (const std::string& warning : file.warnings) table.row("warning", warning);
     results() << printable(inOptionWords(file.verdict())) << "\n";

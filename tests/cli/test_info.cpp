@@ -1,4 +1,6 @@
 // The subcommand info: what it finds out of good files and of bad ones.
+#include <igeo/io/vdb_write.h>
+#include <openvdb/tools/MeshToVolume.h>
 #include <support/catch.h>
 #include <support/clouds.h>
 #include <support/mesh_shapes.h>
@@ -108,6 +110,26 @@ TEST_CASE("info: what it says of the surface is what a run says") {
     CHECK(fromStream["inputs"][0]["digest"].is_null());
     fromStream["file"] = "in.vdb";
     CHECK(contentOf(fromStream) == contentOf(survey));
+}
+
+TEST_CASE("info: whether OpenVDB made a level set from a mesh") {
+    const TempWorkspace desk;
+    const auto transform = openvdb::math::Transform::createLinearTransform(0.02);
+    const std::vector<openvdb::Vec3s> corners{{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},
+                                              {0, -1, 0}, {0, 0, 1},  {0, 0, -1}};
+    const std::vector<openvdb::Vec3I> octahedron{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                                 {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+    const auto grid =
+        openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(*transform, corners, octahedron);
+    writeVdb(desk / "made.vdb", {grid});
+    desk.make("exact.vdb", "box --voxel-size 0.03");
+    CHECK(surveyed(desk, "made.vdb", 0)["levelSet"]["conversionUndone"] == true);
+    CHECK(surveyed(desk, "exact.vdb", 0)["levelSet"]["conversionUndone"] == false);
+    const auto saysSo = [&](const std::string& file) {
+        return desk.run("info " + file).out.find("of a mesh by OpenVDB") != std::string::npos;
+    };
+    CHECK(saysSo("made.vdb"));
+    CHECK(!saysSo("exact.vdb"));
 }
 
 TEST_CASE("info: a mesh, closed or open") {

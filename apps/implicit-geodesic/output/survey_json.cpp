@@ -39,6 +39,7 @@ json levelSetJson(const FileSurvey& file) {
     if (s.stats.nearSurface == 0) return j;
     j["gradient"] = {{"median", s.stats.gradientMedian}, {"goodShare", s.stats.gradientShare}};
     j["cutVoxels"] = s.stats.cutVoxels;
+    j["conversionUndone"] = s.stats.conversionUndone;
     return j;
 }
 

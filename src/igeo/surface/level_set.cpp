@@ -219,6 +219,7 @@ void turnWrongSigns(LevelSet& s) {
 void undoConversion(LevelSet& s) {
     if (!isRenormalized(*s.psi)) return;
     const openvdb::FloatGrid::Ptr psi = toChange(s);
+    s.stats.conversionUndone = true;
     s.stats.loweredVoxels = undoRenormalization(*psi, s.transform.dx);
     s.psi = psi;
     const std::vector<const Leaf*> leaves = leavesOf(*psi);
