@@ -72,8 +72,11 @@ if [ -n "$mesh" ]; then
     # Another model may have the same name.
     if [ ! "out/$name.obj" -nt "$mesh" ] || [ "$(cat "out/$name.source" 2>/dev/null)" != "$mesh" ]; then
         say "reading $mesh"
+        # The source is named last: what was cut short is read again.
+        rm -f "out/$name.source"
+        vdb_tool -quiet -read "$mesh" -write "out/$name.part.obj"
+        mv "out/$name.part.obj" "out/$name.obj"
         printf '%s\n' "$mesh" >"out/$name.source"
-        vdb_tool -quiet -read "$mesh" -write "out/$name.obj"
     fi
 elif getBunny; then
     name=bunny

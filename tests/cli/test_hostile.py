@@ -115,6 +115,13 @@ class Hostile(unittest.TestCase):
                 self.refused("No such file", "--sdf", name + ".vdb", "--seed", "0,0,1", "-o", "x.vdb")
         self.assertEqual(sorted(os.listdir(self.folder)), ["jobs.json", "sphere.vdb"])
 
+    def test_names_of_jobs_stay_in_the_folder(self):
+        for name in ("../t", "a/../../t", "/t", "/tmp/t"):
+            for option in ("output", "report", "image"):
+                self.write("jobs.json", {"version": 2, "jobs": [{**JOB, "name": name, option: "{name}.vdb"}]})
+                self.refused("leads out of the folder", "batch", "jobs.json")
+        self.assertEqual(sorted(os.listdir(self.folder)), ["jobs.json", "sphere.vdb"])
+
     def test_names_of_grids_do_not_rule_the_terminal(self):
         whole = (self.folder / "sphere.vdb").read_bytes()
         (self.folder / "bad.vdb").write_bytes(whole.replace(counted(b"psi"), counted(b"\x1b[m")))

@@ -88,6 +88,12 @@ std::string filled(std::string text, const std::string& name, const std::string&
     return text;
 }
 
+/// Whether a name, put into a path, may lead out of the path's folder.
+bool leadsOut(const std::string& name) {
+    const std::filesystem::path path(name);
+    return path.has_root_path() || std::find(path.begin(), path.end(), "..") != path.end();
+}
+
 ManifestJob jobOf(const Json& entry, const Values& defaults, const std::string& file,
                   std::size_t number) {
     const std::string place = file + ": job " + std::to_string(number);
@@ -103,7 +109,12 @@ ManifestJob jobOf(const Json& entry, const Values& defaults, const std::string& 
     for (const auto& [option, value] : defaults)  // unless the job sets them
         if (values.emplace(option, value).second) job.defaults.insert("--" + option);
     for (const auto& [option, value] : values) addArguments(option, value, where, job.arguments);
-    for (std::string& argument : job.arguments) argument = filled(argument, job.name, "");
+    for (std::string& argument : job.arguments) {
+        if (leadsOut(job.name) && argument.find("{name}") != argument.npos)
+            inputError(where + ": its name leads out of the folder of '" + argument + "'",
+                       "take \"..\" and a leading \"/\" out of the name, or write the path itself");
+        argument = filled(argument, job.name, "");
+    }
     return job;
 }
 

@@ -1,16 +1,56 @@
 // What checkLevelSet measures; test_level_set_refusals.cpp has what it refuses.
 #include <igeo/surface/level_set.h>
+#include <openvdb/tools/Filter.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/openvdb.h>
 #include <support/shapes.h>
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 namespace igeo::test {
 namespace {
 
 LevelSetStats statsOf(const Shape& shape, double dx, double halfWidth = 3) {
     return checkedLevelSet(makeLevelSet(shape, dx, halfWidth)).stats;
+}
+
+/// The exact distance to a comb along z, in voxels, turned in space.
+/// @param thick  its teeth and its back; slots are a fifth of a voxel wider
+Shape comb(double thick) {
+    constexpr int kTeeth = 5;
+    constexpr double kDeep = 12, kLong = 9;
+    const double pitch = 2 * thick + 0.2, low = -(kTeeth * pitch - thick) / 2;
+    std::vector<openvdb::Vec2d> outline{{low, -thick}};
+    for (int k = 0; k < kTeeth; ++k) {
+        const double left = low + k * pitch, right = left + thick;
+        if (k > 0) outline.emplace_back(left, 0);
+        outline.emplace_back(left, kDeep), outline.emplace_back(right, kDeep);
+        if (k + 1 < kTeeth) outline.emplace_back(right, 0);
+    }
+    outline.emplace_back(-low, -thick);
+    const auto sdf = [=](const openvdb::Vec3d& p) {
+        const openvdb::Vec3d q(0.6 * p.x() - 0.8 * p.y(), 0.48 * p.x() + 0.36 * p.y() - 0.8 * p.z(),
+                               0.64 * p.x() + 0.48 * p.y() + 0.6 * p.z());
+        const openvdb::Vec2d at(q.x(), q.y());
+        double least = 1e9;
+        bool inside = false;
+        for (std::size_t i = 0; i < outline.size(); ++i) {
+            const openvdb::Vec2d a = outline[i], b = outline[(i + 1) % outline.size()], ab = b - a;
+            const double along = std::clamp((at - a).dot(ab) / ab.dot(ab), 0.0, 1.0);
+            least = std::min(least, (at - a - along * ab).length());
+            inside ^= (a.y() > at.y()) != (b.y() > at.y()) &&
+                      at.x() < a.x() + (at.y() - a.y()) / ab.y() * ab.x();
+        }
+        const double across = inside ? -least : least, beyond = std::abs(q.z()) - kLong;
+        return std::min(std::max(across, beyond), 0.0) +
+               std::hypot(std::max(across, 0.0), std::max(beyond, 0.0));
+    };
+    const openvdb::BBoxd bounds(openvdb::Vec3d(-20), openvdb::Vec3d(20));
+    return {"comb", sdf, bounds, true, nullptr};
 }
 
 }  // namespace
@@ -98,6 +138,23 @@ TEST_CASE("checkLevelSet: closed surfaces see the other sign next to them") {
         INFO(shape.name << ": " << st.crossingShare);
         CHECK(st.crossingShare > 0.45);
     }
+}
+
+TEST_CASE("checkLevelSet: walls of 1.5 voxels are distances, though most voxels lie at kinks") {
+    for (const double thick : {1.3, 1.5, 1.7}) {
+        const LevelSet s = checkedLevelSet(makeLevelSet(comb(thick), 1, 3));
+        INFO(thick << ": " << s.stats.gradientShare);
+        CHECK(s.stats.gradientShare < 0.7);  // the limit for distances with few kinks
+        REQUIRE(!s.warnings.empty());
+        CHECK_THAT(s.warnings.back(), contains("psi has a kink between two sheets"));
+    }
+    // What is none stays none: a mean over 27 voxels, a slope of 0.8.
+    const auto smooth = makeLevelSet(sphere(kOffLattice, 1), 0.05, 3);
+    const auto flat = smooth->deepCopy();
+    openvdb::tools::Filter<openvdb::FloatGrid>(*smooth).mean(2, 3);
+    for (auto it = flat->beginValueOn(); it; ++it) it.setValue(0.8f * *it);
+    CHECK_THROWS_WITH(checkedLevelSet(smooth), contains("psi is not a distance"));
+    CHECK_THROWS_WITH(checkedLevelSet(flat), contains("psi is not a distance"));
 }
 
 TEST_CASE("checkLevelSet: the transform becomes a similarity") {
