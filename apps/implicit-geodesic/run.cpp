@@ -186,6 +186,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
         stages.finished("trace");
     }
     warnOfPathsAgainstDistances(distance.band().transform.dx, report);
+    if (!distance.band().triangles) warnOfLongSteps(distance.band().transform.dx, report);
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
         report.accuracy = estimate(distance, report.surface.heightNoise, console, stages);
     report.walks = shoot(solver, o.shots, stages);

@@ -227,4 +227,20 @@ TEST_CASE("isolinesJson: world units") {
     CHECK(j["isolines"][1]["position"] == json({{10, 20, 30.5}, {10, 20, 31}}));
 }
 
+TEST_CASE("report: paths with long steps are warned of") {
+    RunReport report;
+    report.paths.resize(3);
+    for (int k = 0; k < 3; ++k)
+        for (int i = 0; i < 4; ++i)
+            report.paths[std::size_t(k)].points.emplace_back(0.1 * i, 0,
+                                                             k == 1 && i == 3 ? 0.3 : 0);
+    warnOfLongSteps(/*dx=*/0.1, report);
+    REQUIRE(report.warnings.size() == 1);
+    CHECK_THAT(report.warnings[0],
+               contains("1 of 3 paths have a step of more than 2.5 voxels (target 1: 3.2)"));
+    report.warnings.clear();
+    warnOfLongSteps(0.2, report);
+    CHECK(report.warnings.empty());
+}
+
 }  // namespace igeo::test

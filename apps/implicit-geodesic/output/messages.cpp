@@ -177,6 +177,26 @@ void warnOfPathsAgainstDistances(double dx, RunReport& report) {
         count, reached, worst, 100 * most));
 }
 
+void warnOfLongSteps(double dx, RunReport& report) {
+    constexpr double kLong = 2.5;  // voxels; paths have one vertex per voxel
+    std::size_t count = 0, worst = 0;
+    double most = 0;
+    for (std::size_t k = 0; k < report.paths.size(); ++k) {
+        const std::vector<igeo::Vec3d>& points = report.paths[k].points;
+        double longest = 0;
+        for (std::size_t i = 1; i < points.size(); ++i)
+            longest = std::max(longest, length(points[i] - points[i - 1]) / dx);
+        count += longest > kLong;
+        if (longest > most) most = longest, worst = k;
+    }
+    if (count == 0) return;
+    report.warn(fmt::format(
+        "{} of {} paths have a step of more than {} voxels (target {}: {:.1f}): it may lead "
+        "through "
+        "a thin wall or across a slot; smaller voxels, or the mesh itself, tell the sheets apart",
+        count, report.paths.size(), kLong, worst, most));
+}
+
 void warnOfRoundedBends(RunReport& report) {
     for (std::size_t k = 0; k < report.walks.size(); ++k)
         if (const std::size_t bends = report.walks[k].roundedBends)

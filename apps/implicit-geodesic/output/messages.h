@@ -24,6 +24,8 @@ void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report);
 /// a march: then one of the two is wrong.
 /// @param dx  voxel size
 void warnOfPathsAgainstDistances(double dx, RunReport& report);
+/// Of paths on voxels; on a mesh they have long steps over its triangles.
+void warnOfLongSteps(double dx, RunReport& report);
 
 /// Adds a warning for each walk over sharp bends that the voxels round.
 void warnOfRoundedBends(RunReport& report);
