@@ -212,6 +212,12 @@ std::string Distance::lostVertexWarning(Progress& progress) const {
     });
     return lostWarning(field, step > 1 ? "vertices looked at" : "vertices", looked, distance);
 }
+std::string Distance::pagesWarning() const {
+    if (marched()->evenCosts || band_->spine.empty()) return {};
+    return "three or more sheets of the mesh share an edge: where they are less than 15 degrees "
+           "apart, distances with weights or obstacles are off by up to 15 voxels from sheet to "
+           "sheet; use smaller voxels, or one cost everywhere";
+}
 Samples Distance::samples() const { return samplesOf(*forPoints(0)); }
 DistanceMatrix Distance::matrix(Progress& progress) const {
     return distances(*band_, forPoints(0)->metric, seeds(), targets_, progress);

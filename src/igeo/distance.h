@@ -87,6 +87,10 @@ public:
     /// distance (lostWarning); it looks at 1000 of them at most, spread over the file. Empty where
     /// there are none, where all nodes have a distance, and for a surface that is no mesh.
     std::string lostVertexWarning(Progress& progress = Progress::none()) const;
+    /// A sentence where three or more pages of a mesh share an edge, one of them without nodes
+    /// beside it, and costs vary or obstacles are: fronts pass to such pages well only where one
+    /// cost is everywhere (Band::spine). Else empty.
+    std::string pagesWarning() const;
     /// The distances of jet at its foot points (samplesOf).
     /// @throws Error  InvalidArgument for another scheme
     Samples samples() const;

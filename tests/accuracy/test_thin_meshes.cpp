@@ -384,5 +384,22 @@ TEST_CASE("thin meshes: seeds on a page between others", "[mesh]") {
         }
 }
 
+TEST_CASE("thin meshes: pages at small angles are warned of where costs vary", "[mesh]") {
+    const auto warningOn = [](double degrees, double slope) {
+        const Swept swept(book(degrees, 3, 0, 7.3), 0.8, 7);
+        std::vector<double> weight;
+        for (const double y : swept.y) weight.push_back(1 + slope * y);
+        SolverOptions options;
+        options.metric.vertexWeights = {valuesAtPoints(swept.mesh, weight)};
+        const GeodesicSolver solver(Surface(swept.mesh, {.size = 1}), options);
+        return solver.distance({swept.seed}).pagesWarning();
+    };
+    for (const double degrees : {4, 8, 15}) {
+        INFO(degrees << " degrees");
+        CHECK(warningOn(degrees, 0) == "");
+        CHECK(warningOn(degrees, 0.01) != "");
+    }
+}
+
 }  // namespace
 }  // namespace igeo

@@ -157,6 +157,10 @@ void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
         report.warn(w);
 }
 
+void warnOfPages(const igeo::Distance& distance, RunReport& report) {
+    report.warn(distance.pagesWarning());
+}
+
 void warnOfPathsAgainstDistances(double dx, RunReport& report) {
     constexpr double kShare = 0.05, kVoxels = 2;
     std::size_t count = 0, reached = 0, worst = 0;

@@ -219,6 +219,7 @@ void bindDistance(py::module_& module) {
                                    const py::gil_scoped_release released;
                                    return igeo::overrunWarnings(*d.marched());
                                })
+        .def_property_readonly("pages", &Distance::pagesWarning)
         .def_property_readonly("lost_vertices",
                                [](const Distance& d) {
                                    const py::gil_scoped_release released;

@@ -204,11 +204,13 @@ void JetMarch::addStretched(NodeIndex i, const JetRows::Row& row, const Batch& b
     }
 }
 
-bool JetMarch::mayGoRound(NodeIndex i, const JetGroup::Solution& s) const {
+bool JetMarch::mayGoRound(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s) const {
     constexpr float kDetour = 0.1f;
-    return s.detour > kDetour && isotropic_ && !core_.costsVary &&
-           (core_.band.triangles || core_.band.foot.empty()) &&
-           core_.nodes[i].obstacleState == Metric::Clear;
+    if (!(s.detour > kDetour && isotropic_ && !core_.costsVary) ||
+        core_.nodes[i].obstacleState != Metric::Clear)
+        return false;
+    if (core_.band.triangles) return knowsCrease(row) || isCreasedBeside(i);
+    return core_.band.foot.empty() && knowsCrease(row);
 }
 
 bool JetMarch::knowsCrease(const JetRows::Row& row) {
@@ -244,14 +246,18 @@ bool JetMarch::isAtRim(NodeIndex i) const {
     // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
     // saves.
     if (!core_.stretch.empty()) return false;
+    return links_.row(i).size() < kAllAround || isCreasedBeside(i);
+}
+
+bool JetMarch::isCreasedBeside(NodeIndex i) const {
     const auto row = links_.row(i);
-    return row.size() < kAllAround || std::any_of(row.begin(), row.end(), [&](const JetLink& l) {
-               bool crease = false;
-               forLinks(core_, l.node(), [&](NodeIndex, const Ijk&, const Vec3f&, float cosine) {
-                   crease |= cosine < JetLink::kSmooth;
-               });
-               return crease;
-           });
+    return std::any_of(row.begin(), row.end(), [&](const JetLink& l) {
+        bool crease = false;
+        forLinks(core_, l.node(), [&](NodeIndex, const Ijk&, const Vec3f&, float cosine) {
+            crease |= cosine < JetLink::kSmooth;
+        });
+        return crease;
+    });
 }
 
 void JetMarch::enqueue(const Batch& batch, JetsOnLinks& accepted, Chunk& chunk) {
@@ -377,7 +383,8 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
         const NodeIndex i = group.node[lane];
         JetGroup::Solution& s = solutions[lane];
         if (s.oneSided && isAtRim(i)) s = group.jets.solveAtRim(lane);
-        if (mayGoRound(i, s)) s = overTwoLinks(i, group.rows.of[lane], batch, s);
+        if (const JetRows::Row& row = group.rows.of[lane]; mayGoRound(i, row, s))
+            s = overTwoLinks(i, row, batch, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
         settle(lane, group, {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet},
                batch, chunk);

@@ -132,8 +132,9 @@ private:
     /// Sorts the links of the nodes, and begins them in Group::jets.
     void gather(const Batch& batch, Group& group);
     /// Whether the value of a node may come from neighbors beside its ray alone, as beside creases
-    /// no other node of the core is next to it.
-    bool mayGoRound(NodeIndex i, const JetGroup::Solution& s) const;
+    /// no other node of the core is next to it. On a mesh also two links from a crease: a front
+    /// that fans out around a corner there turns too much from neighbor to neighbor.
+    bool mayGoRound(NodeIndex i, const JetRows::Row& row, const JetGroup::Solution& s) const;
     /// The least of a solution and of what nodes up to two links away carry: along straight lines
     /// on S, and on a mesh over walks.
     JetGroup::Solution overTwoLinks(NodeIndex i, const JetRows::Row& row, const Batch& batch,
@@ -153,6 +154,8 @@ private:
     /// Whether a front may go around something beside a node: an obstacle, the end of S, or a
     /// corner at which creases within two links meet.
     bool isAtRim(NodeIndex i) const;
+    /// Whether a crease is within two links.
+    bool isCreasedBeside(NodeIndex i) const;
     Jump jumpTo(NodeIndex i) const;
     /// A node from which a front may come to another.
     struct From {

@@ -149,9 +149,8 @@ JetGroup::Solution JetGroup::decide(std::size_t lane, const BestFit& fit,
     if (fit.mayCount && std::abs(fit.best.u - u) < kAgree) return fit.best;
     FrontsMeet fronts(fallback.g(lane));
     for (std::size_t k = 0; k < lanes_.count[lane]; ++k) fronts.add(lanes_.at(lane, k));
-    Solution other{u, fallback.g(lane), fit.best.source, true, fronts.meet()};
-    if (!nodes_[lane].smooth) other.detour = fallback.detour(lane);
-    return other;
+    return {u,     fallback.g(lane),     fit.best.source, true, fronts.meet(),
+            false, fallback.detour(lane)};
 }
 
 JetGroup::Solution JetGroup::solvePerSource(std::size_t lane) const {
