@@ -390,7 +390,15 @@ FileSurvey surveyFile(const GridSource& source, Progress& progress) {
     file.surface->unresolved = unresolvedOf(file.levelSet, file.band);
     for (const std::string& w : unresolvedWarnings(file.surface->unresolved))
         file.warnings.push_back(w);
-    estimate(file, marchBytes(file.levelSet, file.band), kVolumeSecondsPerNode);
+    // Of doubles that were read, pages stay that hold a few floats each: 0.3 of the level set.
+    constexpr double kPagesLeft = 0.3;
+    const bool ofDoubles = std::any_of(file.grids.begin(), file.grids.end(), [&](const auto& g) {
+        return g.name == file.levelSet.name && g.type == "double";
+    });
+    estimate(file,
+             marchBytes(file.levelSet, file.band) +
+                 (ofDoubles ? kPagesLeft * double(file.levelSet.psi->memUsage()) : 0),
+             kVolumeSecondsPerNode);
     return file;
 }
 
