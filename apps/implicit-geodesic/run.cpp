@@ -180,7 +180,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     if (o.joinGaps > 0) tellJoints(distance.band().joints, o.joinGaps, console, report.warnings);
     warnOfOverrunSeeds(distance, report);
     warnOfIdleObstacles(distance, report);
-    warnOfPages(distance, report);
+    report.warn(distance.pagesWarning());
 
     if (showsPaths(o, distance.targets().size())) {
         report.paths = distance.paths(o.straighten, stages);

@@ -157,10 +157,6 @@ void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
         report.warn(w);
 }
 
-void warnOfPages(const igeo::Distance& distance, RunReport& report) {
-    report.warn(distance.pagesWarning());
-}
-
 void warnOfPathsAgainstDistances(double dx, RunReport& report) {
     constexpr double kShare = 0.05, kVoxels = 2;
     std::size_t count = 0, reached = 0, worst = 0;
@@ -196,8 +192,8 @@ void warnOfLongSteps(double dx, RunReport& report) {
     if (count == 0) return;
     report.warn(fmt::format(
         "{} of {} paths have a step of more than {} voxels (target {}: {:.1f}): it may lead "
-        "through "
-        "a thin wall or across a slot; smaller voxels, or the mesh itself, tell the sheets apart",
+        "through a thin wall or across a slot; smaller voxels, or the mesh itself, tell the sheets "
+        "apart",
         count, report.paths.size(), kLong, worst, most));
 }
 

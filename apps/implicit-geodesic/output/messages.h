@@ -20,9 +20,6 @@ void describe(const igeo::Distance& distance, const Console& console);
 /// Adds a warning for each seed that another front reaches before the seed starts.
 void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report);
 
-/// Adds a warning where pages of a mesh and a metric do not go together (Distance::pagesWarning).
-void warnOfPages(const igeo::Distance& distance, RunReport& report);
-
 /// Adds a warning where the lengths of paths differ from their distances by more than the error of
 /// a march: then one of the two is wrong.
 /// @param dx  voxel size

@@ -16,6 +16,9 @@
 
 namespace igeo {
 
+/// psi of an inactive voxel.
+constexpr float kMissingVoxel = std::numeric_limits<float>::quiet_NaN();
+
 /// Copies four voxels, divided by the voxel size; NaN where inactive. Without branches: half of the
 /// rows have voxels of both kinds.
 /// @param active  bits: which of them are
@@ -23,10 +26,9 @@ IGEO_INLINE void copyFour(const float* from, unsigned active, double perDx, floa
     using Four = Registers<4>::Vector;
     using Integers = Registers<4>::Integers;
     typedef double Doubles __attribute__((vector_size(32)));
-    constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
     const Doubles scaled = __builtin_convertvector(loadLanes<4>(from), Doubles) * perDx;
     const Integers isActive = ((Integers{} + int(active)) & bitPerLane<4>()) != 0;
-    storeLanes(isActive ? __builtin_convertvector(scaled, Four) : Four{} + kMissing, to);
+    storeLanes(isActive ? __builtin_convertvector(scaled, Four) : Four{} + kMissingVoxel, to);
 }
 
 /// The 10^3 voxels of a leaf and one voxel around it, in voxel units; NaN where inactive.
@@ -65,8 +67,6 @@ public:
     unsigned active(int x, int y) const { return active_[std::size_t(10 * (x + 1) + y + 1)]; }
 
 private:
-    static constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
-
     /// Slice of the leaf at step s that lies in the block, as [begin, end) of leaf coordinates.
     static int first(int s) { return s < 0 ? 7 : 0; }
     static int last(int s) { return s > 0 ? 1 : 8; }
@@ -104,8 +104,8 @@ private:
                 float* row = &values_[std::size_t(10 * at)];
                 active_[std::size_t(at)] = std::uint16_t(bits << 1 | isLow | isHigh << 9);
                 copyRow(here.values + from, bits, scale, row + 1);
-                row[0] = isLow ? float(low.values[from + 7] * scale) : kMissing;
-                row[9] = isHigh ? float(high.values[from] * scale) : kMissing;
+                row[0] = isLow ? float(low.values[from + 7] * scale) : kMissingVoxel;
+                row[9] = isHigh ? float(high.values[from] * scale) : kMissingVoxel;
             }
         }
     }

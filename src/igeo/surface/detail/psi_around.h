@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <limits>
 
 namespace igeo {
 
@@ -29,17 +28,12 @@ public:
                       : atFar(cell, p - Vec3d(cell));
     }
 
-    /// Voxel (x, y, 0), and those from -kMargin to 7 + kMargin beside it.
-    const float* row(int x, int y) const {
-        return &value_[indexOf({x + kMargin, y + kMargin, kMargin})];
-    }
     /// A voxel at most kMargin away from the leaf, whose first voxel is (0, 0, 0).
     float voxel(const Ijk& v) const { return value_[indexOf(v + Ijk{kMargin, kMargin, kMargin})]; }
 
 private:
     static constexpr int kMargin = 4;  ///< of four: most chords, and what is looked at beside them
     static constexpr int kEdge = 8 + 2 * kMargin;
-    static constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
     using Steps = std::array<std::size_t, 3>;
     static constexpr Steps kSteps{std::size_t(kEdge * kEdge), std::size_t(kEdge), 1};
 
@@ -65,7 +59,7 @@ private:
             const openvdb::Coord ijk(cell.x + int(k >> 2), cell.y + int(k >> 1 & 1),
                                      cell.z + int(k & 1));
             float value;
-            corner[k] = psi_.probeValue(ijk, value) ? float(value * perDx_) : kMissing;
+            corner[k] = psi_.probeValue(ijk, value) ? float(value * perDx_) : kMissingVoxel;
         }
         return interpolate(corner.data(), {4, 2, 1}, t);
     }
@@ -88,7 +82,7 @@ private:
                                 z,
                             perDx_, to);
                     else
-                        std::fill_n(to, 4, kMissing);
+                        std::fill_n(to, 4, kMissingVoxel);
                 }
     }
 
