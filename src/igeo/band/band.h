@@ -19,6 +19,8 @@
 
 namespace igeo {
 
+struct MeshWays;
+
 /// Whether two foot points, `chord` apart, lie on sheets one on top of the other with normals
 /// alike, as open surfaces have them: neighbors on one sheet are never a voxel apart along both
 /// normals.
@@ -77,6 +79,9 @@ struct Band {
     /// voxels. Jumps lead from the edge to the first nodes of such a page. Core nodes at both ends
     /// of them, ascending.
     std::vector<NodeIndex> spine;
+    /// Straight lines over the triangles of a mesh where sheets cross or fold within a voxel; null
+    /// where there are none.
+    std::shared_ptr<const MeshWays> ways;
 
     std::vector<BandLeaf> leaves;
     std::vector<float> psi;     ///< per node: signed distance, voxels; |psi| < h
@@ -86,10 +91,10 @@ struct Band {
     /// Per node, bits: kFacing where a neighbor lies on a sheet that faces it, kSevered where links
     /// are severed, kBesideSevered there and at all neighbors of such nodes, kBridged at the ends
     /// of bridges, kStretched at those of stretched links, kKink where psi of a level set has a
-    /// kink.
+    /// kink, kHasWays at the ends of straight lines.
     std::vector<std::uint8_t> facing;
     static constexpr std::uint8_t kFacing = 1, kSevered = 2, kBesideSevered = 4, kBridged = 8,
-                                  kStretched = 16, kKink = 32;
+                                  kStretched = 16, kKink = 32, kHasWays = 64;
 
     std::size_t size() const { return psi.size(); }
 

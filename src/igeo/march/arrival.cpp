@@ -61,7 +61,9 @@ public:
           cell_(cellOnSheet(field, pIndex, sheetNormal)),
           corner_(known ? known->at(cell_.node) : field.at(cell_.node)),
           hasWalks_(field.atFootPoints && band_.triangles && !metric_.anisotropic()),
-          byWalks_(hasWalks_ && (hasThinWalls(band_, cell_) || atCorner()) && isOnMesh()) {}
+          byWays_(hasWalks_ && hasWays(band_, cell_) && isOnMesh()),
+          byWalks_(byWays_ ||
+                   (hasWalks_ && (hasThinWalls(band_, cell_) || atCorner()) && isOnMesh())) {}
 
     Arrival first() const { return field_.atFootPoints ? byJets() : byVoxels(); }
 
@@ -130,6 +132,7 @@ private:
     const bool hasWalks_;                  ///< on a mesh, for jet without tensors
     /// Found by onMesh(): few points need it.
     mutable std::optional<SurfaceTriangles::Place> onMesh_;
+    const bool byWays_;  ///< sheets of a mesh cross or fold within a voxel here
     /// Walls of a mesh are as thin as the cell, or three of its faces meet in the cell.
     const bool byWalks_;
 };
@@ -380,13 +383,19 @@ Arrival Reader::byJets() const {
             first = a;
     };
     if (byWalks_) {
-        const JetsByWalks around = coreByWalks(field_, onMesh(), cell_);
+        JetsByWalks around = coreByWalks(field_, onMesh(), cell_);
+        const std::vector<Seen> seen = byWays_ ? seenFrom(field_, onMesh()) : std::vector<Seen>{};
+        addSeen(field_, seen, around);
         for (const std::uint32_t own : around.sources()) consider(own, around.first(own).distance);
         // A seed that is nearer than any node of its sheet.
         const Straight disc = straight(first.distance, [](std::size_t) { return true; });
         if (disc.distance < first.distance)
             first = {disc.distance, field_.source[std::size_t(disc.seed - field_.seeds.data())],
                      disc.seed};
+        const double here = metric_.at(cell_);
+        for (const Seen& s : seen)
+            if (s.seed && s.distance((here + s.seed->weight) / 2) < first.distance)
+                first = {s.distance((here + s.seed->weight) / 2), s.jet.label, s.seed};
         return orFromPage(first);
     }
     std::array<std::uint32_t, 8> sources;

@@ -34,7 +34,7 @@ void Field::summarize() {
     else
         summarizeAll([&](std::size_t k) { return distance[k]; });
     source = sourcesOf(seeds);
-    const bool pages = band && !band->spine.empty();
+    const bool pages = band && (!band->spine.empty() || band->ways);
     seedsNear = SeedsNear(seeds, pages ? Band::kSpineReach : startRadius);
     if (!seeds.empty())
         leastStart = std::min_element(seeds.begin(), seeds.end(), [](auto& a, auto& b) {

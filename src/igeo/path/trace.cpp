@@ -1,8 +1,10 @@
 #include <igeo/path/trace.h>
 
 #include <igeo/band/detail/chord.h>
+#include <igeo/band/detail/mesh_ways.h>
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
+#include <igeo/march/detail/mesh_read.h>
 #include <igeo/path/detail/curve_on_triangles.h>
 #include <igeo/path/straighten.h>
 
@@ -50,6 +52,9 @@ private:
     /// The node that gives the shortest path from p, of those that no obstacle hides.
     NodeIndex nodeAhead(const Vec3d& p) const;
     NodeIndex lowestNeighbor(NodeIndex i) const;
+    /// The node that gives the shortest path of those lower than d up to three steps away, by
+    /// walks on a mesh: a march solves some nodes over two links, or over a straight line.
+    NodeIndex lowestByWalk(const Vec3d& p, double d) const;
     /// The normal at p of the sheet of the path.
     Vec3d normalAt(const Vec3d& p) const;
     void append(Path& path, const Vec3d& p, double d) const;
@@ -64,6 +69,10 @@ private:
         double step;
         NodeIndex node;  ///< while the path goes from node to node, else kNoNode
     };
+    /// Goes along a straight line on a mesh to the node or seed that gives the shortest path, where
+    /// sheets cross or fold within a voxel.
+    /// @return false where there are no such lines
+    bool followLine(Path& path, State& at);
     /// The seed of a region that contains the target, so that the path has no length; or nullptr.
     const SurfacePoint* regionAround(const Arrival& arrival) const;
     /// The seed whose straight line to p is as long as the distance d there, or nullptr.
@@ -220,6 +229,38 @@ NodeIndex Tracer::lowestNeighbor(NodeIndex i) const {
     return best == i ? kNoNode : best;
 }
 
+NodeIndex Tracer::lowestByWalk(const Vec3d& p, double d) const {
+    constexpr int kReach = 3;
+    constexpr double kLongest = 6;  // voxels
+    const Metric& metric = *field_.metric;
+    const auto at = footPlace(*band_.triangles, p, sheetNormal_);
+    std::vector<std::pair<double, NodeIndex>> lower;
+    const Ijk middle = roundToIjk(p);
+    for (int x = -kReach; x <= kReach; ++x)
+        for (int y = -kReach; y <= kReach; ++y)
+            for (int z = -kReach; z <= kReach; ++z) {
+                const NodeIndex j = band_.nodeAt(middle + Ijk{x, y, z});
+                if (j == kNoNode || !walkable(j) || !(field_.at(j).distance < d) ||
+                    metric.blocked(band_, p, sheetNormal_, j))
+                    continue;
+                lower.emplace_back(
+                    field_.at(j).distance + metric.at(j) * length(band_.footPoint(j) - p), j);
+            }
+    std::sort(lower.begin(), lower.end());
+    ShortWalk walk(*band_.triangles);
+    NodeIndex best = kNoNode;
+    double least = kInfinity;
+    for (const auto& [bound, j] : lower) {
+        if (bound > least) break;
+        const auto to = footPlace(*band_.triangles, band_.footPoint(j), Vec3d(band_.normal[j]));
+        const double walked =
+            walk.tightLength({at.triangle, at.point}, {to.triangle, to.point}, kLongest);
+        const double whole = field_.at(j).distance + metric.at(j) * walked;
+        if (whole < least) least = whole, best = j;
+    }
+    return best;
+}
+
 void Tracer::append(Path& path, const Vec3d& p, double d) const {
     if (!path.vertices.empty()) {
         const Vec3d& last = path.vertices.back().pIndex;
@@ -340,7 +381,45 @@ bool Tracer::advance(State& at) const {
         return true;
     }
     at.node = at.node == kNoNode ? nodeAhead(at.p) : lowestNeighbor(at.node);
+    if (at.node == kNoNode && band_.triangles) at.node = lowestByWalk(at.p, at.d);
     return at.node != kNoNode;
+}
+
+bool Tracer::followLine(Path& path, State& at) {
+    constexpr double kFall = 1e-4, kLater = 0.1;  // voxels
+    const Metric& metric = *field_.metric;
+    if (!band_.ways || !field_.atFootPoints || metric.anisotropic() || metric.obstacles ||
+        !hasWays(band_, cellAt(band_, at.p)))
+        return false;
+    const double here = weightAt(at.p);
+    const std::vector<Seen> seen =
+        seenFrom(field_, footPlace(*band_.triangles, at.p, sheetNormal_), /*withCrossings=*/true);
+    const Seen* best = nullptr;
+    double least = kInfinity;
+    for (const Seen& s : seen) {
+        const double there = s.seed ? s.seed->weight : metric.at(s.node),
+                     d = s.distance((here + there) / 2);
+        if (d < least && s.jet.distance < at.d - kFall * here) least = d, best = &s;
+    }
+    // The front came to a node over a link.
+    if (!best || (at.node != kNoNode && least > at.d + kLater * here)) return false;
+    double done = 0;
+    for (const Vec3d& p : best->crossings) {
+        done += length(p - path.vertices.back().pIndex);
+        const double share = std::min(1.0, done / std::max(best->line.length, 1e-9));
+        append(path, p, at.d + share * (best->jet.distance - at.d));
+    }
+    if (best->seed) {
+        append(path, best->seed->pIndex, best->seed->start);
+        path.seed = std::size_t(best->seed - field_.seeds.data());
+        path.status = PathStatus::Reached;
+        return true;
+    }
+    at = {band_.footPoint(best->node), best->jet.distance, nullptr, options_.maxStep / 4,
+          best->node};
+    sheetNormal_ = Vec3d(band_.normal[best->node]);
+    append(path, at.p, at.d);
+    return true;
 }
 
 Path Tracer::trace(const SurfacePoint& target) {
@@ -363,6 +442,10 @@ Path Tracer::trace(const SurfacePoint& target) {
     }
     path.status = PathStatus::Stalled;
     while (true) {
+        if (followLine(path, at)) {
+            if (path.status == PathStatus::Reached) return path;
+            continue;
+        }
         if (!at.seed) at.seed = straightAhead(at.p, at.d);
         if (const SurfacePoint* seed = at.seed) {
             finishAtSeed(path, *seed);

@@ -5,8 +5,10 @@
 #include <igeo/base/parallel.h>
 #include <igeo/surface/detail/mesh_joints.h>
 #include <igeo/surface/detail/mesh_links.h>
+#include <igeo/surface/detail/mesh_ways.h>
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 namespace igeo {
@@ -167,6 +169,16 @@ void addBesideOthers(const MeshBand& on, std::vector<NodeIndex>& rim) {
     }
 }
 
+/// Adds straight lines, where links and bridges do not go on with the mesh.
+void addWays(const MeshBand& on, Band& band, Progress& progress) {
+    const std::vector<NodeIndex> open = openOnMesh(on, progress);
+    if (open.empty()) return;
+    band.sever(inexactLinks(on, open));
+    auto ways = std::make_shared<MeshWays>(waysOnMesh(on, open, progress));
+    for (const MeshWay& way : ways->ways) band.facing[way.to] |= Band::kHasWays;
+    band.ways = std::move(ways);
+}
+
 }  // namespace
 
 Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress, double gap) {
@@ -208,6 +220,7 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     const MeshBridges bridges = bridgesOnMesh(on, progress);
     band.bridge(bridges.bridges);
     band.spine = bridges.spine;
+    addWays(on, band, progress);
     band.cutOff = shareCutOff(on);
     band.stretch(stretchedOnMesh(on, progress));
     if (gap > 0) {

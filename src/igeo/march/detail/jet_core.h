@@ -4,6 +4,7 @@
 #pragma once
 
 #include <igeo/band/band.h>
+#include <igeo/band/detail/mesh_ways.h>
 #include <igeo/band/surface_point.h>
 #include <igeo/band/tangent_frame.h>
 #include <igeo/march/detail/jet_link.h>
@@ -158,6 +159,17 @@ void forJumps(const JetCore& core, NodeIndex i, const Visit& visit) {
         if (!b.jump || core.nodes[j].obstacleState == Metric::Inside) return;
         const Vec3f chord(core.footOf(node) - core.footOf(core.nodes[j]));
         if (core.isEven() || length(chord) < kFar) visit(j, b.stretch * chord);
+    });
+}
+
+/// Calls visit(j, line) for the nodes from which ways lead to a node.
+template <typename Visit>
+void forWays(const JetCore& core, NodeIndex i, const Visit& visit) {
+    const JetNode& node = core.nodes[i];
+    if (!(node.facing & Band::kHasWays)) return;
+    core.band.ways->forTo(core.inBand(node), [&](const MeshWay& way) {
+        const NodeIndex j = core.band.coreNode(way.from);
+        if (core.nodes[j].obstacleState != Metric::Inside) visit(j, way.line);
     });
 }
 

@@ -249,6 +249,11 @@ bool JetMarch::isAtRim(NodeIndex i) const {
     return links_.row(i).size() < kAllAround || isCreasedBeside(i);
 }
 
+bool JetMarch::isFolded(NodeIndex i) const {
+    constexpr auto kBeside = Band::kStretched | Band::kBesideSevered;
+    return core_.nodes[i].facing & Band::kHasWays && core_.nodes[i].facing & kBeside;
+}
+
 bool JetMarch::isCreasedBeside(NodeIndex i) const {
     const auto row = links_.row(i);
     return std::any_of(row.begin(), row.end(), [&](const JetLink& l) {
@@ -305,7 +310,7 @@ IGEO_INLINE void JetMarch::settle(std::size_t lane, Group& group, Result s, cons
                                   Chunk& chunk) {
     const NodeIndex i = group.node[lane];
     const JetNode& node = core_.nodes[i];
-    const bool bridged = node.facing & Band::kBridged;
+    const bool bridged = node.facing & (Band::kBridged | Band::kHasWays);
     if (bridged)
         if (const Jump jump = jumpTo(i); jump.u < s.u)
             s = {jump.u, jump.g, jump.label, false, false};
@@ -382,7 +387,7 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
         JetGroup::Solution& s = solutions[lane];
-        if (s.oneSided && isAtRim(i)) s = group.jets.solveAtRim(lane);
+        if ((s.oneSided && isAtRim(i)) || isFolded(i)) s = group.jets.solveAtRim(lane);
         if (const JetRows::Row& row = group.rows.of[lane]; mayGoRound(i, row, s))
             s = overTwoLinks(i, row, batch, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);

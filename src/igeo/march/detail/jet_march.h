@@ -154,6 +154,8 @@ private:
     /// Whether a front may go around something beside a node: an obstacle, the end of S, or a
     /// corner at which creases within two links meet.
     bool isAtRim(NodeIndex i) const;
+    /// Whether S folds or crosses within a voxel, so that no chart holds the links of a node.
+    bool isFolded(NodeIndex i) const;
     /// Whether a crease is within two links.
     bool isCreasedBeside(NodeIndex i) const;
     Jump jumpTo(NodeIndex i) const;
@@ -162,6 +164,7 @@ private:
         double least;  ///< of the other, if it does
         double most;   ///< longest walk, voxels
         NodeIndex node;
+        const WalkEnds* line = nullptr;  ///< a straight line to the other
         bool operator<(const From& o) const {
             return std::pair(least, node) < std::pair(o.least, o.node);
         }

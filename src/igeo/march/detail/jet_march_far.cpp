@@ -82,10 +82,11 @@ JetMarch::Jump JetMarch::firstByWalks(NodeIndex i, std::vector<From> from, doubl
     for (const From& f : from) {
         if (f.least > least + around * weight) break;
         const JetNode& other = core_.nodes[f.node];
-        least = std::min(least, jets.add(core_.footOf(other), Vec3d(other.normal),
-                                         {jets_.valueOf(f.node), jets_.gradientOf(f.node),
-                                          jets_.labelOf(f.node)},
-                                         core_.largestCostAt(f.node), f.most));
+        const NodeJet jet{jets_.valueOf(f.node), jets_.gradientOf(f.node), jets_.labelOf(f.node)};
+        const double cost = core_.largestCostAt(f.node);
+        least = std::min(
+            least, f.line ? jets.add(*f.line, core_.footOf(other), Vec3d(other.normal), jet, cost)
+                          : jets.add(core_.footOf(other), Vec3d(other.normal), jet, cost, f.most));
     }
     Jump jump;
     for (const std::uint32_t source : jets.sources()) {
@@ -111,6 +112,11 @@ JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
                          far = double(length(chord));
             from.push_back({jets_.valueOf(j) + cost * far, kLonger * far + kRoom, j});
         });
+        forWays(core_, i, [&](NodeIndex j, const WalkEnds& line) {
+            if (!jets_.accepted(j)) return;
+            const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2;
+            from.push_back({jets_.valueOf(j) + cost * line.length, line.length, j, &line});
+        });
         jump = firstByWalks(i, std::move(from), kAround);
         if (jump.u < float(kInfinity)) return jump;
     }
@@ -128,6 +134,11 @@ void JetMarch::enqueueJumps(NodeIndex from, const Result& jet, const Batch& batc
         if (jets_.accepted(j)) return;
         const double cost = (core_.largestCostAt(from) + core_.largestCostAt(j)) / 2;
         put(j, jet.u + float(cost) * length(chord), batch, chunk);
+    });
+    forWays(core_, from, [&](NodeIndex j, const WalkEnds& line) {
+        if (jets_.accepted(j)) return;
+        const double cost = (core_.largestCostAt(from) + core_.largestCostAt(j)) / 2;
+        put(j, jet.u + float(cost * line.length), batch, chunk);
     });
 }
 

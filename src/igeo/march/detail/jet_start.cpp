@@ -1,6 +1,8 @@
 #include <igeo/march/detail/jet_start.h>
 
 #include <igeo/band/detail/chord.h>
+#include <igeo/band/detail/mesh_fan.h>
+#include <igeo/band/detail/mesh_ways.h>
 #include <igeo/band/detail/short_walk.h>
 #include <igeo/march/detail/mesh_read.h>
 
@@ -22,6 +24,19 @@ double seedCost(const Band& band, const JetSeeds& seeds, std::uint32_t k, const 
     return l > 0 ? seeds.plane[k].cost((length(chord) / l) * flat) : 0;
 }
 
+/// The jet at the end of a walk from seed k.
+Solved jetOver(const WalkEnds& way, const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
+               const LocalFrame& local, const SurfaceTriangles::Place& to) {
+    const SurfaceTriangles& triangles = *core.band.triangles;
+    const SurfacePoint& seed = seeds.points[k];
+    const Vec3d normal(local.frame.normal());
+    Solved s{seed.start + (seed.weight + local.weight) / 2 * way.length, {}, seeds.source[k]};
+    const Vec3d face = sideOf(triangles, to, normal) * triangles.normal(way.last);
+    const Vec2f in = local.frame.flat(Vec3f(turned(way.in, face, normal)));
+    if (length(in) > 0) s.g = (1 / length(in)) * in;
+    return s;
+}
+
 /// The jet of a foot point over edges of a mesh, by a walk on the triangles.
 /// @return false without a walk of at most `most` voxels
 bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, const LocalFrame& local,
@@ -34,10 +49,7 @@ bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, cons
     const WalkEnds way =
         ShortWalk(triangles).ends({from.triangle, from.point}, {to.triangle, foot}, most);
     if (!(way.length < kInfinity)) return false;
-    s = {seed.start + (seed.weight + local.weight) / 2 * way.length, {}, seeds.source[k]};
-    const Vec3d face = sideOf(triangles, to, Vec3d(normal)) * triangles.normal(way.last);
-    const Vec2f in = local.frame.flat(Vec3f(turned(way.in, face, Vec3d(normal))));
-    if (length(in) > 0) s.g = (1 / length(in)) * in;
+    s = jetOver(way, core, seeds, k, local, to);
     return true;
 }
 
@@ -55,6 +67,7 @@ public:
             if (visit(next)) visitNeighbors(next);
         }
         visitSpine();
+        visitWays();
         // A seed in a corner that obstacles hide from all nodes near it: straight to the nearest.
         if (found_.empty() && nearest_ != kNoNode)
             found_.emplace_back(nearest_,
@@ -117,6 +130,26 @@ private:
                           kLonger * length(foot - nearestOfSeed(i)), s))
                 found_.emplace_back(i, s);
         }
+    }
+    /// The same where sheets cross or fold within a voxel.
+    void visitWays() {
+        const Band& band = core_.band;
+        if (!band.ways || !core_.stretch.empty() || !(seed_.segment == Vec3d{}) ||
+            !hasWays(band, cellAt(band, seed_.pIndex)))
+            return;
+        const auto at = band.triangles->nearest(seed_.pIndex);
+        const MeshFan fan(*band.triangles, MeshPoint{at.triangle, at.point}, MeshWays::kReach);
+        WalkEnds way;
+        for (std::size_t k = 0; k < fan.parts().size(); ++k)
+            band.ways->forOn(fan.parts()[k].triangle, [&](NodeIndex node) {
+                if (!fan.sees(k, band.footPoint(node), way)) return;
+                const NodeIndex i = band.coreNode(node);
+                if (core_.nodes[i].obstacleState == Metric::Inside) return;
+                const LocalFrame local = core_.localFrame(i);
+                found_.emplace_back(i, jetOver(way, core_, seeds_, k_, local,
+                                               footPlace(*band.triangles, band.footPoint(node),
+                                                         Vec3d(local.frame.normal()))));
+            });
     }
     /// Whether psi is 0 along the chord from the seed, or nearly so, where the band has it.
     bool isNearPsi(const Vec3d& from, const Vec3d& foot) const {

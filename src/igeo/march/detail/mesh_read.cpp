@@ -1,5 +1,7 @@
 #include <igeo/march/detail/mesh_read.h>
 
+#include <igeo/band/detail/mesh_fan.h>
+#include <igeo/band/detail/mesh_ways.h>
 #include <igeo/march/detail/fermat_update.h>
 
 #include <algorithm>
@@ -115,8 +117,13 @@ void JetsByWalks::addAcross(const Vec3d& foot, const Vec3d& normal, const NodeJe
 double JetsByWalks::add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
                         double most) {
     const auto from = footPlace(triangles_, foot, normal);
-    const WalkEnds way = walk_.ends({from.triangle, foot}, at_, most);
+    return add(walk_.ends({from.triangle, foot}, at_, most), foot, normal, jet, weight);
+}
+
+double JetsByWalks::add(const WalkEnds& way, const Vec3d& foot, const Vec3d& normal,
+                        const NodeJet& jet, double weight) {
     if (!(way.length < kInfinity)) return kInfinity;
+    const auto from = footPlace(triangles_, foot, normal);
     const double cost = (1 + weight / here_) / 2 * way.length;
     const Vec3d up = triangles_.normal(way.last);
     Carried carried{{{float(cost), 0}, {}, jet.distance / here_}, kNoFace, jet.label, way.in, up};
@@ -164,6 +171,65 @@ JetsByWalks::First JetsByWalks::first(std::uint32_t source) const {
                 d < first.distance)
                 first = {d, carried.in, carried.up};
     return first;
+}
+
+bool hasWays(const Band& band, const BandCell& cell) {
+    if (!band.ways) return false;
+    for (int x = -1; x <= 2; ++x)
+        for (int y = -1; y <= 2; ++y)
+            for (int z = -1; z <= 2; ++z) {
+                const NodeIndex i = band.nodeAt(cell.low + Ijk{x, y, z});
+                if (i != kNoNode && band.facing[i] & Band::kHasWays) return true;
+            }
+    return false;
+}
+
+std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at,
+                           bool withCrossings) {
+    const Band& band = *field.band;
+    const SurfaceTriangles& triangles = *band.triangles;
+    const MeshFan fan(triangles, MeshPoint{at.triangle, at.point}, MeshWays::kReach);
+    std::vector<std::pair<std::uint32_t, std::size_t>> seeds;
+    field.seedsNear.forNear(at.point, [&](std::size_t k) {
+        const SurfacePoint& s = field.seeds[k];
+        if (s.segment == Vec3d{} && length(s.pIndex - at.point) < MeshWays::kReach)
+            for (const std::uint32_t t :
+                 trianglesAt(triangles, {triangles.nearest(s.pIndex).triangle, s.pIndex}))
+                seeds.emplace_back(t, k);
+    });
+    std::vector<Seen> all;
+    WalkEnds out;
+    auto add = [&](std::size_t part, NodeIndex node, const SurfacePoint* seed, const Vec3d& there,
+                   const NodeJet& jet) {
+        WalkEnds line = out;
+        std::swap(line.first, line.last);
+        line.out = -out.in, line.in = -out.out;
+        all.push_back({node, seed, jet, line, {}});
+        if (!withCrossings) return;
+        all.back().crossings = fan.crossings(part, there);
+        std::reverse(all.back().crossings.begin(), all.back().crossings.end());
+    };
+    for (std::size_t k = 0; k < fan.parts().size(); ++k) {
+        const std::uint32_t t = fan.parts()[k].triangle;
+        band.ways->forOn(t, [&](NodeIndex i) {
+            if (!fan.sees(k, band.footPoint(i), out)) return;
+            const NodeJet jet = field.at(i);
+            if (jet.distance < kInfinity) add(k, i, nullptr, band.footPoint(i), jet);
+        });
+        for (const auto& [triangle, s] : seeds)
+            if (triangle == t && fan.sees(k, field.seeds[s].pIndex, out))
+                add(k, kNoNode, &field.seeds[s], field.seeds[s].pIndex,
+                    {field.seeds[s].start, {}, field.source[s]});
+    }
+    return all;
+}
+
+void addSeen(const Field& field, const std::vector<Seen>& seen, JetsByWalks& jets) {
+    const Band& band = *field.band;
+    for (const Seen& s : seen)
+        if (s.node != kNoNode)
+            jets.add(s.line, band.footPoint(s.node), Vec3d(band.normal[s.node]), s.jet,
+                     field.metric->at(s.node));
 }
 
 JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,

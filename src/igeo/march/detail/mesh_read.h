@@ -50,6 +50,10 @@ public:
     double add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
                double most);
 
+    /// The same over a line that is known.
+    double add(const WalkEnds& way, const Vec3d& foot, const Vec3d& normal, const NodeJet& jet,
+               double weight);
+
     /// The same across a gap that a bridge joins, to a point at its rim: over both planes,
     /// unfolded.
     void addAcross(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight);
@@ -82,6 +86,25 @@ private:
     std::vector<Carried> jets_;
     std::vector<Vec3d> faceNormal_;
 };
+
+/// Whether straight lines end at a corner of a cell or beside it.
+bool hasWays(const Band& band, const BandCell& cell);
+
+/// A node or a seed that a straight line from a point of a mesh leads to.
+struct Seen {
+    NodeIndex node = kNoNode;
+    const SurfacePoint* seed = nullptr;
+    NodeJet jet;                   ///< at the node or the seed
+    WalkEnds line;                 ///< from there to the point
+    std::vector<Vec3d> crossings;  ///< of edges, from the point on; if asked for
+
+    double distance(double weight) const { return jet.distance + weight * line.length; }
+};
+/// All of them up to MeshWays::kReach that have a value.
+std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at,
+                           bool withCrossings = false);
+/// Carries their jets to the point.
+void addSeen(const Field& field, const std::vector<Seen>& seen, JetsByWalks& jets);
 
 /// Carries the jets of the core around a point of a mesh to it.
 /// @param cell  of the point, with the corners on its sheet

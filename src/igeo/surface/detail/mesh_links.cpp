@@ -354,6 +354,18 @@ void Bridges::findSpine(NodeIndex i, MeshBridges& all) {
 
 }  // namespace
 
+bool foldsIn(const MeshBand& on, LeafIndex l) {
+    const auto& triangles = on.leaves[l].triangles;
+    return std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
+        bool folds = false;
+        for (std::size_t k = 0; k < 3; ++k)
+            on.adjacency.forBeyond(t, k, [&](std::uint32_t u) {
+                folds |= dot(on.faceNormal[t], on.faceNormal[u]) < double(Band::kOtherSheet);
+            });
+        return folds;
+    });
+}
+
 std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress) {
     std::vector<std::vector<Link>> parts(on.leaves.size());
     parallelFor(on.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
@@ -373,12 +385,12 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
     auto isOnBend = [&](NodeIndex i) {
         return dot(Vec3d(band.normal[i]), on.faceNormal[on.voxel(i).triangle]) < double(kBend);
     };
-    auto measure = [&](NodeIndex i, NodeIndex j, const Ijk& step, MeshWalk& walk,
+    auto measure = [&](NodeIndex i, NodeIndex j, const Ijk& step, bool mayFold, MeshWalk& walk,
                        std::vector<StretchedLink>& found) {
         const float cosine = dot(band.normal[i], band.normal[j]);
         if (cosine < Band::kOtherSheet) return;
         const Vec3f chord = chordOf(band, i, j);
-        if (cosine > kBend && std::abs(dot(band.normal[i], chord)) < kRise &&
+        if (!mayFold && cosine > kBend && std::abs(dot(band.normal[i], chord)) < kRise &&
             std::abs(dot(band.normal[j], chord)) < kRise && !isOnBend(i) && !isOnBend(j))
             return;
         const double along =
@@ -395,14 +407,17 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
     };
     parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
         MeshWalk walk(on.adjacency);
-        for (std::size_t l = begin; l < end; ++l)
+        for (std::size_t l = begin; l < end; ++l) {
+            // Folds narrower than a voxel lie between nodes with normals alike.
+            const bool mayFold = foldsIn(on, LeafIndex(l));
             band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned) {
                 if (!band.inCore(i)) return;
                 band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int x, int y, int z) {
                     if (j > i && band.inCore(j) && !band.severed(i, j))
-                        measure(i, j, {x, y, z}, walk, parts[l]);
+                        measure(i, j, {x, y, z}, mayFold, walk, parts[l]);
                 });
             });
+        }
     });
     std::vector<StretchedLink> all;
     for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());

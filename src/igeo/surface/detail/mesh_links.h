@@ -28,6 +28,9 @@ struct MeshBand {
     }
 };
 
+/// Whether the mesh turns back at an edge in a leaf: by more than about 102 degrees.
+bool foldsIn(const MeshBand& on, LeafIndex l);
+
 /// Links between neighbors that normals allow but the mesh does not have: where a walk over
 /// triangles is much longer than the path over the two tangent planes, which a march uses as its
 /// length, or where there is no walk.

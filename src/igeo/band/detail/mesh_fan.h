@@ -1,0 +1,282 @@
+/// The straight lines from a point of a mesh, on its triangles laid flat. Internal.
+#pragma once
+
+#include <igeo/band/detail/short_walk.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+namespace igeo {
+
+/// A point of the plane in which triangles are laid flat, the start of a fan in the origin.
+struct FlatPoint {
+    double x = 0, y = 0;
+    friend FlatPoint operator-(FlatPoint a, FlatPoint b) { return {a.x - b.x, a.y - b.y}; }
+    friend FlatPoint operator*(double s, FlatPoint a) { return {s * a.x, s * a.y}; }
+};
+inline double cross(FlatPoint a, FlatPoint b) { return a.x * b.y - a.y * b.x; }
+inline double dot(FlatPoint a, FlatPoint b) { return a.x * b.x + a.y * b.y; }
+inline double length(FlatPoint a) { return std::hypot(a.x, a.y); }
+
+/// The triangles that hold a point: more than one where it is on an edge or a vertex.
+template <typename Mesh>
+std::vector<std::uint32_t> trianglesAt(const Mesh& mesh, const MeshPoint& p) {
+    constexpr double kOn = 1e-5;  // voxels
+    std::vector<std::uint32_t> around{p.triangle};
+    for (std::size_t n = 0; n < around.size(); ++n) {
+        const std::uint32_t t = around[n];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const Vec3d a = mesh.corner(t, k), e = mesh.corner(t, k + 1) - a;
+            const double l2 = dot(e, e), s = l2 > 0 ? dot(p.at - a, e) / l2 : 0;
+            if (length(a + std::clamp(s, 0.0, 1.0) * e - p.at) > kOn) continue;
+            mesh.forBeyond(t, k, [&](std::uint32_t u) {
+                if (std::find(around.begin(), around.end(), u) == around.end()) around.push_back(u);
+            });
+        }
+    }
+    return around;
+}
+
+/// All straight lines from a point up to a length. Lines through vertices end there.
+/// @tparam Mesh  MeshAdjacency or SurfaceTriangles
+template <typename Mesh>
+class MeshFan {
+public:
+    /// A triangle, as the lines that come over one of its edges meet it.
+    struct Part {
+        std::uint32_t triangle;
+        std::array<FlatPoint, 3> corner;
+        FlatPoint right, left;  ///< the outermost of the lines
+        std::size_t before;     ///< the part that they leave, or kNoPart
+        std::uint32_t entry;    ///< the edge over which they come; 3: none
+        bool mirrored;          ///< laid out clockwise, unlike the first
+    };
+    static constexpr std::size_t kNoPart = std::size_t(-1);
+
+    /// Time and memory O(parts), of which there are about as many as triangles that lines meet.
+    MeshFan(const Mesh& mesh, const MeshPoint& from, double most);
+
+    const std::vector<Part>& parts() const { return parts_; }
+    /// Whether a line leads to a point of the triangle of part k.
+    /// @return it in the last argument
+    bool sees(std::size_t k, const Vec3d& to, WalkEnds& way) const;
+    /// The points at which the line to a point of part k crosses edges, the last first.
+    std::vector<Vec3d> crossings(std::size_t k, const Vec3d& to) const;
+
+    /// Whether a line as long as the fan has a direction that isIn(direction) accepts; eight are
+    /// asked in each part.
+    template <typename IsIn>
+    bool leads(const IsIn& isIn) const;
+
+private:
+    static constexpr std::size_t kMostParts = 20000;
+    static constexpr double kOn = 1e-5;  ///< voxels
+    void begin(const MeshPoint& from);
+    void add(std::uint32_t triangle, const std::array<FlatPoint, 3>& corner);
+    void leave(std::size_t k);
+    /// Lays the triangle beyond an edge of part k flat.
+    void enter(std::size_t k, std::uint32_t edge, std::uint32_t beyond, FlatPoint right,
+               FlatPoint left);
+    /// The distance from the origin to the part of an edge between two lines.
+    static double nearest(FlatPoint a, FlatPoint b);
+    FlatPoint flat(const Part& part, const Vec3d& p) const;
+    Vec3d inSpace(const Part& part, FlatPoint v) const;
+
+    const Mesh& mesh_;
+    double most_;
+    std::vector<Part> parts_;
+};
+
+/// The coordinates of a point of a triangle: p = corner 0 + u (corner 1 - corner 0) + v (corner 2 -
+/// corner 0).
+template <typename Mesh>
+std::array<double, 2> coordinatesIn(const Mesh& mesh, std::uint32_t t, const Vec3d& p) {
+    const Vec3d o = mesh.corner(t, 0), a = mesh.corner(t, 1) - o, b = mesh.corner(t, 2) - o,
+                r = p - o;
+    const double aa = dot(a, a), ab = dot(a, b), bb = dot(b, b), d = aa * bb - ab * ab;
+    if (!(d > 0)) return {0, 0};
+    return {(dot(r, a) * bb - dot(r, b) * ab) / d, (dot(r, b) * aa - dot(r, a) * ab) / d};
+}
+
+template <typename Mesh>
+FlatPoint MeshFan<Mesh>::flat(const Part& part, const Vec3d& p) const {
+    const auto [u, v] = coordinatesIn(mesh_, part.triangle, p);
+    const FlatPoint o = part.corner[0], a = part.corner[1] - o, b = part.corner[2] - o;
+    return {o.x + u * a.x + v * b.x, o.y + u * a.y + v * b.y};
+}
+
+template <typename Mesh>
+Vec3d MeshFan<Mesh>::inSpace(const Part& part, FlatPoint v) const {
+    const FlatPoint a = part.corner[1] - part.corner[0], b = part.corner[2] - part.corner[0];
+    const double d = cross(a, b);
+    if (d == 0) return {};
+    const Vec3d o = mesh_.corner(part.triangle, 0);
+    return normalized(cross(v, b) / d * (mesh_.corner(part.triangle, 1) - o) +
+                      cross(a, v) / d * (mesh_.corner(part.triangle, 2) - o));
+}
+
+template <typename Mesh>
+MeshFan<Mesh>::MeshFan(const Mesh& mesh, const MeshPoint& from, double most)
+    : mesh_(mesh), most_(most) {
+    begin(from);
+    for (std::size_t k = 0; k < parts_.size() && parts_.size() < kMostParts; ++k) leave(k);
+}
+
+template <typename Mesh>
+void MeshFan<Mesh>::begin(const MeshPoint& from) {
+    // On an edge or a vertex lines start in all triangles around.
+    const std::vector<std::uint32_t> around = trianglesAt(mesh_, from);
+    for (const std::uint32_t t : around) {
+        const Vec3d x = normalized(mesh_.corner(t, 1) - mesh_.corner(t, 0)),
+                    y = cross(mesh_.normal(t), x);
+        if (y == Vec3d{}) continue;
+        std::array<FlatPoint, 3> corner;
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const Vec3d r = mesh_.corner(t, k) - from.at;
+            corner[k] = {dot(r, x), dot(r, y)};
+        }
+        parts_.push_back({t, corner, {}, {}, kNoPart, 3, false});
+    }
+}
+
+template <typename Mesh>
+double MeshFan<Mesh>::nearest(FlatPoint a, FlatPoint b) {
+    const FlatPoint e = b - a;
+    const double l2 = dot(e, e), s = l2 > 0 ? std::clamp(-dot(a, e) / l2, 0.0, 1.0) : 0;
+    return igeo::length(FlatPoint{a.x + s * e.x, a.y + s * e.y});
+}
+
+template <typename Mesh>
+void MeshFan<Mesh>::leave(std::size_t k) {
+    const Part part = parts_[k];
+    for (std::uint32_t edge = 0; edge < 3; ++edge) {
+        if (edge == part.entry) continue;
+        FlatPoint right = part.corner[edge], left = part.corner[(edge + 1) % 3];
+        if (part.mirrored) std::swap(right, left);
+        // Edges are seen counter-clockwise; one through the origin is not seen.
+        if (!(cross(right, left) > kOn * igeo::length(left - right))) continue;
+        if (part.before != kNoPart) {
+            const FlatPoint a = right, e = left - right;
+            auto cut = [&](FlatPoint line) {
+                const double d = cross(line, e);
+                return d != 0 ? std::clamp(-cross(line, a) / d, 0.0, 1.0) : 0.0;
+            };
+            if (cross(part.left, right) >= 0 || cross(part.right, left) <= 0) continue;
+            if (cross(part.right, right) < 0) {
+                const double s = cut(part.right);
+                right = {a.x + s * e.x, a.y + s * e.y};
+            }
+            if (cross(left, part.left) < 0) {
+                const double s = cut(part.left);
+                left = {a.x + s * e.x, a.y + s * e.y};
+            }
+        }
+        if (nearest(right, left) > most_) continue;
+        mesh_.forBeyond(part.triangle, edge,
+                        [&](std::uint32_t u) { enter(k, edge, u, right, left); });
+    }
+}
+
+template <typename Mesh>
+void MeshFan<Mesh>::enter(std::size_t k, std::uint32_t edge, std::uint32_t beyond, FlatPoint right,
+                          FlatPoint left) {
+    const Part from = parts_[k];
+    const auto &in = mesh_[beyond], &out = mesh_[from.triangle];
+    const std::uint32_t a = out[edge], b = out[(edge + 1) % 3];
+    std::uint32_t entry = 0;
+    while (entry < 3 && !((in[entry] == a && in[(entry + 1) % 3] == b) ||
+                          (in[entry] == b && in[(entry + 1) % 3] == a)))
+        ++entry;
+    if (entry == 3) return;  // a seam
+    const bool alike = in[entry] == b;
+    Part part{beyond, {}, right, left, k, entry, from.mirrored != !alike};
+    const FlatPoint fa = from.corner[edge], fb = from.corner[(edge + 1) % 3], e = fb - fa;
+    const double width = igeo::length(e);
+    if (!(width > 0)) return;
+    const Vec3d pa = mesh_.corner(from.triangle, edge),
+                pe = mesh_.corner(from.triangle, edge + 1) - pa,
+                apex = mesh_.corner(beyond, entry + 2) - pa;
+    const double along = dot(apex, pe) / dot(pe, pe),
+                 off = igeo::length(cross(pe, apex)) / igeo::length(pe);
+    // Away from the triangle that is left: to the right of the edge of one laid counter-clockwise.
+    const double side = from.mirrored ? 1 : -1;
+    part.corner[entry] = alike ? fb : fa;
+    part.corner[(entry + 1) % 3] = alike ? fa : fb;
+    part.corner[(entry + 2) % 3] = {fa.x + along * e.x - side * off / width * e.y,
+                                    fa.y + along * e.y + side * off / width * e.x};
+    parts_.push_back(part);
+}
+
+template <typename Mesh>
+bool MeshFan<Mesh>::sees(std::size_t k, const Vec3d& to, WalkEnds& way) const {
+    const Part& part = parts_[k];
+    const FlatPoint at = flat(part, to);
+    const double far = igeo::length(at);
+    if (far > most_) return false;
+    if (part.before != kNoPart && (cross(part.right, at) < -kOn * igeo::length(part.right) ||
+                                   cross(at, part.left) < -kOn * igeo::length(part.left)))
+        return false;
+    std::size_t first = k;
+    while (parts_[first].before != kNoPart) first = parts_[first].before;
+    way = {};
+    way.length = far;
+    way.first = parts_[first].triangle, way.last = part.triangle;
+    way.mirrored = part.mirrored;
+    if (far > 0) {
+        way.out = inSpace(parts_[first], 1 / far * at);
+        way.in = inSpace(part, 1 / far * at);
+    }
+    return true;
+}
+
+template <typename Mesh>
+template <typename IsIn>
+bool MeshFan<Mesh>::leads(const IsIn& isIn) const {
+    constexpr int kLines = 8;
+    /// How far a line in a direction stays in what is known of it.
+    auto leaves = [&](const Part& part, FlatPoint v) {
+        double far = 0;
+        for (std::uint32_t edge = 0; edge < 3; ++edge) {
+            if (edge == part.entry) continue;
+            const FlatPoint a = part.corner[edge], e = part.corner[(edge + 1) % 3] - a;
+            const double d = cross(v, e), s = d != 0 ? -cross(v, a) / d : -1;
+            const FlatPoint at{a.x + s * e.x, a.y + s * e.y};
+            if (s >= 0 && s <= 1 && dot(at, v) > 0) far = std::max(far, igeo::length(at));
+        }
+        return far;
+    };
+    auto unit = [](FlatPoint v) { return 1 / igeo::length(v) * v; };
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+        const Part& part = parts_[k];
+        std::size_t first = k;
+        while (parts_[first].before != kNoPart) first = parts_[first].before;
+        for (int line = 0; line < kLines; ++line) {
+            const double t = (line + 0.5) / kLines, angle = 2 * std::numbers::pi * t;
+            const FlatPoint v = first == k ? FlatPoint{std::cos(angle), std::sin(angle)}
+                                           : t * unit(part.left) - (t - 1) * unit(part.right);
+            if (leaves(part, v) >= most_ && isIn(inSpace(parts_[first], v))) return true;
+        }
+    }
+    return false;
+}
+
+template <typename Mesh>
+std::vector<Vec3d> MeshFan<Mesh>::crossings(std::size_t k, const Vec3d& to) const {
+    const FlatPoint at = flat(parts_[k], to);
+    std::vector<Vec3d> points;
+    for (; parts_[k].before != kNoPart; k = parts_[k].before) {
+        const Part& part = parts_[k];
+        const FlatPoint a = part.corner[part.entry], e = part.corner[(part.entry + 1) % 3] - a;
+        const double d = cross(at, e), s = d != 0 ? std::clamp(-cross(at, a) / d, 0.0, 1.0) : 0;
+        const Vec3d p = mesh_.corner(part.triangle, part.entry);
+        points.push_back(p + s * (mesh_.corner(part.triangle, part.entry + 1) - p));
+    }
+    return points;
+}
+
+}  // namespace igeo

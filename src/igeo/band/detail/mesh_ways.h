@@ -1,0 +1,44 @@
+/// Straight lines between nodes over the triangles of a mesh, where voxels cannot hold its sheets.
+#pragma once
+
+#include <igeo/band/detail/short_walk.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace igeo {
+
+/// A straight line on triangles laid flat.
+struct MeshWay {
+    NodeIndex from, to;
+    WalkEnds line;
+};
+
+/// The straight lines of a band, and its nodes by their triangles.
+struct MeshWays {
+    static constexpr double kReach = 12;  ///< longest line, voxels
+
+    std::vector<MeshWay> ways;  ///< in both directions, sorted by their ends
+    /// Core nodes around, by the triangles of their foot points, sorted.
+    std::vector<std::pair<std::uint32_t, NodeIndex>> ofTriangle;
+
+    bool empty() const { return ways.empty(); }
+    /// Calls visit(line) for the straight lines to a node.
+    template <typename Visit>
+    void forTo(NodeIndex i, const Visit& visit) const {
+        auto at = std::lower_bound(ways.begin(), ways.end(), i,
+                                   [](const MeshWay& w, NodeIndex node) { return w.to < node; });
+        for (; at != ways.end() && at->to == i; ++at) visit(*at);
+    }
+    /// Calls visit(node) for the nodes with foot points on a triangle.
+    template <typename Visit>
+    void forOn(std::uint32_t triangle, const Visit& visit) const {
+        auto at = std::lower_bound(ofTriangle.begin(), ofTriangle.end(),
+                                   std::pair(triangle, NodeIndex(0)));
+        for (; at != ofTriangle.end() && at->first == triangle; ++at) visit(at->second);
+    }
+};
+
+}  // namespace igeo
