@@ -93,7 +93,7 @@ Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, 
         return shootOnTriangles(*band.triangles, start, direction, length, progress);
     Vec3d p = start.pIndex;
     Local at = localSurface(band, p, Vec3d(band.normal[start.node]));
-    // psi = 0 of the interpolant differs slightly from S.
+    // psi = 0 differs slightly from this S.
     p -= at.height * at.normal;
     at = localSurface(band, p, at.normal);
     if (!at.valid) throw Error(Error::Kind::BadInput, "the start lies at the edge of the band");

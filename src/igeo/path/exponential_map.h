@@ -12,8 +12,7 @@ namespace igeo {
 /// each step is a chord in the plane of velocity and normal that ends on S, and its arc has the
 /// length of the step; the new velocity is the tangential part of the chord at its end. The scheme
 /// is symmetric, so errors do not accumulate over turns. S is a blend of spheres from the foot
-/// points and normals of the nodes around: third order between nodes, where psi = 0 of the
-/// trilinear interpolant is off by 1 / (8 R) voxels at curvature 1 / R.
+/// points and normals of the nodes around: third order between nodes.
 ///
 /// On a mesh it walks over the triangles laid flat, and past a vertex with equal angles on both
 /// sides: exact to rounding (TriangleWalk).
