@@ -137,9 +137,10 @@ TEST_CASE("what has no stage of its own stops in its midst when canceled") {
     const Field fromCurve = marchJet(band, {}, seedsAlong(band, equator, 1));
     Path path = tracePath(d.field(), d.targets()[0]);
     // Beside a geodesic, so that straightening takes several rounds.
+    const Vec3d chord = path.vertices.back().pIndex - path.vertices.front().pIndex;
     for (std::size_t k = 1; k + 1 < path.vertices.size(); ++k) {
         Vec3d& p = path.vertices[k].pIndex;
-        p = p + Vec3d{0, 0, 0.5};
+        p += normalized(cross(surfaceNormal(band, p), chord));
         REQUIRE(projectToSurface(band, p));
     }
     path.length = path.weightedLength *= 2;
