@@ -55,20 +55,21 @@ double machineMemory();
 /// The peak memory of the process so far, bytes.
 std::uint64_t peakMemory();
 
-/// Keeps other processes from the same work while it lives. The system gives the lock up when its
-/// process ends, however that ends; a file that is left then is taken over.
+/// Keeps other processes from the same part of some work while it lives. The system gives the lock
+/// up when its process ends, however that ends; a file that is left then is taken over.
 class ProcessLock {
 public:
-    /// Locks a file, which is made where it is missing and holds the owner's host and process.
-    /// Where the file system has no locks, there is none.
-    explicit ProcessLock(const std::string& file);
-    /// Removes the file.
+    /// Locks a part of a file, which is made where it is missing and holds the owners' hosts and
+    /// processes. Where the file system has no locks, there is none.
+    /// @param begin, end  the part of the work, in [0, 1]
+    explicit ProcessLock(const std::string& file, double begin = 0, double end = 1);
+    /// Removes the file where no other part is locked. A process locks a file once only.
     ~ProcessLock();
     ProcessLock(const ProcessLock&) = delete;
     ProcessLock& operator=(const ProcessLock&) = delete;
 
-    /// The owner, as in "process 123 on host tower", where another process has the lock; else
-    /// empty.
+    /// An owner, as in "process 123 on host tower", where another process has locked some of the
+    /// part; else empty.
     const std::string& otherOwner() const { return owner_; }
 
 private:

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -16,6 +15,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -211,23 +211,41 @@ std::uint64_t peakMemory() {
 
 namespace {
 
-/// The first line of a lock that another process has.
-std::string ownerIn(int descriptor) {
-    std::array<char, 256> text{};
+/// A lock of a part of the work, as bytes that the file need not have.
+struct flock partOf(double begin, double end) {
+    constexpr double kWhole = 0x1p40;
+    struct flock part {};
+    part.l_type = F_WRLCK;
+    part.l_whence = SEEK_SET;
+    part.l_start = off_t(begin * kWhole);
+    part.l_len = std::max<off_t>(off_t(end * kWhole) - part.l_start, 1);
+    return part;
+}
+
+/// The line of a process that has locked some of a part.
+std::string ownerOf(int descriptor, struct flock part) {
+    std::string owner = "another process";
+    if (fcntl(descriptor, F_GETLK, &part) != 0 || part.l_type == F_UNLCK || part.l_pid <= 0)
+        return owner;
+    owner = "process " + std::to_string(part.l_pid);
+    std::array<char, 1 << 14> text{};
     const ssize_t size = pread(descriptor, text.data(), text.size(), 0);
-    const auto end = std::find_if(text.begin(), text.begin() + std::max<ssize_t>(size, 0),
-                                  [](char c) { return c < ' ' || c > '~'; });
-    return end == text.begin() ? "another process" : std::string(text.begin(), end);
+    std::istringstream lines(std::string(text.data(), std::size_t(std::max<ssize_t>(size, 0))));
+    for (std::string line; std::getline(lines, line);)
+        if (line.starts_with(owner + " on host ") &&
+            std::all_of(line.begin(), line.end(), [](char c) { return c >= ' ' && c <= '~'; }))
+            return line;
+    return owner;
 }
 
 }  // namespace
 
-ProcessLock::ProcessLock(const std::string& file) : file_(file) {
+ProcessLock::ProcessLock(const std::string& file, double begin, double end) : file_(file) {
     for (;;) {
-        descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
         if (descriptor_ < 0) return;
-        if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-            if (errno == EWOULDBLOCK) owner_ = ownerIn(descriptor_);
+        if (struct flock part = partOf(begin, end); fcntl(descriptor_, F_SETLK, &part) != 0) {
+            if (errno == EAGAIN || errno == EACCES) owner_ = ownerOf(descriptor_, part);
             close(descriptor_);
             descriptor_ = -1;
             return;
@@ -244,11 +262,12 @@ ProcessLock::ProcessLock(const std::string& file) : file_(file) {
     const std::string text =
         "process " + std::to_string(getpid()) + " on host " + host.data() + "\n";
     // For a message only.
-    if (ftruncate(descriptor_, 0) != 0 || write(descriptor_, text.data(), text.size()) < 0) return;
+    if (write(descriptor_, text.data(), text.size()) < 0) return;
 }
 
 ProcessLock::~ProcessLock() {
     if (descriptor_ < 0) return;
-    unlink(file_.c_str());
+    struct flock whole = partOf(0, 1);
+    if (fcntl(descriptor_, F_SETLK, &whole) == 0) unlink(file_.c_str());
     close(descriptor_);
 }

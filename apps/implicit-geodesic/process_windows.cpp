@@ -72,6 +72,6 @@ std::uint64_t peakMemory() {
     return memory.PeakWorkingSetSize;
 }
 
-ProcessLock::ProcessLock(const std::string& file) : file_(file) {}
+ProcessLock::ProcessLock(const std::string& file, double, double) : file_(file) {}
 
 ProcessLock::~ProcessLock() = default;

@@ -47,6 +47,7 @@ Polyline inWorld(const Path& path, const Similarity& t) {
     line.weightedLength = path.weightedLength * t.dx;
     line.startDistance = path.distance * t.dx;
     line.roundedBends = path.roundedBends;
+    line.closeCorners = path.closeCorners;
     return line;
 }
 

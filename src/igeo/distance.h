@@ -38,6 +38,7 @@ struct Polyline {
     /// Distance at which the seed's front starts, world units times weight
     double endDistance = 0;
     std::size_t roundedBends = 0;  ///< of a walk: Path::roundedBends
+    std::size_t closeCorners = 0;  ///< of a walk: Path::closeCorners
 };
 
 /// A path of the engine in world units, without its `end`.

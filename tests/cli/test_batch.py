@@ -588,6 +588,22 @@ class Interruptions(TempWorkspace):
         self.assertFalse(lock.exists())
         self.assertEqual((self.folder / "jobs.summary.json").read_bytes(), self.whole)
 
+    def test_shards_run_side_by_side_but_none_beside_the_whole(self):
+        other = "computes jobs of"
+        with subprocess.Popen(self.command("batch", "jobs.json", "-q", "--shard", "1/2"), cwd=self.folder) as first:
+            while first.poll() is None and not (self.folder / "jobs.summary-1-of-2.json").exists():
+                time.sleep(0.002)
+            first.send_signal(signal.SIGSTOP)
+            for arguments in ((), ("--shard", "1/3"), ("--shard", "2/3"), ("--summary", "other.json")):
+                said = self.batch("-q", *arguments, code=USAGE)
+                self.assertIn(other, said)
+                self.assertIn(f"process {first.pid} on host ", said)
+            self.batch("-q", "--shard", "3/3")
+            self.batch("-q", "--shard", "2/2")
+            first.send_signal(signal.SIGCONT)
+            self.assertEqual(first.wait(60), DONE)
+        self.assertEqual(list(self.folder.glob("*.lock")), [])
+
     def test_a_lock_whose_owner_is_gone_is_taken_over(self):
         lock = self.folder / "jobs.summary.json.lock"
         self.interrupted(signal.SIGKILL, 0, begun=True)

@@ -172,13 +172,13 @@ TEST_CASE("targets and pairs off the surface: rows with a reason, a warning, exi
     const Result matrix = desk.run(base + " --skip-off-surface");
     CHECK(matrix.exitCode == 4);
     CHECK_THAT(matrix.err, contains("4 of 6 targets are off the surface"));
-    CHECK_THAT(matrix.err, contains("target 1 (9,9,9) is 14.59"));
+    CHECK_THAT(matrix.err, contains("target 1 (9,9,9) is 14.588"));
     CHECK(matrix.err.find("target 5") == std::string::npos);
     const auto rows = lines(matrix.out);
     REQUIRE(rows.size() == 7);
     CHECK(rows[0] == "target,x,y,z,distance_0,reason");
     CHECK_THAT(rows[1], Catch::Matchers::StartsWith("0,1,") && Catch::Matchers::EndsWith(","));
-    CHECK_THAT(rows[2], Catch::Matchers::StartsWith("1,,,,,14.59"));
+    CHECK_THAT(rows[2], Catch::Matchers::StartsWith("1,,,,,14.588"));
     CHECK_THAT(rows[2], Catch::Matchers::EndsWith(" from the surface"));
     const Result pairs = desk.run("--sdf in.vdb --pairs p.csv --skip-off-surface");
     CHECK(pairs.exitCode == 4);

@@ -49,10 +49,10 @@ std::string defaultSummary(const fs::path& manifest, const Part& shard) {
 }
 
 /// Two batches at once would compute the same jobs twice.
-void refuseOther(const ProcessLock& lock, const std::string& summary) {
+void refuseOther(const ProcessLock& lock, const std::string& does) {
     if (lock.otherOwner().empty()) return;
     throw igeo::Error(igeo::Error::Kind::InvalidArgument,
-                      "another batch writes the summary '" + summary + "': " + lock.otherOwner(),
+                      "another batch " + does + ": " + lock.otherOwner(),
                       "wait until it has ended; what it has done then is not done again");
 }
 
@@ -295,8 +295,10 @@ int batch(const BatchOptions& options, Console& console, ConsoleProgress& progre
         printPlan(planBatch(jobs, files, options.shard, progress));
         return kDone;
     }
-    const ProcessLock lock(summary + ".lock");
-    refuseOther(lock, summary);
+    const ProcessLock ofSummary(summary + ".lock");
+    refuseOther(ofSummary, "writes the summary '" + summary + "'");
+    const ProcessLock ofJobs(manifest + ".lock", options.shard.begin(), options.shard.end());
+    refuseOther(ofJobs, "computes jobs of '" + manifest + "' that this one has too");
     const BatchPlan plan = planBatch(jobs, files, options.shard, progress);
     return Batch(plan, files, options.verbose, console, progress).run();
 }

@@ -27,6 +27,10 @@ struct Part {
     std::size_t begin(std::size_t n) const { return n * (number - 1) / count; }
     std::size_t end(std::size_t n) const { return n * number / count; }
 
+    /// The part of 1.
+    double begin() const { return double(number - 1) / double(count); }
+    double end() const { return double(number) / double(count); }
+
     bool valid() const {
         constexpr std::size_t kMost = 1000000;
         return number >= 1 && number <= count && count <= kMost;

@@ -198,14 +198,21 @@ void warnOfLongSteps(double dx, RunReport& report) {
 }
 
 void warnOfRoundedBends(RunReport& report) {
-    for (std::size_t k = 0; k < report.walks.size(); ++k)
+    for (std::size_t k = 0; k < report.walks.size(); ++k) {
         if (const std::size_t bends = report.walks[k].roundedBends)
             report.warn(fmt::format(
                 "walk {} goes over {} sharp bend{} as the voxels round {} off, below 25 degrees or "
-                "less than 5 voxels from another: behind {} its direction is off by up to some "
-                "degrees; smaller voxels, or the mesh itself, show such edges",
+                "with sheets narrower than 3 voxels: behind {} its direction is off by up to some "
+                "degrees, or more beside a corner; smaller voxels, or the mesh itself, show such "
+                "edges",
                 k, bends, bends == 1 ? "" : "s", bends == 1 ? "it" : "them",
                 bends == 1 ? "it" : "them"));
+        if (const std::size_t corners = report.walks[k].closeCorners)
+            report.warn(fmt::format(
+                "walk {} goes over {} edge{} within about a voxel of a corner: a slightly other "
+                "walk goes on over another sheet, far away from this one",
+                k, corners, corners == 1 ? "" : "s"));
+    }
 }
 
 namespace {

@@ -354,11 +354,14 @@ PsiSample samplePsi(const Band& band, const Vec3d& p) {
     if (!cell.complete) return s;
     s.valid = true;
     for (std::size_t k = 0; k < 8; ++k) {
-        const double v = band.psi[cell.node[k]];
+        const Vec3d normal(band.normal[cell.node[k]]),
+            chord = cell.t - Vec3d(double(k >> 2), double(k >> 1 & 1), double(k & 1));
+        const double v = double(band.psi[cell.node[k]]) + dot(normal, chord) / 2;
         const double wx = k >> 2 ? cell.t.x : 1 - cell.t.x,
                      wy = k >> 1 & 1 ? cell.t.y : 1 - cell.t.y,
                      wz = k & 1 ? cell.t.z : 1 - cell.t.z;
         s.psi += cell.weight[k] * v;
+        s.gradient += cell.weight[k] / 2 * normal;
         s.gradient.x += (k >> 2 ? v : -v) * wy * wz;
         s.gradient.y += (k >> 1 & 1 ? v : -v) * wx * wz;
         s.gradient.z += (k & 1 ? v : -v) * wx * wy;

@@ -450,24 +450,26 @@ NodeIndex firstOnSheet(const Band& band, const SurfaceTriangles::Place& at,
 /// @return the unit normal blended from the corners that are left; zero if there are none
 Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNormal = {});
 
-/// psi and its gradient at a position, from the trilinear interpolant of the band's psi.
+/// psi and its gradient at a position: psi_i + n_i . (p - x_i) / 2 of the cell's voxels x_i, blended
+/// with trilinear weights. Exact for a quadratic psi, where psi_i alone are off by 1 / (8 R) voxels
+/// per curvature 1 / R. Creases are rounded.
 struct PsiSample {
     bool valid = false;  ///< false where a corner is missing
     double psi = 0;      ///< voxels
-    Vec3d gradient;      ///< of the interpolant, about 1 long
+    Vec3d gradient;      ///< of the blend, about 1 long
 };
 PsiSample samplePsi(const Band& band, const Vec3d& pIndex);
 
 /// Moves a position near S onto it: to the nearest point of the band's triangles, or to psi = 0 by
-/// Newton steps along grad psi.
+/// Newton steps along grad psi (samplePsi).
 /// @param sheetNormal  normal of the sheet that is meant, where it is known: triangles that oppose
 ///                     it count only where there are no others
 /// @return false (and p unchanged) where S is more than 2 voxels away, or where the steps leave the
 ///         band or do not settle within 1e-6 voxels
 bool projectToSurface(const Band& band, Vec3d& pIndex, const Vec3d& sheetNormal = {});
 
-/// Unit normal at a point of S: of the nearest triangle, or of the trilinear interpolant of psi;
-/// zero where there is none.
+/// Unit normal at a point of S: of the nearest triangle, or along the gradient of samplePsi; zero
+/// where there is none.
 Vec3d surfaceNormal(const Band& band, const Vec3d& pIndex);
 
 }  // namespace igeo

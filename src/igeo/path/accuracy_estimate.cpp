@@ -34,21 +34,44 @@ double steadyMean(std::vector<double> values) {
     return sum / double(values.size());
 }
 
-/// By how much the length of a path is off in the mean, relative to itself, as S rises and falls.
-double errorByHeights(const Band& band, Path path, double heightNoise) {
-    if (!(heightNoise > 0)) return 0;
+/// Integrals along a geodesic, of its normal curvature k.
+struct Bending {
+    double square = 0;  ///< of k^2
+    double uneven = 0;  ///< of (k(s + 3) - k(s))^2 / 2: none where S is smooth
+};
+
+Bending bendingOf(const Band& band, Path path) {
+    constexpr double kApart = 3;     // voxels
+    constexpr double kCrease = 1.2;  // radians per voxel: distances lose less at sharp edges
     addNormals(band, path);
-    double curvature2 = 0;
-    for (std::size_t k = 1; k < path.vertices.size(); ++k) {
-        const PathVertex &a = path.vertices[k - 1], &b = path.vertices[k];
-        const Vec3d step = b.pIndex - a.pIndex;
-        const double len = length(step);
-        if (!(len > 0)) continue;
-        const double turn = dot(b.normal - a.normal, step) / len;
-        curvature2 += turn * turn / len;
+    const std::vector<PathVertex>& v = path.vertices;
+    std::vector<double> curvature(v.size(), 0);
+    Bending bending;
+    for (std::size_t k = 1, before = 1; k < v.size(); ++k) {
+        const Vec3d step = v[k].pIndex - v[k - 1].pIndex;
+        const double squared = dot(step, step), len = std::sqrt(squared);
+        if (!(squared > 0)) continue;
+        const double bend = dot(v[k].normal - v[k - 1].normal, step) / squared;
+        bending.square += bend * bend * len;
+        curvature[k] = std::clamp(bend, -kCrease, kCrease);
+        while (v[k].arcLength - v[before].arcLength > kApart) ++before;
+        if (before == 1) continue;
+        const double change = curvature[k] - curvature[before];
+        bending.uneven += change * change / 2 * len;
     }
+    return bending;
+}
+
+/// By how much the length of a path may be off as S bends, relative to itself.
+double errorByBends(const Band& band, const Path& path, double heightNoise) {
+    // Voxels round an edge of angle a to an arc about 1.1 voxels long, which is 1.1 a^2 / 12
+    // shorter. The integral of k^2 over it is a^2 / 1.1.
+    constexpr double kRounded = 0.1;
     const double meanOfDeviation = std::sqrt(2 / std::numbers::pi);  // of a normal distribution
-    return meanOfDeviation * std::sqrt(heightNoise * curvature2) / path.length;
+    const Bending bending = bendingOf(band, path);
+    return std::hypot(kRounded * bending.uneven,
+                      meanOfDeviation * std::sqrt(heightNoise * bending.square)) /
+           path.length;
 }
 
 }  // namespace
@@ -73,10 +96,11 @@ AccuracyEstimate estimateAccuracy(const Field& field, double heightNoise, Progre
             // Close to a seed the distance is exact by construction, and would lower the estimate.
             if (path.status != PathStatus::Reached || path.distance < 3 * field.startRadius)
                 continue;
-            const SurfacePoint& seed = field.seeds[path.seed];
-            const double length = seed.start + straightenedLength(field, path, progress);
-            error[k] = std::hypot(std::abs(length - path.distance) / path.distance,
-                                  errorByHeights(band, path, heightNoise));
+            const Path straight = straightened(field, path, progress);
+            const double start = field.seeds[path.seed].start;
+            error[k] = std::abs(start + straight.weightedLength - path.distance) / path.distance;
+            if (!band.triangles)
+                error[k] = std::hypot(error[k], errorByBends(band, straight, heightNoise));
         }
     });
     std::erase_if(error, [](double x) { return x < 0; });

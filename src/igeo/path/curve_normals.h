@@ -10,8 +10,7 @@ namespace igeo {
 ///
 /// On a mesh that of the triangle; on an edge the mean of both sides, at a vertex the mean of the
 /// triangles around it, weighted by their angles. Elsewhere the gradient of the surface that the
-/// foot points and normals of the nodes around give: second order, where the gradient of the
-/// trilinear interpolant of psi is of first order.
+/// foot points and normals of the nodes around give: second order.
 /// @param sheetNormal  normal of the sheet, if known; returned where no surface is near
 Vec3d normalAt(const Band& band, const Vec3d& pIndex, const Vec3d& sheetNormal = {});
 

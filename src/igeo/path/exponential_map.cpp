@@ -61,20 +61,19 @@ Path shootOnTriangles(const SurfaceTriangles& triangles, const SurfacePoint& sta
 
 /// Walks from a start in steps; stops early where S ends.
 std::vector<Walker> walkOver(const Band& band, const Walker& start, double length,
-                             CreaseWatch& creases, Progress& progress) {
+                             CreaseWalk& creases, Progress& progress) {
     constexpr std::size_t kLookEvery = 256;  // steps, half a millisecond
     const auto surface = [&](const Vec3d& p, const Vec3d& n) { return localSurface(band, p, n); };
     std::vector<Walker> track{start};
     for (double from = 0; track.back().at < length;) {
         const auto steps = std::size_t(std::ceil((length - from) / kRayStep));
-        bool unfolded = false;
-        for (std::size_t k = 1; k <= steps && !unfolded; ++k) {
+        for (std::size_t k = 1; k <= steps; ++k) {
             if (k % kLookEvery == 1) progress.throwIfCancelled();
+            if (creases.advance(track)) break;
             Walker next = track.back();
             if (!next.step(surface, (length - from) / double(steps))) return track;
             next.at = k == steps ? length : from + (length - from) * double(k) / double(steps);
             track.push_back(next);
-            unfolded = creases.unfold(track);
         }
         from = track.back().at;
     }
@@ -87,27 +86,32 @@ Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, 
            Progress& progress) {
     // Within 0.6 degrees of the normal a direction is too uncertain.
     constexpr double kAlong = 0.01;
+    constexpr double kClose = 1;
     requireLength(length);
     if (!(igeo::length(direction) > 0) || !(igeo::length(direction) < kInfinity)) refuseDirection();
     if (band.triangles)
         return shootOnTriangles(*band.triangles, start, direction, length, progress);
     Vec3d p = start.pIndex;
     Local at = localSurface(band, p, Vec3d(band.normal[start.node]));
-    // psi = 0 of the interpolant differs slightly from S.
+    // psi = 0 differs slightly from this S.
     p -= at.height * at.normal;
     at = localSurface(band, p, at.normal);
     if (!at.valid) throw Error(Error::Kind::BadInput, "the start lies at the edge of the band");
-    const Vec3d along = tangential(direction, at.normal);
+    CreaseWalk creases(band, length);
+    Walker first{p, {}, at.normal};
+    const bool isClose = igeo::length(start.askedIndex - p) < kClose;
+    creases.settle(first, isClose ? start.askedIndex : p, direction);
+    const Vec3d along = tangential(direction, first.n);
     if (!(igeo::length(along) > kAlong * igeo::length(direction))) refuseDirection();
 
     Path path;
     path.target = start;
     path.status = PathStatus::Reached;
-    CreaseWatch creases(band, length);
-    const std::vector<Walker> track =
-        walkOver(band, {p, normalized(along), at.normal}, length, creases, progress);
+    first.v = normalized(along);
+    const std::vector<Walker> track = walkOver(band, first, length, creases, progress);
     for (const Walker& w : track) append(path, w.p, w.at);
     path.roundedBends = creases.roundedBends(track);
+    path.closeCorners = creases.closeCorners();
     if (path.length < length) path.status = PathStatus::Stalled;
     return path;
 }

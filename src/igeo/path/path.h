@@ -35,6 +35,8 @@ struct Path {
     double distance = kInfinity;       ///< d at the target, voxels times weight
     /// Of a walk: the sharp bends that it crossed as the voxels round them (shoot).
     std::size_t roundedBends = 0;
+    /// Of a walk: the edges that it crossed within about a voxel of a corner.
+    std::size_t closeCorners = 0;
 };
 
 }  // namespace igeo

@@ -350,9 +350,9 @@ bool straightenWhole(const Field& field, Path& path, bool closed, Progress& prog
     return true;
 }
 
-double straightenedLength(const Field& field, const Path& path, Progress& progress) {
+Path straightened(const Field& field, const Path& path, Progress& progress) {
     std::vector<double> lengths;
-    return shortened(field, path, Reach::Near, progress, lengths).weightedLength;
+    return shortened(field, path, Reach::Near, progress, lengths);
 }
 
 void straighten(const Field& field, Path& path, Progress& progress) {

@@ -14,20 +14,20 @@ namespace igeo {
 /// exact to rounding (shortestCurve). Elsewhere it resamples the path to steps of about half a
 /// voxel and repeats: solve Newton's equation for the sideways shifts s (first variation of length;
 /// tridiagonal; without a weight s'' = -kappa_g), shift, project to S. This removes the error of
-/// the march. The error that remains is that of psi as read by trilinear interpolation, whose zero
-/// set lies inside convex parts: on a sphere of R voxels lengths are 1 / (6 R^2) short, and over a
-/// sharp edge some tenths of a voxel. A vertex that would enter an obstacle stays, so paths follow
-/// obstacles to within a fraction of a voxel. Paths that are not Reached are unchanged. The
-/// distances of the vertices become lengths to the seed along the curve. Time O(length), some 10
-/// rounds, more with weights and obstacles (100 at most). The length never grows.
+/// the march. What remains is that of chords, 1 / (96 R^2) short on a sphere of R voxels, and that
+/// of psi between voxels: over a sharp edge lengths are some tenths of a voxel short. A
+/// vertex that would enter an obstacle stays, so paths follow obstacles to within a fraction of a
+/// voxel. Paths that are not Reached are unchanged. The distances of the vertices become lengths to
+/// the seed along the curve. Time O(length), some 10 rounds, more with weights and obstacles (100
+/// at most). The length never grows.
 /// @throws Error  Cancelled, tested before each round; the path is then unchanged
 void straighten(const Field& field, Path& path, Progress& progress = Progress::none());
 
-/// The length, by the metric, of the curve that straighten makes of a path that is Reached: also of
-/// a rough one (TraceOptions::rough), which its chords may make shorter than any curve on S.
+/// The curve that straighten makes of a path that is Reached: also of a rough one
+/// (TraceOptions::rough), which its chords may make shorter than any curve on S. Its vertices have
+/// no distance.
 /// @throws Error  Cancelled
-double straightenedLength(const Field& field, const Path& path,
-                          Progress& progress = Progress::none());
+Path straightened(const Field& field, const Path& path, Progress& progress = Progress::none());
 
 /// The same as straighten for a curve that may be far from shortest, such as one through points. It
 /// is relaxed as a whole to the locally shortest curve that it can be moved to on S with its ends

@@ -49,8 +49,9 @@ private:
     bool walkable(NodeIndex i) const;
     /// Whether S joins p with the foot point of a node nearby.
     bool isOnSheet(const Vec3d& p, NodeIndex i) const;
-    /// The node that gives the shortest path from p, of those that no obstacle hides.
-    NodeIndex nodeAhead(const Vec3d& p) const;
+    /// The node that gives the shortest path from p, where the distance is d, of those that no
+    /// obstacle hides.
+    NodeIndex nodeAhead(const Vec3d& p, double d) const;
     NodeIndex lowestNeighbor(NodeIndex i) const;
     /// The node that gives the shortest path of those lower than d up to three steps away, by
     /// walks on a mesh: a march solves some nodes over two links, or over a straight line.
@@ -184,9 +185,12 @@ bool Tracer::isOnSheet(const Vec3d& p, NodeIndex i) const {
            followsSurface(band_, p, band_.footPoint(i));
 }
 
-NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
+NodeIndex Tracer::nodeAhead(const Vec3d& p, double here) const {
     // Farther off, a chord may cut the edge or cross the wall between.
     constexpr double kFar = 2;  // voxels
+    // A distance that falls by more than the length of the chord is that behind a wall.
+    constexpr double kSteep = 1.25, kRoom = 0.5;  // kRoom: voxels
+    const double weight = weightAt(p);
     const Ijk middle = roundToIjk(p);
     auto forNodes = [&](const auto& visit) {
         for (int x = -2; x <= 2; ++x)
@@ -207,7 +211,10 @@ NodeIndex Tracer::nodeAhead(const Vec3d& p) const {
     least = kInfinity;
     forNodes([&](NodeIndex j, double chord) {
         if (j != nearest && (chord > kFar || !band_.joined(nearest, j))) return;
-        const double d = field_.at(j).distance + field_.metric->at(j) * chord;
+        const double cost = field_.metric->at(j), d = field_.at(j).distance + cost * chord;
+        if (!field_.metric->anisotropic() &&
+            here - d > std::max(cost, weight) * ((kSteep - 1) * chord + kRoom))
+            return;
         if (d < least) least = d, best = j;
     });
     return best;
@@ -380,7 +387,7 @@ bool Tracer::advance(State& at) const {
         at = {next, there.distance, there.seed, at.step, kNoNode};
         return true;
     }
-    at.node = at.node == kNoNode ? nodeAhead(at.p) : lowestNeighbor(at.node);
+    at.node = at.node == kNoNode ? nodeAhead(at.p, at.d) : lowestNeighbor(at.node);
     if (at.node == kNoNode && band_.triangles) at.node = lowestByWalk(at.p, at.d);
     return at.node != kNoNode;
 }

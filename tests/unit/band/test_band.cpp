@@ -247,20 +247,23 @@ TEST_CASE("projectToSurface: one Newton step on a plane, along the normal") {
     }
 }
 
-TEST_CASE("projectToSurface: lands on the sphere to the interpolant's accuracy") {
+TEST_CASE("projectToSurface: lands on the sphere, to second order") {
     const Vec3d center{0.3, -0.2, 0.1};
-    const double radius = 20;
+    const double radius = GENERATE(10.0, 20.0, 40.0);
     const Band band = sphereBand(center, radius, 3);
     std::mt19937 random(9);
+    double off = 0;
     std::normal_distribution<double> normal;
     for (int trial = 0; trial < 1000; ++trial) {
         const Vec3d u = normalized(Vec3d{normal(random), normal(random), normal(random)});
         Vec3d p = center + (radius + 1) * u;
         REQUIRE(projectToSurface(band, p));
         REQUIRE(std::abs(samplePsi(band, p).psi) <= 1e-6);
-        // Trilinear interpolation is off by at most 1/8 of the sum of second derivatives, 2/R.
-        REQUIRE(std::abs(length(p - center) - radius) < 0.25 / (radius - 1) + 1e-6);
+        off = std::max(off, std::abs(length(p - center) - radius));
     }
+    INFO("radius " << radius << ": " << off);
+    // Measured: 0.028 / R^2. The mean of psi alone would be off by 1 / (4 R).
+    CHECK(off < 0.042 / (radius * radius));
 }
 
 TEST_CASE("projectToSurface: says so and leaves the point where it cannot settle") {
@@ -273,6 +276,7 @@ TEST_CASE("projectToSurface: says so and leaves the point where it cannot settle
     // psi without a gradient.
     Band flat = bandOfVoxels(randomVoxels({0, 0, 0}, 4, 1, 10));
     std::fill(flat.psi.begin(), flat.psi.end(), 0.5f);
+    std::fill(flat.normal.begin(), flat.normal.end(), Vec3f{});
     Vec3d p{1.5, 1.5, 1.5};
     CHECK(!projectToSurface(flat, p));
     CHECK(p == Vec3d{1.5, 1.5, 1.5});

@@ -55,8 +55,8 @@ TEST_CASE("nearestSurfacePoint: near points keep their tangential position") {
         const Vec3d onPlane = q - (dot(n, q) - 0.3) * n;
         const double away = 1.2 * (unit(random) / 5);
         const SurfacePoint p = nearestSurfacePoint(band, onPlane + away * n);
-        // Tolerance of projectToSurface and the rounding of float gradients.
-        REQUIRE(length(p.pIndex - onPlane) < 1.25e-7);                // measured 8.3e-8
+        // Tolerance of projectToSurface and the rounding of float normals.
+        REQUIRE(length(p.pIndex - onPlane) < 2e-7);                   // measured 1.3e-7
         REQUIRE(std::abs(p.snapDistance - std::abs(away)) < 7.3e-8);  // measured 4.8e-8
     }
 }

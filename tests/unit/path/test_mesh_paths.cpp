@@ -158,7 +158,8 @@ TEST_CASE("the estimate on a mesh is the mean error from any seed", "[mesh]") {
             ++count[kind];
             TraceOptions rough;
             rough.rough = true;
-            const double length = straightenedLength(s.field, tracePath(s.field, p, rough));
+            const double length =
+                straightened(s.field, tracePath(s.field, p, rough)).weightedLength;
             ++all;
             if (std::abs(length / path.length - 1) > 1e-3) ++otherWay;
         };

@@ -45,7 +45,7 @@ TEST_CASE("straighten removes a detour and the march's error from a path") {
         Vec3d& p = path.vertices[k].pIndex;
         p += 4 * std::sin(3.14159265 * x) *
              normalized(cross(path.vertices.back().pIndex - path.vertices.front().pIndex,
-                              samplePsi(s.band, p).gradient));
+                              surfaceNormal(s.band, p)));
         REQUIRE(projectToSurface(s.band, p));
     }
     path.weightedLength = 0;
@@ -55,9 +55,8 @@ TEST_CASE("straighten removes a detour and the march's error from a path") {
     straighten(field, path);
     INFO("before " << before << ", after " << lengthError(s, path));
     CHECK(before > 3e-3);
-    // The trilinear zero set is 1 / (6 R^2) = 4.2e-4 short at R = 20; chords of half a voxel
-    // another 0.25 / (24 R^2) = 3e-5. Allowed for both with a half more.
-    CHECK(std::abs(lengthError(s, path)) < 7e-4);
+    // Chords of half a voxel are 0.25 / (24 R^2) = 2.6e-5 short at R = 20.
+    CHECK(std::abs(lengthError(s, path)) < 3.9e-5);  // measured 2.5e-5
     CHECK(path.vertices.back().arcLength == path.weightedLength);
     CHECK(path.vertices.back().distance == 0);
     for (const PathVertex& v : path.vertices)

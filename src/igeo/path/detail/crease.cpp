@@ -1,278 +1,363 @@
 #include <igeo/path/detail/crease.h>
 
 #include <algorithm>
-#include <array>
 #include <numbers>
-#include <optional>
+#include <utility>
 
 namespace igeo {
 
 namespace {
 
 constexpr double kCreaseStep = 0.5;
-
-/// A sheet at one side of a crease, extended beyond it.
-class SheetFit {
-public:
-    /// @param center  near the crease
-    /// @param n       normal of the sheet
-    /// @param side    of S on which psi has the kink: -1 inside, 1 outside
-    SheetFit(const Band& band, const Vec3d& center, const Vec3d& n, int side);
-
-    bool valid() const { return valid_; }
-    Vec3d normal(const Vec3d& q) const {
-        // Along the sheet the normal of spheres and cylinders is linear; across it, it is not.
-        const Vec3d r = q - center_, up = cross(along_[0], along_[1]),
-                    linear =
-                        constant_ + dot(r, along_[0]) * slope_[0] + dot(r, along_[1]) * slope_[1],
-                    along = linear - dot(linear, up) * up;
-        return normalized(along + std::sqrt(std::max(1 - dot(along, along), 0.0)) * up);
-    }
-    /// The height of q above the sheet.
-    double height(const Vec3d& q) const {
-        const Vec3d n = normal(q);
-        double sum = 0;
-        for (const Vec3d& foot : feet_) sum += dot(q - foot, 0.5 * (normal(foot) + n));
-        return sum / double(feet_.size());
-    }
-    Local operator()(const Vec3d& q, const Vec3d&) const { return {true, height(q), normal(q)}; }
-
-private:
-    /// Keeps the nodes of a plane, if most lie on one: those beside the crease tilt it.
-    void keepPlane();
-    void fit();
-    bool dropOutliers();
-
-    Vec3d center_;
-    std::array<Vec3d, 2> along_;
-    std::vector<Vec3d> feet_, normals_;
-    Vec3d constant_;
-    std::array<Vec3d, 2> slope_;
-    bool valid_ = false;
-};
-
-SheetFit::SheetFit(const Band& band, const Vec3d& center, const Vec3d& n, int side)
-    : center_(center) {
-    constexpr int kReach = 6;
-    constexpr double kRadius = 6, kAlike = 0.9, kNear = 1.3, kSlope = 0.3, kRise = 0.7;
-    constexpr std::size_t kFew = 8;
-    along_[0] = anyNormalTo(n);
-    along_[1] = cross(n, along_[0]);
-    const Ijk middle = roundToIjk(center);
-    // Another sheet may have the same normal.
-    auto isOnSheet = [&](const Vec3d& r) {
-        const double far = length(r);
-        return far <= kRadius && std::abs(dot(r, n)) <= kSlope * far + kRise;
-    };
-    for (int x = -kReach; x <= kReach; ++x)
-        for (int y = -kReach; y <= kReach; ++y)
-            for (int z = -kReach; z <= kReach; ++z) {
-                const NodeIndex i = band.nodeAt(middle + Ijk{x, y, z});
-                if (i == kNoNode || band.psi[i] * float(side) < 0 ||
-                    std::abs(band.psi[i]) > kNear || dot(Vec3d(band.normal[i]), n) < kAlike ||
-                    !isOnSheet(band.footPoint(i) - center))
-                    continue;
-                feet_.push_back(band.footPoint(i));
-                normals_.push_back(Vec3d(band.normal[i]));
-            }
-    if (feet_.size() < kFew) return;
-    keepPlane();
-    fit();
-    while (dropOutliers()) {
-        if (feet_.size() < kFew) return;
-        fit();
-    }
-    valid_ = true;
-}
-
-void SheetFit::keepPlane() {
-    constexpr double kSame = 0.002, kOff = 0.01;  // of normals; voxels
-    std::vector<std::size_t> most;
-    for (std::size_t k = 0; k < feet_.size(); ++k) {
-        std::vector<std::size_t> alike;
-        for (std::size_t i = 0; i < feet_.size(); ++i)
-            if (length(normals_[i] - normals_[k]) < kSame &&
-                std::abs(dot(feet_[i] - feet_[k], normals_[k])) < kOff)
-                alike.push_back(i);
-        if (alike.size() > most.size()) most = std::move(alike);
-    }
-    if (2 * most.size() <= feet_.size()) return;
-    std::vector<Vec3d> feet, normals;
-    for (const std::size_t i : most) feet.push_back(feet_[i]), normals.push_back(normals_[i]);
-    feet_ = std::move(feet), normals_ = std::move(normals);
-}
-
-/// Least squares, component by component.
-void SheetFit::fit() {
-    std::array<double, 6> m{};  // of 1, u, v: 11 1u 1v uu uv vv
-    std::array<Vec3d, 3> right{};
-    for (std::size_t k = 0; k < feet_.size(); ++k) {
-        const double u = dot(feet_[k] - center_, along_[0]), v = dot(feet_[k] - center_, along_[1]);
-        const std::array<double, 6> more{1, u, v, u * u, u * v, v * v};
-        for (std::size_t i = 0; i < 6; ++i) m[i] += more[i];
-        right[0] += normals_[k], right[1] += u * normals_[k], right[2] += v * normals_[k];
-    }
-    // Subtracting the means leaves two equations.
-    const double count = m[0], u = m[1] / count, v = m[2] / count;
-    const double uu = m[3] - count * u * u, uv = m[4] - count * u * v, vv = m[5] - count * v * v;
-    const Vec3d mean = (1 / count) * right[0], a = right[1] - (count * u) * mean,
-                b = right[2] - (count * v) * mean;
-    const double volume = uu * vv - uv * uv;
-    // Foot points on one line do not determine the slope across it.
-    slope_ = {};
-    if (volume > 0.01 * count * count)
-        slope_ = {(1 / volume) * (vv * a - uv * b), (1 / volume) * (uu * b - uv * a)};
-    constant_ = mean - u * slope_[0] - v * slope_[1];
-}
-
-/// Removes the node with the largest error of the normal, if that is too large: by itself, or
-/// beside the errors of most.
-bool SheetFit::dropOutliers() {
-    constexpr double kOff = 0.05, kTimes = 3, kLeast = 0.002;
-    std::vector<double> off;
-    for (std::size_t k = 0; k < feet_.size(); ++k)
-        off.push_back(length(normals_[k] - normal(feet_[k])));
-    std::vector<double> sorted = off;
-    const auto middle = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    double most = std::clamp(kTimes * *middle, kLeast, kOff);
-    std::size_t worst = feet_.size();
-    for (std::size_t k = 0; k < feet_.size(); ++k)
-        if (off[k] > most) most = off[k], worst = k;
-    if (worst == feet_.size()) return false;
-    feet_.erase(feet_.begin() + std::ptrdiff_t(worst));
-    normals_.erase(normals_.begin() + std::ptrdiff_t(worst));
-    return true;
-}
-
-/// Turns the direction over the line where two sheets meet, at the same angle to it.
-void turnOver(const Vec3d& from, const Vec3d& to, int side, Walker& w) {
-    const Vec3d edge = normalized(cross(from, to));
-    Vec3d away = cross(to, edge);
-    if (dot(away, from) * side < 0) away = -away;
-    const double along = dot(w.v, edge);
-    w.v = along * edge + std::sqrt(std::max(1 - along * along, 0.0)) * away;
-    w.n = to;
-}
-
-/// The walk from a point before a crease to about a point after it, across the line where the
-/// sheets meet.
-/// @param end  of the walk as voxels round the crease off, or its last point so far
-/// @param length  at which it ends
-/// @return nothing where there is no crease, or another sheet comes first
-std::optional<std::vector<Walker>> over(const Band& band, const Walker& before, const Vec3d& middle,
-                                        const Walker& after, const Walker& end, double length) {
-    constexpr double kBeyond = 2.5, kOff = 2.5, kFarthest = 10, kApart = 0.4;
-    const int side = dot(after.n, before.v) > 0 ? -1 : 1;
-    const SheetFit a(band, middle, before.n, side), b(band, middle, after.n, side);
-    if (!a.valid() || !b.valid()) return std::nullopt;
-    const double start = b.height(before.p);
-    auto isOver = [&](const Walker& w) { return (b.height(w.p) < 0) != (start < 0); };
-    std::vector<Walker> walk{before};
-    Walker next = before;
-    double high = 0;
-    while (true) {
-        high = std::min(kCreaseStep, length - walk.back().at);
-        if (!(high > 0)) {
-            // A walk that ends before the crease is there still on S.
-            if (igeo::length(walk.back().p - end.p) > kApart) return std::nullopt;
-            return walk;
-        }
-        if (!(next = walk.back()).step(a, high)) return std::nullopt;
-        if (isOver(next)) break;
-        if (next.at - before.at > kFarthest) return std::nullopt;
-        walk.push_back(next);
-    }
-    double low = 0;
-    for (int round = 0; round < 40; ++round) {
-        const double half = (low + high) / 2;
-        (next = walk.back()).step(a, half);
-        (isOver(next) ? high : low) = half;
-    }
-    (next = walk.back()).step(a, high);
-    if (igeo::length(next.p - middle) > kOff) return std::nullopt;
-    turnOver(a.normal(next.p), b.normal(next.p), side, next);
-    walk.push_back(next);
-    for (const double last = std::min(next.at + kBeyond, length); next.at < last;) {
-        if (!next.step(b, std::min(kCreaseStep, last - next.at))) return std::nullopt;
-        walk.push_back(next);
-    }
-    return walk;
-}
+constexpr double kLeastTurn = 0.94;  // cosine of 20 degrees, between sheets
+constexpr double kDisturbed = 3.2;   // voxels from another sheet
 
 double degrees(const Vec3d& a, const Vec3d& b) {
     return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
 }
 
+/// Whether a node on the sheet has its foot point near q.
+bool isOn(const std::vector<SheetNode>& nodes, const SheetFit& sheet, const Vec3d& q,
+          double radius) {
+    constexpr double kAlike = 0.98, kOff = 0.1;
+    const Vec3d n = sheet.normal(q);
+    return std::any_of(nodes.begin(), nodes.end(), [&](const SheetNode& node) {
+        return length(node.foot - q) < radius && dot(node.normal, n) > kAlike &&
+               std::abs(sheet.height(node.at) - node.psi) < kOff;
+    });
+}
+
+bool isBend(const Vec3d& a, const Vec3d& b) {
+    constexpr double kLeast = 25, kMost = 155;
+    const double bend = degrees(a, b);
+    return bend >= kLeast && bend <= kMost;
+}
+
+/// Sheets beside `sheet` (null: all sheets), from the nodes on the side of S with the kink.
+std::vector<SheetFit> othersThan(const SheetFit* sheet, const std::vector<SheetNode>& nodes,
+                                 int side) {
+    constexpr std::size_t kMost = 4, kFew = 4;
+    constexpr double kAround = 3, kAlike = 0.99;
+    std::vector<const SheetNode*> rest;
+    for (const SheetNode& node : nodes)
+        if (node.psi * side >= 0 &&
+            !(sheet && (!sheet->reaches(node.foot) ||
+                        dot(node.normal, sheet->normal(node.foot)) >= kLeastTurn)))
+            rest.push_back(&node);
+    std::vector<SheetFit> found;
+    for (std::size_t round = 0; round < kMost; ++round) {
+        // The node with the most nodes like it around.
+        const SheetNode* best = nullptr;
+        std::size_t most = kFew - 1;
+        for (const SheetNode* a : rest) {
+            std::size_t count = 0;
+            for (const SheetNode* b : rest)
+                count += dot(a->normal, b->normal) > kAlike && length(a->foot - b->foot) < kAround;
+            if (count > most) most = count, best = a;
+        }
+        if (!best) break;
+        SheetFit fit(nodes, best->foot, best->normal, side);
+        const Vec3d n = best->normal;
+        std::erase_if(rest, [&](const SheetNode* node) {
+            return dot(node->normal, n) > kLeastTurn ||
+                   (fit.valid() && dot(node->normal, fit.normal(node->foot)) > kLeastTurn);
+        });
+        if (fit.valid()) found.push_back(std::move(fit));
+    }
+    return found;
+}
+
+/// Whether a third sheet is near a line where two meet.
+bool isCorner(const std::vector<SheetNode>& nodes, const Vec3d& p, const Vec3d& edge) {
+    constexpr double kNear = 1, kAcross = 0.3;
+    constexpr std::ptrdiff_t kFew = 4;  // between the sheets of a sharp edge single normals are off
+    // Normals of the two sheets, and those around the edge between them, are across it.
+    return std::count_if(nodes.begin(), nodes.end(), [&](const SheetNode& node) {
+               return length(node.foot - p) < kNear && std::abs(dot(node.normal, edge)) > kAcross;
+           }) >= kFew;
+}
+
+/// The direction in the plane `to` away from the plane `from`, across the line where they meet.
+/// @param side  -1 of a convex edge, 1 of a hollow one
+Vec3d awayFrom(const Vec3d& from, const Vec3d& to, int side) {
+    const Vec3d away = cross(to, normalized(cross(from, to)));
+    return dot(away, from) * side < 0 ? -away : away;
+}
+
+/// Turns the direction over the line where two sheets meet, at the same angle to it.
+void turnOver(const Vec3d& from, const Vec3d& to, int side, Walker& w) {
+    const Vec3d edge = normalized(cross(from, to));
+    const double along = dot(w.v, edge);
+    w.v = along * edge + std::sqrt(std::max(1 - along * along, 0.0)) * awayFrom(from, to, side);
+    w.n = to;
+}
+
+/// How far a walk on one sheet is from another one, which it meets within a step.
+double arcTo(const Walker& from, double step, const SheetFit& on, const SheetFit& other, int side) {
+    constexpr int kHalvings = 40;
+    double low = 0, high = step;
+    for (int round = 0; round < kHalvings; ++round) {
+        const double half = (low + high) / 2;
+        Walker at = from;
+        at.step(on, half);
+        (side * other.height(at.p) > 0 ? low : high) = half;
+    }
+    return high;
+}
+
 }  // namespace
 
-bool CreaseWatch::unfold(std::vector<Walker>& track) {
-    constexpr std::size_t kWindow = 6, kClean = 4, kMost = 24;  // steps
-    constexpr double kBend = 35, kSettled = 8, kLeast = 25, kMostBend = 150;
-    constexpr double kSharp = 0.8;  // of the bend, within the window; rounded edges have less
-    const std::size_t last = track.size() - 1;
-    if (bend_ == 0) {
-        const std::size_t before = std::max(first_ + kWindow, last) - kWindow;
-        if (degrees(track[before].n, track[last].n) < kBend) return false;
-        bend_ = last;
-    }
-    // A walk that ends here is continued for a while, to show the other sheet.
-    std::vector<Walker> more(track.begin() + std::ptrdiff_t(first_), track.end());
-    auto settled = [&] {
-        return more.size() > bend_ - first_ + kClean &&
-               degrees(more[more.size() - 1 - kClean].n, more.back().n) < kSettled;
-    };
-    const auto surface = [&](const Vec3d& p, const Vec3d& n) { return localSurface(band_, p, n); };
-    while (track.back().at >= length_ && !settled() && more.size() <= bend_ - first_ + kMost) {
-        Walker next = more.back();
-        if (!next.step(surface, kCreaseStep)) break;
-        more.push_back(next);
-    }
-    if (!settled()) {
-        if (last > bend_ + kMost) first_ = last, bend_ = 0;
-        return false;
-    }
-    const Walker after = more.back();
-    std::size_t middle = 0;
-    while (middle + 1 < more.size() &&
-           dot(more[middle].n, more[0].n) > dot(more[middle].n, after.n))
-        ++middle;
-    const std::size_t from = std::max(middle, kWindow) - kWindow;
-    const double bend = degrees(more[from].n, after.n);
-    std::optional<std::vector<Walker>> walk;
-    if (bend > kLeast && bend < kMostBend)
-        walk = over(band_, more[from], more[middle].p, after, track.back(), length_);
-    bend_ = 0;
-    if (!walk) {
-        const std::size_t beyond = std::min(middle + kWindow, more.size() - 1);
-        if (degrees(more[from].n, more[beyond].n) > kSharp * bend && bend > kLeast) {
-            ++missed_;
-            seen_.push_back(more[middle].at);
+/// The sheet of a walk and those beside it, over edges of one kind.
+struct CreaseWalk::Sheets {
+    const std::vector<SheetNode>& nodes;
+    int side;      ///< -1: convex edges, 1: hollow ones
+    SheetFit own;  ///< not valid where none fits
+    std::vector<SheetFit> others;
+
+    /// @param kept  the sheet so far
+    Sheets(const std::vector<SheetNode>& all, const Walker& w, int s,
+           const std::optional<SheetFit>& kept)
+        : nodes(all), side(s) {
+        constexpr double kSame = 0.9986, kOffKept = 0.1, kOff = 0.5, kAround = 4;  // 3 degrees
+        const bool keeps = kept && length(kept->center() - w.p) < kAround;
+        if (kept && kept->isPlane())
+            own = *kept;
+        else {
+            own = SheetFit(all, w.p, w.n, s);
+            auto fits = [&](double off, double cosine) {
+                return own.valid() && std::abs(own.height(w.p)) < off &&
+                       dot(own.normal(w.p), w.n) > cosine;
+            };
+            if (keeps && !fits(kOffKept, kSame)) own = *kept;
+            if (!keeps && !fits(kOff, kLeastTurn)) return;
         }
-        first_ = last;
-        return false;
+        others = othersThan(&own, all, s);
     }
-    seen_.push_back(more[middle].at);
-    track.resize(first_ + from);
-    track.insert(track.end(), walk->begin(), walk->end());
-    first_ = track.size() - 1 - std::min(kClean, walk->size() - 1);
+    /// How far p is before another sheet, positive before it.
+    double before(const SheetFit& other, const Vec3d& p) const { return side * other.height(p); }
+    /// The distance of a walk from the nearest of the other sheets.
+    double toSheet(const Vec3d& p) const {
+        double least = kInfinity;
+        for (const SheetFit& other : others) {
+            const Vec3d a = own.normal(p), b = other.normal(p);
+            if (!isBend(a, b) || !other.reaches(p)) continue;
+            // Beyond a right angle the foot point is on the other sheet, not on the line.
+            const double turn = dot(a, b) > 0 ? length(cross(a, b)) : 1;
+            least = std::min(least, std::abs(other.height(p)) / turn);
+        }
+        return least;
+    }
+    /// Whether the own sheet ends at the line where it meets another one.
+    bool endsAt(const Vec3d& p, const SheetFit& other) const {
+        constexpr double kBeyond = 1.3, kFoot = 0.8;
+        return !isOn(nodes, own, p - kBeyond * awayFrom(other.normal(p), own.normal(p), side),
+                     kFoot);
+    }
+    /// Whether another sheet begins at this line. Foot points around an edge are on the edge.
+    bool begins(const Vec3d& p, const SheetFit& other) const {
+        constexpr double kFoot = 0.8;
+        const Vec3d away = awayFrom(own.normal(p), other.normal(p), side);
+        // A converted level set has few good nodes beside a hollow edge.
+        return isOn(nodes, other, p + 1.2 * away, kFoot) ||
+               isOn(nodes, other, p + 2.2 * away, kFoot);
+    }
+};
+
+struct CreaseWalk::Crossing {
+    bool isBefore(const Crossing& o) const { return isLost != o.isLost ? o.isLost : at < o.at; }
+    double at = 0;
+    std::vector<Walker> steps;     ///< to the line; the last one is turned
+    std::optional<SheetFit> next;  ///< the sheet behind it
+    bool isCorner = false;
+    bool isLost = false;  ///< the sheet ends, and no other is known to begin there
+};
+
+bool CreaseWalk::isNearCrease(const Walker& w) const {
+    constexpr int kDirections = 12, kSteps = 3;
+    constexpr double kStep = 1.3, kLeastRate = 0.16;  // of the turn, per voxel
+    const Vec3d u = anyNormalTo(w.n), v = cross(w.n, u);
+    for (int k = 0; k < kDirections; ++k) {
+        const double angle = 2 * std::numbers::pi * k / kDirections;
+        const Vec3d direction = std::cos(angle) * u + std::sin(angle) * v;
+        Vec3d p = w.p, n = w.n, foot = w.p;
+        for (int step = 0; step < kSteps; ++step) {
+            const Vec3d q = p + kStep * normalized(tangential(direction, n));
+            const NodeIndex i = hasIjk(q) ? band_.nodeAt(roundToIjk(q)) : kNoNode;
+            if (i == kNoNode) return true;
+            const Vec3d next = Vec3d(band_.normal[i]), nextFoot = band_.footPoint(i);
+            if (length(next - n) > kLeastRate * std::max(length(nextFoot - foot), kStep))
+                return true;
+            n = next, foot = nextFoot;
+            p = q - dot(q - foot, n) * n;
+        }
+    }
+    return false;
+}
+
+bool CreaseWalk::settle(Walker& start, const Vec3d& asked, const Vec3d& direction) {
+    constexpr double kOff = 0.7, kFoot = 1.2, kTilt = 0.5;
+    constexpr int kRounds = 3;
+    if (!isNearCrease(start)) return false;
+    const std::vector<SheetNode> nodes = nodesForSheets(band_, start.p);
+    double least = kInfinity;
+    for (const int side : {-1, 1}) {
+        const std::vector<SheetFit> sheets = othersThan(nullptr, nodes, side);
+        for (const SheetFit& sheet : sheets) {
+            const double off = std::abs(sheet.height(asked));
+            const bool isBeside =
+                std::any_of(sheets.begin(), sheets.end(), [&](const SheetFit& other) {
+                    return isBend(sheet.normal(asked), other.normal(asked)) &&
+                           std::abs(other.height(asked)) < kDisturbed;
+                });
+            if (!isBeside || off > kOff || !isOn(nodes, sheet, asked, kFoot)) continue;
+            // Of two sheets that are as near, the one that the direction is along.
+            const double tilt = std::abs(dot(normalized(direction), sheet.normal(asked)));
+            if (off + kTilt * tilt < least) least = off + kTilt * tilt, own_ = sheet;
+        }
+    }
+    if (!own_) return false;
+    start.p = asked;
+    for (int round = 0; round < kRounds; ++round)
+        start.p -= own_->height(start.p) * own_->normal(start.p);
+    start.n = own_->normal(start.p);
     return true;
 }
 
-std::size_t CreaseWatch::roundedBends(const std::vector<Walker>& track) const {
+std::vector<Walker> CreaseWalk::onSheet(const Walker& w, const SheetFit& sheet, double arc) const {
+    std::vector<Walker> steps;
+    Walker next = w;
+    for (const double last = std::min(w.at + arc, length_); next.at < last;) {
+        if (!next.step(sheet, std::min(kCreaseStep, last - next.at)) ||
+            band_.nodeAt(roundToIjk(next.p)) == kNoNode)
+            break;
+        steps.push_back(next);
+    }
+    return steps;
+}
+
+std::optional<CreaseWalk::Crossing> CreaseWalk::firstCrossing(const Walker& w,
+                                                              const Sheets& sheets) const {
+    constexpr double kAhead = 2.5, kArmed = 1e-3, kFoot = 2;
+    std::vector<bool> armed(sheets.others.size(), false);
+    Crossing crossing;
+    Walker last = w;
+    for (const double end = std::min(w.at + kAhead, length_); last.at < end;) {
+        const double step = std::min(kCreaseStep, end - last.at);
+        std::vector<std::pair<double, std::size_t>> over;
+        Walker next = last;
+        if (!next.step(sheets.own, step)) return std::nullopt;
+        for (std::size_t k = 0; k < armed.size(); ++k) {
+            const SheetFit& other = sheets.others[k];
+            if (sheets.before(other, last.p) > kArmed) armed[k] = true;
+            if (!armed[k] || sheets.before(other, next.p) > 0) continue;
+            armed[k] = false;
+            over.emplace_back(arcTo(last, step, sheets.own, other, sheets.side), k);
+        }
+        std::sort(over.begin(), over.end());
+        for (const auto& [arc, k] : over) {
+            const SheetFit& other = sheets.others[k];
+            Walker at = last;
+            at.step(sheets.own, arc);
+            if (!isBend(sheets.own.normal(at.p), other.normal(at.p)) ||
+                !sheets.endsAt(at.p, other) || !sheets.begins(at.p, other) || !other.reaches(at.p))
+                continue;
+            crossing.at = at.at;
+            return overLine(last, at, sheets, other, std::move(crossing));
+        }
+        if (!isOn(sheets.nodes, sheets.own, next.p, kFoot)) {
+            crossing.at = last.at;
+            crossing.isLost = true;
+            return crossing;
+        }
+        crossing.steps.push_back(last = next);
+    }
+    return std::nullopt;
+}
+
+CreaseWalk::Crossing CreaseWalk::overLine(const Walker& last, const Walker& roughly,
+                                          const Sheets& sheets, const SheetFit& other,
+                                          Crossing crossing) const {
+    constexpr double kMore = 0.25;
+    const std::vector<SheetNode> nodes = nodesForSheets(band_, roughly.p);
+    // Fits of curved sheets are the most accurate at their center.
+    SheetFit own = sheets.own;
+    crossing.next = other;
+    for (SheetFit* sheet : {&own, &*crossing.next}) {
+        if (sheet->isPlane()) continue;
+        SheetFit closer(nodes, roughly.p, sheet->normal(roughly.p), sheets.side);
+        if (closer.valid()) *sheet = std::move(closer);
+    }
+    Walker at = last;
+    const double step = roughly.at - last.at + kMore;
+    at.step(own, std::min(arcTo(last, step, own, *crossing.next, sheets.side), length_ - last.at));
+    const Vec3d a = own.normal(at.p), b = crossing.next->normal(at.p);
+    crossing.isCorner = isCorner(nodes, at.p, normalized(cross(a, b)));
+    turnOver(a, b, sheets.side, at);
+    crossing.at = at.at;
+    crossing.steps.push_back(at);
+    return crossing;
+}
+
+bool CreaseWalk::advance(std::vector<Walker>& track) {
+    constexpr double kAtOnce = 2, kAgain = 0.9;
+    constexpr double kSameBend = 5;
+    const Walker w = track.back();
+    if (length(w.p - without_) < kAgain || !isNearCrease(w)) {
+        own_.reset();
+        return false;
+    }
+    const std::vector<SheetNode> nodes = nodesForSheets(band_, w.p);
+    std::optional<Crossing> first;
+    std::optional<SheetFit> own;
+    double least = kDisturbed;
+    bool isAlone = true;
+    for (const int side : {-1, 1}) {
+        const Sheets sheets(nodes, w, side, own_);
+        if (sheets.others.empty()) continue;
+        isAlone = false;
+        const double to = sheets.toSheet(w.p);
+        std::optional<Crossing> crossing = firstCrossing(w, sheets);
+        // Far from other sheets the fit ends, not the sheet.
+        if (crossing && crossing->isLost && to >= kDisturbed) crossing.reset();
+        if (crossing && (!first || crossing->isBefore(*first))) first = std::move(crossing);
+        if (to < least) least = to, own = sheets.own;
+    }
+    if (isAlone) without_ = w.p;
+    if (first && first->isLost && first->at - w.at < kCreaseStep) {
+        if (lost_.empty() || w.at - lost_.back() > kSameBend) lost_.push_back(w.at);
+        own_.reset();
+        return false;
+    }
+    if (first) {
+        track.insert(track.end(), first->steps.begin(), first->steps.end());
+        if (first->isLost) return true;
+        own_ = first->next;
+        seen_.push_back(first->at);
+        corners_ += first->isCorner;
+        return true;
+    }
+    if (!own) return false;
+    own_ = own;
+    const std::vector<Walker> steps = onSheet(w, *own, kAtOnce);
+    track.insert(track.end(), steps.begin(), steps.end());
+    return !steps.empty();
+}
+
+std::size_t CreaseWalk::roundedBends(const std::vector<Walker>& track) const {
     // Steps to each side: a sharp bend turns as much within two voxels as within eight.
     constexpr std::size_t kNarrow = 2, kWide = 8;
     constexpr double kLeast = 10, kSpread = 1.25, kNear = 5;
-    std::size_t count = missed_;
+    std::size_t count = lost_.size();
     for (std::size_t k = kNarrow; k + kNarrow < track.size(); ++k) {
         const double turn = degrees(track[k - kNarrow].n, track[k + kNarrow].n);
         if (turn < kLeast) continue;
         const std::size_t before = std::max(k, kWide) - kWide,
                           after = std::min(k + kWide, track.size() - 1);
-        const bool seen = std::any_of(seen_.begin(), seen_.end(), [&](double at) {
-            return std::abs(at - track[k].at) < kNear;
-        });
-        if (seen || degrees(track[before].n, track[after].n) > kSpread * turn) continue;
+        auto isNear = [&](double at) { return std::abs(at - track[k].at) < kNear; };
+        if (std::any_of(seen_.begin(), seen_.end(), isNear) ||
+            std::any_of(lost_.begin(), lost_.end(), isNear) ||
+            degrees(track[before].n, track[after].n) > kSpread * turn)
+            continue;
         ++count;
         k += kWide;
     }

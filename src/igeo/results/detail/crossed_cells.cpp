@@ -105,7 +105,7 @@ struct Trilinear {
           yz(double(v[3]) - double(v[2]) - z),
           xyz(double(v[7]) - double(v[6]) - (double(v[5]) - double(v[4])) - yz) {}
 
-    /// Moves a place along grad psi to psi = 0, as projectToSurface does.
+    /// Moves a place along grad psi to psi = 0.
     /// @return whether it came there within the cell
     bool project(Vec3d& place) const {
         constexpr double kTolerance = 1e-6;

@@ -239,18 +239,25 @@ inline bool cutBeside(const PsiDifferences& d, double psi, double halfWidth) {
 /// difference mixes two faces (|grad psi| < 1), so each axis takes the side for which the length of
 /// the gradient is closest to 1. Where the kink is slight along an axis, that tells the faces apart
 /// and the central difference is kept: it may be a curve. Where one neighbor is missing the other
-/// side is used; an axis without either gives 0.
+/// side is used; an axis without either gives 0. A central difference longer than 1 belongs to no
+/// distance: at the rim of an open surface psi grows beyond the rim too, and the axis takes one
+/// side.
 inline Vec3d psiGradient(const PsiDifferences& d, double psi) {
     const Vec3d central = d.central();
     if (d.smooth()) return central;
 
-    constexpr double kKink = 0.1;  // change of |grad psi| from one voxel to the next
+    // Changes of |grad psi| from one voxel to the next; kRim is 2.5 standard deviations of a noise
+    // of 0.1 voxels.
+    constexpr double kKink = 0.1, kRim = 0.6;
+    constexpr double kLonger = 1.03;
+    const bool longer = length(central) > kLonger;
     std::array<std::array<double, 3>, 3> options;
     for (int a = 0; a < 3; ++a) {
         const double bend = d.bend(a, psi < 0 ? -1 : 1);
         const double none = std::numeric_limits<double>::quiet_NaN();
         options[std::size_t(a)] = {central[a], d.backward[a], d.forward[a]};
-        if (bend >= 0) options[std::size_t(a)] = {central[a], none, none};
+        if (bend >= 0 && !(longer && bend > kRim))
+            options[std::size_t(a)] = {central[a], none, none};
         if (std::isnan(d.backward[a]) && std::isnan(d.forward[a]))
             options[std::size_t(a)] = {0, none, none};
     }
@@ -263,7 +270,9 @@ inline Vec3d psiGradient(const PsiDifferences& d, double psi) {
         if (misfit < bestMisfit) bestMisfit = misfit, best = g;
     }
     for (int a = 0; a < 3; ++a)
-        if (d.bend(a, psi < 0 ? -1 : 1) > -kKink) best[a] = central[a];
+        if (const double bend = d.bend(a, psi < 0 ? -1 : 1);
+            bend > -kKink && !(longer && bend > kRim))
+            best[a] = central[a];
     return best;
 }
 
