@@ -401,6 +401,11 @@ bool projectToSurface(const Band& band, Vec3d& pIndex, const Vec3d& sheetNormal)
     return true;
 }
 
+Vec3d ontoSurface(const Band& band, const Vec3d& pIndex) {
+    Vec3d p = pIndex;
+    return projectToSurface(band, p) && length(p - pIndex) < 1 ? p : pIndex;
+}
+
 Vec3d surfaceNormal(const Band& band, const Vec3d& p) {
     constexpr double kFarthest = 2;
     if (!band.triangles) {

@@ -450,9 +450,9 @@ NodeIndex firstOnSheet(const Band& band, const SurfaceTriangles::Place& at,
 /// @return the unit normal blended from the corners that are left; zero if there are none
 Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNormal = {});
 
-/// psi and its gradient at a position: psi_i + n_i . (p - x_i) / 2 of the cell's voxels x_i, blended
-/// with trilinear weights. Exact for a quadratic psi, where psi_i alone are off by 1 / (8 R) voxels
-/// per curvature 1 / R. Creases are rounded.
+/// psi and its gradient at a position: psi_i + n_i . (p - x_i) / 2 of the cell's voxels x_i,
+/// blended with trilinear weights. Exact for a quadratic psi, where psi_i alone are off by 1 / (8
+/// R) voxels per curvature 1 / R. Creases are rounded.
 struct PsiSample {
     bool valid = false;  ///< false where a corner is missing
     double psi = 0;      ///< voxels
@@ -467,6 +467,9 @@ PsiSample samplePsi(const Band& band, const Vec3d& pIndex);
 /// @return false (and p unchanged) where S is more than 2 voxels away, or where the steps leave the
 ///         band or do not settle within 1e-6 voxels
 bool projectToSurface(const Band& band, Vec3d& pIndex, const Vec3d& sheetNormal = {});
+/// The position moved onto S so; itself where that fails, or moves it by a voxel or more, to
+/// another sheet.
+Vec3d ontoSurface(const Band& band, const Vec3d& pIndex);
 
 /// Unit normal at a point of S: of the nearest triangle, or along the gradient of samplePsi; zero
 /// where there is none.

@@ -89,8 +89,7 @@ Vec3d onPsi(const Band& band, const Vec3d& pIndex, const Nearest& best) {
     const bool close = best.squared < 1e6;
     if (close && projectToSurface(band, p) && length(p - pIndex) <= std::sqrt(best.squared) + 1e-3)
         return p;
-    p = foot;
-    return projectToSurface(band, p) && length(p - foot) < 1 ? p : foot;
+    return ontoSurface(band, foot);
 }
 
 }  // namespace

@@ -137,4 +137,16 @@ struct Vec2f {
 inline float dot(Vec2f a, Vec2f b) { return a.x * b.x + a.y * b.y; }
 inline float length(Vec2f a) { return std::sqrt(dot(a, a)); }
 
+/// A point of the plane in which triangles are laid flat.
+struct Vec2d {
+    double x = 0, y = 0;
+    friend Vec2d operator+(Vec2d a, Vec2d b) { return {a.x + b.x, a.y + b.y}; }
+    friend Vec2d operator-(Vec2d a, Vec2d b) { return {a.x - b.x, a.y - b.y}; }
+    friend Vec2d operator*(double s, Vec2d a) { return {s * a.x, s * a.y}; }
+    friend bool operator==(Vec2d a, Vec2d b) { return a.x == b.x && a.y == b.y; }
+};
+inline double dot(Vec2d a, Vec2d b) { return a.x * b.x + a.y * b.y; }
+inline double cross(Vec2d a, Vec2d b) { return a.x * b.y - a.y * b.x; }
+inline double length(Vec2d a) { return std::hypot(a.x, a.y); }
+
 }  // namespace igeo

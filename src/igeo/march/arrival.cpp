@@ -393,9 +393,11 @@ Arrival Reader::byJets() const {
             first = {disc.distance, field_.source[std::size_t(disc.seed - field_.seeds.data())],
                      disc.seed};
         const double here = metric_.at(cell_);
-        for (const Seen& s : seen)
-            if (s.seed && s.distance((here + s.seed->weight) / 2) < first.distance)
-                first = {s.distance((here + s.seed->weight) / 2), s.jet.label, s.seed};
+        for (const Seen& s : seen) {
+            if (!s.seed) continue;
+            if (const double d = s.distance((here + s.seed->weight) / 2); d < first.distance)
+                first = {d, s.jet.label, s.seed};
+        }
         return orFromPage(first);
     }
     std::array<std::uint32_t, 8> sources;

@@ -24,9 +24,8 @@ namespace igeo {
 ///         the sharp bends that were not unfolded, `closeCorners` the edges crossed beside a corner
 /// @throws Error  InvalidArgument for a direction within 0.6 degrees of the normal, or a length
 ///         that is negative or not finite; BadInput where S has no band around the start; Cancelled
-/// Time O(length), some 4 microseconds per voxel, up to a millisecond near
-/// creases. Error: tests/accuracy/test_shoot.cpp; 0.02 % of
-/// the length after five turns around a tube of 12 voxels.
+/// Time O(length), some 4 microseconds per voxel, up to a millisecond near creases. Error:
+/// tests/accuracy/test_shoot.cpp; 0.02 % of the length after five turns around a tube of 12 voxels.
 Path shoot(const Band& band, const SurfacePoint& start, const Vec3d& direction, double length,
            Progress& progress = Progress::none());
 

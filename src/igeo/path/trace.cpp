@@ -49,9 +49,9 @@ private:
     bool walkable(NodeIndex i) const;
     /// Whether S joins p with the foot point of a node nearby.
     bool isOnSheet(const Vec3d& p, NodeIndex i) const;
-    /// The node that gives the shortest path from p, where the distance is d, of those that no
-    /// obstacle hides.
-    NodeIndex nodeAhead(const Vec3d& p, double d) const;
+    /// The node that gives the shortest path from p of those that no obstacle hides.
+    /// @param here  the distance at p
+    NodeIndex nodeAhead(const Vec3d& p, double here) const;
     NodeIndex lowestNeighbor(NodeIndex i) const;
     /// The node that gives the shortest path of those lower than d up to three steps away, by
     /// walks on a mesh: a march solves some nodes over two links, or over a straight line.

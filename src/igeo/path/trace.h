@@ -14,8 +14,8 @@ struct TraceOptions {
     double minStep = 0.01;    ///< voxels; below it the path continues from node to node
     double tolerance = 1e-3;  ///< local error per step, voxels
     /// Steps of two voxels, each by the gradient of one node: a tenth of the time, for a path that
-    /// only shows straightened where the geodesic runs. Its chords leave S, and are not laid
-    /// on triangles. Without weights and obstacles.
+    /// only shows straightened() where the geodesic runs. Its chords leave S, and are not laid on
+    /// triangles. Without weights and obstacles.
     bool rough = false;
 };
 
@@ -30,9 +30,9 @@ struct TraceOptions {
 ///
 /// On a mesh without weights and obstacles the path is then made the shortest curve over the
 /// triangles around it, exact to rounding, as straighten() does.
-/// @return vertices lie on S: on psi = 0 (samplePsi) to 1e-6 voxels where the
-///         projection converges; or on the triangles of a mesh, with all segments as well, since
-///         there is a vertex on each edge that the path crosses
+/// @return vertices lie on S: on psi = 0 (samplePsi) to 1e-6 voxels where the projection converges;
+///         or on the triangles of a mesh, with all segments as well, since there is a vertex on
+///         each edge that the path crosses
 /// Time O(length).
 Path tracePath(const Field& field, const SurfacePoint& target, const TraceOptions& options = {});
 

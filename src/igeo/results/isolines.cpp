@@ -101,12 +101,6 @@ Vec3d sheetAt(const SurfaceMesh& mesh, const std::array<std::uint32_t, 2>& ends)
     return normalized(Vec3d(mesh.normal[ends[0]] + mesh.normal[ends[1]]));
 }
 
-/// A point of the mesh, moved to S.
-Vec3d onSurface(const Band& band, const Vec3d& onMesh) {
-    Vec3d p = onMesh;
-    return projectToSurface(band, p) && length(p - onMesh) < 1 ? p : onMesh;
-}
-
 /// Where the distance equals `level` on the projection of an edge to S, by regula falsi (Illinois).
 Vec3d crossing(const Field& field, const SurfaceMesh& mesh,
                const std::array<std::uint32_t, 2>& ends, double level) {
@@ -114,14 +108,14 @@ Vec3d crossing(const Field& field, const SurfaceMesh& mesh,
     constexpr int kMostSteps = 30;
     const auto [a, b] = ends;
     double lo = 0, hi = 1, atLo = mesh.distance[a] - level, atHi = mesh.distance[b] - level;
-    if (atLo == 0) return onSurface(*field.band, mesh.position[a]);
-    if (atHi == 0) return onSurface(*field.band, mesh.position[b]);
+    if (atLo == 0) return ontoSurface(*field.band, mesh.position[a]);
+    if (atHi == 0) return ontoSurface(*field.band, mesh.position[b]);
     const Vec3d sheetNormal = sheetAt(mesh, ends);
     Vec3d p;
     int last = 0;  // the end that moved last
     for (int step = 0; step < kMostSteps; ++step) {
         const double t = lo + (hi - lo) * (atLo / (atLo - atHi));
-        p = onSurface(*field.band, (1 - t) * mesh.position[a] + t * mesh.position[b]);
+        p = ontoSurface(*field.band, (1 - t) * mesh.position[a] + t * mesh.position[b]);
         const double here = sampleDistance(field, p, sheetNormal) - level;
         if (std::abs(here) <= kTolerance || !(std::abs(here) < kInfinity)) break;
         if ((here < 0) == (atLo < 0)) {
@@ -163,7 +157,7 @@ void checkLevels(const std::vector<double>& levels) {
         if (!(level >= 0 && level < kInfinity))
             throw Error(
                 Error::Kind::InvalidArgument,
-                fmt::format("a level of {:f} for isolines; levels are finite, 0 or more", level));
+                fmt::format("a level of {:g} for isolines; levels are finite, 0 or more", level));
 }
 
 double leastStart(const Field& field) {
@@ -211,8 +205,8 @@ std::vector<double> levelsBySpacing(const Field& field, double spacing) {
     const double count = std::floor(field.maxDistance / spacing) - first + 1;
     if (!(spacing > 0 && spacing < kInfinity && count <= kMostLevels))
         throw Error(Error::Kind::InvalidArgument,
-                    fmt::format("isolines {:f} voxels apart; the spacing has to be positive and "
-                                "the number of levels {} at most, for distances of up to {:f}",
+                    fmt::format("isolines {:g} voxels apart; the spacing has to be positive and "
+                                "the number of levels {} at most, for distances of up to {:g}",
                                 spacing, kMostLevels, field.maxDistance),
                     "choose a larger spacing");
     std::vector<double> levels;

@@ -184,7 +184,7 @@ void addWays(const MeshBand& on, Band& band, Progress& progress) {
 Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& progress, double gap) {
     if (!(h >= 0.866 && h <= 8))
         throw Error(Error::Kind::InvalidArgument,
-                    fmt::format("a band of {:f} voxels; allowed are sqrt(3)/2 to 8", h),
+                    fmt::format("a band of {:g} voxels; allowed are sqrt(3)/2 to 8", h),
                     "sqrt(3) is usual");
     requireReasonable(given, dx, h);
     progress.update("band", 0);
@@ -212,7 +212,9 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     progress.throwIfCancelled();
     band.markFacing();
     const MeshAdjacency adjacency(mesh, topology);
-    const MeshBand on{adjacency, normals.ofFace, nearLeaves, band};
+    const std::vector<std::uint8_t> folds =
+        leavesThatFold(adjacency, normals.ofFace, nearLeaves, progress);
+    const MeshBand on{adjacency, normals.ofFace, nearLeaves, folds, band};
     addBesideOthers(on, rim);
     band.numberCore(rim);
     band.sever(linksOffMesh(on, progress));

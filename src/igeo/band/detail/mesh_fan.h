@@ -13,16 +13,6 @@
 
 namespace igeo {
 
-/// A point of the plane in which triangles are laid flat, the start of a fan in the origin.
-struct FlatPoint {
-    double x = 0, y = 0;
-    friend FlatPoint operator-(FlatPoint a, FlatPoint b) { return {a.x - b.x, a.y - b.y}; }
-    friend FlatPoint operator*(double s, FlatPoint a) { return {s * a.x, s * a.y}; }
-};
-inline double cross(FlatPoint a, FlatPoint b) { return a.x * b.y - a.y * b.x; }
-inline double dot(FlatPoint a, FlatPoint b) { return a.x * b.x + a.y * b.y; }
-inline double length(FlatPoint a) { return std::hypot(a.x, a.y); }
-
 /// The triangles that hold a point: more than one where it is on an edge or a vertex.
 template <typename Mesh>
 std::vector<std::uint32_t> trianglesAt(const Mesh& mesh, const MeshPoint& p) {
@@ -42,7 +32,8 @@ std::vector<std::uint32_t> trianglesAt(const Mesh& mesh, const MeshPoint& p) {
     return around;
 }
 
-/// All straight lines from a point up to a length. Lines through vertices end there.
+/// All straight lines from a point, the origin of the plane, up to a length. Lines through vertices
+/// end there.
 /// @tparam Mesh  MeshAdjacency or SurfaceTriangles
 template <typename Mesh>
 class MeshFan {
@@ -50,11 +41,11 @@ public:
     /// A triangle, as the lines that come over one of its edges meet it.
     struct Part {
         std::uint32_t triangle;
-        std::array<FlatPoint, 3> corner;
-        FlatPoint right, left;  ///< the outermost of the lines
-        std::size_t before;     ///< the part that they leave, or kNoPart
-        std::uint32_t entry;    ///< the edge over which they come; 3: none
-        bool mirrored;          ///< laid out clockwise, unlike the first
+        std::array<Vec2d, 3> corner;
+        Vec2d right, left;    ///< the outermost of the lines
+        std::size_t before;   ///< the part that they leave, or kNoPart
+        std::uint32_t entry;  ///< the edge over which they come; 3: none
+        bool mirrored;        ///< laid out clockwise, unlike the first
     };
     static constexpr std::size_t kNoPart = std::size_t(-1);
 
@@ -77,15 +68,18 @@ private:
     static constexpr std::size_t kMostParts = 20000;
     static constexpr double kOn = 1e-5;  ///< voxels
     void begin(const MeshPoint& from);
-    void add(std::uint32_t triangle, const std::array<FlatPoint, 3>& corner);
     void leave(std::size_t k);
     /// Lays the triangle beyond an edge of part k flat.
-    void enter(std::size_t k, std::uint32_t edge, std::uint32_t beyond, FlatPoint right,
-               FlatPoint left);
+    void enter(std::size_t k, std::uint32_t edge, std::uint32_t beyond, Vec2d right, Vec2d left);
+    /// The part in which the lines to part k start.
+    std::size_t firstOf(std::size_t k) const {
+        while (parts_[k].before != kNoPart) k = parts_[k].before;
+        return k;
+    }
     /// The distance from the origin to the part of an edge between two lines.
-    static double nearest(FlatPoint a, FlatPoint b);
-    FlatPoint flat(const Part& part, const Vec3d& p) const;
-    Vec3d inSpace(const Part& part, FlatPoint v) const;
+    static double nearest(Vec2d a, Vec2d b);
+    Vec2d flat(const Part& part, const Vec3d& p) const;
+    Vec3d inSpace(const Part& part, Vec2d v) const;
 
     const Mesh& mesh_;
     double most_;
@@ -104,15 +98,15 @@ std::array<double, 2> coordinatesIn(const Mesh& mesh, std::uint32_t t, const Vec
 }
 
 template <typename Mesh>
-FlatPoint MeshFan<Mesh>::flat(const Part& part, const Vec3d& p) const {
+Vec2d MeshFan<Mesh>::flat(const Part& part, const Vec3d& p) const {
     const auto [u, v] = coordinatesIn(mesh_, part.triangle, p);
-    const FlatPoint o = part.corner[0], a = part.corner[1] - o, b = part.corner[2] - o;
-    return {o.x + u * a.x + v * b.x, o.y + u * a.y + v * b.y};
+    const Vec2d o = part.corner[0], a = part.corner[1] - o, b = part.corner[2] - o;
+    return o + u * a + v * b;
 }
 
 template <typename Mesh>
-Vec3d MeshFan<Mesh>::inSpace(const Part& part, FlatPoint v) const {
-    const FlatPoint a = part.corner[1] - part.corner[0], b = part.corner[2] - part.corner[0];
+Vec3d MeshFan<Mesh>::inSpace(const Part& part, Vec2d v) const {
+    const Vec2d a = part.corner[1] - part.corner[0], b = part.corner[2] - part.corner[0];
     const double d = cross(a, b);
     if (d == 0) return {};
     const Vec3d o = mesh_.corner(part.triangle, 0);
@@ -135,7 +129,7 @@ void MeshFan<Mesh>::begin(const MeshPoint& from) {
         const Vec3d x = normalized(mesh_.corner(t, 1) - mesh_.corner(t, 0)),
                     y = cross(mesh_.normal(t), x);
         if (y == Vec3d{}) continue;
-        std::array<FlatPoint, 3> corner;
+        std::array<Vec2d, 3> corner;
         for (std::uint32_t k = 0; k < 3; ++k) {
             const Vec3d r = mesh_.corner(t, k) - from.at;
             corner[k] = {dot(r, x), dot(r, y)};
@@ -145,10 +139,10 @@ void MeshFan<Mesh>::begin(const MeshPoint& from) {
 }
 
 template <typename Mesh>
-double MeshFan<Mesh>::nearest(FlatPoint a, FlatPoint b) {
-    const FlatPoint e = b - a;
+double MeshFan<Mesh>::nearest(Vec2d a, Vec2d b) {
+    const Vec2d e = b - a;
     const double l2 = dot(e, e), s = l2 > 0 ? std::clamp(-dot(a, e) / l2, 0.0, 1.0) : 0;
-    return igeo::length(FlatPoint{a.x + s * e.x, a.y + s * e.y});
+    return igeo::length(a + s * e);
 }
 
 template <typename Mesh>
@@ -156,25 +150,19 @@ void MeshFan<Mesh>::leave(std::size_t k) {
     const Part part = parts_[k];
     for (std::uint32_t edge = 0; edge < 3; ++edge) {
         if (edge == part.entry) continue;
-        FlatPoint right = part.corner[edge], left = part.corner[(edge + 1) % 3];
+        Vec2d right = part.corner[edge], left = part.corner[(edge + 1) % 3];
         if (part.mirrored) std::swap(right, left);
         // Edges are seen counter-clockwise; one through the origin is not seen.
         if (!(cross(right, left) > kOn * igeo::length(left - right))) continue;
         if (part.before != kNoPart) {
-            const FlatPoint a = right, e = left - right;
-            auto cut = [&](FlatPoint line) {
+            const Vec2d a = right, e = left - right;
+            auto cut = [&](Vec2d line) {
                 const double d = cross(line, e);
                 return d != 0 ? std::clamp(-cross(line, a) / d, 0.0, 1.0) : 0.0;
             };
             if (cross(part.left, right) >= 0 || cross(part.right, left) <= 0) continue;
-            if (cross(part.right, right) < 0) {
-                const double s = cut(part.right);
-                right = {a.x + s * e.x, a.y + s * e.y};
-            }
-            if (cross(left, part.left) < 0) {
-                const double s = cut(part.left);
-                left = {a.x + s * e.x, a.y + s * e.y};
-            }
+            if (cross(part.right, right) < 0) right = a + cut(part.right) * e;
+            if (cross(left, part.left) < 0) left = a + cut(part.left) * e;
         }
         if (nearest(right, left) > most_) continue;
         mesh_.forBeyond(part.triangle, edge,
@@ -183,19 +171,14 @@ void MeshFan<Mesh>::leave(std::size_t k) {
 }
 
 template <typename Mesh>
-void MeshFan<Mesh>::enter(std::size_t k, std::uint32_t edge, std::uint32_t beyond, FlatPoint right,
-                          FlatPoint left) {
+void MeshFan<Mesh>::enter(std::size_t k, std::uint32_t edge, std::uint32_t beyond, Vec2d right,
+                          Vec2d left) {
     const Part from = parts_[k];
-    const auto &in = mesh_[beyond], &out = mesh_[from.triangle];
-    const std::uint32_t a = out[edge], b = out[(edge + 1) % 3];
-    std::uint32_t entry = 0;
-    while (entry < 3 && !((in[entry] == a && in[(entry + 1) % 3] == b) ||
-                          (in[entry] == b && in[(entry + 1) % 3] == a)))
-        ++entry;
+    const std::uint32_t entry = edgeShared(mesh_[beyond], mesh_[from.triangle], edge);
     if (entry == 3) return;  // a seam
-    const bool alike = in[entry] == b;
+    const bool alike = mesh_[beyond][entry] == mesh_[from.triangle][(edge + 1) % 3];
     Part part{beyond, {}, right, left, k, entry, from.mirrored != !alike};
-    const FlatPoint fa = from.corner[edge], fb = from.corner[(edge + 1) % 3], e = fb - fa;
+    const Vec2d fa = from.corner[edge], fb = from.corner[(edge + 1) % 3], e = fb - fa;
     const double width = igeo::length(e);
     if (!(width > 0)) return;
     const Vec3d pa = mesh_.corner(from.triangle, edge),
@@ -215,14 +198,13 @@ void MeshFan<Mesh>::enter(std::size_t k, std::uint32_t edge, std::uint32_t beyon
 template <typename Mesh>
 bool MeshFan<Mesh>::sees(std::size_t k, const Vec3d& to, WalkEnds& way) const {
     const Part& part = parts_[k];
-    const FlatPoint at = flat(part, to);
+    const Vec2d at = flat(part, to);
     const double far = igeo::length(at);
     if (far > most_) return false;
     if (part.before != kNoPart && (cross(part.right, at) < -kOn * igeo::length(part.right) ||
                                    cross(at, part.left) < -kOn * igeo::length(part.left)))
         return false;
-    std::size_t first = k;
-    while (parts_[first].before != kNoPart) first = parts_[first].before;
+    const std::size_t first = firstOf(k);
     way = {};
     way.length = far;
     way.first = parts_[first].triangle, way.last = part.triangle;
@@ -239,26 +221,25 @@ template <typename IsIn>
 bool MeshFan<Mesh>::leads(const IsIn& isIn) const {
     constexpr int kLines = 8;
     /// How far a line in a direction stays in what is known of it.
-    auto leaves = [&](const Part& part, FlatPoint v) {
+    auto leaves = [&](const Part& part, Vec2d v) {
         double far = 0;
         for (std::uint32_t edge = 0; edge < 3; ++edge) {
             if (edge == part.entry) continue;
-            const FlatPoint a = part.corner[edge], e = part.corner[(edge + 1) % 3] - a;
+            const Vec2d a = part.corner[edge], e = part.corner[(edge + 1) % 3] - a;
             const double d = cross(v, e), s = d != 0 ? -cross(v, a) / d : -1;
-            const FlatPoint at{a.x + s * e.x, a.y + s * e.y};
+            const Vec2d at = a + s * e;
             if (s >= 0 && s <= 1 && dot(at, v) > 0) far = std::max(far, igeo::length(at));
         }
         return far;
     };
-    auto unit = [](FlatPoint v) { return 1 / igeo::length(v) * v; };
+    auto unit = [](Vec2d v) { return 1 / igeo::length(v) * v; };
     for (std::size_t k = 0; k < parts_.size(); ++k) {
         const Part& part = parts_[k];
-        std::size_t first = k;
-        while (parts_[first].before != kNoPart) first = parts_[first].before;
+        const std::size_t first = firstOf(k);
         for (int line = 0; line < kLines; ++line) {
             const double t = (line + 0.5) / kLines, angle = 2 * std::numbers::pi * t;
-            const FlatPoint v = first == k ? FlatPoint{std::cos(angle), std::sin(angle)}
-                                           : t * unit(part.left) - (t - 1) * unit(part.right);
+            const Vec2d v = first == k ? Vec2d{std::cos(angle), std::sin(angle)}
+                                       : t * unit(part.left) - (t - 1) * unit(part.right);
             if (leaves(part, v) >= most_ && isIn(inSpace(parts_[first], v))) return true;
         }
     }
@@ -267,11 +248,11 @@ bool MeshFan<Mesh>::leads(const IsIn& isIn) const {
 
 template <typename Mesh>
 std::vector<Vec3d> MeshFan<Mesh>::crossings(std::size_t k, const Vec3d& to) const {
-    const FlatPoint at = flat(parts_[k], to);
+    const Vec2d at = flat(parts_[k], to);
     std::vector<Vec3d> points;
     for (; parts_[k].before != kNoPart; k = parts_[k].before) {
         const Part& part = parts_[k];
-        const FlatPoint a = part.corner[part.entry], e = part.corner[(part.entry + 1) % 3] - a;
+        const Vec2d a = part.corner[part.entry], e = part.corner[(part.entry + 1) % 3] - a;
         const double d = cross(at, e), s = d != 0 ? std::clamp(-cross(at, a) / d, 0.0, 1.0) : 0;
         const Vec3d p = mesh_.corner(part.triangle, part.entry);
         points.push_back(p + s * (mesh_.corner(part.triangle, part.entry + 1) - p));

@@ -24,7 +24,6 @@ struct MeshWays {
     /// Core nodes around, by the triangles of their foot points, sorted.
     std::vector<std::pair<std::uint32_t, NodeIndex>> ofTriangle;
 
-    bool empty() const { return ways.empty(); }
     /// Calls visit(line) for the straight lines to a node.
     template <typename Visit>
     void forTo(NodeIndex i, const Visit& visit) const {

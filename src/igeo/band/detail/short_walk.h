@@ -37,7 +37,21 @@ struct WalkEnds {
     Vec3d out, in;                      ///< unit directions of travel there; 0 for no length
     bool mirrored = false;  ///< the normals of the two triangles are on different sides of the walk
     bool straight = true;   ///< on its triangles laid flat
+
+    /// The same walk from its end.
+    WalkEnds reversed() const { return {length, last, first, -in, -out, mirrored, straight}; }
 };
+
+/// The edge of a triangle that is an edge of another one, in either direction; 3: none.
+template <typename Triangle>
+std::uint32_t edgeShared(const Triangle& triangle, const Triangle& other, std::uint32_t edge) {
+    const std::uint32_t a = other[edge], b = other[(edge + 1) % 3];
+    std::uint32_t k = 0;
+    while (k < 3 && !((triangle[k] == a && triangle[(k + 1) % 3] == b) ||
+                      (triangle[k] == b && triangle[(k + 1) % 3] == a)))
+        ++k;
+    return k;
+}
 
 /// Searches for short walks. One per thread, reused.
 /// @tparam Mesh  MeshAdjacency or SurfaceTriangles
@@ -138,12 +152,7 @@ double ShortWalk<Mesh>::length(const MeshPoint& from, const MeshPoint& to, doubl
         mesh_.forBeyond(stop.triangle, stop.edge, [&](std::uint32_t u) {
             arrived |= u == to_.triangle;
             if (arrived) return;
-            const auto &in = mesh_[u], &out = mesh_[stop.triangle];
-            const std::uint32_t a = out[stop.edge], b = out[(stop.edge + 1) % 3];
-            std::uint32_t entry = 0;
-            while (entry < 3 && !((in[entry] == a && in[(entry + 1) % 3] == b) ||
-                                  (in[entry] == b && in[(entry + 1) % 3] == a)))
-                ++entry;
+            const std::uint32_t entry = edgeShared(mesh_[u], mesh_[stop.triangle], stop.edge);
             leave(u, stop.at, stop.walked, entry, passed_.size() - 1);
         });
         if (arrived) return stop.bound;

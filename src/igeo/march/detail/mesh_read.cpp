@@ -117,13 +117,17 @@ void JetsByWalks::addAcross(const Vec3d& foot, const Vec3d& normal, const NodeJe
 double JetsByWalks::add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
                         double most) {
     const auto from = footPlace(triangles_, foot, normal);
-    return add(walk_.ends({from.triangle, foot}, at_, most), foot, normal, jet, weight);
+    return addOver(walk_.ends({from.triangle, foot}, at_, most), from, normal, jet, weight);
 }
 
-double JetsByWalks::add(const WalkEnds& way, const Vec3d& foot, const Vec3d& normal,
+double JetsByWalks::add(const WalkEnds& line, const Vec3d& foot, const Vec3d& normal,
                         const NodeJet& jet, double weight) {
+    return addOver(line, footPlace(triangles_, foot, normal), normal, jet, weight);
+}
+
+double JetsByWalks::addOver(const WalkEnds& way, const SurfaceTriangles::Place& from,
+                            const Vec3d& normal, const NodeJet& jet, double weight) {
     if (!(way.length < kInfinity)) return kInfinity;
-    const auto from = footPlace(triangles_, foot, normal);
     const double cost = (1 + weight / here_) / 2 * way.length;
     const Vec3d up = triangles_.normal(way.last);
     Carried carried{{{float(cost), 0}, {}, jet.distance / here_}, kNoFace, jet.label, way.in, up};
@@ -201,10 +205,7 @@ std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at
     WalkEnds out;
     auto add = [&](std::size_t part, NodeIndex node, const SurfacePoint* seed, const Vec3d& there,
                    const NodeJet& jet) {
-        WalkEnds line = out;
-        std::swap(line.first, line.last);
-        line.out = -out.in, line.in = -out.out;
-        all.push_back({node, seed, jet, line, {}});
+        all.push_back({node, seed, jet, out.reversed(), {}});
         if (!withCrossings) return;
         all.back().crossings = fan.crossings(part, there);
         std::reverse(all.back().crossings.begin(), all.back().crossings.end());

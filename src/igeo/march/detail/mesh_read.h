@@ -51,7 +51,7 @@ public:
                double most);
 
     /// The same over a line that is known.
-    double add(const WalkEnds& way, const Vec3d& foot, const Vec3d& normal, const NodeJet& jet,
+    double add(const WalkEnds& line, const Vec3d& foot, const Vec3d& normal, const NodeJet& jet,
                double weight);
 
     /// The same across a gap that a bridge joins, to a point at its rim: over both planes,
@@ -76,6 +76,8 @@ private:
         Vec3d in, up;  ///< at the end of the walk: its direction, and the normal of its triangle
     };
     static constexpr std::size_t kNoFace = std::size_t(-1);
+    double addOver(const WalkEnds& way, const SurfaceTriangles::Place& from, const Vec3d& normal,
+                   const NodeJet& jet, double weight);
     /// The number of a face by its normal.
     std::size_t faceOf(const Vec3d& up);
 

@@ -14,16 +14,8 @@ namespace {
 using Side = SurfaceTriangles::Side;
 constexpr std::uint32_t kNone = SurfaceTriangles::kNone;
 
-/// A point of the plane in which a strip is laid out.
-struct Flat {
-    double x = 0, y = 0;
-    friend Flat operator-(Flat a, Flat b) { return {a.x - b.x, a.y - b.y}; }
-    friend bool operator==(Flat a, Flat b) { return a.x == b.x && a.y == b.y; }
-};
-double cross(Flat a, Flat b) { return a.x * b.y - a.y * b.x; }
-double length(Flat a) { return std::hypot(a.x, a.y); }
 /// Positive where c lies to the left of the ray from a to b.
-double leftOf(Flat a, Flat b, Flat c) { return cross(b - a, c - a); }
+double leftOf(Vec2d a, Vec2d b, Vec2d c) { return cross(b - a, c - a); }
 
 /// Searches for a strip between two points.
 class StripSearch {
@@ -124,7 +116,7 @@ private:
     /// An edge between two triangles of the strip. The first and the last are the ends.
     struct Portal {
         std::array<std::uint32_t, 2> vertex{kNone, kNone};  ///< left, right
-        std::array<Flat, 2> at;
+        std::array<Vec2d, 2> at;
     };
     /// A vertex around which the curve bends: an end of a portal.
     struct Bend {
@@ -134,7 +126,7 @@ private:
 
     void layOut();
     void pullTight();
-    Flat at(const Bend& b) const { return portals_[b.portal].at[b.side]; }
+    Vec2d at(const Bend& b) const { return portals_[b.portal].at[b.side]; }
     Vec3d point(std::size_t portal, double share) const;
     double angleAt(std::uint32_t t, std::uint32_t vertex) const;
     Side otherSideAt(std::uint32_t t, std::uint32_t vertex, const Side& side) const;
@@ -152,8 +144,8 @@ private:
 FlatStrip::FlatStrip(const SurfaceTriangles& triangles, const TriangleStrip& strip)
     : triangles_(triangles), strip_(strip), portals_(strip.exits.size() + 2) {
     if (strip.exits.empty()) {
-        portals_[0].at = {Flat{}, Flat{}};
-        const Flat to{length(strip.to - strip.from), 0};
+        portals_[0].at = {Vec2d{}, Vec2d{}};
+        const Vec2d to{length(strip.to - strip.from), 0};
         portals_[1].at = {to, to};
     } else {
         layOut();
@@ -171,18 +163,18 @@ void FlatStrip::layOut() {
         const double width = length(e);
         const double along = width > 0 ? dot(q - l, e) / width : 0;
         const double off = side * (width > 0 ? length(cross(e, q - l)) / width : length(q - l));
-        const Flat ends = edge.at[1] - edge.at[0];
+        const Vec2d ends = edge.at[1] - edge.at[0];
         const double flat = length(ends);
-        const Flat unit = flat > 0 ? Flat{ends.x / flat, ends.y / flat} : Flat{1, 0};
-        return Flat{edge.at[0].x + along * unit.x - off * unit.y,
-                    edge.at[0].y + along * unit.y + off * unit.x};
+        const Vec2d unit = flat > 0 ? Vec2d{ends.x / flat, ends.y / flat} : Vec2d{1, 0};
+        return Vec2d{edge.at[0].x + along * unit.x - off * unit.y,
+                     edge.at[0].y + along * unit.y + off * unit.x};
     };
     const SurfaceTriangles::Triangle& first = triangles_[strip_.exits[0].triangle];
     const unsigned k = strip_.exits[0].corner;
     Portal& one = portals_[1];
     one.vertex = {first[(k + 1) % 3], first[k]};
-    one.at = {Flat{}, Flat{length(p[one.vertex[1]] - p[one.vertex[0]]), 0}};
-    const Flat start = beside(one, strip_.from, -1);
+    one.at = {Vec2d{}, Vec2d{length(p[one.vertex[1]] - p[one.vertex[0]]), 0}};
+    const Vec2d start = beside(one, strip_.from, -1);
     portals_[0].at = {start, start};
     for (std::size_t i = 1; i < strip_.exits.size(); ++i) {
         const Portal& before = portals_[i];
@@ -197,13 +189,13 @@ void FlatStrip::layOut() {
         next.vertex[replaced] = apex;
         next.at[replaced] = beside(before, p[apex], 1);
     }
-    const Flat end = beside(portals_[portals_.size() - 2], strip_.to, 1);
+    const Vec2d end = beside(portals_[portals_.size() - 2], strip_.to, 1);
     portals_.back().at = {end, end};
     // Ends at vertices.
     constexpr double kSame = 1e-9;
     for (Portal& portal : portals_)
-        for (Flat& q : portal.at)
-            for (const Flat& same : {start, end})
+        for (Vec2d& q : portal.at)
+            for (const Vec2d& same : {start, end})
                 if (length(q - same) < kSame) q = same;
 }
 
@@ -211,12 +203,12 @@ void FlatStrip::pullTight() {
     bends_ = {{0, 0}};
     // Left and right border of the funnel from the last bend.
     std::array<Bend, 2> border{Bend{0, 0}, Bend{0, 1}};
-    Flat apex = portals_[0].at[0];
+    Vec2d apex = portals_[0].at[0];
     for (std::size_t i = 1; i < portals_.size(); ++i)
         for (unsigned side = 0; side < 2; ++side) {
             const double sign = side == 0 ? 1 : -1;
-            const Flat p = portals_[i].at[side], own = at(border[side]),
-                       other = at(border[1 - side]);
+            const Vec2d p = portals_[i].at[side], own = at(border[side]),
+                        other = at(border[1 - side]);
             if (sign * leftOf(apex, own, p) > 0) continue;  // wider: no change
             // From a start on an edge both ends lie in one line: rounding must not separate them.
             if (p == own || p == apex || p == other || other == apex ||
@@ -248,7 +240,7 @@ std::vector<Vec3d> FlatStrip::curve() const {
         if (length(p - points.back()) > kSame) points.push_back(p);
     };
     for (std::size_t k = 1; k < bends_.size(); ++k) {
-        const Flat a = at(bends_[k - 1]), b = at(bends_[k]);
+        const Vec2d a = at(bends_[k - 1]), b = at(bends_[k]);
         for (std::size_t i = bends_[k - 1].portal + 1; i < bends_[k].portal; ++i) {
             const double left = leftOf(a, b, portals_[i].at[0]),
                          right = leftOf(a, b, portals_[i].at[1]);
@@ -292,7 +284,7 @@ std::vector<Side> FlatStrip::wayAround(std::size_t bend, std::size_t first,
         around += angleAt(beyond->triangle, vertex);
         sides.push_back(otherSideAt(beyond->triangle, vertex, *beyond));
     }
-    const Flat in = at(b) - at(bends_[bend - 1]), out = at(bends_[bend + 1]) - at(b);
+    const Vec2d in = at(b) - at(bends_[bend - 1]), out = at(bends_[bend + 1]) - at(b);
     const double turn = std::abs(std::atan2(cross(in, out), in.x * out.x + in.y * out.y));
     return around - kPi - turn < kPi - kLess ? sides : std::vector<Side>{};
 }

@@ -35,9 +35,7 @@ bool vertexIn(const Band& band, NodeIndex i, const Ijk& low, Vec3d& vertex) {
             ++count;
         }
     if (count == 0) return false;
-    vertex = Vec3d(band.ijk(i) + low) + sum * (1.0 / count);
-    Vec3d p = vertex;
-    if (projectToSurface(band, p) && length(p - vertex) < 1) vertex = p;
+    vertex = ontoSurface(band, Vec3d(band.ijk(i) + low) + sum * (1.0 / count));
     return true;
 }
 

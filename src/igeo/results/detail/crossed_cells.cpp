@@ -303,9 +303,9 @@ private:
         for (std::size_t lane = 0; lane < four_.count; ++lane) {
             const Ijk& cell = four_.cell[lane];
             const Vec3d low(leaf_->origin + cell);
-            leaf_->points[four_.point[lane]] = places.moved >> lane & 1
-                                                   ? low + places.at(places.onZero, lane)
-                                                   : onBand(low + places.at(places.mean, lane));
+            leaf_->points[four_.point[lane]] =
+                places.moved >> lane & 1 ? low + places.at(places.onZero, lane)
+                                         : ontoSurface(band_, low + places.at(places.mean, lane));
             if (places.steep >> lane & 1 && isWall(block_.corners(cell.x, cell.y, cell.z), 0xff,
                                                    CellSheets::of(insideOf(cell))))
                 addWall(cell);
@@ -387,12 +387,7 @@ private:
                     bool complete) const {
         const Vec3d low(leaf_->origin + cell), from = low + place;
         if (complete && !band_.triangles && Trilinear(psi).project(place)) return low + place;
-        return onBand(from);
-    }
-    Vec3d onBand(const Vec3d& from) const {
-        // Beyond a voxel the projection is on another sheet.
-        Vec3d p = from;
-        return projectToSurface(band_, p) && length(p - from) < 1 ? p : from;
+        return ontoSurface(band_, from);
     }
 
     const Accessor accessor_;

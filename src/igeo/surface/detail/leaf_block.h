@@ -251,15 +251,16 @@ inline Vec3d psiGradient(const PsiDifferences& d, double psi) {
     constexpr double kKink = 0.1, kRim = 0.6;
     constexpr double kLonger = 1.03;
     const bool longer = length(central) > kLonger;
+    std::array<double, 3> bend;
+    for (int a = 0; a < 3; ++a) bend[std::size_t(a)] = d.bend(a, psi < 0 ? -1 : 1);
+    auto atRim = [&](std::size_t a) { return longer && bend[a] > kRim; };
     std::array<std::array<double, 3>, 3> options;
     for (int a = 0; a < 3; ++a) {
-        const double bend = d.bend(a, psi < 0 ? -1 : 1);
+        const auto axis = std::size_t(a);
         const double none = std::numeric_limits<double>::quiet_NaN();
-        options[std::size_t(a)] = {central[a], d.backward[a], d.forward[a]};
-        if (bend >= 0 && !(longer && bend > kRim))
-            options[std::size_t(a)] = {central[a], none, none};
-        if (std::isnan(d.backward[a]) && std::isnan(d.forward[a]))
-            options[std::size_t(a)] = {0, none, none};
+        options[axis] = {central[a], d.backward[a], d.forward[a]};
+        if (bend[axis] >= 0 && !atRim(axis)) options[axis] = {central[a], none, none};
+        if (std::isnan(d.backward[a]) && std::isnan(d.forward[a])) options[axis] = {0, none, none};
     }
     Vec3d best{};
     double bestMisfit = kInfinity;
@@ -270,9 +271,7 @@ inline Vec3d psiGradient(const PsiDifferences& d, double psi) {
         if (misfit < bestMisfit) bestMisfit = misfit, best = g;
     }
     for (int a = 0; a < 3; ++a)
-        if (const double bend = d.bend(a, psi < 0 ? -1 : 1);
-            bend > -kKink && !(longer && bend > kRim))
-            best[a] = central[a];
+        if (bend[std::size_t(a)] > -kKink && !atRim(std::size_t(a))) best[a] = central[a];
     return best;
 }
 

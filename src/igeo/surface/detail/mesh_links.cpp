@@ -3,6 +3,7 @@
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/detail/disjoint_sets.h>
 #include <igeo/base/parallel.h>
+#include <igeo/surface/detail/open_sector.h>
 
 #include <algorithm>
 #include <cmath>
@@ -86,11 +87,6 @@ Vec3f chordOf(const Band& band, NodeIndex i, NodeIndex j) {
     return band.footOf(i) - band.footOf(j) - Vec3f(band.ijk(j) - band.ijk(i));
 }
 
-/// The distance between two foot points as a march computes it: in the tangent plane of one.
-double flatLength(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
-    const TangentFrame frame(band.normal[i], band.faceted);
-    return double(length(frame.unfold(chord, band.normal[j], dot(band.normal[i], band.normal[j]))));
-}
 /// The same, not less than that in space.
 double arcOf(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
     return std::max(flatLength(band, i, chord, j), double(length(chord)));
@@ -176,11 +172,11 @@ private:
     std::vector<std::uint32_t> sheetOf_;  ///< per node of the leaf: LeafSheets::evenSheetOf
 };
 
-/// Collects the core nodes linked to a core node, sorted, and their directions.
+/// Collects the core nodes linked to a core node, sorted, and adds their directions to a sector.
 /// @param counts(j)  whether the direction of a node counts
 template <typename Counts>
-void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked,
-                  std::vector<double>* angles, const Counts& counts) {
+void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked, OpenSector* sector,
+                  const Counts& counts) {
     linked.clear();
     const std::uint32_t severed = band.severedSteps(i);
     const TangentFrame frame(band.normal[i]);
@@ -189,9 +185,7 @@ void collectLinks(const Band& band, NodeIndex i, std::vector<NodeIndex>& linked,
         const Vec3f chord = chordOf(band, i, j), &n = band.normal[j];
         if (!onOneSheet(chord, band.normal[i], n, dot(band.normal[i], n))) return;
         linked.push_back(j);
-        const Vec2f a = frame.flat(-chord);
-        if (angles && dot(a, a) > 1e-4f && counts(j))
-            angles->push_back(std::atan2(double(a.y), double(a.x)));
+        if (sector && counts(j)) sector->add(frame.flat(-chord));
     });
     std::sort(linked.begin(), linked.end());
 }
@@ -212,8 +206,7 @@ private:
     /// Adds jumps to the spine from a node with no others of its page in between.
     void findSpine(NodeIndex i, MeshBridges& all);
 
-    static constexpr double kOpen = 1.9;    ///< radians; neighbors in a lattice leave a right angle
-    static constexpr double kBeside = 0.3;  ///< closer to a link, a bridge leads the same way
+    static constexpr double kBeside = 0.3;     ///< closer to a link, a bridge leads the same way
     static constexpr std::size_t kMost = 4;    ///< per node, and of each page
     static constexpr double kOnePage = 0.997;  ///< cosine of normals of faces
 
@@ -221,9 +214,7 @@ private:
     bool onOnePage(NodeIndex i, NodeIndex j) const {
         return std::abs(dot(faceOf(i), faceOf(j))) > kOnePage;
     }
-    /// Finds the widest open sector between two directions, [from, to].
-    bool findOpenSector();
-    bool inOpenSector(const Vec2f& direction) const;
+    bool inOpenSector(const Vec2f& direction) const { return sector_.holds(direction, kBeside); }
     bool haveLinkInCommon(NodeIndex j);
     /// The length of the walk to j, if a bridge is needed; +infinity otherwise.
     double lengthTo(NodeIndex i, NodeIndex j, Bridge& bridge);
@@ -234,28 +225,8 @@ private:
     const Band& band_;
     MeshWalk walk_;
     std::vector<NodeIndex> linked_, linkedThere_;
-    std::vector<double> angles_;
-    double from_ = 0, to_ = 0;
+    OpenSector sector_;
 };
-
-bool Bridges::findOpenSector() {
-    constexpr double kTurn = 6.283185307179586;
-    std::sort(angles_.begin(), angles_.end());
-    from_ = 0, to_ = kTurn;
-    double widest = angles_.empty() ? kTurn : 0;
-    for (std::size_t k = 0; k < angles_.size(); ++k) {
-        const double next = k + 1 < angles_.size() ? angles_[k + 1] : angles_[0] + kTurn;
-        if (next - angles_[k] > widest) widest = next - angles_[k], from_ = angles_[k], to_ = next;
-    }
-    return widest > kOpen;
-}
-
-bool Bridges::inOpenSector(const Vec2f& direction) const {
-    constexpr double kTurn = 6.283185307179586;
-    double angle = std::atan2(double(direction.y), double(direction.x));
-    while (angle < from_) angle += kTurn;
-    return angle > from_ + kBeside && angle < to_ - kBeside;
-}
 
 bool Bridges::haveLinkInCommon(NodeIndex j) {
     collectLinks(band_, j, linkedThere_);
@@ -297,10 +268,10 @@ double Bridges::lengthOverPages(NodeIndex i, NodeIndex j, Bridge& bridge) {
 }
 
 void Bridges::find(NodeIndex i, bool pages, MeshBridges& all) {
-    angles_.clear();
-    collectLinks(band_, i, linked_, &angles_,
+    sector_.clear();
+    collectLinks(band_, i, linked_, &sector_,
                  [&](NodeIndex j) { return !pages || onOnePage(i, j); });
-    if (!findOpenSector()) return;
+    if (!sector_.find()) return;
     std::vector<std::pair<double, Bridge>> found;
     band_.forBox(&BandLeaf::band, i, {}, 3, [&](NodeIndex j, const Ijk&) {
         if (j == i || !band_.inCore(j)) return;
@@ -354,16 +325,30 @@ void Bridges::findSpine(NodeIndex i, MeshBridges& all) {
 
 }  // namespace
 
-bool foldsIn(const MeshBand& on, LeafIndex l) {
-    const auto& triangles = on.leaves[l].triangles;
-    return std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
-        bool folds = false;
+double flatLength(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
+    const TangentFrame frame(band.normal[i], band.faceted);
+    return double(length(frame.unfold(chord, band.normal[j], dot(band.normal[i], band.normal[j]))));
+}
+
+std::vector<std::uint8_t> leavesThatFold(const MeshAdjacency& adjacency,
+                                         const std::vector<Vec3d>& faceNormal,
+                                         const std::vector<NearLeaf>& leaves, Progress& progress) {
+    std::vector<std::uint8_t> folds(leaves.size());
+    auto foldsAt = [&](std::uint32_t t) {
+        bool any = false;
         for (std::size_t k = 0; k < 3; ++k)
-            on.adjacency.forBeyond(t, k, [&](std::uint32_t u) {
-                folds |= dot(on.faceNormal[t], on.faceNormal[u]) < double(Band::kOtherSheet);
+            adjacency.forBeyond(t, k, [&](std::uint32_t u) {
+                any |= dot(faceNormal[t], faceNormal[u]) < double(Band::kOtherSheet);
             });
-        return folds;
+        return any;
+    };
+    parallelFor(leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) {
+            const auto& triangles = leaves[l].triangles;
+            folds[l] = std::any_of(triangles.begin(), triangles.end(), foldsAt);
+        }
     });
+    return folds;
 }
 
 std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress) {
@@ -409,7 +394,7 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
         MeshWalk walk(on.adjacency);
         for (std::size_t l = begin; l < end; ++l) {
             // Folds narrower than a voxel lie between nodes with normals alike.
-            const bool mayFold = foldsIn(on, LeafIndex(l));
+            const bool mayFold = on.folds[l];
             band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned) {
                 if (!band.inCore(i)) return;
                 band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int x, int y, int z) {

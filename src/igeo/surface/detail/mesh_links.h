@@ -14,7 +14,8 @@ namespace igeo {
 struct MeshBand {
     const MeshAdjacency& adjacency;
     const std::vector<Vec3d>& faceNormal;
-    const std::vector<NearLeaf>& leaves;  ///< voxels in the order of the band's nodes
+    const std::vector<NearLeaf>& leaves;     ///< voxels in the order of the band's nodes
+    const std::vector<std::uint8_t>& folds;  ///< leavesThatFold
     const Band& band;
 
     const NearVoxel& voxel(NodeIndex i) const {
@@ -28,8 +29,15 @@ struct MeshBand {
     }
 };
 
-/// Whether the mesh turns back at an edge in a leaf: by more than about 102 degrees.
-bool foldsIn(const MeshBand& on, LeafIndex l);
+/// Per leaf: whether the mesh turns back at an edge in it, by more than about 102 degrees.
+/// Time O(triangles of the leaves), in parallel.
+std::vector<std::uint8_t> leavesThatFold(const MeshAdjacency& adjacency,
+                                         const std::vector<Vec3d>& faceNormal,
+                                         const std::vector<NearLeaf>& leaves, Progress& progress);
+
+/// The distance between two foot points as a march computes it: in the tangent plane of one.
+/// @param chord  from the foot point of node j to that of node i
+double flatLength(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j);
 
 /// Links between neighbors that normals allow but the mesh does not have: where a walk over
 /// triangles is much longer than the path over the two tangent planes, which a march uses as its

@@ -3,6 +3,7 @@
 #include <igeo/band/detail/mesh_fan.h>
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/parallel.h>
+#include <igeo/surface/detail/open_sector.h>
 
 #include <algorithm>
 #include <array>
@@ -59,56 +60,26 @@ void forSeen(const MeshBand& on, const CoreOnTriangles& core, const Fan& fan, co
         });
 }
 
-/// The sector that links and bridges of a node leave open.
-class OpenSector {
-public:
-    OpenSector(const MeshBand& on, MeshWalk& walk, NodeIndex i) : frame_(on.band.normal[i]) {
-        const Band& band = on.band;
-        const std::uint32_t severed = band.severedSteps(i);
-        const Vec3d foot = on.foot(i).at;
-        band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int x, int y, int z) {
-            if (severed & SeveredLinks::bit(x, y, z) || !band.inCore(j)) return;
-            const Vec3f chord(foot - on.foot(j).at), &n = band.normal[j];
-            if (onOneSheet(chord, band.normal[i], n, dot(band.normal[i], n))) add(-chord);
-        });
-        band.forBridges(i, [&](const Bridge& b) {
-            const MeshPoint to = on.foot(b.to);
-            if (!b.jump) return add(Vec3f(to.at - foot));
-            const WalkEnds way = walk.ends(on.foot(i), to, 2 * MeshWays::kReach);
-            if (way.length < kInfinity) add(Vec3f(way.out));
-        });
-        find();
-    }
-    bool isOpen() const { return to_ - from_ > kOpen; }
-    bool holds(const Vec3d& direction) const {
-        double angle = angleOf(Vec3f(direction));
-        while (angle < from_) angle += kTurnAround;
-        return angle > from_ + kBeside && angle < to_ - kBeside;
-    }
-
-private:
-    static constexpr double kOpen = 1.9, kBeside = 0.5;  // radians, as bridges have it
-
-    double angleOf(const Vec3f& v) const {
-        const Vec2f a = frame_.flat(v);
-        return std::atan2(double(a.y), double(a.x));
-    }
-    void add(const Vec3f& v) {
-        if (dot(v, v) > 1e-4f) angles_.push_back(angleOf(v));
-    }
-    void find() {
-        std::sort(angles_.begin(), angles_.end());
-        to_ = angles_.empty() ? kTurnAround : 0;
-        for (std::size_t k = 0; k < angles_.size(); ++k) {
-            const double next = k + 1 < angles_.size() ? angles_[k + 1] : angles_[0] + kTurnAround;
-            if (next - angles_[k] > to_ - from_) from_ = angles_[k], to_ = next;
-        }
-    }
-
-    TangentFrame frame_;
-    std::vector<double> angles_;
-    double from_ = 0, to_ = 0;
-};
+/// Adds the directions of the links and bridges of a node to a sector.
+/// @param frame  of the node's normal
+void addLinks(const MeshBand& on, MeshWalk& walk, NodeIndex i, const TangentFrame& frame,
+              OpenSector& sector) {
+    const Band& band = on.band;
+    const std::uint32_t severed = band.severedSteps(i);
+    const Vec3d foot = on.foot(i).at;
+    auto add = [&](const Vec3f& v) { sector.add(frame.flat(v)); };
+    band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int x, int y, int z) {
+        if (severed & SeveredLinks::bit(x, y, z) || !band.inCore(j)) return;
+        const Vec3f chord(foot - on.foot(j).at), &n = band.normal[j];
+        if (onOneSheet(chord, band.normal[i], n, dot(band.normal[i], n))) add(-chord);
+    });
+    band.forBridges(i, [&](const Bridge& b) {
+        const MeshPoint to = on.foot(b.to);
+        if (!b.jump) return add(Vec3f(to.at - foot));
+        const WalkEnds way = walk.ends(on.foot(i), to, 2 * MeshWays::kReach);
+        if (way.length < kInfinity) add(Vec3f(way.out));
+    });
+}
 
 /// The nearest of the nodes seen in each of 16 directions, two of each.
 /// @param seenThere  all that are seen
@@ -136,14 +107,6 @@ std::vector<MeshWay> nearestAround(const MeshBand& on, const CoreOnTriangles& co
     return kept;
 }
 
-/// The same line, walked the other way.
-MeshWay reversed(const MeshWay& way) {
-    MeshWay back{way.to, way.from, way.line};
-    std::swap(back.line.first, back.line.last);
-    back.line.out = -way.line.in, back.line.in = -way.line.out;
-    return back;
-}
-
 template <typename Find>
 auto inParallel(std::size_t count, Progress& progress, const Find& find) {
     constexpr std::size_t kChunk = 32;
@@ -157,22 +120,26 @@ auto inParallel(std::size_t count, Progress& progress, const Find& find) {
 }  // namespace
 
 std::vector<NodeIndex> openOnMesh(const MeshBand& on, Progress& progress) {
-    constexpr double kOn = 3;  // voxels: farther off a mesh goes on behind its crease
+    constexpr double kOn = 3;        // voxels: farther off a mesh goes on behind its crease
+    constexpr double kBeside = 0.5;  // radians
     const Band& band = on.band;
     std::vector<NodeIndex> some;
     for (LeafIndex l = 0; l < band.leaves.size(); ++l) {
-        if (!foldsIn(on, l)) continue;
+        if (!on.folds[l]) continue;
         band.forNodes(l, [&](NodeIndex i, unsigned) {
             if (band.facing[i] & Band::kSevered && band.inCore(i)) some.push_back(i);
         });
     }
     const auto isOpen = inParallel(some.size(), progress, [&](std::size_t k) -> std::uint8_t {
         MeshWalk walk(on.adjacency);
-        const OpenSector sector(on, walk, some[k]);
-        if (!sector.isOpen()) return 0;
+        const TangentFrame frame(band.normal[some[k]]);
+        OpenSector sector;
+        addLinks(on, walk, some[k], frame, sector);
+        if (!sector.find()) return 0;
         // Whether a straight line of this length leads into it.
         const Fan fan(on.adjacency, on.foot(some[k]), kOn);
-        return fan.leads([&](const Vec3d& out) { return sector.holds(out); });
+        return fan.leads(
+            [&](const Vec3d& out) { return sector.holds(frame.flat(Vec3f(out)), kBeside); });
     });
     std::vector<NodeIndex> open;
     for (std::size_t k = 0; k < some.size(); ++k)
@@ -189,10 +156,7 @@ std::vector<Link> inexactLinks(const MeshBand& on, const std::vector<NodeIndex>&
         band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
             if (band.severed(i, j) || !band.inCore(j)) return;
             const Vec3f chord(on.foot(i).at - on.foot(j).at);
-            const double flat = double(
-                length(TangentFrame(band.normal[i], band.faceted)
-                           .unfold(chord, band.normal[j], dot(band.normal[i], band.normal[j]))));
-            const double most = kOff * flat + kRoom;
+            const double most = kOff * flatLength(band, i, chord, j) + kRoom;
             if (!(walk.tightLength(on.foot(i), on.foot(j), 1.25 * most) <= most))
                 off.emplace_back(i, j);
         });
@@ -216,7 +180,7 @@ MeshWays waysOnMesh(const MeshBand& on, const std::vector<NodeIndex>& open, Prog
     for (const Around& part : parts) {
         for (const MeshWay& way : part.ways) {
             all.ways.push_back(way);
-            all.ways.push_back(reversed(way));
+            all.ways.push_back({way.to, way.from, way.line.reversed()});
         }
         seen.insert(seen.end(), part.seen.begin(), part.seen.end());
     }
