@@ -196,7 +196,7 @@ void requirePoints(const std::vector<AskedPoint>& points, const std::string& fil
     for (const Seed& p : points)
         if (!(p.start >= 0 && std::isfinite(p.start)))
             throw Error(Kind::BadInput,
-                        fmt::format("{}: start value {:f} is negative", file, p.start),
+                        fmt::format("{}: start value {:g} is negative", file, p.start),
                         "start values are distances: finite and at least 0");
 }
 

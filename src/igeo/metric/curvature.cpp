@@ -5,6 +5,8 @@
 #include <igeo/base/parallel.h>
 #include <igeo/base/symmetric_eigen.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -311,10 +313,11 @@ float robustLeast(std::vector<float> values) {
 
 Curvature curvature(const Band& band, double scale, Progress& progress) {
     if (!(scale >= kLeastScale && scale <= kLargestScale))
-        throw Error(Error::Kind::InvalidArgument,
-                    "a curvature scale of " + std::to_string(scale) +
-                        " voxels is out of range: 1 to 16 are allowed",
-                    "take coarser voxels for a larger scale");
+        throw Error(
+            Error::Kind::InvalidArgument,
+            fmt::format("a curvature scale of {:g} voxels is out of range: 1 to 16 are allowed",
+                        scale),
+            "take coarser voxels for a larger scale");
     CoreCurvature core(band, scale);
     core.compute(progress);
     Curvature c;
@@ -337,8 +340,9 @@ std::vector<float> curvatureWeights(const Curvature& curvature, CurvatureKind ki
                                     double power) {
     if (!(epsilon > 0 && epsilon < kInfinity && power > 0 && power < kInfinity))
         throw Error(Kind::InvalidArgument,
-                    "curvature weights need a positive, finite epsilon and power, not " +
-                        std::to_string(epsilon) + " and " + std::to_string(power));
+                    fmt::format("curvature weights need a positive, finite epsilon and power, not "
+                                "{:g} and {:g}",
+                                epsilon, power));
     std::vector<float> weight(curvature.k1.size());
     for (std::size_t k = 0; k < weight.size(); ++k) weight[k] = measure(curvature, kind, k);
     const bool fromLeast = kind == CurvatureKind::Valley || kind == CurvatureKind::Crest;
@@ -348,7 +352,7 @@ std::vector<float> curvatureWeights(const Curvature& curvature, CurvatureKind ki
         w = float(g);
         if (!(g >= std::numeric_limits<float>::min() && g <= std::numeric_limits<float>::max()))
             throw Error(Kind::InvalidArgument,
-                        "a curvature weight of " + std::to_string(g) + " does not fit a float",
+                        fmt::format("a curvature weight of {:g} does not fit a float", g),
                         "lower the power, or choose an epsilon nearer to 1");
     }
     return weight;
@@ -358,7 +362,7 @@ std::vector<Tensor> curvatureTensor(const Band& band, const Curvature& curvature
                                     double length) {
     if (!(length >= 0 && length < kInfinity))
         throw Error(Error::Kind::InvalidArgument,
-                    "a bending length of " + std::to_string(length) + " is not finite and >= 0");
+                    fmt::format("a bending length of {:g} is not finite and >= 0", length));
     std::vector<Tensor> tensor(band.size());
     parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {

@@ -36,7 +36,7 @@ using VoxelSet = openvdb::MaskTree::RootNodeType;
 
 Vec3d absolute(const Vec3d& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
 bool isFinite(const Vec3d& v) { return std::isfinite(v.x + v.y + v.z); }
-std::string text(const Vec3d& v) { return fmt::format("{:f},{:f},{:f}", v.x, v.y, v.z); }
+std::string text(const Vec3d& v) { return fmt::format("{:.9g},{:.9g},{:.9g}", v.x, v.y, v.z); }
 
 /// Orders the ends, so that a segment and its reverse give the same result to the last bit.
 bool before(const Vec3d& a, const Vec3d& b) {
@@ -141,10 +141,11 @@ ObstacleSet::ObstacleSet(const Similarity& transform)
 
 void ObstacleSet::addSphere(const Vec3d& centerWorld, double radiusWorld) {
     if (!isFinite(centerWorld) || !(radiusWorld > 0) || !std::isfinite(radiusWorld))
-        throw Error(Kind::InvalidArgument,
-                    "a sphere about " + text(centerWorld) + " of radius " +
-                        std::to_string(radiusWorld) +
-                        "; the center must be finite, the radius positive and finite");
+        throw Error(
+            Kind::InvalidArgument,
+            fmt::format("a sphere about {} of radius {:g}; the center must be finite, the radius "
+                        "positive and finite",
+                        text(centerWorld), radiusWorld));
     spheres_.push_back({transform_.indexFromWorld(centerWorld), radiusWorld / transform_.dx});
 }
 

@@ -19,7 +19,7 @@ void requireLength(double length) {
     if (length >= 0 && length < kInfinity) return;
     throw Error(
         Error::Kind::InvalidArgument,
-        fmt::format("a path of length {:f} was asked for; it has to be finite and not negative",
+        fmt::format("a path of length {:g} was asked for; it has to be finite and not negative",
                     length),
         length < 0 ? "reverse the direction instead" : "");
 }

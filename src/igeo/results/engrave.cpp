@@ -78,7 +78,7 @@ openvdb::FloatGrid::Ptr engraved(const LevelSet& levelSet, const std::vector<Iso
                                  Progress& progress) {
     if (!(radius >= 0.5 && radius <= 10))
         throw Error(Error::Kind::InvalidArgument,
-                    fmt::format("a groove of radius {:f} voxels; allowed are 0.5 to 10", radius));
+                    fmt::format("a groove of radius {:g} voxels; allowed are 0.5 to 10", radius));
     const double halfWidth = std::min(levelSet.stats.halfWidth, kEngravedWidth);
     const openvdb::FloatTree::ConstPtr psi = narrowed(levelSet, halfWidth);
     Tubes tubes(radius, halfWidth, levelSet.transform.dx, psi->background());

@@ -165,7 +165,7 @@ void PairSolver::refuseFarPoints() const {
                 if (surface_.refuse) surface_.refuse(p->askedIndex, what);
                 throw Error(
                     Error::Kind::InvalidArgument,
-                    fmt::format("{} is more than {:f} voxels from the surface", what, snap_),
+                    fmt::format("{} is more than {:g} voxels from the surface", what, snap_),
                     "move it to the surface, or allow for more");
             }
 }

@@ -85,7 +85,7 @@ SurfaceMesh refinedMesh(const TriangleMesh& given, const Field& field, double lo
                         Progress& progress) {
     if (!(longest > 0))
         throw Error(Error::Kind::InvalidArgument,
-                    fmt::format("edges of at most {:f} voxels; more than 0 is allowed", longest),
+                    fmt::format("edges of at most {:g} voxels; more than 0 is allowed", longest),
                     "1 is usual");
     constexpr std::size_t kMost = std::size_t(1) << 31;
     progress.update("mesh", 0);
@@ -95,7 +95,7 @@ SurfaceMesh refinedMesh(const TriangleMesh& given, const Field& field, double lo
         if (mesh.triangles.size() > kMost / 4)
             throw Error(
                 Error::Kind::InvalidArgument,
-                fmt::format("edges of at most {:f} voxels make more than 2147483648 triangles",
+                fmt::format("edges of at most {:g} voxels make more than 2147483648 triangles",
                             longest),
                 "allow longer edges");
     }

@@ -30,7 +30,7 @@ std::vector<std::string> densityWarnings(const CloudDensity& density, const std:
                         file, percent(density.noise / density.spacing), density.fitted));
     if (density.spacing99 > 3 * density.spacing)
         warnings.push_back(
-            fmt::format("{}: the spacing is uneven: {:f} in the median, {:f} at the 99th "
+            fmt::format("{}: the spacing is uneven: {:g} in the median, {:g} at the 99th "
                         "percentile; thin parts may end or merge",
                         file, density.spacing, density.spacing99));
     if (density.facing > 0.02)

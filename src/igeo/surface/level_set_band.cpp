@@ -58,7 +58,7 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
                       Progress& progress) {
     if (!(h > 0) || h > levelSet.stats.halfWidth + 1e-3)
         throw Error(Error::Kind::InvalidArgument,
-                    fmt::format("a band of {:f} voxels does not fit a level set that is {:f} "
+                    fmt::format("a band of {:g} voxels does not fit a level set that is {:g} "
                                 "voxels wide on each side",
                                 h, levelSet.stats.halfWidth),
                     "widen the level set first");
