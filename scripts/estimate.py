@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""The estimate of a run beside its real error, for models as level sets, meshes and points.
+"""The estimate of a run beside its real error, and lengths of paths, for models as level sets, meshes and points.
 
-usage: scripts/estimate.py --models DIR     a table into docs/benchmarks.md, in some minutes
+usage: scripts/estimate.py --models DIR     two tables into docs/benchmarks.md, in some minutes
 
 A run reports, as `accuracy`, by how much its distances may be off. Here that is compared with exact
 polyhedral distances on the mesh of the model (igeo_peer, see scripts/compare.py), from its first vertex
 to sixty others. A level set is what vdb_tool makes of the mesh, and points lie on its triangles by
-chance: what either does not hold is part of the real error, and the estimate cannot see it. Of a model
-in several pieces, only that of its first vertex counts.
+chance: what either does not hold is part of the real error, and the estimate cannot see it. The lengths
+of the paths to the same vertices are compared with the same exact distances. Of a model in several
+pieces, only that of its first vertex counts.
 """
 import argparse
 import csv
@@ -85,22 +86,28 @@ class Model:
             yield [u * x + (v - u) * y + (1 - v) * z for x, y, z in zip(a, b, c)]
 
     def measured(self, form, n):
-        """Estimate and real error, means of relative errors in %, and a star where the run warns."""
-        matrix, report = self.folder / "matrix.csv", self.folder / "report.json"
+        """Estimate and mean of the real error; median of the error of lengths and the most by which a
+        length exceeds its distance; both in %, with a star where the run warns."""
+        paths, report = self.folder / "paths.json", self.folder / "report.json"
         done = measure.run([self.program, *self.surface(form, n), "--seed", self.seed, "--targets", self.targets,
-                            "--skip-off-surface", "--matrix", matrix, "--report", report, "-o",
+                            "--skip-off-surface", "--paths", paths, "--report", report, "-o",
                             self.folder / "distance.vdb"], expect=(0, 3, 4))
         if done.code == 3:
-            return "refused"
-        with open(matrix, newline="", encoding="utf-8") as file:
-            distances = [float(row["distance_0"] or "inf") for row in csv.DictReader(file)]
+            return "refused", "refused"
         said = json.loads(report.read_text())
-        errors = [abs(d / t - 1) for d, t in zip(distances, self.exact, strict=True)
-                  if NEAR * max(self.exact) < t and max(d, t) < math.inf]
-        estimate = said["accuracy"]["meanRelativeError"]
-        shown = [measure.number(100 * value, 2) if value is not None else "none"
-                 for value in (estimate, statistics.fmean(errors) if errors else None)]
-        return " / ".join(shown) + (" *" if said["warnings"] else "")
+        far = [(t, path["distance"], path["length"])
+               for t, path in zip(self.exact, json.loads(paths.read_text())["paths"], strict=True)
+               if NEAR * max(self.exact) < t < math.inf and path["distance"] is not None]
+        errors = [abs(distance / t - 1) for t, distance, _ in far]
+        lengths = [abs(length / t - 1) for t, _, length in far]
+        excess = [length / distance - 1 for _, distance, length in far]
+        star = " *" if said["warnings"] else ""
+
+        def shown(*values):
+            return " / ".join("none" if v is None else measure.number(100 * v, 2) for v in values) + star
+
+        return (shown(said["accuracy"]["meanRelativeError"], statistics.fmean(errors)),
+                shown(statistics.median(lengths), max(excess)))
 
 
 def main():
@@ -109,21 +116,20 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, default=measure.ROOT / "build" / "release")
     options = parser.parse_args()
     tools, program = compare.Tools(options.build), options.build / "bin" / "implicit-geodesic"
-    rows = []
+    estimates, lengths = [], []
     for name, file in MODELS.items():
         with tempfile.TemporaryDirectory() as folder:
             model = Model(tools, program, pathlib.Path(folder), options.models / file)
             for n in SIZES:
-                row = [f"{name}, {n}"]
-                for form in FORMS:
-                    row.append(model.measured(form, n))
-                print(row, flush=True)
-                rows.append(row)
-    machine = f"Estimate / real error, means in % of each distance; *: the run warns of the surface. " \
-              f"{measure.machine()}; " \
-              f"command: `{measure.command_line()}`."
-    measure.rewrite(DOCUMENT, "estimate",
-                    f"{machine}\n\n{measure.table(['model, voxels', *FORMS], rows)}")
+                measured = [model.measured(form, n) for form in FORMS]
+                for table, cells in zip((estimates, lengths), zip(*measured)):
+                    table.append([f"{name}, {n}", *cells])
+                    print(table[-1], flush=True)
+    made = f"*: the run warns of the surface. {measure.machine()}; command: `{measure.command_line()}`."
+    for mark, what, rows in (
+            ("estimate", "Estimate / real error, means in % of each distance", estimates),
+            ("lengths", "Error of lengths, median in % / largest excess of a length over its distance in %", lengths)):
+        measure.rewrite(DOCUMENT, mark, f"{what}; {made}\n\n{measure.table(['model, voxels', *FORMS], rows)}")
 
 
 if __name__ == "__main__":

@@ -38,10 +38,6 @@ std::string count(std::uint64_t n, const char* one) {
     return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
 }
 
-std::string percent(double share) {
-    return fmt::format("{:.{}g} %", 100 * share, share < 0.995 ? 2 : 3);
-}
-
 /// Text of a length in voxels, with world units.
 std::string lengthOf(double voxels, double dx) {
     return fmt::format("{:.4g} voxels ({:.4g})", voxels, voxels * dx);
@@ -186,7 +182,7 @@ void printSurface(Table& table, const FileSurvey& file) {
                   ? "sheets meet within " + lengthOf(stats.reach, dx)
                   : "no sheets meet within " +
                         (file.ofGrid() ? "the half-width" : lengthOf(stats.halfWidth, dx)));
-    table.row("", percent(s.facingShare) + " of the surface has a sheet that faces it");
+    table.row("", igeo::percent(s.facingShare) + " of the surface has a sheet that faces it");
     printRoom(table, s, dx);
     const std::string least = lengthOf(s.bounds.lower, dx);
     table.row("band", s.bounds.resolved ? "h from " + least + " to below " +
@@ -204,7 +200,7 @@ void printSurface(Table& table, const FileSurvey& file) {
                    std::to_string(s.unreliableBy[k]);
     printVoxels(table, file);
     table.row("unreliable", fmt::format("{} of {:.0f} band voxels (", s.unreliable, n) +
-                                percent(double(s.unreliable) / n) + ")" + why);
+                                igeo::percent(double(s.unreliable) / n) + ")" + why);
     table.row("a run", fmt::format("about {:.3g} MB, {:.2g} s on one core", double(s.bytes) / 1e6,
                                    s.seconds));
 }

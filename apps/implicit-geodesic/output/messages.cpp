@@ -302,10 +302,8 @@ std::string reachOf(const igeo::Distance& distance) {
     const std::size_t all = extent.nodes, lost = all - extent.reached;
     if (field.stoppedEarly || !distance.ofWholeSurface()) return most + " around the seeds";
     if (lost == 0) return most + " on the whole surface";
-    const double share = 100 * double(lost) / double(all);
-    const std::string percent =
-        share < 99.5 ? fmt::format("{:.2g}", share) : fmt::format("{:.0f}", share);
-    return fmt::format("{}; {} % of the surface is not reached, as {}", most, percent,
+    return fmt::format("{}; {} of the surface is not reached, as {}", most,
+                       igeo::percent(double(lost) / double(all)),
                        field.metric->obstacles ? "obstacles or gaps lie between it and the seeds"
                                                : "no seed is on its components, or gaps lie "
                                                  "between it and the seeds");

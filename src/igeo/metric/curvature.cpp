@@ -1,11 +1,10 @@
 #include <igeo/metric/curvature.h>
 
+#include <fmt/core.h>
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/base/symmetric_eigen.h>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
 #include <igeo/metric/obstacles.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/base/nearest_on_triangle.h>
 #include <igeo/metric/vertex_weights.h>
@@ -36,7 +37,6 @@ using VoxelSet = openvdb::MaskTree::RootNodeType;
 
 Vec3d absolute(const Vec3d& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
 bool isFinite(const Vec3d& v) { return std::isfinite(v.x + v.y + v.z); }
-std::string text(const Vec3d& v) { return fmt::format("{:.9g},{:.9g},{:.9g}", v.x, v.y, v.z); }
 
 /// Orders the ends, so that a segment and its reverse give the same result to the last bit.
 bool before(const Vec3d& a, const Vec3d& b) {
@@ -145,13 +145,14 @@ void ObstacleSet::addSphere(const Vec3d& centerWorld, double radiusWorld) {
             Kind::InvalidArgument,
             fmt::format("a sphere about {} of radius {:g}; the center must be finite, the radius "
                         "positive and finite",
-                        text(centerWorld), radiusWorld));
+                        textOf(centerWorld, 9), radiusWorld));
     spheres_.push_back({transform_.indexFromWorld(centerWorld), radiusWorld / transform_.dx});
 }
 
 void ObstacleSet::addBox(const Vec3d& low, const Vec3d& high) {
     if (!isFinite(low) || !isFinite(high) || low.x > high.x || low.y > high.y || low.z > high.z)
-        throw Error(Kind::InvalidArgument, "a box from " + text(low) + " to " + text(high) +
+        throw Error(Kind::InvalidArgument, "a box from " + textOf(low, 9) + " to " +
+                                               textOf(high, 9) +
                                                "; the first corner must be the lower one in every "
                                                "coordinate, and both finite");
     boxes_.push_back(

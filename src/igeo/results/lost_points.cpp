@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/band/surface_triangles.h>
 #include <igeo/base/detail/disjoint_sets.h>
+#include <igeo/base/detail/text.h>
 
 #include <algorithm>
 #include <cmath>
@@ -72,9 +73,9 @@ void LostPoints::add(const std::vector<SurfacePoint>& seeds, const std::vector<V
 std::string LostPoints::warning(const char* what) const {
     if (lost_ == 0) return "";
     return fmt::format(
-        "{} of {} {} ({:.2g} %) have no distance, though triangles join them to a seed: they are "
+        "{} of {} {} ({}) have no distance, though triangles join them to a seed: they are "
         "in walls or between sheets too narrow for the voxels; take smaller voxels",
-        lost_, all_, what, 100 * double(lost_) / double(all_));
+        lost_, all_, what, percent(double(lost_) / double(all_)));
 }
 
 std::string lostWarning(const Field& field, const char* what, const std::vector<Vec3d>& pWorld,

@@ -1,6 +1,7 @@
 #include <igeo/surface/cloud_density.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/text.h>
 #include <cmath>
 #include <numbers>
 
@@ -15,9 +16,6 @@ double CloudDensity::heightNoise() const {
 
 std::vector<std::string> densityWarnings(const CloudDensity& density, const std::string& file) {
     std::vector<std::string> warnings;
-    auto percent = [](double share) {
-        return fmt::format("{:.1f} %", std::round(1000 * share) / 10);
-    };
     const double all = double(density.points + density.isolated);
     if (double(density.isolated) > 0.001 * all)
         warnings.push_back(fmt::format(

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/steps.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/io/voxel_size.h>
@@ -432,11 +433,11 @@ void judgeShape(LevelSet& s) {
     constexpr double kManyLowered = 0.001;
     if (double(st.loweredVoxels) > kManyLowered * double(st.nearSurface))
         s.warnings.push_back(fmt::format(
-            "hollow edges are rounded next to {:.2g} % of the surface, as OpenVDB's conversion "
+            "hollow edges are rounded next to {} of the surface, as OpenVDB's conversion "
             "from a mesh does: {} voxels get back what they had, but where hollow edges are close "
             "to others or bend, distances over them stay up to 0.9 voxels too short; the mesh "
             "itself has sharp ones",
-            100 * double(st.loweredVoxels) / double(st.nearSurface), st.loweredVoxels));
+            percent(double(st.loweredVoxels) / double(st.nearSurface)), st.loweredVoxels));
     if (st.cutVoxels)
         s.warnings.push_back(
             fmt::format("{} voxels of the surface lie at the edge of the volume: the surface is "

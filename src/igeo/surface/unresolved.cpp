@@ -1,6 +1,7 @@
 #include <igeo/surface/unresolved.h>
 
 #include <fmt/core.h>
+#include <igeo/base/detail/text.h>
 #include <igeo/base/parallel.h>
 #include <igeo/surface/detail/leaf_block.h>
 
@@ -253,28 +254,27 @@ std::vector<std::string> unresolvedWarnings(const Unresolved& unresolved) {
     std::vector<std::string> warnings;
     auto warn = [&](const std::optional<double>& share, double much, const char* sentence) {
         if (!share || *share < much) return false;
-        warnings.push_back(fmt::format(fmt::runtime(sentence), 100 * *share));
+        warnings.push_back(fmt::format(fmt::runtime(sentence), percent(*share)));
         return true;
     };
     warn(unresolved.closed, kClosed,
-         "psi contradicts itself next to {:.2g} % of the surface: folds or gaps of up to two "
+         "psi contradicts itself next to {} of the surface: folds or gaps of up to two "
          "voxels were closed when the level set was made, and distances across them come out too "
          "short; smaller voxels, or the mesh itself, keep them open");
     warn(unresolved.thin, kThin,
-         "walls or gaps are thinner than 1.1 voxels on {:.2g} % of the surface: fronts may cross "
+         "walls or gaps are thinner than 1.1 voxels on {} of the surface: fronts may cross "
          "them, and distances come out too short; smaller voxels separate their sides");
     if (!warn(unresolved.cutOff, kCutOff,
-              "{:.2g} % of the surface lies in walls or grooves narrower than the voxels can show, "
+              "{} of the surface lies in walls or grooves narrower than the voxels can show, "
               "and no path leads there: take smaller voxels"))
         warn(unresolved.facing, kFacing,
-             "sheets face each other within two voxels on {:.0f} % of the surface: distances are "
+             "sheets face each other within two voxels on {} of the surface: distances are "
              "less accurate there; info gives the voxel size that separates them");
     if (const int difference = unresolved.eulerDifference.value_or(0))
         warnings.push_back(fmt::format(
             "the voxels show tunnels or gaps otherwise than the mesh has them (Euler "
-            "characteristic "
-            "off by {}): they are about as narrow as voxels, and distances through them are off by "
-            "parts of a voxel; take smaller voxels",
+            "characteristic off by {}): they are about as narrow as voxels, and distances through "
+            "them are off by parts of a voxel; take smaller voxels",
             std::abs(difference)));
     return warnings;
 }

@@ -198,7 +198,7 @@ TEST_CASE("bandFromLevelSet: a region holds what the whole band holds there") {
 TEST_CASE("bandFromLevelSet: refuses a width that the level set does not have") {
     const LevelSet surface = checkedLevelSet(makeLevelSet(sphere(kOffLattice, 1), 0.05, 3));
     const auto kind = Error::Kind::InvalidArgument;
-    expectError(kind, {"4.0", "widen"}, [&] { bandFromLevelSet(surface, 4); });
+    expectError(kind, {"a band of 4 voxels", "widen"}, [&] { bandFromLevelSet(surface, 4); });
     expectError(kind, {}, [&] { bandFromLevelSet(surface, 0); });
     expectError(kind, {}, [&] { bandFromLevelSet(surface, std::nan("")); });
     struct Stop : Progress {

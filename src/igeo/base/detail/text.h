@@ -1,4 +1,4 @@
-/// Text of types that libfmt does not print. Internal.
+/// Text of points, shares and file names in messages. Internal.
 #pragma once
 
 #include <fmt/core.h>
@@ -11,6 +11,11 @@ namespace igeo {
 
 inline std::string textOf(const Vec3d& p, int digits = 6) {
     return fmt::format("{:.{}g},{:.{}g},{:.{}g}", p.x, digits, p.y, digits, p.z, digits);
+}
+
+/// `share` in percent: two digits, three from 0.995 on, as in "0.034 %", "12 %", "100 %".
+inline std::string percent(double share) {
+    return fmt::format("{:.{}g} %", 100 * share, share < 0.995 ? 2 : 3);
 }
 
 /// The name of a file without folder and ending: bunny of a/bunny.obj, head of head.nii.gz. Names
