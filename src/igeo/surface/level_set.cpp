@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <mutex>
 #include <numeric>
@@ -63,15 +62,6 @@ void removeStrays(LevelSet& s, double from) {
         "the level set from its source",
         st.strayVoxels, st.strayVoxels + st.activeVoxels, largest, st.halfWidth, value, first.x(),
         first.y(), first.z()));
-}
-
-/// Calls visit(value) for the active voxels of a leaf. OpenVDB's iterator is not inlined.
-template <typename Visit>
-void forActive(const Leaf& leaf, const Visit& visit) {
-    const float* values = leaf.buffer().data();
-    for (openvdb::Index x = 0; x < 8; ++x)
-        for (auto bits = leaf.valueMask().getWord<openvdb::Index64>(x); bits; bits &= bits - 1)
-            visit(values[64 * x + openvdb::Index(std::countr_zero(bits))]);
 }
 
 /// Finite values first: everything else assumes them.
@@ -221,15 +211,10 @@ void undoConversion(LevelSet& s) {
     if (!isRenormalized(*s.psi)) return;
     const openvdb::FloatGrid::Ptr psi = toChange(s);
     s.stats.conversionUndone = true;
-    s.stats.loweredVoxels = undoRenormalization(*psi, s.transform.dx);
+    const Undone undone = undoRenormalization(*psi, s.transform.dx);
+    s.stats.loweredVoxels = undone.lowered;
+    s.stats.negative = undone.negative;
     s.psi = psi;
-    const std::vector<const Leaf*> leaves = leavesOf(*psi);
-    std::vector<std::uint64_t> negative(leaves.size());
-    parallelFor(leaves.size(), 1024, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t l = begin; l < end; ++l)
-            forActive(*leaves[l], [&](float value) { negative[l] += value < 0; });
-    });
-    s.stats.negative = std::accumulate(negative.begin(), negative.end(), std::uint64_t(0));
 }
 
 void measure(LevelSet& s, Progress& progress) {

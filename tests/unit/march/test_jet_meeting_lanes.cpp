@@ -5,6 +5,7 @@
 #include <support/catch.h>
 
 #include <cmath>
+#include <cstring>
 #include <random>
 
 namespace igeo::test {
@@ -79,6 +80,30 @@ TEST_CASE("Fronts meet side by side where they meet node by node") {
     }
     CHECK(differ == 0);
     CHECK(meetings > 100);
+}
+
+TEST_CASE("Rows of links that are made alone are those of the whole block") {
+    const Band band = planeBand({1, 2, 4}, 0.37, {-9, -9, -9}, {9, 9, 9}, 1.8);
+    const std::shared_ptr<JetCore> core = buildJetCore(band, nullptr);
+    const std::size_t size = core->nodes.size();
+    JetLinks whole(size), parts(size);
+    std::mt19937_64 random(6);
+    std::size_t made = 0, differ = 0;
+    for (NodeIndex first = 0; first < size; first += JetLinks::kBlock) {
+        const std::uint64_t rows = random() & random();
+        whole.make(*core, first);
+        parts.makeRows(*core, first, rows);
+        for (NodeIndex i = first; i < size && i < first + JetLinks::kBlock; ++i) {
+            const auto row = whole.row(i), part = parts.row(i);
+            if (rows >> (i - first) & 1)
+                ++made, differ += part.size() != row.size() ||
+                                  std::memcmp(part.data(), row.data(), row.size_bytes()) != 0;
+            else
+                differ += !part.empty();
+        }
+    }
+    CHECK(differ == 0);
+    CHECK(made > size / 8);
 }
 
 }  // namespace igeo::test

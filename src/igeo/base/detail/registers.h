@@ -52,11 +52,6 @@ IGEO_INLINE void takeRoots(typename Registers<Width>::Vector& v) {
     v = *reinterpret_cast<const V*>(of);
 }
 
-template <typename V>
-IGEO_INLINE V absolute(const V& v) {
-    return v < 0 ? -v : v;
-}
-
 /// A register of numbers that need not be aligned.
 template <typename Vector, typename T>
 IGEO_INLINE Vector loadAs(const T* from) {
@@ -67,6 +62,13 @@ IGEO_INLINE Vector loadAs(const T* from) {
 template <int Width>
 IGEO_INLINE auto loadLanes(const float* from) {
     return loadAs<typename Registers<Width>::Vector>(from);
+}
+/// Without their signs.
+template <typename V>
+IGEO_INLINE V absolute(const V& v) {
+    using Integers = decltype(v < v);
+    const Integers bits = loadAs<Integers>(&v) & 0x7fffffff;
+    return loadAs<V>(&bits);
 }
 template <typename Vector, typename T>
 IGEO_INLINE void storeLanes(const Vector& v, T* to) {
@@ -96,10 +98,8 @@ IGEO_INLINE unsigned bitsOf(const typename Registers<Width>::Integers& flags) {
         bits |= __builtin_shufflevector(bits, bits, 2, 3, 0, 1);
         return unsigned(bits[0] | bits[1]);
     } else {
-        Integers bits = flags & bitPerLane<8>();
-        bits |= __builtin_shufflevector(bits, bits, 4, 5, 6, 7, 0, 1, 2, 3);
-        bits |= __builtin_shufflevector(bits, bits, 2, 3, 0, 1, 6, 7, 4, 5);
-        return unsigned(bits[0] | bits[1]);
+        return bitsOf<4>(__builtin_shufflevector(flags, flags, 0, 1, 2, 3)) |
+               bitsOf<4>(__builtin_shufflevector(flags, flags, 4, 5, 6, 7)) << 4;
     }
 }
 

@@ -70,11 +70,14 @@ public:
     bool empty() const { return blocks_.empty(); }
     std::size_t blockCount() const { return blocks_.size(); }
     /// Makes the block of a node, unless it is there. Several threads may ask for one at a time.
-    void make(const JetCore& core, NodeIndex i) {
-        if (!blockOf(i)) makeBlock(core, i, {});
-    }
+    void make(const JetCore& core, NodeIndex i) { makeRows(core, i, kAllRows); }
     void make(const JetCore& core, NodeIndex i, const JetStencil& stencil) {
-        if (!blockOf(i)) makeBlock(core, i, stencil);
+        if (!blockOf(i)) makeBlock(core, i, kAllRows, stencil);
+    }
+    /// The same with some rows alone: the others are empty.
+    /// @param rows  a bit per node of the block
+    void makeRows(const JetCore& core, NodeIndex i, std::uint64_t rows) {
+        if (!blockOf(i)) makeBlock(core, i, rows, {});
     }
     /// Drops the block of a node once this was called for all of its nodes. By one thread, while no
     /// other looks.
@@ -116,7 +119,10 @@ public:
     }
 
 private:
-    void makeBlock(const JetCore& core, NodeIndex i, const JetStencil& stencil);
+    static constexpr auto kAllRows = ~std::uint64_t(0);
+    static_assert(kBlock == 64);
+
+    void makeBlock(const JetCore& core, NodeIndex i, std::uint64_t rows, const JetStencil& stencil);
     const Block* blockOf(NodeIndex i) const {
         return blocks_[i / kBlock].load(std::memory_order_acquire);
     }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <memory>
 
@@ -14,8 +15,8 @@ namespace {
 
 constexpr float kSmooth = JetLink::kSmooth;
 
-/// Up to eight nodes in a row, the nodes that may be linked to each, and their links: the first of
-/// each node, the second of each, and so on.
+/// Up to eight nodes, the nodes that may be linked to each, and their links: the first of each
+/// node, the second of each, and so on.
 struct Candidates {
     static constexpr std::size_t kNodes = 8, kMax = JetLinks::kMax;
     template <typename T>
@@ -24,7 +25,7 @@ struct Candidates {
     using Slots = std::array<PerNode<T>, kMax>;
     using StepCode = LeafNumbers<1>::StepCode;
 
-    NodeIndex first = 0;
+    PerNode<NodeIndex> here;
     std::size_t size = 0;  ///< nodes
     alignas(32) PerNode<std::uint32_t> count;
     alignas(32) PerNode<std::uint32_t> neighbors;  ///< the first ones, a step away; the others are
@@ -40,8 +41,8 @@ struct Candidates {
     unsigned rough = 0;  ///< bits: nodes with one not on its sheet, or over a crease
     PerNode<std::array<JetLink, kMax>> link;  ///< over smooth parts of S
 
-    void clear(NodeIndex begin, std::size_t nodes) {
-        first = begin, size = nodes, anySure = false;
+    void clear() {
+        size = 0, anySure = false;
         count = neighbors = {};
     }
     bool isSure(std::size_t lane, std::size_t k) const { return k >= neighbors[lane]; }
@@ -73,7 +74,7 @@ public:
           all_(all) {
         std::uint32_t here[Width];
         for (int k = 0; k < Width; ++k)
-            here[k] = all.first + std::uint32_t(std::min(lane + std::size_t(k), all.size - 1));
+            here[k] = all.here[std::min(lane + std::size_t(k), all.size - 1)];
         V rest[4];
         load(here, here_, n_, rest);
         hereWeight_ = rest[2];
@@ -194,31 +195,41 @@ class LinkBuilder {
 public:
     LinkBuilder(const JetCore& core, const JetStencil& stencil) : core_(core), stencil_(stencil) {}
 
-    void fill(JetLinks::Block& block, NodeIndex begin, NodeIndex end) const {
+    /// @param wanted  bits: nodes of the block that get a row
+    void fill(JetLinks::Block& block, NodeIndex begin, std::uint64_t wanted) const {
         constexpr std::size_t kUsual = 10;  // links per node
         std::vector<JetLink> links;
         links.reserve(kUsual * JetLinks::kBlock);
         LeafNumbers<1> numbers;
         LeafIndex leaf = kNoLeaf;
         Candidates candidates;
-        for (NodeIndex i = begin; i < end; i += Candidates::kNodes) {
-            candidates.clear(i, std::min(Candidates::kNodes, std::size_t(end - i)));
-            for (std::size_t lane = 0; lane < candidates.size; ++lane) {
-                const LeafIndex here = core_.nodes[i + lane].leaf;
+        std::size_t next = 0;  // row of the block
+        auto beginRows = [&](std::size_t last) {
+            while (next <= last) block.begin[next++] = std::uint16_t(links.size());
+        };
+        const auto end = NodeIndex(begin + std::size_t(std::bit_width(wanted)));
+        while (wanted) {
+            candidates.clear();
+            std::size_t lane = 0;
+            for (; wanted && lane < Candidates::kNodes; wanted &= wanted - 1, ++lane) {
+                const auto i = NodeIndex(begin + std::size_t(std::countr_zero(wanted)));
+                const LeafIndex here = core_.nodes[i].leaf;
                 if (stencil_.empty() && here != leaf) {
                     leaf = here;
-                    fill(numbers, NodeIndex(i + lane), end);
+                    fill(numbers, i, end);
                 }
+                candidates.here[lane] = i;
                 find(lane, numbers, candidates);
             }
+            candidates.size = lane;
             layOut(core_, candidates);
-            for (std::size_t lane = 0; lane < candidates.size; ++lane) {
-                const std::size_t k = i - begin + lane;
-                block.begin[k] = std::uint16_t(links.size());
+            for (lane = 0; lane < candidates.size; ++lane) {
+                const std::size_t k = candidates.here[lane] - begin;
+                beginRows(k);
                 if (addRow(lane, candidates, links)) block.creased |= std::uint64_t(1) << k;
             }
         }
-        block.begin[end - begin] = std::uint16_t(links.size());
+        beginRows(JetLinks::kBlock);
         links.resize(links.size() + JetLinks::kBehind);
         block.link.assign(links.begin(), links.end());
         if (core_.costsVary) findLeastAround(block, begin, end);
@@ -234,7 +245,7 @@ private:
     }
 
     void find(std::size_t lane, const LeafNumbers<1>& numbers, Candidates& candidates) const {
-        const NodeIndex i = candidates.first + NodeIndex(lane);
+        const NodeIndex i = candidates.here[lane];
         const JetNode& node = core_.nodes[i];
         auto addLinked = [&](NodeIndex j, const Ijk&, const Vec3f& chord, float) {
             candidates.addLinked(lane, j, chord);
@@ -251,7 +262,7 @@ private:
     }
     /// @return whether one is over a crease
     bool addRow(std::size_t lane, const Candidates& candidates, std::vector<JetLink>& row) const {
-        const JetNode& node = core_.nodes[candidates.first + lane];
+        const JetNode& node = core_.nodes[candidates.here[lane]];
         const JetLink* const links = candidates.link[lane].data();
         const std::size_t count = candidates.count[lane];
         const bool mayBeHidden = node.obstacleState != Metric::Clear;
@@ -329,11 +340,12 @@ void JetLinks::clear() {
     blocks_.clear();
 }
 
-void JetLinks::makeBlock(const JetCore& core, NodeIndex i, const JetStencil& stencil) {
+void JetLinks::makeBlock(const JetCore& core, NodeIndex i, std::uint64_t rows,
+                         const JetStencil& stencil) {
     const auto begin = NodeIndex(i / kBlock * kBlock);
+    const std::size_t behind = kBlock - std::min(core.nodes.size() - begin, kBlock);
     auto made = std::make_unique<Block>();
-    LinkBuilder(core, stencil)
-        .fill(*made, begin, NodeIndex(std::min(core.nodes.size(), begin + kBlock)));
+    LinkBuilder(core, stencil).fill(*made, begin, rows & kAllRows >> behind);
     // Another thread may have made the same block meanwhile.
     Block* none = nullptr;
     if (blocks_[i / kBlock].compare_exchange_strong(none, made.get())) made.release();

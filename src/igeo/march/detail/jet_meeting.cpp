@@ -39,6 +39,8 @@ struct Meetings {
     std::vector<std::optional<Solved>> jets;  ///< theirs, by rays
 };
 
+bool inOneBlock(NodeIndex a, NodeIndex b) { return a / JetLinks::kBlock == b / JetLinks::kBlock; }
+
 /// The links of the core after a march.
 class Links {
 public:
@@ -46,10 +48,18 @@ public:
     ///             only as long
     Links(const JetCore& core, JetLinks& own) : core_(core), own_(own) {}
 
+    /// Makes the rows of the first of some ascending nodes and of those in its block.
+    void make(std::span<const NodeIndex> nodes) const {
+        if (!core_.links.empty()) return;
+        std::uint64_t rows = 0;
+        for (const NodeIndex i : nodes) {
+            if (!inOneBlock(i, nodes[0])) break;
+            rows |= std::uint64_t(1) << i % JetLinks::kBlock;
+        }
+        own_.makeRows(core_, nodes[0], rows);
+    }
     JetLinks::Row rowAt(NodeIndex i) const {
-        if (!core_.links.empty()) return core_.links.rowAt(i);
-        own_.make(core_, i);
-        return own_.rowAt(i);
+        return core_.links.empty() ? own_.rowAt(i) : core_.links.rowAt(i);
     }
     /// Drops the block of a node, which no other thread looks at.
     void drop(NodeIndex i) const {
@@ -60,8 +70,6 @@ private:
     const JetCore& core_;
     JetLinks& own_;
 };
-
-bool inOneBlock(NodeIndex a, NodeIndex b) { return a / JetLinks::kBlock == b / JetLinks::kBlock; }
 
 /// Ends of parts of a list of ascending nodes: each block of links belongs to one.
 std::vector<std::size_t> partsOf(std::span<const NodeIndex> nodes) {
@@ -100,7 +108,7 @@ private:
     };
 
     Meetings meetingsAmong(const std::vector<NodeIndex>& nodes);
-    /// A block of links is made once, and dropped as soon as it was used.
+    /// Rows of links are made once, and dropped as soon as they were used.
     Meetings meetingsIn(std::span<const NodeIndex> nodes);
     void lookAt(Part& part);
     void add(NodeIndex i, std::size_t lane, Part& part);
@@ -134,6 +142,7 @@ Meetings MeetingSearch::meetingsIn(std::span<const NodeIndex> nodes) {
     for (std::size_t k = 0, kept = 0; k < nodes.size(); ++k) {
         const NodeIndex i = nodes[k];
         const bool isLast = k + 1 == nodes.size();
+        if (k == 0 || !inOneBlock(nodes[k - 1], i)) links_.make(nodes.subspan(k));
         if (jets_.accepted(i) && core_.nodes[i].obstacleState == Metric::Clear)
             part.group.add(i, links_.rowAt(i).links);
         if (!part.group.full() && !isLast) continue;

@@ -11,7 +11,7 @@ namespace igeo {
 /// (jet_rays.h): they have all their neighbors now, and no other value depends on theirs. Sets
 /// CoreJets::meetings. Where costs vary, or S has creases or obstacles, nodes stay as they are.
 /// In parallel, the same bits for any number of threads.
-/// @param own    the links of the march where the core has none; blocks are made where needed
+/// @param own    the links of the march where the core has none; rows are made where needed
 /// @param nodes  across which the march saw fronts meet (JetGroup::Solution::frontsMeet)
 void solveMeetings(CoreJets& jets, JetLinks& own, const std::vector<NodeIndex>& nodes);
 

@@ -14,20 +14,22 @@ namespace {
 /// Voxels: in front of a hollow edge the step lowers no larger |psi| much.
 constexpr float kFarthest = 1.5f;
 
-/// Bits: voxels of a row around which psi is that of one face.
+/// What a row shows.
 template <int Width>
-IGEO_INLINE unsigned planesIn(const LeafBlock& block, int x, int y) {
+IGEO_INLINE void lookAtRow(const LeafBlock& block, int x, int y, std::uint8_t& plane,
+                           std::uint8_t& mayBeLowered) {
     // Inside, in front of no hollow edge, the renormalization has changed nothing.
     constexpr float kInside = -0.2f, kFlat = 0.03f;
     using V = typename Registers<Width>::Vector;
-    unsigned bits = 0;
+    unsigned planes = 0, kinks = 0;
     for (int z = 0; z < 8; z += Width) {
         auto at = [&](int i, int j, int k) {
             return loadLanes<Width>(block.row(x + i, y + j) + z + k);
         };
         const V here = at(0, 0, 0);
         auto flat = here < kInside;
-        if (!bitsOf<Width>(flat)) continue;
+        const auto isNear = absolute(here) < kFarthest;
+        if (!bitsOf<Width>(flat | isNear)) continue;
         V square{};
         auto add = [&](const V& low, const V& high) {
             const V slope = (high - low) / 2;
@@ -36,10 +38,12 @@ IGEO_INLINE unsigned planesIn(const LeafBlock& block, int x, int y) {
         };
         add(at(-1, 0, 0), at(1, 0, 0)), add(at(0, -1, 0), at(0, 1, 0));
         add(at(0, 0, -1), at(0, 0, 1));
+        kinks |= bitsOf<Width>(isNear & ~PsiRow<Width>::isSmooth(square)) << z;
         takeRoots<Width>(square);
-        bits |= bitsOf<Width>(flat & (absolute(square - 1) < kFlat)) << z;
+        planes |= bitsOf<Width>(flat & (absolute(square - 1) < kFlat)) << z;
     }
-    return bits;
+    plane = std::uint8_t(planes);
+    mayBeLowered = std::uint8_t(kinks & PsiRow<Width>::completeIn(block, x, y));
 }
 
 template <int Width>
@@ -48,12 +52,8 @@ IGEO_INLINE void findHere(const LeafBlock& block, HollowEdges::Shown& shown) {
         for (int y = 0; y < 8; ++y) {
             const auto at = std::size_t(8 * x + y);
             shown.plane[at] = shown.mayBeLowered[at] = 0;
-            if (!block.active(x, y)) continue;
-            shown.plane[at] = std::uint8_t(planesIn<Width>(block, x, y));
-            if (const unsigned near = within<Width>(block.row(x, y), kFarthest)) {
-                const PsiRow<Width> row(block, x, y);
-                shown.mayBeLowered[at] = std::uint8_t(near & row.complete & ~row.smooth);
-            }
+            if (block.active(x, y))
+                lookAtRow<Width>(block, x, y, shown.plane[at], shown.mayBeLowered[at]);
         }
 }
 
@@ -65,7 +65,9 @@ IGEO_AVX2 void findByEight(const LeafBlock& block, HollowEdges::Shown& shown) {
 #endif
 
 bool hasAny(const HollowEdges::Bits& bits) {
-    return std::any_of(bits.begin(), bits.end(), [](std::uint8_t row) { return row != 0; });
+    std::uint64_t any = 0;
+    for (std::size_t row = 0; row < bits.size(); row += 8) any |= loadAs<std::uint64_t>(&bits[row]);
+    return any != 0;
 }
 
 }  // namespace
@@ -80,15 +82,10 @@ public:
     bool moveTo(const openvdb::Coord& origin) {
         origin_ = origin;
         isGathered_ = false;
-        planes_.fill(0);
-        bool any = false;
+        unsigned any = 0;
         for (int x = -1; x <= 1; ++x)
-            for (int y = -1; y <= 1; ++y)
-                for (int z = -1; z <= 1; ++z)
-                    if (const auto* leaf =
-                            tree_.probeConstLeaf(origin.offsetBy(8 * x, 8 * y, 8 * z)))
-                        any |= takePlanes(shown_[leaf->transientData()].plane, {x, y, z});
-        return any;
+            for (int y = -1; y <= 1; ++y) any |= takePlanes(x, y);
+        return any != 0;
     }
     /// Whether there is a face within reach.
     bool besideFace(const Ijk& v) const {
@@ -131,6 +128,11 @@ private:
     static constexpr int kMargin = kReach + 1;  ///< of what is known of faces, around the leaf
     static constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
+    struct Height {
+        float height = float(kInfinity);
+        Vec3f slope;
+    };
+
     static Ijk unit(std::size_t axis) { return {axis == 0, axis == 1, axis == 2}; }
     static std::size_t indexOf(const Ijk& v) {
         return std::size_t((10 * (v.x + 1) + v.y + 1) * 10 + v.z + 1);
@@ -138,19 +140,29 @@ private:
     static std::size_t rowOf(int x, int y) {
         return std::size_t((8 + 2 * kMargin) * (x + kMargin) + y + kMargin);
     }
-    /// Takes the bits of the leaf s leaves away.
-    /// @return whether there are any
-    bool takePlanes(const Bits& plane, const Ijk& s) {
+    /// The planes in a leaf.
+    const Bits& planesOf(const openvdb::Coord& origin) const {
+        static constexpr Bits kNone{};
+        const LeafBlock::Leaf* leaf = tree_.probeConstLeaf(origin);
+        return leaf ? shown_[leaf->transientData()].plane : kNone;
+    }
+    /// Takes the bits of the three leaves in a column.
+    /// @param sx, sy  leaves to the column
+    /// @return all bits
+    unsigned takePlanes(int sx, int sy) {
         auto first = [](int step) { return step < 0 ? 8 - kMargin : 0; };
         auto last = [](int step) { return step > 0 ? kMargin : 8; };
         constexpr unsigned kAll = (1u << (8 + 2 * kMargin)) - 1;
+        const openvdb::Coord origin = origin_.offsetBy(8 * sx, 8 * sy, 0);
+        const Bits &low = planesOf(origin.offsetBy(0, 0, -8)), &here = planesOf(origin),
+                   &high = planesOf(origin.offsetBy(0, 0, 8));
         unsigned any = 0;
-        for (int x = first(s.x); x < last(s.x); ++x)
-            for (int y = first(s.y); y < last(s.y); ++y) {
-                const unsigned row = unsigned(plane[std::size_t(8 * x + y)]) << 16,
-                               bits = row >> (16 - kMargin - 8 * s.z) & kAll;
-                planes_[rowOf(x + 8 * s.x, y + 8 * s.y)] |= bits;
-                any |= bits;
+        for (int x = first(sx); x < last(sx); ++x)
+            for (int y = first(sy); y < last(sy); ++y) {
+                const auto at = std::size_t(8 * x + y);
+                const unsigned column =
+                    low[at] | unsigned(here[at]) << 8 | unsigned(high[at]) << 16;
+                any |= planes_[rowOf(x + 8 * sx, y + 8 * sy)] = column >> (8 - kMargin) & kAll;
             }
         return any;
     }
@@ -169,11 +181,6 @@ private:
         constexpr float kOneFace = 0.9f, kAgree = 0.2f;
         const float value = stored(v);
         if (!(std::abs(value) < kFarthest)) return value;
-        struct Height {
-            float height = float(kInfinity);
-            Vec3f slope;
-        };
-        std::array<Height, (2 * kReach + 1) * (2 * kReach + 1) * (2 * kReach + 1)> heights;
         std::size_t count = 0;
         Height least;
         float most = float(kInfinity);
@@ -184,15 +191,15 @@ private:
                     const Vec3f slope = slopeAt(v + step);
                     const float inside = stored(v + step);
                     const Height h{inside - dot(slope, Vec3f(step)), slope};
-                    heights[count++] = h;
+                    heights_[count++] = h;
                     if (h.height < least.height) least = h;
                     most = std::min(most, inside + length(Vec3f(step)));
                 }
         if (!(least.height < most)) return value;
         bool otherFace = false;
         for (std::size_t k = 0; k < count; ++k) {
-            const bool same = dot(heights[k].slope, least.slope) > kOneFace;
-            if (same && heights[k].height > least.height + kAgree) return value;
+            const bool same = dot(heights_[k].slope, least.slope) > kOneFace;
+            if (same && heights_[k].height > least.height + kAgree) return value;
             otherFace |= !same;
         }
         return otherFace ? std::max(value, least.height) : value;
@@ -205,6 +212,8 @@ private:
     bool isGathered_ = false;
     std::array<unsigned, 14 * 14> planes_;  ///< bits by row and z + kMargin
     std::array<float, 10 * 10 * 10> sharp_;
+    /// In work: over the planes around a voxel.
+    std::array<Height, (2 * kReach + 1) * (2 * kReach + 1) * (2 * kReach + 1)> heights_;
 };
 
 HollowEdges::Shown HollowEdges::shownBy(const LeafBlock& block) {

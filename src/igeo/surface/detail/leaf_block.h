@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -19,16 +20,26 @@ namespace igeo {
 /// psi of an inactive voxel.
 constexpr float kMissingVoxel = std::numeric_limits<float>::quiet_NaN();
 
-/// Copies four voxels, divided by the voxel size; NaN where inactive. Without branches: half of the
-/// rows have voxels of both kinds.
+/// A factor of 1.
+struct AsStored {};
+IGEO_INLINE float times(AsStored, float value) { return value; }
+IGEO_INLINE float times(double by, float value) { return float(value * by); }
+IGEO_INLINE auto times(AsStored, const Registers<4>::Vector& four) { return four; }
+IGEO_INLINE auto times(double by, const Registers<4>::Vector& four) {
+    typedef double Doubles __attribute__((vector_size(32)));
+    const Doubles scaled = __builtin_convertvector(four, Doubles) * by;
+    return __builtin_convertvector(scaled, Registers<4>::Vector);
+}
+
+/// Copies four voxels times a factor, such as one over the voxel size; NaN where inactive. Without
+/// branches: half of the rows have voxels of both kinds.
 /// @param active  bits: which of them are
-IGEO_INLINE void copyFour(const float* from, unsigned active, double perDx, float* to) {
+template <typename Factor>
+IGEO_INLINE void copyFour(const float* from, unsigned active, Factor by, float* to) {
     using Four = Registers<4>::Vector;
     using Integers = Registers<4>::Integers;
-    typedef double Doubles __attribute__((vector_size(32)));
-    const Doubles scaled = __builtin_convertvector(loadLanes<4>(from), Doubles) * perDx;
     const Integers isActive = ((Integers{} + int(active)) & bitPerLane<4>()) != 0;
-    storeLanes(isActive ? __builtin_convertvector(scaled, Four) : Four{} + kMissingVoxel, to);
+    storeLanes(isActive ? times(by, loadLanes<4>(from)) : Four{} + kMissingVoxel, to);
 }
 
 /// The 10^3 voxels of a leaf and one voxel around it, in voxel units; NaN where inactive.
@@ -43,18 +54,19 @@ public:
     /// @param dx divides the values: voxel size in world units
     IGEO_INLINE void gather(const Accessor& psi, const openvdb::Coord& origin, double dx,
                             Beyond beyond = kCorners) {
-        gather(psi, origin, dx, beyond, [](const Leaf& leaf) { return leaf.buffer().data(); });
+        gather(psi, origin, 1 / dx, beyond, [](const Leaf& leaf) { return leaf.buffer().data(); });
     }
     /// The same of other values at the active voxels of psi.
+    /// @param by        a factor, or AsStored
     /// @param valuesOf  the 512 values of a leaf
-    template <typename ValuesOf>
-    IGEO_INLINE void gather(const Accessor& psi, const openvdb::Coord& origin, double dx,
+    template <typename Factor, typename ValuesOf>
+    IGEO_INLINE void gather(const Accessor& psi, const openvdb::Coord& origin, Factor by,
                             Beyond beyond, const ValuesOf& valuesOf) {
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y)
                 if (const int off = std::abs(x) + std::abs(y); off <= beyond)
-                    copyColumn(psi, origin.offsetBy(8 * x, 8 * y, 0), {x, y, 0}, 1 / dx,
-                               off < beyond, valuesOf);
+                    copyColumn(psi, origin.offsetBy(8 * x, 8 * y, 0), {x, y, 0}, by, off < beyond,
+                               valuesOf);
     }
 
     /// psi at voxel (x, y, z) of the leaf, each in [-1, 8].
@@ -88,9 +100,9 @@ private:
     /// Copies the rows of a leaf that lie in the block.
     /// @param s         steps from the leaf of the block
     /// @param withEnds  with the voxels before and after them, from the leaves there
-    template <typename ValuesOf>
+    template <typename Factor, typename ValuesOf>
     IGEO_INLINE void copyColumn(const Accessor& psi, const openvdb::Coord& origin, const Ijk& s,
-                                double scale, bool withEnds, const ValuesOf& valuesOf) {
+                                Factor by, bool withEnds, const ValuesOf& valuesOf) {
         const Source here(psi.probeConstLeaf(origin), valuesOf),
             low(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, -8)) : nullptr, valuesOf),
             high(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, 8)) : nullptr, valuesOf);
@@ -103,19 +115,26 @@ private:
                            isHigh = unsigned(highs >> (8 * y) & 1);
                 float* row = &values_[std::size_t(10 * at)];
                 active_[std::size_t(at)] = std::uint16_t(bits << 1 | isLow | isHigh << 9);
-                copyRow(here.values + from, bits, scale, row + 1);
-                row[0] = isLow ? float(low.values[from + 7] * scale) : kMissingVoxel;
-                row[9] = isHigh ? float(high.values[from] * scale) : kMissingVoxel;
+                copyFour(here.values + from, bits, by, row + 1);
+                copyFour(here.values + from + 4, bits >> 4, by, row + 5);
+                row[0] = isLow ? times(by, low.values[from + 7]) : kMissingVoxel;
+                row[9] = isHigh ? times(by, high.values[from]) : kMissingVoxel;
             }
         }
-    }
-    static IGEO_INLINE void copyRow(const float* from, unsigned active, double scale, float* to) {
-        copyFour(from, active, scale, to), copyFour(from + 4, active >> 4, scale, to + 4);
     }
 
     std::array<float, 1000> values_;
     std::array<std::uint16_t, 100> active_;
 };
+
+/// Calls visit(value) for the active voxels of a leaf. OpenVDB's iterator is not inlined.
+template <typename Visit>
+IGEO_INLINE void forActive(const LeafBlock::Leaf& leaf, const Visit& visit) {
+    const float* values = leaf.buffer().data();
+    for (openvdb::Index x = 0; x < 8; ++x)
+        for (auto bits = leaf.valueMask().getWord<openvdb::Index64>(x); bits; bits &= bits - 1)
+            visit(values[64 * x + openvdb::Index(std::countr_zero(bits))]);
+}
 
 /// Eight numbers, one per voxel of a row.
 using RowNumbers = std::array<float, 8>;
@@ -137,17 +156,9 @@ struct PsiRow {
     RowNumbers dx, dy, dz;      ///< psi at the next voxel less psi at the one before
     RowNumbers slope;           ///< length of the central differences
 
-    IGEO_INLINE PsiRow(const LeafBlock& b, int x, int y) {
-        const unsigned here = b.active(x, y);
-        active = here >> 1 & 0xff;
-        complete =
-            active & here & here >> 2 &
-            (b.active(x - 1, y) & b.active(x + 1, y) & b.active(x, y - 1) & b.active(x, y + 1)) >>
-                1;
-        smooth = 0;
+    IGEO_INLINE PsiRow(const LeafBlock& b, int x, int y)
+        : active(b.active(x, y) >> 1 & 0xff), complete(completeIn(b, x, y)), smooth(0) {
         if (active == 0) return;
-        constexpr float kLeast = float((1 - kSmooth) * (1 - kSmooth)),
-                        kMost = float((1 + kSmooth) * (1 + kSmooth));
         const float *row = b.row(x, y), *x0 = b.row(x - 1, y), *x1 = b.row(x + 1, y),
                     *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1), *z0 = row - 1, *z1 = row + 1;
         for (std::size_t k = 0; k < 8; k += Width) {
@@ -156,12 +167,27 @@ struct PsiRow {
                     alongY = loadLanes<Width>(y1 + k) - loadLanes<Width>(y0 + k),
                     alongZ = loadLanes<Width>(z1 + k) - loadLanes<Width>(z0 + k);
             V square = 0.25f * (alongX * alongX + alongY * alongY + alongZ * alongZ);
-            smooth |= bitsOf<Width>((square > kLeast) & (square < kMost)) << k;
+            smooth |= bitsOf<Width>(isSmooth(square)) << k;
             takeRoots<Width>(square);
             storeLanes(alongX, &dx[k]), storeLanes(alongY, &dy[k]), storeLanes(alongZ, &dz[k]),
                 storeLanes(square, &slope[k]);
         }
         smooth &= complete;
+    }
+    /// Bits: the voxels of a row with all face neighbors.
+    static IGEO_INLINE unsigned completeIn(const LeafBlock& b, int x, int y) {
+        const unsigned here = b.active(x, y);
+        return 0xff & here >> 1 & here & here >> 2 &
+               (b.active(x - 1, y) & b.active(x + 1, y) & b.active(x, y - 1) &
+                b.active(x, y + 1)) >>
+                   1;
+    }
+    /// @param square  of the length of the central differences
+    template <typename V>
+    static IGEO_INLINE auto isSmooth(const V& square) {
+        constexpr float kLeast = float((1 - kSmooth) * (1 - kSmooth)),
+                        kMost = float((1 + kSmooth) * (1 + kSmooth));
+        return (square > kLeast) & (square < kMost);
     }
     static constexpr double kSmooth = 0.1;
 };

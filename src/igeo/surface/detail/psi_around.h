@@ -17,6 +17,7 @@ public:
     /// Gathers the voxels around the leaf at this origin.
     void moveTo(const Ijk& origin) {
         low_ = origin - Ijk{kMargin, kMargin, kMargin};
+        value_.fill(kMissingVoxel);
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y)
                 for (int z = -1; z <= 1; ++z) gather(origin, {x, y, z});
@@ -70,20 +71,17 @@ private:
         auto last = [](int step) { return step > 0 ? kMargin : 8; };
         const LeafBlock::Leaf* leaf = psi_.probeConstLeaf(
             openvdb::Coord(origin.x + 8 * s.x, origin.y + 8 * s.y, origin.z + 8 * s.z));
+        if (!leaf) return;
         for (int x = first(s.x); x < last(s.x); ++x)
-            for (int y = first(s.y); y < last(s.y); ++y)
-                for (int z = first(s.z); z < last(s.z); z += 4) {
-                    float* const to =
-                        &value_[indexOf(Ijk{x, y, z} + 8 * s + Ijk{kMargin, kMargin, kMargin})];
-                    if (leaf)
-                        copyFour(
-                            leaf->buffer().data() + (x << 6 | y << 3 | z),
-                            leaf->valueMask().getWord<std::uint8_t>(openvdb::Index(x << 3 | y)) >>
-                                z,
-                            perDx_, to);
-                    else
-                        std::fill_n(to, 4, kMissingVoxel);
-                }
+            for (int y = first(s.y); y < last(s.y); ++y) {
+                const unsigned row =
+                    leaf->valueMask().getWord<std::uint8_t>(openvdb::Index(x << 3 | y));
+                for (int z = first(s.z); z < last(s.z); z += 4)
+                    if (const unsigned active = row >> z & 15)
+                        copyFour(leaf->buffer().data() + (x << 6 | y << 3 | z), active, perDx_,
+                                 &value_[indexOf(Ijk{x, y, z} + 8 * s +
+                                                 Ijk{kMargin, kMargin, kMargin})]);
+            }
     }
 
     LeafBlock::Accessor psi_;

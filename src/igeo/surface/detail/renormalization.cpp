@@ -5,9 +5,11 @@
 #include <igeo/surface/detail/leaf_block.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <set>
 #include <vector>
 
@@ -159,17 +161,19 @@ IGEO_INLINE void measureHere(const LeafBlock::Accessor& psi, double dx, float ze
 }
 
 /// Adds c to the voxels of a leaf, and what the step has taken away at last.
+/// @return how many of them are negative then
 template <int Width>
-IGEO_INLINE void raiseHere(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
-                           LeafBlock& excess, Leaf& psi) {
+IGEO_INLINE unsigned raiseHere(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
+                               LeafBlock& excess, Leaf& psi) {
     using Step = StepLanes<Width>;
     using V = typename Step::V;
     using Integers = typename Step::Integers;
     const Integers bits = bitPerLane<Width>();
-    excess.gather(accessor, psi.origin(), 1, LeafBlock::kCorners,
+    excess.gather(accessor, psi.origin(), AsStored{}, LeafBlock::kCorners,
                   [&](const Leaf& leaf) { return packed.of(leaf); });
     Smoothed<Width> smoothed;
     smoothed.of(excess);
+    unsigned negative = 0;
     for (int x = 0; x < 8; ++x)
         for (int y = 0; y < 8; ++y)
             for (int k = 0; k < 8; k += Width) {
@@ -184,28 +188,30 @@ IGEO_INLINE void raiseHere(const LeafBlock::Accessor& accessor, PackedVoxels& pa
                 // NaN where M is missing.
                 const V by = all > 0 ? Step::pull(own) * all * dx : V{};
                 float* const to = psi.buffer().data() + at;
-                const V value = loadLanes<Width>(to);
+                const V value = loadLanes<Width>(to), raised = value + (by + kShift);
                 const Integers isActive = ((Integers{} + active) & bits) != 0;
-                storeLanes(isActive ? value + (by + kShift) : value, to);
+                storeLanes(isActive ? raised : value, to);
+                negative += unsigned(std::popcount(bitsOf<Width>(isActive & (raised < 0))));
             }
+    return negative;
 }
 
 void measureByFour(const LeafBlock::Accessor& psi, double dx, float zero, const Leaf& leaf,
                    LeafBlock& block, float* packed) {
     measureHere<4>(psi, dx, zero, leaf, block, packed);
 }
-void raiseByFour(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
-                 LeafBlock& excess, Leaf& psi) {
-    raiseHere<4>(accessor, packed, dx, excess, psi);
+unsigned raiseByFour(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
+                     LeafBlock& excess, Leaf& psi) {
+    return raiseHere<4>(accessor, packed, dx, excess, psi);
 }
 #ifdef IGEO_AVX2
 IGEO_AVX2 void measureByEight(const LeafBlock::Accessor& psi, double dx, float zero,
                               const Leaf& leaf, LeafBlock& block, float* packed) {
     measureHere<8>(psi, dx, zero, leaf, block, packed);
 }
-IGEO_AVX2 void raiseByEight(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
-                            LeafBlock& excess, Leaf& psi) {
-    raiseHere<8>(accessor, packed, dx, excess, psi);
+IGEO_AVX2 unsigned raiseByEight(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
+                                LeafBlock& excess, Leaf& psi) {
+    return raiseHere<8>(accessor, packed, dx, excess, psi);
 }
 #endif
 
@@ -219,11 +225,12 @@ public:
         resizeByAll(packed_.all, PackedVoxels::kPerLeaf * leaves_.size());
     }
 
-    std::size_t run() {
+    Undone run() {
         measureAll();
-        const std::size_t count = restore();
-        raiseAll();
-        return count;
+        Undone done;
+        done.lowered = restore();
+        done.negative = raiseAll();
+        return done;
     }
 
 private:
@@ -273,18 +280,22 @@ private:
                 packed_.of(*leaves_[l])[Leaf::coordToOffset(v.at)] = kMissing;
         return restored;
     }
-    void raise(const LeafBlock::Accessor& accessor, Leaf& leaf, LeafBlock& block) {
+    unsigned raise(const LeafBlock::Accessor& accessor, Leaf& leaf, LeafBlock& block) {
 #ifdef IGEO_AVX2
         if (eightAtATime()) return raiseByEight(accessor, packed_, float(dx_), block, leaf);
 #endif
-        raiseByFour(accessor, packed_, float(dx_), block, leaf);
+        return raiseByFour(accessor, packed_, float(dx_), block, leaf);
     }
-    void raiseAll() {
+    /// @return how many voxels are negative then
+    std::uint64_t raiseAll() {
+        std::vector<unsigned> negative(leaves_.size());
         parallelFor(leaves_.size(), 64, [&](std::size_t begin, std::size_t end) {
             const LeafBlock::Accessor accessor(psi_);
             const auto block = std::make_unique<LeafBlock>();
-            for (std::size_t l = begin; l < end; ++l) raise(accessor, *leaves_[l], *block);
+            for (std::size_t l = begin; l < end; ++l)
+                negative[l] = raise(accessor, *leaves_[l], *block);
         });
+        return std::accumulate(negative.begin(), negative.end(), std::uint64_t(0));
     }
 
     Tree& psi_;
@@ -308,19 +319,19 @@ bool isRenormalized(const openvdb::FloatGrid& psi) {
     psi.tree().getNodes(leaves);
     std::size_t near = 0, fit = 0, coarse = 0;
     for (std::size_t l = 0; l < leaves.size(); l += leaves.size() / kLeaves + 1)
-        for (auto it = leaves[l]->cbeginValueOn(); it; ++it) {
-            const double value = double(*it), before = value - double(back);
-            if (!(std::abs(value) < kNear * double(dx))) continue;
+        forActive(*leaves[l], [&](float at) {
+            const double value = double(at), before = value - double(back);
+            if (!(std::abs(value) < kNear * double(dx))) return;
             const double coarsest = std::ldexp(16, std::ilogb(before) - 23);
             ++near;
             fit += double(float(before)) == before;
             coarse += std::fmod(value, coarsest) == 0;
-        }
+        });
     return near >= kEnough && double(fit) > kAll * double(near) &&
            double(coarse) < kFew * double(near);
 }
 
-std::size_t undoRenormalization(openvdb::FloatGrid& psi, double dx) {
+Undone undoRenormalization(openvdb::FloatGrid& psi, double dx) {
     return Undo(psi.tree(), dx).run();
 }
 

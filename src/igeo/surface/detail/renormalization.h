@@ -4,6 +4,7 @@
 #include <openvdb/openvdb.h>
 
 #include <cstddef>
+#include <cstdint>
 
 namespace igeo {
 
@@ -15,6 +16,12 @@ namespace igeo {
 /// Values with few bits, as of a plane between voxels or in half precision, show nothing. Looks at
 /// a thousand leaves.
 bool isRenormalized(const openvdb::FloatGrid& psi);
+
+/// Numbers of voxels once the step is undone.
+struct Undone {
+    std::size_t lowered = 0;     ///< in front of hollow edges
+    std::uint64_t negative = 0;  ///< inside, of all active ones
+};
 
 /// Undoes that step.
 ///
@@ -34,7 +41,6 @@ bool isRenormalized(const openvdb::FloatGrid& psi);
 /// transient data of leaves.
 ///
 /// @param dx  voxel size
-/// @return    how many voxels lie in front of hollow edges
-std::size_t undoRenormalization(openvdb::FloatGrid& psi, double dx);
+Undone undoRenormalization(openvdb::FloatGrid& psi, double dx);
 
 }  // namespace igeo
