@@ -252,14 +252,14 @@ TEST_CASE("blendJets: at a focus, and toward it, and away from a source") {
 TEST_CASE(
     "blendJets: a front with little weight comes from somewhere, and not before the others allow") {
     // Corners on one face with a plane front, which is 20 here, and one with little weight.
-    const auto withOne = [](const JetNeighbor& one, bool besideSeed) {
+    const auto withOne = [](const JetNeighbor& one, bool besideSeed, float itsWeight = 0.04f) {
         JetNeighbors all;
         std::array<float, JetNeighbors::kMax> weight{};
         for (const Vec2f p : {Vec2f{-0.5f, -0.5f}, {0.5f, -0.5f}, {-0.5f, 0.5f}, {0.5f, 0.5f}}) {
             weight[std::size_t(all.count())] = 0.24f;
             all.add({-1.0f * p, {1, 0}, 20 + double(p.x)});
         }
-        weight[std::size_t(all.count())] = 0.04f;
+        weight[std::size_t(all.count())] = itsWeight;
         all.add(one);
         return blendJets(all, weight, besideSeed).u;
     };
@@ -270,7 +270,9 @@ TEST_CASE(
     // Of the other side of a wall: at 15.5 here, where the corners allow 19.8 by the least.
     const JetNeighbor wall{{1, 0.5f}, {0.6f, 0.8f}, 14.5};
     CHECK(std::abs(withOne(wall, false) - 20) < 1e-5);
-    CHECK(std::abs(withOne(wall, true) - 15.5) < 1e-5);
+    CHECK(std::abs(withOne(wall, true, 0.12f) - 15.5) < 1e-5);
+    // Beside a seed too, with hardly any weight.
+    CHECK(std::abs(withOne(wall, true) - 20) < 1e-5);
     // A front that meets theirs, and comes a little earlier here.
     const JetNeighbor meets{{-0.7f, 0}, {-1, 0}, 19.2};
     CHECK(std::abs(withOne(meets, false) - 19.9) < 1e-5);

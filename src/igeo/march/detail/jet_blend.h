@@ -123,10 +123,12 @@ inline BlendedFront blendFront(const JetNeighbors& all, const BlendWeights& weig
 /// Whether a front may pass the origin. It comes from somewhere: one of its neighbors lies behind
 /// the origin, not beyond it, if they have less than half of the weight. And it comes no earlier
 /// than the values of other neighbors allow, less the lines from there, if those have more weight.
-/// Beside a seed values at nodes over an edge may be too large: there it may pass.
+/// Beside a seed values at nodes over an edge may be too large: there it may pass, unless it has
+/// hardly any weight.
 inline bool mayPass(const BlendedFront& front, const JetNeighbors& all, const BlendWeights& weight,
                     bool besideSeed) {
     constexpr float kBeyond = 0.1f, kEarlier = 0.25f;  // voxels
+    constexpr float kHardly = 0.1f;
     bool comes = false;
     float others = 0, against = 0;
     for (int k = 0; k < all.count(); ++k) {
@@ -138,7 +140,8 @@ inline bool mayPass(const BlendedFront& front, const JetNeighbors& all, const Bl
             if (all.u(k) - length(all.a(k)) > front.u + kEarlier) against += w;
         }
     }
-    return besideSeed || ((comes || front.weight >= others) && front.weight >= against);
+    if (besideSeed && front.weight >= kHardly * others) return true;
+    return (comes || front.weight >= others) && front.weight >= against;
 }
 
 /// blendJets for neighbors of several fronts: each front is blended by itself, and the least value

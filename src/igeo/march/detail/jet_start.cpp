@@ -271,8 +271,10 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     if (core.band.triangles && isotropic &&
         (cosine < kOneFace || overStep || facing & Band::kBesideSevered))
         return jetByWalk(core, seeds, k, local, foot, seeds.startRadius, s);
+    // Beside an edge the gradient of psi at the seed may turn a little beyond both faces.
+    constexpr float kBeyond = 0.1f;
     const bool isKnownFace =
-        !core.band.triangles && c <= float(kNextFace) && cosine >= Band::kOtherSheet;
+        !core.band.triangles && c <= float(kNextFace) && cosine >= Band::kOtherSheet - kBeyond;
     if (overStep || (overCrease && !isKnownFace)) return false;
     const Vec2f a = cosine < kSmooth && !overCrease ? frame.flat(chord)
                                                     : frame.unfold(chord, seeds.normal[k], cosine);
