@@ -37,6 +37,13 @@ def area(a, b, c):
     return math.hypot(*(v[k - 2] * w[k - 1] - v[k - 1] * w[k - 2] for k in range(3))) / 2
 
 
+def percent(share):
+    """Two digits; an exact result is off by rounding."""
+    if share is None:
+        return "none"
+    return "< 0.00001" if 0 < share < 1e-7 else measure.number(100 * share, 2)
+
+
 class Model:
     """A mesh file, in a folder for what is made of it, with exact distances."""
 
@@ -104,7 +111,7 @@ class Model:
         star = " *" if said["warnings"] else ""
 
         def shown(*values):
-            return " / ".join("none" if v is None else measure.number(100 * v, 2) for v in values) + star
+            return " / ".join(percent(v) for v in values) + star
 
         return (shown(said["accuracy"]["meanRelativeError"], statistics.fmean(errors)),
                 shown(statistics.median(lengths), max(excess)))

@@ -121,7 +121,7 @@ auto inParallel(std::size_t count, Progress& progress, const Find& find) {
 
 std::vector<NodeIndex> openOnMesh(const MeshBand& on, Progress& progress) {
     constexpr double kOn = 3;        // voxels: farther off a mesh goes on behind its crease
-    constexpr double kBeside = 0.5;  // radians
+    constexpr double kMargin = 0.5;  // radians
     const Band& band = on.band;
     std::vector<NodeIndex> some;
     for (LeafIndex l = 0; l < band.leaves.size(); ++l) {
@@ -139,7 +139,7 @@ std::vector<NodeIndex> openOnMesh(const MeshBand& on, Progress& progress) {
         // Whether a straight line of this length leads into it.
         const Fan fan(on.adjacency, on.foot(some[k]), kOn);
         return fan.leads(
-            [&](const Vec3d& out) { return sector.holds(frame.flat(Vec3f(out)), kBeside); });
+            [&](const Vec3d& out) { return sector.holds(frame.flat(Vec3f(out)), kMargin); });
     });
     std::vector<NodeIndex> open;
     for (std::size_t k = 0; k < some.size(); ++k)
