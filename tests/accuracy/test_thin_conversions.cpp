@@ -53,18 +53,18 @@ struct ThinPart {
         place.p = Vec3d(a[0] + t * (b[0] - a[0]), y, a[1] + t * (b[1] - a[1]));
         return place;
     }
-    struct Way {
+    struct Geodesic {
         double length = 0;
         std::size_t edges = 0;  ///< crossed
     };
-    /// The shortest way around the outline; none where a path over an end may be shorter.
-    std::optional<Way> between(const Place& a, const Place& b) const {
+    /// The shortest path around the outline; none where a path over an end may be shorter.
+    std::optional<Geodesic> between(const Place& a, const Place& b) const {
         const double all = around(), along = std::abs(a.s - b.s), ya = a.p.y(), yb = b.p.y();
-        Way way{std::hypot(std::min(along, all - along), ya - yb),
-                std::max(a.side, b.side) - std::min(a.side, b.side)};
-        if (along > all / 2) way.edges = outline.size() - way.edges;
-        if (way.length > std::min(ya + yb, 2 * kWidth - ya - yb)) return std::nullopt;
-        return way;
+        Geodesic path{std::hypot(std::min(along, all - along), ya - yb),
+                      std::max(a.side, b.side) - std::min(a.side, b.side)};
+        if (along > all / 2) path.edges = outline.size() - path.edges;
+        if (path.length > std::min(ya + yb, 2 * kWidth - ya - yb)) return std::nullopt;
+        return path;
     }
     /// The exact distance.
     Shape shape() const {
@@ -177,7 +177,7 @@ struct EdgeErrors {
     double low = 0, most = 0;
     std::size_t count = 0, off = 0;  ///< all, and those off by more than 0.5
 
-    void add(double found, const ThinPart::Way& exact) {
+    void add(double found, const ThinPart::Geodesic& exact) {
         const double error = (found - exact.length) / double(std::max<std::size_t>(exact.edges, 1));
         low = std::min(low, error), most = std::max(most, error);
         ++count, off += std::abs(error) > 0.5;
