@@ -23,7 +23,7 @@ IGEO_INLINE void lookAtRow(const LeafBlock& block, int x, int y, std::uint8_t& p
     using V = typename Registers<Width>::Vector;
     unsigned planes = 0, kinks = 0;
     for (int z = 0; z < 8; z += Width) {
-        auto at = [&](int i, int j, int k) {
+        auto at = [&](int i, int j, int k) __attribute__((always_inline)) {
             return loadLanes<Width>(block.row(x + i, y + j) + z + k);
         };
         const V here = at(0, 0, 0);
@@ -31,7 +31,7 @@ IGEO_INLINE void lookAtRow(const LeafBlock& block, int x, int y, std::uint8_t& p
         const auto isNear = absolute(here) < kFarthest;
         if (!bitsOf<Width>(flat | isNear)) continue;
         V square{};
-        auto add = [&](const V& low, const V& high) {
+        auto add = [&](const V& low, const V& high) __attribute__((always_inline)) {
             const V slope = (high - low) / 2;
             flat &= absolute(high + low - 2 * here) < kFlat;
             square += slope * slope;

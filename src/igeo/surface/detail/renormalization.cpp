@@ -38,12 +38,13 @@ struct StepLanes {
     /// @param from  the first of them
     /// @param zero  phi = 0, as psi in voxels
     IGEO_INLINE StepLanes(const LeafBlock& block, int x, int y, int from, float zero) {
-        auto phi = [&](int i, int j, int k) {
+        // Inlined always: Clang passes registers of eight to a lambda otherwise than it takes them.
+        auto phi = [&](int i, int j, int k) __attribute__((always_inline)) {
             return loadLanes<Width>(block.row(x + i, y + j) + from + k) - zero;
         };
         const V here = phi(0, 0, 0), side = here > 0 ? V{} + 1 : V{} - 1;
         V square{}, shares{}, all = here;
-        auto add = [&](const V& low, const V& high) {
+        auto add = [&](const V& low, const V& high) __attribute__((always_inline)) {
             const V toLow = side * (here - low), toHigh = side * (here - high);
             const V step = above(toLow > toHigh ? toLow : toHigh, 0);
             square += step * step, shares += step, all += low + high;
