@@ -105,6 +105,8 @@ class Model:
         far = [(t, path["distance"], path["length"])
                for t, path in zip(self.exact, json.loads(paths.read_text())["paths"], strict=True)
                if NEAR * max(self.exact) < t < math.inf and path["distance"] is not None]
+        if not far:
+            return "none", "none"
         errors = [abs(distance / t - 1) for t, distance, _ in far]
         lengths = [abs(length / t - 1) for t, _, length in far]
         excess = [length / distance - 1 for _, distance, length in far]

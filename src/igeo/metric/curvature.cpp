@@ -10,7 +10,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <string>
 #include <utility>
 
 namespace igeo {

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <igeo/base/detail/text.h>
+
 #include <cmath>
 #include <numbers>
 
