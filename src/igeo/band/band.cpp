@@ -168,11 +168,21 @@ void Band::sever(const std::vector<Link>& links) {
         steps.emplace_back(j, SeveredLinks::bit(-d.x, -d.y, -d.z));
     }
     severed_.add(steps);
+    std::vector<NodeIndex> beside;
+    const auto addBeside = [&](NodeIndex j) {
+        if (!(facing[j] & kBesideSevered)) beside.push_back(j);
+        facing[j] |= kBesideSevered;
+    };
     severed_.forNodes([&](NodeIndex i) {
-        facing[i] |= kSevered | kBesideSevered;
-        forNeighbors(&BandLeaf::band, i,
-                     [&](NodeIndex j, int, int, int) { facing[j] |= kBesideSevered; });
+        facing[i] |= kSevered;
+        addBeside(i);
+        forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) { addBeside(j); });
     });
+    // The foot points of these may lie beside severed links.
+    for (const NodeIndex i : std::vector(beside))
+        forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+            if (!inCore(j)) addBeside(j);
+        });
 }
 
 void Band::bridge(const std::vector<Bridge>& bridges) {

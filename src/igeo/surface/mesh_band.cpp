@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
+#include <igeo/surface/detail/mesh_bridges.h>
 #include <igeo/surface/detail/mesh_joints.h>
-#include <igeo/surface/detail/mesh_links.h>
 #include <igeo/surface/detail/mesh_ways.h>
 
 #include <algorithm>

@@ -194,6 +194,34 @@ TEST_CASE("mesh links: pieces that do not touch stay apart", "[mesh]") {
         }
 }
 
+TEST_CASE("mesh links: boxes beside boxes stay apart", "[mesh]") {
+    // Around a box of ten voxels, others beyond three faces, shifted along them. Two lines of
+    // voxels outside the core went over where only the core was tested.
+    for (const double gap : {0.1, 0.2, 0.4, 0.7, 1.0, 1.4, 2.0, 3.0})
+        for (const Motion& motion : kMotions) {
+            INFO("gap of " << gap);
+            auto box = [&](const Vec3d& from) {
+                TriangleMesh mesh = test::boxMesh({10, 10, 10});
+                for (Vec3d& p : mesh.points) p = motion(p + from);
+                return mesh;
+            };
+            const TriangleMesh mesh =
+                test::together(test::together(box({0, 0, 0}), box({10 + gap, 1, 2})),
+                               test::together(box({-2, 10 + gap, 0}), box({1, -3, -10 - gap})));
+            const Band band = bandFromMesh(mesh, 1, test::kHalfWidth);
+            CHECK(band.joints == 0);
+            const Field field =
+                marchJet(band, nullptr, {nearestSurfacePoint(band, motion({10, 4, 5}))});
+            for (NodeIndex i = 0; i < band.size(); ++i) {
+                const Vec3d p = motion.back(band.footPoint(i));
+                const bool own =
+                    std::min({p.x, p.y, p.z}) > -1e-3 && std::max({p.x, p.y, p.z}) < 10 + 1e-3;
+                if (own != (field.distance[i] < kInfinity))
+                    FAIL_CHECK("voxel with the foot point " << p.x << ", " << p.y << ", " << p.z);
+            }
+        }
+}
+
 TEST_CASE("mesh links: pieces on top of each other within a voxel stay apart, or are joined",
           "[mesh]") {
     // Normals alike: no node lies between the pieces, so that those beyond both are the only ones

@@ -1,7 +1,7 @@
 /// Links between components of a mesh that do not touch. Internal.
 #pragma once
 
-#include <igeo/surface/detail/mesh_links.h>
+#include <igeo/surface/detail/mesh_bridges.h>
 
 #include <cstddef>
 #include <vector>

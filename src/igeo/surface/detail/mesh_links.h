@@ -35,16 +35,29 @@ std::vector<std::uint8_t> leavesThatFold(const MeshAdjacency& adjacency,
                                          const std::vector<Vec3d>& faceNormal,
                                          const std::vector<NearLeaf>& leaves, Progress& progress);
 
+/// From the foot point of node j to that of node i.
+Vec3f chordOf(const Band& band, NodeIndex i, NodeIndex j);
+
 /// The distance between two foot points as a march computes it: in the tangent plane of one.
 /// @param chord  from the foot point of node j to that of node i
 double flatLength(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j);
+
+/// The same, not less than that in space.
+double arcOf(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j);
+
+/// The longest walk that a link with this arc may represent.
+inline double longestFor(double arc) { return 1.25 * arc + 0.25; }
+
+/// Whether three or more triangles meet in an edge in a leaf or one beside it.
+bool pagesMeetNear(const MeshBand& on, LeafIndex l);
 
 /// Links between neighbors that normals allow but the mesh does not have: where a walk over
 /// triangles is much longer than the path over the two tangent planes, which a march uses as its
 /// length, or where there is no walk.
 /// @throws Error  Cancelled through `progress`
 /// Time O(triangles + nodes), in parallel: leaves whose triangles are connected and face one
-/// direction are skipped, and leaves where no sheet faces another are tested at the core only.
+/// direction are skipped, and leaves where no sheet faces another are tested at the core only, and
+/// beside links that are off.
 /// @param on  its core numbered
 std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress);
 
@@ -54,27 +67,5 @@ std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress);
 /// Time O(nodes), in parallel.
 /// @param on  its core numbered, links severed
 std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progress);
-
-/// Core nodes within a voxel of edges of three or more triangles, about one per voxel of the edge.
-/// Time O(nodes * edges in a leaf), in parallel.
-/// @param on  its core numbered
-std::vector<NodeIndex> spineOfMesh(const MeshBand& on);
-
-struct MeshBridges {
-    std::vector<Bridge> bridges;
-    std::vector<NodeIndex> spine;  ///< its nodes with jumps to such pages, ascending
-};
-/// Bridges between core nodes up to three steps apart that the mesh joins by a short walk, with no
-/// path over one node in between: where sheets cross, or lie so close that other sheets take the
-/// voxels. Jumps also lead from the spine to pages that have no nodes beside it.
-/// @param on  its core numbered, links severed, spine set
-MeshBridges bridgesOnMesh(const MeshBand& on, Progress& progress);
-
-/// The share of core nodes that links and bridges do not join to the largest part of their
-/// component, because the voxels are too large. 0 where no link is severed. Time O(n log n).
-double shareCutOff(const MeshBand& on);
-
-/// Each pair once, at most as many per node as a march stores; sorted.
-std::vector<Bridge> thinned(std::vector<Bridge> bridges);
 
 }  // namespace igeo
