@@ -74,6 +74,21 @@ double errorByBends(const Band& band, const Path& path, double heightNoise) {
            path.length;
 }
 
+/// Nodes spread over what the field reaches.
+std::vector<NodeIndex> spread(const Field& field, std::size_t count) {
+    constexpr std::size_t kMostTried = 1 << 16;
+    const std::size_t size = field.band->size();
+    std::vector<NodeIndex> reached;
+    if (field.reached < field.size())
+        for (std::size_t i = 0; i < size; i += size / kMostTried + 1)
+            if (field.at(NodeIndex(i)).distance < kInfinity) reached.push_back(NodeIndex(i));
+    std::vector<NodeIndex> nodes(count);
+    for (std::size_t k = 0; k < count; ++k)
+        nodes[k] = reached.empty() ? NodeIndex((2 * k + 1) * size / (2 * count))
+                                   : reached[(2 * k + 1) * reached.size() / (2 * count)];
+    return nodes;
+}
+
 }  // namespace
 
 AccuracyEstimate estimateAccuracy(const Field& field, double heightNoise, Progress& progress) {
@@ -86,11 +101,11 @@ AccuracyEstimate estimateAccuracy(const Field& field, double heightNoise, Progre
     TraceOptions trace{.maxStep = 2, .tolerance = 0.01};
     trace.rough = hasExactCurves(field);
     const std::size_t samples = trace.rough ? kOnTriangles : kElsewhere;
+    const std::vector<NodeIndex> nodes = spread(field, samples);
     std::vector<double> error(samples, -1);
     parallelFor(samples, 1, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            const auto i = NodeIndex((2 * k + 1) * band.size() / (2 * samples));
-            Vec3d p = band.footPoint(i);
+            Vec3d p = band.footPoint(nodes[k]);
             if (band.triangles && k % 2 == 1) p = cornerNear(*band.triangles, p);
             const Path path = tracePath(field, nearestSurfacePoint(band, p), trace);
             // Close to a seed the distance is exact by construction, and would lower the estimate.

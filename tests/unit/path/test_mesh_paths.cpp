@@ -177,6 +177,14 @@ TEST_CASE("the estimate on a mesh is the mean error from any seed", "[mesh]") {
     CHECK(double(otherWay) < 0.007 * double(all));  // measured 0.0047
 }
 
+TEST_CASE("estimateAccuracy samples what is reached", "[mesh]") {
+    // The seed's ball has a hundredth of the surface.
+    const TriangleMesh mesh =
+        test::together(test::sphereMesh({0, 0, 0}, 80, 5), test::sphereMesh({100, 0, 0}, 8, 3));
+    const Solved s(mesh, 1, {108, 0, 0});
+    CHECK(estimateAccuracy(s.field).samples >= 30);  // before, 0
+}
+
 TEST_CASE("distances over a box are those of its unfolding nearly everywhere", "[mesh]") {
     const TriangleMesh box = turned(test::boxMesh({1, 0.7, 0.5}));
     std::vector<double> errors;  // voxels
