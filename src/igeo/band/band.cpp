@@ -178,7 +178,8 @@ void Band::sever(const std::vector<Link>& links) {
         addBeside(i);
         forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) { addBeside(j); });
     });
-    // The foot points of these may lie beside severed links.
+    // Once there is a core: the foot points of nodes outside it may lie beside severed links.
+    if (coreSize_ == 0) return;
     for (const NodeIndex i : std::vector(beside))
         forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
             if (!inCore(j)) addBeside(j);

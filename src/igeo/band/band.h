@@ -89,9 +89,10 @@ struct Band {
     std::vector<Vec3f> normal;  ///< per node: unit normal at the foot point, along grad psi
 
     /// Per node, bits: kFacing where a neighbor lies on a sheet that faces it, kSevered where links
-    /// are severed, kBesideSevered there, at all neighbors of such nodes and at the neighbors of
-    /// these outside the core, kBridged at the ends of bridges, kStretched at those of stretched
-    /// links, kKink where psi of a level set has a kink, kHasWays at the ends of straight lines.
+    /// are severed, kBesideSevered there, at all neighbors of such nodes and, if the core was
+    /// numbered before, at the neighbors of these outside it, kBridged at the ends of bridges,
+    /// kStretched at those of stretched links, kKink where psi of a level set has a kink, kHasWays
+    /// at the ends of straight lines.
     std::vector<std::uint8_t> facing;
     static constexpr std::uint8_t kFacing = 1, kSevered = 2, kBesideSevered = 4, kBridged = 8,
                                   kStretched = 16, kKink = 32, kHasWays = 64;

@@ -23,10 +23,14 @@ public:
                 for (int z = -1; z <= 1; ++z) gather(origin, {x, y, z});
     }
     double at(const Vec3d& p) const {
-        const Ijk cell = floorToIjk(p), v = cell - low_;
-        const bool inside = std::min({v.x, v.y, v.z}) >= 0 && std::max({v.x, v.y, v.z}) < kEdge - 1;
-        return inside ? interpolate(&value_[indexOf(v)], kSteps, p - Vec3d(cell))
-                      : atFar(cell, p - Vec3d(cell));
+        const Vec3d fromLow = p - Vec3d(low_);
+        if (std::min({fromLow.x, fromLow.y, fromLow.z}) >= 0 &&
+            std::max({fromLow.x, fromLow.y, fromLow.z}) < kEdge - 1) {
+            const Ijk v{int(fromLow.x), int(fromLow.y), int(fromLow.z)};
+            return interpolate(&value_[indexOf(v)], kSteps, fromLow - Vec3d(v));
+        }
+        const Ijk cell = floorToIjk(p);
+        return atFar(cell, p - Vec3d(cell));
     }
 
     /// A voxel at most kMargin away from the leaf, whose first voxel is (0, 0, 0).

@@ -25,6 +25,8 @@ constexpr double kKept = 0.7, kAlike = 0.6;
 /// Sine of the angle by which normals on a clearly convex part turn away from each other.
 constexpr double kTurn = 0.2;
 
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
 /// The bit of the side of S on which psi has this sign.
 unsigned sideOf(double psi) { return psi < 0 ? 1 : 2; }
 
@@ -32,14 +34,15 @@ unsigned sideOf(double psi) { return psi < 0 ? 1 : 2; }
 /// @param a, b  the unit normals at its ends
 /// @param sides  bits of the sides of S on which sheets meet: beyond a rim that the interpolant
 ///               cuts off there is no slot
+/// @param offFrom  |psi| at `from`, or NaN: then it is set once it is needed
 bool runsThroughWall(const PsiAround& psi, const Vec3d& from, const Vec3d& chord, const Vec3d& a,
-                     const Vec3d& b, unsigned sides) {
+                     const Vec3d& b, unsigned sides, double& offFrom) {
     const Vec3d mean = normalized(a + b);
     const double alongA = dot(a, chord), alongB = dot(b, chord), cosine = dot(mean, a);
     const double turn = kTurn * length(chord);
     const double kept = dot(a, b) > kAlike ? kKept : 0;
     const int pieces = int(std::ceil(length(chord) / kSpacing));
-    double offFrom = std::numeric_limits<double>::quiet_NaN(), offTo = offFrom;  // once needed
+    double offTo = kUnknown;
     for (int k = 1; k < pieces; ++k) {
         const double t = double(k) / pieces;
         const Vec3d p = from + t * chord;
@@ -50,8 +53,8 @@ bool runsThroughWall(const PsiAround& psi, const Vec3d& from, const Vec3d& chord
         // The distance to the nearer plane along the mean normal, if both are on this side of S.
         const double toPlanes =
             std::max(0.0, std::min(sign * t * alongA, -sign * (1 - t) * alongB)) / cosine;
-        if (std::isnan(offFrom))
-            offFrom = std::abs(psi.at(from)), offTo = std::abs(psi.at(from + chord));
+        if (std::isnan(offFrom)) offFrom = std::abs(psi.at(from));
+        if (std::isnan(offTo)) offTo = std::abs(psi.at(from + chord));
         const double off = (1 - t) * offFrom + t * offTo;
         const double reach = toPlanes + kSlack + std::min(kMostOff, off);
         auto isBeyond = [&](double far, double least) {
@@ -98,6 +101,7 @@ std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
                 if (!beside[i]) return;
                 if (!gathered) psi.moveTo(band.leaves[l].origin), gathered = true;
                 const Vec3f& n = band.normal[i];
+                double off = kUnknown;
                 band.forNeighbors(
                     &BandLeaf::band, LeafIndex(l), at, [&](NodeIndex j, int dx, int dy, int dz) {
                         if (j < i || !beside[j] || dot(n, band.normal[j]) < Band::kOtherSheet)
@@ -105,7 +109,7 @@ std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
                         const Vec3f chord =
                             Vec3f(Ijk{dx, dy, dz}) + band.footOf(j) - band.footOf(i);
                         if (runsThroughWall(psi, band.footPoint(i), Vec3d(chord), Vec3d(n),
-                                            Vec3d(band.normal[j]), beside[i] | beside[j]))
+                                            Vec3d(band.normal[j]), beside[i] | beside[j], off))
                             found[l].emplace_back(i, j);
                     });
             });
