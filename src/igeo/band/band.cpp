@@ -51,6 +51,7 @@ void LeafNodes::number(NodeIndex start) {
 void Band::buildTopology(bool withFeet) {
     std::size_t count = 0;
     for (BandLeaf& l : leaves) {
+        l.neighbor.fill(kNoLeaf);
         l.band.number(NodeIndex(count));
         count += l.band.count;
         if (count >= kNoNode)
@@ -76,11 +77,13 @@ void Band::buildTopology(bool withFeet) {
     parallelFor(leaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             BandLeaf& here = leaves[l];
-            std::size_t k = 0;
-            for (int dx = -8; dx <= 8; dx += 8)
-                for (int dy = -8; dy <= 8; dy += 8)
-                    for (int dz = -8; dz <= 8; dz += 8)
-                        here.neighbor[k++] = leafAt(here.origin + Ijk{dx, dy, dz});
+            // Of two leaves the first finds the other.
+            here.neighbor[13] = LeafIndex(l);
+            for (std::size_t k = 0; k < 13; ++k) {
+                const Ijk step = Ijk{int(k / 9), int(k / 3 % 3), int(k % 3)} - Ijk{1, 1, 1};
+                const LeafIndex other = here.neighbor[k] = leafAt(here.origin + 8 * step);
+                if (other != kNoLeaf) leaves[other].neighbor[26 - k] = LeafIndex(l);
+            }
             // The blocks that begin in this leaf.
             const std::size_t first = here.band.firstNode, last = first + here.band.count;
             for (std::size_t b = (first + kBlock - 1) / kBlock; b * kBlock < last; ++b)
@@ -94,7 +97,7 @@ void Band::buildTopology(bool withFeet) {
 void Band::numberCore(const std::vector<NodeIndex>& rim) {
     // Half of an edge, and a margin for a psi that is 10 % off: where S has a hole in the core,
     // fronts would go around it.
-    constexpr float kHalfEdge = 0.55f;
+    constexpr float kHalfEdge = 0.55f, kUnit = 1.01f;  // no normal is longer
     // Whether the other end of the edge that S crosses lies on another sheet, in a plate thinner
     // than a voxel: then this end is the nearest of its own.
     auto otherSheetBehind = [&](NodeIndex i, const Vec3f& n, float most) {
@@ -108,14 +111,25 @@ void Band::numberCore(const std::vector<NodeIndex>& rim) {
         for (std::size_t l = begin; l < end; ++l) {
             LeafNodes& core = leaves[l].core;
             core.mask = {};
-            forNodes(LeafIndex(l), [&](NodeIndex i, unsigned at) {
+            // Few nodes come into question. Without branches: a processor would guess half of them
+            // wrong.
+            const LeafNodes& nodes = leaves[l].band;
+            std::array<NodeIndex, 512> some;
+            std::size_t count = 0;
+            for (NodeIndex i = nodes.firstNode; i < nodes.firstNode + nodes.count; ++i) {
+                some[count] = i;
+                count += std::size_t(std::abs(psi[i]) <= kUnit * kHalfEdge) |
+                         std::size_t(facing[i] != 0);
+            }
+            for (std::size_t k = 0; k < count; ++k) {
+                const NodeIndex i = some[k];
                 const Vec3f n = normal[i];
-                const float most = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)});
-                const float edges = std::abs(psi[i]);
-                if (edges <= kHalfEdge * most ||
-                    (facing[i] && edges <= most && otherSheetBehind(i, n, most)))
-                    core.insert(at);
-            });
+                const float most = std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}),
+                            edges = std::abs(psi[i]);
+                bool is = edges <= kHalfEdge * most;
+                if (facing[i]) is |= edges <= most && otherSheetBehind(i, n, most);
+                core.mask[offset_[i] >> 6] |= std::uint64_t(is) << (offset_[i] & 63);
+            }
         }
     });
     for (const NodeIndex i : rim) {

@@ -7,7 +7,6 @@
 #include <igeo/base/parallel.h>
 #include <igeo/io/voxel_size.h>
 #include <igeo/surface/detail/leaf_block.h>
-#include <igeo/surface/detail/psi_shells.h>
 #include <igeo/surface/detail/psi_tally.h>
 #include <igeo/surface/detail/renormalization.h>
 #include <openvdb/tools/FastSweeping.h>
@@ -15,8 +14,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <numeric>
+#include <span>
 #include <utility>
 
 namespace igeo {
@@ -64,45 +65,50 @@ void removeStrays(LevelSet& s, double from) {
         first.y(), first.z()));
 }
 
+/// What is counted in leaves, by all threads. Sums of integers: the order of adding does not
+/// matter.
+/// @param Counts        adds others of its kind
+/// @param add(to, some) adds some leaves to counts
+template <typename Counts, typename Add>
+Counts sumOver(const std::vector<const Leaf*>& leaves, std::size_t grain, const Add& add) {
+    std::vector<std::unique_ptr<Counts>> idle;  // one per thread
+    std::mutex mutex;
+    parallelFor(leaves.size(), grain, [&](std::size_t begin, std::size_t end) {
+        std::unique_ptr<Counts> part;
+        {
+            const std::lock_guard<std::mutex> lock(mutex);
+            if (!idle.empty()) part = std::move(idle.back()), idle.pop_back();
+        }
+        if (!part) part = std::make_unique<Counts>();
+        add(*part, std::span<const Leaf* const>(&leaves[begin], end - begin));
+        const std::lock_guard<std::mutex> lock(mutex);
+        idle.push_back(std::move(part));
+    });
+    Counts all;
+    for (const std::unique_ptr<Counts>& part : idle) all.add(*part);
+    return all;
+}
+
+Ijk firstBad(const std::vector<const Leaf*>& leaves) {
+    for (const Leaf* leaf : leaves)
+        for (auto it = leaf->cbeginValueOn(); it; ++it)
+            if (!std::isfinite(*it))
+                return {it.getCoord().x(), it.getCoord().y(), it.getCoord().z()};
+    return {};
+}
+
 /// Finite values first: everything else assumes them.
 void measureRange(LevelSet& s) {
     const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
+    const auto range = sumOver<PsiRange>(
+        leaves, 1024, [&](PsiRange& to, auto some) { to.addLeaves(s.transform.dx, some); });
     LevelSetStats& st = s.stats;
-    Shells shells;
-    std::mutex mutex;  // sums of integers: the order of adding does not matter
-    std::vector<std::uint64_t> bad(leaves.size());
-    std::vector<std::uint64_t> negative(leaves.size()), active(leaves.size());
-    std::vector<float> widest(leaves.size());
-    parallelFor(leaves.size(), 1024, [&](std::size_t begin, std::size_t end) {
-        Shells part;
-        for (std::size_t l = begin; l < end; ++l)
-            forActive(*leaves[l], [&](float value) {
-                ++active[l];
-                if (value < 0) ++negative[l];
-                if (!std::isfinite(value)) {
-                    ++bad[l];
-                    return;
-                }
-                part.add(std::abs(value) / s.transform.dx);
-                widest[l] = std::max(widest[l], std::abs(value));
-            });
-        std::lock_guard<std::mutex> lock(mutex);
-        shells.add(part);
-    });
-    for (std::size_t l = 0; l < leaves.size(); ++l) {
-        if (bad[l] && !st.badVoxels)
-            for (auto it = leaves[l]->cbeginValueOn(); it; ++it)
-                if (!std::isfinite(*it)) {
-                    const auto c = it.getCoord();
-                    st.firstBad = {c.x(), c.y(), c.z()};
-                    break;
-                }
-        st.badVoxels += bad[l];
-        st.negative += negative[l];
-        st.activeVoxels += active[l];
-        st.halfWidth = std::max(st.halfWidth, widest[l] / s.transform.dx);
-    }
-    if (const double from = shells.strayFrom(); !st.badVoxels && st.halfWidth >= from)
+    st.activeVoxels = range.active;
+    st.negative = range.negative;
+    st.badVoxels = range.bad;
+    if (range.bad) st.firstBad = firstBad(leaves);
+    st.halfWidth = range.widest / s.transform.dx;
+    if (const double from = range.shells.strayFrom(); !st.badVoxels && st.halfWidth >= from)
         removeStrays(s, from);
 }
 
@@ -130,12 +136,15 @@ constexpr double kMostStep = 1.25;
 /// Neighbors of six from which a voxel with the wrong sign differs by more; one may be wrong too.
 constexpr int kLeastSteps = 4;
 
-/// How many steps from a voxel to the next along z, within a leaf, are too long.
-int longStepsAlongZ(const float* values, float most) {
-    int steps = 0;
-    for (unsigned k = 0; k < 511; ++k)
-        steps += int(std::abs(values[k + 1] - values[k]) > most) & int((k & 7) != 7);
-    return steps;
+/// Whether a step from a voxel to the next along z, within a leaf, is too long.
+bool hasLongStepAlongZ(const float* values, float most) {
+    Registers<4>::Integers tooLong{};
+    for (const float* row = values; row < values + 512; row += 8) {
+        const auto first = loadLanes<4>(row), last = loadLanes<4>(row + 4);
+        tooLong |= absolute(loadLanes<4>(row + 1) - first) > most;
+        tooLong |= absolute(__builtin_shufflevector(last, last, 1, 2, 3, 3) - last) > most;
+    }
+    return any(tooLong);
 }
 
 /// Whether so many steps from a voxel may be too long: all that leave its leaf count.
@@ -182,7 +191,7 @@ void turnWrongSigns(LevelSet& s) {
         LeafBlock::Accessor psi(s.psi->constTree());
         for (std::size_t l = begin; l < end; ++l) {
             const float* values = leaves[l]->buffer().data();
-            if (longStepsAlongZ(values, most) == 0) continue;  // most leaves
+            if (!hasLongStepAlongZ(values, most)) continue;  // most leaves
             for (auto it = leaves[l]->cbeginValueOn(); it; ++it)
                 if (mayHaveWrongSign(values, it.pos(), most) &&
                     hasWrongSign(psi, it.getCoord(), *it, most))
@@ -219,17 +228,11 @@ void undoConversion(LevelSet& s) {
 
 void measure(LevelSet& s, Progress& progress) {
     const std::vector<const Leaf*> leaves = leavesOf(*s.psi);
-    PsiTally all;
-    std::mutex mutex;  // sums of integers: the order of adding does not matter
     Steps steps(progress, "check", leaves.size());
-    parallelFor(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
+    const auto all = sumOver<PsiTally>(leaves, 64, [&](PsiTally& to, auto some) {
         if (steps.cancelled()) return;
-        PsiTally part;
-        part.addLeaves(s.psi->constTree(), s.transform.dx, s.stats.halfWidth,
-                       {&leaves[begin], end - begin});
-        steps.add(end - begin);
-        std::lock_guard<std::mutex> lock(mutex);
-        all.add(part);
+        to.addLeaves(s.psi->constTree(), s.transform.dx, s.stats.halfWidth, some);
+        steps.add(some.size());
     });
     progress.throwIfCancelled();
 

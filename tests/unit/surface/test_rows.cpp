@@ -3,9 +3,12 @@
 #include <igeo/surface/detail/histogram.h>
 #include <igeo/surface/detail/leaf_block.h>
 #include <igeo/surface/detail/points_around.h>
+#include <igeo/surface/detail/psi_tally.h>
 #include <support/catch.h>
 #include <support/clouds.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -74,6 +77,50 @@ TEST_CASE("A row of a block shows what each of its voxels shows, also where voxe
     CHECK(complete > 50);
     CHECK(complete < 450);
     CHECK(smooth < complete);
+}
+
+TEST_CASE("Counts of active voxels are those of each, also beyond the first shells") {
+    constexpr double kDx = 0.3;
+    const float inf = float(kInfinity), none = kMissingVoxel;
+    const openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(1);
+    // Multiples of a third of a voxel: those between two shells as well, as floats round them.
+    for (int k = 0; k < 8 * 512; ++k)
+        if (k % 5)
+            grid->tree().setValueOn(openvdb::Coord(k >> 6, k >> 3 & 7, k & 7),
+                                    float(kDx * (k * 7 % 43 - 21) / 3));
+    const bool withBad = GENERATE(false, true);
+    if (withBad)
+        for (const float bad : {none, inf, -inf})
+            grid->tree().setValueOn(openvdb::Coord(int(std::isnan(bad)), 1, bad > 0), bad);
+    std::uint64_t active = 0, negative = 0, bad = 0;
+    float widest = 0;
+    Shells shells;
+    for (auto it = grid->tree().cbeginValueOn(); it; ++it) {
+        ++active, negative += *it < 0, bad += !std::isfinite(*it);
+        if (!std::isfinite(*it)) continue;
+        widest = std::max(widest, std::abs(*it));
+        shells.add(double(std::abs(*it)) / kDx);
+    }
+    std::vector<const LeafBlock::Leaf*> leaves;
+    grid->constTree().getNodes(leaves);
+    const bool eight = eightAtATime();
+    for (const bool by : {false, eight}) {
+        eightAtATime() = by;
+        PsiRange range;
+        range.addLeaves(kDx, {leaves.data(), 3});
+        PsiRange rest;
+        rest.addLeaves(kDx, {leaves.data() + 3, leaves.size() - 3});
+        range.add(rest);
+        CHECK(range.active == active);
+        CHECK(range.negative == negative);
+        CHECK(range.bad == bad);
+        CHECK(range.widest == widest);
+        for (std::size_t shell = 0; shell < 9; ++shell)
+            CHECK(range.shells.count(shell) == shells.count(shell));
+    }
+    eightAtATime() = eight;
+    CHECK(bad == (withBad ? 3 : 0));
+    CHECK(shells.count(6) > 0);
 }
 
 TEST_CASE(

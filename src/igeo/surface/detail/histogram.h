@@ -1,6 +1,8 @@
 /// Quantiles of counts. Internal.
 #pragma once
 
+#include <igeo/base/types.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -59,6 +61,7 @@ public:
     CurvatureBins() {
         for (std::size_t bin = 0; bin <= Histogram::kBins; ++bin)
             from_.push_back(curvatureOfScale(double(bin) / double(Histogram::kBins)));
+        from_.back() = kInfinity;  // the last bin holds all beyond
         for (std::uint64_t cell = kFirst; cell <= cellOf(kMostCurvature); ++cell) {
             const double least = std::bit_cast<double>(cell << kDropped);
             first_.push_back(std::uint16_t(
@@ -67,9 +70,8 @@ public:
     }
     std::size_t operator()(double k) const {
         k = std::clamp(k, kLeastCurvature, kMostCurvature);
-        std::size_t bin = first_[cellOf(k) - kFirst];
-        while (bin + 1 < Histogram::kBins && k >= from_[bin + 1]) ++bin;
-        return bin;
+        const std::size_t bin = first_[cellOf(k) - kFirst];
+        return bin + (k >= from_[bin + 1]);
     }
 
 private:

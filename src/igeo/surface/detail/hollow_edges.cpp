@@ -15,9 +15,10 @@ namespace {
 constexpr float kFarthest = 1.5f;
 
 /// What a row shows.
+/// @param complete  bits: voxels with all face neighbors
 template <int Width>
-IGEO_INLINE void lookAtRow(const LeafBlock& block, int x, int y, std::uint8_t& plane,
-                           std::uint8_t& mayBeLowered) {
+IGEO_INLINE void lookAtRow(const LeafBlock& block, int x, int y, unsigned complete,
+                           std::uint8_t& plane, std::uint8_t& mayBeLowered) {
     // Inside, in front of no hollow edge, the renormalization has changed nothing.
     constexpr float kInside = -0.2f, kFlat = 0.03f;
     using V = typename Registers<Width>::Vector;
@@ -42,8 +43,8 @@ IGEO_INLINE void lookAtRow(const LeafBlock& block, int x, int y, std::uint8_t& p
         takeRoots<Width>(square);
         planes |= bitsOf<Width>(flat & (absolute(square - 1) < kFlat)) << z;
     }
-    plane = std::uint8_t(planes);
-    mayBeLowered = std::uint8_t(kinks & PsiRow<Width>::completeIn(block, x, y));
+    plane = std::uint8_t(planes & complete);
+    mayBeLowered = std::uint8_t(kinks & complete);
 }
 
 template <int Width>
@@ -52,8 +53,8 @@ IGEO_INLINE void findHere(const LeafBlock& block, HollowEdges::Shown& shown) {
         for (int y = 0; y < 8; ++y) {
             const auto at = std::size_t(8 * x + y);
             shown.plane[at] = shown.mayBeLowered[at] = 0;
-            if (block.active(x, y))
-                lookAtRow<Width>(block, x, y, shown.plane[at], shown.mayBeLowered[at]);
+            if (const unsigned complete = PsiRow<Width>::completeIn(block, x, y))
+                lookAtRow<Width>(block, x, y, complete, shown.plane[at], shown.mayBeLowered[at]);
         }
 }
 

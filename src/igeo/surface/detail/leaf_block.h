@@ -20,62 +20,82 @@ namespace igeo {
 /// psi of an inactive voxel.
 constexpr float kMissingVoxel = std::numeric_limits<float>::quiet_NaN();
 
-/// A factor of 1.
-struct AsStored {};
-IGEO_INLINE float times(AsStored, float value) { return value; }
-IGEO_INLINE float times(double by, float value) { return float(value * by); }
-IGEO_INLINE auto times(AsStored, const Registers<4>::Vector& four) { return four; }
-IGEO_INLINE auto times(double by, const Registers<4>::Vector& four) {
-    typedef double Doubles __attribute__((vector_size(32)));
-    const Doubles scaled = __builtin_convertvector(four, Doubles) * by;
-    return __builtin_convertvector(scaled, Registers<4>::Vector);
+/// psi in voxel units at its active voxels.
+struct PsiInVoxels {
+    using Leaf = openvdb::FloatTree::LeafNodeType;
+    double perDx;  ///< one over the voxel size
+
+    IGEO_INLINE const float* valuesOf(const Leaf& leaf) const { return leaf.buffer().data(); }
+    /// Bits: the voxels of a slice that have a value.
+    IGEO_INLINE std::uint64_t sliceOf(const Leaf& leaf, int x) const {
+        return leaf.valueMask().getWord<openvdb::Index64>(openvdb::Index(x));
+    }
+    IGEO_INLINE float scaled(float value) const { return float(value * perDx); }
+    IGEO_INLINE auto scaled(const Registers<4>::Vector& four) const {
+        typedef double Doubles __attribute__((vector_size(32)));
+        const Doubles times = __builtin_convertvector(four, Doubles) * perDx;
+        return __builtin_convertvector(times, Registers<4>::Vector);
+    }
+};
+
+/// Copies voxels of a row as `from` scales them. Without branches: half of the rows have voxels of
+/// both kinds.
+/// @param active   bits: which of them are
+/// @param missing  for those that are not
+template <int Width, typename From>
+IGEO_INLINE void copyLanes(const From& from, const float* values, unsigned active, float missing,
+                           float* to) {
+    using V = typename Registers<Width>::Vector;
+    using Integers = typename Registers<Width>::Integers;
+    V all;
+    if constexpr (Width == 4)
+        all = from.scaled(loadLanes<4>(values));
+    else
+        all =
+            __builtin_shufflevector(from.scaled(loadLanes<4>(values)),
+                                    from.scaled(loadLanes<4>(values + 4)), 0, 1, 2, 3, 4, 5, 6, 7);
+    const Integers isActive = ((Integers{} + int(active)) & bitPerLane<Width>()) != 0;
+    storeLanes(isActive ? all : V{} + missing, to);
 }
 
-/// Copies four voxels times a factor, such as one over the voxel size; NaN where inactive. Without
-/// branches: half of the rows have voxels of both kinds.
-/// @param active  bits: which of them are
-template <typename Factor>
-IGEO_INLINE void copyFour(const float* from, unsigned active, Factor by, float* to) {
-    using Four = Registers<4>::Vector;
-    using Integers = Registers<4>::Integers;
-    const Integers isActive = ((Integers{} + int(active)) & bitPerLane<4>()) != 0;
-    storeLanes(isActive ? times(by, loadLanes<4>(from)) : Four{} + kMissingVoxel, to);
-}
-
-/// The 10^3 voxels of a leaf and one voxel around it, in voxel units; NaN where inactive.
+/// The 10^3 voxels of a leaf and one voxel around it.
 class LeafBlock {
 public:
     using Leaf = openvdb::FloatTree::LeafNodeType;
     using Accessor = openvdb::tree::ValueAccessor<const openvdb::FloatTree, false>;
 
+    /// @param missing  of voxels without a value
+    explicit LeafBlock(float missing = kMissingVoxel) : missing_(missing) {}
+
     /// How much is gathered beyond the leaf: enough for differences along the axes, for second
     /// differences in two axes, or all.
     enum Beyond { kFaces = 1, kEdges = 2, kCorners = 3 };
-    /// @param dx divides the values: voxel size in world units
+    /// psi in voxel units, `Width` voxels at a time.
+    /// @param dx  voxel size in world units
+    template <int Width = 4>
     IGEO_INLINE void gather(const Accessor& psi, const openvdb::Coord& origin, double dx,
                             Beyond beyond = kCorners) {
-        gather(psi, origin, 1 / dx, beyond, [](const Leaf& leaf) { return leaf.buffer().data(); });
+        gather<Width>(psi, origin, beyond, PsiInVoxels{1 / dx});
     }
-    /// The same of other values at the active voxels of psi.
-    /// @param by        a factor, or AsStored
-    /// @param valuesOf  the 512 values of a leaf
-    template <typename Factor, typename ValuesOf>
-    IGEO_INLINE void gather(const Accessor& psi, const openvdb::Coord& origin, Factor by,
-                            Beyond beyond, const ValuesOf& valuesOf) {
+    /// Other values of the leaves of psi.
+    /// @param from  has what PsiInVoxels has
+    template <int Width, typename From>
+    IGEO_INLINE void gather(const Accessor& psi, const openvdb::Coord& origin, Beyond beyond,
+                            const From& from) {
         for (int x = -1; x <= 1; ++x)
             for (int y = -1; y <= 1; ++y)
                 if (const int off = std::abs(x) + std::abs(y); off <= beyond)
-                    copyColumn(psi, origin.offsetBy(8 * x, 8 * y, 0), {x, y, 0}, by, off < beyond,
-                               valuesOf);
+                    copyColumn<Width>(psi, origin.offsetBy(8 * x, 8 * y, 0), {x, y, 0},
+                                      off < beyond, from);
     }
 
-    /// psi at voxel (x, y, z) of the leaf, each in [-1, 8].
+    /// The value at voxel (x, y, z) of the leaf, each in [-1, 8].
     double at(int x, int y, int z) const { return row(x, y)[z]; }
-    /// psi at the voxels (x, y, -1) to (x, y, 8), at indices -1 to 8.
+    /// Those at the voxels (x, y, -1) to (x, y, 8), at indices -1 to 8.
     const float* row(int x, int y) const {
         return &values_[std::size_t(100 * (x + 1) + 10 * (y + 1) + 1)];
     }
-    /// Which of these voxels are active: bit z + 1.
+    /// Which of these voxels have one: bit z + 1.
     unsigned active(int x, int y) const { return active_[std::size_t(10 * (x + 1) + y + 1)]; }
 
 private:
@@ -83,46 +103,52 @@ private:
     static int first(int s) { return s < 0 ? 7 : 0; }
     static int last(int s) { return s > 0 ? 1 : 8; }
 
-    /// A leaf, or voxels that are all inactive.
+    /// A leaf, or voxels without values.
+    template <typename From>
     struct Source {
         const float* values;
         const Leaf* leaf;
-        template <typename ValuesOf>
-        Source(const Leaf* l, const ValuesOf& valuesOf) : leaf(l) {
+        const From& from;
+        Source(const Leaf* l, const From& f) : leaf(l), from(f) {
             static constexpr std::array<float, 512> kEmpty{};
-            values = l ? valuesOf(*l) : kEmpty.data();
+            values = l ? f.valuesOf(*l) : kEmpty.data();
         }
-        std::uint64_t slice(int x) const {
-            return leaf ? leaf->valueMask().getWord<openvdb::Index64>(openvdb::Index(x)) : 0;
-        }
+        std::uint64_t slice(int x) const { return leaf ? from.sliceOf(*leaf, x) : 0; }
     };
 
     /// Copies the rows of a leaf that lie in the block.
     /// @param s         steps from the leaf of the block
     /// @param withEnds  with the voxels before and after them, from the leaves there
-    template <typename Factor, typename ValuesOf>
+    template <int Width, typename From>
     IGEO_INLINE void copyColumn(const Accessor& psi, const openvdb::Coord& origin, const Ijk& s,
-                                Factor by, bool withEnds, const ValuesOf& valuesOf) {
-        const Source here(psi.probeConstLeaf(origin), valuesOf),
-            low(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, -8)) : nullptr, valuesOf),
-            high(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, 8)) : nullptr, valuesOf);
+                                bool withEnds, const From& from) {
+        const Source<From> here(psi.probeConstLeaf(origin), from),
+            low(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, -8)) : nullptr, from),
+            high(withEnds ? psi.probeConstLeaf(origin.offsetBy(0, 0, 8)) : nullptr, from);
         for (int x = first(s.x); x < last(s.x); ++x) {
-            const std::uint64_t slice = here.slice(x), lows = low.slice(x), highs = high.slice(x);
-            for (int y = first(s.y); y < last(s.y); ++y) {
-                const int at = 10 * (x + 8 * s.x + 1) + y + 8 * s.y + 1, from = 64 * x + 8 * y;
-                const auto bits = unsigned(slice >> (8 * y) & 0xff),
-                           isLow = unsigned(lows >> (8 * y + 7) & 1),
-                           isHigh = unsigned(highs >> (8 * y) & 1);
+            int at = 10 * (x + 8 * s.x + 1) + first(s.y) + 8 * s.y + 1,
+                begin = 64 * x + 8 * first(s.y);
+            // From the row `begin` on.
+            std::uint64_t slice = here.slice(x) >> (begin & 63),
+                          lows = low.slice(x) >> (begin & 63) >> 7,
+                          highs = high.slice(x) >> (begin & 63);
+            for (int y = first(s.y); y < last(s.y);
+                 ++y, ++at, begin += 8, slice >>= 8, lows >>= 8, highs >>= 8) {
+                const auto bits = unsigned(slice & 0xff), isLow = unsigned(lows & 1),
+                           isHigh = unsigned(highs & 1), active = bits << 1 | isLow | isHigh << 9;
+                active_[std::size_t(at)] = std::uint16_t(active);
                 float* row = &values_[std::size_t(10 * at)];
-                active_[std::size_t(at)] = std::uint16_t(bits << 1 | isLow | isHigh << 9);
-                copyFour(here.values + from, bits, by, row + 1);
-                copyFour(here.values + from + 4, bits >> 4, by, row + 5);
-                row[0] = isLow ? times(by, low.values[from + 7]) : kMissingVoxel;
-                row[9] = isHigh ? times(by, high.values[from]) : kMissingVoxel;
+                for (int k = 0; k < 8; k += Width)
+                    copyLanes<Width>(from, here.values + begin + k, bits >> k, missing_,
+                                     row + 1 + k);
+                std::array<float, 4> ends{low.values[begin + 7], high.values[begin]};
+                copyLanes<4>(from, ends.data(), isLow | isHigh << 1, missing_, ends.data());
+                row[0] = ends[0], row[9] = ends[1];
             }
         }
     }
 
+    float missing_;
     std::array<float, 1000> values_;
     std::array<std::uint16_t, 100> active_;
 };
@@ -158,7 +184,6 @@ struct PsiRow {
 
     IGEO_INLINE PsiRow(const LeafBlock& b, int x, int y)
         : active(b.active(x, y) >> 1 & 0xff), complete(completeIn(b, x, y)), smooth(0) {
-        if (active == 0) return;
         const float *row = b.row(x, y), *x0 = b.row(x - 1, y), *x1 = b.row(x + 1, y),
                     *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1), *z0 = row - 1, *z1 = row + 1;
         for (std::size_t k = 0; k < 8; k += Width) {

@@ -108,7 +108,8 @@ IGEO_INLINE void fillAll(const openvdb::FloatTree& psi, LeafIndex first, std::si
     const LeafBlock::Accessor at(psi);
     for (LeafIndex l = first; l < first + count; ++l) {
         const Ijk& o = band.leaves[l].origin;
-        block.gather(at, openvdb::Coord(o.x, o.y, o.z), band.transform.dx, LeafBlock::kFaces);
+        block.gather<Width>(at, openvdb::Coord(o.x, o.y, o.z), band.transform.dx,
+                            LeafBlock::kFaces);
         LeafFiller(block, l, band, marks).fill<Width>();
     }
 }

@@ -12,7 +12,7 @@ namespace igeo {
 /// The trilinear interpolant of psi around a leaf, in voxels; NaN beside inactive voxels.
 class PsiAround {
 public:
-    PsiAround(const openvdb::FloatTree& psi, double dx) : psi_(psi), perDx_(1 / dx) {}
+    PsiAround(const openvdb::FloatTree& psi, double dx) : psi_(psi), inVoxels_{1 / dx} {}
 
     /// Gathers the voxels around the leaf at this origin.
     void moveTo(const Ijk& origin) {
@@ -64,7 +64,7 @@ private:
             const openvdb::Coord ijk(cell.x + int(k >> 2), cell.y + int(k >> 1 & 1),
                                      cell.z + int(k & 1));
             float value;
-            corner[k] = psi_.probeValue(ijk, value) ? float(value * perDx_) : kMissingVoxel;
+            corner[k] = psi_.probeValue(ijk, value) ? inVoxels_.scaled(value) : kMissingVoxel;
         }
         return interpolate(corner.data(), {4, 2, 1}, t);
     }
@@ -82,14 +82,15 @@ private:
                     leaf->valueMask().getWord<std::uint8_t>(openvdb::Index(x << 3 | y));
                 for (int z = first(s.z); z < last(s.z); z += 4)
                     if (const unsigned active = row >> z & 15)
-                        copyFour(leaf->buffer().data() + (x << 6 | y << 3 | z), active, perDx_,
-                                 &value_[indexOf(Ijk{x, y, z} + 8 * s +
-                                                 Ijk{kMargin, kMargin, kMargin})]);
+                        copyLanes<4>(inVoxels_, leaf->buffer().data() + (x << 6 | y << 3 | z),
+                                     active, kMissingVoxel,
+                                     &value_[indexOf(Ijk{x, y, z} + 8 * s +
+                                                     Ijk{kMargin, kMargin, kMargin})]);
             }
     }
 
     LeafBlock::Accessor psi_;
-    double perDx_;
+    PsiInVoxels inVoxels_;
     Ijk low_;
     std::array<float, std::size_t(kEdge* kEdge* kEdge)> value_;
 };

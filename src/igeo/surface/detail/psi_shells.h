@@ -14,9 +14,11 @@ namespace igeo {
 class Shells {
 public:
     void add(double voxels) { ++count_[std::size_t(int(std::min(voxels, double(kMost))))]; }
+    void add(std::size_t shell, std::uint64_t voxels) { count_[shell] += voxels; }
     void add(const Shells& other) {
         for (std::size_t k = 0; k <= kMost; ++k) count_[k] += other.count_[k];
     }
+    std::uint64_t count(std::size_t shell) const { return count_[shell]; }
     /// The |psi| from which on voxels are strays: two voxels beyond the last shell with at least a
     /// hundredth of the voxels of the one below. Infinite if half of all voxels would be strays.
     double strayFrom() const;

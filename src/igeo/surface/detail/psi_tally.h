@@ -3,11 +3,27 @@
 
 #include <igeo/surface/detail/histogram.h>
 #include <igeo/surface/detail/leaf_block.h>
+#include <igeo/surface/detail/psi_shells.h>
 
 #include <cstdint>
 #include <span>
 
 namespace igeo {
+
+/// What the values of active voxels show, each for itself. Sums do not depend on the order.
+struct PsiRange {
+    using Leaf = LeafBlock::Leaf;
+
+    std::uint64_t active = 0;
+    std::uint64_t negative = 0;  ///< of these
+    std::uint64_t bad = 0;       ///< NaN or infinite
+    float widest = 0;            ///< largest |psi| that is neither
+    Shells shells;
+
+    /// @param dx  voxel size
+    void addLeaves(double dx, std::span<const Leaf* const> leaves);
+    void add(const PsiRange& other);
+};
 
 /// Counts of the voxels of a level set, row by row. Sums do not depend on the order.
 struct PsiTally {

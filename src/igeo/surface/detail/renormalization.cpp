@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <set>
@@ -22,9 +21,8 @@ using Leaf = LeafBlock::Leaf;
 
 constexpr double kOffset = kRenormalizedAbout;  ///< voxels: phi = psi - kOffset
 constexpr float kShift = 1e-7f;                 ///< world units: what the step takes away at last
-constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
-constexpr float kLeastExcess = -0.05f;  ///< M, where it is less and
-constexpr float kMostExcess = 0.5f;     ///< more
+constexpr float kLeastExcess = -0.05f;          ///< M, where it is less and
+constexpr float kMostExcess = 0.5f;             ///< more
 
 /// What the step has done to some voxels of a row, in one number each: M in its first 16 bits, |S|
 /// and the share of the mean of M in a byte each. A sum of such numbers is one of M.
@@ -33,7 +31,7 @@ struct StepLanes {
     using V = typename Registers<Width>::Vector;
     using Integers = typename Registers<Width>::Integers;
 
-    V packed;  ///< NaN where a neighbor is missing
+    V packed;  ///< of voxels with all face neighbors
 
     /// @param from  the first of them
     /// @param zero  phi = 0, as psi in voxels
@@ -43,11 +41,11 @@ struct StepLanes {
             return loadLanes<Width>(block.row(x + i, y + j) + from + k) - zero;
         };
         const V here = phi(0, 0, 0), side = here > 0 ? V{} + 1 : V{} - 1;
-        V square{}, shares{}, all = here;
+        V square{}, shares{};
         auto add = [&](const V& low, const V& high) __attribute__((always_inline)) {
             const V toLow = side * (here - low), toHigh = side * (here - high);
             const V step = above(toLow > toHigh ? toLow : toHigh, 0);
-            square += step * step, shares += step, all += low + high;
+            square += step * step, shares += step;
         };
         add(phi(-1, 0, 0), phi(1, 0, 0)), add(phi(0, -1, 0), phi(0, 1, 0));
         add(phi(0, 0, -1), phi(0, 0, 1));
@@ -64,9 +62,8 @@ struct StepLanes {
         const V steep = (pull * share - kSteep) / (kSteepest - kSteep),
                 large = (excess - kSure) / (kMostExcess - kSure);
         const V trust = below(above((kFold - excess) / (kFold - kDoubtful), 0), 1);
-        const V value = pack(below(above(excess, kLeastExcess), kMostExcess), trust * pull,
-                             steep > large ? steep : large);
-        packed = all == all ? value : V{} + kMissing;
+        packed = pack(below(above(excess, kLeastExcess), kMostExcess), trust * pull,
+                      steep > large ? steep : large);
     }
     static IGEO_INLINE V pull(const V& packed) { return byte(packed, 8); }
     static IGEO_INLINE V shareOfMean(const V& packed) { return byte(packed, 0); }
@@ -88,90 +85,140 @@ private:
     }
 };
 
-/// Means over the 27 voxels around each of a leaf, weighted 1, 2, 1 along each axis; missing ones
-/// do not count.
+/// Eight small numbers, a byte each from the lowest on: they are added at once.
+using EightBytes = std::uint64_t;
+
+/// The weights 1, 2, 1 that eight voxels of a row get from the known ones of ten, by their bits.
+constexpr auto kWeightsAlongZ = [] {
+    std::array<EightBytes, 1024> all{};
+    for (std::uint64_t known = 0; known < all.size(); ++known)
+        for (unsigned z = 0; z < 8; ++z)
+            all[known] |= ((known >> z & 1) + (known >> z & 2) + (known >> (z + 2) & 1)) << 8 * z;
+    return all;
+}();
+
+/// Means over the 27 voxels around each of a leaf, weighted 1, 2, 1 along each axis; those without
+/// a value do not count.
 template <int Width>
 class Smoothed {
     using V = typename Registers<Width>::Vector;
 
 public:
+    /// @param block  with 0 for voxels without a value
     IGEO_INLINE void of(const LeafBlock& block) {
-        for (int x = 0; x < 10; ++x)
-            for (int y = 0; y < 10; ++y) {
-                const float* row = block.row(x - 1, y - 1);
-                for (int k = 0; k < 8; k += Width) {
-                    V sum{}, weight{};
-                    for (int z = -1; z <= 1; ++z) {
-                        const V v = loadLanes<Width>(row + k + z), one = V{} + (z ? 1.0f : 2.0f);
-                        sum += v == v ? one * v : V{};
-                        weight += v == v ? one : V{};
-                    }
-                    at(x, y, k) = {sum, weight};
-                }
-            }
-        // In place: what is read lies ahead of what is written.
-        for (int x = 0; x < 10; ++x)
-            for (int y = 0; y < 8; ++y)
-                for (int k = 0; k < 8; k += Width)
-                    at(x, y, k) = at(x, y, k) + at(x, y + 1, k) + at(x, y + 1, k) + at(x, y + 2, k);
-        for (int x = 0; x < 8; ++x)
-            for (int y = 0; y < 8; ++y)
-                for (int k = 0; k < 8; k += Width)
-                    at(x, y, k) = at(x, y, k) + at(x + 1, y, k) + at(x + 1, y, k) + at(x + 2, y, k);
+        for (int x = 0; x < 10; ++x) {
+            for (int k = 0; k < 8; k += Width)
+                acrossY(
+                    [&](int y) __attribute__((always_inline)) {
+                        const float* row = block.row(x - 1, y) + k;
+                        const V own = loadLanes<Width>(row);
+                        return (loadLanes<Width>(row - 1) + (own + own)) +
+                               loadLanes<Width>(row + 1);
+                    },
+                    [&](int y, const V& sum) __attribute__((always_inline)) {
+                        storeLanes(sum, &sums_[indexOf(x, y) + std::size_t(k)]);
+                    });
+            acrossY([&](int y) { return kWeightsAlongZ[block.active(x - 1, y)]; },
+                    [&](int y, EightBytes sum) { weights_[indexOf(x, y) / 8] = sum; });
+        }
     }
     /// At some voxels of a row.
     IGEO_INLINE V mean(int x, int y, int from) const {
-        const Sums& s = sums_[indexOf(x, y, from)];
-        return s.sum / (s.weight > 0 ? s.weight : V{} + 1);
+        auto sum = [&](int i) __attribute__((always_inline)) {
+            return loadLanes<Width>(&sums_[indexOf(x + i, y) + std::size_t(from)]);
+        };
+        auto weight = [&](int i) { return weights_[indexOf(x + i, y) / 8]; };
+        const EightBytes bytes = weight(0) + 2 * weight(1) + weight(2);
+        const V all = numbersOf(bytes, from);
+        return (((sum(0) + sum(1)) + sum(1)) + sum(2)) / (all > 0 ? all : V{} + 1);
     }
 
 private:
-    struct Sums {
-        V sum, weight;
-        IGEO_INLINE Sums operator+(const Sums& o) const { return {sum + o.sum, weight + o.weight}; }
-    };
-    IGEO_INLINE static std::size_t indexOf(int x, int y, int k) {
-        return std::size_t((x * 10 + y) * (8 / Width) + k / Width);
+    /// Sums weighted 1, 2, 1 of what ten rows have.
+    template <typename RowAt, typename Put>
+    static IGEO_INLINE void acrossY(const RowAt& rowAt, const Put& put) {
+        auto before = rowAt(-1), here = rowAt(0);
+        for (int y = 0; y < 8; ++y) {
+            const auto after = rowAt(y + 1);
+            put(y, ((before + here) + here) + after);
+            before = here, here = after;
+        }
     }
-    IGEO_INLINE Sums& at(int x, int y, int k) { return sums_[indexOf(x, y, k)]; }
+    /// Some of eight bytes, each less than 128.
+    static IGEO_INLINE V numbersOf(EightBytes bytes, int from) {
+        using Integers = typename Registers<Width>::Integers;
+        const std::int32_t low = std::int32_t(bytes >> (8 * from)),
+                           high = std::int32_t(bytes >> 32);
+        V shift;
+        Integers at, four;
+        if constexpr (Width == 4) {
+            four = Integers{} + low;
+            at = Integers{0xff, 0xff00, 0xff0000, 0x7f000000};
+            shift = V{1, 0x1p-8f, 0x1p-16f, 0x1p-24f};
+        } else {
+            four = Integers{low, low, low, low, high, high, high, high};
+            at = Integers{0xff, 0xff00, 0xff0000, 0x7f000000, 0xff, 0xff00, 0xff0000, 0x7f000000};
+            shift = V{1, 0x1p-8f, 0x1p-16f, 0x1p-24f, 1, 0x1p-8f, 0x1p-16f, 0x1p-24f};
+        }
+        return __builtin_convertvector(four & at, V) * shift;
+    }
+    static constexpr std::size_t indexOf(int x, int y) { return std::size_t(64 * x + 8 * y); }
 
-    std::array<Sums, 800 / Width> sums_;
+    std::array<float, 640> sums_;
+    std::array<EightBytes, 80> weights_;
 };
 
 /// The packed voxels of a level set, leaf by leaf.
 struct PackedVoxels {
     static constexpr std::size_t kPerLeaf = 512;
-    std::vector<float> all;
+    std::unique_ptr<float[]> all;
+    std::vector<std::array<std::uint64_t, 8>> known;  ///< bits: the voxels that are packed
 
+    void resize(std::size_t leaves) {
+        all = std::make_unique_for_overwrite<float[]>(kPerLeaf * leaves);
+        touchPages(all.get(), kPerLeaf * leaves * sizeof(float));
+        known.resize(leaves);
+    }
     /// @param leaf  with its number in the transient data
-    float* of(const Leaf& leaf) { return &all[kPerLeaf * leaf.transientData()]; }
+    float* valuesOf(const Leaf& leaf) const { return &all[kPerLeaf * leaf.transientData()]; }
+    std::uint64_t sliceOf(const Leaf& leaf, int x) const {
+        return known[leaf.transientData()][std::size_t(x)];
+    }
+    static IGEO_INLINE float scaled(float value) { return value; }
+    static IGEO_INLINE auto scaled(const Registers<4>::Vector& four) { return four; }
 };
 
-/// Gathers psi around a leaf, and packs what the step has done to its voxels.
+/// Gathers psi around a leaf, and packs what the step has done to its voxels with all face
+/// neighbors.
 /// @param zero  phi = 0, as psi in voxels
 template <int Width>
 IGEO_INLINE void measureHere(const LeafBlock::Accessor& psi, double dx, float zero,
-                             const Leaf& leaf, LeafBlock& block, float* packed) {
-    block.gather(psi, leaf.origin(), dx, LeafBlock::kFaces);
-    for (int x = 0; x < 8; ++x)
-        for (int y = 0; y < 8; ++y)
+                             const Leaf& leaf, LeafBlock& block, PackedVoxels& packed) {
+    block.gather<Width>(psi, leaf.origin(), dx, LeafBlock::kFaces);
+    float* to = packed.valuesOf(leaf);
+    for (int x = 0; x < 8; ++x) {
+        std::uint64_t known = 0;
+        for (int y = 0; y < 8; ++y, to += 8) {
+            const unsigned complete = PsiRow<Width>::completeIn(block, x, y);
+            known |= std::uint64_t(complete) << (8 * y);
             for (int k = 0; k < 8; k += Width)
-                if (block.active(x, y) >> (k + 1) & ((1u << Width) - 1))
-                    storeLanes(StepLanes<Width>(block, x, y, k, zero).packed,
-                               packed + 64 * x + 8 * y + k);
+                if (complete >> k & ((1u << Width) - 1))
+                    storeLanes(StepLanes<Width>(block, x, y, k, zero).packed, to + k);
+        }
+        packed.known[leaf.transientData()][std::size_t(x)] = known;
+    }
 }
 
 /// Adds c to the voxels of a leaf, and what the step has taken away at last.
 /// @return how many of them are negative then
 template <int Width>
-IGEO_INLINE unsigned raiseHere(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
-                               LeafBlock& excess, Leaf& psi) {
+IGEO_INLINE unsigned raiseHere(const LeafBlock::Accessor& accessor, const PackedVoxels& packed,
+                               float dx, LeafBlock& excess, Leaf& psi) {
     using Step = StepLanes<Width>;
     using V = typename Step::V;
     using Integers = typename Step::Integers;
     const Integers bits = bitPerLane<Width>();
-    excess.gather(accessor, psi.origin(), AsStored{}, LeafBlock::kCorners,
-                  [&](const Leaf& leaf) { return packed.of(leaf); });
+    excess.gather<Width>(accessor, psi.origin(), LeafBlock::kCorners, packed);
     Smoothed<Width> smoothed;
     smoothed.of(excess);
     unsigned negative = 0;
@@ -186,7 +233,6 @@ IGEO_INLINE unsigned raiseHere(const LeafBlock::Accessor& accessor, PackedVoxels
                 const V own = loadLanes<Width>(excess.row(x, y) + k),
                         share = Step::shareOfMean(own),
                         all = share * smoothed.mean(x, y, k) + (1 - share) * own;
-                // NaN where M is missing.
                 const V by = all > 0 ? Step::pull(own) * all * dx : V{};
                 float* const to = psi.buffer().data() + at;
                 const V value = loadLanes<Width>(to), raised = value + (by + kShift);
@@ -198,20 +244,20 @@ IGEO_INLINE unsigned raiseHere(const LeafBlock::Accessor& accessor, PackedVoxels
 }
 
 void measureByFour(const LeafBlock::Accessor& psi, double dx, float zero, const Leaf& leaf,
-                   LeafBlock& block, float* packed) {
+                   LeafBlock& block, PackedVoxels& packed) {
     measureHere<4>(psi, dx, zero, leaf, block, packed);
 }
-unsigned raiseByFour(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
+unsigned raiseByFour(const LeafBlock::Accessor& accessor, const PackedVoxels& packed, float dx,
                      LeafBlock& excess, Leaf& psi) {
     return raiseHere<4>(accessor, packed, dx, excess, psi);
 }
 #ifdef IGEO_AVX2
 IGEO_AVX2 void measureByEight(const LeafBlock::Accessor& psi, double dx, float zero,
-                              const Leaf& leaf, LeafBlock& block, float* packed) {
+                              const Leaf& leaf, LeafBlock& block, PackedVoxels& packed) {
     measureHere<8>(psi, dx, zero, leaf, block, packed);
 }
-IGEO_AVX2 unsigned raiseByEight(const LeafBlock::Accessor& accessor, PackedVoxels& packed, float dx,
-                                LeafBlock& excess, Leaf& psi) {
+IGEO_AVX2 unsigned raiseByEight(const LeafBlock::Accessor& accessor, const PackedVoxels& packed,
+                                float dx, LeafBlock& excess, Leaf& psi) {
     return raiseHere<8>(accessor, packed, dx, excess, psi);
 }
 #endif
@@ -223,7 +269,7 @@ public:
         psi_.getNodes(leaves_);
         for (std::size_t l = 0; l < leaves_.size(); ++l)
             leaves_[l]->setTransientData(openvdb::Index32(l));
-        resizeByAll(packed_.all, PackedVoxels::kPerLeaf * leaves_.size());
+        packed_.resize(leaves_.size());
     }
 
     Undone run() {
@@ -237,10 +283,9 @@ public:
 private:
     void measure(const LeafBlock::Accessor& accessor, const Leaf& leaf, LeafBlock& block) {
 #ifdef IGEO_AVX2
-        if (eightAtATime())
-            return measureByEight(accessor, dx_, zero_, leaf, block, packed_.of(leaf));
+        if (eightAtATime()) return measureByEight(accessor, dx_, zero_, leaf, block, packed_);
 #endif
-        measureByFour(accessor, dx_, zero_, leaf, block, packed_.of(leaf));
+        measureByFour(accessor, dx_, zero_, leaf, block, packed_);
     }
     void measureAll() {
         std::vector<HollowEdges::Shown> shown(leaves_.size());
@@ -277,8 +322,10 @@ private:
         const auto block = std::make_unique<LeafBlock>();
         for (const std::size_t l : beside) measure(accessor, *leaves_[l], *block);
         for (std::size_t l = 0; l < leaves_.size(); ++l)
-            for (const LoweredVoxel& v : lowered_[l])
-                packed_.of(*leaves_[l])[Leaf::coordToOffset(v.at)] = kMissing;
+            for (const LoweredVoxel& v : lowered_[l]) {
+                const openvdb::Index at = Leaf::coordToOffset(v.at);
+                packed_.known[l][at / 64] &= ~(std::uint64_t(1) << at % 64);
+            }
         return restored;
     }
     unsigned raise(const LeafBlock::Accessor& accessor, Leaf& leaf, LeafBlock& block) {
@@ -292,7 +339,7 @@ private:
         std::vector<unsigned> negative(leaves_.size());
         parallelFor(leaves_.size(), 64, [&](std::size_t begin, std::size_t end) {
             const LeafBlock::Accessor accessor(psi_);
-            const auto block = std::make_unique<LeafBlock>();
+            const auto block = std::make_unique<LeafBlock>(0.0f);  // what is missing adds nothing
             for (std::size_t l = begin; l < end; ++l)
                 negative[l] = raise(accessor, *leaves_[l], *block);
         });
