@@ -79,9 +79,14 @@ std::vector<NodeIndex> spread(const Field& field, std::size_t count) {
     constexpr std::size_t kMostTried = 1 << 16;
     const std::size_t size = field.band->size();
     std::vector<NodeIndex> reached;
-    if (field.reached < field.size())
-        for (std::size_t i = 0; i < size; i += size / kMostTried + 1)
-            if (field.at(NodeIndex(i)).distance < kInfinity) reached.push_back(NodeIndex(i));
+    if (field.reached < field.size()) {
+        std::vector<NodeIndex> tried;
+        for (std::size_t i = 0; i < size; i += size / kMostTried + 1) tried.push_back(NodeIndex(i));
+        std::vector<NodeJet> jets(tried.size());
+        field.at(tried, jets.data());
+        for (std::size_t k = 0; k < tried.size(); ++k)
+            if (jets[k].distance < kInfinity) reached.push_back(tried[k]);
+    }
     std::vector<NodeIndex> nodes(count);
     for (std::size_t k = 0; k < count; ++k)
         nodes[k] = reached.empty() ? NodeIndex((2 * k + 1) * size / (2 * count))
