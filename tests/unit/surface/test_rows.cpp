@@ -80,14 +80,14 @@ TEST_CASE("A row of a block shows what each of its voxels shows, also where voxe
 }
 
 TEST_CASE("Counts of active voxels are those of each, also beyond the first shells") {
-    constexpr double kDx = 0.3;
+    constexpr double kVoxel = 0.3;
     const float inf = float(kInfinity), none = kMissingVoxel;
     const openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(1);
     // Multiples of a third of a voxel: those between two shells as well, as floats round them.
     for (int k = 0; k < 8 * 512; ++k)
         if (k % 5)
             grid->tree().setValueOn(openvdb::Coord(k >> 6, k >> 3 & 7, k & 7),
-                                    float(kDx * (k * 7 % 43 - 21) / 3));
+                                    float(kVoxel * (k * 7 % 43 - 21) / 3));
     const bool withBad = GENERATE(false, true);
     if (withBad)
         for (const float bad : {none, inf, -inf})
@@ -99,7 +99,7 @@ TEST_CASE("Counts of active voxels are those of each, also beyond the first shel
         ++active, negative += *it < 0, bad += !std::isfinite(*it);
         if (!std::isfinite(*it)) continue;
         widest = std::max(widest, std::abs(*it));
-        shells.add(double(std::abs(*it)) / kDx);
+        shells.add(double(std::abs(*it)) / kVoxel);
     }
     std::vector<const LeafBlock::Leaf*> leaves;
     grid->constTree().getNodes(leaves);
@@ -107,9 +107,9 @@ TEST_CASE("Counts of active voxels are those of each, also beyond the first shel
     for (const bool by : {false, eight}) {
         eightAtATime() = by;
         PsiRange range;
-        range.addLeaves(kDx, {leaves.data(), 3});
+        range.addLeaves(kVoxel, {leaves.data(), 3});
         PsiRange rest;
-        rest.addLeaves(kDx, {leaves.data() + 3, leaves.size() - 3});
+        rest.addLeaves(kVoxel, {leaves.data() + 3, leaves.size() - 3});
         range.add(rest);
         CHECK(range.active == active);
         CHECK(range.negative == negative);
