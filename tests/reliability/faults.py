@@ -172,12 +172,13 @@ def killed(good: dict[str, bytes], seconds: float, count: int, seed: int) -> int
     return count
 
 
-def wait_until_blocked(process: subprocess.Popen, number: int) -> None:
-    """Before its first instruction, while libraries load, the program cannot catch a signal."""
+def wait_until_caught(process: subprocess.Popen, number: int) -> None:
+    """The program blocks the signals that it waits for, and no others. Before, while libraries load,
+    it cannot catch any; some block all for a moment, to start threads."""
     while process.poll() is None:
         for line in pathlib.Path(f"/proc/{process.pid}/status").read_text().splitlines():
             name, _, mask = line.partition(":")
-            if name == "SigBlk" and int(mask, 16) >> (number - 1) & 1:
+            if name == "SigBlk" and [int(mask, 16) >> (n - 1) & 1 for n in (number, signal.SIGUSR1)] == [1, 0]:
                 return
         time.sleep(0.001)
 
@@ -189,7 +190,7 @@ def signalled(good: dict[str, bytes], seconds: float, count: int, seed: int) -> 
         with TempWorkspace(good) as desk:
             process = desk.start(preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
             time.sleep(0.3 * seconds + r.random() * 0.8 * seconds)
-            wait_until_blocked(process, number)
+            wait_until_caught(process, number)
             process.send_signal(number)
             _, err = process.communicate(timeout=60)
             what = f"{number.name} {k}"
