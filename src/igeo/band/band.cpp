@@ -194,9 +194,9 @@ void Band::sever(const std::vector<Link>& links) {
     });
     // Once there is a core: the foot points of nodes outside it may lie beside severed links.
     if (coreSize_ == 0) return;
-    for (const NodeIndex i : std::vector(beside))
+    for (const NodeIndex i : beside)
         forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
-            if (!inCore(j)) addBeside(j);
+            if (!inCore(j)) facing[j] |= kBesideSevered;
         });
 }
 
