@@ -373,10 +373,33 @@ Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNorm
     return sheetNormal == Vec3d{} && !parted ? Vec3d(n) : blended();
 }
 
+namespace {
+
+/// As samplePsi has it where corners are missing.
+PsiSample sampleAtRim(const Band& band, const BandCell& cell) {
+    constexpr double kLeast = 0.05;
+    PsiSample s;
+    double there = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        if (cell.node[k] == kNoNode) continue;
+        const Vec3d normal(band.normal[cell.node[k]]),
+            chord = cell.t - Vec3d(double(k >> 2), double(k >> 1 & 1), double(k & 1));
+        there += cell.weight[k];
+        s.psi += cell.weight[k] * (double(band.psi[cell.node[k]]) + dot(normal, chord));
+        s.gradient += cell.weight[k] * normal;
+    }
+    if (there < kLeast) return {};
+    s.valid = true, s.psi /= there;
+    s.gradient = (1 / there) * s.gradient;
+    return s;
+}
+
+}  // namespace
+
 PsiSample samplePsi(const Band& band, const Vec3d& p) {
     PsiSample s;
     const BandCell cell = cellAt(band, p);
-    if (!cell.complete) return s;
+    if (!cell.complete) return sampleAtRim(band, cell);
     s.valid = true;
     for (std::size_t k = 0; k < 8; ++k) {
         const Vec3d normal(band.normal[cell.node[k]]),

@@ -453,9 +453,10 @@ Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNorm
 
 /// psi and its gradient at a position: psi_i + n_i . (p - x_i) / 2 of the cell's voxels x_i,
 /// blended with trilinear weights. Exact for a quadratic psi, where psi_i alone are off by 1 / (8
-/// R) voxels per curvature 1 / R. Creases are rounded.
+/// R) voxels per curvature 1 / R. Creases are rounded. Where corners are missing, as at the rim of
+/// an open surface: psi_i + n_i . (p - x_i) of the others, off by up to 1 / R.
 struct PsiSample {
-    bool valid = false;  ///< false where a corner is missing
+    bool valid = false;  ///< whether corners of 0.05 of the weight or more are there
     double psi = 0;      ///< voxels
     Vec3d gradient;      ///< of the blend, about 1 long
 };

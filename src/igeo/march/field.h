@@ -113,7 +113,7 @@ double largestOnBand(const Field& field);
 /// Calls visit(l, jets) for every leaf of the band, with the values at its nodes in their order:
 /// for passes that need each node once, without a field on the whole band. In parallel.
 void forLeaves(const Field& field,
-               const std::function<void(LeafIndex, const std::vector<NodeJet>&)>& visit);
+               const std::function<void(LeafIndex, std::span<const NodeJet>)>& visit);
 
 /// Gradient of the distance along S per node: M&S 4.1, grad d - (grad d . n) n, by differences of
 /// reached neighbors (central where both sides are reached, one-sided otherwise). Its length is the

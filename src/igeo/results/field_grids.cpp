@@ -52,7 +52,7 @@ typename GridT::Ptr makeGrid(const typename GridT::ValueType& background,
 
 /// A leaf with the reached nodes set. Its background is known only after all leaves.
 std::unique_ptr<FloatLeaf> distanceLeaf(const Band& band, LeafIndex l,
-                                        const std::vector<NodeJet>& jets, Extent& extent) {
+                                        std::span<const NodeJet> jets, Extent& extent) {
     if (std::none_of(jets.begin(), jets.end(),
                      [](const NodeJet& s) { return s.distance < kInfinity; }))
         return {};
@@ -85,7 +85,7 @@ openvdb::FloatGrid::Ptr distanceGridByLeaf(const Field& field,
     const Band& band = *field.band;
     std::vector<std::unique_ptr<FloatLeaf>> leaves(band.leaves.size());
     std::vector<Extent> extents(leaves.size());
-    forLeaves(field, [&](LeafIndex l, const std::vector<NodeJet>& jets) {
+    forLeaves(field, [&](LeafIndex l, std::span<const NodeJet> jets) {
         leaves[l] = distanceLeaf(band, l, jets, extents[l]);
     });
     extent = {band.size()};

@@ -340,7 +340,7 @@ TEST_CASE("forLeaves: every node of the band once, extended or not") {
         if (extended) extendToBand(field);
         std::vector<int> seen(band.size());
         std::atomic<std::size_t> unequal{0};
-        forLeaves(field, [&](LeafIndex l, const std::vector<NodeJet>& jets) {
+        forLeaves(field, [&](LeafIndex l, std::span<const NodeJet> jets) {
             unequal += jets.size() != band.leaves[l].band.count;
             for (NodeIndex k = 0; k < jets.size(); ++k) {
                 const NodeIndex i = band.leaves[l].band.firstNode + k;

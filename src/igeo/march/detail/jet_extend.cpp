@@ -153,7 +153,7 @@ void Extension::extendLeaf(LeafIndex l, Group& group, NodeJet* to) const {
         const std::uint32_t n = outside[k] >> 16, at = outside[k] & 0xffff;
         begin({first + n, l, at, to + n}, group);
     }
-    finish(group);
+    solve(group);
 }
 
 void Extension::at(std::span<const NodeIndex> nodes, NodeJet* to) const {

@@ -104,9 +104,16 @@ public:
         bool full() const { return size == nodes.size(); }
     };
     /// The jets of the nodes of a leaf.
-    /// @param group  empty, with the numbers of the leaf
+    /// @param group  of size 0, with the numbers of the leaf; takes the nodes that are left to
+    ///               finish()
     /// @param to     a jet per node
     void extendLeaf(LeafIndex l, Group& group, NodeJet* to) const;
+    /// Extends what is left in a group.
+    void finish(Group& group) const {
+        solve(group);
+        solveDoubtful(group);
+        solveMeetings(group.meetings);
+    }
     /// As Field::atCore.
     void at(std::span<const NodeIndex> nodes, NodeJet* to) const;
 
@@ -169,12 +176,6 @@ private:
                     Meetings& meetings) const;
     /// By rays, where these find a jet.
     void solveMeetings(Meetings& meetings) const;
-    /// Extends what is left in a group.
-    void finish(Group& group) const {
-        solve(group);
-        solveDoubtful(group);
-        solveMeetings(group.meetings);
-    }
     /// Sets the jet of a node, or that of a start disc which holds its foot point.
     void finishOrInDisc(const Outside& at, const Found& s) const {
         finish(at, maybeInDisc(at.node, s.distance) ? inDisc(at.node, s) : s);

@@ -33,24 +33,32 @@ std::vector<std::uint8_t> leavesToExtend(const Field& field) {
 template <typename Visit>
 void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
                   const Visit& visit) {
-    const Band& band = jets.core->band;
+    const std::vector<BandLeaf>& leaves = jets.core->band.leaves;
     const std::vector<Vec3f> gradients = gradientsOf(jets);
     const Extension extension(jets, gradients);
-    parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
+    // Doubtful nodes of so many leaves are solved side by side.
+    constexpr std::size_t kAtOnce = 16;
+    parallelFor(leaves.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
         LeafNumbers<2> numbers;
         Extension::Group group;
         group.core = &numbers;
         std::vector<NodeJet> found;
-        for (std::size_t k = begin; k < end; ++k) {
-            const auto l = LeafIndex(k);
-            found.resize(band.leaves[l].band.count);
-            if (wanted.empty() || wanted[l]) {
-                numbers.fill(band, l);
-                extension.extendLeaf(l, group, found.data());
-            } else {
-                std::fill(found.begin(), found.end(), NodeJet{});
+        for (std::size_t next; begin < end; begin = next) {
+            next = std::min(begin + kAtOnce, end);
+            const NodeIndex first = leaves[begin].band.firstNode;
+            const LeafNodes& last = leaves[next - 1].band;
+            found.assign(last.firstNode + last.count - first, {});
+            auto jetsOf = [&](std::size_t l) {
+                const LeafNodes& nodes = leaves[l].band;
+                return std::span(found).subspan(nodes.firstNode - first, nodes.count);
+            };
+            for (std::size_t l = begin; l < next; ++l) {
+                if (!wanted.empty() && !wanted[l]) continue;
+                numbers.fill(jets.core->band, LeafIndex(l));
+                extension.extendLeaf(LeafIndex(l), group, jetsOf(l).data());
             }
-            visit(l, found);
+            extension.finish(group);
+            for (std::size_t l = begin; l < next; ++l) visit(LeafIndex(l), jetsOf(l));
         }
     });
 }
@@ -68,7 +76,7 @@ void Field::at(std::span<const NodeIndex> nodes, NodeJet* to) const {
 }
 
 void forLeaves(const Field& field,
-               const std::function<void(LeafIndex, const std::vector<NodeJet>&)>& visit) {
+               const std::function<void(LeafIndex, std::span<const NodeJet>)>& visit) {
     if (field.core) return extendByLeaf(*field.core, leavesToExtend(field), visit);
     const Band& band = *field.band;
     parallelFor(band.leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
@@ -89,7 +97,7 @@ double largestOnBand(const Field& field) {
     const double from = field.maxDistance - kMargin * field.metric->largest();
     std::vector<double> largest(field.band->leaves.size());
     extendByLeaf(*field.core, leavesReached(*field.core, from),
-                 [&](LeafIndex l, const std::vector<NodeJet>& found) {
+                 [&](LeafIndex l, std::span<const NodeJet> found) {
                      for (const NodeJet& s : found)
                          if (s.distance < kInfinity) largest[l] = std::max(largest[l], s.distance);
                  });
@@ -106,7 +114,7 @@ void extendToBand(Field& field) {
     resizeByAll(field.distance, band.size());
     resizeByAll(field.gradient, band.size());
     if (labeled) resizeByAll(field.label, band.size());
-    extendByLeaf(*core, wanted, [&](LeafIndex l, const std::vector<NodeJet>& found) {
+    extendByLeaf(*core, wanted, [&](LeafIndex l, std::span<const NodeJet> found) {
         NodeIndex i = band.leaves[l].band.firstNode;
         for (const NodeJet& s : found) {
             field.distance[i] = s.distance;
