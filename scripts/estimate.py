@@ -6,9 +6,9 @@ usage: scripts/estimate.py --models DIR     two tables into docs/benchmarks.md, 
 A run reports, as `accuracy`, by how much its distances may be off. Here that is compared with exact
 polyhedral distances on the mesh of the model (igeo_peer, see scripts/compare.py), from its first vertex
 to sixty others. A level set is what vdb_tool makes of the mesh, and points lie on its triangles by
-chance: what either does not hold is part of the real error, and the estimate cannot see it. The lengths
-of the paths to the same vertices are compared with the same exact distances. Of a model in several
-pieces, only that of its first vertex counts.
+chance: what either does not hold is part of the real error, of which the estimate sees only edges
+that are rounded off. The lengths of the paths to the same vertices are compared with the same exact
+distances. Of a model in several pieces, only that of its first vertex counts.
 """
 import argparse
 import csv

@@ -65,11 +65,10 @@ RunReport newReport(const igeo::GeodesicSolver& solver, const MetricInput& metri
     return report;
 }
 
-igeo::AccuracyEstimate estimate(const igeo::Distance& distance, double heightNoise,
+igeo::AccuracyEstimate estimate(const igeo::Distance& distance, const igeo::FitError& fit,
                                 const Console& console, igeo::Progress& progress) {
     progress.update("accuracy", 0);
-    const igeo::AccuracyEstimate a =
-        igeo::estimateAccuracy(*distance.marched(), heightNoise, progress);
+    const igeo::AccuracyEstimate a = igeo::estimateAccuracy(*distance.marched(), fit, progress);
     progress.finished("accuracy");
     if (a.samples)
         console.detail(fmt::format(
@@ -189,7 +188,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     warnOfPathsAgainstDistances(distance.band().transform.dx, report);
     if (!distance.band().triangles) warnOfLongSteps(distance.band().transform.dx, report);
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
-        report.accuracy = estimate(distance, report.surface.heightNoise, console, stages);
+        report.accuracy = estimate(distance, report.surface.fit, console, stages);
     report.walks = shoot(solver, o.shots, stages);
     warnOfRoundedBends(report);
     report.pairs = solvePairs(solver, o, stages);

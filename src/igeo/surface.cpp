@@ -319,7 +319,7 @@ public:
         facts.diagonal = length(box.size()) / transform.dx;
         facts.snap = std::max(3 * transform.dx, 3 * density.spacing);
         facts.largestCurvature = density.largestCurvature * transform.dx;
-        facts.heightNoise = density.heightNoise() / std::pow(transform.dx, 3);
+        facts.fit = density.fitError().scaled(1 / transform.dx);
         facts.summary = std::to_string(density.points) + " points, " +
                         fmt::format("spacing {:.4g}, scatter {:.2g}, {:.0f} components",
                                     density.spacing, density.noise, double(density.pieces));

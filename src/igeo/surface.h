@@ -4,6 +4,7 @@
 #include <igeo/band/band.h>
 #include <igeo/band/surface_point.h>
 #include <igeo/base/ball.h>
+#include <igeo/base/fit_error.h>
 #include <igeo/base/progress.h>
 #include <igeo/io/point_cloud.h>
 #include <igeo/io/triangle_mesh.h>
@@ -43,7 +44,7 @@ struct SurfaceFacts {
     double joinGaps = 0;                  ///< of a mesh: VoxelOptions::joinGaps
     double diagonal = 0;                  ///< across the surface, voxels
     double snap = 0;                      ///< default of maxSnap, world units
-    double heightNoise = 0;               ///< of points: CloudDensity::heightNoise, voxels^3
+    FitError fit;                         ///< of points: CloudDensity::fitError, voxels
     std::string summary;                  ///< in a few words
     std::vector<std::string> warnings;    ///< for the user, one sentence each
 };

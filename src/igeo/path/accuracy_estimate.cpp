@@ -34,15 +34,36 @@ double steadyMean(std::vector<double> values) {
     return sum / double(values.size());
 }
 
+/// How S rounds an edge off. A geodesic over an edge of angle a becomes shorter by a share of a^2,
+/// and its curvature shows a: the loss is `perBend` times the integral of
+/// (k(s + apart) - k(s))^2 / 2, in which k is `sharpest` at most. Scatter alone makes `byScatter`
+/// of that per length. Voxels.
+struct Rounding {
+    double apart, sharpest, perBend, byScatter;
+};
+
+/// Voxels round an edge to an arc about 1.1 voxels long, which is 1.1 a^2 / 12 shorter. The
+/// integral of k^2 over it is a^2 / 1.1. Distances lose less at sharp edges.
+constexpr Rounding kByVoxels{3, 1.2, 0.1, 0};
+
+/// A fit to points rounds an edge over its radius r, whatever the voxels: 0.044 r a^2 is lost. The
+/// fewer points beyond its unknowns a fit has, the nearer it passes to them, and the less is lost.
+/// The curvature there is up to 1.6 a / r, or what voxels leave of that. A quadric follows slow
+/// changes of curvature, so places that are compared are not farther apart than the arc.
+Rounding roundingBy(const FitError& fit) {
+    const double r = fit.radius, seen = std::hypot(r, 1.8);
+    if (!(r > 0)) return kByVoxels;
+    return {0.6 * seen, 2.1 / seen, r * seen * fit.freedom / 20,
+            120 * fit.heightNoise / std::pow(seen, 5)};
+}
+
 /// Integrals along a geodesic, of its normal curvature k.
 struct Bending {
     double square = 0;  ///< of k^2
-    double uneven = 0;  ///< of (k(s + 3) - k(s))^2 / 2: none where S is smooth
+    double uneven = 0;  ///< of (k(s + apart) - k(s))^2 / 2: none where S is smooth
 };
 
-Bending bendingOf(const Band& band, Path path) {
-    constexpr double kApart = 3;     // voxels
-    constexpr double kCrease = 1.2;  // radians per voxel: distances lose less at sharp edges
+Bending bendingOf(const Band& band, Path path, const Rounding& rounding) {
     addNormals(band, path);
     const std::vector<PathVertex>& v = path.vertices;
     std::vector<double> curvature(v.size(), 0);
@@ -53,8 +74,8 @@ Bending bendingOf(const Band& band, Path path) {
         if (!(squared > 0)) continue;
         const double bend = dot(v[k].normal - v[k - 1].normal, step) / squared;
         bending.square += bend * bend * len;
-        curvature[k] = std::clamp(bend, -kCrease, kCrease);
-        while (v[k].arcLength - v[before].arcLength > kApart) ++before;
+        curvature[k] = std::clamp(bend, -rounding.sharpest, rounding.sharpest);
+        while (v[k].arcLength - v[before].arcLength > rounding.apart) ++before;
         if (before == 1) continue;
         const double change = curvature[k] - curvature[before];
         bending.uneven += change * change / 2 * len;
@@ -63,14 +84,13 @@ Bending bendingOf(const Band& band, Path path) {
 }
 
 /// By how much the length of a path may be off as S bends, relative to itself.
-double errorByBends(const Band& band, const Path& path, double heightNoise) {
-    // Voxels round an edge of angle a to an arc about 1.1 voxels long, which is 1.1 a^2 / 12
-    // shorter. The integral of k^2 over it is a^2 / 1.1.
-    constexpr double kRounded = 0.1;
+double errorByBends(const Band& band, const Path& path, const FitError& fit) {
     const double meanOfDeviation = std::sqrt(2 / std::numbers::pi);  // of a normal distribution
-    const Bending bending = bendingOf(band, path);
-    return std::hypot(kRounded * bending.uneven,
-                      meanOfDeviation * std::sqrt(heightNoise * bending.square)) /
+    const Rounding rounding = roundingBy(fit);
+    const Bending bending = bendingOf(band, path, rounding);
+    const double byEdges = std::max(0.0, bending.uneven - rounding.byScatter * path.length);
+    return std::hypot(rounding.perBend * byEdges,
+                      meanOfDeviation * std::sqrt(fit.heightNoise * bending.square)) /
            path.length;
 }
 
@@ -96,7 +116,7 @@ std::vector<NodeIndex> spread(const Field& field, std::size_t count) {
 
 }  // namespace
 
-AccuracyEstimate estimateAccuracy(const Field& field, double heightNoise, Progress& progress) {
+AccuracyEstimate estimateAccuracy(const Field& field, const FitError& fit, Progress& progress) {
     constexpr std::size_t kOnTriangles = 64, kElsewhere = 16;
     const Band& band = *field.band;
     AccuracyEstimate e;
@@ -119,8 +139,7 @@ AccuracyEstimate estimateAccuracy(const Field& field, double heightNoise, Progre
             const Path straight = straightened(field, path, progress);
             const double start = field.seeds[path.seed].start;
             error[k] = std::abs(start + straight.weightedLength - path.distance) / path.distance;
-            if (!band.triangles)
-                error[k] = std::hypot(error[k], errorByBends(band, straight, heightNoise));
+            if (!band.triangles) error[k] = std::hypot(error[k], errorByBends(band, straight, fit));
         }
     });
     std::erase_if(error, [](double x) { return x < 0; });

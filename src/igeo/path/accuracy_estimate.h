@@ -1,6 +1,7 @@
 /// An estimate of the error of a result, computed from the result.
 #pragma once
 
+#include <igeo/base/fit_error.h>
 #include <igeo/march/field.h>
 #include <igeo/path/trace.h>
 
@@ -24,13 +25,14 @@ struct AccuracyEstimate {
 /// nearest to such a point, where errors are largest. There are 64 over triangles, where lengths
 /// are exact and take little time, and errors differ much from point to point; 16 elsewhere. The
 /// lengths have the small error of straighten(); where the distances are more accurate than that,
-/// the estimate is too high. It does not include the error of psi against the surface that psi was
-/// made from, but for that of scattered points: where S lies e(s) too high along a geodesic of
-/// normal curvature k(s), the geodesic is too long by the integral of k e to first order, so its
-/// standard deviation is the root of `heightNoise` times the integral of k^2. Time O(length), in
-/// parallel.
-/// @param heightNoise  SurfaceFacts::heightNoise
-AccuracyEstimate estimateAccuracy(const Field& field, double heightNoise = 0,
+/// the estimate is too high. Both lack what S lacks of the true surface, so that is added:
+///  - Edges that voxels round off, or fits to points.
+///  - Scatter of points: where S lies e(s) too high along a geodesic of normal curvature k(s), the
+///    geodesic is too long by the integral of k e to first order. Its standard deviation is the
+///    root of `fit.heightNoise` times the integral of k^2.
+/// Other errors of S are not included. Time O(length), in parallel.
+/// @param fit  SurfaceFacts::fit
+AccuracyEstimate estimateAccuracy(const Field& field, const FitError& fit = {},
                                   Progress& progress = Progress::none());
 
 }  // namespace igeo

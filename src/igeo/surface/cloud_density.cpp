@@ -3,16 +3,20 @@
 #include <fmt/core.h>
 #include <igeo/base/detail/text.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace igeo {
 
-double CloudDensity::heightNoise() const {
+FitError CloudDensity::fitError() const {
     constexpr double kUnknowns = 6;
-    if (!(noise > 0)) return 0;
-    const double count = double(fitted), radius = spacing * std::sqrt(count / std::numbers::pi);
-    return kUnknowns / count * noise * noise * radius;
+    const double count = std::max(double(fitted), kUnknowns);
+    FitError e;
+    e.radius = spacing * std::sqrt(count / std::numbers::pi);
+    e.freedom = 1 - kUnknowns / count;
+    e.heightNoise = kUnknowns / count * noise * noise * e.radius;
+    return e;
 }
 
 std::vector<std::string> densityWarnings(const CloudDensity& density, const std::string& file) {

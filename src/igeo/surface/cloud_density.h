@@ -1,6 +1,8 @@
 /// Facts about a point cloud, before a band is made from it.
 #pragma once
 
+#include <igeo/base/fit_error.h>
+
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -27,10 +29,9 @@ struct CloudDensity {
     double facing = 0;  ///< share of points with one on another sheet within three spacings
     double largestCurvature = 0;  ///< 95th percentile, 1 / world length
 
-    /// How much the surface rises and falls about the true one, as scatter is averaged: the
-    /// variance of its height times the length over which that varies. The fit has six unknowns,
-    /// and its `fitted` points fill a disc. World length^3.
-    double heightNoise() const;
+    /// By how much the fitted surface may be off. A fit has six unknowns, and its `fitted` points
+    /// fill a disc, over which scatter is averaged. World lengths.
+    FitError fitError() const;
 };
 
 /// Warnings about a cloud, a sentence each; empty for a good one.
