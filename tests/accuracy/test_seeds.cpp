@@ -150,6 +150,38 @@ TEST_CASE("seeds around a region: its inside is 0, its rim where the body's is")
     }
 }
 
+TEST_CASE("Half a sphere: seeds at its rim") {
+    constexpr int kSize = 100;
+    const Axes a;
+    const auto transform = rotatedTransform(1.0 / kSize, {1, 2, 3}, 20, {0.1, 0.2, 0.3});
+    const auto half = makeLevelSet(sphere(kCenter, kRadius), *transform, 3);
+    for (auto voxel = half->beginValueOn(); voxel; ++voxel)
+        if ((transform->indexToWorld(voxel.getCoord()) - kCenter).dot(a.z) > 0) voxel.setValueOff();
+    const GeodesicSolver solver{Surface(*half)};
+    double sum = 0, longest = 0;
+    int count = 0;
+    for (int k = 0; k < 12; ++k) {
+        const Vec3d outward = std::cos(0.5 * k) * a.x + std::sin(0.5 * k) * a.y,
+                    seed = kCenter + kRadius * outward;
+        const Distance d = solver.distance({fromVdb(seed)});
+        // Around the axis through the seed, below the rim.
+        for (double turn = 0.2; turn < 3; turn += 0.2)
+            for (double angle = 0.3; angle < 2.9; angle += 0.2) {
+                const Vec3d across = std::cos(turn) * outward.cross(a.z) - std::sin(turn) * a.z,
+                            p = kCenter +
+                                kRadius * (std::cos(angle) * outward + std::sin(angle) * across);
+                sum += std::abs(d.at(fromVdb(p)) - kRadius * angle), ++count;
+                const Polyline path = d.path(fromVdb(p));
+                longest = std::max(longest, path.length - path.startDistance);
+            }
+    }
+    const double mean = sum / count * kSize;
+    std::printf("seeds at the rim of half a sphere: off by %.4f voxels, paths %.3f longer\n", mean,
+                longest * kSize);
+    CHECK(mean < 0.0035);           // measured 0.0023; without sampleAtRim 0.25
+    CHECK(longest * kSize < 0.46);  // measured 0.31; without sampleAtRim 1.7
+}
+
 TEST_CASE("signs of curves: the smaller part is negative, and rings alternate") {
     const GeodesicSolver solver(surfaceOf(sphere(kCenter, kRadius), 60));
     auto wrong = [&](Seeds seeds, const auto& inside) {
