@@ -192,14 +192,13 @@ double Reader::walkFrom(const Vec3d& at, double most) const {
 }
 
 Arrival Reader::orFromPage(Arrival first) const {
-    constexpr double kLonger = 1.1;
     if (!field_.evenCosts || band_.spine.empty()) return first;
     field_.seedsNear.forNear(p_, [&](std::size_t k) {
         const SurfacePoint& s = field_.seeds[k];
         const Vec3d at = s.nearestTo(p_);
         const double r = length(p_ - at);
         if (r > Band::kSpineReach || !(s.start + s.weight * r < first.distance)) return;
-        const double d = s.start + s.weight * walkFrom(at, kLonger * r);
+        const double d = s.start + s.weight * walkFrom(at, kBeforeTight * r);
         if (d < first.distance) first = {d, field_.source[k], &s};
     });
     return first;
