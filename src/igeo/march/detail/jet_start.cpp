@@ -140,7 +140,7 @@ private:
         const MeshFan fan(*band.triangles, MeshPoint{at.triangle, at.point}, MeshWays::kReach);
         WalkEnds way;
         for (std::size_t k = 0; k < fan.parts().size(); ++k)
-            band.ways->forOn(fan.parts()[k].triangle, [&](NodeIndex node) {
+            band.ways->nodes.forOn(fan.parts()[k].triangle, [&](NodeIndex node) {
                 if (!fan.sees(k, band.footPoint(node), way)) return;
                 const NodeIndex i = band.coreNode(node);
                 if (core_.nodes[i].obstacleState == Metric::Inside) return;

@@ -211,7 +211,7 @@ std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at
     };
     for (std::size_t k = 0; k < fan.parts().size(); ++k) {
         const std::uint32_t t = fan.parts()[k].triangle;
-        band.ways->forOn(t, [&](NodeIndex i) {
+        band.ways->nodes.forOn(t, [&](NodeIndex i) {
             if (!fan.sees(k, band.footPoint(i), out)) return;
             const NodeJet jet = field.at(i);
             if (jet.distance < kInfinity) add(k, i, nullptr, band.footPoint(i), jet);
