@@ -4,12 +4,11 @@ import json
 import math
 import os
 import random
-import subprocess
 import sys
 import tempfile
 
-PROGRAM = os.environ["IGEO_PROGRAM"]
-PEER = os.path.join(sys.argv[1], "igeo_peer")
+from exact_on_triangles import PEER, PROGRAM, exact_distances, moved, run, turn, words, write_mesh, write_points
+
 RESOLUTION, NEAREST = 256, 10  # voxels along the largest side; nearer targets are left out
 TURNS, SEEDS, TARGETS = 3, 2, 60
 # Largest error of a distance, and largest excess of a path over its distance, %: 1.5 times what was
@@ -100,44 +99,22 @@ def shape(name):
 
 
 def turned(vertices, rng):
-    w, x, y, z = unit([rng.gauss(0, 1) for _ in range(4)])
-    rows = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
-    offset = [rng.random() for _ in range(3)]
-    return [[dot(r, v) + o for r, o in zip(rows, offset)] for v in vertices]
-
-
-def words(p):
-    return ",".join("%.17g" % x for x in p)
-
-
-def run(*args):
-    done = subprocess.run([str(a) for a in args], capture_output=True, text=True)
-    assert done.returncode in (0, 4), done.stderr
-    return done
+    rows, offset = turn(rng), [rng.random() for _ in range(3)]
+    return [moved(v, rows, offset) for v in vertices]
 
 
 def errors(folder, vertices, triangles, rng):
     """Relative errors of distances, and excess of paths over them, of one seed."""
-    mesh, exact, targets, paths = (os.path.join(folder, f) for f in
-                                   ("mesh.obj", "exact.csv", "targets.csv", "paths.json"))
-    with open(mesh, "w") as out:
-        out.writelines("v %s\n" % words(v).replace(",", " ") for v in vertices)
-        out.writelines("f %d %d %d\n" % tuple(k + 1 for k in t) for t in triangles)
+    mesh, targets, paths = (os.path.join(folder, f) for f in ("mesh.obj", "targets.csv", "paths.json"))
+    write_mesh(mesh, vertices, triangles)
     seed, chosen = rng.choice(vertices), rng.sample(vertices, TARGETS)
-    with open(exact, "w") as out:
-        out.writelines(words(p) + ",0\n" for p in chosen)
-    with open(targets, "w") as out:
-        out.writelines(words(p) + "\n" for p in chosen)
-    run(PEER, "--method", "oracle", "--mesh", mesh, "--seed", words(seed), "--points", exact)
+    write_points(targets, chosen)
     run(PROGRAM, mesh, "--resolution", RESOLUTION, "--seed", words(seed), "--targets", targets,
         "--paths", paths)
     voxel = max(max(v[k] for v in vertices) - min(v[k] for v in vertices)
                 for k in range(3)) / RESOLUTION
-    right = [float(row.split(",")[3]) for row in open(exact + ".exact") if row[0] in "-0123456789"]
     found = []
-    for path, d in zip(json.load(open(paths))["paths"], right):
+    for path, d in zip(json.load(open(paths))["paths"], exact_distances(mesh, seed, chosen), strict=True):
         assert (path["distance"] is None) == math.isinf(d), (seed, path["target"])
         if math.isinf(d) or d < NEAREST * voxel:
             continue

@@ -5,12 +5,11 @@ import math
 import os
 import random
 import shutil
-import subprocess
 import sys
 import tempfile
 
-PROGRAM = os.environ["IGEO_PROGRAM"]
-PEER = os.path.join(sys.argv[1], "igeo_peer")
+from exact_on_triangles import PEER, PROGRAM, exact_distances, moved, run, turn, words, write_mesh, write_points
+
 TURNS, TARGETS, WIDTH, FROM_EDGES = 12, 300, 16, 0.5  # lengths are in voxels
 MOST = 0.95  # of the 99th percentile on the extracted mesh, in each kind; measured 0.40 to 0.63
 KINDS = ("rib", "slot", "web", "channel", "plate")
@@ -54,7 +53,7 @@ class Part:
         self.offset = [rng.random() for _ in range(3)]
 
     def placed(self, x, y, z):
-        return [sum(r * c for r, c in zip(row, (x, y, z))) + o for row, o in zip(self.rows, self.offset)]
+        return moved((x, y, z), self.rows, self.offset)
 
     def at(self, s, y):
         k = max(i for i, c in enumerate(self.corners[:-1]) if c <= s)
@@ -84,29 +83,8 @@ class Part:
             quads.append([(ax, 0, az), (ax, WIDTH, az), (bx, WIDTH, bz), (bx, 0, bz)])
         for y in (0, WIDTH):
             quads += [[(x, y, z), (xx, y, z), (xx, y, zz), (x, y, zz)] for x, xx, z, zz in self.ends]
-        with open(file, "w") as out:
-            for k, quad in enumerate(quads):
-                out.writelines("v %s\n" % words(self.placed(*corner), " ") for corner in quad)
-                out.write("f %d %d %d\nf %d %d %d\n" % tuple(4 * k + c for c in (1, 2, 3, 1, 3, 4)))
-
-
-def turn(rng):
-    w, x, y, z = (rng.gauss(0, 1) for _ in range(4))
-    n = math.sqrt(w * w + x * x + y * y + z * z)
-    w, x, y, z = w / n, x / n, y / n, z / n
-    return [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
-
-
-def words(p, between=","):
-    return between.join("%.17g" % x for x in p)
-
-
-def run(*args):
-    done = subprocess.run([str(a) for a in args], capture_output=True, text=True)
-    assert done.returncode in (0, 4), done.stderr
-    return done
+        write_mesh(file, [self.placed(*corner) for quad in quads for corner in quad],
+                   [[4 * k + c for c in half] for k in range(len(quads)) for half in ((0, 1, 2), (0, 2, 3))])
 
 
 def errors(folder, part, rng):
@@ -119,14 +97,11 @@ def errors(folder, part, rng):
     run("vdb_tool", "-quiet", "-read", named("part.vdb"), "-ls2mesh", "-write", named("extracted.obj"))
     seed = part.anywhere(rng, 5, 11)
     targets = [part.anywhere(rng, 3, 13) for _ in range(TARGETS)]
-    for name, end in (("targets.csv", ""), ("exact.csv", ",0")):
-        with open(named(name), "w") as out:
-            out.writelines(words(part.at(*t)) + end + "\n" for t in targets)
+    points = [part.at(*t) for t in targets]
+    write_points(named("targets.csv"), points)
     ours = run(PROGRAM, named("part.vdb"), "--seed", words(part.at(*seed)), "--targets", named("targets.csv"),
                "--matrix", named("matrix.csv"))
-    run(PEER, "--method", "oracle", "--mesh", named("extracted.obj"), "--seed", words(part.at(*seed)),
-        "--points", named("exact.csv"))
-    extracted = [float(row.split(",")[3]) for row in open(named("exact.csv.exact")) if row[0] in "-0123456789i"]
+    extracted = exact_distances(named("extracted.obj"), part.at(*seed), points)
     found, unreached = [], 0
     with open(named("matrix.csv")) as matrix:
         for target, row, other in zip(targets, csv.DictReader(matrix), extracted, strict=True):

@@ -182,18 +182,19 @@ void Band::sever(const std::vector<Link>& links) {
         steps.emplace_back(j, SeveredLinks::bit(-d.x, -d.y, -d.z));
     }
     severed_.add(steps);
+    for (const auto& step : steps) {
+        const NodeIndex i = step.first;
+        if (facing[i] & kSevered) continue;
+        facing[i] |= kSevered | kBesideSevered;
+        forNeighbors(&BandLeaf::band, i,
+                     [&](NodeIndex j, int, int, int) { facing[j] |= kBesideSevered; });
+    }
+}
+
+void Band::markBesideSevered() {
     std::vector<NodeIndex> beside;
-    const auto addBeside = [&](NodeIndex j) {
-        if (!(facing[j] & kBesideSevered)) beside.push_back(j);
-        facing[j] |= kBesideSevered;
-    };
-    severed_.forNodes([&](NodeIndex i) {
-        facing[i] |= kSevered;
-        addBeside(i);
-        forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) { addBeside(j); });
-    });
-    // Once there is a core: the foot points of nodes outside it may lie beside severed links.
-    if (coreSize_ == 0) return;
+    for (NodeIndex i = 0; i < size(); ++i)
+        if (facing[i] & kBesideSevered) beside.push_back(i);
     for (const NodeIndex i : beside)
         forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
             if (!inCore(j)) facing[j] |= kBesideSevered;

@@ -89,10 +89,9 @@ struct Band {
     std::vector<Vec3f> normal;  ///< per node: unit normal at the foot point, along grad psi
 
     /// Per node, bits: kFacing where a neighbor lies on a sheet that faces it, kSevered where links
-    /// are severed, kBesideSevered there, at all neighbors of such nodes and, if the core was
-    /// numbered before, at the neighbors of these outside it, kBridged at the ends of bridges,
-    /// kStretched at those of stretched links, kKink where psi of a level set has a kink, kHasWays
-    /// at the ends of straight lines.
+    /// are severed, kBesideSevered there and at all neighbors of such nodes (and beyond:
+    /// markBesideSevered), kBridged at the ends of bridges, kStretched at those of stretched links,
+    /// kKink where psi of a level set has a kink, kHasWays at the ends of straight lines.
     std::vector<std::uint8_t> facing;
     static constexpr std::uint8_t kFacing = 1, kSevered = 2, kBesideSevered = 4, kBridged = 8,
                                   kStretched = 16, kKink = 32, kHasWays = 64;
@@ -266,6 +265,9 @@ struct Band {
     /// normals are set, as often as there are links to add.
     /// Time O(n log n) for n links.
     void sever(const std::vector<Link>& links);
+    /// Marks the neighbors of kBesideSevered outside the core too: on a mesh their foot points may
+    /// lie beside severed links. Call it once all links are severed and the core is numbered.
+    void markBesideSevered();
     /// SeveredLinks::bit of the neighbors that links of node i to are severed; 0 at most nodes,
     /// without a search.
     std::uint32_t severedSteps(NodeIndex i) const {

@@ -56,12 +56,6 @@ public:
     /// Adds steps of nodes, in any order; a node may occur several times. Time O(n log n).
     void add(const std::vector<std::pair<NodeIndex, std::uint32_t>>& steps);
 
-    /// Visits the nodes with severed links, in their order.
-    template <typename Visit>
-    void forNodes(const Visit& visit) const {
-        for (const auto& [node, steps] : ofNode_) visit(node);
-    }
-
     std::size_t memUsage() const { return ofNode_.capacity() * sizeof(ofNode_[0]); }
     friend bool operator==(const SeveredLinks& a, const SeveredLinks& b) {
         return a.ofNode_ == b.ofNode_;

@@ -97,12 +97,19 @@ private:
         if (!onMesh_) onMesh_ = placeOf(*band_.triangles, p_, cell_.normal);
         return *onMesh_;
     }
+    std::uint32_t sourceOf(const SurfacePoint& seed) const {
+        return field_.source[std::size_t(&seed - field_.seeds.data())];
+    }
     bool isOnMesh() const { return onMesh().triangle != SurfaceTriangles::kNone; }
     /// The length of a walk from a seed over edges of a mesh; +infinity: none up to `most`.
     double walkFrom(const Vec3d& at, double most) const;
     /// The first arrival, or a seed on the same page where that has few nodes, as in StartDisc.
     Arrival orFromPage(Arrival first) const;
     Arrival arrival(double d, const Straight& disc, std::uint32_t source) const;
+    Arrival orDisc(const Arrival& first, const Straight& disc) const {
+        if (!(disc.distance < first.distance)) return first;
+        return {disc.distance, sourceOf(*disc.seed), disc.seed};
+    }
     /// The first arrival, or the disc of a seed so close to others that no node is nearest to it.
     Arrival orBetweenNodes(const Arrival& first) const;
     /// Whether an earlier front reached a corner within the disc of this seed.
@@ -192,14 +199,13 @@ double Reader::walkFrom(const Vec3d& at, double most) const {
 }
 
 Arrival Reader::orFromPage(Arrival first) const {
-    constexpr double kLonger = 1.1;
     if (!field_.evenCosts || band_.spine.empty()) return first;
     field_.seedsNear.forNear(p_, [&](std::size_t k) {
         const SurfacePoint& s = field_.seeds[k];
         const Vec3d at = s.nearestTo(p_);
         const double r = length(p_ - at);
         if (r > Band::kSpineReach || !(s.start + s.weight * r < first.distance)) return;
-        const double d = s.start + s.weight * walkFrom(at, kLonger * r);
+        const double d = s.start + s.weight * walkFrom(at, kBeforeTight * r);
         if (d < first.distance) first = {d, field_.source[k], &s};
     });
     return first;
@@ -215,7 +221,7 @@ Arrival Reader::arrival(double d, const Straight& disc, std::uint32_t source) co
 
 bool Reader::isOverrun(const SurfacePoint& seed) const {
     constexpr double kRounding = 1e-3;  // voxels
-    const auto source = field_.source[std::size_t(&seed - field_.seeds.data())];
+    const std::uint32_t source = sourceOf(seed);
     auto isEarlier = [&](NodeIndex j, double distance) {
         const Vec3d voxel(band_.ijk(j));
         double straight = kInfinity;
@@ -388,10 +394,7 @@ Arrival Reader::byJets() const {
         addSeen(field_, seen, around);
         for (const std::uint32_t own : around.sources()) consider(own, around.first(own).distance);
         // A seed that is nearer than any node of its sheet.
-        const Straight disc = straight(first.distance, [](std::size_t) { return true; });
-        if (disc.distance < first.distance)
-            first = {disc.distance, field_.source[std::size_t(disc.seed - field_.seeds.data())],
-                     disc.seed};
+        first = orDisc(first, straight(first.distance, [](std::size_t) { return true; }));
         const double here = metric_.at(cell_);
         for (const Seen& s : seen) {
             if (!s.seed) continue;
@@ -413,14 +416,13 @@ Arrival Reader::byJets() const {
 
 Arrival Reader::orBetweenNodes(const Arrival& first) const {
     constexpr double kCell2 = 3;  // squared diagonal
-    const Straight disc = straight(first.distance, [&](std::size_t k) {
+    const auto isBeside = [&](std::size_t k) {
         const SurfacePoint& s = field_.seeds[k];
         const Vec3d r = s.nearestTo(p_) - p_;
         return dot(r, r) < kCell2 &&
                dot(Vec3d(band_.normal[s.node]), cell_.normal) > Band::kOtherSheet;
-    });
-    if (!(disc.distance < first.distance)) return first;
-    return {disc.distance, field_.source[std::size_t(disc.seed - field_.seeds.data())], disc.seed};
+    };
+    return orDisc(first, straight(first.distance, isBeside));
 }
 
 }  // namespace
@@ -451,61 +453,6 @@ std::array<NodeJet, 8> KnownJets::at(const std::array<NodeIndex, 8>& nodes) cons
             jets[k] = jets_[std::size_t(std::lower_bound(nodes_.begin(), nodes_.end(), nodes[k]) -
                                         nodes_.begin())];
     return jets;
-}
-
-Vec3d gradientOfFirst(const Field& field, const Vec3d& pIndex, const SurfaceCell& cell,
-                      std::uint32_t source) {
-    constexpr double kSameFront = 0.7, kSmooth = 0.9, kCancels = 0.1;
-    struct Corner {
-        Vec3d g, normal;
-        double weight, value;  ///< value: at the point, by a plane front
-    };
-    std::array<Corner, 8> corners;
-    std::size_t count = 0, first = 0;
-    const std::array<NodeJet, 8> jets = field.at(cell.node);
-    for (std::size_t k = 0; k < 8; ++k) {
-        const NodeJet& jet = jets[k];
-        if (!(jet.distance < kInfinity) || (source != kAnySource && jet.label != source)) continue;
-        const NodeIndex i = cell.node[k];
-        const Vec3d g(jet.gradient);
-        corners[count] = {g, Vec3d(field.band->normal[i]), cell.weight[k],
-                          jet.distance + dot(g, pIndex - field.band->footPoint(i))};
-        if (corners[count].value < corners[first].value) first = count;
-        ++count;
-    }
-    const Corner& lead = corners[first];
-    Vec3d sum{};
-    double weights = 0, lengths = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-        const Corner& c = corners[k];
-        // Gradients of godunov are differences over all fronts; over a crease one front turns.
-        const bool ofOther = field.atFootPoints && dot(c.normal, lead.normal) >= kSmooth &&
-                             dot(c.g, lead.g) < kSameFront * length(c.g) * length(lead.g);
-        if (ofOther) continue;
-        sum += c.weight * turned(c.g, c.normal, cell.normal), weights += c.weight,
-            lengths += c.weight * length(c.g);
-    }
-    const Vec3d g = tangential(sum, cell.normal);
-    return length(g) > kCancels * lengths ? (1 / weights) * g : Vec3d{};
-}
-
-Vec3d gradientAt(const Field& field, const Arrival& arrival, const Vec3d& pIndex,
-                 const SurfaceCell& cell) {
-    if (!(arrival.distance < kInfinity) || (field.gradient.empty() && !field.core)) return {};
-    const bool isotropic = !field.metric->anisotropic();
-    const double here = isotropic ? field.metric->at(cell) : 1;
-    if (arrival.seed && isotropic)
-        return here * normalized(tangential(pIndex - arrival.seed->nearestTo(pIndex), cell.normal));
-    Vec3d g = gradientOfFirst(field, pIndex, cell, arrival.source);
-    if (!(length(g) > 0)) {  // that of the nearest corner
-        double most = 0;
-        const std::array<NodeJet, 8> jets = field.at(cell.node);
-        for (std::size_t k = 0; k < 8; ++k)
-            if (jets[k].distance < kInfinity && jets[k].label == arrival.source &&
-                cell.weight[k] > most)
-                most = cell.weight[k], g = tangential(Vec3d(jets[k].gradient), cell.normal);
-    }
-    return isotropic ? here * normalized(g) : g;
 }
 
 }  // namespace igeo

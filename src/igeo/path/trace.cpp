@@ -6,6 +6,7 @@
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/mesh_read.h>
 #include <igeo/path/detail/curve_on_triangles.h>
+#include <igeo/path/detail/descent_step.h>
 #include <igeo/path/straighten.h>
 
 #include <algorithm>
@@ -36,14 +37,6 @@ public:
     Path trace(const SurfacePoint& target);
 
 private:
-    /// The direction of -G^-1 grad_S d (-grad_S d where the metric is isotropic), unit, blended
-    /// from the corners of the cell; false where it vanishes.
-    bool direction(const Vec3d& p, Vec3d& v) const;
-    /// One accepted Runge-Kutta step from p, projected, or a slide where an obstacle is ahead;
-    /// false if the step would be below minStep.
-    bool stepAlongGradient(Vec3d& p, double& step) const;
-    /// A step along the rim of an obstacle: in the free direction closest to v.
-    bool slide(Vec3d& p, const Vec3d& v, double step) const;
     /// Whether a path may pass through a node and continue from it: the value of each node came
     /// from a lower one.
     bool walkable(NodeIndex i) const;
@@ -97,81 +90,11 @@ private:
     const Band& band_;
     const Field& field_;
     const TraceOptions& options_;
-    Vec3d
-        /// Normal of the sheet of the path; needed where two sheets face each other in a cell
-        sheetNormal_;
+    Vec3d sheetNormal_;  ///< of the sheet of the path: another one may face it in a cell
 };
 
 Vec3d Tracer::normalAt(const Vec3d& p) const {
     return SurfaceCell(band_, *field_.metric, p, sheetNormal_).normal;
-}
-
-bool Tracer::direction(const Vec3d& p, Vec3d& v) const {
-    const SurfaceCell cell(band_, *field_.metric, p, sheetNormal_);
-    const Vec3d g = gradientOfFirst(field_, p, cell);
-    const double len = length(g);
-    if (!(len > 0)) return false;
-    if (!field_.metric->anisotropic()) {
-        v = -(1 / len) * g;
-        return true;
-    }
-    const TangentFrame frame{Vec3f(cell.normal)};
-    const Stretch stretch = field_.metric->inPlane(frame, cell).stretch;
-    v = -normalized(Vec3d(frame.lift(stretch.vectorBack(stretch.covector(frame.flat(Vec3f(g)))))));
-    return true;
-}
-
-bool Tracer::stepAlongGradient(Vec3d& p, double& step) const {
-    Vec3d k1, k2, k3, k4;
-    if (!direction(p, k1)) return false;
-    for (; step >= options_.minStep; step /= 2) {
-        if (!direction(p + (step / 2) * k1, k2) || !direction(p + (3 * step / 4) * k2, k3))
-            continue;
-        Vec3d q = p + step * ((2.0 / 9) * k1 + (1.0 / 3) * k2 + (4.0 / 9) * k3);
-        if (!direction(q, k4)) continue;
-        const double error =
-            step * length((-5.0 / 72) * k1 + (1.0 / 12) * k2 + (1.0 / 9) * k3 - (1.0 / 8) * k4);
-        const double ratio = error / options_.tolerance;
-        if (ratio > 1) continue;
-        const Vec3d free = q;
-        if (!projectToSurface(band_, q, sheetNormal_) || length(q - free) > step) continue;
-        if (band_.triangles && !followsSurface(band_, p, q)) continue;
-        if (field_.metric->blocked(p, q, sheetNormal_)) return slide(p, k1, step);
-        p = q;
-        // Third-order local error: the step that just meets the tolerance, with a margin.
-        const double growth = ratio > 0 ? 0.9 * std::cbrt(1 / ratio) : 2.0;
-        step = std::min(step * std::clamp(growth, 0.5, 2.0), options_.maxStep);
-        return true;
-    }
-    // Beside an obstacle every step may have a stage inside it, where no node has a gradient.
-    step = options_.maxStep / 2;
-    Vec3d ahead = p + step * k1;
-    projectToSurface(band_, ahead, sheetNormal_);
-    return field_.metric->blocked(p, ahead, sheetNormal_) && slide(p, k1, step);
-}
-
-bool Tracer::slide(Vec3d& p, const Vec3d& v, double step) const {
-    constexpr double kStep = 0.5, kCoarse = 0.15, kWidest = 2, kFine = 0.005;  // voxels, radians
-    const Vec3d across = cross(sheetNormal_, v);
-    Vec3d q;
-    auto isFree = [&](double angle) {
-        q = p + std::min(step, kStep) * (std::cos(angle) * v + std::sin(angle) * across);
-        return projectToSurface(band_, q, sheetNormal_) &&
-               !field_.metric->blocked(p, q, sheetNormal_);
-    };
-    for (double angle = kCoarse; angle < kWidest; angle += kCoarse)
-        for (const double turn : {1.0, -1.0}) {
-            if (!isFree(turn * angle)) continue;
-            double blocked = angle - kCoarse, free = angle;
-            while (free - blocked > kFine) {
-                const double middle = (free + blocked) / 2;
-                (isFree(turn * middle) ? free : blocked) = middle;
-            }
-            isFree(turn * free);
-            p = q;
-            return true;
-        }
-    return false;
 }
 
 bool Tracer::walkable(NodeIndex i) const {
@@ -382,7 +305,9 @@ bool Tracer::advance(State& at) const {
     if (options_.rough && at.node == kNoNode && stepFromNode(at)) return true;
     Vec3d next = at.p;
     Arrival there;
-    if (stepAlongGradient(next, at.step)) there = arrivalAt(field_, next, sheetNormal_);
+    const StepLimits limits{options_.minStep, options_.maxStep, options_.tolerance};
+    if (stepDown(field_, limits, sheetNormal_, next, at.step))
+        there = arrivalAt(field_, next, sheetNormal_);
     if (there.distance < at.d - kFall * field_.metric->at(cellAt(band_, at.p))) {
         at = {next, there.distance, there.seed, at.step, kNoNode};
         return true;

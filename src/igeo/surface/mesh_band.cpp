@@ -217,12 +217,13 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     const MeshBand on{adjacency, normals.ofFace, nearLeaves, folds, band};
     addBesideOthers(on, rim);
     band.numberCore(rim);
-    band.sever(linksOffMesh(on, progress));
+    severOffMesh(on, band, progress);
     band.spine = spineOfMesh(on);
     const MeshBridges bridges = bridgesOnMesh(on, progress);
     band.bridge(bridges.bridges);
     band.spine = bridges.spine;
     addWays(on, band, progress);
+    band.markBesideSevered();
     band.cutOff = shareCutOff(on);
     band.stretch(stretchedOnMesh(on, progress));
     if (gap > 0) {

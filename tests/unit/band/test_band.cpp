@@ -306,16 +306,23 @@ TEST_CASE("Band: linked cuts between sheets that face each other") {
 
 namespace {
 
-/// The plane z = 0 with the links across x = cut severed where y < end.
-Band slitPlane(double cut, int end) {
-    Band band = planeBand({0, 0, 1}, 0.1, {-12, -12, -4}, {12, 12, 4}, 1.8);
+Band plane(double h) { return planeBand({0, 0, 1}, 0.1, {-12, -12, -4}, {12, 12, 4}, h); }
+
+/// The links across x = cut where y < end.
+std::vector<Link> linksAcross(const Band& band, double cut, int end) {
     std::vector<Link> links;
     for (NodeIndex i = 0; i < band.size(); ++i)
         band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
             const Ijk a = band.ijk(i), b = band.ijk(j);
             if (a.x < cut && b.x > cut && std::max(a.y, b.y) < end) links.emplace_back(i, j);
         });
-    band.sever(links);
+    return links;
+}
+
+/// The plane z = 0 with these links severed.
+Band slitPlane(double cut, int end) {
+    Band band = plane(1.8);
+    band.sever(linksAcross(band, cut, end));
     return band;
 }
 
@@ -340,14 +347,16 @@ TEST_CASE("Band: severed links part neighbors in both directions, and nothing el
     CHECK(band.joined(at(2, -1), at(4, 1)));
 }
 
-TEST_CASE("Band: links may be severed in parts, in any order") {
-    const Band whole = slitPlane(2.5, 0);
-    Band parts = slitPlane(2.5, -4);
-    for (NodeIndex i = 0; i < whole.size(); ++i)
-        whole.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
-            if (i < j && whole.severed(i, j)) parts.sever({{j, i}, {i, j}});
-        });
-    CHECK(parts.facing == whole.facing);
+TEST_CASE("Band: links may be severed in parts, in any order, and mark the same nodes") {
+    Band whole = plane(3.5);
+    whole.numberCore();
+    Band parts = whole;
+    whole.sever(linksAcross(whole, 2.5, 0));
+    parts.sever(linksAcross(parts, 2.5, -4));
+    for (const auto& [i, j] : linksAcross(parts, 2.5, 0)) parts.sever({{j, i}, {i, j}});
+    whole.markBesideSevered();
+    parts.markBesideSevered();
+    CHECK((parts.facing == whole.facing));
     for (NodeIndex i = 0; i < whole.size(); ++i)
         CHECK(parts.severedSteps(i) == whole.severedSteps(i));
 }

@@ -16,13 +16,24 @@ struct MeshWay {
     WalkEnds line;
 };
 
-/// The straight lines of a band, and its nodes by their triangles.
+/// Nodes by the triangles of their foot points.
+struct NodesOnTriangles {
+    std::vector<std::pair<std::uint32_t, NodeIndex>> all;  ///< sorted
+
+    /// Calls visit(node) for the nodes on a triangle.
+    template <typename Visit>
+    void forOn(std::uint32_t triangle, const Visit& visit) const {
+        auto at = std::lower_bound(all.begin(), all.end(), std::pair(triangle, NodeIndex(0)));
+        for (; at != all.end() && at->first == triangle; ++at) visit(at->second);
+    }
+};
+
+/// The straight lines of a band, and the core nodes around.
 struct MeshWays {
     static constexpr double kReach = 12;  ///< longest line, voxels
 
     std::vector<MeshWay> ways;  ///< in both directions, sorted by their ends
-    /// Core nodes around, by the triangles of their foot points, sorted.
-    std::vector<std::pair<std::uint32_t, NodeIndex>> ofTriangle;
+    NodesOnTriangles nodes;
 
     /// Calls visit(line) for the straight lines to a node.
     template <typename Visit>
@@ -30,13 +41,6 @@ struct MeshWays {
         auto at = std::lower_bound(ways.begin(), ways.end(), i,
                                    [](const MeshWay& w, NodeIndex node) { return w.to < node; });
         for (; at != ways.end() && at->to == i; ++at) visit(*at);
-    }
-    /// Calls visit(node) for the nodes with foot points on a triangle.
-    template <typename Visit>
-    void forOn(std::uint32_t triangle, const Visit& visit) const {
-        auto at = std::lower_bound(ofTriangle.begin(), ofTriangle.end(),
-                                   std::pair(triangle, NodeIndex(0)));
-        for (; at != ofTriangle.end() && at->first == triangle; ++at) visit(at->second);
     }
 };
 

@@ -42,6 +42,9 @@ struct WalkEnds {
     WalkEnds reversed() const { return {length, last, first, -in, -out, mirrored, straight}; }
 };
 
+/// The longest walk where a straight one is looked for: before it is pulled tight, over the chord.
+constexpr double kBeforeTight = 1.1;
+
 /// The edge of a triangle that is an edge of another one, in either direction; 3: none.
 template <typename Triangle>
 std::uint32_t edgeShared(const Triangle& triangle, const Triangle& other, std::uint32_t edge) {

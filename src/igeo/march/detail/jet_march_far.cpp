@@ -101,29 +101,26 @@ JetMarch::Jump JetMarch::firstByWalks(NodeIndex i, std::vector<From> from, doubl
 }
 
 JetMarch::Jump JetMarch::jumpTo(NodeIndex i) const {
-    // A walk before it is pulled tight; jumps that matter, beside the first.
-    constexpr double kLonger = 1.1, kRoom = 0.1, kAround = 1;  // voxels
+    constexpr double kRoom = 0.1, kAround = 1;  // voxels; around: jumps that matter
+    auto cost = [&](NodeIndex j) { return (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2; };
     Jump jump;
     if (core_.band.triangles && isotropic_) {
         std::vector<From> from;
         forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
             if (!jets_.accepted(j)) return;
-            const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2,
-                         far = double(length(chord));
-            from.push_back({jets_.valueOf(j) + cost * far, kLonger * far + kRoom, j});
+            const double far = double(length(chord));
+            from.push_back({jets_.valueOf(j) + cost(j) * far, kBeforeTight * far + kRoom, j});
         });
         forWays(core_, i, [&](NodeIndex j, const WalkEnds& line) {
             if (!jets_.accepted(j)) return;
-            const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2;
-            from.push_back({jets_.valueOf(j) + cost * line.length, line.length, j, &line});
+            from.push_back({jets_.valueOf(j) + cost(j) * line.length, line.length, j, &line});
         });
         jump = firstByWalks(i, std::move(from), kAround);
         if (jump.u < float(kInfinity)) return jump;
     }
     forJumps(core_, i, [&](NodeIndex j, const Vec3f& chord) {
         if (!jets_.accepted(j)) return;
-        const double cost = (core_.largestCostAt(i) + core_.largestCostAt(j)) / 2;
-        const float u = fromStart(jets_.valueOf(j) + cost * double(length(chord)));
+        const float u = fromStart(jets_.valueOf(j) + cost(j) * double(length(chord)));
         if (u < jump.u) jump = {u, {}, jets_.labelOf(j)};
     });
     return jump;

@@ -120,14 +120,13 @@ private:
     /// Around a seed on a page with few nodes the disc has no neighbors to grow over. It takes in
     /// those that a straight walk joins with the seed, as jumps do.
     void visitSpine() {
-        constexpr double kLonger = 1.1;
         if (!core_.isEven()) return;
         for (const NodeIndex j : core_.band.spineNear(seed_.pIndex)) {
             const NodeIndex i = core_.band.coreNode(j);
             const Vec3d foot = core_.footOf(core_.nodes[i]);
             Solved s;
             if (jetByWalk(core_, seeds_, k_, core_.localFrame(i), foot,
-                          kLonger * length(foot - nearestOfSeed(i)), s))
+                          kBeforeTight * length(foot - nearestOfSeed(i)), s))
                 found_.emplace_back(i, s);
         }
     }
@@ -141,7 +140,7 @@ private:
         const MeshFan fan(*band.triangles, MeshPoint{at.triangle, at.point}, MeshWays::kReach);
         WalkEnds way;
         for (std::size_t k = 0; k < fan.parts().size(); ++k)
-            band.ways->forOn(fan.parts()[k].triangle, [&](NodeIndex node) {
+            band.ways->nodes.forOn(fan.parts()[k].triangle, [&](NodeIndex node) {
                 if (!fan.sees(k, band.footPoint(node), way)) return;
                 const NodeIndex i = band.coreNode(node);
                 if (core_.nodes[i].obstacleState == Metric::Inside) return;

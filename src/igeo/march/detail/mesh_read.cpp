@@ -11,7 +11,6 @@ namespace igeo {
 namespace {
 
 constexpr double kFarthest = 3, kLongestWalk = 5;  // voxels; longer between pages
-constexpr double kLonger = 1.1;                    // walks from the spine, than the chord
 
 /// A core node near a point.
 struct Near {
@@ -212,7 +211,7 @@ std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at
     };
     for (std::size_t k = 0; k < fan.parts().size(); ++k) {
         const std::uint32_t t = fan.parts()[k].triangle;
-        band.ways->forOn(t, [&](NodeIndex i) {
+        band.ways->nodes.forOn(t, [&](NodeIndex i) {
             if (!fan.sees(k, band.footPoint(i), out)) return;
             const NodeJet jet = field.at(i);
             if (jet.distance < kInfinity) add(k, i, nullptr, band.footPoint(i), jet);
@@ -245,7 +244,7 @@ JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
     std::vector<const Near*> apart;
     for (const Near& near : nodes) {
         if (near.least > first + kAround * here) break;
-        const double most = std::max(kLongestWalk, kLonger * length(near.foot - at.point));
+        const double most = std::max(kLongestWalk, kBeforeTight * length(near.foot - at.point));
         const double d = jets.add(near.foot, Vec3d(band.normal[near.node]), near.jet,
                                   field.metric->at(near.node), most);
         if (d < kInfinity)

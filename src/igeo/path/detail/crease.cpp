@@ -182,9 +182,10 @@ bool CreaseWalk::isNearCrease(const Walker& w) const {
         Vec3d p = w.p, n = w.n, foot = w.p;
         for (int step = 0; step < kSteps; ++step) {
             const Vec3d q = p + kStep * normalized(tangential(direction, n));
-            const NodeIndex i = hasIjk(q) ? band_.nodeAt(roundToIjk(q)) : kNoNode;
+            const Ijk voxel = hasIjk(q) ? roundToIjk(q) : Ijk{};
+            const NodeIndex i = hasIjk(q) ? band_.nodeAt(voxel) : kNoNode;
             if (i == kNoNode) return true;
-            const Vec3d next = Vec3d(band_.normal[i]), nextFoot = band_.footPoint(i);
+            const Vec3d next(band_.normal[i]), nextFoot = Vec3d(voxel) + Vec3d(band_.footOf(i));
             if (length(next - n) > kLeastRate * std::max(length(nextFoot - foot), kStep))
                 return true;
             n = next, foot = nextFoot;
@@ -299,8 +300,7 @@ CreaseWalk::Crossing CreaseWalk::overLine(const Walker& last, const Walker& roug
 }
 
 bool CreaseWalk::advance(std::vector<Walker>& track) {
-    constexpr double kAtOnce = 2, kAgain = 0.9;
-    constexpr double kSameBend = 5;
+    constexpr double kAtOnce = 2, kAgain = 0.9, kSameBend = 5;
     const Walker w = track.back();
     if (length(w.p - without_) < kAgain || !isNearCrease(w)) {
         own_.reset();

@@ -139,7 +139,7 @@ void Bridges::find(NodeIndex i, bool pages, MeshBridges& all) {
 
 void Bridges::findSpine(NodeIndex i, MeshBridges& all) {
     // Nearer nodes are in the box. Fronts that pass the edge at up to 75 degrees come straight.
-    constexpr double kNear = 2, kSlant = 4, kLonger = 1.1;
+    constexpr double kNear = 2, kSlant = 4;
     const MeshPoint from = on_.foot(i);
     const TangentFrame frame(band_.normal[i]);
     const std::vector<NodeIndex> spine = band_.spineNear(from.at);
@@ -154,7 +154,7 @@ void Bridges::findSpine(NodeIndex i, MeshBridges& all) {
     double nearest = kInfinity;
     for (const NodeIndex j : spine) {
         const double chord = igeo::length(on_.foot(j).at - from.at),
-                     length = walk_.length(from, on_.foot(j), kLonger * chord);
+                     length = walk_.length(from, on_.foot(j), kBeforeTight * chord);
         if (!(length < kInfinity)) continue;
         nearest = std::min(nearest, length);
         found.emplace_back(length, Bridge{i, j, float(std::max(1.0, length / chord)), true});

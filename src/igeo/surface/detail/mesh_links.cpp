@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace igeo {
 
@@ -81,12 +82,12 @@ private:
 /// The links of one leaf's nodes to nodes of larger numbers.
 class LinksOfLeaf {
 public:
-    /// @param among  per node: only links between these are tested; or null: links of the core come
-    ///               first, and where no sheet faces another and the mesh has all of these, no
-    ///               others
-    LinksOfLeaf(const MeshBand& on, LeafIndex l, MeshWalk& walk,
-                const std::vector<std::uint8_t>* among, std::vector<Link>& off)
-        : on_(on), nodes_(on.band.leaves[l].band), walk_(walk), among_(among), off_(off) {
+    /// @param beside  only links beside severed ones are tested, not those of the core; else links
+    ///                of the core come first, and where no sheet faces another and the mesh has all
+    ///                of these, no others
+    LinksOfLeaf(const MeshBand& on, LeafIndex l, MeshWalk& walk, bool beside,
+                std::vector<Link>& off)
+        : on_(on), nodes_(on.band.leaves[l].band), walk_(walk), beside_(beside), off_(off) {
         LeafSheets sheets(on, on.leaves[l].triangles);
         if (sheets.isOneEvenSheet()) return;
         pages_ = pagesMeetNear(on, l);
@@ -94,7 +95,7 @@ public:
             sheetOf_.push_back(sheets.evenSheetOf(v.triangle));
         const auto first = on.band.facing.begin() + nodes_.firstNode;
         // Where no core node has a sheet facing it, no node has.
-        if (!among && std::all_of(first, first + nodes_.count, [](auto f) { return f == 0; })) {
+        if (!beside && std::all_of(first, first + nodes_.count, [](auto f) { return f == 0; })) {
             find(sheets, /*coreOnly=*/true);
             if (off_.empty()) return;
             off_.clear();
@@ -103,24 +104,23 @@ public:
     }
 
 private:
+    bool isBeside(NodeIndex i) const { return on_.band.facing[i] & Band::kBesideSevered; }
     void find(LeafSheets& sheets, bool coreOnly) {
         const NodeIndex end = nodes_.firstNode + nodes_.count;
         for (NodeIndex i = nodes_.firstNode; i < end; ++i) {
-            if (among_ && !(*among_)[i]) continue;
+            if (beside_ && !isBeside(i)) continue;
             const bool isCore = on_.band.inCore(i);
             const std::uint32_t sheet = sheetOf_[i - nodes_.firstNode];
-            auto visit = [&](NodeIndex j) {
+            on_.band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
                 // A node of the next leaf may have a sheet facing it.
-                if (j < i || (among_ && (!(*among_)[j] || (isCore && on_.band.inCore(j)))) ||
+                if (j < i || (beside_ && (!isBeside(j) || (isCore && on_.band.inCore(j)))) ||
                     (coreOnly && !(isCore && on_.band.inCore(j)) && !on_.band.facing[j]))
                     return;
                 if (sheet == LeafSheets::kNone ||
                     sheet != (j < end ? sheetOf_[j - nodes_.firstNode]
                                       : sheets.evenSheetOf(on_.voxel(j).triangle)))
                     test(i, j);
-            };
-            on_.band.forNeighbors(&BandLeaf::band, i,
-                                  [&](NodeIndex j, int, int, int) { visit(j); });
+            });
         }
     }
     void test(NodeIndex i, NodeIndex j) {
@@ -142,7 +142,7 @@ private:
     const MeshBand& on_;
     const LeafNodes& nodes_;
     MeshWalk& walk_;
-    const std::vector<std::uint8_t>* const among_;
+    const bool beside_;
     std::vector<Link>& off_;
     bool pages_ = false;                  ///< pagesMeetNear
     std::vector<std::uint32_t> sheetOf_;  ///< per node of the leaf: LeafSheets::evenSheetOf
@@ -197,41 +197,28 @@ std::vector<std::uint8_t> leavesThatFold(const MeshAdjacency& adjacency,
     return folds;
 }
 
-std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress) {
+void severOffMesh(const MeshBand& on, Band& band, Progress& progress) {
     std::vector<std::vector<Link>> parts(on.leaves.size());
-    parallelFor(on.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
-        MeshWalk walk(on.adjacency);
-        for (std::size_t l = begin; l < end; ++l)
-            LinksOfLeaf(on, LeafIndex(l), walk, nullptr, parts[l]);
-    });
+    auto severIn = [&](const std::vector<LeafIndex>& leaves, bool beside) {
+        parallelFor(leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
+            MeshWalk walk(on.adjacency);
+            for (std::size_t k = begin; k < end; ++k)
+                LinksOfLeaf(on, leaves[k], walk, beside, parts[leaves[k]]);
+        });
+        std::vector<Link> off;
+        for (const LeafIndex l : leaves) off.insert(off.end(), parts[l].begin(), parts[l].end());
+        band.sever(off);
+    };
+    std::vector<LeafIndex> leaves(on.leaves.size());
+    std::iota(leaves.begin(), leaves.end(), LeafIndex(0));
+    severIn(leaves, /*beside=*/false);
     // In leaves beside these the mesh may lack links of nodes outside the core alone.
-    const Band& band = on.band;
-    std::vector<LeafIndex> beside;
-    constexpr std::uint8_t kNear = 1, kEnd = 2;
-    std::vector<std::uint8_t> nearOff(band.size());
-    for (LeafIndex l = 0; l < parts.size(); ++l) {
+    auto isOff = [&](LeafIndex l) { return l != kNoLeaf && !parts[l].empty(); };
+    std::erase_if(leaves, [&](LeafIndex l) {
         const auto& around = band.leaves[l].neighbor;
-        const bool hasOff = !parts[l].empty();
-        if (!hasOff && std::any_of(around.begin(), around.end(),
-                                   [&](LeafIndex m) { return m != kNoLeaf && !parts[m].empty(); }))
-            beside.push_back(l);
-        for (const auto& [i, j] : parts[l])
-            for (const NodeIndex end : {i, j}) {
-                if (nearOff[end] == kEnd) continue;
-                nearOff[end] = kEnd;
-                band.forNeighbors(&BandLeaf::band, end, [&](NodeIndex k, int, int, int) {
-                    nearOff[k] = std::max(nearOff[k], kNear);
-                });
-            }
-    }
-    parallelFor(beside.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
-        MeshWalk walk(on.adjacency);
-        for (std::size_t k = begin; k < end; ++k)
-            LinksOfLeaf(on, beside[k], walk, &nearOff, parts[beside[k]]);
+        return isOff(l) || std::none_of(around.begin(), around.end(), isOff);
     });
-    std::vector<Link> off;
-    for (const auto& part : parts) off.insert(off.end(), part.begin(), part.end());
-    return off;
+    severIn(leaves, /*beside=*/true);
 }
 
 std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progress) {

@@ -51,15 +51,16 @@ inline double longestFor(double arc) { return 1.25 * arc + 0.25; }
 /// Whether three or more triangles meet in an edge in a leaf or one beside it.
 bool pagesMeetNear(const MeshBand& on, LeafIndex l);
 
-/// Links between neighbors that normals allow but the mesh does not have: where a walk over
-/// triangles is much longer than the path over the two tangent planes, which a march uses as its
-/// length, or where there is no walk.
+/// Severs the links between neighbors that normals allow but the mesh does not have: where a walk
+/// over triangles is much longer than the path over the two tangent planes, which a march uses as
+/// its length, or where there is no walk.
 /// @throws Error  Cancelled through `progress`
 /// Time O(triangles + nodes), in parallel: leaves whose triangles are connected and face one
 /// direction are skipped, and leaves where no sheet faces another are tested at the core only, and
-/// beside links that are off.
-/// @param on  its core numbered
-std::vector<Link> linksOffMesh(const MeshBand& on, Progress& progress);
+/// beside links that are severed.
+/// @param on    its core numbered
+/// @param band  that of `on`
+void severOffMesh(const MeshBand& on, Band& band, Progress& progress);
 
 /// Links of the core over bends of the mesh, with their lengths along it: where normals differ by
 /// more than 10 degrees and the walk is not as long as the path over the two tangent planes.

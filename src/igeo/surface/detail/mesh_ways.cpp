@@ -16,48 +16,20 @@ namespace igeo {
 namespace {
 
 using Fan = MeshFan<MeshAdjacency>;
-constexpr double kTurnAround = 2 * std::numbers::pi;
 
-/// The core nodes by the triangles of their foot points.
-class CoreOnTriangles {
-public:
-    explicit CoreOnTriangles(const MeshBand& on) : begin_(on.faceNormal.size() + 1) {
-        auto forCore = [&](const auto& visit) {
-            for (LeafIndex l = 0; l < on.band.leaves.size(); ++l)
-                on.band.forNodes(l, [&](NodeIndex i, unsigned at) {
-                    if (on.band.leaves[l].core.node(at) != kNoNode) visit(i);
-                });
-        };
-        // Foot points at vertices belong to all triangles there.
-        auto forTriangles = [&](NodeIndex i, const auto& visit) {
-            if (on.voxel(i).feature >= 3) return visit(on.voxel(i).triangle);
-            for (const std::uint32_t t : trianglesAt(on.adjacency, on.foot(i))) visit(t);
-        };
-        forCore([&](NodeIndex i) { forTriangles(i, [&](std::uint32_t t) { ++begin_[t + 1]; }); });
-        for (std::size_t t = 1; t < begin_.size(); ++t) begin_[t] += begin_[t - 1];
-        node_.resize(begin_.back());
-        std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-        forCore(
-            [&](NodeIndex i) { forTriangles(i, [&](std::uint32_t t) { node_[next[t]++] = i; }); });
+/// The core nodes; those with foot points at vertices are on all triangles there.
+NodesOnTriangles coreOnTriangles(const MeshBand& on) {
+    NodesOnTriangles core;
+    for (NodeIndex i = 0; i < on.band.size(); ++i) {
+        if (!on.band.inCore(i)) continue;
+        if (on.voxel(i).feature >= 3)
+            core.all.emplace_back(on.voxel(i).triangle, i);
+        else
+            for (const std::uint32_t t : trianglesAt(on.adjacency, on.foot(i)))
+                core.all.emplace_back(t, i);
     }
-    template <typename Visit>
-    void forOn(std::uint32_t triangle, const Visit& visit) const {
-        for (std::size_t k = begin_[triangle]; k < begin_[triangle + 1]; ++k) visit(node_[k]);
-    }
-
-private:
-    std::vector<std::size_t> begin_;
-    std::vector<NodeIndex> node_;
-};
-
-/// Calls visit(j, line) for the nodes to which straight lines of the fan lead.
-template <typename Visit>
-void forSeen(const MeshBand& on, const CoreOnTriangles& core, const Fan& fan, const Visit& visit) {
-    WalkEnds line;
-    for (std::size_t k = 0; k < fan.parts().size(); ++k)
-        core.forOn(fan.parts()[k].triangle, [&](NodeIndex j) {
-            if (fan.sees(k, on.foot(j).at, line)) visit(j, line);
-        });
+    std::sort(core.all.begin(), core.all.end());
+    return core;
 }
 
 /// Adds the directions of the links and bridges of a node to a sector.
@@ -81,30 +53,34 @@ void addLinks(const MeshBand& on, MeshWalk& walk, NodeIndex i, const TangentFram
     });
 }
 
-/// The nearest of the nodes seen in each of 16 directions, two of each.
-/// @param seenThere  all that are seen
-std::vector<MeshWay> nearestAround(const MeshBand& on, const CoreOnTriangles& core, NodeIndex i,
-                                   std::vector<NodeIndex>& seenThere) {
+/// The nodes that straight lines from a node lead to.
+struct Around {
+    std::vector<MeshWay> nearest;  ///< two in each of 16 directions
+    std::vector<NodeIndex> seen;   ///< all
+};
+Around lookAround(const MeshBand& on, const NodesOnTriangles& core, NodeIndex i) {
     constexpr std::size_t kDirections = 16, kMost = 2;
     const TangentFrame frame(on.band.normal[i]);
     std::vector<MeshWay> seen;
-    forSeen(on, core, Fan(on.adjacency, on.foot(i), MeshWays::kReach),
-            [&](NodeIndex j, const WalkEnds& line) {
-                if (j != i) seen.push_back({i, j, line});
-            });
+    const Fan fan(on.adjacency, on.foot(i), MeshWays::kReach);
+    WalkEnds line;
+    for (std::size_t k = 0; k < fan.parts().size(); ++k)
+        core.forOn(fan.parts()[k].triangle, [&](NodeIndex j) {
+            if (j != i && fan.sees(k, on.foot(j).at, line)) seen.push_back({i, j, line});
+        });
     std::sort(seen.begin(), seen.end(), [](const MeshWay& a, const MeshWay& b) {
         return std::tie(a.line.length, a.to) < std::tie(b.line.length, b.to);
     });
-    for (const MeshWay& way : seen) seenThere.push_back(way.to);
+    Around around;
     std::array<std::size_t, kDirections> count{};
-    std::vector<MeshWay> kept;
     for (const MeshWay& way : seen) {
+        around.seen.push_back(way.to);
         const Vec2f a = frame.flat(Vec3f(way.line.out));
-        const double turn = std::atan2(double(a.y), double(a.x)) / kTurnAround + 0.5;
+        const double turn = std::atan2(double(a.y), double(a.x)) / (2 * std::numbers::pi) + 0.5;
         std::size_t& here = count[std::size_t(turn * kDirections) % kDirections];
-        if (here++ < kMost) kept.push_back(way);
+        if (here++ < kMost) around.nearest.push_back(way);
     }
-    return kept;
+    return around;
 }
 
 template <typename Find>
@@ -130,20 +106,19 @@ std::vector<NodeIndex> openOnMesh(const MeshBand& on, Progress& progress) {
             if (band.facing[i] & Band::kSevered && band.inCore(i)) some.push_back(i);
         });
     }
-    const auto isOpen = inParallel(some.size(), progress, [&](std::size_t k) -> std::uint8_t {
+    auto open = inParallel(some.size(), progress, [&](std::size_t k) -> NodeIndex {
         MeshWalk walk(on.adjacency);
         const TangentFrame frame(band.normal[some[k]]);
         OpenSector sector;
         addLinks(on, walk, some[k], frame, sector);
-        if (!sector.find()) return 0;
+        if (!sector.find()) return kNoNode;
         // Whether a straight line of this length leads into it.
         const Fan fan(on.adjacency, on.foot(some[k]), kOn);
-        return fan.leads(
+        const bool leads = fan.leads(
             [&](const Vec3d& out) { return sector.holds(frame.flat(Vec3f(out)), kMargin); });
+        return leads ? some[k] : kNoNode;
     });
-    std::vector<NodeIndex> open;
-    for (std::size_t k = 0; k < some.size(); ++k)
-        if (isOpen[k]) open.push_back(some[k]);
+    std::erase(open, kNoNode);
     return open;
 }
 
@@ -166,19 +141,12 @@ std::vector<Link> inexactLinks(const MeshBand& on, const std::vector<NodeIndex>&
 MeshWays waysOnMesh(const MeshBand& on, const std::vector<NodeIndex>& open, Progress& progress) {
     MeshWays all;
     if (open.empty()) return all;
-    const CoreOnTriangles core(on);
-    struct Around {
-        std::vector<MeshWay> ways;
-        std::vector<NodeIndex> seen;
-    };
-    const auto parts = inParallel(open.size(), progress, [&](std::size_t k) {
-        Around around;
-        around.ways = nearestAround(on, core, open[k], around.seen);
-        return around;
-    });
+    const NodesOnTriangles core = coreOnTriangles(on);
+    const auto parts = inParallel(open.size(), progress,
+                                  [&](std::size_t k) { return lookAround(on, core, open[k]); });
     std::vector<NodeIndex> seen(open);
     for (const Around& part : parts) {
-        for (const MeshWay& way : part.ways) {
+        for (const MeshWay& way : part.nearest) {
             all.ways.push_back(way);
             all.ways.push_back({way.to, way.from, way.line.reversed()});
         }
@@ -196,8 +164,8 @@ MeshWays waysOnMesh(const MeshBand& on, const std::vector<NodeIndex>& open, Prog
                    all.ways.end());
     for (const NodeIndex i : seen)
         for (const std::uint32_t t : trianglesAt(on.adjacency, on.foot(i)))
-            all.ofTriangle.emplace_back(t, i);
-    std::sort(all.ofTriangle.begin(), all.ofTriangle.end());
+            all.nodes.all.emplace_back(t, i);
+    std::sort(all.nodes.all.begin(), all.nodes.all.end());
     return all;
 }
 
