@@ -36,7 +36,7 @@ void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
     const std::vector<BandLeaf>& leaves = jets.core->band.leaves;
     const std::vector<Vec3f> gradients = gradientsOf(jets);
     const Extension extension(jets, gradients);
-    // Doubtful nodes of so many leaves are solved side by side.
+    // Nodes that may be where fronts meet are solved side by side, over so many leaves.
     constexpr std::size_t kAtOnce = 16;
     parallelFor(leaves.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
         LeafNumbers<2> numbers;
