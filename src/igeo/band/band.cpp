@@ -376,6 +376,10 @@ Vec3d dropFacingCorners(const Band& band, BandCell& cell, const Vec3d& sheetNorm
 
 namespace {
 
+Vec3d fromCorner(const BandCell& cell, std::size_t k) {
+    return cell.t - Vec3d(double(k >> 2), double(k >> 1 & 1), double(k & 1));
+}
+
 /// As samplePsi has it where corners are missing.
 PsiSample sampleAtRim(const Band& band, const BandCell& cell) {
     constexpr double kLeast = 0.05;
@@ -383,8 +387,7 @@ PsiSample sampleAtRim(const Band& band, const BandCell& cell) {
     double there = 0;
     for (std::size_t k = 0; k < 8; ++k) {
         if (cell.node[k] == kNoNode) continue;
-        const Vec3d normal(band.normal[cell.node[k]]),
-            chord = cell.t - Vec3d(double(k >> 2), double(k >> 1 & 1), double(k & 1));
+        const Vec3d normal(band.normal[cell.node[k]]), chord = fromCorner(cell, k);
         there += cell.weight[k];
         s.psi += cell.weight[k] * (double(band.psi[cell.node[k]]) + dot(normal, chord));
         s.gradient += cell.weight[k] * normal;
@@ -403,8 +406,7 @@ PsiSample samplePsi(const Band& band, const Vec3d& p) {
     if (!cell.complete) return sampleAtRim(band, cell);
     s.valid = true;
     for (std::size_t k = 0; k < 8; ++k) {
-        const Vec3d normal(band.normal[cell.node[k]]),
-            chord = cell.t - Vec3d(double(k >> 2), double(k >> 1 & 1), double(k & 1));
+        const Vec3d normal(band.normal[cell.node[k]]), chord = fromCorner(cell, k);
         const double v = double(band.psi[cell.node[k]]) + dot(normal, chord) / 2;
         const double wx = k >> 2 ? cell.t.x : 1 - cell.t.x,
                      wy = k >> 1 & 1 ? cell.t.y : 1 - cell.t.y,

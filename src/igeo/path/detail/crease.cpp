@@ -182,8 +182,9 @@ bool CreaseWalk::isNearCrease(const Walker& w) const {
         Vec3d p = w.p, n = w.n, foot = w.p;
         for (int step = 0; step < kSteps; ++step) {
             const Vec3d q = p + kStep * normalized(tangential(direction, n));
-            const Ijk voxel = hasIjk(q) ? roundToIjk(q) : Ijk{};
-            const NodeIndex i = hasIjk(q) ? band_.nodeAt(voxel) : kNoNode;
+            if (!hasIjk(q)) return true;
+            const Ijk voxel = roundToIjk(q);
+            const NodeIndex i = band_.nodeAt(voxel);
             if (i == kNoNode) return true;
             const Vec3d next(band_.normal[i]), nextFoot = Vec3d(voxel) + Vec3d(band_.footOf(i));
             if (length(next - n) > kLeastRate * std::max(length(nextFoot - foot), kStep))

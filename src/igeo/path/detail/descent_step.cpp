@@ -4,6 +4,7 @@
 #include <igeo/band/tangent_frame.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace igeo {
 
