@@ -185,7 +185,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
         report.paths = distance.paths(o.straighten, stages);
         stages.finished("trace");
     }
-    warnOfPathsAgainstDistances(distance.band().transform.dx, report);
+    warnOfPathsAgainstDistances(*distance.marched(), report);
     if (!distance.band().triangles) warnOfLongSteps(distance.band().transform.dx, report);
     if (o.hasSeeds() && (o.verbose || !o.report.empty()))
         report.accuracy = estimate(distance, report.surface.fit, console, stages);

@@ -18,10 +18,13 @@ namespace igeo {
 
 namespace {
 
-/// Voxels times weight; unreached beyond the limit of the march.
+/// Unreached beyond the limit of the march.
+double withinLimit(const Field& field, double distance) {
+    return distance <= field.greatest ? distance : kInfinity;
+}
+/// Voxels times weight.
 double distanceAt(const Field& field, const SurfacePoint& p) {
-    const double d = sampleDistance(field, p.pIndex, Vec3d(field.band->normal[p.node]));
-    return d <= field.greatest ? d : kInfinity;
+    return withinLimit(field, sampleDistance(field, p.pIndex, Vec3d(field.band->normal[p.node])));
 }
 
 }  // namespace
@@ -177,15 +180,18 @@ std::vector<Polyline> Distance::paths(bool straightened, Progress& progress) con
 }
 
 std::vector<double> Distance::atTargets() const {
-    std::vector<double> distances(targets_.size());
-    const std::shared_ptr<const Field> field = forPoints(targets_.size());
-    parallelFor(distances.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const SurfacePoint& p = targets_[k];
-            distances[k] = p.offSurface ? std::numeric_limits<double>::quiet_NaN()
-                                        : band_->transform.dx * distanceAt(*field, p);
-        }
-    });
+    std::vector<double> distances(targets_.size(), std::numeric_limits<double>::quiet_NaN());
+    std::vector<std::size_t> onSurface;
+    std::vector<Vec3d> points;
+    std::vector<Vec3f> normals;
+    for (std::size_t k = 0; k < targets_.size(); ++k) {
+        if (targets_[k].offSurface) continue;
+        onSurface.push_back(k), points.push_back(targets_[k].pIndex);
+        normals.push_back(band_->normal[targets_[k].node]);
+    }
+    const std::vector<Arrival> first = arrivalsAt(*marched(), points, normals);
+    for (std::size_t k = 0; k < first.size(); ++k)
+        distances[onSurface[k]] = band_->transform.dx * withinLimit(*marched(), first[k].distance);
     return distances;
 }
 VertexValues Distance::atVertices(Progress& progress) const {

@@ -87,10 +87,14 @@ std::vector<SurfacePoint> targetsOn(const Band& band) {
 /// A row of a matrix, as `distances` reads it.
 PointsCsv valuesAt(const std::vector<SurfacePoint>& targets, const Field& field) {
     const Band& band = *field.band;
-    PointsCsv csv;
+    std::vector<Vec3d> points;
+    std::vector<Vec3f> normals;
     for (const SurfacePoint& p : targets)
-        csv.add(band.transform.worldFromIndex(p.pIndex),
-                band.transform.dx * sampleDistance(field, p.pIndex, Vec3d(band.normal[p.node])));
+        points.push_back(p.pIndex), normals.push_back(band.normal[p.node]);
+    const std::vector<Arrival> first = arrivalsAt(field, points, normals);
+    PointsCsv csv;
+    for (std::size_t k = 0; k < points.size(); ++k)
+        csv.add(band.transform.worldFromIndex(points[k]), first[k].distance * band.transform.dx);
     return csv;
 }
 

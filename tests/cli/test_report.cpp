@@ -193,9 +193,10 @@ TEST_CASE("warnOfPathsAgainstDistances: paths that disagree with their distances
         run.report.warnings.clear();
         run.report.paths[0].startDistance = distance, run.report.paths[0].weightedLength = length;
         run.report.paths[0].endDistance = 0;
-        warnOfPathsAgainstDistances(0.5, run.report);
+        warnOfPathsAgainstDistances(run.field, run.report);
         return run.report.warnings;
     };
+    run.field.scheme = "godunov, order 2";
     CHECK(warnings(30, 31).empty());  // two voxels, but few percent
     CHECK(warnings(3, 3.9).empty());  // many percent, but below two voxels
     REQUIRE(warnings(10, 12).size() == 1);
@@ -204,6 +205,10 @@ TEST_CASE("warnOfPathsAgainstDistances: paths that disagree with their distances
     CHECK(warnings(30, 29).empty());
     REQUIRE(warnings(20, 15).size() == 1);
     CHECK(run.report.warnings[0].find("target 0 by 25 %") != std::string::npos);
+    run.field.scheme = "jet";
+    REQUIRE(warnings(30, 31).size() == 1);
+    CHECK(run.report.warnings[0].find("more than 2 %") != std::string::npos);
+    CHECK(warnings(60, 61).empty());
 }
 
 TEST_CASE("isolinesJson: world units") {

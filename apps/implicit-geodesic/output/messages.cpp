@@ -157,8 +157,9 @@ void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report) {
         report.warn(w);
 }
 
-void warnOfPathsAgainstDistances(double dx, RunReport& report) {
-    constexpr double kShare = 0.05, kVoxels = 2;
+void warnOfPathsAgainstDistances(const igeo::Field& field, RunReport& report) {
+    constexpr double kVoxels = 2;
+    const double share = field.scheme == "jet" ? 0.02 : 0.05, dx = field.band->transform.dx;
     std::size_t count = 0, reached = 0, worst = 0;
     double most = 0;
     for (std::size_t k = 0; k < report.paths.size(); ++k) {
@@ -166,15 +167,16 @@ void warnOfPathsAgainstDistances(double dx, RunReport& report) {
         if (p.status != igeo::PathStatus::Reached || !(p.startDistance > 0)) continue;
         ++reached;
         const double off = std::abs(p.endDistance + p.weightedLength - p.startDistance);
-        if (off < kVoxels * dx || off < kShare * p.startDistance) continue;
+        if (off < kVoxels * dx || off < share * p.startDistance) continue;
         ++count;
         if (off / p.startDistance > most) most = off / p.startDistance, worst = k;
     }
     if (count == 0) return;
-    report.warn(fmt::format(
-        "{} of {} paths are longer or shorter than their distances by more than 5 % (target {} by "
-        "{:.0f} %): the distance or the path is unreliable there",
-        count, reached, worst, 100 * most));
+    report.warn(
+        fmt::format("{} of {} paths are longer or shorter than their distances by more than {:.0f} "
+                    "% (target {} "
+                    "by {:.0f} %): the distance or the path is unreliable there",
+                    count, reached, 100 * share, worst, 100 * most));
 }
 
 void warnOfLongSteps(double dx, RunReport& report) {

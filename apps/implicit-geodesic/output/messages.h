@@ -21,9 +21,8 @@ void describe(const igeo::Distance& distance, const Console& console);
 void warnOfOverrunSeeds(const igeo::Distance& distance, RunReport& report);
 
 /// Adds a warning where the lengths of paths differ from their distances by more than the error of
-/// a march: then one of the two is wrong.
-/// @param dx  voxel size
-void warnOfPathsAgainstDistances(double dx, RunReport& report);
+/// a march: by two voxels, and by 2 %, or 5 % of godunov. Then one of the two is wrong.
+void warnOfPathsAgainstDistances(const igeo::Field& field, RunReport& report);
 /// Of paths on voxels; on a mesh they have long steps over its triangles.
 void warnOfLongSteps(double dx, RunReport& report);
 

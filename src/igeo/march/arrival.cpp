@@ -428,6 +428,7 @@ Arrival Reader::orBetweenNodes(const Arrival& first) const {
 }  // namespace
 
 Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal) {
+    if (const auto first = arrivalFromCore(field, pIndex, sheetNormal)) return *first;
     return Reader(field, nullptr, pIndex, sheetNormal).first();
 }
 

@@ -44,6 +44,9 @@ struct Field {
     /// The jets of the core, if they are not extended to the band (JetOptions::extend): then
     /// distance, gradient and label are empty, and `at` computes their values. Else null.
     std::shared_ptr<const CoreJets> core;
+    /// The same, also once they are extended: points are read from them. Null: another scheme, or
+    /// values were changed since.
+    std::shared_ptr<const CoreJets> jets;
     std::size_t solved = 0;             ///< nodes that were marched (jet: of the core)
     std::size_t fallbackCount = 0;      ///< of those, solved by the fallback (jet)
     std::vector<SurfacePoint> seeds;    ///< the seeds of the march
@@ -74,13 +77,13 @@ struct Field {
     }
     /// The same at the corners of a cell, side by side; unreached where there is no node.
     std::array<NodeJet, 8> at(const std::array<NodeIndex, 8>& nodes) const {
-        std::array<NodeJet, 8> jets;
+        std::array<NodeJet, 8> found;
         if (core)
-            atCore(nodes, jets.data());
+            atCore(nodes, found.data());
         else
             for (std::size_t k = 0; k < 8; ++k)
-                if (nodes[k] != kNoNode) jets[k] = atBand(nodes[k]);
-        return jets;
+                if (nodes[k] != kNoNode) found[k] = atBand(nodes[k]);
+        return found;
     }
     /// The same at any nodes, to one jet per node.
     void at(std::span<const NodeIndex> nodes, NodeJet* to) const;
@@ -158,24 +161,28 @@ struct Arrival {
 
 /// The one function by which results read a field. Between the reached corners of the point's cell:
 /// trilinear (godunov), or a blend of the jets extrapolated to the point (jet; detail/jet_blend.h).
+/// Where the core around a point of a level set or of points is of one smooth front, of constant
+/// cost and far from seeds, its jets alone are blended.
 /// Where several fronts, of one source or of several, reach the cell, each is read by itself and
 /// the first is used. Within a start disc it is the straight distance to the seed, because
 /// interpolation would blunt the cone there. Never below the least start value.
 /// @param sheetNormal selects the sheet, where two face each other within a cell
 Arrival arrivalAt(const Field& field, const Vec3d& pIndex, const Vec3d& sheetNormal = {});
 
-/// Reads a field at many points of S: as arrivalAt. A field on the core is read from the core
-/// itself where that is of one smooth front, which agrees to some thousandths of a voxel, for a
-/// tenth of the time, and without extending the field to the band.
+/// Reads a field at many points of S, side by side: as arrivalAt, to the bit, if no error is
+/// allowed. Nothing is extended to the band.
 class ArrivalReader {
 public:
     /// Time and memory O(core).
-    /// @param field  must outlive the reader
-    explicit ArrivalReader(const Field& field);
+    /// @param field   must outlive the reader
+    /// @param points  to be read, roughly
+    explicit ArrivalReader(const Field& field,
+                           std::size_t points = std::numeric_limits<std::size_t>::max());
     /// Several threads may read at a time.
     /// @param sheetNormals  of the points: those of S, roughly
     /// @param to            as many as points
-    /// @param tolerance     voxels; from 0.1 on, the core is read where fronts meet as well
+    /// @param tolerance     voxels: from 0.01 on, the core alone is read on meshes too, from 0.1
+    ///                      on also where fronts meet
     /// @param isSmooth      if not null, per point: whether one smooth front is known to pass it
     void read(std::span<const Vec3d> points, std::span<const Vec3f> sheetNormals, Arrival* to,
               double tolerance = 0, std::uint8_t* isSmooth = nullptr) const;
@@ -189,7 +196,7 @@ private:
 /// The same in parallel.
 /// @throws Error  Cancelled
 std::vector<Arrival> arrivalsAt(const Field& field, const std::vector<Vec3d>& points,
-                                const std::vector<Vec3f>& sheetNormals,
+                                const std::vector<Vec3f>& sheetNormals, double tolerance = 0,
                                 const Progress& progress = Progress::none());
 
 constexpr std::uint32_t kAnySource = std::numeric_limits<std::uint32_t>::max();

@@ -76,6 +76,7 @@ void clearInside(const std::vector<std::uint8_t>& inside, std::uint32_t source, 
             if (!field.gradient.empty()) field.gradient[i] = {};
             if (!field.label.empty()) field.label[i] = source;
         }
+    field.jets = nullptr;
     field.summarize();
 }
 

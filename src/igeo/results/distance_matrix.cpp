@@ -12,6 +12,7 @@
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <span>
 
 namespace igeo {
 
@@ -53,14 +54,38 @@ std::vector<MatrixPlace> placesOf(const std::vector<Group>& groups, const Simila
     return places;
 }
 
-/// The distance to the point of the group that the front reaches first.
-double distanceTo(const Group& group, const Field& field) {
-    if (group.front().offSurface) return std::numeric_limits<double>::quiet_NaN();
-    double least = kInfinity;
-    for (const SurfacePoint& p : group)
-        least = std::min(least, sampleDistance(field, p.pIndex, Vec3d(field.band->normal[p.node])));
-    return least;
-}
+/// Where a row is read: the points of all groups that are on the surface.
+class RowReader {
+public:
+    RowReader(const Band& band, const std::vector<Group>& groups) {
+        for (const Group& group : groups) {
+            first_.push_back(point_.size());
+            for (const SurfacePoint& p : group) {
+                if (p.offSurface) continue;
+                point_.push_back(p.pIndex), normal_.push_back(band.normal[p.node]);
+            }
+        }
+        first_.push_back(point_.size());
+    }
+
+    /// The distance to the point of each group that the front reaches first; NaN where the group is
+    /// off the surface.
+    void read(const Field& field, std::span<double> to) const {
+        std::vector<Arrival> arrival(point_.size());
+        ArrivalReader(field, point_.size()).read(point_, normal_, arrival.data());
+        for (std::size_t t = 0; t < to.size(); ++t) {
+            to[t] =
+                first_[t] == first_[t + 1] ? std::numeric_limits<double>::quiet_NaN() : kInfinity;
+            for (std::size_t k = first_[t]; k < first_[t + 1]; ++k)
+                to[t] = std::min(to[t], arrival[k].distance);
+        }
+    }
+
+private:
+    std::vector<Vec3d> point_;
+    std::vector<Vec3f> normal_;
+    std::vector<std::size_t> first_;  ///< per group, its first point; one entry more
+};
 
 }  // namespace
 
@@ -77,7 +102,7 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
     const std::size_t rows = endRow - firstRow, columns = to.size();
     m.distance.resize(rows * columns);
     // Stopping early at many targets takes longer than marching past them.
-    constexpr std::size_t kNodesPerTarget = 16, kCorners = 8;
+    constexpr std::size_t kNodesPerTarget = 16;
     JetOptions options;
     if (ends.size() * kNodesPerTarget < band.coreSize()) {
         std::vector<SurfacePoint> onSurface;
@@ -85,7 +110,8 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
                      [](const SurfacePoint& p) { return !p.offSurface; });
         options.stopAt = coreAround(band, onSurface);
     }
-    options.extend = ends.size() * kCorners > band.size();
+    options.extend = false;
+    const RowReader reader(band, to);
     const JetCorePtr core = jetCore(band, metric);
     CancelOnly quiet(progress);
     std::atomic<std::size_t> done{0};
@@ -94,9 +120,10 @@ DistanceMatrix distanceRows(const Band& band, const MetricPtr& metric,
             Group group = from[firstRow + k];
             for (SurfacePoint& seed : group) seed.start = 0;
             const Field field = marchJet(core, group, options, quiet);
+            const std::span row(&m.distance[k * columns], columns);
+            reader.read(field, row);
             // Converted here, so that rows read back from files have the same bits.
-            for (std::size_t t = 0; t < columns; ++t)
-                m.distance[k * columns + t] = band.transform.dx * distanceTo(to[t], field);
+            for (double& d : row) d *= band.transform.dx;
             progress.update("matrix", double(++done) / double(rows));
         }
     });

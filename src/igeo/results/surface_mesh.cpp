@@ -117,7 +117,9 @@ void sampleDistances(SurfaceMesh& mesh, const Field& field, Progress& progress) 
     const std::size_t n = mesh.position.size();
     mesh.distance.resize(n);
     mesh.label.resize(n);
-    const std::vector<Arrival> first = arrivalsAt(field, mesh.position, mesh.normal, progress);
+    constexpr double kTolerance = 0.01;  // voxels
+    const std::vector<Arrival> first =
+        arrivalsAt(field, mesh.position, mesh.normal, kTolerance, progress);
     for (std::size_t i = 0; i < n; ++i) {
         mesh.distance[i] = first[i].distance;
         mesh.label[i] = first[i].distance < kInfinity ? first[i].source : kNoLabel;

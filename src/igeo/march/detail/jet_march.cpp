@@ -443,7 +443,7 @@ Field JetMarch::take() {
     field.solved = accepted_;
     field.fallbackCount = byFallback_;
     solveMeetings(jets_, ownLinks_, frontsMeet_);
-    field.core = std::make_shared<const CoreJets>(std::move(jets_));
+    field.core = field.jets = std::make_shared<const CoreJets>(std::move(jets_));
     return field;
 }
 

@@ -5,6 +5,7 @@
 #include <igeo/march/field.h>
 
 #include <algorithm>
+#include <numeric>
 
 namespace igeo {
 
@@ -64,19 +65,22 @@ private:
     /// Whether the corners of a point tell its distance.
     bool settle(std::size_t lane, const CarriedJets& carried) {
         // One or two corners do not show that fronts meet around them. Near a seed the distance is
-        // that to the seed, and near a limit it depends on the corners left.
+        // that to the seed, or the front bends too much for corners a voxel away; near a limit it
+        // depends on the corners left.
         constexpr std::uint32_t kLeast = 3;
-        constexpr double kNearSeed = 3, kNearLimit = 4;
+        constexpr double kNearSeed = 12, kNearLimit = 4;
         if (!corners_.count[lane] || !corners_.smooth[lane] || corners_.hindered[lane])
             return false;
         const std::uint32_t label = jets_.labelOf(corners_.node[0][lane]);
-        bool oneLabel = true, meet = false;
+        bool oneLabel = true, meet = false, thin = false;
         for (std::size_t c = 0; c < corners_.count[lane]; ++c) {
             const NodeIndex k = corners_.node[c][lane];
             oneLabel &= jets_.labelOf(k) == label;
             meet |= jets_.frontsMeetNear(k);
+            thin |= (core_.nodes[k].facing & Band::kFacing) != 0;
         }
-        if (!oneLabel || (corners_.count[lane] < kLeast && meet)) return false;
+        if (!oneLabel || (thin && !band_.triangles) || (corners_.count[lane] < kLeast && meet))
+            return false;
         const bool meeting = !(carried.spreads[lane] || (carried.oneFront[lane] && !meet));
         if (meeting && !met_) return false;
         const double d = jets_.buckets.startOf(corners_.bucket[lane]) +
@@ -117,45 +121,63 @@ private:
     Ijk at_;                    ///< its place, in leaves
 };
 
+bool isReadFromCore(const Field& field) { return field.jets && !field.metric->weighted(); }
+
 }  // namespace
 
-ArrivalReader::ArrivalReader(const Field& field)
-    : field_(field), fromCore_(field.core && !field.metric->weighted()) {
-    if (fromCore_) gradients_ = gradientsOf(*field.core);
+std::optional<Arrival> arrivalFromCore(const Field& field, const Vec3d& pIndex,
+                                       const Vec3d& sheetNormal) {
+    if (!isReadFromCore(field) || field.band->triangles || sheetNormal == Vec3d{}) return {};
+    const std::vector<Vec3f> noGradients;
+    Arrival first;
+    CoreReader reader(*field.jets, noGradients, nullptr);
+    reader.add(pIndex, Vec3f(sheetNormal), first);
+    reader.finish();
+    return reader.left.empty() ? std::optional(first) : std::nullopt;
+}
+
+ArrivalReader::ArrivalReader(const Field& field, std::size_t points)
+    : field_(field), fromCore_(isReadFromCore(field)) {
+    constexpr std::size_t kCorners = 4;  // of a point
+    if (fromCore_ && points > field.jets->state.size() / kCorners)
+        gradients_ = gradientsOf(*field.jets);
 }
 
 void ArrivalReader::read(std::span<const Vec3d> points, std::span<const Vec3f> sheetNormals,
                          Arrival* to, double tolerance, std::uint8_t* isSmooth) const {
-    constexpr double kAtMeeting = 0.1;  // voxels
-    if (isSmooth) std::fill_n(isSmooth, points.size(), std::uint8_t(fromCore_));
-    if (!fromCore_) {
+    constexpr double kOnMesh = 0.01, kAtMeeting = 0.1;  // voxels
+    const bool fromCore = fromCore_ && (!field_.band->triangles || tolerance >= kOnMesh);
+    if (isSmooth) std::fill_n(isSmooth, points.size(), std::uint8_t(fromCore));
+    std::vector<std::size_t> left;
+    if (fromCore) {
+        std::vector<Arrival*> met;
+        CoreReader reader(*field_.jets, gradients_, tolerance >= kAtMeeting ? &met : nullptr);
         for (std::size_t i = 0; i < points.size(); ++i)
-            to[i] = arrivalAt(field_, points[i], Vec3d(sheetNormals[i]));
-        return;
+            reader.add(points[i], sheetNormals[i], to[i]);
+        reader.finish();
+        for (const Arrival* at : reader.left) left.push_back(std::size_t(at - to));
+        if (isSmooth)
+            for (const auto* list : {&met, &reader.left})
+                for (const Arrival* at : *list) isSmooth[at - to] = 0;
+    } else {
+        left.resize(points.size());
+        std::iota(left.begin(), left.end(), std::size_t(0));
     }
-    std::vector<Arrival*> met;
-    CoreReader reader(*field_.core, gradients_, tolerance >= kAtMeeting ? &met : nullptr);
-    for (std::size_t i = 0; i < points.size(); ++i) reader.add(points[i], sheetNormals[i], to[i]);
-    reader.finish();
-    if (isSmooth)
-        for (const Arrival* at : met) isSmooth[at - to] = 0;
-    std::vector<Vec3d> left;
-    for (const Arrival* at : reader.left) left.push_back(points[std::size_t(at - to)]);
-    const KnownJets known(field_, left);
-    for (const Arrival* at : reader.left) {
-        const auto i = std::size_t(at - to);
+    std::vector<Vec3d> leftPoints;
+    for (const std::size_t i : left) leftPoints.push_back(points[i]);
+    const KnownJets known(field_, leftPoints);
+    for (const std::size_t i : left)
         to[i] = arrivalAt(field_, known, points[i], Vec3d(sheetNormals[i]));
-        if (isSmooth) isSmooth[i] = 0;
-    }
 }
 
 std::vector<Arrival> arrivalsAt(const Field& field, const std::vector<Vec3d>& points,
-                                const std::vector<Vec3f>& sheetNormals, const Progress& progress) {
+                                const std::vector<Vec3f>& sheetNormals, double tolerance,
+                                const Progress& progress) {
     std::vector<Arrival> arrivals(points.size());
-    const ArrivalReader reader(field);
+    const ArrivalReader reader(field, points.size());
     parallelFor(points.size(), 1024, progress, [&](std::size_t begin, std::size_t end) {
         reader.read({&points[begin], end - begin}, {&sheetNormals[begin], end - begin},
-                    &arrivals[begin]);
+                    &arrivals[begin], tolerance);
     });
     return arrivals;
 }

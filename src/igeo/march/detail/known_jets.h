@@ -4,6 +4,7 @@
 #include <igeo/march/field.h>
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,7 +23,11 @@ private:
     std::vector<NodeJet> jets_;
 };
 
-/// The same as arrivalAt in field.h, at one of the points.
+/// The arrival from the core around a point, where that is of one smooth front; none elsewhere,
+/// with weights and on meshes.
+std::optional<Arrival> arrivalFromCore(const Field& field, const Vec3d& pIndex,
+                                       const Vec3d& sheetNormal);
+/// What arrivalAt in field.h is elsewhere, at one of the points.
 Arrival arrivalAt(const Field& field, const KnownJets& known, const Vec3d& pIndex,
                   const Vec3d& sheetNormal);
 

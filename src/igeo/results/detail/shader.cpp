@@ -92,6 +92,9 @@ Light lightOf(const Spots& spots) {
     return light;
 }
 
+/// Voxels: what no picture shows, and what readers of the core alone may be off by.
+constexpr double kLeastTolerance = 0.01;
+
 }  // namespace
 
 Shader::Shader(const Field& field, const ArrivalReader& reader, const Scale& scale,
@@ -101,7 +104,7 @@ Shader::Shader(const Field& field, const ArrivalReader& reader, const Scale& sca
       scale_(scale),
       isolineHalf_(isolineHalf),
       frame_(frame),
-      tolerance_(tolerance) {
+      tolerance_(std::max(tolerance, kLeastTolerance)) {
     for (std::size_t k = 1; k < scale.levels.size(); ++k)
         isolineHalf_ = std::min(isolineHalf_, 0.15 * (scale.levels[k] - scale.levels[k - 1]));
     constexpr int kSteps = 1 << 13;
