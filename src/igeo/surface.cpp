@@ -309,7 +309,7 @@ public:
         facts.file = cloud.file;
         facts.name = stemOf(cloud.file);
         facts.warnings = cloud.warnings;
-        surface_ = std::make_unique<PointSurface>(std::move(cloud), progress);
+        surface_ = std::make_shared<const PointSurface>(std::move(cloud), progress);
         const CloudDensity& density = surface_->density();
         transform.dx = voxels.size > 0         ? voxels.size
                        : voxels.resolution > 0 ? box.longestSide() / voxels.resolution
@@ -320,6 +320,7 @@ public:
         facts.snap = std::max(3 * transform.dx, 3 * density.spacing);
         facts.largestCurvature = density.largestCurvature * transform.dx;
         facts.fit = density.fitError().scaled(1 / transform.dx);
+        facts.fit.points = {surface_, &surface_->points()};
         facts.summary = std::to_string(density.points) + " points, " +
                         fmt::format("spacing {:.4g}, scatter {:.2g}, {:.0f} components",
                                     density.spacing, density.noise, double(density.pieces));
@@ -354,7 +355,7 @@ private:
     }
 
     std::vector<Vec3d> vertices_;  ///< in the order given
-    std::unique_ptr<PointSurface> surface_;
+    std::shared_ptr<const PointSurface> surface_;
 };
 
 /// A grid that the caller owns, shared.

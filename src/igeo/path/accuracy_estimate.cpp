@@ -3,6 +3,7 @@
 #include <igeo/base/parallel.h>
 #include <igeo/path/curve_normals.h>
 #include <igeo/path/detail/curve_on_triangles.h>
+#include <igeo/path/detail/point_stretch.h>
 #include <igeo/path/straighten.h>
 
 #include <algorithm>
@@ -63,8 +64,8 @@ struct Bending {
     double uneven = 0;  ///< of (k(s + apart) - k(s))^2 / 2: none where S is smooth
 };
 
-Bending bendingOf(const Band& band, Path path, const Rounding& rounding) {
-    addNormals(band, path);
+/// @param path  with normals
+Bending bendingOf(const Path& path, const Rounding& rounding) {
     const std::vector<PathVertex>& v = path.vertices;
     std::vector<double> curvature(v.size(), 0);
     Bending bending;
@@ -83,15 +84,39 @@ Bending bendingOf(const Band& band, Path path, const Rounding& rounding) {
     return bending;
 }
 
-/// By how much the length of a path may be off as S bends, relative to itself.
-double errorByBends(const Band& band, const Path& path, const FitError& fit) {
+/// What is compared along one geodesic; errors are relative to its length.
+struct Sample {
+    double difference = -1;  ///< of the distance from the length; negative: no geodesic
+    double byScatter = 0;    ///< standard deviation of the length
+    double rounded = 0;      ///< of the length, at edges that S shows
+    PointStretch stretch;
+};
+
+/// By how much the length of a geodesic may be off as S is not the true surface.
+void addErrorsOfSurface(const Band& band, Path straight, const FitError& fit, Sample& sample) {
     const double meanOfDeviation = std::sqrt(2 / std::numbers::pi);  // of a normal distribution
+    addNormals(band, straight);
     const Rounding rounding = roundingBy(fit);
-    const Bending bending = bendingOf(band, path, rounding);
-    const double byEdges = std::max(0.0, bending.uneven - rounding.byScatter * path.length);
-    return std::hypot(rounding.perBend * byEdges,
-                      meanOfDeviation * std::sqrt(fit.heightNoise * bending.square)) /
-           path.length;
+    const Bending bending = bendingOf(straight, rounding);
+    const double len = straight.length;
+    sample.rounded =
+        rounding.perBend * std::max(0.0, bending.uneven - rounding.byScatter * len) / len;
+    sample.byScatter = meanOfDeviation * std::sqrt(fit.heightNoise * bending.square) / len;
+    if (fit.points) sample.stretch = stretchAlong(band, straight, fit);
+}
+
+/// The errors of samples, combined. What S lacks of the true surface shows as edges or as stretch:
+/// the larger counts.
+std::vector<double> errorsOf(const std::vector<Sample>& samples) {
+    std::vector<PointStretch> sums;
+    for (const Sample& s : samples)
+        if (s.difference >= 0) sums.push_back(s.stretch);
+    const double stretch = stretchShown(sums);
+    std::vector<double> errors;
+    for (const Sample& s : samples)
+        if (s.difference >= 0)
+            errors.push_back(std::hypot(s.difference, s.byScatter, std::max(s.rounded, stretch)));
+    return errors;
 }
 
 /// Nodes spread over what the field reaches.
@@ -127,7 +152,7 @@ AccuracyEstimate estimateAccuracy(const Field& field, const FitError& fit, Progr
     trace.rough = hasExactCurves(field);
     const std::size_t samples = trace.rough ? kOnTriangles : kElsewhere;
     const std::vector<NodeIndex> nodes = spread(field, samples);
-    std::vector<double> error(samples, -1);
+    std::vector<Sample> sampled(samples);
     parallelFor(samples, 1, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             Vec3d p = band.footPoint(nodes[k]);
@@ -138,11 +163,12 @@ AccuracyEstimate estimateAccuracy(const Field& field, const FitError& fit, Progr
                 continue;
             const Path straight = straightened(field, path, progress);
             const double start = field.seeds[path.seed].start;
-            error[k] = std::abs(start + straight.weightedLength - path.distance) / path.distance;
-            if (!band.triangles) error[k] = std::hypot(error[k], errorByBends(band, straight, fit));
+            sampled[k].difference =
+                std::abs(start + straight.weightedLength - path.distance) / path.distance;
+            if (!band.triangles) addErrorsOfSurface(band, straight, fit, sampled[k]);
         }
     });
-    std::erase_if(error, [](double x) { return x < 0; });
+    const std::vector<double> error = errorsOf(sampled);
     e.samples = error.size();
     e.meanError = steadyMean(error);
     for (const double x : error) e.largestError = std::max(e.largestError, x);

@@ -26,7 +26,9 @@ struct AccuracyEstimate {
 /// are exact and take little time, and errors differ much from point to point; 16 elsewhere. The
 /// lengths have the small error of straighten(); where the distances are more accurate than that,
 /// the estimate is too high. Both lack what S lacks of the true surface, so that is added:
-///  - Edges that voxels round off, or fits to points.
+///  - Edges that voxels round off, or fits to points, as S shows them; or, where that is more, what
+///    points show of shape that S lacks: beside the geodesics they are farther apart than their
+///    foot points (stretchShown).
 ///  - Scatter of points: where S lies e(s) too high along a geodesic of normal curvature k(s), the
 ///    geodesic is too long by the integral of k e to first order. Its standard deviation is the
 ///    root of `fit.heightNoise` times the integral of k^2.

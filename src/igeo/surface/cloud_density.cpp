@@ -11,10 +11,11 @@ namespace igeo {
 
 FitError CloudDensity::fitError() const {
     constexpr double kUnknowns = 6;
-    const double count = std::max(double(fitted), kUnknowns);
+    const double count = std::max(double(fitted), kUnknowns + 1);
     FitError e;
+    e.spacing = spacing;
     e.radius = spacing * std::sqrt(count / std::numbers::pi);
-    e.freedom = 1 - kUnknowns / count;
+    e.freedom = 1 - (kUnknowns + 1) / count;
     e.heightNoise = kUnknowns / count * noise * noise * e.radius;
     return e;
 }
