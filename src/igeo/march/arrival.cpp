@@ -89,8 +89,9 @@ private:
     /// @param isOf  selects seeds
     template <typename IsOf>
     Straight straight(double d, const IsOf& isOf) const;
-    /// Whether the straight line to a seed runs along S: over no edge, and not across a gap or
-    /// through a wall (seedNeighborhoodJet). A seed on an edge lies in the planes of both faces.
+    /// Where no walk tells: whether the straight line to a seed runs along S, over no edge, and not
+    /// across a gap or through a wall (seedNeighborhoodJet). A seed on an edge lies in the planes
+    /// of both faces.
     bool alongSurface(const SurfacePoint& seed, const Vec3d& chord) const;
     /// The point on its triangle.
     const SurfaceTriangles::Place& onMesh() const {
@@ -159,10 +160,11 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
         if (!(r < field_.startRadius) || !isOf(k)) return;
         bound = std::min(bound, s.rim ? 0 : s.start + leastCost * r);
         if (r < nearest) nearest = r, least.ofNearest = false;
-        const bool flat = field_.atFootPoints && alongSurface(s, p_ - at);
-        const bool walks = hasWalks_ && (byWalks_ || !flat) && isOnMesh();
-        const double mean = meanToSeed(field_, s, here),
-                     cost = walks ? mean * walkFrom(at, field_.startRadius)
+        const bool walks = hasWalks_ && isOnMesh(),
+                   flat = !walks && field_.atFootPoints && alongSurface(s, p_ - at);
+        const double mean = meanToSeed(field_, s, here);
+        if (walks && !(s.start + mean * r < least.distance)) return;
+        const double cost = walks ? mean * walkFrom(at, field_.startRadius)
                                   : costToSeed(field_, s, p_, cell_.normal, here),
                      perVoxel = metric_.anisotropic() && r > 0 ? cost / r : mean;
         const bool along = walks ? cost < kInfinity
@@ -181,12 +183,11 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
 
 bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
     // Over an edge, and beside a hollow one, the normal of a cell is between those of both faces.
-    constexpr double kSmooth = 0.8, kSmoothOnMesh = 0.97;
-    constexpr double kInPlane = 0.05, kOff = 0.1, kOffPsi = 0.3;  // voxels: both off
+    constexpr double kSmooth = 0.8, kInPlane = 0.05;
+    constexpr double kOff = 0.1, kOffPsi = 0.3;  // voxels
     const Vec3d ofSeed(band_.normal[seed.node]);
-    const bool smooth = dot(cell_.normal, ofSeed) >= (hasWalks_ ? kSmoothOnMesh : kSmooth);
-    if (smooth && !isOverStep(chord, cell_.normal, ofSeed)) return true;
-    if (hasWalks_) return false;
+    if (dot(cell_.normal, ofSeed) >= kSmooth && !isOverStep(chord, cell_.normal, ofSeed))
+        return true;
     const double off = std::abs(dot(cell_.normal, chord)), most = kInPlane * length(chord);
     if (band_.triangles) return off < most;
     return off < most + kOff && staysNearPsi(band_, p_ - chord, chord, 4, kOffPsi);

@@ -31,8 +31,9 @@ namespace {
 
 class Tracer {
 public:
-    Tracer(const Field& field, const TraceOptions& options)
-        : band_(*field.band), field_(field), options_(options) {}
+    /// @param byNodes  the path goes from node to node of a mesh, without gradients
+    Tracer(const Field& field, const TraceOptions& options, bool byNodes = false)
+        : band_(*field.band), field_(field), options_(options), byNodes_(byNodes) {}
 
     Path trace(const SurfacePoint& target);
 
@@ -90,6 +91,7 @@ private:
     const Band& band_;
     const Field& field_;
     const TraceOptions& options_;
+    const bool byNodes_;
     Vec3d sheetNormal_;  ///< of the sheet of the path: another one may face it in a cell
 };
 
@@ -306,19 +308,23 @@ bool Tracer::advance(State& at) const {
     Vec3d next = at.p;
     Arrival there;
     const StepLimits limits{options_.minStep, options_.maxStep, options_.tolerance};
-    if (stepDown(field_, limits, sheetNormal_, next, at.step))
+    if (!byNodes_ && stepDown(field_, limits, sheetNormal_, next, at.step))
         there = arrivalAt(field_, next, sheetNormal_);
     if (there.distance < at.d - kFall * field_.metric->at(cellAt(band_, at.p))) {
         at = {next, there.distance, there.seed, at.step, kNoNode};
         return true;
     }
-    at.node = at.node == kNoNode ? nodeAhead(at.p, at.d) : lowestNeighbor(at.node);
+    if (byNodes_ && at.node == kNoNode)
+        at.node = lowestByWalk(at.p, at.d);
+    else
+        at.node = at.node == kNoNode ? nodeAhead(at.p, at.d) : lowestNeighbor(at.node);
     if (at.node == kNoNode && band_.triangles) at.node = lowestByWalk(at.p, at.d);
     return at.node != kNoNode;
 }
 
 bool Tracer::followLine(Path& path, State& at) {
-    constexpr double kFall = 1e-4, kLater = 0.1;  // voxels
+    // Voxels. kLater: at nodes, and at points, which have their values from between nodes.
+    constexpr double kFall = 1e-4, kLater = 0.1, kLaterAtPoint = 1;
     const Metric& metric = *field_.metric;
     if (!band_.ways || !field_.atFootPoints || metric.anisotropic() || metric.obstacles ||
         !hasWays(band_, cellAt(band_, at.p)))
@@ -333,8 +339,9 @@ bool Tracer::followLine(Path& path, State& at) {
                      d = s.distance((here + there) / 2);
         if (d < least && s.jet.distance < at.d - kFall * here) least = d, best = &s;
     }
-    // The front came to a node over a link.
-    if (!best || (at.node != kNoNode && least > at.d + kLater * here)) return false;
+    // The front may have come over links.
+    const double later = at.node != kNoNode ? kLater : kLaterAtPoint;
+    if (!best || least > at.d + later * here) return false;
     double done = 0;
     for (const Vec3d& p : best->crossings) {
         done += length(p - path.vertices.back().pIndex);
@@ -404,11 +411,21 @@ Path Tracer::trace(const SurfacePoint& target) {
 }  // namespace
 
 Path tracePath(const Field& field, const SurfacePoint& target, const TraceOptions& options) {
-    Path path = Tracer(field, options).trace(target);
-    if (options.rough) return path;
-    if (field.band->triangles && !path.vertices.empty()) layOnTriangles(field, path);
-    if (hasExactCurves(field)) straighten(field, path);
-    return path;
+    constexpr double kLonger = 1.005;
+    auto traced = [&](bool byNodes) {
+        Path path = Tracer(field, options, byNodes).trace(target);
+        if (options.rough) return path;
+        if (field.band->triangles && !path.vertices.empty()) layOnTriangles(field, path);
+        if (hasExactCurves(field)) straighten(field, path);
+        return path;
+    };
+    Path path = traced(false);
+    if (options.rough || !hasExactCurves(field) || path.status != PathStatus::Reached ||
+        !(path.length > kLonger * path.distance))
+        return path;
+    // Where a mesh is thin a gradient may lead to the other side, from where paths are longer.
+    Path other = traced(true);
+    return other.status == PathStatus::Reached && other.length < path.length ? other : path;
 }
 
 std::vector<Path> tracePaths(const Field& field, const std::vector<SurfacePoint>& targets,

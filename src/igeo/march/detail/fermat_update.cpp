@@ -269,6 +269,10 @@ unsigned findPairs(const NeighborRing& ring, std::size_t first, std::size_t apar
     return findPairsByFour(ring, first, apart, below);
 }
 
+FermatGroup::Ends bothEnds(std::size_t p, std::size_t q) {
+    return {std::uint8_t(p), std::uint8_t(q)};
+}
+
 }  // namespace
 
 void boundFallbacks(const JetLanes& lanes, const Lanes& longest2, FermatBounds& bounds) {
@@ -308,7 +312,7 @@ void FermatGroup::search(std::size_t node, NeighborRing& ring) {
     const std::size_t count = ring.count;
     for (std::size_t k = 0; k < count; ++k)
         if (const float u = ring.u[k] + ring.len[k]; u < least.u)
-            least = {u, {ring.ax[k], ring.ay[k]}, {ring.gx[k], ring.gy[k]}};
+            least = {u, {ring.ax[k], ring.ay[k]}, {ring.gx[k], ring.gy[k]}, 0, bothEnds(k, k)};
     least.detour = length(least.a) - dot(least.a, least.g);
     nodes_[node] = least;
     for (std::size_t apart = 1; 2 * apart <= count; ++apart) {
@@ -338,6 +342,7 @@ void FermatGroup::addSegment(std::size_t node, const NeighborRing& ring, std::si
     };
     set(segments_.p, p), set(segments_.q, q);
     segments_.node[lane] = std::uint8_t(node);
+    segments_.ends[lane] = bothEnds(p, q);
     if (segments_.count == Lanes::kNodes) takeSegments();
 }
 
@@ -348,7 +353,8 @@ void FermatGroup::takeSegments() {
         if (Node& node = nodes_[segments_.node[l]]; minima.u[l] < node.u) {
             const SegmentLanes::End &p = segments_.p, &q = segments_.q;
             const Vec2f a{minima.x[l], minima.y[l]}, gp{p.gx[l], p.gy[l]}, gq{q.gx[l], q.gy[l]};
-            node = {minima.u[l], a, gp, length(a) - std::max(dot(a, gp), dot(a, gq))};
+            node = {minima.u[l], a, gp, length(a) - std::max(dot(a, gp), dot(a, gq)),
+                    segments_.ends[l]};
         }
     segments_.count = 0;
 }

@@ -28,7 +28,8 @@ struct SegmentLanes {
         Lanes ax, ay, gx, gy, u;  ///< as in JetNeighbor, u relative to the first neighbor
     };
     End p{}, q{};
-    std::array<std::uint8_t, Lanes::kNodes> node{};  ///< whose neighbors they are
+    std::array<std::uint8_t, Lanes::kNodes> node{};                 ///< whose neighbors they are
+    std::array<std::array<std::uint8_t, 2>, Lanes::kNodes> ends{};  ///< which of them p and q are
     std::size_t count = 0;
 };
 
@@ -53,6 +54,9 @@ public:
     /// How much longer the straight line to the node is than what a plane front travels along it:
     /// large where no neighbor lies straight behind the node.
     float detour(std::size_t node) const { return nodes_[node].detour; }
+    /// The neighbors at the ends of the segment from which the value comes; equal: one neighbor.
+    using Ends = std::array<std::uint8_t, 2>;
+    Ends ends(std::size_t node) const { return nodes_[node].ends; }
 
 private:
     struct Node {
@@ -60,6 +64,7 @@ private:
         Vec2f a;                     ///< to the node from where that is
         Vec2f g;                     ///< at the neighbor there, or at an end of the segment
         float detour = 0;            ///< detour()
+        Ends ends{};                 ///< ends()
     };
     void search(std::size_t node, NeighborRing& ring);
     void addSegment(std::size_t node, const NeighborRing& ring, std::size_t p, std::size_t q);

@@ -240,8 +240,9 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
         const Vec3d from = seed.nearestTo(foot);
         Solved disc;
         if (metric_.blocked(from, foot, Vec3d(seeds.normal[k])) ||
-            !seedNeighborhoodJet(core_, seeds, std::uint32_t(k), band_.facing[i], local, foot,
-                                 disc))
+            (takesWalks(core_) &&
+             !(leastOverWalk(seeds, std::uint32_t(k), local, foot) < best.u)) ||
+            !seedNeighborhoodJet(core_, seeds, std::uint32_t(k), local, foot, disc))
             return;
         const double longer = s.distance - seed.start - kOtherPath * (disc.u - seed.start);
         const bool inReach = length(foot - from) <= seeds.startRadius;

@@ -141,6 +141,12 @@ private:
                                     JetGroup::Solution s) const;
     JetGroup::Solution walkTwoLinks(NodeIndex i, const JetRows::Row& row,
                                     JetGroup::Solution s) const;
+    /// Whether the fallback of a node of a mesh comes from a segment that is not as long in the
+    /// chart as on the faces of its ends: no plane holds all faces that meet beside the node.
+    bool isMisplaced(const JetRows::Row& row, const JetGroup::Solution& s) const;
+    /// The first arrival from nodes up to two links away, over walks.
+    JetGroup::Solution solveByWalks(NodeIndex i, const JetRows::Row& row,
+                                    JetGroup::Solution s) const;
     /// Adds the neighbors of a node in the coordinates of its tensor.
     void addStretched(NodeIndex i, const JetRows::Row& row, const Batch& batch,
                       JetGroup& jets) const;
@@ -169,6 +175,13 @@ private:
             return std::pair(least, node) < std::pair(o.least, o.node);
         }
     };
+    /// The nodes up to two links away from which a front may come to a node with a value of at most
+    /// `most`, over walks that are so much longer, in voxels, at most.
+    std::vector<From> fromTwoLinks(NodeIndex i, const JetRows::Row& row, double most,
+                                   double around) const;
+    /// Whether the value of a node may be final if a front comes from one of some nodes: else it is
+    /// found again.
+    bool mayBeFinal(NodeIndex i, const std::vector<From>& from) const;
     /// The first arrival at a node from accepted nodes, carried over the triangles.
     /// @param around  voxels: from so much later nodes it is not sought
     Jump firstByWalks(NodeIndex i, std::vector<From> from, double around) const;

@@ -39,30 +39,57 @@ JetGroup::Solution JetMarch::overTwoLinks(NodeIndex i, const JetRows::Row& row, 
     return s;
 }
 
-JetGroup::Solution JetMarch::walkTwoLinks(NodeIndex i, const JetRows::Row& row,
-                                          JetGroup::Solution s) const {
-    constexpr double kAround = 0.25;  // voxels: walks that are longer, but beside one another
-    const double weight = core_.nodes[i].weight, most = batchStart_ + double(s.u) * weight;
+std::vector<JetMarch::From> JetMarch::fromTwoLinks(NodeIndex i, const JetRows::Row& row,
+                                                   double most, double around) const {
+    const double weight = core_.nodes[i].weight;
     const Vec3d foot = core_.footOf(core_.nodes[i]);
-    double first = kInfinity;
     std::vector<From> from;
     const auto add = [&](NodeIndex k) {
         const double u = jets_.valueOf(k), chord = length(core_.footOf(core_.nodes[k]) - foot);
         if (k == i || core_.nodes[k].obstacleState != Metric::Clear || u + weight * chord > most)
             return;
-        from.push_back({u + weight * chord, (most - u) / weight + kAround, k});
-        first = std::min(first, from.back().least);
+        from.push_back({u + weight * chord, (most - u) / weight + around, k});
     };
-    for (std::size_t k = 0; k < row.knownCount; ++k)
+    for (std::size_t k = 0; k < row.knownCount; ++k) {
+        add(row.knownLink(k).node());
         forLinks(
             core_, row.knownLink(k).node(),
             [&](NodeIndex j, const Ijk&, const Vec3f&, float) { add(j); },
             [&](NodeIndex j) { return jets_.accepted(j); });
-    // A value that is not final yet is found again.
-    if (!(fromStart(first) < slackOf(i))) return s;
+    }
+    return from;
+}
+
+bool JetMarch::mayBeFinal(NodeIndex i, const std::vector<From>& from) const {
+    const auto first = std::min_element(from.begin(), from.end());
+    return first != from.end() && fromStart(first->least) < slackOf(i);
+}
+
+JetGroup::Solution JetMarch::walkTwoLinks(NodeIndex i, const JetRows::Row& row,
+                                          JetGroup::Solution s) const {
+    constexpr double kAround = 0.25;  // voxels: walks that are longer, but beside one another
+    const float weight = core_.nodes[i].weight;
+    std::vector<From> from =
+        fromTwoLinks(i, row, batchStart_ + double(s.u) * double(weight), kAround);
+    if (!mayBeFinal(i, from)) return s;
     const Jump least = firstByWalks(i, std::move(from), kAround);
-    if (least.u < s.u * float(weight))
-        s.u = least.u / float(weight), s.g = least.g, s.source = least.label;
+    if (least.u < s.u * weight) s.u = least.u / weight, s.g = least.g, s.source = least.label;
+    return s;
+}
+
+JetGroup::Solution JetMarch::solveByWalks(NodeIndex i, const JetRows::Row& row,
+                                          JetGroup::Solution s) const {
+    constexpr double kAround = 0.5;  // voxels: later ends of segments
+    const float weight = core_.nodes[i].weight;
+    double most = kInfinity;
+    for (std::size_t k = 0; k < row.knownCount; ++k) {
+        const JetLink& link = row.knownLink(k);
+        most = std::min(most, jets_.valueOf(link.node()) + double(weight * length(link.a())));
+    }
+    std::vector<From> from = fromTwoLinks(i, row, most + kAround * double(weight), 0);
+    if (!mayBeFinal(i, from)) return s;
+    const Jump least = firstByWalks(i, std::move(from), kAround);
+    if (least.u < float(kInfinity)) s.u = least.u / weight, s.g = least.g, s.source = least.label;
     return s;
 }
 

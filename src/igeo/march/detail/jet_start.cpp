@@ -37,7 +37,7 @@ Solved jetOver(const WalkEnds& way, const JetCore& core, const JetSeeds& seeds, 
     return s;
 }
 
-/// The jet of a foot point over edges of a mesh, by a walk on the triangles.
+/// The jet of a foot point of a mesh, by a walk on the triangles.
 /// @return false without a walk of at most `most` voxels
 bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, const LocalFrame& local,
                const Vec3d& foot, double most, Solved& s) {
@@ -52,6 +52,16 @@ bool jetByWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k, cons
     s = jetOver(way, core, seeds, k, local, to);
     return true;
 }
+
+/// A node to which a walk may lead from a seed.
+struct OverWalk {
+    NodeIndex node;
+    double least;  ///< its value over a straight line
+    std::uint32_t seed;
+    bool operator<(const OverWalk& o) const {
+        return std::tie(node, least, seed) < std::tie(o.node, o.least, o.seed);
+    }
+};
 
 /// The start disc of one seed, found outward from the seed over the core, so that it reaches no
 /// surface close by. It ends where links lead around something: where the path along them is
@@ -68,12 +78,15 @@ public:
         }
         visitSpine();
         visitWays();
-        // A seed in a corner that obstacles hide from all nodes near it: straight to the nearest.
-        if (found_.empty() && nearest_ != kNoNode)
-            found_.emplace_back(nearest_,
-                                Solved{seed_.start + seed_.weight * least_, {}, seeds.source[k]});
     }
     const std::vector<std::pair<NodeIndex, Solved>>& jets() const { return found_; }
+    /// Nodes of a mesh in the disc, if walks lead to them.
+    const std::vector<OverWalk>& overWalks() const { return overWalks_; }
+    /// The node that is nearest to the seed; none if obstacles hide all.
+    bool hasNearest() const { return nearest_ != kNoNode; }
+    std::pair<NodeIndex, Solved> nearest() const {
+        return {nearest_, {seed_.start + seed_.weight * least_, {}, seeds_.source[k_]}};
+    }
 
 private:
     /// A node, by the path to it from node to node.
@@ -185,10 +198,13 @@ private:
         const double r = length(foot - from);
         if (step.walked > kDetour * r + kRoom) return false;
         if (r < least_) least_ = r, nearest_ = i;
+        if (takesWalks(core_)) {
+            if (r > seeds_.startRadius) return false;
+            overWalks_.push_back({i, leastOverWalk(seeds_, k_, core_.localFrame(i), foot), k_});
+            return true;
+        }
         Solved s;
-        if (!seedNeighborhoodJet(core_, seeds_, k_, core_.nodes[i].facing, core_.localFrame(i),
-                                 foot, s))
-            return false;
+        if (!seedNeighborhoodJet(core_, seeds_, k_, core_.localFrame(i), foot, s)) return false;
         // From the next face of a level set the disc would grow over ribs.
         const bool straight =
             core_.band.triangles || isNearPsi(from, foot) || followsSurface(core_.band, from, foot);
@@ -204,6 +220,7 @@ private:
     std::priority_queue<Step> waiting_;
     std::set<NodeIndex> visited_;
     std::vector<std::pair<NodeIndex, Solved>> found_;
+    std::vector<OverWalk> overWalks_;
     NodeIndex nearest_ = kNoNode;
     double least_ = kInfinity;  ///< distance of nearest_, voxels
 };
@@ -244,8 +261,7 @@ JetSeeds::JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, 
 }
 
 bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
-                         std::uint8_t facing, const LocalFrame& local, const Vec3d& foot,
-                         Solved& s) {
+                         const LocalFrame& local, const Vec3d& foot, Solved& s) {
     const SurfacePoint& seed = seeds.points[k];
     const TangentFrame& frame = local.frame;
     const Vec3f chord(foot - seed.nearestTo(foot)), &normal = frame.normal();
@@ -257,6 +273,7 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     if (c > float(seeds.startRadius) &&
         (isotropic || costThere > seeds.startRadius * seeds.plane[k].largest()))
         return false;
+    if (takesWalks(core)) return jetByWalk(core, seeds, k, local, foot, seeds.startRadius, s);
     // Across a crease or a step a chord says nothing, unless both faces are known, next to the
     // seed. A seed on the crease itself lies in the planes of all its faces. Where psi rounds the
     // crease off, a seed of a level set is off them.
@@ -265,11 +282,6 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     const bool overCrease = cosine < kSmooth && std::abs(dot(normal, chord)) >= kInPlane * c + off,
                overStep = cosine >= kSmooth &&
                           isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seeds.normal[k]));
-    // Over an edge the normal of a foot point may lie between those of the faces of a mesh.
-    constexpr float kOneFace = 0.97f;
-    if (core.band.triangles && isotropic &&
-        (cosine < kOneFace || overStep || facing & Band::kBesideSevered))
-        return jetByWalk(core, seeds, k, local, foot, seeds.startRadius, s);
     // Beside an edge the gradient of psi at the seed may turn a little beyond both faces.
     constexpr float kBeyond = 0.1f;
     const bool isKnownFace =
@@ -292,16 +304,44 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     return true;
 }
 
+double leastOverWalk(const JetSeeds& seeds, std::uint32_t k, const LocalFrame& local,
+                     const Vec3d& foot) {
+    const SurfacePoint& seed = seeds.points[k];
+    return seed.start + (seed.weight + local.weight) / 2 * length(foot - seed.nearestTo(foot));
+}
+
 StartDiscs startDiscs(const JetCore& core, JetSeeds& seeds) {
     StartDiscs discs;
-    for (std::size_t k = 0; k < seeds.points.size(); ++k) {
-        const StartDisc disc(core, seeds, std::uint32_t(k));
-        for (const auto& [i, s] : disc.jets()) {
-            seeds.largestInDisc = std::max(seeds.largestInDisc, s.u);
-            const auto [at, isNew] = discs.try_emplace(i, s);
-            if (!isNew && s.u < at->second.u) at->second = s;
-        }
+    auto add = [&](const std::pair<NodeIndex, Solved>& jet) {
+        seeds.largestInDisc = std::max(seeds.largestInDisc, jet.second.u);
+        const auto [at, isNew] = discs.insert(jet);
+        Solved& least = at->second;
+        if (!isNew && std::tie(jet.second.u, jet.second.label) < std::tie(least.u, least.label))
+            least = jet.second;
+    };
+    std::vector<OverWalk> overWalks;
+    std::vector<std::pair<std::uint32_t, std::pair<NodeIndex, Solved>>> nearest;
+    std::vector<bool> reaches(seeds.points.size());
+    for (std::uint32_t k = 0; k < seeds.points.size(); ++k) {
+        const StartDisc disc(core, seeds, k);
+        for (const auto& jet : disc.jets()) add(jet), reaches[k] = true;
+        overWalks.insert(overWalks.end(), disc.overWalks().begin(), disc.overWalks().end());
+        if (!reaches[k] && disc.hasNearest()) nearest.emplace_back(k, disc.nearest());
     }
+    // A curve has many seeds around a node: only those count that may be the first.
+    std::sort(overWalks.begin(), overWalks.end());
+    for (const OverWalk& over : overWalks) {
+        const auto at = discs.find(over.node);
+        const bool isLater = at != discs.end() && at->second.u < over.least;
+        Solved s;
+        if (!isLater && jetByWalk(core, seeds, over.seed, core.localFrame(over.node),
+                                  core.footOf(core.nodes[over.node]), seeds.startRadius, s))
+            add({over.node, s}), reaches[over.seed] = true;
+        if (isLater) reaches[over.seed] = true;
+    }
+    // A seed in a corner that obstacles hide from all nodes near it: straight to the nearest.
+    for (const auto& [k, jet] : nearest)
+        if (!reaches[k]) add(jet);
     return discs;
 }
 

@@ -9,14 +9,19 @@ namespace igeo {
 
 /// The jet of a foot point that lies within the start disc of seed k: value and gradient of the
 /// straight line to the seed, its chord lengthened to the arc, at the mean of the costs at both
-/// ends.
-/// On a mesh, over edges and between thin walls, that of the shortest walk on the triangles.
-/// @param facing  as Band::facing, of the node
+/// ends. On a mesh without tensors those of the shortest walk on the triangles.
 /// @param foot    the foot point, index space; `local` its chart
 /// @return false where it lies outside of the disc, or across a crease from the seed
 bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
-                         std::uint8_t facing, const LocalFrame& local, const Vec3d& foot,
-                         Solved& s);
+                         const LocalFrame& local, const Vec3d& foot, Solved& s);
+
+/// Whether distances in start discs are lengths of walks. The straight line to a seed may leave the
+/// triangles: over bends, and on a face around whose rim the path leads.
+inline bool takesWalks(const JetCore& core) { return core.band.triangles && core.stretch.empty(); }
+
+/// A lower bound of a value over a walk: over the chord.
+double leastOverWalk(const JetSeeds& seeds, std::uint32_t k, const LocalFrame& local,
+                     const Vec3d& foot);
 
 /// Jets by core node.
 using StartDiscs = std::map<NodeIndex, Solved>;

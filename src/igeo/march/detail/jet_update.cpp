@@ -149,8 +149,8 @@ JetGroup::Solution JetGroup::decide(std::size_t lane, const BestFit& fit,
     if (fit.mayCount && std::abs(fit.best.u - u) < kAgree) return fit.best;
     FrontsMeet fronts(fallback.g(lane));
     for (std::size_t k = 0; k < lanes_.count[lane]; ++k) fronts.add(lanes_.at(lane, k));
-    return {u,     fallback.g(lane),     fit.best.source, true, fronts.meet(),
-            false, fallback.detour(lane)};
+    return {u,     fallback.g(lane),      fit.best.source,    true, fronts.meet(),
+            false, fallback.detour(lane), fallback.ends(lane)};
 }
 
 JetGroup::Solution JetGroup::solvePerSource(std::size_t lane) const {
@@ -161,17 +161,21 @@ JetGroup::Solution JetGroup::solvePerSource(std::size_t lane) const {
     Solution best;
     JetGroup parts;
     parts.clear(lanes_.pull);
+    std::array<std::array<std::uint8_t, JetLanes::kMax>, Lanes::kNodes> number;  // here, of theirs
     for (auto at = sources.begin(); at != end; ++at) {
         parts.begin(lanes_.base[lane], nodes_[lane].longest2);
         for (std::size_t k = 0; k < count; ++k)
-            if (const JetNeighbor n = lanes_.at(lane, k); sources_[lane][k] == *at)
+            if (const JetNeighbor n = lanes_.at(lane, k); sources_[lane][k] == *at) {
+                number[parts.size() - 1][parts.count()] = std::uint8_t(k);
                 parts.add(n.a, n.g, float(n.u), *at, !nodes_[lane].smooth);
+            }
         parts.nodes_[parts.size_ - 1].rim = nodes_[lane].rim;
         if (!parts.full() && at + 1 != end) continue;
-        const Solutions solutions = parts.solve();
+        Solutions solutions = parts.solve();
         bool oneSided = best.oneSided;
         for (std::size_t k = 0; k < parts.size(); ++k) {
             oneSided |= solutions[k].oneSided;
+            for (std::uint8_t& of : solutions[k].ends) of = number[k][of];
             if (solutions[k].u < best.u) best = solutions[k];
         }
         best.oneSided = oneSided;

@@ -79,6 +79,7 @@ public:
         bool frontsMeet = false;  ///< FrontsMeet::meet
         bool oneSided = false;    ///< by a fit to neighbors that lie on one side of the ray
         float detour = 0;         ///< of a fallback: FermatGroup::detour
+        std::array<std::uint8_t, 2> ends{};  ///< of a fallback: FermatGroup::ends
     };
     /// The jets of all nodes. Per node the least of the fits of its fronts; where a fit is in doubt
     /// the fallback is computed as well, and the fit counts if it is valid and the two agree within
