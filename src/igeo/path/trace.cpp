@@ -424,8 +424,11 @@ Path tracePath(const Field& field, const SurfacePoint& target, const TraceOption
         !(path.length > kLonger * path.distance))
         return path;
     // Where a mesh is thin a gradient may lead to the other side, from where paths are longer.
+    // A curve shorter than the distance has left the mesh: links lead through walls.
     Path other = traced(true);
-    return other.status == PathStatus::Reached && other.length < path.length ? other : path;
+    const bool isBetter = other.status == PathStatus::Reached && other.length < path.length &&
+                          kLonger * other.length >= path.distance;
+    return isBetter ? other : path;
 }
 
 std::vector<Path> tracePaths(const Field& field, const std::vector<SurfacePoint>& targets,
