@@ -37,6 +37,7 @@ public:
         if (size_ == 0) return;
         for (std::size_t lane = size_; lane < Lanes::kNodes; ++lane) points_.clearNodes(lane);
         gatherCorners(jets_, gradients_, points_, corners_);
+        takeNormals();
         CarriedJets carried;
         carryFromCorners(corners_, band_.faceted, carried);
         for (std::size_t lane = 0; lane < size_; ++lane)
@@ -62,35 +63,69 @@ private:
         for (std::size_t k = 0; k < 8; ++k) points_.node[k][lane] = node[k];
     }
 
+    /// Those of the corners, blended: the normal that was asked for selects the sheet only.
+    void takeNormals() {
+        for (std::size_t lane = 0; lane < size_; ++lane) {
+            Vec3f sum;
+            for (std::size_t c = 0; c < corners_.count[lane]; ++c) {
+                const JetCorners::Corner& k = corners_.corner[c];
+                sum += k.weight[lane] * Vec3f(k.mx[lane], k.my[lane], k.mz[lane]);
+            }
+            const Vec3f n = normalized(sum);
+            corners_.nx[lane] = n.x, corners_.ny[lane] = n.y, corners_.nz[lane] = n.z;
+        }
+    }
+
     /// Whether the corners of a point tell its distance.
     bool settle(std::size_t lane, const CarriedJets& carried) {
         // One or two corners do not show that fronts meet around them. Near a seed the distance is
-        // that to the seed, or the front bends too much for corners a voxel away; near a limit it
-        // depends on the corners left.
+        // that to the seed, or the front bends too much for corners a voxel away.
         constexpr std::uint32_t kLeast = 3;
-        constexpr double kNearSeed = 12, kNearLimit = 4;
+        constexpr double kNearSeed = 12;
         if (!corners_.count[lane] || !corners_.smooth[lane] || corners_.hindered[lane])
             return false;
         const std::uint32_t label = jets_.labelOf(corners_.node[0][lane]);
-        bool oneLabel = true, meet = false, thin = false;
+        bool oneLabel = true, meet = false, thin = false, beyond = false;
         for (std::size_t c = 0; c < corners_.count[lane]; ++c) {
             const NodeIndex k = corners_.node[c][lane];
             oneLabel &= jets_.labelOf(k) == label;
             meet |= jets_.frontsMeetNear(k);
             thin |= (core_.nodes[k].facing & Band::kFacing) != 0;
+            beyond |= !(jets_.valueOf(k) <= jets_.limit);
         }
-        if (!oneLabel || (thin && !band_.triangles) || (corners_.count[lane] < kLeast && meet))
+        if (!oneLabel || beyond || (thin && !band_.triangles) ||
+            (corners_.count[lane] < kLeast && meet))
             return false;
         const bool meeting = !(carried.spreads[lane] || (carried.oneFront[lane] && !meet));
         if (meeting && !met_) return false;
-        const double d = jets_.buckets.startOf(corners_.bucket[lane]) +
-                         double(meeting ? firstAt(lane) : carried.u[lane]);
-        if (!(d > jets_.seeds.largestInDisc + kNearSeed) || !(d < jets_.limit - kNearLimit))
-            return false;
+        const double d =
+            jets_.buckets.startOf(corners_.bucket[lane]) +
+            double(meeting ? firstAt(lane) : carried.u[lane] + besideMean(lane, carried));
+        if (!(d > jets_.seeds.largestInDisc + kNearSeed)) return false;
         const Asked& asked = asked_[lane];
         *asked.to = {std::max(d, jets_.seeds.lines.from(label, *asked.p)), label, nullptr};
         if (meeting) met_->push_back(asked.to);
         return true;
+    }
+
+    /// What the carried value lacks, as corners of the core may all lie to one side: it takes their
+    /// mean direction of travel for that at the point. Along a front of curvature k whose corners
+    /// are m to the side in the mean that is k m^2 / 2.
+    float besideMean(std::size_t lane, const CarriedJets& carried) const {
+        constexpr float kStiff = 0.01f;  // voxels^2: corners side by side show no curvature
+        const Vec3f n{corners_.nx[lane], corners_.ny[lane], corners_.nz[lane]},
+            side = cross(n, Vec3f{carried.gx[lane], carried.gy[lane], carried.gz[lane]});
+        float total = 0, l = 0, t = 0, ll = 0, lt = 0;
+        for (std::size_t c = 0; c < corners_.count[lane]; ++c) {
+            const float w = corners_.corner[c].weight[lane],
+                        across = -dot(side, corners_.chord(lane, c)),
+                        turned = dot(side, corners_.g(lane, c));
+            total += w, l += w * across, t += w * turned;
+            ll += w * across * across, lt += w * across * turned;
+        }
+        const float mean = l / total,
+                    curvature = (lt - mean * t) / (ll - mean * l + kStiff * total);
+        return curvature * mean * mean / 2;
     }
 
     /// The value by the corners of the first front alone, each a plane front.
@@ -127,11 +162,14 @@ bool isReadFromCore(const Field& field) { return field.jets && !field.metric->we
 
 std::optional<Arrival> arrivalFromCore(const Field& field, const Vec3d& pIndex,
                                        const Vec3d& sheetNormal) {
-    if (!isReadFromCore(field) || field.band->triangles || sheetNormal == Vec3d{}) return {};
+    if (!isReadFromCore(field) || field.band->triangles) return {};
+    const Vec3d normal = sheetNormal == Vec3d{}
+                             ? SurfaceCell(*field.band, *field.metric, pIndex, {}).normal
+                             : sheetNormal;
     const std::vector<Vec3f> noGradients;
     Arrival first;
     CoreReader reader(*field.jets, noGradients, nullptr);
-    reader.add(pIndex, Vec3f(sheetNormal), first);
+    reader.add(pIndex, Vec3f(normal), first);
     reader.finish();
     return reader.left.empty() ? std::optional(first) : std::nullopt;
 }
