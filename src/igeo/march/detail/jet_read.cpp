@@ -113,6 +113,7 @@ private:
     /// are m to the side in the mean that is k m^2 / 2.
     float besideMean(std::size_t lane, const CarriedJets& carried) const {
         constexpr float kStiff = 0.01f;  // voxels^2: corners side by side show no curvature
+        constexpr float kBent = 0.1f;    // 1 / voxels: more is not known from one cell
         const Vec3f n{corners_.nx[lane], corners_.ny[lane], corners_.nz[lane]},
             side = cross(n, Vec3f{carried.gx[lane], carried.gy[lane], carried.gz[lane]});
         float total = 0, l = 0, t = 0, ll = 0, lt = 0;
@@ -125,7 +126,7 @@ private:
         }
         const float mean = l / total,
                     curvature = (lt - mean * t) / (ll - mean * l + kStiff * total);
-        return curvature * mean * mean / 2;
+        return std::clamp(curvature, -kBent, kBent) * mean * mean / 2;
     }
 
     /// The value by the corners of the first front alone, each a plane front.
