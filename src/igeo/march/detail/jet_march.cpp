@@ -215,8 +215,7 @@ bool JetMarch::mayGoRound(NodeIndex i, const JetRows::Row& row, const JetGroup::
 
 bool JetMarch::isMisplaced(const JetRows::Row& row, const JetGroup::Solution& s) const {
     constexpr float kOff = 0.05f;  // voxels
-    if (!s.usedFallback || s.ends[0] == s.ends[1] || !core_.band.triangles || !core_.isEven() ||
-        !knowsCrease(row))
+    if (s.ends[0] == s.ends[1] || !core_.band.triangles || !core_.isEven() || !knowsCrease(row))
         return false;
     const JetLink &p = row.knownLink(s.ends[0]), &q = row.knownLink(s.ends[1]);
     const JetNode &a = core_.nodes[p.node()], &b = core_.nodes[q.node()];
@@ -403,7 +402,8 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
         if ((s.oneSided && isAtRim(i)) || isFolded(i)) s = group.jets.solveAtRim(lane);
         if (const JetRows::Row& row = group.rows.of[lane]; mayGoRound(i, row, s))
             s = overTwoLinks(i, row, batch, s);
-        if (isMisplaced(group.rows.of[lane], s)) s = solveByWalks(i, group.rows.of[lane], s);
+        if (const JetRows::Row& row = group.rows.of[lane]; s.usedFallback && isMisplaced(row, s))
+            s = solveByWalks(i, row, s);
         if (!isotropic_) s.g = core_.stretch[i].covectorBack(s.g);
         settle(lane, group, {s.u * group.weight[lane], s.g, s.source, s.usedFallback, s.frontsMeet},
                batch, chunk);
