@@ -125,17 +125,16 @@ private:
 
 TEST_CASE("thin bones of coarse triangles: distances and paths", "[mesh]") {
     // Paths before they were compared with their distances, and fallbacks were solved by walks:
-    // 6.2, 6.9 and 9.2 % too long, 14, 54 and 22 of them by more than 1 %.
+    // 6.2, 6.9 and 9.2 % too long, 14, 54 and 22 of them by more than 1 %; before a search between
+    // their ends 2.5, 4.3 and 0.5 %, 1, 6 and 0.
     struct Case {
         std::size_t around;
         std::vector<Ring> rings;
         double longest;  ///< allowed, %
-        std::size_t long1;
     };
-    const std::vector<Case> cases{
-        {4, {{-5, 1.5}, {0, 1.9}, {5, 1.5}}, 3.8, 1},             // measured 2.51, 1
-        {4, {{-7, 1.7}, {-2, 1.9}, {2, 1.9}, {7, 1.7}}, 6.4, 9},  // measured 4.28, 6
-        {5, {{-5, 1.5}, {0, 1.9}, {5, 1.5}}, 0.71, 0}};           // measured 0.47, 0
+    const std::vector<Case> cases{{4, {{-5, 1.5}, {0, 1.9}, {5, 1.5}}, 1.0},  // measured 0.67
+                                  {4, {{-7, 1.7}, {-2, 1.9}, {2, 1.9}, {7, 1.7}}, 0.86},  // 0.57
+                                  {5, {{-5, 1.5}, {0, 1.9}, {5, 1.5}}, 0.71}};            // 0.47
     for (const Case& c : cases) {
         const OnBones e(c.around, c.rings);
         CHECK(e.count > 2000);
@@ -143,7 +142,7 @@ TEST_CASE("thin bones of coarse triangles: distances and paths", "[mesh]") {
         CHECK(e.least > -0.117);  // measured -0.078; before -0.099
         CHECK(e.largest < 0.26);  // measured 0.172
         CHECK(e.longest < c.longest);
-        CHECK(e.long1 <= c.long1);
+        CHECK(e.long1 == 0);
     }
 }
 

@@ -410,8 +410,24 @@ Path Tracer::trace(const SurfacePoint& target) {
 
 }  // namespace
 
+namespace {
+
+/// Over S a path or its distance is off where it is so much longer.
+constexpr double kLonger = 1.005;
+
+/// The locally shortest curve over the triangles that a search from one end of a path to the other
+/// finds, where its length is exact; else the path.
+Path betweenEnds(const Field& field, const Path& path) {
+    Path curve = path;
+    curve.vertices = {path.vertices.front(), path.vertices.back()};
+    if (!layOnTriangles(field, curve)) return path;
+    straighten(field, curve);
+    return curve;
+}
+
+}  // namespace
+
 Path tracePath(const Field& field, const SurfacePoint& target, const TraceOptions& options) {
-    constexpr double kLonger = 1.005;
     auto traced = [&](bool byNodes) {
         Path path = Tracer(field, options, byNodes).trace(target);
         if (options.rough) return path;
@@ -420,15 +436,18 @@ Path tracePath(const Field& field, const SurfacePoint& target, const TraceOption
         return path;
     };
     Path path = traced(false);
-    if (options.rough || !hasExactCurves(field) || path.status != PathStatus::Reached ||
-        !(path.length > kLonger * path.distance))
+    auto isLong = [&] { return path.length > kLonger * path.distance; };
+    if (options.rough || !hasExactCurves(field) || path.status != PathStatus::Reached || !isLong())
         return path;
     // Where a mesh is thin a gradient may lead to the other side, from where paths are longer.
     // A curve shorter than the distance has left the mesh: links lead through walls.
-    Path other = traced(true);
-    const bool isBetter = other.status == PathStatus::Reached && other.length < path.length &&
-                          kLonger * other.length >= path.distance;
-    return isBetter ? other : path;
+    const Path other = traced(true);
+    if (other.status == PathStatus::Reached && other.length < path.length &&
+        kLonger * other.length >= path.distance)
+        path = other;
+    if (!isLong()) return path;
+    const Path curve = betweenEnds(field, path);
+    return curve.length < path.length ? curve : path;
 }
 
 std::vector<Path> tracePaths(const Field& field, const std::vector<SurfacePoint>& targets,

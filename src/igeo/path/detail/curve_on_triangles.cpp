@@ -41,7 +41,7 @@ std::vector<double> measure(const Field& field, Path& path) {
     return lengths;
 }
 
-void layOnTriangles(const Field& field, Path& path) {
+bool layOnTriangles(const Field& field, Path& path) {
     const SurfaceTriangles& triangles = *field.band->triangles;
     const std::vector<TriangleStrip> strips = stripsAlong(triangles, pointsOf(path));
     const std::vector<PathVertex> given = std::exchange(path.vertices, {});
@@ -60,6 +60,7 @@ void layOnTriangles(const Field& field, Path& path) {
         path.vertices.push_back(given[k + 1]);
     }
     measure(field, path);
+    return std::none_of(strips.begin(), strips.end(), isGap);
 }
 
 bool hasExactCurves(const Field& field) {

@@ -16,7 +16,8 @@ std::vector<double> measure(const Field& field, Path& path);
 /// Adds vertices so that all of a path lies on the triangles of its band: each segment becomes the
 /// locally shortest curve over them. A segment stays as it is if they do not join its ends nearby.
 /// Sets the lengths.
-void layOnTriangles(const Field& field, Path& path);
+/// @return whether they join the ends of all segments
+bool layOnTriangles(const Field& field, Path& path);
 
 /// Whether shortest curves are exact: over triangles of constant cost, without obstacles.
 bool hasExactCurves(const Field& field);
