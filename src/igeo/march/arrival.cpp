@@ -63,7 +63,7 @@ public:
           hasWalks_(field.atFootPoints && band_.triangles && !metric_.anisotropic()),
           byWays_(hasWalks_ && hasWays(band_, cell_) && isOnMesh()),
           byWalks_(byWays_ ||
-                   (hasWalks_ && (hasThinWalls(band_, cell_) || atCorner()) && isOnMesh())) {}
+                   (hasWalks_ && (hasThinWalls(band_, cell_) || onCrease()) && isOnMesh())) {}
 
     Arrival first() const { return field_.atFootPoints ? byJets() : byVoxels(); }
 
@@ -124,8 +124,9 @@ private:
     bool isBesideSeed() const;
     /// The jets of one source, blended.
     double blended(std::uint32_t source) const;
-    /// Whether three faces of a mesh meet in the cell, which have no common plane.
-    bool atCorner() const;
+    /// Whether faces of a mesh meet in the cell: a corner lies in no chart, nor does a rim that
+    /// bends.
+    bool onCrease() const;
     /// The nodes of the core at the cell and beside it; none near obstacles.
     std::vector<NodeIndex> coreAround() const;
     /// From the core around the cell, where the corners are too few to separate fronts.
@@ -141,7 +142,7 @@ private:
     /// Found by onMesh(): few points need it.
     mutable std::optional<SurfaceTriangles::Place> onMesh_;
     const bool byWays_;  ///< sheets of a mesh cross or fold within a voxel here
-    /// Walls of a mesh are as thin as the cell, or three of its faces meet in the cell.
+    /// Walls of a mesh are as thin as the cell, or faces of it meet in the cell.
     const bool byWalks_;
 };
 
@@ -326,18 +327,15 @@ double Reader::blended(std::uint32_t source) const {
     return chart.here * (met && std::abs(met->u - jet.u) < kBlendError ? met->u : jet.u);
 }
 
-bool Reader::atCorner() const {
+bool Reader::onCrease() const {
     constexpr float kOneFace = 0.8f;  // 37 degrees
-    std::array<Vec3f, 8> faces;
-    std::size_t count = 0;
+    const Vec3f* first = nullptr;
     for (const NodeIndex i : cell_.node) {
         if (i == kNoNode) continue;
-        const auto end = faces.begin() + std::ptrdiff_t(count);
-        if (std::none_of(faces.begin(), end,
-                         [&](const Vec3f& face) { return dot(face, band_.normal[i]) > kOneFace; }))
-            faces[count++] = band_.normal[i];
+        if (!first) first = &band_.normal[i];
+        if (dot(*first, band_.normal[i]) <= kOneFace) return true;
     }
-    return count > 2;
+    return false;
 }
 
 std::vector<NodeIndex> Reader::coreAround() const {

@@ -11,11 +11,17 @@ namespace {
 
 /// So near to the fallback a fit has to be where it is in doubt.
 constexpr float kAgree = 0.01f;
+/// So far below it over creases: along a rim that bends, a fit lets the front cut the bend.
+constexpr float kBelowOverCrease = 0.002f;
+
+/// How far a fit may be below the fallback.
+constexpr float mostBelow(bool smooth) { return smooth ? kAgree : kBelowOverCrease; }
 
 /// Whether a fit agrees with the fallback for certain.
-bool surelyAgrees(float u, const FermatBounds& bounds, std::size_t lane) {
-    constexpr float kSure = kAgree - 1e-3f;
-    return bounds.least[lane] > u - kSure && bounds.most[lane] < u + kSure;
+bool surelyAgrees(float u, const FermatBounds& bounds, std::size_t lane, bool smooth) {
+    constexpr float kRounding = 1e-3f;
+    return bounds.least[lane] > u - (kAgree - kRounding) &&
+           bounds.most[lane] < u + (mostBelow(smooth) - kRounding);
 }
 
 }  // namespace
@@ -101,7 +107,7 @@ void JetGroup::solveDoubtful(const Fits& fits, unsigned doubts, Solutions& solut
     boundFallbacks(lanes_, longest2, bounds);
     for (unsigned left = inFallback; left; left &= left - 1) {
         const auto k = std::size_t(std::countr_zero(left));
-        if (best[k].mayCount && surelyAgrees(best[k].best.u, bounds, k))
+        if (best[k].mayCount && surelyAgrees(best[k].best.u, bounds, k, nodes_[k].smooth))
             solutions[k] = best[k].best, inFallback &= ~(1u << k);
     }
     if (!inFallback) return;
@@ -146,7 +152,8 @@ JetGroup::BestFit JetGroup::bestFit(std::size_t lane, const Fits& fits) const {
 JetGroup::Solution JetGroup::decide(std::size_t lane, const BestFit& fit,
                                     const FermatGroup& fallback) const {
     const float u = lanes_.neighbor[0].u[lane] + fallback.u(lane);
-    if (fit.mayCount && std::abs(fit.best.u - u) < kAgree) return fit.best;
+    if (fit.mayCount && fit.best.u - u < kAgree && u - fit.best.u < mostBelow(nodes_[lane].smooth))
+        return fit.best;
     FrontsMeet fronts(fallback.g(lane));
     for (std::size_t k = 0; k < lanes_.count[lane]; ++k) fronts.add(lanes_.at(lane, k));
     return {u,     fallback.g(lane),      fit.best.source,    true, fronts.meet(),
