@@ -412,7 +412,7 @@ Path Tracer::trace(const SurfacePoint& target) {
 
 namespace {
 
-/// Over S a path or its distance is off where it is so much longer.
+/// A path that is so much longer than its distance may lead around the wrong side.
 constexpr double kLonger = 1.005;
 
 /// The locally shortest curve over the triangles that a search from one end of a path to the other
