@@ -408,10 +408,6 @@ Path Tracer::trace(const SurfacePoint& target) {
     }
 }
 
-}  // namespace
-
-namespace {
-
 /// A path that is so much longer than its distance may lead around the wrong side.
 constexpr double kLonger = 1.005;
 
