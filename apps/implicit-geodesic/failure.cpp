@@ -5,6 +5,7 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <string_view>
 #include <system_error>
 
 #include "console.h"
@@ -54,6 +55,10 @@ Failure currentFailure() {
         return {kFailed, "the system refuses: " + e.code().message(),
                 "raise the limits of the process (ulimit -a)"};
     } catch (const std::exception& e) {
+        // TBB has no type of its own for a thread that the system does not grant.
+        if (std::string_view(e.what()).find("pthread_create") != std::string_view::npos)
+            return {kFailed, "the system refuses a thread",
+                    "use fewer --threads, or raise the limits of the process (ulimit -a)"};
         return {kFailed, std::string("unexpected: ") + e.what(), "please report this"};
     }
 }

@@ -1,6 +1,5 @@
 /// implicit-geodesic: distances and geodesics along a surface.
 #include <igeo/base/parallel.h>
-#include <tbb/task_group.h>
 
 #include "batch/batch.h"
 #include "console.h"
@@ -21,8 +20,6 @@ template <typename Work>
 int withProcess(const ProcessOptions& options, double memoryLimit, const Work& work) {
     const InterruptGuard interrupts;
     const igeo::ThreadLimit threads(options.threads);
-    // TBB takes its own memory at first use. oneTBB 2022 waits forever where it finds none then.
-    tbb::task_group().run_and_wait([] {});
     limitMemory(memoryLimit > 0 ? memoryLimit * kGiB : machineMemory(),
                 igeo::ThreadLimit::current());
     Console console(options.quiet     ? Console::Level::Quiet

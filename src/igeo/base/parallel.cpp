@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 
@@ -47,7 +48,10 @@ struct ThreadLimit::Impl {
 };
 
 ThreadLimit::ThreadLimit(int threads)
-    : impl_(threads > 0 ? std::make_unique<Impl>(std::size_t(threads)) : nullptr) {}
+    : impl_(threads > 0 ? std::make_unique<Impl>(std::size_t(threads)) : nullptr) {
+    // TBB takes its own memory at first use. oneTBB 2022 waits forever where it finds none then.
+    tbb::task_group().run_and_wait([] {});
+}
 
 ThreadLimit::~ThreadLimit() = default;
 
