@@ -156,13 +156,13 @@ TEST_CASE("thin bones of coarse triangles: distances and paths", "[mesh]") {
     };
     const std::vector<Case> cases{{4, {{-5, 1.5}, {0, 1.9}, {5, 1.5}}, 1.0},  // measured 0.67
                                   {4, {{-7, 1.7}, {-2, 1.9}, {2, 1.9}, {7, 1.7}}, 0.86},  // 0.57
-                                  {5, {{-5, 1.5}, {0, 1.9}, {5, 1.5}}, 0.71}};            // 0.47
+                                  {5, {{-5, 1.5}, {0, 1.9}, {5, 1.5}}, 0.67}};            // 0.44
     for (const Case& c : cases) {
         const OnBones e(c.around, c.rings);
         CHECK(e.count > 2000);
-        CHECK(e.mean < 0.0082);   // measured 0.0054; before up to 0.0064
-        CHECK(e.least > -0.117);  // measured -0.078; before -0.099
-        CHECK(e.largest < 0.26);  // measured 0.172
+        CHECK(e.mean < 0.0068);   // measured 0.0045; before up to 0.0064
+        CHECK(e.least > -0.117);  // measured -0.082; before -0.099
+        CHECK(e.largest < 0.26);  // measured 0.180
         CHECK(e.longest < c.longest);
         CHECK(e.long1 == 0);
     }
@@ -194,11 +194,11 @@ TEST_CASE("rims of holes: distances and paths follow them", "[mesh]") {
                     corners, mean, least, largest, longest);
         CHECK(count == (corners == 36 ? 1260 : 552));
         // Before fits counted by the fallback and the rim was read by walks: 0.038, -0.30, 0.16
-        // and 3.8 %.
-        CHECK(mean < 0.045);     // measured 0.030
-        CHECK(least > -0.29);    // measured -0.193
-        CHECK(largest < 0.185);  // measured 0.123
-        CHECK(longest < 1.88);   // measured 1.25
+        // and 3.8 %; with segments off by up to 0.05 in the chart: 0.030, -0.193, 0.123 and 1.25 %.
+        CHECK(mean < 0.0215);    // measured 0.0143
+        CHECK(least > -0.119);   // measured -0.079
+        CHECK(largest < 0.185);  // measured 0.128
+        CHECK(longest < 0.68);   // measured 0.45
     }
 }
 

@@ -50,6 +50,12 @@ public:
         return normalized(cross(corner(t, 1) - a, corner(t, 2) - a));
     }
 
+    /// The angle of a triangle at its corner k.
+    double angle(std::size_t t, unsigned k) const {
+        const Vec3d& p = corner(t, k);
+        return angleBetween(corner(t, k + 1) - p, corner(t, k + 2) - p);
+    }
+
     /// The nearest point at most `within` from p; on ties that of the triangle with the lowest
     /// number.
     /// @param sheetNormal  a unit normal: triangles with opposite normals are used only where there

@@ -75,6 +75,11 @@ Vec3<T> normalized(const Vec3<T>& a) {
     const T len = length(a);
     return len > 0 ? a * (1 / len) : a;
 }
+/// 0 to pi; of parallel vectors as accurate as of others.
+template <typename T>
+T angleBetween(const Vec3<T>& a, const Vec3<T>& b) {
+    return std::atan2(length(cross(a, b)), dot(a, b));
+}
 /// The part of `a` orthogonal to the unit vector `n`.
 template <typename T>
 constexpr Vec3<T> tangential(const Vec3<T>& a, const Vec3<T>& n) {

@@ -32,9 +32,7 @@ unsigned edgeAt(const SurfaceTriangles& triangles, std::uint32_t t, const Vec3d&
 
 /// A triangle's normal times its angle at a corner.
 Vec3d byAngle(const SurfaceTriangles& triangles, std::uint32_t t, unsigned corner) {
-    const Vec3d p = triangles.corner(t, corner), a = triangles.corner(t, corner + 1) - p,
-                b = triangles.corner(t, corner + 2) - p;
-    return std::atan2(length(cross(a, b)), dot(a, b)) * triangles.normal(t);
+    return triangles.angle(t, corner) * triangles.normal(t);
 }
 
 /// The sum around a vertex, in both directions from one of its triangles, across edges that join

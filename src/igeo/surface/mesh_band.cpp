@@ -26,11 +26,6 @@ constexpr double kRim = 1, kSharp = 0.9;
 /// Measured: docs/trials.md, "Boundary of a mesh".
 constexpr double kBeyond = 0.5;
 
-/// Angle of a triangle at corner a.
-double angleAt(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    return std::atan2(length(cross(b - a, c - a)), dot(b - a, c - a));
-}
-
 /// Normals of faces, edges and corners, and where the mesh ends.
 struct Pseudonormals {
     std::vector<Vec3d> ofFace, ofCorner;
@@ -48,9 +43,9 @@ struct Pseudonormals {
         for (std::size_t t = 0; t < ofFace.size(); ++t) {
             const auto& [a, b, c] = mesh.triangles[t];
             ofFace[t] = normalized(cross(p[b] - p[a], p[c] - p[a]));
-            ofCorner[a] += angleAt(p[a], p[b], p[c]) * ofFace[t];
-            ofCorner[b] += angleAt(p[b], p[c], p[a]) * ofFace[t];
-            ofCorner[c] += angleAt(p[c], p[a], p[b]) * ofFace[t];
+            ofCorner[a] += angleBetween(p[b] - p[a], p[c] - p[a]) * ofFace[t];
+            ofCorner[b] += angleBetween(p[c] - p[b], p[a] - p[b]) * ofFace[t];
+            ofCorner[c] += angleBetween(p[a] - p[c], p[b] - p[c]) * ofFace[t];
             for (std::size_t k = 0; k < 3; ++k)
                 if (topology.neighbor[t][k] == MeshTopology::kNone)
                     atBoundary[mesh.triangles[t][k]] = atBoundary[mesh.triangles[t][(k + 1) % 3]] =

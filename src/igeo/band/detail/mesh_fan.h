@@ -76,6 +76,12 @@ private:
         while (parts_[k].before != kNoPart) k = parts_[k].before;
         return k;
     }
+    /// Whether lines to a point end there before they come into a part: at a vertex of its entry.
+    static bool endsBefore(const Part& part, Vec2d at) {
+        return part.before != kNoPart &&
+               (igeo::length(at - part.corner[part.entry]) < kOn ||
+                igeo::length(at - part.corner[(part.entry + 1) % 3]) < kOn);
+    }
     /// The distance from the origin to the part of an edge between two lines.
     static double nearest(Vec2d a, Vec2d b);
     Vec2d flat(const Part& part, const Vec3d& p) const;
@@ -200,7 +206,7 @@ bool MeshFan<Mesh>::sees(std::size_t k, const Vec3d& to, WalkEnds& way) const {
     const Part& part = parts_[k];
     const Vec2d at = flat(part, to);
     const double far = igeo::length(at);
-    if (far > most_) return false;
+    if (far > most_ || endsBefore(part, at)) return false;
     if (part.before != kNoPart && (cross(part.right, at) < -kOn * igeo::length(part.right) ||
                                    cross(at, part.left) < -kOn * igeo::length(part.left)))
         return false;

@@ -214,7 +214,7 @@ bool JetMarch::mayGoRound(NodeIndex i, const JetRows::Row& row, const JetGroup::
 }
 
 bool JetMarch::isMisplaced(const JetRows::Row& row, const JetGroup::Solution& s) const {
-    constexpr float kOff = 0.05f;  // voxels
+    constexpr float kOff = 0.002f;  // voxels
     if (s.ends[0] == s.ends[1] || !core_.band.triangles || !core_.isEven() || !knowsCrease(row))
         return false;
     const JetLink &p = row.knownLink(s.ends[0]), &q = row.knownLink(s.ends[1]);

@@ -13,7 +13,7 @@ constexpr double kLeastTurn = 0.94;  // cosine of 20 degrees, between sheets
 constexpr double kDisturbed = 3.2;   // voxels from another sheet
 
 double degrees(const Vec3d& a, const Vec3d& b) {
-    return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
+    return angleBetween(a, b) * 180 / std::numbers::pi;
 }
 
 /// Whether a node on the sheet has its foot point near q.

@@ -256,9 +256,7 @@ std::vector<Vec3d> FlatStrip::curve() const {
 
 double FlatStrip::angleAt(std::uint32_t t, std::uint32_t vertex) const {
     const unsigned k = triangles_[t][0] == vertex ? 0 : triangles_[t][1] == vertex ? 1 : 2;
-    const Vec3d p = triangles_.corner(t, k), a = triangles_.corner(t, k + 1) - p,
-                b = triangles_.corner(t, k + 2) - p;
-    return std::atan2(length(cross(a, b)), dot(a, b));
+    return triangles_.angle(t, k);
 }
 
 Side FlatStrip::otherSideAt(std::uint32_t t, std::uint32_t vertex, const Side& side) const {

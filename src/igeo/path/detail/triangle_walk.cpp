@@ -13,10 +13,6 @@ namespace {
 using Side = SurfaceTriangles::Side;
 constexpr double kExactlyOn = 1e-9, kPi = std::numbers::pi;  // voxels
 
-double angleBetween(const Vec3d& a, const Vec3d& b) {
-    return std::atan2(length(cross(a, b)), dot(a, b));
-}
-
 }  // namespace
 
 TriangleWalk::TriangleWalk(const SurfaceTriangles& triangles, const Vec3d& p,
