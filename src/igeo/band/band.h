@@ -52,7 +52,7 @@ inline bool onOneSheet(const Vec3f& chord, const Vec3f& a, const Vec3f& b, float
 
 /// The band in flat arrays. Nodes are numbered leaf by leaf, by offset within the leaf, so the
 /// numbering depends on the topology alone. 19 bytes per node, 12 more where foot points are
-/// stored, and about 5 for the leaves.
+/// stored, 4 more on a mesh, and about 5 for the leaves.
 ///
 /// The core is the thinnest part of the band that is still closed: the nearer end of every lattice
 /// edge that S crosses along the axis its normal is closest to. For a plane these are the voxels
@@ -87,6 +87,7 @@ struct Band {
     std::vector<float> psi;     ///< per node: signed distance, voxels; |psi| < h
     std::vector<Vec3f> foot;    ///< per node: footOf; empty: -psi times the normal, as psi says
     std::vector<Vec3f> normal;  ///< per node: unit normal at the foot point, along grad psi
+    std::vector<std::uint32_t> triangle;  ///< per node of a mesh: that of its foot point; or empty
 
     /// Per node, bits: kFacing where a neighbor lies on a sheet that faces it, kSevered where links
     /// are severed, kBesideSevered there and at all neighbors of such nodes (and beyond:
@@ -127,6 +128,8 @@ struct Band {
     /// The foot point on S, relative to the voxel.
     Vec3f footOf(NodeIndex i) const { return foot.empty() ? -psi[i] * normal[i] : foot[i]; }
     Vec3d footPoint(NodeIndex i) const { return Vec3d(ijk(i)) + Vec3d(footOf(i)); }
+    /// The same on the triangles of a mesh.
+    SurfaceTriangles::Place footPlace(NodeIndex i) const { return {triangle[i], footPoint(i), 0}; }
 
     /// The node at step (dx, dy, dz) from node i, or kNoNode. O(1); fastest within 8 voxels.
     NodeIndex neighbor(NodeIndex i, int dx, int dy, int dz) const {

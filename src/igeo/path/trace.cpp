@@ -184,7 +184,7 @@ NodeIndex Tracer::lowestByWalk(const Vec3d& p, double d) const {
     double least = kInfinity;
     for (const auto& [bound, j] : lower) {
         if (bound > least) break;
-        const auto to = footPlace(*band_.triangles, band_.footPoint(j), Vec3d(band_.normal[j]));
+        const auto to = band_.footPlace(j);
         const double walked =
             walk.tightLength({at.triangle, at.point}, {to.triangle, to.point}, kLongest);
         const double whole = field_.at(j).distance + metric.at(j) * walked;

@@ -117,6 +117,7 @@ void numberNodes(const Pseudonormals& normals, std::vector<NearLeaf>& nearLeaves
 std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
                                  const std::vector<NearLeaf>& nearLeaves, Band& band) {
     std::vector<std::vector<NodeIndex>> rims(nearLeaves.size());
+    band.triangle.resize(band.size());
     parallelFor(nearLeaves.size(), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t l = begin; l < end; ++l) {
             NodeIndex i = band.leaves[l].band.firstNode;
@@ -136,6 +137,7 @@ std::vector<NodeIndex> fillNodes(const Pseudonormals& normals,
                 band.psi[i] = float(psi);
                 band.foot[i] = Vec3f(v.point);
                 band.normal[i] = Vec3f(n);
+                band.triangle[i] = v.triangle;
                 ++i;
             }
         }

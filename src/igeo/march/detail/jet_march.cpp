@@ -214,7 +214,7 @@ bool JetMarch::mayGoRound(NodeIndex i, const JetRows::Row& row, const JetGroup::
 }
 
 bool JetMarch::isMisplaced(const JetRows::Row& row, const JetGroup::Solution& s) const {
-    constexpr float kOff = 0.002f;  // voxels
+    constexpr float kOff = 0.05f, kOffFacets = 0.002f;  // voxels
     if (s.ends[0] == s.ends[1] || !core_.band.triangles || !core_.isEven() || !knowsCrease(row))
         return false;
     const JetLink &p = row.knownLink(s.ends[0]), &q = row.knownLink(s.ends[1]);
@@ -222,7 +222,8 @@ bool JetMarch::isMisplaced(const JetRows::Row& row, const JetGroup::Solution& s)
     const Vec3f chord = a.foot - b.foot - Vec3f(core_.voxelOf(b) - core_.voxelOf(a));
     const Vec2f along =
         TangentFrame(a.normal, core_.band.faceted).unfold(chord, b.normal, dot(a.normal, b.normal));
-    return std::abs(length(p.a() - q.a()) - length(along)) > kOff;
+    return std::abs(length(p.a() - q.a()) - length(along)) >
+           (core_.band.faceted ? kOffFacets : kOff);
 }
 
 bool JetMarch::knowsCrease(const JetRows::Row& row) {

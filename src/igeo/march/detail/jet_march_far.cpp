@@ -95,12 +95,12 @@ JetGroup::Solution JetMarch::solveByWalks(NodeIndex i, const JetRows::Row& row,
 
 JetMarch::Jump JetMarch::firstByWalks(NodeIndex i, std::vector<From> from, double around) const {
     const JetNode& node = core_.nodes[i];
-    const Vec3d foot = core_.footOf(node), up(node.normal);
-    const SurfaceTriangles& triangles = *core_.band.triangles;
+    const Vec3d up(node.normal);
+    const Band& band = core_.band;
     const double weight = core_.largestCostAt(i);
-    const SurfaceTriangles::Place place = footPlace(triangles, foot, up);
-    const double side = sideOf(triangles, place, up);
-    JetsByWalks jets(triangles, place, weight);
+    const SurfaceTriangles::Place place = band.footPlace(core_.inBand(node));
+    const double side = sideOf(*band.triangles, place, up);
+    JetsByWalks jets(band, place, weight);
     std::sort(from.begin(), from.end());
     from.erase(std::unique(from.begin(), from.end(),
                            [](const From& a, const From& b) { return a.node == b.node; }),
@@ -108,12 +108,11 @@ JetMarch::Jump JetMarch::firstByWalks(NodeIndex i, std::vector<From> from, doubl
     double least = kInfinity;
     for (const From& f : from) {
         if (f.least > least + around * weight) break;
-        const JetNode& other = core_.nodes[f.node];
+        const NodeIndex other = core_.inBand(core_.nodes[f.node]);
         const NodeJet jet{jets_.valueOf(f.node), jets_.gradientOf(f.node), jets_.labelOf(f.node)};
         const double cost = core_.largestCostAt(f.node);
-        least = std::min(
-            least, f.line ? jets.add(*f.line, core_.footOf(other), Vec3d(other.normal), jet, cost)
-                          : jets.add(core_.footOf(other), Vec3d(other.normal), jet, cost, f.most));
+        least = std::min(least, f.line ? jets.add(*f.line, other, jet, cost)
+                                       : jets.add(other, jet, cost, f.most));
     }
     Jump jump;
     for (const std::uint32_t source : jets.sources()) {

@@ -158,9 +158,8 @@ private:
                 const NodeIndex i = band.coreNode(node);
                 if (core_.nodes[i].obstacleState == Metric::Inside) return;
                 const LocalFrame local = core_.localFrame(i);
-                found_.emplace_back(i, jetOver(way, core_, seeds_, k_, local,
-                                               footPlace(*band.triangles, band.footPoint(node),
-                                                         Vec3d(local.frame.normal()))));
+                found_.emplace_back(i,
+                                    jetOver(way, core_, seeds_, k_, local, band.footPlace(node)));
             });
     }
     /// Whether psi is 0 along the chord from the seed, or nearly so, where the band has it.

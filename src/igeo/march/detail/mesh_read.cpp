@@ -96,36 +96,31 @@ std::size_t JetsByWalks::faceOf(const Vec3d& up) {
     return face;
 }
 
-void JetsByWalks::addAcross(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet,
-                            double weight) {
+void JetsByWalks::addAcross(NodeIndex node, const NodeJet& jet, double weight) {
     constexpr float kAlike = -0.2f;
     const Vec3d up = triangles_.normal(at_.triangle);
     if (up == Vec3d{}) return;
     const std::size_t face = faceOf(up);
     const TangentFrame frame{Vec3f(faceNormal_[face])};
-    const float cosine = dot(frame.normal(), Vec3f(normal));
+    const Vec3f& normal = band_.normal[node];
+    const float cosine = dot(frame.normal(), normal);
     if (cosine < kAlike) return;
     const float mean = float((1 + weight / here_) / 2);
-    const Vec2f a = frame.unfold(Vec3f(at_.at - foot), Vec3f(normal), cosine),
-                g = frame.flat(Vec3f(turned(Vec3d(jet.gradient), normal, faceNormal_[face])));
+    const Vec3d foot = band_.footPoint(node);
+    const Vec2f a = frame.unfold(Vec3f(at_.at - foot), normal, cosine),
+                g = frame.flat(
+                    Vec3f(turned(Vec3d(jet.gradient), Vec3d(normal), faceNormal_[face])));
     if (!(length(g) > 0)) return;
     jets_.push_back(
         {{mean * a, (1 / length(g)) * g, jet.distance / here_}, face, jet.label, {}, up});
 }
 
-double JetsByWalks::add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
-                        double most) {
-    const auto from = footPlace(triangles_, foot, normal);
-    return addOver(walk_.ends({from.triangle, foot}, at_, most), from, normal, jet, weight);
+double JetsByWalks::add(NodeIndex node, const NodeJet& jet, double weight, double most) {
+    const auto from = band_.footPlace(node);
+    return add(walk_.ends({from.triangle, from.point}, at_, most), node, jet, weight);
 }
 
-double JetsByWalks::add(const WalkEnds& line, const Vec3d& foot, const Vec3d& normal,
-                        const NodeJet& jet, double weight) {
-    return addOver(line, footPlace(triangles_, foot, normal), normal, jet, weight);
-}
-
-double JetsByWalks::addOver(const WalkEnds& way, const SurfaceTriangles::Place& from,
-                            const Vec3d& normal, const NodeJet& jet, double weight) {
+double JetsByWalks::add(const WalkEnds& way, NodeIndex node, const NodeJet& jet, double weight) {
     if (!(way.length < kInfinity)) return kInfinity;
     const double cost = (1 + weight / here_) / 2 * way.length;
     const Vec3d up = triangles_.normal(way.last);
@@ -133,8 +128,9 @@ double JetsByWalks::addOver(const WalkEnds& way, const SurfaceTriangles::Place& 
     const Vec3d start = triangles_.normal(way.first);
     if (way.straight && up != Vec3d{} && start != Vec3d{}) {
         const std::size_t face = carried.face = faceOf(up);
-        const Vec3d own = sideOf(triangles_, from, normal) * normal,
-                    g = normalized(turned(Vec3d(jet.gradient), own, start));
+        const Vec3d normal(band_.normal[node]),
+            own = sideOf(triangles_, band_.footPlace(node), normal) * normal,
+            g = normalized(turned(Vec3d(jet.gradient), own, start));
         const double left = dot(g, cross(start, way.out));
         const Vec2f in = TangentFrame(Vec3f(faceNormal_[face])).flat(Vec3f(way.in));
         const Vec2f to = length(in) > 0 ? (1 / length(in)) * in : Vec2f{1, 0};
@@ -225,11 +221,8 @@ std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at
 }
 
 void addSeen(const Field& field, const std::vector<Seen>& seen, JetsByWalks& jets) {
-    const Band& band = *field.band;
     for (const Seen& s : seen)
-        if (s.node != kNoNode)
-            jets.add(s.line, band.footPoint(s.node), Vec3d(band.normal[s.node]), s.jet,
-                     field.metric->at(s.node));
+        if (s.node != kNoNode) jets.add(s.line, s.node, s.jet, field.metric->at(s.node));
 }
 
 JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
@@ -238,15 +231,14 @@ JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
     const Band& band = *field.band;
     const std::vector<Near> nodes = coreNear(field, at.point);
     const double here = weightAt(field, at.point, cell, nodes);
-    JetsByWalks jets(*band.triangles, at, here);
+    JetsByWalks jets(band, at, here);
     double first = kInfinity;
     std::vector<NodeIndex> joined;
     std::vector<const Near*> apart;
     for (const Near& near : nodes) {
         if (near.least > first + kAround * here) break;
         const double most = std::max(kLongestWalk, kBeforeTight * length(near.foot - at.point));
-        const double d = jets.add(near.foot, Vec3d(band.normal[near.node]), near.jet,
-                                  field.metric->at(near.node), most);
+        const double d = jets.add(near.node, near.jet, field.metric->at(near.node), most);
         if (d < kInfinity)
             joined.push_back(near.node);
         else
@@ -260,9 +252,7 @@ JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
         band.forBridges(near->node, [&](const Bridge& b) {
             bridged |= std::find(joined.begin(), joined.end(), b.to) != joined.end();
         });
-        if (bridged)
-            jets.addAcross(near->foot, Vec3d(band.normal[near->node]), near->jet,
-                           field.metric->at(near->node));
+        if (bridged) jets.addAcross(near->node, near->jet, field.metric->at(near->node));
     }
     return jets;
 }

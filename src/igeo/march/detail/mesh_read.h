@@ -38,25 +38,26 @@ double sideOf(const SurfaceTriangles& triangles, const SurfaceTriangles::Place& 
 class JetsByWalks {
 public:
     /// @param here  the weight at the point
-    JetsByWalks(const SurfaceTriangles& triangles, const SurfaceTriangles::Place& at, double here)
-        : triangles_(triangles), walk_(triangles), at_{at.triangle, at.point}, here_(here) {}
+    JetsByWalks(const Band& band, const SurfaceTriangles::Place& at, double here)
+        : band_(band),
+          triangles_(*band.triangles),
+          walk_(triangles_),
+          at_{at.triangle, at.point},
+          here_(here) {}
 
-    /// Carries a jet over a walk.
-    /// @param foot, normal  where it is
+    /// Carries the jet of a node over a walk.
     /// @param jet     its gradient of any length
     /// @param weight  there
     /// @param most    longest walk, voxels
     /// @return an upper bound of the distance at the point; +infinity without a walk
-    double add(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight,
-               double most);
+    double add(NodeIndex node, const NodeJet& jet, double weight, double most);
 
     /// The same over a line that is known.
-    double add(const WalkEnds& line, const Vec3d& foot, const Vec3d& normal, const NodeJet& jet,
-               double weight);
+    double add(const WalkEnds& line, NodeIndex node, const NodeJet& jet, double weight);
 
     /// The same across a gap that a bridge joins, to a point at its rim: over both planes,
     /// unfolded.
-    void addAcross(const Vec3d& foot, const Vec3d& normal, const NodeJet& jet, double weight);
+    void addAcross(NodeIndex node, const NodeJet& jet, double weight);
 
     struct First {
         double distance = kInfinity;
@@ -76,11 +77,10 @@ private:
         Vec3d in, up;  ///< at the end of the walk: its direction, and the normal of its triangle
     };
     static constexpr std::size_t kNoFace = std::size_t(-1);
-    double addOver(const WalkEnds& way, const SurfaceTriangles::Place& from, const Vec3d& normal,
-                   const NodeJet& jet, double weight);
     /// The number of a face by its normal.
     std::size_t faceOf(const Vec3d& up);
 
+    const Band& band_;
     const SurfaceTriangles& triangles_;
     ShortWalk<SurfaceTriangles> walk_;
     MeshPoint at_;
