@@ -34,6 +34,10 @@ int exitCodeFor(igeo::Error::Kind kind) {
 
 }  // namespace
 
+bool isThreadRefused(const std::exception& e) {
+    return std::string_view(e.what()).find("pthread_create") != std::string_view::npos;
+}
+
 Failure currentFailure() {
     try {
         throw;
@@ -55,8 +59,7 @@ Failure currentFailure() {
         return {kFailed, "the system refuses: " + e.code().message(),
                 "raise the limits of the process (ulimit -a)"};
     } catch (const std::exception& e) {
-        // TBB has no type of its own for a thread that the system does not grant.
-        if (std::string_view(e.what()).find("pthread_create") != std::string_view::npos)
+        if (isThreadRefused(e))
             return {kFailed, "the system refuses a thread",
                     "use fewer --threads, or raise the limits of the process (ulimit -a)"};
         return {kFailed, std::string("unexpected: ") + e.what(), "please report this"};

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "failure.h"
 #include "output/stdout.h"
 
 /// Turns a fault of the program (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) into a message on stderr
@@ -41,7 +42,8 @@ private:
 std::string namesLike(const std::string& file);
 
 /// Returns what `read` returns for `file`. All errors name the file: a refusal is passed on, memory
-/// that runs out and other exceptions become a refusal (BadInput), a fault is handled as above.
+/// that runs out and other exceptions become a refusal (BadInput), a fault is handled as above. A
+/// thread that the system does not grant is no fault of the file.
 template <typename Read>
 auto guardedRead(const std::string& file, const Read& read) {
     using igeo::Error;
@@ -62,6 +64,7 @@ auto guardedRead(const std::string& file, const Read& read) {
     } catch (const std::length_error&) {
         throw refuse("it asks for more memory than there can be", kTooLarge);
     } catch (const std::exception& e) {
+        if (isThreadRefused(e)) throw;
         throw refuse(e.what(), "the file may be damaged: write it again");
     }
 }

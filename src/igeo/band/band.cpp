@@ -316,11 +316,9 @@ void dropParted(const Band& band, NodeIndex onSheet, BandCell& cell) {
 }  // namespace
 
 bool meshJoins(const Band& band, const SurfaceTriangles::Place& at, NodeIndex i) {
-    constexpr double kOn = 1e-3, kLonger = 1.15, kRoom = 0.1;  // voxels
-    const Vec3d foot = band.footPoint(i);
-    const auto there = band.triangles->nearest(foot, kOn);
-    return there.triangle != SurfaceTriangles::kNone &&
-           band.triangles->joins(at, there, kLonger / 2 * length(foot - at.point) + kRoom);
+    constexpr double kLonger = 1.15, kRoom = 0.1;  // voxels
+    const SurfaceTriangles::Place foot = band.footPlace(i);
+    return band.triangles->joins(at, foot, kLonger / 2 * length(foot.point - at.point) + kRoom);
 }
 
 NodeIndex firstOnSheet(const Band& band, const SurfaceTriangles::Place& at,
