@@ -9,7 +9,7 @@ struct Failure {
     std::string what, remedy;
 };
 
-/// Whether the system grants no further thread: TBB has no type of its own for that.
+/// Whether the system refused a thread. TBB throws a std::runtime_error then; its text tells.
 bool isThreadRefused(const std::exception& e);
 
 /// The failure for the exception being handled.

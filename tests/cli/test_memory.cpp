@@ -4,6 +4,8 @@
 #include <support/random_surface.h>
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -40,7 +42,8 @@ struct Memory {
     double predicted, used;  ///< MB
 };
 
-/// Of a run on one thread from where a ray along x first meets the surface.
+/// Of runs on one thread from where a ray along x first meets the surface: the median of three, as
+/// the system decides about single pages of 2 MB.
 Memory memoryOf(const TempWorkspace& desk, const std::string& file) {
     const Result survey = desk.run("info --json " + file);
     INFO(survey.err);
@@ -55,12 +58,16 @@ Memory memoryOf(const TempWorkspace& desk, const std::string& file) {
         comma = ",";
         size = std::max(size, high - low);
     }
-    const Result done = desk.run(file + " --seed " + seed + " --snap " + std::to_string(size) +
-                                 " --threads 1 -q -o out.vdb --report r.json");
-    INFO(done.err);
-    REQUIRE((done.exitCode == 0 || done.exitCode == kUnreached));
-    return {1e-6 * surface["estimate"]["bytes"].get<double>(),
-            1e-6 * reportOf(desk)["peakMemoryBytes"].get<double>()};
+    std::array<double, 3> used;
+    for (double& bytes : used) {
+        const Result done = desk.run(file + " --seed " + seed + " --snap " + std::to_string(size) +
+                                     " --threads 1 -q -o out.vdb --report r.json");
+        INFO(done.err);
+        REQUIRE((done.exitCode == 0 || done.exitCode == kUnreached));
+        bytes = reportOf(desk)["peakMemoryBytes"].get<double>();
+    }
+    std::sort(used.begin(), used.end());
+    return {1e-6 * surface["estimate"]["bytes"].get<double>(), 1e-6 * used[1]};
 }
 
 /// Pages that the processes which this one started, and which ended, touched first.
