@@ -9,7 +9,7 @@ struct Failure {
     std::string what, remedy;
 };
 
-/// Whether the system refused a thread. TBB throws a std::runtime_error then; its text tells.
+/// Whether the system refused a thread: by the text, as TBB throws a std::runtime_error then.
 bool isThreadRefused(const std::exception& e);
 
 /// The failure for the exception being handled.
