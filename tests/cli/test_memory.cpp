@@ -5,9 +5,9 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fstream>
+#include <vector>
 
 #include "program.h"
 
@@ -35,16 +35,15 @@ openvdb::FloatGrid::Ptr sponge() {
     };
     const openvdb::BBoxd bounds(openvdb::Vec3d(-kRadius), openvdb::Vec3d(kRadius));
     return openvdb::tools::sdfToSdf(
-        *makeLevelSet(Shape{"sponge", sdf, bounds, true, nullptr}, /*dx=*/0.5, 4));
+        *makeLevelSet(Shape{"sponge", sdf, bounds, true, nullptr}, /*dx=*/0.3, 4));
 }
 
 struct Memory {
     double predicted, used;  ///< MB
 };
 
-/// Of runs on one thread from where a ray along x first meets the surface: the median of three, as
-/// the system decides about single pages of 2 MB.
-Memory memoryOf(const TempWorkspace& desk, const std::string& file) {
+/// Of runs on one thread from where a ray along x first meets the surface: the median of so many.
+Memory memoryOf(const TempWorkspace& desk, const std::string& file, std::size_t runs) {
     const Result survey = desk.run("info --json " + file);
     INFO(survey.err);
     REQUIRE(survey.exitCode == 0);
@@ -58,7 +57,7 @@ Memory memoryOf(const TempWorkspace& desk, const std::string& file) {
         comma = ",";
         size = std::max(size, high - low);
     }
-    std::array<double, 3> used;
+    std::vector<double> used(runs);
     for (double& bytes : used) {
         const Result done = desk.run(file + " --seed " + seed + " --snap " + std::to_string(size) +
                                      " --threads 1 -q -o out.vdb --report r.json");
@@ -67,7 +66,7 @@ Memory memoryOf(const TempWorkspace& desk, const std::string& file) {
         bytes = reportOf(desk)["peakMemoryBytes"].get<double>();
     }
     std::sort(used.begin(), used.end());
-    return {1e-6 * surface["estimate"]["bytes"].get<double>(), 1e-6 * used[1]};
+    return {1e-6 * surface["estimate"]["bytes"].get<double>(), 1e-6 * used[runs / 2]};
 }
 
 /// Pages that the processes which this one started, and which ended, touched first.
@@ -108,24 +107,25 @@ TEST_CASE("the memory of a run is in large pages") {
 TEST_CASE("info predicts the memory of a run, whatever the level set is like") {
     if (kExtraMemory) return markSkipped("the address sanitizer takes memory of its own");
     const TempWorkspace desk;
-    // The program and its libraries, which differ by machine.
+    // The program and its libraries, which differ by machine. The system decides about single pages
+    // of 2 MB, 1 MB to either side here: the surfaces take 50 to 130 MB.
     desk.make("least.vdb", "sphere --voxel-size 0.1");
-    const Memory least = memoryOf(desk, "least.vdb");
-    const std::string ball = "sphere --voxel-size 0.005 --param radius=0.5";
+    const Memory least = memoryOf(desk, "least.vdb", 5);
+    const std::string ball = "sphere --voxel-size 0.003 --param radius=0.5";
     desk.make("ball.vdb", ball);
     desk.make("wide.vdb", ball + " --half-width 10");
     desk.make("double.vdb", ball + " --double");
-    desk.make("box.vdb", "box --voxel-size 0.0075");
+    desk.make("box.vdb", "box --voxel-size 0.0045");
     writeVdb(desk / "union.vdb",
-             {randomLevelSet(5, 0, *openvdb::math::Transform::createLinearTransform(0.15))});
+             {randomLevelSet(5, 0, *openvdb::math::Transform::createLinearTransform(0.09))});
     writeVdb(desk / "sponge.vdb", {sponge()});
     for (const char* file :
          {"ball.vdb", "wide.vdb", "double.vdb", "box.vdb", "union.vdb", "sponge.vdb"}) {
-        const Memory m = memoryOf(desk, file);
+        const Memory m = memoryOf(desk, file, 1);
         const double ratio = (m.predicted - least.predicted) / (m.used - least.used);
         INFO(file << ": " << m.predicted << " MB predicted, " << m.used
                   << " used, beside the least " << least.predicted << " and " << least.used);
-        CHECK(ratio == Approx(1.0).margin(0.105));  // 0.07 off at the most
+        CHECK(ratio == Approx(1.0).margin(0.1));  // 0.06 off at the most
     }
 }
 
