@@ -392,8 +392,11 @@ TEST_CASE("thin walls: distances near points, curves and groups beside a wall of
                 const GeodesicSolver solver(Surface(*makeLevelSet(part.shape(), *turned(turn), 3)));
                 for (const Kind kind : {Point, Along, Group}) {
                     Random random(static_cast<unsigned>(7 + turn));
-                    for (int k = 0; k < 4; ++k) {
-                        const double s = k == 3 && high != 0
+                    for (int k = 0; k < 12; ++k) {
+                        // Rounds that had the largest errors.
+                        if (k % 4 == 0 && k > 0)
+                            random = Random(static_cast<unsigned>(7 + turn + 1000 * (k / 4 + 2)));
+                        const double s = k % 4 == 3 && high != 0
                                              ? edges[0] + random.between(0.2, up - 0.2)
                                              : edges[0] - random.between(0.2, 4);
                         Seeds seeds;
@@ -416,18 +419,20 @@ TEST_CASE("thin walls: distances near points, curves and groups beside a wall of
                                                   std::hypot(at - s, kind == Point ? across : 0)) /
                                                  double(crossed);
                             low = std::min(low, error), most = std::max(most, error);
-                            ++count, off += std::abs(error) > 0.75;
+                            ++count, off += std::abs(error) > 0.5;
                         }
                     }
                 }
             }
-    std::printf("beside a wall: %.2f to %.2f voxels per edge, %zu of %zu off by more than 0.75\n",
+    std::printf("beside a wall: %.2f to %.2f voxels per edge, %zu of %zu off by more than 0.5\n",
                 low, most, off, count);
     CHECK(count > 40000);
-    CHECK(low > -0.77);  // measured 0.51; 0.93 where corners with hardly any weight decided
-    CHECK(most < 0.78);  // measured 0.75; 2.9 by segments far from the point
-    // Measured 0; 0.0008 where seeds were seen over an edge from beside a hollow one.
-    CHECK(double(off) < 0.00045 * double(count));
+    // Measured 0.58; 0.81 where a neighbor over a sharp edge was taken for one on a bend.
+    CHECK(low > -0.77);
+    // Measured 0.75; 1.18 where the nearest segment of a curve lay over an edge, and one further
+    // along did not.
+    CHECK(most < 0.78);
+    CHECK(double(off) < 0.00026 * double(count));  // measured 0.00017
 }
 
 namespace {

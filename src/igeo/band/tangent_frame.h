@@ -28,7 +28,7 @@ public:
     /// @param cosine  n . nj
     Vec2f unfold(const Vec3f& chord, const Vec3f& nj, float cosine) const {
         Vec2f over;
-        if (cosine < crease_ && unfoldOverCrease(chord, nj, over)) return over;
+        if (cosine < crease_ && unfoldOverCrease(chord, nj, cosine, over)) return over;
         const Vec2f in = flat(chord);
         const float in2 = dot(in, in), rise = igeo::dot(n_, chord);
         // Foot points of one voxel column coincide. Any other chord along n leads to no point of S.
@@ -45,18 +45,25 @@ public:
     /// voxel; on facets 0.8 degrees, as smaller angles are rounding.
     static constexpr float creaseCosine(bool faceted) { return faceted ? 0.9999f : 0.8f; }
     /// The crease lies between two foot points where the product of their signed distances to it
-    /// is below kBetween, and the sum of these is below kFar.
-    static constexpr float kBetween = 0.05f, kFar = 8;
+    /// is below kBetween, and the sum of these is below kFar. Beside sharp edges, where the cosine
+    /// is at most kSharp, a normal may turn a little too far: a crease that lies beyond a foot
+    /// point by up to kBeyond runs through it.
+    static constexpr float kBetween = 0.05f, kFar = 8, kSharp = 0.5f, kBeyond = 0.2f;
 
 private:
-    bool unfoldOverCrease(const Vec3f& chord, const Vec3f& nj, Vec2f& over) const {
+    bool unfoldOverCrease(const Vec3f& chord, const Vec3f& nj, float cosine, Vec2f& over) const {
         const Vec3f e = normalized(cross(n_, nj));
         const Vec3f ti = cross(n_, e), tj = cross(nj, e);
         // From each foot point to the line where the planes meet.
-        const float sj = igeo::dot(n_, chord) / igeo::dot(n_, tj);
-        const float si = -igeo::dot(nj, chord) / igeo::dot(nj, ti);
+        float sj = igeo::dot(n_, chord) / igeo::dot(n_, tj);
+        float si = -igeo::dot(nj, chord) / igeo::dot(nj, ti);
         // The crease must lie between the two, else the foot points do not belong to two faces.
-        if (!(sj * si <= kBetween) || std::abs(sj) + std::abs(si) > kFar) return false;
+        if (!(std::abs(sj) + std::abs(si) <= kFar)) return false;
+        if (sj * si > kBetween) {
+            float& least = std::abs(si) < std::abs(sj) ? si : sj;
+            if (std::abs(least) > kBeyond || cosine > kSharp) return false;
+            least = 0;
+        }
         over = flat((sj - si) * ti + igeo::dot(chord, e) * e);
         return true;
     }

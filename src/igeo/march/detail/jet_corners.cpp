@@ -134,11 +134,15 @@ private:
         // The planes of both foot points, unfolded about the line where they meet.
         const Vectors axis = cross(normal_, other), e = axis * (1 / roots(dot(axis, axis))),
                       ti = cross(normal_, e), tj = cross(other, e);
-        const V sj = dot(normal_, chord) / dot(normal_, tj),
-                si = -dot(other, chord) / dot(other, ti);
-        const Flags between = crease & (sj * si <= TangentFrame::kBetween) &
-                              (absolute(sj) + absolute(si) <= TangentFrame::kFar);
-        const Vectors over = ti * (sj - si) + e * dot(chord, e);
+        const V zero{}, sj = dot(normal_, chord) / dot(normal_, tj),
+                        si = -dot(other, chord) / dot(other, ti), farJ = absolute(sj),
+                        farI = absolute(si);
+        const Flags lessI = (farI < farJ), beyond = (sj * si > TangentFrame::kBetween);
+        const Flags through =
+            (cosine <= TangentFrame::kSharp) & (choose(lessI, farI, farJ) <= TangentFrame::kBeyond);
+        const Flags between = crease & (~beyond | through) & (farJ + farI <= TangentFrame::kFar);
+        const V fromJ = choose(beyond & ~lessI, zero, sj), fromI = choose(beyond & lessI, zero, si);
+        const Vectors over = ti * (fromJ - fromI) + e * dot(chord, e);
         return {choose(between, over.x, arc.x), choose(between, over.y, arc.y),
                 choose(between, over.z, arc.z)};
     }

@@ -228,6 +228,7 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
     // The core around such a node has been reached from its seed, but maybe along another path,
     // around a wall.
     constexpr double kOtherPath = 1.2, kBlunt = 0.5, kDoubtful = 1.5;  // but kOtherPath: voxels
+    constexpr double kShorter = 0.25;                                  // voxels
     const JetSeeds& seeds = jets_.seeds;
     const Vec3d foot = band_.footPoint(i);
     const LocalFrame local = core_.localFrameInBand(i);
@@ -253,7 +254,9 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
             best = disc;
     };
     seeds.near.forNear(foot, visit);
-    if (best.u < kInfinity) return {best.u, local.frame.lift(best.g), best.label};
+    if (best.u < kInfinity &&
+        !(core_.stretch.empty() && s.distance < best.u - kShorter * local.weight))
+        return {best.u, local.frame.lift(best.g), best.label};
     Found other = s;
     if (leastStart < kInfinity) other.distance = std::max(s.distance, leastStart);
     return other;

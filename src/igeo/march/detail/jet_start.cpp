@@ -278,9 +278,13 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     // crease off, a seed of a level set is off them.
     constexpr float kSmooth = 0.8f, kInPlane = 0.05f, kOff = 0.1f;  // kOff: voxels
     const float off = core.band.triangles ? 0 : kOff;
-    const bool overCrease = cosine < kSmooth && std::abs(dot(normal, chord)) >= kInPlane * c + off,
-               overStep = cosine >= kSmooth &&
-                          isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seeds.normal[k]));
+    const auto isOutOf = [&](const Vec3f& n) {
+        return std::abs(dot(n, chord)) >= kInPlane * c + off;
+    };
+    const bool overCrease = cosine < kSmooth && isOutOf(normal),
+               // Beside an edge one of the normals may be between those of both faces.
+        overStep = cosine >= kSmooth && isOutOf(normal) && isOutOf(seeds.normal[k]) &&
+                   isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seeds.normal[k]));
     // Beside an edge the gradient of psi at the seed may turn a little beyond both faces.
     constexpr float kBeyond = 0.1f;
     const bool isKnownFace =
