@@ -254,9 +254,9 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
             best = disc;
     };
     seeds.near.forNear(foot, visit);
-    if (best.u < kInfinity &&
-        !(core_.stretch.empty() && s.distance < best.u - kShorter * local.weight))
-        return {best.u, local.frame.lift(best.g), best.label};
+    const bool isPassed =
+        core_.stretch.empty() && !band_.triangles && s.distance < best.u - kShorter * local.weight;
+    if (best.u < kInfinity && !isPassed) return {best.u, local.frame.lift(best.g), best.label};
     Found other = s;
     if (leastStart < kInfinity) other.distance = std::max(s.distance, leastStart);
     return other;

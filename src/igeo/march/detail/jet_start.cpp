@@ -281,10 +281,10 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     const auto isOutOf = [&](const Vec3f& n) {
         return std::abs(dot(n, chord)) >= kInPlane * c + off;
     };
-    const bool overCrease = cosine < kSmooth && isOutOf(normal),
-               // Beside an edge one of the normals may be between those of both faces.
-        overStep = cosine >= kSmooth && isOutOf(normal) && isOutOf(seeds.normal[k]) &&
-                   isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seeds.normal[k]));
+    const bool overCrease = cosine < kSmooth && isOutOf(normal);
+    // Beside an edge one of the normals may be between those of both faces.
+    const bool overStep = cosine >= kSmooth && isOutOf(normal) && isOutOf(seeds.normal[k]) &&
+                          isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seeds.normal[k]));
     // Beside an edge the gradient of psi at the seed may turn a little beyond both faces.
     constexpr float kBeyond = 0.1f;
     const bool isKnownFace =
