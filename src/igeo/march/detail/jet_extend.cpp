@@ -254,8 +254,8 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
             best = disc;
     };
     seeds.near.forNear(foot, visit);
-    const bool isPassed =
-        core_.stretch.empty() && !band_.triangles && s.distance < best.u - kShorter * local.weight;
+    const bool isPassed = seeds.points.size() > 1 && core_.stretch.empty() && !band_.triangles &&
+                          s.distance < best.u - kShorter * local.weight;
     if (best.u < kInfinity && !isPassed) return {best.u, local.frame.lift(best.g), best.label};
     Found other = s;
     if (leastStart < kInfinity) other.distance = std::max(s.distance, leastStart);

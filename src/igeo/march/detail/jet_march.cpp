@@ -369,7 +369,8 @@ JetMarch::Result JetMarch::exactNearSeed(NodeIndex i, const Result& s) const {
     constexpr float kOtherPath = 0.25f;  // voxels
     const float u = fromStart(disc->second.u);
     if (s.u < u && s.label != disc->second.label) return s;
-    if (isotropic_ && !core_.band.triangles && s.u < u - kOtherPath * core_.nodes[i].weight)
+    if (jets_.seeds.points.size() > 1 && isotropic_ && !core_.band.triangles &&
+        s.u < u - kOtherPath * core_.nodes[i].weight)
         return s;
     return {u, disc->second.g, disc->second.label, false, false};
 }
