@@ -108,7 +108,7 @@ TEST_CASE("info predicts the memory of a run, whatever the level set is like") {
     if (kExtraMemory) return markSkipped("the address sanitizer takes memory of its own");
     const TempWorkspace desk;
     // The program and its libraries, which differ by machine. The system decides about single pages
-    // of 2 MB, 1 MB to either side here: the surfaces take 50 to 130 MB.
+    // of 2 MB, 1 MB to either side here: the surfaces take 57 to 142 MB.
     desk.make("least.vdb", "sphere --voxel-size 0.1");
     const Memory least = memoryOf(desk, "least.vdb", 5);
     const std::string ball = "sphere --voxel-size 0.003 --param radius=0.5";
