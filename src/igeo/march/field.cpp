@@ -30,7 +30,7 @@ void Field::summarize() {
         });
     };
     if (core)
-        summarizeAll([&](std::size_t k) { return core->valueOf(NodeIndex(k)); });
+        summarizeAll([&](std::size_t k) { return core->marchedValueOf(NodeIndex(k)); });
     else
         summarizeAll([&](std::size_t k) { return distance[k]; });
     source = sourcesOf(seeds);

@@ -20,6 +20,7 @@
 namespace igeo {
 
 struct CoreJets;
+struct LiftedJet;
 
 /// The values of a field at a node of the band.
 struct NodeJet {
@@ -55,11 +56,12 @@ struct Field {
     MetricPtr metric = std::make_shared<Metric>();  ///< the metric of the march; never null
     std::string scheme;                             ///< the scheme, such as "godunov, order 2"
     bool evenCosts = true;                          ///< one cost everywhere, and no obstacles
-    double startRadius = 0;     ///< voxels; closer to a seed, distances are exact
-    std::size_t reached = 0;    ///< nodes with a finite distance; of the core if not extended
-    double leastStart = 0;      ///< the least start value of its seeds
-    StraightLines lines;        ///< lower bounds of the distance (jet)
-    double maxDistance = 0;     ///< the largest finite distance
+    double startRadius = 0;   ///< voxels; closer to a seed, distances are exact
+    std::size_t reached = 0;  ///< nodes with a finite distance; of the core if not extended
+    double leastStart = 0;    ///< the least start value of its seeds
+    StraightLines lines;      ///< lower bounds of the distance (jet)
+    /// The largest finite distance; if not extended, of the core, and before rays where fronts meet
+    double maxDistance = 0;
     bool stoppedEarly = false;  ///< a limit ended the march: +infinity need not mean unconnected
     double limit = kInfinity;   ///< of nodes: larger distances are dropped
     /// Of points: larger distances count as unreached. The limit of the caller; `limit` may be
@@ -190,7 +192,7 @@ public:
 private:
     const Field& field_;
     bool fromCore_;
-    std::vector<Vec3f> gradients_;  ///< of the core
+    std::shared_ptr<const std::vector<LiftedJet>> lifted_;  ///< of the core; null: few points
 };
 
 /// The same in parallel.

@@ -1,3 +1,5 @@
+#include <igeo/base/parallel.h>
+#include <igeo/march/detail/jet_state.h>
 #include <igeo/march/field.h>
 #include <igeo/march/godunov.h>
 #include <igeo/march/jet.h>
@@ -236,6 +238,43 @@ TEST_CASE("marchJet: on a shared core, by itself and read at points the same bit
             CHECK(sampleDistance(points, p) == sampleDistance(single, p));
         }
     }
+}
+
+TEST_CASE("Where fronts meet: the same bits whatever is read before, and by several threads") {
+    const double large = 23, small = 9;
+    auto psi = [&](const Vec3d& p) {
+        return std::hypot(std::hypot(p.x, p.y) - large, p.z) - small;
+    };
+    auto normal = [&](const Vec3d& p) {
+        const double r = std::hypot(p.x, p.y);
+        return normalized(Vec3d{p.x * (1 - large / r), p.y * (1 - large / r), p.z});
+    };
+    const Band band = analyticBand(psi, normal, {-36, -36, -13}, {36, 36, 13}, 1.8);
+    const std::vector<SurfacePoint> seeds{nearestSurfacePoint(band, {32.1, 3.4, 1.7})};
+    const JetCorePtr core = jetCore(band, nullptr);
+    JetOptions atPoints;
+    atPoints.extend = false;
+    const Field whole = marchJet(core, seeds), backward = marchJet(core, seeds, atPoints),
+                together = marchJet(core, seeds, atPoints);
+    const CoreJets& jets = *backward.core;
+    REQUIRE(jets.meetings);
+    std::size_t byRays = 0, unequal = 0;
+    for (NodeIndex k = NodeIndex(jets.state.size()); k-- > 0;)
+        byRays += jets.valueOf(k) != jets.marchedValueOf(k);
+    std::printf("torus: %zu of %zu core nodes by rays\n", byRays, jets.state.size());
+    CHECK(byRays > 300);
+    for (NodeIndex i = band.size(); i-- > 0;)
+        unequal += backward.at(i).distance != whole.distance[i];
+    CHECK(unequal == 0);
+    // In an order in which all threads read everywhere.
+    std::atomic<std::size_t> differ{0};
+    parallelFor(band.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) {
+            const auto i = NodeIndex(n * 7919 % band.size());
+            differ += together.at(i).distance != whole.distance[i];
+        }
+    });
+    CHECK(differ == 0);
 }
 
 TEST_CASE("marchJet: stops once the core around its targets is known") {

@@ -83,7 +83,7 @@ Off errorsOf(const Band& band, const FrontsAt& fronts,
     for (NodeIndex k = 0; k < core->nodes.size(); ++k)
         if (isWanted(core->footOf(core->nodes[k])))
             points.push_back(pointAt(*core, k, fronts, random)), nodes.push_back(k);
-    const auto found = solveByRays(jets, {}, points);
+    const auto found = solveByRays(jets, points);
     Off off;
     off.nodes = nodes.size();
     for (std::size_t k = 0; k < nodes.size(); ++k) {
@@ -102,10 +102,9 @@ Off errorsOf(const Band& band, const FrontsAt& fronts,
     // Alone, in registers of four: the same bits.
     const bool eight = eightAtATime();
     eightAtATime() = false;
-    const std::vector<Vec3f> gradients = gradientsOf(jets);
     std::size_t differ = 0;
     for (std::size_t k = 0; k < nodes.size(); k += 7) {
-        const auto alone = solveByRays(jets, gradients, {&points[k], 1})[0];
+        const auto alone = solveByRays(jets, {&points[k], 1})[0];
         differ += alone.has_value() != found[k].has_value() ||
                   (alone && (alone->u != found[k]->u || alone->g.x != found[k]->g.x));
     }
@@ -182,7 +181,7 @@ TEST_CASE("solveByRays: nothing beside the end of S, and nothing near a seed") {
     for (NodeIndex k = 0; k < core->nodes.size(); ++k) {
         const Vec3d p = core->footOf(core->nodes[k]);
         if (std::abs(p.y) > 10 || p.x < -19) continue;
-        const auto found = solveByRays(jets, {}, std::array{pointAt(*core, k, fronts, random)});
+        const auto found = solveByRays(jets, std::array{pointAt(*core, k, fronts, random)});
         if (p.x > -5.5) ++beside, refused += !found[0];
         if (p.x < -8) ++inside, refusedInside += !found[0];
     }

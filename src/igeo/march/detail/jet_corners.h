@@ -73,14 +73,21 @@ struct JetCorners {
     }
 };
 
-/// The gradients of the accepted nodes of a core, over the weight, and one entry more, so that four
-/// numbers can be read from each. In parallel.
-std::vector<Vec3f> gradientsOf(const CoreJets& jets);
+/// What many reads of a core node need: its gradient, out of its chart, and JetState::rest.
+struct LiftedJet {
+    Vec3f g;  ///< over the weight; 0 where there is no jet
+    float rest;
+};
+/// Those of all nodes of a core, where fronts meet by rays. In parallel.
+using LiftedJets = std::vector<LiftedJet>;
+LiftedJets liftedOf(const CoreJets& jets);
 
 /// Reads the nodes around the points of which the trilinear weight is at least a hundredth.
-/// @param gradients  gradientsOf(jets), or empty: those that are needed are computed
-void gatherCorners(const CoreJets& jets, const std::vector<Vec3f>& gradients,
-                   const CellPoints& points, JetCorners& corners);
+/// @param lifted  liftedOf(jets), or empty: those that are needed are computed
+void gatherCorners(const CoreJets& jets, const LiftedJets& lifted, const CellPoints& points,
+                   JetCorners& corners);
+/// The same as the march has left the nodes, also where fronts meet.
+void gatherMarched(const CoreJets& jets, const CellPoints& points, JetCorners& corners);
 /// The same but for directions of travel, which are not set.
 void gatherCornersOfS(const CoreJets& jets, const CellPoints& points, JetCorners& corners);
 

@@ -6,8 +6,9 @@ namespace igeo {
 
 namespace {
 
-static_assert(sizeof(JetState) == 16 && offsetof(JetNode, normal) == 12 &&
-              offsetof(JetNode, weight) == 24 && offsetof(JetNode, offset) == 28);
+static_assert(sizeof(JetState) == 16 && sizeof(LiftedJet) == 16 &&
+              offsetof(JetNode, normal) == 12 && offsetof(JetNode, weight) == 24 &&
+              offsetof(JetNode, offset) == 28);
 
 /// What is set in the last four bytes that are read of a node at an obstacle, or where links are
 /// severed around it.
@@ -22,9 +23,9 @@ std::int32_t hindranceBits() {
 
 /// TangentFrame::lift.
 template <int Width>
-IGEO_INLINE VectorLanes<Width> lifted(const VectorLanes<Width>& normal,
-                                      const typename Registers<Width>::Vector& x,
-                                      const typename Registers<Width>::Vector& y) {
+IGEO_INLINE VectorLanes<Width> lift(const VectorLanes<Width>& normal,
+                                    const typename Registers<Width>::Vector& x,
+                                    const typename Registers<Width>::Vector& y) {
     const VectorLanes<Width> t = anyNormalTo<Width>(normal);
     return t * x + cross(normal, t) * y;
 }
@@ -33,8 +34,8 @@ IGEO_INLINE VectorLanes<Width> lifted(const VectorLanes<Width>& normal,
 struct CoreArrays {
     const JetNode* nodes;
     const JetState* states;
-    const Vec3f* gradients;  ///< null: computed from the states
-    bool ofS;                ///< without gradients
+    const LiftedJet* lifted;  ///< null: computed from the states
+    bool ofS;                 ///< without gradients
     float bucketWidth;
     bool weighted;
     std::int32_t hindrance = hindranceBits();
@@ -76,10 +77,14 @@ public:
             node &= there;
             std::memcpy(index, &node, sizeof index);
 
-            V footAndX[4], rest[4], state[4];
+            V footAndX[4], rest[4], state[4], lifted[4];
             loadFours<Width>(core.nodes, sizeof(JetNode), index, footAndX);
             loadFours<Width>(&core.nodes->normal.y, sizeof(JetNode), index, rest);
             loadFours<Width>(core.states, sizeof(JetState), index, state);
+            if (core.lifted) {
+                loadFours<Width>(core.lifted, sizeof(LiftedJet), index, lifted);
+                state[1] = lifted[3];
+            }
             const Vectors foot{footAndX[0], footAndX[1], footAndX[2]},
                 other{footAndX[3], rest[0], rest[1]};
             const Integers inBucket = Integers(state[0]);
@@ -103,14 +108,8 @@ public:
             out(to.z) = z - __builtin_convertvector(c, V) - foot.z;
             out(to.mx) = other.x, out(to.my) = other.y, out(to.mz) = other.z;
             if (core.ofS) continue;
-            Vectors g;
-            if (core.gradients) {
-                V of[4];
-                loadFours<Width>(core.gradients, sizeof(Vec3f), index, of);
-                g = {of[0], of[1], of[2]};
-            } else {
-                g = lifted<Width>(other, state[2], state[3]);
-            }
+            const Vectors g = core.lifted ? Vectors{lifted[0], lifted[1], lifted[2]}
+                                          : lift<Width>(other, state[2], state[3]);
             out(to.gx) = where(there, g.x), out(to.gy) = where(there, g.y);
             out(to.gz) = where(there, g.z);
         }
@@ -162,10 +161,9 @@ IGEO_AVX2 void gatherByEight(const CoreArrays& core, const CellPoints& points,
 }
 #endif
 
-/// CoreJets::gradientOf, for nodes side by side; 0 where there is no jet.
+/// The jets of nodes side by side, as the march has left them.
 template <int Width>
-IGEO_INLINE void findGradientsHere(const CoreJets& jets, std::size_t begin, std::size_t end,
-                                   Vec3f* to) {
+IGEO_INLINE void liftHere(const CoreJets& jets, std::size_t begin, std::size_t end, LiftedJet* to) {
     using V = typename Registers<Width>::Vector;
     using Vectors = VectorLanes<Width>;
     const JetNode* const nodes = jets.core->nodes.data();
@@ -175,41 +173,45 @@ IGEO_INLINE void findGradientsHere(const CoreJets& jets, std::size_t begin, std:
         V of[4], state[4];
         loadFours<Width>([&](int lane) { return &nodes[at(lane)].normal; }, of);
         loadFours<Width>([&](int lane) { return &states[at(lane)]; }, state);
-        const Vectors g = lifted<Width>({of[0], of[1], of[2]}, state[2], state[3]);
+        const Vectors g = lift<Width>({of[0], of[1], of[2]}, state[2], state[3]);
         const V zero{};
         const auto accepted = state[1] < float(kInfinity);
         alignas(32) float x[Width], y[Width], z[Width];
         storeLanes(accepted ? g.x : zero, x), storeLanes(accepted ? g.y : zero, y);
         storeLanes(accepted ? g.z : zero, z);
         for (std::size_t lane = 0; lane < std::min(std::size_t(Width), end - k); ++lane)
-            to[k + lane] = {x[lane], y[lane], z[lane]};
+            to[k + lane] = {{x[lane], y[lane], z[lane]}, states[k + lane].rest};
     }
 }
-void findGradientsByFour(const CoreJets& jets, std::size_t begin, std::size_t end, Vec3f* to) {
-    findGradientsHere<4>(jets, begin, end, to);
+void liftByFour(const CoreJets& jets, std::size_t begin, std::size_t end, LiftedJet* to) {
+    liftHere<4>(jets, begin, end, to);
 }
 #ifdef IGEO_AVX2
-IGEO_AVX2 void findGradientsByEight(const CoreJets& jets, std::size_t begin, std::size_t end,
-                                    Vec3f* to) {
-    findGradientsHere<8>(jets, begin, end, to);
+IGEO_AVX2 void liftByEight(const CoreJets& jets, std::size_t begin, std::size_t end,
+                           LiftedJet* to) {
+    liftHere<8>(jets, begin, end, to);
 }
 #endif
-void findGradients(const CoreJets& jets, std::size_t begin, std::size_t end, Vec3f* to) {
+void liftAll(const CoreJets& jets, std::size_t begin, std::size_t end, LiftedJet* to) {
 #ifdef IGEO_AVX2
-    if (eightAtATime()) return findGradientsByEight(jets, begin, end, to);
+    if (eightAtATime()) return liftByEight(jets, begin, end, to);
 #endif
-    findGradientsByFour(jets, begin, end, to);
+    liftByFour(jets, begin, end, to);
 }
 
 }  // namespace
 
-std::vector<Vec3f> gradientsOf(const CoreJets& jets) {
-    std::vector<Vec3f> gradients;
-    resizeByAll(gradients, jets.state.size() + 1);
+LiftedJets liftedOf(const CoreJets& jets) {
+    LiftedJets lifted;
+    resizeByAll(lifted, jets.state.size());
     parallelFor(jets.state.size(), 4096, [&](std::size_t begin, std::size_t end) {
-        findGradients(jets, begin, end, gradients.data());
+        liftAll(jets, begin, end, lifted.data());
     });
-    return gradients;
+    if (jets.meetings)
+        jets.meetings->findAll(jets, [&](NodeIndex k, const JetState& state) {
+            lifted[k] = {jets.gradientOf(k, state), state.rest};
+        });
+    return lifted;
 }
 
 namespace {
@@ -225,18 +227,52 @@ CoreArrays arraysOf(const CoreJets& jets) {
             float(jets.buckets.width), jets.core->metric.weighted()};
 }
 
+/// Sets value and direction of the corners across which fronts meet.
+void takeMeetings(const CoreJets& jets, const CellPoints& points, JetCorners& corners) {
+    constexpr std::size_t kMost = Lanes::kNodes * JetCorners::kMax;
+    struct Place {
+        std::uint8_t lane, corner;
+    };
+    std::array<Place, kMost> place;
+    std::array<NodeIndex, kMost> node;
+    std::array<JetState, kMost> state;
+    std::size_t count = 0;
+    for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane)
+        for (std::size_t c = 0; c < corners.count[lane]; ++c)
+            if (const NodeIndex k = corners.node[c][lane]; jets.meetings->at(k))
+                node[count] = k, place[count++] = {std::uint8_t(lane), std::uint8_t(c)};
+    if (count == 0) return;
+    jets.meetings->find(jets, {node.data(), count}, state.data());
+    for (std::size_t n = 0; n < count; ++n) {
+        const auto [lane, c] = place[n];
+        JetCorners::Corner& to = corners.corner[c];
+        const auto buckets = float(std::int32_t(state[n].bucket - corners.bucket[lane]));
+        const float beyond = buckets * float(jets.buckets.width) + state[n].rest;
+        to.u[lane] = jets.core->metric.weighted() ? beyond / points.weight[lane] : beyond;
+        const Vec3f g = jets.gradientOf(node[n], state[n]);
+        to.gx[lane] = g.x, to.gy[lane] = g.y, to.gz[lane] = g.z;
+    }
+}
+
 }  // namespace
+
+void gatherMarched(const CoreJets& jets, const CellPoints& points, JetCorners& corners) {
+    CoreArrays core = arraysOf(jets);
+    core.ofS = false;
+    gather(core, points, corners);
+}
 
 void gatherCornersOfS(const CoreJets& jets, const CellPoints& points, JetCorners& corners) {
     gather(arraysOf(jets), points, corners);
 }
 
-void gatherCorners(const CoreJets& jets, const std::vector<Vec3f>& gradients,
-                   const CellPoints& points, JetCorners& corners) {
+void gatherCorners(const CoreJets& jets, const LiftedJets& lifted, const CellPoints& points,
+                   JetCorners& corners) {
     CoreArrays core = arraysOf(jets);
     core.ofS = false;
-    if (!gradients.empty()) core.gradients = gradients.data();
+    if (!lifted.empty()) core.lifted = lifted.data();
     gather(core, points, corners);
+    if (lifted.empty() && jets.meetings) takeMeetings(jets, points, corners);
 }
 
 }  // namespace igeo

@@ -71,7 +71,7 @@ void Extension::findCorners(Group& group) const {
 void Extension::solve(Group& group) const {
     if (group.size == 0) return;
     findCorners(group);
-    gatherCorners(jets_, gradients_, group.points, group.corners);
+    gatherCorners(jets_, lifted_, group.points, group.corners);
     CarriedJets carried;
     if (!metric_.anisotropic()) carryFromCorners(group.corners, band_.faceted, carried);
     if (mayBePlain_) findValues(jets_, group.corners, carried, group.points.weight, group.feet);
@@ -121,7 +121,7 @@ void Extension::takeCore(LeafIndex l, std::span<const std::uint32_t> nodes, Foot
     for (std::size_t begin = 0; begin < nodes.size(); begin += Lanes::kNodes) {
         const std::size_t count = std::min(Lanes::kNodes, nodes.size() - begin);
         for (std::size_t k = 0; k < count; ++k) feet.offset[k] = nodes[begin + k] & 0xffff;
-        findCoreValues(jets_, NodeIndex(firstCore + begin), feet);
+        findCoreValues(jets_, lifted_, NodeIndex(firstCore + begin), feet);
         for (std::size_t k = 0; k < count; ++k) {
             const auto core = NodeIndex(firstCore + begin + k);
             NodeJet& jet = to[nodes[begin + k] >> 16];
@@ -176,7 +176,7 @@ void Extension::add(NodeIndex k, JetNeighbor jet, float cosine, const LocalFrame
                     Around& around) const {
     constexpr float kSmooth = 0.9f;
     // Relative to the least start: near a source the solve takes u for the distance to it.
-    jet.u = (jets_.valueOf(k) - jets_.seeds.leastStart) / local.weight;
+    jet.u = (valueOf(k) - jets_.seeds.leastStart) / local.weight;
     around.node[around.count++] = {jet, jets_.labelOf(k), cosine < kSmooth, k};
 }
 
@@ -195,7 +195,7 @@ void Extension::addNeighbor(NodeIndex k, const Vec3f& chord, float cosine, const
 
 void Extension::addNeighbor(const BoxLanes& box, std::size_t k, const LocalFrame& local,
                             Around& around) const {
-    const bool laidOut = core_.stretch.empty() && !gradients_.empty() &&
+    const bool laidOut = core_.stretch.empty() && !lifted_.empty() &&
                          box.cosine[k] >= TangentFrame::creaseCosine(band_.faceted);
     const NodeIndex j = box.node[k];
     if (laidOut)
@@ -271,7 +271,7 @@ bool Extension::gatherAround(Doubtful::Node& node, const LeafNumbers<2>* core, c
     else
         band_.forBox(&BandLeaf::core, at.leaf, at.offset, middle, reach,
                      [&](NodeIndex k, const Ijk& step) { box.add(k, step - middle); });
-    layOut(core_, gradients_, band_.footOf(at.node), middle, node.local, box);
+    layOut(core_, lifted_, band_.footOf(at.node), middle, node.local, box);
     bool onSheet = false;
     box.forOnSheet([&](std::size_t k) {
         const JetNode& other = core_.nodes[box.node[k]];
@@ -343,7 +343,7 @@ void Extension::addMeeting(const Doubtful::Node& node, double u, const Found& be
 
 void Extension::solveMeetings(Meetings& meetings) const {
     if (meetings.nodes.empty()) return;
-    const auto found = solveByRays(jets_, gradients_, meetings.points);
+    const auto found = solveByRays(jets_, meetings.points);
     for (std::size_t k = 0; k < found.size(); ++k) {
         const Meetings::Node& node = meetings.nodes[k];
         const std::optional<Solved>& s = found[k];

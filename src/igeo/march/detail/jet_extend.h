@@ -48,13 +48,13 @@ struct Around {
 /// Gives nodes outside the core the jets of the core around their foot points.
 class Extension {
 public:
-    /// @param gradients  gradientsOf(jets), or empty: those that are needed are computed
-    Extension(const CoreJets& jets, const std::vector<Vec3f>& gradients)
+    /// @param lifted  liftedOf(jets), or empty: those that are needed are computed
+    Extension(const CoreJets& jets, const LiftedJets& lifted)
         : jets_(jets),
           core_(*jets.core),
           band_(core_.band),
           metric_(core_.metric),
-          gradients_(gradients),
+          lifted_(lifted),
           feetFromPsi_(band_.foot.empty()),
           weighted_(metric_.weighted()),
           mayBePlain_(jets.label.empty() && jets.seeds.lines.ofOnePoint() &&
@@ -119,7 +119,11 @@ public:
 
 private:
     Vec3f gradientOf(NodeIndex k) const {
-        return gradients_.empty() ? jets_.gradientOf(k) : gradients_[k];
+        return lifted_.empty() ? jets_.gradientOf(k) : lifted_[k].g;
+    }
+    double valueOf(NodeIndex k) const {
+        if (lifted_.empty()) return jets_.valueOf(k);
+        return jets_.buckets.startOf(jets_.state[k].bucket) + double(lifted_[k].rest);
     }
     /// @param voxel  of the core node
     IGEO_INLINE Found ofCore(NodeIndex k, const Ijk& voxel) const {
@@ -127,7 +131,7 @@ private:
         const std::uint32_t label = jets_.labelOf(k);
         // The march holds to the bound in single precision.
         const double bound = boundOf(label, Vec3d(voxel) + Vec3d(core_.nodes[k].foot));
-        return {std::max(jets_.valueOf(k), bound), gradientOf(k), label};
+        return {std::max(valueOf(k), bound), gradientOf(k), label};
     }
     /// StraightLines::from.
     IGEO_INLINE double boundOf(std::uint32_t label, const Vec3d& foot) const {
@@ -210,7 +214,7 @@ private:
     /// Whether fronts meet beside one of the corners.
     bool meetNear(const Group& group, std::size_t lane) const {
         bool meet = false;
-        if (!jets_.meetings.empty())
+        if (jets_.meetings)
             for (std::size_t c = 0; c < group.corners.count[lane]; ++c)
                 meet |= jets_.frontsMeetNear(group.corners.node[c][lane]);
         return meet;
@@ -257,7 +261,7 @@ private:
     const JetCore& core_;
     const Band& band_;
     const Metric& metric_;
-    const std::vector<Vec3f>& gradients_;
+    const LiftedJets& lifted_;
     const bool feetFromPsi_, weighted_;
     const bool mayBePlain_;  ///< one source at a point, isotropic, no obstacles
     const StraightLines::Line line_;

@@ -8,12 +8,13 @@ namespace {
 
 using jet::Extension;
 
-/// Per leaf: whether it or one beside it has a core node of a distance of at least `from`.
+/// Per leaf: whether it or one beside it has a core node of a distance of at least `from`, before
+/// rays.
 std::vector<std::uint8_t> leavesReached(const CoreJets& jets, double from = -kInfinity) {
     const std::vector<BandLeaf>& leaves = jets.core->band.leaves;
     std::vector<std::uint8_t> reached(leaves.size()), beside(reached);
     for (std::size_t k = 0; k < jets.state.size(); ++k)
-        if (jets.accepted(NodeIndex(k)) && jets.valueOf(NodeIndex(k)) >= from)
+        if (jets.accepted(NodeIndex(k)) && jets.marchedValueOf(NodeIndex(k)) >= from)
             reached[jets.core->nodes[k].leaf] = 1;
     for (std::size_t l = 0; l < beside.size(); ++l)
         for (const LeafIndex m : leaves[l].neighbor)
@@ -34,8 +35,8 @@ template <typename Visit>
 void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
                   const Visit& visit) {
     const std::vector<BandLeaf>& leaves = jets.core->band.leaves;
-    const std::vector<Vec3f> gradients = gradientsOf(jets);
-    const Extension extension(jets, gradients);
+    const LiftedJets lifted = liftedOf(jets);
+    const Extension extension(jets, lifted);
     // Nodes that may be where fronts meet are solved side by side, over so many leaves.
     constexpr std::size_t kAtOnce = 16;
     parallelFor(leaves.size(), kAtOnce, [&](std::size_t begin, std::size_t end) {
@@ -66,7 +67,7 @@ void extendByLeaf(const CoreJets& jets, const std::vector<std::uint8_t>& wanted,
 }  // namespace
 
 void Field::atCore(std::span<const NodeIndex> nodes, NodeJet* to) const {
-    const std::vector<Vec3f> none;
+    const LiftedJets none;
     Extension(*core, none).at(nodes, to);
 }
 

@@ -61,14 +61,15 @@ IGEO_INLINE void findValuesHere(const CoreJets& jets, const JetCorners& corners,
     raiseToBound(jets, feet);
 }
 
-IGEO_INLINE void findCoreValuesHere(const CoreJets& jets, NodeIndex first, FootLanes& feet) {
+IGEO_INLINE void findCoreValuesHere(const CoreJets& jets, const LiftedJet* lifted, NodeIndex first,
+                                    FootLanes& feet) {
     const auto last = NodeIndex(jets.state.size() - 1);
     alignas(32) FootLanes::PerLane<std::uint32_t> bucket;
     Lanes rest;
     for (std::size_t k = 0; k < Lanes::kNodes; ++k) {
         const NodeIndex i = std::min(first + NodeIndex(k), last);
         feet.setFoot(k, jets.core->nodes[i].foot);
-        bucket[k] = jets.state[i].bucket, rest[k] = jets.state[i].rest;
+        bucket[k] = jets.state[i].bucket, rest[k] = lifted[i].rest;
     }
     for (std::size_t k = 0; k < Lanes::kNodes; ++k)
         feet.value[k] = startOf(jets, bucket[k]) + double(rest[k]);
@@ -83,10 +84,10 @@ class BoxLayout {
     using Vectors = VectorLanes<Width>;
 
 public:
-    IGEO_INLINE BoxLayout(const JetNode* nodes, const Vec3f* gradients, const Vec3f& foot,
+    IGEO_INLINE BoxLayout(const JetNode* nodes, const LiftedJet* lifted, const Vec3f& foot,
                           const Ijk& middle, const LocalFrame& local, BoxLanes& box)
         : nodes_(nodes),
-          gradients_(gradients),
+          lifted_(lifted),
           foot_(same(foot)),
           middle_(same(Vec3f(middle))),
           n_(same(local.frame.normal())),
@@ -122,7 +123,7 @@ private:
         storeLanes(chord.x, &box_.x[k]), storeLanes(chord.y, &box_.y[k]);
         storeLanes(chord.z, &box_.z[k]), storeLanes(cosine, &box_.cosine[k]);
         unfold(k, chord * meanWeight(rest[2]), normal);
-        if (gradients_) turn(k, normal, cosine);
+        if (lifted_) turn(k, normal, cosine);
         const Integers stacked = ((rise > 1) & (riseOther > 1)) | ((rise < -1) & (riseOther < -1));
         return (cosine >= Band::kOtherSheet) & (dot(chord, chord) <= kNear2) & ~stacked;
     }
@@ -141,7 +142,7 @@ private:
     /// The gradients turned along with the planes, as flattened() has it.
     IGEO_INLINE void turn(std::size_t k, const Vectors& normal, const V& cosine) const {
         V g[4];
-        loadFours<Width>(gradients_, sizeof(Vec3f), &box_.node[k], g);
+        loadFours<Width>(lifted_, sizeof(LiftedJet), &box_.node[k], g);
         const Vectors gradient{g[0], g[1], g[2]};
         const V turn = dot(gradient, n_) / (1 + cosine);
         storeLanes(dot(gradient, t1_) - turn * dot(normal, t1_), &box_.gx[k]);
@@ -157,15 +158,15 @@ private:
     }
 
     const JetNode* nodes_;
-    const Vec3f* gradients_;  ///< null: left out
+    const LiftedJet* lifted_;  ///< null: left out
     Vectors foot_, middle_, n_, t1_, t2_;
     float weight_;
     BoxLanes& box_;
 };
 
-void layOutByFour(const JetNode* nodes, const Vec3f* gradients, const Vec3f& foot,
+void layOutByFour(const JetNode* nodes, const LiftedJet* lifted, const Vec3f& foot,
                   const Ijk& middle, const LocalFrame& local, BoxLanes& box) {
-    BoxLayout<4>(nodes, gradients, foot, middle, local, box).layOut();
+    BoxLayout<4>(nodes, lifted, foot, middle, local, box).layOut();
 }
 void findCellsByFour(FootLanes& feet, bool fromPsi, CellPoints& points) {
     findCellsHere(feet, fromPsi, points);
@@ -174,16 +175,18 @@ void findValuesByFour(const CoreJets& jets, const JetCorners& corners, const Car
                       const Lanes& weight, FootLanes& feet) {
     findValuesHere(jets, corners, carried, weight, feet);
 }
-void findCoreValuesByFour(const CoreJets& jets, NodeIndex first, FootLanes& feet) {
-    findCoreValuesHere(jets, first, feet);
+void findCoreValuesByFour(const CoreJets& jets, const LiftedJet* lifted, NodeIndex first,
+                          FootLanes& feet) {
+    findCoreValuesHere(jets, lifted, first, feet);
 }
 #ifdef IGEO_AVX2
-IGEO_AVX2 void findCoreValuesByEight(const CoreJets& jets, NodeIndex first, FootLanes& feet) {
-    findCoreValuesHere(jets, first, feet);
+IGEO_AVX2 void findCoreValuesByEight(const CoreJets& jets, const LiftedJet* lifted, NodeIndex first,
+                                     FootLanes& feet) {
+    findCoreValuesHere(jets, lifted, first, feet);
 }
-IGEO_AVX2 void layOutByEight(const JetNode* nodes, const Vec3f* gradients, const Vec3f& foot,
+IGEO_AVX2 void layOutByEight(const JetNode* nodes, const LiftedJet* lifted, const Vec3f& foot,
                              const Ijk& middle, const LocalFrame& local, BoxLanes& box) {
-    BoxLayout<8>(nodes, gradients, foot, middle, local, box).layOut();
+    BoxLayout<8>(nodes, lifted, foot, middle, local, box).layOut();
 }
 IGEO_AVX2 void findCellsByEight(FootLanes& feet, bool fromPsi, CellPoints& points) {
     findCellsHere(feet, fromPsi, points);
@@ -211,16 +214,17 @@ void findValues(const CoreJets& jets, const JetCorners& corners, const CarriedJe
     findValuesByFour(jets, corners, carried, weight, feet);
 }
 
-void findCoreValues(const CoreJets& jets, NodeIndex first, FootLanes& feet) {
+void findCoreValues(const CoreJets& jets, const LiftedJets& lifted, NodeIndex first,
+                    FootLanes& feet) {
 #ifdef IGEO_AVX2
-    if (eightAtATime()) return findCoreValuesByEight(jets, first, feet);
+    if (eightAtATime()) return findCoreValuesByEight(jets, lifted.data(), first, feet);
 #endif
-    findCoreValuesByFour(jets, first, feet);
+    findCoreValuesByFour(jets, lifted.data(), first, feet);
 }
 
-void layOut(const JetCore& core, const std::vector<Vec3f>& gradients, const Vec3f& foot,
-            const Ijk& middle, const LocalFrame& local, BoxLanes& box) {
-    const Vec3f* const from = gradients.empty() ? nullptr : gradients.data();
+void layOut(const JetCore& core, const LiftedJets& lifted, const Vec3f& foot, const Ijk& middle,
+            const LocalFrame& local, BoxLanes& box) {
+    const LiftedJet* const from = lifted.empty() ? nullptr : lifted.data();
 #ifdef IGEO_AVX2
     if (eightAtATime()) return layOutByEight(core.nodes.data(), from, foot, middle, local, box);
 #endif

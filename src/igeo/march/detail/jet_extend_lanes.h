@@ -54,7 +54,8 @@ void findValues(const CoreJets& jets, const JetCorners& corners, const CarriedJe
 /// Finds the values of eight core nodes in a row, of which the last may be missing, as those of the
 /// feet, for one source at a point.
 /// @param feet  of which offset and origin are set
-void findCoreValues(const CoreJets& jets, NodeIndex first, FootLanes& feet);
+void findCoreValues(const CoreJets& jets, const LiftedJets& lifted, NodeIndex first,
+                    FootLanes& feet);
 
 /// The core nodes of a box around a foot point, side by side.
 struct BoxLanes {
@@ -88,10 +89,10 @@ struct BoxLanes {
     Vec3f chord(std::size_t k) const { return {x[k], y[k], z[k]}; }
 };
 /// Lays the nodes out in the chart of the foot point.
-/// @param gradients  gradientsOf(jets), or empty: directions are not set
+/// @param lifted     liftedOf(jets), or empty: directions are not set
 /// @param foot       from its voxel
 /// @param middle     of the box, from the same voxel
-void layOut(const JetCore& core, const std::vector<Vec3f>& gradients, const Vec3f& foot,
-            const Ijk& middle, const LocalFrame& local, BoxLanes& box);
+void layOut(const JetCore& core, const LiftedJets& lifted, const Vec3f& foot, const Ijk& middle,
+            const LocalFrame& local, BoxLanes& box);
 
 }  // namespace igeo::jet

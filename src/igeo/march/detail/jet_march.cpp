@@ -462,7 +462,7 @@ Field JetMarch::take() {
     field.lines = jets_.seeds.lines;
     field.solved = accepted_;
     field.fallbackCount = byFallback_;
-    solveMeetings(jets_, ownLinks_, frontsMeet_);
+    jets_.meetings = findMeetings(jets_, ownLinks_, frontsMeet_);
     field.core = field.jets = std::make_shared<const CoreJets>(std::move(jets_));
     return field;
 }

@@ -33,11 +33,8 @@ std::vector<NodeIndex> nodesWith(std::uint8_t mark, const Marks& marks) {
     return nodes;
 }
 
-/// Nodes across which fronts meet, where S is smooth and without obstacles.
-struct Meetings {
-    std::vector<NodeIndex> nodes;
-    std::vector<std::optional<Solved>> jets;  ///< theirs, by rays
-};
+using Meeting = Meetings::Meeting;
+static_assert(Meeting::kMost == ArrivingFronts::kMax);
 
 bool inOneBlock(NodeIndex a, NodeIndex b) { return a / JetLinks::kBlock == b / JetLinks::kBlock; }
 
@@ -87,29 +84,30 @@ public:
     MeetingSearch(const CoreJets& jets, JetLinks& own, Marks& near)
         : jets_(jets), core_(*jets.core), links_(core_, own), near_(near), seen_(near.size()) {}
 
-    /// Those among the nodes, and those beside them.
-    std::array<Meetings, 2> find(const std::vector<NodeIndex>& nodes) {
+    /// Those among the nodes, and those beside them; ascending.
+    std::vector<Meeting> find(const std::vector<NodeIndex>& nodes) {
         for (const NodeIndex i : nodes) seen_[i] = kFirst;
-        std::array<Meetings, 2> found;
-        found[0] = meetingsAmong(nodesWith(kFirst, seen_));
-        found[1] = meetingsAmong(nodesWith(kBeside, seen_));
-        return found;
+        const std::vector<Meeting> first = meetingsAmong(nodesWith(kFirst, seen_)),
+                                   beside = meetingsAmong(nodesWith(kBeside, seen_));
+        std::vector<Meeting> all(first.size() + beside.size());
+        std::merge(first.begin(), first.end(), beside.begin(), beside.end(), all.begin(),
+                   [](const Meeting& a, const Meeting& b) { return a.node < b.node; });
+        return all;
     }
 
 private:
     static constexpr std::uint8_t kFirst = 1, kBeside = 2;
     /// The search in a part of the nodes.
     struct Part {
-        Meetings found;
-        std::vector<MeetingPoint> points;  ///< one per found node
-        LinkedNodes group;                 ///< in work
+        std::vector<Meeting> found;
+        LinkedNodes group;  ///< in work
         LinkedFronts fronts;
         ArrivingFronts first;
     };
 
-    Meetings meetingsAmong(const std::vector<NodeIndex>& nodes);
+    std::vector<Meeting> meetingsAmong(const std::vector<NodeIndex>& nodes);
     /// Rows of links are made once, and dropped as soon as they were used.
-    Meetings meetingsIn(std::span<const NodeIndex> nodes);
+    std::vector<Meeting> meetingsIn(std::span<const NodeIndex> nodes);
     void lookAt(Part& part);
     void add(NodeIndex i, std::size_t lane, Part& part);
 
@@ -120,24 +118,21 @@ private:
     Marks seen_;  ///< kBeside: at a link over which fronts meet
 };
 
-Meetings MeetingSearch::meetingsAmong(const std::vector<NodeIndex>& nodes) {
+std::vector<Meeting> MeetingSearch::meetingsAmong(const std::vector<NodeIndex>& nodes) {
     const std::vector<std::size_t> ends = partsOf(nodes);
-    std::vector<Meetings> parts(ends.size());
+    std::vector<std::vector<Meeting>> parts(ends.size());
     parallelFor(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p) {
             const std::size_t first = p ? ends[p - 1] : 0;
             parts[p] = meetingsIn(std::span(nodes).subspan(first, ends[p] - first));
         }
     });
-    Meetings all;
-    for (const Meetings& part : parts) {
-        all.nodes.insert(all.nodes.end(), part.nodes.begin(), part.nodes.end());
-        all.jets.insert(all.jets.end(), part.jets.begin(), part.jets.end());
-    }
+    std::vector<Meeting> all;
+    for (const std::vector<Meeting>& part : parts) all.insert(all.end(), part.begin(), part.end());
     return all;
 }
 
-Meetings MeetingSearch::meetingsIn(std::span<const NodeIndex> nodes) {
+std::vector<Meeting> MeetingSearch::meetingsIn(std::span<const NodeIndex> nodes) {
     Part part;
     for (std::size_t k = 0, kept = 0; k < nodes.size(); ++k) {
         const NodeIndex i = nodes[k];
@@ -150,7 +145,6 @@ Meetings MeetingSearch::meetingsIn(std::span<const NodeIndex> nodes) {
         for (; kept <= k; ++kept)
             if (isLast || !inOneBlock(nodes[kept], nodes[k + 1])) links_.drop(nodes[kept]);
     }
-    part.found.jets = solveByRays(jets_, {}, part.points);
     return std::move(part.found);
 }
 
@@ -180,38 +174,100 @@ void MeetingSearch::add(NodeIndex i, std::size_t lane, Part& part) {
         return;
     setMark(near_[i], 1);
     for (const JetLink& link : row) setMark(near_[link.node()], 1);
-    part.found.nodes.push_back(i);
-    const JetNode& node = core_.nodes[i];
+    Meeting& to = part.found.emplace_back();
+    to.node = i;
     const auto& [bucket, rest, g] = jets_.state[i];
-    const double weight = node.weight, start = (bucket - 1.0) * jets_.buckets.width / weight;
-    MeetingPoint& point = part.points.emplace_back(MeetingPoint{node.leaf, node.offset, node.foot,
-                                                                core_.localFrame(i), label,
-                                                                start + double(rest) / weight});
-    if (start + double(part.fronts.least[lane]) >= double(MeetingPoint::kNearSeed))
-        point.take(part.first, lane);
+    const double start = (bucket - 1.0) * jets_.buckets.width / double(core_.nodes[i].weight);
+    if (start + double(part.fronts.least[lane]) < double(MeetingPoint::kNearSeed)) return;
+    to.fronts = std::uint32_t(part.first.count[lane]);
+    for (std::size_t k = 0; k < to.fronts; ++k)
+        to.front[k] = {part.first.x[k][lane], part.first.y[k][lane]};
 }
 
-void setJet(CoreJets& jets, NodeIndex i, const Solved& jet) {
-    JetState& state = jets.state[i];
-    const double u = jets.seeds.leastStart + double(jets.core->nodes[i].weight) * jet.u;
-    state.rest = float(u - jets.buckets.startOf(state.bucket));
-    state.g = jet.g;
+MeetingPoint pointOf(const CoreJets& jets, const Meeting& m) {
+    const JetNode& node = jets.core->nodes[m.node];
+    const auto& [bucket, rest, g] = jets.state[m.node];
+    const double weight = node.weight, start = (bucket - 1.0) * jets.buckets.width / weight;
+    return {node.leaf,
+            node.offset,
+            node.foot,
+            jets.core->localFrame(m.node),
+            jets.labelOf(m.node),
+            start + double(rest) / weight,
+            m.front,
+            m.fronts};
 }
 
 }  // namespace
 
-void solveMeetings(CoreJets& jets, JetLinks& own, const std::vector<NodeIndex>& nodes) {
-    const JetCore& core = *jets.core;
-    if (core.costsVary || core.metric.anisotropic() || nodes.empty()) return;
-    jets.meetings.resize(core.nodes.size());
-    bool any = false;
-    // All are solved before one is changed.
-    for (const Meetings& found : MeetingSearch(jets, own, jets.meetings).find(nodes)) {
-        any |= !found.nodes.empty();
-        for (std::size_t k = 0; k < found.nodes.size(); ++k)
-            if (found.jets[k]) setJet(jets, found.nodes[k], *found.jets[k]);
+Meetings::Meetings(const CoreJets& jets, std::vector<Meeting> list, std::vector<std::uint8_t> near)
+    : list_(std::move(list)), marks_(std::move(near)) {
+    state_.reserve(list_.size()), solved_.reserve(list_.size());
+    for (const Meeting& m : list_) {
+        marks_[m.node] |= kAt;
+        state_.push_back(jets.state[m.node]), solved_.push_back(m.fronts == 0);
     }
-    if (!any) jets.meetings.clear();
+}
+
+std::size_t Meetings::indexOf(NodeIndex k) const {
+    const auto at = std::lower_bound(list_.begin(), list_.end(), k,
+                                     [](const Meeting& m, NodeIndex i) { return m.node < i; });
+    return std::size_t(at - list_.begin());
+}
+
+void Meetings::solve(const CoreJets& jets, std::span<const std::size_t> which) const {
+    std::vector<MeetingPoint> points;
+    points.reserve(which.size());
+    for (const std::size_t m : which) points.push_back(pointOf(jets, list_[m]));
+    const std::vector<std::optional<Solved>> found = solveByRays(jets, points);
+    const std::lock_guard<std::mutex> lock(publishing_);
+    for (std::size_t k = 0; k < which.size(); ++k) {
+        const std::size_t m = which[k];
+        if (isSolved(m)) continue;  // by another thread, to the same bits
+        if (const std::optional<Solved>& jet = found[k]) {
+            const double weight = jets.core->nodes[list_[m].node].weight;
+            JetState& state = state_[m];
+            state.rest =
+                float(jets.seeds.leastStart + weight * jet->u - jets.buckets.startOf(state.bucket));
+            state.g = jet->g;
+        }
+        std::atomic_ref(solved_[m]).store(1, std::memory_order_release);
+    }
+}
+
+void Meetings::find(const CoreJets& jets, std::span<const NodeIndex> nodes, JetState* to) const {
+    std::vector<std::size_t> open;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+        const std::size_t m = indexOf(nodes[k]);
+        if (isSolved(m))
+            to[k] = state_[m];
+        else
+            open.push_back(m);
+    }
+    if (open.empty()) return;
+    std::sort(open.begin(), open.end());
+    open.erase(std::unique(open.begin(), open.end()), open.end());
+    solve(jets, open);
+    for (std::size_t k = 0; k < nodes.size(); ++k) to[k] = state_[indexOf(nodes[k])];
+}
+
+void Meetings::solveAll(const CoreJets& jets) const {
+    parallelFor(list_.size(), 256, [&](std::size_t begin, std::size_t end) {
+        std::vector<std::size_t> open;
+        for (std::size_t m = begin; m < end; ++m)
+            if (!isSolved(m)) open.push_back(m);
+        if (!open.empty()) solve(jets, open);
+    });
+}
+
+std::shared_ptr<const Meetings> findMeetings(const CoreJets& jets, JetLinks& own,
+                                             const std::vector<NodeIndex>& nodes) {
+    const JetCore& core = *jets.core;
+    if (core.costsVary || core.metric.anisotropic() || nodes.empty()) return nullptr;
+    Marks near(core.nodes.size());
+    std::vector<Meeting> found = MeetingSearch(jets, own, near).find(nodes);
+    if (found.empty()) return nullptr;
+    return std::make_shared<const Meetings>(jets, std::move(found), std::move(near));
 }
 
 }  // namespace igeo

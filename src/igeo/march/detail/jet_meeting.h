@@ -7,12 +7,13 @@
 
 namespace igeo {
 
-/// Finds the nodes of the core across which fronts meet (FrontsMeet), and solves them again by rays
-/// (jet_rays.h): they have all their neighbors now, and no other value depends on theirs. Sets
-/// CoreJets::meetings. Where costs vary, or S has creases or obstacles, nodes stay as they are.
-/// In parallel, the same bits for any number of threads.
+/// Finds the nodes of the core across which fronts meet (FrontsMeet): they have all their neighbors
+/// now, and no other value depends on theirs. Null where there are none, and where costs vary;
+/// nodes where S has creases or obstacles do not count. In parallel, the same bits for any number
+/// of threads.
 /// @param own    the links of the march where the core has none; rows are made where needed
 /// @param nodes  across which the march saw fronts meet (JetGroup::Solution::frontsMeet)
-void solveMeetings(CoreJets& jets, JetLinks& own, const std::vector<NodeIndex>& nodes);
+std::shared_ptr<const Meetings> findMeetings(const CoreJets& jets, JetLinks& own,
+                                             const std::vector<NodeIndex>& nodes);
 
 }  // namespace igeo

@@ -56,8 +56,7 @@ struct RaySearch {
 /// Sends rays from points, up to eight side by side.
 class RayGroup {
 public:
-    RayGroup(const CoreJets& jets, const std::vector<Vec3f>& gradients)
-        : jets_(jets), core_(*jets.core), gradients_(gradients) {}
+    explicit RayGroup(const CoreJets& jets) : jets_(jets), core_(*jets.core) {}
 
     /// Ends the searches. A lane takes the next one as soon as one has ended.
     void run(std::span<RaySearch> searches) {
@@ -68,12 +67,12 @@ public:
                 if (k < kSteps)
                     gatherCornersOfS(jets_, points_, corners_);
                 else
-                    gatherCorners(jets_, gradients_, points_, corners_);
+                    gatherMarched(jets_, points_, corners_);
                 makeStep(corners_, core_.band.faceted, rays_);
             }
             lookBeside(corners_, rays_, beside_);
             findCorners(beside_.wanted, beside_.cell, beside_.points);
-            gatherCorners(jets_, gradients_, beside_.points, beside_.corners);
+            gatherMarched(jets_, beside_.points, beside_.corners);
             for (std::size_t lane = 0; lane < Lanes::kNodes; ++lane)
                 if (beside_.wanted[lane] && !isOfSource(beside_.corners, lane))
                     beside_.wanted[lane] = 0;
@@ -141,7 +140,6 @@ private:
 
     const CoreJets& jets_;
     const JetCore& core_;
-    const std::vector<Vec3f>& gradients_;
     std::array<RaySearch*, Lanes::kNodes> search_{};  ///< null: the lane is empty
     RayLanes rays_;
     CellPoints points_;
@@ -150,11 +148,6 @@ private:
 };
 
 }  // namespace
-
-void MeetingPoint::take(const ArrivingFronts& found, std::size_t lane) {
-    fronts = std::size_t(found.count[lane]);
-    for (std::size_t k = 0; k < fronts; ++k) front[k] = {found.x[k][lane], found.y[k][lane]};
-}
 
 void MeetingPoint::findFronts(std::span<const JetNeighbor> neighbors) {
     Arrivals arrivals;
@@ -169,11 +162,11 @@ void MeetingPoint::findFronts(std::span<const JetNeighbor> neighbors) {
     }
     ArrivingFronts found;
     igeo::findFronts(arrivals, found);
-    take(found, 0);
+    fronts = std::size_t(found.count[0]);
+    for (std::size_t k = 0; k < fronts; ++k) front[k] = {found.x[k][0], found.y[k][0]};
 }
 
 std::vector<std::optional<Solved>> solveByRays(const CoreJets& jets,
-                                               const std::vector<Vec3f>& gradients,
                                                std::span<const MeetingPoint> points) {
     constexpr double kFallbackError = 0.25;  // voxels
     // A ray rounds the edges of facets, which the fits of the march do not.
@@ -183,7 +176,7 @@ std::vector<std::optional<Solved>> solveByRays(const CoreJets& jets,
     for (std::size_t k = 0; k < points.size(); ++k)
         for (std::size_t f = 0; f < points[k].fronts; ++f)
             searches.push_back({points[k], k, points[k].front[f]});
-    RayGroup(jets, gradients).run(searches);
+    RayGroup(jets).run(searches);
     for (const RaySearch& s : searches) {
         std::optional<Solved>& to = found[s.number];
         const double change = std::abs(s.u - s.point->before);

@@ -5,7 +5,7 @@
 /// from x, for any L below d(x). Fronts that meet at x are apart at y, unless they meet at a small
 /// angle; one that has a focus at x is round there. Each ray gives an upper bound, whose error is
 /// that of d(y): x, and the nodes beside it, whose fits had neighbors of several fronts, do not
-/// count.
+/// count. d(y) is what the march has left, also where y is near another meeting.
 ///
 /// The direction of a ray is right where it is that of travel at its end. Along a front with
 /// curvature k there, the angle between the two changes with the direction by -(1 + k L), which the
@@ -41,18 +41,14 @@ struct MeetingPoint {
     /// Takes the directions of the neighbors whose plane fronts arrive first; none near a seed.
     /// @param neighbors  in the chart, of one source
     void findFronts(std::span<const JetNeighbor> neighbors);
-    /// The same.
-    void take(const ArrivingFronts& found, std::size_t lane);
 };
 
 /// The first arrival at each of the points, relative to the least start; none where S is creased or
 /// ends within 6 voxels, within 11 voxels of a seed, and where the value is 0.25 voxels from that
 /// before.
-/// @param gradients  gradientsOf(jets), or empty: those that are needed are computed
 /// The same bits whatever other points there are. Time: some 0.5 microseconds per ray, two to four
 /// for each front.
 std::vector<std::optional<Solved>> solveByRays(const CoreJets& jets,
-                                               const std::vector<Vec3f>& gradients,
                                                std::span<const MeetingPoint> points);
 
 }  // namespace igeo

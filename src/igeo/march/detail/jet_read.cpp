@@ -16,9 +16,8 @@ namespace {
 class CoreReader {
 public:
     /// @param met  null, or gets the arrivals of points where fronts meet: then they are not left
-    CoreReader(const CoreJets& jets, const std::vector<Vec3f>& gradients,
-               std::vector<Arrival*>* met)
-        : jets_(jets), core_(*jets.core), band_(core_.band), gradients_(gradients), met_(met) {}
+    CoreReader(const CoreJets& jets, const LiftedJets& lifted, std::vector<Arrival*>* met)
+        : jets_(jets), core_(*jets.core), band_(core_.band), lifted_(lifted), met_(met) {}
 
     /// Begins with a point: its arrival is in `to` after the next finish(), or `to` is in `left`.
     void add(const Vec3d& p, const Vec3f& normal, Arrival& to) {
@@ -36,7 +35,7 @@ public:
     void finish() {
         if (size_ == 0) return;
         for (std::size_t lane = size_; lane < Lanes::kNodes; ++lane) points_.clearNodes(lane);
-        gatherCorners(jets_, gradients_, points_, corners_);
+        gatherCorners(jets_, lifted_, points_, corners_);
         takeNormals();
         CarriedJets carried;
         carryFromCorners(corners_, band_.faceted, carried);
@@ -147,7 +146,7 @@ private:
     const CoreJets& jets_;
     const JetCore& core_;
     const Band& band_;
-    const std::vector<Vec3f>& gradients_;
+    const LiftedJets& lifted_;
     std::vector<Arrival*>* const met_;
     std::array<Asked, Lanes::kNodes> asked_;
     CellPoints points_;
@@ -167,9 +166,9 @@ std::optional<Arrival> arrivalFromCore(const Field& field, const Vec3d& pIndex,
     const Vec3d normal = sheetNormal == Vec3d{}
                              ? SurfaceCell(*field.band, *field.metric, pIndex, {}).normal
                              : sheetNormal;
-    const std::vector<Vec3f> noGradients;
+    const LiftedJets none;
     Arrival first;
-    CoreReader reader(*field.jets, noGradients, nullptr);
+    CoreReader reader(*field.jets, none, nullptr);
     reader.add(pIndex, Vec3f(normal), first);
     reader.finish();
     return reader.left.empty() ? std::optional(first) : std::nullopt;
@@ -179,7 +178,7 @@ ArrivalReader::ArrivalReader(const Field& field, std::size_t points)
     : field_(field), fromCore_(isReadFromCore(field)) {
     constexpr std::size_t kCorners = 4;  // of a point
     if (fromCore_ && points > field.jets->state.size() / kCorners)
-        gradients_ = gradientsOf(*field.jets);
+        lifted_ = std::make_shared<const LiftedJets>(liftedOf(*field.jets));
 }
 
 void ArrivalReader::read(std::span<const Vec3d> points, std::span<const Vec3f> sheetNormals,
@@ -190,7 +189,9 @@ void ArrivalReader::read(std::span<const Vec3d> points, std::span<const Vec3f> s
     std::vector<std::size_t> left;
     if (fromCore) {
         std::vector<Arrival*> met;
-        CoreReader reader(*field_.jets, gradients_, tolerance >= kAtMeeting ? &met : nullptr);
+        const LiftedJets none;
+        CoreReader reader(*field_.jets, lifted_ ? *lifted_ : none,
+                          tolerance >= kAtMeeting ? &met : nullptr);
         for (std::size_t i = 0; i < points.size(); ++i)
             reader.add(points[i], sheetNormals[i], to[i]);
         reader.finish();

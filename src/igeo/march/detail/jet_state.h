@@ -1,5 +1,6 @@
-/// What one march of scheme `jet` knows, as plain data: its seeds, and the jets of the core so far.
-/// Changed by the march (jet.cpp), read by the extension to the rest of the band (jet_extend.cpp).
+/// What one march of scheme `jet` knows: its seeds, and the jets of the core so far. Changed by the
+/// march (jet_march.cpp), read at points (jet_read.cpp) and by the extension to the rest of the
+/// band (jet_extend.cpp).
 #pragma once
 
 #include <igeo/band/surface_point.h>
@@ -7,9 +8,13 @@
 #include <igeo/march/seeds.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <mutex>
+#include <span>
 #include <vector>
 
 namespace igeo {
@@ -60,26 +65,80 @@ struct JetBuckets {
     }
 };
 
+struct CoreJets;
+
+/// The core nodes across which fronts meet, once a march is over (findMeetings). Their jets are
+/// found by rays (jet_rays.h) when they are first read. A ray reads what the march has left, so a
+/// jet has the same bits whatever was read before. Several threads may read at a time.
+class Meetings {
+public:
+    struct Meeting {
+        static constexpr std::size_t kMost = 3;  ///< fronts
+        NodeIndex node = kNoNode;
+        std::uint32_t fronts = 0;
+        std::array<Vec2f, kMost> front{};  ///< their directions of travel, in the chart of the node
+    };
+    /// @param list  ascending
+    /// @param near  per core node: whether it is one of these, or linked to one
+    Meetings(const CoreJets& jets, std::vector<Meeting> list, std::vector<std::uint8_t> near);
+
+    bool near(NodeIndex k) const { return marks_[k]; }
+    bool at(NodeIndex k) const { return marks_[k] & kAt; }
+    /// The jets of some of these nodes. 0.5 microseconds per ray that was not sent before, two to
+    /// four for each front; else O(log n) per node.
+    void find(const CoreJets& jets, std::span<const NodeIndex> nodes, JetState* to) const;
+    /// Calls visit(k, state) for all of them. In parallel up to there.
+    template <typename Visit>
+    void findAll(const CoreJets& jets, const Visit& visit) const {
+        solveAll(jets);
+        for (std::size_t m = 0; m < list_.size(); ++m) visit(list_[m].node, state_[m]);
+    }
+
+private:
+    static constexpr std::uint8_t kAt = 2;
+    std::size_t indexOf(NodeIndex k) const;
+    bool isSolved(std::size_t m) const {
+        return std::atomic_ref(solved_[m]).load(std::memory_order_acquire);
+    }
+    void solveAll(const CoreJets& jets) const;
+    /// @param which  indices
+    void solve(const CoreJets& jets, std::span<const std::size_t> which) const;
+
+    std::vector<Meeting> list_;
+    std::vector<std::uint8_t> marks_;           ///< per core node
+    mutable std::vector<JetState> state_;       ///< per meeting: by the march until it is solved
+    mutable std::vector<std::uint8_t> solved_;  ///< per meeting
+    mutable std::mutex publishing_;
+};
+
 /// The jets of a march on the core of a band.
 struct CoreJets {
     std::shared_ptr<const JetCore> core;
     JetSeeds seeds;
     JetBuckets buckets;
-    std::vector<JetState> state;         ///< per core node
-    std::vector<std::uint32_t> label;    ///< per core node; empty for one source
-    std::vector<std::uint8_t> meetings;  ///< per core node: whether fronts meet there or at a node
-                                         ///< that is linked to it; empty: none meet
-    double limit = kInfinity;            ///< larger distances are left out
+    std::vector<JetState> state;               ///< per core node, as the march has left it
+    std::vector<std::uint32_t> label;          ///< per core node; empty for one source
+    std::shared_ptr<const Meetings> meetings;  ///< null: no fronts meet
+    double limit = kInfinity;                  ///< larger distances are left out
 
-    bool frontsMeetNear(NodeIndex k) const { return !meetings.empty() && meetings[k]; }
+    bool frontsMeetNear(NodeIndex k) const { return meetings && meetings->near(k); }
     bool accepted(NodeIndex k) const { return state[k].accepted(); }
-    double valueOf(NodeIndex k) const {
-        return buckets.startOf(state[k].bucket) + double(state[k].rest);
-    }
-    Vec3f gradientOf(NodeIndex k) const {
-        return TangentFrame(core->nodes[k].normal).lift(state[k].g);
+    double marchedValueOf(NodeIndex k) const { return valueOf(state[k]); }
+    /// By rays where fronts meet.
+    double valueOf(NodeIndex k) const { return valueOf(stateOf(k)); }
+    Vec3f gradientOf(NodeIndex k) const { return gradientOf(k, stateOf(k)); }
+    Vec3f gradientOf(NodeIndex k, const JetState& s) const {
+        return TangentFrame(core->nodes[k].normal).lift(s.g);
     }
     std::uint32_t labelOf(NodeIndex k) const { return label.empty() ? 0 : label[k]; }
+
+private:
+    JetState stateOf(NodeIndex k) const {
+        JetState s = state[k];
+        if (meetings && meetings->at(k)) meetings->find(*this, {&k, 1}, &s);
+        return s;
+    }
+    double valueOf(const JetState& s) const { return buckets.startOf(s.bucket) + double(s.rest); }
 };
 
 }  // namespace igeo
