@@ -56,6 +56,10 @@ inline SnappedPoint inWorld(const SurfacePoint& p, const Similarity& transform) 
 /// which are less than a voxel apart.
 SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex);
 
+/// The unit normal of S at a point, or in the middle of a segment. The nearest node may lie on the
+/// other face of an edge.
+Vec3f normalAt(const Band& band, const SurfacePoint& p);
+
 /// Nodes within `radius` voxels of a point of S that such nodes connect to it, sorted.
 std::vector<NodeIndex> nodesAround(const Band& band, const SurfacePoint& p, double radius);
 

@@ -124,11 +124,11 @@ inline BlendedFront blendFront(const JetNeighbors& all, const BlendWeights& weig
 /// the origin, not beyond it, if they have less than half of the weight. And it comes no earlier
 /// than the values of other neighbors allow, less the lines from there, if those have more weight.
 /// Beside a seed values at nodes over an edge may be too large: there it may pass, unless it has
-/// hardly any weight, or a little and comes from nowhere.
+/// hardly any weight, or a little and comes from nowhere, or less than half of those against it.
 inline bool mayPass(const BlendedFront& front, const JetNeighbors& all, const BlendWeights& weight,
                     bool besideSeed) {
     constexpr float kBeyond = 0.1f, kEarlier = 0.25f;  // voxels
-    constexpr float kHardly = 0.1f, kFromElsewhere = 0.25f;
+    constexpr float kHardly = 0.1f, kFromElsewhere = 0.25f, kLittle = 0.5f;
     bool comes = false;
     float others = 0, against = 0;
     for (int k = 0; k < all.count(); ++k) {
@@ -140,7 +140,9 @@ inline bool mayPass(const BlendedFront& front, const JetNeighbors& all, const Bl
             if (all.u(k) - length(all.a(k)) > front.u + kEarlier) against += w;
         }
     }
-    if (besideSeed && front.weight >= (comes ? kHardly : kFromElsewhere) * others) return true;
+    if (besideSeed && front.weight >= (comes ? kHardly : kFromElsewhere) * others &&
+        front.weight >= kLittle * against)
+        return true;
     return (comes || front.weight >= others) && front.weight >= against;
 }
 

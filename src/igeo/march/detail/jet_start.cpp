@@ -224,22 +224,6 @@ private:
     double least_ = kInfinity;  ///< distance of nearest_, voxels
 };
 
-/// The unit normal of S at a seed.
-Vec3f normalAt(const Band& band, const SurfacePoint& seed) {
-    const Vec3d p = seed.pIndex + 0.5 * seed.segment;
-    const Vec3f ofNode = band.normal[seed.node];
-    if (band.triangles) {
-        // Beside an edge the gradient of psi is between the normals of both faces.
-        const auto at = band.triangles->nearest(p);
-        const Vec3d n = band.triangles->normal(at.triangle);
-        return n == Vec3d{} ? ofNode : Vec3f(n);
-    }
-    const PsiSample psi = samplePsi(band, p);
-    // Where two faces share a cell their gradients cancel.
-    const bool clear = psi.valid && length(psi.gradient) > 0.5;
-    return clear ? Vec3f(normalized(psi.gradient)) : ofNode;
-}
-
 }  // namespace
 
 JetSeeds::JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, double radius)
