@@ -433,7 +433,7 @@ TEST_CASE("thin walls: distances near points, curves and groups beside a wall of
     // Measured 0.44; 0.75 without discs over faces whose normals turn beside an edge, 1.18 where
     // the nearest segment of a curve lay over an edge and one further along did not.
     CHECK(most < 0.6);
-    // Measured 0.00012; 0.00015 where nodes stood for seeds, or corners for more against them.
+    // Measured 0.00012; 0.00015 where a seed had the normal of its node.
     CHECK(double(off) < 0.00014 * double(count));
 }
 

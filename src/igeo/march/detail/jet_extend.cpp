@@ -228,7 +228,6 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
     // The core around such a node has been reached from its seed, but maybe along another path,
     // around a wall.
     constexpr double kOtherPath = 1.2, kBlunt = 0.5, kDoubtful = 1.5;  // but kOtherPath: voxels
-    constexpr double kShorter = 0.25;                                  // voxels
     const JetSeeds& seeds = jets_.seeds;
     const Vec3d foot = band_.footPoint(i);
     const LocalFrame local = core_.localFrameInBand(i);
@@ -254,9 +253,8 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
             best = disc;
     };
     seeds.near.forNear(foot, visit);
-    const bool isPassed = seeds.points.size() > 1 && core_.stretch.empty() && !band_.triangles &&
-                          s.distance < best.u - kShorter * local.weight;
-    if (best.u < kInfinity && !isPassed) return {best.u, local.frame.lift(best.g), best.label};
+    if (best.u < kInfinity && !overtakesDisc(core_, seeds, s.distance, best.u, local.weight))
+        return {best.u, local.frame.lift(best.g), best.label};
     Found other = s;
     if (leastStart < kInfinity) other.distance = std::max(s.distance, leastStart);
     return other;

@@ -365,12 +365,9 @@ IGEO_INLINE void JetMarch::settle(std::size_t lane, Group& group, Result s, cons
 JetMarch::Result JetMarch::exactNearSeed(NodeIndex i, const Result& s) const {
     const auto disc = discs_.find(i);
     if (disc == discs_.end()) return s;
-    // Of a curve the seed next to the node may lie over an edge, and others lead past it.
-    constexpr float kOtherPath = 0.25f;  // voxels
     const float u = fromStart(disc->second.u);
     if (s.u < u && s.label != disc->second.label) return s;
-    if (jets_.seeds.points.size() > 1 && isotropic_ && !core_.band.triangles &&
-        s.u < u - kOtherPath * core_.nodes[i].weight)
+    if (overtakesDisc(core_, jets_.seeds, double(s.u), double(u), double(core_.nodes[i].weight)))
         return s;
     return {u, disc->second.g, disc->second.label, false, false};
 }
