@@ -119,21 +119,6 @@ SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex) {
     return s;
 }
 
-Vec3f normalAt(const Band& band, const SurfacePoint& point) {
-    const Vec3d p = point.pIndex + 0.5 * point.segment;
-    const Vec3f ofNode = band.normal[point.node];
-    if (band.triangles) {
-        // Beside an edge the gradient of psi is between the normals of both faces.
-        const auto at = band.triangles->nearest(p);
-        const Vec3d n = band.triangles->normal(at.triangle);
-        return n == Vec3d{} ? ofNode : Vec3f(n);
-    }
-    const PsiSample psi = samplePsi(band, p);
-    // Where two faces share a cell their gradients cancel.
-    const bool clear = psi.valid && length(psi.gradient) > 0.5;
-    return clear ? Vec3f(normalized(psi.gradient)) : ofNode;
-}
-
 std::vector<NodeIndex> nodesAround(const Band& band, const SurfacePoint& p, double radius) {
     std::vector<NodeIndex> found{p.node};
     auto within = [&](NodeIndex i) {

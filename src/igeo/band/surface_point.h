@@ -16,6 +16,9 @@ struct SurfacePoint {
     NodeIndex node = kNoNode;  ///< node of the band on the same sheet, nearest to pIndex
     double start = 0;   ///< distance at which the front of a seed starts, voxels times weight
     double weight = 1;  ///< the metric's weight here, set by the march
+    /// Of S here or in the middle of the segment, set by jet's march. The node may lie on the other
+    /// face of an edge.
+    Vec3f normal;
 
     /// A seed may be a straight segment of a curve (seeds.h): all points from pIndex to pIndex +
     /// segment.
@@ -55,10 +58,6 @@ inline SnappedPoint inWorld(const SurfacePoint& p, const Similarity& transform) 
 /// exact on a mesh; elsewhere the snap distance is the least over the foot points of band voxels,
 /// which are less than a voxel apart.
 SurfacePoint nearestSurfacePoint(const Band& band, const Vec3d& pIndex);
-
-/// The unit normal of S at a point, or in the middle of a segment. The nearest node may lie on the
-/// other face of an edge.
-Vec3f normalAt(const Band& band, const SurfacePoint& p);
 
 /// Nodes within `radius` voxels of a point of S that such nodes connect to it, sorted.
 std::vector<NodeIndex> nodesAround(const Band& band, const SurfacePoint& p, double radius);

@@ -186,7 +186,7 @@ bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
     // Over an edge, and beside a hollow one, the normal of a cell is between those of both faces.
     constexpr double kSmooth = 0.8, kInPlane = 0.05;
     constexpr double kOff = 0.1, kOffPsi = 0.3;  // voxels
-    const Vec3d ofSeed(normalAt(band_, seed));
+    const Vec3d ofSeed(seed.normal);
     if (dot(cell_.normal, ofSeed) >= kSmooth && !isOverStep(chord, cell_.normal, ofSeed))
         return true;
     const double off = std::abs(dot(cell_.normal, chord)), most = kInPlane * length(chord);

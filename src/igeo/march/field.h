@@ -192,7 +192,7 @@ public:
 private:
     const Field& field_;
     bool fromCore_;
-    std::shared_ptr<const std::vector<LiftedJet>> lifted_;  ///< of the core; null: few points
+    std::shared_ptr<const std::vector<LiftedJet>> lifted_;  ///< of the core; empty: few points
 };
 
 /// The same in parallel.

@@ -61,7 +61,7 @@ MeetingPoint pointAt(const JetCore& core, NodeIndex k, const FrontsAt& fronts,
     for (const Front& f : all) {
         const Vec2f g = point.local.frame.flat(Vec3f(f.g));
         const float a = std::atan2(g.y, g.x) + turn(random);
-        point.front[point.fronts++] = {std::cos(a), std::sin(a)};
+        point.fronts.g[point.fronts.count++] = {std::cos(a), std::sin(a)};
     }
     return point;
 }
@@ -193,10 +193,10 @@ TEST_CASE("solveByRays: nothing beside the end of S, and nothing near a seed") {
     MeetingPoint point{0, 0, {}, {TangentFrame({0, 0, 1}), 1, {}}, 0, 10};
     const auto at = [](double u) { return JetNeighbor{{1, 0}, {1, 0}, u}; };
     point.findFronts(std::array{at(10.9), at(20)});
-    CHECK(point.fronts == 0);
+    CHECK(point.fronts.count == 0);
     point.findFronts(
         std::array{at(20), JetNeighbor{{0, 1}, {0, 1}, 20.1}, JetNeighbor{{-1, 0}, {-1, 0}, 20.3}});
-    CHECK(point.fronts == 2);  // the last one arrives too late
+    CHECK(point.fronts.count == 2);  // the last one arrives too late
 }
 
 }  // namespace igeo::test

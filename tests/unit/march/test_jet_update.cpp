@@ -274,6 +274,7 @@ TEST_CASE(
     // Beside a seed the corners may be wrong, unless they have more than twice its weight.
     CHECK(std::abs(withOne(wall, true, 0.5f) - 15.5) < 1e-5);
     CHECK(std::abs(withOne(wall, true, 0.4f) - 20) < 1e-5);
+    CHECK(std::abs(withOne(wall, true) - 20) < 1e-5);
     // A front that meets theirs, and comes a little earlier here.
     const JetNeighbor meets{{-0.7f, 0}, {-1, 0}, 19.2};
     CHECK(std::abs(withOne(meets, false) - 19.9) < 1e-5);

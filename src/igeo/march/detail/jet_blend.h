@@ -128,7 +128,7 @@ inline BlendedFront blendFront(const JetNeighbors& all, const BlendWeights& weig
 inline bool mayPass(const BlendedFront& front, const JetNeighbors& all, const BlendWeights& weight,
                     bool besideSeed) {
     constexpr float kBeyond = 0.1f, kEarlier = 0.25f;  // voxels
-    constexpr float kHardly = 0.1f, kFromElsewhere = 0.25f, kLittle = 0.5f;
+    constexpr float kHardly = 0.1f, kFromElsewhere = 0.25f, kHalf = 0.5f;
     bool comes = false;
     float others = 0, against = 0;
     for (int k = 0; k < all.count(); ++k) {
@@ -141,7 +141,7 @@ inline bool mayPass(const BlendedFront& front, const JetNeighbors& all, const Bl
         }
     }
     if (besideSeed && front.weight >= (comes ? kHardly : kFromElsewhere) * others &&
-        front.weight >= kLittle * against)
+        front.weight >= kHalf * against)
         return true;
     return (comes || front.weight >= others) && front.weight >= against;
 }

@@ -222,8 +222,8 @@ void gather(const CoreArrays& core, const CellPoints& points, JetCorners& corner
 #endif
     gatherByFour(core, points, corners);
 }
-CoreArrays arraysOf(const CoreJets& jets) {
-    return {jets.core->nodes.data(),   jets.state.data(),           nullptr, true,
+CoreArrays arraysOf(const CoreJets& jets, const LiftedJet* lifted = nullptr, bool ofS = false) {
+    return {jets.core->nodes.data(),   jets.state.data(),           lifted, ofS,
             float(jets.buckets.width), jets.core->metric.weighted()};
 }
 
@@ -248,7 +248,7 @@ void takeMeetings(const CoreJets& jets, const CellPoints& points, JetCorners& co
         JetCorners::Corner& to = corners.corner[c];
         const auto buckets = float(std::int32_t(state[n].bucket - corners.bucket[lane]));
         const float beyond = buckets * float(jets.buckets.width) + state[n].rest;
-        to.u[lane] = jets.core->metric.weighted() ? beyond / points.weight[lane] : beyond;
+        to.u[lane] = beyond / points.weight[lane];
         const Vec3f g = jets.gradientOf(node[n], state[n]);
         to.gx[lane] = g.x, to.gy[lane] = g.y, to.gz[lane] = g.z;
     }
@@ -257,22 +257,18 @@ void takeMeetings(const CoreJets& jets, const CellPoints& points, JetCorners& co
 }  // namespace
 
 void gatherMarched(const CoreJets& jets, const CellPoints& points, JetCorners& corners) {
-    CoreArrays core = arraysOf(jets);
-    core.ofS = false;
-    gather(core, points, corners);
+    gather(arraysOf(jets), points, corners);
 }
 
 void gatherCornersOfS(const CoreJets& jets, const CellPoints& points, JetCorners& corners) {
-    gather(arraysOf(jets), points, corners);
+    gather(arraysOf(jets, nullptr, true), points, corners);
 }
 
 void gatherCorners(const CoreJets& jets, const LiftedJets& lifted, const CellPoints& points,
                    JetCorners& corners) {
-    CoreArrays core = arraysOf(jets);
-    core.ofS = false;
-    if (!lifted.empty()) core.lifted = lifted.data();
-    gather(core, points, corners);
-    if (lifted.empty() && jets.meetings) takeMeetings(jets, points, corners);
+    if (!lifted.empty()) return gather(arraysOf(jets, lifted.data()), points, corners);
+    gatherMarched(jets, points, corners);
+    if (jets.meetings) takeMeetings(jets, points, corners);
 }
 
 }  // namespace igeo

@@ -239,7 +239,7 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
         leastStart = std::min(leastStart, seed.start);
         const Vec3d from = seed.nearestTo(foot);
         Solved disc;
-        if (metric_.blocked(from, foot, Vec3d(seeds.normal[k])) ||
+        if (metric_.blocked(from, foot, Vec3d(seed.normal)) ||
             (takesWalks(core_) &&
              !(leastOverWalk(seeds, std::uint32_t(k), local, foot) < best.u)) ||
             !seedNeighborhoodJet(core_, seeds, std::uint32_t(k), local, foot, disc))

@@ -34,7 +34,6 @@ std::vector<NodeIndex> nodesWith(std::uint8_t mark, const Marks& marks) {
 }
 
 using Meeting = Meetings::Meeting;
-static_assert(Meeting::kMost == ArrivingFronts::kMax);
 
 bool inOneBlock(NodeIndex a, NodeIndex b) { return a / JetLinks::kBlock == b / JetLinks::kBlock; }
 
@@ -176,25 +175,22 @@ void MeetingSearch::add(NodeIndex i, std::size_t lane, Part& part) {
     for (const JetLink& link : row) setMark(near_[link.node()], 1);
     Meeting& to = part.found.emplace_back();
     to.node = i;
-    const auto& [bucket, rest, g] = jets_.state[i];
-    const double start = (bucket - 1.0) * jets_.buckets.width / double(core_.nodes[i].weight);
-    if (start + double(part.fronts.least[lane]) < double(MeetingPoint::kNearSeed)) return;
-    to.fronts = std::uint32_t(part.first.count[lane]);
-    for (std::size_t k = 0; k < to.fronts; ++k)
-        to.front[k] = {part.first.x[k][lane], part.first.y[k][lane]};
+    const double start =
+        jets_.buckets.beyondLeast(jets_.state[i].bucket) / double(core_.nodes[i].weight);
+    if (start + double(part.fronts.least[lane]) >= double(MeetingPoint::kNearSeed))
+        to.fronts = part.first.at(lane);
 }
 
 MeetingPoint pointOf(const CoreJets& jets, const Meeting& m) {
     const JetNode& node = jets.core->nodes[m.node];
-    const auto& [bucket, rest, g] = jets.state[m.node];
-    const double weight = node.weight, start = (bucket - 1.0) * jets.buckets.width / weight;
+    const JetState& state = jets.state[m.node];
+    const double weight = node.weight, start = jets.buckets.beyondLeast(state.bucket) / weight;
     return {node.leaf,
             node.offset,
             node.foot,
             jets.core->localFrame(m.node),
             jets.labelOf(m.node),
-            start + double(rest) / weight,
-            m.front,
+            start + double(state.rest) / weight,
             m.fronts};
 }
 
@@ -205,7 +201,7 @@ Meetings::Meetings(const CoreJets& jets, std::vector<Meeting> list, std::vector<
     state_.reserve(list_.size()), solved_.reserve(list_.size());
     for (const Meeting& m : list_) {
         marks_[m.node] |= kAt;
-        state_.push_back(jets.state[m.node]), solved_.push_back(m.fronts == 0);
+        state_.push_back(jets.state[m.node]), solved_.push_back(m.fronts.count == 0);
     }
 }
 

@@ -27,9 +27,15 @@ struct Arrivals {
 
 /// The directions of the fronts that come first.
 struct ArrivingFronts {
-    static constexpr std::size_t kMax = 3;
+    static constexpr std::size_t kMax = MeetingFronts::kMost;
     std::array<Lanes, kMax> x, y;
     alignas(32) Arrivals::PerLane<std::int32_t> count;  ///< of the fronts of a point
+
+    MeetingFronts at(std::size_t lane) const {
+        MeetingFronts of{std::uint32_t(count[lane])};
+        for (std::size_t k = 0; k < of.count; ++k) of.g[k] = {x[k][lane], y[k][lane]};
+        return of;
+    }
 };
 void findFronts(const Arrivals& arrivals, ArrivingFronts& fronts);
 

@@ -125,7 +125,7 @@ private:
             search.done = true;
             return;
         }
-        const double start = (double(corners_.bucket[lane]) - 1) * jets_.buckets.width;
+        const double start = jets_.buckets.beyondLeast(corners_.bucket[lane]);
         search.take(
             start / search.point->local.weight + double(rays_.u[lane]) + double(rays_.length[lane]),
             std::asin(std::clamp(rays_.off[lane], -1.0f, 1.0f)), rays_.curvature[lane]);
@@ -151,7 +151,7 @@ private:
 
 void MeetingPoint::findFronts(std::span<const JetNeighbor> neighbors) {
     Arrivals arrivals;
-    fronts = 0;
+    fronts = {};
     for (const JetNeighbor& n : neighbors) {
         if (n.u < kNearSeed) return;
         const float along = dot(n.g, n.a);
@@ -162,8 +162,7 @@ void MeetingPoint::findFronts(std::span<const JetNeighbor> neighbors) {
     }
     ArrivingFronts found;
     igeo::findFronts(arrivals, found);
-    fronts = std::size_t(found.count[0]);
-    for (std::size_t k = 0; k < fronts; ++k) front[k] = {found.x[k][0], found.y[k][0]};
+    fronts = found.at(0);
 }
 
 std::vector<std::optional<Solved>> solveByRays(const CoreJets& jets,
@@ -174,8 +173,8 @@ std::vector<std::optional<Solved>> solveByRays(const CoreJets& jets,
     std::vector<std::optional<Solved>> found(points.size());
     std::vector<RaySearch> searches;
     for (std::size_t k = 0; k < points.size(); ++k)
-        for (std::size_t f = 0; f < points[k].fronts; ++f)
-            searches.push_back({points[k], k, points[k].front[f]});
+        for (std::size_t f = 0; f < points[k].fronts.count; ++f)
+            searches.push_back({points[k], k, points[k].fronts.g[f]});
     RayGroup(jets).run(searches);
     for (const RaySearch& s : searches) {
         std::optional<Solved>& to = found[s.number];

@@ -22,8 +22,7 @@
 
 namespace igeo {
 
-/// A foot point where fronts meet, and the directions of travel in its chart that lead to it, one
-/// per front.
+/// A foot point where fronts meet.
 struct MeetingPoint {
     LeafIndex leaf;
     unsigned offset;  ///< of the voxel, in the leaf
@@ -32,8 +31,7 @@ struct MeetingPoint {
     std::uint32_t label;
     double before;  ///< value by the march, over the weight, relative to the least start
 
-    std::array<Vec2f, ArrivingFronts::kMax> front{};
-    std::size_t fronts = 0;
+    MeetingFronts fronts{};
 
     /// Voxels: of a ray, and how near to a seed a neighbor of the point may be, as rays keep away
     /// from it.

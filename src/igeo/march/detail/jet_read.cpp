@@ -177,8 +177,8 @@ std::optional<Arrival> arrivalFromCore(const Field& field, const Vec3d& pIndex,
 ArrivalReader::ArrivalReader(const Field& field, std::size_t points)
     : field_(field), fromCore_(isReadFromCore(field)) {
     constexpr std::size_t kCorners = 4;  // of a point
-    if (fromCore_ && points > field.jets->state.size() / kCorners)
-        lifted_ = std::make_shared<const LiftedJets>(liftedOf(*field.jets));
+    const bool many = fromCore_ && points > field.jets->state.size() / kCorners;
+    lifted_ = std::make_shared<const LiftedJets>(many ? liftedOf(*field.jets) : LiftedJets{});
 }
 
 void ArrivalReader::read(std::span<const Vec3d> points, std::span<const Vec3f> sheetNormals,
@@ -189,9 +189,7 @@ void ArrivalReader::read(std::span<const Vec3d> points, std::span<const Vec3f> s
     std::vector<std::size_t> left;
     if (fromCore) {
         std::vector<Arrival*> met;
-        const LiftedJets none;
-        CoreReader reader(*field_.jets, lifted_ ? *lifted_ : none,
-                          tolerance >= kAtMeeting ? &met : nullptr);
+        CoreReader reader(*field_.jets, *lifted_, tolerance >= kAtMeeting ? &met : nullptr);
         for (std::size_t i = 0; i < points.size(); ++i)
             reader.add(points[i], sheetNormals[i], to[i]);
         reader.finish();

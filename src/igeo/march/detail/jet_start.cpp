@@ -192,7 +192,7 @@ private:
         if (!visited_.insert(i).second) return false;
         const Vec3d foot = core_.footOf(core_.nodes[i]), from = nearestOfSeed(i);
         if (core_.nodes[i].obstacleState == Metric::Inside ||
-            core_.metric.blocked(from, foot, Vec3d(seeds_.normal[k_])))
+            core_.metric.blocked(from, foot, Vec3d(seeds_.points[k_].normal)))
             return false;
         const double r = length(foot - from);
         if (step.walked > kDetour * r + kRoom) return false;
@@ -224,6 +224,22 @@ private:
     double least_ = kInfinity;  ///< distance of nearest_, voxels
 };
 
+/// The unit normal of S at a seed.
+Vec3f normalAt(const Band& band, const SurfacePoint& seed) {
+    const Vec3d p = seed.pIndex + 0.5 * seed.segment;
+    const Vec3f ofNode = band.normal[seed.node];
+    if (band.triangles) {
+        // Beside an edge the gradient of psi is between the normals of both faces.
+        const auto at = band.triangles->nearest(p);
+        const Vec3d n = band.triangles->normal(at.triangle);
+        return n == Vec3d{} ? ofNode : Vec3f(n);
+    }
+    const PsiSample psi = samplePsi(band, p);
+    // Where two faces share a cell their gradients cancel.
+    const bool clear = psi.valid && length(psi.gradient) > 0.5;
+    return clear ? Vec3f(normalized(psi.gradient)) : ofNode;
+}
+
 }  // namespace
 
 JetSeeds::JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, double radius)
@@ -234,7 +250,7 @@ JetSeeds::JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, 
     const Band& band = core.band;
     const Metric& metric = core.metric;
     for (SurfacePoint& s : points) {
-        normal.push_back(normalAt(band, s));
+        s.normal = normalAt(band, s);
         if (metric.anisotropic())
             plane.push_back(metric.inPlane(TangentFrame(band.normal[s.node]), s.node));
         s.weight = metric.anisotropic() ? plane.back().weight : metric.at(s.node);
@@ -248,7 +264,7 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     const SurfacePoint& seed = seeds.points[k];
     const TangentFrame& frame = local.frame;
     const Vec3f chord(foot - seed.nearestTo(foot)), &normal = frame.normal();
-    const float cosine = dot(normal, seeds.normal[k]), c = length(chord);
+    const float cosine = dot(normal, seed.normal), c = length(chord);
     const bool isotropic = core.stretch.empty();
     // With tensors as far in cost as such a chord in the most expensive direction: along the cheap
     // axis the lattice is coarse beside the bends of the front, further out than elsewhere.
@@ -267,15 +283,15 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     };
     const bool overCrease = cosine < kSmooth && isOutOf(normal);
     // Beside an edge one of the normals may be between those of both faces.
-    const bool overStep = cosine >= kSmooth && isOutOf(normal) && isOutOf(seeds.normal[k]) &&
-                          isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seeds.normal[k]));
+    const bool overStep = cosine >= kSmooth && isOutOf(normal) && isOutOf(seed.normal) &&
+                          isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seed.normal));
     // Beside an edge the gradient of psi at the seed may turn a little beyond both faces.
     constexpr float kBeyond = 0.1f;
     const bool isKnownFace =
         !core.band.triangles && c <= float(kNextFace) && cosine >= Band::kOtherSheet - kBeyond;
     if (overStep || (overCrease && !isKnownFace)) return false;
     const Vec2f a = cosine < kSmooth && !overCrease ? frame.flat(chord)
-                                                    : frame.unfold(chord, seeds.normal[k], cosine);
+                                                    : frame.unfold(chord, seed.normal, cosine);
     const float arc = length(a);
     s = {seed.start, {}, seeds.source[k]};
     if (isotropic) {

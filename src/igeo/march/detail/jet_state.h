@@ -43,7 +43,6 @@ struct JetSeeds {
     std::vector<SurfacePoint> points;
     std::vector<std::uint32_t> source;  ///< per seed (sourcesOf)
     SeedsNear near;                     ///< finds those whose start discs hold a point
-    std::vector<Vec3f> normal;          ///< of S at the seed
     std::vector<PlaneMetric> plane;     ///< in the frames of their nodes; empty: isotropic
     double startRadius = 0;             ///< of the start discs, voxels
     double leastStart = kInfinity;      ///< the least start value
@@ -58,11 +57,19 @@ struct JetSeeds {
 struct JetBuckets {
     double leastStart = 0, width = 1;
 
-    double startOf(std::uint32_t bucket) const { return leastStart + (bucket - 1.0) * width; }
+    double startOf(std::uint32_t bucket) const { return leastStart + beyondLeast(bucket); }
+    double beyondLeast(std::uint32_t bucket) const { return (bucket - 1.0) * width; }
     std::uint32_t bucketOf(double u, std::uint32_t last) const {
         return std::uint32_t(
             std::clamp(1 + std::floor((u - leastStart) / width), 1.0, double(last)));
     }
+};
+
+/// Fronts that meet at a foot point.
+struct MeetingFronts {
+    static constexpr std::size_t kMost = 3;
+    std::uint32_t count = 0;
+    std::array<Vec2f, kMost> g{};  ///< their directions of travel, in its chart
 };
 
 struct CoreJets;
@@ -73,10 +80,8 @@ struct CoreJets;
 class Meetings {
 public:
     struct Meeting {
-        static constexpr std::size_t kMost = 3;  ///< fronts
         NodeIndex node = kNoNode;
-        std::uint32_t fronts = 0;
-        std::array<Vec2f, kMost> front{};  ///< their directions of travel, in the chart of the node
+        MeetingFronts fronts{};
     };
     /// @param list  ascending
     /// @param near  per core node: whether it is one of these, or linked to one
@@ -87,7 +92,7 @@ public:
     /// The jets of some of these nodes. 0.5 microseconds per ray that was not sent before, two to
     /// four for each front; else O(log n) per node.
     void find(const CoreJets& jets, std::span<const NodeIndex> nodes, JetState* to) const;
-    /// Calls visit(k, state) for all of them. In parallel up to there.
+    /// Finds all of them in parallel; then calls visit(k, state) for one after another.
     template <typename Visit>
     void findAll(const CoreJets& jets, const Visit& visit) const {
         solveAll(jets);
