@@ -14,8 +14,9 @@ namespace igeo {
 
 namespace {
 
-/// Voxels: nearer to a seed of a level set, nodes on the next face over an edge are in its disc.
-constexpr double kNextFace = 1.5;
+/// Voxels: nearer to a seed of a level set, nodes on the next face over an edge are in its disc;
+/// up to the second where psi shows both faces (overOneEdge).
+constexpr double kNextFace = 1.5, kNextFaceSeen = 2;
 
 /// Cost of a chord at seed k, turned into its tangent plane.
 double seedCost(const Band& band, const JetSeeds& seeds, std::uint32_t k, const Vec3f& chord) {
@@ -207,7 +208,7 @@ private:
         // From the next face of a level set the disc would grow over ribs.
         const bool straight =
             core_.band.triangles || isNearPsi(from, foot) || followsSurface(core_.band, from, foot);
-        if (!straight && r > kNextFace) return false;
+        if (!straight && r > kNextFaceSeen) return false;
         found_.emplace_back(i, s);
         return straight;
     }
@@ -224,7 +225,29 @@ private:
     double least_ = kInfinity;  ///< distance of nearest_, voxels
 };
 
-/// The unit normal of S at a seed.
+/// Whether S runs from one point to another over the edge of their planes: psi is small halfway
+/// from each to where the straight line over both planes crosses the edge.
+/// @param n, nTo  unit normals of the planes
+bool overOneEdge(const Band& band, const Vec3d& from, const Vec3d& to, const Vec3d& n,
+                 const Vec3d& nTo) {
+    constexpr double kSharp = 0.5, kOnFace = 0.1;  // sine of the bend; voxels
+    const double cosine = dot(n, nTo), sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
+    if (sine < kSharp) return false;
+    const Vec3d chord = to - from, along = (1 / sine) * cross(n, nTo);
+    // From both ends to the edge, at right angles to it.
+    const double here = dot(nTo, chord) / sine, there = dot(n, chord) / sine,
+                 sum = std::abs(here) + std::abs(there);
+    if (!(sum > 0)) return false;
+    const Vec3d edge = from + (here / sine) * (nTo - cosine * n) +
+                       (std::abs(here) / sum * dot(along, chord)) * along;
+    for (const Vec3d& end : {from, to}) {
+        const PsiSample s = samplePsi(band, 0.5 * (end + edge));
+        if (!s.valid || std::abs(s.psi) > kOnFace) return false;
+    }
+    return true;
+}
+
+/// The unit normal of S at a seed; beside an edge, of the face that the seed is on.
 Vec3f normalAt(const Band& band, const SurfacePoint& seed) {
     const Vec3d p = seed.pIndex + 0.5 * seed.segment;
     const Vec3f ofNode = band.normal[seed.node];
@@ -237,7 +260,21 @@ Vec3f normalAt(const Band& band, const SurfacePoint& seed) {
     const PsiSample psi = samplePsi(band, p);
     // Where two faces share a cell their gradients cancel.
     const bool clear = psi.valid && length(psi.gradient) > 0.5;
-    return clear ? Vec3f(normalized(psi.gradient)) : ofNode;
+    const Vec3f mean = clear ? Vec3f(normalized(psi.gradient)) : ofNode;
+    // Beside an edge the mean is of both faces: then that of the plane which runs through p.
+    constexpr float kOneFace = 0.9f;
+    const BandCell cell = cellAt(band, p);
+    bool mixed = false;
+    Vec3f ofPlane = mean;
+    double least = kInfinity;
+    for (const NodeIndex i : cell.node) {
+        if (i == kNoNode) continue;
+        const Vec3f& n = band.normal[i];
+        const double off = std::abs(double(band.psi[i]) + dot(Vec3d(n), p - Vec3d(band.ijk(i))));
+        mixed |= dot(n, mean) < kOneFace;
+        if (off < least) least = off, ofPlane = n;
+    }
+    return mixed ? ofPlane : mean;
 }
 
 }  // namespace
@@ -288,7 +325,10 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     // Beside an edge the gradient of psi at the seed may turn a little beyond both faces.
     constexpr float kBeyond = 0.1f;
     const bool isKnownFace =
-        !core.band.triangles && c <= float(kNextFace) && cosine >= Band::kOtherSheet - kBeyond;
+        !core.band.triangles && cosine >= Band::kOtherSheet - kBeyond &&
+        (c <= float(kNextFace) ||
+         (c <= float(kNextFaceSeen) &&
+          overOneEdge(core.band, foot - Vec3d(chord), foot, Vec3d(seed.normal), Vec3d(normal))));
     if (overStep || (overCrease && !isKnownFace)) return false;
     const Vec2f a = cosine < kSmooth && !overCrease ? frame.flat(chord)
                                                     : frame.unfold(chord, seed.normal, cosine);

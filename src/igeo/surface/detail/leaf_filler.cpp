@@ -1,5 +1,7 @@
 #include <igeo/surface/detail/leaf_filler.h>
 
+#include <igeo/surface/detail/face_normal.h>
+
 #include <bit>
 #include <cmath>
 
@@ -16,20 +18,25 @@ constexpr double kRim = 1, kSharpRadius = 2;
 /// and more at the crease of a right angle (0.71).
 constexpr double kMeeting = 0.65;
 
+/// A central difference whose length is as far off 1 may mix a face with what lies behind its edge.
+constexpr float kMixed = 0.03f;
+
 /// The nodes of a row.
 template <int Width>
 struct NodeRow {
     RowNumbers nx, ny, nz;  ///< unit normals of smooth ones
-    unsigned smooth, rim;   ///< bits; rim: around a sharp bend
+    unsigned smooth;
+    unsigned mixed;  ///< bits: where differences may mix faces; of smooth ones, within kRim
+    unsigned rim;    ///< bits: around a sharp bend
 
-    IGEO_INLINE NodeRow(const LeafBlock& b, int x, int y) : rim(0) {
+    IGEO_INLINE NodeRow(const LeafBlock& b, int x, int y) : mixed(0), rim(0) {
         using V = typename Registers<Width>::Vector;
         const PsiRow<Width> row(b, x, y);
         smooth = row.smooth;
         const float *here = b.row(x, y), *x0 = b.row(x - 1, y), *x1 = b.row(x + 1, y),
                     *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1);
         for (std::size_t k = 0; k < 8; k += Width) {
-            const V length = 2 * loadLanes<Width>(&row.slope[k]);
+            const V slope = loadLanes<Width>(&row.slope[k]), length = 2 * slope;
             storeLanes(loadLanes<Width>(&row.dx[k]) / length, &nx[k]);
             storeLanes(loadLanes<Width>(&row.dy[k]) / length, &ny[k]);
             storeLanes(loadLanes<Width>(&row.dz[k]) / length, &nz[k]);
@@ -38,34 +45,41 @@ struct NodeRow {
                              (loadLanes<Width>(y0 + k) + loadLanes<Width>(y1 + k)) +
                              (loadLanes<Width>(here + k - 1) + loadLanes<Width>(here + k + 1)),
                     laplacian = around - 6 * psi, onRoundSide = psi < 0 ? -laplacian : laplacian;
-            rim |= bitsOf<Width>((absolute(psi) < float(kRim)) &
-                                 (onRoundSide > float(1 / kSharpRadius)))
-                   << k;
+            const auto mayBeCore = absolute(psi) < float(kRim);
+            rim |= bitsOf<Width>(mayBeCore & (onRoundSide > float(1 / kSharpRadius))) << k;
+            mixed |= bitsOf<Width>(mayBeCore & (absolute(slope - 1) > kMixed)) << k;
         }
+        mixed |= 0xff & ~smooth;
     }
 };
 
-/// Fills a leaf's nodes.
+/// Fills nodes leaf by leaf.
+template <int Width>
 class LeafFiller {
 public:
-    LeafFiller(const LeafBlock& block, LeafIndex l, Band& band, Marks& marks)
-        : block_(block), l_(l), band_(band), marks_(marks) {}
+    LeafFiller(const openvdb::FloatTree& psi, Band& band, Marks& marks)
+        : psi_(psi), band_(band), marks_(marks) {}
 
-    template <int Width>
-    IGEO_INLINE void fill() {
+    IGEO_INLINE void fill(LeafIndex l) {
+        l_ = l;
+        gather(LeafBlock::kFaces);
         const BandLeaf& leaf = band_.leaves[l_];
         NodeIndex first = leaf.band.firstNode;
         for (int x = 0; x < 8; ++x)
             for (int y = 0; y < 8; ++y)
                 if (const unsigned bits = leaf.band.mask[std::size_t(x)] >> (8 * y) & 0xff)
-                    first = fillRow<Width>(first, x, y, bits);
+                    first = fillRow(first, x, y, bits);
     }
 
 private:
+    IGEO_INLINE void gather(LeafBlock::Beyond beyond) {
+        const Ijk& o = band_.leaves[l_].origin;
+        block_.gather<Width>(psi_, openvdb::Coord(o.x, o.y, o.z), band_.transform.dx, beyond);
+        beyond_ = beyond;
+    }
     /// @param first  node of the row
     /// @param bits   of its nodes
     /// @return the first node of the next row
-    template <int Width>
     IGEO_INLINE NodeIndex fillRow(NodeIndex first, int x, int y, unsigned bits) {
         const NodeRow<Width> row(block_, x, y);
         const float* psi = block_.row(x, y);
@@ -78,24 +92,31 @@ private:
         const auto nodeAt = [&](int z) {
             return first + NodeIndex(std::popcount(bits & ((1u << z) - 1)));
         };
-        for (unsigned rest = bits & ~row.smooth; rest; rest &= rest - 1) {
+        const unsigned mixed = bits & row.mixed;
+        if (mixed && beyond_ != LeafBlock::kCorners) gather(LeafBlock::kCorners);
+        for (unsigned rest = mixed; rest; rest &= rest - 1) {
             const int z = std::countr_zero(rest);
-            fillKink(nodeAt(z), x, y, z);
+            fillMixed(nodeAt(z), x, y, z, row.smooth >> z & 1);
         }
         for (unsigned rest = bits & row.rim; rest; rest &= rest - 1)
             marks_.rims[l_].push_back(nodeAt(std::countr_zero(rest)));
         return i;
     }
-    void fillKink(NodeIndex i, int x, int y, int z) {
+    void fillMixed(NodeIndex i, int x, int y, int z, bool smooth) {
+        const std::optional<Vec3f> face = faceNormal(block_, x, y, z);
+        if (face) band_.normal[i] = *face;
+        if (smooth) return;
         const PsiDifferences d(block_, x, y, z);
         const double value = block_.at(x, y, z);
-        band_.normal[i] = Vec3f(normalized(psiGradient(d, value)));
+        if (!face) band_.normal[i] = Vec3f(normalized(psiGradient(d, value)));
         marks_.kinks[l_].push_back(i);
         if (length(d.central()) < kMeeting && d.laplacian(value < 0 ? -1 : 1) < 0)
             marks_.meetings[l_].push_back(i);
     }
 
-    const LeafBlock& block_;
+    const LeafBlock::Accessor psi_;
+    LeafBlock block_;
+    LeafBlock::Beyond beyond_;  ///< what of it is gathered
     LeafIndex l_;
     Band& band_;
     Marks& marks_;
@@ -104,14 +125,8 @@ private:
 template <int Width>
 IGEO_INLINE void fillAll(const openvdb::FloatTree& psi, LeafIndex first, std::size_t count,
                          Band& band, Marks& marks) {
-    LeafBlock block;
-    const LeafBlock::Accessor at(psi);
-    for (LeafIndex l = first; l < first + count; ++l) {
-        const Ijk& o = band.leaves[l].origin;
-        block.gather<Width>(at, openvdb::Coord(o.x, o.y, o.z), band.transform.dx,
-                            LeafBlock::kFaces);
-        LeafFiller(block, l, band, marks).fill<Width>();
-    }
+    LeafFiller<Width> filler(psi, band, marks);
+    for (LeafIndex l = first; l < first + count; ++l) filler.fill(l);
 }
 void fillByFour(const openvdb::FloatTree& psi, LeafIndex first, std::size_t count, Band& band,
                 Marks& marks) {

@@ -1,0 +1,184 @@
+#include <igeo/surface/detail/face_normal.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+namespace igeo {
+
+namespace {
+
+/// How far the length of a gradient may be off 1.
+constexpr float kOffUnit = 0.02f;
+/// Voxels: a neighbor that is as far off the plane does not count, and one on it counts 1.
+constexpr float kOffPlane = 0.03f, kPerOff2 = 1 / (kOffPlane * kOffPlane);
+/// How many neighbors have to agree. On the side of a kink of psi no plane fits by chance. On the
+/// round side one may where the edge is the nearest point of S, and the more, the farther from S.
+constexpr float kAtKink = 7, kOnRoundSide = 9, kPerVoxel = 6;
+
+/// The voxels around one and numbers without meaning: 13 of the voxels, and as far behind each the
+/// one opposite.
+constexpr std::size_t kHalf = 16;
+using Around = std::array<float, 2 * kHalf>;
+
+constexpr std::size_t placeOf(int x, int y, int z) {
+    const int at = 9 * x + 3 * y + z;
+    return at > 0 ? std::size_t(at - 1) : kHalf + std::size_t(-at - 1);
+}
+
+/// The coordinates of the 13 voxels.
+constexpr auto kSteps = [] {
+    std::array<std::array<float, kHalf>, 3> steps{};
+    for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+            for (int z = -1; z <= 1; ++z) {
+                if (9 * x + 3 * y + z <= 0) continue;
+                const std::size_t k = placeOf(x, y, z);
+                steps[0][k] = float(x), steps[1][k] = float(y), steps[2][k] = float(z);
+            }
+    return steps;
+}();
+
+/// A number for each of the eight octants.
+using PerOctant = std::array<float, 8>;
+constexpr int sideOf(std::size_t octant, std::size_t axis) {
+    return octant >> (2 - axis) & 1 ? 1 : -1;
+}
+
+/// Gradients of psi over tetrahedra.
+struct Gradients {
+    alignas(32) std::array<float, 48> x, y, z;
+    std::uint64_t unit = 0;  ///< bits: those of length 1
+};
+
+/// Finds the normal around a voxel, with the same bits for any width.
+template <int Width>
+class PlaneSearch {
+    using V = typename Registers<Width>::Vector;
+
+public:
+    /// @param rise  psi at the voxels around less that at the voxel; NaN for those without value,
+    ///              and for the voxel itself
+    IGEO_INLINE explicit PlaneSearch(const Around& rise) : rise_(rise) {}
+
+    /// @param least  how many neighbors have to agree
+    IGEO_INLINE bool find(float least, Vec3f& best) const {
+        Gradients g;
+        findGradients(g);
+        float most = least;
+        bool found = false;
+        Vec3f last{};
+        for (std::uint64_t bits = g.unit; bits; bits &= bits - 1) {
+            const auto k = std::size_t(std::countr_zero(bits));
+            const Vec3f candidate{g.x[k], g.y[k], g.z[k]};
+            // On a plane many are the same.
+            constexpr float kSame2 = 1e-8f;
+            if (const Vec3f off = candidate - last; dot(off, off) < kSame2) continue;
+            last = candidate;
+            const float count = agreement(candidate);
+            if (count > most) most = count, best = candidate, found = true;
+        }
+        return found;
+    }
+
+private:
+    IGEO_INLINE void findGradients(Gradients& g) const {
+        alignas(32) std::array<PerOctant, 3> face, edge,
+            side;  // edge: by the axis that it is across
+        alignas(32) PerOctant corner;
+        for (std::size_t s = 0; s < 8; ++s) {
+            const int x = sideOf(s, 0), y = sideOf(s, 1), z = sideOf(s, 2);
+            face[0][s] = rise_[placeOf(x, 0, 0)], edge[0][s] = rise_[placeOf(0, y, z)];
+            face[1][s] = rise_[placeOf(0, y, 0)], edge[1][s] = rise_[placeOf(x, 0, z)];
+            face[2][s] = rise_[placeOf(0, 0, z)], edge[2][s] = rise_[placeOf(x, y, 0)];
+            side[0][s] = float(x), side[1][s] = float(y), side[2][s] = float(z);
+            corner[s] = rise_[placeOf(x, y, z)];
+        }
+        const std::array<float*, 3> to{g.x.data(), g.y.data(), g.z.data()};
+        std::size_t at = 0;
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t b = 0; b < 3; ++b) {
+                if (a == b) continue;
+                const std::size_t c = 3 - a - b;
+                for (std::size_t s = 0; s < 8; s += Width, at += Width) {
+                    auto of = [&](const PerOctant& all) __attribute__((always_inline)) {
+                        return loadLanes<Width>(&all[s]);
+                    };
+                    const V first = of(side[a]) * of(face[a]),
+                            second = of(side[b]) * (of(edge[c]) - of(face[a])),
+                            third = of(side[c]) * (of(corner) - of(edge[c])),
+                            square = first * first + second * second + third * third;
+                    storeLanes(first, to[a] + at), storeLanes(second, to[b] + at);
+                    storeLanes(third, to[c] + at);
+                    constexpr float kLeast = (1 - kOffUnit) * (1 - kOffUnit),
+                                    kMost = (1 + kOffUnit) * (1 + kOffUnit);
+                    g.unit |= std::uint64_t(bitsOf<Width>((square > kLeast) & (square < kMost)))
+                              << at;
+                }
+            }
+    }
+    /// How many neighbors agree with a gradient.
+    IGEO_INLINE float agreement(const Vec3f& g) const {
+        alignas(32) std::array<float, 8> sums{};
+        for (std::size_t lane = 0; lane < 8; lane += Width) {
+            V sum{};
+            for (std::size_t k = lane; k < kHalf; k += 8) {
+                auto along = [&](std::size_t axis) __attribute__((always_inline)) {
+                    return loadLanes<Width>(&kSteps[axis][k]);
+                };
+                const V rise = along(0) * g.x + along(1) * g.y + along(2) * g.z;
+                auto share = [&](const V& off) __attribute__((always_inline)) {
+                    const V s = 1 - off * off * kPerOff2;
+                    return s > 0 ? s : V{};
+                };
+                const V here = share(loadLanes<Width>(&rise_[k]) - rise),
+                        opposite = share(loadLanes<Width>(&rise_[kHalf + k]) + rise);
+                sum += here + opposite;
+            }
+            storeLanes(sum, &sums[lane]);
+        }
+        float all = 0;
+        for (const float sum : sums) all += sum;
+        return all;
+    }
+
+    const Around& rise_;
+};
+
+bool findByFour(const Around& rise, float least, Vec3f& best) {
+    return PlaneSearch<4>(rise).find(least, best);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 bool findByEight(const Around& rise, float least, Vec3f& best) {
+    return PlaneSearch<8>(rise).find(least, best);
+}
+#endif
+
+}  // namespace
+
+std::optional<Vec3f> faceNormal(const LeafBlock& block, int x, int y, int z) {
+    Around rise;
+    rise.fill(kMissingVoxel);
+    const float here = block.row(x, y)[z];
+    for (int i = -1; i <= 1; ++i)
+        for (int j = -1; j <= 1; ++j)
+            for (int k = -1; k <= 1; ++k)
+                if (i || j || k) rise[placeOf(i, j, k)] = block.row(x + i, y + j)[z + k] - here;
+    float laplacian = 0;  // of |psi|
+    for (const auto& [i, j, k] : {Ijk{1, 0, 0}, Ijk{0, 1, 0}, Ijk{0, 0, 1}})
+        laplacian += rise[placeOf(i, j, k)] + rise[placeOf(-i, -j, -k)];
+    if (here < 0) laplacian = -laplacian;
+    const float least = laplacian < 0 ? kAtKink : kOnRoundSide + kPerVoxel * std::abs(here);
+    Vec3f best;
+    bool found;
+#ifdef IGEO_AVX2
+    found = eightAtATime() ? findByEight(rise, least, best) : findByFour(rise, least, best);
+#else
+    found = findByFour(rise, least, best);
+#endif
+    if (!found) return std::nullopt;
+    return normalized(best);
+}
+
+}  // namespace igeo
