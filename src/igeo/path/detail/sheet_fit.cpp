@@ -30,6 +30,19 @@ double widthOf(const std::vector<Vec3d>& points, const Vec3d& u, const Vec3d& v)
     return std::sqrt(std::max(half - root, 0.0) / double(points.size()));
 }
 
+/// Whether central differences of psi mix sheets at a node: their length is not 1.
+bool isMixed(const Band& band, NodeIndex i) {
+    constexpr double kOff = 0.03;
+    Vec3d gradient;
+    for (int a = 0; a < 3; ++a) {
+        const Ijk step{a == 0, a == 1, a == 2};
+        const NodeIndex low = band.neighbor(i, Ijk{} - step), high = band.neighbor(i, step);
+        if (low == kNoNode || high == kNoNode) return true;
+        gradient[a] = (double(band.psi[high]) - double(band.psi[low])) / 2;
+    }
+    return std::abs(length(gradient) - 1) > kOff;
+}
+
 }  // namespace
 
 std::vector<SheetNode> nodesForSheets(const Band& band, const Vec3d& center) {
@@ -44,8 +57,8 @@ std::vector<SheetNode> nodesForSheets(const Band& band, const Vec3d& center) {
                 if (i == kNoNode || std::abs(band.psi[i]) > kSheetPsi) continue;
                 const Vec3d foot = band.footPoint(i);
                 if (length(foot - center) > kSheetRadius) continue;
-                nodes.push_back(
-                    {Vec3d(middle + Ijk{x, y, z}), foot, Vec3d(band.normal[i]), band.psi[i]});
+                nodes.push_back({Vec3d(middle + Ijk{x, y, z}), foot, Vec3d(band.normal[i]),
+                                 band.psi[i], isMixed(band, i)});
             }
     return nodes;
 }
@@ -63,8 +76,9 @@ SheetFit::SheetFit(const std::vector<SheetNode>& nodes, const Vec3d& center, con
     };
     auto collect = [&](bool kinkSide) {
         feet_.clear(), normals_.clear();
+        // Beside an edge a node has the normal of a plane, which is off where the sheet is curved.
         for (const SheetNode& node : nodes)
-            if (isOnSheet(node) && (!kinkSide || node.psi * side >= 0))
+            if (isOnSheet(node) && (!kinkSide || (node.psi * side >= 0 && !node.mixed)))
                 feet_.push_back(node.foot), normals_.push_back(node.normal);
         return feet_.size() >= kFewestOfSheet;
     };

@@ -12,6 +12,7 @@ namespace igeo {
 struct SheetNode {
     Vec3d at, foot, normal;
     double psi = 0;
+    bool mixed = false;  ///< central differences of psi mix sheets here
 };
 
 /// The nodes within 1.3 voxels of S whose foot points are within 6 voxels of a point, in the order
