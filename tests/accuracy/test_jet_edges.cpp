@@ -88,7 +88,7 @@ struct Notch {
     /// From the seed to a point of the top: straight over one wall or over both, laid out in the
     /// plane of the top, or around the corner.
     static double exact(const Vec3d& p) {
-        constexpr double kOnEdge = 0.2;
+        constexpr double kOnEdge = 0.2;  // foot points beside an edge may lie beyond it
         const double crossesFirst = kAlong + (p.y() - kAlong) * kBelow / (kBelow - p.x()),
                      crossesBoth = (p.x() + kAlong) * kBelow / (kBelow - p.y()) - kAlong;
         double least = std::hypot(kAlong, kBelow) + std::hypot(p.x(), p.y());

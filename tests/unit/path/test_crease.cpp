@@ -104,11 +104,11 @@ TEST_CASE("shoot: over the rim of a cylinder, voxels off after a walk of 0.55") 
         return true;
     };
     // Over a rounded edge they would be 3.1 and 14 voxels off.
-    for (const auto& [n, most] : {std::pair(64, 0.023), std::pair(128, 0.054)}) {
+    for (const auto& [n, most] : {std::pair(64, 0.0075), std::pair(128, 0.015)}) {
         const Miss m = missOf(cylinder(kCenter, radius, halfHeight), 1.0 / n, 0.8, exact);
         std::printf("shoot over the rim of a cylinder, N = %d: mean %.3f, worst %.3f voxels\n", n,
                     m.mean, m.worst);
-        CHECK(m.worst < most);  // measured 0.015, 0.036; 0.15, 0.64 by nodes within 4 voxels
+        CHECK(m.worst < most);  // measured 0.005, 0.010; 0.015, 0.036 by nodes at kinks too
     }
 }
 

@@ -12,7 +12,7 @@ namespace {
 /// How far the length of a gradient may be off 1.
 constexpr float kOffUnit = 0.02f;
 /// Voxels: a neighbor that is as far off the plane does not count, and one on it counts 1.
-constexpr float kOffPlane = 0.03f, kPerOff2 = 1 / (kOffPlane * kOffPlane);
+constexpr float kOffPlane = 0.015f, kPerOff2 = 1 / (kOffPlane * kOffPlane);
 /// How many neighbors have to agree. On the side of a kink of psi no plane fits by chance. On the
 /// round side one may where the edge is the nearest point of S, and the more, the farther from S.
 constexpr float kAtKink = 7, kOnRoundSide = 9, kPerVoxel = 6;
