@@ -325,7 +325,7 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     // Beside an edge the gradient of psi at the seed may turn a little beyond both faces.
     constexpr float kBeyond = 0.1f;
     const bool isKnownFace =
-        !core.band.triangles && cosine >= Band::kOtherSheet - kBeyond &&
+        overCrease && !core.band.triangles && cosine >= Band::kOtherSheet - kBeyond &&
         (c <= float(kNextFace) ||
          (c <= float(kNextFaceSeen) &&
           overOneEdge(core.band, foot - Vec3d(chord), foot, Vec3d(seed.normal), Vec3d(normal))));

@@ -58,8 +58,7 @@ class PlaneSearch {
     using V = typename Registers<Width>::Vector;
 
 public:
-    /// @param rise  psi at the voxels around less that at the voxel; NaN for those without value,
-    ///              and for the voxel itself
+    /// @param rise  psi at the voxels around less that at the voxel; NaN for those without value
     IGEO_INLINE explicit PlaneSearch(const Around& rise) : rise_(rise) {}
 
     /// @param least  how many neighbors have to agree
