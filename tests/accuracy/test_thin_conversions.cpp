@@ -227,9 +227,9 @@ TEST_CASE("thin parts: exact level sets of ribs, slots, webs, channels and plate
         }
         errors.print(std::string("exact ") + kNames[std::size_t(kind)]);
         CHECK(errors.count > 10000);
-        // Measured -0.43, 0.28 and 0; -1.16, 0.67 and 0.0017 where beside a seed corners with
+        // Measured -0.36, 0.28 and 0; -1.16, 0.67 and 0.0017 where beside a seed corners with
         // hardly any weight decided, -0.81, 0.49 and 0.0002 where those with a tenth of it did.
-        CHECK(errors.low > -0.65);
+        CHECK(errors.low > -0.54);
         CHECK(errors.most < 0.42);
         CHECK(errors.off == 0);
     }
@@ -265,7 +265,7 @@ TEST_CASE("thin conversions: corners with hardly any weight do not decide what i
             // Measured 0.74 and 0.71, as conversion rounds edges off; 1.59 and 1.23 by such
             // corners.
             CHECK(errors.low > (make == thinComb ? -1.11 : -1.07));
-            CHECK(errors.most < 0.38);  // measured 0.25
+            CHECK(errors.most < 0.38);  // measured 0.32
         }
 }
 

@@ -116,8 +116,8 @@ private:
     /// Whether an earlier front reached a corner within the disc of this seed.
     bool isOverrun(const SurfacePoint& seed) const;
     double trilinear() const;
-    /// A lower bound of the distance on a mesh, over the weight here: from the value of a corner on
-    /// the same face it differs by the line between them at most. It stops fronts whose direction
+    /// A lower bound of the distance, over the weight here: from the value of a corner on the same
+    /// face it differs by the line between them at most. It stops fronts whose direction
     /// is wrong, as at a node on the end of an edge.
     double leastOnFace(const Chart& chart, std::uint32_t source) const;
     /// Whether a seed is so near that nodes here are in its start disc, or might be.
@@ -185,7 +185,7 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
 bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
     // Over an edge, and beside a hollow one, the normal of a cell is between those of both faces.
     constexpr double kSmooth = 0.8, kInPlane = 0.05;
-    constexpr double kOff = 0.1, kOffPsi = 0.3;  // voxels
+    constexpr double kOff = 0.1, kOffPsi = 0.2;  // voxels
     const Vec3d ofSeed(seed.normal);
     if (dot(cell_.normal, ofSeed) >= kSmooth && !isOverStep(chord, cell_.normal, ofSeed))
         return true;
@@ -280,7 +280,7 @@ JetNeighbor Reader::Chart::neighbor(NodeIndex j, const Ijk& voxel, const NodeJet
 
 double Reader::leastOnFace(const Chart& chart, std::uint32_t source) const {
     constexpr float kOneFace = 0.9f;
-    constexpr double kOff = 0.25;  // voxels
+    const double kOff = band_.triangles ? 0.25 : 0.1;  // voxels
     double least = 0;
     for (std::size_t k = 0; k < 8; ++k) {
         if (!(corner_[k].distance < kInfinity) || corner_[k].label != source ||
@@ -320,7 +320,7 @@ double Reader::blended(std::uint32_t source) const {
     gather(false);
     if (all.count() == 0) gather(true);
     Jet jet = blendJets(all, weight, isBesideSeed());
-    if (band_.triangles) jet.u = std::max(jet.u, leastOnFace(chart, source));
+    jet.u = std::max(jet.u, leastOnFace(chart, source));
     if (!jet.usedFallback || metric_.anisotropic()) return chart.here * jet.u;
     constexpr double kBlendError = 0.25;  // voxels
     const auto met = whereFrontsMeet(chart, source);

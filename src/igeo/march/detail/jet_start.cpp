@@ -312,13 +312,17 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     if (takesWalks(core)) return jetByWalk(core, seeds, k, local, foot, seeds.startRadius, s);
     // Across a crease or a step a chord says nothing, unless both faces are known, next to the
     // seed. A seed on the crease itself lies in the planes of all its faces. Where psi rounds the
-    // crease off, a seed of a level set is off them.
-    constexpr float kSmooth = 0.8f, kInPlane = 0.05f, kOff = 0.1f;  // kOff: voxels
+    // crease off, a seed of a level set is off them, and psi tells whether S runs along the chord.
+    constexpr float kSmooth = 0.8f, kInPlane = 0.05f, kOff = 0.1f, kOffPsi = 0.2f;  // kOff: voxels
     const float off = core.band.triangles ? 0 : kOff;
+    const auto isOffPsi = [&] {
+        return !core.band.triangles &&
+               !staysNearPsi(core.band, foot - Vec3d(chord), Vec3d(chord), 4, kOffPsi);
+    };
     const auto isOutOf = [&](const Vec3f& n) {
         return std::abs(dot(n, chord)) >= kInPlane * c + off;
     };
-    const bool overCrease = cosine < kSmooth && isOutOf(normal);
+    const bool overCrease = cosine < kSmooth && (isOutOf(normal) || isOffPsi());
     // Beside an edge one of the normals may be between those of both faces.
     const bool overStep = cosine >= kSmooth && isOutOf(normal) && isOutOf(seed.normal) &&
                           isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seed.normal));

@@ -15,7 +15,9 @@ constexpr float kOffUnit = 0.02f;
 constexpr float kOffPlane = 0.015f, kPerOff2 = 1 / (kOffPlane * kOffPlane);
 /// How many neighbors have to agree. On the side of a kink of psi no plane fits by chance. On the
 /// round side one may where the edge is the nearest point of S, and the more, the farther from S.
-constexpr float kAtKink = 7, kOnRoundSide = 9, kPerVoxel = 6;
+/// There kEnough will do within a voxel of S where the foot point on the plane lies on S, by psi
+/// within kOnFoot voxels: those of planes that fit by chance lie beyond the edge.
+constexpr float kEnough = 7, kOnRoundSide = 9, kPerVoxel = 6, kOnFoot = 0.2f;
 
 /// The voxels around one and numbers without meaning: 13 of the voxels, and as far behind each the
 /// one opposite.
@@ -52,7 +54,13 @@ struct Gradients {
     std::uint64_t unit = 0;  ///< bits: those of length 1
 };
 
-/// Finds the normal around a voxel, with the same bits for any width.
+/// A gradient and how many neighbors agree with it.
+struct Agreement {
+    Vec3f gradient{};
+    float count = 0;
+};
+
+/// Finds the plane around a voxel, with the same bits for any width.
 template <int Width>
 class PlaneSearch {
     using V = typename Registers<Width>::Vector;
@@ -61,12 +69,11 @@ public:
     /// @param rise  psi at the voxels around less that at the voxel; NaN for those without value
     IGEO_INLINE explicit PlaneSearch(const Around& rise) : rise_(rise) {}
 
-    /// @param least  how many neighbors have to agree
-    IGEO_INLINE bool find(float least, Vec3f& best) const {
+    /// The gradient with which most neighbors agree, and how many.
+    IGEO_INLINE Agreement find() const {
         Gradients g;
         findGradients(g);
-        float most = least;
-        bool found = false;
+        Agreement most;
         Vec3f last{};
         for (std::uint64_t bits = g.unit; bits; bits &= bits - 1) {
             const auto k = std::size_t(std::countr_zero(bits));
@@ -75,10 +82,10 @@ public:
             constexpr float kSame2 = 1e-8f;
             if (const Vec3f off = candidate - last; dot(off, off) < kSame2) continue;
             last = candidate;
-            const float count = agreement(candidate);
-            if (count > most) most = count, best = candidate, found = true;
+            const float count = agreeing(candidate);
+            if (count > most.count) most = {candidate, count};
         }
-        return found;
+        return most;
     }
 
 private:
@@ -118,7 +125,7 @@ private:
             }
     }
     /// How many neighbors agree with a gradient.
-    IGEO_INLINE float agreement(const Vec3f& g) const {
+    IGEO_INLINE float agreeing(const Vec3f& g) const {
         alignas(32) std::array<float, 8> sums{};
         for (std::size_t lane = 0; lane < 8; lane += Width) {
             V sum{};
@@ -145,14 +152,29 @@ private:
     const Around& rise_;
 };
 
-bool findByFour(const Around& rise, float least, Vec3f& best) {
-    return PlaneSearch<4>(rise).find(least, best);
-}
+Agreement findByFour(const Around& rise) { return PlaneSearch<4>(rise).find(); }
 #ifdef IGEO_AVX2
-IGEO_AVX2 bool findByEight(const Around& rise, float least, Vec3f& best) {
-    return PlaneSearch<8>(rise).find(least, best);
-}
+IGEO_AVX2 Agreement findByEight(const Around& rise) { return PlaneSearch<8>(rise).find(); }
 #endif
+Agreement findPlane(const Around& rise) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return findByEight(rise);
+#endif
+    return findByFour(rise);
+}
+
+/// psi between the voxels of a block; NaN beside those without value.
+float interpolated(const LeafBlock& block, const Vec3f& p) {
+    const Vec3f low{std::floor(p.x), std::floor(p.y), std::floor(p.z)}, t = p - low;
+    float sum = 0;
+    for (int k = 0; k < 8; ++k) {
+        const int i = k & 1, j = k >> 1 & 1, l = k >> 2;
+        const float weight = (i ? t.x : 1 - t.x) * (j ? t.y : 1 - t.y) * (l ? t.z : 1 - t.z);
+        // The block may end at p.
+        if (weight > 0) sum += weight * block.row(int(low.x) + i, int(low.y) + j)[int(low.z) + l];
+    }
+    return sum;
+}
 
 }  // namespace
 
@@ -168,16 +190,16 @@ std::optional<Vec3f> faceNormal(const LeafBlock& block, int x, int y, int z) {
     for (const auto& [i, j, k] : {Ijk{1, 0, 0}, Ijk{0, 1, 0}, Ijk{0, 0, 1}})
         laplacian += rise[placeOf(i, j, k)] + rise[placeOf(-i, -j, -k)];
     if (here < 0) laplacian = -laplacian;
-    const float least = laplacian < 0 ? kAtKink : kOnRoundSide + kPerVoxel * std::abs(here);
-    Vec3f best;
-    bool found;
-#ifdef IGEO_AVX2
-    found = eightAtATime() ? findByEight(rise, least, best) : findByFour(rise, least, best);
-#else
-    found = findByFour(rise, least, best);
-#endif
-    if (!found) return std::nullopt;
-    return normalized(best);
+    const Agreement most = findPlane(rise);
+    if (!(most.count > kEnough)) return std::nullopt;
+    const Vec3f n = normalized(most.gradient);
+    const bool isSure = laplacian < 0 || most.count > kOnRoundSide + kPerVoxel * std::abs(here);
+    const auto footIsOnS = [&] {
+        const Vec3f foot = Vec3f(Ijk{x, y, z}) - here * n;
+        return std::abs(here) <= 1 && std::abs(interpolated(block, foot)) < kOnFoot;
+    };
+    if (!isSure && !footIsOnS()) return std::nullopt;
+    return n;
 }
 
 }  // namespace igeo
