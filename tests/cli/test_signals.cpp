@@ -2,6 +2,7 @@
 #include <support/catch.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <filesystem>
 
@@ -17,10 +18,13 @@ struct LongRun : TempWorkspace {
         make("in.vdb", "torus --voxel-size 0.005");
         const Result whole = run(kLine);
         REQUIRE(whole.exitCode == 0);
-        seconds = whole.seconds;
         finished = files();
-        std::filesystem::remove(*this / "out.vdb");
-        std::filesystem::remove(*this / "out.obj");
+        clearAfter(whole);
+    }
+    /// Removes what a whole run wrote, and takes its time for that of the next.
+    void clearAfter(const Result& whole) {
+        for (const char* name : {"out.vdb", "out.obj"}) std::filesystem::remove(*this / name);
+        seconds = whole.seconds;
         // What a run that does nothing takes says how busy the machine is: 0.02 s on an idle one.
         startSeconds = run("--version").seconds;
     }
@@ -34,9 +38,12 @@ struct LongRun : TempWorkspace {
 
 TEST_CASE("Ctrl-C and kill end a run at once and leave nothing behind") {
     const int signal = GENERATE(SIGINT, SIGTERM);
-    const LongRun desk;
-    int interrupted = 0;
-    for (const double part : {0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 0.95}) {
+    LongRun desk;
+    constexpr std::array kParts{0.1, 0.25, 0.4, 0.55, 0.7, 0.85, 0.95};
+    std::size_t interrupted = 0;
+    // Once, and on a busy machine up to three times more, until enough were in time.
+    for (std::size_t k = 0; k < kParts.size() || (k < 4 * kParts.size() && interrupted < 3); ++k) {
+        const double part = kParts[k % kParts.size()];
         Command command = desk.command(LongRun::kLine);
         command.signal = signal;
         command.signalDelay = std::max(part * desk.seconds, 5 * desk.startSeconds);
@@ -47,7 +54,7 @@ TEST_CASE("Ctrl-C and kill end a run at once and leave nothing behind") {
         // The run may be done before the signal arrives: near its end, or on a machine whose load
         // fell.
         if (result.exitCode == 0) {
-            for (const char* name : {"out.vdb", "out.obj"}) std::filesystem::remove(desk / name);
+            desk.clearAfter(result);
             continue;
         }
         ++interrupted;

@@ -86,9 +86,10 @@ Bending bendingOf(const Path& path, const Rounding& rounding) {
 
 /// What is compared along one geodesic; errors are relative to its length.
 struct Sample {
-    double difference = -1;  ///< of the distance from the length; negative: no geodesic
-    double byScatter = 0;    ///< standard deviation of the length
-    double rounded = 0;      ///< of the length, at edges that S shows
+    bool found = false;     ///< a geodesic
+    double difference = 0;  ///< of the distance from the length; positive: the distance is longer
+    double byScatter = 0;   ///< standard deviation of the length
+    double rounded = 0;     ///< of the length, at edges that S shows
     PointStretch stretch;
 };
 
@@ -106,16 +107,20 @@ void addErrorsOfSurface(const Band& band, Path straight, const FitError& fit, Sa
 }
 
 /// The errors of samples, combined. What S lacks of the true surface shows as edges or as stretch:
-/// the larger counts.
+/// the larger counts. A distance that is longer than the length lacks less of it than the length.
 std::vector<double> errorsOf(const std::vector<Sample>& samples) {
     std::vector<PointStretch> sums;
     for (const Sample& s : samples)
-        if (s.difference >= 0) sums.push_back(s.stretch);
+        if (s.found) sums.push_back(s.stretch);
     const double stretch = stretchShown(sums);
     std::vector<double> errors;
-    for (const Sample& s : samples)
-        if (s.difference >= 0)
-            errors.push_back(std::hypot(s.difference, s.byScatter, std::max(s.rounded, stretch)));
+    for (const Sample& s : samples) {
+        if (!s.found) continue;
+        const double lacking = std::max(s.rounded, stretch);
+        const double both =
+            s.difference > 0 ? std::max(s.difference, lacking) : std::hypot(s.difference, lacking);
+        errors.push_back(std::hypot(both, s.byScatter));
+    }
     return errors;
 }
 
@@ -163,8 +168,9 @@ AccuracyEstimate estimateAccuracy(const Field& field, const FitError& fit, Progr
                 continue;
             const Path straight = straightened(field, path, progress);
             const double start = field.seeds[path.seed].start;
+            sampled[k].found = true;
             sampled[k].difference =
-                std::abs(start + straight.weightedLength - path.distance) / path.distance;
+                (path.distance - start - straight.weightedLength) / path.distance;
             if (!band.triangles) addErrorsOfSurface(band, straight, fit, sampled[k]);
         }
     });
