@@ -117,8 +117,8 @@ private:
     bool isOverrun(const SurfacePoint& seed) const;
     double trilinear() const;
     /// A lower bound of the distance, over the weight here: from the value of a corner on the same
-    /// face it differs by the line between them at most. It stops fronts whose direction
-    /// is wrong, as at a node on the end of an edge.
+    /// face it differs by the line between them at most. It stops fronts whose direction is wrong,
+    /// as at a node on the end of an edge.
     double leastOnFace(const Chart& chart, std::uint32_t source) const;
     /// Whether a seed is so near that nodes here are in its start disc, or might be.
     bool isBesideSeed() const;

@@ -92,9 +92,8 @@ TEST_CASE("Face normals: beside an edge those of the face, and none where the ed
                     }
         }
     std::printf(
-        "face normals: %zu of %zu at faces, %zu of %zu at edges off by over 15 degrees, foot "
-        "points "
-        "by up to %.3f voxels\n",
+        "face normals: %zu of %zu at faces, %zu of %zu at edges off by over 15 degrees, "
+        "foot points by up to %.3f voxels\n",
         right, faces, false15, edges, footOff);
     CHECK(faces > 1000);
     CHECK(edges > 100);

@@ -195,8 +195,9 @@ std::optional<Vec3f> faceNormal(const LeafBlock& block, int x, int y, int z) {
     const Vec3f n = normalized(most.gradient);
     const bool isSure = laplacian < 0 || most.count > kOnRoundSide + kPerVoxel * std::abs(here);
     const auto footIsOnS = [&] {
+        constexpr float kInBlock = 0.999f;  // whatever is rounded
         const Vec3f foot = Vec3f(Ijk{x, y, z}) - here * n;
-        return std::abs(here) <= 1 && std::abs(interpolated(block, foot)) < kOnFoot;
+        return std::abs(here) < kInBlock && std::abs(interpolated(block, foot)) < kOnFoot;
     };
     if (!isSure && !footIsOnS()) return std::nullopt;
     return n;
