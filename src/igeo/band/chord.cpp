@@ -27,6 +27,12 @@ bool staysNearPsi(const Band& band, const Vec3d& from, const Vec3d& chord, int p
     return true;
 }
 
+bool runsInPlane(const Band& band, const Vec3d& from, const Vec3d& chord, const Vec3d& n) {
+    constexpr double kOff = 0.2;  // voxels
+    return liesInPlane(band, chord, n) &&
+           (band.triangles || staysNearPsi(band, from, chord, 4, kOff));
+}
+
 bool psiJoins(const Band& band, const Vec3d& p, const Vec3d& foot) {
     constexpr double kLonger = 1.2, kRoom = 0.1, kOff = 0.35;  // but kLonger: voxels
     const PsiSample s = samplePsi(band, foot);

@@ -184,14 +184,11 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
 
 bool Reader::alongSurface(const SurfacePoint& seed, const Vec3d& chord) const {
     // Over an edge, and beside a hollow one, the normal of a cell is between those of both faces.
-    constexpr double kSmooth = 0.8, kInPlane = 0.05;
-    constexpr double kOff = 0.1, kOffPsi = 0.2;  // voxels
+    constexpr double kSmooth = 0.8;
     const Vec3d ofSeed(seed.normal);
     if (dot(cell_.normal, ofSeed) >= kSmooth && !isOverStep(chord, cell_.normal, ofSeed))
         return true;
-    const double off = std::abs(dot(cell_.normal, chord)), most = kInPlane * length(chord);
-    if (band_.triangles) return off < most;
-    return off < most + kOff && staysNearPsi(band_, p_ - chord, chord, 4, kOffPsi);
+    return runsInPlane(band_, p_ - chord, chord, cell_.normal);
 }
 
 double Reader::walkFrom(const Vec3d& at, double most) const {

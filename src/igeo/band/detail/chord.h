@@ -19,6 +19,18 @@ inline bool isOverStep(const Vec3d& chord, const Vec3d& n, const Vec3d& m) {
     return c > kShort && std::max(std::abs(dot(chord, n)), std::abs(dot(chord, m))) > kSteepest * c;
 }
 
+/// Whether a chord lies in the plane of one of its ends. Where psi rounds edges off, points beside
+/// them are a little off the planes of both faces.
+/// @param n  the unit normal there
+inline bool liesInPlane(const Band& band, const Vec3d& chord, const Vec3d& n) {
+    constexpr double kInPlane = 0.05, kOff = 0.1;  // kOff: voxels
+    return std::abs(dot(n, chord)) < kInPlane * length(chord) + (band.triangles ? 0 : kOff);
+}
+
+/// Whether S, which bends between the ends of a chord, runs along it in the plane of one end: the
+/// other lies on the edge. On level sets and points psi tells whether it does.
+bool runsInPlane(const Band& band, const Vec3d& from, const Vec3d& chord, const Vec3d& n);
+
 /// Whether S runs along the chord between two points of it: no wall or gap lies between, and S
 /// leads from one to the other by a path at most a tenth longer. On a mesh the triangles decide;
 /// elsewhere the middles of the chord and of its parts, each moved to psi = 0.

@@ -311,28 +311,24 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
         return false;
     if (takesWalks(core)) return jetByWalk(core, seeds, k, local, foot, seeds.startRadius, s);
     // Across a crease or a step a chord says nothing, unless both faces are known, next to the
-    // seed. A seed on the crease itself lies in the planes of all its faces. Where psi rounds the
-    // crease off, a seed of a level set is off them, and psi tells whether S runs along the chord.
-    constexpr float kSmooth = 0.8f, kInPlane = 0.05f, kOff = 0.1f, kOffPsi = 0.2f;  // kOff: voxels
-    const float off = core.band.triangles ? 0 : kOff;
-    const auto isOffPsi = [&] {
-        return !core.band.triangles &&
-               !staysNearPsi(core.band, foot - Vec3d(chord), Vec3d(chord), 4, kOffPsi);
-    };
+    // seed. A seed on the crease itself lies in the planes of all its faces.
+    constexpr float kSmooth = 0.8f;
+    const Vec3d chordInSpace(chord), from = foot - chordInSpace;
     const auto isOutOf = [&](const Vec3f& n) {
-        return std::abs(dot(n, chord)) >= kInPlane * c + off;
+        return !liesInPlane(core.band, chordInSpace, Vec3d(n));
     };
-    const bool overCrease = cosine < kSmooth && (isOutOf(normal) || isOffPsi());
+    const bool overCrease =
+        cosine < kSmooth && !runsInPlane(core.band, from, chordInSpace, Vec3d(normal));
     // Beside an edge one of the normals may be between those of both faces.
     const bool overStep = cosine >= kSmooth && isOutOf(normal) && isOutOf(seed.normal) &&
-                          isOverStep(Vec3d(chord), Vec3d(normal), Vec3d(seed.normal));
+                          isOverStep(chordInSpace, Vec3d(normal), Vec3d(seed.normal));
     // Beside an edge the gradient of psi at the seed may turn a little beyond both faces.
     constexpr float kBeyond = 0.1f;
     const bool isKnownFace =
         overCrease && !core.band.triangles && cosine >= Band::kOtherSheet - kBeyond &&
         (c <= float(kNextFace) ||
          (c <= float(kNextFaceSeen) &&
-          overOneEdge(core.band, foot - Vec3d(chord), foot, Vec3d(seed.normal), Vec3d(normal))));
+          overOneEdge(core.band, from, foot, Vec3d(seed.normal), Vec3d(normal))));
     if (overStep || (overCrease && !isKnownFace)) return false;
     const Vec2f a = cosine < kSmooth && !overCrease ? frame.flat(chord)
                                                     : frame.unfold(chord, seed.normal, cosine);

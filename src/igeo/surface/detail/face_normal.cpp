@@ -163,19 +163,6 @@ Agreement findPlane(const Around& rise) {
     return findByFour(rise);
 }
 
-/// psi between the voxels of a block; NaN beside those without value.
-float interpolated(const LeafBlock& block, const Vec3f& p) {
-    const Vec3f low{std::floor(p.x), std::floor(p.y), std::floor(p.z)}, t = p - low;
-    float sum = 0;
-    for (int k = 0; k < 8; ++k) {
-        const int i = k & 1, j = k >> 1 & 1, l = k >> 2;
-        const float weight = (i ? t.x : 1 - t.x) * (j ? t.y : 1 - t.y) * (l ? t.z : 1 - t.z);
-        // The block may end at p.
-        if (weight > 0) sum += weight * block.row(int(low.x) + i, int(low.y) + j)[int(low.z) + l];
-    }
-    return sum;
-}
-
 }  // namespace
 
 std::optional<Vec3f> faceNormal(const LeafBlock& block, int x, int y, int z) {
@@ -197,7 +184,7 @@ std::optional<Vec3f> faceNormal(const LeafBlock& block, int x, int y, int z) {
     const auto footIsOnS = [&] {
         constexpr float kInBlock = 0.999f;  // whatever is rounded
         const Vec3f foot = Vec3f(Ijk{x, y, z}) - here * n;
-        return std::abs(here) < kInBlock && std::abs(interpolated(block, foot)) < kOnFoot;
+        return std::abs(here) < kInBlock && std::abs(block.at(Vec3d(foot))) < kOnFoot;
     };
     if (!isSure && !footIsOnS()) return std::nullopt;
     return n;

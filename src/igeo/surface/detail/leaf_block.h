@@ -58,6 +58,24 @@ IGEO_INLINE void copyLanes(const From& from, const float* values, unsigned activ
     storeLanes(isActive ? all : V{} + missing, to);
 }
 
+/// From a value to the next along each axis.
+using CellSteps = std::array<std::size_t, 3>;
+
+/// The trilinear interpolant of values.
+/// @param low  the one at the low corner of the cell
+/// @param t    the place in the cell
+inline double interpolate(const float* low, const CellSteps& step, const Vec3d& t) {
+    auto along = [&](const float* from) {
+        return double(*from) + t.z * (double(from[step[2]]) - double(*from));
+    };
+    auto across = [&](const float* from) {
+        const double first = along(from);
+        return first + t.y * (along(from + step[1]) - first);
+    };
+    const double first = across(low);
+    return first + t.x * (across(low + step[0]) - first);
+}
+
 /// The 10^3 voxels of a leaf and one voxel around it.
 class LeafBlock {
 public:
@@ -91,6 +109,11 @@ public:
 
     /// The value at voxel (x, y, z) of the leaf, each in [-1, 8].
     double at(int x, int y, int z) const { return row(x, y)[z]; }
+    /// Between them, each in [-1, 8).
+    double at(const Vec3d& p) const {
+        const Ijk cell = floorToIjk(p);
+        return interpolate(row(cell.x, cell.y) + cell.z, {100, 10, 1}, p - Vec3d(cell));
+    }
     /// Those at the voxels (x, y, -1) to (x, y, 8), at indices -1 to 8.
     const float* row(int x, int y) const {
         return &values_[std::size_t(100 * (x + 1) + 10 * (y + 1) + 1)];

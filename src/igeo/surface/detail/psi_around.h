@@ -39,23 +39,10 @@ public:
 private:
     static constexpr int kMargin = 4;  ///< of four: most chords, and what is looked at beside them
     static constexpr int kEdge = 8 + 2 * kMargin;
-    using Steps = std::array<std::size_t, 3>;
-    static constexpr Steps kSteps{std::size_t(kEdge * kEdge), std::size_t(kEdge), 1};
+    static constexpr CellSteps kSteps{std::size_t(kEdge * kEdge), std::size_t(kEdge), 1};
 
     static constexpr std::size_t indexOf(const Ijk& v) {
         return std::size_t((v.x * kEdge + v.y) * kEdge + v.z);
-    }
-    /// @param low  the value at the low corner of the cell; t is the place in it
-    static double interpolate(const float* low, const Steps& step, const Vec3d& t) {
-        auto along = [&](const float* from) {
-            return double(*from) + t.z * (double(from[step[2]]) - double(*from));
-        };
-        auto across = [&](const float* from) {
-            const double first = along(from);
-            return first + t.y * (along(from + step[1]) - first);
-        };
-        const double first = across(low);
-        return first + t.x * (across(low + step[0]) - first);
     }
     /// Far from the leaf.
     double atFar(const Ijk& cell, const Vec3d& t) const {
