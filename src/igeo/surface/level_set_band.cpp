@@ -90,6 +90,9 @@ Band bandFromLevelSet(const LevelSet& levelSet, double h, const std::vector<Ball
             for (const NodeIndex i : marks.kinks[l]) band.markKink(i);
     });
     band.sever(linksThroughWalls(band, levelSet, marks.meetings));
+    parallelFor(marks.fans.size(), 256, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t l = begin; l < end; ++l) addFans(band, marks.fans[l], marks.rims[l]);
+    });
     std::vector<NodeIndex> rim;
     for (const auto& part : marks.rims) rim.insert(rim.end(), part.begin(), part.end());
     band.numberCore(rim);

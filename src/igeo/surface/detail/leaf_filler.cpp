@@ -21,22 +21,29 @@ constexpr double kMeeting = 0.65;
 /// A central difference whose length is as far off 1 may mix a face with what lies behind its edge.
 constexpr float kMixed = 0.03f;
 
+/// A node of a fan (addFans) is around a sharp bend. Where a level set is not exact, the length is
+/// as far off 1, at least kLeastSlope, and psi is at most kRidge concave.
+constexpr float kUneven = 0.08f, kLeastSlope = 0.5f, kRidge = 0.8f;
+
 /// The nodes of a row.
 template <int Width>
 struct NodeRow {
     RowNumbers nx, ny, nz;  ///< unit normals of smooth ones
+    RowNumbers slope;       ///< length of the central difference
     unsigned smooth;
     unsigned mixed;  ///< bits: where differences may mix faces; of smooth ones, within kRim
     unsigned rim;    ///< bits: around a sharp bend
+    unsigned fan;    ///< bits: may join the faces of a sharp edge
 
-    IGEO_INLINE NodeRow(const LeafBlock& b, int x, int y) : mixed(0), rim(0) {
+    IGEO_INLINE NodeRow(const LeafBlock& b, int x, int y) : mixed(0), rim(0), fan(0) {
         using V = typename Registers<Width>::Vector;
         const PsiRow<Width> row(b, x, y);
         smooth = row.smooth;
+        slope = row.slope;
         const float *here = b.row(x, y), *x0 = b.row(x - 1, y), *x1 = b.row(x + 1, y),
                     *y0 = b.row(x, y - 1), *y1 = b.row(x, y + 1);
         for (std::size_t k = 0; k < 8; k += Width) {
-            const V slope = loadLanes<Width>(&row.slope[k]), length = 2 * slope;
+            const V steep = loadLanes<Width>(&slope[k]), length = 2 * steep;
             storeLanes(loadLanes<Width>(&row.dx[k]) / length, &nx[k]);
             storeLanes(loadLanes<Width>(&row.dy[k]) / length, &ny[k]);
             storeLanes(loadLanes<Width>(&row.dz[k]) / length, &nz[k]);
@@ -45,9 +52,15 @@ struct NodeRow {
                              (loadLanes<Width>(y0 + k) + loadLanes<Width>(y1 + k)) +
                              (loadLanes<Width>(here + k - 1) + loadLanes<Width>(here + k + 1)),
                     laplacian = around - 6 * psi, onRoundSide = psi < 0 ? -laplacian : laplacian;
-            const auto mayBeCore = absolute(psi) < float(kRim);
-            rim |= bitsOf<Width>(mayBeCore & (onRoundSide > float(1 / kSharpRadius))) << k;
-            mixed |= bitsOf<Width>(mayBeCore & (absolute(slope - 1) > kMixed)) << k;
+            const auto mayBeCore =
+                absolute(psi)<float(kRim), sharp = onRoundSide> float(1 / kSharpRadius);
+            rim |= bitsOf<Width>(mayBeCore & sharp) << k;
+            mixed |= bitsOf<Width>(mayBeCore & (absolute(steep - 1) > kMixed)) << k;
+            fan |=
+                bitsOf<Width>((absolute(psi) >= float(kFanBegin)) &
+                              (absolute(psi) < float(kFanEnd)) & (steep > kLeastSlope) &
+                              (sharp | ((absolute(steep - 1) > kUneven) & (onRoundSide > -kRidge))))
+                << k;
         }
         mixed |= 0xff & ~smooth;
     }
@@ -100,6 +113,10 @@ private:
         }
         for (unsigned rest = bits & row.rim; rest; rest &= rest - 1)
             marks_.rims[l_].push_back(nodeAt(std::countr_zero(rest)));
+        for (unsigned rest = bits & row.fan; rest; rest &= rest - 1) {
+            const int z = std::countr_zero(rest);
+            marks_.fans[l_].push_back({nodeAt(z), row.slope[std::size_t(z)]});
+        }
         return i;
     }
     void fillMixed(NodeIndex i, int x, int y, int z, bool smooth) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <igeo/band/band.h>
+#include <igeo/surface/detail/edge_fans.h>
 #include <igeo/surface/detail/leaf_block.h>
 
 #include <array>
@@ -13,10 +14,12 @@ namespace igeo {
 
 /// Nodes that are looked at again, per leaf.
 struct Marks {
-    explicit Marks(std::size_t leaves) : kinks(leaves), meetings(leaves), rims(leaves) {}
+    explicit Marks(std::size_t leaves)
+        : kinks(leaves), meetings(leaves), rims(leaves), fans(leaves) {}
     std::vector<std::vector<NodeIndex>> kinks;     ///< where psi has a kink
     std::vector<std::vector<NodeIndex>> meetings;  ///< where sheets may meet
     std::vector<std::vector<NodeIndex>> rims;      ///< around sharp bends
+    std::vector<std::vector<FanNode>> fans;        ///< may join the faces of a sharp edge
 };
 
 /// Sets psi and normal of the nodes of some leaves of a band.

@@ -14,6 +14,10 @@ namespace igeo {
 /// the nearer plane: a line from the chord along the mean normal meets S no later than that plane.
 /// In a wall, psi on this line is still negative there, and across a slot still positive, whatever
 /// the normals of the two foot points.
+///
+/// Beside hollow edges a normal may lie between those of both faces. Over a crease, the plane of
+/// such a normal may hold a chord that cuts the corner before them. There S runs along a chord in
+/// the plane of one end, or the link is severed.
 /// @param meetings  per leaf the nodes at which |grad psi| shows that sheets meet: a chord through
 ///                  a wall passes such a voxel, next to both of its nodes
 /// Time O(links beside meetings), in parallel.
