@@ -422,9 +422,9 @@ void judgeShape(LevelSet& s) {
     if (double(st.loweredVoxels) > kManyLowered * double(st.nearSurface))
         s.warnings.push_back(fmt::format(
             "hollow edges are rounded next to {} of the surface, as OpenVDB's conversion "
-            "from a mesh does: {} voxels get back what they had, but where hollow edges are close "
-            "to others or bend, distances over them stay up to 0.9 voxels too short; the mesh "
-            "itself has sharp ones",
+            "from a mesh does: {} voxels get back what they had, but distances over hollow edges "
+            "that are acute, bend or lie close to others may be off by voxels; the mesh itself has "
+            "sharp ones",
             percent(double(st.loweredVoxels) / double(st.nearSurface)), st.loweredVoxels));
     if (st.cutVoxels)
         s.warnings.push_back(
