@@ -11,7 +11,8 @@ namespace igeo {
 
 namespace {
 
-/// Nodes beside a fan that are as near to S join the core with it. Voxels.
+/// As far from S the core has nodes of its own around sharp bends; those beside a fan join it with
+/// that. Voxels.
 constexpr float kBesideFan = 1;
 
 /// Whether the normal turns by 20 degrees to a neighbor along an axis, as in a fan, and near S

@@ -52,8 +52,8 @@ struct NodeRow {
                              (loadLanes<Width>(y0 + k) + loadLanes<Width>(y1 + k)) +
                              (loadLanes<Width>(here + k - 1) + loadLanes<Width>(here + k + 1)),
                     laplacian = around - 6 * psi, onRoundSide = psi < 0 ? -laplacian : laplacian;
-            const auto mayBeCore =
-                absolute(psi)<float(kRim), sharp = onRoundSide> float(1 / kSharpRadius);
+            const auto mayBeCore = (absolute(psi) < float(kRim));
+            const auto sharp = (onRoundSide > float(1 / kSharpRadius));
             rim |= bitsOf<Width>(mayBeCore & sharp) << k;
             mixed |= bitsOf<Width>(mayBeCore & (absolute(steep - 1) > kMixed)) << k;
             fan |=
