@@ -3,7 +3,6 @@
 #include <igeo/geodesic_solver.h>
 #include <igeo/march/detail/jet_core.h>
 #include <igeo/path/trace.h>
-#include <openvdb/tools/MeshToVolume.h>
 #include <support/catch.h>
 #include <support/errors.h>
 #include <support/mesh_shapes.h>
@@ -385,21 +384,10 @@ TEST_CASE("thin walls: distances near points, curves and groups beside a wall of
 
 namespace {
 
-/// As OpenVDB converts the mesh of a part with eight corners, of which the second to the fifth are
-/// those of a slot or a rib.
-openvdb::FloatGrid::Ptr converted(const Sweep& part, const openvdb::math::Transform& transform) {
-    std::vector<openvdb::Vec3s> points;
-    for (const double y : {0.0, Sweep::kWidth})
-        for (const auto& [x, z] : part.outline) points.emplace_back(x, y, z);
-    std::vector<openvdb::Vec4I> quads;
-    for (unsigned k = 0; k < 8; ++k) quads.emplace_back(k, 8 + k, 8 + (k + 1) % 8, (k + 1) % 8);
-    std::vector<std::array<unsigned, 4>> ends{{0, 5, 6, 7}, {1, 2, 3, 4}};
-    if (part.outline[2][1] < 0) ends = {{0, 1, 2, 7}, {2, 3, 6, 7}, {3, 4, 5, 6}};
-    for (const auto& e : ends) {
-        quads.emplace_back(e[0], e[1], e[2], e[3]);
-        quads.emplace_back(8 + e[3], 8 + e[2], 8 + e[1], 8 + e[0]);
-    }
-    return openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(transform, points, {}, quads);
+/// Of a part with eight corners, of which the second to the fifth are those of a slot or a rib.
+std::vector<std::vector<unsigned>> endsOf(const Sweep& part) {
+    if (part.outline[2][1] < 0) return {{0, 1, 2, 7}, {2, 3, 6, 7}, {3, 4, 5, 6}};
+    return {{0, 5, 6, 7}, {1, 2, 3, 4}};
 }
 
 }  // namespace
@@ -432,7 +420,8 @@ TEST_CASE("thin walls: level sets converted from a mesh, over hollow edges") {
                         const auto [x, height] = part.at(s);
                         return fromVdb(Vec3d(x, y, height));
                     };
-                    const GeodesicSolver solver(Surface(*converted(part, *turned(turn))));
+                    const GeodesicSolver solver(
+                        Surface(*converted(part, endsOf(part), *turned(turn))));
                     Random random(static_cast<unsigned>(7 + turn));
                     for (const double s : {edges[0] - 6, edges[0] + high / 2}) {
                         const Distance d = solver.distance({on(s, kMiddle)});

@@ -2,6 +2,7 @@
 /// laid flat.
 #pragma once
 
+#include <openvdb/tools/MeshToVolume.h>
 #include <support/shapes.h>
 
 #include <algorithm>
@@ -65,5 +66,28 @@ private:
             visit(outline[k], outline[(k + 1) % outline.size()]);
     }
 };
+
+/// The level set of a part, as OpenVDB converts its mesh.
+/// @param ends  triangles and quads between corners of the outline, which fill it
+inline openvdb::FloatGrid::Ptr converted(const Sweep& part,
+                                         const std::vector<std::vector<unsigned>>& ends,
+                                         const openvdb::math::Transform& transform) {
+    const auto n = unsigned(part.outline.size());
+    std::vector<openvdb::Vec3s> points;
+    for (const double y : {0.0, Sweep::kWidth})
+        for (const auto& [x, z] : part.outline) points.emplace_back(x, y, z);
+    std::vector<openvdb::Vec3I> triangles;
+    std::vector<openvdb::Vec4I> quads;
+    for (unsigned k = 0; k < n; ++k) quads.emplace_back(k, n + k, n + (k + 1) % n, (k + 1) % n);
+    for (const auto& e : ends)
+        if (e.size() == 3) {
+            triangles.emplace_back(e[0], e[1], e[2]);
+            triangles.emplace_back(n + e[2], n + e[1], n + e[0]);
+        } else {
+            quads.emplace_back(e[0], e[1], e[2], e[3]);
+            quads.emplace_back(n + e[3], n + e[2], n + e[1], n + e[0]);
+        }
+    return openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(transform, points, triangles, quads);
+}
 
 }  // namespace igeo::test

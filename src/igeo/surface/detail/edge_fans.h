@@ -13,7 +13,8 @@ struct FanNode {
     float slope;
 };
 
-/// Fans lie this far from S. Voxels: nodes nearer to S are of the core in any case.
+/// Fans lie this far from S, in voxels. Nearer nodes are of the core, as Band::numberCore has it,
+/// or nearly so.
 constexpr double kFanBegin = 0.55, kFanEnd = 1.6;
 
 /// Adds nodes to the core of a level set's band, so that fronts pass over edges sharper than a
