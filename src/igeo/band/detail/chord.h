@@ -22,9 +22,10 @@ inline bool isOverStep(const Vec3d& chord, const Vec3d& n, const Vec3d& m) {
 /// Whether a chord lies in the plane of one of its ends. Where psi rounds edges off, points beside
 /// them are a little off the planes of both faces.
 /// @param n  the unit normal there
-inline bool liesInPlane(const Band& band, const Vec3d& chord, const Vec3d& n) {
-    constexpr double kInPlane = 0.05, kOff = 0.1;  // kOff: voxels
-    return std::abs(dot(n, chord)) < kInPlane * length(chord) + (band.triangles ? 0 : kOff);
+/// @param off  as far off, where there are no triangles; voxels
+inline bool liesInPlane(const Band& band, const Vec3d& chord, const Vec3d& n, double off = 0.1) {
+    constexpr double kInPlane = 0.05;
+    return std::abs(dot(n, chord)) < kInPlane * length(chord) + (band.triangles ? 0 : off);
 }
 
 /// Whether S, which bends between the ends of a chord, runs along it in the plane of one end: the

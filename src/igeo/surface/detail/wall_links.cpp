@@ -1,5 +1,6 @@
 #include <igeo/surface/detail/wall_links.h>
 
+#include <igeo/band/detail/chord.h>
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/parallel.h>
 #include <igeo/surface/detail/psi_around.h>
@@ -71,12 +72,11 @@ bool runsThroughWall(const PsiAround& psi, const Vec3d& from, const Vec3d& chord
 /// Whether a chord over a crease leaves S although it lies in the plane of one end: the normal
 /// there mixes two faces, and the chord cuts the corner before them.
 /// @param a, b  the unit normals at its ends
-bool cutsCorner(const PsiAround& psi, const Vec3d& from, const Vec3d& chord, const Vec3d& a,
-                const Vec3d& b) {
-    constexpr double kLong = 1.5, kInPlane = 0.05, kRise = 0.2, kOff = 0.2;  // but kInPlane: voxels
-    const double most = kInPlane * length(chord) + kRise;
+bool cutsCorner(const Band& band, const PsiAround& psi, const Vec3d& from, const Vec3d& chord,
+                const Vec3d& a, const Vec3d& b) {
+    constexpr double kLong = 1.5, kOffPlane = 0.2, kOff = 0.2;  // voxels
     if (!(length(chord) > kLong) || dot(a, b) > double(TangentFrame::creaseCosine(false)) ||
-        std::min(std::abs(dot(a, chord)), std::abs(dot(b, chord))) > most)
+        !(liesInPlane(band, chord, a, kOffPlane) || liesInPlane(band, chord, b, kOffPlane)))
         return false;
     for (int k = 1; k < 4; ++k)
         if (std::abs(psi.at(from + k / 4.0 * chord)) > kOff) return true;
@@ -126,7 +126,7 @@ std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
                             Vec3f(Ijk{dx, dy, dz}) + band.footOf(j) - band.footOf(i);
                         const Vec3d from = band.footPoint(i), across(chord), a(n),
                                     b(band.normal[j]);
-                        if (cutsCorner(psi, from, across, a, b) ||
+                        if (cutsCorner(band, psi, from, across, a, b) ||
                             runsThroughWall(psi, from, across, a, b, beside[i] | beside[j], off))
                             found[l].emplace_back(i, j);
                     });
