@@ -157,15 +157,16 @@ AccuracyEstimate estimateAccuracy(const Field& field, const FitError& fit, Progr
     trace.rough = hasExactCurves(field);
     const std::size_t samples = trace.rough ? kOnTriangles : kElsewhere;
     const std::vector<NodeIndex> nodes = spread(field, samples);
+    // Close to a seed the distance is exact by construction, and would lower the estimate. On a
+    // surface that ends there, only the farther half is left.
+    const double near = std::min(3 * field.startRadius, field.maxDistance / 2);
     std::vector<Sample> sampled(samples);
     parallelFor(samples, 1, progress, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             Vec3d p = band.footPoint(nodes[k]);
             if (band.triangles && k % 2 == 1) p = cornerNear(*band.triangles, p);
             const Path path = tracePath(field, nearestSurfacePoint(band, p), trace);
-            // Close to a seed the distance is exact by construction, and would lower the estimate.
-            if (path.status != PathStatus::Reached || path.distance < 3 * field.startRadius)
-                continue;
+            if (path.status != PathStatus::Reached || path.distance < near) continue;
             const Path straight = straightened(field, path, progress);
             const double start = field.seeds[path.seed].start;
             sampled[k].found = true;

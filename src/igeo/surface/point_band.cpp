@@ -61,6 +61,7 @@ struct LeafPart {
     BandLeaf leaf;
     std::vector<float> psi;
     std::vector<Vec3f> foot, normal;
+    std::vector<std::uint32_t> onEdge;  ///< those with foot points on sharp edges
 };
 
 class Filler {
@@ -164,10 +165,29 @@ void Filler::fill(LeafPart& part, PointsAround& around, Feet& feet) const {
         const Ijk in{int(at >> 6), int(at >> 3 & 7), int(at & 7)};
         const Vec3d x = dx_ * Vec3d(part.leaf.origin + in);
         part.leaf.band.insert(at);
+        if (foot.onEdge) part.onEdge.push_back(std::uint32_t(part.psi.size()));
         part.psi.push_back(float(foot.psi / dx_));
         part.foot.push_back(Vec3f((foot.point - x) * (1 / dx_)));
         part.normal.push_back(Vec3f(foot.normal));
     }
+}
+
+/// Nodes around sharp edges, for the core: their normals fan out between those of both faces.
+std::vector<NodeIndex> nodesAroundEdges(const Band& band, const std::vector<LeafPart>& parts) {
+    constexpr float kFanEnd = 1.6f, kBesideFan = 1;  // voxels from S, as on level sets (addFans)
+    std::vector<NodeIndex> nodes;
+    for (std::size_t l = 0; l < parts.size(); ++l)
+        for (const std::uint32_t k : parts[l].onEdge) {
+            const NodeIndex i = band.leaves[l].band.firstNode + k;
+            if (std::abs(band.psi[i]) >= kFanEnd) continue;
+            nodes.push_back(i);
+            band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
+                if (std::abs(band.psi[j]) < kBesideFan &&
+                    dot(band.normal[i], band.normal[j]) >= Band::kOtherSheet)
+                    nodes.push_back(j);
+            });
+        }
+    return nodes;
 }
 
 }  // namespace
@@ -226,7 +246,7 @@ Band bandFromPoints(const PointSurface& surface, PointBandKind kind, double dx, 
     });
     // Differences do not show kinks of this psi, so all nodes are tested.
     band.markFacing();
-    band.numberCore();
+    band.numberCore(nodesAroundEdges(band, parts));
     return band;
 }
 

@@ -1,11 +1,12 @@
 #include <igeo/surface/point_surface.h>
 
 #include <fmt/core.h>
+#include <igeo/band/band.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/base/symmetric_eigen.h>
 #include <igeo/surface/detail/orient_normals.h>
-#include <igeo/surface/detail/points_around.h>
+#include <igeo/surface/detail/sheet_edges.h>
 
 #include <algorithm>
 #include <array>
@@ -36,8 +37,6 @@ constexpr double kReach = 3;
 constexpr double kIsolated = 3, kStray = 1.5;
 /// Points on another sheet within so many spacings may close a fold.
 constexpr double kFacing = 3;
-/// Cosine of the normals of two sheets, as Band::kOtherSheet.
-constexpr double kOtherSheet = -0.2;
 
 double quantile(std::vector<double> values, double share) {
     if (values.empty()) return 0;
@@ -47,7 +46,6 @@ double quantile(std::vector<double> values, double share) {
 }
 
 double squared(double x) { return x * x; }
-double squaredLength(const Vec3d& v) { return dot(v, v); }
 
 struct Plane {
     Vec3d normal;
@@ -119,7 +117,8 @@ PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.f
     std::vector<Index>().swap(ring_);
     patches_.resize(points_.size());
     for (std::size_t i = 0; i < patches_.size(); ++i)
-        patches_[i] = {points_[i], normals_[i], squared(points_.reach(i)), fits_[i]};
+        patches_[i] = {points_[i], normals_[i], squared(points_.reach(i)), leastCosine(i),
+                       fits_[i]};
     std::vector<Quadric>().swap(fits_);
 }
 
@@ -173,7 +172,16 @@ void PointSurface::build(const PointCloud& cloud, Progress& progress) {
     density_.noise = noise * quantile(spacing_, 0.5);
     const std::size_t count = fittedAt(noise);
     if (count > 2 * kNear) fitNormals(given, count / 2);
-    fitQuadrics(count, progress);
+    atEdge_.clear();
+    const std::vector<double> misfit = fitQuadrics(count, progress);
+    const SheetFits fits{points_, spacing_, misfit, fits_, normals_};
+    if (given.empty()) {
+        Orientation orientation;
+        atEdge_ = separateSheets(fits, noise, &orientation);
+        density_.conflicts = orientation.conflicts, density_.pieces = orientation.pieces;
+    } else {
+        atEdge_ = separateSheets(fits, noise, nullptr);
+    }
     density_.fitted = std::min(count, points_.size());
 }
 
@@ -214,9 +222,9 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
             weights.clear();
             for (const PointTree::Found& f : neighbors) {
                 // Given normals separate sheets.
-                const bool other = !given.empty() && dot(given[i], given[f.point]) <
-                                                         float(kOtherSheet) * length(given[i]) *
-                                                             length(given[f.point]);
+                const bool other = !given.empty() &&
+                                   dot(given[i], given[f.point]) <
+                                       kOppositeNormals * length(given[i]) * length(given[f.point]);
                 weights.push_back(other ? 0 : squared(1 - f.squared / radius2));
             }
             const Plane plane = planeThrough(points_, neighbors, weights);
@@ -252,8 +260,8 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
     for (std::size_t i = 0; i < n; ++i) normals_[i] *= double(orientation.sign[i]);
 }
 
-bool PointSurface::sameSheet(std::size_t j, const Vec3d& n) const {
-    return dot(normals_[j], n) > kOtherSheet;
+double PointSurface::leastCosine(std::size_t j) const {
+    return !atEdge_.empty() && atEdge_[j] ? kSheetsMeet : double(kOppositeNormals);
 }
 
 PointSurface::PointFit PointSurface::fitAt(std::size_t i, std::size_t count,
@@ -288,16 +296,18 @@ PointSurface::PointFit PointSurface::fitAt(std::size_t i, std::size_t count,
                    squared(fit.residual(points_[f.point] - points_[i]));
         // Corrects for the six unknowns of the fit.
         const double free = 1 - 6 * squares / (total * total);
+        result.residual = std::sqrt(sum / total);
         result.scatter = free > 0.1 ? std::sqrt(sum / total / free) : 0;
     }
     return result;
 }
 
-void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
+std::vector<double> PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
     const std::size_t n = points_.size();
     fits_.resize(n);
     curvature_.resize(n);
     off_.resize(n);
+    std::vector<double> misfit(n);
     std::vector<Vec3d> fitted(n);
     std::atomic<std::size_t> done{0}, facing{0};
     parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
@@ -313,6 +323,7 @@ void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
             fits_[i] = fit.quadric;
             curvature_[i] = fit.curvature;
             off_[i] = fit.off;
+            misfit[i] = std::max(fit.residual, fit.off) / spacing_[i];
             fitted[i] = fit.normal;
         }
         progress.update("fitting points", (1 + double(done += end - begin) / double(n)) / 2);
@@ -320,137 +331,7 @@ void PointSurface::fitQuadrics(std::size_t count, Progress& progress) {
     progress.throwIfCancelled();
     density_.facing = double(facing) / double(n);
     normals_ = std::move(fitted);
-}
-
-PointSurface::Blend PointSurface::blend(const Vec3d& y, const Vec3d& n,
-                                        const std::vector<Index>& neighbors) const {
-    double sum = 0, value = 0;
-    Vec3d sumSlope{}, slope{};
-    for (const Index j : neighbors) {
-        const Patch& patch = patches_[j];
-        const Vec3d d = y - patch.at;
-        const double left = 1 - dot(d, d) / patch.reach2;
-        if (!(left > 0) || !(dot(patch.normal, n) > kOtherSheet)) continue;
-        const double w = left * left * left;
-        const Vec3d dw = (-6 * left * left / patch.reach2) * d;
-        const Vec3d bent = patch.fit.bend(d);
-        const double f = patch.fit.value + dot(patch.fit.gradient + bent, d);
-        sum += w;
-        value += w * f;
-        sumSlope += dw;
-        slope += w * (patch.fit.gradient + 2.0 * bent) + f * dw;
-    }
-    if (!(sum > 0)) return {};
-    value /= sum;
-    return {sum, value, (slope - value * sumSlope) * (1 / sum)};
-}
-
-bool PointSurface::within(const Vec3d& y, const Vec3d& n,
-                          const std::vector<Index>& neighbors) const {
-    // Directions in the tangent plane. Points in all eight octants decide without angles.
-    const QuadricFit plane(n, 1);
-    std::vector<double> angles;
-    for (const bool exact : {false, true}) {
-        unsigned octants = 0;
-        for (const Index j : neighbors) {
-            const Vec3d d = points_[j] - y;
-            if (dot(d, d) >= squared(points_.reach(j)) || !sameSheet(j, n)) continue;
-            const auto [u, v] = plane.flat(d);
-            octants |= 1u << (4 * (u < 0) + 2 * (v < 0) + (std::abs(u) < std::abs(v)));
-            if (exact) angles.push_back(std::atan2(v, u));
-        }
-        if (octants == 0xff) return true;
-    }
-    if (angles.size() < 3) return false;
-    std::sort(angles.begin(), angles.end());
-    double gap = angles.front() + 2 * std::numbers::pi - angles.back();
-    for (std::size_t k = 1; k < angles.size(); ++k) gap = std::max(gap, angles[k] - angles[k - 1]);
-    // The outermost points are themselves on the surface.
-    return gap <= std::numbers::pi * (1 + 1e-6);
-}
-
-double PointSurface::roughDistance(const Vec3d& x, Index nearest) const {
-    const Vec3d d = x - patches_[nearest].at;
-    const Quadric& f = patches_[nearest].fit;
-    return std::abs(f.value + dot(f.gradient + f.bend(d), d));
-}
-
-bool PointSurface::mayProject(const Vec3d& middle, double radius, Index nearest,
-                              double farthest) const {
-    const Quadric& f = patches_[nearest].fit;
-    const Vec3d slope = f.gradient + 2.0 * f.bend(middle - patches_[nearest].at);
-    const double bend = std::sqrt(squaredLength(f.diagonal) + 2 * squaredLength(f.mixed));
-    const double change = radius * (length(slope) + bend * radius);
-    return roughDistance(middle, nearest) <= (roughLimit(nearest, farthest) + change) * (1 + 1e-9);
-}
-
-double PointSurface::roughLimit(Index nearest, double farthest) const {
-    return 1.25 * farthest + spacing_[nearest] / 4;
-}
-
-PointSurface::Index PointSurface::nearestSheet(const std::vector<PointTree::Found>& neighbors,
-                                               const Vec3d& x) const {
-    // Between two sheets the nearest point may be on the farther one, opposite a gap of the nearer.
-    const Index first = neighbors.front().point;
-    Index best = first;
-    double least = roughDistance(x, first);
-    for (const PointTree::Found& f : neighbors) {
-        if (sameSheet(f.point, normals_[first])) continue;
-        const double rough = roughDistance(x, f.point);
-        if (rough < least) least = rough, best = f.point;
-    }
-    return best;
-}
-
-PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest) const {
-    PointsAround around(points_);
-    around.moveTo(x, 0, reachOfProject(points_.nearest(x).point, farthest));
-    return project(x, farthest, around);
-}
-
-double PointSurface::reachOfProject(Index nearest, double farthest) const {
-    return roughLimit(nearest, farthest) + spacing_[nearest] / 2;
-}
-
-PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest,
-                                         PointsAround& around) const {
-    const Index nearest = nearestSheet(around.nearest(x), x);
-    // Each step goes to F = 0 along grad F, and along the surface until x is straight above. The
-    // remaining error is that before times psi times the curvature. Wherever the iteration ends, F
-    // = 0 to second order in `flat`.
-    constexpr int kSteps = 12;
-    const double spacing = spacing_[nearest], flat = 1e-4 * spacing, straight = 2e-3 * spacing;
-    const Vec3d d = x - points_[nearest];
-    const Quadric& first = patches_[nearest].fit;
-    if (roughDistance(x, nearest) > roughLimit(nearest, farthest)) return {};
-    Vec3d n = normalized(first.gradient + 2.0 * first.bend(d));
-    Vec3d y = x - (first.value + dot(first.gradient + first.bend(d), d)) * n;
-
-    thread_local std::vector<Index> neighbors;
-    neighbors.clear();
-    const double margin = spacing / 2;
-    const Vec3d middle = y;
-    around.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
-    for (int step = 0;; ++step) {
-        if (squaredLength(y - middle) > margin * margin && step < kSteps / 2) {
-            // Too far from the start: gather the points again here.
-            neighbors.clear();
-            around.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
-        }
-        const Blend f = blend(y, n, neighbors);
-        const double slope = length(f.gradient);
-        if (!(f.weight > 0) || !(slope > 0.1)) return {};
-        n = f.gradient * (1 / slope);
-        y -= (f.value / slope) * n;
-        const Vec3d aside = tangential(x - y, n);
-        if (step == kSteps ||
-            (squaredLength(aside) < straight * straight && std::abs(f.value) < flat * slope))
-            break;
-        y += aside;
-    }
-    const double psi = dot(x - y, n);
-    if (!(std::abs(psi) < farthest) || !within(y, n, neighbors)) return {};
-    return {true, y, n, psi};
+    return misfit;
 }
 
 }  // namespace igeo

@@ -9,6 +9,7 @@
 #include <igeo/surface/quadric_fit.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,9 @@ class PointsAround;
 /// points, so two sheets closer than two spacings become one in between, or are refused as points
 /// that fill a volume.
 ///
+/// Sharp edges: where two sheets at a cosine below 0.2 meet and no normal lies between theirs
+/// (separateSheets), each is continued up to the edge and ends there. Other edges are rounded.
+///
 /// The result depends only on the set of points: not on their order, nor on the number of threads.
 class PointSurface {
 public:
@@ -55,7 +59,8 @@ public:
     struct Foot {
         bool valid = false;  ///< false: no surface there, or not within the points
         Vec3d point, normal;
-        double psi = 0;  ///< signed distance of the projected point
+        double psi = 0;       ///< signed distance of the projected point
+        bool onEdge = false;  ///< on a sharp edge; the normal leads from there to the point
     };
     /// The point of the surface nearest to x, on the sheet of the fit that passes nearest to x.
     /// @param farthest  not valid beyond
@@ -78,12 +83,25 @@ private:
     /// The data of a point that a blend reads, stored together.
     struct Patch {
         Vec3d at, normal;
-        double reach2;
+        double reach2, leastCosine;
         Quadric fit;
+    };
+    /// A position above a point of a sheet, or of what continues it.
+    struct OnSheet {
+        bool found = false;
+        Vec3d at, normal;
+        Index nearest = 0;  ///< the point of the sheet at which the search began
+    };
+    /// A sheet that ends another one at a sharp edge.
+    struct EndOfSheet {
+        bool found = false;
+        Index point = 0;    ///< of the sheet, the nearest one
+        double side = 0;    ///< less than 0: the other one lies below it
+        double beyond = 0;  ///< of a position: how far it is beyond the edge; world units
     };
     struct PointFit {
         Quadric quadric;
-        double curvature, off, scatter;
+        double curvature, off, scatter, residual;
         Vec3d normal;
     };
     void measureSpacing();
@@ -91,7 +109,8 @@ private:
     void nearestTo(std::size_t i, std::size_t count, std::vector<PointTree::Found>& found) const;
     void fitNormals(const std::vector<Vec3f>& given, std::size_t count);
     double measureNoise(Progress& progress);
-    void fitQuadrics(std::size_t count, Progress& progress);
+    /// @return SheetFits::misfit
+    std::vector<double> fitQuadrics(std::size_t count, Progress& progress);
     PointFit fitAt(std::size_t i, std::size_t count,
                    const std::vector<PointTree::Found>& nearest) const;
     std::vector<char> strays() const;
@@ -99,8 +118,20 @@ private:
     Index nearestSheet(const std::vector<PointTree::Found>& nearest, const Vec3d& x) const;
     /// Positions farther than this from the fit at the nearest point have no foot point.
     double roughLimit(Index nearest, double farthest) const;
-    bool sameSheet(std::size_t j, const Vec3d& n) const;
+    bool sameSheet(std::size_t j, const Vec3d& n) const {
+        return dot(normals_[j], n) > leastCosine(j);
+    }
+    /// Of the normals of one sheet.
+    double leastCosine(std::size_t j) const;
     Blend blend(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
+    OnSheet ontoSheet(const Vec3d& x, Index nearest, double farthest, PointsAround& around,
+                      std::vector<Index>& neighbors) const;
+    EndOfSheet endOf(const OnSheet& on, const std::vector<Index>& neighbors) const;
+    /// Whether the sheet is there, rather than what continues it.
+    bool reaches(const OnSheet& on, const EndOfSheet& end,
+                 const std::vector<Index>& neighbors) const;
+    Foot ontoEdge(const Vec3d& x, double farthest, const OnSheet& on, const EndOfSheet& end,
+                  const std::vector<Index>& neighbors) const;
     bool within(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
 
     std::string file_;
@@ -110,8 +141,9 @@ private:
     std::vector<Vec3d> normals_;
     std::vector<Quadric> fits_;
     std::vector<Patch> patches_;
-    std::vector<double> curvature_;  ///< per fit
-    std::vector<double> off_;        ///< per point: distance to the surface of its neighbors
+    std::vector<double> curvature_;     ///< per fit
+    std::vector<double> off_;           ///< per point: distance to the surface of its neighbors
+    std::vector<std::uint8_t> atEdge_;  ///< per point: bits of separateSheets(); empty: not yet
     CloudDensity density_;
 };
 

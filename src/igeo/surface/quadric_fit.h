@@ -22,6 +22,11 @@ struct Quadric {
                 mixed.x * d.x + diagonal.y * d.y + mixed.z * d.z,
                 mixed.y * d.x + mixed.z * d.y + diagonal.z * d.z};
     }
+    double at(const Vec3d& d) const { return value + dot(gradient + bend(d), d); }
+    Vec3d gradientAt(const Vec3d& d) const { return gradient + 2.0 * bend(d); }
+    /// The same function, relative to a center at d from its own.
+    Quadric movedBy(const Vec3d& d) const { return {at(d), gradientAt(d), diagonal, mixed}; }
+    Quadric operator-() const { return {-value, -gradient, -diagonal, -mixed}; }
 };
 
 /// Least squares for the height over a plane, z = c0 + c1 u + c2 v + c3 u^2 + c4 u v + c5 v^2.

@@ -24,7 +24,8 @@ struct Edge {
 };
 
 std::vector<Edge> edges(const PointTree& points, const std::vector<Vec3d>& normals,
-                        std::size_t neighbors) {
+                        const std::vector<std::uint8_t>& atEdge, std::size_t neighbors) {
+    constexpr double kOneSheet = 0.95, kOverEdge = 0.6;
     const std::size_t k = std::min(neighbors, points.size() - 1);
     std::vector<Edge> all(points.size() * k);
     parallelFor(points.size(), 512, [&](std::size_t begin, std::size_t end) {
@@ -37,7 +38,13 @@ std::vector<Edge> edges(const PointTree& points, const std::vector<Vec3d>& norma
                 const auto a = std::min(Index(i), f.point), b = std::max(Index(i), f.point);
                 const Vec3d way = normalized(points[b] - points[a]);
                 const double alongA = dot(normals[a], way), alongB = dot(normals[b], way);
-                const double agree = dot(normals[a], normals[b]) - 2 * alongA * alongB;
+                const double cosine = dot(normals[a], normals[b]);
+                if (!atEdge.empty() && (atEdge[a] || atEdge[b]) && std::abs(cosine) < kOneSheet) {
+                    const double trust = kOverEdge * std::min(std::abs(alongA), std::abs(alongB));
+                    all[at++] = {float(1 - trust), alongA * alongB > 0, a, b};
+                    continue;
+                }
+                const double agree = cosine - 2 * alongA * alongB;
                 // Two points one above the other may also be scatter of one sheet: there the edges
                 // along the sheet come first.
                 const double steep = std::max(std::abs(alongA), std::abs(alongB));
@@ -53,20 +60,70 @@ std::vector<Edge> edges(const PointTree& points, const std::vector<Vec3d>& norma
     return all;
 }
 
+/// What the edges between two parts say together.
+struct Vote {
+    Index a, b;    ///< a < b
+    double votes;  ///< negative: the parts point to different sides
+    bool operator<(const Vote& o) const { return std::tie(a, b) < std::tie(o.a, o.b); }
+};
+
+std::vector<Vote> votesOf(const std::vector<Edge>& edges, SidedSets& sides) {
+    std::vector<Vote> votes;
+    for (const Edge& e : edges) {
+        const SidedSets::Member a = sides.find(e.a), b = sides.find(e.b);
+        const bool turned = e.turned != (a.turned != b.turned);
+        const double trust = 1 - double(e.doubt);
+        votes.push_back(
+            {std::min(a.first, b.first), std::max(a.first, b.first), turned ? -trust : trust});
+    }
+    std::stable_sort(votes.begin(), votes.end());
+    std::size_t count = 0;
+    for (const Vote& v : votes)
+        if (count > 0 && votes[count - 1].a == v.a && votes[count - 1].b == v.b)
+            votes[count - 1].votes += v.votes;
+        else
+            votes[count++] = v;
+    votes.resize(count);
+    std::stable_sort(votes.begin(), votes.end(), [](const Vote& v, const Vote& w) {
+        return std::abs(v.votes) > std::abs(w.votes);
+    });
+    return votes;
+}
+
+/// Joins all points that edges connect.
+/// @param edges  sorted
+void joinByEdges(std::vector<Edge> edges, SidedSets& sides) {
+    constexpr float kCertain = 0.15f;
+    for (const Edge& e : edges)
+        if (e.doubt < kCertain) sides.join(e.a, e.b, e.turned);
+    while (true) {
+        edges.erase(std::remove_if(edges.begin(), edges.end(),
+                                   [&](const Edge& e) {
+                                       return sides.find(e.a).first == sides.find(e.b).first;
+                                   }),
+                    edges.end());
+        if (edges.empty()) return;
+        // The clearer half. Each join changes what is between the others.
+        const std::vector<Vote> votes = votesOf(edges, sides);
+        for (std::size_t k = 0; k < (votes.size() + 1) / 2; ++k)
+            sides.join(votes[k].a, votes[k].b, votes[k].votes < 0);
+    }
+}
+
 }  // namespace
 
 Orientation orientNormals(const PointTree& points, const std::vector<Vec3d>& normals,
-                          std::size_t neighbors) {
+                          const std::vector<std::uint8_t>& atEdge, std::size_t neighbors) {
     constexpr float kSure = 0.5f;
     const Vec3d outward = normalized(Vec3d{0.31, 0.17, 0.94});  // along no axis
     const std::size_t n = points.size();
     SidedSets sides(n);
+    const std::vector<Edge> all = edges(points, normals, atEdge, neighbors);
+    joinByEdges(all, sides);
     std::size_t sure = 0, wrong = 0;
-    for (const Edge& e : edges(points, normals, neighbors)) {
-        const bool known = sides.find(e.a).first == sides.find(e.b).first;
-        const bool agrees = sides.join(e.a, e.b, e.turned);
-        if (known && e.doubt < kSure) ++sure, wrong += !agrees;
-    }
+    for (const Edge& e : all)
+        if (e.doubt < kSure)
+            ++sure, wrong += e.turned != (sides.find(e.a).turned != sides.find(e.b).turned);
 
     Orientation result;
     result.sign.resize(n);

@@ -18,19 +18,23 @@ struct Orientation {
     double conflicts = 0;
 };
 
-/// Signs along a minimum spanning tree of the neighborhood graph (Hoppe, DeRose, Duchamp,
-/// McDonald and Stuetzle, Surface reconstruction from unorganized points, SIGGRAPH 1992).
+/// Signs by the neighborhood graph, as Hoppe, DeRose, Duchamp, McDonald and Stuetzle have it
+/// (Surface reconstruction from unorganized points, SIGGRAPH 1992).
 ///
 /// The prediction of normal i for its neighbor j is n_i mirrored in the plane halfway between the
 /// two. For two points of a circle it is n_j exactly; on one sheet it is nearly n_i; straight
-/// across a gap it is -n_i, so that sheets that face each other get opposite normals. The tree
-/// takes certain edges first: those whose mirrored normals agree, along the sheet rather than
-/// across. In each component the outermost point along a fixed direction has its normal point
+/// across a gap it is -n_i, so that sheets that face each other get opposite normals. Edges are
+/// certain where the mirrored normals agree, along the sheet rather than across. Those join points
+/// to parts; then parts are joined, first those whose edges together say most. Beside a sharp edge
+/// two points of different sheets lie both outside or both inside of the plane of the other: that
+/// counts there. In each component the outermost point along a fixed direction has its normal point
 /// outward, and so have then all normals of a closed surface.
 /// @param normals    unit, per point
+/// @param atEdge     per point: whether its normal is that of a sheet that ends at a sharp edge
+///                   nearby; empty: none
 /// @param neighbors of each point, the edges of the graph
 /// Time O(n log n), serial except for the search of neighbors.
 Orientation orientNormals(const PointTree& points, const std::vector<Vec3d>& normals,
-                          std::size_t neighbors = 10);
+                          const std::vector<std::uint8_t>& atEdge = {}, std::size_t neighbors = 10);
 
 }  // namespace igeo
