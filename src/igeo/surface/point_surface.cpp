@@ -165,6 +165,7 @@ std::vector<char> PointSurface::strays() const {
 
 void PointSurface::build(const PointCloud& cloud, Progress& progress) {
     progress.update("fitting points", 0);
+    atEdge_.clear();
     std::vector<Vec3f> given(cloud.normals.size());
     for (std::size_t i = 0; i < given.size(); ++i) given[i] = cloud.normals[points_.inputIndex(i)];
     fitNormals(given, kNear);
@@ -172,7 +173,6 @@ void PointSurface::build(const PointCloud& cloud, Progress& progress) {
     density_.noise = noise * quantile(spacing_, 0.5);
     const std::size_t count = fittedAt(noise);
     if (count > 2 * kNear) fitNormals(given, count / 2);
-    atEdge_.clear();
     const std::vector<double> misfit = fitQuadrics(count, progress);
     const SheetFits fits{points_, spacing_, misfit, fits_, normals_};
     if (given.empty()) {
