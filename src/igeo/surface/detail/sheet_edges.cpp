@@ -106,8 +106,8 @@ bool SheetSeparation::meet(std::size_t i, std::size_t j) const {
 }
 
 bool SheetSeparation::isAtEdge(std::size_t i, double largest, bool eitherSide) const {
-    // Of the angle between the sheets, each normal around may be off by a part.
-    constexpr double kPart = 0.3, kClose = 1.5;
+    // Each normal around may be off by a part of the angle between the sheets.
+    constexpr double kPart = 0.2, kClose = 1.5;
     if (!clean_[i]) return false;
     const Vec3d n = fits_.normal[i];
     const Neighbors near = around(i);
