@@ -4,6 +4,7 @@
 #include <igeo/base/detail/box.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
+#include <igeo/surface/detail/edge_fans.h>
 #include <igeo/surface/detail/points_around.h>
 #include <igeo/surface/medial_radii.h>
 
@@ -172,14 +173,14 @@ void Filler::fill(LeafPart& part, PointsAround& around, Feet& feet) const {
     }
 }
 
-/// Nodes around sharp edges, for the core: their normals fan out between those of both faces.
+/// Nodes around sharp edges, for the core: their normals fan out between those of both faces, as on
+/// level sets (addFans).
 std::vector<NodeIndex> nodesAroundEdges(const Band& band, const std::vector<LeafPart>& parts) {
-    constexpr float kFanEnd = 1.6f, kBesideFan = 1;  // voxels from S, as on level sets (addFans)
     std::vector<NodeIndex> nodes;
     for (std::size_t l = 0; l < parts.size(); ++l)
         for (const std::uint32_t k : parts[l].onEdge) {
             const NodeIndex i = band.leaves[l].band.firstNode + k;
-            if (std::abs(band.psi[i]) >= kFanEnd) continue;
+            if (std::abs(band.psi[i]) >= float(kFanEnd)) continue;
             nodes.push_back(i);
             band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int, int, int) {
                 if (std::abs(band.psi[j]) < kBesideFan &&

@@ -179,8 +179,8 @@ bool PointSurface::reaches(const OnSheet& on, const EndOfSheet& end,
 PointSurface::Foot PointSurface::ontoEdge(const Vec3d& x, double farthest, const OnSheet& on,
                                           const EndOfSheet& end,
                                           const std::vector<Index>& neighbors) const {
-    // Each step goes to where both sheets meet, by the least step, and along the edge until x is
-    // straight above.
+    // Each step goes straight to where both sheets meet, and along the edge until x is straight
+    // above.
     constexpr int kSteps = 12;
     constexpr double kLeastSine2 = 0.03;
     const double spacing = spacing_[on.nearest], flat = 1e-4 * spacing;
@@ -223,9 +223,9 @@ PointSurface::Foot PointSurface::project(const Vec3d& x, double farthest,
     const OnSheet on =
         ontoSheet(x, nearestSheet(around.nearest(x), x), farthest, around, neighbors);
     if (!on.found) return {};
+    const Foot foot = footOn(on);
     const EndOfSheet end = endOf(on, neighbors);
-    if (reaches(on, end, neighbors)) return footOn(on);
-    if (!end.found || !(end.beyond > 0)) return {};
+    if (!(end.beyond > 0)) return foot.valid && reaches(on, end, neighbors) ? foot : Foot{};
     const OnSheet other = ontoSheet(x, end.point, farthest, around, others);
     if (other.found && reaches(other, endOf(other, others), others)) return footOn(other);
     return ontoEdge(x, farthest, on, end, neighbors);

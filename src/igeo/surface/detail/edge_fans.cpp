@@ -11,10 +11,6 @@ namespace igeo {
 
 namespace {
 
-/// Around sharp bends the core has nodes up to here from S. So a fan brings only such neighbors
-/// with it. Voxels.
-constexpr float kBesideFan = 1;
-
 /// Whether the normal turns by 20 degrees to a neighbor along an axis, as in a fan, and near S
 /// sheets face each other.
 bool mayFan(const Band& band, NodeIndex i) {

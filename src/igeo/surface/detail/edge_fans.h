@@ -16,6 +16,9 @@ struct FanNode {
 /// Fans lie this far from S, in voxels. Nearer nodes are of the core, as Band::numberCore has it,
 /// or nearly so.
 constexpr double kFanBegin = 0.55, kFanEnd = 1.6;
+/// Around sharp bends the core has nodes up to here from S. So a fan brings only such neighbors
+/// with it. Voxels.
+constexpr float kBesideFan = 1;
 
 /// Adds nodes to the core of a level set's band, so that fronts pass over edges sharper than a
 /// right angle.

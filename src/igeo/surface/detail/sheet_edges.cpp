@@ -66,8 +66,8 @@ private:
     }
 
     const SheetFits& fits_;
-    Flags clean_;  ///< per point: of its own, or taken
-    Flags taken_;
+    Flags clean_;                 ///< per point: whether its fit misses no points around
+    Flags taken_;                 ///< per point: whether it has taken that fit
     std::vector<Quadric> other_;  ///< where a fit is taken: the own one, or while that is used
 };
 
@@ -92,8 +92,10 @@ void SheetSeparation::takeCleanFits() {
         std::vector<Quadric> taken(clean_.size());
         const Flags now =
             where([&](std::size_t i) { return !clean_[i] && takeCleanFit(i, taken[i]); });
+        bool any = false;
         for (std::size_t i = 0; i < now.size(); ++i)
-            if (now[i]) clean_[i] = taken_[i] = 1, set(i, taken[i]);
+            if (now[i]) clean_[i] = taken_[i] = 1, set(i, taken[i]), any = true;
+        if (!any) return;
     }
 }
 
