@@ -70,6 +70,12 @@ public:
 private:
     Arrival byVoxels() const;
     Arrival byJets() const;
+    /// Of a source, by its value at the point and its start discs.
+    Arrival ofSource(std::uint32_t source, double value) const;
+    static void takeFirst(Arrival& first, const Arrival& other) {
+        if (std::pair(other.distance, other.source) < std::pair(first.distance, first.source))
+            first = other;
+    }
 
     /// The tangent plane at the point.
     struct Chart {
@@ -123,10 +129,13 @@ private:
     /// Whether a seed is so near that nodes here are in its start disc, or might be.
     bool isBesideSeed() const;
     /// The jets of one source, blended.
-    double blended(std::uint32_t source) const;
+    /// @param isClear  set to false where several fronts seem to meet
+    double blended(std::uint32_t source, bool& isClear) const;
     /// Whether faces of a mesh meet in the cell: a corner lies in no chart, nor does a rim that
     /// bends.
     bool onCrease() const;
+    /// The first arrival by walks over triangles.
+    Arrival byWalks() const;
     /// The nodes of the core at the cell and beside it; none near obstacles.
     std::vector<NodeIndex> coreAround() const;
     /// From the core around the cell, where the corners are too few to separate fronts.
@@ -297,7 +306,7 @@ bool Reader::isBesideSeed() const {
     return is;
 }
 
-double Reader::blended(std::uint32_t source) const {
+double Reader::blended(std::uint32_t source, bool& isClear) const {
     const Chart chart(*this);
     JetNeighbors all;
     BlendWeights weight{};
@@ -318,10 +327,13 @@ double Reader::blended(std::uint32_t source) const {
     if (all.count() == 0) gather(true);
     Jet jet = blendJets(all, weight, isBesideSeed());
     jet.u = std::max(jet.u, leastOnFace(chart, source));
-    if (!jet.usedFallback || metric_.anisotropic()) return chart.here * jet.u;
-    constexpr double kBlendError = 0.25;  // voxels
-    const auto met = whereFrontsMeet(chart, source);
-    return chart.here * (met && std::abs(met->u - jet.u) < kBlendError ? met->u : jet.u);
+    if (jet.usedFallback && !metric_.anisotropic()) {
+        constexpr double kBlendError = 0.25;  // voxels
+        const auto met = whereFrontsMeet(chart, source);
+        if (met && std::abs(met->u - jet.u) < kBlendError) return chart.here * met->u;
+    }
+    isClear &= jet.ofOneFront;
+    return chart.here * jet.u;
 }
 
 bool Reader::onCrease() const {
@@ -374,31 +386,33 @@ Arrival Reader::byVoxels() const {
     return arrival(d, disc, 0);
 }
 
-Arrival Reader::byJets() const {
+Arrival Reader::ofSource(std::uint32_t source, double value) const {
+    // Beside a seed in a groove, jets are extrapolated past the seed.
+    const double d = std::max({field_.leastStart, value, field_.lines.from(source, p_)});
+    const Straight disc = straight(d, [&](std::size_t s) { return field_.source[s] == source; });
+    return arrival(d, disc, source);
+}
+
+Arrival Reader::byWalks() const {
+    JetsByWalks around = coreByWalks(field_, onMesh(), cell_);
+    const std::vector<Seen> seen = byWays_ ? seenFrom(field_, onMesh()) : std::vector<Seen>{};
+    addSeen(field_, seen, around);
     Arrival first;
-    auto consider = [&](std::uint32_t own, double value) {
-        // Beside a seed in a groove, jets are extrapolated past the seed.
-        const double d = std::max({field_.leastStart, value, field_.lines.from(own, p_)});
-        const Straight disc = straight(d, [&](std::size_t s) { return field_.source[s] == own; });
-        const Arrival a = arrival(d, disc, own);
-        if (a.distance < first.distance || (a.distance == first.distance && own < first.source))
-            first = a;
-    };
-    if (byWalks_) {
-        JetsByWalks around = coreByWalks(field_, onMesh(), cell_);
-        const std::vector<Seen> seen = byWays_ ? seenFrom(field_, onMesh()) : std::vector<Seen>{};
-        addSeen(field_, seen, around);
-        for (const std::uint32_t own : around.sources()) consider(own, around.first(own).distance);
-        // A seed that is nearer than any node of its sheet.
-        first = orDisc(first, straight(first.distance, [](std::size_t) { return true; }));
-        const double here = metric_.at(cell_);
-        for (const Seen& s : seen) {
-            if (!s.seed) continue;
-            if (const double d = s.distance((here + s.seed->weight) / 2); d < first.distance)
-                first = {d, s.jet.label, s.seed};
-        }
-        return orFromPage(first);
+    for (const std::uint32_t own : around.sources())
+        takeFirst(first, ofSource(own, around.first(own).distance));
+    // A seed that is nearer than any node of its sheet.
+    first = orDisc(first, straight(first.distance, [](std::size_t) { return true; }));
+    const double here = metric_.at(cell_);
+    for (const Seen& s : seen) {
+        if (!s.seed) continue;
+        if (const double d = s.distance((here + s.seed->weight) / 2); d < first.distance)
+            first = {d, s.jet.label, s.seed};
     }
+    return orFromPage(first);
+}
+
+Arrival Reader::byJets() const {
+    if (byWalks_) return byWalks();
     std::array<std::uint32_t, 8> sources;
     std::size_t count = 0;
     for (const NodeJet& jet : corner_) {
@@ -406,7 +420,15 @@ Arrival Reader::byJets() const {
         const auto end = sources.begin() + std::ptrdiff_t(count);
         if (std::find(sources.begin(), end, jet.label) == end) sources[count++] = jet.label;
     }
-    for (std::size_t k = 0; k < count; ++k) consider(sources[k], blended(sources[k]));
+    Arrival first;
+    bool isClear = true;
+    for (std::size_t k = 0; k < count; ++k)
+        takeFirst(first, ofSource(sources[k], blended(sources[k], isClear)));
+    // Beside creases of a mesh fronts may seem to differ that are one.
+    if (!isClear && hasWalks_ && band_.faceted && field_.evenCosts && isOnMesh()) {
+        const Arrival walked = byWalks();
+        if (walked.distance < kInfinity) return walked;
+    }
     return count > 0 && field_.sourceCount() > 1 ? orBetweenNodes(first) : first;
 }
 

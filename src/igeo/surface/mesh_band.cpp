@@ -1,6 +1,7 @@
 #include <igeo/surface/mesh_band.h>
 
 #include <fmt/core.h>
+#include <igeo/band/detail/mesh_fan.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/surface/detail/mesh_bridges.h>
@@ -166,6 +167,22 @@ void addBesideOthers(const MeshBand& on, std::vector<NodeIndex>& rim) {
     }
 }
 
+/// At a sharp edge the nearest face is a tie: of the faces in a foot point, node i takes the one
+/// that turns away from its normal least.
+void chooseFaces(const MeshBand& on, Band& band) {
+    parallelFor(band.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto along = [&](std::uint32_t t) {
+                return dot(Vec3d(band.normal[i]), on.faceNormal[t]);
+            };
+            double most = along(band.triangle[i]);
+            if (most >= 0) continue;
+            for (const std::uint32_t t : trianglesAt(on.adjacency, on.foot(NodeIndex(i))))
+                if (along(t) > most) most = along(t), band.triangle[i] = t;
+        }
+    });
+}
+
 /// Adds straight lines, where links and bridges do not go on with the mesh.
 void addWays(const MeshBand& on, Band& band, Progress& progress) {
     const std::vector<NodeIndex> open = openOnMesh(on, progress);
@@ -209,9 +226,9 @@ Band bandFromMesh(const TriangleMesh& given, double dx, double h, Progress& prog
     progress.throwIfCancelled();
     band.markFacing();
     const MeshAdjacency adjacency(mesh, topology);
-    const std::vector<std::uint8_t> folds =
-        leavesThatFold(adjacency, normals.ofFace, nearLeaves, progress);
-    const MeshBand on{adjacency, normals.ofFace, nearLeaves, folds, band};
+    const std::vector<LeafBend> bends = bendsOf(adjacency, normals.ofFace, nearLeaves, progress);
+    const MeshBand on{adjacency, normals.ofFace, nearLeaves, bends, band};
+    chooseFaces(on, band);
     addBesideOthers(on, rim);
     band.numberCore(rim);
     severOffMesh(on, band, progress);

@@ -164,7 +164,7 @@ inline Jet blendFronts(const JetNeighbors& all, const BlendWeights& weight, bool
             best = jet;
     }
     if (!(best.u < kInfinity)) best = jetOf(heaviest);
-    best.usedFallback = nearFocus(all);
+    best.usedFallback = nearFocus(all), best.ofOneFront = false;
     return best;
 }
 

@@ -52,6 +52,7 @@ struct Jet {
     double u = kInfinity;
     Vec2f g;
     bool usedFallback = false;  ///< in doubt: from fermatUpdate, or blended beside a focus
+    bool ofOneFront = true;     ///< blended; else the first of several fronts
 };
 
 /// Up to 28 neighbors, each quantity in an array of its own, in groups of four for the vector

@@ -148,6 +148,17 @@ private:
     std::vector<std::uint32_t> sheetOf_;  ///< per node of the leaf: LeafSheets::evenSheetOf
 };
 
+/// Of the 27 voxels around one, that at a step.
+unsigned numberOf(const Ijk& step) { return unsigned(9 * step.x + 3 * step.y + step.z + 13); }
+/// A bit for each of them in the box that a step spans.
+std::uint32_t between(const Ijk& step) {
+    std::uint32_t box = 0;
+    for (const int x : {0, step.x})
+        for (const int y : {0, step.y})
+            for (const int z : {0, step.z}) box |= 1u << numberOf({x, y, z});
+    return box;
+}
+
 }  // namespace
 
 Vec3f chordOf(const Band& band, NodeIndex i, NodeIndex j) {
@@ -176,25 +187,28 @@ double flatLength(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j
     return double(length(frame.unfold(chord, band.normal[j], dot(band.normal[i], band.normal[j]))));
 }
 
-std::vector<std::uint8_t> leavesThatFold(const MeshAdjacency& adjacency,
-                                         const std::vector<Vec3d>& faceNormal,
-                                         const std::vector<NearLeaf>& leaves, Progress& progress) {
-    std::vector<std::uint8_t> folds(leaves.size());
-    auto foldsAt = [&](std::uint32_t t) {
-        bool any = false;
-        for (std::size_t k = 0; k < 3; ++k)
+std::vector<LeafBend> bendsOf(const MeshAdjacency& adjacency, const std::vector<Vec3d>& faceNormal,
+                              const std::vector<NearLeaf>& leaves, Progress& progress) {
+    constexpr double kSharp = 0.8;
+    std::vector<LeafBend> bends(leaves.size());
+    auto bendAt = [&](std::uint32_t t) {
+        LeafBend most = LeafBend::Slight;
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (!adjacency.isPlain(t, k)) most = std::max(most, LeafBend::Sharp);
             adjacency.forBeyond(t, k, [&](std::uint32_t u) {
-                any |= dot(faceNormal[t], faceNormal[u]) < double(Band::kOtherSheet);
+                const double cosine = dot(faceNormal[t], faceNormal[u]);
+                if (cosine < kSharp) most = std::max(most, LeafBend::Sharp);
+                if (cosine < double(Band::kOtherSheet)) most = LeafBend::Fold;
             });
-        return any;
+        }
+        return most;
     };
     parallelFor(leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t l = begin; l < end; ++l) {
-            const auto& triangles = leaves[l].triangles;
-            folds[l] = std::any_of(triangles.begin(), triangles.end(), foldsAt);
-        }
+        for (std::size_t l = begin; l < end; ++l)
+            for (const std::uint32_t t : leaves[l].triangles)
+                if (bends[l] != LeafBend::Fold) bends[l] = std::max(bends[l], bendAt(t));
     });
-    return folds;
+    return bends;
 }
 
 void severOffMesh(const MeshBand& on, Band& band, Progress& progress) {
@@ -222,19 +236,19 @@ void severOffMesh(const MeshBand& on, Band& band, Progress& progress) {
 }
 
 std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progress) {
-    constexpr float kBend = 0.985f, kRise = 0.1f;
+    constexpr float kBend = 0.985f, kRise = 0.1f, kAside = 0.1f;
     constexpr double kSame = 0.002, kShort = 1e-3;
     const Band& band = on.band;
     std::vector<std::vector<StretchedLink>> parts(band.leaves.size());
     auto isOnBend = [&](NodeIndex i) {
         return dot(Vec3d(band.normal[i]), on.faceNormal[on.voxel(i).triangle]) < double(kBend);
     };
-    auto measure = [&](NodeIndex i, NodeIndex j, const Ijk& step, bool mayFold, MeshWalk& walk,
+    auto measure = [&](NodeIndex i, NodeIndex j, const Ijk& step, bool mayLeave, MeshWalk& walk,
                        std::vector<StretchedLink>& found) {
         const float cosine = dot(band.normal[i], band.normal[j]);
         if (cosine < Band::kOtherSheet) return;
         const Vec3f chord = chordOf(band, i, j);
-        if (!mayFold && cosine > kBend && std::abs(dot(band.normal[i], chord)) < kRise &&
+        if (!mayLeave && cosine > kBend && std::abs(dot(band.normal[i], chord)) < kRise &&
             std::abs(dot(band.normal[j], chord)) < kRise && !isOnBend(i) && !isOnBend(j))
             return;
         const double along =
@@ -251,15 +265,32 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
     };
     parallelFor(band.leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
         MeshWalk walk(on.adjacency);
+        std::vector<std::pair<NodeIndex, Ijk>> links;
         for (std::size_t l = begin; l < end; ++l) {
             // Folds narrower than a voxel lie between nodes with normals alike.
-            const bool mayFold = on.folds[l];
-            band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned) {
-                if (!band.inCore(i)) return;
-                band.forNeighbors(&BandLeaf::band, i, [&](NodeIndex j, int x, int y, int z) {
-                    if (j > i && band.inCore(j) && !band.severed(i, j))
-                        measure(i, j, {x, y, z}, mayFold, walk, parts[l]);
-                });
+            const bool mayFold = on.bends[l] == LeafBend::Fold,
+                       mayLeave = on.bends[l] == LeafBend::Sharp;
+            band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned offset) {
+                if (band.leaves[l].core.node(offset) == kNoNode) return;
+                // The voxels around i that lie over the plane of its foot point.
+                std::uint32_t over = 1u << numberOf({});
+                const Vec3f& n = band.normal[i];
+                links.clear();
+                band.forNeighbors(
+                    &BandLeaf::band, LeafIndex(l), offset, [&](NodeIndex j, int x, int y, int z) {
+                        if (j > i) links.emplace_back(j, Ijk{x, y, z});
+                        if (!mayLeave) return;
+                        const Vec3f aside = band.footOf(j) + band.psi[j] * n;
+                        if (dot(n, band.normal[j]) > kBend && dot(aside, aside) < kAside * kAside)
+                            over |= 1u << numberOf({x, y, z});
+                    });
+                for (const auto& [j, step] : links) {
+                    if (!band.inCore(j) || band.severed(i, j)) continue;
+                    // In a plane, a link may cut the corner of a hole or of what stands there.
+                    const std::uint32_t box = between(step);
+                    const bool leaves = mayLeave && (over & box) != box;
+                    measure(i, j, step, mayFold || leaves, walk, parts[l]);
+                }
             });
         }
     });

@@ -10,12 +10,16 @@
 
 namespace igeo {
 
+/// How the mesh in a leaf bends most: less than 37 degrees at each edge; more, or it ends; or it
+/// turns back, by more than about 102 degrees.
+enum class LeafBend : std::uint8_t { Slight, Sharp, Fold };
+
 /// A mesh and the band made of it.
 struct MeshBand {
     const MeshAdjacency& adjacency;
     const std::vector<Vec3d>& faceNormal;
-    const std::vector<NearLeaf>& leaves;     ///< voxels in the order of the band's nodes
-    const std::vector<std::uint8_t>& folds;  ///< leavesThatFold
+    const std::vector<NearLeaf>& leaves;  ///< voxels in the order of the band's nodes
+    const std::vector<LeafBend>& bends;   ///< bendsOf
     const Band& band;
 
     const NearVoxel& voxel(NodeIndex i) const {
@@ -29,11 +33,9 @@ struct MeshBand {
     }
 };
 
-/// Per leaf: whether the mesh turns back at an edge in it, by more than about 102 degrees.
-/// Time O(triangles of the leaves), in parallel.
-std::vector<std::uint8_t> leavesThatFold(const MeshAdjacency& adjacency,
-                                         const std::vector<Vec3d>& faceNormal,
-                                         const std::vector<NearLeaf>& leaves, Progress& progress);
+/// Per leaf. Time O(triangles of the leaves), in parallel.
+std::vector<LeafBend> bendsOf(const MeshAdjacency& adjacency, const std::vector<Vec3d>& faceNormal,
+                              const std::vector<NearLeaf>& leaves, Progress& progress);
 
 /// From the foot point of node j to that of node i.
 Vec3f chordOf(const Band& band, NodeIndex i, NodeIndex j);

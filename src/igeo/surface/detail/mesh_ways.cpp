@@ -101,7 +101,7 @@ std::vector<NodeIndex> openOnMesh(const MeshBand& on, Progress& progress) {
     const Band& band = on.band;
     std::vector<NodeIndex> some;
     for (LeafIndex l = 0; l < band.leaves.size(); ++l) {
-        if (!on.folds[l]) continue;
+        if (on.bends[l] != LeafBend::Fold) continue;
         band.forNodes(l, [&](NodeIndex i, unsigned) {
             if (band.facing[i] & Band::kSevered && band.inCore(i)) some.push_back(i);
         });
