@@ -193,14 +193,12 @@ std::vector<LeafBend> bendsOf(const MeshAdjacency& adjacency, const std::vector<
     std::vector<LeafBend> bends(leaves.size());
     auto bendAt = [&](std::uint32_t t) {
         LeafBend most = LeafBend::Slight;
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (!adjacency.isPlain(t, k)) most = std::max(most, LeafBend::Sharp);
+        for (std::size_t k = 0; k < 3; ++k)
             adjacency.forBeyond(t, k, [&](std::uint32_t u) {
                 const double cosine = dot(faceNormal[t], faceNormal[u]);
                 if (cosine < kSharp) most = std::max(most, LeafBend::Sharp);
                 if (cosine < double(Band::kOtherSheet)) most = LeafBend::Fold;
             });
-        }
         return most;
     };
     parallelFor(leaves.size(), 16, progress, [&](std::size_t begin, std::size_t end) {
@@ -286,7 +284,8 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
                     });
                 for (const auto& [j, step] : links) {
                     if (!band.inCore(j) || band.severed(i, j)) continue;
-                    // In a plane, a link may cut the corner of a hole or of what stands there.
+                    // In a plane, a link may cut the corner of a wall that stands there, or falls
+                    // away.
                     const std::uint32_t box = between(step);
                     const bool leaves = mayLeave && (over & box) != box;
                     measure(i, j, step, mayFold || leaves, walk, parts[l]);

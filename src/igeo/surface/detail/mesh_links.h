@@ -10,8 +10,8 @@
 
 namespace igeo {
 
-/// How the mesh in a leaf bends most: less than 37 degrees at each edge; more, or it ends; or it
-/// turns back, by more than about 102 degrees.
+/// How much the mesh bends in a leaf: at each edge by less than 37 degrees; by more; or it turns
+/// back, by more than about 102 degrees.
 enum class LeafBend : std::uint8_t { Slight, Sharp, Fold };
 
 /// A mesh and the band made of it.
@@ -65,7 +65,8 @@ bool pagesMeetNear(const MeshBand& on, LeafIndex l);
 void severOffMesh(const MeshBand& on, Band& band, Progress& progress);
 
 /// Links of the core over bends of the mesh, with their lengths along it: where normals differ by
-/// more than 10 degrees and the walk is not as long as the path over the two tangent planes.
+/// more than 10 degrees, or voxels between lie over other faces, and the walk is not as long as the
+/// path over the two tangent planes.
 /// @throws Error  Cancelled through `progress`
 /// Time O(nodes), in parallel.
 /// @param on  its core numbered, links severed
