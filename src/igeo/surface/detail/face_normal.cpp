@@ -48,7 +48,8 @@ constexpr int sideOf(std::size_t octant, std::size_t axis) {
     return octant >> (2 - axis) & 1 ? 1 : -1;
 }
 
-/// Gradients of psi over tetrahedra.
+/// Gradients of psi over tetrahedra, or over triangles with the part out of their plane that makes
+/// them unit vectors.
 struct Gradients {
     alignas(32) std::array<float, 48> x, y, z;
     std::uint64_t unit = 0;  ///< bits: those of length 1
@@ -74,6 +75,15 @@ public:
         Gradients g;
         findGradients(g);
         Agreement most;
+        findMost(g, most);
+        if (most.count > kEnough) return most;
+        findInPlanes(g);
+        findMost(g, most);
+        return most;
+    }
+
+private:
+    IGEO_INLINE void findMost(const Gradients& g, Agreement& most) const {
         Vec3f last{};
         for (std::uint64_t bits = g.unit; bits; bits &= bits - 1) {
             const auto k = std::size_t(std::countr_zero(bits));
@@ -85,10 +95,35 @@ public:
             const float count = agreeing(candidate);
             if (count > most.count) most = {candidate, count};
         }
-        return most;
     }
 
-private:
+    /// Over a voxel and two face neighbors with which the edge neighbor beside both agrees. The
+    /// plane says no side: that of the difference across it counts.
+    IGEO_INLINE void findInPlanes(Gradients& g) const {
+        const std::array<float*, 3> to{g.x.data(), g.y.data(), g.z.data()};
+        g.unit = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const std::size_t a = (c + 1) % 3, b = (c + 2) % 3;
+            const auto riseAt = [&](int sideA, int sideB, int sideC) {
+                std::array<int, 3> step{};
+                step[a] = sideA, step[b] = sideB, step[c] = sideC;
+                return rise_[placeOf(step[0], step[1], step[2])];
+            };
+            const float across = riseAt(0, 0, 1) - riseAt(0, 0, -1);
+            for (std::size_t k = 0; k < 4; ++k) {
+                const int sideA = k & 1 ? 1 : -1, sideB = k & 2 ? 1 : -1;
+                const float first = riseAt(sideA, 0, 0), second = riseAt(0, sideB, 0),
+                            rest = 1 - first * first - second * second;
+                if (!(rest >= 0 && std::abs(across) > 0 &&
+                      std::abs(riseAt(sideA, sideB, 0) - first - second) < kOffPlane))
+                    continue;
+                const std::size_t at = 4 * c + k;
+                to[a][at] = float(sideA) * first, to[b][at] = float(sideB) * second;
+                to[c][at] = std::copysign(std::sqrt(rest), across);
+                g.unit |= std::uint64_t(1) << at;
+            }
+        }
+    }
     IGEO_INLINE void findGradients(Gradients& g) const {
         alignas(32) std::array<PerOctant, 3> face, edge,
             side;  // edge: by the axis that it is across
