@@ -284,8 +284,7 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
                     });
                 for (const auto& [j, step] : links) {
                     if (!band.inCore(j) || band.severed(i, j)) continue;
-                    // In a plane, a link may cut the corner of a wall on it, or of one that falls
-                    // away. away.
+                    // In a plane, a link may cut the corner of a wall on it or below.
                     const std::uint32_t box = between(step);
                     const bool leaves = mayLeave && (over & box) != box;
                     measure(i, j, step, mayFold || leaves, walk, parts[l]);
