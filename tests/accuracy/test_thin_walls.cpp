@@ -334,9 +334,11 @@ TEST_CASE("thin walls: distances near points, curves and groups beside a wall of
                     return fromVdb(Vec3d(x, y, z));
                 };
                 const GeodesicSolver solver(Surface(*makeLevelSet(part.shape(), *turned(turn), 3)));
+                // Here all voxels that show a wall lie in one plane of the lattice.
+                const int rounds = t == 3 && high == -2 && turn == 3 ? 40 : 3;
                 for (const Kind kind : {Point, Along, Group}) {
                     Random random(static_cast<unsigned>(7 + turn));
-                    for (int k = 0; k < 12; ++k) {
+                    for (int k = 0; k < 4 * rounds; ++k) {
                         // Rounds that had the largest errors.
                         if (k % 4 == 0 && k > 0)
                             random = Random(static_cast<unsigned>(7 + turn + 1000 * (k / 4 + 2)));
@@ -372,13 +374,15 @@ TEST_CASE("thin walls: distances near points, curves and groups beside a wall of
                 low, most, off, count);
     CHECK(count > 40000);
     // Measured 0.44; 0.59 by links that cut corners, 0.70 where a seed saw a face through the
-    // corner before it, 0.81 where a neighbor over a sharp edge was taken for one on a bend.
+    // corner before it, 0.81 where a neighbor over a sharp edge was taken for one on a bend, 0.68
+    // where normals of narrow faces mixed in the next one.
     CHECK(low > -0.66);
     // Measured 0.38; 0.75 without discs over faces whose normals turn beside an edge, 1.18 where
     // the nearest segment of a curve lay over an edge and one further along did not.
     CHECK(most < 0.48);
     // Measured 0; 0.000006 by links that cut corners, 0.00006 where a seed saw a face through the
-    // corner before it, 0.00012 where normals beside edges mixed faces.
+    // corner before it, 0.00012 where normals beside edges mixed faces, 0.00005 where those of narrow
+    // faces did.
     CHECK(double(off) < 0.00001 * double(count));
 }
 
