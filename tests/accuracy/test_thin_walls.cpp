@@ -381,8 +381,8 @@ TEST_CASE("thin walls: distances near points, curves and groups beside a wall of
     // the nearest segment of a curve lay over an edge and one further along did not.
     CHECK(most < 0.48);
     // Measured 0; 0.000006 by links that cut corners, 0.00006 where a seed saw a face through the
-    // corner before it, 0.00012 where normals beside edges mixed faces, 0.00005 where those of narrow
-    // faces did.
+    // corner before it, 0.00012 where normals beside edges mixed faces, 0.00005 where those of
+    // narrow faces did.
     CHECK(double(off) < 0.00001 * double(count));
 }
 
