@@ -40,7 +40,7 @@ std::vector<std::string> densityWarnings(const CloudDensity& density, const std:
     if (density.facing > 0.02)
         warnings.push_back(
             fmt::format("{}: on {} of the surface another sheet is within three spacings; folds "
-                        "may close there and distances be too short; take more points",
+                        "may close there and distances be off; take more points",
                         file, percent(density.facing)));
     if (density.conflicts > 0.01)
         warnings.push_back(file + ": " + percent(density.conflicts) +
