@@ -148,14 +148,12 @@ private:
     std::vector<std::uint32_t> sheetOf_;  ///< per node of the leaf: LeafSheets::evenSheetOf
 };
 
-/// Of the 27 voxels around one, that at a step.
-unsigned numberOf(const Ijk& step) { return unsigned(9 * step.x + 3 * step.y + step.z + 13); }
-/// A bit for each of them in the box that a step spans.
-std::uint32_t between(const Ijk& step) {
+/// SeveredLinks::bit of the voxels in the box that a step spans.
+std::uint32_t boxOf(const Ijk& step) {
     std::uint32_t box = 0;
     for (const int x : {0, step.x})
         for (const int y : {0, step.y})
-            for (const int z : {0, step.z}) box |= 1u << numberOf({x, y, z});
+            for (const int z : {0, step.z}) box |= SeveredLinks::bit(x, y, z);
     return box;
 }
 
@@ -271,7 +269,7 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
             band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned offset) {
                 if (band.leaves[l].core.node(offset) == kNoNode) return;
                 // The voxels around i that lie over the plane of its foot point.
-                std::uint32_t over = 1u << numberOf({});
+                std::uint32_t over = SeveredLinks::bit(0, 0, 0);
                 const Vec3f& n = band.normal[i];
                 links.clear();
                 band.forNeighbors(
@@ -280,12 +278,14 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
                         if (!mayLeave) return;
                         const Vec3f aside = band.footOf(j) + band.psi[j] * n;
                         if (dot(n, band.normal[j]) > kBend && dot(aside, aside) < kAside * kAside)
-                            over |= 1u << numberOf({x, y, z});
+                            over |= SeveredLinks::bit(x, y, z);
                     });
+                const std::uint32_t severed = band.severedSteps(i);
                 for (const auto& [j, step] : links) {
-                    if (!band.inCore(j) || band.severed(i, j)) continue;
+                    const auto& [x, y, z] = step;
+                    if (!band.inCore(j) || severed & SeveredLinks::bit(x, y, z)) continue;
                     // In a plane, a link may cut the corner of a wall on it or below.
-                    const std::uint32_t box = between(step);
+                    const std::uint32_t box = boxOf(step);
                     const bool leaves = mayLeave && (over & box) != box;
                     measure(i, j, step, mayFold || leaves, walk, parts[l]);
                 }
