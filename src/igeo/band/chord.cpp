@@ -9,7 +9,7 @@ constexpr int kHalvings = 4;
 /// The length of a path on S between two points, by halving the chord; +infinity where none is
 /// found.
 double lengthAlong(const Band& band, const Vec3d& a, const Vec3d& b, int halvings) {
-    constexpr double kStep = 0.75;  // voxels
+    constexpr double kStep = 0.5;  // voxels
     const double chord = length(b - a);
     if (chord <= kStep) return chord;
     Vec3d middle = 0.5 * (a + b);

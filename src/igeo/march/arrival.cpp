@@ -157,8 +157,9 @@ private:
 
 template <typename IsOf>
 Straight Reader::straight(double d, const IsOf& isOf) const {
-    // Between the corners the tip of the cone is blunt; by more, the front went around something.
-    constexpr double kOtherPath = 1.2, kBlunt = 0.5;  // kBlunt: voxels
+    // Between the corners the tip of the cone is blunt, between several tips the more; where a
+    // value is larger by more, the front went around something.
+    constexpr double kOtherPath = 1.2, kBlunt = 1;  // kBlunt: voxels
     const double leastCost = field_.lines.leastCost();
     const double here = metric_.anisotropic() ? 1 : metric_.at(cell_);
     Straight least;

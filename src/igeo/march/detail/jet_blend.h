@@ -122,24 +122,26 @@ inline BlendedFront blendFront(const JetNeighbors& all, const BlendWeights& weig
 
 /// Whether a front may pass the origin. It comes from somewhere: one of its neighbors lies behind
 /// the origin, not beyond it, if they have less than half of the weight. And it comes no earlier
-/// than the values of other neighbors allow, less the lines from there, if those have more weight.
+/// than the values of other neighbors allow, less the lines from there, if those have more weight;
+/// hardly earlier, if it has hardly any.
 /// Beside a seed values at nodes over an edge may be too large: there it may pass, unless it has
 /// hardly any weight, or a little and comes from nowhere, or less than half of those against it.
 inline bool mayPass(const BlendedFront& front, const JetNeighbors& all, const BlendWeights& weight,
                     bool besideSeed) {
-    constexpr float kBeyond = 0.1f, kEarlier = 0.25f;  // voxels
+    constexpr float kBeyond = 0.1f, kEarlier = 0.25f, kEarlierFaint = 0.05f;  // voxels
     constexpr float kHardly = 0.1f, kFromElsewhere = 0.25f, kHalf = 0.5f;
     bool comes = false;
     float others = 0, against = 0;
     for (int k = 0; k < all.count(); ++k) {
-        const float w = weight[std::size_t(k)];
-        if (front.own[std::size_t(k)]) {
+        if (front.own[std::size_t(k)])
             comes |= dot(all.g(k), all.a(k)) > -kBeyond;
-        } else {
-            others += w;
-            if (all.u(k) - length(all.a(k)) > front.u + kEarlier) against += w;
-        }
+        else
+            others += weight[std::size_t(k)];
     }
+    const float earlier = front.weight < kHardly * others ? kEarlierFaint : kEarlier;
+    for (int k = 0; k < all.count(); ++k)
+        if (!front.own[std::size_t(k)] && all.u(k) - length(all.a(k)) > front.u + earlier)
+            against += weight[std::size_t(k)];
     if (besideSeed && front.weight >= (comes ? kHardly : kFromElsewhere) * others &&
         front.weight >= kHalf * against)
         return true;

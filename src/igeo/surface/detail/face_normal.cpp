@@ -17,7 +17,10 @@ constexpr float kOffPlane = 0.015f, kPerOff2 = 1 / (kOffPlane * kOffPlane);
 /// round side one may where the edge is the nearest point of S, and the more, the farther from S.
 /// There kEnough will do within a voxel of S where the foot point on the plane lies on S, by psi
 /// within kOnFoot voxels: those of planes that fit by chance lie beyond the edge.
-constexpr float kEnough = 7, kOnRoundSide = 9, kPerVoxel = 6, kOnFoot = 0.2f;
+constexpr float kEnough = 6.5f, kOnRoundSide = 9, kPerVoxel = 6, kOnFoot = 0.2f;
+/// A gradient made of differences over several faces is of length 1 by chance, and hardly ever as
+/// closely as that of a plane: it counts this less per unit that its length is off 1.
+constexpr float kPerOffUnit = 200;
 
 /// The voxels around one and numbers without meaning: 13 of the voxels, and as far behind each the
 /// one opposite.
@@ -55,7 +58,7 @@ struct Gradients {
     std::uint64_t unit = 0;  ///< bits: those of length 1
 };
 
-/// A gradient and how many neighbors agree with it.
+/// A gradient and how many neighbors agree with it, less kPerOffUnit.
 struct Agreement {
     Vec3f gradient{};
     float count = 0;
@@ -76,9 +79,11 @@ public:
         findGradients(g);
         Agreement most;
         findMost(g, most);
-        if (most.count > kEnough) return most;
-        findInPlanes(g);
-        findMost(g, most);
+        if (most.count <= kEnough) {
+            findInPlanes(g);
+            findMost(g, most);
+        }
+        turnAcross(most);
         return most;
     }
 
@@ -92,8 +97,26 @@ private:
             constexpr float kSame2 = 1e-8f;
             if (const Vec3f off = candidate - last; dot(off, off) < kSame2) continue;
             last = candidate;
-            const float count = agreeing(candidate);
+            const float count = agreeing(candidate) - kPerOffUnit * std::abs(length(candidate) - 1);
             if (count > most.count) most = {candidate, count};
+        }
+    }
+
+    /// Where hardly any voxel that agrees lies off one plane of the lattice, they say no side: that
+    /// of the difference across it counts.
+    IGEO_INLINE void turnAcross(Agreement& most) const {
+        constexpr float kInPlane = 12, kFew = 1.5f;
+        if (most.count > kInPlane) return;
+        for (std::size_t c = 0; c < 3; ++c) {
+            std::array<int, 3> step{};
+            step[c] = 1;
+            const float across = rise_[placeOf(step[0], step[1], step[2])] -
+                                 rise_[placeOf(-step[0], -step[1], -step[2])];
+            Vec3f turned = most.gradient;
+            turned[int(c)] = -turned[int(c)];
+            if (!(across * turned[int(c)] > 0)) continue;
+            const float count = agreeing(turned);
+            if (count > kEnough && count > most.count - kFew) most = {turned, count};
         }
     }
 

@@ -22,7 +22,7 @@ constexpr double kAtSurface = 0.03, kSlack = 0.3, kMostOff = 0.5, kSpacing = 0.2
 /// Where normals are alike (the cosine is above kAlike), psi keeps this share of its value on the
 /// chord beyond the surface in a wall, up to a taper of 20 degrees. In the wedge of a groove, and
 /// where foot points are off, it falls towards S.
-constexpr double kKept = 0.7, kAlike = 0.6;
+constexpr double kKept = 0.65, kAlike = 0.6;
 
 /// Sine of the angle by which normals on a clearly convex part turn away from each other.
 constexpr double kTurn = 0.2;
