@@ -58,7 +58,7 @@ struct Gradients {
     std::uint64_t unit = 0;  ///< bits: those of length 1
 };
 
-/// A gradient and how many neighbors agree with it, less kPerOffUnit.
+/// A gradient and how many neighbors agree with it; of a candidate, less by kPerOffUnit.
 struct Agreement {
     Vec3f gradient{};
     float count = 0;
@@ -102,19 +102,23 @@ private:
         }
     }
 
+    /// psi at the next voxel along an axis less psi at the one before.
+    IGEO_INLINE float across(int axis) const {
+        constexpr std::array<std::size_t, 3> kNext{placeOf(1, 0, 0), placeOf(0, 1, 0),
+                                                   placeOf(0, 0, 1)};
+        const std::size_t next = kNext[std::size_t(axis)];
+        return rise_[next] - rise_[kHalf + next];
+    }
+
     /// Where hardly any voxel that agrees lies off one plane of the lattice, they say no side: that
     /// of the difference across it counts.
     IGEO_INLINE void turnAcross(Agreement& most) const {
         constexpr float kInPlane = 12, kFew = 1.5f;
         if (most.count > kInPlane) return;
-        for (std::size_t c = 0; c < 3; ++c) {
-            std::array<int, 3> step{};
-            step[c] = 1;
-            const float across = rise_[placeOf(step[0], step[1], step[2])] -
-                                 rise_[placeOf(-step[0], -step[1], -step[2])];
+        for (int c = 0; c < 3; ++c) {
             Vec3f turned = most.gradient;
-            turned[int(c)] = -turned[int(c)];
-            if (!(across * turned[int(c)] > 0)) continue;
+            turned[c] = -turned[c];
+            if (!(across(c) * turned[c] > 0)) continue;
             const float count = agreeing(turned);
             if (count > kEnough && count > most.count - kFew) most = {turned, count};
         }
@@ -132,17 +136,17 @@ private:
                 step[a] = sideA, step[b] = sideB, step[c] = sideC;
                 return rise_[placeOf(step[0], step[1], step[2])];
             };
-            const float across = riseAt(0, 0, 1) - riseAt(0, 0, -1);
+            const float side = across(int(c));
             for (std::size_t k = 0; k < 4; ++k) {
                 const int sideA = k & 1 ? 1 : -1, sideB = k & 2 ? 1 : -1;
                 const float first = riseAt(sideA, 0, 0), second = riseAt(0, sideB, 0),
                             rest = 1 - first * first - second * second;
-                if (!(rest >= 0 && std::abs(across) > 0 &&
+                if (!(rest >= 0 && std::abs(side) > 0 &&
                       std::abs(riseAt(sideA, sideB, 0) - first - second) < kOffPlane))
                     continue;
                 const std::size_t at = 4 * c + k;
                 to[a][at] = float(sideA) * first, to[b][at] = float(sideB) * second;
-                to[c][at] = std::copysign(std::sqrt(rest), across);
+                to[c][at] = std::copysign(std::sqrt(rest), side);
                 g.unit |= std::uint64_t(1) << at;
             }
         }

@@ -16,9 +16,9 @@ namespace igeo {
 /// a face neighbor, an edge neighbor beside that and a corner neighbor beside both, of length 1. On
 /// a face that is hardly wider than two voxels all that show it may lie in one plane of the
 /// lattice: where too few agree with those candidates, gradients within such planes count,
-/// completed to length 1. The one with which most neighbors agree counts, if it is enough of them:
-/// on curved parts of S, and where the edge itself is the nearest point of S, there is none.
-/// Neighbors may be missing.
+/// completed to length 1. The one with which most neighbors agree counts, the less the more its
+/// length is off 1, if it is enough of them: on curved parts of S, and where the edge itself is the
+/// nearest point of S, there is none. Neighbors may be missing.
 /// @param block  gathered with its corners
 /// Time O(1), some hundred instructions per candidate.
 std::optional<Vec3f> faceNormal(const LeafBlock& block, int x, int y, int z);
