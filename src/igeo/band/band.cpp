@@ -398,6 +398,21 @@ PsiSample sampleAtRim(const Band& band, const BandCell& cell) {
 
 }  // namespace
 
+double psiAt(const Band& band, const Vec3d& p) {
+    const BandCell cell = cellAt(band, p);
+    if (!cell.complete) {
+        const PsiSample s = sampleAtRim(band, cell);
+        return s.valid ? s.psi : std::numeric_limits<double>::quiet_NaN();
+    }
+    double psi = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        const NodeIndex i = cell.node[k];
+        psi += cell.weight[k] *
+               (double(band.psi[i]) + dot(Vec3d(band.normal[i]), fromCorner(cell, k)) / 2);
+    }
+    return psi;
+}
+
 PsiSample samplePsi(const Band& band, const Vec3d& p) {
     PsiSample s;
     const BandCell cell = cellAt(band, p);

@@ -466,6 +466,8 @@ struct PsiSample {
     Vec3d gradient;      ///< of the blend, about 1 long
 };
 PsiSample samplePsi(const Band& band, const Vec3d& pIndex);
+/// Its psi alone, in half the time; NaN where it is not valid.
+double psiAt(const Band& band, const Vec3d& pIndex);
 
 /// Moves a position near S onto it: to the nearest point of the band's triangles, or to psi = 0 by
 /// Newton steps along grad psi (samplePsi).

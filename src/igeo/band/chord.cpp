@@ -21,8 +21,8 @@ double lengthAlong(const Band& band, const Vec3d& a, const Vec3d& b, int halving
 
 bool staysNearPsi(const Band& band, const Vec3d& from, const Vec3d& chord, int parts, double most) {
     for (int k = 1; k < parts; ++k) {
-        const PsiSample s = samplePsi(band, from + (double(k) / parts) * chord);
-        if (!s.valid || std::abs(s.psi) > most) return false;
+        const double psi = psiAt(band, from + (double(k) / parts) * chord);
+        if (!(std::abs(psi) <= most)) return false;
     }
     return true;
 }
@@ -35,8 +35,7 @@ bool runsInPlane(const Band& band, const Vec3d& from, const Vec3d& chord, const 
 
 bool psiJoins(const Band& band, const Vec3d& p, const Vec3d& foot) {
     constexpr double kLonger = 1.2, kRoom = 0.1, kOff = 0.35;  // but kLonger: voxels
-    const PsiSample s = samplePsi(band, foot);
-    return !(s.valid && std::abs(s.psi) > kOff) &&
+    return !(std::abs(psiAt(band, foot)) > kOff) &&
            lengthAlong(band, p, foot, kHalvings) <= kLonger * length(foot - p) + kRoom;
 }
 

@@ -13,8 +13,9 @@ struct Nearest {
     NodeIndex node = kNoNode;
     double squared = kInfinity;
 
-    void consider(const Band& band, NodeIndex i, const Vec3d& p) {
-        const Vec3d r = band.footPoint(i) - p;
+    /// @param foot  of node i
+    void consider(NodeIndex i, const Vec3d& foot, const Vec3d& p) {
+        const Vec3d r = foot - p;
         const double s = dot(r, r);
         if (s < squared || (s == squared && i < node)) squared = s, node = i;
     }
@@ -26,7 +27,7 @@ Nearest nearestAmongAll(const Band& band, const Vec3d& p) {
     parallelFor(slots.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t c = begin; c < end; ++c)
             for (std::size_t i = c * kChunk; i < std::min(band.size(), (c + 1) * kChunk); ++i)
-                slots[c].consider(band, NodeIndex(i), p);
+                slots[c].consider(NodeIndex(i), band.footPoint(NodeIndex(i)), p);
     });
     Nearest best;
     for (const Nearest& s : slots)
@@ -35,14 +36,23 @@ Nearest nearestAmongAll(const Band& band, const Vec3d& p) {
     return best;
 }
 
-/// Calls visit(i) for the nodes among the 5^3 voxels around a position.
+/// Calls visit(i, foot) for the nodes among the 5^3 voxels around a position, and their foot
+/// points.
 template <typename Visit>
 void forNodesAround(const Band& band, const Vec3d& p, const Visit& visit) {
+    constexpr int kReach = 2;
     const Ijk center = roundToIjk(p);
-    for (int x = -2; x <= 2; ++x)
-        for (int y = -2; y <= 2; ++y)
-            for (int z = -2; z <= 2; ++z)
-                if (const NodeIndex i = band.nodeAt(center + Ijk{x, y, z}); i != kNoNode) visit(i);
+    const auto visitAt = [&](NodeIndex i, const Ijk& step) {
+        visit(i, Vec3d(center + step) + Vec3d(band.footOf(i)));
+    };
+    if (const LeafIndex l = band.leafAt(center); l != kNoLeaf)
+        return band.forBox(&BandLeaf::band, l, Band::offsetOf(center.x, center.y, center.z), {},
+                           kReach, visitAt);
+    for (int x = -kReach; x <= kReach; ++x)
+        for (int y = -kReach; y <= kReach; ++y)
+            for (int z = -kReach; z <= kReach; ++z)
+                if (const NodeIndex i = band.nodeAt(center + Ijk{x, y, z}); i != kNoNode)
+                    visitAt(i, {x, y, z});
 }
 
 /// @param sheetNormal  nodes whose normals oppose it are left out
@@ -50,8 +60,8 @@ Nearest nearestAround(const Band& band, const Vec3d& p, const Vec3d& sheetNormal
     Nearest best;
     // Positions outside the range of Ijk are far from every voxel.
     if (!hasIjk(p)) return best;
-    forNodesAround(band, p, [&](NodeIndex i) {
-        if (dot(Vec3f(sheetNormal), band.normal[i]) >= Band::kOtherSheet) best.consider(band, i, p);
+    forNodesAround(band, p, [&](NodeIndex i, const Vec3d& foot) {
+        if (dot(Vec3f(sheetNormal), band.normal[i]) >= Band::kOtherSheet) best.consider(i, foot, p);
     });
     // Beyond 1.5 voxels another foot point may be nearer, of a voxel outside the 5^3.
     return best.squared < 1.5 * 1.5 ? best : Nearest{};
@@ -70,8 +80,8 @@ Nearest nearestNode(const Band& band, const Vec3d& p) {
 NodeIndex nodeOnSheet(const Band& band, const SurfaceTriangles::Place& at) {
     const Vec3d normal = band.triangles->normal(at.triangle);
     std::vector<std::pair<float, NodeIndex>> nodes;
-    forNodesAround(band, at.point, [&](NodeIndex i) {
-        const Vec3d chord = band.footPoint(i) - at.point;
+    forNodesAround(band, at.point, [&](NodeIndex i, const Vec3d& foot) {
+        const Vec3d chord = foot - at.point;
         const double rise = dot(chord, normal);
         // The normal of the band may be opposite to that of the triangle.
         const double turn = 1 - std::abs(dot(Vec3d(band.normal[i]), normal));

@@ -166,10 +166,8 @@ private:
     /// Whether psi is 0 along the chord from the seed, or nearly so, where the band has it.
     bool isNearPsi(const Vec3d& from, const Vec3d& foot) const {
         constexpr double kOff = 0.3;
-        for (const double t : {1.0 / 3, 2.0 / 3}) {
-            const PsiSample s = samplePsi(core_.band, from + t * (foot - from));
-            if (s.valid && std::abs(s.psi) > kOff) return false;
-        }
+        for (const double t : {1.0 / 3, 2.0 / 3})
+            if (std::abs(psiAt(core_.band, from + t * (foot - from))) > kOff) return false;
         return true;
     }
     void visitNeighbors(const Step& from) {
@@ -240,10 +238,8 @@ bool overOneEdge(const Band& band, const Vec3d& from, const Vec3d& to, const Vec
     if (!(sum > 0)) return false;
     const Vec3d edge = from + (here / sine) * (nTo - cosine * n) +
                        (std::abs(here) / sum * dot(along, chord)) * along;
-    for (const Vec3d& end : {from, to}) {
-        const PsiSample s = samplePsi(band, 0.5 * (end + edge));
-        if (!s.valid || std::abs(s.psi) > kOnFace) return false;
-    }
+    for (const Vec3d& end : {from, to})
+        if (!(std::abs(psiAt(band, 0.5 * (end + edge))) <= kOnFace)) return false;
     return true;
 }
 

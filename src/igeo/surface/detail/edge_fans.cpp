@@ -1,7 +1,5 @@
 #include <igeo/surface/detail/edge_fans.h>
 
-#include <igeo/band/surface_point.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -61,10 +59,7 @@ void addFan(const Band& band, const FanNode& here, std::vector<NodeIndex>& core)
     });
     if (!FarNormals(band, i, {linked.data(), count}).oppose()) return;
 
-    const auto isNearSurface = [&](const Vec3d& p) {
-        const PsiSample s = samplePsi(band, p);
-        return s.valid && std::abs(s.psi) < kOff;
-    };
+    const auto isNearSurface = [&](const Vec3d& p) { return std::abs(psiAt(band, p)) < kOff; };
     const Vec3d foot = band.footPoint(i);
     if (!isNearSurface(foot)) return;
     const NodeIndex* const end =

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstring>
 
 namespace igeo {
 
@@ -33,6 +34,40 @@ public:
         return atFar(cell, p - Vec3d(cell));
     }
 
+    /// At points side by side, as they lie from low().
+    template <int Width>
+    IGEO_INLINE auto at(const VectorLanes<Width>& p) const {
+        using V = typename Registers<Width>::Vector;
+        using Integers = typename Registers<Width>::Integers;
+        const V zero{}, end = zero + (kEdge - 1);
+        if (any((p.x < zero) | (p.y < zero) | (p.z < zero) | (p.x >= end) | (p.y >= end) |
+                (p.z >= end)))
+            return atEach<Width>(p);
+        const Integers x = __builtin_convertvector(p.x, Integers),
+                       y = __builtin_convertvector(p.y, Integers),
+                       z = __builtin_convertvector(p.z, Integers),
+                       cell = (x * kEdge + y) * kEdge + z;
+        const V tx = p.x - __builtin_convertvector(x, V), ty = p.y - __builtin_convertvector(y, V),
+                tz = p.z - __builtin_convertvector(z, V);
+        V across[2];
+        for (std::size_t k = 0; k < 2; ++k) {
+            // The corners of a face of each cell.
+            V corner[4];
+            float face[Width][4];
+            for (int lane = 0; lane < Width; ++lane) {
+                const float* low = &value_[std::size_t(cell[lane]) + k * kSteps[0]];
+                std::memcpy(face[lane], low, 2 * sizeof(float));
+                std::memcpy(face[lane] + 2, low + kSteps[1], 2 * sizeof(float));
+            }
+            loadFours<Width>([&](int lane) { return face[lane]; }, corner);
+            const V first = corner[0] + tz * (corner[1] - corner[0]),
+                    second = corner[2] + tz * (corner[3] - corner[2]);
+            across[k] = first + ty * (second - first);
+        }
+        return across[0] + tx * (across[1] - across[0]);
+    }
+    const Ijk& low() const { return low_; }
+
     /// A voxel at most kMargin away from the leaf, whose first voxel is (0, 0, 0).
     float voxel(const Ijk& v) const { return value_[indexOf(v + Ijk{kMargin, kMargin, kMargin})]; }
 
@@ -43,6 +78,14 @@ private:
 
     static constexpr std::size_t indexOf(const Ijk& v) {
         return std::size_t((v.x * kEdge + v.y) * kEdge + v.z);
+    }
+    /// The same, one by one: some may lie far from the leaf.
+    template <int Width>
+    IGEO_INLINE auto atEach(const VectorLanes<Width>& p) const {
+        typename Registers<Width>::Vector values;
+        for (int lane = 0; lane < Width; ++lane)
+            values[lane] = float(at(Vec3d(low_) + Vec3d{p.x[lane], p.y[lane], p.z[lane]}));
+        return values;
     }
     /// Far from the leaf.
     double atFar(const Ijk& cell, const Vec3d& t) const {

@@ -17,69 +17,102 @@ namespace {
 /// Voxels. Below kAtSurface a point is on S: in a wall of one voxel the interpolant of psi is
 /// hardly larger. kSlack covers errors of foot points and normals beside creases. At corners foot
 /// points are up to 0.48 off the interpolant's zero set; up to kMostOff of this is compensated.
-constexpr double kAtSurface = 0.03, kSlack = 0.3, kMostOff = 0.5, kSpacing = 0.25;
+constexpr float kAtSurface = 0.03f, kSlack = 0.3f, kMostOff = 0.5f, kSpacing = 0.25f;
 
 /// Where normals are alike (the cosine is above kAlike), psi keeps this share of its value on the
 /// chord beyond the surface in a wall, up to a taper of 20 degrees. In the wedge of a groove, and
 /// where foot points are off, it falls towards S.
-constexpr double kKept = 0.65, kAlike = 0.6;
+constexpr float kKept = 0.65f, kAlike = 0.6f;
 
 /// Sine of the angle by which normals on a clearly convex part turn away from each other.
 constexpr double kTurn = 0.2;
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// The bit of the side of S on which psi has this sign.
 unsigned sideOf(double psi) { return psi < 0 ? 1 : 2; }
 
-/// Whether the chord between foot points passes through a wall or across a slot.
-/// @param a, b  the unit normals at its ends
-/// @param sides  bits of the sides of S on which sheets meet: beyond a rim that the interpolant
-///               cuts off there is no slot
+/// A chord between foot points, and what is needed to see whether it passes through a wall or
+/// across a slot.
+struct Chord {
+    Vec3d from, along;
+    Vec3d a, b;      ///< the unit normals at its ends
+    unsigned sides;  ///< bits of the sides of S on which sheets meet: beyond a rim that the
+                     ///< interpolant cuts off there is no slot
+};
+
+/// Looks at so many points of the chord at a time.
 /// @param offFrom  |psi| at `from`, or NaN: then it is set once it is needed
-bool runsThroughWall(const PsiAround& psi, const Vec3d& from, const Vec3d& chord, const Vec3d& a,
-                     const Vec3d& b, unsigned sides, double& offFrom) {
-    const Vec3d mean = normalized(a + b);
-    const double alongA = dot(a, chord), alongB = dot(b, chord), cosine = dot(mean, a);
-    const double turn = kTurn * length(chord);
-    const double kept = dot(a, b) > kAlike ? kKept : 0;
-    const int pieces = int(std::ceil(length(chord) / kSpacing));
-    double offTo = kUnknown;
-    for (int k = 1; k < pieces; ++k) {
-        const double t = double(k) / pieces;
-        const Vec3d p = from + t * chord;
-        const double value = psi.at(p), sign = value < 0 ? -1 : 1;
-        if (!(std::abs(value) > kAtSurface) || !(sides & sideOf(value))) continue;
-        // At rims that the interpolant cuts off, the chord of a convex part lies outside of S.
-        if (-sign * alongA > turn && sign * alongB > turn) continue;
+template <int Width>
+IGEO_INLINE bool passesWall(const PsiAround& psi, const Chord& chord, float& offFrom) {
+    using V = typename Registers<Width>::Vector;
+    const V zero{}, one = zero + 1;
+    const auto same = [&](const Vec3d& v) {
+        return VectorLanes<Width>{zero + float(v.x), zero + float(v.y), zero + float(v.z)};
+    };
+    const Vec3d middle = normalized(chord.a + chord.b);
+    const VectorLanes<Width> from = same(chord.from - Vec3d(psi.low())), along = same(chord.along),
+                             mean = same(middle);
+    const double length = igeo::length(chord.along);
+    const auto alongA = float(dot(chord.a, chord.along)), alongB = float(dot(chord.b, chord.along)),
+               cosine = float(dot(middle, chord.a)), turn = float(kTurn * length),
+               kept = dot(chord.a, chord.b) > kAlike ? kKept : 0.0f;
+    const int inside = chord.sides & 1 ? -1 : 0, outside = chord.sides & 2 ? -1 : 0,
+              pieces = int(std::ceil(length / kSpacing));
+    float offTo = kUnknown;
+    for (int k = 1; k < pieces; k += Width) {
+        V part;
+        for (int lane = 0; lane < Width; ++lane) part[lane] = float(k + lane);
+        part /= float(pieces);
+        const V t = part < one ? part : one;
+        const VectorLanes<Width> p = from + along * t;
+        const V value = psi.at(p), size = absolute(value), sign = value < 0 ? -one : one;
+        auto found = (part < one) & (size > kAtSurface) & (value < 0 ? inside : outside) &
+                     // At rims that the interpolant cuts off, the chord of a convex part lies
+                     // outside of S.
+                     ~((-sign * alongA > turn) & (sign * alongB > turn));
+        if (!any(found)) continue;
+        if (std::isnan(offFrom)) offFrom = float(std::abs(psi.at(chord.from)));
+        if (std::isnan(offTo)) offTo = float(std::abs(psi.at(chord.from + chord.along)));
         // The distance to the nearer plane along the mean normal, if both are on this side of S.
-        const double toPlanes =
-            std::max(0.0, std::min(sign * t * alongA, -sign * (1 - t) * alongB)) / cosine;
-        if (std::isnan(offFrom)) offFrom = std::abs(psi.at(from));
-        if (std::isnan(offTo)) offTo = std::abs(psi.at(from + chord));
-        const double off = (1 - t) * offFrom + t * offTo;
-        const double reach = toPlanes + kSlack + std::min(kMostOff, off);
-        auto isBeyond = [&](double far, double least) {
-            return sign * psi.at(p - (sign * far) * mean) > least;
-        };
-        if (isBeyond(reach, std::max(kAtSurface, kept * std::abs(value))) &&
-            isBeyond(reach / 2, kAtSurface))
-            return true;
+        const V toA = sign * t * alongA, toB = sign * (t - 1) * alongB,
+                nearer = toA < toB ? toA : toB, toPlanes = (nearer > 0 ? nearer : zero) / cosine,
+                off = (1 - t) * offFrom + t * offTo,
+                reach = toPlanes + kSlack + (off < kMostOff ? off : zero + kMostOff);
+        const auto beyond = [&](const V& far) { return sign * psi.at(p - mean * (sign * far)); };
+        const V there = beyond(reach);
+        found &= (there > kAtSurface) & (there > kept * size);
+        if (any(found) && any(found & (beyond(reach / 2) > kAtSurface))) return true;
     }
     return false;
 }
 
+bool passesByFour(const PsiAround& psi, const Chord& chord, float& offFrom) {
+    return passesWall<4>(psi, chord, offFrom);
+}
+#ifdef IGEO_AVX2
+IGEO_AVX2 bool passesByEight(const PsiAround& psi, const Chord& chord, float& offFrom) {
+    return passesWall<8>(psi, chord, offFrom);
+}
+#endif
+bool runsThroughWall(const PsiAround& psi, const Chord& chord, float& offFrom) {
+#ifdef IGEO_AVX2
+    if (eightAtATime()) return passesByEight(psi, chord, offFrom);
+#endif
+    return passesByFour(psi, chord, offFrom);
+}
+
 /// Whether a chord over a crease leaves S although it lies in the plane of one end: the normal
 /// there mixes two faces, and the chord cuts the corner before them.
-/// @param a, b  the unit normals at its ends
-bool cutsCorner(const Band& band, const PsiAround& psi, const Vec3d& from, const Vec3d& chord,
-                const Vec3d& a, const Vec3d& b) {
+bool cutsCorner(const Band& band, const PsiAround& psi, const Chord& chord) {
     constexpr double kLong = 1.5, kOffPlane = 0.2, kOff = 0.2;  // voxels
-    if (!(length(chord) > kLong) || dot(a, b) > double(TangentFrame::creaseCosine(false)) ||
-        !(liesInPlane(band, chord, a, kOffPlane) || liesInPlane(band, chord, b, kOffPlane)))
+    if (!(length(chord.along) > kLong) ||
+        dot(chord.a, chord.b) > double(TangentFrame::creaseCosine(false)) ||
+        !(liesInPlane(band, chord.along, chord.a, kOffPlane) ||
+          liesInPlane(band, chord.along, chord.b, kOffPlane)))
         return false;
     for (int k = 1; k < 4; ++k)
-        if (std::abs(psi.at(from + k / 4.0 * chord)) > kOff) return true;
+        if (std::abs(psi.at(chord.from + k / 4.0 * chord.along)) > kOff) return true;
     return false;
 }
 
@@ -117,17 +150,16 @@ std::vector<Link> linksThroughWalls(const Band& band, const LevelSet& levelSet,
                 if (!beside[i]) return;
                 if (!gathered) psi.moveTo(band.leaves[l].origin), gathered = true;
                 const Vec3f& n = band.normal[i];
-                double off = kUnknown;
+                float off = kUnknown;
                 band.forNeighbors(
                     &BandLeaf::band, LeafIndex(l), at, [&](NodeIndex j, int dx, int dy, int dz) {
                         if (j < i || !beside[j] || dot(n, band.normal[j]) < Band::kOtherSheet)
                             return;
                         const Vec3f chord =
                             Vec3f(Ijk{dx, dy, dz}) + band.footOf(j) - band.footOf(i);
-                        const Vec3d from = band.footPoint(i), across(chord), a(n),
-                                    b(band.normal[j]);
-                        if (cutsCorner(band, psi, from, across, a, b) ||
-                            runsThroughWall(psi, from, across, a, b, beside[i] | beside[j], off))
+                        const Chord c{band.footPoint(i), Vec3d(chord), Vec3d(n),
+                                      Vec3d(band.normal[j]), unsigned(beside[i] | beside[j])};
+                        if (cutsCorner(band, psi, c) || runsThroughWall(psi, c, off))
                             found[l].emplace_back(i, j);
                     });
             });
