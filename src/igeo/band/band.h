@@ -239,6 +239,10 @@ struct Band {
         forBox(nodes, at.leaf, at.offset, middle, reach, visit);
     }
 
+    /// Calls visit(i, voxel) for the nodes among the voxels from `low` to `high`, leaf by leaf.
+    template <typename Visit>
+    void forVoxels(const Ijk& low, const Ijk& high, const Visit& visit) const;
+
     /// Whether a front may pass between neighbors i and j: not if their normals oppose, for then
     /// they belong to two sheets that face each other, nor if one sheet lies on top of the other,
     /// nor if the link is severed.
@@ -394,6 +398,33 @@ void Band::forNeighbors(LeafNodes BandLeaf::*nodes, LeafIndex l, unsigned at,
                     slice(dx, sy, z == 0 ? 0 : 1, one);
                 }
         }
+}
+
+template <typename Visit>
+void Band::forVoxels(const Ijk& low, const Ijk& high, const Visit& visit) const {
+    // Bit k for each k in [first, last] within a leaf that begins at `from`.
+    const auto within = [](int first, int last, int from) {
+        return 0xffu >> (7 - std::min(last - from, 7)) & 0xffu << std::max(first - from, 0);
+    };
+    for (int x = low.x & ~7; x <= high.x; x += 8)
+        for (int y = low.y & ~7; y <= high.y; y += 8)
+            for (int z = low.z & ~7; z <= high.z; z += 8) {
+                const LeafIndex l = leafAt({x, y, z});
+                if (l == kNoLeaf) continue;
+                const LeafNodes& in = leaves[l].band;
+                const std::uint64_t row = within(low.z, high.z, z);
+                std::uint64_t seen = 0;
+                for (unsigned rows = within(low.y, high.y, y); rows; rows &= rows - 1)
+                    seen |= row << 8 * std::countr_zero(rows);
+                for (unsigned slices = within(low.x, high.x, x); slices; slices &= slices - 1) {
+                    const auto s = unsigned(std::countr_zero(slices));
+                    for (std::uint64_t bits = in.mask[s] & seen; bits; bits &= bits - 1) {
+                        const auto bit = unsigned(std::countr_zero(bits));
+                        visit(in.numberOf(s << 6 | bit),
+                              Ijk{x + int(s), y + int(bit >> 3), z + int(bit & 7)});
+                    }
+                }
+            }
 }
 
 template <typename Visit>

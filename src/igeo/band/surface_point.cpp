@@ -40,19 +40,10 @@ Nearest nearestAmongAll(const Band& band, const Vec3d& p) {
 /// points.
 template <typename Visit>
 void forNodesAround(const Band& band, const Vec3d& p, const Visit& visit) {
-    constexpr int kReach = 2;
-    const Ijk center = roundToIjk(p);
-    const auto visitAt = [&](NodeIndex i, const Ijk& step) {
-        visit(i, Vec3d(center + step) + Vec3d(band.footOf(i)));
-    };
-    if (const LeafIndex l = band.leafAt(center); l != kNoLeaf)
-        return band.forBox(&BandLeaf::band, l, Band::offsetOf(center.x, center.y, center.z), {},
-                           kReach, visitAt);
-    for (int x = -kReach; x <= kReach; ++x)
-        for (int y = -kReach; y <= kReach; ++y)
-            for (int z = -kReach; z <= kReach; ++z)
-                if (const NodeIndex i = band.nodeAt(center + Ijk{x, y, z}); i != kNoNode)
-                    visitAt(i, {x, y, z});
+    const Ijk center = roundToIjk(p), reach{2, 2, 2};
+    band.forVoxels(center - reach, center + reach, [&](NodeIndex i, const Ijk& voxel) {
+        visit(i, Vec3d(voxel) + Vec3d(band.footOf(i)));
+    });
 }
 
 /// @param sheetNormal  nodes whose normals oppose it are left out

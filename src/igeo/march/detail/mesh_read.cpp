@@ -22,17 +22,13 @@ struct Near {
 
 /// The core nodes with a jet whose foot points are near a point; those that matter most first.
 std::vector<Near> coreNear(const Field& field, const Vec3d& p) {
-    constexpr int kReach = 2;
     const Band& band = *field.band;
     std::vector<NodeIndex> nodes;
     const Ijk low = floorToIjk(p);
-    for (int x = -kReach; x <= kReach + 1; ++x)
-        for (int y = -kReach; y <= kReach + 1; ++y)
-            for (int z = -kReach; z <= kReach + 1; ++z) {
-                const NodeIndex i = band.nodeAt(low + Ijk{x, y, z});
-                if (i != kNoNode && band.inCore(i) && length(band.footPoint(i) - p) < kFarthest)
-                    nodes.push_back(i);
-            }
+    band.forVoxels(low - Ijk{2, 2, 2}, low + Ijk{3, 3, 3}, [&](NodeIndex i, const Ijk& voxel) {
+        const Vec3d foot = Vec3d(voxel) + Vec3d(band.footOf(i));
+        if (length(foot - p) < kFarthest && band.inCore(i)) nodes.push_back(i);
+    });
     if (field.evenCosts) {
         const std::vector<NodeIndex> spine = band.spineNear(p);
         nodes.insert(nodes.end(), spine.begin(), spine.end());
@@ -174,13 +170,11 @@ JetsByWalks::First JetsByWalks::first(std::uint32_t source) const {
 
 bool hasWays(const Band& band, const BandCell& cell) {
     if (!band.ways) return false;
-    for (int x = -1; x <= 2; ++x)
-        for (int y = -1; y <= 2; ++y)
-            for (int z = -1; z <= 2; ++z) {
-                const NodeIndex i = band.nodeAt(cell.low + Ijk{x, y, z});
-                if (i != kNoNode && band.facing[i] & Band::kHasWays) return true;
-            }
-    return false;
+    bool found = false;
+    band.forVoxels(cell.low - Ijk{1, 1, 1}, cell.low + Ijk{2, 2, 2}, [&](NodeIndex i, const Ijk&) {
+        found |= bool(band.facing[i] & Band::kHasWays);
+    });
+    return found;
 }
 
 std::vector<Seen> seenFrom(const Field& field, const SurfaceTriangles::Place& at,

@@ -12,6 +12,8 @@ namespace {
 
 using Triangle = TriangleMesh::Triangle;
 
+double square(double x) { return x * x; }
+
 /// A triangle close to a leaf.
 struct Meeting {
     Ijk leaf;  ///< origin / 8
@@ -34,15 +36,14 @@ struct BoxedCorners : TriangleCorners {
         }
         normal = normalized(cross(ab, ac));
     }
+    /// How far p is from its box along an axis.
+    double fromBox(const Vec3d& p, int axis) const {
+        return std::max({low[axis] - p[axis], 0.0, p[axis] - high[axis]});
+    }
     /// Whether it may be within r of p, by its plane and its box.
     bool mayReach(const Vec3d& p, double r) const {
-        if (std::abs(dot(normal, p - a)) > r) return false;
-        double d2 = 0;
-        for (int k = 0; k < 3; ++k) {
-            const double d = std::max({low[k] - p[k], 0.0, p[k] - high[k]});
-            d2 += d * d;
-        }
-        return d2 <= r * r;
+        return std::abs(dot(normal, p - a)) <= r &&
+               square(fromBox(p, 0)) + square(fromBox(p, 1)) + square(fromBox(p, 2)) <= square(r);
     }
     /// Whether its box is within r of the box of a leaf's voxels.
     bool mayReach(const Ijk& leaf, double r) const {
@@ -80,18 +81,6 @@ struct Best {
     NearestOnTriangle nearest;
 };
 
-/// Voxels [first, second] of a row within `reach` of the plane of a triangle, with a margin.
-std::pair<int, int> nearPlane(const BoxedCorners& t, const Vec3d& row, double reach) {
-    const double slack = reach * (1 + 1e-9) + 1e-6, at = dot(t.normal, row - t.a),
-                 slope = t.normal.z;
-    if (std::abs(at) - 7 * std::abs(slope) > slack) return {0, -1};
-    constexpr double kFlat = 1e-3;
-    if (std::abs(slope) < kFlat) return {0, 7};
-    const double one = (-slack - at) / slope, other = (slack - at) / slope;
-    return {int(std::ceil(std::clamp(std::min(one, other), 0.0, 8.0))),
-            int(std::floor(std::clamp(std::max(one, other), -1.0, 7.0)))};
-}
-
 void lookAt(const BoxedCorners& t, std::uint32_t number, const Ijk& origin, double reach,
             std::vector<Best>& best) {
     Ijk from, to;
@@ -101,11 +90,19 @@ void lookAt(const BoxedCorners& t, std::uint32_t number, const Ijk& origin, doub
     }
     for (int x = from.x; x <= to.x; ++x)
         for (int y = from.y; y <= to.y; ++y) {
-            const auto [first, last] = nearPlane(t, Vec3d(origin + Ijk{x, y, 0}), reach);
-            for (int z = std::max(from.z, first); z <= std::min(to.z, last); ++z) {
+            // How far a row is from the box of the triangle and from its plane, so that most voxels
+            // need no more.
+            const Vec3d row(origin + Ijk{x, y, 0});
+            const double fromBox2 = square(t.fromBox(row, 0)) + square(t.fromBox(row, 1)),
+                         fromPlane = dot(t.normal, row - t.a);
+            if (fromBox2 > square(reach)) continue;
+            for (int z = from.z; z <= to.z; ++z) {
                 Best& b = best[std::size_t(x << 6 | y << 3 | z)];
-                const Vec3d p(origin + Ijk{x, y, z});
-                if (!t.mayReach(p, std::min(reach, b.distance))) continue;
+                const double most = std::min(reach, b.distance);
+                const Vec3d p(row.x, row.y, row.z + z);
+                if (std::abs(fromPlane + z * t.normal.z) > most ||
+                    fromBox2 + square(t.fromBox(p, 2)) > square(most))
+                    continue;
                 const NearestOnTriangle n = t.nearest(p);
                 const double d2 = dot(n.point - p, n.point - p);
                 if (d2 < reach * reach && d2 < b.squared) b = {d2, std::sqrt(d2), number, n};
