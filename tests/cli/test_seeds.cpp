@@ -1,5 +1,7 @@
 // Seeds that are curves and masks, signed distances, pairs and walks, as the program takes them.
 #include <support/catch.h>
+#include <support/mesh_shapes.h>
+#include <support/meshed.h>
 
 #include <cmath>
 #include <sstream>
@@ -59,9 +61,59 @@ TEST_CASE("a seed that another front has overrun has no effect on any result") {
     const Result loud = desk.run("--sdf in.vdb --seeds seeds.csv -o out.vdb");
     CHECK(loud.err.find("warning: seed 1: the front of another seed comes at ") !=
           std::string::npos);
-    for (const json& line : readJson(desk / "i.json")["isolines"])
-        CHECK(line["level"].get<double>() < 3.2);
+    const json isolines = readJson(desk / "i.json")["isolines"];
+    REQUIRE(isolines.size() > 10);
+    for (const json& line : isolines) CHECK(line["level"].get<double>() < 3.2);
     CHECK(desk.distance()->background() < 3.2f);
+}
+
+TEST_CASE("seeds and curves that another front has overrun have no cell and no vertex") {
+    const FineSphere desk;
+    const auto at = [](double angle, double turn) {
+        return json(
+            {std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn), std::cos(angle)});
+    };
+    json ring = json::array();
+    for (int k = 0; k < 40; ++k) {
+        const double t = k * M_PI / 20;
+        ring.push_back(at(1 + 0.2 * std::cos(t), 0.2 * std::sin(t)));
+    }
+    writeBytes(desk / "late.json", json({at(0, 0), {{"position", at(1, 0)}, {"start", 5}}}).dump());
+    writeBytes(desk / "ring.json",
+               json({{{"position", ring}, {"closed", true}, {"start", 5}}}).dump());
+    writeBytes(desk / "targets.json", json({at(1, 0), at(1.05, 0), at(1.2, 0)}).dump());
+    writeMesh(sphereMesh({}, 1, 5), desk / "in.obj");
+    double targets = 0, vertices = 0;
+    for (const std::string surface : {"--sdf in.vdb", "--mesh in.obj --voxel-size 0.05"})
+        for (const std::string seeds :
+             {" --seeds late.json", " --seed 0,0,1 --seed-curve ring.json"}) {
+            INFO(surface << seeds);
+            const Result run = requireDone(
+                desk, surface + seeds +
+                          " --targets targets.json --grids label -o out.vdb --report r.json "
+                          "--mesh-out m.ply");
+            CHECK(run.err.find("the front of another seed comes at ") != std::string::npos);
+            const json report = reportOf(desk);
+            CHECK(report["seeds"][0]["cell"]["area"] == report["cells"]["area"]);
+            CHECK(report["seeds"][1]["cell"] == json({{"area", 0}, {"boundary", 0}}));
+            CHECK(report["distance"]["max"] < 3.2);
+            const double exact[] = {1, 1.05, 1.2};
+            for (std::size_t k = 0; k < 3; ++k)
+                targets = std::max(
+                    targets, std::abs(report["targets"][k]["distance"].get<double>() - exact[k]));
+            const Ply mesh = parsePly(readBytes(desk / "m.ply"));
+            REQUIRE(mesh.rows.at("vertex").size() > 1000);
+            for (std::size_t v = 0; v < mesh.rows.at("vertex").size(); ++v) {
+                const double x = mesh.value("vertex", v, "x"), y = mesh.value("vertex", v, "y"),
+                             angle = std::atan2(std::hypot(x, y), mesh.value("vertex", v, "z"));
+                vertices =
+                    std::max(vertices, std::abs(mesh.value("vertex", v, "distance") - angle));
+                if (mesh.value("vertex", v, "label") != 0) FAIL("label of vertex " << v);
+            }
+        }
+    std::printf("overrun: targets %.5f off, vertices %.5f\n", targets, vertices);
+    CHECK(targets < 0.0004);    // measured 0.00026
+    CHECK(vertices < 0.00125);  // measured 0.00082
 }
 
 TEST_CASE("targets inside a seed mask are reached with length 0") {
@@ -75,7 +127,9 @@ TEST_CASE("targets inside a seed mask are reached with length 0") {
                     "--paths p.json --scheme " +
                         scheme + more);
         CHECK(validBySchema(desk, "geodesics.schema.json", "p.json"));
-        for (const json& path : readJson(desk / "p.json")["paths"]) {
+        const json paths = readJson(desk / "p.json")["paths"];
+        REQUIRE(paths.size() == 4);
+        for (const json& path : paths) {
             INFO(path.dump());
             CHECK(path["status"] == "reached");
             CHECK(path["distance"] == 0);
@@ -272,6 +326,41 @@ TEST_CASE("shoot: straight on around the sphere, and to the end of a sheet") {
     CHECK(readBytes(desk / "w.obj").find("\nl ") != std::string::npos);
     for (const char* bad : {"0,0,0,1,0,0", "0,0,0,1,0,0,-1", "0,0,0,0,0,1,1", "0,0,0,0,0,0,1"})
         requireRefused(desk, std::string("--sdf in.vdb --shoot ") + bad, kUsage, {"--shoot", bad});
+}
+
+TEST_CASE("shoot: walks over bends and beside corners that voxels do not show are warned of") {
+    const TempWorkspace desk;
+    const std::string turned =
+        " --voxel-size 0.02 --rotate 1,2,3,20 --translate 0.1,0.2,0.3 --param half-size=0.35,0.3,";
+    desk.make("plate.vdb", "box" + turned + "0.01");  // a voxel thick
+    desk.make("box.vdb", "box" + turned + "0.3");
+    const auto warnings = [&](const std::string& surface, const std::string& shot) {
+        const Result run = requireDone(desk, "--sdf " + surface + " --report r.json" + shot);
+        CHECK(run.err.find("walk 0: ") != std::string::npos);
+        json of = json::array();
+        const json report = reportOf(desk);
+        for (const json& w : report["warnings"])
+            if (w.get<std::string>().rfind("walk ", 0) == 0) {
+                of.push_back(w);
+                CHECK(run.err.find("warning: " + w.get<std::string>()) != std::string::npos);
+            }
+        return of;
+    };
+    // Over the rim and back below: the second edge is within two voxels of the first.
+    const json thin = warnings("plate.vdb", " --shoot 0,0,0.01,1,0.2,0,0.7");
+    REQUIRE(thin.size() == 1);
+    CHECK_THAT(thin[0].get<std::string>(),
+               startsWith("walk 0 goes over 1 sharp bend as the voxels round it off, below 25 "
+                          "degrees or with sheets narrower than 3 voxels: behind it its direction "
+                          "is off"));
+    // A tenth of a voxel from a corner, three voxels from it, and over the middle of an edge.
+    const json corner = warnings("box.vdb",
+                                 " --shoot 0.2,0.298,0.3,1,0,0,0.3 --shoot 0.2,0.24,0.3,1,0,0,0.3 "
+                                 "--shoot 0.1,0,0.3,1,0.2,0,0.5");
+    REQUIRE(corner.size() == 1);
+    CHECK_THAT(corner[0].get<std::string>(),
+               startsWith("walk 0 goes over 1 edge within about a voxel of a corner: a slightly "
+                          "other walk goes on over another sheet"));
 }
 
 }  // namespace igeo::test
