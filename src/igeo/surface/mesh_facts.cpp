@@ -45,6 +45,26 @@ std::size_t countHoles(const TriangleMesh& mesh, const MeshTopology& topology, D
     return count;
 }
 
+/// Points with several fans, but for those on edges of three triangles or more.
+std::size_t countPinches(const TriangleMesh& mesh, const MeshTopology& topology,
+                         DisjointSets& fans) {
+    constexpr std::uint32_t kUnseen = MeshTopology::kNone;
+    std::vector<std::uint32_t> fanOf(mesh.points.size(), kUnseen);
+    std::vector<bool> pinched(mesh.points.size()), onMany(mesh.points.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t p = mesh.triangles[t][k],
+                                fan = fans.first(std::uint32_t(3 * t + k));
+            if (fanOf[p] == kUnseen) fanOf[p] = fan;
+            if (fanOf[p] != fan) pinched[p] = true;
+            if (topology.neighbor[t][k] == MeshTopology::kMany)
+                onMany[p] = onMany[mesh.triangles[t][(k + 1) % 3]] = true;
+        }
+    std::size_t count = 0;
+    for (std::size_t p = 0; p < pinched.size(); ++p) count += pinched[p] && !onMany[p];
+    return count;
+}
+
 /// Of a closed mesh: points - edges + triangles.
 int eulerOf(const TriangleMesh& mesh, DisjointSets& fans) {
     int points = 0;
@@ -72,6 +92,7 @@ MeshFacts meshFacts(const TriangleMesh& mesh, const Progress& progress) {
     facts.nonOrientable = topology.nonOrientable;
     DisjointSets fans = fansOf(mesh, topology);
     facts.holes = countHoles(mesh, topology, fans);
+    facts.pinches = countPinches(mesh, topology, fans);
     facts.crossingPairs = crossingPairs(mesh, kContact * length(Box(mesh.points).size()), progress);
     facts.closed = topology.closed();
     if (facts.closed) facts.euler = eulerOf(mesh, fans);
@@ -91,6 +112,11 @@ std::vector<std::string> meshWarnings(const MeshFacts& facts) {
                            "two-sided exports): dropped");
     if (facts.crossingPairs > 0)
         warnings.push_back(crossingsOf(facts) + ": the mesh passes through itself");
+    if (facts.pinches > 0)
+        warnings.push_back(fmt::format(
+            "at {} parts of the mesh meet that share no edge there: no path passes over such a "
+            "vertex",
+            facts.pinches == 1 ? "a vertex" : fmt::format("{} vertices", facts.pinches)));
     if (facts.nonOrientable > 0)
         warnings.push_back(
             "the mesh has one side only in places (as a Moebius strip): it is cut along a line "

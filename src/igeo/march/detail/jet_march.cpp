@@ -19,6 +19,21 @@ constexpr double kMarginBelow = 3;
 /// nearly so.
 constexpr std::size_t kAllAround = 7;
 
+/// Whether directions leave a sector open that is wider than the right angle which neighbors in a
+/// lattice leave.
+bool haveOpenSector(std::span<const Vec2f> directions) {
+    constexpr float kCosine = -0.32f;  // of 109 degrees
+    constexpr float kSamePlace2 = 1e-4f;
+    return std::any_of(directions.begin(), directions.end(), [&](const Vec2f& a) {
+        // The first direction to the left ends the sector.
+        return dot(a, a) > kSamePlace2 &&
+               std::none_of(directions.begin(), directions.end(), [&](const Vec2f& b) {
+                   const float left = a.x * b.y - a.y * b.x;
+                   return left > 0 && dot(a, b) > kCosine * length(a) * length(b);
+               });
+    });
+}
+
 [[noreturn]] void refuseTooFar() {
     throw Error(Error::Kind::InvalidArgument,
                 "a distance is more than 2e9 times the least weight, in voxels",
@@ -209,7 +224,7 @@ bool JetMarch::mayGoRound(NodeIndex i, const JetRows::Row& row, const JetGroup::
     if (!(s.detour > kDetour && isotropic_ && !core_.costsVary) ||
         core_.nodes[i].obstacleState != Metric::Clear)
         return false;
-    if (core_.band.triangles) return knowsCrease(row) || isCreasedBeside(i);
+    if (core_.band.triangles) return knowsCrease(row) || isAtRim(i);
     return core_.band.foot.empty() && knowsCrease(row);
 }
 
@@ -259,7 +274,32 @@ bool JetMarch::isAtRim(NodeIndex i) const {
     // Tensors squeeze the chart, and at a straight rim the fallback would err by more than it
     // saves.
     if (!core_.stretch.empty()) return false;
-    return links_.row(i).size() < kAllAround || isCreasedBeside(i);
+    // Beside the corner of a rim a front arrives before the node on the rim has its value.
+    const auto row = links_.row(i);
+    return row.size() < kAllAround || isOpen(i) || isCreasedBeside(i) ||
+           std::any_of(row.begin(), row.end(), [&](const JetLink& l) { return isOpen(l.node()); });
+}
+
+bool JetMarch::isOpen(NodeIndex i) const {
+    std::array<Vec2f, JetLinks::kMax> directions;
+    std::size_t count = 0;
+    const TangentFrame frame(core_.nodes[i].normal);
+    forLinks(core_, i, [&](NodeIndex, const Ijk&, const Vec3f& chord, float) {
+        if (count < directions.size()) directions[count++] = frame.flat(chord);
+    });
+    return haveOpenSector({directions.data(), count});
+}
+
+bool JetMarch::isInShadow(const JetRows::Row& row, const JetGroup::Solution& s) const {
+    if (!isotropic_) return false;
+    for (std::size_t k = 0; k < row.knownCount; ++k) {
+        const JetLink& link = row.knownLink(k);
+        const Vec2f g = link.turned(jets_.state[link.node()].g);
+        if (dot(g, s.g) < jet::kSameFront && dot(g - s.g, link.a()) < 0 &&
+            jets_.labelOf(link.node()) == s.source)
+            return true;
+    }
+    return false;
 }
 
 bool JetMarch::isFolded(NodeIndex i) const {
@@ -402,7 +442,8 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
         JetGroup::Solution& s = solutions[lane];
-        if ((s.oneSided && isAtRim(i)) || isFolded(i)) s = group.jets.solveAtRim(lane);
+        if ((s.oneSided && (isInShadow(group.rows.of[lane], s) || isAtRim(i))) || isFolded(i))
+            s = group.jets.solveAtRim(lane);
         if (const JetRows::Row& row = group.rows.of[lane]; mayGoRound(i, row, s))
             s = overTwoLinks(i, row, batch, s);
         if (const JetRows::Row& row = group.rows.of[lane]; s.usedFallback && isMisplaced(row, s))

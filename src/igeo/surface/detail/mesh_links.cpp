@@ -148,6 +148,15 @@ private:
     std::vector<std::uint32_t> sheetOf_;  ///< per node of the leaf: LeafSheets::evenSheetOf
 };
 
+/// Whether the mesh ends in a leaf or beside it: links may cut the corner of a rim.
+bool hasRim(const MeshBand& on, std::size_t l) {
+    const auto& triangles = on.leaves[l].triangles;
+    return std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
+        return on.adjacency.isBoundary(t, 0) || on.adjacency.isBoundary(t, 1) ||
+               on.adjacency.isBoundary(t, 2);
+    });
+}
+
 /// SeveredLinks::bit of the voxels in the box that a step spans.
 std::uint32_t boxOf(const Ijk& step) {
     std::uint32_t box = 0;
@@ -248,7 +257,7 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
             std::abs(dot(band.normal[j], chord)) < kRise && !isOnBend(i) && !isOnBend(j))
             return;
         const double along =
-            walk.tightLength(on.foot(i), on.foot(j), longestFor(arcOf(band, i, chord, j)));
+            walk.tightLength(on.foot(i), on.foot(j), 2 * longestFor(arcOf(band, i, chord, j)));
         if (!(along < kInfinity)) return;
         auto add = [&](NodeIndex from, const Ijk& by, double flat) {
             const double stretch =
@@ -263,8 +272,8 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
         MeshWalk walk(on.adjacency);
         std::vector<std::pair<NodeIndex, Ijk>> links;
         for (std::size_t l = begin; l < end; ++l) {
-            // Folds narrower than a voxel lie between nodes with normals alike.
-            const bool mayFold = on.bends[l] == LeafBend::Fold,
+            // Folds narrower than a voxel lie between nodes with normals alike, and so do holes.
+            const bool anywhere = on.bends[l] == LeafBend::Fold || hasRim(on, l),
                        mayLeave = on.bends[l] == LeafBend::Sharp;
             band.forNodes(LeafIndex(l), [&](NodeIndex i, unsigned offset) {
                 if (band.leaves[l].core.node(offset) == kNoNode) return;
@@ -287,7 +296,7 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
                     // In a plane, a link may cut the corner of a wall on it or below.
                     const std::uint32_t box = boxOf(step);
                     const bool leaves = mayLeave && (over & box) != box;
-                    measure(i, j, step, mayFold || leaves, walk, parts[l]);
+                    measure(i, j, step, anywhere || leaves, walk, parts[l]);
                 }
             });
         }
