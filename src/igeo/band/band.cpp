@@ -4,6 +4,7 @@
 #include <igeo/base/parallel.h>
 
 #include <atomic>
+#include <limits>
 #include <tuple>
 
 namespace igeo {

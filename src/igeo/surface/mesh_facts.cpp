@@ -37,7 +37,8 @@ std::size_t countHoles(const TriangleMesh& mesh, const MeshTopology& topology, D
             const std::uint32_t from = fans.first(std::uint32_t(3 * t + k)),
                                 to = fans.first(std::uint32_t(3 * t + (k + 1) % 3));
             holes.join(from, to);
-            atBoundary[from] = true;
+            // Both ends: triangles may be oriented differently.
+            atBoundary[from] = atBoundary[to] = true;
         }
     std::size_t count = 0;
     for (std::uint32_t c = 0; c < atBoundary.size(); ++c)

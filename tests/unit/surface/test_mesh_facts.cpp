@@ -136,6 +136,19 @@ TEST_CASE("holes are lines of boundary edges", "[mesh]") {
         meshOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}));
     CHECK(bowTie.holes == 2);
     CHECK(bowTie.boundaryEdges == 6);
+    // Oriented differently: corners at which no boundary edge begins.
+    CHECK(factsOf(meshOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 3, 2}}))
+              .holes == 1);
+}
+
+TEST_CASE("vertices at which parts meet without an edge are counted", "[mesh]") {
+    const std::vector<Vec3d> points{{0, 0, 0},   {1, 0, 0},  {1, 1, 0}, {-1, 0, 0},
+                                    {-1, -1, 0}, {0, -1, 0}, {0, 0, 1}};
+    CHECK(factsOf(meshOf(points, {{0, 1, 2}, {0, 3, 4}})).pinches == 1);
+    CHECK(factsOf(meshOf(points, {{0, 1, 2}, {0, 3, 4}, {0, 4, 5}, {0, 5, 1}})).pinches == 0);
+    // At an edge of three triangles paths cross between any two.
+    CHECK(factsOf(meshOf(points, {{0, 1, 2}, {0, 1, 5}, {0, 1, 6}})).pinches == 0);
+    CHECK(factsOf(test::sphereMesh({}, 1, 2)).pinches == 0);
 }
 
 TEST_CASE("a mesh is described in the words of meshes", "[mesh]") {

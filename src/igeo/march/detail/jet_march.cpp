@@ -275,9 +275,15 @@ bool JetMarch::isAtRim(NodeIndex i) const {
     // saves.
     if (!core_.stretch.empty()) return false;
     // Beside the corner of a rim a front arrives before the node on the rim has its value.
-    const auto row = links_.row(i);
-    return row.size() < kAllAround || isOpen(i) || isCreasedBeside(i) ||
-           std::any_of(row.begin(), row.end(), [&](const JetLink& l) { return isOpen(l.node()); });
+    return links_.row(i).size() < kAllAround || isBesideOpen(i) || isCreasedBeside(i);
+}
+
+bool JetMarch::isBesideOpen(NodeIndex i) const {
+    bool open = isOpen(i);
+    if (!open)
+        forLinks(core_, i,
+                 [&](NodeIndex j, const Ijk&, const Vec3f&, float) { open = open || isOpen(j); });
+    return open;
 }
 
 bool JetMarch::isOpen(NodeIndex i) const {
@@ -296,7 +302,7 @@ bool JetMarch::isInShadow(const JetRows::Row& row, const JetGroup::Solution& s) 
         const JetLink& link = row.knownLink(k);
         const Vec2f g = link.turned(jets_.state[link.node()].g);
         if (dot(g, s.g) < jet::kSameFront && dot(g - s.g, link.a()) < 0 &&
-            jets_.labelOf(link.node()) == s.source)
+            jets_.labelOf(link.node()) == s.source && isBesideOpen(link.node()))
             return true;
     }
     return false;

@@ -160,11 +160,12 @@ private:
     /// Whether a front may go around something beside a node: an obstacle, the end of S, or a
     /// corner at which creases within two links meet.
     bool isAtRim(NodeIndex i) const;
-    /// Whether a front that spreads around a corner has reached a neighbor: what comes straight
-    /// past the corner, and has neighbors on one side only, does not reach the node.
+    /// Whether a front that spreads around the corner of a rim has reached a neighbor: what comes
+    /// straight past the corner, and has neighbors on one side only, does not reach the node.
     bool isInShadow(const JetRows::Row& row, const JetGroup::Solution& s) const;
     /// Whether S goes on from a node in some directions only.
     bool isOpen(NodeIndex i) const;
+    bool isBesideOpen(NodeIndex i) const;
     /// Whether S folds or crosses within a voxel, so that no chart holds the links of a node.
     bool isFolded(NodeIndex i) const;
     /// Whether a crease is within two links.

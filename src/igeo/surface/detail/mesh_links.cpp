@@ -256,6 +256,8 @@ std::vector<StretchedLink> stretchedOnMesh(const MeshBand& on, Progress& progres
         if (!mayLeave && cosine > kBend && std::abs(dot(band.normal[i], chord)) < kRise &&
             std::abs(dot(band.normal[j], chord)) < kRise && !isOnBend(i) && !isOnBend(j))
             return;
+        // Around a vertex with more than a full turn of faces, two of which lie in one plane, a
+        // link that severOffMesh need not test may stand for a longer walk.
         const double along =
             walk.tightLength(on.foot(i), on.foot(j), 2 * longestFor(arcOf(band, i, chord, j)));
         if (!(along < kInfinity)) return;
