@@ -34,6 +34,7 @@ leave() {
 trap 'leave "$@"' EXIT
 
 [[ -e $root/usr/bin/apt-get ]] || debootstrap --variant=minbase "$release" "$root"
+chmod 755 "$root"  # tests run as another user in it
 for mount in "${mounts[@]}"; do
     mountpoint -q "$root/$mount" || mount --bind "/$mount" "$root/$mount"
 done
