@@ -98,11 +98,9 @@ double onBox(const Point& p, const Point& q) {
 
 /// The side of a cylinder of radius 0.3, of 720 faces: a polygon around, unrolled.
 TriangleMesh tube() {
-    TriangleMesh mesh = sheet(720, 40, [](double u, double v) {
+    return sheet(720, 40, [](double u, double v) {
         return Vec3d{0.3 * std::cos(2 * M_PI * u), 0.3 * std::sin(2 * M_PI * u), v - 0.5};
     });
-    weld(mesh);
-    return mesh;
 }
 double onTube(const Point& p, const Point& q) {
     return geodesicOnCylinder({0, 0, 0}, 0.3 * 720 * std::sin(M_PI / 720) / M_PI, p, q);

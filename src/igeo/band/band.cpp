@@ -379,6 +379,12 @@ Vec3d fromCorner(const BandCell& cell, std::size_t k) {
     return cell.t - Vec3d(double(k >> 2), double(k >> 1 & 1), double(k & 1));
 }
 
+/// What psi at a corner says of the position.
+double byCorner(const Band& band, const BandCell& cell, std::size_t k) {
+    const NodeIndex i = cell.node[k];
+    return double(band.psi[i]) + dot(Vec3d(band.normal[i]), fromCorner(cell, k)) / 2;
+}
+
 /// As samplePsi has it where corners are missing.
 PsiSample sampleAtRim(const Band& band, const BandCell& cell) {
     constexpr double kLeast = 0.05;
@@ -406,11 +412,7 @@ double psiAt(const Band& band, const Vec3d& p) {
         return s.valid ? s.psi : std::numeric_limits<double>::quiet_NaN();
     }
     double psi = 0;
-    for (std::size_t k = 0; k < 8; ++k) {
-        const NodeIndex i = cell.node[k];
-        psi += cell.weight[k] *
-               (double(band.psi[i]) + dot(Vec3d(band.normal[i]), fromCorner(cell, k)) / 2);
-    }
+    for (std::size_t k = 0; k < 8; ++k) psi += cell.weight[k] * byCorner(band, cell, k);
     return psi;
 }
 
@@ -420,8 +422,8 @@ PsiSample samplePsi(const Band& band, const Vec3d& p) {
     if (!cell.complete) return sampleAtRim(band, cell);
     s.valid = true;
     for (std::size_t k = 0; k < 8; ++k) {
-        const Vec3d normal(band.normal[cell.node[k]]), chord = fromCorner(cell, k);
-        const double v = double(band.psi[cell.node[k]]) + dot(normal, chord) / 2;
+        const Vec3d normal(band.normal[cell.node[k]]);
+        const double v = byCorner(band, cell, k);
         const double wx = k >> 2 ? cell.t.x : 1 - cell.t.x,
                      wy = k >> 1 & 1 ? cell.t.y : 1 - cell.t.y,
                      wz = k & 1 ? cell.t.z : 1 - cell.t.z;

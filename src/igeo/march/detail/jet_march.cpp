@@ -1,5 +1,6 @@
 #include <igeo/march/detail/jet_march.h>
 
+#include <igeo/band/detail/open_sector.h>
 #include <igeo/base/detail/registers.h>
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
@@ -18,21 +19,6 @@ constexpr double kMarginBelow = 3;
 /// Links of a node on a surface that goes on all around: one per lattice column, so eight, or
 /// nearly so.
 constexpr std::size_t kAllAround = 7;
-
-/// Whether directions leave a sector open that is wider than the right angle which neighbors in a
-/// lattice leave.
-bool haveOpenSector(std::span<const Vec2f> directions) {
-    constexpr float kCosine = -0.32f;  // of 109 degrees
-    constexpr float kSamePlace2 = 1e-4f;
-    return std::any_of(directions.begin(), directions.end(), [&](const Vec2f& a) {
-        // The first direction to the left ends the sector.
-        return dot(a, a) > kSamePlace2 &&
-               std::none_of(directions.begin(), directions.end(), [&](const Vec2f& b) {
-                   const float left = a.x * b.y - a.y * b.x;
-                   return left > 0 && dot(a, b) > kCosine * length(a) * length(b);
-               });
-    });
-}
 
 [[noreturn]] void refuseTooFar() {
     throw Error(Error::Kind::InvalidArgument,
@@ -287,13 +273,12 @@ bool JetMarch::isBesideOpen(NodeIndex i) const {
 }
 
 bool JetMarch::isOpen(NodeIndex i) const {
-    std::array<Vec2f, JetLinks::kMax> directions;
-    std::size_t count = 0;
+    OpenSector sector;
     const TangentFrame frame(core_.nodes[i].normal);
     forLinks(core_, i, [&](NodeIndex, const Ijk&, const Vec3f& chord, float) {
-        if (count < directions.size()) directions[count++] = frame.flat(chord);
+        sector.add(frame.flat(chord));
     });
-    return haveOpenSector({directions.data(), count});
+    return sector.find();
 }
 
 bool JetMarch::isInShadow(const JetRows::Row& row, const JetGroup::Solution& s) const {

@@ -3,7 +3,7 @@
 #include <igeo/band/tangent_frame.h>
 #include <igeo/base/detail/disjoint_sets.h>
 #include <igeo/base/parallel.h>
-#include <igeo/surface/detail/open_sector.h>
+#include <igeo/band/detail/open_sector.h>
 
 #include <algorithm>
 #include <cmath>

@@ -148,13 +148,20 @@ private:
     std::vector<std::uint32_t> sheetOf_;  ///< per node of the leaf: LeafSheets::evenSheetOf
 };
 
-/// Whether the mesh ends in a leaf or beside it: links may cut the corner of a rim.
-bool hasRim(const MeshBand& on, std::size_t l) {
+/// Whether a triangle in a leaf or beside it has an edge of some kind.
+/// @param isKind(t, k)  whether edge k of triangle t is
+template <typename IsKind>
+bool hasEdge(const MeshBand& on, std::size_t l, const IsKind& isKind) {
     const auto& triangles = on.leaves[l].triangles;
     return std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
-        return on.adjacency.isBoundary(t, 0) || on.adjacency.isBoundary(t, 1) ||
-               on.adjacency.isBoundary(t, 2);
+        return isKind(t, 0) || isKind(t, 1) || isKind(t, 2);
     });
+}
+
+/// Whether the mesh ends in a leaf or beside it: links may cut the corner of a rim.
+bool hasRim(const MeshBand& on, std::size_t l) {
+    return hasEdge(on, l,
+                   [&](std::uint32_t t, std::size_t k) { return on.adjacency.isBoundary(t, k); });
 }
 
 /// SeveredLinks::bit of the voxels in the box that a step spans.
@@ -178,12 +185,9 @@ double arcOf(const Band& band, NodeIndex i, const Vec3f& chord, NodeIndex j) {
 
 bool pagesMeetNear(const MeshBand& on, LeafIndex l) {
     auto meetIn = [&](LeafIndex m) {
-        if (m == kNoLeaf) return false;
-        const auto& triangles = on.leaves[m].triangles;
-        return std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
-            return on.adjacency.isMany(t, 0) || on.adjacency.isMany(t, 1) ||
-                   on.adjacency.isMany(t, 2);
-        });
+        return m != kNoLeaf && hasEdge(on, m, [&](std::uint32_t t, std::size_t k) {
+                   return on.adjacency.isMany(t, k);
+               });
     };
     const auto& beside = on.band.leaves[l].neighbor;
     return meetIn(l) || std::any_of(beside.begin(), beside.end(), meetIn);

@@ -41,7 +41,7 @@ struct Chord {
                      ///< interpolant cuts off there is no slot
 };
 
-/// Looks at so many points of the chord at a time.
+/// Whether a chord passes through a wall or across a slot, by so many points of it at a time.
 /// @param offFrom  |psi| at `from`, or NaN: then it is set once it is needed
 template <int Width>
 IGEO_INLINE bool passesWall(const PsiAround& psi, const Chord& chord, float& offFrom) {
@@ -57,7 +57,8 @@ IGEO_INLINE bool passesWall(const PsiAround& psi, const Chord& chord, float& off
     const auto alongA = float(dot(chord.a, chord.along)), alongB = float(dot(chord.b, chord.along)),
                cosine = float(dot(middle, chord.a)), turn = float(kTurn * length),
                kept = dot(chord.a, chord.b) > kAlike ? kKept : 0.0f;
-    const int inside = chord.sides & 1 ? -1 : 0, outside = chord.sides & 2 ? -1 : 0,
+    const int inside = chord.sides & sideOf(-1) ? -1 : 0,
+              outside = chord.sides & sideOf(1) ? -1 : 0,
               pieces = int(std::ceil(length / kSpacing));
     float offTo = kUnknown;
     for (int k = 1; k < pieces; k += Width) {
