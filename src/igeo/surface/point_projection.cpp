@@ -104,6 +104,13 @@ double PointSurface::reachOfProject(Index nearest, double farthest) const {
     return roughLimit(nearest, farthest) + spacing_[nearest] / 2;
 }
 
+bool PointSurface::onLayer(std::size_t j, const Vec3d& y, const Vec3d& n) const {
+    constexpr double kAlike = 0.8, kAbove = 0.6;  // cosine; spacings
+    const Patch& patch = patches_[j];
+    return std::abs(dot(patch.normal, n)) < kAlike ||
+           std::abs(patch.fit.at(y - patch.at)) < kAbove * spacing_[j];
+}
+
 PointSurface::OnSheet PointSurface::ontoSheet(const Vec3d& x, Index nearest, double farthest,
                                               PointsAround& around,
                                               std::vector<Index>& neighbors) const {
@@ -118,16 +125,18 @@ PointSurface::OnSheet PointSurface::ontoSheet(const Vec3d& x, Index nearest, dou
     Vec3d n = normalized(first.gradientAt(d));
     Vec3d y = x - first.at(d) * n;
 
-    neighbors.clear();
     const double margin = spacing / 2;
     const Vec3d middle = y;
-    around.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
+    const auto gather = [&] {
+        neighbors.clear();
+        around.forReaching(y, margin, [&](Index j) {
+            if (!layered_[nearest] || onLayer(j, y, n)) neighbors.push_back(j);
+        });
+    };
+    gather();
     for (int step = 0;; ++step) {
-        if (squareOf(y - middle) > margin * margin && step < kSteps / 2) {
-            // Too far from the start: gather the points again here.
-            neighbors.clear();
-            around.forReaching(y, margin, [&](Index j) { neighbors.push_back(j); });
-        }
+        // Too far from the start: gather the points again here.
+        if (squareOf(y - middle) > margin * margin && step < kSteps / 2) gather();
         const Blend f = blend(y, n, neighbors);
         const double slope = length(f.gradient);
         if (!(f.weight > 0) || !(slope > 0.1)) return {};

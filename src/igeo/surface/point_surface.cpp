@@ -7,6 +7,7 @@
 #include <igeo/base/symmetric_eigen.h>
 #include <igeo/surface/detail/orient_normals.h>
 #include <igeo/surface/detail/sheet_edges.h>
+#include <igeo/surface/detail/stacked_sheets.h>
 
 #include <algorithm>
 #include <array>
@@ -29,6 +30,9 @@ constexpr std::size_t kNear = 12, kRing = kNear + 1;
 std::size_t fittedAt(double noise) {
     return std::size_t(std::lround(std::min(double(kNear) + 240 * noise, 96.0)));
 }
+/// Neighbors among which other sheets are looked for: a third more than are within the reach
+/// of a fit in the blend.
+constexpr std::size_t kNearby = 40;
 /// Reach of a fit in the blend, and of points that support the surface, in spacings: 28 points on
 /// average, all of which lie on one side of a line once in ten million cases.
 constexpr double kReach = 3;
@@ -133,6 +137,15 @@ void PointSurface::nearestTo(std::size_t i, std::size_t count,
     }
 }
 
+void PointSurface::nearestOnSheet(std::size_t i, std::size_t count, const StackedSheets& sheets,
+                                  std::vector<PointTree::Found>& found) const {
+    nearestTo(i, count, found);
+    if (sheets.keepOwn(found) == kInfinity) return;
+    points_.nearest(points_[i], 3 * count, found);
+    sheets.keepOwn(found);
+    found.resize(std::min(found.size(), count));
+}
+
 void PointSurface::measureSpacing() {
     static_assert(kRing <= kLeastPoints);
     spacing_.resize(points_.size());
@@ -165,14 +178,15 @@ std::vector<char> PointSurface::strays() const {
 
 void PointSurface::build(const PointCloud& cloud, Progress& progress) {
     progress.update("fitting points", 0);
-    atEdge_.clear();
+    normals_.clear(), atEdge_.clear();
     std::vector<Vec3f> given(cloud.normals.size());
     for (std::size_t i = 0; i < given.size(); ++i) given[i] = cloud.normals[points_.inputIndex(i)];
-    fitNormals(given, kNear);
+    for (int pass = 0; pass < 2; ++pass) fitNormals(given, kNear);
+    orient(given);
     const double noise = measureNoise(progress);
     density_.noise = noise * quantile(spacing_, 0.5);
     const std::size_t count = fittedAt(noise);
-    if (count > 2 * kNear) fitNormals(given, count / 2);
+    if (count > 2 * kNear) fitNormals(given, count / 2), orient(given);
     const std::vector<double> misfit = fitQuadrics(count, progress);
     const SheetFits fits{points_, spacing_, misfit, fits_, normals_};
     if (given.empty()) {
@@ -194,11 +208,13 @@ double PointSurface::measureNoise(Progress& progress) {
     const std::size_t n = points_.size();
     std::array<std::vector<double>, 2> relative{std::vector<double>(n), std::vector<double>(n)};
     std::atomic<std::size_t> done{0};
+    const StackedSheets sheets(points_, spacing_, normals_);
     parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
         std::vector<PointTree::Found> nearest;
         for (std::size_t i = begin; i < end; ++i) {
             points_.nearest(points_[i], 4 * kCount, nearest);
+            sheets.keepOwn(nearest);
             for (std::size_t k = 0; k < 2; ++k)
                 relative[k][i] = squared(fitAt(i, kCount << k, nearest).scatter / spacing_[i]);
         }
@@ -209,15 +225,38 @@ double PointSurface::measureNoise(Progress& progress) {
     return std::sqrt(std::max(0.0, left / (kGrowth - 1)));
 }
 
+std::vector<Vec3d> PointSurface::clearNormals() const {
+    // Beside a rim half of the nearest points may be on the sheet above, and the plane through both
+    // is upright.
+    constexpr double kThick = 0.05;
+    std::vector<Vec3d> clear = normals_;
+    parallelFor(clear.size(), 512, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (!(thickness_[i] > kThick)) continue;
+            const auto ring = ring_.begin() + std::ptrdiff_t(kRing * i);
+            clear[i] = normals_[*std::min_element(ring, ring + kRing, [&](Index a, Index b) {
+                return thickness_[a] < thickness_[b];
+            })];
+        }
+    });
+    return clear;
+}
+
 void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count) {
     const std::size_t n = points_.size();
-    normals_.resize(n);
-    std::vector<double> thickness(n), breadth(n);
+    const bool isFirst = normals_.empty();
+    const std::vector<Vec3d> before = clearNormals();
+    std::vector<double> breadth(n);
+    normals_.resize(n), thickness_.resize(n);
     parallelFor(n, 256, [&](std::size_t begin, std::size_t end) {
+        const StackedSheets sheets(points_, spacing_, before);
         std::vector<PointTree::Found> neighbors;
         std::vector<double> weights;
         for (std::size_t i = begin; i < end; ++i) {
-            nearestTo(i, count + 1, neighbors);
+            if (isFirst)
+                nearestTo(i, count + 1, neighbors);
+            else
+                nearestOnSheet(i, count + 1, sheets, neighbors);
             const double radius2 = 1.2 * neighbors.back().squared;
             weights.clear();
             for (const PointTree::Found& f : neighbors) {
@@ -229,7 +268,7 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
             }
             const Plane plane = planeThrough(points_, neighbors, weights);
             normals_[i] = plane.normal;
-            thickness[i] = plane.thickness;
+            thickness_[i] = plane.thickness;
             breadth[i] = plane.breadth;
         }
     });
@@ -239,12 +278,16 @@ void PointSurface::fitNormals(const std::vector<Vec3f>& given, std::size_t count
         throw Error(Kind::BadInput,
                     file_ + ": the points lie along curves: half of them have neighbors in a line",
                     "thin out points along scan lines, so that neighbors lie all around");
-    if (quantile(thickness, 0.5) > kThick)
+    if (quantile(thickness_, 0.5) > kThick)
         throw Error(Kind::BadInput,
                     file_ +
                         ": the points fill a volume or scatter by more than their spacing; a "
                         "surface is ambiguous",
                     "smooth or thin out the cloud");
+}
+
+void PointSurface::orient(const std::vector<Vec3f>& given) {
+    const std::size_t n = points_.size();
     Orientation orientation = orientNormals(points_, normals_);
     density_.conflicts = orientation.conflicts;
     if (!given.empty()) {
@@ -266,11 +309,9 @@ double PointSurface::leastCosine(std::size_t j) const {
 
 PointSurface::PointFit PointSurface::fitAt(std::size_t i, std::size_t count,
                                            const std::vector<PointTree::Found>& nearest) const {
-    // Twice as many, in case half of them are on another sheet.
     thread_local std::vector<PointTree::Found> neighbors;
     neighbors.clear();
-    for (std::size_t k = 0; k < std::min(2 * count, nearest.size()) && neighbors.size() < count;
-         ++k)
+    for (std::size_t k = 0; k < nearest.size() && neighbors.size() < count; ++k)
         if (sameSheet(nearest[k].point, normals_[i])) neighbors.push_back(nearest[k]);
     const double radius2 = 1.1 * neighbors.back().squared, radius = std::sqrt(radius2);
     PointFit result{};
@@ -310,15 +351,21 @@ std::vector<double> PointSurface::fitQuadrics(std::size_t count, Progress& progr
     std::vector<double> misfit(n);
     std::vector<Vec3d> fitted(n);
     std::atomic<std::size_t> done{0}, facing{0};
+    layered_.assign(n, 0);
+    const StackedSheets sheets(points_, spacing_, normals_);
+    // Twice as many, in case half of them are on another sheet.
+    const std::size_t sought = std::max(2 * count, kNearby);
     parallelFor(n, 128, [&](std::size_t begin, std::size_t end) {
         if (progress.cancelled()) return;
         std::vector<PointTree::Found> nearest;
         for (std::size_t i = begin; i < end; ++i) {
-            points_.nearest(points_[i], 2 * count, nearest);
-            const double near2 = squared(kFacing * spacing_[i]);
-            facing += std::any_of(nearest.begin(), nearest.end(), [&](const PointTree::Found& f) {
-                return f.squared < near2 && !sameSheet(f.point, normals_[i]);
-            });
+            points_.nearest(points_[i], sought, nearest);
+            const double near2 = squared(kFacing * spacing_[i]), above2 = sheets.keepOwn(nearest);
+            layered_[i] = above2 < kInfinity;
+            facing += above2 < near2 ||
+                      std::any_of(nearest.begin(), nearest.end(), [&](const PointTree::Found& f) {
+                          return f.squared < near2 && !sameSheet(f.point, normals_[i]);
+                      });
             const PointFit fit = fitAt(i, count, nearest);
             fits_[i] = fit.quadric;
             curvature_[i] = fit.curvature;

@@ -16,6 +16,7 @@
 namespace igeo {
 
 class PointsAround;
+class StackedSheets;
 
 /// The surface F = 0 of a cloud. At each point a quadric is fitted to its neighbors by least
 /// squares, and F blends the quadrics where they overlap,
@@ -31,10 +32,10 @@ class PointsAround;
 /// the convex hull of the points that reach it. So rims follow the outermost points, and holes of
 /// less than about three spacings in radius are closed.
 ///
-/// Sheets: points whose normals are at a cosine below -0.2 are on another sheet, and are excluded
-/// from fits and blends. Without normals in the file this uses normals fitted to the 12 nearest
-/// points, so two sheets closer than two spacings become one in between, or are refused as points
-/// that fill a volume.
+/// Sheets: points whose normals are at a cosine below -0.2 are on another sheet, and so are those
+/// one above the other (StackedSheets). Fits and blends leave them out. Sheets closer than 1.6 to
+/// 1.8 spacings become one in between, or are refused as points that fill a volume; if they face
+/// each other and the file has normals, 0.7 spacings are enough.
 ///
 /// Sharp edges: where two sheets at a cosine below 0.2 meet and no normal lies between theirs
 /// (separateSheets), each is continued up to the edge and ends there. Other edges are rounded.
@@ -107,7 +108,15 @@ private:
     void measureSpacing();
     /// The `count` points nearest to point i.
     void nearestTo(std::size_t i, std::size_t count, std::vector<PointTree::Found>& found) const;
+    /// The same on the sheet of point i.
+    void nearestOnSheet(std::size_t i, std::size_t count, const StackedSheets& sheets,
+                        std::vector<PointTree::Found>& found) const;
+    /// The normals, those of thick planes exchanged for that of the thinnest one around; to tell
+    /// sheets apart.
+    std::vector<Vec3d> clearNormals() const;
     void fitNormals(const std::vector<Vec3f>& given, std::size_t count);
+    /// Turns the normals to one side, or to that of given ones.
+    void orient(const std::vector<Vec3f>& given);
     double measureNoise(Progress& progress);
     /// @return SheetFits::misfit
     std::vector<double> fitQuadrics(std::size_t count, Progress& progress);
@@ -124,6 +133,8 @@ private:
     /// Of the normals of one sheet.
     double leastCosine(std::size_t j) const;
     Blend blend(const Vec3d& y, const Vec3d& n, const std::vector<Index>& neighbors) const;
+    /// Whether the fit at a point is of the sheet at y rather than of one above or below.
+    bool onLayer(std::size_t j, const Vec3d& y, const Vec3d& n) const;
     OnSheet ontoSheet(const Vec3d& x, Index nearest, double farthest, PointsAround& around,
                       std::vector<Index>& neighbors) const;
     EndOfSheet endOf(const OnSheet& on, const std::vector<Index>& neighbors) const;
@@ -139,11 +150,13 @@ private:
     std::vector<double> spacing_;
     std::vector<Index> ring_;  ///< per point: its nearest points, nearest first
     std::vector<Vec3d> normals_;
+    std::vector<double> thickness_;  ///< per normal: of its plane, the ratio of two variances
     std::vector<Quadric> fits_;
     std::vector<Patch> patches_;
-    std::vector<double> curvature_;     ///< per fit
-    std::vector<double> off_;           ///< per point: distance to the surface of its neighbors
-    std::vector<std::uint8_t> atEdge_;  ///< per point: bits of separateSheets(); empty: not yet
+    std::vector<double> curvature_;      ///< per fit
+    std::vector<double> off_;            ///< per point: distance to the surface of its neighbors
+    std::vector<std::uint8_t> layered_;  ///< per point: whether a sheet is above or below its own
+    std::vector<std::uint8_t> atEdge_;   ///< per point: bits of separateSheets(); empty: not yet
     CloudDensity density_;
 };
 
