@@ -241,7 +241,7 @@ openvdb::FloatGrid::Ptr Distance::grid(const std::string& name) const {
 }
 SurfaceMesh Distance::mesh(Progress& progress) const {
     SurfaceMesh mesh = indexMesh(progress);
-    dropBeyond(mesh, marched()->greatest);
+    finish(mesh, *marched());
     return inWorld(std::move(mesh), band_->transform);
 }
 SurfaceMesh Distance::indexMesh(Progress& progress) const {

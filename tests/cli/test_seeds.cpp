@@ -184,6 +184,17 @@ TEST_CASE("seed-mask: 0 inside a level set, and --signed negative there") {
     CHECK(valueAt(*desk.distance(), 0, -1.12, 0) == Approx(std::atan2(0.6, 0.8)).epsilon(0.01));
 }
 
+TEST_CASE("a matrix ends at --max-distance, as the targets do") {
+    const FineSphere desk;
+    const Result result = desk.run(
+        "--sdf in.vdb --seed 0,0,1 --target 0.6,0,0.8 --target 1,0,0 "
+        "--max-distance 1 --matrix m.csv");
+    CHECK(result.exitCode == kUnreached);
+    const std::string matrix = readBytes(desk / "m.csv");
+    CHECK(matrix.substr(matrix.rfind(',') + 1) == "inf\n");  // before: 1.57
+    CHECK(matrix.find("0.64") != std::string::npos);
+}
+
 TEST_CASE("signed and a closed curve: the smaller side is negative") {
     const FineSphere desk;
     json ring = parallel();

@@ -49,10 +49,11 @@ igeo::Vec3d upOf(const RunOptions& options) {
 
 std::string meshAs(const std::string& ending, RunResult& r) {
     const igeo::Similarity& transform = r.band().transform;
-    const double limit = r.distance.marched()->greatest;
-    igeo::SurfaceMesh within;
-    if (limit < igeo::kInfinity) within = r.mesh(), dropBeyond(within, limit);
-    const igeo::SurfaceMesh& mesh = limit < igeo::kInfinity ? within : r.mesh();
+    const igeo::Field& field = *r.marched();
+    igeo::SurfaceMesh finished;
+    const bool differs = field.greatest < igeo::kInfinity || !field.sign.empty();
+    if (differs) finished = r.mesh(), finish(finished, field);
+    const igeo::SurfaceMesh& mesh = differs ? finished : r.mesh();
     if (ending == ".vtp") return igeo::surfaceVtp(mesh, transform);
     if (ending == ".glb")
         return igeo::surfaceGlb(mesh, transform, linear(r.options), upOf(r.options));
@@ -166,6 +167,8 @@ void writeMatrix(RunResult& r, const std::string& file) {
                    const auto row = matrix.distance.begin() + std::ptrdiff_t(k * columns.size());
                    return std::vector<double>(row, row + std::ptrdiff_t(columns.size()));
                });
+    for (double& d : matrix.distance)
+        if (d > r.input.limits.maxDistance) d = igeo::kInfinity;
     const std::string ending = endingOf(file);
     writeDocument(file, ending == ".json"  ? matrixJson(r.report, *field, matrix)
                         : ending == ".npy" ? igeo::matrixNpy(matrix)

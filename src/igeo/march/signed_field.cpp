@@ -186,12 +186,13 @@ void finishInside(const std::vector<std::shared_ptr<const Obstacles>>& regions, 
 double signAt(const Field& field, const Vec3d& pIndex) {
     if (field.sign.empty()) return 1;
     const Band& band = *field.band;
-    NodeIndex i = band.nodeAt(roundToIjk(pIndex));
-    if (i == kNoNode) {
-        const BandCell cell = cellAt(band, pIndex);
-        for (std::size_t k = 0; k < 8 && i == kNoNode; ++k) i = cell.node[k];
-    }
-    return i == kNoNode || field.sign[i] == 0 ? 1 : field.sign[i];
+    BandCell cell = cellAt(band, pIndex);
+    dropFacingCorners(band, cell);
+    double sum = 0;
+    for (std::size_t k = 0; k < 8; ++k)
+        if (const NodeIndex i = cell.node[k]; i != kNoNode && field.distance[i] < kInfinity)
+            sum += cell.weight[k] * field.sign[i] * field.distance[i];
+    return sum < 0 ? -1 : 1;
 }
 
 }  // namespace igeo

@@ -39,7 +39,7 @@ std::vector<std::int8_t> signsOfCurves(const Field& field, Progress& progress = 
 void finishInside(const std::vector<std::shared_ptr<const Obstacles>>& regions, std::size_t first,
                   bool isSigned, Field& field, Progress& progress = Progress::none());
 
-/// The sign of the distance at a point of S: that of the nearest node; 1 without signs.
+/// The sign of the distance at a point of S, interpolated; 1 without signs.
 double signAt(const Field& field, const Vec3d& pIndex);
 
 }  // namespace igeo

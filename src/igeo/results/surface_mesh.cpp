@@ -3,6 +3,7 @@
 #include <igeo/base/detail/four_doubles.h>
 #include <igeo/base/detail/steps.h>
 #include <igeo/base/parallel.h>
+#include <igeo/march/signed_field.h>
 #include <igeo/results/detail/level_set_mesh.h>
 
 #include <algorithm>
@@ -126,12 +127,15 @@ void sampleDistances(SurfaceMesh& mesh, const Field& field, Progress& progress) 
     }
 }
 
-void dropBeyond(SurfaceMesh& mesh, double limit) {
-    for (std::size_t i = 0; i < mesh.distance.size(); ++i) {
-        if (mesh.distance[i] <= limit) continue;
-        mesh.distance[i] = kInfinity, mesh.label[i] = kNoLabel;
-        if (!mesh.gradient.empty()) mesh.gradient[i] = {};
-    }
+void finish(SurfaceMesh& mesh, const Field& field) {
+    for (std::size_t i = 0; i < mesh.distance.size(); ++i)
+        if (!(mesh.distance[i] <= field.greatest)) {
+            mesh.distance[i] = kInfinity, mesh.label[i] = kNoLabel;
+            if (!mesh.gradient.empty()) mesh.gradient[i] = {};
+        } else if (signAt(field, mesh.position[i]) < 0) {
+            mesh.distance[i] *= -1;
+            if (!mesh.gradient.empty()) mesh.gradient[i] *= -1;
+        }
 }
 
 void sampleField(SurfaceMesh& mesh, const Field& field, Progress& progress) {

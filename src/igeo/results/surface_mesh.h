@@ -53,9 +53,11 @@ SurfaceMesh surfaceMesh(const LevelSet& levelSet, const Band& band,
 /// @throws Error  Cancelled through `progress`
 void sampleDistances(SurfaceMesh& mesh, const Field& field, Progress& progress = Progress::none());
 
-/// Makes the vertices beyond a limit of the march unreached. Next to it the others are
-/// extrapolated, by up to some voxels, so that isolines and cells end at the limit.
-void dropBeyond(SurfaceMesh& mesh, double limit);
+/// Turns a mesh that isolines and cells are made from into what users read. Its vertices beyond the
+/// limit of the march become unreached: next to it they are extrapolated, by up to some voxels, so
+/// that isolines end there. Distances and gradients get the signs of the field.
+/// @param mesh  in index space
+void finish(SurfaceMesh& mesh, const Field& field);
 
 /// Fills normal, distance, label and gradient of a mesh on S from its positions and triangles.
 /// @throws Error  Cancelled through `progress`

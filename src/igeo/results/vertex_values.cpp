@@ -88,7 +88,7 @@ VertexReader::VertexReader(const TriangleMesh& mesh, const Similarity& transform
 VertexValues VertexReader::read(const Field& field, Progress& progress) const {
     SurfaceMesh at = mesh_;
     sampleField(at, field, progress);
-    dropBeyond(at, field.greatest);
+    finish(at, field);
     const std::size_t n = pointOfVertex_.size();
     VertexValues values{std::vector<double>(n, kNaN), std::vector<std::uint32_t>(n, kNoLabel)};
     for (std::size_t v = 0; v < n; ++v) {

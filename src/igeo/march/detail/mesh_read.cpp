@@ -20,14 +20,19 @@ struct Near {
     NodeJet jet;
 };
 
-/// The core nodes with a jet whose foot points are near a point; those that matter most first.
-std::vector<Near> coreNear(const Field& field, const Vec3d& p) {
+/// The core nodes with a jet whose foot points are near a point, no obstacle between; those that
+/// matter most first.
+/// @param normal  of S there
+std::vector<Near> coreNear(const Field& field, const Vec3d& p, const Vec3d& normal) {
     const Band& band = *field.band;
+    const bool mayBeHidden = field.metric->obstacles != nullptr;
     std::vector<NodeIndex> nodes;
     const Ijk low = floorToIjk(p);
     band.forVoxels(low - Ijk{2, 2, 2}, low + Ijk{3, 3, 3}, [&](NodeIndex i, const Ijk& voxel) {
         const Vec3d foot = Vec3d(voxel) + Vec3d(band.footOf(i));
-        if (length(foot - p) < kFarthest && band.inCore(i)) nodes.push_back(i);
+        if (length(foot - p) < kFarthest && band.inCore(i) &&
+            !(mayBeHidden && field.metric->blocked(p, foot, normal)))
+            nodes.push_back(i);
     });
     if (field.evenCosts) {
         const std::vector<NodeIndex> spine = band.spineNear(p);
@@ -223,7 +228,7 @@ JetsByWalks coreByWalks(const Field& field, const SurfaceTriangles::Place& at,
                         const BandCell& cell) {
     constexpr double kAround = 1;  // voxels: beside the nodes from which the front comes
     const Band& band = *field.band;
-    const std::vector<Near> nodes = coreNear(field, at.point);
+    const std::vector<Near> nodes = coreNear(field, at.point, band.triangles->normal(at.triangle));
     const double here = weightAt(field, at.point, cell, nodes);
     JetsByWalks jets(band, at, here);
     double first = kInfinity;
