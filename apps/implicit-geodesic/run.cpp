@@ -179,7 +179,7 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     if (o.joinGaps > 0) tellJoints(distance.band().joints, o.joinGaps, console, report.warnings);
     warnOfOverrunSeeds(distance, report);
     warnOfIdleObstacles(distance, report);
-    report.warn(distance.pagesWarning());
+    for (const std::string& w : distance.costWarnings()) report.warn(w);
 
     if (showsPaths(o, distance.targets().size())) {
         report.paths = distance.paths(o.straighten, stages);

@@ -5,6 +5,7 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/signed_field.h>
+#include <igeo/metric/turning_tensors.h>
 #include <igeo/path/curve_normals.h>
 #include <igeo/path/straighten.h>
 #include <igeo/results/lost_points.h>
@@ -219,11 +220,21 @@ std::string Distance::lostVertexWarning(Progress& progress) const {
     });
     return lostWarning(field, step > 1 ? "vertices looked at" : "vertices", looked, distance);
 }
-std::string Distance::pagesWarning() const {
-    if (marched()->evenCosts || band_->spine.empty()) return {};
-    return "three or more sheets of the mesh share an edge: where they are less than 15 degrees "
-           "apart, distances with weights or obstacles are off by up to 15 voxels from sheet to "
-           "sheet; use smaller voxels, or one cost everywhere";
+std::vector<std::string> Distance::costWarnings() const {
+    constexpr double kWorthSaying = 0.01;
+    std::vector<std::string> warnings;
+    if (!marched()->evenCosts && !band_->spine.empty())
+        warnings.push_back(
+            "three or more sheets of the mesh share an edge: where they are less than 15 degrees "
+            "apart, distances with weights or obstacles are off by up to 15 voxels from sheet to "
+            "sheet; use smaller voxels, or one cost everywhere");
+    if (const double share = shareOfTurningTensors(*band_, *marched()->metric);
+        marched()->atFootPoints && share > kWorthSaying)
+        warnings.push_back("on " + percent(share) +
+                           " of the surface the cheap direction of the metric turns within too few "
+                           "voxels for its ratio of costs: distances may be off by more than 5 %; "
+                           "use smaller voxels, or bring the costs closer together");
+    return warnings;
 }
 Samples Distance::samples() const { return samplesOf(*forPoints(0)); }
 DistanceMatrix Distance::matrix(Progress& progress) const {

@@ -88,10 +88,11 @@ public:
     /// distance (lostWarning); it looks at 1000 of them at most, spread over the file. Empty where
     /// there are none, where all nodes have a distance, and for a surface that is no mesh.
     std::string lostVertexWarning(Progress& progress = Progress::none()) const;
-    /// A sentence where three or more pages of a mesh share an edge, one of them without nodes
-    /// beside it, and costs vary or obstacles are: fronts pass to such pages well only where one
-    /// cost is everywhere (Band::spine). Else empty.
-    std::string pagesWarning() const;
+    /// Sentences on costs with which distances may be off: where three or more pages of a mesh share
+    /// an edge, one of them without nodes beside it (fronts pass to such pages well only where one
+    /// cost is everywhere and no obstacle, Band::spine), and where tensors turn within a few voxels
+    /// (shareOfTurningTensors).
+    std::vector<std::string> costWarnings() const;
     /// The distances of jet at its foot points (samplesOf).
     /// @throws Error  InvalidArgument for another scheme
     Samples samples() const;

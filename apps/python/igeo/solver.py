@@ -201,8 +201,7 @@ class Solver:
         self._warn(made.of_whole_surface)
         if start is not None:
             warn(made.overrun, 3)
-        if pages := made.pages:
-            warn([pages], 3)
+        warn(made.costs, 3)
         if not self._warned_of_lost and (lost := made.lost_vertices):
             self._warned_of_lost = True
             warn([lost], 3)

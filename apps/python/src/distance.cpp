@@ -219,7 +219,11 @@ void bindDistance(py::module_& module) {
                                    const py::gil_scoped_release released;
                                    return igeo::overrunWarnings(*d.marched());
                                })
-        .def_property_readonly("pages", &Distance::pagesWarning)
+        .def_property_readonly("costs",
+                               [](const Distance& d) {
+                                   const py::gil_scoped_release released;
+                                   return d.costWarnings();
+                               })
         .def_property_readonly("lost_vertices",
                                [](const Distance& d) {
                                    const py::gil_scoped_release released;
