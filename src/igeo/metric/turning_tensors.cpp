@@ -22,7 +22,7 @@ Axes axesAt(const Band& band, const Metric& metric, NodeIndex i) {
     const Vec3d n(band.normal[i]), u = anyNormalTo(n), v = cross(n, u);
     const Tensor& g = metric.tensor[i];
     const SymmetricEigen2 e = symmetricEigen(product(g, u, u), product(g, u, v), product(g, v, v));
-    // The eigenvector is that of the dearer axis.
+    // The eigenvector is that of the axis that costs more.
     return {std::sqrt(e.largest() / std::max(e.least(), 1e-30)), normalized(e.x * v - e.y * u)};
 }
 
