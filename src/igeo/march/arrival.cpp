@@ -171,6 +171,7 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
         if (!(r < field_.startRadius) || !isOf(k)) return;
         bound = std::min(bound, s.rim ? 0 : s.start + leastCost * r);
         if (r < nearest) nearest = r, least.ofNearest = false;
+        if (field_.atFootPoints && !metric_.anisotropic() && costsJump(s.weight, here)) return;
         const bool walks = hasWalks_ && isOnMesh(),
                    flat = !walks && field_.atFootPoints && alongSurface(s, p_ - at);
         const double mean = meanToSeed(field_, s, here);

@@ -126,6 +126,12 @@ void forLeaves(const Field& field,
 /// distance and metric; for schemes that compute no gradient of their own.
 std::vector<Vec3f> surfaceGradient(const Field& field);
 
+/// Whether a jump of the costs lies between two points close to each other: the mean of both ends
+/// says little about a line over it.
+inline bool costsJump(double a, double b) {
+    constexpr double kJump = 1.3;
+    return std::max(a, b) > kJump * std::min(a, b);
+}
 /// The cost per unit length from a point to a seed close to it, isotropic, as the scheme has it
 /// around seeds: the mean of both ends; for `godunov` that of the seed.
 /// @param here  the weight at the point

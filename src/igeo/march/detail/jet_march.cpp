@@ -433,7 +433,8 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
         JetGroup::Solution& s = solutions[lane];
-        if ((s.oneSided && (isInShadow(group.rows.of[lane], s) || isAtRim(i))) || isFolded(i))
+        if ((s.oneSided && (core_.costsVary || isInShadow(group.rows.of[lane], s) || isAtRim(i))) ||
+            isFolded(i))
             s = group.jets.solveAtRim(lane);
         if (const JetRows::Row& row = group.rows.of[lane]; mayGoRound(i, row, s))
             s = overTwoLinks(i, row, batch, s);

@@ -191,7 +191,9 @@ private:
         if (!visited_.insert(i).second) return false;
         const Vec3d foot = core_.footOf(core_.nodes[i]), from = nearestOfSeed(i);
         if (core_.nodes[i].obstacleState == Metric::Inside ||
-            core_.metric.blocked(from, foot, Vec3d(seeds_.points[k_].normal)))
+            core_.metric.blocked(from, foot, Vec3d(seeds_.points[k_].normal)) ||
+            (core_.costsVary && core_.stretch.empty() &&
+             costsJump(double(core_.nodes[i].weight), seed_.weight)))
             return false;
         const double r = length(foot - from);
         if (step.walked > kDetour * r + kRoom) return false;
