@@ -95,7 +95,8 @@ std::vector<Option> pairAndShotOptions(SeedOptions& o) {
              .reads = text(o.pairs)},
             {.names = {"--shoot"},
              .value = "X,Y,Z,DX,DY,DZ,L",
-             .text = "A geodesic from a point in a direction for a length, world units; for "
+             .text = "A geodesic from a point in a direction for a length, world "
+                     "units or, with --space index, voxels; for "
                      "--paths and --image; needs no seed; repeatable",
              .reads = parsedEach(o.shots, shotOf)},
             {.names = {"--via"},

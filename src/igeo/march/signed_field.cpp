@@ -150,7 +150,7 @@ std::vector<std::int8_t> signsOfCurves(const Field& field, Progress& progress) {
         parts.crossings.empty() || against * kStray > parts.crossings.size())
         throw Error(Error::Kind::InvalidArgument,
                     "the seeds do not part the surface into an inside and an outside",
-                    "close the curve, or leave out isSigned");
+                    "close the curve without crossing it, or leave out isSigned");
 
     const std::size_t n = field.distance.size();
     std::vector<std::int8_t> sign(n, 0);

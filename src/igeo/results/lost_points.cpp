@@ -74,7 +74,8 @@ std::string LostPoints::warning(const char* what) const {
     if (lost_ == 0) return "";
     return fmt::format(
         "{} of {} {} ({}) have no distance, though triangles join them to a seed: they are "
-        "in walls or between sheets too narrow for the voxels; take smaller voxels",
+        "in walls or between sheets too narrow for the voxels, or beyond a vertex that is all two "
+        "parts share; take smaller voxels, or weld the parts along edges",
         lost_, all_, what, percent(double(lost_) / double(all_)));
 }
 

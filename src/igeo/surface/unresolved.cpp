@@ -258,8 +258,8 @@ std::vector<std::string> unresolvedWarnings(const Unresolved& unresolved) {
         return true;
     };
     warn(unresolved.closed, kClosed,
-         "psi contradicts itself next to {} of the surface: folds or gaps of up to two "
-         "voxels were closed when the level set was made, and distances across them come out too "
+         "psi contradicts itself next to {} of the surface: where folds or gaps of up to two "
+         "voxels were closed when the level set was made, distances across them come out too "
          "short; smaller voxels, or the mesh itself, keep them open");
     warn(unresolved.thin, kThin,
          "walls or gaps are thinner than 1.1 voxels on {} of the surface: fronts may cross "

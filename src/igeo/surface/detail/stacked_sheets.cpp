@@ -18,6 +18,7 @@ double StackedSheets::keepOwn(Neighbors& near) const {
     constexpr double kAbove = 1, kSteep = 0.3, kAlike = 0.8;
     // Of neighbors on one sheet: one step, and what scatter may add to it across.
     constexpr double kStep = 1.6, kLevel = 0.75;
+    constexpr std::ptrdiff_t kSheet = 6;
     const PointTree::Index own = near.front().point;
     std::size_t left = 0;
     std::vector<char> isAbove(near.size());
@@ -49,7 +50,8 @@ double StackedSheets::keepOwn(Neighbors& near) const {
             front.push_back(b);
         }
     }
-    if (left == 0) return kInfinity;
+    // A few points by themselves are scatter.
+    if (left == 0 || std::count(joined.begin(), joined.end(), 1) < kSheet) return kInfinity;
     double nearest = kInfinity;
     std::size_t kept = 0;
     for (std::size_t k = 0; k < near.size(); ++k)

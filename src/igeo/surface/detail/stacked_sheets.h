@@ -23,7 +23,7 @@ public:
                   const std::vector<Vec3d>& normal)
         : points_(points), spacing_(spacing), normal_(normal) {}
 
-    /// Removes the points on sheets above and below that of the first.
+    /// Removes the points on sheets above and below that of the first, unless that is a stray.
     /// @param near  nearest first, the first at distance 0
     /// @return the squared distance of the nearest one removed; infinite for none
     /// Time O(k) for k neighbors, O(k^2) where some are above or below.
