@@ -107,7 +107,7 @@ double PointSurface::reachOfProject(Index nearest, double farthest) const {
 bool PointSurface::onLayer(std::size_t j, const Vec3d& y, const Vec3d& n) const {
     constexpr double kAlike = 0.8, kAbove = 0.6;  // cosine; spacings
     const Patch& patch = patches_[j];
-    return std::abs(dot(patch.normal, n)) < kAlike ||
+    return dot(patch.normal, n) < kAlike ||
            std::abs(patch.fit.at(y - patch.at)) < kAbove * spacing_[j];
 }
 

@@ -228,7 +228,7 @@ double PointSurface::measureNoise(Progress& progress) {
 std::vector<Vec3d> PointSurface::clearNormals() const {
     // Beside a rim half of the nearest points may be on the sheet above, and the plane through both
     // is upright.
-    constexpr double kThick = 0.05;
+    constexpr double kThick = 0.12;
     std::vector<Vec3d> clear = normals_;
     parallelFor(clear.size(), 512, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
