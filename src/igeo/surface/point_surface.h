@@ -33,9 +33,9 @@ class StackedSheets;
 /// less than about three spacings in radius are closed.
 ///
 /// Sheets: points whose normals are at a cosine below -0.2 are on another sheet, and so are those
-/// one above the other (StackedSheets). Fits and blends leave them out. Sheets closer than
-/// 1.8 spacings, with scatter 2.3, become one in between, or are refused as points that fill a
-/// volume; if they face each other and the file has normals, 0.7 spacings are enough.
+/// one above the other (StackedSheets). Fits and blends leave them out. Sheets closer than 1.8
+/// spacings, with scatter 2.3, become one in between, or are refused as points that fill a volume;
+/// if they face each other and the file has normals, 0.7 spacings are enough.
 ///
 /// Sharp edges: where two sheets at a cosine below 0.2 meet and no normal lies between theirs
 /// (separateSheets), each is continued up to the edge and ends there. Other edges are rounded.
