@@ -261,7 +261,8 @@ bool JetMarch::isAtRim(NodeIndex i) const {
     // saves.
     if (!core_.stretch.empty()) return false;
     // Beside the corner of a rim a front arrives before the node on the rim has its value.
-    return links_.row(i).size() < kAllAround || isBesideOpen(i) || isCreasedBeside(i);
+    return core_.costsVary || links_.row(i).size() < kAllAround || isBesideOpen(i) ||
+           isCreasedBeside(i);
 }
 
 bool JetMarch::isBesideOpen(NodeIndex i) const {
@@ -433,8 +434,7 @@ void JetMarch::solveGroup(const Batch& batch, Group& group, Chunk& chunk) {
     for (std::size_t lane = 0; lane < group.size; ++lane) {
         const NodeIndex i = group.node[lane];
         JetGroup::Solution& s = solutions[lane];
-        if ((s.oneSided && (core_.costsVary || isInShadow(group.rows.of[lane], s) || isAtRim(i))) ||
-            isFolded(i))
+        if ((s.oneSided && (isInShadow(group.rows.of[lane], s) || isAtRim(i))) || isFolded(i))
             s = group.jets.solveAtRim(lane);
         if (const JetRows::Row& row = group.rows.of[lane]; mayGoRound(i, row, s))
             s = overTwoLinks(i, row, batch, s);

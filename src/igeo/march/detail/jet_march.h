@@ -157,8 +157,8 @@ private:
     /// The square of the straight line from the only seed to a node, at the least cost, and a
     /// little more for rounding; +inf where there are other seeds.
     float line2(const JetNode& node) const;
-    /// Whether a front may go around something beside a node: an obstacle, the end of S, or a
-    /// corner at which creases within two links meet.
+    /// Whether a front may go around something beside a node: an obstacle, the end of S, a
+    /// corner at which creases within two links meet, or a jump of the costs.
     bool isAtRim(NodeIndex i) const;
     /// Whether a front that spreads around the corner of a rim has reached a neighbor: what comes
     /// straight past the corner, and has neighbors on one side only, does not reach the node.
