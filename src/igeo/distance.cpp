@@ -228,8 +228,9 @@ std::vector<std::string> Distance::costWarnings() const {
             "three or more sheets of the mesh share an edge: where they are less than 15 degrees "
             "apart, distances with weights or obstacles are off by up to 15 voxels from sheet to "
             "sheet; use smaller voxels, or one cost everywhere");
+    if (!marched()->atFootPoints) return warnings;
     if (const double share = shareOfTurningTensors(*band_, *marched()->metric);
-        marched()->atFootPoints && share > kWorthSaying)
+        share > kWorthSaying)
         warnings.push_back("on " + percent(share) +
                            " of the surface the cheap direction of the metric turns within too few "
                            "voxels for its ratio of costs: distances may be off by more than 5 %; "

@@ -119,6 +119,7 @@ PointSurface::PointSurface(PointCloud cloud, Progress& progress) : file_(cloud.f
     for (double& r : reach) r *= kReach;
     points_.setReach(std::move(reach));
     std::vector<Index>().swap(ring_);
+    std::vector<double>().swap(thickness_);
     patches_.resize(points_.size());
     for (std::size_t i = 0; i < patches_.size(); ++i)
         patches_[i] = {points_[i], normals_[i], squared(points_.reach(i)), leastCosine(i),

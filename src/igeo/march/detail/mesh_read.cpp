@@ -25,13 +25,12 @@ struct Near {
 /// @param normal  of S there
 std::vector<Near> coreNear(const Field& field, const Vec3d& p, const Vec3d& normal) {
     const Band& band = *field.band;
-    const bool mayBeHidden = field.metric->obstacles != nullptr;
     std::vector<NodeIndex> nodes;
     const Ijk low = floorToIjk(p);
     band.forVoxels(low - Ijk{2, 2, 2}, low + Ijk{3, 3, 3}, [&](NodeIndex i, const Ijk& voxel) {
         const Vec3d foot = Vec3d(voxel) + Vec3d(band.footOf(i));
         if (length(foot - p) < kFarthest && band.inCore(i) &&
-            !(mayBeHidden && field.metric->blocked(p, foot, normal)))
+            !field.metric->blocked(p, foot, normal))
             nodes.push_back(i);
     });
     if (field.evenCosts) {

@@ -20,16 +20,17 @@ double StackedSheets::keepOwn(Neighbors& near) const {
     constexpr double kStep = 1.6, kLevel = 0.75;
     constexpr std::ptrdiff_t kSheet = 6;
     const PointTree::Index own = near.front().point;
-    std::size_t left = 0;
+    const double least = kAbove * spacing_[own];
+    const auto liesAbove = [&](const PointTree::Found& f) {
+        if (f.squared < least * least) return false;
+        const Offset o = offset(own, f.point);
+        return o.cosine > kAlike && o.above > std::max(least, kSteep * o.along);
+    };
+    // Few points have any.
+    if (std::none_of(near.begin(), near.end(), liesAbove)) return kInfinity;
     std::vector<char> isAbove(near.size());
-    for (std::size_t k = 1; k < near.size(); ++k) {
-        if (near[k].squared < kAbove * kAbove * spacing_[own] * spacing_[own]) continue;
-        const Offset o = offset(own, near[k].point);
-        isAbove[k] =
-            o.cosine > kAlike && o.above > std::max(kAbove * spacing_[own], kSteep * o.along);
-        left += std::size_t(isAbove[k]);
-    }
-    if (left == 0) return kInfinity;
+    std::transform(near.begin(), near.end(), isAbove.begin(), liesAbove);
+    auto left = std::size_t(std::count(isAbove.begin(), isAbove.end(), 1));
 
     // From the first over all that belong together.
     std::vector<char> joined(near.size());
