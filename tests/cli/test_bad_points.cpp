@@ -68,6 +68,8 @@ TEST_CASE("a file of points that says something else is refused with the place")
         BadFile{"p.csv", "nan,0,0\n1,0,0\n", {"line 1", "'nan,0,0'"}},
         BadFile{"p.csv", "x,y,z\n1,0,0\nx,y,z\n", {"line 3", "'x,y,z'"}},
         BadFile{"p.csv", "1,5;0;0\n", {"line 1", "'1,5;0;0'", "semicolons"}},
+        BadFile{"p.csv", "1,5 0 0\n", {"line 1", "'1,5 0 0'", "decimal commas", "1.5"}},
+        BadFile{"p.csv", "y,x,z\n1,0,0\n", {"line 1", "'y,x,z'", "order x,y,z,start"}},
         BadFile{"p.csv", "1,0,0,-0.5\n", {"start", "-0.5", "at least 0"}},
         BadFile{"p.json", "", {"not a JSON list", "position"}},
         BadFile{"p.json", "[]", {"no points"}},

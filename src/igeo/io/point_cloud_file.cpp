@@ -4,6 +4,7 @@
 #include <igeo/base/error.h>
 #include <igeo/io/detail/file_bytes.h>
 #include <igeo/io/detail/number_lines.h>
+#include <igeo/io/detail/number_rows.h>
 #include <igeo/io/detail/ply_reader.h>
 #include <igeo/io/detail/vdb_points.h>
 
@@ -39,13 +40,13 @@ PointCloud pointsFromText(const std::string& file, const std::string& bytes) {
     bool mayBeHeader = true;
     std::size_t columns = 0;
     forLines(bytes, [&](std::string_view line, std::size_t number) {
-        const std::vector<double> v = numbersIn(line);
+        const std::vector<double> v = numbersIn(file, number, line);
         // A first line that does not start like a number names the columns.
         const auto begin = line.find_first_not_of(" \t\"");
         const bool isHeader = mayBeHeader && v.empty() && begin != std::string_view::npos &&
                               std::isalpha(static_cast<unsigned char>(line[begin]));
         mayBeHeader = false;
-        if (isHeader) return;
+        if (isHeader) return requireColumns(file, number, line, "x,y,z,nx,ny,nz");
         if (v.size() != 3 && v.size() != 6)
             failAt(file, number, line, "is neither x y z nor x y z nx ny nz");
         if (columns != 0 && v.size() != columns)
@@ -64,7 +65,7 @@ PointCloud pointsFromPwn(const std::string& file, const std::string& bytes) {
     std::vector<Vec3d> rows;
     double count = -1;
     forLines(bytes, [&](std::string_view line, std::size_t number) {
-        const std::vector<double> v = numbersIn(line);
+        const std::vector<double> v = numbersIn(file, number, line);
         if (rows.empty() && count < 0 && v.size() == 1 && v[0] >= 0) {
             count = v[0];
         } else if (v.size() == (count < 0 ? 6u : 3u)) {
@@ -92,7 +93,7 @@ PointCloud pointsFromObj(const std::string& file, const std::string& bytes) {
         const bool isNormal = line.substr(0, 3) == "vn ";
         if (!isNormal && line.substr(0, 2) != "v ") return;
         // A weight or a color may follow the position.
-        const std::vector<double> v = numbersIn(line.substr(isNormal ? 3 : 2));
+        const std::vector<double> v = numbersIn(file, number, line.substr(isNormal ? 3 : 2));
         if (v.size() < 3) failAt(file, number, line, "does not hold three numbers");
         if (isNormal)
             cloud.normals.push_back(Vec3f(Vec3d{v[0], v[1], v[2]}));

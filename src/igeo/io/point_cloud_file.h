@@ -17,15 +17,17 @@ bool isPointFile(const std::string& file);
 ///   element `vertex`. Everything else is skipped.
 /// - `.xyz .txt .csv .pts .asc`: a point per line, x y z or x y z nx ny nz, separated by blanks,
 ///   commas or semicolons; `#` starts a comment, and a first line without a number names the
-///   columns.
+///   columns, in this order.
 /// - `.pwn`: a count, then as many lines x y z, then as many nx ny nz; or lines x y z nx ny nz.
 /// - `.obj`: the lines `v`, and, if there are as many, `vn`.
 /// - `.vdb`: a grid of points, FILE.vdb:GRID where there are several; normals are the attribute
 ///   `N`.
 ///
+/// A byte order mark before text is skipped.
 /// @throws Error  Io where the file cannot be read; BadInput for another ending, a broken or
-///         truncated file (with line or byte), a coordinate that is not finite, a normal that is
-///         not finite or zero, or no points
+///         truncated file (with line or byte), decimal commas (1,5;2,5 or 1,5 2,5), a header that
+///         names x y z nx ny nz in another order or colors as normals, a coordinate that is not
+///         finite, a normal that is not finite or zero, or no points
 PointCloud readPointCloud(const std::string& file);
 
 }  // namespace igeo

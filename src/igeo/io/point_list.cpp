@@ -180,7 +180,8 @@ std::vector<AskedPoint> pointsFromText(std::istream& in, const std::string& file
             points.push_back(AskedPoint(std::to_string(v)));
         return points;
     }
-    for (const auto& v : rowsFromText(in, file, {1, 3, 4}, "x,y,z, x,y,z,start or a vertex"))
+    for (const auto& v :
+         rowsFromText(in, file, "x,y,z,start", {1, 3, 4}, "x,y,z, x,y,z,start or a vertex"))
         if (v.size() == 1)
             points.push_back(vertexFrom(v[0], file));
         else
@@ -385,7 +386,8 @@ std::vector<AskedPair> readPairs(const std::string& file) {
         const std::string remedy = "write [[x, y, z, x, y, z], ...] or [[vertex, vertex], ...]";
         pairs = readEntries(listFromJson(in, file, "pairs", remedy), file, remedy, pairFrom);
     } else {
-        for (const auto& v : rowsFromText(in, file, {2, 6}, "x,y,z,x,y,z or two vertices"))
+        for (const auto& v :
+             rowsFromText(in, file, "x,y,z,x,y,z", {2, 6}, "x,y,z,x,y,z or two vertices"))
             if (v.size() == 2)
                 pairs.push_back({vertexFrom(v[0], file), vertexFrom(v[1], file)});
             else

@@ -49,7 +49,7 @@ AskedSeeds readSeeds(const std::string& file);
 /// - `.json`: [[x, y, z], ...], [{"position": [x, y, z], "start": s}, ...], or vertex numbers, [12,
 ///   {"vertex": 40, "start": s}, ...];
 /// - text: lines x,y,z[,start], or a vertex number per line; empty lines, lines with # and one
-///   header line are skipped;
+///   header line are skipped. A header that names x, y and z in another order is refused;
 /// - `.label` of FreeSurfer: its vertices.
 ///
 /// @throws Error  Io, or BadInput with the line or entry

@@ -58,12 +58,26 @@ std::size_t vertexOf(double number, std::size_t count, const std::string& file, 
                 "give values that belong to this mesh, vertices counted from 0 on");
 }
 
+/// @param before  the first line that names the vertex
+[[noreturn]] void failTwice(const std::string& file, std::size_t number, std::string_view line,
+                            std::size_t vertex, std::size_t before) {
+    const std::size_t comma = line.find(',');
+    const bool mayBeDecimal = comma != line.npos && isTightComma(line, comma);
+    throw Error(Kind::BadInput,
+                fmt::format("{}, line {}: '{}' gives vertex {} a value, as line {} does", file,
+                            number, line.substr(0, 60), vertex, before),
+                mayBeDecimal ? "write each vertex once; if the comma is a decimal comma, write a "
+                               "decimal point: 1.5 for 1,5"
+                             : "write each vertex once");
+}
+
 std::vector<double> fromText(const std::string& file, const std::string& bytes, std::size_t count) {
     std::vector<double> values;
+    std::vector<std::size_t> lineOf;  // of each vertex; 0 where none names it
     std::size_t columns = 0, most = 2;
     bool mayBeHeader = true;
     forLines(bytes, [&](std::string_view line, std::size_t number) {
-        const std::vector<double> v = numbersIn(line);
+        const std::vector<double> v = numbersIn(file, number, line);
         const bool isHeader = mayBeHeader && v.empty();
         mayBeHeader = false;
         // More columns are allowed only if the first is named `vertex`: x,y,z are not vertex and
@@ -78,7 +92,11 @@ std::vector<double> fromText(const std::string& file, const std::string& bytes, 
         columns = v.size();
         if (columns == 1) return values.push_back(v[0]);
         values.resize(count);
-        values[vertexOf(v[0], count, file, number)] = v[1];
+        lineOf.resize(count);
+        const std::size_t vertex = vertexOf(v[0], count, file, number);
+        if (lineOf[vertex] != 0) failTwice(file, number, line, vertex, lineOf[vertex]);
+        values[vertex] = v[1];
+        lineOf[vertex] = number;
     });
     return values;
 }
@@ -183,7 +201,7 @@ std::vector<std::size_t> readLabelFile(const std::string& file) {
     std::vector<std::size_t> vertices;
     double announced = -1;
     forLines(fileBytes(file), [&](std::string_view line, std::size_t number) {
-        const std::vector<double> v = numbersIn(line);
+        const std::vector<double> v = numbersIn(file, number, line);
         const bool isCount = announced < 0 && v.size() == 1;
         if ((!isCount && (announced < 0 || v.size() != 5)) || !(v[0] >= 0 && v[0] < 0x1p32))
             throw Error(Kind::BadInput,

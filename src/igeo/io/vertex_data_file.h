@@ -24,7 +24,8 @@ bool isVertexDataFile(const std::string& file);
 ///
 /// @param count  number of vertices of the mesh
 /// @throws Error  Io where the file cannot be read; BadInput for another kind of file, a damaged
-///         one, several arrays or columns, and another number of values than `count`
+///         one, several arrays or columns, a vertex on two lines, decimal commas (1;1,5), and
+///         another number of values than `count`
 /// Time O(size). Values may be NaN.
 std::vector<double> readVertexData(const std::string& file, std::size_t count);
 

@@ -359,6 +359,24 @@ TEST_CASE("values that do not fit the mesh are refused", "[brain]") {
     refused("lh.thickness", "\xff\xff\xff" + bytesOf(std::vector<std::int32_t>{4, 9, 1}, true),
             {"lh.thickness", "bytes are left"});
     refused("a.gii", giftiSurface({}), {"a.gii", "0 arrays of values"});
+    // Decimal commas: 1,75 is no value of vertex 1.
+    refused("a.txt", "1,25\n0,5\n1,75\n2,5\n",
+            {"a.txt, line 3", "'1,75' gives vertex 1", "line 1 does", "decimal comma", "1.5"});
+    refused("a.csv", "vertex, value\n2, 5\n3, 1\n2, 6\n",
+            {"a.csv, line 4", "'2, 6' gives vertex 2", "line 2 does", "each vertex once"});
+    refused("a.csv", "vertex;value\n0;1\n2;1,75\n", {"a.csv, line 3", "decimal commas"});
+    refused("a.txt", "2 1,75\n", {"a.txt, line 1", "'2 1,75'", "decimal commas"});
+}
+
+TEST_CASE("a byte order mark before values and surfaces is skipped", "[brain]") {
+    const TempDir dir;
+    const std::string mark = "\xEF\xBB\xBF";
+    CHECK(readVertexData(dir.write("a.txt", mark + "5\n6\n"), 2) == std::vector<double>{5, 6});
+    CHECK(readVertexData(dir.write("a.csv", mark + "vertex,a,b\n1,6,0\n"), 2) ==
+          std::vector<double>{0, 6});
+    CHECK(readVertexData(dir.write("a.label", mark + "#!ascii label\n1\n1 0 0 0 0\n"), 2) ==
+          std::vector<double>{0, 1});
+    CHECK(readMesh(dir.write("a.surf.gii", mark + giftiSurface({}))).triangles.size() == 4);
 }
 
 TEST_CASE("pwn clouds in both forms", "[brain]") {

@@ -276,6 +276,52 @@ TEST_CASE("files that are no meshes are refused", "[mesh]") {
     CHECK(printed.str().empty());
 }
 
+TEST_CASE("a byte order mark before text is skipped", "[mesh]") {
+    const TempDir dir;
+    const std::string mark = "\xEF\xBB\xBF";
+    const std::string corners = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty "
+        "float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n" +
+        corners + "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    std::string stl = "solid a\n";
+    for (const char* facet : {"vertex 0 0 0\nvertex 0 1 0\nvertex 1 0 0\n",
+                              "vertex 0 0 0\nvertex 1 0 0\nvertex 0 0 1\n",
+                              "vertex 0 0 0\nvertex 0 0 1\nvertex 0 1 0\n",
+                              "vertex 1 0 0\nvertex 0 1 0\nvertex 0 0 1\n"})
+        stl += std::string("facet normal 0 0 0\nouter loop\n") + facet + "endloop\nendfacet\n";
+    stl += "endsolid a\n";
+    for (const auto& [name, text] :
+         {std::pair<const char*, std::string>(
+              "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"),
+          {"a.off", "OFF\n4 4 0\n" + corners + "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"},
+          {"a.ply", ply},
+          {"a.stl", stl}}) {
+        for (const bool marked : {false, true}) {
+            INFO(name << marked);
+            const TriangleMesh mesh = readMesh(dir.write(name, (marked ? mark : "") + text));
+            CHECK(mesh.points.size() == 4);
+            CHECK(volume(mesh) == Approx(1.0 / 6));
+        }
+    }
+    // Without the first vertex the face would name others.
+    const TriangleMesh square =
+        readMesh(dir.write("b.obj", mark + "v 9 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\n"));
+    REQUIRE(square.source);
+    CHECK(square.source->vertices.size() == 4);
+}
+
+TEST_CASE("OBJ files that count vertices from 0 are refused as such", "[mesh]") {
+    const TempDir dir;
+    for (const char* face : {"f 0 1 2", "f 1 2 0/1/1", "f 0//1 1//1 2//1"}) {
+        const std::string file =
+            dir.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + std::string(face) + "\n");
+        test::expectError(Kind::BadInput,
+                          {"a.obj, line 4", "vertex 0", "count vertices from 1 on", "add 1"},
+                          [&] { readMesh(file); });
+    }
+}
+
 TEST_CASE("vertices and faces in memory are a mesh as those of a file", "[mesh]") {
     PolygonMesh cube;
     for (int k = 0; k < 8; ++k)

@@ -189,4 +189,67 @@ TEST_CASE("Broken files of points are refused with the place") {
     expectError(Kind::Io, {"folder"}, [&] { readPointCloud(dir / "folder.xyz"); });
 }
 
+TEST_CASE("decimal commas in files of points are refused") {
+    const TempDir dir;
+    for (const char* line : {"258,2;0,0;9996,7", "1,5 2,5 3,5", "1,5\t2,5\t3,5", "  1,5 2 ",
+                             "1;2;3,5", "1,2 3,4", "-1,5; 2; 3", "1e2,5 2"}) {
+        INFO(line);
+        for (const char* name : {"a.xyz", "a.csv", "a.pwn"}) {
+            write(dir / name, std::string("# points\n") + line + "\n");
+            expectError(Kind::BadInput,
+                        {name + std::string(", line 2: '"), "decimal commas", "decimal points"},
+                        [&] { readPointCloud(dir / name); });
+        }
+        write(dir / "a.obj", "v 0 0 0\nv " + std::string(line) + "\n");
+        expectError(Kind::BadInput, {"a.obj, line 2", "decimal commas"},
+                    [&] { readPointCloud(dir / "a.obj"); });
+    }
+    for (const char* line : {"1,2,3", "1, 2, 3", " 1,2, 3 ", "1 ,2\t,3", "1;2;3", "1; 2; 3",
+                             "1 2 3", "1.0,2.,3", "1., 2 3"}) {
+        INFO(line);
+        write(dir / "a.csv", line + std::string("\r\n"));
+        CHECK(readPointCloud(dir / "a.csv").points == std::vector<Vec3d>{{1, 2, 3}});
+    }
+}
+
+TEST_CASE("a header of a file of points that names other columns is refused") {
+    const TempDir dir;
+    for (const auto& [header, says] : {std::pair("y,x,z", "column 1 'y', which is read as x"),
+                                       {"x;z;y", "column 2 'z', which is read as y"},
+                                       {"Z Y X", "column 1 'z', which is read as x"},
+                                       {"nx,ny,nz,x,y,z", "column 1 'nx', which is read as x"},
+                                       {"x,y,z,r,g,b", "column 4 'r', which is read as nx"},
+                                       {"\"X\", \"Y\", \"Z\", \"Red\", \"Green\", \"Blue\"",
+                                        "column 4 'red', which is read as nx"},
+                                       {"id,x,y,z,nx,ny", "column 2 'x', which is read as y"}}) {
+        INFO(header);
+        write(dir / "a.csv", header + std::string("\n1,2,3,0,0,1\n"));
+        expectError(Kind::BadInput, {"a.csv, line 1", header, says, "order x,y,z,nx,ny,nz"},
+                    [&] { readPointCloud(dir / "a.csv"); });
+    }
+    for (const char* header : {"x,y,z", "X Y Z NX NY NZ", "east,north,up", "pos x,pos y,pos z",
+                               "x,y,z,r1,g1,b1", "a,b,c"}) {
+        INFO(header);
+        write(dir / "a.csv", header + std::string("\n1,2,3,0,0,1\n"));
+        CHECK(readPointCloud(dir / "a.csv").points == std::vector<Vec3d>{{1, 2, 3}});
+    }
+}
+
+TEST_CASE("a byte order mark before points is skipped") {
+    const TempDir dir;
+    const std::string mark = "\xEF\xBB\xBF";
+    for (const auto& [name, text] :
+         {std::pair("a.xyz", "1 2 3\n"),
+          {"a.csv", "1,2,3\n"},
+          {"a.pwn", "1\n1 2 3\n0 0 1\n"},
+          {"a.obj", "v 1 2 3\n"},
+          {"a.ply",
+           "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+           "property float z\nend_header\n1 2 3\n"}}) {
+        INFO(name);
+        write(dir / name, mark + text);
+        CHECK(readPointCloud(dir / name).points == std::vector<Vec3d>{{1, 2, 3}});
+    }
+}
+
 }  // namespace igeo::test

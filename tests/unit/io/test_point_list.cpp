@@ -143,6 +143,35 @@ TEST_CASE("readPoints: text that is no points") {
     refuse("p.csv", "1,2,oops\n1,2,3\n", {"line 1"});
 }
 
+TEST_CASE("readPoints: decimal commas are named as such") {
+    for (const char* line : {"258,2;0,0;9996,7", "1,5 2,5 3,5", "1,5\t2\t3", "1,2 3,4"})
+        refuse("p.csv", "0 0 0\n" + std::string(line) + "\n",
+               {"p.csv, line 2", line[1] == ',' ? "'1," : "'258,2", "decimal commas", "1.5 for"});
+    refuse("p.csv", "1,5;2,5;3,5\n", {"line 1", "decimal commas"});
+    for (const char* line : {"1,2,3", "1, 2, 3", "1,2, 3", "1;2;3", "1 2 3"})
+        CHECK(read("p.csv", line)[0].position == Vec3d{1, 2, 3});
+}
+
+TEST_CASE("readPoints: a header that names other columns is refused") {
+    for (const char* header : {"y,x,z", "z;y;x", "X Z Y", "nx,ny,nz,x", "x,y,z,Red", "id,x,y,z"})
+        refuse("p.csv", header + std::string("\n1,2,3\n"),
+               {"p.csv, line 1", header, "which is read as", "order x,y,z,start"});
+    for (const char* header : {"x,y,z", "X;Y;Z;Start", "x y z r", "a,b,c", "lon,lat,height"})
+        CHECK(read("p.csv", header + std::string("\n1,2,3\n"))[0].position == Vec3d{1, 2, 3});
+    const TempDir folder;
+    const std::string pairs = folder.write("p.csv", "x,y,z,nx,ny,nz\n1,2,3,4,5,6\n");
+    expectError(Error::Kind::BadInput, {"column 4 'nx', which is read as x", "x,y,z,x,y,z"},
+                [&] { readPairs(pairs); });
+    CHECK(readPairs(folder.write("q.csv", "x,y,z,x,y,z\n1,2,3,4,5,6\n")).size() == 1);
+}
+
+TEST_CASE("readPoints: a byte order mark is skipped") {
+    const std::string mark = "\xEF\xBB\xBF";
+    CHECK(read("p.json", mark + "[[1, 2, 3]]")[0].position == Vec3d{1, 2, 3});
+    CHECK(read("p.label", mark + "#!ascii label\n1\n5 0 0 0 0\n")[0].vertex == "5");
+    CHECK(read("p.csv", mark + "1,2,3\n")[0].position == Vec3d{1, 2, 3});
+}
+
 TEST_CASE("readPoints: of a line without end only the beginning is quoted") {
     const TempDir folder;
     std::ofstream(folder / "p.csv") << "1,2,3\n" << std::string(1000000, '9') << "\n";

@@ -4,6 +4,8 @@
 #include <support/expect_error.h>
 #include <support/temp_dir.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -340,6 +342,68 @@ TEST_CASE("NRRD raw, gzip and text, in one file or two", "[volume]") {
         CHECK(v.origin == Vec3d{10, 20, 30});
         CHECK(v.kind == "NRRD, float32");
     }
+}
+
+TEST_CASE("NRRD without space directions takes spacings and the ranges of axes", "[volume]") {
+    const TempDir dir;
+    const auto read = [&](const std::string& fields) {
+        INFO(fields);
+        return readVolume(dir.write(
+            "a.nrrd", "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 3 4\nendian: little\n" +
+                          fields + "encoding: raw\n\n" + bytesOf(counted())));
+    };
+    const auto axes = [](double x, double y, double z) {
+        return std::array<Vec3d, 3>{{{x, 0, 0}, {0, y, 0}, {0, 0, z}}};
+    };
+    const auto says = [](const VoxelVolume& v, const std::string& text) {
+        return std::any_of(v.warnings.begin(), v.warnings.end(), [&](const std::string& warning) {
+            return warning.find(text) != std::string::npos;
+        });
+    };
+    const VoxelVolume spaced = read("spacings: 2 3 4\n");
+    CHECK(spaced.axis == axes(2, 3, 4));
+    CHECK(spaced.origin == Vec3d{});
+    CHECK(spaced.warnings.size() == 1);
+
+    const std::string range = "axis mins: 10 20 30\naxis maxs: 14 26 18\n";
+    for (const std::string cells :
+         {"", "centers: cell cell cell\n", "centerings: ??? cell none\n"}) {
+        const VoxelVolume v = read(range + cells);
+        CHECK(v.axis == axes(2, 2, -3));
+        CHECK(v.origin == Vec3d{11, 21, 28.5});
+        CHECK(v.warnings.size() == 1);
+    }
+    const VoxelVolume nodes = read(range + "centers: node cell Node\n");
+    CHECK(nodes.axis == axes(4, 2, -4));
+    CHECK(nodes.origin == Vec3d{10, 21, 30});
+    CHECK(nodes.warnings.size() == 1);
+    CHECK(read("axismins: 0 0 0\naxismaxs: 4 6 8\n").axis == axes(2, 2, 2));
+    // Numbers that the header leaves open, and the origin of its own.
+    const VoxelVolume part = read(range + "spacings: nan 2 NaN\nspace origin: (1,2,3)\n");
+    CHECK(part.axis == axes(2, 2, -3));
+    CHECK(part.origin == Vec3d{1, 2, 3});
+    CHECK(part.warnings.size() == 1);
+    const VoxelVolume least = read("axis mins: 10 nan 30\nspacings: 1 2 3\n");
+    CHECK(least.axis == axes(1, 2, 3));
+    CHECK(least.origin == Vec3d{10.5, 0, 31.5});
+
+    const VoxelVolume open = read("spacings: 2 nan nan\n");
+    CHECK(open.axis == axes(2, 1, 1));
+    CHECK(says(open, "no spacing: 1 is taken along axis 1, 2"));
+    CHECK(says(read(""), "no spacing: 1 is taken along axis 0, 1, 2"));
+    const VoxelVolume torn = read(range + "spacings: 2 7 -3\n");
+    CHECK(torn.axis == axes(2, 7, -3));
+    CHECK(torn.warnings.size() == 2);
+    CHECK(says(torn, "spacing 7 along axis 1, and axis mins and maxs make it 2"));
+
+    for (const auto& [fields, phrase] : {std::pair("spacings: 1 2\n", "2 spacings; 3"),
+                                         {"axis mins: 1\n", "1 axis mins; 3"},
+                                         {"axis maxs: 1 2 3 4\n", "4 axis maxs; 3"},
+                                         {"axis mins: 1 1 1\naxis maxs: 1 2 2\n", "no length"}})
+        expectError(Kind::BadInput, {"a.nrrd", phrase}, [&] { read(fields); });
+    CHECK(readVolume(dir.write("b.nrrd",
+                               "\xEF\xBB\xBF" + kNrrd + "encoding: raw\n\n" + bytesOf(counted())))
+              .values == counted());
 }
 
 TEST_CASE("NRRD that is no volume of numbers is refused", "[volume]") {

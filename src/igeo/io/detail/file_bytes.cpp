@@ -30,6 +30,12 @@ std::string fileBytes(const std::string& file) {
     return std::move(all).str();
 }
 
+std::string_view withoutByteOrderMark(std::string_view text) {
+    constexpr std::string_view kMark = "\xEF\xBB\xBF";
+    if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
+    return text;
+}
+
 bool isGzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
 
 std::string inflatedFileBytes(const std::string& file) {

@@ -10,6 +10,9 @@ namespace igeo {
 ///         not readable
 std::string fileBytes(const std::string& file);
 
+/// A text without the byte order mark with which spreadsheets and editors start files in UTF-8.
+std::string_view withoutByteOrderMark(std::string_view text);
+
 /// Whether bytes begin like a gzip file.
 bool isGzip(std::string_view bytes);
 

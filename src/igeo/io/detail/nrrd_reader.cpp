@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -36,9 +37,9 @@ std::string lowerCase(std::string text) {
 class NrrdHeader {
 public:
     NrrdHeader(const std::string& file, std::string_view bytes) : file_(file) {
-        if (!bytes.starts_with("NRRD000"))
+        std::size_t at = bytes.size() - withoutByteOrderMark(bytes).size();
+        if (!bytes.substr(at).starts_with("NRRD000"))
             refuse("is no NRRD file, which begins with NRRD000", "write it again");
-        std::size_t at = 0;
         for (bool first = true; at < bytes.size(); first = false) {
             const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
             const std::string line = trimmed(bytes.substr(at, end - at));
@@ -62,9 +63,9 @@ public:
         return "";
     }
     /// The numbers of a field, separated by blanks, commas and parentheses.
-    std::vector<double> numbers(const char* name) const {
+    std::vector<double> numbers(const char* name, const char* otherwise = "") const {
         std::vector<double> values;
-        std::string text = field(name);
+        std::string text = field(name, otherwise);
         constexpr std::string_view kBetween = " \t\r,()";
         for (std::size_t at = 0; (at = text.find_first_not_of(kBetween, at)) != text.npos;) {
             const std::size_t end = std::min(text.find_first_of(kBetween, at), text.size());
@@ -149,20 +150,55 @@ void readSize(const NrrdHeader& header, VoxelVolume& volume) {
     }
 }
 
+/// A number per axis; NaN for those that the header does not state.
+std::vector<double> perAxis(const NrrdHeader& header, const char* name,
+                            const char* otherwise = "") {
+    std::vector<double> values = header.numbers(name, otherwise);
+    if (values.empty()) values.assign(3, std::nan(""));
+    if (values.size() != 3)
+        header.refuse(fmt::format("has {} {}; 3 are read", values.size(), name),
+                      "the header is broken: write the file again");
+    return values;
+}
+
+/// Axes along x, y and z, by the spacings or the range of each axis.
+void readSpacings(const NrrdHeader& header, VoxelVolume& volume) {
+    volume.warnings.push_back(
+        "the header has no space directions: the axes of the voxels are taken for x, y and z");
+    const std::vector<double> spacings = perAxis(header, "spacings"),
+                              mins = perAxis(header, "axis mins", "axismins"),
+                              maxs = perAxis(header, "axis maxs", "axismaxs");
+    std::istringstream centers(lowerCase(header.field("centers", "centerings")));
+    std::string none;
+    for (std::size_t a = 0; a < 3; ++a) {
+        std::string center;
+        centers >> center;
+        // A range begins at the first sample of `node`, and half a voxel before that of `cell`,
+        // which Teem takes where the header states neither.
+        const bool atNodes = center == "node";
+        const double inRange = (maxs[a] - mins[a]) / (double(volume.size[a]) - (atNodes ? 1 : 0));
+        double spacing = std::isnan(spacings[a]) ? inRange : spacings[a];
+        if (std::isnan(spacing)) {
+            spacing = 1;
+            none += fmt::format("{}{}", none.empty() ? "" : ", ", a);
+        }
+        if (std::abs(spacing - inRange) > 1e-3 * std::abs(inRange))
+            volume.warnings.push_back(
+                fmt::format("the header has spacing {:g} along axis {}, and axis mins and maxs "
+                            "make it {:g}: {:g} is taken",
+                            spacing, a, inRange, spacing));
+        volume.axis[a][int(a)] = spacing;
+        if (!std::isnan(mins[a])) volume.origin[int(a)] = mins[a] + (atNodes ? 0 : spacing / 2);
+    }
+    if (!none.empty())
+        volume.warnings.push_back("the header has no spacing: 1 is taken along axis " + none);
+}
+
 void readPlace(const NrrdHeader& header, VoxelVolume& volume) {
     const std::vector<double> directions = header.numbers("space directions"),
-                              origin = header.numbers("space origin"),
-                              spacings = header.numbers("spacings");
+                              origin = header.numbers("space origin");
     if (directions.empty()) {
-        if (!spacings.empty() && spacings.size() != 3)
-            header.refuse(fmt::format("has {} spacings; 3 are read", spacings.size()),
-                          "the header is broken: write the file again");
-        for (int a = 0; a < 3; ++a) {
-            const double s = spacings.empty() ? 1 : spacings[std::size_t(a)];
-            volume.axis[std::size_t(a)][a] = std::isnan(s) ? 1 : s;
-        }
-        volume.warnings.push_back(
-            "the header has no space directions: the axes of the voxels are taken for x, y and z");
+        readSpacings(header, volume);
     } else if (directions.size() != 9) {
         header.refuse(
             fmt::format("has {} numbers of space directions; 9 are read", directions.size()),

@@ -1,7 +1,10 @@
 /// Lines of numbers in text files. Internal.
 #pragma once
 
+#include <fmt/core.h>
 #include <igeo/base/detail/numbers.h>
+#include <igeo/base/error.h>
+#include <igeo/io/detail/file_bytes.h>
 
 #include <algorithm>
 #include <cctype>
@@ -14,8 +17,7 @@ namespace igeo {
 /// Calls visit(line, number) for all lines, without line ends and comments (#).
 template <typename Visit>
 void forLines(const std::string& bytes, const Visit& visit) {
-    // Spreadsheets start UTF-8 files with a byte order mark.
-    std::size_t at = bytes.compare(0, 3, "\xEF\xBB\xBF") == 0 ? 3 : 0;
+    std::size_t at = bytes.size() - withoutByteOrderMark(bytes).size();
     for (std::size_t number = 1; at < bytes.size(); ++number) {
         const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
         std::string_view line(bytes.data() + at, end - at);
@@ -28,6 +30,38 @@ void forLines(const std::string& bytes, const Visit& visit) {
 }
 
 inline bool isSeparator(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+/// Whether the character at k is a comma with a digit on both sides.
+inline bool isTightComma(std::string_view line, std::size_t k) {
+    const auto isDigit = [&](std::size_t i) {
+        return i < line.size() && std::isdigit(static_cast<unsigned char>(line[i]));
+    };
+    return line[k] == ',' && k > 0 && isDigit(k - 1) && isDigit(k + 1);
+}
+
+/// Refuses a line of numbers that has both commas between digits and numbers that a semicolon or
+/// blanks alone separate, as 1,5;2,5 and 1,5 2,5: those are decimal commas.
+/// @throws Error  BadInput, with the line
+inline void requireDecimalPoints(const std::string& file, std::size_t number,
+                                 std::string_view line) {
+    constexpr std::string_view kBetween = " \t\r,;";
+    bool tight = false, others = false;
+    std::size_t at = line.find_first_not_of(kBetween);
+    while ((at = line.find_first_of(kBetween, at)) < line.size()) {
+        const std::size_t end = line.find_first_not_of(kBetween, at);
+        if (end == line.npos) break;  // blanks at the end
+        const bool hasComma = line.substr(at, end - at).find(',') != line.npos;
+        tight = tight || (hasComma && isTightComma(line, at));
+        others = others || !hasComma;
+        at = end;
+    }
+    if (tight && others)
+        throw Error(Error::Kind::BadInput,
+                    fmt::format("{}, line {}: '{}' has commas between digits, and semicolons or "
+                                "blanks between numbers: decimal commas are not read",
+                                file, number, line.substr(0, 60)),
+                    "write decimal points, 1.5 for 1,5; or separate all numbers by commas alone");
+}
 
 /// The numbers of a line, separated by a comma, a semicolon or blanks; empty where the line holds
 /// anything else. nan and inf are numbers here.
@@ -49,6 +83,15 @@ inline std::vector<double> numbersIn(std::string_view line) {
         numbers.push_back(*value);
         at = stop;
     }
+}
+
+/// The same of a line of a file.
+/// @throws Error  BadInput for decimal commas
+inline std::vector<double> numbersIn(const std::string& file, std::size_t number,
+                                     std::string_view line) {
+    std::vector<double> numbers = numbersIn(line);
+    if (!numbers.empty()) requireDecimalPoints(file, number, line);
+    return numbers;
 }
 
 }  // namespace igeo

@@ -2,10 +2,14 @@
 
 #include <fmt/core.h>
 #include <igeo/base/error.h>
+#include <igeo/io/detail/file_bytes.h>
+#include <igeo/io/detail/number_lines.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <initializer_list>
 #include <sstream>
 
 namespace igeo {
@@ -24,8 +28,7 @@ bool isHeader(const std::string& line) {
 }
 
 /// Puts commas between the fields: those of a line without a comma are separated by semicolons, or
-/// else by blanks. A comma in a line with semicolons may be a decimal comma, so such a line is left
-/// as it is, which is no row.
+/// else by blanks.
 std::string withCommas(std::string line) {
     if (line.find(',') != std::string::npos) return line;
     if (line.find(';') != std::string::npos) {
@@ -36,6 +39,15 @@ std::string withCommas(std::string line) {
     std::string fields;
     for (std::string word; words >> word;) fields += (fields.empty() ? "" : ",") + word;
     return fields;
+}
+
+/// The name of a column in lower case, without blanks, quotes and slashes around it.
+std::string nameInHeader(std::string field) {
+    const auto isName = [](unsigned char c) { return std::isalnum(c) != 0; };
+    field.erase(std::find_if(field.rbegin(), field.rend(), isName).base(), field.end());
+    field.erase(field.begin(), std::find_if(field.begin(), field.end(), isName));
+    for (char& c : field) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return field;
 }
 
 }  // namespace
@@ -56,7 +68,36 @@ std::vector<double> numbersIn(const std::string& text) {
     return out;
 }
 
+void requireColumns(const std::string& file, std::size_t number, std::string_view header,
+                    const std::string& columns) {
+    std::stringstream fields(withCommas(std::string(header))), order(columns);
+    std::vector<std::string> names;
+    for (std::string field; std::getline(fields, field, ',');) names.push_back(nameInHeader(field));
+    const auto isOneOf = [](const std::string& name, std::initializer_list<const char*> others) {
+        return std::find(others.begin(), others.end(), name) != others.end();
+    };
+    const auto isThere = [&](const char* name) {
+        return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    // In a,b,c the b is no blue.
+    const bool hasColors = isThere("r") && isThere("g") && isThere("b");
+    std::string read;
+    for (std::size_t k = 0; k < names.size() && std::getline(order, read, ','); ++k) {
+        const std::string& name = names[k];
+        const bool isKnown =
+            isOneOf(name, {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"}) ||
+            (hasColors && isOneOf(name, {"r", "g", "b"}));
+        if (isKnown && name != read)
+            throw Error(Error::Kind::BadInput,
+                        fmt::format("{}, line {}: the header '{}' names column {} '{}', which is "
+                                    "read as {}",
+                                    file, number, header.substr(0, 60), k + 1, name, read),
+                        "write the columns in the order " + columns + "; leave out others");
+    }
+}
+
 std::vector<std::vector<double>> rowsFromText(std::istream& in, const std::string& file,
+                                              const std::string& columns,
                                               const std::vector<std::size_t>& counts,
                                               const std::string& shape) {
     std::vector<std::vector<double>> rows;
@@ -64,19 +105,22 @@ std::vector<std::vector<double>> rowsFromText(std::istream& in, const std::strin
     bool mayBeHeader = true;
     for (std::string line; std::getline(in, line);) {
         ++lineNumber;
-        // Spreadsheets start UTF-8 files with a byte order mark.
-        if (lineNumber == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0) line.erase(0, 3);
+        if (lineNumber == 1) line.erase(0, line.size() - withoutByteOrderMark(line).size());
         if (const auto hash = line.find('#'); hash != std::string::npos) line.erase(hash);
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         std::vector<double> v = numbersIn(withCommas(line));
-        if (std::count(counts.begin(), counts.end(), v.size()) > 0)
+        if (std::count(counts.begin(), counts.end(), v.size()) > 0) {
             rows.push_back(std::move(v));
-        else if (!mayBeHeader || !isHeader(withCommas(line)))
+        } else if (mayBeHeader && isHeader(withCommas(line))) {
+            requireColumns(file, lineNumber, line, columns);
+        } else {
+            numbersIn(file, lineNumber, line);  // names decimal commas as such
             throw Error(
                 Error::Kind::BadInput,
                 fmt::format("{}, line {}: '{}' is not {}", file, lineNumber, line.substr(0, 60),
                             shape),
                 "write that many finite numbers with commas, semicolons or blanks between them");
+        }
         mayBeHeader = false;
     }
     return rows;

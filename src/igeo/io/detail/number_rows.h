@@ -3,6 +3,7 @@
 
 #include <istream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace igeo {
@@ -10,11 +11,22 @@ namespace igeo {
 /// The finite numbers of a text, separated by commas; empty where a part is no number.
 std::vector<double> numbersIn(const std::string& text);
 
+/// Refuses a header that names a coordinate, a part of a normal or of a color (x, nx, red; r, g and
+/// b together) in a column that is read as something else: y,x,z, or x,y,z,r,g,b where columns 4 to
+/// 6 are normals. Other names are allowed.
+/// @param columns  what is read, in order: "x,y,z,nx,ny,nz"
+/// @throws Error  BadInput, with the line
+void requireColumns(const std::string& file, std::size_t number, std::string_view header,
+                    const std::string& columns);
+
 /// Rows of numbers, separated by commas, semicolons, blanks or tabs. Lines may be empty or end in
 /// comments (#); the first may name the columns.
-/// @param counts  allowed numbers per line, which `shape` states in words
-/// @throws Error  BadInput, with the line, for any other
+/// @param columns  what is read, as for requireColumns
+/// @param counts   allowed numbers per line, which `shape` states in words
+/// @throws Error  BadInput, with the line, for any other, decimal commas and a header that names
+///         other columns
 std::vector<std::vector<double>> rowsFromText(std::istream& in, const std::string& file,
+                                              const std::string& columns,
                                               const std::vector<std::size_t>& counts,
                                               const std::string& shape);
 

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/base/detail/numbers.h>
 #include <igeo/base/error.h>
+#include <igeo/io/detail/file_bytes.h>
 
 #include <algorithm>
 #include <array>
@@ -98,6 +99,7 @@ private:
     }
 
     void readHeader() {
+        at_ = bytes_.size() - withoutByteOrderMark(bytes_).size();
         if (line() != "ply") fail("this is not a PLY file, which begins with 'ply'");
         for (;;) {
             std::istringstream words(line());

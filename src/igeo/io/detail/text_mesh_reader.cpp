@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <igeo/base/detail/numbers.h>
 #include <igeo/base/error.h>
+#include <igeo/io/detail/file_bytes.h>
 
 #include <algorithm>
 #include <charconv>
@@ -17,7 +18,8 @@ constexpr std::string_view kLineBlank = " \t\r\f\v";
 /// The lines of a file, and the words of the current line.
 class Lines {
 public:
-    Lines(const std::string& file, std::string_view bytes) : file_(file), bytes_(bytes) {}
+    Lines(const std::string& file, std::string_view bytes)
+        : file_(file), bytes_(withoutByteOrderMark(bytes)) {}
 
     /// Moves to the next line with a word; false at the end.
     bool next() {
@@ -54,9 +56,11 @@ public:
         const double x = number("x"), y = number("y"), z = number("z");
         return {x, y, z};
     }
-    [[noreturn]] void fail(const std::string& what) const {
+    [[noreturn]] void fail(
+        const std::string& what,
+        const std::string& remedy = "the file is cut off or broken: export it again") const {
         throw Error(Error::Kind::BadInput, fmt::format("{}, line {}: {}", file_, number_, what),
-                    "the file is cut off or broken: export it again");
+                    remedy);
     }
 
 private:
@@ -100,6 +104,9 @@ PolygonMesh readObjMesh(const std::string& file, const std::string& bytes) {
                 // vertex/texture/normal
                 const std::string_view vertex = word.substr(0, word.find('/'));
                 const long long number = wholeNumber(vertex, lines);
+                if (number == 0)
+                    lines.fail("a face names vertex 0, and OBJ files count vertices from 1 on",
+                               "add 1 to all vertices of faces, or export the file again");
                 const auto count = (long long)mesh.vertices.size();
                 // A face may precede its vertices.
                 face.push_back(cornerOf(number < 0 ? count + number : number - 1,

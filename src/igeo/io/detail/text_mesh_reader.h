@@ -13,7 +13,7 @@ namespace igeo {
 /// @param file   its name, for messages
 /// @param bytes  all of the file
 /// @throws Error  BadInput, with the line, for a vertex without three numbers and a corner that is
-///         no vertex number
+///         no vertex number, 0 among them
 /// Time O(size).
 PolygonMesh readObjMesh(const std::string& file, const std::string& bytes);
 
