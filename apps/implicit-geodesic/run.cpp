@@ -5,6 +5,7 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/io/point_list.h>
+#include <igeo/metric/unresolved_costs.h>
 #include <igeo/path/accuracy_estimate.h>
 
 #include "input/guarded_read.h"
@@ -171,14 +172,14 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
                      : solver.unreached(
                            /*whole=*/!o.image.empty() || !o.view.empty(), stages);
     describe(distance, console);
-    if (distance.ofWholeSurface()) {
-        report.unresolved = solver.surface().unresolved(distance.band());
+    auto warnOf = [&](const igeo::Band& band, const igeo::Metric& metric) {
+        report.unresolved = solver.surface().unresolved(band);
         for (const std::string& w : igeo::unresolvedWarnings(report.unresolved)) report.warn(w);
-    }
-
+        warnOfIdleObstacles(band, metric, report);
+    };
+    if (distance.ofWholeSurface()) warnOf(distance.band(), *distance.marched()->metric);
     if (o.joinGaps > 0) tellJoints(distance.band().joints, o.joinGaps, console, report.warnings);
     warnOfOverrunSeeds(distance, report);
-    warnOfIdleObstacles(distance, report);
     for (const std::string& w : distance.costWarnings()) report.warn(w);
 
     if (showsPaths(o, distance.targets().size())) {
@@ -193,6 +194,13 @@ RunOutcome runOn(const PreparedSolver& prepared, const RunOptions& o, const Cons
     warnOfRoundedBends(report);
     report.pairs = solvePairs(solver, o, stages);
     report.vias = solveVias(solver, o, stages);
+    if (const auto whole = solver.surface().madeBand(solver.bandWidth());
+        whole && !distance.ofWholeSurface()) {
+        const igeo::MetricPtr made = solver.wholeMetric(stages);
+        const igeo::Metric metric = made ? *made : igeo::Metric{};
+        warnOf(*whole, metric);
+        for (const std::string& w : igeo::costWarnings(*whole, metric, true)) report.warn(w);
+    }
     warnOfSkippedPoints(distance, report);
     warnOfLostPoints(solver, distance, report);
 

@@ -5,7 +5,7 @@
 #include <igeo/base/error.h>
 #include <igeo/base/parallel.h>
 #include <igeo/march/signed_field.h>
-#include <igeo/metric/turning_tensors.h>
+#include <igeo/metric/unresolved_costs.h>
 #include <igeo/path/curve_normals.h>
 #include <igeo/path/straighten.h>
 #include <igeo/results/lost_points.h>
@@ -221,21 +221,8 @@ std::string Distance::lostVertexWarning(Progress& progress) const {
     return lostWarning(field, step > 1 ? "vertices looked at" : "vertices", looked, distance);
 }
 std::vector<std::string> Distance::costWarnings() const {
-    constexpr double kWorthSaying = 0.01;
-    std::vector<std::string> warnings;
-    if (!marched()->evenCosts && !band_->spine.empty())
-        warnings.push_back(
-            "three or more sheets of the mesh share an edge: where they are less than 15 degrees "
-            "apart, distances with weights or obstacles are off by up to 15 voxels from sheet to "
-            "sheet; use smaller voxels, or one cost everywhere");
-    if (!marched()->atFootPoints) return warnings;
-    if (const double share = shareOfTurningTensors(*band_, *marched()->metric);
-        share > kWorthSaying)
-        warnings.push_back("on " + percent(share) +
-                           " of the surface the cheap direction of the metric turns within too few "
-                           "voxels for its ratio of costs: distances may be off by more than 5 %; "
-                           "use smaller voxels, or bring the costs closer together");
-    return warnings;
+    const Field& field = *marched();
+    return igeo::costWarnings(*band_, *field.metric, field.atFootPoints);
 }
 Samples Distance::samples() const { return samplesOf(*forPoints(0)); }
 DistanceMatrix Distance::matrix(Progress& progress) const {
@@ -269,11 +256,17 @@ std::size_t Distance::reached() const {
 }
 
 Extent Distance::extent() const {
-    const std::lock_guard<std::mutex> lock(fields_->mutex);
-    if (fields_->extent) return *fields_->extent;
-    const Field& f = *fields_->latest();
-    if (!fields_->largest) fields_->largest = largestOnBand(f);
-    return {f.core ? band_->coreSize() : band_->size(), f.reached, *fields_->largest};
+    {
+        const std::lock_guard<std::mutex> lock(fields_->mutex);
+        if (fields_->extent) return *fields_->extent;
+        const Field& f = *fields_->latest();
+        if (!fields_->largest) fields_->largest = largestOnBand(f);
+        // The core's share of what obstacles hide is not the band's.
+        if (!f.core || f.stoppedEarly || f.reached == f.size() || !f.metric->obstacles)
+            return {f.core ? band_->coreSize() : band_->size(), f.reached, *fields_->largest};
+    }
+    const Field& whole = field();
+    return {band_->size(), whole.reached, whole.maxDistance};
 }
 
 }  // namespace igeo

@@ -88,10 +88,7 @@ public:
     /// distance (lostWarning); it looks at 1000 of them at most, spread over the file. Empty where
     /// there are none, where all nodes have a distance, and for a surface that is no mesh.
     std::string lostVertexWarning(Progress& progress = Progress::none()) const;
-    /// Sentences on costs with which distances may be off: where three or more pages of a mesh share
-    /// an edge, one of them without nodes beside it (fronts pass to such pages well only where one
-    /// cost is everywhere and no obstacle, Band::spine), and where tensors turn within a few voxels
-    /// (shareOfTurningTensors).
+    /// Sentences on costs with which distances may be off (igeo::costWarnings).
     std::vector<std::string> costWarnings() const;
     /// The distances of jet at its foot points (samplesOf).
     /// @throws Error  InvalidArgument for another scheme
@@ -115,7 +112,7 @@ public:
     double largest() const;       ///< the largest distance reached, world units times weight
     std::size_t reached() const;  ///< voxels of the band with a distance
     /// The extent of the field, voxels. Its nodes are those of the core until `grid` or `field()`
-    /// has extended the field to the band.
+    /// has extended the field to the band, which obstacles with nodes behind them make it do.
     Extent extent() const;
 
     /// The field as the march left it, to be read at points; with its seeds, scheme and metric.

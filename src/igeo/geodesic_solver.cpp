@@ -1,5 +1,6 @@
 #include <igeo/geodesic_solver.h>
 
+#include <fmt/core.h>
 #include <igeo/band/detail/snap.h>
 #include <igeo/base/detail/box.h>
 #include <igeo/base/detail/text.h>
@@ -156,6 +157,7 @@ private:
     void addSamples();
     void march(double maxDistance);
     bool allFound() const;
+    void requireStartWithin(double limit) const;
 
     const GeodesicSolver::Setup& setup_;
     const Seeds& asked_;
@@ -274,24 +276,30 @@ void Query::makeMetric() {
 
 void Query::addCurvesAndRegions() {
     if (!asked_.extended()) return;
-    auto add = [&](const std::vector<SurfacePoint>& more) {
+    auto add = [&](const std::vector<SurfacePoint>& more, const std::string& name) {
+        auto isBlocked = [&](const SurfacePoint& p) {
+            return metric_ && metric_->blocked(p.pIndex, p.pIndex, Vec3d(band().normal[p.node]));
+        };
+        if (std::all_of(more.begin(), more.end(), isBlocked))
+            throw Error(Kind::InvalidArgument, name + " lies inside obstacles",
+                        "move it, or leave the obstacle out");
         seeds_.insert(seeds_.end(), more.begin(), more.end());
     };
     for (std::size_t k = 0; k < asked_.curves.size(); ++k) {
         Curve curve = asked_.curves[k];
         for (Vec3d& p : curve.points) p = setup_.indexOf(p);
         curve.start /= band().transform.dx;
-        add(naming(nameOf("seed curve", k, k),
-                   [&] { return seedsAlong(band(), curve, setup_.snapVoxels(), progress_); }));
+        const std::string name = nameOf("seed curve", k, k);
+        add(naming(name, [&] { return seedsAlong(band(), curve, setup_.snapVoxels(), progress_); }),
+            name);
     }
     for (std::size_t k = 0; k < asked_.regions.size(); ++k) {
+        const std::string name = nameOf("seed region", k, asked_.curves.size() + k);
         const std::vector<SurfacePoint> rim = seedsAround(band(), *asked_.regions[k], progress_);
         if (rim.empty())
-            throw Error(Kind::InvalidArgument,
-                        nameOf("seed region", k, asked_.curves.size() + k) +
-                            ": its rim does not cross the surface",
+            throw Error(Kind::InvalidArgument, name + ": its rim does not cross the surface",
                         "give a region that holds some voxels of the surface, and not all");
-        add(rim);
+        add(rim, name);
     }
     progress_.finished("seeds");
 }
@@ -331,7 +339,19 @@ bool Query::allFound() const {
     });
 }
 
+void Query::requireStartWithin(double limit) const {
+    if (points_.empty() || asked_.extended()) return;
+    double least = kInfinity;
+    for (const AskedPoint& p : points_) least = std::min(least, p.seed.start);
+    if (least <= limit) return;
+    throw Error(Kind::InvalidArgument,
+                fmt::format("the first seed starts at {:.6g}, beyond the largest distance, {:.6g}",
+                            least, limit),
+                "give a larger limit, or smaller starts");
+}
+
 Distance Query::solve(const Surface& surface) {
+    requireStartWithin(limits_.maxDistance);
     const double limit = limits_.maxDistance / setup_.transform().dx;
     auto solveOn = [&](const std::vector<Ball>& region, double maxDistance) {
         makeBand(region);

@@ -4,7 +4,7 @@
 #include <igeo/base/parallel.h>
 #include <igeo/march/godunov.h>
 #include <igeo/march/jet.h>
-#include <igeo/metric/turning_tensors.h>
+#include <igeo/metric/unresolved_costs.h>
 #include <igeo/path/trace.h>
 #include <support/analytic_band.h>
 #include <support/catch.h>
@@ -121,9 +121,13 @@ TEST_CASE("jet with the tensor of a map measures between the images") {
             });
             std::printf("jet, %s plane, sheared by a map, %d voxels: mean %.4f %%, max %.4f %%\n",
                         normal == kUp ? "axis-parallel" : "general", 2 * half, e.mean, e.max);
-            if (half == 100) {
-                CHECK(e.mean <= 0.055);      // measured 0.036
-                CHECK(e.mean < last / 3.2);  // measured 1 / 4.9
+            if (half == 50) {
+                CHECK(e.mean <= 0.21);  // measured 0.14
+                CHECK(e.max <= 0.68);   // measured 0.45; without Simpson's rule at seeds 0.87
+            } else {
+                CHECK(e.mean <= 0.055);      // measured 0.036 and 0.043
+                CHECK(e.max <= 0.27);        // measured 0.18
+                CHECK(e.mean < last / 2.0);  // measured 1 / 3.9 and 1 / 3.0
             }
             last = e.mean;
         }
@@ -157,10 +161,11 @@ TEST_CASE("tensors that turn faster than jet follows are counted") {
         const double share = shareOfTurningTensors(plane.band, *metric);
         std::printf("jet, polar tensors of ratio %g: off by %.1f %% at most, %.0f %% turn fast\n",
                     ratio, 100 * worst, 100 * share);
-        // Measured: 0.3, 0.5, 3.4, 33 and 81 % off; 1, 4, 18, 100 and 100 % turn.
+        // Measured: 0.3, 0.5, 2.1, 12 and 28 % off; 1, 4, 18, 100 and 100 % turn. With the mean of
+        // the costs at both ends of a line to the seed: 3.4, 33 and 81 %.
         if (ratio <= 2) CHECK(share < 0.06);
         if (worst > 0.05) CHECK(share > 0.9);
-        CHECK(worst < (ratio <= 2 ? 0.008 : ratio <= 3 ? 0.052 : 1));
+        CHECK(worst < (ratio <= 2 ? 0.008 : ratio <= 3 ? 0.032 : ratio <= 5 ? 0.18 : 0.42));
     }
     CHECK(shareOfTurningTensors(plane.band, *plane.constant(plane.turned(0.3, 20))) == 0);
 }
@@ -190,11 +195,12 @@ TEST_CASE("jet: a tensor w^2 along S is the weight w, whatever it is across S") 
     }
     std::printf("jet, tensor against weight: core %.1e, rest %.1e voxels, gradients %.1e\n", worst,
                 outside, turned);
-    // Some 50 steps in single precision, and thresholds that a last digit may cross.
-    CHECK(worst <= 1.7e-4);  // measured 1.1e-4 where one did, else 6.2e-6
+    // Between nodes, as at the seed, w^2 is blended there and w here. Measured 2.1e-3; 1.1e-4 where
+    // the costs of seeds are those of their nodes.
+    CHECK(worst <= 3.1e-3);
     // Carried in the plane there, in space here: (k c)^2 / 12 of a step, and the weight's change.
-    CHECK(outside <= 2e-4);   // measured 1.3e-4
-    CHECK(turned <= 1.2e-3);  // measured 8.0e-4
+    CHECK(outside <= 3.3e-3);  // measured 2.2e-3
+    CHECK(turned <= 6.3e-3);   // measured 4.2e-3
 }
 
 TEST_CASE("jet: the gradient of a tensor field has length 1 in the dual metric") {

@@ -4,6 +4,7 @@
 #include <support/vdb_file.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 
 #include "program.h"
@@ -239,6 +240,27 @@ TEST_CASE("a wall leaves what is behind it unreached") {
     for (auto at = grid->cbeginValueOn(); at; ++at)
         if (grid->indexToWorld(at.getCoord()).z() < -0.1) FAIL("a voxel behind the wall");
     CHECK(reportOf(desk)["targets"][0]["status"] == "unreachable");
+}
+
+TEST_CASE("what is said of costs and obstacles does not depend on the results asked for") {
+    const TempWorkspace desk;
+    desk.make("in.vdb", "sphere --voxel-size 0.05");
+    writeVdb(
+        desk / "w.vdb",
+        {weightGrid([](const openvdb::Vec3d& p) { return std::exp(2 * std::sin(20 * p.x())); })});
+    std::ofstream(desk / "pairs.csv") << "0,0,1,0,0,-1\n";
+    for (const std::string asked :
+         {"--seed 0,0,1 -o out.vdb", "--seed 0,0,1 --target 1,0,0 --matrix m.csv",
+          "--pairs pairs.csv --pairs-out p.csv"}) {
+        INFO(asked);
+        const Result idle = desk.run("--sdf in.vdb --obstacle-sphere 9,9,9,1 " + asked);
+        CHECK_THAT(idle.err, contains("no obstacle meets the surface"));
+        const Result steep = desk.run("--sdf in.vdb --weight w.vdb " + asked);
+        CHECK_THAT(steep.err, contains("weights change by more than 40 % per voxel"));
+        const Result behind = desk.run("--sdf in.vdb --obstacle-sphere 0,1,0,0.1 " + asked);
+        if (asked[2] == 's')
+            CHECK_THAT(behind.err, contains("0.2 % of the surface is not reached"));
+    }
 }
 
 TEST_CASE("a tensor makes one direction more expensive than another") {

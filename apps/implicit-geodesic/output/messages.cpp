@@ -113,7 +113,9 @@ int tellPairs(const RunReport& report, const Console& console) {
         p.isSkipped() ? ++skipped : lost += !(p.distance < igeo::kInfinity);
     console.info(std::to_string(report.pairs.size() - skipped) + " pairs solved");
     if (lost > 0)
-        console.warning(fmt::format("no path on the surface joins the points of {} pairs", lost));
+        console.warning(
+            fmt::format("no path on the surface joins the points of {} pairs{}", lost,
+                        report.obstacles.empty() ? "" : ", or an obstacle holds one of them"));
     return lost + skipped > 0 ? kUnreached : kDone;
 }
 
@@ -272,9 +274,8 @@ void warnOfLostPoints(const igeo::GeodesicSolver& solver, const igeo::Distance& 
     report.warn(lost.warning("pairs"));
 }
 
-void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report) {
-    if (report.obstacles.empty() || !distance.ofWholeSurface()) return;
-    if (distance.marched()->metric->blocksAny(distance.band())) return;
+void warnOfIdleObstacles(const igeo::Band& band, const igeo::Metric& metric, RunReport& report) {
+    if (report.obstacles.empty() || metric.blocksAny(band)) return;
     std::string names;
     for (const std::string& name : report.obstacles) names += (names.empty() ? "" : ", ") + name;
     report.warn("no obstacle meets the surface, so nothing is blocked: " + names);

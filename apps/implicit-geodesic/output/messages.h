@@ -39,7 +39,7 @@ void warnOfLostPoints(const igeo::GeodesicSolver& solver, const igeo::Distance& 
                       RunReport& report);
 
 /// Adds a warning where the obstacles block nothing of the surface.
-void warnOfIdleObstacles(const igeo::Distance& distance, RunReport& report);
+void warnOfIdleObstacles(const igeo::Band& band, const igeo::Metric& metric, RunReport& report);
 
 /// Prints the number of components joined by --join-gaps; adds a warning if there are none.
 void tellJoints(std::size_t joints, double gap, const Console& console,

@@ -171,10 +171,10 @@ Straight Reader::straight(double d, const IsOf& isOf) const {
         if (!(r < field_.startRadius) || !isOf(k)) return;
         bound = std::min(bound, s.rim ? 0 : s.start + leastCost * r);
         if (r < nearest) nearest = r, least.ofNearest = false;
-        if (field_.atFootPoints && !metric_.anisotropic() && costsJump(s.weight, here)) return;
+        if (field_.atFootPoints && costsJump(band_, metric_, s, p_, here)) return;
         const bool walks = hasWalks_ && isOnMesh(),
                    flat = !walks && field_.atFootPoints && alongSurface(s, p_ - at);
-        const double mean = meanToSeed(field_, s, here);
+        const double mean = meanToSeed(field_, s, p_, here);
         if (walks && !(s.start + mean * r < least.distance)) return;
         const double cost = walks ? mean * walkFrom(at, field_.startRadius)
                                   : costToSeed(field_, s, p_, cell_.normal, here),

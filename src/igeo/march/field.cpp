@@ -3,6 +3,9 @@
 #include <igeo/base/parallel.h>
 #include <igeo/march/detail/jet_state.h>
 
+#include <cmath>
+#include <optional>
+
 namespace igeo {
 
 std::size_t Field::size() const { return core ? core->state.size() : distance.size(); }
@@ -89,12 +92,52 @@ std::vector<Vec3f> surfaceGradient(const Field& field) {
     return gradient;
 }
 
+namespace {
+
+/// The weight at a part of the line from a seed to a point near it; none away from S.
+std::optional<double> weightBetween(const Band& band, const Metric& metric,
+                                    const SurfacePoint& seed, const Vec3d& pIndex, double part) {
+    const Vec3d from = seed.nearestTo(pIndex);
+    const SurfaceCell cell(band, metric, from + part * (pIndex - from), Vec3d(seed.normal));
+    return cell.empty() ? std::nullopt : std::optional(metric.at(cell));
+}
+
+}  // namespace
+
+bool costsJump(const Band& band, const Metric& metric, const SurfacePoint& seed,
+               const Vec3d& pIndex, double here) {
+    // A weight that changes evenly does so by a quarter of its change on a quarter of the line.
+    constexpr double kNextTo = 1.5, kEven = 1.3, kJump = 0.45;  // kNextTo: voxels
+    if (metric.weight.empty() || length(pIndex - seed.nearestTo(pIndex)) <= kNextTo) return false;
+    const double change = std::log(here / seed.weight);
+    if (std::abs(change) <= std::log(kEven)) return false;
+    double last = seed.weight;
+    for (const double part : {0.25, 0.5, 0.75, 1.0}) {
+        const std::optional<double> next =
+            part < 1 ? weightBetween(band, metric, seed, pIndex, part) : here;
+        if (!next || std::abs(std::log(*next / last)) > kJump * std::abs(change)) return true;
+        last = *next;
+    }
+    return false;
+}
+
+double meanFromSeed(const Band& band, const Metric& metric, const SurfacePoint& seed,
+                    const Vec3d& pIndex, double here) {
+    const double mean = (seed.weight + here) / 2;
+    if (metric.weight.empty()) return mean;
+    const std::optional<double> middle = weightBetween(band, metric, seed, pIndex, 0.5);
+    return middle ? (mean + 2 * *middle) / 3 : mean;
+}
+
 double costToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIndex,
                   const Vec3d& normal, double here) {
     const Vec3d chord = seed.nearestTo(pIndex) - pIndex;
     const double r = length(chord);
-    if (!field.metric->anisotropic()) return meanToSeed(field, seed, here) * r;
-    return r * field.metric->stepCost(seed.node, normalized(tangential(chord, normal)));
+    if (!field.metric->anisotropic()) return meanToSeed(field, seed, pIndex, here) * r;
+    const SurfaceCell middle(*field.band, *field.metric, pIndex + 0.5 * chord, normal);
+    const Vec3d along = normalized(tangential(chord, middle.empty() ? normal : middle.normal));
+    return r * (middle.empty() ? field.metric->stepCost(seed.node, along)
+                               : field.metric->stepCost(middle, along));
 }
 
 SurfaceCell::SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pIndex,

@@ -8,6 +8,7 @@
 #include <igeo/march/seeds.h>
 #include <igeo/metric/metric.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <functional>
@@ -126,20 +127,23 @@ void forLeaves(const Field& field,
 /// distance and metric; for schemes that compute no gradient of their own.
 std::vector<Vec3f> surfaceGradient(const Field& field);
 
-/// Whether a jump of the costs lies between two points close to each other: the mean of both ends
-/// says little about a line over it.
-inline bool costsJump(double a, double b) {
-    constexpr double kJump = 1.3;
-    return std::max(a, b) > kJump * std::min(a, b);
-}
-/// The cost per unit length from a point to a seed close to it, isotropic, as the scheme has it
-/// around seeds: the mean of both ends; for `godunov` that of the seed.
+/// Whether the weight jumps on the straight line from a seed to a point near it, so that the
+/// shortest path need not be straight. Next to the seed the line says enough.
 /// @param here  the weight at the point
-inline double meanToSeed(const Field& field, const SurfacePoint& seed, double here) {
-    return field.atFootPoints ? (seed.weight + here) / 2 : seed.weight;
+bool costsJump(const Band& band, const Metric& metric, const SurfacePoint& seed,
+               const Vec3d& pIndex, double here);
+/// The mean weight on the straight line from a seed to a point near it, by Simpson's rule.
+/// @param here  the weight at the point
+double meanFromSeed(const Band& band, const Metric& metric, const SurfacePoint& seed,
+                    const Vec3d& pIndex, double here);
+/// The same as the scheme has it around seeds: for `godunov` the weight of the seed.
+inline double meanToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIndex,
+                         double here) {
+    return field.atFootPoints ? meanFromSeed(*field.band, *field.metric, seed, pIndex, here)
+                              : seed.weight;
 }
 /// Cost of the segment from a point of S with normal `normal` to a seed close to it: a tensor is
-/// that of the seed.
+/// that of its middle.
 double costToSeed(const Field& field, const SurfacePoint& seed, const Vec3d& pIndex,
                   const Vec3d& normal, double here);
 
@@ -150,6 +154,10 @@ struct SurfaceCell : BandCell {
     Vec3d normal;
     SurfaceCell(const Band& band, const Metric& metric, const Vec3d& pIndex,
                 const Vec3d& sheetNormal);
+    /// Whether no corner is left.
+    bool empty() const {
+        return std::all_of(node.begin(), node.end(), [](NodeIndex i) { return i == kNoNode; });
+    }
 };
 
 /// Cost of the segment between two points of S, about a voxel apart: |b - a| times the mean weight

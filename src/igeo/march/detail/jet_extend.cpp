@@ -241,7 +241,7 @@ Extension::Found Extension::inDisc(NodeIndex i, const Found& s) const {
         Solved disc;
         if (metric_.blocked(from, foot, Vec3d(seed.normal)) ||
             (takesWalks(core_) &&
-             !(leastOverWalk(seeds, std::uint32_t(k), local, foot) < best.u)) ||
+             !(leastOverWalk(core_, seeds, std::uint32_t(k), local, foot) < best.u)) ||
             !seedNeighborhoodJet(core_, seeds, std::uint32_t(k), local, foot, disc))
             return;
         const double longer = s.distance - seed.start - kOtherPath * (disc.u - seed.start);

@@ -31,7 +31,8 @@ Solved jetOver(const WalkEnds& way, const JetCore& core, const JetSeeds& seeds, 
     const SurfaceTriangles& triangles = *core.band.triangles;
     const SurfacePoint& seed = seeds.points[k];
     const Vec3d normal(local.frame.normal());
-    Solved s{seed.start + (seed.weight + local.weight) / 2 * way.length, {}, seeds.source[k]};
+    const double mean = meanFromSeed(core.band, core.metric, seed, to.point, local.weight);
+    Solved s{seed.start + mean * way.length, {}, seeds.source[k]};
     const Vec3d face = sideOf(triangles, to, normal) * triangles.normal(way.last);
     const Vec2f in = local.frame.flat(Vec3f(turned(way.in, face, normal)));
     if (length(in) > 0) s.g = (1 / length(in)) * in;
@@ -190,17 +191,17 @@ private:
         const NodeIndex i = step.node;
         if (!visited_.insert(i).second) return false;
         const Vec3d foot = core_.footOf(core_.nodes[i]), from = nearestOfSeed(i);
+        const double r = length(foot - from);
         if (core_.nodes[i].obstacleState == Metric::Inside ||
             core_.metric.blocked(from, foot, Vec3d(seeds_.points[k_].normal)) ||
-            (core_.costsVary && core_.stretch.empty() &&
-             costsJump(double(core_.nodes[i].weight), seed_.weight)))
+            costsJump(core_.band, core_.metric, seed_, foot, double(core_.nodes[i].weight)))
             return false;
-        const double r = length(foot - from);
         if (step.walked > kDetour * r + kRoom) return false;
         if (r < least_) least_ = r, nearest_ = i;
         if (takesWalks(core_)) {
             if (r > seeds_.startRadius) return false;
-            overWalks_.push_back({i, leastOverWalk(seeds_, k_, core_.localFrame(i), foot), k_});
+            overWalks_.push_back(
+                {i, leastOverWalk(core_, seeds_, k_, core_.localFrame(i), foot), k_});
             return true;
         }
         Solved s;
@@ -275,6 +276,23 @@ Vec3f normalAt(const Band& band, const SurfacePoint& seed) {
     return mixed ? ofPlane : mean;
 }
 
+/// Sets the weight of a seed, and adds its plane of a tensor: those at the seed or, where obstacles
+/// hide all corners of its cell, of its node.
+void takeCosts(const JetCore& core, SurfacePoint& seed, std::vector<PlaneMetric>& plane) {
+    const Metric& metric = core.metric;
+    seed.weight = 1;
+    if (!metric.weighted()) return;
+    const SurfaceCell cell(core.band, metric, seed.pIndex + 0.5 * seed.segment, Vec3d(seed.normal));
+    if (metric.anisotropic()) {
+        const TangentFrame frame(core.band.normal[seed.node]);
+        plane.push_back(cell.empty() ? metric.inPlane(frame, seed.node)
+                                     : metric.inPlane(frame, cell));
+        seed.weight = plane.back().weight;
+    } else {
+        seed.weight = cell.empty() ? metric.at(seed.node) : metric.at(cell);
+    }
+}
+
 }  // namespace
 
 JetSeeds::JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, double radius)
@@ -282,13 +300,9 @@ JetSeeds::JetSeeds(const JetCore& core, const std::vector<SurfacePoint>& seeds, 
       source(sourcesOf(seeds)),
       near(points, radius * double(core.largestRatio)),
       startRadius(radius) {
-    const Band& band = core.band;
-    const Metric& metric = core.metric;
     for (SurfacePoint& s : points) {
-        s.normal = normalAt(band, s);
-        if (metric.anisotropic())
-            plane.push_back(metric.inPlane(TangentFrame(band.normal[s.node]), s.node));
-        s.weight = metric.anisotropic() ? plane.back().weight : metric.at(s.node);
+        s.normal = normalAt(core.band, s);
+        takeCosts(core, s, plane);
         leastStart = std::min(leastStart, s.start);
     }
     lines = StraightLines(points, core.leastCost);
@@ -333,22 +347,29 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
     const float arc = length(a);
     s = {seed.start, {}, seeds.source[k]};
     if (isotropic) {
-        s.u += (seed.weight + local.weight) / 2 * double(arc);
+        s.u += meanFromSeed(core.band, core.metric, seed, foot, local.weight) * double(arc);
         if (arc > 1e-6f) s.g = (1 / arc) * a;
         return true;
     }
-    // The mean of the costs at both ends, each in its own plane.
+    // Simpson's rule as for weights, each cost in its own plane.
     const Vec2f here = local.stretch.vector(a);
-    const double ratio = c > 0 ? double(arc / c) : 1;
-    s.u += (local.weight * double(length(here)) + ratio * costThere) / 2;
+    const double ratio = c > 0 ? double(arc / c) : 1,
+                 ends = (local.weight * double(length(here)) + ratio * costThere) / 2;
+    const SurfaceCell middle(core.band, core.metric, 0.5 * (from + foot), Vec3d(seed.normal));
+    const Vec3d along = tangential(chordInSpace, middle.normal);
+    const double l = length(along);
+    s.u += !middle.empty() && l > 0
+               ? (ends + 2 * double(arc) / l * core.metric.stepCost(middle, along)) / 3
+               : ends;
     if (arc > 1e-6f) s.g = local.stretch.covectorBack((1 / length(here)) * here);
     return true;
 }
 
-double leastOverWalk(const JetSeeds& seeds, std::uint32_t k, const LocalFrame& local,
-                     const Vec3d& foot) {
+double leastOverWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
+                     const LocalFrame& local, const Vec3d& foot) {
     const SurfacePoint& seed = seeds.points[k];
-    return seed.start + (seed.weight + local.weight) / 2 * length(foot - seed.nearestTo(foot));
+    return seed.start + meanFromSeed(core.band, core.metric, seed, foot, local.weight) *
+                            length(foot - seed.nearestTo(foot));
 }
 
 StartDiscs startDiscs(const JetCore& core, JetSeeds& seeds) {

@@ -8,8 +8,8 @@
 namespace igeo {
 
 /// The jet of a foot point that lies within the start disc of seed k: value and gradient of the
-/// straight line to the seed, its chord lengthened to the arc, at the mean of the costs at both
-/// ends. On a mesh without tensors those of the shortest walk on the triangles.
+/// straight line to the seed, its chord lengthened to the arc, at the mean cost on it, by
+/// Simpson's rule. On a mesh without tensors those of the shortest walk on the triangles.
 /// @param foot    the foot point, index space; `local` its chart
 /// @return false where it lies outside of the disc, or across a crease from the seed
 bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
@@ -20,8 +20,8 @@ bool seedNeighborhoodJet(const JetCore& core, const JetSeeds& seeds, std::uint32
 inline bool takesWalks(const JetCore& core) { return core.band.triangles && core.stretch.empty(); }
 
 /// A lower bound of a value over a walk: over the chord.
-double leastOverWalk(const JetSeeds& seeds, std::uint32_t k, const LocalFrame& local,
-                     const Vec3d& foot);
+double leastOverWalk(const JetCore& core, const JetSeeds& seeds, std::uint32_t k,
+                     const LocalFrame& local, const Vec3d& foot);
 
 /// Whether a front counts that comes to a foot point before its start disc does: of a curve or a
 /// group the seed next to it may lie over an edge, and others lead past that. For one cost in all
