@@ -78,13 +78,15 @@ std::vector<VertexColumn> GeodesicSolver::atVertices(const std::vector<Seeds>& s
     const VertexReader reader(requireMesh(surface()), surface().transform());
     MarchLimits each = limits;
     if (!each.stopAtTargets) each.targets.clear();
+    std::vector<std::string> names;
+    for (const Seeds& s : seeds) names.push_back(s.groups.empty() ? "" : s.groups.front().name);
+    names = distanceColumns(names);
     std::vector<VertexColumn> columns(seeds.size());
     CancelOnly quiet(progress);
     std::atomic<std::size_t> done{0};
     parallelFor(seeds.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            const std::string name = seeds[k].groups.empty() ? "" : seeds[k].groups.front().name;
-            columns[k] = {distanceColumn(name, k),
+            columns[k] = {names[k],
                           reader.read(distance(seeds[k], each, quiet).field(), quiet).distance};
             progress.update("columns", double(++done) / double(seeds.size()));
         }

@@ -389,7 +389,7 @@ Vec3d Surface::vertex(const std::string& name) const {
         throw Error(Error::Kind::InvalidArgument,
                     "'" + name + "' is a vertex, and " + facts().name + " is a level set without",
                     "give a position x,y,z");
-    return (*vertices)[vertexNamed(name, *vertices, facts().name)];
+    return (*vertices)[vertexNamed(name, *vertices, facts().name, triangles())];
 }
 
 const std::vector<Vec3d>* Surface::vertices() const { return shape_->vertices(); }

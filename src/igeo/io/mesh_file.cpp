@@ -259,7 +259,8 @@ void takePolygons(TriangleMesh& mesh, PolygonMesh polygons) {
     mesh.source = source;
 }
 
-/// Warns if rounding moves points by more than 1/400 voxel at a usual resolution.
+/// Warns if all points are in single precision, as those of STL, and its rounding moves them by
+/// more than 1/400 voxel at a usual resolution.
 void warnOfRounding(TriangleMesh& mesh) {
     constexpr double kMost = 1e-5, kSingle = 6e-8;
     const Box box(mesh.points);
@@ -268,6 +269,9 @@ void warnOfRounding(TriangleMesh& mesh) {
         furthest = std::max({furthest, std::abs(box.low[a]), std::abs(box.high[a])});
     const double off = kSingle * furthest, size = length(box.size());
     if (!(off > kMost * size)) return;
+    for (const Vec3d& p : mesh.points)
+        for (int a = 0; a < 3; ++a)
+            if (double(float(p[a])) != p[a]) return;
     mesh.warnings.push_back(
         fmt::format("coordinates up to {:.4g} on a mesh {:.4g} across: single precision puts "
                     "points off by {:.2g}; move the mesh to the origin",

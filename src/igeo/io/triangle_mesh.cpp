@@ -19,10 +19,12 @@ using Kind = Error::Kind;
 using Triangle = TriangleMesh::Triangle;
 constexpr std::uint32_t kNone = MeshTopology::kNone;
 
-/// Per point, the earliest point within `tolerance` that is not itself replaced by another.
-std::vector<std::uint32_t> earliestNear(const std::vector<Vec3d>& points, double tolerance) {
+/// Per point in a box, the earliest point within `tolerance` that is not itself replaced by
+/// another; others stay as they are.
+std::vector<std::uint32_t> earliestNear(const std::vector<Vec3d>& points, const Box& box,
+                                        double tolerance) {
     std::vector<std::uint32_t> same(points.size());
-    const Vec3d low = Box(points).low;
+    const Vec3d low = box.low;
     // Cells of four tolerances: most points read one cell only. A cell number has 21 bits per axis.
     const double cells = tolerance > 0 ? 1 / (4 * tolerance) : 0;
     auto cellOf = [&](const Vec3d& p) {
@@ -40,6 +42,8 @@ std::vector<std::uint32_t> earliestNear(const std::vector<Vec3d>& points, double
     newest.reserve(points.size() / 2);
     const Vec3d reach{tolerance, tolerance, tolerance};
     for (std::size_t i = 0; i < points.size(); ++i) {
+        same[i] = std::uint32_t(i);
+        if (!box.contains(points[i])) continue;
         std::uint32_t found = kNone;
         const auto from = cellOf(points[i] - reach), to = cellOf(points[i] + reach);
         for (auto x = from[0]; x <= to[0]; ++x)
@@ -50,8 +54,10 @@ std::vector<std::uint32_t> earliestNear(const std::vector<Vec3d>& points, double
                          j = older[j])
                         if (length(points[j] - points[i]) <= tolerance) found = std::min(found, j);
                 }
-        same[i] = found == kNone ? std::uint32_t(i) : found;
-        if (found != kNone) continue;
+        if (found != kNone) {
+            same[i] = found;
+            continue;
+        }
         const auto c = cellOf(points[i]);
         const auto [at, isNew] = newest.try_emplace(key(c[0], c[1], c[2]), std::uint32_t(i));
         if (!isNew) older[i] = std::exchange(at->second, std::uint32_t(i));
@@ -190,9 +196,11 @@ Turns findTurns(const TriangleMesh& mesh, const MeshTopology& topology) {
 
 void weld(TriangleMesh& mesh) {
     constexpr double kTolerance = 1e-6;
-    const Box box(mesh.points);
-    if (mesh.points.empty()) return;
-    const auto same = earliestNear(mesh.points, kTolerance * length(box.size()));
+    // A point without a triangle, however far away, says nothing about the size of S.
+    Box box;
+    for (const Triangle& t : mesh.triangles)
+        for (const std::uint32_t v : t) box.include(mesh.points[v]);
+    const auto same = earliestNear(mesh.points, box, kTolerance * length(box.size()));
     for (Triangle& t : mesh.triangles)
         for (std::uint32_t& v : t) v = same[v];
 
@@ -261,8 +269,38 @@ MeshTopology meshTopology(const TriangleMesh& mesh) {
     return topology;
 }
 
+namespace {
+
+/// Turns all triangles of closed components if these enclose a negative volume in all. A single one
+/// may, as the wall of a cavity.
+void turnInsideOut(const TriangleMesh& mesh, const MeshTopology& topology, Turns& turns) {
+    std::vector<bool> open(topology.components);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (const std::uint32_t beyond : topology.neighbor[t])
+            if (beyond == kNone || beyond == MeshTopology::kMany)
+                open[topology.component[t]] = true;
+    auto isClosed = [&](std::size_t t) {
+        const std::uint32_t c = topology.component[t];
+        return !open[c] && !turns.oneSided[c];
+    };
+    double volume = 0;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (!isClosed(t)) continue;
+        const Triangle& v = mesh.triangles[t];
+        const Vec3d a = mesh.points[v[0]] - mesh.points[0], b = mesh.points[v[1]] - mesh.points[0],
+                    c = mesh.points[v[2]] - mesh.points[0];
+        volume += (turns.turned[t] ? -1 : 1) * dot(a, cross(b, c));
+    }
+    if (!(volume < 0)) return;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (isClosed(t)) turns.turned[t] = !turns.turned[t];
+}
+
+}  // namespace
+
 std::size_t orientConsistently(TriangleMesh& mesh, MeshTopology& topology) {
-    const Turns turns = findTurns(mesh, topology);
+    Turns turns = findTurns(mesh, topology);
+    turnInsideOut(mesh, topology, turns);
     std::size_t count = 0;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         if (!turns.turned[t]) continue;

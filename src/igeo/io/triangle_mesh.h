@@ -34,7 +34,8 @@ struct TriangleMesh {
 /// Merges equal points, so that triangles find their neighbors. Drops triangles with fewer than
 /// three corners left, duplicate triangles (in any orientation) and unused points.
 ///
-/// A point closer to an earlier one than 1e-6 of the bounding box's diagonal is merged into it.
+/// A point closer to an earlier one than 1e-6 of the diagonal of the triangles' bounding box is
+/// merged into it.
 /// Files with a point per corner (STL) hold each point several times, rounded in different ways:
 /// single precision is good to 6e-8 of the coordinate. A triangle with three corners on one line
 /// stays, because it joins its neighbors. Keeps the order of the rest, and fills pointOfVertex
@@ -64,7 +65,8 @@ MeshTopology meshTopology(const TriangleMesh& mesh);
 /// Flips triangles so that neighbors traverse their common edge in opposite directions. Each part
 /// joined through edges of two triangles takes the orientation of most of its triangles. At edges
 /// of three or more, each part is oriented by the next. A component with one side only, as a
-/// Moebius strip, keeps some inconsistent edges.
+/// Moebius strip, keeps some inconsistent edges. Where the closed components enclose a negative
+/// volume in all, their triangles are flipped, so that normals point out.
 /// @return number of triangles flipped
 std::size_t orientConsistently(TriangleMesh& mesh);
 /// The same with a known topology, which is updated.

@@ -148,8 +148,10 @@ std::string skippedReason(const SnappedPoint& point) {
 std::string matrixCsv(const DistanceMatrix& m) {
     std::string text = "target,x,y,z";
     const std::size_t endRow = m.firstRow + m.rows();
-    for (std::size_t s = m.firstRow; s < endRow; ++s)
-        text += "," + distanceColumn(m.seeds[s].name, s);
+    std::vector<std::string> names;
+    for (const MatrixPlace& seed : m.seeds) names.push_back(seed.name);
+    names = distanceColumns(names);
+    for (std::size_t s = m.firstRow; s < endRow; ++s) text += "," + names[s];
     text += m.withReasons ? ",reason\n" : "\n";
     for (std::size_t t = 0; t < m.targets.size(); ++t) {
         const MatrixPlace& target = m.targets[t];

@@ -191,6 +191,9 @@ std::vector<Isoline> isolines(const Field& field, const SurfaceMesh& mesh,
                     normals[i] = normalAt(*field.band, points[i], sheetAt(mesh, ends));
                 }
             });
+            if (field.band->transform.mirrors())
+                std::reverse(points.begin(), points.end()),
+                    std::reverse(normals.begin(), normals.end());
             Isoline line = lineOf(points, normals, ascending[l], chain.closed);
             // A peak exactly at the level gives a line of one point.
             if (line.points.size() > (line.closed ? 2 : 1)) lines.push_back(std::move(line));

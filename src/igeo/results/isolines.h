@@ -10,7 +10,7 @@
 namespace igeo {
 
 /// A line on which the distance is `level`. Points nearer to the seeds lie to its left, seen from
-/// outside.
+/// outside in world space.
 struct Isoline {
     double level = 0;            ///< voxels times weight
     double length = 0;           ///< of the polyline, voxels

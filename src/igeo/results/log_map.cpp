@@ -384,6 +384,10 @@ LogMap logMap(const Field& field, const Vec3d& reference, Progress& progress) {
     for (const SurfacePoint& seed : field.seeds)
         map.frames.push_back(frameAt(field, seed, reference));
     map.position = LogMapper(field, map.frames).map(progress);
+    if (field.band->transform.mirrors()) {
+        for (LogMap::Frame& frame : map.frames) frame.v = -frame.v;
+        for (Vec2f& at : map.position) at.y = -at.y;
+    }
     return map;
 }
 

@@ -13,7 +13,8 @@ namespace igeo {
 /// seed's tangent plane. Its length is the distance; its direction is that of the shortest geodesic
 /// at the seed.
 struct LogMap {
-    /// The plane's axes, index space: orthonormal, with u x v the normal of S.
+    /// The plane's axes, index space: orthonormal, with u x v the normal of S in world
+    /// space, which may mirror.
     struct Frame {
         Vec3d u, v;
     };

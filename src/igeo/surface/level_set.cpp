@@ -181,6 +181,39 @@ openvdb::FloatGrid::Ptr toChange(const LevelSet& s) {
     return isOurs ? openvdb::ConstPtrCast<openvdb::FloatGrid>(s.psi) : s.psi->deepCopy();
 }
 
+/// Whether the active voxels that lie farthest out are inside, along all axes.
+bool isInsideOut(const openvdb::FloatGrid& psi) {
+    const std::vector<const Leaf*> leaves = leavesOf(psi);
+    for (std::size_t a = 0; a < 3; ++a)
+        for (const int side : {-1, 1}) {
+            int farthest = std::numeric_limits<int>::min();
+            bool inside = false;
+            for (const Leaf* leaf : leaves) {
+                if (leaf->isEmpty() || side * leaf->origin()[a] + 7 < farthest) continue;
+                for (auto it = leaf->cbeginValueOn(); it; ++it) {
+                    const int here = side * it.getCoord()[a];
+                    if (here < farthest) continue;
+                    inside = (here > farthest || inside) && *it < 0;
+                    farthest = here;
+                }
+            }
+            if (!inside) return false;
+        }
+    return true;
+}
+
+/// Gives psi of a surface that is negative on the outside the other sign.
+void turnInsideOut(LevelSet& s) {
+    if (!isInsideOut(*s.psi)) return;
+    const openvdb::FloatGrid::Ptr psi = toChange(s);
+    for (auto it = psi->beginValueAll(); it; ++it) it.setValue(-*it);
+    psi->tree().root().setBackground(std::abs(psi->background()), false);
+    s.psi = psi;
+    s.stats.negative = s.stats.activeVoxels - s.stats.negative;
+    s.warnings.push_back(
+        "psi is negative outside of the surface: its sign was turned, so that normals point out");
+}
+
 /// Conversions from a mesh may give single voxels in slots of two or three voxels the sign of the
 /// inside: they get that of their neighbors.
 void turnWrongSigns(LevelSet& s) {
@@ -473,6 +506,7 @@ void checkLevelSet(LoadedGrid loaded, LevelSet& s, Progress& progress) {
     removeActiveTiles(s);
     judgeExtent(s);
     judgeRange(s);
+    turnInsideOut(s);
     turnWrongSigns(s);
     undoConversion(s);
     // Differences need two voxels on each side of the surface.

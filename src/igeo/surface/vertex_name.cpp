@@ -12,13 +12,21 @@ namespace igeo {
 namespace {
 
 /// Empty for another name.
-std::optional<std::size_t> numberNamed(const std::string& name, const std::vector<Vec3d>& points) {
-    const Box box(points);
+std::optional<std::size_t> numberNamed(const std::string& name, const std::vector<Vec3d>& points,
+                                       const TriangleMesh* mesh) {
+    auto isUsed = [&](std::size_t v) {
+        return !mesh || v >= mesh->pointOfVertex.size() ||
+               mesh->pointOfVertex[v] != TriangleMesh::kNoPoint;
+    };
+    Box box;
+    for (std::size_t v = 0; v < points.size(); ++v)
+        if (isUsed(v)) box.include(points[v]);
     const Vec3d middle = 0.5 * (box.low + box.high);
     auto leastBy = [&](const auto& value) -> std::size_t {
-        std::size_t least = 0;
-        for (std::size_t v = 1; v < points.size(); ++v)
-            if (value(points[v]) < value(points[least])) least = v;
+        std::size_t least = points.size();
+        for (std::size_t v = 0; v < points.size(); ++v)
+            if (isUsed(v) && (least == points.size() || value(points[v]) < value(points[least])))
+                least = v;
         return least;
     };
     if (name == "center") return leastBy([&](const Vec3d& p) { return length(p - middle); });
@@ -34,9 +42,9 @@ std::optional<std::size_t> numberNamed(const std::string& name, const std::vecto
 }  // namespace
 
 std::size_t vertexNamed(const std::string& name, const std::vector<Vec3d>& vertices,
-                        const std::string& of) {
+                        const std::string& of, const TriangleMesh* mesh) {
     using Kind = Error::Kind;
-    const std::optional<std::size_t> number = numberNamed(name, vertices);
+    const std::optional<std::size_t> number = numberNamed(name, vertices, mesh);
     if (!number)
         throw Error(Kind::InvalidArgument, "'" + name + "' is no vertex",
                     "give a number from 0 on, +x, -x, +y, -y, +z, -z or center");

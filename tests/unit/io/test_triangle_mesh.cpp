@@ -55,6 +55,20 @@ TEST_CASE("triangles are turned to agree", "[mesh]") {
     for (const auto& [a, b, c] : mixed.triangles)
         CHECK(dot(mixed.points[a], cross(mixed.points[b], mixed.points[c])) > 0);
 
+    // Turned inside out, with a cavity: outward on the outside.
+    TriangleMesh inner = test::sphereMesh({}, 0.5, 2), outer = sphere;
+    for (auto& t : outer.triangles) std::swap(t[1], t[2]);
+    TriangleMesh hollow = test::together(outer, inner);
+    CHECK(orientConsistently(hollow) == hollow.triangles.size());
+    for (const auto& [a, b, c] : hollow.triangles) {
+        const Vec3d n =
+            cross(hollow.points[b] - hollow.points[a], hollow.points[c] - hollow.points[a]);
+        CHECK((dot(n, hollow.points[a]) > 0) == (length(hollow.points[a]) > 0.7));
+    }
+    // An open one has no outside.
+    outer.triangles.pop_back();
+    CHECK(orientConsistently(outer) == 0);
+
     TriangleMesh strip = test::moebius(1, 0.5, 40);
     CHECK(meshTopology(strip).nonOrientable == 1);
     orientConsistently(strip);
@@ -74,6 +88,15 @@ TEST_CASE("points are welded within a millionth of the diagonal", "[mesh]") {
     // The two together are sqrt(5) across.
     CHECK(besides(0.9e-6 * diagonal) == 6);
     CHECK(besides(3e-6 * diagonal) == 8);
+    // A point of no triangle does not count, wherever it is.
+    for (const double far : {1e4, 1e9}) {
+        TriangleMesh two = test::together(mesh, test::moved(mesh, [&](const Vec3d& p) {
+                                              return p + Vec3d{1 + 3e-6 * diagonal, 0, 0};
+                                          }));
+        two.points.push_back({far, 0, 0});
+        weld(two);
+        CHECK(two.points.size() == 8);
+    }
 }
 
 TEST_CASE("absurd sizes are refused before anything is allocated", "[mesh]") {

@@ -1,6 +1,7 @@
 // Distance matrices: exact on the plane, and as their writers put them.
 #include <igeo/base/parallel.h>
 #include <igeo/march/jet.h>
+#include <igeo/results/detail/column_name.h>
 #include <igeo/results/distance_matrix.h>
 #include <support/analytic_band.h>
 #include <support/catch.h>
@@ -41,6 +42,13 @@ Band twoPlanes() {
 }
 
 }  // namespace
+
+TEST_CASE("columns: names that every format can store, no two alike") {
+    CHECK(distanceColumns({"V 1", "V_1", "", "\u00e9", "\u00fc", "a-b.c", "V_1_0"}) ==
+          std::vector<std::string>{"distance_V_1_0_", "distance_V_1_1", "distance_2",
+                                   "distance___3", "distance___4", "distance_a-b.c",
+                                   "distance_V_1_0"});
+}
 
 TEST_CASE("distances: straight lines on a plane, symmetric, 0 on the diagonal") {
     const Band band = plane();

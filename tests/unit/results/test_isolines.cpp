@@ -113,6 +113,18 @@ TEST_CASE("isolines: circles on a sphere, the nearer side to their left") {
     }
 }
 
+TEST_CASE("isolines: the nearer side to their left in the world, where voxels are mirrored too") {
+    const openvdb::Vec3d seed = kCenter + 0.4 * genericDirection();
+    const auto mirrored = openvdb::math::Transform::createLinearTransform(0.02);
+    mirrored->preScale(openvdb::Vec3d(1, -1, 1));
+    const Meshed m = meshed(sphere(kCenter, 0.4), *mirrored, {seed});
+    for (const NamedCurve& line : namedCurves(linesOf(m, {10}), m.band.transform)) {
+        const Vec3d along = line.points[1] - line.points[0];
+        const Vec3d toSeed = Vec3d{seed.x(), seed.y(), seed.z()} - line.points[0];
+        CHECK(dot(cross(line.normals[0], along), toSeed) > 0);
+    }
+}
+
 TEST_CASE("isolines: on a torus a front goes around the tube and becomes two") {
     const double big = 0.3, small = 0.12, dx = 0.01;
     const Meshed m =

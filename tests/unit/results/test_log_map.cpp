@@ -66,6 +66,20 @@ TEST_CASE("logMap: the plane itself") {
     CHECK(length(logMap(field, 4.0 * kNormal).frames[0].u - f.u) < 1e-6);
 }
 
+TEST_CASE("logMap: u x v is the normal in the world, where voxels are mirrored too") {
+    Band band = tiltedPlane();
+    const Field plain = marchJet(band, {}, {nearestSurfacePoint(band, {1.3, -2.2, 0})});
+    const LogMap before = logMap(plain);
+    band.transform.axis[1] = -band.transform.axis[1];
+    const Field field = marchJet(band, {}, plain.seeds);
+    const LogMap map = logMap(field);
+    const LogMap::Frame& f = map.frames[0];
+    auto inWorld = [&](const Vec3d& v) { return band.transform.worldFromIndexDirection(v); };
+    CHECK(length(cross(inWorld(f.u), inWorld(f.v)) - inWorld(kNormal)) < 1.3e-8);
+    CHECK(worstOnPlane(field, map) < kFloat);
+    CHECK(map.position[0].y == -before.position[0].y);
+}
+
 TEST_CASE("logMap: each node in the frame of the seed it is nearest to; starts are no length") {
     const Band band = tiltedPlane();
     SurfacePoint late = nearestSurfacePoint(band, {-12, 5, 0});

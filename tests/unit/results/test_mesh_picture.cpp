@@ -79,6 +79,15 @@ TEST_CASE("picture: an open sheet ends where the mesh does", "[mesh]") {
     });
 }
 
+TEST_CASE("picture: wide triangles with level edges, from the front and from behind", "[mesh]") {
+    for (const bool fromBehind : {false, true}) {
+        TriangleMesh mesh = sheet(3, 3, [](double u, double v) { return igeo::Vec3d{u, v, 0}; });
+        if (fromBehind)
+            for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+        Drawn(mesh).check(0, [](double x, double y) { return x > 0 && x < 1 && y > 0 && y < 1; });
+    }
+}
+
 TEST_CASE("picture: a closed mesh is not drawn from inside", "[mesh]") {
     for (const bool inward : {false, true}) {  // as files have them
         TriangleMesh mesh = boxMesh({1, 0.6, 0.5});

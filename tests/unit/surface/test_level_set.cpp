@@ -229,6 +229,31 @@ TEST_CASE("checkLevelSet: single voxels with the sign of the other side are turn
         if (s.psi->tree().getValue(it.getCoord()) != *it) FAIL_CHECK(it.getCoord());
 }
 
+TEST_CASE("checkLevelSet: psi that is negative outside gets the other sign") {
+    const auto right = makeLevelSet(torus(kOffLattice, 0.8, 0.3),
+                                    *rotatedTransform(0.05, {1, 2, 3}, 40, {0.1, 0.2, 0.3}), 3);
+    for (const double background : {1.0, -1.0}) {
+        const auto wrong = right->deepCopy();
+        for (auto it = wrong->beginValueAll(); it; ++it) it.setValue(-*it);
+        wrong->tree().root().setBackground(float(background) * right->background(), false);
+        const LevelSet s = checkedLevelSet(wrong), expected = checkedLevelSet(right);
+        CHECK(expected.warnings.empty());
+        REQUIRE(s.warnings.size() == 1);
+        CHECK(s.warnings.front().find("negative outside") != std::string::npos);
+        CHECK(s.stats.negative == expected.stats.negative);
+        CHECK(s.psi->background() == right->background());
+        CHECK(wrong->tree().getValue(right->cbeginValueOn().getCoord()) ==
+              -*right->cbeginValueOn());
+        for (auto it = right->cbeginValueOn(); it; ++it)
+            if (s.psi->tree().getValue(it.getCoord()) != *it) FAIL_CHECK(it.getCoord());
+    }
+    // An open surface has no outside.
+    const auto patch = makeLevelSet(planePatch(kOffLattice, {1, 2, 3}, 1), 0.05, 3);
+    for (auto it = patch->beginValueAll(); it; ++it) it.setValue(-*it);
+    for (const std::string& w : checkedLevelSet(patch).warnings)
+        CHECK(w.find("negative outside") == std::string::npos);
+}
+
 TEST_CASE("checkLevelSet: hollow edges that OpenVDB's conversion rounds are set right") {
     // A step, in general position.
     const auto transform = rotatedTransform(1, {1, 2, 3}, 40, {0.1, 0.2, 0.3});

@@ -73,6 +73,23 @@ TEST_CASE("signed distances, which are less inside, give the same surface turned
     CHECK(enclosed(mesh, middle) == Approx(4 * M_PI / 3 * 512).epsilon(0.027));  // measured 1.8 %
 }
 
+TEST_CASE("values that single precision rounds too much are a warning", "[volume]") {
+    const Vec3d middle = middleOf(25, kPlain, {});
+    auto warnings = [&](double offset, bool whole) {
+        return volumeMesh(volumeOf(25, kPlain, {},
+                                   [&](const Vec3d& p) {
+                                       const double d = 100 * (length(p - middle) - 8);
+                                       return offset + (whole ? std::floor(d) : d);
+                                   }),
+                          offset)
+            .warnings;
+    };
+    CHECK(warnings(1e5, false).empty());
+    REQUIRE(warnings(1e6, false).size() == 1);
+    CHECK(warnings(1e6, false).front().find("single precision") != std::string::npos);
+    CHECK(warnings(1e6, true).empty());
+}
+
 TEST_CASE("a surface through the centers of voxels has no double points", "[volume]") {
     const Vec3d middle{10, 10, 10};
     const VoxelVolume volume = volumeOf(21, kPlain, {}, [&](const Vec3d& p) {

@@ -21,6 +21,10 @@ struct Box {
         for (int a = 0; a < 3; ++a)
             low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
     }
+    bool contains(const Vec3d& p) const {
+        return low.x <= p.x && p.x <= high.x && low.y <= p.y && p.y <= high.y && low.z <= p.z &&
+               p.z <= high.z;
+    }
     Vec3d size() const { return high - low; }
     double longestSide() const { return std::max({size().x, size().y, size().z}); }
     /// The largest |coordinate|.

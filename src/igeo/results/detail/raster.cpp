@@ -272,7 +272,7 @@ private:
                          here = spans.edges.at[k] + spans.room + spans.edges.byX[k] * left_ +
                                 byY * (top_ + y + double(byY > 0 ? pattern_.high : pattern_.low)),
                          edge = -here * spans.pixels[k];
-            if (spans.edges.byX[k] >= 0)
+            if (spans.pixels[k] > 0)  // also tells -0 from 0
                 low = std::max(low, edge - double(pattern_.high) - kSlack);
             else
                 high = std::min(high, edge - double(pattern_.low) + kSlack);
